@@ -181,13 +181,13 @@ def test_columns_that_leave_it_open_are_asked_for(tmp_path):
     header = "time [s],a [g],b [g],c [g]"
     rows = np.column_stack((np.arange(64) / 64, np.random.default_rng(0).normal(size=(64, 3))))
     np.savetxt(three, rows, delimiter=",", comments="", header=header)
-    with pytest.raises(DashpotError, match="2 accelerations beside that of the base"):
+    with pytest.raises(DashpotError, match="2 motions beside that of the base"):
         read_shaken([three], ReadOptions(base_acceleration="a"))
     found = read_shaken([three], ReadOptions(base_acceleration="a", acceleration=("c",)))
     assert found.mass == pytest.approx(9.80665 * rows[:, 3])
     with pytest.raises(DashpotError, match="there is no such column"):
         read_shaken([three], ReadOptions(base_acceleration="d"))
-    with pytest.raises(DashpotError, match="0 accelerations beside that of the base"):
+    with pytest.raises(DashpotError, match="0 motions beside that of the base"):
         read_shaken([three], ReadOptions(base_acceleration="a", acceleration=("a",)))
     rows[:, 3] = rows[:, 1]
     np.savetxt(three, rows, delimiter=",", comments="", header=header)

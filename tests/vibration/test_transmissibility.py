@@ -52,7 +52,10 @@ def test_a_base_at_rest_in_the_limits():
     assert abs(fast) < 1e-7
 
 
-@pytest.mark.parametrize("kind", ["accelerance", "receptance", "mobility", "dynamic_stiffness"])
+PER_FORCE = ["accelerance", "receptance", "mobility", "dynamic_stiffness"]
+
+
+@pytest.mark.parametrize("kind", [*PER_FORCE, "relative_transmissibility"])
 def test_the_mass_leads_there_and_back(kind):
     seal, mass, _ = SEALS["broad"]
     known = over_base()
@@ -79,7 +82,7 @@ def test_the_stiffness_comes_back_and_its_errors_are_those_of_the_ratio():
     assert found.storage_mass == pytest.approx(0.01 * K.real, rel=1e-10)
 
 
-@pytest.mark.parametrize("kind", ["transmissibility", "accelerance"])
+@pytest.mark.parametrize("kind", ["transmissibility", "relative_transmissibility", "accelerance"])
 def test_what_errors_do_to_storage_and_loss_factor(kind):
     seal, mass, _ = SEALS["broad"]
     f, d = np.array([5.0, 9.0, 11.0, 13.0, 16.0, 25.0]), 1e-6
@@ -289,26 +292,6 @@ def test_the_first_line_of_each_command_tells_another_ratio(tmp_path):
         assert told.stdout.startswith("do not use: below 12.7 Hz the transmissibility is not that")
     said = json.loads(CliRunner().invoke(main, ["identify", str(path), *mass, "--json"]).stdout)
     assert said["verdict"]["because"][0] == "mass_over_base"
-
-
-def test_a_relative_motion_is_said_to_be_one(tmp_path):
-    path, absolute = tmp_path / "relative.csv", tmp_path / "absolute.csv"
-    frf = noisy(2 * PAPER, PAPER_MASS, np.arange(5.0, 40.0, 0.4))
-    write_frf(frf, absolute)
-    write_frf(replace(frf, value=frf.value - 1), path)
-    words = ["--mass", f"{1e3 * PAPER_MASS}g", "--seals", "2", "--arms", "1", "--json"]
-
-    def direct(*more):
-        told = CliRunner().invoke(main, ["identify", *map(str, more), *words])
-        return json.loads(told.stdout)["direct"]
-
-    one, other = direct(absolute), direct(path, "--motion", "relative")
-    assert other["stiffness"] == pytest.approx(one["stiffness"], rel=1e-9)
-    assert other["loss_factor_sd"] == pytest.approx(one["loss_factor_sd"], rel=1e-9)
-    forced = tmp_path / "forced.csv"
-    write_frf(frf.to("accelerance", mass=PAPER_MASS), forced)
-    refused = CliRunner().invoke(main, ["identify", str(forced), "--motion", "relative", *words])
-    assert "leave out" in refused.output
 
 
 @pytest.mark.parametrize(

@@ -151,7 +151,7 @@ _SPELLINGS = {
     "kg*mm^2": "kg*mm2 kg*mm² kgmm2 kgmm^2 kgmm² kg·mm² kg.mm2 kg.mm^2",
     "t*mm^2": "t*mm2 t*mm² t.mm2 t.mm^2",
     "g*mm^2": "g*mm2 g*mm² g.mm2 g.mm^2",
-    "deg": "° degree degrees grad_ °(deg)",
+    "deg": "° degree degrees grad grad_ °(deg)",
     "rad": "radian radians",
     "degC": "°c c ℃ deg_c degc celsius grad_c градус °с",
     "degF": "°f ℉ fahrenheit",

@@ -290,7 +290,7 @@ def impact(found: ImpactResult) -> Text:
         lines.append(f"  mode  {frequency} Hz, damping ratio {ratio} % ({mode.method})")
     used = f"{frf.averages} of {len(frf.hits)} hit{'s' * (len(frf.hits) != 1)} averaged"
     spacing = frf.frequency[1] - frf.frequency[0]
-    if frf.kind == "transmissibility":
+    if frf.kind.over_base:
         used = f"base shaken, worth {frf.averages} averages"
     lines.append(f"{used}, {found.estimator}, {spacing:.4g} Hz between lines")
     if not frf.hits:

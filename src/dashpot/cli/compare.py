@@ -13,7 +13,7 @@ from dashpot.cli import _text
 from dashpot.cli._options import given
 from dashpot.cli._shell import File, Outcome, grams, reports, typed, write_figure
 from dashpot.cli._terminal import Text
-from dashpot.io.options import OF_BENCH, ReadOptions
+from dashpot.io.options import ReadOptions
 
 
 @click.command("compare")
@@ -61,8 +61,8 @@ def command(
         fitted,
         measured,
         seals=seals,
-        options=options.without(OF_BENCH),
-        options_with=options.only(("units", *OF_BENCH)),
+        options=options.without(options.of_bench),
+        options_with=options.only(("units", *options.of_bench)),
         **choices,
     )
     if picture:

@@ -24,7 +24,7 @@ from dashpot.cli._shell import (
     write,
 )
 from dashpot.cli._terminal import Text
-from dashpot.io.options import OF_BENCH, ReadOptions
+from dashpot.io.options import ReadOptions
 
 _ROWS = 3
 """Lines of a transmissibility that are shown: both ends of its band, and between."""
@@ -95,8 +95,8 @@ def command(
         measured,
         fits=[workflow.read_fit(path) for path in fits],
         tests=[path for path in together if path not in fits],
-        options=options.without(OF_BENCH),
-        options_with=over_profile(options.only(("units", *OF_BENCH)), with_profile),
+        options=options.without(options.of_bench),
+        options_with=over_profile(options.only(("units", *options.of_bench)), with_profile),
         **choices,
     )
     if direct:

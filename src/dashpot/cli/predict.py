@@ -36,6 +36,13 @@ from dashpot.cli._shell import File, Outcome, grams, reports, typed, write, writ
     "--base", is_flag=True, help="The base moves instead: the transmissibility to the mass."
 )
 @click.option(
+    "--motion",
+    type=click.Choice(["absolute", "relative"]),
+    default="absolute",
+    show_default=True,
+    help="Of the mass over that base.",
+)
+@click.option(
     "--base-psd",
     type=File(),
     metavar="FILE|DENSITY",
@@ -57,7 +64,7 @@ from dashpot.cli._shell import File, Outcome, grams, reports, typed, write, writ
 @options.machine
 @options.reading
 def command(
-    *, fit: str, picture: str | None, output: str | None, base: bool, **choices: Any
+    *, fit: str, picture: str | None, output: str | None, base: bool, motion: str, **choices: Any
 ) -> Outcome:
     """Predict the frequency response of a mass on the seal of FIT (a fit's JSON file).
 
@@ -80,7 +87,10 @@ def command(
     base = base or choices["base_psd"] is not None
     if base:
         _no_other_kind()
-        choices["kind"] = "transmissibility"
+        over = {"absolute": "transmissibility", "relative": "relative_transmissibility"}
+        choices["kind"] = over[motion]
+    elif motion == "relative":
+        raise click.UsageError("--motion relative is of the mass over a base: add --base")
     found = workflow.predict_files(fitted, **choices)
     if picture:
         named = dp.plot.stamp(

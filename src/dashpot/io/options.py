@@ -164,6 +164,14 @@ class ReadOptions:
         # "force=N" speaks of the force, whichever column is it and whatever another is called
         return by_role if by_role and name in _FLAGS else given.get(name, by_role)
 
+    @property
+    def of_bench(self) -> tuple[str, ...]:
+        """Fields that speak of a relaxation test beside a file of vibration.
+
+        The displacement does, but where a base was shaken: there it is that of the mass.
+        """
+        return OF_BENCH if self.base_acceleration is None else ("cycle",)
+
     def by_name(self) -> dict[str, str]:
         """The units given, by role or column name in lower case."""
         return {name.strip().casefold(): unit for name, unit in dict(self.units).items()}

@@ -179,7 +179,7 @@ def frf_uff(frf: FRF, *, title: str = "dashpot FRF") -> bytes:
     second dataset 58 (function type 6). The window's shift, the record and the number of averages
     stand in the identification lines.
     """
-    if frf.kind is Kind.TRANSMISSIBILITY:
+    if frf.kind.over_base:
         raise DataError(
             "UFF 58 is written of a motion and a force; write a transmissibility as text"
         )

@@ -274,7 +274,7 @@ def _magnitudes(fit: LevelFit, frfs: Sequence[FRF]) -> Panel:
     for i in np.argsort(fit.levels):
         colour = sequential(len(frfs))[int(np.searchsorted(np.sort(fit.levels), fit.levels[i]))]
         lines = frfs[i].to(kind, mass=fit.mass).band(*fit.band)
-        over_base = frfs[i].kind is Kind.TRANSMISSIBILITY
+        over_base = frfs[i].kind.over_base
         force = fit.levels[i] * (fit.mass if over_base else 1.0)
         said = f"{fit.levels[i]:.3g} {'m/s²' if over_base else 'N'}"
         size = scale * np.abs(lines.value)
@@ -311,6 +311,8 @@ def _backbone(fit: LevelFit, kind: Kind) -> tuple[FloatArray, FloatArray]:
         return f, np.hypot(1.0, fit.mass * omega**2 * receptance)
     if kind is Kind.DYNAMIC_STIFFNESS:
         return f, loss
+    if kind is Kind.RELATIVE_TRANSMISSIBILITY:
+        return f, fit.mass * omega**2 * receptance
     power = {Kind.RECEPTANCE: 0, Kind.MOBILITY: 1, Kind.ACCELERANCE: 2}[kind]
     return f, receptance * omega**power
 

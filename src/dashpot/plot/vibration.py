@@ -47,6 +47,7 @@ SHOWN = {
     Kind.ACCELERANCE: ("1/kg", 1.0),
     Kind.DYNAMIC_STIFFNESS: ("N/mm", 1e-3),
     Kind.TRANSMISSIBILITY: ("m/m", 1.0),
+    Kind.RELATIVE_TRANSMISSIBILITY: ("m/m", 1.0),
 }
 INTERVAL, BOUND = "95 % interval of the parameters", "bound over unresolved arms"
 
@@ -79,9 +80,9 @@ class Spread:
     label: str = INTERVAL
 
     def of_kind(self, kind: Kind) -> FloatArray:
-        """The same limits for another kind of FRF; those of a transmissibility are its own."""
+        """The same limits for another kind of FRF; those over a base that moves are their own."""
         omega = 2 * np.pi * self.frequency
-        if kind in (Kind.ACCELERANCE, Kind.TRANSMISSIBILITY):
+        if kind is Kind.ACCELERANCE or kind.over_base:
             return self.limits
         with np.errstate(divide="ignore"):
             if kind is Kind.DYNAMIC_STIFFNESS:

@@ -31,6 +31,15 @@ class Kind(StrEnum):
     ACCELERANCE = "accelerance"  # a / F, 1/kg
     DYNAMIC_STIFFNESS = "dynamic_stiffness"  # F / x, N/m
     TRANSMISSIBILITY = "transmissibility"  # x / x of the base, both absolute
+    RELATIVE_TRANSMISSIBILITY = "relative_transmissibility"  # (x - x of the base) / x of the base
+
+    @property
+    def over_base(self) -> bool:
+        """Whether it is of a mass over a base that moves, not of a force on it."""
+        return self in _OVER_BASE
+
+
+_OVER_BASE = (Kind.TRANSMISSIBILITY, Kind.RELATIVE_TRANSMISSIBILITY)
 
 
 UNITS = {
@@ -39,6 +48,7 @@ UNITS = {
     Kind.ACCELERANCE: "(m/s^2)/N",
     Kind.DYNAMIC_STIFFNESS: "N/m",
     Kind.TRANSMISSIBILITY: "m/m",
+    Kind.RELATIVE_TRANSMISSIBILITY: "m/m",
 }
 
 # a line whose random error is larger than this part of its value says nothing about a peak
@@ -160,7 +170,7 @@ class FRF(ByValue, Pictured):
     ) -> FRF:
         """The FRF, of any kind per force, whose receptance at `frequency`, Hz, is this."""
         kind, s = Kind(kind), np.asarray(2j * np.pi * frequency + shift)
-        if kind is Kind.TRANSMISSIBILITY:
+        if kind.over_base:
             raise DataError(
                 "a receptance alone is no transmissibility, which is of a base that moves; "
                 "expected a kind per force, such as accelerance"
@@ -206,15 +216,16 @@ class FRF(ByValue, Pictured):
         A base that moves pulls at a rigid mass as its inertia would, so that the transmissibility
         T to it and its accelerance A are one another's measure,
 
-        .. math:: T = 1 - m A, \qquad T - 1 = -m A
+        .. math:: T = 1 - m A, \qquad R = T - 1 = -m A
 
-        the second being the motion relative to the base.
+        the second, R, being the motion relative to the base.
 
         Parameters
         ----------
         kind : Kind or str
         mass : float, optional
-            kg; to and from a transmissibility. What follows from it is as well known as the mass.
+            kg; between a motion over a base and one per force. What follows is as well known as the
+            mass.
 
         Raises
         ------
@@ -224,7 +235,11 @@ class FRF(ByValue, Pictured):
         kind = Kind(kind)
         if kind is self.kind:
             return self
-        if Kind.TRANSMISSIBILITY in {kind, self.kind}:
+        if kind.over_base and self.kind.over_base:
+            # a sum with 1 keeps the scatter, and the coherence not
+            add = 1 if kind is Kind.TRANSMISSIBILITY else -1
+            return replace(self, value=self.value + add, kind=kind, sd=self.line_scatter)
+        if kind.over_base or self.kind.over_base:
             return self._over_base(kind, mass)
         old = self.only((np.abs(self.s) > 0) & (np.abs(self.value) > 0))
         if old.kind in _POWERS:
@@ -237,7 +252,7 @@ class FRF(ByValue, Pictured):
         return replace(old, value=value, kind=kind, sd=sd)
 
     def _over_base(self, kind: Kind, mass: float | None) -> FRF:
-        """The same to or from a transmissibility; see :meth:`to`."""
+        """The same to or from the motion of a mass over a base; see :meth:`to`."""
         if mass is None or not (np.isfinite(mass) and mass > 0):
             given = "no mass is given" if mass is None else f"mass = {mass!r} kg"
             raise DataError(
@@ -245,15 +260,15 @@ class FRF(ByValue, Pictured):
                 f"the mass between them, > 0 kg, tells one by the other: {given} "
                 "(Python: frf.to(kind, mass=m))"
             )
-        if self.kind is Kind.TRANSMISSIBILITY:
-            value, sd = (1 - self.value) / mass, self._scatter(1 / mass)
-            return replace(self, value=value, kind=Kind.ACCELERANCE, sd=sd).to(kind)
-        old = self.to(Kind.ACCELERANCE)
-        return replace(old, value=1 - mass * old.value, kind=kind, sd=old._scatter(mass))
+        relative = Kind.RELATIVE_TRANSMISSIBILITY
+        if self.kind.over_base:
+            return self.to(relative)._scaled(-1 / mass, Kind.ACCELERANCE).to(kind)
+        return self.to(Kind.ACCELERANCE)._scaled(-mass, relative).to(kind)
 
-    def _scatter(self, scale: float) -> FloatArray | None:
-        """What is known of the random error, scaled: a sum with 1 keeps it, the coherence not."""
-        return None if self.line_scatter is None else scale * self.line_scatter
+    def _scaled(self, factor: float, kind: Kind) -> FRF:
+        """So many times as large, and of another kind."""
+        sd = None if self.sd is None else abs(factor) * self.sd
+        return replace(self, value=factor * self.value, kind=kind, sd=sd)
 
     @property
     def random_sd(self) -> FloatArray | None:

@@ -14,14 +14,19 @@ from dashpot.base.provenance import Source, of_file
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ShakenTest(ByValue, Described):
-    """Two accelerations, of the base and of the mass on its mounts, sampled together.
+    """The motions of a base and of the mass on its mounts, sampled together.
 
     Attributes
     ----------
     rate : float
         Samples a second, Hz.
     base, mass : array, shape (n,)
-        Absolute, m/s^2, in the same direction.
+        The base's acceleration, m/s^2, and the mass's motion in the same direction.
+    order : int
+        How often the displacement was differentiated in `mass`: 2 if it is an acceleration, m/s^2,
+        1 a velocity, 0 a displacement.
+    relative : bool
+        Whether the mass was measured relative to the base.
     starts : tuple of int
         First sample of each continuous record.
     source : tuple of Source
@@ -32,12 +37,16 @@ class ShakenTest(ByValue, Described):
     mass: FloatArray
     starts: tuple[int, ...] = (0,)
     source: tuple[Source, ...] = ()
+    order: int = 2
+    relative: bool = False
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.rate) and self.rate > 0):
             raise DataError(f"rate = {self.rate!r} Hz; expected a sampling rate > 0")
         for name in ("base", "mass"):
             object.__setattr__(self, name, measured(name, getattr(self, name), minimum=8))
+        if self.order not in (0, 1, 2):
+            raise DataError(f"order = {self.order!r}; expected 0, 1 or 2")
         same_length(base=self.base, mass=self.mass)
 
     @property

@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 from dashpot import plot
 from dashpot.plot.picture import Panel, joint_pen
 from dashpot.plot.svg import checked, strip, swatch
-from dashpot.records.frf import Kind
 from dashpot.records.frf_set import FRFSet
 from dashpot.vibration.modal.stabilisation import stabilisation
 from dashpot.vibration.systems.prediction import predict_frf
@@ -182,7 +181,7 @@ def _of_vibration(study: Study) -> Iterator[plot.Picture]:
 
 def chart_of(study: Study) -> plot.Picture | None:
     """The stabilisation chart of the measured FRF with its modes; none of a transmissibility."""
-    if study.measured is None or study.measured.kind is Kind.TRANSMISSIBILITY:
+    if study.measured is None or study.measured.kind.over_base:
         return None
     band = None if study.comparison is None else study.comparison.band
     chart = stabilisation(FRFSet((study.measured,)), band=band)

@@ -15,7 +15,7 @@ from dashpot.io.readers.frf import read_frf
 from dashpot.io.readers.impact import HITS, hits_in
 from dashpot.io.readers.inspect import inspect_file
 from dashpot.io.readers.shaken import read_shaken
-from dashpot.records.frf import FRF, Kind, Mode
+from dashpot.records.frf import FRF, Mode
 from dashpot.records.impact import ImpactTest
 from dashpot.vibration.impact.checks import (
     channels_not_clipped,
@@ -28,7 +28,7 @@ from dashpot.vibration.impact.checks import (
 from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.vibration.impact.shaken import estimate_transmissibility
 from dashpot.vibration.modal.peaks import find_peak
-from dashpot.vibration.systems.mounts import entrained, from_relative, on_light_mounts
+from dashpot.vibration.systems.mounts import as_relative, entrained, on_light_mounts
 from dashpot.vibration.systems.prediction import moving_mass
 from dashpot.workflow.job import HammerChoices
 
@@ -59,8 +59,8 @@ def read_measured(
             raise ReadError(_NO_MASS)
         return None, shaken(paths, choices=choices, options=options, mass=mass, band=band)[0]
     if len(paths) == 1 and inspect_file(paths[0], options=options).kind in _RESPONSES:
-        frf = _absolute(read_frf(paths[0], options=options), choices)
-        if frf.kind is Kind.TRANSMISSIBILITY and mass is None:
+        frf = _as_measured(read_frf(paths[0], options=options), choices)
+        if frf.kind.over_base and mass is None:
             raise ReadError(_NO_MASS)
         return None, judged(frf, band, mass=mass)
     impact = hits_in(list(paths), options, f"an FRF or {HITS}")
@@ -82,7 +82,7 @@ def shaken(
     _no_hammer(choices)
     test = read_shaken(paths, options)
     frf = estimate_transmissibility(test, estimator=choices.estimator, segment=choices.record)
-    frf = _absolute(frf, choices)
+    frf = _as_measured(frf, choices)
     whole = channels_not_clipped(test)
     if mass is None:
         return replace(frf, checks=(mass_over_base(frf), whole)), (), _NO_MASS
@@ -97,13 +97,13 @@ def shaken(
     return replace(frf, checks=(*frf.checks, whole, resolved)), modes, reason
 
 
-def _absolute(frf: FRF, choices: HammerChoices) -> FRF:
-    """The transmissibility of the mass, where its motion was measured relative to the base."""
+def _as_measured(frf: FRF, choices: HammerChoices) -> FRF:
+    """The same, relative where the user says so of the motion of a mass over a base."""
     if choices.motion == "absolute":
         return frf
-    if frf.kind is not Kind.TRANSMISSIBILITY:
+    if not frf.kind.over_base:
         raise ReadError(_NO_BASE)
-    return from_relative(frf)
+    return as_relative(frf)
 
 
 def _no_hammer(choices: HammerChoices) -> None:
@@ -138,7 +138,7 @@ def judged(
     peak = find_peak(near) if main is None else main
     at = int(np.argmin(np.abs(near.frequency - peak.frequency)))
     judged = [frf_dissipates(complex(near.value[at]), float(near.frequency[at]))] * driven
-    if frf.kind is Kind.TRANSMISSIBILITY:
+    if frf.kind.over_base:
         judged.insert(0, mass_over_base(frf))
     if frf.coherence is not None:
         judged.append(coherence(near, at))
@@ -173,6 +173,6 @@ def total_mass(
 
 def relieved(frf: FRF, mass: float | None, seal_mass: float | None, seals: float) -> FRF:
     """Return a transmissibility as seals without mass would show it; another FRF as it is."""
-    if frf.kind is not Kind.TRANSMISSIBILITY or mass is None:
+    if not frf.kind.over_base or mass is None:
         return frf
     return on_light_mounts(frf, mass=mass, coupled=entrained(seal_mass, seals))

@@ -151,12 +151,12 @@ def predict_files(
                 "a record (--with) bounds the part that was tested, not another of its material: "
                 "leave it or the geometry out"
             )
-        base = Kind(kind) is Kind.TRANSMISSIBILITY
+        base = Kind(kind).over_base
         here = found = part.applied(here, seals=seals, base=base)
     rests = at_rest(here, mass=moving, seals=seals, compression=compression)
     solid = seals * rests.point.solid(here)
     # over a base, mounts that weigh something couple the mass to it
-    coupled = entrained(seal_mass, seals) if Kind(kind) is Kind.TRANSMISSIBILITY else 0.0
+    coupled = entrained(seal_mass, seals) if Kind(kind).over_base else 0.0
 
     def answer(frequency: FloatArray) -> FRF:
         frf = predict_frf(solid, mass=moving, frequency=frequency, kind=kind)
@@ -225,7 +225,7 @@ def predict_files(
     )
     told = family_checks(here, rests.point, mass=moving, seals=seals)
     informed = [prediction_informed(felt, here.band)]
-    if frf.kind is Kind.TRANSMISSIBILITY:
+    if frf.kind.over_base:
         informed.append(base_band_informed(band, felt, here.band))
     # a mass in a wrong unit first; then a solid that is not known at the peak, before what else
     # its fit lacks
@@ -302,8 +302,7 @@ def _plain(
 
 def _bounded(frf: FRF) -> Kind:
     """What is bounded: of a force on the mass the accelerance, from which the others follow."""
-    over_base = frf.kind is Kind.TRANSMISSIBILITY
-    return Kind.TRANSMISSIBILITY if over_base else Kind.ACCELERANCE
+    return frf.kind if frf.kind.over_base else Kind.ACCELERANCE
 
 
 def _or_null(values: Iterable[float] | None) -> list[float | None] | None:

@@ -36,8 +36,10 @@ class FRFData:
         their shares of it where there is a coherence.
     seals : float
     peak_hz : float
+    kind : Kind
+        What was measured.
     weighed : float or None
-        Of a transmissibility, the mass with which it was made an accelerance, kg.
+        Of a motion over a base, the mass with which it was made an accelerance, kg.
     """
 
     lines: FRF
@@ -45,6 +47,7 @@ class FRFData:
     known_sd: bool
     seals: float
     peak_hz: float
+    kind: Kind = Kind.ACCELERANCE
     weighed: float | None = None
 
     def predict(self, model: Solid, mass: float, gain: float, delay: float) -> ComplexArray:
@@ -54,13 +57,16 @@ class FRFData:
 
         less what a cut record loses; g is the gain of acceleration over force, d its delay. Over a
         base that moves both are of the upper over the lower sensor, and what the rig shows of
-        :math:`T = 1 - m A` is :math:`(1 - g\,e^{-s d}\,T) / m_0`, with the mass m_0 of the scale.
+        :math:`T = 1 - m A` is :math:`(1 - g\,e^{-s d}\,T) / m_0`, with the mass m_0 of the scale;
+        of a sensor between both ends, :math:`g\,e^{-s d}\,m A / m_0`.
         """
         s = self.lines.s
         value = accelerance(self.seals * model, mass, s, self.lines.record, self.lines.pulse)
         seen = gain * np.exp(-s * delay)
         if self.weighed is not None:
-            return np.asarray((1 - seen * (1 - mass * value)) / self.weighed)
+            R = -mass * value
+            whole = seen * (1 + R) - 1 if self.kind is Kind.TRANSMISSIBILITY else seen * R
+            return np.asarray(-whole / self.weighed)
         return np.asarray(seen * value)
 
     def misfit(self, predicted: ComplexArray) -> FloatArray:
@@ -120,7 +126,7 @@ def frf_data_of(
     DataError
         If fewer than 8 lines remain, or a transmissibility comes without the mass, kg.
     """
-    over_base = frf.kind is Kind.TRANSMISSIBILITY
+    over_base = frf.kind.over_base
     if over_base and mass is None:
         raise DataError(
             "a transmissibility tells the stiffness over the mass, and neither alone: give the mass"
@@ -142,5 +148,13 @@ def frf_data_of(
         # of an unknown number of hits: the lines' shares of the misfit, which tells its size
         share = np.hypot(lines.scatter_of_one / size, FLOOR)
         scatter = size * share / np.sqrt(np.mean(share**2))
-    sd = size if scatter is None else np.hypot(scatter, FLOOR * size)
-    return FRFData(lines, sd, known, float(seals), peak, mass if over_base else None)
+    sd = _size(lines, frf.kind, mass) if scatter is None else np.hypot(scatter, FLOOR * size)
+    weighed = mass if over_base else None
+    return FRFData(lines, sd, known, float(seals), peak, frf.kind, weighed)
+
+
+def _size(lines: FRF, kind: Kind, mass: float | None) -> FloatArray:
+    """How large what was measured is, of which an unknown error is a part: T, and not T - 1."""
+    if kind is Kind.TRANSMISSIBILITY:
+        return np.asarray(np.abs(lines.to(kind, mass=mass).value) / mass)
+    return np.abs(lines.value)

@@ -140,15 +140,16 @@ def frf_band(
         Hz, > 0.
     seals, level : float
     kind : Kind or str
-        An accelerance, 1/kg, or the transmissibility from a base that moves.
+        An accelerance, 1/kg, or the transmissibility from a base that moves, relative or not.
     coupled : float
         Of mounts that weigh something, the mass that couples both ends, kg
         (:mod:`dashpot.vibration.systems.mounts`); of a transmissibility alone.
     """
     mass, kind = si(mass, "mass"), Kind(kind)
-    if kind not in (Kind.ACCELERANCE, Kind.TRANSMISSIBILITY):
+    if kind is not Kind.ACCELERANCE and not kind.over_base:
         raise DataError(
-            f"limits of a {kind} are not known; expected accelerance or transmissibility"
+            f"limits of a {kind} are not known; expected accelerance or transmissibility, "
+            "relative or not"
         )
     f = _frequencies(frequency)
     answer = Answer(mass, seals, kind, coupled)
@@ -216,13 +217,19 @@ class Answer:
         if not (np.isfinite(self.mass) and self.mass > 0):
             raise DataError(f"mass = {self.mass!r} kg; expected a number > 0")
 
+    @property
+    def _pulled(self) -> float:
+        """What the base's acceleration pulls at, kg, or a force of 1 N at the mass."""
+        over_base = self.kind is Kind.RELATIVE_TRANSMISSIBILITY
+        return self.mass + self.coupled if over_base else 1.0
+
     def magnitude(self, stiffness: ComplexArray, omega: FloatArray) -> FloatArray:
         """Magnitude of the response on seals of one such stiffness each, shape (..., n)."""
         away = np.abs(self.seals * stiffness - self.mass * omega**2)
         with np.errstate(divide="ignore"):
             if self.kind is Kind.TRANSMISSIBILITY:
                 return np.asarray(np.abs(self.seals * stiffness + self.coupled * omega**2) / away)
-            return np.asarray(omega**2 / away)
+            return np.asarray(self._pulled * omega**2 / away)
 
     def reach(self, spectra: Spectra, omega: float) -> tuple[float, float]:
         """Lowest and highest magnitude over all spectra that the tests do not reject."""
@@ -230,6 +237,7 @@ class Answer:
         if self.kind is Kind.TRANSMISSIBILITY:
             return ratios(spectra, omega, self.mass * felt, self.coupled * felt)
         near, far = distances(spectra, omega, self.mass * felt)
+        felt = felt * self._pulled
         # where a spectrum without loss may resonate, nothing limits the response
         return felt / far, felt / near if near > 0 else np.inf
 

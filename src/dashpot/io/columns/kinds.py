@@ -15,6 +15,7 @@ from dashpot.base import units
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
 from dashpot.io.columns import vocabulary
+from dashpot.io.columns.ratios import ratio
 from dashpot.io.columns.roles import accelerations, find_column, option_of, score
 from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions, flag
@@ -86,7 +87,13 @@ class _NamedColumns:
     def response(self) -> bool:
         if self.has("frequency", "real", "imaginary"):
             return True
-        return self.has("frequency", "magnitude", "phase") and not self.moved()
+        sized = self.has("magnitude", least=1.0)  # by its unit alone, such as a2/a1 [g/g]
+        return sized and self.has("frequency", "phase") and not self.moved()
+
+    def halved(self) -> bool:
+        """Whether there is one part of a complex value over frequency, and no time."""
+        parts: tuple[Role, ...] = ("magnitude", "phase", "real")
+        return not self.timed() and self.has("frequency") and any(self.has(one) for one in parts)
 
     def moved(self) -> bool:
         """Whether a dynamic stiffness is named, and what looks like a magnitude is the motion."""
@@ -139,7 +146,7 @@ class _NamedColumns:
 _RULES: tuple[tuple[FileKind, str, Callable[[_NamedColumns], bool]], ...] = (
     (
         "transmissibility",
-        "it has frequency, and a motion over the same motion",
+        "it has frequency, and a motion over a motion",
         lambda s: s.response() and s.of_motions(),
     ),
     ("frf", "it has frequency, and a complex value", _NamedColumns.response),
@@ -194,6 +201,7 @@ _RULES: tuple[tuple[FileKind, str, Callable[[_NamedColumns], bool]], ...] = (
         "it has displacement and force, and no clock",
         lambda s: not s.timed() and s.has("force", "displacement", least=2.5),
     ),
+    ("frf", "it has frequency, and a part of a complex value", _NamedColumns.halved),
     ("unclear", "no set of columns that makes a test was recognised", lambda _: True),
 )
 """The kinds, their reasons and what shows them; the first that holds is taken."""
@@ -215,12 +223,18 @@ def kind_of(table: Table, options: ReadOptions) -> tuple[FileKind, str]:
 
 
 def of_motions(table: Table) -> bool:
-    """Whether a response is of a motion to the same motion, as under base excitation."""
+    """Whether a response is of a motion to another, as under base excitation."""
     said = any("transmissib" in line.casefold() for line in table.header)
     return said or any(
-        "transmissib" in column.name.casefold() or _same_over_same(column.unit or "")
+        "transmissib" in column.name.casefold() or _over_motion(column.unit or "")
         for column in table.columns
     )
+
+
+def said_relative(table: Table) -> bool:
+    """Whether a name or the header says a relative transmissibility."""
+    said = (*table.header, *(column.name for column in table.columns))
+    return any("relative transmissib" in one.casefold().replace("_", " ") for one in said)
 
 
 MASTER = 7.0
@@ -229,11 +243,10 @@ ONE_FREQUENCY = 0.02
 """Decades within which a sweep stays at one frequency."""
 
 
-def _same_over_same(unit: str) -> bool:
-    """Whether a unit is a ratio of one unit to itself, such as g/g."""
-    middle = len(unit) // 2
-    top, bottom = unit[:middle].strip("() "), unit[middle + 1 :].strip("() ")
-    return bool(top) and top == bottom and unit[middle] == "/"
+def _over_motion(unit: str) -> bool:
+    """Whether a unit is that of a motion over a motion, such as g/g or mm/g."""
+    found = ratio(unit)
+    return found is not None and found.kind.over_base
 
 
 def _numbers(table: Table, role: Role, options: ReadOptions) -> FloatArray:

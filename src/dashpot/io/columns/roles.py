@@ -12,6 +12,7 @@ from dashpot.base import units
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.units import Dimension, Unit
 from dashpot.io.columns import vocabulary
+from dashpot.io.columns.ratios import ratio
 from dashpot.io.columns.vocabulary import DIMENSION, Role
 from dashpot.io.options import ReadOptions, flag
 from dashpot.io.table import Column, Question, Table
@@ -189,6 +190,8 @@ def _named_score(column: Column, role: Role, options: ReadOptions) -> float:
     if value or not fits:
         return value + fits
     # "Force" in mm is no force; "x" in N may well be one
+    if role == "magnitude":
+        return float(max(says.values(), default=0.0) < 2.0)
     same = (s for r, s in says.items() if DIMENSION.get(r) == DIMENSION[role])
     return float(max(same, default=0.0) < 2.0)
 
@@ -196,6 +199,8 @@ def _named_score(column: Column, role: Role, options: ReadOptions) -> float:
 def _fits(word: str, role: Role) -> bool | None:
     """Whether a unit word is one of a role: None where it measures something else."""
     dimension = DIMENSION.get(role)
+    if role == "magnitude":
+        return ratio(word) is not None
     if dimension is None:
         return False
     if units.find(word, dimension) or _of_a_part(word, role):
@@ -218,6 +223,8 @@ def _reason(column: Column, role: Role) -> str:
     says = vocabulary.matches(column.name).get(role, 0.0)
     dimension = DIMENSION.get(role)
     fits = column.unit is not None and units.find(column.unit, dimension) is not None
+    if role == "magnitude" and not says:
+        return f"the only column in a unit of a ratio ({column.unit})"
     if says and fits:
         return f"its name says {role}, its unit {column.unit} fits"
     if says:

@@ -61,7 +61,7 @@ _FIRST: dict[Role, str] = {
     "real": "real re realteil",
     "imaginary": "imaginary imag im imaginärteil",
     "magnitude": "magnitude mag amplitude betrag transmissibility",
-    "phase": "phase phasenwinkel winkel faza 相位",
+    "phase": "phase phasenwinkel winkel arg faza 相位",
     "coherence": "coherence coh kohärenz koherencja cohérence gamma2 γ2 相干",
     "stress": """stress spannung naprężenie contrainte tensión tensione gerilme 应力 應力 応力 응력
         schubspannung""",

@@ -8,29 +8,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dashpot.base import units
 from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.errors import ReadError
-from dashpot.base.units import Dimension
-from dashpot.io.columns.kinds import of_motions
+from dashpot.io.columns.kinds import of_motions, said_relative
+from dashpot.io.columns.ratios import Ratio, bare_ratio, ratio, undecibel
 from dashpot.io.columns.roles import Assigned, assign, list_columns, unit_for
 from dashpot.io.columns.vocabulary import Role
-from dashpot.io.options import ReadOptions
+from dashpot.io.options import ReadOptions, flag
 from dashpot.io.readers import channels
 from dashpot.io.readers.channels import Opened
 from dashpot.io.table import Question
 from dashpot.records.frf import FRF, Kind
 
-_KINDS: tuple[tuple[Dimension, Dimension, Kind], ...] = (
-    ("length", "force", Kind.RECEPTANCE),
-    ("velocity", "force", Kind.MOBILITY),
-    ("acceleration", "force", Kind.ACCELERANCE),
-    ("force", "length", Kind.DYNAMIC_STIFFNESS),
-)
-_SPECIAL = {"1/kg": Kind.ACCELERANCE, "m/(N*s)": Kind.MOBILITY, "m/(N·s)": Kind.MOBILITY}
-_MOTIONS: tuple[Dimension, ...] = ("length", "velocity", "acceleration")
-_NO_UNIT = ("", "1", "-", "db")
-"""Units of a ratio; they tell a transmissibility where a name or a comment does."""
 _FRF_ROLES: tuple[Role, ...] = ("frequency", "real", "imaginary", "magnitude", "phase", "coherence")
 _HIGHEST = 3e4
 """Hz; no hammer on rubber goes higher."""
@@ -66,7 +55,7 @@ def built(file: Opened, known: Settled) -> FRF:
     ReadError
         If its numbers cannot be those of an FRF.
     """
-    index, kind, factor, hertz, radian = known
+    index, (kind, factor, order), hertz, radian = known
     loaded = channels.load(file.table, range(len(file.table.columns)), None)
     column = {role: loaded.values[:, i] for role, i in index.items()}
     value: ComplexArray = np.asarray(
@@ -86,13 +75,14 @@ def built(file: Opened, known: Settled) -> FRF:
         )
     sd = next((i for i, c in enumerate(file.table.columns) if c.name.casefold() == "sd"), None)
     stated = _comments(file.table.header)
+    scale = _differentiated(factor, order, hertz * column["frequency"], stated.get("shift", 0.0))
     names = [c.name for c in file.table.columns]
     return FRF(
-        column["frequency"] * hertz, value * factor, kind,
+        column["frequency"] * hertz, scale * value, kind,
         coherence=None
         if "coherence" not in column
         else _in_parts(file, index["coherence"], column["coherence"]),
-        sd=None if sd is None else loaded.values[:, sd] * factor,
+        sd=None if sd is None else loaded.values[:, sd] * np.abs(scale),
         shift=stated.get("shift", 0.0), record=stated.get("record"),
         averages=int(stated.get("averages", 0)),
         source=(channels.source(file, names, (*file.table.notes, *loaded.notes)),),
@@ -100,11 +90,10 @@ def built(file: Opened, known: Settled) -> FRF:
 
 
 class Settled(NamedTuple):
-    """Which columns an FRF stands in, its kind, and the factors of its units to SI."""
+    """Which columns an FRF stands in, what it relates, and the factors of its units to SI."""
 
     columns: dict[Role, int]
-    kind: Kind
-    factor: float
+    ratio: Ratio
     hertz: float
     radian: float
 
@@ -120,9 +109,9 @@ def settled(file: Opened) -> Settled:
     index = _columns(file)
     main: Role = "real" if "real" in index else "magnitude"
     asked, factors = [], {"phase": 1.0}
-    kind, size = None, 1.0
+    found = None
     try:
-        kind, size = _kind(file, main, index[main])
+        found = _kind(file, main, index[main])
     except ReadError as error:
         asked.append(str(error))
     asked += _unlike_parts(file, index)
@@ -133,9 +122,9 @@ def settled(file: Opened) -> Settled:
             factors[role] = unit_for(column, index[role] + 1, role, file.options).factor
         except ReadError as error:
             asked.append(str(error))
-    if kind is None or asked:
+    if found is None or asked:
         raise ReadError("; ".join(asked))
-    return Settled(index, kind, size, factors["frequency"], factors["phase"])
+    return Settled(index, found, factors["frequency"], factors["phase"])
 
 
 def _columns(file: Opened) -> dict[Role, int]:
@@ -150,6 +139,13 @@ def _columns(file: Opened) -> dict[Role, int]:
             return {r: i for r, i in index.items() if r in {"frequency", "coherence", *pair}}
     if asked:
         raise ReadError("; ".join(asked.values()))
+    for part, other in (("magnitude", "phase"), ("phase", "magnitude")):
+        if {"frequency", part} <= index.keys() and other not in index:
+            raise ReadError(
+                f"there is a {part} and no {other}: an FRF is both, and only both tell stiffness "
+                f"and damping; export the {other} too, or name its column with {flag(other)}; the "
+                f"columns are {list_columns(file.table.columns)}"
+            )
     raise ReadError(
         "no frequency response found; expected columns such as 'frequency [Hz], "
         "real [(m/s^2)/N], imaginary [(m/s^2)/N]' (or magnitude and phase); the columns are "
@@ -172,30 +168,48 @@ def _comments(header: tuple[str, ...]) -> dict[str, float]:
     return found
 
 
-def _kind(file: Opened, role: Role, index: int) -> tuple[Kind, float]:
-    """Kind of the FRF and the factor to SI, from the unit, held against a ``kind:`` comment."""
+def _kind(file: Opened, role: Role, index: int) -> Ratio:
+    """What the FRF relates, from the unit, held against a ``kind:`` comment."""
     words = [match[1] for line in file.table.header if (match := _STATED.match(line))]
     stated = next((Kind(word) for word in words if word in set(Kind)), None)
     column = file.table.columns[index]
     word = file.options.unit_of(role, column.name) or column.unit or ""
-    ratio = _ratio(word)
-    if ratio is None and word.casefold() in _NO_UNIT and of_motions(file.table):
-        ratio = Kind.TRANSMISSIBILITY, 1.0
-    if ratio is None:
+    found = ratio(word)
+    if found is None and of_motions(file.table):
+        found = bare_ratio(word)
+    if found is None:
         unit = f"the unit '{word}', which" if word else "no unit, and so"
         raise ReadError(
             f"'{column.name}' has {unit} tells no FRF; "
             "expected motion per force such as (m/s^2)/N, g/N, m/N, force per motion such as N/m, "
-            f'or motion per motion such as g/g; add --units "{role}=(m/s^2)/N", or write it into '
-            "the header"
+            "or motion per motion such as g/g or mm/g (of a mass over a base that moves); add "
+            f'--units "{role}=(m/s^2)/N" or --units "{role}=g/g", or write it into the header'
         )
-    kind, factor = ratio
-    if stated is not None and stated is not kind:
+    if stated is None and found.kind.over_base and said_relative(file.table):
+        stated = Kind.RELATIVE_TRANSMISSIBILITY
+    if stated is not None and stated.over_base and found.kind.over_base:
+        return found._replace(kind=stated)
+    if stated is not None and stated is not found.kind:
         raise ReadError(
             f"the comment says {stated.value}, but the unit '{column.unit}' is that of "
-            f"{kind.value}; correct one of them"
+            f"{found.kind.value}; correct one of them"
         )
-    return kind, factor
+    return found
+
+
+def _differentiated(
+    factor: float, order: int, frequency: FloatArray, shift: float
+) -> float | ComplexArray:
+    """What makes a motion over a motion one of the same derivative: a factor, and s to a power."""
+    if order == 0:
+        return factor
+    s = 2j * np.pi * frequency + shift
+    if order < 0 and not s.all():
+        raise ReadError(
+            "the line at 0 Hz tells nothing of a motion over one of a lower derivative; leave it "
+            "out of the file"
+        )
+    return np.asarray(factor * s**order)
 
 
 def _unlike_parts(file: Opened, index: dict[Role, int]) -> list[str]:
@@ -205,33 +219,11 @@ def _unlike_parts(file: Opened, index: dict[Role, int]) -> list[str]:
     real, imaginary = (file.table.columns[index[role]] for role in ("real", "imaginary"))
     if file.options.unit_of("real", real.name) or not (real.unit and imaginary.unit):
         return []
-    if _ratio(real.unit) == _ratio(imaginary.unit):
+    if ratio(real.unit) == ratio(imaginary.unit):
         return []
     says = f"the real part is in '{real.unit}', the imaginary part in '{imaginary.unit}'"
     advice = f'correct the header, or say it: --units "real={real.unit}"'
     return [f"{says}; expected one unit: {advice}"]
-
-
-def _ratio(word: str) -> tuple[Kind, float] | None:
-    """Kind and SI factor of a unit such as ``(m/s^2)/N`` or ``1/kg``."""
-    text = word.replace(" s)", "*s)").strip()
-    if text in _SPECIAL:
-        return _SPECIAL[text], 1.0
-    swapped = re.fullmatch(r"\(?1/(\w+)\)?\s*[*·]\s*(.+)", text)  # (1/N)*(m/s^2)
-    top, slash, bottom = text.rpartition("/")
-    if swapped:
-        top, bottom = swapped[2], swapped[1]
-    elif "/(" in text:
-        top, _, bottom = text.partition("/(")
-    for upper, lower, kind in _KINDS if slash else ():
-        a, b = units.find(top.strip("() "), upper), units.find(bottom.strip("() "), lower)
-        if a is not None and b is not None:
-            return kind, a.factor / b.factor
-    for motion in _MOTIONS if slash else ():
-        a, b = units.find(top.strip("() "), motion), units.find(bottom.strip("() "), motion)
-        if a is not None and b is not None:
-            return Kind.TRANSMISSIBILITY, a.factor / b.factor
-    return None
 
 
 def _refuse_angle(file: Opened, index: int, phase: FloatArray, radian: float) -> None:
@@ -266,13 +258,15 @@ def _in_parts(file: Opened, index: int, coherence: FloatArray) -> FloatArray:
 def _polar(
     file: Opened, index: dict[Role, int], column: dict[Role, FloatArray], radian: float
 ) -> ComplexArray:
-    magnitude = column["magnitude"]
-    if (file.table.columns[index["magnitude"]].unit or "").casefold().startswith("db"):
+    magnitude, named = column["magnitude"], file.table.columns[index["magnitude"]]
+    words = (named.unit, file.options.unit_of("magnitude", named.name))
+    if any(undecibel(word) for word in words if word):
         magnitude = 10 ** (magnitude / 20)  # dB re 1 of the unit given by --units
     elif np.nanmin(magnitude, initial=0.0) < 0:
         raise ReadError(
-            "the magnitude falls below 0, as decibels do: write dB as its unit into the header, "
-            'and give what they are of: --units "magnitude=(m/s^2)/N"'
+            "the magnitude falls below 0, as decibels do: if they are, add what they are of, "
+            '--units "magnitude=dB re (m/s^2)/N" or --units "magnitude=dB re g/g", or write it '
+            "into the header"
         )
     _refuse_angle(file, index["phase"], column["phase"], radian)
     return np.asarray(magnitude * np.exp(1j * column["phase"] * radian))

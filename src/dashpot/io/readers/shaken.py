@@ -8,19 +8,23 @@ from pathlib import Path
 import numpy as np
 
 from dashpot.base.errors import ReadError
-from dashpot.io.columns.roles import Assigned, accelerations, find_column, quoted
+from dashpot.io.columns.roles import Assigned, accelerations, assign, find_column, quoted
+from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions, flag
 from dashpot.io.readers import channels
 from dashpot.io.readers.channels import Channel, Opened
 from dashpot.io.readers.impact import refuse_same, starts_of, whole
 from dashpot.records.shaken import ShakenTest
 
+_ORDERS: dict[Role, int] = {"displacement": 0, "velocity": 1, "acceleration": 2}
 _SAME_RATE = 1e-3
 """Part of a sampling rate by which the files of one set-up may differ."""
 
 
 def read_shaken(paths: Sequence[str | Path], options: ReadOptions) -> ShakenTest:
-    """Return the accelerations of base and mass in files of one set-up, in SI units.
+    """Return the base's acceleration and the mass's motion in files of one set-up, in SI units.
+
+    The mass's may be an acceleration, a velocity or a displacement.
 
     Segments, jumps of the clock, and further files each start a new continuous record.
 
@@ -37,6 +41,10 @@ def read_shaken(paths: Sequence[str | Path], options: ReadOptions) -> ShakenTest
                 f"{path}: sampled at {test.rate:.6g} Hz, but {paths[0]} at {first.rate:.6g} Hz; "
                 "give files of one set-up"
             )
+        if test.order != first.order:
+            raise ReadError(
+                f"{path}: another motion of the mass than in {paths[0]}; give files of one set-up"
+            )
     offsets = np.cumsum([0, *(len(test.base) for test in tests[:-1])])
     starts = [np.add(test.starts, offset) for test, offset in zip(tests, offsets, strict=True)]
     return ShakenTest(
@@ -45,6 +53,7 @@ def read_shaken(paths: Sequence[str | Path], options: ReadOptions) -> ShakenTest
         np.concatenate([test.mass for test in tests]),
         tuple(np.concatenate(starts).tolist()),
         tuple(source for test in tests for source in test.source),
+        first.order,
     )
 
 
@@ -67,27 +76,41 @@ def _one(path: str | Path, options: ReadOptions) -> ShakenTest:
                 raise ReadError("the time stands still; give the rate, for example --rate 512Hz")
             rate = (len(first) - 1) / float(first[-1] - first[0])
         source = channels.source(file, [c.says for c in chosen], notes)
-        return ShakenTest(rate, base, mass, starts, (source,))
+        return ShakenTest(rate, base, mass, starts, (source,), _ORDERS[chosen[-1].role])
 
 
 def _channels(file: Opened) -> list[Channel]:
-    """Time unless a rate is given, the base, and the one other acceleration."""
+    """Time unless a rate is given, the base, and the one other motion."""
     columns, base_flag = file.table.columns, flag("base_acceleration")
     base = find_column(columns, str(file.options.base_acceleration), base_flag)
     ticks = [] if file.options.rate is not None else channels.chosen(file, ["time"])
     taken = [base, *(one.index for one in ticks)]
-    found = [i for i in accelerations(file.table, taken, file.options) if i not in taken]
+    found = _of_mass(file, taken)
     if len(found) != 1:
-        listed = f": {', '.join(quoted(columns, i) for i in found)}" if found else ""
+        listed = f": {', '.join(quoted(columns, one.index) for one in found)}" if found else ""
         raise ReadError(
-            f"{len(found)} accelerations beside that of the base, {quoted(columns, base)}{listed}; "
-            f"expected one, of the mass: name it with {flag('acceleration')}"
+            f"{len(found)} motions beside that of the base, {quoted(columns, base)}{listed}; "
+            f"expected one, of the mass: name it with {flag('acceleration')}, {flag('velocity')} "
+            f"or {flag('displacement')}"
         )
     return channels.with_units(
         file,
-        [
-            *ticks,
-            Assigned("acceleration", base, f"of the base, named by {base_flag}"),
-            Assigned("acceleration", found[0], "of the mass"),
-        ],
+        [*ticks, Assigned("acceleration", base, f"of the base, named by {base_flag}"), *found],
     )
+
+
+def _of_mass(file: Opened, taken: Sequence[int]) -> list[Assigned]:
+    """The motions beside the base's: those that are named, else accelerations, else the others."""
+    options = file.options
+    others: tuple[Role, ...] = ("velocity", "displacement")
+    named = [role for role in others if getattr(options, role)]
+    found: list[Assigned] = []
+    if options.acceleration or not named:
+        found = [
+            Assigned("acceleration", i, "of the mass")
+            for i in accelerations(file.table, taken, options)
+        ]
+    for role in named if named or found else others:
+        answer = assign(file.table, role, options)
+        found += [answer] if isinstance(answer, Assigned) else []
+    return [one for one in found if one.index not in taken]

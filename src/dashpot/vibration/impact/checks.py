@@ -9,7 +9,7 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
 from dashpot.base.checks import Check, Finding, criterion
-from dashpot.records.frf import FRF, Mode
+from dashpot.records.frf import FRF, Kind, Mode
 from dashpot.records.shaken import ShakenTest
 from dashpot.vibration.checks import GRAVITY
 from dashpot.vibration.impact.amplitude import Trend, trend_of_hits
@@ -17,6 +17,8 @@ from dashpot.vibration.impact.estimators import Estimator, Spectra, estimate, le
 from dashpot.vibration.impact.quality import Verdict
 from dashpot.vibration.impact.rocking import Combination
 
+NO_TURN = 0.95
+"""Part of the lines beyond which the highest is where they end, and no peak."""
 ENOUGH = 3  # good hits
 COHERENT = 0.9
 # lines on either side of a resonance from which a single hit tells it
@@ -174,24 +176,23 @@ def frf_dissipates(value: complex, peak: float) -> Finding:
 )
 def mass_over_base(frf: FRF) -> Finding:
     """The transmissibility is of the mass over its base: 1 at rest, falling above the resonance."""
-    T, f = frf.value[frf.usable], frf.frequency[frf.usable]
-    at = _turn(np.abs(T))
+    lines = frf.only(frf.usable)
+    T, f = lines.to(Kind.TRANSMISSIBILITY).value, lines.frequency
+    at = _turn(np.abs(lines.value))
     low = np.zeros(len(f), dtype=bool) if at is None else (f >= f[at] / 4) & (f <= 0.6 * f[at])
     if at is None or np.count_nonzero(low) < ENOUGH:
         return Finding(
             f"fewer than {ENOUGH} lines from 0.25 to 0.6 of a resonance show what the "
             "transmissibility is at rest, so this is not judged"
         )
-    part = float(np.median((1 - 1 / T[low]).real * (f[at] / f[low]) ** 2))
-    size = complex(np.median(T[low].real), np.median(T[low].imag))
-    cause = f"it is {abs(size):.3g} there, not 1 or a little more: check the unit of each sensor, "
-    cause += "and that the motion of the mass is absolute, not relative to the base (--motion)"
-    if 0.5 < abs(size) < 2:
-        upside = "the base over the mass: export the mass over the base"
-        turned = "as if one sensor had the opposite polarity"
-        cause = (
-            f"it looks like {upside}" if size.real > 0 else f"it is {size.real:.3g} there, {turned}"
-        )
+    r2 = (f[low] / f[at]) ** 2
+    if frf.kind is Kind.RELATIVE_TRANSMISSIBILITY:
+        # (1 - 1/T) / r^2 of a mass on a spring, linear in the gain of the one sensor
+        part = float(np.median((T[low] - 1).real * (1 - r2) / r2))
+        cause = _relative_cause(part, complex(np.median(T[low].real) - 1, np.median(T[low].imag)))
+    else:
+        part = float(np.median((1 - 1 / T[low]).real / r2))
+        cause = _absolute_cause(complex(np.median(T[low].real), np.median(T[low].imag)))
     return Finding(
         f"the transmissibility rises from 1 towards the resonance at {f[at]:.4g} Hz",
         part,
@@ -200,12 +201,47 @@ def mass_over_base(frf: FRF) -> Finding:
     )
 
 
+def _absolute_cause(size: complex) -> str:
+    """Why a transmissibility may be of this size below its resonance."""
+    if 0.5 < abs(size) < 2:
+        if size.real > 0:
+            return "it looks like the base over the mass: export the mass over the base"
+        return f"it is {size.real:.3g} there, as if one sensor had the opposite polarity"
+    return (
+        f"it is {abs(size):.3g} there, not 1 or a little more: check the unit of each sensor, "
+        "and that the motion of the mass is absolute, not relative to the base (--motion)"
+    )
+
+
+def _relative_cause(part: float, size: complex) -> str:
+    """Why a relative motion may be so many times that of a mass on a spring, below its resonance.
+
+    Over the motion of the base it is `size` there.
+    """
+    if abs(size.imag) > abs(size.real):
+        return (
+            "the relative motion is a quarter turn off, as a velocity is from a displacement: "
+            "check the unit of each sensor"
+        )
+    if part < 0:
+        return (
+            "the relative motion has the opposite sign: it must be of the mass less the base, "
+            "positive where the base's acceleration is; export it with the other sign"
+        )
+    if 0.5 < size.real < 2:
+        return "the motion looks absolute, not relative to the base (--motion): leave that out"
+    return (
+        f"the relative motion is {part:.3g} times that of a mass on a spring: check the unit of "
+        "each sensor, and whether it is a displacement, a velocity or an acceleration"
+    )
+
+
 def _turn(size: FloatArray) -> int | None:
     """Where a ratio of motions peaks within its lines, or, upside down, is least."""
     top, least, end = int(size.argmax()), int(size.argmin()), len(size) - 1
-    if 0 < top < end:
+    if 0 < top < NO_TURN * end:
         return top
-    return least if top == end and least > 0 else None
+    return least if top > 0 and least > 0 else None
 
 
 @criterion(source="by definition")

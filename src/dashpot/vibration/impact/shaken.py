@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from dashpot.base.arrays import ComplexArray, FloatArray
+from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Step
 from dashpot.base.units import Quantity, si
@@ -21,6 +21,12 @@ HIGHEST = 0.4
 """Part of the sampling rate up to which lines are kept: beyond, filters and aliases stand."""
 MOVED = 1e-3
 """Part of the base's strongest line below which it is not moved."""
+CHANCE = 1e-3
+"""How often the coherence of mere noise is that of a line that is kept."""
+_MOST = 0.5
+"""A coherence that is kept however few segments there are."""
+_NEAR = 5
+"""Neighbouring lines of which the middle one tells."""
 
 
 def estimate_transmissibility(
@@ -31,7 +37,8 @@ def estimate_transmissibility(
     Segments under a Hann window, half of each shared with the next, their straight line taken off:
     what hits are to :func:`~dashpot.vibration.impact.estimators.estimate`, with the base's motion
     in place of the force. Coherence tells the scatter, each segment counted as the 0.95 that it is
-    worth beside its neighbours.
+    worth beside its neighbours. Where the mass's motion is no acceleration the ratio is
+    differentiated; relative to the base it is a relative transmissibility.
 
     Parameters
     ----------
@@ -68,6 +75,13 @@ def estimate_transmissibility(
     keep &= power > MOVED**2 * power[keep].max()
     if not keep.any():
         raise DataError("the base does not move")
+    whole = coherence(Spectra(frequency, base, mass))
+    keep &= whole is None or _answered(whole, len(base))
+    if np.count_nonzero(keep) < FEWEST:
+        raise DataError(
+            "the mass does not answer the base at any line: the coherence is that of noise; check "
+            "which column is which, and that both ran on one clock"
+        )
     spectra = Spectra(frequency[keep], base[:, keep], mass[:, keep])
     settings = (
         ("estimator", str(estimator)),
@@ -76,13 +90,24 @@ def estimate_transmissibility(
     )
     return FRF(
         spectra.frequency,
-        estimate(spectra, estimator),
-        Kind.TRANSMISSIBILITY,
+        estimate(spectra, estimator) * (2j * np.pi * spectra.frequency) ** (2 - test.order),
+        Kind.RELATIVE_TRANSMISSIBILITY if test.relative else Kind.TRANSMISSIBILITY,
         coherence=coherence(spectra),
         averages=max(int(OVERLAP * len(base)), 2),
         source=test.source,
         steps=(Step("estimate_transmissibility", settings),),
     )
+
+
+def _answered(coherence: FloatArray, segments: int) -> BoolArray:
+    r"""Lines where base and mass have more in common than chance has, with their neighbours.
+
+    Of noise alone :math:`P(\gamma^2 > x) = (1 - x)^{n-1}`.
+    """
+    least = min(1 - CHANCE ** (1 / (segments - 1)), _MOST)
+    near = np.pad(coherence, _NEAR // 2, mode="edge")
+    middle = np.median(np.lib.stride_tricks.sliding_window_view(near, _NEAR), axis=1)
+    return np.asarray(middle > least)
 
 
 def _transforms(test: ShakenTest, signal: FloatArray, length: int) -> ComplexArray:

@@ -41,7 +41,7 @@ class DynamicStiffness(ByValue):
         motion leads the force, or the mass the base, N/m; what that does to storage and loss factor
         is :meth:`changes`.
     over_base : bool
-        It was a transmissibility.
+        It was a transmissibility, or a relative one.
     mass, mass_sd : float
         kg.
     phase_sd : float
@@ -145,10 +145,13 @@ def dynamic_stiffness(
               \delta K^* = K^* \frac{\delta m}{m}, \qquad
               n\,\delta K^* = -\frac{m\omega^2\,j\varphi T}{(T - 1)^2}
 
+    and where it was measured relative to the base, R = T - 1, it is
+    :math:`n\,\delta K^* = -m\omega^2\,j\varphi / R`: less below the resonance, more above.
+
     Parameters
     ----------
     frf : FRF
-        Measured, any kind, a transmissibility too.
+        Measured, any kind, a transmissibility too, relative or not.
     mass : float
         kg.
     seals : float
@@ -169,7 +172,7 @@ def dynamic_stiffness(
         if not (np.isfinite(given) and given > 0):
             raise DataError(f"{name} = {given!r}; expected a number > 0")
     mass_sd = 0.01 * mass if mass_sd is None else mass_sd
-    over_base = frf.kind is Kind.TRANSMISSIBILITY
+    over_base = frf.kind.over_base
     measured = frf.to(Kind.ACCELERANCE, mass=mass)
     measured = measured if band is None else measured.band(*band)
     measured = measured.only(measured.usable)
@@ -177,8 +180,10 @@ def dynamic_stiffness(
     raw = s**2 / value
     K = (raw - mass * s**2) / seals
     by_phase, by_mass = -1j * raw / seals, -mass * s**2 / seals
-    if over_base:  # the phase is that of T = 1 - m A, and the stiffness proportional to the mass
-        by_phase, by_mass = by_phase * (1 - 1 / (mass * value)), K
+    if over_base:  # the stiffness is proportional to the mass
+        by_mass = K
+    if frf.kind is Kind.TRANSMISSIBILITY:  # the phase is that of T = 1 - m A
+        by_phase = by_phase * (1 - 1 / (mass * value))
     random = np.zeros(len(s)) if scatter is None else scatter * np.abs(raw / value) / seals
     arrays = {
         "frequency": measured.frequency,

@@ -175,8 +175,8 @@ def rod_modulus(
             raise DataError(f"{name} = {value!r}; expected a finite number above 0")
     if frf.shift:
         raise DataError("a rod's waves need an FRF without an exponential window")
-    over_base = frf.kind is Kind.TRANSMISSIBILITY
-    measured = frf if over_base else frf.to(Kind.DYNAMIC_STIFFNESS)
+    over_base, relative_sensor = frf.kind.over_base, frf.kind is Kind.RELATIVE_TRANSMISSIBILITY
+    measured = frf.to(Kind.TRANSMISSIBILITY if over_base else Kind.DYNAMIC_STIFFNESS)
     measured = measured if limits is None else measured.band(*limits)
     measured = measured.only(measured.usable)
     omega = 2 * np.pi * measured.frequency
@@ -194,9 +194,11 @@ def rod_modulus(
     heavy = ratio * by_ratio / (by_w * w)
     # F / (m omega^2) falls as the rod grows heavier; 1/T does not know its mass
     rod = np.zeros_like(y) if over_base else relative
+    # of a sensor between both ends the gain is that of T - 1
+    gained = relative * (1 - y) if relative_sensor else relative
     sensitivity = {
-        "by_gain": relative,
-        "by_phase": 1j * relative,
+        "by_gain": gained,
+        "by_phase": 1j * gained,
         "by_mass": heavy,
         "by_length": 2 + steep - heavy + rod,
         "by_area": -steep / 2 - heavy + rod,
@@ -219,7 +221,9 @@ def rod_modulus(
     found = _judged(found, spread, response, np.abs(w) / part.height**2 * _across(part))
     gain, phase = _at_rest(found, measured, w, ratio) if over_base else (None, 0.0)
     known = max(errors.gain, _EXACT), max(errors.phase, _EXACT)
-    beside = [sensors_agree(gain, phase, known=known)] if over_base else []
+    # a sensor between both ends is not seen at rest
+    both = over_base and not relative_sensor
+    beside = [sensors_agree(gain, phase, known=known)] if both else []
     return replace(found, checks=(*found.checks, mass_beside_rod(ratio), *beside))
 
 

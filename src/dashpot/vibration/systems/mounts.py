@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from dashpot.base.arrays import ComplexArray
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Step
 from dashpot.records.frf import FRF, Kind
@@ -31,7 +30,7 @@ def on_heavy_mounts(frf: FRF, *, mass: float, coupled: float) -> FRF:
     Parameters
     ----------
     frf : FRF
-        A transmissibility.
+        A transmissibility, or a relative one.
     mass, coupled : float
         M, a third of the mounts included, and :math:`\mu`, kg.
     """
@@ -48,21 +47,15 @@ def on_light_mounts(frf: FRF, *, mass: float, coupled: float) -> FRF:
 
 
 def _scaled(frf: FRF, factor: float) -> FRF:
-    """The motion relative to the base, so many times."""
-    return _of_relative(frf, factor * (frf.value - 1), factor)
-
-
-def from_relative(frf: FRF) -> FRF:
-    """The transmissibility of which a sensor on both ends shows T - 1, mass against base."""
-    step = Step("from_relative", (), "1 added: the motion was measured relative to the base")
-    found = _of_relative(frf, frf.value, 1.0)
-    return replace(found, steps=(*frf.steps, step))
-
-
-def _of_relative(frf: FRF, relative: ComplexArray, factor: float) -> FRF:
-    """T of a relative motion, its scatter that of an FRF so many times."""
-    if frf.kind is not Kind.TRANSMISSIBILITY:
+    """The motion relative to the base, so many times, as the kind that it was."""
+    if not frf.kind.over_base:
         raise DataError(f"the FRF is a {frf.kind}; expected a transmissibility")
-    known = frf.scatter_of_one if frf.random_sd is None else frf.random_sd
-    sd = None if known is None else factor * known
-    return replace(frf, value=1 + relative, sd=sd)
+    relative = frf.to(Kind.RELATIVE_TRANSMISSIBILITY)
+    sd = None if relative.sd is None else factor * relative.sd
+    return replace(relative, value=factor * relative.value, sd=sd).to(frf.kind)
+
+
+def as_relative(frf: FRF) -> FRF:
+    """The same numbers, of a sensor on both ends: mass less base, over the base."""
+    step = Step("as_relative", (), "the motion of the mass was measured relative to the base")
+    return replace(frf, kind=Kind.RELATIVE_TRANSMISSIBILITY, steps=(*frf.steps, step))

@@ -95,6 +95,8 @@ def predict_frf(
         )
     if Kind(kind) is Kind.TRANSMISSIBILITY:
         return FRF(f, stiffness * receptance, Kind.TRANSMISSIBILITY, shift=shift)
+    if Kind(kind) is Kind.RELATIVE_TRANSMISSIBILITY:
+        return FRF.of_receptance(f, receptance, shift=shift).to(kind, mass=mass)
     return FRF.of_receptance(f, receptance, kind=kind, shift=shift)
 
 
