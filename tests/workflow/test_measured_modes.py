@@ -374,7 +374,9 @@ def test_one_solid_carries_every_mass_or_it_is_said(tmp_path):
     words = ["modes", *map(str, files), *words, "--seals", "2"]
     assert CliRunner().invoke(main, [*words, "--plot", str(figure)]).exit_code == 0
     drawn = figure.read_text()
-    assert all(f"{rounded(hz, digits=4)} Hz" in drawn for hz in (m.frequency for m in found.together.modes))
+    assert all(
+        f"{rounded(hz, digits=4)} Hz" in drawn for hz in (m.frequency for m in found.together.modes)
+    )
     # one seal 3 % stiffer under the middle mass is no arm's doing
     on_seals(tmp_path, 0.25, stiffer=1.03)
     result = CliRunner().invoke(main, words)
