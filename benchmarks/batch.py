@@ -20,6 +20,8 @@ import subprocess
 import sys
 import time
 from collections import defaultdict
+from contextlib import redirect_stdout, suppress
+from io import StringIO
 from pathlib import Path
 from resource import RUSAGE_CHILDREN, RUSAGE_SELF, getrusage
 from tempfile import TemporaryDirectory
@@ -108,11 +110,12 @@ def memory(folder: Path, most: int) -> float:
     for count in (most // 20, most // 4, most):
         for i in range(there, count):
             (folder / f"seal_{i:05d}.csv").write_text(f"# seal {i}\n{text}")
-        found = run("processes", folder, SHORT)
+        found, whole = (run(name, folder, SHORT) for name in ("processes", "command"))
         each = (found["own"] - spent) / (count - there)
         there, spent = count, found["own"]
         print(
             f"{count:5} short files, {found['wall']:3.0f} s   parent {found['parent_mb']:.0f} MB, "
+            f"with workbook and page {whole['parent_mb']:.0f} MB, "
             f"each worker at most {found['worker_mb']:.0f} MB"
         )
     print(f"finding, hashing, asking and writing one more file: {1e3 * each:.2f} ms of the parent")
@@ -138,7 +141,7 @@ def run(engine: str, folder: Path, how: dict[str, Any]) -> dict[str, float]:
 def measured(engine: str, folder: str, how: dict[str, Any]) -> dict[str, float]:
     """CPU time, s, and memory, MB, of this process and of those that it waited for."""
     began = time.perf_counter()
-    count = ENGINES[engine](folder, how)
+    count = (ENGINES | OTHERS)[engine](folder, how)
     own, others = getrusage(RUSAGE_SELF), getrusage(RUSAGE_CHILDREN)
     spent = [one.ru_utime + one.ru_stime for one in (own, others)]
     return {
@@ -180,6 +183,16 @@ def by_processes(folder: str, how: dict[str, Any]) -> int:
         return dp.batch(folder, output=output, **how).outcomes["fitted"]
 
 
+def by_command(folder: str, _how: dict[str, Any]) -> int:
+    """Make those of short records by the command, with its workbook and page."""
+    from dashpot.cli import main as dashpot
+
+    quick = ("--arms", "1", "--method", "hold", "--quick")
+    with TemporaryDirectory() as output, suppress(SystemExit), redirect_stdout(StringIO()):
+        dashpot(["batch", folder, "-o", output, *quick])
+    return 0
+
+
 def by_quiet_cluster(folder: str, how: dict[str, Any]) -> int:
     """Make them by a cluster whose clocks are set as docs/howto/batch.md says."""
     import dask
@@ -208,6 +221,8 @@ ENGINES = {
     "cluster": by_quiet_cluster,
     "as it comes": by_cluster,
 }
+
+OTHERS = {"command": by_command}
 
 if __name__ == "__main__":
     if sys.argv[1:2] == ["--engine"]:

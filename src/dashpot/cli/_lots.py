@@ -24,6 +24,7 @@ from dashpot.io.options import OF_HAMMER, OF_HAMMER_ALONE, ReadOptions
 if TYPE_CHECKING:
     from dashpot.lots.batches import BatchJob
     from dashpot.lots.statistics.scatter import Component
+    from dashpot.lots.summary import Summary
 
 T = TypeVar("T")
 
@@ -147,24 +148,27 @@ _CHOSEN = (
 )  # fmt: skip
 
 
-def write_lot(job: BatchJob, lot: dp.Lot) -> None:
+def summarised(job: BatchJob, lot: dp.Lot) -> Summary:
+    """Return what a lot says of what was asked for."""
+    from dashpot.lots.summary import summary
+
+    return summary(lot, quantity=job.quantity or lot.main, limits=job.limits)
+
+
+def write_lot(job: BatchJob, found: Summary) -> None:
     """Write table, workbook and page beside the parts."""
     from dashpot.lots.page import html  # jinja and figures are not needed to list options
-    from dashpot.lots.summary import summary
     from dashpot.lots.workbook import workbook
 
-    found = summary(lot, quantity=job.quantity or lot.main, limits=job.limits)
     doing("writing table, workbook and page")
-    write(f"{job.output}/lot.csv", lot.csv())
+    write(f"{job.output}/lot.csv", found.lot.csv())
     write(f"{job.output}/lot.xlsx", workbook(found))
-    write(f"{job.output}/lot.html", html(lot, title=job.output.resolve().name, found=found))
+    write(f"{job.output}/lot.html", html(found.lot, title=job.output.resolve().name, found=found))
 
 
-def outcome(job: BatchJob, lot: dp.Lot) -> Outcome:
+def outcome(job: BatchJob, found: Summary) -> Outcome:
     """Return what is printed of a lot."""
-    from dashpot.lots.summary import summary
-
-    found = summary(lot, quantity=job.quantity or lot.main, limits=job.limits)
+    lot = found.lot
     scatter = _scatter(lot)
     document = {
         "schema": "dashpot/batch@1",

@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from dashpot.cli._lots import of_many, outcome, write_lot
+from dashpot.cli._lots import of_many, outcome, summarised, write_lot
 from dashpot.cli._shell import File, Folder, Outcome, reports
 from dashpot.cli._terminal import Text
 
@@ -56,9 +56,9 @@ def command(
     if dry_run:
         planned = asdict(plan_batch(asked))
         return Outcome({"schema": "dashpot/batch-plan@1", **planned}, Text(_planned(planned)))
-    lot = run_batch(asked)
-    write_lot(asked, lot)
-    return outcome(asked, lot)
+    found = summarised(asked, run_batch(asked))
+    write_lot(asked, found)
+    return outcome(asked, found)
 
 
 def _comparison(named: tuple[str, str], quantities: tuple[str, ...]) -> Outcome:

@@ -9,7 +9,7 @@ from typing import Any
 
 import click
 
-from dashpot.cli._lots import of_many, outcome, write_lot
+from dashpot.cli._lots import of_many, outcome, summarised, write_lot
 from dashpot.cli._shell import Folder, Outcome, reports
 from dashpot.cli._terminal import Text
 
@@ -33,8 +33,9 @@ def command(*, folder: str, job: Callable[..., Any], **_: Any) -> Outcome:
     asked = job(folder)
     with suppress(ValueError):  # not the main thread of whoever calls
         signal.signal(signal.SIGTERM, signal.default_int_handler)
-    lot = watch_batch(asked, lambda found: write_lot(asked, found))
+    lot = watch_batch(asked, lambda found: write_lot(asked, summarised(asked, found)))
     if lot is None:
         nothing = {"schema": "dashpot/batch@1", "folder": str(asked.output), "files": 0}
-        return Outcome(nothing, Text(["no test was there and still"]))
-    return outcome(asked, lot)
+        told = "stopped before a table was made; the same command goes on from there"
+        return Outcome(nothing, Text([told]))
+    return outcome(asked, summarised(asked, lot))
