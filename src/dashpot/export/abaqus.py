@@ -38,7 +38,7 @@ def abaqus(
 
     ``"arms"`` writes the exact network of SPRINGA and DASHPOTA elements, for any procedure, a
     cubic spring as one with a curve, and each slider as a block of a perfectly plastic material in
-    simple shear, for *STATIC and *DYNAMIC;
+    simple shear, for ``*STATIC`` and ``*DYNAMIC``;
     ``"connector"`` a connector behavior whose stiffness and structural damping depend on
     frequency, for direct and subspace steady-state dynamics; ``"prony"`` a material card
     ``*VISCOELASTIC, TIME=PRONY`` with g_j = k_j/k_0 on the instantaneous modulus, and ``*TRS``

@@ -100,7 +100,7 @@ class Beside:
     @property
     def described(self) -> list[str]:
         """As the header of a deck says it."""
-        if not self.parts:
+        if not self.amplitudes[1]:
             return []
         length, force = self.units.words[0], self.units.words[3]
         low, high = (one / self.units.length for one in self.amplitudes)
