@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from dashpot import Comparison
     from dashpot.records.fit import Fit
     from dashpot.records.frf import Mode
+    from dashpot.records.temperature import TemperatureShifts
     from dashpot.solids.elastic import ElasticLaw
     from dashpot.workflow.impacts import ImpactResult
     from dashpot.workflow.indentations import Indentation
@@ -78,26 +79,49 @@ def fit(found: Fit, *, asked: int | str = "auto") -> Text:
         f"  residual    {size} over {residual.n} samples (each worth 1/{residual.kappa:.3g})",
         f"  informed    {hertz(found.band)}; outside it the model is an extrapolation",
     ]
-    lines += _creep(found)
-    if found.elastic_law and found.elastic_law.kind != "linear":
-        lines.append(f"  elastic law {_law(found.elastic_law)}")
-    if found.end_of_hold:
-        lines.append(f"  left open   {ascii_only(found.end_of_hold.says)}")
-    if found.alternative and found.alternative.says not in found.verdict.says:
-        lines.append(f"  beside it   {found.alternative.says}")
-    lines += [*_temperatures(found), *_by_depth(found), *_explained(found), *_moved(found)]
+    for section in (
+        _creep, _bent, _left_open, _beside, _temperatures, _by_depth, _explained, _moved,
+    ):  # fmt: skip
+        lines += section(found)
     details = [f"  optimiser   {found.status.value}"]
     if found.certificate:
         details.append(f"  certificate {found.certificate.says}")
-    if found.nuisance:
-        listed = "; ".join(
-            f"{item.name} {with_error(item.value, item.standard_error)} {item.unit}"
-            for item in found.nuisance
-        )
-        (details if residual.unit == "N" else lines).append(f"  nuisance    {listed}")
-    read = [f"{source.file}: {note}" for source in found.source for note in source.notes]
-    details += [f"  read        {ascii_only(note)}" for note in read]
-    return Text(lines, [*details, *_orders(found)])
+    (details if residual.unit == "N" else lines).extend(_nuisance(found))
+    return Text(lines, [*details, *_read(found), *_orders(found)])
+
+
+def _bent(found: Fit) -> list[str]:
+    """The elastic law, where it is no straight line."""
+    law = found.elastic_law
+    return [f"  elastic law {_law(law)}"] if law and law.kind != "linear" else []
+
+
+def _left_open(found: Fit) -> list[str]:
+    end = found.end_of_hold
+    return [f"  left open   {ascii_only(end.says)}"] if end else []
+
+
+def _beside(found: Fit) -> list[str]:
+    """The other family of solids, unless the verdict has named it."""
+    other = found.alternative
+    return [f"  beside it   {other.says}"] if other and other.says not in found.verdict.says else []
+
+
+def _nuisance(found: Fit) -> list[str]:
+    listed = "; ".join(
+        f"{item.name} {with_error(item.value, item.standard_error)} {item.unit}"
+        for item in found.nuisance
+    )
+    return [f"  nuisance    {listed}"] if listed else []
+
+
+def _read(found: Fit) -> list[str]:
+    """What the readers noticed."""
+    return [
+        f"  read        {ascii_only(f'{source.file}: {note}')}"
+        for source in found.source
+        for note in source.notes
+    ]
 
 
 def _creep(found: Fit) -> list[str]:
@@ -153,8 +177,13 @@ def _parameters(found: Fit) -> list[str]:
         rows.append([f"k({rounded(end.time)} s)", value, "", ends, stiffness])
     if found.family == "fractional":
         known, between = found.solid_standard_error, found.solid_intervals()
-        for name, unit in (("k_inf", stiffness), ("k_0", stiffness), ("tau", "s"), ("alpha", "")):
-            scale = size if unit == stiffness else 1
+        each = (
+            ("k_inf", stiffness, size),
+            ("k_0", stiffness, size),
+            ("tau", "s", 1),
+            ("alpha", "", 1),
+        )
+        for name, unit, scale in each:
             value = getattr(found.solid, name)
             row(name, value, known[name], ends=between[name], unit=unit, scale=scale)
         return table(rows)
@@ -186,13 +215,6 @@ def _temperatures(found: Fit) -> list[str]:
     moved = found.temperatures
     if moved is None:
         return []
-    errors = moved.law_covariance.diagonal() ** 0.5
-    constants = ", ".join(
-        f"{_CONSTANTS[name][0]} {with_error(getattr(moved.law, name), error, scale=scale)}{unit}"
-        for name, error in zip(moved.law_parameters, errors, strict=True)
-        for scale, unit in [_CONSTANTS[name][1:]]
-    )
-    law = {"wlf": "WLF", "arrhenius": "Arrhenius"}.get(moved.law.kind, "none, the shifts alone")
     rows = [["", "log10 a_T", "± SE", "b_T"]]
     rows += [
         [
@@ -206,7 +228,7 @@ def _temperatures(found: Fit) -> list[str]:
     return [
         f"  reference   {celsius(moved.reference)}, of {len(moved.shifts)} temperatures; b_T "
         + ("free" if moved.vertical == "free" else f"= {moved.vertical}"),
-        f"  law         {law}{': ' if constants else ''}{constants}",
+        f"  law         {_shift_law(moved)}",
         *table(rows),
         *(
             f"  advice      {check.says}"
@@ -214,6 +236,18 @@ def _temperatures(found: Fit) -> list[str]:
             if check.name == "shifts_told_apart" and check.failed
         ),
     ]
+
+
+def _shift_law(moved: TemperatureShifts) -> str:
+    """The law of the shifts with its constants, where it has any."""
+    errors = moved.law_covariance.diagonal() ** 0.5
+    constants = ", ".join(
+        f"{_CONSTANTS[name][0]} {with_error(getattr(moved.law, name), error, scale=scale)}{unit}"
+        for name, error in zip(moved.law_parameters, errors, strict=True)
+        for scale, unit in [_CONSTANTS[name][1:]]
+    )
+    law = {"wlf": "WLF", "arrhenius": "Arrhenius"}.get(moved.law.kind, "none, the shifts alone")
+    return ": ".join(filter(None, (law, constants)))
 
 
 # how a constant of a law is called, in which size and unit people read it

@@ -12,7 +12,7 @@ from dashpot.base.version import byline
 from dashpot.export.deck import NOT_VERIFIED, DeckText
 from dashpot.export.notation import UNIT_SYSTEMS, UnitSystem, one_line, packed, text
 from dashpot.records.hyperelastic import HyperelasticFit
-from dashpot.solids.hyperelastic import POWERS
+from dashpot.solids.hyperelastic import POWERS, Hyperelastic
 
 VERIFIED = (
     "verified: CalculiX (ccx) runs such a card in dashpot's tests; one element has the stress of "
@@ -100,28 +100,10 @@ def hyperelastic_card(
         raise ExportError(
             f"{target} takes no hyperelastic law here; expected one of {', '.join(TARGETS)}"
         )
-    if units is None or units not in UNIT_SYSTEMS:
-        raise ExportError(
-            f"no unit system '{units}'; add --units, one of {', '.join(UNIT_SYSTEMS)}"
-        )
-    system, law = UNIT_SYSTEMS[units], fit.law
+    system, law = _system(units), fit.law
     kelvin = fit.temperature if temperature is None else temperature
     overrides = _overlooked(fit, kelvin, allow)
-    bulk = si(bulk_modulus, "stress")
-    measured = "measured"
-    if law.kind == "hyperfoam":
-        if bulk is not None:
-            raise ExportError("a foam's Poisson's ratio says its bulk modulus; no --bulk-modulus")
-        bulk, measured = 0.0, f"by Poisson's ratio {text(law.poisson)}"
-    elif bulk is None:
-        bulk = law.bulk
-    else:
-        measured = "stated, not measured"
-    if bulk is None:
-        raise ExportError(
-            "the change of volume was not tested, and no solver takes a rubber without; add "
-            "--bulk-modulus, 2000MPa is usual for solid rubber"
-        )
+    bulk, measured = _bulk(law, si(bulk_modulus, "stress"))
     if target == "lsdyna" and not (density and density > 0):
         raise ExportError("an LS-DYNA material needs --density, such as 1200 (kg/m^3)")
     card = _Card(
@@ -133,14 +115,38 @@ def hyperelastic_card(
         byline(f"{law.kind} material for {_NAMES[target]}"),
         f"{fit.verdict.use.upper()}: {fit.verdict.says}",
         *_described(card, kelvin, measured),
-        *(f"OVERRIDE: {sentence}" for sentence in overrides),
+        *map("OVERRIDE: {}".format, overrides),
         *(f"CHECK FAILED: {check.says}" for check in fit.checks if check.failed),
-        VERIFIED if target == "calculix" else NOT_VERIFIED,
+        {"calculix": VERIFIED}.get(target, NOT_VERIFIED),
         *remarks,
     ]
     made = DeckText("\n".join([*(f"{comment} {one_line(line)}" for line in header), *body, ""]))
     made.verdict, made.checks, made.overrides = fit.verdict, fit.checks, overrides
     return made
+
+
+def _system(units: str | None) -> UnitSystem:
+    if units is None or units not in UNIT_SYSTEMS:
+        raise ExportError(
+            f"no unit system '{units}'; add --units, one of {', '.join(UNIT_SYSTEMS)}"
+        )
+    return UNIT_SYSTEMS[units]
+
+
+def _bulk(law: Hyperelastic, stated: float | None) -> tuple[float, str]:
+    """The bulk modulus, Pa, and how it is known; 0 of a foam."""
+    if law.kind == "hyperfoam":
+        if stated is not None:
+            raise ExportError("a foam's Poisson's ratio says its bulk modulus; no --bulk-modulus")
+        return 0.0, f"by Poisson's ratio {text(law.poisson)}"
+    if stated is not None:
+        return stated, "stated, not measured"
+    if law.bulk is None:
+        raise ExportError(
+            "the change of volume was not tested, and no solver takes a rubber without; add "
+            "--bulk-modulus, 2000MPa is usual for solid rubber"
+        )
+    return law.bulk, "measured"
 
 
 def _overlooked(

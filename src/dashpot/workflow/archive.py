@@ -371,10 +371,8 @@ def _restored(value: Any) -> Any:
 
 
 def _restored_object(value: dict[str, Any]) -> dict[str, Any]:
-    schema, inner = value.get("schema"), value.get("model")
-    bare = schema == "dashpot/model@1" and "arms" not in value
-    if bare or (isinstance(inner, dict) and "arms" not in inner):
-        raise ValueError('a model has no "arms"; that of a spring alone is []')
+    schema = value.get("schema")
+    _refuse_without_arms(value if schema == "dashpot/model@1" else value.get("model"))
     if "arms" in value and "k_inf" in value:
         return _restored_model(value)
     restored = {key: _restored(item) for key, item in value.items()}
@@ -383,6 +381,11 @@ def _restored_object(value: dict[str, Any]) -> dict[str, Any]:
     if "preparation" in restored and "error" in restored["preparation"]:
         restored["refusal"] = restored.pop("preparation")["error"]
     return restored
+
+
+def _refuse_without_arms(model: Any) -> None:
+    if isinstance(model, dict) and "arms" not in model:
+        raise ValueError('a model has no "arms"; that of a spring alone is []')
 
 
 def _restored_model(value: dict[str, Any]) -> dict[str, Any]:

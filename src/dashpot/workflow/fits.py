@@ -67,6 +67,15 @@ class _Asked:
         known_of_a_test(self.machine, tests=0, add="a ramp and hold")
         self.cuts.refuse_several(0)
 
+    def refuse_beside_creep(self, *, others: int) -> None:
+        """Refuse what is of ramps and holds, and tests that are none of creep."""
+        self.refuse_a_machine()
+        if others or self.filter:
+            raise FitError(
+                "a creep test is fitted alone, or with others at other temperatures, without "
+                "--filter"
+            )
+
     def prepared(self, tests: Sequence[RelaxationTest], *, judged: bool) -> tuple[RampHold, ...]:
         """Prepare ramps and holds."""
         self.cuts.refuse_several(len(tests))
@@ -171,12 +180,7 @@ def fit_files(
     tests = _read(dp.read_bench, files, each, options)
     crept = _as_creep(tests)
     if crept:
-        asked.refuse_a_machine()
-        if len(crept) < len(tests) or filter:
-            raise FitError(
-                "a creep test is fitted alone, or with others at other temperatures, without "
-                "--filter"
-            )
+        asked.refuse_beside_creep(others=len(tests) - len(crept))
         return _crept(crept, asked, Path(files[0]).name)
     pressed = [test for test in tests if isinstance(test, RelaxationTest)]
     prepared = asked.prepared(pressed, judged=intervals or len(pressed) < len(tests))

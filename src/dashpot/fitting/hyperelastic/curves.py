@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -80,19 +81,23 @@ def _chosen(stretch: FloatArray, stress: FloatArray, cycle: int | None) -> _Chos
     strokes = strokes_of(away, resolution=0.0)
     if len(stretch) < _SCATTERED * len(strokes):
         return _Chosen(np.argsort(away, kind="stable"), None, None)
-    whole = _WHOLE * float(away.max())
-    loadings = [one for one in strokes if one.inward and away[one.last] >= whole]
-    # a record that only comes back is one way, too
-    loadings = loadings or [one for one in strokes if one.inward] or list(strokes[:1])
+    loadings = _loadings(away, strokes)
     if cycle is not None and cycle > len(loadings):
         raise FitError(f"cycle = {cycle}, but the test has {len(loadings)} whole loadings")
     taken = loadings[-1 if cycle is None else cycle - 1]
-    after = next((one for one in strokes if one.first >= taken.last and not one.inward), None)
-    lost = None if after is None else _lost(away, stress, taken, after)
     softer = None
     if len(loadings) > 1:
         softer = 1 - _middle(away, stress, loadings[-1]) / _middle(away, stress, loadings[0])
+    lost = _lost(away, stress, taken, strokes)
     return _Chosen(np.arange(taken.first, taken.last + 1), lost, softer)
+
+
+def _loadings(away: FloatArray, strokes: Sequence[Stroke]) -> list[Stroke]:
+    """The whole loadings; any, where none is whole."""
+    inward = [one for one in strokes if one.inward]
+    whole = _WHOLE * float(away.max())
+    # a record that only comes back is one way, too
+    return [one for one in inward if away[one.last] >= whole] or inward or list(strokes[:1])
 
 
 def _along(x: FloatArray, y: FloatArray, one: Stroke) -> tuple[FloatArray, FloatArray]:
@@ -100,8 +105,11 @@ def _along(x: FloatArray, y: FloatArray, one: Stroke) -> tuple[FloatArray, Float
     return x[one.samples][part], y[one.samples][part]
 
 
-def _lost(x: FloatArray, y: FloatArray, there: Stroke, back: Stroke) -> float:
+def _lost(x: FloatArray, y: FloatArray, there: Stroke, strokes: Sequence[Stroke]) -> float | None:
     """Part of the energy of a loading that its unloading does not return, where both were."""
+    back = next((one for one in strokes if one.first >= there.last and not one.inward), None)
+    if back is None:
+        return None
     (x1, y1), (x2, y2) = _along(x, y, there), _along(x, y, back)
     at = np.linspace(max(x1[0], x2[0]), min(x1[-1], x2[-1]), 200)
     put, given = (float(np.trapezoid(np.interp(at, a, b), at)) for a, b in ((x1, y1), (x2, y2)))

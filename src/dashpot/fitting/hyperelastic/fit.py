@@ -93,10 +93,8 @@ def fit_hyperelastic(
     curves = [elastic_curve(one, memory=memory, cycle=cycle) for one in tests]
     foam = law == "hyperfoam" or (law == "auto" and poisson is not None)
     _refuse(curves, law, terms, poisson, foam=foam)
-    fitted = [one for one in curves if foam or one.mode != "volumetric"]
-    rows = weighed(fitted)
-    tried = [] if foam else [invariant_law(rows, one) for one in KINDS[:3]]
-    tried += _power_laws(rows, "hyperfoam" if foam else "ogden", terms, poisson if foam else 0.5)
+    fitted, volumetric = _parted(curves, foam=foam)
+    tried = _of_foam(fitted, terms, poisson) if foam else _of_rubber(fitted, terms)
     tried = list({one.name: one for one in tried}.values())
     best = min(tried, key=lambda one: one.rms)
     worth = _worth(best, fitted)
@@ -104,7 +102,7 @@ def fit_hyperelastic(
     reach = reach_of(curves, best.law.poisson, stretches)
     chosen = _chosen(tried, scores, law, reach)
     known = _evidence(chosen, worth)
-    found, bulk = _found(chosen, known, [one for one in curves if one not in fitted])
+    found, bulk = _found(chosen, known, volumetric)
     chosen = chosen._replace(law=_with_bulk(chosen, bulk))
     kept = HyperelasticFit(
         chosen.law,
@@ -113,13 +111,39 @@ def fit_hyperelastic(
         tuple(curves),
         tuple(_left(chosen, one) for one in curves),
         tuple(reach.items()),
-        tuple((mode, chosen.law.stable_range(mode)) for mode in SHEARING),
+        tuple(zip(SHEARING, map(chosen.law.stable_range, SHEARING), strict=True)),
         memory,
         (),
         temperature,
     )
     judged = checks.judge(kept, chosen, tried, known.covariance, known.times, asked=stretches)
     return replace(kept, checks=judged)
+
+
+def _parted(
+    curves: Sequence[ElasticCurve], *, foam: bool
+) -> tuple[list[ElasticCurve], list[ElasticCurve]]:
+    """What the law is fitted to, and what tells the bulk modulus of a rubber alone."""
+    if foam:
+        return list(curves), []
+    return (
+        [one for one in curves if one.mode != "volumetric"],
+        [one for one in curves if one.mode == "volumetric"],
+    )
+
+
+def _of_foam(
+    curves: Sequence[ElasticCurve], terms: int | Literal["auto"], poisson: float | None
+) -> list[Solution]:
+    return _power_laws(weighed(curves), "hyperfoam", terms, poisson)
+
+
+def _of_rubber(curves: Sequence[ElasticCurve], terms: int | Literal["auto"]) -> list[Solution]:
+    rows = weighed(curves)
+    return [
+        *(invariant_law(rows, one) for one in KINDS[:3]),
+        *_power_laws(rows, "ogden", terms, 0.5),
+    ]
 
 
 def _power_laws(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, TypeAlias
 
@@ -51,16 +51,8 @@ def read(raw: Raw, options: ReadOptions) -> Table:
     sets = found if isinstance(found, list) else [found]
     units = _dataset(sets, 164)
     curves = [entry for entry in sets if entry.get("type") == 58 and np.size(entry.get("data"))]
-    shapes = [e for e in sets if e.get("type") == 55 and e.get("analysis_type") == _NORMAL]
-    if not curves and shapes:
-        return _modes(shapes, sets, units)
     if not curves:
-        kinds = ", ".join(map(str, sorted({int(entry.get("type", 0)) for entry in sets})))
-        raise ReadError(
-            "no dataset 58 with an FRF or a time record, none of normal modes; the datasets are of "
-            "types "
-            f"{kinds or 'none'}"
-        )
+        return _modes(sets, units)
     notes = _notes(sets, units)
     frfs = _of_type(curves, FRF_)
     if frfs:
@@ -200,34 +192,17 @@ def _table(
     )
 
 
-def _modes(shapes: Sequence[_Set], sets: Sequence[_Set], units: _Set | None) -> Table:
+def _modes(sets: Sequence[_Set], units: _Set | None) -> Table:
     """A row for each node of each mode: places in m, and modal masses in kg, by dataset 164."""
-    places = {
-        int(node): place
-        for entry in sets
-        if entry.get("type") in _NODES
-        for node, *place in zip(*(entry[key] for key in ("node_nums", "x", "y", "z")), strict=True)
-    }
+    shapes = _shapes(sets)
     length, force = (1.0 if units is None else float(units[key]) for key in ("length", "force"))
-    rows = []
-    for number, entry in enumerate(shapes, start=1):
-        if np.iscomplexobj(entry["r1"]):
-            raise ReadError(f"mode {number} is complex; give the real, undamped modes")
-        zeta = (
-            float(entry.get("modal_damp_vis") or 0) or float(entry.get("modal_damp_his") or 0) / 2
-        )
-        # a mass unit is that of force, times s^2, over that of length
-        mass = float(entry.get("modal_m") or 0) * length / force or np.nan
-        missing = {int(node) for node in entry["node_nums"]} - set(places)
-        if missing:
-            raise ReadError(
-                f"node {min(missing)} of mode {number} has no coordinates; export datasets 15 or "
-                "2411 with the shapes"
-            )
-        moved = zip(*(entry[key] for key in ("node_nums", "r1", "r2", "r3")), strict=True)
-        for node, *shape in moved:
-            at = [value / length for value in places[int(node)]]
-            rows.append([number, float(entry["freq"]), zeta, mass, *at, *shape])
+    places = _places(sets, length)
+    # a mass unit is that of force, times s^2, over that of length
+    rows = [
+        row
+        for number, entry in enumerate(shapes, start=1)
+        for row in _mode(number, entry, places, mass_unit=force / length)
+    ]
     known = units is not None
     words = [None, "Hz", "1", "kg" if known else None, *3 * ["m" if known else None], *3 * [None]]
     names = ("mode", "frequency", "damping ratio", "modal mass", "x", "y", "z", "ux", "uy", "uz")
@@ -235,6 +210,51 @@ def _modes(shapes: Sequence[_Set], sets: Sequence[_Set], units: _Set | None) -> 
     values = list(np.array(rows, dtype=float).T)
     made = _table(columns, values, shapes[0], _notes(sets, units))
     return replace(made, format="UFF 55")
+
+
+def _shapes(sets: Sequence[_Set]) -> list[_Set]:
+    shapes = [e for e in sets if e.get("type") == 55 and e.get("analysis_type") == _NORMAL]
+    if not shapes:
+        kinds = ", ".join(map(str, sorted({int(entry.get("type", 0)) for entry in sets})))
+        raise ReadError(
+            "no dataset 58 with an FRF or a time record, none of normal modes; the datasets are of "
+            f"types {kinds or 'none'}"
+        )
+    return shapes
+
+
+def _places(sets: Sequence[_Set], unit: float) -> dict[int, list[float]]:
+    """x, y and z of each node, m; 1 m is `unit` of the file's."""
+    return {
+        int(node): [value / unit for value in place]
+        for entry in sets
+        if entry.get("type") in _NODES
+        for node, *place in _by_node(entry, "x", "y", "z")
+    }
+
+
+def _by_node(entry: _Set, *names: str) -> Iterator[tuple[Any, ...]]:
+    return zip(*(entry[key] for key in ("node_nums", *names)), strict=True)
+
+
+def _mode(
+    number: int, entry: _Set, places: Mapping[int, list[float]], *, mass_unit: float
+) -> Iterator[list[float]]:
+    """The rows of one mode."""
+    if np.iscomplexobj(entry["r1"]):
+        raise ReadError(f"mode {number} is complex; give the real, undamped modes")
+    viscous, hysteretic, mass = (
+        float(entry.get(key) or 0) for key in ("modal_damp_vis", "modal_damp_his", "modal_m")
+    )
+    missing = {int(node) for node in entry["node_nums"]} - set(places)
+    if missing:
+        raise ReadError(
+            f"node {min(missing)} of mode {number} has no coordinates; export datasets 15 or "
+            "2411 with the shapes"
+        )
+    head = [number, float(entry["freq"]), viscous or hysteretic / 2, mass / mass_unit or np.nan]
+    for node, *shape in _by_node(entry, "r1", "r2", "r3"):
+        yield [*head, *places[int(node)], *shape]
 
 
 def _title(entry: _Set) -> str:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray
+from dashpot.base.arrays import FloatArray, IndexArray
 from dashpot.base.errors import ReadError
 from dashpot.base.units import Dimension, Quantity, parse_unit, si
 from dashpot.io.columns.roles import list_columns
@@ -51,46 +52,23 @@ def read_modes(
     """
     with channels.opened(path, None) as file:
         names = [plain(column.name) for column in file.table.columns]
-        missing = [name for name in _NEEDED if name not in names]
-        if missing or not set(_SHAPE) & set(names):
-            raise ReadError(
-                f"no column is named {missing[0] if missing else 'ux, uy or uz'}; the columns are "
-                f"{list_columns(file.table.columns)}; modes are a table of {', '.join(_NEEDED)} "
-                "and ux, uy, uz, or a UFF file with dataset 55"
-            )
+        _refuse_missing(names, file)
         known = [name for name in (*_NEEDED, *_SHAPE, *_MORE) if name in names]
         loaded = channels.load(file.table, [names.index(name) for name in known], None)
         columns = dict(zip(known, loaded.values.T, strict=True))
         mass = _masses(file, names, columns, si(modal_mass, "mass"))
         frequency = _in_si(file, names, columns, "frequency", dimension="frequency", unit="Hz")
-        place = np.stack(
-            [
-                _in_si(file, names, columns, axis, dimension="length", unit=unit)
-                for axis in ("x", "y", "z")
-            ],
-            axis=1,
-        )
+        length = partial(_in_si, file, names, columns, dimension="length", unit=unit)
+        place = np.stack(list(map(length, ("x", "y", "z"))), axis=1)
         nil = np.zeros(len(place))
         shape = np.stack([columns.get(axis, nil) for axis in _SHAPE], axis=1)
         shape = shape / np.sqrt(mass)[:, None]
         zeta = columns.get("damping ratio", nil) if damping is None else nil + damping
         number = columns["mode"]
-        whole = np.isfinite(np.column_stack((number, frequency, place, shape, zeta)))
-        if not whole.all():
-            row = int(np.flatnonzero(~whole.all(axis=1))[0])
-            raise ReadError(f"{loaded.where(row)} lacks a number")
-        counts = [int((number == one).sum()) for one in np.unique(number)]
-        if len(set(counts)) > 1:
-            raise ReadError(
-                f"the modes have {min(counts)} to {max(counts)} points; expected the same points "
-                "in every mode"
-            )
-        order = np.argsort(number, kind="stable").reshape(len(counts), -1)
-        if (place[order] != place[order[0]]).any() or np.ptp(frequency[order], axis=1).any():
-            raise ReadError(
-                "the modes differ in their points, or one mode has two frequencies; write the "
-                "same points in the same order for every mode"
-            )
+        gaps = ~np.isfinite(np.column_stack((number, frequency, place, shape, zeta))).all(axis=1)
+        if gaps.any():
+            raise ReadError(f"{loaded.where(int(gaps.argmax()))} lacks a number")
+        order = _by_mode(number, place, frequency)
         of = [f"{name} [{file.table.columns[names.index(name)].unit or '-'}]" for name in known]
         return FreeModes(
             frequency[order[:, 0]],
@@ -99,6 +77,34 @@ def read_modes(
             zeta[order[:, 0]],
             channels.source(file, of, file.table.notes),
         )
+
+
+def _refuse_missing(names: list[str], file: Opened) -> None:
+    missing = [name for name in _NEEDED if name not in names]
+    missing += [] if set(_SHAPE) & set(names) else ["ux, uy or uz"]
+    if missing:
+        raise ReadError(
+            f"no column is named {missing[0]}; the columns are "
+            f"{list_columns(file.table.columns)}; modes are a table of {', '.join(_NEEDED)} "
+            "and ux, uy, uz, or a UFF file with dataset 55"
+        )
+
+
+def _by_mode(number: FloatArray, place: FloatArray, frequency: FloatArray) -> IndexArray:
+    """The rows of each mode, all at the same points, shape (modes, points)."""
+    counts = np.unique(number, return_counts=True)[1]
+    if np.ptp(counts):
+        raise ReadError(
+            f"the modes have {counts.min()} to {counts.max()} points; expected the same points "
+            "in every mode"
+        )
+    order = np.argsort(number, kind="stable").reshape(len(counts), -1)
+    if (place[order] != place[order[0]]).any() or np.ptp(frequency[order], axis=1).any():
+        raise ReadError(
+            "the modes differ in their points, or one mode has two frequencies; write the "
+            "same points in the same order for every mode"
+        )
+    return order
 
 
 def _in_si(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import zip_longest
 
 from dashpot.base import units
 from dashpot.io.columns import vocabulary
@@ -41,35 +42,44 @@ class Header:
 def read_header(lines: Sequence[str], dialect: Dialect) -> Header:
     """Return the names and units found in the lines above the table."""
     # a row of numbers alone counts columns or rows, and names none
-    spoken = [line for line in _whole(lines) if re.search(r"[^\W\d]|%|\"|°", line)]
+    spoken = list(filter(re.compile(r"[^\W\d]|%|\"|°").search, _whole(lines)))
     rows = [_cells(line, dialect) for line in spoken[-_REACH:]]
     names, words = _pick(rows, dialect)
     names = _labelled(lines, dialect, "name") or names
     words = _labelled(lines, dialect, "unit") or words
-    misfit = ""
-    if not names:
-        wrong = next((row for row in rows[:-3:-1] if _misfits(row, dialect)), [])
-        cells = dialect.cells or len(dialect.contents)
-        if wrong:
-            misfit = (
-                f"the header holds {len(wrong)} names for {cells} columns ('{wrong[0][:20]}' ... "
-                f"'{wrong[-1][:20]}'), so that none was taken"
-            )
-            if cells == 2 * len(wrong) and dialect.delimiter == ",":
-                misfit += (
-                    "; two columns for each name look like numbers cut in two at their decimal "
-                    "comma: export the file with ';' between the columns, or with decimal points"
-                )
-    padded = [
-        (names[i] if i < len(names) else "", words[i] if i < len(words) else None, content)
-        for i, content in enumerate(dialect.contents)
-    ]
+    misfit = "" if names else _misfit(rows[:-3:-1], dialect)
+    width = len(dialect.contents)
+    each = zip_longest(names[:width], words[:width], dialect.contents)
+    padded = [(name or "", word, content) for name, word, content in each]
     columns = (_column(name, word, content) for name, word, content in padded)
     return Header(
         tuple(replace(column, unit=scaled(column.name, column.unit)) for column in columns),
-        tuple(vocabulary.clock_order(word or part_unit(name)[1] or "") for name, word, _ in padded),
+        tuple(_clock(name, word) for name, word, _ in padded),
         misfit,
     )
+
+
+def _clock(name: str, word: str | None) -> str:
+    """How the clock times of a column are written, "" if its unit does not say."""
+    return vocabulary.clock_order(word or part_unit(name)[1] or "")
+
+
+def _misfit(rows: Sequence[list[str]], dialect: Dialect) -> str:
+    """What to say of a row of names that is not as wide as the table; nothing without one."""
+    wrong = next((row for row in rows if _misfits(row, dialect)), [])
+    if not wrong:
+        return ""
+    cells = dialect.cells or len(dialect.contents)
+    says = (
+        f"the header holds {len(wrong)} names for {cells} columns ('{wrong[0][:20]}' ... "
+        f"'{wrong[-1][:20]}'), so that none was taken"
+    )
+    if cells == 2 * len(wrong) and dialect.delimiter == ",":
+        says += (
+            "; two columns for each name look like numbers cut in two at their decimal "
+            "comma: export the file with ';' between the columns, or with decimal points"
+        )
+    return says
 
 
 def _whole(lines: Sequence[str]) -> list[str]:
@@ -239,16 +249,30 @@ def changed(
     again = read_header(lines, dialect)
     if again.misfit:
         return again.misfit
-    spoken = [c for c in again.columns if vocabulary.matches(c.name) or units.find(c.unit or "")]
-    if not spoken or 2 * len(spoken) < len([c for c in again.columns if c.name or c.unit]):
+    if not _says_columns(again.columns):
         return None  # a sentence, not a row of names
-    for i in indexes:
-        old, new = columns[i], again.columns[i]
-        named = old.name and new.name and vocabulary.plain(old.name) != vocabulary.plain(new.name)
-        rated = old.unit and new.unit and not units.same(old.unit, new.unit)
-        if named or rated:
-            return f"{_written(new)} where the first says {_written(old)}"
-    return ""
+    pairs = ((columns[i], again.columns[i]) for i in indexes)
+    return next(
+        (
+            f"{_written(new)} where the first says {_written(old)}"
+            for old, new in pairs
+            if _contradicts(old, new)
+        ),
+        "",
+    )
+
+
+def _says_columns(columns: Sequence[Column]) -> bool:
+    """Whether at least half of what stands there is a name or a unit that is known."""
+    known = sum(bool(vocabulary.matches(c.name) or units.find(c.unit or "")) for c in columns)
+    return known > 0 and 2 * known >= sum(bool(c.name or c.unit) for c in columns)
+
+
+def _contradicts(old: Column, new: Column) -> bool:
+    """Whether both have a name, or a unit, and not the same."""
+    named = old.name and new.name and vocabulary.plain(old.name) != vocabulary.plain(new.name)
+    rated = old.unit and new.unit and not units.same(old.unit, new.unit)
+    return bool(named or rated)
 
 
 def _written(column: Column) -> str:
