@@ -311,6 +311,9 @@ def test_a_deck_of_levels_says_where_it_comes_from(target):
         "contact length: 100 mm",
     ):
         assert words in deck, words
+    # elements that follow their nodes
+    follow = target in ("abaqus", "calculix", "lsdyna")
+    assert ("keep the two nodes 10000. mm apart" in deck) == follow
     solver = "not solver-verified" not in deck
     assert solver == (target in ("opensees", "calculix"))
 

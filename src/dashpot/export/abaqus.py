@@ -121,16 +121,19 @@ def _slider(number: int, k: float, slip: float, height: float, mass: float) -> l
 
 
 def slider_remarks(deck: Deck) -> list[str]:
-    """What the header says of the blocks."""
+    """What the header says of the two nodes and the blocks."""
     if not deck.beside.sliders:
-        return []
+        return deck.beside.apart
     return [
+        *deck.beside.apart,
         "a slider is a block of perfectly plastic material in simple shear, which turns by less",
         "than 0.001 rad at the amplitudes tested; a linear step sees its stiffness, no friction",
     ]
 
 
 def _arms(deck: Deck) -> DeckText:
+    free = not deck.beside.parts
+    length = " and only the direction of the axis matters, not its length" * free
     hold = [f"{11 + j}, 2, 3" for j in range(deck.model.arms)]
     return deck.written(
         "**",
@@ -139,7 +142,7 @@ def _arms(deck: Deck) -> DeckText:
         verified=READ if deck.beside.parts else NOT_VERIFIED,
         remarks=[
             "node 1 is the ground side, node 2 the moving side, one inner node in each arm; all",
-            "act along x and only the direction of the axis matters, not its length",
+            f"act along x{length}",
             "inner nodes are massless: for Abaqus/Explicit give each a small *MASS",
             *slider_remarks(deck),
         ],

@@ -82,6 +82,14 @@ class Beside:
         most = self.amplitudes[1] / self.units.length
         return float(10.0 ** np.ceil(np.log10(_APART * most)))
 
+    @property
+    def apart(self) -> list[str]:
+        """What the header says of the two nodes where elements follow them."""
+        if not self.parts:
+            return []
+        far = f"{text(self.span)} {self.units.words[0]}"
+        return [f"keep the two nodes {far} apart: nearer, large motion turns the elements round"]
+
     def curve(self, points: int = _POINTS, *, k: float = 0.0) -> list[tuple[float, float]]:
         r"""Displacement and force of the cubic spring, and of one of `k` with it, from 0 on.
 

@@ -102,6 +102,7 @@ def _arms(deck: Deck) -> DeckText:
         remarks=[
             "fields of nine columns hold five digits or more; each Maxwell arm is one discrete",
             "element, all between nodes 1 (ground side) and 2 (moving side)",
+            *deck.beside.apart,
         ],
     )
 

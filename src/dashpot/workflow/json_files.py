@@ -53,7 +53,7 @@ def read_exported(path: str | Path) -> Fit | LevelFit | HyperelasticFit:
     ReadError
         If it holds something else.
     """
-    found = stored(path, hint=f"; expected {A_FIT}")
+    found = stored(path, hint=f"; expected {A_FIT}, or of FRFs at several levels")
     if isinstance(found, LevelDocument):
         return found.fit
     return found if isinstance(found, HyperelasticFit) else _a_fit(path, found)
