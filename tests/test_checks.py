@@ -1151,6 +1151,9 @@ LEVEL = [
     Case("ways_agree", lambda x: level.ways_agree(-x), 0.0299, 0.0301),
     Case("loss_followed", level.loss_followed, 0.149, 0.151),
     Case("levels_followed", lambda x: level.levels_followed(x * 0.01, 0.01), 1.39, 1.41),
+    Case("levels_as_struck", lambda x: level.levels_as_struck([2.0, x], [2.0, 1.0]), 1.99, 2.01),
+    Case("levels_as_struck", lambda x: level.levels_as_struck([2.0, x], [2.0, 1.0]), 0.51, 0.49),
+    Case("levels_held", lambda x: level.levels_held(["low.csv"] * int(x)), 0, 1),
 ]
 
 CLD = [
@@ -1433,6 +1436,7 @@ LIMITS = {
     "fitting/level": {
         "level_matters": 20, "amplitudes_spread": 3, "softening_seen": 2, "law_followed": 0.03,
         "levels_followed": 1.4, "loss_followed": 0.15, "spring_cubic": 20, "ways_agree": 0.03,
+        "levels_as_struck": 2, "levels_held": 0,
     },
     "fitting/cld": {
         "memory_explains": 0.03, "stroke_within_memory": 1, "relaxed_agrees": 0.05,

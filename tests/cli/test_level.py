@@ -220,23 +220,31 @@ def test_what_cannot_be_is_said(tmp_path, monkeypatch, words, says):
     assert says in ran(*words, code=2)
 
 
-def test_hits_of_different_height_say_for_which_level_they_speak(tmp_path):
-    """Six hits of 1 to 8 in height on a linear seal: no trend, and how small a one was sought."""
-    w, zeta, dt, every = 2 * np.pi * 12.7, 0.03, 1 / 5120, 10
-    x, v, rows = np.zeros(6), np.zeros(6), []
-    for t in np.arange(-0.2, 4.0, dt):
-        force = np.geomspace(0.5, 4.0, 6) * max(np.sin(np.pi * t / 0.012), 0.0) * (0 <= t < 0.012)
+def struck(path, heights):
+    """Hits of these heights, N, on a linear seal, one after the other, with noise."""
+    w, zeta, dt, every = 2 * np.pi * 12.7, 0.03, 1 / 2560, 5
+    x, v, rows = np.zeros(len(heights)), np.zeros(len(heights)), []
+    for t in np.arange(-0.2, 3.0, dt):
+        force = np.asarray(heights) * max(np.sin(np.pi * t / 0.012), 0.0) * (0 <= t < 0.012)
         a = force / 0.1 - 2 * zeta * w * v - w**2 * x
         rows.append((force, a))
         v = v + a * dt
         x = x + v * dt
     count = len(rows) // every * every
     rng = np.random.default_rng(2)
-    force, a = np.array(rows)[:count].reshape(-1, every, 2, 6).mean(axis=1).transpose(1, 2, 0)
+    force, a = (
+        np.array(rows)[:count].reshape(-1, every, 2, len(heights)).mean(axis=1).transpose(1, 2, 0)
+    )
     force, a = force.ravel(), a.ravel() + 0.01 * rng.normal(size=force.size)
     time = every * dt * np.arange(len(force))
     header = "time [s],hammer [N],acceleration 1 [m/s^2]"
-    path = table(tmp_path / "hits.csv", header, time, force + 0.002 * rng.normal(size=len(a)), a)
+    force += 0.002 * rng.normal(size=len(a))
+    return table(path, header, time, force, a)
+
+
+def test_hits_of_different_height_say_for_which_level_they_speak(tmp_path):
+    """Six hits of 1 to 8 in height: no trend, and how small a one was sought."""
+    path = struck(tmp_path / "hits.csv", np.geomspace(0.5, 4.0, 6))
     found = ran(path, "--at", "0.05N", "--at", "2N", "--plot", tmp_path / "hits.svg")
     assert "damping ratio, %" in (tmp_path / "hits.svg").read_text()
     stiffness = found["per_doubling"]["stiffness"]
@@ -246,13 +254,48 @@ def test_hits_of_different_height_say_for_which_level_they_speak(tmp_path):
     assert low < asked["amplitude"] < high < far["amplitude"]
     assert asked["frequency"] == pytest.approx(12.7, rel=0.002)
     # the steady motion of a mass on a spring at its resonance
-    assert asked["receptance"] == pytest.approx(1 / (2 * 0.1 * zeta * w**2), rel=0.1)
+    assert asked["receptance"] == pytest.approx(
+        1 / (2 * 0.1 * 0.03 * (2 * np.pi * 12.7) ** 2), rel=0.1
+    )
     assert [c["passed"] for c in found["checks"] if c["name"] == "level_covered"] == [True, False]
     assert found["verdict"]["use"] == "use with care"
-    assert "--mass belongs to FRFs" in ran(path, "--mass", "0.1kg", code=2)
+    assert "--seals belongs to FRFs" in ran(path, "--seals", "2", code=2)
     read = level_files([path], at=[0.05])
     assert [one.name for one in numbers(read)][:2] == [
         "stiffness per doubling",
         "damping per doubling",
     ]
     assert "Four of five such tests find" in beyond(read)
+
+
+def test_levels_said_of_hits_are_held_against_them(tmp_path):
+    """The soft hits are a twentieth of the hard ones, which would hide them in one record."""
+    soft = struck(tmp_path / "soft.csv", [0.1, 0.11, 0.12])
+    hard = struck(tmp_path / "hard.csv", [2.0, 2.2, 2.4])
+
+    plain = ran(soft, hard)
+    assert len(plain["hits"]) == 6
+    told = ran(soft, hard, "--level", "0.11N", "--level", "2N", "--mass", "100g")
+    assert told["per_doubling"] == plain["per_doubling"]
+    passed = {check["name"]: check["passed"] for check in told["checks"]}
+    assert passed["levels_as_struck"]
+    assert passed["mass_line"]
+    assert told["verdict"]["use"] == plain["verdict"]["use"] == "use"
+    odd = ran(soft, hard, "--level", "2N", "--level", "0.11N", "--mass", "130g")["verdict"]
+    assert odd["because"] == ["levels_as_struck", "mass_line"]
+    assert "belong to each other's files" in odd["says"]
+    assert "2 hammer files and 1 levels" in ran(soft, hard, "--level", "2N", code=2)
+    nothing = ran(soft, hard, "--level", "2N", "--level", "0N", code=2)
+    assert "expected a peak force > 0" in nothing
+
+
+def test_an_frf_of_hits_is_of_no_level(tmp_path):
+    hits = struck(tmp_path / "hits.csv", [1.0, 1.1, 1.2])
+    paths, _ = frfs(tmp_path, (0.05, 0.5))
+    of_hits = tmp_path / "of_hits.csv"
+    write_frf(dp.estimate_frf(dp.read_impact(hits), band="8:20Hz"), of_hits)
+    found = ran(paths[0], of_hits, "--level", "0.05N", "--level", "1N", "--mass", "104g")
+    assert found["verdict"]["because"][0] == "levels_held"
+    says = next(check["says"] for check in found["checks"] if check["name"] == "levels_held")
+    assert "of_hits.csv: of hits" in says
+    assert "not fitted together" in " ".join(ran(paths[0], hits, "--mass", "1kg", code=2).split())

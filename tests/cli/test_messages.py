@@ -64,6 +64,7 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "workflow/job.py": ("fit", "predict", "identify", "report"),
     "workflow/job.py:refuse_several": ("fit", "report"),
     "workflow/part.py": ("predict",),
+    "fitting/level/checks.py": ("level",),
     "workflow/levels.py": ("level",),
     "workflow/cld.py": ("cld",),
     "workflow/checks.py:base_band_informed": ("predict",),

@@ -8,6 +8,7 @@ from kit import levels
 from scipy.optimize import brentq
 
 from dashpot.base.errors import DataError, FitError
+from dashpot.fitting.level.checks import levels_as_struck
 from dashpot.fitting.level.frfs import fit_levels
 from dashpot.fitting.level.loops import sweep_of_loops
 from dashpot.fitting.level.response import resonance_at_level
@@ -247,6 +248,21 @@ def measured(level, f, friction=jenkins, *, noise=0.01, seed=0, kind=Kind.ACCELE
     if kind is Kind.TRANSMISSIBILITY:
         return FRF(f, 1 + MASS * w**2 * H, kind)
     return FRF.of_receptance(f, H, kind=kind)
+
+
+@pytest.mark.parametrize(
+    ("said", "says"),
+    [
+        ([20.0, 2.0], "belong to each other's files"),
+        ([2000.0, 20000.0], "in mN or kN"),
+        ([0.002, 0.02], "in mN or kN"),
+        ([2.0, 50.0], "peak force of its hits"),
+    ],
+)
+def test_levels_that_hits_contradict_are_told_why(said, says):
+    check = levels_as_struck(said, [2.1, 19.0])
+    assert check.failed
+    assert says in check.says
 
 
 F = np.linspace(8, 20, 61)

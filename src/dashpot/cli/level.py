@@ -22,9 +22,9 @@ from dashpot.cli._shell import File, Outcome, reports, write, write_figure
     metavar="FORCE",
     multiple=True,
     help="Of each FRF, in order: amplitude of the force, e.g. 0.05N; of a transmissibility that "
-    "of the base's acceleration, e.g. 1m/s^2.",
+    "of the base's acceleration, e.g. 1m/s^2; of hits their peak force, held against them.",
 )
-@click.option("--mass", type=Quantity("mass"), help="Under those FRFs, e.g. 104g.")
+@click.option("--mass", type=Quantity("mass"), help="Under those FRFs, or struck, e.g. 104g.")
 @options.seals
 @options.compared
 @click.option(

@@ -203,6 +203,11 @@ class FRF(ByValue, Pictured):
         return np.asarray(1j * self.omega + self.shift, dtype=complex)
 
     @property
+    def struck(self) -> bool:
+        """Whether it is known to be of hits: it has them, their window, or their record."""
+        return bool(self.hits) or self.shift != 0 or self.record is not None
+
+    @property
     def unit(self) -> str:
         """The SI unit of `value`."""
         return UNITS[self.kind]

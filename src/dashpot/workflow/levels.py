@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 import dashpot as dp
-from dashpot.base.arrays import FloatArray
+from dashpot.base.arrays import FloatArray, median
 from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Source
-from dashpot.base.units import Quantity
+from dashpot.base.units import Quantity, si
+from dashpot.fitting.level.checks import levels_as_struck
 from dashpot.fitting.level.frfs import fit_levels
 from dashpot.fitting.level.hits import HitLevels, hits_as_levels
 from dashpot.fitting.level.loops import sweep_of_loops
@@ -23,7 +24,7 @@ from dashpot.fitting.level.sweep import fit_amplitude
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.amplitude import read_amplitude
 from dashpot.io.readers.frf import read_frf
-from dashpot.io.readers.impact import read_impact
+from dashpot.io.readers.impact import read_impacts
 from dashpot.io.readers.inspect import inspect_file
 from dashpot.io.source import about
 from dashpot.records.amplitude import AmplitudeFit, AmplitudeSweep
@@ -34,6 +35,7 @@ from dashpot.solids.friction import Jenkins
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.stiffening import Cubic
 from dashpot.vibration.impact.frf_estimation import estimate_frf
+from dashpot.vibration.impact.hits import cut_hits
 from dashpot.workflow.archive import document
 from dashpot.workflow.checks import level_covered
 from dashpot.workflow.level_document import LevelDocument, PeakAtLevel
@@ -135,9 +137,10 @@ def level_files(
         different height.
     levels : sequence of str or float
         Of the FRFs: amplitude of the force, N, one for each file; of transmissibilities that of
-        the base's acceleration, m/s^2.
+        the base's acceleration, m/s^2. Of hammer files: peak force of their hits, N, which is held
+        against the records; these count.
     mass : float, optional
-        Under those FRFs, kg.
+        Under those FRFs, kg; or what was struck, held against the mass that the hits show.
     seals : float
     band : (float, float), optional
         Lines taken, or where the resonance of the hits lies, Hz.
@@ -154,11 +157,12 @@ def level_files(
             raise ReadError("--law is of an amplitude sweep, and FRFs take no law; leave it out")
         return _of_frfs(files, levels, mass=mass, seals=seals, band=band, at=at, options=options)
     struck = all(kind in _HITS for kind in kinds)
+    _refuse_mixture(files, kinds)
     given = [
         flag
         for flag, said in (
-            ("--level", levels),
-            ("--mass", mass is not None),
+            ("--level", levels and not struck),
+            ("--mass", mass is not None and not struck),
             ("--seals", seals != 1),
             ("--band", band is not None and not struck),
             ("--at", at and not struck),
@@ -173,7 +177,7 @@ def level_files(
     if struck:
         if law != "auto":
             raise ReadError("--law is of an amplitude sweep, and hits take no law; leave it out")
-        return _of_hits(files, band=band, at=at, options=options)
+        return _of_hits(files, levels, mass=mass, band=band, at=at, options=options)
     if len(files) > 1:
         raise ReadError("one amplitude sweep at a time; only FRFs of several levels go together")
     record: AmplitudeSweep | RelaxationTest
@@ -187,17 +191,52 @@ def level_files(
     return Levels(found, (), found.checks, (record,))
 
 
+def _refuse_mixture(files: Sequence[str | Path], kinds: Sequence[str]) -> None:
+    """Held and dying motions are not of one fit."""
+    driven, struck = (
+        [Path(path).name for path, kind in zip(files, kinds, strict=True) if kind in which]
+        for which in (_RESPONSES, _HITS)
+    )
+    if driven and struck:
+        raise ReadError(
+            f"{driven[0]} is an FRF and {struck[0]} holds hits, whose motion dies away: its lines "
+            "have no one amplitude, and the two are not fitted together; give the FRFs alone and "
+            "the hits alone, and compare the resonance that each tells at one level (--at)"
+        )
+
+
+def _forces(levels: Sequence[Quantity], files: Sequence[str | Path]) -> list[float]:
+    """Peak forces that are said of hammer files, N."""
+    if levels and len(levels) != len(files):
+        raise ReadError(
+            f"{len(files)} hammer files and {len(levels)} levels; expected the peak force of the "
+            "hits of each file, in their order, or none (--level): hits show how hard they are"
+        )
+    forces = [si(level, "force") for level in levels]
+    if not all(0 < one < np.inf for one in forces):
+        raise ReadError(f"a level of {min(forces):g} N; expected a peak force > 0 (--level)")
+    return forces
+
+
 def _of_hits(
     files: Sequence[str | Path],
+    levels: Sequence[Quantity],
     *,
+    mass: float | None,
     band: tuple[float, float] | None,
     at: Sequence[float],
     options: ReadOptions | None,
 ) -> Levels:
-    tests = read_impact(list(files), options=options)
+    said = _forces(levels, files)
+    tests = read_impacts(list(files), options=options)
     with about(", ".join(Path(path).name for path in files)):
-        frf = estimate_frf(tests, resonance_band=band)
+        frf = estimate_frf(tests, resonance_band=band, mass=mass)
         found = hits_as_levels(frf, band=band)
+    if said:
+        counts = np.cumsum([len(cut_hits([test])) for test in tests])[:-1]
+        peaks_of = np.split(np.array([one.peak for one in frf.hits]), counts)
+        struck = [median(each) for each in peaks_of]
+        found = replace(found, checks=(levels_as_struck(said, struck), *found.checks))
     peaks = []
     for level in at:
         hz, receptance, about_hz, about_receptance = found.resonance(level)

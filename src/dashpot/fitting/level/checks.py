@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
+import numpy as np
+
 from dashpot.base.checks import Finding, criterion
 
 MATTERS = 20.0
@@ -98,6 +102,41 @@ def loss_followed(left: float) -> Finding:
         left,
         ": the law's loss is not this rubber's, and a damping from it is as much off; take the "
         "loss where it was measured",
+    )
+
+
+@criterion("said / struck, a factor", "x/", 2.0, "hits of one intent differ by less")
+def levels_as_struck(said: Sequence[float], struck: Sequence[float]) -> Finding:
+    """Hits were as hard as is said of their files."""
+    off = np.log(np.divide(said, struck))
+    forces, names = (", ".join(f"{one:.3g}" for one in each) for each in (struck, said))
+    within = np.log(2)
+    if np.abs(np.log(np.divide(np.sort(said), np.sort(struck)))).max() <= within:
+        why = "the levels belong to each other's files: give them in the order of the files"
+    elif np.abs(np.abs(off) - np.log(1e3)).max() <= within and abs(off.sum()) > np.abs(off).max():
+        why = "a factor of 1000: is the level, or the force in the files, in mN or kN?"
+    else:
+        why = (
+            "--level of a hammer's file is the peak force of its hits; say that, or leave it out, "
+            "and if it is right look at the unit and the sensitivity of the force"
+        )
+    says = f"the hits show {forces} N (peaks, the median of each file)"
+    return Finding(
+        f"{says} and {names} N are said",
+        float(np.exp(off[np.abs(off).argmax()])),
+        instead=f"{says} where {names} N are said: {why}; the hits themselves count here",
+    )
+
+
+@criterion("FRFs of hits", "<=", 0.0, "their lines have no one amplitude")
+def levels_held(struck: Sequence[str]) -> Finding:
+    """Every FRF is of a motion that was held at a level, not of hits."""
+    return Finding(
+        "no FRF says that it is of hits",
+        len(struck),
+        instead=f"{', '.join(struck)}: of hits, whose motion dies away, so that no line has one "
+        "amplitude and the peak of the force is no level; give the hammer's own records instead "
+        "of their FRF, or FRFs of a shaker at a held level",
     )
 
 

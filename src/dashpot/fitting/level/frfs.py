@@ -17,6 +17,7 @@ from dashpot.fitting.level.checks import (
     amplitudes_spread,
     level_matters,
     levels_followed,
+    levels_held,
 )
 from dashpot.fitting.level.response import stiffness_at, with_third_harmonic
 from dashpot.records.frf import FRF, Kind
@@ -130,6 +131,7 @@ def fit_levels(
         seals,
         tuple(sizes),
         (
+            levels_held([_name(one, i) for i, one in enumerate(frfs, 1) if one.struck]),
             level_matters(
                 gains.get(by) or max(gains[one] for one in get_args(Term)),
                 range_,
@@ -143,6 +145,10 @@ def fit_levels(
         tuple(one for frf in frfs for one in frf.source),
         tuple(gains.items()),
     )
+
+
+def _name(frf: FRF, number: int) -> str:
+    return ", ".join(one.file for one in frf.source) or f"FRF {number}"
 
 
 def _draws(problem: _Problem, K: ComplexArray, best: _Solved, seed: int) -> tuple[Parts, ...]:

@@ -12,7 +12,12 @@ from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source
 from dashpot.records.frf import FRF
 from dashpot.vibration.impact.amplitude import Line, Trend, trend_of_hits
-from dashpot.vibration.impact.checks import amplitude_linear, hits_enough, softening_detectable
+from dashpot.vibration.impact.checks import (
+    amplitude_linear,
+    hits_enough,
+    mass_line,
+    softening_detectable,
+)
 
 _ROUNDS = 20
 
@@ -142,7 +147,12 @@ def hits_as_levels(frf: FRF, *, band: tuple[float, float] | None = None) -> HitL
             f"{told} hits whose resonance is told, and too few or too alike in height; expected "
             "four or more, from soft to hard"
         )
-    checks = (hits_enough(frf), amplitude_linear(trend, modes[0]), softening_detectable(trend))
+    checks = (
+        *(check for check in frf.checks if check.name == mass_line.name),
+        hits_enough(frf),
+        amplitude_linear(trend, modes[0]),
+        softening_detectable(trend),
+    )
     return HitLevels(frf, trend, checks)
 
 

@@ -50,6 +50,21 @@ def hits_in(
     paths: str | Path | Sequence[str | Path], options: ReadOptions, want: str
 ) -> ImpactTest:
     """Return the impact test in files, refusing any other with what the command wants."""
+    tests = read_impacts(paths, options=options, want=want)
+    return tests[0] if len(tests) == 1 else _joined(tests)
+
+
+def read_impacts(
+    paths: str | Path | Sequence[str | Path],
+    *,
+    options: ReadOptions | None = None,
+    want: str = HITS,
+) -> list[ImpactTest]:
+    """Return the impact test in each of several files of one set-up, as `read_impact` reads them.
+
+    What is a hit is then judged by the hardest of its own file.
+    """
+    options = options or ReadOptions()
     listed = [paths] if isinstance(paths, str | Path) else list(paths)
     if not listed:
         raise ReadError("no impact file given")
@@ -59,8 +74,6 @@ def hits_in(
             "loadings; leave the cycle out"
         )
     tests = [_one(path, options, want) for path in listed]
-    if len(tests) == 1:
-        return tests[0]
     _refuse_copies(tests, listed)
     names = tests[0].channels
     for test, path in zip(tests, listed, strict=True):
@@ -74,7 +87,7 @@ def hits_in(
                 f"{path} is sampled at {test.rate:.6g} Hz, but {listed[0]} at "
                 f"{tests[0].rate:.6g} Hz; give files of one rate together"
             )
-    return _joined(tests)
+    return tests
 
 
 def _refuse_copies(tests: Sequence[ImpactTest], listed: Sequence[str | Path]) -> None:
