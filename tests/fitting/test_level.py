@@ -164,6 +164,24 @@ class TestSweep:
         assert found.law == "cubic"
         assert [check.name for check in found.checks if check.failed] == ["spring_cubic"]
 
+    @pytest.mark.parametrize(("friction", "least"), [(0.0, 0.002), (150.0, 0.02)])
+    def test_a_spring_that_is_not_seen_lies_below_its_bound(self, friction, least):
+        Xs = np.geomspace(1e-4, 6e-3, 24)
+        K = 400 + 30j + friction * (payne(Xs, d=1.0, X_c=8e-4) - 1)
+        added = 0.75 * (Xs / Xs.max()) ** 2
+        for seed in range(2):
+            for part in (least, -least):
+                k3 = part * 400
+                found = fit_amplitude(
+                    sweep(K + k3 * added, Xs, noise=0.003, seed=seed, unit="N/m", of="m")
+                )
+                unseen = found.k3_unseen * Xs.max() ** 2
+                assert abs(k3) < unseen < 6 * abs(k3)
+                assert "no cubic spring is seen: one of up to" in " ".join(found.described)
+        found = fit_amplitude(sweep(K + 80 * added, Xs, noise=0.003, unit="N/m", of="m"))
+        assert found.k3 > 0
+        assert found.k3_unseen == 0
+
     @pytest.mark.parametrize("slip", [1e-4, 1e-3, 4e-3])
     def test_friction_that_is_not_the_laws_is_no_spring(self, slip):
         Xs = np.geomspace(1e-4, 6e-3, 12)

@@ -145,6 +145,8 @@ class AmplitudeFit(ByValue, Described):
     source : Source or None
     k3 : float
         Of the cubic spring, in `unit` per square of `of`; 0 where there is none.
+    k3_unseen : float
+        Where there is none: size up to which one stays unseen beside the law, 95 %; else 0.
     """
 
     law: str
@@ -164,6 +166,7 @@ class AmplitudeFit(ByValue, Described):
     checks: tuple[Check, ...] = ()
     source: Source | None = None
     k3: float = 0.0
+    k3_unseen: float = 0.0
 
     @property
     def verdict(self) -> Verdict:
@@ -198,6 +201,13 @@ class AmplitudeFit(ByValue, Described):
             lines.append(
                 f"cubic spring: k3 = {self.k3:.4g} +- {error['k3']:.2g} {per}, which {way} by "
                 f"{most:.3g} {unit} at the largest amplitude"
+            )
+        if self.k3_unseen:
+            share = 0.75 * self.k3_unseen * self.amplitudes[1] ** 2
+            part = share / float(np.abs(self.stiffness(self.amplitudes[1])))
+            lines.append(
+                f"no cubic spring is seen: one of up to {size * share:.2g} {unit} "
+                f"({100 * part:.2g} %) at the largest amplitude would not be"
             )
         lines.append(
             f"leaves {100 * self.residual:.2g} % rms from {low:.3g} to {high:.3g} {of}; "

@@ -112,6 +112,7 @@ class Levels:
                     )
                 ],
                 **_numbers(fit),
+                "k3_unseen": fit.k3_unseen,
                 "orders": dict(fit.orders),
             }
         return document(LevelDocument.of(fit, self.checks, self.at))

@@ -32,6 +32,7 @@ _WORDS = {
 }
 _PARTED = 2.0
 """Difference of BIC below which two laws are not told apart (Kass and Raftery 1995)."""
+_95 = 1.96
 _STRAY = 5.0
 """A leading sample so many robust SD off is of an instrument that is not yet in its range."""
 
@@ -117,7 +118,16 @@ def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
         tuple(checks),
         sweep.source,
         best.numbers.get("k3", 0.0),
+        0.0 if "k3" in best.numbers else _unseen(sweep, best),
     )
+
+
+def _unseen(sweep: AmplitudeSweep, best: Fitted) -> float:
+    """Size of a cubic spring that might stand beside a law that has none, 95 %."""
+    law = "cubic" if best.law == "none" else f"{best.law}+cubic"
+    held = best.numbers.get("exponent") if best.se.get("exponent") == 0 else None
+    beside = fitted(sweep, law, held)
+    return abs(beside.numbers["k3"]) + _95 * beside.se["k3"]
 
 
 def _ranked(sweep: AmplitudeSweep, law: str) -> list[Fitted]:
