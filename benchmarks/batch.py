@@ -188,9 +188,12 @@ def by_command(folder: str, _how: dict[str, Any]) -> int:
     from dashpot.cli import main as dashpot
 
     quick = ("--arms", "1", "--method", "hold", "--quick")
-    with TemporaryDirectory() as output, suppress(SystemExit), redirect_stdout(StringIO()):
-        dashpot(["batch", folder, "-o", output, *quick])
-    return 0
+    with TemporaryDirectory() as output, redirect_stdout(StringIO()):
+        with suppress(SystemExit):
+            dashpot(["batch", folder, "-o", output, *quick])
+        if not (Path(output) / "lot.html").exists():
+            raise SystemExit("the command ended before its page was there")
+        return len(dp.Lot.read(output).table)
 
 
 def by_quiet_cluster(folder: str, how: dict[str, Any]) -> int:
