@@ -1268,13 +1268,13 @@ WORKFLOW = [
     ),
     Case(
         "level_covered",
-        lambda x: workflow.level_covered(2e-3 * x, (1e-3, 2e-3), level=1.0),
+        lambda x: workflow.level_covered(2e-3 * x, (1e-3, 2e-3), at="1 N"),
         0.999,
         1.001,
     ),
     Case(
         "level_covered",
-        lambda x: workflow.level_covered(1e-3 / x, (1e-3, 2e-3), level=1.0),
+        lambda x: workflow.level_covered(1e-3 / x, (1e-3, 2e-3), at="1 N"),
         0.999,
         1.001,
     ),

@@ -10,8 +10,8 @@ def option(default: Any, help: str | None = None, **how: Any) -> Any:
     """Return a dataclass's field that says how users are asked for it.
 
     `how` holds ``metavar`` and ``multiple`` as click knows them; ``unit``, the dimension of a
-    quantity; ``choices``; ``least``, of a whole number; ``parse``, from what click passes on to
-    what the noun takes; ``flag``, the option's name where it is not the field's.
+    quantity; ``choices``; ``least``, of a whole number; ``above``, of any; ``parse``, from what
+    click passes on to what the noun takes; ``flag``, the option's name where it is not the field's.
     """
     return field(default=default, metadata={"help": help, **how})
 

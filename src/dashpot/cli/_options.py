@@ -173,6 +173,8 @@ def _type(one: Field[Any]) -> click.ParamType[Any] | None:
         return click.Choice(asked["choices"])
     if asked.get("metavar") == "FILE":
         return File()
+    if "above" in asked:
+        return click.FloatRange(asked["above"], min_open=True)
     return click.IntRange(asked["least"]) if "least" in asked else None
 
 
@@ -228,6 +230,13 @@ def part(function: Callable[..., T]) -> Callable[..., T]:
     from dashpot.workflow.part import PartChoices
 
     return filled(PartChoices, "part")(function)
+
+
+def at_level(function: Callable[..., T]) -> Callable[..., T]:
+    """Give a command the options of a level and its sweep; it receives one ``at_level``."""
+    from dashpot.workflow.at_level import LevelChoices
+
+    return filled(LevelChoices, "at_level")(function)
 
 
 method = click.option(

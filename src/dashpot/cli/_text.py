@@ -431,6 +431,7 @@ def prediction(found: Prediction, *, mass: float, seals: float) -> Text:
         lines += _shaken(shaken)
     if found.at_edge:
         lines.append(f"  that is the end of the band, and no peak{_wider(found.modes)}")
+    lines += _at_levels(found)
     for mode in found.modes:
         ratio = f"{100 * mode.damping_ratio:.4g} %"
         lines.append(f"  mode  {mode.frequency:.6g} Hz, damping ratio {ratio}")
@@ -439,6 +440,40 @@ def prediction(found: Prediction, *, mass: float, seals: float) -> Text:
     if found.limits is not None:
         lines.append(f"  {ascii_only(found.limits.peak_says)}")
     return Text(lines)
+
+
+def _at_levels(found: Prediction) -> list[str]:
+    """The resonance at each level, and what the first and the last make of it."""
+    if not found.levels:
+        return []
+    of = found.levels[0]
+    rows = [
+        [f"level, {of.unit}", "peak, Hz", "between", found.frf.unit or "height", "between", "moved"]
+    ]
+    for one in found.levels:
+        moved = f"{1e3 * one.amplitude:.3g} mm"
+        if one.strain is not None:
+            moved += f", {100 * one.strain:.3g} %"
+        rows.append(
+            [
+                f"{one.level:.4g}",
+                f"{one.frequency:.5g}",
+                "{:.5g} to {:.5g}".format(*one.frequency_between),
+                f"{one.value:.4g}",
+                "{:.4g} to {:.4g}".format(*one.value_between),
+                moved,
+            ]
+        )
+    swept = found.document["sweep"]
+    listed = " or ".join(f"{one:.3g}" for one in swept["strain_factors"])
+    says = f"  {' or '.join(swept['laws'])} law of the sweep"
+    if of.strain is not None:
+        says += f", its strain {listed} of X/height"
+    last = found.levels[-1]
+    if last is not of:
+        change = 100 * (last.frequency / of.frequency - 1)
+        says += f"; from first to last the peak moves by {change:+.3g} %"
+    return [*table(rows), says]
 
 
 def _shaken(found: Mapping[str, Any]) -> list[str]:

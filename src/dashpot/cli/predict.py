@@ -61,6 +61,7 @@ from dashpot.cli._shell import File, Outcome, grams, reports, typed, write, writ
 @options.overwrite
 @reports
 @options.part
+@options.at_level
 @options.machine
 @options.reading
 def command(
@@ -72,7 +73,8 @@ def command(
     (--base); with the record that was fitted (--with) so does the bound over unresolved arms.
 
     Of a material's modulus (a DMA sweep, a master curve) a shape makes a part; one measured
-    resonance (--resonance 85Hz --resonance-mass 150g) tells the geometry of all that follow.
+    resonance (--resonance 85Hz --resonance-mass 150g) tells the geometry of all that follow. An
+    amplitude sweep of it (--sweep) tells the resonance at a level.
 
     \b
     dashpot predict fit.json --mass 104g --seals 2
@@ -82,6 +84,8 @@ def command(
     dashpot predict fit.json --mass 104g --seals 2 --with seal_8mm.csv --plot frf.png
     dashpot predict moving.json --mass 104g --seals 2 --temperature -10degC
     dashpot predict dma.json --disc 20mm,20mm --mass 400g --seals 2 --base
+    dashpot predict dma.json --disc 20mm,20mm --mass 400g --seals 2 --base --sweep strain.csv
+        --level 0.5m/s^2 --level 5m/s^2
     """
     fitted = workflow.read_fit(fit)
     base = base or choices["base_psd"] is not None
@@ -91,6 +95,8 @@ def command(
         choices["kind"] = over[motion]
     elif motion == "relative":
         raise click.UsageError("--motion relative is of the mass over a base: add --base")
+    if output and len(choices["at_level"].levels) > 1:
+        raise click.UsageError("-o holds the FRF at one level: ask one --level, or leave -o out")
     found = workflow.predict_files(fitted, **choices)
     if picture:
         named = dp.plot.stamp(
@@ -98,16 +104,21 @@ def command(
         )
         drawn = dp.plot.frf(
             found.frf,
-            labels=("predicted",),
+            *(one.frf for one in found.levels),
+            labels=(
+                "predicted at a vanishing level" if found.levels else "predicted",
+                *(f"at {one.level:.4g} {one.unit}" for one in found.levels),
+            ),
             band=found.limits,
             interval=found.interval,
+            ordered=bool(found.levels),
             stamp=named,
         )
         write_figure(picture, drawn)
     if output:
         from dashpot.io.write import write_frf
 
-        write(output, write_frf(found.frf))
+        write(output, write_frf(found.levels[0].frf if found.levels else found.frf))
     text = _text.prediction(found, mass=choices["mass"], seals=choices["seals"])
     return Outcome(
         found.document,

@@ -32,6 +32,7 @@ from dashpot.plot.picture import (
     joint_pen,
 )
 from dashpot.plot.stamps import of_frf
+from dashpot.plot.tokens import sequential
 from dashpot.records.bounds import FRFBounds
 from dashpot.records.frf import FRF, Kind
 from dashpot.vibration.comparison.comparison import Comparison
@@ -106,6 +107,7 @@ def frf(
     labels: Sequence[str] = (),
     band: FRFBounds | None = None,
     interval: tuple[FloatArray, FloatArray] | None = None,
+    ordered: bool = False,
     stamp: str = "",
 ) -> Picture:
     """One or several FRFs of one kind: magnitude, phase, and the coherence of the first.
@@ -124,12 +126,18 @@ def frf(
     interval : (array, array), optional
         Lines, Hz, and limits by standard errors alone, where no band is known: of the accelerance,
         1/kg, or of a transmissibility where that is drawn.
+    ordered : bool
+        The others rise, in level or temperature: from blue to red.
     stamp : str
         What the figure says of its origin; by default the files of the first FRF.
     """
     same = [measured, *(other.to(measured.kind) for other in others)]
     names = [*labels, *[""] * (len(same) - len(labels))]
-    pens = PENS if measured.averages > 0 else (PREDICTED, *PENS[2:], MEASURED)
+    pens: tuple[Pen, ...] = PENS
+    if measured.averages == 0:
+        pens = (PREDICTED, *PENS[2:], MEASURED)
+    if ordered:
+        pens = (pens[0], *(Pen(colour, 2.0) for colour in sequential(len(others))))
     curves = [
         Curve(one, name, pens[i % len(pens)])
         for i, (one, name) in enumerate(zip(same, names, strict=True))

@@ -15,7 +15,9 @@ from dashpot.base.offered import Described
 from dashpot.base.provenance import Source, of_file
 from dashpot.records.specimen import Specimen
 from dashpot.solids.friction import Kraus
-from dashpot.solids.softening import softened
+from dashpot.solids.maxwell import Solid
+from dashpot.solids.rate_independent import AmplitudeDependent, InParallel
+from dashpot.solids.softening import Softening, softened
 from dashpot.solids.stiffening import Cubic
 
 
@@ -234,6 +236,27 @@ class AmplitudeFit(ByValue, Described):
             change = softened(X, 1.0, self.half_way, self.exponent) - 1
             found = found + self.lost * change / linear
         return np.asarray(found + 0.75 * self.k3 * X**2 / linear)
+
+    def beside(
+        self, solid: Solid, scale: float = 1.0, *, stretch: float = 1.0
+    ) -> AmplitudeDependent | None:
+        """What stands beside a solid that knows of no amplitude; None where none matters.
+
+        Parameters
+        ----------
+        solid : Solid
+            N/m, at a vanishing amplitude.
+        scale, stretch : float
+            As in `element`.
+        """
+        kraus, parts = self.law.partition("+")[0], list[AmplitudeDependent]()
+        if kraus == "factor":
+            parts.append(Softening(solid, self.lost, self.half_way * stretch, self.exponent))
+        elif kraus == "additive":
+            parts.append(self.element(scale, stretch=stretch))
+        if self.k3:
+            parts.append(self.spring(scale, stretch=stretch))
+        return InParallel(tuple(parts)) if parts else None
 
     def spring(self, scale: float = 1.0, *, stretch: float = 1.0) -> Cubic:
         """The cubic spring as an element beside a solid; scale and stretch as in `element`."""

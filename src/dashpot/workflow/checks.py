@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from dashpot.base.capability import Capability
 from dashpot.base.checks import Finding, criterion
+from dashpot.base.numbers import READ_IN
 from dashpot.records.frf import Mode
 
 LISTED = 20
@@ -76,16 +77,22 @@ def families_predict_alike(own: Mode | None, other: Mode | None) -> Finding:
 
 
 @criterion("distance from the range, a factor", "<=", 1.0, "the amplitudes of the tests")
-def level_covered(amplitude: float, tested: tuple[float, float], *, level: float) -> Finding:
+def level_covered(
+    amplitude: float, tested: tuple[float, float], *, at: str, of: str = "m"
+) -> Finding:
     """At the level asked for the seal moves as far as it did in a test."""
+    scale, unit = READ_IN[of]
     low, high = tested
     factor = max(amplitude / high, low / amplitude)
-    says = f"at {level:.4g} N the seal moves {1e3 * amplitude:.3g} mm"
+    says = (
+        f"at {at} the seal {'moves' if of == 'm' else 'is moved by'} {scale * amplitude:.3g} {unit}"
+    )
+    range_ = f"{scale * low:.3g} to {scale * high:.3g} {unit} of the tests"
     return Finding(
-        f"{says}, within the {1e3 * low:.3g} to {1e3 * high:.3g} mm of the tests",
+        f"{says}, within the {range_}",
         factor,
-        instead=f"{says}, {factor:.3g} times beyond the {1e3 * low:.3g} to {1e3 * high:.3g} mm of "
-        "the tests: what slips there nobody has measured; test at that level",
+        instead=f"{says}, {factor:.3g} times beyond the {range_}: what slips there nobody has "
+        "measured; test at that level",
     )
 
 

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-import dashpot as dp
 from dashpot.base.arrays import FloatArray, median
 from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.errors import ReadError
@@ -18,11 +17,8 @@ from dashpot.base.units import Quantity, si
 from dashpot.fitting.level.checks import levels_as_struck
 from dashpot.fitting.level.frfs import fit_levels
 from dashpot.fitting.level.hits import HitLevels, hits_as_levels
-from dashpot.fitting.level.loops import sweep_of_loops
 from dashpot.fitting.level.response import resonance_at_level
-from dashpot.fitting.level.sweep import fit_amplitude
 from dashpot.io.options import ReadOptions
-from dashpot.io.readers.amplitude import read_amplitude
 from dashpot.io.readers.frf import read_frf
 from dashpot.io.readers.impact import read_impacts
 from dashpot.io.readers.inspect import inspect_file
@@ -37,13 +33,9 @@ from dashpot.solids.stiffening import Cubic
 from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.vibration.impact.hits import cut_hits
 from dashpot.workflow.archive import document
+from dashpot.workflow.at_level import HITS, RESPONSES, amplitude_file
 from dashpot.workflow.checks import level_covered
 from dashpot.workflow.level_document import LevelDocument, PeakAtLevel
-
-_RESPONSES = ("frf", "transmissibility")
-_HITS = ("impact",)
-_LOOPS = ("cyclic", "cld", "relaxation", "creep")
-"""What a record of time, displacement and force is taken for; here it is one of loops."""
 
 
 @dataclass(frozen=True)
@@ -153,11 +145,11 @@ def level_files(
         What the user said of the files.
     """
     kinds = [inspect_file(path, options=options).kind for path in files]
-    if all(kind in _RESPONSES for kind in kinds):
+    if all(kind in RESPONSES for kind in kinds):
         if law != "auto":
             raise ReadError("--law is of an amplitude sweep, and FRFs take no law; leave it out")
         return _of_frfs(files, levels, mass=mass, seals=seals, band=band, at=at, options=options)
-    struck = all(kind in _HITS for kind in kinds)
+    struck = all(kind in HITS for kind in kinds)
     _refuse_mixture(files, kinds)
     given = [
         flag
@@ -181,14 +173,7 @@ def level_files(
         return _of_hits(files, levels, mass=mass, band=band, at=at, options=options)
     if len(files) > 1:
         raise ReadError("one amplitude sweep at a time; only FRFs of several levels go together")
-    record: AmplitudeSweep | RelaxationTest
-    if kinds[0] in _LOOPS:
-        record = dp.read_relaxation(files[0], options=options)
-    else:
-        record = read_amplitude(files[0], options=options)
-    with about(Path(files[0]).name):
-        swept = sweep_of_loops(record) if isinstance(record, RelaxationTest) else record
-        found = fit_amplitude(swept, law=law)
+    found, _, record = amplitude_file(files[0], kinds[0], law=law, options=options)
     return Levels(found, (), found.checks, (record,))
 
 
@@ -196,7 +181,7 @@ def _refuse_mixture(files: Sequence[str | Path], kinds: Sequence[str]) -> None:
     """Held and dying motions are not of one fit."""
     driven, struck = (
         [Path(path).name for path, kind in zip(files, kinds, strict=True) if kind in which]
-        for which in (_RESPONSES, _HITS)
+        for which in (RESPONSES, HITS)
     )
     if driven and struck:
         raise ReadError(
@@ -245,7 +230,7 @@ def _of_hits(
             PeakAtLevel(level, hz, receptance, about_hz, about_receptance, level * receptance)
         )
     covered = tuple(
-        level_covered(one.amplitude, found.amplitudes, level=one.level) for one in peaks
+        level_covered(one.amplitude, found.amplitudes, at=f"{one.level:.4g} N") for one in peaks
     )
     return Levels(found, tuple(peaks), (*found.checks, *covered), (frf,))
 
@@ -276,7 +261,7 @@ def _of_frfs(
     found = fit_levels(frfs, levels, mass=mass, seals=seals, band=band)
     peaks = tuple(_peak(found, level) for level in at)
     covered = tuple(
-        level_covered(one.amplitude, found.amplitudes, level=one.level) for one in peaks
+        level_covered(one.amplitude, found.amplitudes, at=f"{one.level:.4g} N") for one in peaks
     )
     return Levels(found, peaks, (*found.checks, *covered), tuple(frfs))
 

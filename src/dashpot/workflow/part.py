@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, fields
 from typing import Literal, get_args, overload
 
@@ -9,6 +10,7 @@ from dashpot.base.errors import DataError
 from dashpot.base.options import option
 from dashpot.base.units import si
 from dashpot.records.fit import Fit
+from dashpot.solids.maxwell import Solid
 from dashpot.solids.part import Block, Bulb, Bush, Disc, Geometry, Mode
 from dashpot.vibration.systems.prediction import geometry_factor
 
@@ -35,8 +37,26 @@ class PartChoices:
     )
     resonance_mass: float | None = option(None, "On the parts at that peak.", unit="mass")
 
-    def applied(self, fit: Fit, *, seals: float, base: bool) -> Fit:
+    @property
+    def height(self) -> float | None:
+        """Of a pad, m; None of what has none, or where no shape is given."""
+        shape = next(
+            (pad(flag, lengths) for flag in _SHAPES if (lengths := getattr(self, flag))), None
+        )
+        return shape.height if isinstance(shape, Disc | Block) else None
+
+    def applied(
+        self,
+        fit: Fit,
+        *,
+        seals: float,
+        base: bool,
+        peak: Callable[[Solid, float, float], float] | None = None,
+    ) -> Fit:
         """The fit of one of `seals` such parts; the fit itself where nothing is said.
+
+        `peak`, of a solid, its factor and a mass, is the resonance at the level at which that of
+        the user was measured.
 
         Raises
         ------
@@ -78,9 +98,15 @@ class PartChoices:
         factor = geometry_factor(
             fit.solid, mass=self.resonance_mass, peak=self.resonance, kind=kind
         )
+        if peak is not None:
+            for _ in range(_ROUNDS):
+                found = peak(factor * fit.solid, factor, self.resonance_mass)
+                factor *= (self.resonance / found) ** 2
         return fit.as_part(factor / seals)
 
 
+_ROUNDS = 6
+"""To a factor whose resonance at a level is the measured one: each leaves a tenth at most."""
 _SHAPES: dict[str, type[Disc | Block | Bush | Bulb]] = {
     "disc": Disc, "block": Block, "bush": Bush, "bulb": Bulb,
 }  # fmt: skip

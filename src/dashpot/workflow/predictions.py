@@ -30,6 +30,7 @@ from dashpot.vibration.systems.prediction import (
     predict_frf,
 )
 from dashpot.vibration.systems.random_base import random_base, random_limits
+from dashpot.workflow.at_level import AtLevel, LevelChoices, SweptPart, level_of, swept_part
 from dashpot.workflow.checks import base_band_informed, prediction_informed
 from dashpot.workflow.job import known_of_a_test
 from dashpot.workflow.part import PartChoices
@@ -71,6 +72,8 @@ class Prediction:
         ``dashpot/prediction@1``.
     of_part : bool
         Of a part of a material, not of the fit itself.
+    levels : tuple of AtLevel
+        The resonance at each level that was asked for; all else is of a vanishing one.
     """
 
     frf: FRF
@@ -83,6 +86,7 @@ class Prediction:
     at_rest: AtRest
     document: dict[str, Any]
     of_part: bool = False
+    levels: tuple[AtLevel, ...] = ()
 
     @property
     def interval(self) -> tuple[FloatArray, FloatArray]:
@@ -104,6 +108,7 @@ def predict_files(
     compression: float | None = None,
     temperature: float | None = None,
     part: PartChoices | None = None,
+    at_level: LevelChoices | None = None,
     machine: Machine | None = None,
     options: ReadOptions | None = None,
     base_psd: str | None = None,
@@ -129,6 +134,8 @@ def predict_files(
         K; by default that of the fit's solid.
     part : PartChoices, optional
         The geometry of a part, where the fit is of a material's modulus.
+    at_level : LevelChoices, optional
+        How far the part is moved, and the sweep that tells what this does.
     machine : Machine, optional
         What is known of the machine of those tests.
     options : ReadOptions, optional
@@ -145,18 +152,28 @@ def predict_files(
     moving, noted = moving_mass(mass, seal=seal_mass or 0.0, seals=seals)
     here = found if temperature is None else found.at_temperature(temperature)
     of_part = part is not None and part != PartChoices()
+    asked_kind, scale = Kind(kind), seals
+    swept = swept_part(
+        at_level or LevelChoices(),
+        unit=found.unit,
+        height=None if part is None else part.height,
+        options=options,
+    )
     if part is not None and of_part:
         if records:
             raise DataError(
                 "a record (--with) bounds the part that was tested, not another of its material: "
                 "leave it or the geometry out"
             )
-        base = Kind(kind).over_base
-        here = found = part.applied(here, seals=seals, base=base)
+        base, material = asked_kind.over_base, here.solid
+        here = found = part.applied(
+            here, seals=seals, base=base, peak=_measured_at(swept, at_level, asked_kind)
+        )
+        scale *= float(abs(here.solid.complex_stiffness(1.0) / material.complex_stiffness(1.0)))
     rests = at_rest(here, mass=moving, seals=seals, compression=compression)
     solid = seals * rests.point.solid(here)
     # over a base, mounts that weigh something couple the mass to it
-    coupled = entrained(seal_mass, seals) if Kind(kind).over_base else 0.0
+    coupled = entrained(seal_mass, seals) if asked_kind.over_base else 0.0
 
     def answer(frequency: FloatArray) -> FRF:
         frf = predict_frf(solid, mass=moving, frequency=frequency, kind=kind)
@@ -209,6 +226,20 @@ def predict_files(
             here, limits, rests.point, mass=moving, seals=seals, frf=frf, coupled=coupled
         ),
     }
+    levels: tuple[AtLevel, ...] = ()
+    if swept is not None and at_level is not None:
+        levels = swept.at(
+            solid,
+            [level_of(word, asked_kind) for word in at_level.levels],
+            scale=scale,
+            mass=moving,
+            kind=asked_kind,
+            about=modes[0].frequency if modes else peak[0],
+            frequency=frf.frequency[frf.frequency > 0],
+            coupled=coupled,
+        )
+        document["levels"] = [one.document for one in levels]
+        document["sweep"] = swept.document
     if frf.kind is Kind.TRANSMISSIBILITY:
         if base_psd is not None:
             document["random"] = _shaken(
@@ -229,10 +260,29 @@ def predict_files(
         informed.append(base_band_informed(band, felt, here.band))
     # a mass in a wrong unit first; then a solid that is not known at the peak, before what else
     # its fit lacks
-    checks = (*rested, *informed, *found.checks, *asked, noted, *told)
+    moved = () if swept is None else (*swept.covered(levels), *swept.checks)
+    checks = (*rested, *informed, *moved, *found.checks, *asked, noted, *told)
     judged = verdict(checks, sound=found.verdict.says)
     document["verdict"] = judged.document
-    return Prediction(frf, modes, peak, at_edge, limits, checks, judged, rests, document, of_part)
+    return Prediction(
+        frf, modes, peak, at_edge, limits, checks, judged, rests, document, of_part, levels
+    )
+
+
+def _measured_at(
+    swept: SweptPart | None, choices: LevelChoices | None, kind: Kind
+) -> Callable[[Solid, float, float], float] | None:
+    """The resonance of a mass at the level at which that of the user was measured."""
+    if choices is None or choices.resonance_level is None or swept is None:
+        return None
+    level = level_of(choices.resonance_level, kind)
+
+    def peak(solid: Solid, factor: float, mass: float) -> float:
+        about = model_modes(solid, mass)[0].frequency
+        how = {"scale": factor, "mass": mass, "level": level, "kind": kind}
+        return swept.peak(solid, swept.law, swept.factors[0], about=about, **how)[0]
+
+    return peak
 
 
 def _shaken(

@@ -10,10 +10,7 @@ from dashpot.records.frf import FRF, Kind
 from dashpot.records.level import LevelFit, Parts
 from dashpot.solids.rate_independent import InParallel
 from dashpot.solids.stiffening import Cubic
-from dashpot.vibration.systems.bodies import Mount, point_mass
-from dashpot.vibration.systems.level import response_at_level
-from dashpot.vibration.systems.prediction import predict_frf
-from dashpot.vibration.systems.system import System
+from dashpot.vibration.systems.level import mass_at_level
 
 _LINES = 121
 _AMPLITUDES = 80
@@ -32,13 +29,16 @@ def receptance_at_level(found: LevelFit, level: float, frequency: FloatArray) ->
         Hz, rising: where the resonance folds, what a sweep upwards shows.
     """
     solid = found.seals * found.solid
-    if not found.beside:
-        return predict_frf(solid, mass=found.mass, frequency=frequency, kind=Kind.RECEPTANCE)
-    mount = Mount(solid, ("mass", "ground"), friction=found.seals * InParallel(found.beside))
-    system = System((point_mass("mass", found.mass),), (mount,))
-    return response_at_level(
-        system, response="mass.z", force="mass.z", level=level, frequency=frequency
-    ).frf(Kind.RECEPTANCE)
+    beside = found.seals * InParallel(found.beside) if found.beside else None
+    frf, _ = mass_at_level(
+        solid,
+        beside,
+        mass=found.mass,
+        level=level,
+        frequency=frequency,
+        kind=Kind.RECEPTANCE,
+    )
+    return frf
 
 
 def resonance_at_level(

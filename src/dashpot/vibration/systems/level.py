@@ -5,6 +5,7 @@ By harmonic balance (``dashpot.vibration.systems.harmonic_balance``).
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,8 +15,9 @@ from dashpot.base.arrays import BoolArray, ByValue, ComplexArray, FloatArray, fr
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, si
 from dashpot.records.frf import FRF, Kind
+from dashpot.solids.maxwell import Solid
 from dashpot.solids.rate_independent import AmplitudeDependent
-from dashpot.vibration.systems.bodies import Point
+from dashpot.vibration.systems.bodies import Mount, Point, point_mass
 from dashpot.vibration.systems.complex_modes import newton_modes
 from dashpot.vibration.systems.harmonic_balance import (
     Rest,
@@ -140,6 +142,86 @@ def response_at_level(
     return LevelResponse(
         f, levels, np.array(motions), np.array(stretch).T, np.array(stable), np.array(share)
     )
+
+
+def mass_at_level(
+    solid: Solid,
+    beside: AmplitudeDependent | None,
+    *,
+    mass: float,
+    level: float,
+    frequency: FloatArray,
+    kind: Kind | str = Kind.ACCELERANCE,
+) -> tuple[FRF, FloatArray]:
+    r"""FRF of a rigid mass at a level, by one harmonic, and the stretch of what carries it, m.
+
+    .. math:: |K^*(\omega, X) - m\omega^2|\,X = F, \qquad F = m a
+
+    over a base that moves with the acceleration a, X being the motion relative to it.
+
+    Parameters
+    ----------
+    solid : Solid
+        All that carries the mass, N/m, at a vanishing amplitude.
+    beside : AmplitudeDependent or None
+        What amplitude changes of it.
+    mass : float
+        kg.
+    level : float
+        Amplitude of the force, N; for a transmissibility of the base's acceleration, m/s^2.
+    frequency : array, shape (n,)
+        Hz, rising: where the resonance folds, what a sweep upwards shows.
+    kind : Kind or str
+    """
+    omega = 2 * np.pi * frequency
+    kind = Kind(kind)
+    K, inertia = solid.complex_stiffness(omega), mass * omega**2
+    force = mass * level if kind.over_base else level
+    X = force / np.abs(K - inertia)
+    if beside is not None:
+        stretch = _stretch(lambda X: K + beside.equivalent(omega, X), inertia, force)
+        if stretch is None:  # it folds: what a sweep upwards shows
+            mount = Mount(solid, ("mass", "ground"), friction=beside)
+            stretch = response_at_level(
+                System((point_mass("mass", mass),), (mount,)),
+                response="mass.z",
+                force="mass.z",
+                level=force,
+                frequency=frequency,
+            ).stretch[0]
+        X = stretch
+        K = K + beside.equivalent(omega, X)
+    if kind.over_base:
+        return FRF(frequency, K / (K - inertia), Kind.TRANSMISSIBILITY).to(kind), X
+    return FRF.of_receptance(frequency, 1 / (K - inertia), kind=kind), X
+
+
+_DECADES, _PER_DECADE, _HALVINGS = 7, 20, 40
+"""Of amplitudes over that of a rigid spring; of the search between two of them."""
+
+
+def _stretch(
+    stiffness: Callable[[FloatArray], ComplexArray], inertia: FloatArray, force: float
+) -> FloatArray | None:
+    """The amplitude at every line that the force takes, m; None where a line has several."""
+
+    def over(ln_X: FloatArray) -> BoolArray:
+        X = np.exp(ln_X)
+        return np.asarray(np.abs(stiffness(X) - inertia) * X >= force)
+
+    small = np.full(inertia.shape, 1e-12)
+    low = np.log(force / 10 / (np.abs(stiffness(small)) + inertia))
+    steps = np.log(10) / _PER_DECADE * np.arange(_DECADES * _PER_DECADE)
+    above = over(low + steps[:, None])
+    turns = np.count_nonzero(above[1:] != above[:-1], axis=0)
+    if above[0].any() or (turns != 1).any():
+        return None
+    low = low + steps[above.argmax(axis=0) - 1]
+    width = steps[1] - steps[0]
+    for _ in range(_HALVINGS):
+        width /= 2
+        low = np.where(over(low + width), low, low + width)
+    return np.asarray(np.exp(low + width))
 
 
 def responses_at(

@@ -1,0 +1,407 @@
+"""A mass on a part at a level: what an amplitude sweep of the material makes of its resonance."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.checks import Check
+from dashpot.base.errors import DataError
+from dashpot.base.options import option
+from dashpot.base.provenance import Source
+from dashpot.base.units import Dimension, si
+from dashpot.fitting.level.loops import sweep_of_loops
+from dashpot.fitting.level.sweep import fit_amplitude
+from dashpot.io.options import ReadOptions
+from dashpot.io.readers.amplitude import read_amplitude
+from dashpot.io.readers.inspect import inspect_file
+from dashpot.io.readers.relaxation import read_relaxation
+from dashpot.io.source import about
+from dashpot.records.amplitude import AmplitudeFit, AmplitudeSweep
+from dashpot.records.frf import FRF, Kind
+from dashpot.records.relaxation import RelaxationTest
+from dashpot.solids.maxwell import Solid
+from dashpot.vibration.systems.level import mass_at_level
+from dashpot.vibration.systems.mounts import on_heavy_mounts
+from dashpot.workflow.checks import level_covered
+
+STRAIN_FACTORS = (1.0, 1 / np.sqrt(3))
+"""Strain of a sweep that does to the rubber what X/h of the part does: loaded alike; a part in
+shear beside a sweep in tension, by equal energy."""
+RESPONSES, HITS = ("frf", "transmissibility"), ("impact",)
+"""Kinds of files that tell what a mass on the seals does."""
+_LOOPS = ("cyclic", "cld", "relaxation", "creep")
+"""What a record of time, displacement and force is taken for; here it is one of loops."""
+_ALIKE = 10.0
+"""BIC within which two laws of a sweep are not told apart."""
+_COARSE, _FINE, _REACH = 241, 61, (0.25, 2.5)
+"""Lines about the linear resonance, lines about the largest of these, and how far they go."""
+
+
+@dataclass(frozen=True)
+class LevelChoices:
+    """How far a part is moved, and the sweep that tells what this does to it."""
+
+    levels: tuple[str, ...] = option(
+        (),
+        "Amplitude of the force, e.g. 0.5N; with --base of its acceleration, e.g. 5m/s^2. "
+        "Needs --sweep.",
+        multiple=True,
+        metavar="LEVEL",
+        flag="level",
+    )
+    sweep: str | None = option(
+        None,
+        "Storage and loss over strain or displacement, or recorded loops: what a level does.",
+        metavar="FILE",
+    )
+    height: float | None = option(
+        None, "Of the part, for its strain; of a --disc or --block it is known.", unit="length"
+    )
+    strain_factor: float | None = option(
+        None,
+        "Strain of the sweep over X/height of the part: 1 where both are loaded alike, 0.577 for a "
+        "part in shear beside a sweep in tension [default: 1, and what 0.577 would make of it].",
+        above=0.0,
+    )
+    fitted_at: str | None = option(
+        None, "Strain at which FIT's own test was made, e.g. 0.1% [default: a vanishing one]."
+    )
+    resonance_level: str | None = option(
+        None, "At which --resonance was measured [default: a vanishing one]."
+    )
+
+
+@dataclass(frozen=True)
+class AtLevel:
+    """The resonance of a mass at a level.
+
+    Attributes
+    ----------
+    level : float
+        Amplitude of the force, N, or of the base's acceleration, m/s^2.
+    unit : str
+    frequency, value : float
+        Of the largest magnitude, Hz, and that magnitude.
+    frequency_between, value_between : (float, float)
+        Over the strain measures and the laws that the sweep does not tell apart.
+    amplitude : float
+        Of the part's displacement there, m.
+    strain : float or None
+        That over the height; None for a part that was swept itself.
+    frf : FRF
+    """
+
+    level: float
+    unit: str
+    frequency: float
+    value: float
+    frequency_between: tuple[float, float]
+    value_between: tuple[float, float]
+    amplitude: float
+    strain: float | None
+    frf: FRF
+
+    @property
+    def document(self) -> dict[str, Any]:
+        """In ``dashpot/prediction@1``."""
+        return {
+            "level": self.level,
+            "unit": self.unit,
+            "peak": {"frequency_hz": self.frequency, "value": self.value},
+            "frequency_between_hz": list(self.frequency_between),
+            "value_between": list(self.value_between),
+            "amplitude": self.amplitude,
+            "strain": self.strain,
+        }
+
+
+@dataclass(frozen=True)
+class SweptPart:
+    """What amplitude does to parts of a material, by a sweep of it.
+
+    Attributes
+    ----------
+    laws : tuple of AmplitudeFit
+        The one that explains the sweep best, and those that it does not tell from it.
+    factors : tuple of float
+        Strain of the sweep over that of the part; the first is taken, the others are what it
+        might be.
+    height : float or None
+        m; None where the sweep is over displacement.
+    fitted_at : float
+        Amplitude of the test behind the solid, in the unit of the sweep; 0 for a vanishing one.
+    sweep : Source or None
+    """
+
+    laws: tuple[AmplitudeFit, ...]
+    factors: tuple[float, ...]
+    height: float | None
+    fitted_at: float
+    sweep: Source | None
+
+    @property
+    def law(self) -> AmplitudeFit:
+        """The one that is taken."""
+        return self.laws[0]
+
+    @property
+    def checks(self) -> tuple[Check, ...]:
+        """Of the sweep."""
+        return self.law.checks
+
+    @property
+    def document(self) -> dict[str, Any]:
+        """In ``dashpot/prediction@1``."""
+        law = self.law
+        numbers = {name: getattr(law, name) for name, _ in law.se}
+        return {
+            "file": None if self.sweep is None else asdict(self.sweep)["file"],
+            "law": law.law,
+            "laws": [one.law for one in self.laws],
+            **numbers,
+            "height": self.height,
+            "strain_factors": list(self.factors),
+            "fitted_at": self.fitted_at,
+        }
+
+    def stretch(self, factor: float) -> float:
+        """Displacement of the part, m, for each of the sweep's amplitude."""
+        return 1.0 if self.height is None else self.height / factor
+
+    def frf(
+        self,
+        solid: Solid,
+        law: AmplitudeFit,
+        factor: float,
+        *,
+        scale: float,
+        mass: float,
+        level: float,
+        kind: Kind,
+        frequency: FloatArray,
+        coupled: float = 0.0,
+    ) -> tuple[FRF, FloatArray]:
+        """FRF of a mass at a level, and the stretch of the part, m.
+
+        `solid` is all that carries the mass as it was measured, N/m, `scale` N/m of it for each
+        of the sweep's unit, `coupled` the mass by which the mounts couple it to a base, kg.
+        """
+        if self.fitted_at:
+            solid = solid * (1 / float(law.ratio(self.fitted_at).real))
+        beside = law.beside(solid, scale, stretch=self.stretch(factor))
+        frf, stretch = mass_at_level(
+            solid, beside, mass=mass, level=level, frequency=frequency, kind=kind
+        )
+        if coupled > 0:
+            frf = on_heavy_mounts(frf, mass=mass, coupled=coupled)
+        return frf, stretch
+
+    def peak(
+        self,
+        solid: Solid,
+        law: AmplitudeFit,
+        factor: float,
+        *,
+        about: float,
+        **how: Any,
+    ) -> tuple[float, float, float]:
+        """Frequency, Hz, and height of the largest magnitude, and the stretch there, m.
+
+        Raises
+        ------
+        DataError
+            If it has no resonance near `about`, Hz.
+        """
+        answer = partial(self.frf, solid, law, factor, **how)
+        f = np.geomspace(about * _REACH[0], about * _REACH[1], _COARSE)
+        frf, _ = answer(frequency=f)
+        top = int(np.abs(frf.value).argmax())
+        if top in {0, _COARSE - 1}:
+            raise DataError(
+                f"at {how['level']:g} {unit_of(how['kind'])} no resonance is found between "
+                f"{f[0]:.4g} and {f[-1]:.4g} Hz"
+            )
+        fine = np.linspace(f[max(top - 2, 0)], f[min(top + 2, _COARSE - 1)], _FINE)
+        frf, stretch = answer(frequency=fine)
+        size = np.abs(frf.value)
+        top = min(max(int(size.argmax()), 1), _FINE - 2)
+        before, here, after = size[top - 1 : top + 2]
+        shift = (before - after) / (2 * (before - 2 * here + after))
+        return (
+            float(fine[top] + shift * (fine[1] - fine[0])),
+            float(here - shift * (before - after) / 4),
+            float(stretch[top]),
+        )
+
+    def at(
+        self,
+        solid: Solid,
+        levels: Sequence[float],
+        *,
+        scale: float,
+        mass: float,
+        kind: Kind,
+        about: float,
+        frequency: FloatArray,
+        coupled: float = 0.0,
+    ) -> tuple[AtLevel, ...]:
+        """The resonance at each level, and what strain measure and law leave open of it."""
+        found = []
+        for level in levels:
+            how: dict[str, Any] = {
+                "scale": scale, "mass": mass, "level": level, "kind": kind, "coupled": coupled,
+            }  # fmt: skip
+            each = [
+                self.peak(solid, law, factor, about=about, **how)
+                for law in self.laws
+                for factor in self.factors
+            ]
+            hz, value, moved = each[0]
+            frf, _ = self.frf(solid, self.law, self.factors[0], frequency=frequency, **how)
+            found.append(
+                AtLevel(
+                    level,
+                    unit_of(kind),
+                    hz,
+                    value,
+                    (min(one[0] for one in each), max(one[0] for one in each)),
+                    (min(one[1] for one in each), max(one[1] for one in each)),
+                    moved,
+                    None if self.height is None else moved / self.height,
+                    frf,
+                )
+            )
+        return tuple(found)
+
+    def covered(self, found: Sequence[AtLevel]) -> tuple[Check, ...]:
+        """Whether the sweep goes as far as the part is moved at each level."""
+        return tuple(
+            level_covered(
+                one.amplitude / self.stretch(self.factors[0]),
+                self.law.amplitudes,
+                at=f"{one.level:.4g} {one.unit}",
+                of=self.law.of,
+            )
+            for one in found
+        )
+
+
+def unit_of(kind: Kind) -> str:
+    """Of a level: of the base's acceleration or of the force."""
+    return "m/s^2" if kind.over_base else "N"
+
+
+def level_of(word: str, kind: Kind) -> float:
+    """A level as it was typed, N or m/s^2."""
+    of: Dimension = "acceleration" if kind.over_base else "force"
+    found = si(word, of)
+    if not found > 0:
+        raise DataError(f"--level {word}; expected an amplitude > 0")
+    return found
+
+
+def swept_part(
+    choices: LevelChoices, *, unit: str, height: float | None, options: ReadOptions | None = None
+) -> SweptPart | None:
+    """What the user's sweep says of the parts; None where no level is asked for.
+
+    Parameters
+    ----------
+    choices : LevelChoices
+    unit : str
+        Of the solid that was fitted: Pa or N/m.
+    height : float or None
+        Of the part's shape, m.
+
+    Raises
+    ------
+    DataError
+        If level and sweep do not come together, the height is not known, or the sweep is of a
+        part and the solid of a material.
+    """
+    if choices == LevelChoices():
+        return None
+    if not choices.levels or choices.sweep is None:
+        raise DataError(
+            "--level is how far the part is moved and --sweep what this does to it; give both, or "
+            "neither (of FRFs at several levels dashpot level tells it)"
+        )
+    kind = inspect_file(choices.sweep, options=options).kind
+    if kind in {*RESPONSES, *HITS}:
+        raise DataError(
+            f"{Path(choices.sweep).name} is of a mass ({kind}), not of the rubber; expected "
+            "storage and loss over strain or displacement, or recorded loops (of a mass at "
+            "several levels dashpot level tells)"
+        )
+    law, record, _ = amplitude_file(choices.sweep, kind, options=options)
+    if law.unit != unit:
+        raise DataError(
+            f"the sweep is in {law.unit} and the fit in {unit}; expected both of the material, or "
+            "both of the part"
+        )
+    height = _height(choices, law, height)
+    factors = STRAIN_FACTORS if choices.strain_factor is None else (choices.strain_factor,)
+    if height is None:
+        factors = (1.0,)
+    fitted_at = 0.0
+    if choices.fitted_at is not None:
+        fitted_at = si(choices.fitted_at, "strain" if law.of == "strain" else "length")
+    return SweptPart((law, *_rivals(law, record)), factors, height, fitted_at, law.source)
+
+
+def amplitude_file(
+    path: str | Path, kind: str, *, law: str = "auto", options: ReadOptions | None = None
+) -> tuple[AmplitudeFit, AmplitudeSweep, AmplitudeSweep | RelaxationTest]:
+    """The law of an amplitude sweep or of recorded loops, the sweep, and the record as read.
+
+    `kind` is what the file was taken for, `law` ``"auto"`` or one of
+    ``fitting.level.laws.LAWS``.
+    """
+    if kind in _LOOPS:
+        record = read_relaxation(path, options=options)
+        with about(Path(path).name):
+            swept = sweep_of_loops(record)
+            return fit_amplitude(swept, law=law), swept, record
+    swept = read_amplitude(path, options=options)
+    with about(Path(path).name):
+        return fit_amplitude(swept, law=law), swept, swept
+
+
+def _height(choices: LevelChoices, law: AmplitudeFit, height: float | None) -> float | None:
+    """Of the part, m; None where the sweep is over the part's own displacement."""
+    if law.of == "m":
+        if law.unit == "Pa":
+            raise DataError(
+                f"{choices.sweep}: a modulus over a displacement does not tell the strain; write "
+                "strain into the file"
+            )
+        if choices.height is not None or choices.strain_factor is not None:
+            raise DataError(
+                "--height and --strain-factor turn the strain of a sweep into a displacement, and "
+                "this sweep is over displacement; leave them out"
+            )
+        return None
+    known = height if choices.height is None else choices.height
+    if known is None:
+        raise DataError(
+            "the sweep is over strain: the height of the part turns it into a displacement "
+            "(--height 20mm, or a shape: --disc, --block)"
+        )
+    return known
+
+
+def _rivals(law: AmplitudeFit, sweep: AmplitudeSweep) -> tuple[AmplitudeFit, ...]:
+    """The law as a factor where it stands beside the solid, and so on, if the sweep allows it."""
+    kraus, plus, spring = law.law.partition("+")
+    other = {"factor": "additive", "additive": "factor"}.get(kraus, "") + plus + spring
+    scores = dict(law.orders)
+    if other not in scores or scores[other] > scores[law.law] + _ALIKE:
+        return ()
+    return (fit_amplitude(sweep, law=other),)

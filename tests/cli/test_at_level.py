@@ -1,0 +1,202 @@
+"""dashpot predict --level: a material and its strain sweep to the resonance of a mass on a part."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from scipy.optimize import brentq
+
+from dashpot.cli import main
+
+pytestmark = pytest.mark.once
+
+# two discs, 20 mm by 12 mm, under 0.4 kg
+HEIGHT, MASS, PARTS = 0.012, 0.4, 2
+FACTOR = PARTS * np.pi / 4 * 0.02**2 / HEIGHT * (1 + 2 * (20 / 48) ** 2)
+SHARE, HALF, POWER = 0.35, 0.4e-2, 0.55
+LOW, HIGH = 0.5, 5.0
+
+
+def modulus(f):
+    s = 2j * np.pi * np.asarray(f)
+    return 3e6 + sum(k * s * t / (1 + s * t) for k, t in ((6e5, 0.05), (9e5, 2e-3), (1.5e6, 1e-4)))
+
+
+def payne(strain):
+    u = (np.asarray(strain) / HALF) ** POWER
+    return 1 - SHARE + SHARE / (1 + u**2) + 2j * SHARE * POWER / np.pi * u / (1 + u**2)
+
+
+def moved(f, level, factor=1.0, base=True):
+    """Relative motion of the mass, m, at a level: the quasi-linear balance, by bisection."""
+    omega, force = 2 * np.pi * f, MASS * level if base else level
+
+    def off(ln_X):
+        X = np.exp(ln_X)
+        K = FACTOR * modulus(f) * payne(factor * X / HEIGHT)
+        return np.log(abs(K - MASS * omega**2) * X / force)
+
+    return float(np.exp(brentq(off, np.log(1e-12), np.log(1.0))))
+
+
+def peak(level, factor=1.0, base=True):
+    """Frequency and height of the largest transmissibility or accelerance."""
+    lines = np.linspace(60, 160, 801)
+    height = []
+    for f in lines:
+        X = moved(f, level, factor, base)
+        K = FACTOR * modulus(f) * payne(factor * X / HEIGHT)
+        accelerance = (2 * np.pi * f) ** 2 * X / level
+        height.append(abs(K / (K - MASS * (2 * np.pi * f) ** 2)) if base else accelerance)
+    top = int(np.argmax(height))
+    return lines[top], height[top]
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory):
+    """The files of a DMA: a fit of the sweep of frequency, and a sweep of strain."""
+    folder, rng = tmp_path_factory.mktemp("dma"), np.random.default_rng(0)
+
+    def noisy(value):
+        return value * (1 + 1e-3 * rng.standard_normal(len(value)))
+
+    f, strain = np.geomspace(0.1, 500, 60), np.geomspace(1e-4, 0.1, 24)
+    swept = modulus(10.0) * payne(strain)
+    for name, header, columns in (
+        ("dma.csv", "Frequency [Hz],E' [MPa],E'' [MPa]", (f, modulus(f))),
+        ("strain.csv", "Frequency [Hz],Strain [%],E' [MPa],E'' [MPa]", (100 * strain, swept)),
+    ):
+        parts = [noisy(columns[1].real) / 1e6, noisy(columns[1].imag) / 1e6]
+        first = [columns[0]] if name == "dma.csv" else [10 + 0 * strain, columns[0]]
+        rows = np.column_stack([*first, *parts])
+        np.savetxt(folder / name, rows, delimiter=",", header=header, comments="")
+    made = CliRunner().invoke(main, ["fit", str(folder / "dma.csv"), "-o", str(folder / "m.json")])
+    assert made.exit_code == 0, made.output
+    return folder
+
+
+def predict(place, *words):
+    asked = ["predict", str(place / "m.json"), "--mass", "400g", "--seals", "2", "--json"]
+    return CliRunner().invoke(main, [*asked, "--band", "60:160Hz", "--lines", "101", *words])
+
+
+def answered(place, *words):
+    told = predict(place, "--sweep", str(place / "strain.csv"), *words)
+    assert told.exit_code == 0, told.output
+    return json.loads(told.stdout)
+
+
+DISC = ("--disc", "20mm,12mm")
+BASE = ("--base", "--level", f"{LOW}m/s^2", "--level", f"{HIGH}m/s^2")
+
+
+def test_a_shaken_base_at_ten_times_the_level(place):
+    low, high = answered(place, *DISC, *BASE, "--strain-factor", "1")["levels"]
+    for one, level in ((low, LOW), (high, HIGH)):
+        hz, height = peak(level)
+        assert one["peak"]["frequency_hz"] == pytest.approx(hz, rel=3e-3)
+        assert one["peak"]["value"] == pytest.approx(height, rel=0.02)
+        assert one["strain"] == pytest.approx(one["amplitude"] / HEIGHT)
+        assert one["amplitude"] == pytest.approx(moved(hz, level), rel=0.03)
+    change = high["peak"]["frequency_hz"] / low["peak"]["frequency_hz"]
+    assert change == pytest.approx(peak(HIGH)[0] / peak(LOW)[0], rel=2e-3)
+    assert change < 0.93
+
+
+def test_what_the_strain_measure_leaves_open_holds_either(place):
+    """A part in shear beside a sweep in tension is strained by X/h over the root of three."""
+    (one,) = answered(place, *DISC, "--level", "1N")["levels"]
+    low, high = one["frequency_between_hz"]
+    for factor in (1.0, 1 / np.sqrt(3)):
+        hz, height = peak(1.0, factor, base=False)
+        assert low * (1 - 3e-3) < hz < high * (1 + 3e-3)
+        known = answered(place, *DISC, "--level", "1N", "--strain-factor", str(factor))
+        (same,) = known["levels"]
+        assert same["peak"]["frequency_hz"] == pytest.approx(hz, rel=3e-3)
+        assert same["peak"]["value"] == pytest.approx(height, rel=0.02)
+    assert high / low > 1.01
+
+
+def test_a_resonance_tells_the_geometry_at_its_own_level(place):
+    """One peak, measured where the rubber had softened, gives that of another level."""
+    measured = ("--resonance", f"{peak(HIGH)[0]:.5g}Hz", "--resonance-mass", "400g")
+    told = answered(
+        place, *measured, "--resonance-level", f"{HIGH}m/s^2", "--height", "12mm", *BASE,
+        "--strain-factor", "1",
+    )  # fmt: skip
+    for one, level in zip(told["levels"], (LOW, HIGH), strict=True):
+        assert one["peak"]["frequency_hz"] == pytest.approx(peak(level)[0], rel=3e-3)
+
+
+def test_a_modulus_measured_at_a_strain_is_taken_back_to_none(place, tmp_path):
+    softened = tmp_path / "soft"
+    softened.mkdir()
+    (softened / "strain.csv").write_bytes((place / "strain.csv").read_bytes())
+    f = np.geomspace(0.1, 500, 60)
+    E = modulus(f) * payne(2e-3).real
+    rows = np.column_stack([f, E.real / 1e6, E.imag / 1e6])
+    header = "Frequency [Hz],E' [MPa],E'' [MPa]"
+    np.savetxt(softened / "dma.csv", rows, delimiter=",", header=header, comments="")
+    words = ["fit", str(softened / "dma.csv"), "-o", str(softened / "m.json")]
+    assert CliRunner().invoke(main, words).exit_code == 0
+    found = {}
+    for fitted_at in ((), ("--fitted-at", "0.2%")):
+        told = answered(softened, *DISC, *BASE, "--strain-factor", "1", *fitted_at)
+        found[bool(fitted_at)] = told["levels"][1]["peak"]["frequency_hz"]
+    assert found[True] == pytest.approx(peak(HIGH)[0], rel=3e-3)
+    assert found[False] < 0.97 * peak(HIGH)[0]
+
+
+@pytest.mark.parametrize(("level", "passes"), [("2m/s^2", True), ("200m/s^2", False)])
+def test_a_level_beyond_the_sweep_is_said_first(place, level, passes):
+    told = answered(place, *DISC, "--base", "--level", level)
+    assert ("level_covered" in str(told["verdict"])) is not passes
+    assert told["verdict"]["says"].startswith("at 200 m/s^2") is not passes
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (("--level", "1N"), "give both, or neither"),
+        (("--sweep", "strain.csv"), "give both, or neither"),
+        (("--sweep", "strain.csv", "--level", "1N", "--resonance", "90Hz", "--resonance-mass",
+          "400g"), "--height 20mm"),
+        (("--sweep", "strain.csv", "--level", "1m/s^2", *DISC), "expected a unit of force"),
+        (("--sweep", "strain.csv", "--level", "0N", *DISC), "amplitude > 0"),
+        (("--sweep", "dma.csv", "--level", "1N", *DISC), "amplitude sweep is expected"),
+        (("--sweep", "frf.csv", "--level", "1N", *DISC), "is of a mass (frf)"),
+        (("--sweep", "strain.csv", *BASE, *DISC, "-o", "out.csv"), "ask one --level"),
+        (("--sweep", "part.csv", "--level", "1N", *DISC), "both of the material"),
+        (("--sweep", "long.csv", "--level", "1N", *DISC), "does not tell the strain"),
+    ],
+)  # fmt: skip
+def test_what_tells_no_level_is_refused(place, monkeypatch, words, says):
+    monkeypatch.chdir(place)
+    X = np.geomspace(1e-3, 1, 12)
+    (place / "frf.csv").write_text(
+        "frequency [Hz],real [(m/s^2)/N],imaginary [(m/s^2)/N]\n"
+        + "".join(f"{10 + i},{0.1 * i},{0.2 * i}\n" for i in range(20))
+    )
+    for name, unit in (("part.csv", "N/mm"), ("long.csv", "MPa")):
+        rows = "".join(f"10,{x},{20 - 5 * x},{2 + x}\n" for x in X)
+        header = f"Frequency [Hz],Displacement [mm],Storage [{unit}],Loss [{unit}]\n"
+        (place / name).write_text(header + rows)
+    told = predict(place, *words)
+    assert told.exit_code == 2
+    assert says in " ".join(told.stderr.split())
+
+
+def test_one_level_is_written_and_drawn(place, tmp_path):
+    words = ("--sweep", str(place / "strain.csv"), *DISC, "--base", "--level", "5m/s^2")
+    told = predict(
+        place, *words, "-o", str(tmp_path / "frf.csv"), "--plot", str(tmp_path / "frf.svg")
+    )
+    assert told.exit_code == 0, told.output
+    rows = np.genfromtxt(tmp_path / "frf.csv", delimiter=",", comments="#", skip_header=1)
+    rows = rows[np.isfinite(rows).all(axis=1)]
+    top = rows[np.hypot(rows[:, 1], rows[:, 2]).argmax()]
+    assert top[0] == pytest.approx(peak(HIGH)[0], abs=1.0)
+    assert "at 5 m/s^2" in (tmp_path / "frf.svg").read_text()
