@@ -241,6 +241,7 @@ def test_the_command_line_takes_it(recorded, tmp_path):
     path, out = written(tmp_path / "laser.csv", recorded), tmp_path / "r.csv"
     mass = ["--mass", f"{1e3 * BROAD_MASS}g"]
     words = ["--base-acceleration", "table", "--motion", "relative", *mass]
+    assert "displacement  the only column" in ran("inspect", path, *words[:2]).output
     told = ran("impact", path, *words, "-o", out)
     assert told.exit_code == 0, told.output
     assert told.output.startswith("use with care: ")

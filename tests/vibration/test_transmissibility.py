@@ -290,8 +290,8 @@ def test_the_first_line_of_each_command_tells_another_ratio(tmp_path):
     for words in (["compare", str(fit)], ["identify", "--arms", "1"]):
         told = CliRunner().invoke(main, [*words, str(path), *mass])
         assert told.stdout.startswith("do not use: below 12.7 Hz the transmissibility is not that")
-    said = json.loads(CliRunner().invoke(main, ["identify", str(path), *mass, "--json"]).stdout)
-    assert said["verdict"]["because"][0] == "mass_over_base"
+        said = json.loads(CliRunner().invoke(main, [*words, str(path), *mass, "--json"]).stdout)
+        assert said["verdict"]["because"][0] == "mass_over_base"
 
 
 @pytest.mark.parametrize(

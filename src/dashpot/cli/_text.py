@@ -422,7 +422,8 @@ def prediction(found: Prediction, *, mass: float, seals: float) -> Text:
     hz, height = found.peak
     on = f"{mass * 1e3:.6g} g on {seals:g} seal{'s' * (seals != 1)}"
     does = "is largest" if found.at_edge else "peaks"
-    lines = [f"{on}: {found.frf.kind} {does} at {hz:.5g} Hz with {height:.5g} {found.frf.unit}"]
+    kind = found.frf.kind.replace("_", " ")
+    lines = [f"{on}: {kind} {does} at {hz:.5g} Hz with {height:.5g} {found.frf.unit}"]
     isolated = found.document.get("isolation_hz")
     if isolated is not None:
         lines.append(f"  above {isolated:.5g} Hz the mass moves less than its base")

@@ -93,6 +93,8 @@ def command(
             "mass": found.mass,
             "mass_inferred": inferred,
             "seals": seals,
+            # of the measured FRF too, not of the agreement alone
+            "verdict": found.verdict.document,
             **found.at_rest.document,
         },
         verdict=found.verdict,

@@ -12,14 +12,15 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
 from dashpot.base.offered import Pictured
 from dashpot.io.columns.kinds import SWEEPS, WANTED_BY, FileKind, kind_of
-from dashpot.io.columns.roles import Assigned, accelerations, assign, unit_for
+from dashpot.io.columns.roles import Assigned, accelerations, assign, find_column, unit_for
 from dashpot.io.columns.vocabulary import Role
-from dashpot.io.options import ReadOptions
+from dashpot.io.options import ReadOptions, flag
 from dashpot.io.readers import channels, cleaning, creep
 from dashpot.io.readers.channels import Opened
 from dashpot.io.readers.clocks import own_clocks
 from dashpot.io.readers.dynamic import sweep_columns
 from dashpot.io.readers.frf import settled
+from dashpot.io.readers.shaken import of_mass
 from dashpot.io.table import Loaded, Question, Table
 
 _RESPONSE: tuple[Role, ...] = ("frequency", "real", "imaginary", "magnitude", "phase", "coherence")
@@ -232,11 +233,24 @@ def _proposal(file: Opened, kind: str) -> tuple[dict[int, tuple[Role, str]], lis
     if kind == "frf":
         questions = _frf_questions(file)
     if kind in {"impact", "indentation"}:
-        for i in accelerations(table, list(roles), options):
-            found = Assigned("acceleration", i, "its name or unit says acceleration")
+        for found in _moved(file, list(roles)):
+            i = found.index
             roles[i] = (found.role, found.reason)
             questions += _unit_question(table, found, options)
     return roles, questions
+
+
+def _moved(file: Opened, taken: list[int]) -> list[Assigned]:
+    """The accelerations, or those of a shaken base and its mass, whose motion may be another."""
+    named, columns = file.options.base_acceleration, file.table.columns
+    if named is not None:
+        base = find_column(columns, named, flag("base_acceleration"))
+        of_base = Assigned("acceleration", base, "named as that of the base")
+        return [of_base, *of_mass(file, [base, *taken])]
+    says = "its name or unit says acceleration"
+    return [
+        Assigned("acceleration", i, says) for i in accelerations(file.table, taken, file.options)
+    ]
 
 
 def _roles_of(file: Opened, kind: str) -> tuple[Role, ...]:

@@ -85,7 +85,7 @@ def _channels(file: Opened) -> list[Channel]:
     base = find_column(columns, str(file.options.base_acceleration), base_flag)
     ticks = [] if file.options.rate is not None else channels.chosen(file, ["time"])
     taken = [base, *(one.index for one in ticks)]
-    found = _of_mass(file, taken)
+    found = of_mass(file, taken)
     if len(found) != 1:
         listed = f": {', '.join(quoted(columns, one.index) for one in found)}" if found else ""
         raise ReadError(
@@ -99,8 +99,8 @@ def _channels(file: Opened) -> list[Channel]:
     )
 
 
-def _of_mass(file: Opened, taken: Sequence[int]) -> list[Assigned]:
-    """The motions beside the base's: those that are named, else accelerations, else the others."""
+def of_mass(file: Opened, taken: Sequence[int]) -> list[Assigned]:
+    """Return the motions beside the base's: those named, else accelerations, else the others."""
     options = file.options
     others: tuple[Role, ...] = ("velocity", "displacement")
     named = [role for role in others if getattr(options, role)]
