@@ -173,7 +173,9 @@ def _described(card: _Card, kelvin: float | None, measured: str) -> list[str]:
     law, units, fit = card.fit.law, card.units, card.fit
     stress = units.words[4]
     stated = "not stated" if kelvin is None else f"{kelvin:.6g} K ({kelvin - 273.15:.4g} degC)"
-    spans = ", ".join(f"{mode} {low:.4g} to {high:.4g}" for mode, (low, high) in _measured(fit))
+    spans = ", ".join(
+        f"{one.mode} {one.stretch.min():.4g} to {one.stretch.max():.4g}" for one in fit.curves
+    )
     ends = [
         f"{mode} {at:.4g}" for mode, both in fit.stable for at in both if at is not None
     ] or ["nowhere from 0.1 to 10"]  # fmt: skip
@@ -192,12 +194,6 @@ def _described(card: _Card, kelvin: float | None, measured: str) -> list[str]:
     if fit.memory is None:
         return [*lines, "memory: none was taken off; the curves as tested are taken as elastic"]
     return [*lines, "memory: taken off the true stress of the tests; the law is that at rest"]
-
-
-def _measured(fit: HyperelasticFit) -> list[tuple[str, tuple[float, float]]]:
-    return [
-        (one.mode, (float(one.stretch.min()), float(one.stretch.max()))) for one in fit.curves
-    ]  # fmt: skip
 
 
 _NAMES = {
@@ -255,34 +251,46 @@ def _calculix(card: _Card) -> Body:
     return ["*MATERIAL, NAME=RUBBER", *_keyword(card, moduli="")], says
 
 
-def _ansys(card: _Card) -> Body:
+_OTHER_MU = "mu here is 2 mu / alpha of Abaqus: W = mu / alpha (...), G = sum mu alpha / 2"
+
+
+def _ansys_invariants(card: _Card) -> tuple[str, list[float], list[str]]:
+    """The name of a law of the invariants, its constants, and what to say of them."""
+    kind, ratio = card.fit.law.kind, card.ratio
+    incompressible = 2 / (ratio * card.bulk)
+    values = [ratio * c for c in card.constants]
+    if kind == "neo-hooke":
+        says = ["the first constant is the shear modulus, 2 C10"]
+        return ",NEO", [2 * values[0], incompressible], says
+    if kind == "yeoh":
+        return "3,YEOH", [*values, incompressible, 0.0, 0.0], []
+    return "2,MOONEY", [*values, incompressible], []
+
+
+def _ansys_powers(card: _Card) -> tuple[str, list[float], list[str]]:
+    """The same of a law of the stretches."""
     law, ratio = card.fit.law, card.ratio
-    says = ["d = 2 / K"]
-    if law.kind in POWERS:
-        name, count = {
-            "neo-hooke": ("NEO", ""), "mooney-rivlin": ("MOONEY", "2"), "yeoh": ("YEOH", "3"),
-        }[law.kind]  # fmt: skip
-        values = [ratio * c for c in card.constants] + [2 / (ratio * card.bulk)]
-        if law.kind == "neo-hooke":
-            values[0] *= 2
-            says.append("the first constant is the shear modulus, 2 C10")
-        values += [0.0] * (2 * (law.kind == "yeoh"))
-    else:
-        count = str(len(law.exponents))
-        name = "OGDEN" if law.kind == "ogden" else "FOAM"
-        values = [v for mu, a in card.pairs for v in (2 * ratio * mu / a, a)]
-        says.append("mu here is 2 mu / alpha of Abaqus: W = mu / alpha (...), G = sum mu alpha / 2")
-        if law.kind == "ogden":
-            values += [2 / (ratio * card.bulk), *[0.0] * (len(law.exponents) - 1)]
-        else:
-            values += [law.poisson / (1 - 2 * law.poisson)] * len(law.exponents)
-    body = [f"TB,HYPER,1,1,{count},{name}", *_table(values)]
+    count = len(law.exponents)
+    values = [v for mu, a in card.pairs for v in (2 * ratio * mu / a, a)]
+    if law.kind == "ogden":
+        volume = [2 / (ratio * card.bulk), *[0.0] * (count - 1)]
+        return f"{count},OGDEN", values + volume, [_OTHER_MU]
+    volume = [law.poisson / (1 - 2 * law.poisson)] * count
+    return f"{count},FOAM", values + volume, [_OTHER_MU]
+
+
+def _ansys(card: _Card) -> Body:
+    law = card.fit.law
+    name, values, said = (_ansys_invariants if law.kind in POWERS else _ansys_powers)(card)
+    says = ["d = 2 / K", *said]
+    body = [f"TB,HYPER,1,1,{name}", *_table(values)]
     if card.prony:
         body += [
             f"TB,PRONY,1,1,{len(card.prony)},SHEAR",
             *_table([v for p in card.prony for v in p]),
         ]
-        says.append(f"the constants are the instantaneous ones, {ratio:.6g} times those at rest")
+        times = f"{card.ratio:.6g} times those at rest"
+        says.append(f"the constants are the instantaneous ones, {times}")
         if law.kind == "hyperfoam":
             says.append("repeat TB,PRONY with BULK: a foam keeps its Poisson's ratio as it relaxes")
     return body, says
@@ -314,14 +322,8 @@ def _lsdyna(card: _Card) -> Body:
         constants = (known.get(name, 0.0) for name in order)
         body = ["*MAT_HYPERELASTIC_RUBBER", head, _fields(*constants, 0.0)]
     else:
-        filled = card.pairs + [(0.0, 0.0)] * (8 - len(card.pairs))
-        body = [
-            "*MAT_OGDEN_RUBBER",
-            head,
-            _fields(*(2 * mu / a if a else 0.0 for mu, a in filled)),
-            _fields(*(a for _, a in filled)),
-        ]
-        says.append("mu here is 2 mu / alpha of Abaqus: W = mu / alpha (...), G = sum mu alpha / 2")
+        body = ["*MAT_OGDEN_RUBBER", head, *_eight_terms(card)]
+        says.append(_OTHER_MU)
     if shear:
         says.append(
             "G_j is that of small strain: LS-DYNA adds the memory linearly to the law at rest"
@@ -333,7 +335,6 @@ def _hill_foam(card: _Card, density: float) -> Body:
     law = card.fit.law
     beta = law.poisson / (1 - 2 * law.poisson)
     bulk = card.units.stress(law.bulk_modulus or 0.0)
-    filled = card.pairs + [(0.0, 0.0)] * (8 - len(card.pairs))
     says = [
         "C = 2 mu / alpha, b = alpha, n = nu / (1 - 2 nu); K serves contact",
         *([f"n = {_NO_SWELLING:g} stands for 0, by which it would divide"] * (beta == 0)),
@@ -343,11 +344,19 @@ def _hill_foam(card: _Card, density: float) -> Body:
         "*KEYWORD",
         "*MAT_HILL_FOAM",
         _fields(1, density, bulk, beta or _NO_SWELLING, 0.0, 0, 0, 0),
-        _fields(*(2 * mu / a if a else 0.0 for mu, a in filled)),
-        _fields(*(a for _, a in filled)),
+        *_eight_terms(card),
         _fields(0.0, 0.0),
         "*END",
     ], says
+
+
+def _eight_terms(card: _Card) -> list[str]:
+    """2 mu / alpha of each term, then each alpha; 0 where there are fewer than eight."""
+    filled = card.pairs + [(0.0, 0.0)] * (8 - len(card.pairs))
+    return [
+        _fields(*(2 * mu / a if a else 0.0 for mu, a in filled)),
+        _fields(*(a for _, a in filled)),
+    ]
 
 
 def _fields(*values: object) -> str:

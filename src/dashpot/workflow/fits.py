@@ -187,8 +187,7 @@ def fit_files(
     known_of_a_test(machine, tests=len(prepared), add="a ramp and hold")
     if len(pressed) == len(tests):
         return _pressed(prepared, asked), prepared
-    sweeps = [test for test in tests if isinstance(test, DynamicTest)]
-    return _swept(sweeps, prepared, asked)
+    return _swept(tests, prepared, asked)
 
 
 _Test = TypeVar("_Test")
@@ -238,9 +237,10 @@ def _pressed(tests: tuple[RampHold, ...], asked: _Asked) -> Fit:
 
 
 def _swept(
-    sweeps: Sequence[DynamicTest], tests: tuple[RampHold, ...], asked: _Asked
+    read: Sequence[object], tests: tuple[RampHold, ...], asked: _Asked
 ) -> tuple[Fit, tuple[Record, ...]]:
-    """Fit a dynamic sweep or a master curve, with the ramps and holds of the same part."""
+    """Fit the sweep read, or a master curve, with the ramps and holds of the same part."""
+    sweeps = [one for one in read if isinstance(one, DynamicTest)]
     if asked.depth_law or asked.method == "hold" or (tests and len(sweeps) > 1):
         raise FitError(
             "a dynamic sweep is fitted alone, with others at other temperatures, or with "

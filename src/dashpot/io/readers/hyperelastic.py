@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -78,13 +79,11 @@ def read_stress_strain(
     measures, pressed = measures or Measures(), pressed or mode == "volumetric"
     with channels.opened(path, options) as file:
         elongated = _elongated(file)
-        both = (assign(file.table, role, file.options) for role in (elongated, "stress"))
-        if not all(isinstance(one, Assigned) for one in both):
+        there = partial(_assigned, file)
+        if not all(map(there, (elongated, "stress"))):
             named = ("stress", *_ELONGATED)
             channels.expect(file, ["stress-strain"], "stress over strain is", named=named)
-        clocked = file.options.rate is None and isinstance(
-            assign(file.table, "time", file.options), Assigned
-        )
+        clocked = file.options.rate is None and there("time")
         roles: list[Role] = ["time", elongated, "stress"] if clocked else [elongated, "stress"]
         chosen = channels.choose(file, roles)
         values, notes = _values(file, chosen, clocked=clocked)
@@ -96,11 +95,8 @@ def read_stress_strain(
             notes.append(said)
             strain = -np.abs(strain) if pressed else strain
             strain = np.exp(strain) if true else 1 + strain
-        if pressed:
-            strain, stress = np.where(strain > 1, 2 - strain, strain), -np.abs(stress)
-        else:
-            stress, turned = _signed(strain, stress)
-            notes += turned
+        strain, stress, turned = _signed(strain, stress, pressed=pressed)
+        notes += turned
         if mode != "volumetric":
             true, said_so, said = _is_true(file, chosen[-1], measures.stress_is)
             notes.append(said)
@@ -168,14 +164,24 @@ def _is_true(file: Opened, one: Channel, given: str) -> tuple[bool, bool, str]:
     return False, False, f"{name} is taken to be nominal (--{one.role}-is)"
 
 
-def _signed(stretch: FloatArray, stress: FloatArray) -> tuple[FloatArray, list[str]]:
-    """The stress with the sign of its strain, tension > 0."""
+def _assigned(file: Opened, role: Role) -> bool:
+    """Whether one column alone plays a role."""
+    return isinstance(assign(file.table, role, file.options), Assigned)
+
+
+def _signed(
+    stretch: FloatArray, stress: FloatArray, *, pressed: bool
+) -> tuple[FloatArray, FloatArray, list[str]]:
+    """Stretch, and stress with the sign of its strain, tension > 0; of a `pressed` one < 0."""
+    if pressed:
+        return np.where(stretch > 1, 2 - stretch, stretch), -np.abs(stress), []
     strain = stretch - 1
     together = float(strain @ stress)
     if together >= 0:
-        return stress, []
+        return stretch, stress, []
     if float(strain.max()) <= _MIXED * float(np.abs(strain).max()):
-        return -stress, ["the specimen was pressed, and its stress is counted > 0: sign changed"]
+        turned = ["the specimen was pressed, and its stress is counted > 0: sign changed"]
+        return stretch, -stress, turned
     raise ReadError(
         "the stress falls where the strain grows: one of them has the other sign; if the specimen "
         "was pressed, give the file as --compression (Python: pressed=True)"
