@@ -128,6 +128,7 @@ def test_levels_in_the_browser(home):
             page.at.get_by_label(what).press("Enter")
 
         page.at.locator("#pick").set_input_files([str(home / f"frf{i}.csv") for i in range(2)])
+        page.at.get_by_role("button", name="several levels").click()
         page.at.get_by_role("heading", name="At which level?").wait_for()
         typed("Level of this FRF", "0.02")
         page.at.get_by_role("alert").filter(has_text="no mass is given").wait_for()

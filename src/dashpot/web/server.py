@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 LANES = {
     "inspect": "settle", "live": "live", "predict": "live", "settle": "settle", "study": "slow",
     "take": "slow", "profile": "live", "project": "slow", "bench": "slow", "take-bench": "slow",
-    "level": "slow", "take-level": "slow",
+    "level": "slow", "take-level": "slow", "modes": "slow", "take-modes": "slow",
     "recent": "live", "folder": "settle", "row": "settle",
 }  # fmt: skip
 """Which lane answers which verb."""
@@ -41,7 +41,7 @@ MOST = 1 << 20
 ANSWERS = 32
 """Answers that are kept, so that a page that was loaded again need not wait."""
 _KINDS = {"js": "text/javascript", "css": "text/css", "svg": "image/svg+xml"}
-_KEPT = {"settle", "study", "bench", "level"}
+_KEPT = {"settle", "study", "bench", "level", "modes"}
 
 
 class Desk:

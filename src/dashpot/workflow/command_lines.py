@@ -127,6 +127,23 @@ def level_command(
     return shlex.join([*words, *words_of(options)])
 
 
+def modes_command(
+    files: Sequence[str],
+    *,
+    options: ReadOptions,
+    masses: Sequence[float] = (),
+    seals: float = 1.0,
+    band: tuple[float, float] | None = None,
+) -> str:
+    """Return ``dashpot modes ...`` of points of one structure, or of several masses."""
+    words = ["dashpot", "modes", *files]
+    for mass in masses:
+        words += ["--mass", typed(mass, "mass")]
+    words += [] if seals == 1 else ["--seals", f"{seals!r}".removesuffix(".0")]
+    words += [] if band is None else ["--band", _range(band)]
+    return shlex.join([*words, *words_of(options)])
+
+
 def predict_command(job: Job, frf: FRF, fit: str = FIT) -> str:
     """Return ``dashpot predict ... --base`` for the mass of a job on the solid in the file `fit`.
 

@@ -131,6 +131,13 @@ const buttons = {
     state.base = said === "yes";
     settle();
   },
+  frfs: (of) => {
+    const one = shown();
+    if (of !== "levels" && one?.level) one.level = "";
+    state.frfs = { ...state.frfs, of: of === "masses" || of === "levels" ? of : "points" };
+    fileList();
+    settle();
+  },
   method: (name) => {
     state.job.method = name;
     settle();
@@ -243,6 +250,14 @@ const typed = {
     const one = shown();
     if (one) one.level = text && text + levelUnit(one);
     fileList();
+  },
+  "frf-mass": (text) => {
+    const one = shown(), grams = inGrams(text);
+    if (one) one.mass = grams && `${grams}g`;
+    fileList();
+  },
+  "modes-band": (text) => {
+    state.frfs = { ...state.frfs, band: text && `${text.replace(/\s*(to|[-–;])\s*/, ":")}Hz` };
   },
   "amplitude-law": (law) => {
     state.levels = { ...state.levels, law };

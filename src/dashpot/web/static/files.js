@@ -1,6 +1,17 @@
 // Files in and out: opened, asked about, shown, taken away.
 import { $, all, atWork, field, made, refuse, status, words } from "./dom.js";
-import { hammers, isBench, isHammer, isTest, job, LOT, shown, state, test } from "./job.js";
+import {
+  hammers,
+  isBench,
+  isHammer,
+  isModes,
+  isTest,
+  job,
+  LOT,
+  shown,
+  state,
+  test,
+} from "./job.js";
 import { bench, settle, study } from "./questions.js";
 import { fileList, views } from "./shown.js";
 import { ask, call, cancelled, send } from "./wire.js";
@@ -37,7 +48,8 @@ export async function opened(
     }
   }
   const asks = added.find((one) => one.asked);
-  const first = added.find((one) => one.kind === "relaxation") || added.find(isBench);
+  const first = added.find((one) => one.kind === "relaxation") ||
+    added.find((one) => isBench(one) && !(isModes(one) && test()));
   state.current = (asks || first || shown() || added[0] || state.files[0])?.id || "";
   fileList();
   settle();

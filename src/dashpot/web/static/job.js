@@ -16,6 +16,7 @@ import { call } from "./wire.js";
  * @property {boolean} [long]
  * @property {boolean} [together]
  * @property {string} [temperature]
+ * @property {string} [mass] On the seals in an FRF, where several differ in it
  * @property {string} [level] Amplitude of the force, or of the base's acceleration, of an FRF
  */
 /**
@@ -32,7 +33,8 @@ import { call } from "./wire.js";
  * @property {{accept: string[], reject: string[]}} hammer
  */
 /** @typedef {{at: string, law: string}} OfLevels Forces at which a resonance is asked for, and the law */
-/** @typedef {{files: OpenFile[], current: string, joint: boolean, base: boolean, lot: string, mass: number, levels: OfLevels, job: Choices}} State */
+/** @typedef {{of: "points" | "masses" | "levels", band: string}} OfFRFs In what several FRFs differ, and where modes are sought */
+/** @typedef {{files: OpenFile[], current: string, joint: boolean, base: boolean, lot: string, mass: number, levels: OfLevels, frfs: OfFRFs, job: Choices}} State */
 
 /** What is shown where no file is. */
 export const LOT = "lot";
@@ -52,6 +54,7 @@ const fresh = () => ({
   lot: "",
   mass: 0,
   levels: { at: "", law: "auto" },
+  frfs: { of: "points", band: "" },
   job: {
     mass: "",
     seals: 1,
@@ -83,8 +86,12 @@ export const isResponse = isGood(RESPONSES);
 /** A file, or one of several, in which amplitude was varied. */
 export const isLevel = (/** @type {OpenFile} */ one) =>
   isGood(LEVELS)(one) || (isResponse(one) && !!one.level);
+/** An FRF whose modes are sought. */
+export const isModes = (/** @type {OpenFile} */ one) =>
+  isGood(["frf"])(one) && !one.level && state.frfs.of !== "levels";
 /** What the page fits by itself. */
-export const isBench = (/** @type {OpenFile} */ one) => isGood(BENCH)(one) || isLevel(one);
+export const isBench = (/** @type {OpenFile} */ one) =>
+  isGood(BENCH)(one) || isLevel(one) || isModes(one);
 /** The unit in which the level of an FRF is said. */
 export const levelUnit = (/** @type {OpenFile | undefined} */ one) =>
   one?.kind === "transmissibility" ? "m/s^2" : "N";
@@ -144,14 +151,15 @@ const past = [];
 
 /** What of the state the user chose; what a file was found to be is none of it. */
 const key = () => {
-  const { job, joint, base, mass, levels, files } = state;
+  const { job, joint, base, mass, levels, frfs, files } = state;
   return JSON.stringify([
     job,
     joint,
     base,
     mass,
     levels,
-    files.map((one) => [one.id, one.options, one.together, one.temperature, one.level]),
+    frfs,
+    files.map((one) => [one.id, one.options, one.together, one.temperature, one.level, one.mass]),
   ]);
 };
 

@@ -51,6 +51,12 @@ export function panel(/** @type {string} */ name, /** @type {string} */ html) {
   }
 }
 
+/** What is kept, by the verb that gave it. @type {Record<string, string>} */
+const SAVED = {
+  level: "Save the numbers (levels.json)",
+  modes: "Save the modes (modes.json)",
+};
+
 /** Put the strips of a figure one after the other, each with its title, and a way to keep them. */
 export function strips(
   /** @type {HTMLElement} */ home,
@@ -65,7 +71,7 @@ export function strips(
     const card = { class: drawn.length > 1 ? "card" : "card only" };
     return made("figure", card, made("figcaption", {}, title), body, out);
   }));
-  const what = verb === "level" ? "Save the numbers (levels.json)" : "Save the solid (fit.json)";
+  const what = SAVED[verb] || "Save the solid (fit.json)";
   const button = made("button", { "data-act": "take-bench" }, what);
   home.append(made("p", { class: "buttons" }, button));
 }

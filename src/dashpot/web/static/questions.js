@@ -4,6 +4,7 @@ import {
   hammers,
   isBench,
   isLevel,
+  isModes,
   isResponse,
   job,
   LOT,
@@ -156,6 +157,12 @@ export function bench() {
   if (!one || !isBench(one)) return null;
   const { id: file, options, temperature } = one, { arms, mass, seals } = state.job;
   const sizes = { bench: [$("main").clientWidth - 16, 0] };
+  if (isModes(one)) {
+    const every = state.files.filter(isModes), { of, band } = state.frfs;
+    const files = every.map((each) => each.id);
+    const masses = of === "masses" ? every.map((each) => each.mass || "") : [];
+    return { verb: "modes", request: { files, masses, seals, options: one.options, band, sizes } };
+  }
   if (!isLevel(one)) return { verb: "bench", request: { file, options, temperature, arms, sizes } };
   const { at, law } = state.levels;
   if (!isResponse(one)) return { verb: "level", request: { files: [file], options, law, sizes } };

@@ -4,6 +4,7 @@ import {
   hammers,
   isBench,
   isLevel,
+  isModes,
   isResponse,
   isTest,
   levelUnit,
@@ -49,6 +50,10 @@ export function choices() {
     for (const button of all(`[data-${name}]`)) {
       button.setAttribute("aria-pressed", String(String(value) === button.dataset[name]));
     }
+  }
+  for (const button of all("[data-frfs]")) {
+    const of = shown()?.level ? "levels" : state.frfs.of;
+    button.setAttribute("aria-pressed", String(of === button.dataset.frfs));
   }
   for (const button of all("[data-base]")) {
     button.setAttribute("aria-pressed", String(state.base === (button.dataset.base === "yes")));
@@ -122,15 +127,19 @@ export function views() {
   document.body.classList.toggle("in-lot", lot);
   $("lot-page").hidden = !lot;
   const response = !!one && isResponse(one), level = !!one && isLevel(one);
-  const classes = { bench: fitted, level, swept: level && !response, response };
+  const modes = !!one && isModes(one), masses = modes && state.frfs.of === "masses";
+  const classes = { bench: fitted, level, swept: level && !response, response, modes, masses };
   for (const [name, yes] of Object.entries(classes)) document.body.classList.toggle(name, yes);
   $("bench-page").hidden = !fitted;
+  document.body.classList.toggle("alone", response && !fitted && !test());
   $("question").hidden = !asks;
   $("question").innerHTML = asks;
   $("hits-page").hidden = !hits || !!asks;
   // a transmissibility goes with no relaxation test on this page
-  const alone = one?.kind === "transmissibility" && response && !level;
-  $("missing").hidden = lot || !!asks || fitted || !!test() || !hammers().length;
+  const alone = response && !level && !modes;
+  $("frfs").hidden = lot || !!asks || one?.kind !== "frf" || !response;
+  $("alone").hidden = !!test();
+  $("missing").hidden = lot || !!asks || fitted || response || !!test() || !hammers().length;
   $("no-level").hidden = lot || !response || fitted || !(alone || !test());
   $("grid").hidden = lot || !!asks || hits || fitted || alone || !test();
   $("verdict").hidden = lot || !!asks || alone || !(test() || fitted);
@@ -147,6 +156,8 @@ export function fields() {
   put("level", levelNumber(shown()));
   $("level-unit").textContent = unitWords(shown());
   put("level-at", state.levels.at);
+  put("frf-mass", (shown()?.mass || "").replace(/g$/, ""));
+  put("modes-band", state.frfs.band.replace(/Hz$/, ""));
   put("amplitude-law", state.levels.law);
   put("specimen-temperature", (described()?.temperature || "").replace("degC", ""));
   for (const [name, unit] of Object.entries(SPECIMEN)) {

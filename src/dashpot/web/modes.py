@@ -1,0 +1,169 @@
+"""FRFs that the page finds the modes of: points of one structure, or several masses on one seal."""
+
+from __future__ import annotations
+
+import cmath
+import json
+import math
+from collections.abc import Mapping
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from dashpot import plot
+from dashpot.base.checks import Check, verdict
+from dashpot.base.errors import DataError
+from dashpot.base.numbers import rounded, with_error
+from dashpot.base.progress import doing
+from dashpot.base.units import si, si_range
+from dashpot.io.options import ReadOptions
+from dashpot.plot.picture import Picture
+from dashpot.records.frf import FRF, Mode
+from dashpot.report.pages import COLOURS
+from dashpot.web import views, wire
+from dashpot.web.bench import KEPT, WIDE
+from dashpot.web.requests import listed, number, part, sizes_of
+from dashpot.web.store import path_in
+from dashpot.workflow.archive import to_json
+from dashpot.workflow.command_lines import modes_command
+from dashpot.workflow.measured_modes import MeasuredModes, modes_files
+from dashpot.workflow.under_masses import ModesByMass, modes_by_mass
+
+HALF = 1.96
+
+
+class _Asked(NamedTuple):
+    """What decides the modes: what `modes_files` or `modes_by_mass` takes."""
+
+    files: tuple[str, ...]
+    options: ReadOptions
+    masses: tuple[float, ...]
+    seals: float
+    band: tuple[float, float] | None
+
+
+def _asked(request: Mapping[str, Any], folder: Path) -> _Asked:
+    files = tuple(str(path_in(folder, one)) for one in listed(request, "files"))
+    given = listed(request, "masses")
+    for file, mass in zip(files, given, strict=False):
+        if not mass:
+            raise DataError(f"{Path(file).name}: say which mass was on the seals, such as 104 g")
+    band = str(request.get("band") or "")
+    return _Asked(
+        files,
+        part(ReadOptions, request.get("options", {}), "options"),
+        tuple(si(str(one), "mass") for one in given),
+        number(request.get("seals", 1.0), "seals") if given else 1.0,
+        si_range(band, "frequency") if band else None,
+    )
+
+
+@lru_cache(KEPT)
+def _found(asked: _Asked) -> tuple[MeasuredModes | ModesByMass, Picture]:
+    """The modes, and their figure."""
+    doing(f"seeking the modes of {', '.join(Path(path).name for path in asked.files)}")
+    options, band = asked.options, asked.band
+    if asked.masses:
+        held = modes_by_mass(
+            asked.files, asked.masses, seals=asked.seals, options=options, band=band
+        )
+        return held, plot.several_masses(held.together, [one.frf for one in held.tests])
+    found, chart = modes_files(asked.files, options=options, band=band)
+    return found, plot.stabilisation(chart, [one.mode for one in found.modes])
+
+
+def modes(request: Mapping[str, Any], folder: Path) -> bytes:
+    """The modes of such files: verdict, numbers, checks, chart, tables, and the command."""
+    asked = _asked(request, folder)
+    found, picture = _found(asked)
+    width = sizes_of(request).get("bench", WIDE)[0]
+    drawn = views.bench_panels(picture, width)
+    checks: tuple[Check, ...]
+    frfs: list[FRF]
+    if isinstance(found, MeasuredModes):
+        checks, frfs = found.frf.checks, [found.frf]
+        named = [(str(i), one.mode) for i, one in enumerate(found.modes, 1)]
+        drawn = [("Stabilisation chart", drawn[0][1]), *_tables(found)]
+    else:
+        checks, frfs = found.checks, [one.frf for one in found.tests]
+        held = zip(found.together.masses, found.together.modes, strict=True)
+        named = [(f"{1e3 * mass:.4g} g", mode) for mass, mode in held]
+    said = verdict(checks)
+    names = [Path(path).name for path in asked.files]
+    return wire.packed(
+        {
+            "verdict": views.verdict(said),
+            "colour": COLOURS[said.use],
+            "solid": views.term_table("Modes", _terms(named)),
+            "arms": "",
+            "checks": views.check_list(checks),
+            "figures": drawn,
+            "simulated": any(source.simulated for one in frfs for source in one.source),
+            "command": modes_command(**(asked._asdict() | {"files": names})),
+        }
+    )
+
+
+def take_modes(request: Mapping[str, Any], folder: Path) -> bytes:
+    """The modes as their JSON, as ``dashpot modes --json`` prints it."""
+    found, _ = _found(_asked(request, folder))
+    text = (
+        json.dumps(found.document, indent=2, ensure_ascii=False, allow_nan=False)
+        if isinstance(found, ModesByMass)
+        else to_json(found)
+    )
+    return wire.packed({"name": "modes.json", "kind": "application/json", "text": text})
+
+
+def _terms(named: list[tuple[str, Mode]]) -> list[views.Term]:
+    """Frequency and damping of every mode, with the ends of their intervals."""
+    rows = []
+    for sign, unit, scale, name in (
+        ("f", "Hz", 1.0, "frequency"),
+        ("ζ", "%", 1e2, "damping_ratio"),
+    ):
+        for which, mode in named:
+            value, se = scale * getattr(mode, name), scale * getattr(mode, f"{name}_se")
+            half = HALF * se if np.isfinite(se) else np.inf
+            rows.append(views.term(f"{sign}, {which}", value, (value - half, value + half), unit))
+    return rows
+
+
+def _tables(found: MeasuredModes) -> list[tuple[str, str]]:
+    """What each mode is beside its pole; of several points shapes and how alike they are."""
+    if not found.modes:
+        return []
+    several = bool(found.points)
+    last = ["MPC", "MPD, °"] if several else ["modal mass, kg"]
+    rows = []
+    for i, one in enumerate(found.modes, 1):
+        own = [f"{one.modal_mass:.4g}"]
+        if several:
+            own = [f"{one.phase_collinearity:.3f}", f"{one.phase_deviation_deg:.2g}"]
+        residue = with_error(abs(one.mode.residue), one.mode.residue_se)
+        rows.append([str(i), rounded(one.frequency_hz, digits=4), residue, *own,
+                     f"{one.orders} of {found.highest_order}"])  # fmt: skip
+    head = ["mode", "Hz", "residue, m/(N s)", *last, "orders stable"]
+    tables = [("Modes", head, rows)]
+    if several:
+        numbers = [str(i + 1) for i in range(len(found.modes))]
+        parts = [complex(p.real, p.imag) for one in found.modes for p in one.shape]
+        shape = np.array(parts).reshape(len(numbers), -1)
+        shapes = [
+            [point, *(f"{abs(v):.3f}, {_degrees(v)}°"
+                      for v in shape[:, i])]
+            for i, point in enumerate(found.points)
+        ]  # fmt: skip
+        macs = [[n, *(f"{v:.3f}" for v in row)] for n, row in zip(numbers, found.mac, strict=True)]
+        tables += [
+            ("Shapes: size and phase", ["point", *(f"mode {n}" for n in numbers)], shapes),
+            ("Modal assurance criterion", ["mode", *numbers], macs),
+        ]
+    return [(title, views.piece("cells", head=head, rows=rows)) for title, head, rows in tables]
+
+
+def _degrees(value: complex) -> str:
+    """The phase in whole degrees, 0 without a sign."""
+    return f"{round(math.degrees(cmath.phase(value))):d}".replace("-", "−")
