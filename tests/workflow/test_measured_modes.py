@@ -301,6 +301,18 @@ def test_points_measured_at_two_states_are_not_two_modes(tmp_path):
     assert not [check.name for check in found.frf.checks if check.failed]
 
 
+@pytest.mark.once
+def test_hum_on_one_line_is_no_mode_and_a_file_is_one_point(tmp_path):
+    frf = measured()
+    value = frf.value.copy()
+    value[np.argmin(np.abs(F - 45))] *= 6
+    file = written(tmp_path, replace(frf, value=value))
+    found = sorted(one.frequency_hz for one in modes_of(file, band=(5, 70)).modes)
+    assert found == pytest.approx([true[0] for true in TRUE], rel=1e-3)
+    with pytest.raises(dp.ReadError, match=r"^frf\.csv is given twice"):
+        modes_of(file, file)
+
+
 # -- the stabilisation chart ----------------------------------------------------------------------
 
 

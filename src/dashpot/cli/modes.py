@@ -53,7 +53,9 @@ def command(
     error; the mode that moves most comes first. Without a band they are sought within two octaves
     of where a block on its mounts moves most. Several points of one structure, in one file or in
     several, give poles that they share, and shapes; --plot draws the stabilisation chart, with
-    --mass the modes under each mass and the stiffness at their poles.
+    --mass the modes under each mass and the stiffness at their poles. Two modes of one frequency
+    are one to a single point of excitation, and an exponential window that the file does not name
+    reads as damping.
 
     \b
     dashpot modes frf.csv

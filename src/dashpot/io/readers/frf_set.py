@@ -41,11 +41,15 @@ def read_frfs(
     Raises
     ------
     ReadError
-        If there is no FRF in a file, or its kind or unit is left open.
+        If there is no FRF in a file, its kind or unit is left open, or it is given twice.
     DataError
         If they are not on the same lines.
     """
     paths = [path] if isinstance(path, str | Path) else list(path)
+    places = [Path(one).resolve() for one in paths]
+    twice = [one.name for i, one in enumerate(places) if one in places[:i]]
+    if twice:
+        raise ReadError(f"{twice[0]} is given twice; expected each point once")
     names: list[str] = []
     frfs: list[FRF] = []
     for one in paths:

@@ -260,7 +260,9 @@ def _is_mode(trial: Trial, i: int) -> bool:
     omega, record = lines.s.imag, lines.record
     if not omega[0] < p.imag < omega[-1] or -p.real > 0.99 * MOST_DAMPED * p.imag:
         return False
-    if record is not None and -p.real * record < 1e-2:
+    # what stands on one line is hum: lines are no closer than a record is long
+    longest = record or 2 * np.pi / float(np.median(np.diff(omega)))
+    if -p.real * longest < 1e-2:
         return False
     residue = np.abs(trial.residues)
     taller = residue.max(axis=0) > residue[:, i].max()
