@@ -73,6 +73,37 @@ def crossed(
     return table(path, header, *(c[order] for c in (hz, scale * X, K.real / 1e3, K.imag / 1e3, T)))
 
 
+@pytest.mark.parametrize(
+    ("column", "over"),
+    [
+        ("Strain p-p [%]", 2.0),
+        ("Dynamic strain pk-pk [%]", 2.0),
+        ("Double Strain Amplitude [%]", 2.0),
+        ("DSA strain [%]", 2.0),
+        ("Dehnung Spitze-Spitze [%]", 2.0),
+        ("Strain rms [%]", 0.5**0.5),
+        ("Strain 0-p [%]", 1.0),
+        ("Single strain amplitude [%]", 1.0),
+    ],
+)
+def test_what_is_over_the_whole_cycle_is_turned_into_the_amplitude(tmp_path, column, over):
+    K, name = 1e3 * payne(GRID), tmp_path / "sweep.csv"
+    header = f"Frequency [Hz],Static strain [%],{column},E' [MPa],E'' [MPa]"
+    table(name, header, 10 + 0 * GRID, 5 + 0 * GRID, 100 * over * GRID, K.real, K.imag)
+    assert ran(name)["half_way"] == pytest.approx(0.004, rel=1e-3)
+    told = CliRunner().invoke(main, ["level", str(name)]).stdout
+    assert ("it is the amplitude" in told) is (over != 1.0)
+
+
+def test_two_amplitudes_are_asked_about(tmp_path):
+    name = tmp_path / "two.csv"
+    header = "Frequency [Hz],Strain 1 [%],Strain 2 [%],E' [MPa],E'' [MPa]"
+    table(name, header, 10 + 0 * GRID, 100 * GRID, 80 * GRID, 2 - GRID, 1 + 0 * GRID)
+    stderr = " ".join(CliRunner().invoke(main, ["level", str(name)]).stderr.split())
+    assert "could each be the strain; say which" in stderr
+    assert ran(name, "--strain", "Strain 2")["amplitudes"][1] == pytest.approx(0.8 * GRID[-1])
+
+
 MODULI = "E' [MPa],E'' [MPa],Temperature [degC]"
 
 

@@ -13,6 +13,7 @@ from dashpot.records.temperature import celsius
 
 if TYPE_CHECKING:
     from dashpot import Comparison
+    from dashpot.base.provenance import Source
     from dashpot.records.fit import Fit
     from dashpot.records.frf import Mode
     from dashpot.records.temperature import TemperatureShifts
@@ -87,7 +88,7 @@ def fit(found: Fit, *, asked: int | str = "auto") -> Text:
     if found.certificate:
         details.append(f"  certificate {found.certificate.says}")
     (details if residual.unit == "N" else lines).extend(_nuisance(found))
-    return Text(lines, [*details, *_read(found), *_orders(found)])
+    return Text(lines, [*details, *_read(found.source), *_orders(found)])
 
 
 def _bent(found: Fit) -> list[str]:
@@ -115,11 +116,11 @@ def _nuisance(found: Fit) -> list[str]:
     return [f"  nuisance    {listed}"] if listed else []
 
 
-def _read(found: Fit) -> list[str]:
+def _read(sources: Sequence[Source]) -> list[str]:
     """What the readers noticed."""
     return [
         f"  read        {ascii_only(f'{source.file}: {note}')}"
-        for source in found.source
+        for source in sources
         for note in source.notes
     ]
 
@@ -366,7 +367,7 @@ def levels(found: Levels) -> Text:
                 f"{1e3 * one.amplitude:.3g}",
             ]
         )
-    return Text([*lines, *(table(rows) if found.at else ())])
+    return Text([*lines, *(table(rows) if found.at else ()), *_read(found.source)])
 
 
 def indentation(found: Indentation) -> Text:

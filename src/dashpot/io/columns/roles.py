@@ -32,6 +32,7 @@ _OF_A_PART: dict[Role, Dimension] = {
 _LESS = (
     (vocabulary.COMMANDED, 1.5, None),
     (vocabulary.EXTREMES, 1.0, False),
+    (vocabulary.STATIC, 1.5, False),
     (vocabulary.PARTIAL_TIME, 1.0, True),
     (vocabulary.WHOLE_TIME, 0.5, True),
 )

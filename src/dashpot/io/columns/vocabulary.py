@@ -117,6 +117,8 @@ EXTREMES = (
     "maks", "oberwert", "unterwert", "maxima", "minima", "range",
 )  # fmt: skip
 """Words for one value per cycle."""
+STATIC = ("static", "statisch", "statische", "statischer", "statique", "statico", "静态")
+"""Words for what a cycle goes about."""
 PARTIAL_TIME = (
     "step", "cycle", "segment", "schritt", "zyklus", "zykluszeit", "interval", "block", "section",
     "phase", "abschnitt", "schrittzeit", "cyklu", "kroku", "remaining", "rest", "stage",
@@ -170,6 +172,13 @@ _SIZE = re.compile(
 _NO_SIZE = re.compile(
     r"storage|loss|speicher|verlust|real|imag|phase|angle|winkel|viscos|compliance|[ekg]['\"′″]"
 )
+# ASTM D5992 calls the double strain amplitude DSA
+_SPAN = re.compile(
+    r"(?<!\w)(?:(p|pk|peak|spitze|pico|picco|crête)(?: to | a | à | zu | |-|2|t)?\1|dsa"
+    r"|(?:double|doppelte) (?:strain |displacement )?amplitude|doppelamplitude|schwingbreite)(?!\w)"
+    r"|峰峰|[双両全]振幅"
+)
+_RMS = ("rms", "effektiv", "effektivwert", "eff")
 _STEMS = tuple(
     (word, roles)
     for word, roles in FIRST.items()
@@ -210,6 +219,19 @@ def says_size(name: str) -> bool:
     text = unicodedata.normalize("NFKC", name).casefold().replace("_", " ").replace(".", " ")
     text = re.sub(r" {2,}", " ", text)
     return bool(_SIZE.search(text)) and not _NO_SIZE.search(text)
+
+
+def over_amplitude(name: str) -> tuple[float, str]:
+    """What a name says its numbers are over the amplitude of a cycle, and in which words.
+
+    >>> over_amplitude("Strain p-p"), over_amplitude("Double Strain Amplitude")[0]
+    ((2.0, 'peak to peak'), 2.0)
+    >>> over_amplitude("Strain rms")[1], over_amplitude("Strain amplitude")
+    ('an rms', (1.0, ''))
+    """
+    if _SPAN.search(plain(name)):
+        return 2.0, "peak to peak"
+    return (2**-0.5, "an rms") if has_word(name, _RMS) else (1.0, "")
 
 
 @lru_cache(maxsize=4096)

@@ -8,6 +8,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
+from dashpot.io.columns import vocabulary
 from dashpot.io.columns.kinds import ONE_FREQUENCY, amplitude_named, groups
 from dashpot.io.columns.roles import Assigned, assign, list_columns
 from dashpot.io.columns.vocabulary import Role
@@ -15,6 +16,7 @@ from dashpot.io.options import ReadOptions
 from dashpot.io.readers import channels
 from dashpot.io.readers.dynamic import NAMED, parts_of, sweep_columns
 from dashpot.io.readers.stated import stated_specimen
+from dashpot.io.table import Question
 from dashpot.records.amplitude import AmplitudeSweep
 from dashpot.records.specimen import Specimen
 
@@ -29,7 +31,8 @@ def read_amplitude(
     """Return the amplitude sweep in a file, in SI units: strain as a ratio, displacement in m.
 
     Storage and loss (or storage and loss factor) against a column of strain or displacement
-    amplitude, at one frequency or a few, in any order; frequencies that differ by less than an
+    amplitude (a column that says peak to peak, double amplitude or rms is turned into it, with a
+    note), at one frequency or a few, in any order; frequencies that differ by less than an
     instrument holds them are one. Rows that lack a number are left out with a note.
 
     Raises
@@ -50,6 +53,9 @@ def read_amplitude(
         found = [(assign(file.table, role, named), of) for role, of in _OF]
         held = [(one, of) for one, of in found if isinstance(one, Assigned)]
         if not held:
+            for one, _ in found:
+                if isinstance(one, Question) and one.choices:
+                    raise ReadError(one.says)
             raise ReadError(
                 "no column of strain or displacement amplitude was found; name it with --strain or "
                 f"--displacement; the columns are {list_columns(file.table.columns)}"
@@ -57,11 +63,13 @@ def read_amplitude(
         column, of = held[0]
         chosen = channels.with_units(file, [*wanted, column])
         _, values, unit, notes = parts_of(file, chosen, ratio)
-        amplitude = values[column.role]
+        called = file.table.columns[column.index]
+        factor, word = vocabulary.over_amplitude(f"{called.name} {called.unit or ''}")
+        amplitude = values[column.role] / factor
+        if word:
+            notes.append(f"'{called.name}' is {word}: over {factor:.3g} it is the amplitude")
         if not np.ptp(amplitude) > 0:
-            raise ReadError(
-                f"'{file.table.columns[column.index].name}' never changes: it is no amplitude sweep"
-            )
+            raise ReadError(f"'{called.name}' never changes: it is no amplitude sweep")
         frequency = _tones(values["frequency"])
         _expect_one_temperature(frequency, amplitude, values.get("temperature"))
         specimen, said = stated_specimen(file, specimen or Specimen())
