@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from kit import levels
@@ -10,11 +12,13 @@ from scipy.optimize import brentq
 from dashpot.base.errors import DataError, FitError
 from dashpot.fitting.level.checks import levels_as_struck
 from dashpot.fitting.level.frfs import fit_levels
+from dashpot.fitting.level.hits import HitLevels
 from dashpot.fitting.level.loops import sweep_of_loops
 from dashpot.fitting.level.response import resonance_at_level
 from dashpot.fitting.level.sweep import fit_amplitude
 from dashpot.records.amplitude import AmplitudeSweep
-from dashpot.records.frf import FRF, Kind
+from dashpot.records.frf import FRF, Hit, Kind
+from dashpot.vibration.impact.amplitude import trend_of_hits
 
 pytestmark = pytest.mark.once
 
@@ -283,6 +287,19 @@ def test_levels_that_hits_contradict_are_told_why(said, says):
     assert says in check.says
 
 
+def test_hits_that_leave_no_resonance_at_a_level_say_so():
+    """The damping ratio halves per doubling, from 0.4: of a twentieth of the motion no peak."""
+    made = [
+        Hit(str(i), i, True, (), X, 0.01, 12.0, 4e-5 / X, 0.1, X)
+        for i, X in enumerate(np.geomspace(1e-4, 8e-4, 6))
+    ]
+    trend = trend_of_hits(made)
+    found = HitLevels(FRF(np.arange(1.0, 4.0), np.ones(3)), trend, ())
+    assert found.resonance(0.4)[0] > 10
+    with pytest.raises(DataError, match="leaves no resonance: it does not reach so far"):
+        found.resonance(0.02)
+
+
 F = np.linspace(8, 20, 61)
 LEVELS = (0.005, 0.05, 0.5)
 
@@ -316,6 +333,16 @@ class TestLevels:
         one = fit_levels(three(), LEVELS, mass=MASS)
         two = fit_levels(three(), LEVELS, mass=MASS, seals=2)
         assert 2 * two.stiffness(80.0, 1e-3) == pytest.approx(one.stiffness(80.0, 1e-3), rel=1e-6)
+
+    def test_a_mass_said_wrong_moves_another_mass_and_no_level(self):
+        one, other = (fit_levels(three(), LEVELS, mass=part * MASS) for part in (1, 1.01))
+        for level in (0.02, 0.2):
+            here, there = (resonance_at_level(found, level)[0] for found in (one, other))
+            assert there == pytest.approx(here, rel=3e-4)
+        heavier = (replace(found, mass=1.3 * MASS) for found in (one, other))
+        here, there = (resonance_at_level(found, 0.05)[0] for found in heavier)
+        assert there / here - 1 == pytest.approx(0.005, abs=1e-3)
+        assert "of another by 0.5 %" in " ".join(one.described)
 
     def test_a_linear_truth_needs_no_sliders(self):
         def nothing(X):

@@ -160,6 +160,10 @@ class LevelFit(ByValue, Described):
                 f"leave {100 * self.residual:.2g} % of F/X; arms alone "
                 f"{100 * self.linear_residual:.2g} %"
             ),
+            (
+                "1 % of mass is 1 % of the stiffness at the resonance: of this mass it moves "
+                "that at no level, of another by 0.5 %"
+            ),
             *self._stiffening,
             *(check.says for check in self.checks if check.failed),
         )

@@ -109,6 +109,11 @@ class HitLevels:
         ----------
         level : float
             Amplitude of the force, N.
+
+        Raises
+        ------
+        DataError
+            If the damping of the trend is so large there that nothing resonates.
         """
         trend = self.trend
 
@@ -127,6 +132,13 @@ class HitLevels:
         for _ in range(_ROUNDS):
             hz, receptance = along(x)
             x = float(np.log2(level * receptance))
+        if hz == 0:
+            low, high = (1e3 * one for one in self.amplitudes)
+            raise DataError(
+                f"at {level:g} N the line through the damping of the hits, of {low:.3g} to "
+                f"{high:.3g} mm, leaves no resonance: it does not reach so far; hit so that the "
+                "seal moves as it does at that level"
+            )
         least_hz, most_hz = (along(x, stiffness=way)[0] for way in (-1.0, 1.0))
         least, most = (along(x, damping=way)[1] for way in (1.0, -1.0))
         return hz, receptance, (least_hz, most_hz), (least, most)
