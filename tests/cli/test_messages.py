@@ -64,7 +64,6 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "workflow/job.py": ("fit", "predict", "identify", "report"),
     "workflow/job.py:refuse_several": ("fit", "report"),
     "workflow/part.py": ("predict",),
-    "fitting/level/checks.py": ("level",),
     "workflow/levels.py": ("level",),
     "workflow/at_level.py": ("predict",),
     "workflow/cld.py": ("cld",),

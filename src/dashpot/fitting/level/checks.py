@@ -117,8 +117,8 @@ def levels_as_struck(said: Sequence[float], struck: Sequence[float]) -> Finding:
         why = "a factor of 1000: is the level, or the force in the files, in mN or kN?"
     else:
         why = (
-            "--level of a hammer's file is the peak force of its hits; say that, or leave it out, "
-            "and if it is right look at the unit and the sensitivity of the force"
+            "the level of a hammer's file is the peak force of its hits; say that, or none, and if "
+            "it is right look at the unit and the sensitivity of the force"
         )
     says = f"the hits show {forces} N (peaks, the median of each file)"
     return Finding(
