@@ -176,9 +176,6 @@ def _described(card: _Card, kelvin: float | None, measured: str) -> list[str]:
     spans = ", ".join(
         f"{one.mode} {one.stretch.min():.4g} to {one.stretch.max():.4g}" for one in fit.curves
     )
-    ends = [
-        f"{mode} {at:.4g}" for mode, both in fit.stable for at in both if at is not None
-    ] or ["nowhere from 0.1 to 10"]  # fmt: skip
     bulk = "" if law.kind == "hyperfoam" else f"{text(card.bulk)} {stress}, "
     lines = [
         f"UNITS: {units.name}: {', '.join(units.words)}",
@@ -186,7 +183,7 @@ def _described(card: _Card, kelvin: float | None, measured: str) -> list[str]:
         f"bulk modulus {bulk}{measured}",
         f"temperature: {stated}",
         f"stretches measured: {spans}",
-        f"not stable (Drucker) from stretch: {', '.join(ends)}",
+        f"not stable (Drucker) from stretch: {_unstable(fit)}",
         *(f"source: {one.file} sha256 {one.sha256}" for one in fit.sources),
     ]
     if any(one.simulated for one in fit.sources):
@@ -194,6 +191,12 @@ def _described(card: _Card, kelvin: float | None, measured: str) -> list[str]:
     if fit.memory is None:
         return [*lines, "memory: none was taken off; the curves as tested are taken as elastic"]
     return [*lines, "memory: taken off the true stress of the tests; the law is that at rest"]
+
+
+def _unstable(fit: HyperelasticFit) -> str:
+    """The stretches from which the law is not stable, in each mode."""
+    ends = [f"{mode} {at:.4g}" for mode, both in fit.stable for at in both if at is not None]
+    return ", ".join(ends) or "nowhere from 0.1 to 10"
 
 
 _NAMES = {
