@@ -12,6 +12,7 @@ from kit.trials import DISTURBANCES, KINDS, LAWS, relaxation_test, trial
 from test_checks import STAGES
 
 import dashpot as dp
+from dashpot.base import checks
 from dashpot.base.checks import Check, Finding, criterion
 from dashpot.base.errors import DashpotError
 from dashpot.base.numbers import readable
@@ -104,7 +105,11 @@ def test_the_cause_of_a_disagreement_leads_the_verdict() -> None:
     assert replace(study, joint=joint).verdict.says.startswith("the seals are 15 % stiffer")
 
 
-def test_a_sentence_spells_powers_of_ten_that_people_write_out() -> None:
+def test_a_sentence_spells_powers_of_ten_that_people_write_out(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(checks, "REGISTER", dict(checks.REGISTER))
+
     def spelt() -> Finding:
         """Whatever."""
         return Finding(f"{130.0:.2g} times, {2e-9:.2g} m")
