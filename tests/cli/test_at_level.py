@@ -9,6 +9,7 @@ import pytest
 from click.testing import CliRunner
 from scipy.optimize import brentq
 
+import dashpot as dp
 from dashpot.cli import main
 
 pytestmark = pytest.mark.once
@@ -136,18 +137,39 @@ def test_a_modulus_measured_at_a_strain_is_taken_back_to_none(place, tmp_path):
     softened.mkdir()
     (softened / "strain.csv").write_bytes((place / "strain.csv").read_bytes())
     f = np.geomspace(0.1, 500, 60)
-    E = modulus(f) * payne(2e-3).real
+    E = modulus(f) * payne(2e-3)  # with the loss of its friction, as an instrument finds it
     rows = np.column_stack([f, E.real / 1e6, E.imag / 1e6])
     header = "Frequency [Hz],E' [MPa],E'' [MPa]"
     np.savetxt(softened / "dma.csv", rows, delimiter=",", header=header, comments="")
     words = ["fit", str(softened / "dma.csv"), "-o", str(softened / "m.json")]
     assert CliRunner().invoke(main, words).exit_code == 0
     found = {}
+    part = "--height", "12mm", "--resonance", f"{peak(1e-6)[0]}Hz", "--resonance-mass", "400g"
     for fitted_at in ((), ("--fitted-at", "0.2%")):
-        told = answered(softened, *DISC, *BASE, "--strain-factor", "1", *fitted_at)
-        found[bool(fitted_at)] = told["levels"][1]["peak"]["frequency_hz"]
-    assert found[True] == pytest.approx(peak(HIGH)[0], rel=3e-3)
-    assert found[False] < 0.97 * peak(HIGH)[0]
+        told = answered(softened, *part, *BASE, "--strain-factor", "1", *fitted_at)
+        found[bool(fitted_at)] = told["levels"][1]["peak"]
+    hz, height = peak(HIGH)
+    assert found[True]["frequency_hz"] == pytest.approx(hz, rel=0.02)
+    assert found[True]["value"] == pytest.approx(height, rel=0.15)
+    assert found[False]["value"] < 0.9 * found[True]["value"]
+
+
+@pytest.mark.parametrize("since", [0.0, 2e-3])
+@pytest.mark.parametrize("law", ["factor", "additive", "additive+cubic"])
+def test_what_stands_beside_a_solid_is_the_change_since_its_own_amplitude(law, since):
+    X = np.geomspace(1e-4, 0.1, 24)
+    E = 4e6 * payne(X) + (0.75 * 2e9 * X**2 if "cubic" in law else 0)
+    sweep = dp.AmplitudeSweep(10 + 0 * X, X, E.real, E.imag, "Pa", "strain")
+    found = dp.fit_amplitude(sweep, law=law)
+    start = 4e6 * (payne(since) if since else 1.0)
+    solid = dp.GeneralizedMaxwell(start.real, (1e-9,), (1.0,))
+    change = found.beside(solid * 1e-3, 1e-3, stretch=0.02, since=since)
+    assert change is not None
+    if law == "factor":
+        expected = start.real * (payne(X) / payne(since or 1e-12) - 1)
+    else:
+        expected = E - start - (0.75 * 2e9 * since**2 if "cubic" in law else 0)
+    assert change.equivalent(1.0, 0.02 * X) == pytest.approx(1e-3 * expected, abs=1e-3 * 4e4)
 
 
 @pytest.mark.parametrize(("level", "passes"), [("2m/s^2", True), ("200m/s^2", False)])

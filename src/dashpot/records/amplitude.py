@@ -16,7 +16,7 @@ from dashpot.base.provenance import Source, of_file
 from dashpot.records.specimen import Specimen
 from dashpot.solids.friction import Kraus
 from dashpot.solids.maxwell import Solid
-from dashpot.solids.rate_independent import AmplitudeDependent, InParallel
+from dashpot.solids.rate_independent import AmplitudeDependent, InParallel, Since
 from dashpot.solids.softening import Softening, softened
 from dashpot.solids.stiffening import Cubic
 
@@ -238,24 +238,26 @@ class AmplitudeFit(ByValue, Described):
         return np.asarray(found + 0.75 * self.k3 * X**2 / linear)
 
     def beside(
-        self, solid: Solid, scale: float = 1.0, *, stretch: float = 1.0
+        self, solid: Solid, scale: float = 1.0, *, stretch: float = 1.0, since: float = 0.0
     ) -> AmplitudeDependent | None:
-        """What stands beside a solid that knows of no amplitude; None where none matters.
+        """What amplitude changes of a solid that knows of none; None where none matters.
 
         Parameters
         ----------
         solid : Solid
-            N/m, at a vanishing amplitude.
+            N/m, as it is at the amplitude `since`.
         scale, stretch : float
             As in `element`.
+        since : float
+            As `of`; 0 for a vanishing amplitude.
         """
-        kraus, parts = self.law.partition("+")[0], list[AmplitudeDependent]()
+        kraus, parts, x0 = self.law.partition("+")[0], list[AmplitudeDependent](), since * stretch
         if kraus == "factor":
-            parts.append(Softening(solid, self.lost, self.half_way * stretch, self.exponent))
+            parts.append(Softening(solid, self.lost, self.half_way * stretch, self.exponent, x0))
         elif kraus == "additive":
-            parts.append(self.element(scale, stretch=stretch))
+            parts.append(Since(self.element(scale, stretch=stretch), x0))
         if self.k3:
-            parts.append(self.spring(scale, stretch=stretch))
+            parts.append(Since(self.spring(scale, stretch=stretch), x0))
         return InParallel(tuple(parts)) if parts else None
 
     def spring(self, scale: float = 1.0, *, stretch: float = 1.0) -> Cubic:

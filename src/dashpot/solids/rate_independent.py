@@ -25,6 +25,8 @@ from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
 _NODES = 400
 """Nodes of the quadrature over half a cycle, where an element has no closed first harmonic."""
+_VANISHING = 1e-30
+"""m."""
 
 
 class AmplitudeDependent(ABC):
@@ -133,6 +135,40 @@ class RateIndependent(AmplitudeDependent):
         half = X * np.cos(np.linspace(0, np.pi, points // 2 + 1))
         down = self.unloading(half, np.full_like(half, X))
         return np.concatenate((half, -half[1:])), np.concatenate((down, -down[1:]))
+
+
+@dataclass(frozen=True)
+class Since(AmplitudeDependent):
+    r"""What an element has changed by since an amplitude: :math:`N(X) - N(X_0)`.
+
+    Beside a solid that was measured at X_0 with the element in it, it gives the solid and the
+    element at X.
+    """
+
+    element: AmplitudeDependent
+    amplitude: float
+
+    def equivalent(self, omega: npt.ArrayLike, amplitude: npt.ArrayLike) -> ComplexArray:
+        """Change of the equivalent stiffness, N/m."""
+        known = self.element.equivalent(omega, max(self.amplitude, _VANISHING))
+        return self.element.equivalent(omega, amplitude) - known
+
+    def start(self) -> Any:
+        """Refused: a change of stiffness has no path.
+
+        Raises
+        ------
+        DataError
+        """
+        raise DataError("a change since an amplitude has no force along a path; take the element")
+
+    def advance(self, state: Any, dt: float, x: float) -> tuple[float, Any]:  # noqa: ARG002
+        """Refused, as :meth:`start`."""
+        return self.start()  # type: ignore[no-any-return]  # it raises
+
+    def __mul__(self, count: float) -> Since:
+        """`count` in parallel."""
+        return replace(self, element=self.element * count)
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,9 @@ class Softening(AmplitudeDependent):
     .. math:: \phi = 1 - d\left[1 - \frac{1}{1 + u^{2m}}\right]
         + j\,\frac{d\,m}{\pi}\,\frac{2 u^m}{1 + u^{2m}}, \quad u = \frac{X}{X_c}
 
-    Kraus's law as a factor on a linear solid, its loss tied to its softening (broad friction).
+    Kraus's law as a factor on a linear solid, its loss tied to its softening (broad friction). Of a
+    solid that was itself measured at an amplitude X_0, friction and all,
+    :math:`K^*(\omega)[\phi(X)/\phi(X_0) - 1]`.
 
     Attributes
     ----------
@@ -34,12 +36,15 @@ class Softening(AmplitudeDependent):
         X_c, m, > 0.
     exponent : float
         m, 0 < m < 1.
+    since : float
+        X_0, m; 0 where the solid is what a vanishing amplitude feels.
     """
 
     solid: Solid
     share: float
     half_way: float
     exponent: float = 0.5
+    since: float = 0.0
 
     def __post_init__(self) -> None:
         above_zero(self, "share", "half_way", "exponent")
@@ -62,8 +67,11 @@ class Softening(AmplitudeDependent):
 
     def equivalent(self, omega: npt.ArrayLike, amplitude: npt.ArrayLike) -> ComplexArray:
         """Change of the complex stiffness, N/m: its real part is below 0."""
-        change = softened(amplitude, self.share, self.half_way, self.exponent) - 1
-        return np.asarray(self.solid.complex_stiffness(omega) * change)
+        law = self.share, self.half_way, self.exponent
+        known = softened(self.since, *law) if self.since else 1.0
+        return np.asarray(
+            self.solid.complex_stiffness(omega) * (softened(amplitude, *law) / known - 1)
+        )
 
     def start(self) -> Any:
         """Refused: a law of amplitudes has no path.

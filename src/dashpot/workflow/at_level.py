@@ -40,6 +40,8 @@ _LOOPS = ("cyclic", "cld", "relaxation", "creep")
 """What a record of time, displacement and force is taken for; here it is one of loops."""
 _ALIKE = 10.0
 """BIC within which two laws of a sweep are not told apart."""
+VANISHING = 1e-9
+"""A level, N or m/s^2, at which nothing that slips does."""
 _COARSE, _FINE, _REACH = 241, 61, (0.25, 2.5)
 """Lines about the linear resonance, lines about the largest of these, and how far they go."""
 
@@ -193,9 +195,7 @@ class SweptPart:
         `solid` is all that carries the mass as it was measured, N/m, `scale` N/m of it for each
         of the sweep's unit, `coupled` the mass by which the mounts couple it to a base, kg.
         """
-        if self.fitted_at:
-            solid = solid * (1 / float(law.ratio(self.fitted_at).real))
-        beside = law.beside(solid, scale, stretch=self.stretch(factor))
+        beside = law.beside(solid, scale, stretch=self.stretch(factor), since=self.fitted_at)
         frf, stretch = mass_at_level(
             solid, beside, mass=mass, level=level, frequency=frequency, kind=kind
         )

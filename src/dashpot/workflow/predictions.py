@@ -30,7 +30,14 @@ from dashpot.vibration.systems.prediction import (
     predict_frf,
 )
 from dashpot.vibration.systems.random_base import random_base, random_limits
-from dashpot.workflow.at_level import AtLevel, LevelChoices, SweptPart, level_of, swept_part
+from dashpot.workflow.at_level import (
+    VANISHING,
+    AtLevel,
+    LevelChoices,
+    SweptPart,
+    level_of,
+    swept_part,
+)
 from dashpot.workflow.checks import base_band_informed, prediction_informed
 from dashpot.workflow.job import known_of_a_test
 from dashpot.workflow.part import PartChoices
@@ -272,10 +279,13 @@ def predict_files(
 def _measured_at(
     swept: SweptPart | None, choices: LevelChoices | None, kind: Kind
 ) -> Callable[[Solid, float, float], float] | None:
-    """The resonance of a mass at the level at which that of the user was measured."""
-    if choices is None or choices.resonance_level is None or swept is None:
+    """The resonance of a mass at the level at which that of the user was measured.
+
+    None where the solid was measured as the resonance was: by a vanishing motion.
+    """
+    if choices is None or swept is None or not (choices.resonance_level or swept.fitted_at):
         return None
-    level = level_of(choices.resonance_level, kind)
+    level = level_of(choices.resonance_level, kind) if choices.resonance_level else VANISHING
 
     def peak(solid: Solid, factor: float, mass: float) -> float:
         about = model_modes(solid, mass)[0].frequency
