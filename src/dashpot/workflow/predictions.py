@@ -158,8 +158,7 @@ def predict_files(
     known_of_a_test(machine, tests=len(records), add="the record (--with)")
     moving, noted = moving_mass(mass, seal=seal_mass or 0.0, seals=seals)
     here = found if temperature is None else found.at_temperature(temperature)
-    of_part = part is not None and part != PartChoices()
-    asked_kind, scale = Kind(kind), seals
+    of_part, asked, scale = part is not None and part != PartChoices(), Kind(kind), seals
     swept = swept_part(
         at_level or LevelChoices(),
         unit=found.unit,
@@ -172,46 +171,44 @@ def predict_files(
                 "a record (--with) bounds the part that was tested, not another of its material: "
                 "leave it or the geometry out"
             )
-        base, material = asked_kind.over_base, here.solid
+        material = here.solid
         here = found = part.applied(
-            here, seals=seals, base=base, peak=_measured_at(swept, at_level, asked_kind)
+            here, seals=seals, base=asked.over_base, peak=_measured_at(swept, at_level, asked)
         )
         scale *= float(abs(here.solid.complex_stiffness(1.0) / material.complex_stiffness(1.0)))
     rests = at_rest(here, mass=moving, seals=seals, compression=compression)
-    solid = seals * rests.point.solid(here)
     # over a base, mounts that weigh something couple the mass to it
-    coupled = entrained(seal_mass, seals) if asked_kind.over_base else 0.0
-
-    def answer(frequency: FloatArray) -> FRF:
-        frf = predict_frf(solid, mass=moving, frequency=frequency, kind=kind)
-        return on_heavy_mounts(frf, mass=moving, coupled=coupled) if coupled > 0 else frf
-
-    frf = answer(np.linspace(*band, lines))
-    modes = model_modes(solid, moving)
-    rival = rival_modes(here, rests.point, mass=moving, seals=seals)
-    limits = bounded = None
-    if records:
-        tests = prepared_files(records, machine=machine, options=options)
-        refuse_others(tests, found)
-        tests = at_their_temperatures(tests, found)
-        about = np.linspace(max(frf.frequency[0], 1e-3), frf.frequency[-1], LIMIT_LINES)
-        bounded = partial(
-            frf_limits,
-            found,
-            tests,
-            rests.point,
+    coupled = entrained(seal_mass, seals) if asked.over_base else 0.0
+    on = _OnSeals(here, rests, moving, seals, coupled, asked)
+    frf = on.frf(np.linspace(*band, lines))
+    modes = model_modes(on.solid, moving)
+    bounded = _bounds(on, found, records, temperature=temperature, machine=machine, options=options)
+    about = np.linspace(max(frf.frequency[0], 1e-3), frf.frequency[-1], LIMIT_LINES)
+    limits = None if bounded is None else bounded(frequency=about, kind=_bounded(frf))
+    peak, at_edge = on.peak(frf)
+    # what the test must inform is the resonance, inside the band or not
+    felt = modes[0].frequency if modes and at_edge else peak[0]
+    levels: tuple[AtLevel, ...] = ()
+    if swept is not None and at_level is not None:
+        levels = swept.at(
+            on.solid,
+            [level_of(word, asked) for word in at_level.levels],
+            scale=scale,
             mass=moving,
-            seals=seals,
-            temperature=temperature,
+            kind=asked,
+            about=modes[0].frequency if modes else peak[0],
+            frequency=frf.frequency[frf.frequency > 0],
             coupled=coupled,
         )
-        limits = bounded(frequency=about, kind=_bounded(frf))
-    top = int(np.abs(frf.value).argmax())
-    low, high = frf.frequency[max(top - 1, 0)], frf.frequency[min(top + 1, len(frf.value) - 1)]
-    fine = answer(np.linspace(low, high, 2001))
-    height = np.abs(fine.value)
-    peak = float(fine.frequency[height.argmax()]), float(height.max())
-    at_edge = top in {0, len(frf.value) - 1} and peak[0] in {low, high}
+    checks = (
+        *_led_by(on, mass=mass, band=band, felt=felt),
+        *(() if swept is None else (*swept.covered(levels), *swept.checks)),
+        *found.checks,
+        *_asked_of(found, temperature),
+        noted,
+        *family_checks(here, rests.point, mass=moving, seals=seals),
+    )
+    judged = verdict(checks, sound=found.verdict.says)
     document = {
         "schema": "dashpot/prediction@1",
         "mass": mass,
@@ -223,7 +220,7 @@ def predict_files(
         **rests.document,
         "peak": {"frequency_hz": peak[0], "value": peak[1], "at_edge": at_edge},
         "modes": _listed(modes),
-        "alternative": _rival(here, rival),
+        "alternative": _rival(here, rival_modes(here, rests.point, mass=moving, seals=seals)),
         "band_hz": list(here.band),
         "extrapolated": any(not here.band[0] <= mode.frequency <= here.band[1] for mode in modes),
         "frequency_hz": frf.frequency.tolist(),
@@ -233,47 +230,93 @@ def predict_files(
             here, limits, rests.point, mass=moving, seals=seals, frf=frf, coupled=coupled
         ),
     }
-    levels: tuple[AtLevel, ...] = ()
-    if swept is not None and at_level is not None:
-        levels = swept.at(
-            solid,
-            [level_of(word, asked_kind) for word in at_level.levels],
-            scale=scale,
-            mass=moving,
-            kind=asked_kind,
-            about=modes[0].frequency if modes else peak[0],
-            frequency=frf.frequency[frf.frequency > 0],
-            coupled=coupled,
-        )
-        document["levels"] = [one.document for one in levels]
-        document["sweep"] = swept.document
+    if swept is not None:
+        document |= {"levels": [one.document for one in levels], "sweep": swept.document}
     if frf.kind is Kind.TRANSMISSIBILITY:
         if base_psd is not None:
             document["random"] = _shaken(
-                solid, read_psd(base_psd), bounded, mass=moving, coupled=coupled
+                on.solid, read_psd(base_psd), bounded, mass=moving, coupled=coupled
             )
-        document["isolation_hz"] = isolation_frequency(solid, moving - coupled)
-    # what the test must inform is the resonance, inside the band or not
-    felt = modes[0].frequency if at_edge and modes else peak[0]
-    rested = rest_checks(rests.point, mass)
-    asked = (
-        ()
-        if temperature is None or found.temperatures is None
-        else (temperature_tested(found.temperatures, temperature),)
-    )
-    told = family_checks(here, rests.point, mass=moving, seals=seals)
-    informed = [prediction_informed(felt, here.band)]
-    if frf.kind.over_base:
-        informed.append(base_band_informed(band, felt, here.band))
-    # a mass in a wrong unit first; then a solid that is not known at the peak, before what else
-    # its fit lacks
-    moved = () if swept is None else (*swept.covered(levels), *swept.checks)
-    checks = (*rested, *informed, *moved, *found.checks, *asked, noted, *told)
-    judged = verdict(checks, sound=found.verdict.says)
+        document["isolation_hz"] = isolation_frequency(on.solid, moving - coupled)
     document["verdict"] = judged.document
     return Prediction(
         frf, modes, peak, at_edge, limits, checks, judged, rests, document, of_part, levels
     )
+
+
+@dataclass(frozen=True)
+class _OnSeals:
+    """A mass on seals: the fit of one, where they rest, and what of them moves along."""
+
+    fit: Fit
+    rests: AtRest
+    mass: float
+    seals: float
+    coupled: float
+    kind: Kind
+
+    @property
+    def solid(self) -> Solid:
+        """All the seals, as small vibration feels them."""
+        return self.seals * self.rests.point.solid(self.fit)
+
+    def frf(self, frequency: FloatArray) -> FRF:
+        frf = predict_frf(self.solid, mass=self.mass, frequency=frequency, kind=self.kind)
+        if self.coupled > 0:
+            frf = on_heavy_mounts(frf, mass=self.mass, coupled=self.coupled)
+        return frf
+
+    def peak(self, frf: FRF) -> tuple[tuple[float, float], bool]:
+        """Frequency and height of the largest magnitude, and whether it stands at an end."""
+        top, last = int(np.abs(frf.value).argmax()), len(frf.value) - 1
+        low, high = frf.frequency[max(top - 1, 0)], frf.frequency[min(top + 1, last)]
+        fine = self.frf(np.linspace(low, high, 2001))
+        height = np.abs(fine.value)
+        peak = float(fine.frequency[height.argmax()]), float(height.max())
+        return peak, top in {0, last} and peak[0] in {low, high}
+
+
+def _bounds(
+    on: _OnSeals,
+    found: Fit,
+    records: Sequence[str | Path],
+    *,
+    temperature: float | None,
+    machine: Machine | None,
+    options: ReadOptions | None,
+) -> Callable[..., FRFBounds] | None:
+    """What bounds the FRF by the relaxation tests; None without them."""
+    if not records:
+        return None
+    tests = prepared_files(records, machine=machine, options=options)
+    refuse_others(tests, found)
+    return partial(
+        frf_limits,
+        found,
+        at_their_temperatures(tests, found),
+        on.rests.point,
+        mass=on.mass,
+        seals=on.seals,
+        temperature=temperature,
+        coupled=on.coupled,
+    )
+
+
+def _led_by(
+    on: _OnSeals, *, mass: float, band: tuple[float, float], felt: float
+) -> tuple[Check, ...]:
+    """A mass in a wrong unit first; then a solid that is not known at the peak."""
+    informed = [prediction_informed(felt, on.fit.band)]
+    if on.kind.over_base:
+        informed.append(base_band_informed(band, felt, on.fit.band))
+    return (*rest_checks(on.rests.point, mass), *informed)
+
+
+def _asked_of(found: Fit, temperature: float | None) -> tuple[Check, ...]:
+    """Whether a temperature that is asked for was tested."""
+    if temperature is None or found.temperatures is None:
+        return ()
+    return (temperature_tested(found.temperatures, temperature),)
 
 
 def _measured_at(
