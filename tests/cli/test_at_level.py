@@ -154,6 +154,15 @@ def test_a_modulus_measured_at_a_strain_is_taken_back_to_none(place, tmp_path):
     assert found[False]["value"] < 0.9 * found[True]["value"]
 
 
+@pytest.mark.parametrize(("letter", "factor"), [("E", 3**-0.5), ("G", 3**0.5)])
+def test_a_sweep_in_shear_leaves_open_that_the_part_is_not(place, tmp_path, letter, factor):
+    (tmp_path / "m.json").write_bytes((place / "m.json").read_bytes())
+    text = (place / "strain.csv").read_text().replace("E'", f"{letter}'")
+    (tmp_path / "strain.csv").write_text(text)
+    told = answered(tmp_path, *DISC, *BASE)
+    assert told["sweep"]["strain_factors"] == pytest.approx([1.0, factor])
+
+
 @pytest.mark.parametrize("since", [0.0, 2e-3])
 @pytest.mark.parametrize("law", ["factor", "additive", "additive+cubic"])
 def test_what_stands_beside_a_solid_is_the_change_since_its_own_amplitude(law, since):

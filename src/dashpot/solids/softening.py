@@ -54,17 +54,6 @@ class Softening(AmplitudeDependent):
                 "most 1 and an exponent below 1"
             )
 
-    @classmethod
-    def measured_at(
-        cls, solid: Solid, amplitude: float, share: float, half_way: float, exponent: float = 0.5
-    ) -> tuple[Solid, Softening]:
-        """The linear solid, and its softening, where `solid` was measured at an amplitude, m.
-
-        Its storage is taken back to a vanishing amplitude; the friction's loss stays in it.
-        """
-        linear = solid * (1 / float(softened(amplitude, share, half_way, exponent).real))
-        return linear, cls(linear, share, half_way, exponent)
-
     def equivalent(self, omega: npt.ArrayLike, amplitude: npt.ArrayLike) -> ComplexArray:
         """Change of the complex stiffness, N/m: its real part is below 0."""
         law = self.share, self.half_way, self.exponent

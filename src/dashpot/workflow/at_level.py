@@ -69,7 +69,8 @@ class LevelChoices:
     strain_factor: float | None = option(
         None,
         "Strain of the sweep over X/height of the part: 1 where both are loaded alike, 0.577 for a "
-        "part in shear beside a sweep in tension [default: 1, and what 0.577 would make of it].",
+        "part in shear beside a sweep in tension, 1.73 the other way [default: 1, and what the "
+        "other would make of it].",
         above=0.0,
     )
     fitted_at: str | None = option(
@@ -347,7 +348,7 @@ def swept_part(
             "both of the part"
         )
     height = _height(choices, law, height)
-    factors = STRAIN_FACTORS if choices.strain_factor is None else (choices.strain_factor,)
+    factors = (choices.strain_factor,) if choices.strain_factor else _strain_factors(law.source)
     if height is None:
         factors = (1.0,)
     fitted_at = 0.0
@@ -372,6 +373,13 @@ def amplitude_file(
     swept = read_amplitude(path, options=options)
     with about(Path(path).name):
         return fit_amplitude(swept, law=law), swept, swept
+
+
+def _strain_factors(sweep: Source | None) -> tuple[float, ...]:
+    """Of parts loaded as the sweep, and otherwise: in shear beside tension, or the other way."""
+    said = " ".join(sweep.columns) if sweep else ""
+    alike, otherwise = STRAIN_FACTORS
+    return alike, 1 / otherwise if "storage: G" in said or "shear" in said.lower() else otherwise
 
 
 def _height(choices: LevelChoices, law: AmplitudeFit, height: float | None) -> float | None:
