@@ -158,12 +158,53 @@ class TestSeries:
         K = 1j * np.trapezoid(F * np.exp(-1j * w * last), last) * w / np.pi / X
         assert abs(K - complex(pair.equivalent(w, X))) < 0.02 * abs(K)
 
-    def test_one_harmonic_of_a_bare_slider_is_as_far_off_as_it_says(self):
-        pair, one = InSeries(spring(100.0), Coulomb(0.05)), Jenkins(100.0, 0.05)
+    def test_a_bare_slider_behind_a_spring_is_a_jenkins_element(self):
         X = np.geomspace(2e-4, 0.05, 60)
-        exact = one.equivalent(1.0, X)
-        off = np.abs(pair.equivalent(1.0, X) - exact) / np.abs(exact)
-        assert 0.3 < off.max() < 0.4
+        pair = InSeries(spring(100.0), Coulomb(0.05))
+        exact = Jenkins(100.0, 0.05).equivalent(1.0, X)
+        assert pair.equivalent(1.0, X) == pytest.approx(exact, rel=1e-12)
+
+    @pytest.mark.parametrize(
+        "solid",
+        [
+            GeneralizedMaxwell(200.0, (300.0,), (0.02,)),
+            GeneralizedMaxwell(0.0, (100.0,), (0.05,)),
+            GeneralizedMaxwell(196.0, (117.0, 17.0), (0.05, 0.3)),
+            kelvin_voigt(100.0, 3.0),
+        ],
+    )
+    def test_a_bare_slider_behind_arms_is_what_its_path_settles_to(self, solid):
+        w, n, cycles = 40.0, *((3000, 3) if solid.b else (300, 12))
+        t = np.arange(cycles * n + 1) * 2 * np.pi / w / n
+        last = t[-n - 1 :]
+        yields = 0.05 / abs(complex(solid.complex_stiffness(w)))
+        pair = InSeries(solid, Coulomb(0.05))
+        for ratio in (0.99, 1.0005, 1.2, 5.0):
+            X = ratio * yields
+            F = marched(solid, 0.05, t, X * np.sin(w * t))[-n - 1 :]
+            K = 1j * np.trapezoid(F * np.exp(-1j * w * last), last) * w / np.pi / X
+            assert abs(K - complex(pair.equivalent(w, X))) < 2e-3 * abs(K)
+
+    def test_far_beyond_slip_only_the_slider_is_left(self):
+        pair = InSeries(GeneralizedMaxwell(200.0, (300.0,), (0.02,)), Coulomb(0.05))
+        X = np.array([500.0, 5000.0])
+        slides = Coulomb(0.05).equivalent(40.0, X)
+        assert np.abs(pair.equivalent(40.0, X) / slides - 1).max() < 1e-3
+
+
+def marched(solid, slip, t, x):
+    """Force of arms and a dashpot before a slider, along a path."""
+    k, tau, dt = np.array(solid.k), np.array(solid.tau), t[1]
+    keeps, gains = np.exp(-dt / tau), tau / dt * -np.expm1(-dt / tau)
+    rise = solid.k_inf + k @ gains + solid.b / dt
+    u, q, force = 0.0, np.zeros(len(k)), [0.0]
+    for dx in np.diff(x):
+        base = solid.k_inf * u + k @ (keeps * q)
+        f = float(np.clip(base + rise * dx, -slip, slip))
+        du = (f - base) / rise
+        u, q = u + du, keeps * q + gains * du
+        force.append(f)
+    return np.array(force)
 
 
 def test_the_energy_of_a_cycle_is_the_area_of_its_loop():

@@ -16,6 +16,7 @@ import numpy.typing as npt
 
 from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.errors import DataError
+from dashpot.solids.maxwell import Solid
 from dashpot.solids.rate_independent import InParallel, RateIndependent, above_zero, amplitudes
 
 _Path = tuple[tuple[float, float], ...]
@@ -132,6 +133,20 @@ class Coulomb(RateIndependent):
     def stiffness(self, amplitude: npt.ArrayLike) -> ComplexArray:
         """Equivalent stiffness, N/m, in closed form."""
         return np.asarray(4j * self.slip / (np.pi * amplitudes(amplitude)))
+
+    def in_series(self, solid: Solid, omega: FloatArray, amplitude: FloatArray) -> ComplexArray:
+        """Complex stiffness of a solid and this behind it, N/m: of the steady cycle itself."""
+        K, arms = solid.complex_stiffness(omega), solid.maxwell
+        if not arms.arms and not arms.b:
+            return Jenkins(arms.k_inf, self.slip).stiffness(amplitude)
+        from dashpot.solids.slipping import slider_behind  # costs an import that few need
+
+        found = np.empty(K.shape, dtype=complex)
+        for each in np.unique(omega):
+            here = omega == each
+            ratio = amplitude[here] * np.abs(K[here]) / self.slip
+            found[here] = K[here] * slider_behind(arms, float(each), ratio)
+        return found
 
     def start(self) -> tuple[float, float]:
         """Displacement and force."""

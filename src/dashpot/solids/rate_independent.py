@@ -41,6 +41,20 @@ class AmplitudeDependent(ABC):
         X = amplitudes(amplitude)
         return np.asarray(np.pi * X**2 * self.equivalent(omega, X).imag)
 
+    def in_series(self, solid: Solid, omega: FloatArray, amplitude: FloatArray) -> ComplexArray:
+        """Complex stiffness, N/m, of a solid and this behind it: one harmonic of its motion."""
+        first = solid.complex_stiffness(omega)
+        # both dissipate, so the part behind never moves further than the whole
+        low, high = np.full(amplitude.shape, np.log(1e-12)), np.zeros(amplitude.shape)
+        for _ in range(60):
+            middle = (low + high) / 2
+            behind = amplitude * np.exp(middle)
+            short = behind * np.abs(1 + self.equivalent(omega, behind) / first) < amplitude
+            low, high = np.where(short, middle, low), np.where(short, high, middle)
+        second = self.equivalent(omega, amplitude * np.exp(high))
+        whole = first * second / (first + second)
+        return np.asarray(np.where(high < np.log(1e-11), first, whole))
+
     @abstractmethod
     def start(self) -> Any:
         """State of the part at rest, at displacement and force zero."""
@@ -225,10 +239,8 @@ class InSeries(AmplitudeDependent):
         X = X_2 \left|1 + \frac{N(\omega, X_2)}{K_1(\omega)}\right|
 
     with the amplitude X_2 over the second, of whose motion one harmonic is counted. That is exact
-    while the part behind sticks. Where it slips it is some 2 % off behind a stiff solid with a
-    spring beside the slider, and up to 40 % for a bare Coulomb element behind a spring: take
-    :class:`Jenkins <dashpot.solids.friction.Jenkins>` for that one, and the path in time, which is
-    exact, for others.
+    while the part behind sticks, and some 2 % off where it slips with a spring beside the slider:
+    the path in time is exact. Of a bare Coulomb element the steady cycle itself is found.
 
     Attributes
     ----------
@@ -242,17 +254,7 @@ class InSeries(AmplitudeDependent):
     def equivalent(self, omega: npt.ArrayLike, amplitude: npt.ArrayLike) -> ComplexArray:
         """Complex stiffness, N/m; the solid's own while the part behind it is stuck."""
         w, X = np.broadcast_arrays(np.asarray(omega, dtype=float), amplitudes(amplitude))
-        first = self.solid.complex_stiffness(w)
-        # both dissipate, so the part behind never moves further than the whole
-        low, high = np.full(X.shape, np.log(1e-12)), np.zeros(X.shape)
-        for _ in range(60):
-            middle = (low + high) / 2
-            behind = X * np.exp(middle)
-            short = behind * np.abs(1 + self.behind.equivalent(w, behind) / first) < X
-            low, high = np.where(short, middle, low), np.where(short, high, middle)
-        second = self.behind.equivalent(w, X * np.exp(high))
-        whole = first * second / (first + second)
-        return np.asarray(np.where(high < np.log(1e-11), first, whole))
+        return self.behind.in_series(self.solid, w, X)
 
     def start(self) -> tuple[Any, Any, float]:
         """Both at rest, and the displacement of the part behind."""
