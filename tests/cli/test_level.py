@@ -137,6 +137,21 @@ def test_a_sweep_of_frequency_stays_one_whose_amplitude_follows_the_temperature(
     assert "use dashpot fit" in CliRunner().invoke(main, ["level", str(path)]).stderr
 
 
+@pytest.mark.parametrize("named", [(), ("--storage", "3"), ("--storage", "3", "--loss", "4")])
+@pytest.mark.parametrize("tones", [(10.0,), (1.0, 10.0, 100.0)])
+def test_a_grid_of_strains_is_no_sweep_of_frequency_whoever_names_its_columns(
+    tmp_path, named, tones
+):
+    path = tmp_path / "grid.csv"
+    hz, strain = (each.ravel() for each in np.meshgrid(tones, GRID))
+    K = payne(strain) * hz**0.05
+    table(path, "f [Hz],Dehnung [%],Speicher [MPa],Verlust [MPa]", hz, 100 * strain, K.real, K.imag)
+    told = CliRunner().invoke(main, ["fit", str(path), *named])
+    assert told.exit_code == 2
+    assert "use dashpot level" in " ".join(told.stderr.split())
+    assert ran(path, *named)["law"] in {"factor", "additive"}
+
+
 def test_the_same_strains_at_several_temperatures_are_refused(tmp_path):
     path = crossed(
         tmp_path / "warm.csv",

@@ -46,7 +46,10 @@ def read_dynamic(
 
 def dynamic_in(file: Opened, specimen: Specimen) -> DynamicTest:
     """Return the dynamic test in an opened file."""
-    channels.expect(file, ["dma", "master-curve"], "a sweep of frequency is", named=NAMED)
+    # who names the columns says what they are, not what was swept
+    by_numbers = kind_of(file.table, file.options)[0] == "strain-sweep"
+    named = () if by_numbers else NAMED
+    channels.expect(file, ["dma", "master-curve"], "a sweep of frequency is", named=named)
     wanted, ratio = sweep_columns(file)
     chosen = channels.with_units(file, wanted)
     loaded, values, unit, notes = parts_of(file, chosen, ratio)
