@@ -209,10 +209,10 @@ _RULES: tuple[tuple[FileKind, str, Callable[[_NamedColumns], bool]], ...] = (
 
 def kind_of(table: Table, options: ReadOptions) -> tuple[FileKind, str]:
     """Return the kind of record and why, from names and units, and of a sweep from its range."""
-    peaks = cycle_peaks(table)
+    named = _NamedColumns(table, options)
+    peaks = None if named.swept() else cycle_peaks(table)
     if peaks:
         return "not-a-test", peaks
-    named = _NamedColumns(table, options)
     kind, reason = next((kind, reason) for kind, reason, holds in _RULES if holds(named))
     if kind == "dma":
         return _swept(table, options, reason)

@@ -49,8 +49,8 @@ _FIRST: dict[Role, str] = {
         frequenza frequência frequentie frekans taajuus frekvence frekvencia частота 频率 頻率
         周波数 주파수 omega ω kreisfrequenz""",
     "storage": """storage speichermodul e' g' e_stor e_storage g_stor g_storage k' storagemodulus
-        zachowawczy conservation 储能模量 貯蔵弾性率 estor gstor""",
-    "loss": """verlustmodul e'' g'' e" g" e_loss g_loss k'' k" lossmodulus stratności perte
+        zachowawczy conservation m' 储能模量 貯蔵弾性率 estor gstor""",
+    "loss": """verlustmodul e'' g'' e" g" e_loss g_loss k'' k" m'' m" lossmodulus stratności perte
         损耗模量 損失弾性率 eloss gloss""",
     "loss_factor": """tan_delta tandelta tanδ tan_d tand tan_δ verlustfaktor loss_factor
         lossfactor 损耗因子 tan(delta) tan(d)""",
@@ -111,13 +111,14 @@ DERIVED = (
 )  # fmt: skip
 """Words for something computed from a signal, not the signal."""
 EXTREMES = (
-    "max", "maximum", "min", "minimum", "peak", "valley", "spitze", "spitzen", "amplitude", "trend",
+    "max", "maximum", "min", "minimum", "peak", "valley", "spitze", "spitzen", "amplitude", "ampl",
+    "trend",
     "mean", "mittel", "spitzenwert", "maksimum", "pic", "pico", "picco", "最大", "最小",
     "峰值", "谷值",
     "maks", "oberwert", "unterwert", "maxima", "minima", "range",
 )  # fmt: skip
 """Words for one value per cycle."""
-STATIC = ("static", "statisch", "statische", "statischer", "statique", "statico", "静态")
+STATIC = ("static", "stat", "statisch", "statische", "statischer", "statique", "statico", "静态")
 """Words for what a cycle goes about."""
 PARTIAL_TIME = (
     "step", "cycle", "segment", "schritt", "zyklus", "zykluszeit", "interval", "block", "section",

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from dashpot.base.errors import ReadError
+from dashpot.io.columns import vocabulary
 from dashpot.io.columns.kinds import SWEEPS, kind_of
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers import channels
@@ -57,7 +58,9 @@ def _is_sweep(file: Opened) -> bool:
     if kind_of(file.table, file.options)[0] not in SWEEPS:
         return False
     try:
-        channels.choose(file, roles(file.options))
+        found = channels.choose(file, roles(file.options))
     except ReadError:
         return True
-    return False
+    # the amplitude of a displacement and that of a force are no record
+    names = [file.table.columns[one.index].name for one in found if one.role != "time"]
+    return all(vocabulary.has_word(name, vocabulary.EXTREMES) for name in names)

@@ -28,6 +28,8 @@ _BESIDES = {
     "prüf", "proben", "prüfraum", "kammer", "raum",
 }  # fmt: skip
 """Words beside which a temperature is that of the test; a set-point or a limit has others."""
+_AT = (["at"], ["bei"], ["@"], ["à"])
+"""Words of a title before the temperature of the block under it."""
 
 
 def stated_specimen(
@@ -105,7 +107,7 @@ def temperatures_of_segments(file: Opened, loaded: Loaded) -> FloatArray | None:
     A segment over which nothing is stated is as warm as the one before it.
     """
     stated = [
-        {kelvin for kelvin, _ in _temperatures(lines)}
+        {kelvin for kelvin, _ in _temperatures(lines, titles=True)}
         for lines in (file.table.header, *loaded.above[1:])
     ]
     several = len(set().union(*stated)) > 1
@@ -120,8 +122,8 @@ def _or_before(before: float, stated: float) -> float:
     return before if np.isnan(stated) else stated
 
 
-def _temperatures(header: tuple[str, ...]) -> Iterator[tuple[float, str]]:
-    """Each temperature of a line of its own, K, and the line."""
+def _temperatures(header: tuple[str, ...], *, titles: bool = False) -> Iterator[tuple[float, str]]:
+    """Each temperature of a line of its own or at the end of a title, K, and the line."""
     for line in header:
         text = " ".join(line[:_LONGEST].replace('"', " ").strip(" \t#%$!/*;'").split())
         number = _NUMBER.search(text)
@@ -131,7 +133,8 @@ def _temperatures(header: tuple[str, ...]) -> Iterator[tuple[float, str]]:
         behind = text[number.end() :].lstrip(" ;,|[(").split()
         word = inner or (behind[0].rstrip(";,|])") if behind else "")
         unit = units.find(word, "temperature")
-        if unit is not None and _of_the_test(name) and (not inner or not behind):
+        titled = titles and len(behind) == 1 and name.split()[-1:] in _AT
+        if unit is not None and (titled or (_of_the_test(name) and (not inner or not behind))):
             yield float(number[0].replace(",", ".")) * unit.factor + unit.offset, text
 
 

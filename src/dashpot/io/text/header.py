@@ -17,6 +17,7 @@ from dashpot.io.text.dialect import LONGEST, Dialect
 _COMMENT = re.compile(r"\A\s*+(?:#++|%++|//++|\$++|!++|\*++|'++|--++|>++|@++)\s*+")
 _CLOSED = re.compile(r"(?<=[\])])")
 _REACH = 6
+_MARKS = ("\t", ";", ",", "|")
 
 
 def uncomment(line: str, delimiter: str) -> str:
@@ -125,11 +126,14 @@ def _strip(word: str) -> str:
 
 def _cells(line: str, dialect: Dialect) -> list[str]:
     """A header line cut into cells: by the table's delimiter, or by one that fits better."""
-    text = uncomment(line, dialect.delimiter)
-    width = len(dialect.contents)
+    text, width = uncomment(line, dialect.delimiter), len(dialect.contents)
+    if dialect.delimiter in _MARKS and line.partition(dialect.delimiter)[0].strip() == "%":
+        text = line  # the unit of the first column
     found = cell.split(text, dialect.delimiter)
-    if len(found) == width + 1 and (not found[0] or found[0].endswith(":")):
+    if len(found) == width + 1 and (found[0] in {"", "%"} or found[0].endswith(":")):
         return found[1:]  # a label stands before the row: "Interval data:"
+    if len(found) == width - 1 and text.rstrip(" \r\n").endswith(dialect.delimiter):
+        found.append("")  # the last has no unit
     fixed = dialect.delimiter.startswith("fixed")  # headings need not keep to the columns
     if len(found) > 1 and not fixed and _fits(found, dialect):
         return found
@@ -139,7 +143,7 @@ def _cells(line: str, dialect: Dialect) -> list[str]:
 
 def _other_cuts(text: str, delimiter: str) -> Iterator[list[str]]:
     """The cells of a header line by what else may part them."""
-    for other in ("\t", ";", ",", "|"):
+    for other in _MARKS:
         if other in text and other != delimiter:
             yield cell.split(text, other)
     closed = (part.strip(" \t,;|") for part in _CLOSED.split(text))
