@@ -47,7 +47,8 @@ FREQUENCY = {
     ).replace("Dynamic Stiffness", "Complex Modulus"),
     "times, and a modulus of any mode": (
         "Index\tts\tt\tFreq\tDispl. Ampl.\tForce Ampl.\tM'\tM''\n"
-        "[]\t[s]\t[s]\t[Hz]\t[µm]\t[N]\t[MPa]\t[MPa]\n" + rows("1\t%.9g\t2\t%.9g\t10\t3\t%.9g\t%.9g", F, F, STORAGE / 1e6, LOSS / 1e6)
+        "[]\t[s]\t[s]\t[Hz]\t[µm]\t[N]\t[MPa]\t[MPa]\n"
+        + rows("1\t%.9g\t2\t%.9g\t10\t3\t%.9g\t%.9g", F, F, STORAGE / 1e6, LOSS / 1e6)
     ),
 }  # fmt: skip
 
