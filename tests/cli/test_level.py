@@ -137,6 +137,31 @@ def test_a_sweep_of_frequency_stays_one_whose_amplitude_follows_the_temperature(
     assert "use dashpot fit" in CliRunner().invoke(main, ["level", str(path)]).stderr
 
 
+def test_a_sensor_between_mass_and_base_tells_the_same_levels(tmp_path):
+    system = System(
+        (point_mass("mass", 0.104),), (Mount(SEAL, ("mass", "ground"), friction=SLIDER),)
+    )
+    hz, base = np.linspace(8, 20, 61), (0.1, 1.0)
+    words = ["--mass", "104g", *(f"--level={one}m/s^2" for one in base)]
+    for motion, less in (("absolute", 0), ("relative", 1)):
+        for one in base:
+            found = dp.response_at_level(
+                system, response="mass.z", base="ground.z", frequency=hz,
+                level=one / (2 * np.pi * hz) ** 2,
+            )  # fmt: skip
+            value = found.motion / found.level - less
+            header = "frequency [Hz],real [m/m],imaginary [m/m]"
+            table(tmp_path / f"{motion}_{one}.csv", header, hz, value.real, value.imag)
+    files = {m: [tmp_path / f"{m}_{one}.csv" for one in base] for m in ("absolute", "relative")}
+    told = ran(*files["absolute"], *words)
+    same = ran(*files["relative"], *words, "--motion", "relative")
+    assert same["amplitudes"] == pytest.approx(told["amplitudes"], rel=1e-9)
+    assert same["verdict"]["use"] == told["verdict"]["use"] == "use"
+    assert ran(*files["relative"], *words)["verdict"]["use"] == "do not use"
+    loops = table(tmp_path / "sweep.csv", f"Frequency [Hz],Strain [%],{MODULI}", *np.ones((4, 9)))
+    assert "--motion belongs to FRFs" in ran(loops, "--motion", "relative", code=2)
+
+
 @pytest.mark.parametrize("named", [(), ("--storage", "3"), ("--storage", "3", "--loss", "4")])
 @pytest.mark.parametrize("tones", [(10.0,), (1.0, 10.0, 100.0)])
 def test_a_grid_of_strains_is_no_sweep_of_frequency_whoever_names_its_columns(

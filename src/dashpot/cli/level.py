@@ -34,6 +34,13 @@ from dashpot.cli._shell import File, Outcome, reports, write, write_figure
     help="Level at which the resonance of that mass, or of the one struck, is wanted, e.g. 0.2N.",
 )
 @click.option(
+    "--motion",
+    type=click.Choice(["absolute", "relative"]),
+    default="absolute",
+    show_default=True,
+    help="Of the mass over a base that moves: absolute, or relative to the base.",
+)
+@click.option(
     "--law",
     type=click.Choice(["auto", "factor", "additive", "cubic", "factor+cubic", "additive+cubic"]),
     default="auto",

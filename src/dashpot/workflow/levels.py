@@ -36,6 +36,7 @@ from dashpot.workflow.archive import document
 from dashpot.workflow.at_level import HITS, RESPONSES, amplitude_file
 from dashpot.workflow.checks import level_covered
 from dashpot.workflow.level_document import LevelDocument, PeakAtLevel
+from dashpot.workflow.measured import as_measured
 
 
 @dataclass(frozen=True)
@@ -119,6 +120,7 @@ def level_files(
     band: tuple[float, float] | None = None,
     at: Sequence[float] = (),
     law: str = "auto",
+    motion: str = "absolute",
     options: ReadOptions | None = None,
 ) -> Levels:
     """Find how stiffness and damping move with amplitude.
@@ -141,6 +143,8 @@ def level_files(
         Levels at which the resonance of that mass, or of the one that was struck, is wanted, N.
     law : str
         Of an amplitude sweep or loops: ``"auto"`` or one of ``fitting.level.laws.LAWS``.
+    motion : str
+        Of the mass in transmissibilities: ``"absolute"``, or ``"relative"`` to the base.
     options : ReadOptions, optional
         What the user said of the files.
     """
@@ -148,7 +152,8 @@ def level_files(
     if all(kind in RESPONSES for kind in kinds):
         if law != "auto":
             raise ReadError("--law is of an amplitude sweep, and FRFs take no law; leave it out")
-        return _of_frfs(files, levels, mass=mass, seals=seals, band=band, at=at, options=options)
+        frfs = [as_measured(read_frf(path, options=options), motion) for path in files]
+        return _of_frfs(frfs, levels, mass=mass, seals=seals, band=band, at=at)
     struck = all(kind in HITS for kind in kinds)
     _refuse_mixture(files, kinds)
     given = [
@@ -157,6 +162,7 @@ def level_files(
             ("--level", levels and not struck),
             ("--mass", mass is not None and not struck),
             ("--seals", seals != 1),
+            ("--motion", motion != "absolute"),
             ("--band", band is not None and not struck),
             ("--at", at and not struck),
         )
@@ -242,22 +248,20 @@ def _numbers(fit: AmplitudeFit) -> dict[str, Any]:
 
 
 def _of_frfs(
-    files: Sequence[str | Path],
+    frfs: Sequence[FRF],
     levels: Sequence[Quantity],
     *,
     mass: float | None,
     seals: float,
     band: tuple[float, float] | None,
     at: Sequence[float],
-    options: ReadOptions | None,
 ) -> Levels:
-    if mass is None or len(levels) != len(files):
+    if mass is None or len(levels) != len(frfs):
         raise ReadError(
-            f"{len(files)} FRFs, {len(levels)} levels and {'no' if mass is None else 'a'} mass; "
+            f"{len(frfs)} FRFs, {len(levels)} levels and {'no' if mass is None else 'a'} mass; "
             "expected the mass (--mass) and the level of each FRF, in their order (--level 0.05N "
             "--level 0.5N)"
         )
-    frfs = [read_frf(path, options=options) for path in files]
     found = fit_levels(frfs, levels, mass=mass, seals=seals, band=band)
     peaks = tuple(_peak(found, level) for level in at)
     covered = tuple(

@@ -59,7 +59,7 @@ def read_measured(
             raise ReadError(_NO_MASS)
         return None, shaken(paths, choices=choices, options=options, mass=mass, band=band)[0]
     if len(paths) == 1 and inspect_file(paths[0], options=options).kind in _RESPONSES:
-        frf = _as_measured(read_frf(paths[0], options=options), choices)
+        frf = as_measured(read_frf(paths[0], options=options), choices.motion)
         if frf.kind.over_base and mass is None:
             raise ReadError(_NO_MASS)
         return None, judged(frf, band, mass=mass)
@@ -82,7 +82,7 @@ def shaken(
     _no_hammer(choices)
     test = read_shaken(paths, options)
     frf = estimate_transmissibility(test, estimator=choices.estimator, segment=choices.record)
-    frf = _as_measured(frf, choices)
+    frf = as_measured(frf, choices.motion)
     whole = channels_not_clipped(test)
     if mass is None:
         return replace(frf, checks=(mass_over_base(frf), whole)), (), _NO_MASS
@@ -97,9 +97,9 @@ def shaken(
     return replace(frf, checks=(*frf.checks, whole, resolved)), modes, reason
 
 
-def _as_measured(frf: FRF, choices: HammerChoices) -> FRF:
+def as_measured(frf: FRF, motion: str) -> FRF:
     """The same, relative where the user says so of the motion of a mass over a base."""
-    if choices.motion == "absolute":
+    if motion == "absolute":
         return frf
     if not frf.kind.over_base:
         raise ReadError(_NO_BASE)
