@@ -191,6 +191,18 @@ class TestSeries:
         slides = Coulomb(0.05).equivalent(40.0, X)
         assert np.abs(pair.equivalent(40.0, X) / slides - 1).max() < 1e-3
 
+    @pytest.mark.once
+    @pytest.mark.parametrize("slider", [Coulomb(0.1), Jenkins(300.0, 0.1)])
+    def test_a_picometre_is_as_exact_as_a_millimetre(self, slider):
+        """With displacements and slip forces a billion times smaller, so is every force."""
+        solid, small = GeneralizedMaxwell(393.0, (235.0,), (0.5,)), 1e-9
+        t = np.linspace(0, 2, 81)
+        x = 1e-3 * np.sin(2 * np.pi * t)
+        less = type(slider)(**{**vars(slider), "slip": small * slider.slip})
+        large = InSeries(solid, slider).path_force(t, x)
+        found = InSeries(solid, less).path_force(t, small * x) / small
+        assert np.abs(found - large).max() < 1e-9 * np.abs(large).max()
+
 
 def marched(solid, slip, t, x):
     """Force of arms and a dashpot before a slider, along a path."""
@@ -235,6 +247,7 @@ class TestRefused:
             lambda: Coulomb(-1.0),
             lambda: Kraus(1.0, 1.0, exponent=1.0),
             lambda: Kraus(1.0, 1.0, loss=-0.1),
+            lambda: Kraus(1.0, 1.0, loss=np.inf),
             lambda: Cubic(0.0),
             lambda: StagedSpring((1.0, 2.0), (0.0,)),
             lambda: StagedSpring((1.0, -2.0), (1.0,)),

@@ -281,10 +281,10 @@ class Kraus(RateIndependent):
 
     def __post_init__(self) -> None:
         above_zero(self, "k", "half_way", "exponent")
-        if self.exponent >= 1 or (self.loss is not None and not self.loss >= 0):
+        if self.exponent >= 1 or (self.loss is not None and not 0 <= self.loss < np.inf):
             raise DataError(
                 f"Kraus's law with m = {self.exponent:g}, loss = {self.loss}; expected 0 < m < 1 "
-                "and a loss >= 0, or None"
+                "and a finite loss >= 0, or None"
             )
 
     @property

@@ -273,13 +273,13 @@ class InSeries(AmplitudeDependent):
             return self.behind.advance(second, dt, y)[0] - arms.advance(first, dt, x - y)[0]
 
         # the difference rises with y: widen until it changes its sign
-        reach = abs(x - before) + 1e-15
+        reach = max(abs(x - before), 1e-9 * abs(before), _VANISHING)
         low, high = before - reach, before + reach
         while over(low) > 0:
             low -= 2 * (high - low)
         while over(high) < 0:
             high += 2 * (high - low)
-        y = float(brentq(over, low, high, xtol=1e-15 * (1 + abs(before) + reach)))
+        y = float(brentq(over, low, high, xtol=1e-15 * (abs(before) + reach)))
         force, first = arms.advance(first, dt, x - y)
         return force, (first, self.behind.advance(second, dt, y)[1], y)
 
