@@ -231,6 +231,24 @@ def test_recorded_loops_tell_the_same(tmp_path, noise, drift):
     assert found["lost"] == pytest.approx(stuck - free, rel=0.2)
 
 
+def test_what_a_lag_between_the_channels_does_to_loops_is_said(tmp_path):
+    """A spring; its force comes a sample, 1 ms, before the displacement is seen."""
+    rate, hz, per = 1000, 5.0, 6
+    sizes = np.geomspace(1e-4, 6e-3, 9)
+    t = np.arange(int(len(sizes) * per / hz * rate)) / rate
+    x = sizes[np.minimum((t * hz / per).astype(int), len(sizes) - 1)] * np.sin(2 * np.pi * hz * t)
+    late = np.concatenate([[0.0], x[:-1]])
+    columns = (t, 1e3 * late, 400.0 * x)
+    path = table(tmp_path / "loops.csv", "time [s],displacement [mm],force [N]", *columns)
+    found = ran(path)
+    linear = found["linear"][0]
+    assert linear["loss"] / linear["storage"] == pytest.approx(
+        1e-3 * found["loss_factor_per_lag"], rel=0.02
+    )
+    printed = CliRunner().invoke(main, ["level", str(path)]).stdout
+    assert "1 ms between force and displacement is 0.031 of the loss factor" in printed
+
+
 def frfs(folder, levels, friction=SLIDER):
     system = System((point_mass("m", 0.104),), (Mount(SEAL, ("m", "ground"), friction=friction),))
     f, paths = np.linspace(8, 20, 61), []

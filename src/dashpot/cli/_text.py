@@ -353,6 +353,11 @@ def impact(found: ImpactResult) -> Text:
 def levels(found: Levels) -> Text:
     """Return what moves with amplitude, and the resonance at each level that was asked for."""
     lines = [f"  {line}" for line in found.fit.described[1:]]
+    if found.loss_per_lag is not None:
+        lines.append(
+            f"  1 ms between force and displacement is {1e-3 * found.loss_per_lag:.2g} of the loss "
+            "factor at every amplitude: loops of one frequency do not tell it"
+        )
     rows = [["level, N", "peak, Hz", "95 %", "motion, mm/N", "95 %", "seal, mm"]]
     for one in found.at:
         low, high = one.frequency_interval

@@ -72,6 +72,17 @@ class Levels:
         return given or ()
 
     @property
+    def loss_per_lag(self) -> float | None:
+        """What a second between the channels of recorded loops makes of the loss factor, 1/s.
+
+        It does so at every amplitude alike, so loops of one frequency do not tell it from loss.
+        """
+        fit = self.fit
+        if not isinstance(fit, AmplitudeFit) or not isinstance(self.records[0], RelaxationTest):
+            return None
+        return float(2 * np.pi * fit.frequency.max())
+
+    @property
     def document(self) -> dict[str, Any]:
         """``dashpot/levels@1``."""
         fit = self.fit
@@ -89,6 +100,7 @@ class Levels:
                 "law": fit.law,
                 "unit": fit.unit,
                 "of": fit.of,
+                "loss_factor_per_lag": self.loss_per_lag,
                 "linear": [
                     {
                         "frequency_hz": hz,
