@@ -185,6 +185,17 @@ class TestSeries:
             K = 1j * np.trapezoid(F * np.exp(-1j * w * last), last) * w / np.pi / X
             assert abs(K - complex(pair.equivalent(w, X))) < 2e-3 * abs(K)
 
+    def test_a_jenkins_element_behind_arms_is_what_its_path_settles_to(self):
+        solid = GeneralizedMaxwell(200.0, (300.0,), (0.02,))
+        pair = InSeries(solid, Jenkins(400.0, 0.06))
+        w, n = 40.0, 400
+        t = np.arange(8 * n + 1) * 2 * np.pi / w / n
+        last = t[-n - 1 :]
+        for X in (1e-4, 5e-4, 3e-3):
+            F = pair.path_force(t, X * np.sin(w * t))[-n - 1 :]
+            K = 1j * np.trapezoid(F * np.exp(-1j * w * last), last) * w / np.pi / X
+            assert abs(K - complex(pair.equivalent(w, X))) < 2e-3 * abs(K)
+
     def test_far_beyond_slip_only_the_slider_is_left(self):
         pair = InSeries(GeneralizedMaxwell(200.0, (300.0,), (0.02,)), Coulomb(0.05))
         X = np.array([500.0, 5000.0])

@@ -17,6 +17,7 @@ import numpy.typing as npt
 from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.errors import DataError
 from dashpot.solids.maxwell import Solid
+from dashpot.solids.networks import series, spring
 from dashpot.solids.rate_independent import InParallel, RateIndependent, above_zero, amplitudes
 
 _Path = tuple[tuple[float, float], ...]
@@ -98,6 +99,11 @@ class Jenkins(Masing):
     def stiffness(self, amplitude: npt.ArrayLike) -> ComplexArray:
         """Equivalent stiffness, N/m, in closed form."""
         return self.k * slipping_share(amplitudes(amplitude), self.yields_at)
+
+    def in_series(self, solid: Solid, omega: FloatArray, amplitude: FloatArray) -> ComplexArray:
+        """Complex stiffness of a solid and this behind it: its spring belongs to the solid."""
+        both = series(solid.maxwell, spring(self.k))
+        return Coulomb(self.slip).in_series(both, omega, amplitude)
 
     def __mul__(self, count: float) -> Jenkins:
         """`count` in parallel."""

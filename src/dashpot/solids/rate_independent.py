@@ -239,8 +239,8 @@ class InSeries(AmplitudeDependent):
         X = X_2 \left|1 + \frac{N(\omega, X_2)}{K_1(\omega)}\right|
 
     with the amplitude X_2 over the second, of whose motion one harmonic is counted. That is exact
-    while the part behind sticks, and some 2 % off where it slips with a spring beside the slider:
-    the path in time is exact. Of a bare Coulomb element the steady cycle itself is found.
+    while the part behind sticks, and up to 3 % off where it slips: the path in time is exact. Of a
+    single Coulomb or Jenkins element the steady cycle itself is found.
 
     Attributes
     ----------
