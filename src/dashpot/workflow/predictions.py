@@ -183,26 +183,22 @@ def predict_files(
     frf = on.frf(np.linspace(*band, lines))
     modes = model_modes(on.solid, moving)
     bounded = _bounds(on, found, records, temperature=temperature, machine=machine, options=options)
-    about = np.linspace(max(frf.frequency[0], 1e-3), frf.frequency[-1], LIMIT_LINES)
-    limits = None if bounded is None else bounded(frequency=about, kind=_bounded(frf))
+    limits = None
+    if bounded is not None:
+        few = np.linspace(max(frf.frequency[0], 1e-3), frf.frequency[-1], LIMIT_LINES)
+        limits = bounded(frequency=few, kind=_bounded(frf))
     peak, at_edge = on.peak(frf)
     # what the test must inform is the resonance, inside the band or not
     felt = modes[0].frequency if modes and at_edge else peak[0]
     levels: tuple[AtLevel, ...] = ()
+    moved: tuple[Check, ...] = ()
     if swept is not None and at_level is not None:
-        levels = swept.at(
-            on.solid,
-            [level_of(word, asked) for word in at_level.levels],
-            scale=scale,
-            mass=moving,
-            kind=asked,
-            about=modes[0].frequency if modes else peak[0],
-            frequency=frf.frequency[frf.frequency > 0],
-            coupled=coupled,
-        )
+        about = modes[0].frequency if modes else peak[0]
+        levels = on.at(swept, at_level.levels, frf, scale=scale, about=about)
+        moved = (*swept.covered(levels), *swept.checks)
     checks = (
         *_led_by(on, mass=mass, band=band, felt=felt),
-        *(() if swept is None else (*swept.covered(levels), *swept.checks)),
+        *moved,
         *found.checks,
         *_asked_of(found, temperature),
         noted,
@@ -233,11 +229,7 @@ def predict_files(
     if swept is not None:
         document |= {"levels": [one.document for one in levels], "sweep": swept.document}
     if frf.kind is Kind.TRANSMISSIBILITY:
-        if base_psd is not None:
-            document["random"] = _shaken(
-                on.solid, read_psd(base_psd), bounded, mass=moving, coupled=coupled
-            )
-        document["isolation_hz"] = isolation_frequency(on.solid, moving - coupled)
+        document |= _over_base(on, base_psd, bounded)
     document["verdict"] = judged.document
     return Prediction(
         frf, modes, peak, at_edge, limits, checks, judged, rests, document, of_part, levels
@@ -275,6 +267,21 @@ class _OnSeals:
         peak = float(fine.frequency[height.argmax()]), float(height.max())
         return peak, top in {0, last} and peak[0] in {low, high}
 
+    def at(
+        self, swept: SweptPart, levels: Sequence[str], frf: FRF, *, scale: float, about: float
+    ) -> tuple[AtLevel, ...]:
+        """The resonance at each level."""
+        return swept.at(
+            self.solid,
+            [level_of(word, self.kind) for word in levels],
+            scale=scale,
+            mass=self.mass,
+            kind=self.kind,
+            about=about,
+            frequency=frf.frequency[frf.frequency > 0],
+            coupled=self.coupled,
+        )
+
 
 def _bounds(
     on: _OnSeals,
@@ -300,6 +307,18 @@ def _bounds(
         temperature=temperature,
         coupled=on.coupled,
     )
+
+
+def _over_base(
+    on: _OnSeals, base_psd: str | None, bounded: Callable[..., FRFBounds] | None
+) -> dict[str, Any]:
+    """From where the mass moves less than its base, and what one that shakes at random does."""
+    found: dict[str, Any] = {}
+    if base_psd is not None:
+        found["random"] = _shaken(
+            on.solid, read_psd(base_psd), bounded, mass=on.mass, coupled=on.coupled
+        )
+    return found | {"isolation_hz": isolation_frequency(on.solid, on.mass - on.coupled)}
 
 
 def _led_by(

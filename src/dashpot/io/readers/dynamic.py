@@ -83,34 +83,50 @@ def sweep_columns(file: Opened) -> tuple[list[Assigned], int | None]:
     ReadError
         If a column is not found, or one could be storage or the size.
     """
+    found, ratio = _parts(file)
+    columns = channels.answered(file, list(found.values()), _hint(file, found))
+    _told_apart(file, columns)
+    temperature = assign(file.table, "temperature", file.options)
+    return columns + ([temperature] if isinstance(temperature, Assigned) else []), ratio
+
+
+def _parts(file: Opened) -> tuple[dict[Role, Assigned | Question], int | None]:
+    """The columns of frequency and of the modulus, and that of the loss factor in place of loss."""
     table, options = file.table, file.options
     found = {role: assign(table, role, options) for role in _ROLES}
     angle, ratio = _angle(file)
     size = assign(table, "complex_modulus", options)
-    if (angle or ratio is not None) and not (options.loss or _both(found)):
-        del found["loss"]
-        found |= {"loss_angle": angle} if angle else {}
-        if not options.storage and isinstance(size, Assigned) and _is_size(file, size, found):
-            found["storage"] = size
-    else:
-        ratio = None
-        if isinstance(size, Assigned) and not (options.storage or _both(found)):
+    apart = _both(found)
+    if options.loss or apart or (angle is None and ratio is None):
+        if isinstance(size, Assigned) and not (options.storage or apart):
             _no_size_alone(file, table.columns[size.index].name)
-    hint = ""
-    if any(isinstance(answer, Question) for answer in found.values()):
-        kind, reason = kind_of(table, options)
-        hint = "" if kind in {"dma", "unclear"} else f" (it is not a DMA test: {reason})"
-    columns = channels.answered(file, list(found.values()), hint)
+        return found, None
+    del found["loss"]
+    if angle is not None:
+        found["loss_angle"] = angle
+    if not options.storage and isinstance(size, Assigned) and _is_size(file, size, found):
+        found["storage"] = size
+    return found, ratio
+
+
+def _hint(file: Opened, found: Mapping[Role, Assigned | Question]) -> str:
+    """What the file is instead, where a column is not found."""
+    if not any(isinstance(answer, Question) for answer in found.values()):
+        return ""
+    kind, reason = kind_of(file.table, file.options)
+    return "" if kind in {"dma", "unclear"} else f" (it is not a DMA test: {reason})"
+
+
+def _told_apart(file: Opened, columns: Sequence[Assigned]) -> None:
+    """Refuse one column for storage and loss."""
     both = [one.index for one in columns if one.role in {"storage", "loss"}]
-    if len(both) != len(set(both)):
-        name = table.columns[both[0]].name
-        raise ReadError(
-            f"only '{name}' could be storage or loss, and it is not both; expected a column of "
-            "each, or of storage and loss factor, or of |K*| and loss angle: name the columns "
-            "(--storage, --loss, --loss-factor; --magnitude, --phase)"
-        )
-    temperature = assign(table, "temperature", options)
-    return columns + ([temperature] if isinstance(temperature, Assigned) else []), ratio
+    if len(both) == len(set(both)):
+        return
+    raise ReadError(
+        f"only '{file.table.columns[both[0]].name}' could be storage or loss, and it is not both; "
+        "expected a column of each, or of storage and loss factor, or of |K*| and loss angle: name "
+        "the columns (--storage, --loss, --loss-factor; --magnitude, --phase)"
+    )
 
 
 def _both(found: Mapping[Role, Assigned | Question]) -> bool:
