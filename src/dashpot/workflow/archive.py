@@ -104,7 +104,7 @@ def from_json(text: str | bytes) -> Any:
             noun: Any = msgspec.convert(_restored(found), type=SCHEMAS[name], dec_hook=_decoded)
             unknown = strange(found, document(noun))
             changed = edited(found)
-    except _WRONG as error:
+    except (*_WRONG, msgspec.ValidationError) as error:
         raise ReadError(f"the {name} document is not valid: {_because(error, found)}") from None
     if unknown:
         raise ReadError(f"the {name} document is not valid: {unknown}")
@@ -117,7 +117,7 @@ def from_json(text: str | bytes) -> Any:
 
 
 _WRONG = (KeyError, TypeError, ValueError, ArithmeticError, AttributeError)
-"""What a value of the wrong kind raises where a noun is made of it; msgspec's is a ValueError."""
+"""What a value of the wrong kind raises where a noun is made of it, beside msgspec's own."""
 
 
 def _because(error: Exception, found: dict[str, Any]) -> str:
