@@ -197,6 +197,8 @@ def test_a_level_beyond_the_sweep_is_said_first(place, level, passes):
           "400g"), "--height 20mm"),
         (("--sweep", "strain.csv", "--level", "1m/s^2", *DISC), "expected a unit of force"),
         (("--sweep", "strain.csv", "--level", "0N", *DISC), "amplitude > 0"),
+        (("--sweep", "strain.csv", "--level", "1N", "--resonance-level", "1N", *DISC),
+         "add that"),
         (("--sweep", "dma.csv", "--level", "1N", *DISC), "amplitude sweep is expected"),
         (("--sweep", "frf.csv", "--level", "1N", *DISC), "is of a mass (frf)"),
         (("--sweep", "strain.csv", *BASE, *DISC, "-o", "out.csv"), "ask one --level"),

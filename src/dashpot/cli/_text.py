@@ -356,7 +356,8 @@ def levels(found: Levels) -> Text:
     if found.loss_per_lag is not None:
         lines.append(
             f"  1 ms between force and displacement is {1e-3 * found.loss_per_lag:.2g} of the loss "
-            "factor at every amplitude: loops of one frequency do not tell it"
+            f"factor at {found.loss_per_lag / 2 / math.pi:.4g} Hz, whatever the amplitude: loops "
+            "of one frequency do not tell it"
         )
     rows = [["level, N", "peak, Hz", "95 %", "motion, mm/N", "95 %", "seal, mm"]]
     for one in found.at:

@@ -30,6 +30,7 @@ from dashpot.solids.maxwell import Solid
 from dashpot.vibration.systems.level import mass_at_level
 from dashpot.vibration.systems.mounts import on_heavy_mounts
 from dashpot.workflow.checks import level_covered
+from dashpot.workflow.part import PartChoices
 
 STRAIN_FACTORS = (1.0, 1 / np.sqrt(3))
 """Strain of a sweep that does to the rubber what X/h of the part does: loaded alike; a part in
@@ -309,7 +310,11 @@ def level_of(word: str, kind: Kind) -> float:
 
 
 def swept_part(
-    choices: LevelChoices, *, unit: str, height: float | None, options: ReadOptions | None = None
+    choices: LevelChoices,
+    *,
+    unit: str,
+    part: PartChoices | None = None,
+    options: ReadOptions | None = None,
 ) -> SweptPart | None:
     """What the user's sweep says of the parts; None where no level is asked for.
 
@@ -318,14 +323,13 @@ def swept_part(
     choices : LevelChoices
     unit : str
         Of the solid that was fitted: Pa or N/m.
-    height : float or None
-        Of the part's shape, m.
+    part : PartChoices, optional
 
     Raises
     ------
     DataError
-        If level and sweep do not come together, the height is not known, or the sweep is of a
-        part and the solid of a material.
+        If level and sweep, or a resonance and its level, do not come together, the height is not
+        known, or the sweep is of a part and the solid of a material.
     """
     if choices == LevelChoices():
         return None
@@ -333,6 +337,11 @@ def swept_part(
         raise DataError(
             "--level is how far the part is moved and --sweep what this does to it; give both, or "
             "neither (of FRFs at several levels dashpot level tells it)"
+        )
+    if choices.resonance_level is not None and (part is None or part.resonance is None):
+        raise DataError(
+            "--resonance-level is the level at which a --resonance was measured; add that, or "
+            "leave it out"
         )
     kind = inspect_file(choices.sweep, options=options).kind
     if kind in {*RESPONSES, *HITS}:
@@ -347,7 +356,7 @@ def swept_part(
             f"the sweep is in {law.unit} and the fit in {unit}; expected both of the material, or "
             "both of the part"
         )
-    height = _height(choices, law, height)
+    height = _height(choices, law, None if part is None else part.height)
     factors = (choices.strain_factor,) if choices.strain_factor else _strain_factors(law.source)
     if height is None:
         factors = (1.0,)

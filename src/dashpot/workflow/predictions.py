@@ -159,12 +159,7 @@ def predict_files(
     moving, noted = moving_mass(mass, seal=seal_mass or 0.0, seals=seals)
     here = found if temperature is None else found.at_temperature(temperature)
     of_part, asked, scale = part is not None and part != PartChoices(), Kind(kind), seals
-    swept = swept_part(
-        at_level or LevelChoices(),
-        unit=found.unit,
-        height=None if part is None else part.height,
-        options=options,
-    )
+    swept = swept_part(at_level or LevelChoices(), unit=found.unit, part=part, options=options)
     if part is not None and of_part:
         if records:
             raise DataError(
