@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import minimize, nnls
 
 from dashpot.base.errors import FitError
-from dashpot.engine.solver.nonnegative_ball import farthest, nonnegative_least_squares
+from dashpot.engine.least_squares.nonnegative_ball import farthest, nonnegative_least_squares
 
 
 def relaxation_columns(per_decade: int = 64) -> tuple[np.ndarray, np.ndarray]:

@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 from dashpot.base.errors import DataError, FitError
 from dashpot.engine.blocks.block import Block, design_block, frequency_block
 from dashpot.engine.blocks.hold import decay_block, hold_block
+from dashpot.engine.least_squares.nnls import nonnegative, nonnegative_columns
 from dashpot.engine.solver.certificate import certificate
 from dashpot.engine.solver.descent import Stack, descend, point_at
-from dashpot.engine.solver.nnls import nonnegative, nonnegative_columns
 from dashpot.engine.solver.variable_projection import full_jacobian, solve, solve_orders
 
 TIME = np.arange(4001) / 100

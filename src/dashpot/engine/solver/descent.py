@@ -3,38 +3,29 @@ r"""From one start to the nearest optimum in ln tau, linear parameters solved ex
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
 from dashpot.engine.blocks.block import Block, stiffnesses
-from dashpot.engine.solver.nnls import nonnegative_columns
+from dashpot.engine.least_squares.descent import (
+    FINISHED,
+    LINEAR,
+    LONGEST_STEP,
+    TAIL,
+    Local,
+    Objective,
+    accepted,
+    settled,
+    triangle,
+)
+from dashpot.engine.least_squares.descent import descend as downhill
+from dashpot.engine.least_squares.nnls import nonnegative_columns
 
 if TYPE_CHECKING:
     from dashpot.engine.blocks.families import Family, Reduced
-
-LONGEST_STEP = 1.5
-TAIL = 1e-5
-NEAR = 0.1
-#: steps shorter than this change the gradient by rounding only
-ROUNDING = 1e-7
-#: Gauss-Newton that converges creeps when a step is more than this part of the last
-SLOW = 1e-3
-FINISHED = 1e-11
-#: so short a step changes the linear parameters in proportion, to rounding
-LINEAR = 1e-6
-#: what then may be left of ln tau
-REST = 1e-9
-#: after a step that was refused none goes farther than this part of it
-NEARER = 0.5
-#: a step so little damped promises what there is to gain
-DAMPED = 1e-3
-#: and by how much, in parts of it, the SSE may fall
-UNCHANGED = 1e-12
-#: so many steps with a coefficient of the wrong sign lead to none of the right one
-PATIENCE = 12
 
 
 class Rows(NamedTuple):
@@ -133,6 +124,11 @@ class Point(NamedTuple):
     curvature: FloatArray
     turn: FloatArray
 
+    @property
+    def theta(self) -> FloatArray:
+        """What a descent moves."""
+        return self.log_tau
+
     @classmethod
     def of(
         cls, log_tau: FloatArray, factor: FloatArray, fixed: int, active: BoolArray | None = None
@@ -196,14 +192,6 @@ class Point(NamedTuple):
             old[index] = fresh
 
 
-class Local(NamedTuple):
-    """Where a descent ended."""
-
-    point: Point
-    evaluations: int
-    converged: bool
-
-
 def point_at(stack: Stack, log_tau: FloatArray, *, restricted: BoolArray | None = None) -> Point:
     r"""Solve the linear parameters at ln tau and differentiate the residual left over.
 
@@ -238,36 +226,11 @@ def _nowhere(log_tau: FloatArray, p: int) -> Point:
     return Point(log_tau, np.zeros(p), np.inf, np.zeros(n), np.zeros((n, n)), np.zeros((p, n)))
 
 
-def triangle(columns: FloatArray) -> FloatArray:
-    """The upper triangular factor of a matrix given by its columns, shape (c, n)."""
-    raw: FloatArray = np.linalg.qr(columns.T, mode="raw")[0]
-    c = len(columns)
-    return np.asarray(raw.T[:c] * _upper(c)[: raw.shape[1]])
-
-
-@lru_cache(maxsize=64)
-def _upper(size: int) -> FloatArray:
-    return np.triu(np.ones((size, size)))
-
-
-_unit = lru_cache(maxsize=64)(np.eye)
-
-
 def _spread(active: BoolArray, values: FloatArray) -> FloatArray:
     """Values of the active columns in their places among all, zero elsewhere."""
     out = np.zeros((len(active), *values.shape[1:]))
     out[active] = values
     return out
-
-
-def accepted(new: Any, old: Any, moved: Any, rounding: Any) -> Any:
-    """Far away a step must lower the SSE; near the end, where it is flat, not raise it."""
-    return (new < old) | ((moved < TAIL) & (new <= old * (1 + 1e-8) + rounding))
-
-
-def settled(moved: Any, last: Any, fall: Any, sse: Any) -> Any:
-    """At the rate of the last undamped steps next to nothing is left, of ln tau and of the SSE."""
-    return (moved <= LINEAR) & (moved * moved <= REST * last) & (fall <= UNCHANGED * sse)
 
 
 def descend(
@@ -280,63 +243,26 @@ def descend(
     finished: float = FINISHED,
     flat: float = 0.0,
     damping: float = 1e-3,
-    limit: int = 60,
-) -> Local | None:
-    r"""Levenberg-Marquardt in ln tau with steps of at most 1.5, inside the stack's window.
-
-    Far away a step must lower the SSE; within 1e-5 the SSE is flat to its last digits, so the
-    undamped step itself decides: the descent ends when it falls below `finished`, or when, at
-    the rate of the last steps, next to nothing is left of it, or when a step that promised no more
-    than rounding is refused. Where the residual is large J'J is
-    a poor Hessian and such steps only creep; what the gradients say it lacks is then learned
-    from step to step (as in J. E. Dennis, D. M. Gay, R. E. Welsch, *ACM Trans. Math. Softw.* 7,
-    1981, with the symmetric rank-one update).
-
-    With `flat` it ends where a step promises to lower the SSE by less than that part of it. A
-    descent on which coefficients that are `wanted` positive have long been negative, such as two
-    arms that merge with ever larger coefficients of opposite sign, ends there.
+) -> Local[Point] | None:
+    """As :func:`dashpot.engine.least_squares.descent.descend`, in ln tau, inside the window.
 
     Returns None when it runs into one of the `rivals` (optima already known) or when the
     start cannot be evaluated.
     """
-    low, high = stack.bounds
-    here = point_at(stack, np.clip(np.sort(start), low, high), restricted=restricted)
-    if here.sse == np.inf:
-        return None
-    rounding = stack.rounding_floor
-    lacking: FloatArray | None = None
-    last, wrong, refused = np.inf, 0, np.inf
-    for count in range(2, limit + 2):
-        trial = _trial(here, lacking, damping, (low, high))
-        step = trial - here.log_tau
-        moved = max(map(abs, step.tolist()), default=0.0)
-        # much the step that was refused
-        while TAIL < NEARER * refused < moved:
-            damping *= 10
-            trial = _trial(here, lacking, damping, (low, high))
-            step = trial - here.log_tau
-            moved = max(map(abs, step.tolist()), default=0.0)
-        refused = np.inf
-        fall, sse = abs(float(here.gradient @ step)), stack.floor + here.sse
-        if moved <= finished or (fall < flat * sse and damping <= DAMPED):
-            return Local(here, count, True)
-        if damping < LINEAR and settled(moved, last, fall, sse):
-            return Local(here.ahead(step), count, True)
-        new = point_at(stack, trial, restricted=restricted)
-        if accepted(new.sse, here.sse, moved, rounding):
-            lacking = _learned(lacking, here, new, moved, last)
-            last, here = moved, new
-            wrong = wrong + 1 if wanted is not None and (here.beta[wanted] < 0).any() else 0
-            damping = 0.1 * damping * (moved >= TAIL)
-        elif (moved < TAIL and damping == 0.0) or fall <= UNCHANGED * sse:
-            return Local(here, count, True)
-        else:
-            damping, refused = 10 * max(damping, 1e-6), moved
-        if here.sse <= rounding or damping > 1e9 or wrong > PATIENCE:
-            return Local(here, count, here.sse <= rounding)
-        if _met(here.log_tau, rivals):
-            return None
-    return Local(here, limit, False)
+    low, high = (np.full(len(start), end) for end in stack.bounds)
+    objective = Objective(
+        lambda log_tau, _: point_at(stack, log_tau, restricted=restricted),
+        low, high, stack.floor, stack.rounding_floor,
+    )  # fmt: skip
+    return downhill(
+        objective,
+        np.sort(start),
+        wanted=wanted,
+        met=(lambda log_tau: _met(log_tau, rivals)) if rivals else None,
+        finished=finished,
+        flat=flat,
+        damping=damping,
+    )
 
 
 def between(log_tau: FloatArray, bounds: tuple[float, float]) -> bool:
@@ -346,59 +272,7 @@ def between(log_tau: FloatArray, bounds: tuple[float, float]) -> bool:
 
 
 def _met(log_tau: FloatArray, rivals: Sequence[FloatArray]) -> bool:
-    return bool(rivals) and bool(np.abs(np.sort(log_tau) - rivals).max(axis=1).min() < 1e-2)
-
-
-def _learned(
-    lacking: FloatArray | None, old: Point, new: Point, length: float, last: float
-) -> FloatArray | None:
-    """What the Hessian holds beyond J'J, corrected so that it explains a step that creeps."""
-    if not (ROUNDING < length < NEAR and length > SLOW * last):
-        return lacking
-    moved = new.log_tau - old.log_tau
-    missed = new.gradient - old.gradient - new.curvature @ moved
-    if lacking is not None:
-        missed = missed - lacking @ moved
-    along = float(missed @ moved)
-    if along * along <= 1e-16 * float((missed @ missed) * (moved @ moved)):
-        return lacking
-    update = np.outer(missed, missed) / along
-    return update if lacking is None else lacking + update
-
-
-def _trial(
-    point: Point, lacking: FloatArray | None, damping: float, bounds: tuple[float, float]
-) -> FloatArray:
-    """Where the damped step ends, with arms held that press against the window or carry nothing."""
-    (low, high), gradient, curvature = bounds, point.gradient, point.curvature
-    scale = curvature.diagonal()
-    # an estimate that would turn the step uphill is no Hessian
-    if lacking is not None:
-        hessian = curvature + lacking
-        if np.linalg.eigvalsh(hessian)[0] > 1e-3 * scale.min():
-            curvature = hessian
-    ridge = max(damping, 1e-15) * scale
-    at = point.log_tau
-    if between(at, bounds) and all(scale.tolist()):
-        step = _solved(curvature, gradient, ridge)
-    else:
-        held = ((at <= low) & (gradient > 0)) | ((at >= high) & (gradient < 0))
-        index = np.flatnonzero((scale > 0) & ~held)
-        step = np.zeros(len(gradient))
-        part = curvature[index[:, None], index]
-        step[index] = _solved(part, gradient[index], ridge[index])
-    longest = max(map(abs, step.tolist()), default=0.0)
-    step = step if longest <= LONGEST_STEP else np.clip(step, -LONGEST_STEP, LONGEST_STEP)
-    trial = at + step
-    inside = all(low <= value <= high for value in trial.tolist())
-    return trial if inside else np.clip(trial, low, high)
-
-
-def _solved(curvature: FloatArray, gradient: FloatArray, ridge: FloatArray) -> FloatArray:
-    try:
-        return np.asarray(-np.linalg.solve(curvature + ridge * _unit(len(ridge)), gradient))
-    except np.linalg.LinAlgError:
-        return np.asarray(-gradient / (curvature.diagonal() + ridge))
+    return bool(np.abs(np.sort(log_tau) - rivals).max(axis=1).min() < 1e-2)
 
 
 def relative_offset(point: Point, sse: float) -> float:

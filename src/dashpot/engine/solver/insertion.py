@@ -10,7 +10,8 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray
 from dashpot.base.errors import FitError
-from dashpot.engine.solver.descent import FINISHED, Local, Point, Stack, between, descend, point_at
+from dashpot.engine.least_squares.descent import FINISHED, Local
+from dashpot.engine.solver.descent import Point, Stack, between, descend, point_at
 from dashpot.engine.solver.starts import (
     Grid,
     inserted,
@@ -45,8 +46,8 @@ class Chain:
 
     def __init__(self, stack: Stack, *, thorough: bool, signed: bool, seed: int) -> None:
         self.stack, self.signed, self.thorough, self.seed = stack, signed, thorough, seed
-        self.best: list[Local] = []
-        self._attempts: dict[int, Local | None] = {}
+        self.best: list[Local[Point]] = []
+        self._attempts: dict[int, Local[Point] | None] = {}
         self._starts_found: dict[int, FloatArray | None] = {}
 
     @property
@@ -71,7 +72,7 @@ class Chain:
             self.best.append(found)
         return found is not None
 
-    def _undoubted(self, arms: int) -> Local | None:
+    def _undoubted(self, arms: int) -> Local[Point] | None:
         """The optimum next to the best of the whole grid, if nothing about it is in doubt.
 
         Doubt is a relaxation time that is not known to 10 %, or that sits at the edge of the
@@ -103,7 +104,7 @@ class Chain:
             return None
         return local
 
-    def _attempt(self, arms: int) -> Local | None:
+    def _attempt(self, arms: int) -> Local[Point] | None:
         """The optimum next to the best set of grid points, or next to the spectrum's peaks."""
         if arms not in self._attempts:
             start = self._first_start(arms)
@@ -177,7 +178,9 @@ class Chain:
         loose = ~(self.stack.restricted(0, signed=False) & (fixed == 0))
         return Grid(self.stack, log_tau=together, loose=loose, near=near).left
 
-    def _best_with(self, arms: int, *, starts: list[FloatArray] | None = None) -> Local | None:
+    def _best_with(
+        self, arms: int, *, starts: list[FloatArray] | None = None
+    ) -> Local[Point] | None:
         """The best of the optima next to all starts, finished; None if no arms carry as many."""
         restricted = self._wanted(arms)
         if starts is None:
@@ -215,8 +218,8 @@ class Chain:
         return inserted(self.grid, self.best[-1].point, signed=self.signed, count=count)
 
     def _optima(
-        self, starts: Sequence[FloatArray], first: Local | None, restricted: BoolArray
-    ) -> list[Local]:
+        self, starts: Sequence[FloatArray], first: Local[Point] | None, restricted: BoolArray
+    ) -> list[Local[Point]]:
         """The optima without a coefficient below zero that the starts lead to."""
         found = [] if first is None else [first]
         for start in starts:
@@ -233,7 +236,7 @@ class Chain:
         pushed = [local.point.log_tau for local in compress(found, better)]
         return allowed + self._pushed([*pushed, *([] if allowed else starts[-2:])], restricted)
 
-    def _pushed(self, starts: Sequence[FloatArray], restricted: BoolArray) -> list[Local]:
+    def _pushed(self, starts: Sequence[FloatArray], restricted: BoolArray) -> list[Local[Point]]:
         """The optima next to the starts with no restricted coefficient below zero."""
         found = [self._descend(start, (), restricted=restricted) for start in starts]
         return [one for one in found if one and one.point.beta[-len(one.point.log_tau) :].any()]
@@ -246,7 +249,7 @@ class Chain:
         restricted: BoolArray | None = None,
         wanted: BoolArray | None = None,
         finished: float = LOOSE,
-    ) -> Local | None:
+    ) -> Local[Point] | None:
         return descend(
             self.stack,
             start,

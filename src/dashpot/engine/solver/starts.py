@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
+from dashpot.engine.least_squares.nnls import nonnegative
 from dashpot.engine.solver.descent import Point, Stack
-from dashpot.engine.solver.nnls import nonnegative
 
 if TYPE_CHECKING:
     from dashpot.engine.blocks.families import Family, Reduced

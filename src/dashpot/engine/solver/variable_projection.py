@@ -10,7 +10,8 @@ import numpy as np
 from dashpot.base.arrays import BoolArray, ByValue, FloatArray, frozen
 from dashpot.base.errors import FitError
 from dashpot.engine.blocks.block import Block
-from dashpot.engine.solver.descent import Local, Stack, descend, relative_offset
+from dashpot.engine.least_squares.descent import Local
+from dashpot.engine.solver.descent import Point, Stack, descend, relative_offset
 from dashpot.engine.solver.insertion import Chain
 
 RESOLVED = 1e-9
@@ -245,7 +246,7 @@ def _from_start(stack: Stack, start: FloatArray, arms: int, *, signed: bool) -> 
     return _solution(stack, local, requested=arms, evaluations=stack.trials, signed=signed)
 
 
-def _resolved(stack: Stack, local: Local) -> tuple[Stack, Local]:
+def _resolved(stack: Stack, local: Local[Point]) -> tuple[Stack, Local[Point]]:
     """Finish on every sample if the residual is too small for the compressed form to hold it."""
     if stack.floor + local.point.sse > RESOLVED * (stack.floor + stack.energy):
         return stack, local
@@ -258,7 +259,7 @@ def _resolved(stack: Stack, local: Local) -> tuple[Stack, Local]:
 
 
 def _solution(
-    stack: Stack, local: Local, *, requested: int, evaluations: int, signed: bool
+    stack: Stack, local: Local[Point], *, requested: int, evaluations: int, signed: bool
 ) -> Solution:
     stack, local = _resolved(stack, local)
     point = local.point

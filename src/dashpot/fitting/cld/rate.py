@@ -17,7 +17,7 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray
 from dashpot.engine.blocks.recorded import arm_columns
-from dashpot.engine.solver.nnls import nonnegative
+from dashpot.engine.least_squares.nnls import nonnegative
 from dashpot.fitting.cld import checks
 from dashpot.fitting.cld.speeds import KNOTS, Thinned, correlation, mean_slope, thinned_alike
 from dashpot.fitting.nonlinear_ramp.quasi_linear import hat_integrals

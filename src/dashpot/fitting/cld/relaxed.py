@@ -21,7 +21,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, IndexArray
 from dashpot.base.checks import Check
 from dashpot.base.errors import FitError
-from dashpot.engine.solver.nnls import nonnegative
+from dashpot.engine.least_squares.nnls import nonnegative
 from dashpot.fitting.cld import checks
 from dashpot.fitting.nonlinear_ramp.quasi_linear import hat_integrals
 from dashpot.fitting.parameters import off_by_error

@@ -18,7 +18,7 @@ from dashpot.base.arrays import BoolArray, FloatArray, block_means
 from dashpot.base.errors import FitError
 from dashpot.base.provenance import Step, sources_of
 from dashpot.engine.blocks.recorded import arm_columns, recursion
-from dashpot.engine.solver.nnls import nonnegative
+from dashpot.engine.least_squares.nnls import nonnegative
 from dashpot.fitting.cld import checks
 from dashpot.fitting.cld.relaxed import clock_of, felt
 from dashpot.fitting.nonlinear_ramp.quasi_linear import hat_integrals

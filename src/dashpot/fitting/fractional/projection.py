@@ -19,8 +19,9 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.engine.blocks.block import Block
-from dashpot.engine.solver.descent import Stack, triangle
-from dashpot.engine.solver.nnls import nonnegative_columns
+from dashpot.engine.least_squares.descent import triangle
+from dashpot.engine.least_squares.nnls import nonnegative_columns
+from dashpot.engine.solver.descent import Stack
 from dashpot.engine.solver.variable_projection import Jacobian, Solution
 from dashpot.solids.fractional import Weights, weights_at
 

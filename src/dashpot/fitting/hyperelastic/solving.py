@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.engine.solver.nnls import nonnegative
+from dashpot.engine.least_squares.nnls import nonnegative
 from dashpot.records.hyperelastic import ElasticCurve
 from dashpot.solids.hyperelastic import (
     POWERS,

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.engine.solver.nnls import nonnegative_columns
+from dashpot.engine.least_squares.nnls import nonnegative_columns
 from dashpot.fitting.nonlinear_ramp.quasi_linear import QuasiLinear
 from dashpot.fitting.nuisance import Prior
 

@@ -1,7 +1,7 @@
 r"""One positive spectrum of many isotherms, and their shifts, by variable projection.
 
 At given shifts the spectrum is the convex problem of
-:func:`~dashpot.engine.solver.nnls.nonnegative` on a grid of reduced relaxation times. Its
+:func:`~dashpot.engine.least_squares.nnls.nonnegative` on a grid of reduced relaxation times. Its
 derivative in a shift is Kaufman's: that of the isotherm's rows at a fixed spectrum, less what the
 active columns can take over. Nothing smooths the spectrum; smoothing doubles the errors. Each step
 between neighbours has a prior as wide as their window: flat isotherms, of a glass or a plateau,
@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
-from dashpot.engine.solver.nnls import nonnegative
+from dashpot.engine.least_squares.nnls import nonnegative
 from dashpot.fitting.superposition.isotherms import Isotherm
 
 _LN10 = float(np.log(10.0))

@@ -11,7 +11,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.engine.blocks.block import Block
 from dashpot.engine.inference.order import bic_of_deviance
-from dashpot.engine.solver.nnls import nonnegative
+from dashpot.engine.least_squares.nnls import nonnegative
 from dashpot.engine.solver.variable_projection import solve_orders
 from dashpot.fitting.temperature.joint import Joint, Point, alive
 from dashpot.fitting.temperature.reduced import moved

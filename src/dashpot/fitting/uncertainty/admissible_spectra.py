@@ -26,7 +26,7 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
 from dashpot.base.student_t import t_quantile
-from dashpot.engine.solver.nonnegative_ball import farthest, nonnegative_least_squares
+from dashpot.engine.least_squares.nonnegative_ball import farthest, nonnegative_least_squares
 from dashpot.fitting.relaxation_data import RelaxationData
 
 #: of the grid before it is refined

@@ -18,7 +18,7 @@ import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.errors import DataError
-from dashpot.engine.solver.nnls import nonnegative
+from dashpot.engine.least_squares.nnls import nonnegative
 from dashpot.records.frf import Mode
 from dashpot.solids.maxwell import GeneralizedMaxwell
 

@@ -22,7 +22,7 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray
 from dashpot.base.errors import FitError
-from dashpot.engine.solver.descent import triangle
+from dashpot.engine.least_squares.descent import triangle
 
 #: a gain below this part of the data is rounding
 NOTHING = 1e-13

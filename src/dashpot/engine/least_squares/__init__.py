@@ -1,0 +1,1 @@
+"""Least squares of anything: coefficients that are solved, parameters that descend."""
