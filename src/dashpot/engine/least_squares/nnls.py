@@ -17,6 +17,64 @@ from dashpot.base.arrays import BoolArray, FloatArray
 
 ROUNDS = 3
 NOTHING = 1e-11
+#: columns that are dependent; and so many, all >= 0, of which most carry nothing
+DEPENDENT, MANY = 1e-13, 24
+
+
+def linear(
+    A: FloatArray,
+    y: FloatArray,
+    positive: bool | BoolArray = False,
+    near: BoolArray | None = None,
+) -> tuple[FloatArray, FloatArray]:
+    r"""Return the beta that minimises |y - A beta|, and a basis of the columns that carry weight.
+
+    Which of the coefficients that must not be negative are zero is asked first where there are
+    many, else only if one of them is negative without; the digits are those of a QR factor of the
+    others. Of dependent columns the shortest beta is taken.
+
+    Parameters
+    ----------
+    A : array, shape (n, q)
+    y : array, shape (n,)
+    positive : bool or array, shape (q,)
+        Which coefficients must not be negative.
+    near : array, shape (q,), optional
+        Which coefficients are likely above zero: of many it spares most solves.
+
+    Returns
+    -------
+    beta : array, shape (q,)
+    basis : array, shape (n, r)
+        Orthonormal.
+    """
+    size = np.sqrt(np.einsum("ij,ij->j", A, A))
+    size[size == 0] = 1.0
+    unit, must = A / size, np.zeros(A.shape[1], dtype=bool) | positive
+    used, beta = np.ones(len(must), dtype=bool), np.zeros(len(must))
+    sought = len(must) > MANY and bool(must.all())
+    if sought:
+        used = nonnegative(unit.T @ unit, unit.T @ y, near) > 0
+    while True:
+        beta[:] = 0.0
+        beta[used], basis = _solved(unit[:, used], y)
+        wrong = (beta < 0) & must
+        if not wrong.any():
+            return beta / size, basis
+        used = used & ~wrong if sought else nonnegative_columns(unit, y, must)
+        sought = True
+
+
+def _solved(A: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Least squares by columns of unit length, and a basis of them."""
+    basis, factor = np.linalg.qr(A)
+    pivot = np.abs(factor.diagonal())
+    if A.shape[0] >= A.shape[1] and pivot.min(initial=1.0) > DEPENDENT:
+        along = basis.T @ y
+        return np.linalg.solve(factor, along) if len(along) else along, basis
+    U, s, V = np.linalg.svd(A, full_matrices=False)
+    kept = s > DEPENDENT * s.max(initial=0.0)
+    return V[kept].T @ ((U[:, kept].T @ y) / s[kept]), U[:, kept]
 
 
 def nonnegative(gram: FloatArray, moment: FloatArray, near: BoolArray | None = None) -> FloatArray:

@@ -1,0 +1,237 @@
+r"""How well an optimum is known, and whatever follows from it: one sandwich for every problem.
+
+With J the derivative of the model by :math:`\theta` and :math:`\beta`, and
+:math:`\Gamma` the autocovariance of the residuals of each record
+(:mod:`dashpot.engine.inference.covariance`),
+
+.. math:: C = (J'J)^{-1} J'\Gamma J\,(J'J)^{-1}, \qquad
+          C_f = G\,C\,G', \quad G = \partial f / \partial(\theta, \beta)
+
+A coefficient that rests at zero is held there and has no error unless its bound is asked for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import BoolArray, FloatArray
+from dashpot.base.student_t import t_quantile
+from dashpot.engine.inference.covariance import Noise, noise_of, sandwich
+from dashpot.engine.inference.order import bic
+from dashpot.engine.least_squares.problem import Optimum
+
+#: of an end of a profile interval: trials at most, and how close, in parts of the half width
+_TRIALS, _CLOSE = 40, 1e-3
+
+
+class Derived(NamedTuple):
+    """What follows from an estimate.
+
+    Attributes
+    ----------
+    values : array, shape (m,)
+    covariance : array, shape (m, m)
+    gradient : array, shape (m, p + q)
+        By theta, then beta.
+    """
+
+    values: FloatArray
+    covariance: FloatArray
+    gradient: FloatArray
+
+    @property
+    def standard_error(self) -> FloatArray:
+        """Of each value."""
+        return np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
+
+
+@dataclass(frozen=True, eq=False)
+class Estimate:
+    """An optimum with the covariance of theta and beta.
+
+    Attributes
+    ----------
+    optimum : Optimum
+    covariance : array, shape (p + q, p + q)
+        Zero for what rests at a bound, infinite for what the data do not determine.
+    noises : tuple of Noise
+        Of each record.
+    """
+
+    optimum: Optimum
+    covariance: FloatArray
+    noises: tuple[Noise, ...]
+
+    @property
+    def effective(self) -> float:
+        """Effective number of independent residuals."""
+        return sum(noise.effective for noise in self.noises)
+
+    @property
+    def kappa(self) -> float:
+        """How many residuals are worth one."""
+        return len(self.optimum.residual) / self.effective
+
+    @property
+    def dof(self) -> float:
+        """Degrees of freedom left, at least one."""
+        return max(self.effective - len(self.covariance), 1.0)
+
+    @property
+    def standard_error(self) -> FloatArray:
+        """Of theta, then beta."""
+        return np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
+
+    def quantile(self, level: float = 0.95) -> float:
+        """Standard errors in half a two-sided interval: Student's t."""
+        return t_quantile(level, self.dof)
+
+    def derived(self, what: Callable[[FloatArray], FloatArray]) -> Derived:
+        """What follows from theta and beta, by its gradient (delta method)."""
+        here, steps = self.optimum.values, self.optimum.steps
+        values = np.asarray(what(here))
+        G = np.zeros((len(values), len(here)))
+        for i in np.flatnonzero(np.diag(self.covariance) > 0):
+            down, up = here.copy(), here.copy()
+            down[i], up[i] = here[i] + np.array(steps[i])
+            G[:, i] = (what(up) - what(down)) / (up[i] - down[i])
+        return Derived(values, G @ self.covariance @ G.T, G)
+
+    def moved(self, change: FloatArray) -> FloatArray:
+        """By how much theta and beta follow a change of the model's rows, to first order."""
+        free, by = self.optimum.free, np.zeros(len(self.covariance))
+        J = self.optimum.jacobian[:, free]
+        size = np.maximum(np.linalg.norm(J, axis=0), 1e-300)
+        by[free] = -np.linalg.lstsq(J / size, change, rcond=1e-12)[0] / size
+        return by
+
+    def widened(self, by: FloatArray) -> Estimate:
+        """With one more error, that moves theta and beta by so much."""
+        return replace(self, covariance=self.covariance + np.outer(by, by))
+
+    def profile(self, index: int, *, level: float = 0.95) -> tuple[float, float]:
+        r"""The interval of one theta by profile likelihood, the others descending at each value.
+
+        .. math:: S(\theta_i) - S_{\min} \le t^2\, \gamma
+
+        with the power :math:`\gamma` of the noise. An end beyond which nothing is worse is that of
+        the parameter's range. Source: D. M. Bates and D. G. Watts, Nonlinear Regression Analysis
+        (1988), ch. 6.
+        """
+        best, one = self.optimum, self.optimum.problem.parameters[index]
+        count = [noise.samples for noise in self.noises]
+        power = float(np.average([noise.power for noise in self.noises], weights=count))
+        reach, here = self.quantile(level), float(best.theta[index])
+        rest = np.delete(best.theta, index)
+        width = float(self.standard_error[index])
+        first = reach * width if 0 < width < np.inf else one.scale
+
+        def excess(value: float) -> float:
+            """Above zero outside: the signed root of the deviance, less the quantile."""
+            found = best.problem.held(index, value).solve([rest], flat=1e-9)
+            if found is None:
+                return np.inf
+            return float(np.sqrt(max(found.cost - best.cost, 0.0) / power)) - reach
+
+        def end(way: float, limit: float) -> float:
+            inside, outside, low = here, here + way * first, -reach
+            while (high := excess(outside)) <= 0:
+                if way * outside >= way * limit:
+                    return limit
+                inside, low = outside, high
+                outside = here + 2 * (outside - here)
+                outside = min(outside, limit) if way > 0 else max(outside, limit)
+            for _ in range(_TRIALS):
+                if abs(outside - inside) <= _CLOSE * abs(outside - here):
+                    break
+                # the root of a parabola's deviance is straight: a secant, kept off the ends
+                share = low / (low - high) if np.isfinite(high) else 0.5
+                middle = inside + min(max(share, 0.05), 0.95) * (outside - inside)
+                value = excess(middle)
+                if value <= 0:
+                    inside, low = middle, value
+                else:
+                    outside, high = middle, value
+            return inside if np.isinf(high) else inside + low / (low - high) * (outside - inside)
+
+        return end(-1.0, one.low), end(1.0, one.high)
+
+
+def estimate(
+    optimum: Optimum,
+    *,
+    parts: Sequence[int] = (),
+    rounding: float = 0.0,
+    noises: Sequence[Noise] = (),
+    resting: BoolArray | None = None,
+    prior_variance: float | None = None,
+) -> Estimate:
+    """Return what the residuals of each record say of an optimum.
+
+    Parameters
+    ----------
+    optimum : Optimum
+    parts : sequence of int
+        Rows of each record, in order; by default there is one record.
+    rounding : float
+        Rms that rounding alone leaves.
+    noises : sequence of Noise
+        Of each record, where it is known otherwise (:func:`white_noise`).
+    resting : array, shape (q,), optional
+        Coefficients whose error is wanted, as a bound, where they rest at zero, too.
+    prior_variance : float, optional
+        Of the rows of priors; by default the mean power of the noises.
+    """
+    n, free = len(optimum.residual), optimum.free
+    cuts = np.cumsum(np.asarray(parts, dtype=int))[:-1]
+    every = optimum.jacobian
+    noises = tuple(noises) or tuple(
+        noise_of(residual, J, rounding=rounding)
+        for residual, J in zip(
+            np.split(optimum.residual, cuts), np.split(every[:n, free], cuts), strict=True
+        )
+    )
+    if resting is not None:
+        free = free | np.concatenate((np.zeros(len(optimum.theta), dtype=bool), resting))
+    jacobians, before = np.split(every[:n, free], cuts), every[n:, free]
+    weights = [*noises]
+    if len(before):
+        power = np.mean([one.power for one in noises])
+        variance = power if prior_variance is None else prior_variance
+        jacobians.append(before)
+        weights.append(Noise(len(before), np.array([variance]), 1.0, 2.0))
+    covariance = np.zeros((len(free), len(free)))
+    covariance[np.ix_(free, free)] = sandwich(jacobians, weights)
+    return Estimate(optimum, covariance, noises)
+
+
+def white_noise(optimum: Optimum, variance: float | None = None) -> Noise:
+    """Return the noise of independent residuals, of the variance that they tell or that is known.
+
+    What they tell is their sum of squares over n less the free parameters.
+    """
+    n = len(optimum.residual)
+    spare = max(n - int(optimum.free.sum()), 1)
+    return Noise(n, np.array([optimum.sse / spare if variance is None else variance]), 1.0, 2.0)
+
+
+def score(optimum: Optimum, effective: float, *, floor: float = 0.0) -> float:
+    """Return the BIC of an optimum, theta and beta counted, in so many independent residuals.
+
+    Of noise that is known :func:`~dashpot.engine.inference.order.bic_of_deviance`.
+
+    Parameters
+    ----------
+    optimum : Optimum
+    effective : float
+        Of the model that leaves least, for what another leaves more is no noise.
+    floor : float
+        Sum of squares that rounding alone leaves.
+    """
+    sse = max(optimum.sse, 1e-300)
+    count = len(optimum.values)
+    return bic(sse, effective=max(effective, 2.0), parameters=count, floor=floor)

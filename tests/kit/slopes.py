@@ -1,0 +1,33 @@
+"""Every derivative that is written by hand is held to differences."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dashpot.engine.least_squares.problem import Problem
+
+
+def hold_slopes(
+    problem: Problem, theta: np.ndarray, beta: np.ndarray, *, rtol: float = 1e-5
+) -> None:
+    """Assert that the slope of a problem's rows is that of its model, by Richardson's differences.
+
+    To `rtol` of the largest value in each column.
+    """
+    rows = problem.model(theta)
+    assert rows.slope is not None
+
+    def moved(i: int, h: float) -> np.ndarray:
+        ends = []
+        for sign in (-1, 1):
+            at = theta.copy()
+            at[i] += sign * h
+            y, A, _ = problem.model(at)
+            ends.append(A @ beta - y)
+        return (ends[1] - ends[0]) / (2 * h)
+
+    for i, (one, column) in enumerate(zip(problem.parameters, rows.slope(beta).T, strict=True)):
+        h = 1e-4 * one.scale
+        expected = (4 * moved(i, h) - moved(i, 2 * h)) / 3
+        size = np.abs(expected).max() or 1.0
+        np.testing.assert_allclose(column, expected, atol=rtol * size, rtol=0, err_msg=f"theta {i}")
