@@ -42,7 +42,7 @@ MOST, MOST_BIC, ROUNDING = 0.01, 0.1, 1e-14
 TABLES = ("standard_error", "intervals", "interval_95")
 NUMBER = re.compile(r"(?<![\w.])[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 WRITING = {"-o", "--project", "--setpoints", "--save-shifts"}
-Path_ = tuple[Any, ...]
+Place = tuple[Any, ...]
 Found = tuple[float, float, str]
 
 
@@ -139,7 +139,7 @@ def run(place: Path | None, pattern: str) -> None:
 
 
 def differences(
-    a: Any, b: Any, relative: float, path: Path_ = (), nest: Path_ = ()
+    a: Any, b: Any, relative: float, path: Place = (), nest: Place = ()
 ) -> Iterator[Found]:
     """How far two documents differ in each place, over what it may, in its unit, and in words.
 
@@ -183,7 +183,7 @@ def _largest(value: float, home: Any) -> float:
     return max(map(abs, filter(number, home))) if isinstance(home, list) else abs(value)
 
 
-def measure(value: float, path: Path_, nest: Path_) -> tuple[float, float, str] | None:
+def measure(value: float, path: Place, nest: Place) -> tuple[float, float, str] | None:
     """The standard error of the number at a path, what it may move by in it, and its name."""
     home, names = nest[-1], [str(name) for name in path if isinstance(name, str)]
     if "covariance" in names:
@@ -217,7 +217,7 @@ def _of(name: str) -> str | None:
     return "_".join(left) if len(left) < len(words) else None
 
 
-def _error(table: Any, tail: Path_) -> float | None:
+def _error(table: Any, tail: Place) -> float | None:
     """A standard error as it stands there, or half of the half width of a 95 % interval."""
     for key in tail:
         if isinstance(table, list):
