@@ -188,7 +188,7 @@ def measure(value: float, path: Place, nest: Place) -> tuple[float, float, str] 
     home, names = nest[-1], [str(name) for name in path if isinstance(name, str)]
     if "covariance" in names:
         return _largest(value, home), 2 * MOST, "of its row"
-    if names[-1] == "bic":
+    if names[-1] in {"bic", "orders"} or path[-2:-1] == ("orders",):
         return max(1.0, 1e-3 * abs(value)), MOST_BIC, "of BIC"
     if "standard_error" in names or {"se", "sd"} & set(names[-1].split("_")):
         return abs(value), MOST, "of it"
@@ -235,7 +235,8 @@ def compare(before: Path, after: Path, pattern: str, relative: float, worst: int
         names = [name for name, told in a["inputs"].items() if b["inputs"].get(name) != told]
         print(f"the files given to the commands differ: {', '.join(names)}")
     spent = [0.0, 0.0]
-    for line in (line for line in lines() if re.search(pattern, line)):
+    either = {line for line in {**a["answers"], **b["answers"]} if re.search(pattern, line)}
+    for line in (line for line in lines() if line in either):
         both = [told["answers"].get(line, {"cpu": 0.0}) for told in (a, b)]
         spent = [sum(pair) for pair in zip(spent, (told.pop("cpu") for told in both), strict=True)]
         found = sorted(differences(*both, relative), key=lambda one: -one[0])
