@@ -17,8 +17,8 @@ from dashpot.base.arrays import BoolArray, FloatArray
 
 ROUNDS = 3
 NOTHING = 1e-11
-#: columns that are dependent; and so many, all >= 0, of which most carry nothing
-DEPENDENT, MANY = 1e-13, 24
+#: columns that are dependent; and so many that must not be negative, of which most carry nothing
+DEPENDENT, MANY = 1e-13, 8
 
 
 def linear(
@@ -52,9 +52,9 @@ def linear(
     size[size == 0] = 1.0
     unit, must = A / size, np.zeros(A.shape[1], dtype=bool) | positive
     used, beta = np.ones(len(must), dtype=bool), np.zeros(len(must))
-    sought = len(must) > MANY and bool(must.all())
+    sought = int(must.sum()) > MANY
     if sought:
-        used = nonnegative(unit.T @ unit, unit.T @ y, near) > 0
+        used[must] = _support(unit, y, must, near)
     while True:
         beta[:] = 0.0
         beta[used], basis = _solved(unit[:, used], y)
@@ -63,6 +63,15 @@ def linear(
             return beta / size, basis
         used = used & ~wrong if sought else nonnegative_columns(unit, y, must)
         sought = True
+
+
+def _support(unit: FloatArray, y: FloatArray, must: BoolArray, near: BoolArray | None) -> BoolArray:
+    """Which of many columns that must not be negative carry weight, the free ones taken off."""
+    A = unit[:, must]
+    if not must.all():
+        Q = np.linalg.qr(unit[:, ~must])[0]
+        A, y = A - Q @ (Q.T @ A), y - Q @ (Q.T @ y)
+    return nonnegative(A.T @ A, A.T @ y, None if near is None else near[must]) > 0
 
 
 def _solved(A: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -9,8 +9,8 @@ from itertools import combinations
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Finding, criterion
+from dashpot.engine.inference.estimate import Derived
 from dashpot.fitting.hyperelastic.solving import Solution, closest
 from dashpot.records.hyperelastic import ElasticCurve, HyperelasticFit, Span
 from dashpot.solids.hyperelastic import SHEARING, Hyperelastic, Mode, direction
@@ -30,7 +30,7 @@ def judge(
     fit: HyperelasticFit,
     chosen: Solution,
     tried: Sequence[Solution],
-    covariance: FloatArray,
+    known: Derived,
     times: float,
     *,
     asked: Span | None,
@@ -43,7 +43,7 @@ def judge(
     flexible = closest(through, fit.law.poisson)
     reach = dict(fit.reach)
     least, where = least_drucker(fit.law, reach)
-    half = times * np.sqrt(np.diag(covariance))[: len(fit.law.constants)]
+    half = times * known.standard_error[: len(fit.law.constants)]
     largest = max(abs(c) for c in fit.law.constants)
     wide = int(np.argmax(half))
     lost = [one.lost for one in fit.curves if one.lost is not None]
@@ -52,10 +52,10 @@ def judge(
         law_followed(fit.residuals[worst], _name(fit.curves[worst])),
         no_law_closer(chosen.rms, flexible),
         stable_in_use(least, where, fit.stable),
-        modes_told(*_untold(fit, chosen, tried, covariance, times)),
+        modes_told(*_untold(fit, chosen, tried, known, times)),
         use_measured(_beyond(shaped, fit.law.poisson, asked)),
         constants_known(fit.law.constant_names[wide], float(half[wide]) / largest),
-        rows_enough(len(chosen.residual), chosen.jacobian.shape[1]),
+        rows_enough(len(chosen.optimum.residual), len(chosen.optimum.values)),
         files_agree(_apart(fit.curves)),
         loading_returned(max(lost, default=None), removed=fit.memory is not None),
         conditioned(max(softer, default=None, key=abs)),
@@ -85,7 +85,7 @@ def _untold(
     fit: HyperelasticFit,
     chosen: Solution,
     tried: Sequence[Solution],
-    covariance: FloatArray,
+    known: Derived,
     times: float,
 ) -> tuple[float | None, str, str]:
     """The largest doubt of the stress in a mode that was not measured, over the largest there."""
@@ -105,7 +105,8 @@ def _untold(
             doubts.append((apart, mode, f"{one.name} follows the tests as well and differs"))
         if not chosen.law.exponents:
             J = chosen.law.columns(mode, x)
-            wide = times * np.sqrt(np.einsum("ij,jk,ik->i", J, covariance, J))
+            own = known.covariance[: J.shape[1], : J.shape[1]]
+            wide = times * np.sqrt(np.einsum("ij,jk,ik->i", J, own, J))
             doubts.append((float(wide.max()) / size, mode, "its interval is"))
     return max(doubts, default=(0.0 if measured >= set(SHEARING) else None, "", ""))
 

@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Literal, NamedTuple, TypeAlias
+from typing import Literal, TypeAlias
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import FitError
-from dashpot.base.student_t import t_quantile
+from dashpot.engine.inference.estimate import estimate, score
+from dashpot.engine.least_squares.problem import Problem, Rows, solved
 from dashpot.fitting.hyperelastic import checks
 from dashpot.fitting.hyperelastic.curves import elastic_curve
 from dashpot.fitting.hyperelastic.solving import (
@@ -24,32 +25,13 @@ from dashpot.fitting.hyperelastic.solving import (
 )
 from dashpot.records.hyperelastic import ElasticCurve, HyperelasticFit, Span, StressStrainTest
 from dashpot.records.indentation import Found
-from dashpot.solids.hyperelastic import KINDS, POWERS, SHEARING, Hyperelastic, Kind, Mode, direction
+from dashpot.solids.hyperelastic import KINDS, SHEARING, Hyperelastic, Kind, Mode, direction
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 LawName: TypeAlias = Literal["auto", "neo-hooke", "mooney-rivlin", "yeoh", "ogden", "hyperfoam"]
 MOST_TERMS = 3
 _WORTH = 0.95
 """Times the residual of one term fewer, at most, of a law that a further term is tried for."""
-_CORRELATED = 0.95
-"""Of neighbouring residuals, at most: a hundred points are then worth two and a half."""
-
-
-class Evidence(NamedTuple):
-    """What is known of a solution beside itself.
-
-    Attributes
-    ----------
-    rows : float
-        That are worth an independent one each.
-    covariance : array, shape (p, p)
-    times : float
-        Standard errors in half an interval of 95 %.
-    """
-
-    rows: float
-    covariance: FloatArray
-    times: float
 
 
 def fit_hyperelastic(
@@ -97,16 +79,23 @@ def fit_hyperelastic(
     tried = _of_foam(fitted, terms, poisson) if foam else _of_rubber(fitted, terms)
     tried = list({one.name: one for one in tried}.values())
     best = min(tried, key=lambda one: one.rms)
-    worth = _worth(best, fitted)
-    scores = {one.name: _bic(one, worth) for one in tried}
+    parts = [len(one.stretch) for one in fitted]
+    # all laws by the noise of the closest: what another leaves more is no noise
+    noises = estimate(best.optimum, parts=parts, rounding=EXACT).noises
+    effective = sum(noise.effective for noise in noises)
+    floor = EXACT**2 * len(best.optimum.residual)
+    scores = {one.name: score(one.optimum, effective, floor=floor) for one in tried}
     reach = reach_of(curves, best.law.poisson, stretches)
     chosen = _chosen(tried, scores, law, reach)
-    known = _evidence(chosen, worth)
-    found, bulk = _found(chosen, known, volumetric)
-    chosen = chosen._replace(law=_with_bulk(chosen, bulk))
+    known = estimate(chosen.optimum, parts=parts, rounding=EXACT)
+    derived = known.derived(chosen.numbers)
+    half = known.quantile() * derived.standard_error
+    found = _found(chosen, derived.values, half)
+    bulk = _bulk(volumetric)
+    chosen = chosen._replace(law=_with_bulk(chosen, None if bulk is None else bulk.value))
     kept = HyperelasticFit(
         chosen.law,
-        tuple(found),
+        (*found, bulk) if bulk else found,
         tuple(scores.items()),
         tuple(curves),
         tuple(_left(chosen, one) for one in curves),
@@ -116,7 +105,7 @@ def fit_hyperelastic(
         (),
         temperature,
     )
-    judged = checks.judge(kept, chosen, tried, known.covariance, known.times, asked=stretches)
+    judged = checks.judge(kept, chosen, tried, derived, known.quantile(), asked=stretches)
     return replace(kept, checks=judged)
 
 
@@ -200,62 +189,30 @@ def _chosen(
 # -- how well it is known ---------------------------------------------------------------------
 
 
-def _worth(best: Solution, curves: Sequence[ElasticCurve]) -> float:
-    """How many independent rows the residuals of the closest law are worth."""
-    ends = np.cumsum([len(one.stretch) for one in curves])[:-1]
-    parts = np.split(best.residual, ends)
-    near = sum(float(part[1:] @ part[:-1]) for part in parts)
-    share: float = near / max(float(best.residual @ best.residual), 1e-300)
-    rho = min(max(share, 0.0), _CORRELATED)
-    return float(len(best.residual) * (1 - rho) / (1 + rho))
+def _found(one: Solution, values: FloatArray, half: FloatArray) -> tuple[Found, ...]:
+    """Constants, exponents and the shear modulus with their intervals."""
+    law = one.law
+    names = [*law.constant_names, *(f"alpha{k}" for k in range(1, len(law.exponents) + 1))]
+    names += ["poisson"] * (len(names) < len(values) - 1)
+    units = ["Pa"] * len(law.constants) + ["1"] * (len(names) - len(law.constants)) + ["Pa"]
+    return tuple(
+        Found(name, value, value - wide, value + wide, unit)
+        for name, value, wide, unit in zip(
+            [*names, "shear_modulus"], values.tolist(), half.tolist(), units, strict=True
+        )
+    )
 
 
-def _bic(one: Solution, worth: float) -> float:
-    variance = max(one.rms, EXACT) ** 2
-    constants: int = one.jacobian.shape[1]
-    return worth * math.log(variance) + constants * math.log(max(worth, 2.0))
-
-
-def _evidence(one: Solution, worth: float) -> Evidence:
-    n, p = one.jacobian.shape
-    size = np.linalg.norm(one.jacobian, axis=0)
-    size[size == 0] = 1.0
-    inverse = np.linalg.pinv(one.jacobian / size, rcond=1e-10)
-    spread = float(one.residual @ one.residual) / max(n - p, 1) * n / max(worth, 1.0)
-    dof = max(worth - p, 1.0)
-    covariance = spread * (inverse @ inverse.T) / np.outer(size, size)
-    return Evidence(worth, covariance, t_quantile(0.95, dof))
-
-
-def _found(
-    one: Solution, known: Evidence, volumetric: Sequence[ElasticCurve]
-) -> tuple[list[Found], float | None]:
-    """Constants and moduli with their intervals; and the bulk modulus of a rubber."""
-    law, half = one.law, known.times * np.sqrt(np.diag(known.covariance))
-    numbers = [*zip(law.constant_names, law.constants, strict=True)]
-    units = ["Pa"] * len(numbers) + ["1"] * (len(half) - len(numbers))
-    numbers += [(f"alpha{k}", a) for k, a in enumerate(law.exponents, start=1)]
-    numbers += [("poisson", law.poisson)] * (len(half) > len(numbers))
-    found = [
-        Found(name, value, value - float(h), value + float(h), unit)
-        for (name, value), h, unit in zip(numbers, half, units, strict=True)
-    ]
-    count = len(law.constants)
-    gradient = np.zeros(len(half))
-    if law.kind in POWERS:
-        gradient[:count] = [2.0 if i + j == 1 else 0.0 for i, j in POWERS[law.kind]]
-    else:
-        gradient[:count] = 1.0
-    G, wide = law.shear_modulus, known.times * math.sqrt(gradient @ known.covariance @ gradient)
-    found.append(Found("shear_modulus", G, G - wide, G + wide, "Pa"))
+def _bulk(volumetric: Sequence[ElasticCurve]) -> Found | None:
+    """The bulk modulus of a rubber."""
     if not volumetric:
-        return found, None
+        return None
     x = np.concatenate([each.stretch - 1 for each in volumetric])
     y = np.concatenate([each.stress for each in volumetric])
-    bulk = float(x @ y / (x @ x))
-    error = float(np.sqrt(np.sum((y - bulk * x) ** 2) / max(len(x) - 1, 1) / (x @ x)))
-    wide = t_quantile(0.95, max(len(x) - 1.0, 1.0)) * error
-    return [*found, Found("bulk_modulus", bulk, bulk - wide, bulk + wide, "Pa")], bulk
+    best = solved(Problem(lambda _: Rows(y, x[:, None])))
+    known = estimate(best, parts=[len(each.stretch) for each in volumetric])
+    bulk, wide = float(best.beta[0]), known.quantile() * float(known.standard_error[0])
+    return Found("bulk_modulus", bulk, bulk - wide, bulk + wide, "Pa")
 
 
 def _with_bulk(one: Solution, bulk: float | None) -> Hyperelastic:

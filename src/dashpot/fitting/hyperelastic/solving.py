@@ -3,25 +3,28 @@ r"""Laws through elastic curves by least squares, every mode with one say howeve
 Laws of the invariants are linear in their constants. Of power laws (Ogden, hyperfoam) every mu is
 kept > 0, so that their tangent is a sum of positive parts and stable at any stretch, and given the
 exponents they are linear, too: each set of exponents on a grid is a small nonnegative problem, and
-the best of them are starts of a descent on alpha and Poisson's ratio alone, mu taken at its optimum
-(variable projection: G. H. Golub, V. Pereyra, 1973; with the Jacobian of L. Kaufman, 1975).
+the best of them are starts of a descent on alpha and Poisson's ratio alone.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.engine.least_squares.nnls import nonnegative
+from dashpot.engine.least_squares.descent import triangle
+from dashpot.engine.least_squares.nnls import linear
+from dashpot.engine.least_squares.problem import Optimum, Parameter, Problem, Rows, solved
 from dashpot.records.hyperelastic import ElasticCurve
 from dashpot.solids.hyperelastic import (
     POWERS,
     Hyperelastic,
     Kind,
+    Path,
     path,
     power_by_poisson,
     power_column,
@@ -34,7 +37,7 @@ SPECTRUM = np.array([-16, -12, -8, -6, -4, -3, -2, -1, 1, 1.5, 2, 3, 4, 5, 6, 8,
 """Exponents of the most flexible stable law that curves are held against."""
 _LARGEST = 30.0
 _POISSONS = (0.05, 0.2, 0.35, 0.45)
-_DESCENTS = 2
+_DESCENTS, _STEPS = 2, 40
 EXACT = 1e-9
 """Part of the stress below which a residual is rounding."""
 
@@ -63,21 +66,24 @@ class Solution(NamedTuple):
     name : str
         With the number of terms of a power law.
     law : Hyperelastic
-    jacobian : array, shape (n, p)
-        Of the weighed stress by constants, exponents and, where it was sought, Poisson's ratio.
-    residual : array, shape (n,)
-        Measured less modelled, weighed: over the rms of the mode.
+    optimum : Optimum
+        Theta are exponents and, where it was sought, Poisson's ratio; beta the constants, Pa. The
+        residual is weighed: over the rms of the mode.
     """
 
     name: str
     law: Hyperelastic
-    jacobian: FloatArray
-    residual: FloatArray
+    optimum: Optimum
 
     @property
     def rms(self) -> float:
         """Of the residual, over the rms of the stress."""
-        return float(np.sqrt(np.mean(self.residual**2)))
+        return float(np.sqrt(np.mean(self.optimum.residual**2)))
+
+    def numbers(self, values: FloatArray) -> FloatArray:
+        """Constants, exponents, Poisson's ratio where it was sought, and the shear modulus."""
+        found, mu = np.split(values, [len(self.optimum.theta)])
+        return np.concatenate((mu, found, [replace(self.law, constants=tuple(mu)).shear_modulus]))
 
 
 def weighed(curves: Sequence[ElasticCurve]) -> Weighed:
@@ -98,10 +104,8 @@ def invariant_law(rows: Weighed, kind: Kind) -> Solution:
     unit = Hyperelastic(kind, (1.0,) * len(POWERS[kind]))
     parts = zip(rows.weights, rows.curves, strict=True)
     A = np.concatenate([w[:, None] * unit.columns(one.mode, one.stretch) for w, one in parts])
-    size = np.linalg.norm(A, axis=0)
-    found = np.linalg.lstsq(A / size, rows.target, rcond=1e-12)[0] / size
-    law = Hyperelastic(kind, tuple(found.tolist()))
-    return Solution(kind, law, A, rows.target - A @ found)
+    found = solved(Problem(lambda _: Rows(rows.target, A)))
+    return Solution(kind, Hyperelastic(kind, tuple(found.beta.tolist())), found)
 
 
 def power_law(rows: Weighed, terms: int, kind: Kind, poisson: float | None) -> Solution:
@@ -109,83 +113,41 @@ def power_law(rows: Weighed, terms: int, kind: Kind, poisson: float | None) -> S
 
     Poisson's ratio of a foam is sought where it is None.
     """
-    free = poisson is None
-    runs = [_descended(rows, start, free=free) for start in _starts(rows, terms, poisson)]
-    x = min(runs, key=lambda run: run[0])[1]
-    mu = _optimum(_columns(rows, x[:-1], float(x[-1])), rows.target)
-    order = [i for i in np.argsort(-mu * np.abs(x[:-1])) if mu[i] > 0]
-    mu, alpha, v = mu[order], x[:-1][order], float(x[-1])
-    unit = 1 / float(rows.weights[0][0])
-    A, slopes, by_poisson = _derivatives(rows, mu, alpha, v)
-    J = np.concatenate((A / unit, slopes, by_poisson[:, None]), axis=1)
+    starts = _starts(rows, terms, poisson)
+    best = solved(power_problem(rows, terms, poisson), starts, most=_STEPS)
+    order = [i for i in np.argsort(-best.beta * np.abs(best.theta[:terms])) if best.beta[i] > 0]
+    theta = np.concatenate((best.theta[order], best.theta[terms:]))
+    found = power_problem(rows, len(order), poisson).at(theta)
+    v = poisson if poisson is not None else float(theta[-1])
     law = Hyperelastic(
         kind,
-        tuple((unit * mu).tolist()),
-        tuple(alpha.tolist()),
+        tuple(found.beta.tolist()),
+        tuple(theta[: len(order)].tolist()),
         v if kind == "hyperfoam" else 0.5,
     )
-    return Solution(f"{kind}-{len(mu)}", law, J if free else J[:, :-1], rows.target - A @ mu)
+    return Solution(f"{kind}-{len(order)}", law, found)
 
 
-def _descended(rows: Weighed, start: FloatArray, *, free: bool) -> tuple[float, FloatArray]:
-    """The sum of squares and alpha, nu where a descent ends; nu stays unless `free`."""
-    from scipy.optimize import least_squares  # few need it, and it costs time to import
+def power_problem(rows: Weighed, terms: int, poisson: float | None) -> Problem:
+    """Return the problem of alpha and, where it is None, Poisson's ratio; mu is linear."""
 
-    moving = len(start) - (not free)
+    def model(theta: FloatArray) -> Rows:
+        alpha, v = theta[:terms], float(theta[-1]) if poisson is None else poisson
 
-    def whole(x: FloatArray) -> FloatArray:
-        return np.concatenate((x, start[moving:]))
+        def slope(mu: FloatArray) -> FloatArray:
+            found = []
+            for w, along in zip(rows.weights, _paths(rows, v), strict=True):
+                by = [m * power_slope(along, a) for m, a in zip(mu, alpha, strict=True)]
+                if poisson is None:
+                    each = [m * power_by_poisson(along, a) for m, a in zip(mu, alpha, strict=True)]
+                    by.append(np.sum(each, axis=0))
+                found.append(w[:, None] * np.stack(by, axis=-1))
+            return np.concatenate(found)
 
-    def left(x: FloatArray) -> FloatArray:
-        at = whole(x)
-        A = _columns(rows, at[:-1], float(at[-1]))
-        return np.asarray(A @ _optimum(A, rows.target) - rows.target)
+        return Rows(rows.target, _columns(rows, alpha, v), slope)
 
-    def slope(x: FloatArray) -> FloatArray:
-        at = whole(x)
-        A = _columns(rows, at[:-1], float(at[-1]))
-        mu = _optimum(A, rows.target)
-        _, slopes, by_poisson = _derivatives(rows, mu, at[:-1], float(at[-1]))
-        J = np.concatenate((slopes, by_poisson[:, None]), axis=1)[:, :moving]
-        base = np.linalg.qr(A[:, mu > 0])[0]
-        return np.asarray(J - base @ (base.T @ J))
-
-    low = [-_LARGEST] * (len(start) - 1) + [0.0] * free
-    high = [_LARGEST] * (len(start) - 1) + [0.49] * free
-    run = least_squares(
-        left, start[:moving], jac=slope, bounds=(low, high), x_scale="jac",
-        xtol=1e-11, ftol=1e-12, gtol=1e-15, max_nfev=40,
-    )  # fmt: skip
-    return float(run.cost), whole(run.x)
-
-
-def _optimum(A: FloatArray, target: FloatArray) -> FloatArray:
-    """The mu >= 0 of least squares."""
-    size = np.linalg.norm(A, axis=0)
-    size[size == 0] = 1.0
-    mu = np.linalg.lstsq(A / size, target, rcond=1e-13)[0]
-    if mu.min() < 0:
-        some = nonnegative((A / size).T @ (A / size), (A / size).T @ target) > 0
-        mu = np.zeros(len(size))
-        if some.any():
-            mu[some] = np.linalg.lstsq((A / size)[:, some], target, rcond=1e-13)[0]
-    return np.asarray(np.maximum(mu, 0.0) / size)
-
-
-def _derivatives(
-    rows: Weighed, mu: FloatArray, alpha: FloatArray, poisson: float
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Weighed columns of each term, and the stress by each alpha and by Poisson's ratio."""
-    unit = 1 / rows.weights[0][0]
-    slopes, by_poisson = [], []
-    terms = list(zip(mu.tolist(), alpha.tolist(), strict=True))
-    for w, one in zip(rows.weights, rows.curves, strict=True):
-        along = path(one.mode, one.stretch, poisson)
-        slopes.append(
-            unit * w[:, None] * np.stack([m * power_slope(along, a) for m, a in terms], -1)
-        )
-        by_poisson.append(unit * w * np.sum([m * power_by_poisson(along, a) for m, a in terms], 0))
-    return _columns(rows, alpha, poisson), np.concatenate(slopes), np.concatenate(by_poisson)
+    sought = [Parameter(-_LARGEST, _LARGEST)] * terms
+    return Problem(model, sought + [Parameter(0.0, 0.49, 0.1)] * (poisson is None), positive=True)
 
 
 def _starts(rows: Weighed, terms: int, poisson: float | None) -> list[FloatArray]:
@@ -193,32 +155,34 @@ def _starts(rows: Weighed, terms: int, poisson: float | None) -> list[FloatArray
     found: list[tuple[bool, float, list[float]]] = []
     for v in _POISSONS if poisson is None else (poisson,):
         A = _columns(rows, np.array(EXPONENTS), v)
-        gram, moment = A.T @ A, A.T @ rows.target
-        for chosen in combinations(range(len(EXPONENTS)), terms):
-            index = list(chosen)
-            size = np.sqrt(np.diag(gram)[index])
-            inner = gram[np.ix_(index, index)]
-            mu = nonnegative(inner / np.outer(size, size), moment[index] / size) / size
-            cost = float(mu @ inner @ mu - 2 * mu @ moment[index])
-            found.append((bool((mu <= 0).any()), cost, [*(EXPONENTS[i] for i in index), v]))
+        factor = triangle(np.concatenate((A.T, rows.target[None])))
+        for chosen in map(list, combinations(range(len(EXPONENTS)), terms)):
+            mu, _ = linear(factor[:, chosen], factor[:, -1], positive=True)
+            left = factor[:, -1] - factor[:, chosen] @ mu
+            start = [*(EXPONENTS[i] for i in chosen), *[v] * (poisson is None)]
+            found.append((bool((mu <= 0).any()), float(left @ left), start))
     found.sort()
     return [np.array(one) for _, _, one in found[:_DESCENTS]]
 
 
+def _paths(rows: Weighed, poisson: float) -> list[Path]:
+    """Of every curve."""
+    return [path(one.mode, one.stretch, poisson) for one in rows.curves]
+
+
 def _columns(rows: Weighed, exponents: FloatArray, poisson: float) -> FloatArray:
-    """Weighed stress of a term of each exponent, its mu one over the first weight."""
-    unit = 1 / rows.weights[0][0]
-    parts = []
-    for w, one in zip(rows.weights, rows.curves, strict=True):
-        along = path(one.mode, one.stretch, poisson)
-        parts.append(unit * w[:, None] * np.stack([power_column(along, a) for a in exponents], -1))
-    return np.concatenate(parts)
+    """Weighed stress of a term of each exponent."""
+    return np.concatenate(
+        [
+            w[:, None] * np.stack([power_column(along, a) for a in exponents], axis=-1)
+            for w, along in zip(rows.weights, _paths(rows, poisson), strict=True)
+        ]
+    )
 
 
 def closest(curves: Sequence[ElasticCurve], poisson: float) -> float:
     """Return what the most flexible stable law leaves of curves, rms over the rms of the stress."""
     rows = weighed(curves)
     A = _columns(rows, SPECTRUM, poisson)
-    size = np.linalg.norm(A, axis=0)
-    mu = nonnegative((A / size).T @ (A / size), (A / size).T @ rows.target) / size
+    mu, _ = linear(A, rows.target, positive=True)
     return float(np.sqrt(np.mean((rows.target - A @ mu) ** 2)))
