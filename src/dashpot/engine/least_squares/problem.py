@@ -344,6 +344,6 @@ def solved(
     return found
 
 
-def stacked(values: ComplexArray) -> FloatArray:
+def stacked(values: FloatArray | ComplexArray) -> FloatArray:
     """Complex rows as real ones: real parts, then imaginary."""
     return np.concatenate((values.real, values.imag))

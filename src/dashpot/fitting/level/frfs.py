@@ -11,6 +11,8 @@ import numpy as np
 from dashpot.base.arrays import ComplexArray, FloatArray, IndexArray
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, Range, si, si_range
+from dashpot.engine.least_squares.nnls import linear
+from dashpot.engine.least_squares.problem import stacked
 from dashpot.fitting.level.checks import (
     LOST,
     MATTERS,
@@ -266,11 +268,9 @@ class _Problem:
         return np.hstack(found)
 
     def _solve(self, K: ComplexArray, terms: tuple[Term, ...]) -> _Solved:
-        from scipy.optimize import nnls  # costs an import that few need
-
         A = self._columns(terms) * self.weight[:, None]
         y = K * self.weight
-        k, _ = nnls(np.vstack((A.real, A.imag)), np.concatenate((y.real, y.imag)))
+        k, _ = linear(stacked(A), stacked(y), positive=True)
         return _Solved(self, terms, k, np.asarray(A @ k - y))
 
 

@@ -3,11 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
+from dashpot.engine.inference.estimate import estimate, white_noise
+from dashpot.engine.inference.order import bic
+from dashpot.engine.least_squares.nnls import linear
+from dashpot.engine.least_squares.problem import (
+    Optimum,
+    Parameter,
+    Problem,
+    Rows,
+    solved,
+    stacked,
+)
 from dashpot.fitting.level.checks import MATTERS
 from dashpot.records.amplitude import AmplitudeSweep
 from dashpot.solids.friction import slipping_share
@@ -23,6 +34,8 @@ _LEFT = 3e-3
 _PER_DECADE = 10
 _RISES = 3.0
 """Residuals by which the storage rises again where a spring stiffens beside friction."""
+_NOTHING = 1e-20
+"""Mean square, over the size of the samples, that rounding leaves."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,8 +86,8 @@ class Fitted:
     @property
     def loss_deviance(self) -> float:
         """As `deviance`, of the losses alone."""
-        rss = max(float((self.left.imag**2).sum()), 1e-20)
-        return len(self.left) * float(np.log(rss / len(self.left)))
+        n, left = len(self.left), self.left.imag
+        return bic(float(left @ left) / n, effective=n, parameters=0, floor=_NOTHING / n)
 
     @property
     def residual(self) -> float:
@@ -93,40 +106,43 @@ def fitted(sweep: AmplitudeSweep, law: str, exponent: float | None = None) -> Fi
     exponent : float, optional
         Set; else it is found.
     """
-    problem = _Problem(sweep, law, exponent)
-    free = problem.descended() if problem.kraus else np.zeros(0)
-    coefficients, left = problem.solved(free)
-    n, known = 2 * len(left), len(coefficients) + len(problem.free)
-    rss = max(float((np.abs(left) ** 2).sum()), n * 1e-20)
-    deviance = n * float(np.log(rss / n))
-    tones = len(problem.tones)
-    numbers = problem.numbers(free, coefficients)
-    sd, se = problem.errors(free, coefficients, rss / max(n - known, 1))
+    problem = _Law(sweep, law, exponent)
+    best = solved(problem.stated, problem.starts)
+    left, n = problem.left(best), len(best.residual)
+    numbers = problem.numbers(best.values)
+    known = estimate(best, noises=[white_noise(best)])
+    law_error = known.derived(lambda values: np.array(list(problem.numbers(values).values())))
+    se = dict(zip(numbers, law_error.standard_error.tolist(), strict=True))
+    if problem.kraus and exponent is not None:
+        se["exponent"] = 0.0
+    of_levels = slice(len(best.theta), len(best.theta) + 2 * len(problem.tones))
+    levels, sd = best.values[of_levels], known.standard_error[of_levels]
+    score = partial(bic, best.sse / n, effective=n, floor=_NOTHING)
     bends = 0.0
     if problem.cubic:
-        bends, other = problem.bent(free, deviance)
+        bends, other = problem.bent(best)
         # the number depends on what is taken for the spring, or for the friction beside it
         others = [other] * (bends > MATTERS) + [problem.among_sliders()] * problem.kraus
         se["k3"] = float(np.hypot(se["k3"], sum(abs(one - numbers["k3"]) for one in others)))
     loss = np.sqrt(np.mean((left.imag * problem.size) ** 2) / np.mean(sweep.loss**2))
     return Fitted(
         law,
-        coefficients[:tones] + 1j * coefficients[tones : 2 * tones],
-        sd[:tones] + 1j * sd[tones : 2 * tones],
+        _paired(levels),
+        _paired(sd),
         numbers,
         se,
         left,
         float(loss),
-        deviance + known * float(np.log(n)),
-        deviance,
+        score(parameters=len(best.values)),
+        score(parameters=0),
         numbers.get("lost", 0.0) >= 0 and problem.rises(left),
         bends,
     )
 
 
 @dataclass(frozen=True, eq=False)
-class _Problem:
-    """A law on a sweep; free are ln X_c, the exponent and, of a factor, the share."""
+class _Law:
+    """A law on a sweep; sought are ln X_c, the exponent and, of a factor, the share."""
 
     sweep: AmplitudeSweep
     law: str
@@ -148,10 +164,31 @@ class _Problem:
         return self.law.endswith("cubic")
 
     @property
-    def free(self) -> list[int]:
-        """Which of the nonlinear numbers are found and not set."""
-        every = [0, 1, 2] if self.factor else [0, 1] if self.kraus else []
-        return [i for i in every if i != 1 or self.exponent is None]
+    def stated(self) -> Problem:
+        """Its rows, real parts first, over the size of the samples; levels are linear."""
+        X, y = self.sweep.amplitude, stacked(self.sweep.value / self.size)
+        sought = [
+            Parameter(np.log(X.min()) - 3, np.log(X.max()) + 5),
+            *[Parameter(*_EXPONENTS, 0.2)] * (self.exponent is None),
+            *[Parameter(1e-6, 1.0, 0.2)] * self.factor,
+        ]
+        return Problem(
+            lambda theta: Rows(y, stacked(self.columns(self.whole(theta)))),
+            sought if self.kraus else (),
+        )
+
+    @property
+    def starts(self) -> list[FloatArray]:
+        """Where its descents begin."""
+        low, high = np.log(self.sweep.amplitude.min()), np.log(self.sweep.amplitude.max())
+        rest = [SET] * (self.exponent is None) + [0.5] * self.factor
+        return [np.array([(1 - at) * low + at * high, *rest]) for at in (0.2, 0.5, 0.8)]
+
+    def whole(self, theta: FloatArray) -> FloatArray:
+        """Ln X_c, exponent and share, with what is set."""
+        return (
+            theta if self.exponent is None else np.insert(theta, min(1, len(theta)), self.exponent)
+        )
 
     @cached_property
     def size(self) -> FloatArray:
@@ -183,18 +220,22 @@ class _Problem:
             found.append(0.75 * (X / X.max())[:, None] ** 2)
         return np.asarray(np.hstack(found) / size[:, None], dtype=complex)
 
-    def bent(self, p: FloatArray, deviance: float) -> tuple[float, float]:
+    def left(self, best: Optimum) -> ComplexArray:
+        """Fit less sample, over the size of the sample."""
+        return -_paired(best.residual)
+
+    def bent(self, best: Optimum) -> tuple[float, float]:
         """What a term of X^4 gains in deviance, and k3 beside it."""
-        X = self.sweep.amplitude
-        coefficients, left = self.solved(p, ((X / X.max()) ** 4 / self.size)[:, None])
-        n = 2 * len(left)
-        rss = max(float((np.abs(left) ** 2).sum()), n * 1e-20)
-        return deviance - n * float(np.log(rss / n)), float(coefficients[-2] / X.max() ** 2)
+        X, n = self.sweep.amplitude, len(best.residual)
+        more = stacked((X / X.max()) ** 4 / self.size)
+        wider = solved(Problem(lambda _: Rows(best.rows.y, np.column_stack((best.rows.A, more)))))
+        gain = [
+            bic(one.sse / n, effective=n, parameters=0, floor=_NOTHING) for one in (best, wider)
+        ]
+        return gain[0] - gain[1], float(wider.beta[-2] / X.max() ** 2)
 
     def among_sliders(self) -> float:
         """The cubic spring beside a spectrum of sliders, any friction, in the place of Kraus's."""
-        from scipy.optimize import nnls  # costs an import that few need
-
         X, K, most = self.sweep.amplitude, self.sweep.value, float(self.sweep.amplitude.max())
         count = max(round(_PER_DECADE * np.log10(2 * most / X.min())), 2)
         sliders = slipping_share(X[:, None], np.geomspace(X.min() / 2, most, count))
@@ -202,83 +243,20 @@ class _Problem:
             sliders = sliders * (self.chosen @ np.abs(K @ self.chosen))[:, None] / np.abs(K).sum()
         spring = 0.75 * (X[:, None] / most) ** 2 * np.array([1.0, -1.0])
         A = np.hstack((self.chosen, 1j * self.chosen, sliders, spring)) / self.size[:, None]
-        y = K / self.size
-        k, _ = nnls(np.vstack((A.real, A.imag)), np.concatenate((y.real, y.imag)))
+        k, _ = linear(stacked(A), stacked(K / self.size), positive=True)
         return float(k[-2] - k[-1]) / most**2
 
-    def solved(self, p: FloatArray, *more: FloatArray) -> tuple[FloatArray, ComplexArray]:
-        """Linear coefficients, and what they leave."""
-        A, y = np.hstack((self.columns(p), *more)), self.sweep.value / self.size
-        both = np.vstack((A.real, A.imag))
-        found = np.linalg.lstsq(both, np.concatenate((y.real, y.imag)), rcond=None)[0]
-        coefficients = np.asarray(found, dtype=float)
-        return coefficients, np.asarray(A @ coefficients - y)
-
-    def residual(self, p: FloatArray) -> FloatArray:
-        """What is left, its real and its imaginary parts."""
-        left = self.solved(p)[1]
-        return np.concatenate((left.real, left.imag))
-
-    def descended(self) -> FloatArray:
-        """Nonlinear numbers: the best of three starts."""
-        from scipy.optimize import least_squares  # costs an import that few need
-
-        X, m = self.sweep.amplitude, self.exponent
-        low, high = np.log(X.min()) - 3, np.log(X.max()) + 5
-        band = _EXPONENTS if m is None else (m - 1e-9, m + 1e-9)
-        lower, upper = [low, band[0]], [high, band[1]]
-        if self.factor:
-            lower, upper = [*lower, 1e-6], [*upper, 1.0]
-        found = []
-        for share in (0.2, 0.5, 0.8):
-            ln_X_c = (1 - share) * np.log(X.min()) + share * np.log(X.max())
-            start = [ln_X_c, SET if m is None else m, 0.5][: len(lower)]
-            found.append(
-                least_squares(
-                    self.residual,
-                    start,
-                    bounds=(lower, upper),
-                    x_scale=[1, 0.2, 0.2][: len(lower)],
-                    xtol=1e-12,
-                    ftol=1e-12,
-                    gtol=1e-12,
-                )
-            )
-        return np.asarray(min(found, key=lambda one: one.cost).x)
-
-    def numbers(self, p: FloatArray, coefficients: FloatArray) -> dict[str, float]:
-        """What the law is, by name."""
+    def numbers(self, values: FloatArray) -> dict[str, float]:
+        """What the law is, by name, of everything that was sought."""
+        theta, coefficients = np.split(values, [len(self.stated.parameters)])
         found = {}
         if self.kraus:
+            p = self.whole(theta)
             lost = p[2] if self.factor else coefficients[2 * len(self.tones)]
             found = {"lost": lost, "half_way": np.exp(p[0]), "exponent": p[1]}
         if self.cubic:
             found["k3"] = coefficients[-1] / self.sweep.amplitude.max() ** 2
         return {name: float(one) for name, one in found.items()}
-
-    def errors(
-        self, p: FloatArray, coefficients: FloatArray, scatter: float
-    ) -> tuple[FloatArray, dict[str, float]]:
-        """Standard errors of the coefficients and of those numbers, from one covariance."""
-        steps = 1e-5 * np.maximum(np.abs(p), 1e-3)
-        J = [self.columns(p)]
-        for i in self.free:
-            step = np.zeros(len(p))
-            step[i] = steps[i]
-            slope = (self.columns(p + step) - self.columns(p - step)) @ coefficients
-            J.append(slope[:, None] / (2 * steps[i]))
-        A = np.hstack(J)
-        both = np.vstack((A.real, A.imag))
-        sd = np.sqrt(np.diag(np.linalg.pinv(both.T @ both)) * scatter)
-        linear, free = sd[: len(coefficients)], np.zeros(3)
-        free[self.free] = sd[len(coefficients) :]
-        found = {}
-        if self.kraus:
-            lost = free[2] if self.factor else linear[2 * len(self.tones)]
-            found = {"lost": lost, "half_way": np.exp(p[0]) * free[0], "exponent": free[1]}
-        if self.cubic:
-            found["k3"] = linear[-1] / self.sweep.amplitude.max() ** 2
-        return linear, {name: float(one) for name, one in found.items()}
 
     def rises(self, left: ComplexArray) -> bool:
         """Whether the storage rises at the end, where a spring stands beside Kraus's law.
@@ -295,3 +273,9 @@ class _Problem:
             if last - storage[here].min() > least * size[here].min():
                 return True
         return False
+
+
+def _paired(values: FloatArray) -> ComplexArray:
+    """Real parts and imaginary ones behind them, as complex numbers."""
+    real, imaginary = np.split(values, 2)
+    return np.asarray(real + 1j * imaginary)
