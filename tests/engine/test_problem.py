@@ -168,11 +168,25 @@ def test_few_and_many_nearly_dependent_columns_are_solved_alike(q: int) -> None:
     assert np.linalg.norm(y - A @ beta) == pytest.approx(nnls(A, y)[1], rel=1e-6)
 
 
-def test_dependent_columns_share_their_coefficient() -> None:
-    A = np.ones((5, 2))
-    beta, basis = linear(A, np.full(5, 3.0))
-    np.testing.assert_allclose(beta, [1.5, 1.5])
+@pytest.mark.parametrize("positive", [True, False])
+def test_of_dependent_columns_the_first_carries_the_weight(positive: bool) -> None:
+    beta, basis = linear(np.ones((5, 2)), np.full(5, 3.0), positive)
+    np.testing.assert_allclose(beta, [3.0, 0.0], atol=1e-12)
     assert basis.shape == (5, 1)
+
+
+@pytest.mark.parametrize(("apart", "rank"), [(3e-14, 1), (1e-12, 2)])
+def test_columns_are_dependent_where_rounding_parts_them(apart: float, rank: int) -> None:
+    A = np.ones((6, 2))
+    A[0, 1] += apart
+    assert linear(A, np.arange(6.0))[1].shape == (6, rank)
+
+
+def test_more_columns_than_rows_are_dependent() -> None:
+    A = np.random.default_rng(0).standard_normal((3, 5))
+    beta, basis = linear(A, np.ones(3))
+    np.testing.assert_allclose(A @ beta, 1.0)
+    assert basis.shape == (3, 3)
 
 
 def test_a_column_of_nothing_has_no_coefficient() -> None:

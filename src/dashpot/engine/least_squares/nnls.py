@@ -31,7 +31,7 @@ def linear(
 
     Which of the coefficients that must not be negative are zero is asked first where there are
     many, else only if one of them is negative without; the digits are those of a QR factor of the
-    others. Of dependent columns the shortest beta is taken.
+    others. Of dependent columns the first carry the weight.
 
     Parameters
     ----------
@@ -75,15 +75,16 @@ def _support(unit: FloatArray, y: FloatArray, must: BoolArray, near: BoolArray |
 
 
 def _solved(A: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Least squares by columns of unit length, and a basis of them."""
+    """Least squares by columns of unit length, and a basis of those that carry weight."""
     basis, factor = np.linalg.qr(A)
-    pivot = np.abs(factor.diagonal())
-    if A.shape[0] >= A.shape[1] and pivot.min(initial=1.0) > DEPENDENT:
+    lost = np.ones(A.shape[1], dtype=bool)
+    lost[: len(factor)] = np.abs(factor.diagonal()) <= DEPENDENT
+    if not lost.any():
         along = basis.T @ y
         return np.linalg.solve(factor, along) if len(along) else along, basis
-    U, s, V = np.linalg.svd(A, full_matrices=False)
-    kept = s > DEPENDENT * s.max(initial=0.0)
-    return V[kept].T @ ((U[:, kept].T @ y) / s[kept]), U[:, kept]
+    beta = np.zeros(A.shape[1])
+    beta[~lost], basis = _solved(A[:, ~lost], y)
+    return beta, basis
 
 
 def nonnegative(gram: FloatArray, moment: FloatArray, near: BoolArray | None = None) -> FloatArray:
