@@ -1,0 +1,177 @@
+"""The other tests are what their formulas say, and a file of each is read as what it is."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from kit.foreign.kinds import (
+    KINDS,
+    jenkins,
+    nominal,
+    responded,
+    rod_response,
+    sheets,
+    struck,
+    wlf,
+)
+from kit.foreign.truths import Seal, Solid
+
+from dashpot.io.readers.inspect import inspect_file
+
+
+def same(one, other):
+    """To the byte."""
+    pairs = zip(one.columns.values(), other.columns.values(), strict=True)
+    return all(a.tobytes() == b.tobytes() for a, b in pairs)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_twenty_of_a_kind_repeat_and_half_are_spoilt(kind):
+    made, ways = KINDS[kind]
+    some = sheets(kind, 6)
+    assert [one.spoilt != "" for one in some] == [False, True] * 3
+    assert {one.spoilt for one in some} >= set(ways[:3])
+    assert same(made(0), some[0])
+    assert not same(some[0], some[2])
+    for one in some:
+        assert one.kind == kind
+        assert len({len(column) for column in one.columns.values()}) == 1
+        assert all(np.all(np.isfinite(column)) for column in one.columns.values())
+    for way in ways:
+        assert made(1, way).truth.keys() == made(1).truth.keys()
+        spoilt, sound = made(1, way), made(1)
+        assert not same(spoilt, sound) or spoilt.truth["stated"] != sound.truth["stated"]
+
+
+@pytest.mark.parametrize(
+    ("kind", "seen"),
+    [
+        ("impact", "impact"),
+        ("frf", "frf"),
+        ("rod", "transmissibility"),
+        ("modulus", "modulus"),
+        ("dma", "dma"),
+        ("dma temperatures", "dma"),
+        ("amplitude", "strain-sweep"),
+        ("stress strain", "stress-strain"),
+        ("indentation", "indentation"),
+        # of their columns alone: the shape of the motion is judged after
+        ("loops", "relaxation"),
+        ("cld", "relaxation"),
+        ("creep", "relaxation"),
+    ],
+)
+def test_a_file_of_a_kind_is_known_for_it(kind, seen, tmp_path):
+    path = tmp_path / "one.csv"
+    path.write_text(KINDS[kind][0](0).text(), "utf-8")
+    assert inspect_file(path).kind == seen
+
+
+def test_a_system_answers_by_its_modes():
+    """Two decays and an oscillation against closed forms, under a ramp and a hold."""
+    t = np.arange(2001) / 100
+    u = np.minimum(t, 1.0)
+    one = responded((np.diag([-2.0, -1e-9]), np.array([1.0, 3.0]), np.ones(2), 0.5), u, 0.01)
+    first = np.where(
+        t < 1, t / 2 - (1 - np.exp(-2 * t)) / 4,
+        0.5 + np.exp(-2 * t) * (1 - np.exp(2.0)) / 4,
+    )  # fmt: skip
+    second = 3 * np.where(t < 1, t**2 / 2, t - 0.5)
+    np.testing.assert_allclose(one, 0.5 * u + first + second, rtol=1e-7, atol=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_hits_are_the_accelerance(seed):
+    one = KINDS["impact"][0](seed)
+    seal, mass = one.truth["seal"], one.truth["mass"]
+    # the pulse of each hit, without its noise
+    hammer = np.where(np.abs(one["hammer"]) > 0.05, one["hammer"], 0.0)
+    window = slice(0, 8 * 2048)
+    lines = np.fft.rfftfreq(8 * 2048, 1 / 2048)
+    found = np.fft.rfft(one.truth["pure"][window]) / np.fft.rfft(hammer[window])
+    band = (lines > 5) & (lines < 30)
+    error = np.abs(found - seal.accelerance(lines, mass, 2))[band]
+    assert np.sqrt(np.mean(error**2)) < 0.03 * np.abs(found[band]).max()
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_creep_is_the_inverse_of_relaxation(seed):
+    one = KINDS["creep"][0](seed)
+    force = one.truth["solid"].force(one.truth["pure"], 1 / 50)
+    # the answer to a straight load bends within a step
+    np.testing.assert_allclose(force, one.truth["force"], atol=2e-3 * force.max())
+    assert np.abs(force - one.truth["force"])[100:].max() < 2e-4 * force.max()
+
+
+def test_a_rods_response_is_that_of_the_domain():
+    class Lossy:
+        def stiffness(self, omega):
+            return 1e6 * (1 + 0.1j)
+
+    found = np.abs(rod_response(Lossy(), [50, 100, 150, 200], 20e-3, 1000.0, 5.0))
+    np.testing.assert_allclose(found, [1.271252, 5.535471, 1.180417, 0.469645], rtol=1e-6)
+
+
+def test_numbers_of_the_literature():
+    assert jenkins(1e-3, 5e3, 2.0) == pytest.approx(1867.650 + 1527.887j, rel=1e-6)
+    assert jenkins(1e-4, 5e3, 2.0) == pytest.approx(5e3)
+    stresses = [nominal("mooney-rivlin", mode, 2.0, (0.15, 0.05)) for mode in MODES]
+    assert stresses == pytest.approx([0.6125, 1.378125, 0.75])
+    assert nominal("hyperfoam", "uniaxial", 0.6, (0.2, 8.0)) == pytest.approx(-0.0819337, rel=1e-6)
+    assert wlf(253.15, 296.15, 6.943704, 129.6) == pytest.approx(3.44780, abs=1e-3)
+
+
+MODES = ("uniaxial", "equibiaxial", "planar")
+
+
+def test_ogdens_law_of_2_is_neo_hookes():
+    x = np.linspace(0.6, 2.0, 15)
+    for mode in MODES:
+        one = nominal("ogden", mode, x, (0.3, 2.0))
+        np.testing.assert_allclose(one, nominal("mooney-rivlin", mode, x, (0.15, 0.0)), atol=1e-14)
+
+
+def test_a_ball_on_a_spring_is_hertz_and_one_on_rubber_loses_energy():
+    mass, speed, k = 5e-3, 1.3, 2e5
+    deep = (1.25 * mass * speed**2 / k) ** 0.4
+    t, x, force = struck(Solid("", k, (), ()), mass, speed, 1e-6)
+    assert x.max() == pytest.approx(deep, rel=1e-6)
+    assert t[-1] == pytest.approx(2.94326 * deep / speed, abs=3e-6)
+    np.testing.assert_allclose(force, k * np.maximum(x, 0) ** 1.5, atol=1e-5 * force.max())
+    rubber = Solid.arms("", k / 2, [k / 2], [1e-3])
+    coarse, fine = (struck(rubber, mass, speed, h) for h in (2e-6, 1e-6))
+    back = [np.sum(f) * h / mass / speed - 1 for (_, _, f), h in ((coarse, 2e-6), (fine, 1e-6))]
+    assert 0.5 < back[1] < 0.95
+    assert back[0] == pytest.approx(back[1], abs=3e-4)
+    # it leaves the surface before that has come back
+    assert fine[1][-1] > 0.05 * fine[1].max()
+
+
+def test_a_softened_cycle_carries_less_and_a_slow_one_its_law():
+    one = KINDS["cld"][0](0)
+    parts = np.array_split(one.truth["pure"], 3)
+    tops = [part.max() for part in parts]
+    assert tops[0] > tops[1] > tops[2] > 0.85 * tops[0]
+    seal = one.truth["seal"]
+    assert tops[0] > seal.solid.k_inf * seal.depth
+
+
+def test_temperatures_make_one_curve():
+    one = KINDS["dma temperatures"][0](1)
+    solid, law = one.truth["solid"], one.truth["law"]
+    kelvin = one["temperature"] + 273.15
+    reduced = 2 * np.pi * one["frequency"] * 10 ** wlf(kelvin, *law)
+    curve = kelvin / law[0] * solid.stiffness(reduced)
+    np.testing.assert_allclose(one.truth["pure"], curve, rtol=1e-12)
+    np.testing.assert_allclose(1e6 * one["storage"], curve.real, rtol=0.08)
+
+
+def test_loops_hold_a_seal_and_its_sliders():
+    one = KINDS["loops"][0](2)
+    last = slice(-101, None)
+    area = np.trapezoid(one.truth["pure"][last], 1e-3 * one["displacement"][last])
+    seal = one.truth["seal"]
+    solid = np.pi * seal.solid.stiffness(2 * np.pi * 5.0).imag * 4e-6
+    dry = 4 * seal.friction / 5 * np.sum(2e-3 - 1e-4 * 2.0 ** np.arange(5))
+    assert abs(area) == pytest.approx(solid + dry, rel=0.02)
+    assert isinstance(seal, Seal)

@@ -1,0 +1,247 @@
+"""Each rig does to a record what its name says, and no more."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pytest
+from kit.foreign import rigs
+from kit.foreign.catalogue import NOISES, RATES, protocol_of, relaxation_records, verdict_records
+from kit.foreign.rigs import RIGS, Protocol, Rig, pressed, read
+from kit.foreign.truths import TABLE_1, TRUTHS, Seal, drawn
+
+SEAL, SENT = Seal(TABLE_1), Protocol(hold=12.0, rate=250.0)
+DRY = Rig(noise=0.0, count=0.0, bias=0.0, encoder=0.0)
+RANDOM = np.random.default_rng(0)
+
+
+def done(step, **words):
+    """What one step does to the ideal record, and that record."""
+    before = pressed(SEAL, SENT)
+    return step(before, np.random.default_rng(1), **words), before
+
+
+def test_nothing_of_it_imports_dashpot():
+    code = (
+        "import sys; from kit.foreign import catalogue, kinds;"
+        "print([name for name in sys.modules if name.partition('.')[0] == 'dashpot'])"
+    )
+    tests = Path(__file__).resolve().parents[1]
+    shown = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=tests
+    )
+    assert shown.stdout.strip() == "[]"
+
+
+def test_forty_rigs_keep_their_truth_and_repeat_to_the_byte():
+    assert len(RIGS) == 40
+    for name, rig in RIGS.items():
+        one, again, other = (read(SEAL, SENT, rig, seed=s, name=name) for s in (1, 1, 2))
+        assert one.text() == again.text() != other.text()
+        assert len(one.time) == len(one.force) == len(one.pure) == len(one.compression)
+        assert np.all(np.isfinite(one.force))
+        assert np.all(np.diff(one.time) > 0)
+        assert one.seal.solid is TABLE_1
+        assert one.k(3) == pytest.approx(
+            float(TABLE_1.relaxation(36.0)) + one.seal.friction / one.seal.depth
+        )
+        assert one.done[-1][0] == "counted"
+
+
+def test_a_sound_record_is_the_truth_and_its_noise():
+    one = read(SEAL, replace(SENT, hold=40.0), seed=3)
+    error = one.force - one.pure - 0.05
+    assert np.std(error) == pytest.approx(np.hypot(2e-3, 1 / 1280 / 12**0.5), rel=0.03)
+    assert abs(np.mean(error)) < 1e-4
+    assert np.max(np.abs(one.displacement - one.compression)) <= 0.5e-6 * (1 + 1e-9)
+    assert one.text().startswith("time [s],displacement [mm],force [N]\n0.0,0.0,")
+
+
+def test_a_ramp_is_where_it_is_sent():
+    clock, x = SENT.plate()
+    v = np.diff(x) / clock[1]
+    assert x[clock <= 1.0].max() == 0.0
+    assert np.all(x[clock >= 2.0 - 1e-12] == 8e-3)
+    assert v.max() == pytest.approx(8e-3 / 0.9, rel=1e-9)
+    _, straight = replace(SENT, rounding=0.0).plate()
+    np.testing.assert_allclose(straight, 8e-3 * np.clip(clock - 1, 0, 1), atol=1e-17)
+    _, steps = replace(SENT, setpoints=0.02, rounding=0.0).plate()
+    assert len(np.unique(steps)) == 51
+    _, swung = replace(SENT, servo=(4.0, 0.5), rounding=0.0, ramp=1e-3).plate()
+    assert swung.max() == pytest.approx(8e-3 * (1 + np.exp(-np.pi * 0.5 / 0.75**0.5)), rel=1e-3)
+    assert swung[-1] == pytest.approx(8e-3)
+
+
+def test_a_machine_that_gives_is_a_spring_in_series():
+    one, before = done(rigs.gives, compliance=50e-6)
+    np.testing.assert_allclose(one.compression + 50e-6 * one.pure, before.displacement, atol=2e-15)
+    np.testing.assert_array_equal(one.displacement, before.displacement)
+    with pytest.raises(ValueError, match="too large"):
+        done(rigs.gives, compliance=1.0)
+
+
+def test_a_crosshead_creeps_seen_or_unseen():
+    for seen in (False, True):
+        one, before = done(rigs.creeps, by=20e-6, seen=seen)
+        crept = 20e-6 * np.log(13.0)
+        assert one.compression[-1] - before.compression[-1] == pytest.approx(crept)
+        assert one.displacement[-1] - before.displacement[-1] == pytest.approx(crept * seen)
+        moved = one.seal.force(one.compression, one.step)
+        np.testing.assert_array_equal(one.force, moved)
+
+
+def test_a_seal_that_warms_relaxes_by_its_reduced_time():
+    one, before = done(rigs.warms, decades=0.12)
+    np.testing.assert_allclose(done(rigs.warms, decades=1e-9)[0].pure, before.pure, atol=1e-9)
+    # arm by arm: dq/dt = dx/dt - q a(t)/tau, its decay exact in each step
+    rate = 0.12 * np.log(10) / before.time[-1]
+    reduced = np.expm1(rate * before.time) / rate
+    force = TABLE_1.k_inf * before.compression
+    for k, tau in zip(TABLE_1.k, TABLE_1.tau, strict=True):
+        z, q = np.diff(reduced) / tau, np.zeros_like(reduced)
+        for i, dx in enumerate(np.diff(before.compression)):
+            q[i + 1] = q[i] * np.exp(-z[i]) - dx * np.expm1(-z[i]) / z[i]
+        force = force + k * q
+    np.testing.assert_allclose(one.pure, force, atol=1e-6 * force.max())
+
+
+def test_a_chain_lags_and_filters_by_its_response():
+    late, before = done(rigs.late, by=5.25e-3)
+    expected = np.interp(before.time - 5.25e-3, before.time, before.force)
+    np.testing.assert_array_equal(late.force, expected)
+    t = before.time
+    for kind, order, gain in [
+        ("butter", 1, 0.5**0.5),
+        ("butter", 2, 0.5**0.5),
+        ("bessel", 4, None),
+    ]:
+        wave = replace(before, force=1 + np.sin(2 * np.pi * 20 * t))
+        passed = rigs.low_pass(wave, RANDOM, cut=20.0, order=order, kind=kind).force
+        late = passed[t > 8] - 1
+        found = np.hypot(
+            *(2 * np.mean(late * f(2 * np.pi * 20 * t[t > 8])) for f in (np.sin, np.cos))
+        )
+        assert found == pytest.approx(gain or 0.5**0.5, rel=1e-3)
+        # one from the start on, and at last
+        assert passed[0] == pytest.approx(1.0)
+        still = rigs.low_pass(before, RANDOM, cut=20.0, order=order, kind=kind).force
+        assert still[-1] == pytest.approx(before.force[-1], rel=1e-4)
+
+
+def test_noise_has_its_size_and_memory():
+    long = read(SEAL, replace(SENT, hold=300.0), DRY)
+    slow = rigs.noisy(long, np.random.default_rng(4), sd=5e-3, tau=0.5).force - long.force
+    assert np.std(slow) == pytest.approx(5e-3, rel=0.1)
+    assert np.corrcoef(slow[125:], slow[:-125])[0, 1] == pytest.approx(np.exp(-1), abs=0.1)
+    white = rigs.noisy(long, np.random.default_rng(4), sd=5e-3).force - long.force
+    assert abs(np.corrcoef(white[1:], white[:-1])[0, 1]) < 0.02
+    walks = [
+        rigs.wanders(long, np.random.default_rng(seed), by=5e-3).force[60 * 250]
+        - long.force[60 * 250]
+        for seed in range(200)
+    ]
+    assert np.std(walks) == pytest.approx(5e-3, rel=0.15)
+
+
+def test_hum_drift_and_wave_have_their_sizes():
+    def added(step, **words):
+        one, before = done(step, **words)
+        return before.time, one.force - before.force
+
+    t, hum = added(rigs.hums, size=5e-3, hertz=50.0, overtones=2)
+    for n, size in [(1, 5e-3), (3, 5e-3 / 3), (5, 5e-3 / 9)]:
+        turn = np.exp(2j * np.pi * 50 * n * t[:-1])
+        assert abs(2 * np.mean(hum[:-1] * turn)) == pytest.approx(size, rel=1e-6)
+    t, drift = added(rigs.drifts, rate=5e-4)
+    np.testing.assert_allclose(drift, 5e-4 * t, atol=1e-15)
+    t, wave = added(rigs.waves, size=20e-3, period=6.0)
+    assert np.ptp(wave) == pytest.approx(40e-3, rel=1e-5)
+
+
+def test_readings_come_in_steps_and_rows_are_lost():
+    one = read(SEAL, SENT, RIGS["force quantum 10 mN"])
+    np.testing.assert_allclose(one.force / 10e-3, np.round(one.force / 10e-3), atol=1e-9)
+    one = read(SEAL, SENT, RIGS["encoder 60 um"])
+    np.testing.assert_allclose(
+        one.displacement / 60e-6, np.round(one.displacement / 60e-6), atol=1e-9
+    )
+    lost = read(SEAL, SENT, RIGS["dropped rows and jitter"])
+    assert len(lost.time) == pytest.approx(0.9 * 250 * 14, rel=0.03)
+    assert np.ptp(np.diff(lost.time)) > 4e-3
+    # jittered rows are true: of the press's own clock
+    true = np.interp(lost.time, *SENT.plate())
+    np.testing.assert_allclose(lost.compression, true, atol=1e-12)
+    thin = read(SEAL, SENT, RIGS["log-thinned"])
+    assert 150 < len(thin.time) < 450
+    leap = read(SEAL, SENT, RIGS["clock jump"])
+    assert np.sort(np.diff(leap.time))[-2:] == pytest.approx([4e-3, 1e5], rel=1e-3)
+
+
+def test_where_contact_is():
+    gap = read(SEAL, SENT, replace(DRY, protocol={"gap": 0.5e-3}))
+    assert gap.displacement.max() == pytest.approx(8.5e-3)
+    touch = gap.displacement <= 0.5e-3
+    assert np.max(np.abs(gap.pure[touch])) < 1e-15
+    assert gap.compression.max() == pytest.approx(8e-3)
+    none = read(SEAL, SENT, RIGS["no baseline"])
+    assert none.time[0] == pytest.approx(1.0)
+    assert none.pure[0] == pytest.approx(0, abs=1e-15)
+    assert none.pure[1] > 1e-6
+
+
+def test_friction_is_a_part_of_the_force_at_equilibrium():
+    one, plain = (read(SEAL, SENT, replace(DRY, friction=f)) for f in (0.03, 0.0))
+    assert one.pure[-1] - plain.pure[-1] == pytest.approx(0.03 * 196.5 * 8e-3)
+    assert one.k(np.inf) == pytest.approx(1.03 * 196.5)
+
+
+def test_a_laws_force_at_rest_is_its_secants():
+    for name in ("law +8 %", "law +48 %", "law cubic", "law softens 20 %"):
+        bent = read(SEAL, replace(SENT, depth=6e-3), replace(DRY, seal=RIGS[name].seal))
+        slow = Seal(drawn("1 arm", 0), 6e-3, **RIGS[name].seal)
+        assert bent.seal.depth == 6e-3
+        assert slow.elastic(6e-3) == pytest.approx(6e-3)
+
+
+def test_the_catalogue_is_named_and_spread():
+    found = list(relaxation_records(48))
+    assert len({one.name for one in found}) == 48
+    assert {one.protocol.rate for one in found} == set(RATES)
+    assert {next(n for n in NOISES if f"| {n} |" in one.name) for one in found} == set(NOISES)
+    assert all(0.05 <= one.protocol.ramp <= 5 for one in found)
+    assert all(10 <= one.protocol.hold <= 300 and len(one.time) < 180_000 for one in found)
+    (again,) = list(relaxation_records(1))
+    assert again.text() == found[0].text()
+
+
+def test_every_truth_meets_every_rig():
+    names = [one.name for one in verdict_records(TRUTHS[:2], ["none", "drift .2 mN/s"])]
+    assert names == [
+        f"{truth} | {rig}" for truth in ("Table 1", "broad") for rig in ("none", "drift .2 mN/s")
+    ]
+    sent = [protocol_of(one) for one in TRUTHS]
+    assert all(10 <= one.hold <= 80.5 and 0.3 <= one.ramp <= 2.02 for one in sent)
+    assert len({(one.depth, one.ramp) for one in sent}) == 42
+
+
+def test_a_record_of_42_thousand_rows_takes_less_than_a_fifth_of_a_second():
+    cost = []
+    for seed in range(3):
+        start = time.process_time()
+        one = read(Seal(drawn("power law", seed)), Protocol(), RIGS["compliance 50 um/N"])
+        cost.append(time.process_time() - start)
+        assert len(one.time) == 42_001
+    assert min(cost) < 0.2
+
+
+def test_a_step_of_ones_own_is_a_rig():
+    twice = Rig(reading=(partial(rigs.drifts, rate=1e-3), partial(rigs.drifts, rate=-1e-3)))
+    one = read(SEAL, SENT, replace(twice, noise=0.0, count=0.0, bias=0.0))
+    np.testing.assert_allclose(one.force, one.pure, atol=1e-15)
+    assert [name for name, _ in one.done] == ["sampled", "noisy", "drifts", "drifts", "counted"]
