@@ -36,14 +36,16 @@ def cost(record: dp.RampHold, **words) -> tuple[dp.Fit, float]:
     return found, min(spent)
 
 
-def held(one: Record, found: dp.Fit) -> dict[str, bool]:
-    """Which 95 % limits hold the truth; those of single arms where it has as many."""
+def held(one: Record, found: dp.Fit, hold: float) -> dict[str, bool]:
+    """Which 95 % limits hold the truth; those of single arms where it has as many.
+
+    `hold`, s, is the T of k(T) as the record was understood: a rounded ramp ends where one says.
+    """
     solid, inside = one.seal.solid, {}
     if found.left_open is not None:
-        truth = {"k_inf": one.k(np.inf), "k_end": one.k(), "k_3end": one.k(3)}
-        for name, value in truth.items():
+        for name, times in (("k_end", 1), ("k_3end", 3), ("k_inf", np.inf)):
             low, high = found.left_open[name]
-            inside[f"{name} left open"] = low <= value <= high
+            inside[f"{name} left open"] = low <= one.seal.secant(times * hold) <= high
     bounds = found.intervals()
     inside["k_inf"] = bounds["k_inf"][0] <= solid.k_inf <= bounds["k_inf"][1]
     if found.model.arms == len(solid.k):
@@ -64,21 +66,22 @@ class Tally:
     def add(self, one: Record, **words) -> None:
         test = dp.RelaxationTest(one.time, one.displacement, one.force)
         try:
-            found, ms = cost(dp.prepare(test), **words)
+            record = dp.prepare(test)
+            found, ms = cost(record, **words)
         except dp.DashpotError as error:
             self.uses["refused"] += 1
             print(f"{one.name}, {words}: {error}")
             return
         self.spent.append((ms, f"{one.name}, {len(one.time)} rows"))
         self.uses[found.verdict.use] += 1
-        for name, inside in held(one, found).items():
+        for name, inside in held(one, found, record.hold_time).items():
             self.bounds.setdefault(name, []).append(inside)
 
     def lines(self) -> str:
-        ms = np.array([value for value, _ in self.spent])
-        low, middle, high, top = np.quantile(ms, [0, 0.5, 0.95, 1])
+        ms = [value for value, _ in self.spent]
+        ends = zip(("min", "median", "p95", "max"), np.quantile(ms, [0, 0.5, 0.95, 1]), strict=True)
         parts = [
-            f"{len(ms)} fits; ms CPU min {low:.0f}, median {middle:.0f}, p95 {high:.0f}, max {top:.0f}",
+            f"{len(ms)} fits, ms: " + ", ".join(f"{name} {value:.0f}" for name, value in ends),
             f"dearest: {max(self.spent)[1]}",
             ", ".join(f"{use} {count}" for use, count in self.uses.most_common()),
             *(f"{name:24} holds {sum(h):3} of {len(h)}" for name, h in self.bounds.items()),

@@ -92,7 +92,10 @@ class Record:
         return self.protocol.baseline + self.protocol.ramp
 
     def k(self, times: float = 1.0) -> float:
-        """The secant k(T) at so many times the hold T, N/m; at infinity k_inf."""
+        """The secant k(T) at so many times the hold T of the protocol, N/m; at infinity k_inf.
+
+        What says its own T is held to `seal.secant` there: a rounded ramp ends where one says.
+        """
         return float(self.seal.secant(times * self.protocol.hold))
 
     def rows(self, chosen) -> Record:
