@@ -84,14 +84,12 @@ def test_a_system_answers_by_its_modes():
 def test_hits_are_the_accelerance(seed):
     one = KINDS["impact"][0](seed)
     seal, mass = one.truth["seal"], one.truth["mass"]
-    # the pulse of each hit, without its noise
-    hammer = np.where(np.abs(one["hammer"]) > 0.05, one["hammer"], 0.0)
-    window = slice(0, 8 * 2048)
-    lines = np.fft.rfftfreq(8 * 2048, 1 / 2048)
-    found = np.fft.rfft(one.truth["pure"][window]) / np.fft.rfft(hammer[window])
-    band = (lines > 5) & (lines < 30)
-    error = np.abs(found - seal.accelerance(lines, mass, 2))[band]
-    assert np.sqrt(np.mean(error**2)) < 0.03 * np.abs(found[band]).max()
+    lines = np.fft.rfftfreq(len(one["time"]), 1 / 2048)
+    band = (lines > 4) & (lines < 40)
+    hammer, moved = (np.fft.rfft(one.truth[name])[band] for name in ("hammer", "pure"))
+    # an arm that is still at work when the record ends is cut
+    expected = seal.accelerance(lines[band], mass, 2) * hammer
+    assert np.max(np.abs(moved - expected)) < 2e-4 * np.abs(expected).max()
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -139,12 +137,10 @@ def test_a_ball_on_a_spring_is_hertz_and_one_on_rubber_loses_energy():
     assert t[-1] == pytest.approx(2.94326 * deep / speed, abs=3e-6)
     np.testing.assert_allclose(force, k * np.maximum(x, 0) ** 1.5, atol=1e-5 * force.max())
     rubber = Solid.arms("", k / 2, [k / 2], [1e-3])
-    coarse, fine = (struck(rubber, mass, speed, h) for h in (2e-6, 1e-6))
-    back = [np.sum(f) * h / mass / speed - 1 for (_, _, f), h in ((coarse, 2e-6), (fine, 1e-6))]
-    assert 0.5 < back[1] < 0.95
-    assert back[0] == pytest.approx(back[1], abs=3e-4)
-    # it leaves the surface before that has come back
-    assert fine[1][-1] > 0.05 * fine[1].max()
+    (t, _, coarse), (fine_t, _, fine) = (struck(rubber, mass, speed, h) for h in (2e-6, 1e-6))
+    np.testing.assert_allclose(np.interp(t, fine_t, fine, right=0), coarse, atol=1e-5 * fine.max())
+    # it comes back slower than it came
+    assert 0.5 < np.sum(fine) * 1e-6 / mass / speed - 1 < 0.95
 
 
 def test_a_softened_cycle_carries_less_and_a_slow_one_its_law():

@@ -45,6 +45,11 @@ def _start(kind: str, seed: int):
     return np.random.default_rng([seed, *kind.encode()])
 
 
+def _scatter(random, count: int):
+    """Complex, of 1 in each part."""
+    return random.standard_normal(count) + 1j * random.standard_normal(count)
+
+
 def _log_uniform(random, low: float, high: float) -> float:
     return float(np.exp(random.uniform(log(low), log(high))))
 
@@ -81,11 +86,11 @@ def impact(seed: int, spoilt: str = "") -> Sheet:
     clock = np.arange(round(5 * between * rate * _FINE)) / rate / _FINE
     force = np.zeros_like(clock)
     for hit in range(5):
-        width, high = random.uniform(8e-3, 16e-3), random.uniform(2.0, 5.0)
+        width, high = random.uniform(12e-3, 22e-3), random.uniform(2.0, 5.0)
         again = ((0.25, 1.0), (0.31, 0.4)) if spoilt == "double hit" else ((0.25, 1.0),)
         for start, part in again:
             turn = (clock - hit * between - start) / width
-            force += part * high * np.where((turn > 0) & (turn < 1), np.sin(pi * turn), 0.0)
+            force += part * high * np.sin(pi * np.clip(turn, 0, 1)) ** 2
     spring, dashpot, k, tau = seal.solid.within(1e-6, 1e7)
     # x, v, and of each arm the stretch of its spring
     A = np.zeros((2 + len(k), 2 + len(k)))
@@ -103,7 +108,8 @@ def impact(seed: int, spoilt: str = "") -> Sheet:
         "time [s]": time,
         "hammer [N]": force[::_FINE] + 5e-3 * random.standard_normal(len(time)),
         "acceleration [m/s^2]": shown[::_FINE] + 0.02 * random.standard_normal(len(time)),
-    }, {"seal": seal, "mass": mass, "seals": 2, "pure": pure[::_FINE]}, spoilt)  # fmt: skip
+    }, {"seal": seal, "mass": mass, "seals": 2, "hammer": force[::_FINE], "pure": pure[::_FINE]},
+        spoilt)  # fmt: skip
 
 
 def frf(seed: int, spoilt: str = "") -> Sheet:
@@ -112,7 +118,7 @@ def frf(seed: int, spoilt: str = "") -> Sheet:
     seal = Seal(drawn(FAMILIES[1 + seed % 8], seed))
     mass, lines = seal.mass_at(random.uniform(8, 25), 2), np.arange(3.0, 60.0, 0.125)
     pure = seal.accelerance(lines, mass, 2)
-    error = 0.01 * (random.standard_normal((2, len(lines))) * [[1], [1j]]).sum(0) / 2**0.5
+    error = 0.007 * _scatter(random, len(lines))
     fault = {"phase 3 deg": np.exp(3j * pi / 180), "gain 5 %": 1.05}.get(spoilt, 1.0)
     value = pure * (1 + error) * fault
     stated = mass * (1.05 if spoilt == "mass" else 1.0)
@@ -132,7 +138,7 @@ def rod(seed: int, spoilt: str = "") -> Sheet:
     solid, length, density = _modulus(seed), 20e-3, 1000.0
     ratio, lines = random.uniform(2, 10), np.arange(20.0, 400.0, 1.0)
     pure = rod_response(solid, lines, length, density, ratio)
-    value = pure * (1 + 0.005 * (random.standard_normal((2, len(lines))) * [[1], [1j]]).sum(0))
+    value = pure * (1 + 0.005 * _scatter(random, len(lines)))
     value = value * {"phase 3 deg": np.exp(3j * pi / 180), "gain 3 %": 1.03}.get(spoilt, 1.0)
     if spoilt == "rocking":
         middle = 0.7 * lines[np.argmax(np.abs(pure))]
@@ -213,8 +219,7 @@ def _sweep(kind: str, seed: int, spoilt: str, celsius) -> Sheet:
         quick = replace(solid, k_inf=0.0, k=tuple(np.where(fast, k, 0.0)))
         own = b_t * quick.stiffness(2 * pi * lines * a_t**0.8)
         pure = b_t * slow.stiffness(2 * pi * lines * a_t) + own
-    scatter = random.standard_normal((2, len(lines)))
-    value = pure + 0.01 * np.abs(pure) * (scatter * [[1], [1j]]).sum(0)
+    value = pure + 0.01 * np.abs(pure) * _scatter(random, len(lines))
     if spoilt == "instrument gives":
         value = 1 / (1 / value + 0.1 / solid.stiffness(2 * pi).real)
     warm = {"temperature [degC]": kelvin - 273.15} if len(celsius) > 1 else {}
@@ -263,7 +268,7 @@ def amplitude(seed: int, spoilt: str = "") -> Sheet:
         pure = pure + 0.75 * 20 * base * X**2
     if spoilt == "Jenkins":
         pure = pure + jenkins(X, 0.3 * base, 0.3 * base * half)
-    scatter = (random.standard_normal((2, len(X))) * [[1], [1j]]).sum(0)
+    scatter = _scatter(random, len(X))
     value = pure + 5e-3 * (pure.real * scatter.real + 1j * pure.imag * scatter.imag)
     return Sheet("amplitude", f"Kraus {seed}", {
         "frequency [Hz]": f, "strain [%]": 100 * X, "storage modulus [MPa]": 1e-6 * value.real,
@@ -297,16 +302,18 @@ def cld(seed: int, spoilt: str = "") -> Sheet:
     friction = 0.05 if spoilt == "friction" else 0.0
     solid = drawn(FAMILIES[1 + seed % 5], seed)
     seal = Seal(solid, depth, c=random.uniform(0, 0.4), friction=friction)
-    travel = 0.3e-3 if spoilt == "slack" else 0.0
-    clock = np.arange(round(6 * (depth + travel) / speed * rate) + 1) / rate
-    turn = clock * speed / (depth + travel)
-    x = np.maximum((depth + travel) * (1 - np.abs(1 - turn % 2)) - travel, 0.0)
+    slack = 0.3e-3 if spoilt == "slack" else 0.0
+    travel = depth + slack
+    clock = np.arange(round(6 * travel / speed * rate) + 1) / rate
+    turn = clock * speed / travel
+    plate = travel * (1 - np.abs(1 - turn % 2))
+    x = np.maximum(plate - slack, 0.0)
     softer = 1 - 0.12 * -np.expm1(-np.floor(turn / 2) / 1.5)
     pure = solid.force(softer * seal.elastic(x), clock[1])
     if friction:
         pure = pure + seal.force(x, clock[1]) - solid.force(seal.elastic(x), clock[1])
     return Sheet("cld", f"{solid.name}, CLD", {
-        "time [s]": clock, "displacement [mm]": 1e3 * (x + travel * (x > 0)),
+        "time [s]": clock, "displacement [mm]": 1e3 * plate,
         "force [N]": pure + 2e-3 * random.standard_normal(len(clock)),
     }, {"seal": seal, "speed": speed, "cycles": 3, "pure": pure}, spoilt)  # fmt: skip
 
@@ -381,7 +388,8 @@ def struck(contact: Solid, mass: float, speed: float, step: float):
     r"""Time, depth and force of m x'' = -F until F is spent, after Ting (J. Appl. Mech. 33 (1966)).
 
     :math:`F = \int_0^{t_1} k(t - s)\,\mathrm d x^{3/2}`; t_1 = t while the contact grows, then
-    :math:`\int_{t_1}^t k(t - s)\,\mathrm dx = 0`. Equal steps, of second order.
+    :math:`\int_{t_1}^t k(t - s)\,\mathrm dx = 0`. Equal steps, of second order: 1,300 of them err
+    by some 3e-6 of the peak. Gravity is left out.
     """
     most = 8000
     means = contact.k_inf + contact.means(most, step)
