@@ -1,6 +1,6 @@
 """Fits of records that dashpot's own rig did not make: what they cost, and whether bounds hold.
 
-    python benchmarks/foreign.py [--records 30] [--seed 0]
+    python benchmarks/foreign.py [--records 30] [--seed 0] [--arms auto]
 
 The sound records of `tests/kit/foreign`: 1 to 6 arms, fractional, power law and slower than the
 hold, 250 Hz to 10 kHz, ramps of .05 to 5 s, noise white, slow or hum. CPU time of `fit` alone, its
@@ -60,6 +60,7 @@ class Tally:
     """What a method cost and said."""
 
     spent: list[tuple[float, str]] = field(default_factory=list)
+    by_noise: dict[str, list[float]] = field(default_factory=dict)
     bounds: dict[str, list[bool]] = field(default_factory=dict)
     uses: Counter[str] = field(default_factory=Counter)
 
@@ -73,6 +74,7 @@ class Tally:
             print(f"{one.name}, {words}: {error}")
             return
         self.spent.append((ms, f"{one.name}, {len(one.time)} rows"))
+        self.by_noise.setdefault(one.name.split(" | ")[1], []).append(ms)
         self.uses[found.verdict.use] += 1
         for name, inside in held(one, found, record.hold_time).items():
             self.bounds.setdefault(name, []).append(inside)
@@ -83,6 +85,7 @@ class Tally:
         parts = [
             f"{len(ms)} fits, ms: " + ", ".join(f"{name} {value:.0f}" for name, value in ends),
             f"dearest: {max(self.spent)[1]}",
+            "medians: " + ", ".join(f"{k} {np.median(v):.0f}" for k, v in self.by_noise.items()),
             ", ".join(f"{use} {count}" for use, count in self.uses.most_common()),
             *(f"{name:24} holds {sum(h):3} of {len(h)}" for name, h in self.bounds.items()),
         ]
@@ -93,11 +96,13 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--records", type=int, default=30)
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--arms", default="auto", help="auto, or how many")
     options = parser.parse_args()
+    arms = options.arms if options.arms == "auto" else int(options.arms)
     tallies = {"hold": Tally(), "full": Tally()}
     for one in relaxation_records(options.records, options.seed):
         for method, tally in tallies.items():
-            tally.add(one, method=method)
+            tally.add(one, method=method, arms=arms)
     for method, tally in tallies.items():
         print(f"\n{method}: {tally.lines()}")
 
