@@ -232,6 +232,5 @@ def score(optimum: Optimum, effective: float, *, floor: float = 0.0) -> float:
     floor : float
         Sum of squares that rounding alone leaves.
     """
-    sse = max(optimum.sse, 1e-300)
     count = len(optimum.values)
-    return bic(sse, effective=max(effective, 2.0), parameters=count, floor=floor)
+    return bic(optimum.sse, effective=max(effective, 2.0), parameters=count, floor=floor)

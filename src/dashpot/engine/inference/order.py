@@ -71,6 +71,14 @@ class Choice(NamedTuple):
         return self.by_bic == self.by_significance
 
 
+def deviance(sse: float, *, effective: float, floor: float = 0.0) -> float:
+    r"""Return :math:`M_\mathrm{eff} \ln(S + S_0)`: what BIC has without its parameters.
+
+    As :func:`bic`; sums of squares below 1e-300 are taken for that.
+    """
+    return effective * float(np.log(max(sse + floor, 1e-300)))
+
+
 def bic(sse: float, *, effective: float, parameters: int, floor: float = 0.0) -> float:
     r"""Return :math:`M_\mathrm{eff} \ln(S + S_0) + p \ln M_\mathrm{eff}`.
 
@@ -85,7 +93,8 @@ def bic(sse: float, *, effective: float, parameters: int, floor: float = 0.0) ->
     floor : float
         :math:`S_0`, the sum of squares that rounding alone leaves; a gain below it is no gain.
     """
-    return effective * float(np.log(sse + floor)) + parameters * float(np.log(effective))
+    fits = deviance(sse, effective=effective, floor=floor)
+    return fits + parameters * float(np.log(effective))
 
 
 def bic_of_deviance(deviance: float, *, effective: float, parameters: int) -> float:

@@ -11,15 +11,18 @@ Source: E. Dikmen and I. Basdogan, ESDA2006-95402.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray
 from dashpot.engine.blocks.recorded import arm_columns
-from dashpot.engine.least_squares.nnls import nonnegative
+from dashpot.engine.inference.estimate import estimate, score
+from dashpot.engine.inference.order import bic
+from dashpot.engine.least_squares.problem import Optimum, Parameter, Problem, Rows, solved
 from dashpot.fitting.cld import checks
-from dashpot.fitting.cld.speeds import KNOTS, Thinned, correlation, mean_slope, thinned_alike
+from dashpot.fitting.cld.speeds import KNOTS, Thinned, mean_slope, thinned_alike
 from dashpot.fitting.nonlinear_ramp.quasi_linear import hat_integrals
 from dashpot.records.cld import CLD, RateLaw
 from dashpot.records.fit import Fit
@@ -42,27 +45,6 @@ class _Data(NamedTuple):
     noise: float
 
 
-class _Solved(NamedTuple):
-    """All coefficients at some ln tau and contacts, and what they leave, N, record after record."""
-
-    theta: FloatArray
-    found: FloatArray
-    residual: FloatArray
-    columns: FloatArray
-    slopes: FloatArray
-    shifts: FloatArray
-
-    @property
-    def arms(self) -> FloatArray:
-        """K of the arms."""
-        return self.found[KNOTS + DAMPING_KNOTS :]
-
-    @property
-    def parameters(self) -> int:
-        """Of the law."""
-        return int(self.columns.shape[1]) + len(self.theta)
-
-
 def fit_rate(pieces: Sequence[CLD], beside: Fit) -> RateLaw:
     """Fit a rate-dependent spring and dashpot to load deflection tests of one seal at some speeds.
 
@@ -81,23 +63,20 @@ def fit_rate(pieces: Sequence[CLD], beside: Fit) -> RateLaw:
         records, np.linspace(0.0, depth, DAMPING_KNOTS), np.linspace(0.0, depth, KNOTS), depth,
         max(one.noise for one in pieces),
     )  # fmt: skip
-    tried = [_descended(of, np.zeros(len(records)), None)]
+    tried = [_best(of, np.zeros(len(records)), None)]
     for _ in range(MOST_ARMS):
-        tried.append(_descended(of, tried[-1].theta, window))
-    kappa = correlation(tried[-1].residual)
-    scores = [_bic(_power(one), one.parameters, len(one.residual) / kappa) for one in tried]
+        tried.append(_best(of, tried[-1].theta, window))
+    effective = estimate(tried[-1], parts=_parts(of), prior_variance=of.noise**2).effective
+    scores = [score(one, effective) for one in tried]
     best = 0
     while best + 1 < len(tried) and scores[best] - scores[best + 1] >= _DECISIVE:
         best += 1
     return _assembled(pieces, beside, of, tried[best])
 
 
-def _power(one: _Solved) -> float:
-    return float(one.residual @ one.residual)
-
-
-def _bic(power: float, parameters: int, effective: float) -> float:
-    return effective * float(np.log(max(power, 1e-300))) + parameters * float(np.log(effective))
+def _parts(of: _Data) -> list[int]:
+    """Rows of each record."""
+    return [int(_moving(one).sum()) for one in of.records]
 
 
 def _hats(x: FloatArray, knots: FloatArray) -> FloatArray:
@@ -105,35 +84,23 @@ def _hats(x: FloatArray, knots: FloatArray) -> FloatArray:
     return np.stack([np.interp(x, knots, one) for one in np.eye(len(knots))], axis=1)
 
 
-def _solve(of: _Data, theta: FloatArray) -> _Solved:
-    """The law at relaxation times and at places of first contact, by variable projection."""
-    ln_tau, off = theta[: -len(of.records)], theta[-len(of.records) :]
-    parts, slopes, moves, targets = [], [], [], []
-    for one, by in zip(of.records, off, strict=True):
+def _rows(of: _Data, theta: FloatArray) -> Rows:
+    """The records at relaxation times, ln s, and at places of first contact, in their deviations.
+
+    What is known of these comes last.
+    """
+    ln_tau, off = np.split(theta, [-len(of.records)])
+    parts, targets = [], []
+    for one, by in zip(of.records, off * _CONTACT * of.depth, strict=True):
         inside = _moving(one)
         x, v = one.compression[inside] + by, one.velocity[inside]
-        weights = _hats(x, of.knots)
-        q, slope = np.empty((len(one.time), 0)), np.empty((len(one.time), 0))
-        if len(ln_tau):
-            q, slope = arm_columns(one.time, np.maximum(one.compression + by, 0.0), np.exp(ln_tau))
-        parts.append(
-            np.concatenate((hat_integrals(x, of.fine), weights * v[:, None], q[inside]), 1)
-        )
-        slopes.append(slope[inside])
-        moves.append((x, v))
+        pressed = np.maximum(one.compression + by, 0.0)
+        q, _ = arm_columns(one.time, pressed, np.exp(ln_tau), derivative=False)
+        damping = _hats(x, of.knots) * v[:, None]
+        parts.append(np.concatenate((hat_integrals(x, of.fine), damping, q[inside]), axis=1))
         targets.append(one.force[inside])
-    A, y = np.concatenate(parts), np.concatenate(targets)
-    size = np.maximum(np.linalg.norm(A, axis=0), 1e-300)
-    found = nonnegative((A / size).T @ (A / size), (A / size).T @ y) / size
-    tangent, c = found[:KNOTS], found[KNOTS : KNOTS + DAMPING_KNOTS]
-    bend = np.gradient(c, of.knots)
-    shifts = np.zeros((len(y), len(off)))
-    first = 0
-    for number, (x, v) in enumerate(moves):
-        rows = slice(first, first + len(x))
-        shifts[rows, number] = np.interp(x, of.fine, tangent) + v * np.interp(x, of.knots, bend)
-        first = rows.stop
-    return _Solved(theta, found, y - A @ found, A, np.concatenate(slopes), shifts)
+    A = np.concatenate((*parts, np.zeros((len(off), parts[0].shape[1]))))
+    return Rows(np.concatenate((*targets, -of.noise * off)), A)
 
 
 def _moving(one: Thinned) -> BoolArray:
@@ -145,56 +112,46 @@ def _moving(one: Thinned) -> BoolArray:
     return found
 
 
-def _descended(of: _Data, before: FloatArray, window: FloatArray | None) -> _Solved:
+def _best(of: _Data, before: FloatArray, window: FloatArray | None) -> Optimum:
     """The best from what was found, with one arm more at the best of some places in a window."""
-    from scipy.optimize import least_squares  # few need it, and it costs time to import
-
-    def left(theta: FloatArray) -> FloatArray:
-        off = theta[-len(of.records) :] * _CONTACT * of.depth
-        solved = _solve(of, np.append(theta[: -len(of.records)], off))
-        return np.append(solved.residual, of.noise * theta[-len(of.records) :])
-
-    here = before.copy()
-    here[-len(of.records) :] /= _CONTACT * of.depth
-    starts = [here]
+    starts = [before]
     if window is not None:
-        starts = [np.insert(here, 0, place) for place in np.linspace(window[0], window[1], 7)[1:-1]]
-    first = min(starts, key=lambda one: float(np.sum(left(one) ** 2)))
-    solved = least_squares(left, first, x_scale=1.0, xtol=1e-6, ftol=1e-8, max_nfev=40)
-    found = np.asarray(solved.x)
-    found[-len(of.records) :] *= _CONTACT * of.depth
-    return _solve(of, found)
+        starts = [np.insert(before, 0, at) for at in np.linspace(window[0], window[1], 7)[1:-1]]
+    sought = [Parameter()] * len(starts[0])
+    problem = Problem(partial(_rows, of), sought, positive=True, priors=len(of.records))
+    start = min(starts, key=lambda one: problem.at(one).cost)
+    return solved(problem, [start], most=40, finished=1e-6, flat=1e-8)
 
 
-def _assembled(pieces: Sequence[CLD], beside: Fit, of: _Data, solved: _Solved) -> RateLaw:
-    error = np.sqrt(np.maximum(np.diag(_covariance(of, solved)), 0.0))
-    slope, c = solved.found[:KNOTS], solved.found[KNOTS : KNOTS + DAMPING_KNOTS]
-    tau = np.exp(solved.theta[: len(solved.arms)])
-    kept = [int(i) for i in np.argsort(tau) if solved.arms[i] > 0]
-    k_e = mean_slope(slope)
-    n = len(solved.residual)
-    rms = float(np.sqrt(_power(solved) / n))
-    kappa = min(
-        (_power(solved), correlation(solved.residual)), (beside.residual.sse, beside.residual.kappa)
-    )[1]
-    own = _bic(_power(solved), solved.parameters, n / kappa)
-    other = _bic(beside.residual.sse, KNOTS + 2 * beside.model.arms, n / kappa)
+def _assembled(pieces: Sequence[CLD], beside: Fit, of: _Data, best: Optimum) -> RateLaw:
+    count, arms = KNOTS + DAMPING_KNOTS, len(best.theta) - len(of.records)
+    resting = np.zeros(count + arms, dtype=bool)
+    resting[KNOTS:count] = True  # of a damping of 0 the error is its bound
+    known = estimate(best, parts=_parts(of), resting=resting, prior_variance=of.noise**2)
+    ln_tau_se, error = np.split(known.standard_error, [len(best.theta)])
+    slope, c, k = np.split(best.beta, [KNOTS, count])
+    tau = np.exp(best.theta[:arms])
+    kept = [int(i) for i in np.argsort(tau) if k[i] > 0]
+    k_e, n = mean_slope(slope), len(best.residual)
+    rms = float(np.sqrt(best.sse / n))
+    kappa = min((best.sse, known.kappa), (beside.residual.sse, beside.residual.kappa))[1]
+    own = score(best, n / kappa)
+    other = bic(beside.residual.sse, effective=n / kappa, parameters=KNOTS + 2 * beside.model.arms)
     law = ElasticLaw(
         tuple(of.fine.tolist()),
         tuple((slope / k_e).tolist()),
         k_e,
         tuple((error[:KNOTS] / k_e).tolist()),
     )
-    count, arms = KNOTS + DAMPING_KNOTS, len(solved.arms)
     return RateLaw(
         law,
         tuple(of.knots.tolist()),
         tuple(c.tolist()),
         tuple(error[KNOTS:count].tolist()),
-        tuple(float(solved.arms[i]) for i in kept),
-        tuple(float(tau[i]) for i in kept),
-        tuple(float(error[count + i]) for i in kept),
-        tuple(float(error[count + arms + i]) for i in kept),
+        tuple(k[kept].tolist()),
+        tuple(tau[kept].tolist()),
+        tuple(error[count:][kept].tolist()),
+        tuple(ln_tau_se[:arms][kept].tolist()),
         rms,
         own - other,
         (
@@ -202,19 +159,3 @@ def _assembled(pieces: Sequence[CLD], beside: Fit, of: _Data, solved: _Solved) -
             checks.speeds_followed(rms, of.noise, max(one.cycle.peak for one in pieces)),
         ),
     )
-
-
-def _covariance(of: _Data, solved: _Solved) -> FloatArray:
-    """Of every coefficient, of ln tau, and of the places of first contact."""
-    J = np.concatenate((solved.columns, solved.arms * solved.slopes, solved.shifts), axis=1)
-    every = np.ones(len(of.records), dtype=bool)
-    used = np.concatenate((solved.found > 0, solved.arms > 0, every))
-    used[KNOTS : KNOTS + DAMPING_KNOTS] = True  # of a damping of 0 the error is its bound
-    noise = correlation(solved.residual) * float(np.mean(solved.residual**2))
-    prior = np.zeros(J.shape[1])
-    prior[-len(of.records) :] = np.sqrt(noise) / (_CONTACT * of.depth)
-    size = np.maximum(np.sqrt(np.sum(J**2, axis=0) + prior**2), 1e-300)
-    A = np.concatenate((J, np.diag(prior)))[:, used] / size[used]
-    whole = np.zeros((len(used), len(used)))
-    whole[np.ix_(used, used)] = noise * np.linalg.pinv(A.T @ A, rcond=1e-12, hermitian=True)
-    return np.asarray(whole / np.outer(size, size))

@@ -21,7 +21,8 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, IndexArray
 from dashpot.base.checks import Check
 from dashpot.base.errors import FitError
-from dashpot.engine.least_squares.nnls import nonnegative
+from dashpot.engine.inference.estimate import estimate
+from dashpot.engine.least_squares.problem import Problem, Rows, solved
 from dashpot.fitting.cld import checks
 from dashpot.fitting.nonlinear_ramp.quasi_linear import hat_integrals
 from dashpot.fitting.parameters import off_by_error
@@ -178,25 +179,17 @@ def law_through(x: FloatArray, force: FloatArray, *, depth: float) -> Curve:
 
 def _law(x: FloatArray, force: FloatArray, knots: FloatArray) -> Curve:
     hats = hat_integrals(x, knots)
-    size = np.linalg.norm(hats, axis=0)
-    size[size == 0] = 1.0
-    A = hats / size
-    slope = nonnegative(A.T @ A, A.T @ force) / size
-    left = force - hats @ slope
-    width = np.diff(knots)
+    best = solved(Problem(lambda _: Rows(force, hats), positive=True))
+    width, slope = np.diff(knots), best.beta
     mean = float(0.5 * width @ (slope[1:] + slope[:-1])) / float(knots[-1])
-    rms = float(np.sqrt(np.mean(left**2)))
-    # neighbours share what is left of a smooth curve
-    rho = float(left[1:] @ left[:-1]) / max(float(left @ left), 1e-300)
-    spread = rms**2 * (1 + min(max(rho, 0.0), 0.98)) / (1 - min(max(rho, 0.0), 0.98))
-    variance = np.diag(np.linalg.pinv(hats.T @ hats)) * spread
+    error = estimate(best).standard_error
     law = ElasticLaw(
         tuple(knots.tolist()),
         tuple((slope / mean).tolist()),
         mean,
-        tuple((np.sqrt(variance) / mean).tolist()),
+        tuple((error / mean).tolist()),
     )
-    return Curve(law, rms)
+    return Curve(law, float(np.sqrt(best.sse / len(x))))
 
 
 def _lost(found: CLD, back: Branch, e: FloatArray) -> float:

@@ -10,6 +10,8 @@ left is taken for memory. The law is linear at each trial of g and tau (variable
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -18,7 +20,8 @@ from dashpot.base.arrays import BoolArray, FloatArray, block_means
 from dashpot.base.errors import FitError
 from dashpot.base.provenance import Step, sources_of
 from dashpot.engine.blocks.recorded import arm_columns, recursion
-from dashpot.engine.least_squares.nnls import nonnegative
+from dashpot.engine.inference.estimate import estimate, score
+from dashpot.engine.least_squares.problem import Optimum, Parameter, Problem, Rows, solved
 from dashpot.fitting.cld import checks
 from dashpot.fitting.cld.relaxed import clock_of, felt
 from dashpot.fitting.nonlinear_ramp.quasi_linear import hat_integrals
@@ -38,8 +41,6 @@ _FALLS = 0.98
 """Part of the residual above which a further arm, and any after it, is not worth trying."""
 _DECISIVE = 10.0
 """By so much a further arm lowers BIC."""
-_DESCENTS = 1
-"""From the best of the starts."""
 _SMALLEST, _LARGEST = 1e-3, 20.0
 """Of g."""
 
@@ -54,14 +55,6 @@ class Thinned(NamedTuple):
     felt: BoolArray
     first: int
     hats: FloatArray
-
-
-class _Solved(NamedTuple):
-    """The law at some memory, and what it leaves, N, record after record."""
-
-    slope: FloatArray
-    residual: FloatArray
-    columns: FloatArray
 
 
 def fit_speeds(pieces: Sequence[CLD], *, arms: int | Literal["auto"] = "auto") -> Fit:
@@ -95,39 +88,34 @@ def fit_speeds(pieces: Sequence[CLD], *, arms: int | Literal["auto"] = "auto") -
     window = min(strokes) / 20, 3 * max(strokes)
     tried = _tried(records, window, range(MOST_ARMS + 1) if arms == "auto" else [arms])
     # what is left of too few arms is no noise: all are weighed by that of the most
-    kappa = correlation(tried[-1][1].residual)
-    scores = [_bic(left, len(theta) + KNOTS, kappa) for theta, left in tried]
+    effective = estimate(tried[-1], parts=_parts(records)).effective
+    scores = [score(one, effective) for one in tried]
     best = _supported(records, tried, scores)
-    theta, solved = tried[best]
     orders = tuple(
-        OrderScore(len(one) // 2, float(left.residual @ left.residual), bic, number <= best,
-                   _model(one, left))
-        for number, (bic, (one, left)) in enumerate(zip(scores, tried, strict=True))
-    )  # fmt: skip
-    return _assembled(pieces, records, theta, solved, depth=depth, strokes=strokes, orders=orders)
+        OrderScore(len(one.theta) // 2, one.sse, bic, number <= best, _model(one.values))
+        for number, (bic, one) in enumerate(zip(scores, tried, strict=True))
+    )
+    return _assembled(pieces, records, tried[best], depth=depth, strokes=strokes, orders=orders)
 
 
 def _tried(
     records: Sequence[Thinned], window: tuple[float, float], counts: Sequence[int]
-) -> list[tuple[FloatArray, _Solved]]:
+) -> list[Optimum]:
     """The best memory of each number of arms, up to the first that is not worth trying."""
-    tried: list[tuple[FloatArray, _Solved]] = []
+    tried: list[Optimum] = []
     for count in counts:
-        theta = _descended(records, count, window, tried[-1][0] if tried else None)
-        tried.append((theta, _solve(records, theta)))
-        if len(tried) > 1 and _rms(tried[-1][1]) > _FALLS * _rms(tried[-2][1]):
+        tried.append(_best(records, count, window, tried[-1].theta if tried else None))
+        if len(tried) > 1 and tried[-1].sse > _FALLS**2 * tried[-2].sse:
             break
     return tried
 
 
 def _supported(
-    records: Sequence[Thinned],
-    tried: Sequence[tuple[FloatArray, _Solved]],
-    scores: Sequence[float],
+    records: Sequence[Thinned], tried: Sequence[Optimum], scores: Sequence[float]
 ) -> int:
     """The last memory that lowers BIC decisively and whose arms are all known; else the first."""
     for i in range(len(tried) - 1, 0, -1):
-        if scores[i - 1] - scores[i] >= _DECISIVE and _told(records, *tried[i]):
+        if scores[i - 1] - scores[i] >= _DECISIVE and _told(records, tried[i]):
             return i
     return 0
 
@@ -138,13 +126,12 @@ def thinned_alike(pieces: Sequence[CLD]) -> tuple[float, list[Thinned]]:
     return depth, [thinned(one, depth) for one in pieces]
 
 
-def _told(records: Sequence[Thinned], theta: FloatArray, solved: _Solved) -> bool:
+def _told(records: Sequence[Thinned], best: Optimum) -> bool:
     """Whether every arm is worth three of its errors, and its time is known to a half."""
-    arms = len(theta) // 2
-    covariance, _ = _covariance(records, theta, solved)
-    error = np.sqrt(np.diag(covariance))[1:]
-    k = np.exp(theta[:arms]) * mean_slope(solved.slope)
-    return bool((k > 3 * error[:arms]).all() and (error[arms:] < checks.TOLD).all())
+    arms = len(best.theta) // 2
+    found = estimate(best, parts=_parts(records)).derived(_seal)
+    k, error = found.values[1 : 1 + arms], found.standard_error[1:]
+    return bool((k > 3 * error[:arms]).all() and (error[arms : 2 * arms] < checks.TOLD).all())
 
 
 def thinned(one: CLD, depth: float, *, off: float = 0.0) -> Thinned:
@@ -171,8 +158,13 @@ def _memory(theta: FloatArray) -> GeneralizedMaxwell:
     return GeneralizedMaxwell(1.0, tuple(g.tolist()), tuple(tau.tolist()))
 
 
-def _solve(records: Sequence[Thinned], theta: FloatArray) -> _Solved:
-    """Return the law for a memory: g, then tau, by their logarithms."""
+def _parts(records: Sequence[Thinned]) -> list[int]:
+    """Rows of each record."""
+    return [int(one.felt[one.first :].sum()) for one in records]
+
+
+def _rows(records: Sequence[Thinned], theta: FloatArray) -> Rows:
+    """The records for a memory, g, then tau, by their logarithms; tangents are linear."""
     memory = _memory(theta)
     columns, targets = [], []
     for one in records:
@@ -192,67 +184,35 @@ def _solve(records: Sequence[Thinned], theta: FloatArray) -> _Solved:
         inside = one.felt[one.first :]
         columns.append(hats[inside])
         targets.append((one.force - answer)[one.first :][inside])
-    A, y = np.concatenate(columns), np.concatenate(targets)
-    size = np.maximum(np.linalg.norm(A, axis=0), 1e-300)
-    slope = nonnegative((A / size).T @ (A / size), (A / size).T @ y) / size
-    return _Solved(slope, y - A @ slope, A)
+    return Rows(np.concatenate(targets), np.concatenate(columns))
 
 
-def _descended(
+def _best(
     records: Sequence[Thinned],
     arms: int,
     window: tuple[float, float],
     before: FloatArray | None,
-) -> FloatArray:
+) -> Optimum:
     """Return the best memory of so many arms, from that of one fewer and one at three places."""
+    low, high = np.log(window).tolist()
+    problem = Problem(
+        partial(_rows, records),
+        [Parameter(float(np.log(_SMALLEST)), float(np.log(_LARGEST)))] * arms
+        + [Parameter(low - 1, high + 1)] * arms,
+        positive=True,
+    )
     if arms == 0:
-        return np.empty(0)
-    from scipy.optimize import least_squares  # few need it, and it costs time to import
-
+        return solved(problem)
     known = np.empty((2, 0)) if before is None else before.reshape(2, -1)
-    low, high = np.log(window)
     places = np.linspace(low, high, 5)[1:-1]
     if known.shape[1] + 1 < arms:  # a number that was asked for
         known = np.array([np.full(arms - 1, np.log(0.2)), np.linspace(low, high, arms + 1)[1:-1]])
-    ends = (
-        np.repeat([np.log(_SMALLEST), low - 1], arms),
-        np.repeat([np.log(_LARGEST), high + 1], arms),
-    )
-
-    def left(theta: FloatArray) -> FloatArray:
-        return _solve(records, theta).residual
-
     starts = [np.column_stack((known, [np.log(0.15), place])).ravel() for place in places.tolist()]
-    costs = [float(np.sum(left(start) ** 2)) for start in starts]
-    found = [
-        least_squares(
-            left,
-            np.clip(starts[i], ends[0] + 1e-6, ends[1] - 1e-6),
-            bounds=ends, xtol=1e-5, ftol=1e-6, max_nfev=40,
-        )
-        for i in np.argsort(costs)[:_DESCENTS]
-    ]  # fmt: skip
-    best = min(found, key=lambda one: float(one.cost))
-    g, tau = best.x.reshape(2, -1)
+    start = min(starts, key=lambda one: problem.at(one).cost)
+    best = solved(problem, [start], most=40, finished=1e-5, flat=1e-6)
+    g, tau = best.theta.reshape(2, -1)
     order = np.argsort(tau)
-    return np.concatenate((g[order], tau[order]))
-
-
-def _rms(solved: _Solved) -> float:
-    return float(np.sqrt(np.mean(solved.residual**2)))
-
-
-def correlation(residual: FloatArray) -> float:
-    """Return how many neighbours of a residual say the same."""
-    power = float(residual @ residual)
-    rho = float(residual[1:] @ residual[:-1]) / power if power > 0 else 0.0
-    rho = min(max(rho, 0.0), 0.98)
-    return (1 + rho) / (1 - rho)
-
-
-def _bic(solved: _Solved, parameters: int, kappa: float) -> float:
-    n = len(solved.residual) / kappa
-    return n * float(np.log(np.mean(solved.residual**2))) + parameters * float(np.log(n))
+    return replace(problem.at(np.concatenate((g[order], tau[order]))), stationary=best.stationary)
 
 
 def mean_slope(slope: FloatArray) -> float:
@@ -260,34 +220,45 @@ def mean_slope(slope: FloatArray) -> float:
     return float(np.trapezoid(slope) / (len(slope) - 1))
 
 
-def _model(theta: FloatArray, solved: _Solved) -> GeneralizedMaxwell:
-    return _memory(theta) * mean_slope(solved.slope)
+def _seal(values: FloatArray) -> FloatArray:
+    """K_inf, k, N/m, and ln tau of a memory and tangents; then the tangents, N/m."""
+    count = len(values) - KNOTS
+    theta, slope = values[:count], values[count:]
+    k_inf = mean_slope(slope)
+    g, ln_tau = np.split(theta, 2)
+    return np.concatenate(([k_inf], np.exp(g) * k_inf, ln_tau, slope))
+
+
+def _model(values: FloatArray) -> GeneralizedMaxwell:
+    return _memory(values[:-KNOTS]) * mean_slope(values[-KNOTS:])
 
 
 def _assembled(
     pieces: Sequence[CLD],
     records: Sequence[Thinned],
-    theta: FloatArray,
-    solved: _Solved,
+    best: Optimum,
     *,
     depth: float,
     strokes: Sequence[float],
     orders: tuple[OrderScore, ...],
 ) -> Fit:
-    model, k_inf = _model(theta, solved), mean_slope(solved.slope)
-    kappa, n = correlation(solved.residual), len(solved.residual)
-    shifted = [
-        [*records[:i], thinned(one, depth, off=one.contact_se), *records[i + 1 :]]
-        for i, one in enumerate(pieces)
-    ]
-    covariance, shape_se = _covariance(records, theta, solved, shifted)
-    rms = _rms(solved)
+    model, slope = _model(best.values), best.beta
+    k_inf, n = mean_slope(slope), len(best.residual)
+    known = estimate(best, parts=_parts(records))
+    # beside the noise, what each first contact leaves unknown: a record with it one error off
+    for i, one in enumerate(pieces):
+        off = [*records[:i], thinned(one, depth, off=one.contact_se), *records[i + 1 :]]
+        other = _rows(off, best.theta)
+        known = known.widened(known.moved(other.A @ best.beta - other.y + best.every))
+    seal = known.derived(_seal)
+    covariance = seal.covariance[:-KNOTS, :-KNOTS]
+    rms = float(np.sqrt(best.sse / n))
     peak = max(one.cycle.peak for one in pieces)
     law = ElasticLaw(
         tuple(np.linspace(0.0, depth, KNOTS).tolist()),
-        tuple((solved.slope / k_inf).tolist()),
+        tuple((slope / k_inf).tolist()),
         k_inf,
-        tuple((shape_se / k_inf).tolist()),
+        tuple((seal.standard_error[-KNOTS:] / k_inf).tolist()),
     )
     error = np.sqrt(np.diag(covariance))[1 + model.arms :]
     speeds = [one.cycle.speed or np.nan for one in pieces]
@@ -303,14 +274,13 @@ def _assembled(
         (("arms", str(model.arms)), ("knots", str(KNOTS))),
         f"fitted an elastic law and {model.arms} arms to load deflection at {len(pieces)} speeds",
     )
-    dof = max(n / kappa - len(theta) - KNOTS, 1.0)
     return Fit(
         solid=model,
         status=ended(stationary=True, fewer=False, at_bound=False,
                      identified="memory_told" not in failed, agreed=True),
         estimate=ParameterEstimate(
-            parameter_names(model.arms), covariance, dof,
-            Residual(n, float(solved.residual @ solved.residual), rms, kappa),
+            parameter_names(model.arms), covariance, known.dof,
+            Residual(n, best.sse, rms, known.kappa),
         ),
         evidence=Evidence(
             (1 / (2 * np.pi * max(strokes)), 1 / (np.pi * min(strokes))), orders, checks=asked
@@ -318,48 +288,3 @@ def _assembled(
         provenance=Provenance("cld", sources_of(pieces), (step,), pieces[0].specimen),
         elastic_law=law,
     )  # fmt: skip
-
-
-def _covariance(
-    records: Sequence[Thinned],
-    theta: FloatArray,
-    solved: _Solved,
-    shifted: Sequence[Sequence[Thinned]] = (),
-) -> tuple[FloatArray, FloatArray]:
-    r"""Covariance of k_inf, k and ln tau, and standard errors of the law's tangents, N/m.
-
-    Of the memory by the projected residual's derivatives, taken by differences; of the law at a
-    given memory by its columns; :math:`k_j = g_j k_\infty`. Beside the noise, what each first
-    contact leaves unknown: `shifted` are the records with one of them a standard error off.
-    """
-    kappa = correlation(solved.residual)
-    noise = kappa * float(np.mean(solved.residual**2))
-    used = solved.slope > 0
-    inner = np.zeros((KNOTS, KNOTS))
-    A = solved.columns[:, used]
-    inner[np.ix_(used, used)] = noise * np.linalg.pinv(A.T @ A)
-    count = len(theta)
-    moved = [_solve(records, theta + 1e-4 * np.eye(count)[i]) for i in range(count)]
-    left = [(one.residual - solved.residual) / 1e-4 for one in moved]
-    jacobian = np.array(left).reshape(count, len(solved.residual))
-    slopes = np.array([(one.slope - solved.slope) / 1e-4 for one in moved]).reshape(count, KNOTS)
-    outer = noise * np.linalg.pinv(jacobian @ jacobian.T) if count else np.zeros((0, 0))
-    tangents = inner + slopes.T @ outer @ slopes
-    weight = np.ones(KNOTS) / (KNOTS - 1)
-    weight[[0, -1]] /= 2
-    whole = np.zeros((1 + count, 1 + count))
-    whole[0, 0] = weight @ tangents @ weight
-    whole[0, 1:] = whole[1:, 0] = (slopes @ weight) @ outer
-    whole[1:, 1:] = outer
-    for each in shifted:
-        other = _solve(each, theta)
-        by = -outer @ jacobian @ (other.residual - solved.residual) / noise
-        bent = other.slope - solved.slope + by @ slopes
-        tangents += np.outer(bent, bent)
-        change = np.concatenate(([weight @ bent], by))
-        whole += np.outer(change, change)
-    g, arms, k_inf = np.exp(theta[: count // 2]), count // 2, mean_slope(solved.slope)
-    turn = np.eye(1 + count)
-    turn[1 : 1 + arms, 0] = g
-    turn[np.arange(1, 1 + arms), np.arange(1, 1 + arms)] = g * k_inf
-    return turn @ whole @ turn.T, np.sqrt(np.maximum(np.diag(tangents), 0.0))

@@ -19,7 +19,8 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.errors import FitError
-from dashpot.engine.inference.order import bic, needed
+from dashpot.engine.inference.order import bic, deviance, needed
+from dashpot.engine.least_squares.problem import Optimum
 from dashpot.fitting.design import solid_of
 from dashpot.fitting.fit_data import FitData
 from dashpot.fitting.fractional.checks import (
@@ -30,7 +31,7 @@ from dashpot.fitting.fractional.checks import (
     families_told_apart,
     slope_known,
 )
-from dashpot.fitting.fractional.projection import Columns, Point, element_jacobian
+from dashpot.fitting.fractional.projection import Columns, element_jacobian
 from dashpot.fitting.pipeline import Chosen
 from dashpot.fitting.uncertainty.estimate import estimated, rounding
 from dashpot.records.alternative import Alternative
@@ -55,20 +56,26 @@ class ChosenElement(Chosen):
 
     Attributes
     ----------
-    point : Point
-        The optimum; `solution` holds it as arms, even in ln tau.
+    optimum : Optimum
+        Theta are ln tau and alpha, beta the fixed coefficients and the stiffness of the element,
+        N/m; `solution` holds it as arms, even in ln tau.
     """
 
-    point: Point
+    optimum: Optimum
+
+    @property
+    def k(self) -> float:
+        """Stiffness of the element, N/m."""
+        return float(self.optimum.beta[-1])
 
     @cached_property
     def solid(self) -> FractionalZener:
         """The solid of the optimum."""
-        fixed = dict(zip(self.solution.fixed_names, self.point.fixed.tolist(), strict=True))
+        fixed = dict(zip(self.solution.fixed_names, self.optimum.beta[:-1].tolist(), strict=True))
         k_inf = max(fixed["k_inf"], 0.0)
-        log_tau, alpha = self.point.at.tolist()
+        log_tau, alpha = self.optimum.theta.tolist()
         return FractionalZener(
-            k_inf + self.point.k,
+            k_inf + self.k,
             k_inf,
             float(np.exp(log_tau)),
             alpha,
@@ -114,7 +121,7 @@ class ChosenElement(Chosen):
     def with_depth_doubt(self, doubts: Sequence[float], *, shared: bool) -> ChosenElement:  # noqa: ARG002
         """As of arms: an error of the depth scales k_inf and k."""
         scale = np.zeros(len(self.estimate.names))
-        for name, value in (("k_inf", self.solid.k_inf), ("k", self.point.k)):
+        for name, value in (("k_inf", self.solid.k_inf), ("k", self.k)):
             scale[self.estimate.names.index(name)] = value
         scale *= float(np.sqrt(np.mean(np.square(doubts)) / len(doubts)))
         covariance = self.estimate.covariance + np.outer(scale, scale)
@@ -152,16 +159,16 @@ def element(data: FitData) -> ChosenElement:
             f"{columns.stack.samples} samples cannot determine the {unknown} parameters of a "
             "fractional solid; use a longer record"
         )
-    point, converged = columns.best()
+    best = columns.best()
     estimate = estimated(
-        columns.solution(point, converged=converged),
+        columns.solution(best),
         data.samples,
         peak=data.peak,
         priors=data.priors,
         encoders=data.encoders,
-        whole=element_jacobian(data.every, columns, point),
+        whole=element_jacobian(data.every, columns, best),
     )
-    return ChosenElement(data, estimate, (), None, None, point)
+    return ChosenElement(data, estimate, (), None, None, best)
 
 
 # -- beside the arms ------------------------------------------------------------------------------
@@ -252,8 +259,8 @@ def chosen_family(arms: Chosen, family: str, one: ChosenElement | None = None) -
         return bic(found.sse, effective=effective, parameters=found.parameters, floor=floor)
 
     def explained(found: _Candidate, best: _Candidate) -> bool:
-        fall = effective * float(np.log((found.sse + floor) / (best.sse + floor)))
-        return not needed(fall, max(best.parameters - found.parameters, 1))
+        own, least = (deviance(one.sse, effective=effective, floor=floor) for one in (found, best))
+        return not needed(own - least, max(best.parameters - found.parameters, 1))
 
     def spread(found: _Candidate) -> float:
         # many arms leave less of few samples by chance alone
@@ -318,7 +325,8 @@ def beside_bent(bent: Fit, left: Sequence[FloatArray], one: ChosenElement) -> Fi
     ]
     sse = np.array([[part @ part for part in pair] for pair in pairs]).sum(axis=0)
     effective = one.estimate.effective
-    fall = effective * float(np.log(sse[1] / max(sse[0], 1e-300)))
+    mine, other_sse = sse.tolist()
+    fall = deviance(other_sse, effective=effective) - deviance(mine, effective=effective)
     law = bent.elastic_law
     parameters = len(bent.parameters) + len(bent.nuisance) + (len(law.knots) if law else 0)
     rise = fall + (len(one.estimate.names) - parameters) * float(np.log(effective))

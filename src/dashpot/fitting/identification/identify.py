@@ -221,11 +221,12 @@ def _element(problems: Sequence[Problem], before: Before) -> Candidate:
     for problem in (replace(one, sought=sought) for one in problems):
         starts = []
         columns = Columns(_stiffness_blocks(problem))
-        for point in (columns.best()[0], *columns.starts(ELEMENT_STARTS)):
-            fixed = dict(zip(columns.stack.names, point.fixed.tolist(), strict=True))
+        for near in (columns.best(), *columns.starts(ELEMENT_STARTS)):
+            *rest, k = near.beta.tolist()
+            fixed = dict(zip(columns.stack.names, rest, strict=True))
             k_inf, b = max(fixed["k_inf"], 0.0), max(fixed.get("b", 0.0), 0.0)
-            tau, alpha = float(np.exp(point.at[0])), float(point.at[1])
-            solid = FractionalZener(k_inf + point.k, k_inf, tau, alpha, b)
+            tau, alpha = float(np.exp(near.theta[0])), float(near.theta[1])
+            solid = FractionalZener(k_inf + k, k_inf, tau, alpha, b)
             starts.append((solid, _mass(problem, fixed)))
         if before.element is not None and isinstance(before.element.solid, FractionalZener):
             starts.append((before.element.solid, starts[0][1]))

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
 from dashpot.engine.inference.estimate import estimate, white_noise
-from dashpot.engine.inference.order import bic
+from dashpot.engine.inference.order import bic, deviance
 from dashpot.engine.least_squares.nnls import linear
 from dashpot.engine.least_squares.problem import (
     Optimum,
@@ -87,7 +87,7 @@ class Fitted:
     def loss_deviance(self) -> float:
         """As `deviance`, of the losses alone."""
         n, left = len(self.left), self.left.imag
-        return bic(float(left @ left) / n, effective=n, parameters=0, floor=_NOTHING / n)
+        return deviance(float(left @ left) / n, effective=n, floor=_NOTHING / n)
 
     @property
     def residual(self) -> float:
@@ -117,7 +117,7 @@ def fitted(sweep: AmplitudeSweep, law: str, exponent: float | None = None) -> Fi
         se["exponent"] = 0.0
     of_levels = slice(len(best.theta), len(best.theta) + 2 * len(problem.tones))
     levels, sd = best.values[of_levels], known.standard_error[of_levels]
-    score = partial(bic, best.sse / n, effective=n, floor=_NOTHING)
+    closeness = {"effective": n, "floor": _NOTHING}
     bends = 0.0
     if problem.cubic:
         bends, other = problem.bent(best)
@@ -133,8 +133,8 @@ def fitted(sweep: AmplitudeSweep, law: str, exponent: float | None = None) -> Fi
         se,
         left,
         float(loss),
-        score(parameters=len(best.values)),
-        score(parameters=0),
+        bic(best.sse / n, parameters=len(best.values), **closeness),
+        deviance(best.sse / n, **closeness),
         numbers.get("lost", 0.0) >= 0 and problem.rises(left),
         bends,
     )

@@ -7,6 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.engine.inference.estimate import estimate
+from dashpot.engine.least_squares.problem import Problem, Rows, solved
 from dashpot.records.cld import AtCompression, Branch, Cycle
 
 WINDOW = 0.04
@@ -26,10 +28,9 @@ class Local(NamedTuple):
 
 
 def local(branch: Branch, at: float, *, half: float, beyond: float) -> Local | None:
-    r"""Return force and slope at a compression, m: a parabola over what lies within `half` of it.
+    """Return force and slope at a compression, m: a parabola over what lies within `half` of it.
 
-    The errors count the residual's correlation from sample to sample, :math:`\rho`, by
-    :math:`\sqrt{(1+\rho)/(1-\rho)}`. None where the branch ends more than `beyond` before.
+    None where the branch ends more than `beyond` before.
     """
     x, f = branch.compression, branch.force
     if not x.min() - beyond <= at <= x.max() + beyond or len(x) < 4:
@@ -39,18 +40,12 @@ def local(branch: Branch, at: float, *, half: float, beyond: float) -> Local | N
     near = away <= half
     u, y = (x[near] - at) / half, f[near]
     A = np.column_stack((np.ones_like(u), u, u**2))
-    c, _, rank, _ = np.linalg.lstsq(A, y, rcond=1e-10)
-    left = y - A @ c
-    free = max(len(y) - int(rank), 1)
-    power = float(left @ left)
-    rho = float(left[1:] @ left[:-1]) / power if power > 0 else 0.0
-    rho = min(max(rho, 0.0), 0.95)
-    spread = power / free * (1 + rho) / (1 - rho)
-    known = np.sqrt(np.maximum(np.diag(np.linalg.pinv(A.T @ A)) * spread, 0.0))
+    known = estimate(solved(Problem(lambda _: Rows(y, A))))
+    c, error = known.optimum.beta, known.standard_error
     least = _DIGITS * abs(float(c[0]))  # what follows without a rest still has a file's digits
     return Local(
-        float(c[0]), max(float(known[0]), least), float(c[1]) / half,
-        max(float(known[1]), least) / half,
+        float(c[0]), max(float(error[0]), least), float(c[1]) / half,
+        max(float(error[1]), least) / half,
     )  # fmt: skip
 
 
