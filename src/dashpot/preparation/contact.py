@@ -9,6 +9,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, IndexArray
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Step
+from dashpot.engine.inference.covariance import white
 
 # samples: fewer have no scatter to speak of
 MIN_BASELINE = 5.0
@@ -204,11 +205,9 @@ def _doubt(x: FloatArray, f: FloatArray, contact: float) -> float:
     slope = -(solution[1] + 2 * solution[2] * pressed) * (pressed > 0)
     kept = columns if solution[1] > 0.2 * solution[1:].sum() else columns[:, [0, 2]]
     jacobian = np.column_stack((kept, slope))
-    size = np.maximum(np.linalg.norm(jacobian, axis=0), 1e-300)
     variance = float(r @ r) / max(len(x) - jacobian.shape[1], 1)
-    inverse = np.linalg.pinv((jacobian / size).T @ (jacobian / size))
     scale = float(np.maximum(x - contact, 0.0).max())
-    return scale * float(np.sqrt(max(variance * inverse[-1, -1], 0.0)) / size[-1])
+    return scale * float(np.sqrt(white(jacobian, variance)[-1, -1]))
 
 
 class Touch(NamedTuple):
