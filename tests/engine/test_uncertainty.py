@@ -110,6 +110,31 @@ def test_white_noise_scales_by_n_less_p() -> None:
     assert noise.autocovariance[0] == pytest.approx(r @ r / 45, rel=0.02)
 
 
+@pytest.mark.parametrize(("records", "shared"), [(1, False), (6, True)])
+def test_what_a_fit_takes_out_of_several_records_is_given_back_once(
+    records: int, shared: bool
+) -> None:
+    """White noise in short records of a common cubic: four residuals are lost, not four of each."""
+    n, powers, kappas = 240 // records, [], []
+    for seed in range(300):
+        x = np.random.default_rng(seed).uniform(-1, 1, 240)
+        J = x[:, None] ** np.arange(4)
+        r = np.random.default_rng(seed + 1000).standard_normal(240)
+        left = r - J @ np.linalg.lstsq(J, r, rcond=None)[0]
+        known = directions(np.split(J, records), shared=shared)
+        each = [
+            noise_of(part, columns)
+            for part, columns in zip(np.split(left, records), known.columns, strict=True)
+        ]
+        powers += [noise.autocovariance[0] for noise in each]
+        kappas += [noise.kappa for noise in each]
+        assert sum(columns.taken for columns in known.columns) == pytest.approx(4)
+        assert n == each[0].samples
+    assert np.mean(powers) == pytest.approx(1.0, rel=0.03)
+    # chance alone lets short records look correlated
+    assert np.median(kappas) < 1.25
+
+
 def test_directions_shared_with_the_covariance_take_the_same_from_the_noise() -> None:
     rng = np.random.default_rng(8)
     time = np.linspace(0.0, 40.0, 4000)

@@ -108,16 +108,34 @@ class Columns:
     Attributes
     ----------
     matrix : array, shape (n, r)
+    shared : bool
+        The columns are orthonormal over all the records that were fitted together, of which this
+        is one: of each it takes but a part.
     """
 
-    def __init__(self, matrix: FloatArray) -> None:
-        self.matrix = matrix
+    def __init__(self, matrix: FloatArray, *, shared: bool = False) -> None:
+        self.matrix, self.shared = matrix, shared
         self._size, self._spectra = 0, np.zeros((0, 0), dtype=complex)
 
     @cached_property
     def gram(self) -> FloatArray:
         """The inner products, shape (r, r)."""
         return np.asarray(self.matrix.T @ self.matrix)
+
+    @cached_property
+    def even(self) -> FloatArray:
+        """What makes the columns orthonormal over all that was fitted with them, shape (r, s)."""
+        return np.eye(self.matrix.shape[1]) if self.shared else _turn(self.gram)[0]
+
+    @property
+    def taken(self) -> float:
+        """How many residuals of white noise the columns take out of this record."""
+        return float(np.trace(self.gram)) if self.shared else float(self.matrix.shape[1])
+
+    def means(self, few: int) -> Columns:
+        """Of means over a few samples."""
+        short = block_means(self.matrix.T, few).T
+        return Columns(np.sqrt(few) * short if self.shared else short, shared=self.shared)
 
     def spectra(self, least: int) -> tuple[int, ComplexArray]:
         """The transforms, a row each, padded to `least` samples or more, and to how many."""
@@ -141,7 +159,8 @@ def noise_of(
 
     .. math:: E[\hat\gamma_l] = \gamma_l - \frac Sn \sum_k \sum_i Q_{ik} Q_{i+l,k}
 
-    to first order, which is given back; for white noise that is the usual n/(n - p).
+    to first order, which is given back; for white noise that is the usual n/(n - p). Of records
+    that were fitted together Q is the part of each in a basis of all.
 
     A slow wander much smaller than the scatter of the samples is lost among their correlations,
     though a sum of many lags of it is what the slow arms meet. So means over many samples, which
@@ -155,7 +174,7 @@ def noise_of(
     few = len(series.values) // _MEANS
     if few < _FEWEST or fine.autocovariance[0] <= rounding**2:
         return fine
-    slow = None if columns is None else Columns(block_means(columns.matrix.T, few).T)
+    slow = None if columns is None else columns.means(few)
     coarse = _seen(series.means, slow)
     # a sum over so many lags of white means scatters by that
     chance = np.sqrt(len(coarse.autocovariance) / _MEANS)
@@ -178,7 +197,7 @@ def _seen(series: Series, columns: Columns | None, *, rounding: float = 0.0) -> 
     """What the correlations of neighbours say, up to the lag at which chance takes over."""
     n = len(series.values)
     kept, gamma = series.sequence
-    parameters = 0 if columns is None else columns.matrix.shape[1]
+    parameters = 0.0 if columns is None else columns.taken
     whitened = n / max(n - parameters, 1.0)
     if kept[0] <= rounding**2:
         return Noise(n, kept[:1] * whitened, 1.0, 2.0)
@@ -201,7 +220,7 @@ def _kappa(gamma: FloatArray) -> float:
 
 def _given_back(gamma: FloatArray, kappa: float, columns: Columns) -> FloatArray:
     """The autocovariance with what the fit took out of it, cut; uncut if all lags are too few."""
-    n, parameters = columns.matrix.shape
+    n, parameters = len(columns.matrix), max(columns.taken, 1e-9)
     taken, kept = _taken(columns, len(gamma)), gamma
     for _ in range(_ROUNDS):
         given = gamma + gamma[0] * min(kappa, n / (2.0 * parameters)) * taken / n
@@ -214,7 +233,7 @@ def _given_back(gamma: FloatArray, kappa: float, columns: Columns) -> FloatArray
 
 def _taken(columns: Columns, lags: int) -> FloatArray:
     r"""Return :math:`\sum_k \sum_i Q_{ik} Q_{i+l,k}` at l = 0 .. `lags` - 1."""
-    even = _turn(columns.gram)[0]
+    even = columns.even
     size, spectra = columns.spectra(len(columns.matrix) + lags)
     rows, power = spectra.view(np.float64), np.empty(size // 2 + 1)
     for first in range(0, len(power), _AT_ONCE):
@@ -391,8 +410,8 @@ class Directions(NamedTuple):
         return np.asarray(covariance)
 
 
-def directions(jacobians: Sequence[FloatArray]) -> Directions:
-    """Turn Jacobians into orthonormal columns.
+def directions(jacobians: Sequence[FloatArray], *, shared: bool = False) -> Directions:
+    """Turn Jacobians into orthonormal columns; `shared`, each record knows that it is one of some.
 
     The normal equations square the condition number, and what one direction that is hardly known
     loses to rounding would outweigh all that is known of the others. They only choose the
@@ -401,7 +420,7 @@ def directions(jacobians: Sequence[FloatArray]) -> Directions:
     information = np.sum([jacobian.T @ jacobian for jacobian in jacobians], axis=0)
     turn, lost = _turn(information)
     # a row for each direction, as they are transformed
-    columns = tuple(Columns((turn.T @ jacobian.T).T) for jacobian in jacobians)
+    columns = tuple(Columns((turn.T @ jacobian.T).T, shared=shared) for jacobian in jacobians)
     gram = np.sum([column.gram for column in columns], axis=0)
     return Directions(turn, columns, gram, lost, information)
 

@@ -20,7 +20,7 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray
 from dashpot.base.student_t import t_quantile
-from dashpot.engine.inference.covariance import Noise, noise_of, sandwich
+from dashpot.engine.inference.covariance import Noise, directions, noise_of, sandwich
 from dashpot.engine.inference.order import bic
 from dashpot.engine.least_squares.problem import Optimum
 
@@ -186,26 +186,26 @@ def estimate(
     prior_variance : float, optional
         Of the rows of priors; by default the mean power of the noises.
     """
-    n, free = len(optimum.residual), optimum.free
-    cuts = np.cumsum(np.asarray(parts, dtype=int))[:-1]
-    every = optimum.jacobian
+    free, count = optimum.free, optimum.problem.priors
+    sizes = [*(parts or [len(optimum.residual)]), *([count] if count else [])]
+    cuts = np.cumsum(sizes)[:-1]
+    known = directions(np.split(optimum.jacobian[:, free], cuts), shared=len(cuts) > 0)
+    # rows of priors are no record
+    records = list(zip(np.split(optimum.every, cuts), known.columns, strict=True))
     noises = tuple(noises) or tuple(
-        noise_of(residual, J, rounding=rounding)
-        for residual, J in zip(
-            np.split(optimum.residual, cuts), np.split(every[:n, free], cuts), strict=True
-        )
+        noise_of(residual, columns, rounding=rounding)
+        for residual, columns in (records[:-1] if count else records)
     )
     if resting is not None:
         free = free | np.concatenate((np.zeros(len(optimum.theta), dtype=bool), resting))
-    jacobians, before = np.split(every[:n, free], cuts), every[n:, free]
+        known = directions(np.split(optimum.jacobian[:, free], cuts))
     weights = [*noises]
-    if len(before):
+    if count:
         power = np.mean([one.power for one in noises])
         variance = power if prior_variance is None else prior_variance
-        jacobians.append(before)
-        weights.append(Noise(len(before), np.array([variance]), 1.0, 2.0))
+        weights.append(Noise(count, np.array([variance]), 1.0, 2.0))
     covariance = np.zeros((len(free), len(free)))
-    covariance[np.ix_(free, free)] = sandwich(jacobians, weights)
+    covariance[np.ix_(free, free)] = sandwich(known, weights)
     return Estimate(optimum, covariance, noises)
 
 
