@@ -71,11 +71,10 @@ def control_picture(
             titles.append((float(ends[0]), name))
         edges += [least, most]
         spans.append((one, at))
-    for end in asked:
-        marks.append(Rule(quantity.scale * end, _ASKED, "limits asked", across=True))
-        edges.append(np.array([quantity.scale * end]))
+    limits = quantity.scale * np.array(asked)
+    marks += [Rule(end, _ASKED, "limits asked", across=True) for end in limits]
     marks.append(Dots(x, y, "measured", "seal: mean of its tests", size=5.0))
-    low, high = around(*edges)
+    low, high = around(np.concatenate([*edges, limits]))
     # the names of the lots stand above all that is drawn
     marks += [Tag(at, high, text, "soft") for at, text in titles]
     reach = (low, high + 0.12 * (high - low) * bool(titles))

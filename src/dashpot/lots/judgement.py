@@ -43,12 +43,10 @@ class Judged(NamedTuple):
 
     def says(self, quantity: Quantity) -> str:
         """Why it does not pass; empty where it does, or where there is nothing to judge."""
-        sentences = {
-            "fail": "outside the limits",
-            "not proven": "inside the limits by less than its guard band, "
-            + quantity.read(self.guard or 0.0, digits=2),
-        }
-        return sentences.get(self.decision, "")
+        if self.decision != "not proven" or self.guard is None:
+            return "outside the limits" * (self.decision == "fail")
+        guard = quantity.read(self.guard, digits=2)
+        return f"inside the limits by less than its guard band, {guard}"
 
 
 def judged(lot: Lot, limits: Limits) -> tuple[Judged, ...]:
