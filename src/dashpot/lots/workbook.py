@@ -15,7 +15,7 @@ from dashpot.base.version import byline
 from dashpot.io.write import neutral
 from dashpot.lots.lot import Lot
 from dashpot.lots.parts import polars
-from dashpot.lots.summary import Summary, finite
+from dashpot.lots.summary import Summary
 
 if TYPE_CHECKING:
     import polars as pl
@@ -109,20 +109,16 @@ _HEADS = {
 def _sheets(found: Summary) -> Iterator[tuple[str, pl.DataFrame]]:
     document = found.document
     for sheet, (part, names) in _SHEETS.items():
-        yield (
-            sheet,
-            _frame(
-                {"quantity": of["quantity"]}
-                | {_HEADS.get(name, name): row.get(name) for name in names.split()}
-                for of in document["statistics"]
-                for row in map(_flat, (of | (of["gauge"] or {})).get(part, ()))
-            ),
+        rows = (
+            {"quantity": of["quantity"]}
+            | {_HEADS.get(name, name): row.get(name) for name in names.split()}
+            for of in document["statistics"]
+            for row in map(_flat, (of | (of["gauge"] or {})).get(part, ()))
         )
+        yield sheet, _frame(rows)
     yield "flags", _frame(document["flags"])
-    yield (
-        "checks",
-        _frame({"check": one.name, "passed": one.passed, "says": one.says} for one in found.checks),
-    )
+    checks = ({"check": one.name, "passed": one.passed, "says": one.says} for one in found.checks)
+    yield "checks", _frame(checks)
 
 
 def _flat(row: dict[str, Any]) -> dict[str, Any]:
@@ -134,7 +130,8 @@ def _flat(row: dict[str, Any]) -> dict[str, Any]:
 
 def _frame(rows: Iterable[dict[str, Any]]) -> pl.DataFrame:
     """A table of rows, in which no text is a formula."""
-    cells = [{name: neutral(v) if isinstance(v, str) else v for name, v in row.items()}
-             for row in finite(list(rows))]  # fmt: skip
+    cells = [
+        {name: neutral(v) if isinstance(v, str) else v for name, v in row.items()} for row in rows
+    ]
     made: pl.DataFrame = polars().DataFrame(cells, infer_schema_length=None)
     return made
