@@ -188,6 +188,13 @@ def test_stdout_holds_one_document_even_where_the_output_is_stdout(tmp_path):
     assert "time [s]" in json.loads(run(*words).stdout)["text"]
 
 
+def test_nothing_follows_a_document_that_goes_to_stdout(tmp_path):
+    path = tmp_path / "tension.csv"
+    path.write_text(workflow.EXAMPLES["tension.csv"](), encoding="utf-8")
+    found = json.loads(run("hyperelastic", "--uniaxial", path, "-o", "-").stdout)
+    assert found["schema"].startswith("dashpot/")
+
+
 def test_columns_in_each_others_place_end_in_a_sentence(tmp_path):
     """A force taken for a displacement knows of no stiffness, nor of a ratio of two."""
     made = simulate_relaxation(PAPER, hold_time=6.0, rig=Rig(rate=200.0)).test

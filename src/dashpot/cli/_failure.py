@@ -6,7 +6,7 @@ import io
 import json
 import sys
 import traceback
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import click
@@ -78,8 +78,7 @@ def _failure(error: BaseException) -> Failure:
         return _sentence("OSError", f"{where}{error.strerror or error}", BAD)
     if isinstance(error, MemoryError):
         return _sentence(kind, "there is not enough memory for this; give a shorter record", BAD)
-    lines = str(error).splitlines()
-    what = f"{kind}: {lines[0]}" if lines else kind
+    what = ": ".join((kind, *str(error).splitlines()[:1]))
     says = (
         f"a fault in dashpot {__version__} itself, not in what you typed: {what}. Please report "
         f"it, with the command and, if it may be shown, the file, to {WHERE}; --traceback shows "
@@ -94,19 +93,20 @@ def _hint(error: click.ClickException) -> str:
     if context is None or context.parent is None:
         return ""
     if isinstance(error, click.NoSuchOption):
-        main = context.parent.command
-        every = ((name, main.get_command(context.parent, name)) for name in COMMANDS)
-        having = [
-            name
-            for name, one in every
-            if one and any(error.option_name in param.opts for param in one.params)
-        ]
-        listed = ", ".join(having)
-        return f" {error.option_name} is an option of dashpot {listed}." if having else ""
+        having = ", ".join(_having(error.option_name, context.parent.command, context.parent))
+        return f" {error.option_name} is an option of dashpot {having}." if having else ""
     files = [param.opts[0] for param in context.command.params if param.name == "impact"]
     if "unexpected extra argument" in error.format_message() and files:
         return f". The files of the hammer are given by {files[0]} FILE"
     return ""
+
+
+def _having(option: str, main: click.Group, context: click.Context) -> Iterator[str]:
+    """The commands that have an option."""
+    for name in COMMANDS:
+        command = main.get_command(context, name)
+        if command and any(option in param.opts for param in command.params):
+            yield name
 
 
 def _sentence(kind: str, says: str, code: int) -> Failure:

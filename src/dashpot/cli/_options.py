@@ -376,11 +376,16 @@ def given(*nouns: str, but: Container[str] = ()) -> list[str]:
         wanted = not nouns or name.partition("_")[0] in nouns
         if not (isinstance(one, click.Option) and typed_here and wanted) or name in but:
             continue
-        value = context.meta.get(_TYPED, {}).get(name, context.params.get(name))
-        several = value if one.multiple and isinstance(value, tuple) else (value,)
-        flag = max(one.opts, key=len)
-        words += [flag] if one.is_flag else [w for v in several for w in (flag, _as_typed(v))]
+        words += _typed(one, context.meta.get(_TYPED, {}).get(name, context.params.get(name)))
     return words
+
+
+def _typed(one: click.Option, value: object) -> list[str]:
+    flag = max(one.opts, key=len)
+    if one.is_flag:
+        return [flag]
+    several = value if one.multiple and isinstance(value, tuple) else (value,)
+    return [word for each in several for word in (flag, _as_typed(each))]
 
 
 impact_temperature = click.option(

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 
-_WRITTEN, _OPENS = "dashpot.written", "dashpot.opens"
+_WRITTEN, _TAKEN, _OPENS = "dashpot.written", "dashpot.stdout", "dashpot.opens"
 _MAKERS = ("simulate", "example", "demo")
 """Commands that write records; to all others a record is somebody's measurement."""
 _SEEN = (".html", ".png", ".svg", ".pdf")
@@ -45,7 +45,7 @@ class Outcome(NamedTuple):
     more
         What only the command knows, beside the noun's document.
     text
-        None where stdout is taken by what was asked for there.
+        It is printed unless stdout is taken by what was asked for there.
     must_pass
         A failed check is this command's own failure, ``--strict`` or not.
     verdict
@@ -55,12 +55,18 @@ class Outcome(NamedTuple):
     """
 
     found: object
-    text: Text | None
+    text: Text
     checks: Sequence[Check] = ()
     more: Mapping[str, Any] = {}
     must_pass: bool = False
     verdict: Verdict | None = None
     follow: str = ""
+
+    @property
+    def weighty(self) -> list[Check]:
+        """The checks that failed and are more than a note."""
+        judged = self.checks if self.verdict is None else self.verdict.because
+        return [check for check in judged if check.failed and check.grade != "note"]
 
 
 def reports(function: Callable[..., Outcome]) -> Callable[..., None]:
@@ -98,9 +104,7 @@ def reports(function: Callable[..., Outcome]) -> Callable[..., None]:
             _open(context.meta.get(_WRITTEN, []))
         if outcome.follow and not as_json:
             to_stderr(f"next: {outcome.follow}")
-        judged = outcome.checks if outcome.verdict is None else outcome.verdict.because
-        weighty = [check for check in judged if check.failed and check.grade != "note"]
-        if (strict or outcome.must_pass) and weighty:
+        if (strict or outcome.must_pass) and outcome.weighty:
             sys.exit(1)
 
     return command
@@ -109,7 +113,7 @@ def reports(function: Callable[..., Outcome]) -> Callable[..., None]:
 def _printed(outcome: Outcome, *, as_json: bool, verbose: bool) -> str:
     if as_json:
         return printed(outcome.found, outcome.more)
-    if outcome.text is None:
+    if click.get_current_context().meta.get(_TAKEN):
         return ""
     return "\n".join(shown(outcome.text, outcome.verdict, outcome.checks, verbose=verbose))
 
@@ -169,10 +173,12 @@ def _outputs(context: click.Context, *, may_replace: bool) -> Outputs:
     words: dict[bool, list[str]] = {True: [], False: []}
     for name, given in context.params.items():
         several = given if isinstance(given, tuple) else (given,)
-        words[kinds.get(name, False)] += [one for one in several if isinstance(one, str)]
-    inputs = tuple(word for word in words[False] if word != "-" and Path(word).is_file())
+        words[kinds.get(name, False)] += [
+            one for one in several if isinstance(one, str) and one != "-"
+        ]
+    inputs = tuple(word for word in words[False] if Path(word).is_file())
     found = Outputs(inputs, may_replace, makes_records=context.command.name in _MAKERS)
-    found.claim(path for path in words[True] if path != "-")
+    found.claim(words[True])
     return found
 
 
@@ -198,7 +204,9 @@ def write(path: str | Path, content: str | bytes) -> None:
         outputs: Outputs = context.obj
         outputs.write(path, content)
         note_written(path)
-    elif not context.params["as_json"]:
+        return
+    context.meta[_TAKEN] = True
+    if not context.params["as_json"]:
         to_stdout(content if isinstance(content, str) else content.decode())
 
 

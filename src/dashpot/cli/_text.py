@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from dashpot.base import numbers
 from dashpot.base.numbers import READ_IN, ascii_only
@@ -148,67 +149,57 @@ _SHOWN = {"N/m": ("N/mm", "N s/mm", 1e-3), "Pa": ("MPa", "MPa s", 1e-6)}
 
 
 def _parameters(found: Fit) -> list[str]:
-    model, error, interval = found.model, found.standard_error, found.intervals(level=0.95)
     stiffness, damping, size = _SHOWN.get(found.unit, (found.unit, f"{found.unit} s", 1.0))
     rows = [["", "value", "± SE", "95 % interval", "unit"]]
-
-    def row(
-        name: str,
-        value: float,
-        se: float,
-        *,
-        unit: str,
-        ends: tuple[float, float] | None = None,
-        scale: float = size,
-    ) -> None:
-        between = ""
-        if not math.isfinite(se):
-            rows.append([name, rounded(value * scale), "unknown", "", unit])
-            return
-        if ends:
-            low, high = (end * scale for end in ends)
-            between = ascii_only(numbers.known_between(value * scale, low, high, se * scale))
-        shown = (rounded(number * scale, se * scale) for number in (value, se))
-        rows.append([name, *shown, between, unit])
-
     end = found.end_of_hold
     if end is not None:
-        value = rounded(size * float(model.relaxation(end.time)))
+        held = rounded(size * float(found.model.relaxation(end.time)))
         ends = ascii_only(numbers.interval(*(size * limit for limit in end.k_end)))
-        rows.append([f"k({rounded(end.time)} s)", value, "", ends, stiffness])
+        rows.append([f"k({rounded(end.time)} s)", held, "", ends, stiffness])
+    units = {"k": (stiffness, size), "b": (damping, size), "tau": ("s", 1.0), "alpha": ("", 1.0)}
+    for name, value, se, between in _known(found):
+        unit, scale = units[re.split("[_ ]", name)[0]]
+        rows.append([name, *_cells(value, se, between, scale), unit])
+    return table(rows)
+
+
+_Known: TypeAlias = tuple[str, float, float | None, tuple[float, float] | None]
+
+
+def _known(found: Fit) -> Iterator[_Known]:
+    """Name, value, standard error (None of what was given) and interval of each parameter, SI."""
+    model, error, interval = found.model, found.standard_error, found.intervals(level=0.95)
     if found.family == "fractional":
         known, between = found.solid_standard_error, found.solid_intervals()
-        each = (
-            ("k_inf", stiffness, size),
-            ("k_0", stiffness, size),
-            ("tau", "s", 1),
-            ("alpha", "", 1),
-        )
-        for name, unit, scale in each:
-            value = getattr(found.solid, name)
-            row(name, value, known[name], ends=between[name], unit=unit, scale=scale)
-        return table(rows)
-    row("k_inf", model.k_inf, error["k_inf"], ends=interval["k_inf"], unit=stiffness)
+        for name in ("k_inf", "k_0", "tau", "alpha"):
+            yield name, getattr(found.solid, name), known[name], between[name]
+        return
+    yield "k_inf", model.k_inf, error["k_inf"], interval["k_inf"]
     if not found.parameters:  # a dense spectrum, whose single arms mean nothing
-        row("k_0", model.k_0, math.inf, unit=stiffness)
+        yield "k_0", model.k_0, math.inf, None
         if model.arms:  # a spectrum may find none
-            row("tau from", model.tau[0], math.inf, unit="s", scale=1)
-            row("tau to", model.tau[-1], math.inf, unit="s", scale=1)
-        return table(rows)
+            yield "tau from", model.tau[0], math.inf, None
+            yield "tau to", model.tau[-1], math.inf, None
+        return
     for j in range(model.arms):
-        row(f"k_{j + 1}", model.k[j], error["k"][j], ends=interval["k"][j], unit=stiffness)
-        row(
-            f"tau_{j + 1}",
-            model.tau[j],
-            error["tau"][j],
-            ends=interval["tau"][j],
-            unit="s",
-            scale=1,
-        )
-        row(f"b_{j + 1}", model.arm_b[j], error["b"][j], unit=damping)
+        yield f"k_{j + 1}", model.k[j], error["k"][j], interval["k"][j]
+        yield f"tau_{j + 1}", model.tau[j], error["tau"][j], interval["tau"][j]
+        yield f"b_{j + 1}", model.arm_b[j], error["b"][j], None
     if model.b > 0:
-        rows.append(["b", rounded(model.b * size), "", "", damping])
-    return table(rows)
+        yield "b", model.b, None, None
+
+
+def _cells(
+    value: float, se: float | None, ends: tuple[float, float] | None, scale: float
+) -> tuple[str, str, str]:
+    """A value, its error and its interval."""
+    if se is None or not math.isfinite(se):
+        return rounded(value * scale), "" if se is None else "unknown", ""
+    between = ""
+    if ends:
+        low, high = (end * scale for end in ends)
+        between = ascii_only(numbers.known_between(value * scale, low, high, se * scale))
+    return rounded(value * scale, se * scale), rounded(se * scale, se * scale), between
 
 
 def _temperatures(found: Fit) -> list[str]:

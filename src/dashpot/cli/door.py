@@ -61,20 +61,25 @@ def command(
         raise click.UsageError(
             "--plot draws the modes or the closing: leave out --modes or --close"
         )
-    found = None if speed is not None and not every else workflow.door_file(door, **choices)
-    closed = (
-        None
-        if speed is None
-        else workflow.close_file(door, speed, temperature=choices["temperature"])
-    )
-    if picture and closed is not None:
-        write_figure(picture, dp.plot.closing(closed))
-    elif picture and found is not None:
-        write_figure(picture, dp.plot.door(found))
+    found = workflow.door_file(door, **choices) if speed is None or every else None
+    closed = None
+    if speed is not None:
+        closed = workflow.close_file(door, speed, temperature=choices["temperature"])
+    if picture:
+        write_figure(picture, _figure(found, closed))
     outcome = _outcome(found, closed, every=every)
     if output:
         write(output, printed(outcome.found) + "\n")
     return outcome
+
+
+def _figure(
+    found: workflow.DoorResult | None, closed: workflow.ClosingResult | None
+) -> dp.plot.Picture:
+    if closed is not None:
+        return dp.plot.closing(closed)
+    assert found is not None  # noqa: S101
+    return dp.plot.door(found)
 
 
 def _outcome(
@@ -122,7 +127,7 @@ def _said(found: workflow.DoorResult, *, every: bool) -> Text:
     losses = [["% of the loss", *parts], *_shares(found, parts, loss=True)]
     tables = [*table(shares), *table(losses)] if found.modes else []
     lines += _shaken(found)
-    return Text([*lines, *tables] if every else lines, [] if every else tables)
+    return Text([*lines, *tables]) if every else Text(lines, tables)
 
 
 def _damped(value: float) -> str:

@@ -125,10 +125,9 @@ def command(
         "file": None if output == "-" else output,
         "overrides": list(deck.overrides),
     }
-    if output == "-":
-        return Outcome(document | {"deck": deck}, None, deck.checks, verdict=deck.verdict)
+    more = {"deck": deck} if output == "-" else {}
     text = Text([f"{output}: {target} deck, {units}, {len(deck.splitlines())} lines"])
-    return Outcome(document, text, deck.checks, verdict=deck.verdict)
+    return Outcome(document, text, deck.checks, more, verdict=deck.verdict)
 
 
 def _described(known: Specimen, given: Specimen) -> Specimen:
@@ -156,6 +155,14 @@ def _line_of_door(path: str, pitch: float | None, normal: str | None) -> Station
     return door.line.stations(wanted)
 
 
+def _normal(text: str) -> tuple[float, float, float]:
+    try:
+        x, y, z = map(float, text.split(","))
+    except ValueError:
+        raise ExportError(f"--normal {text}: expected three numbers, such as 0,0,1") from None
+    return x, y, z
+
+
 def _seal_line(path: str, pitch: float | None, normal: str | None, units: str | None) -> Stations:
     """Return the polyline in a CSV file of x, y, z in the deck's unit of length."""
     import numpy as np
@@ -173,11 +180,7 @@ def _seal_line(path: str, pitch: float | None, normal: str | None, units: str | 
         raise ExportError(f"{path} has {points.shape[1]} columns; expected x, y, z")
     named = bool(np.isnan(points[0, :3]).any())  # a first row of names reads as NaN
     corners = points[1 if named else 0 :, :3] * systems[units].length
-    try:
-        x, y, z = (float(part) for part in (normal or "0,0,1").split(","))
-    except ValueError:
-        raise ExportError(f"--normal {normal}: expected three numbers, such as 0,0,1") from None
-    line = dp.SealLine(corners, normal=np.array((x, y, z)))
+    line = dp.SealLine(corners, normal=np.array(_normal(normal or "0,0,1")))
     if line.length > LONGEST_LINE:
         raise ExportError(
             f"{path}: the line is {line.length:.4g} m long in the deck's unit of length ({units}): "

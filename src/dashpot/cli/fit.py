@@ -72,7 +72,7 @@ def command(
         write(output, printed(found) + "\n")
     return Outcome(
         found,
-        None if output == "-" else _text.fit(found, asked=choices["arms"]),
+        _text.fit(found, asked=choices["arms"]),
         found.checks,
         verdict=found.verdict,
         follow=_follow(files, output, found),

@@ -118,7 +118,7 @@ def command(
     checks = (*found.checks, *noted)
     return Outcome(
         found,
-        None if output == "-" else text,
+        text,
         checks,
         {"direct": workflow.direct_document(straight), **rests.document},
         verdict=verdict(checks, sound=found.verdict.says),

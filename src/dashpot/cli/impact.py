@@ -46,7 +46,7 @@ def command(
         write_figure(picture, dp.plot.frf(found.frf, labels=("measured",), stamp=named))
     return Outcome(
         found,
-        None if output == "-" else _text.impact(found),
+        _text.impact(found),
         found.frf.checks,
         verdict=verdict(found.frf.checks),
         follow=typed(

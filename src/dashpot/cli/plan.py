@@ -132,5 +132,4 @@ def command(
         "simulate", "relaxation", *given("ramp", "hold"), "-o", "rehearsal.csv", why="rehearses it"
     )
     made = verdict(found.checks)
-    text = None if setpoints == "-" else Text([str(found)])
-    return Outcome(found, text, found.checks, verdict=made, follow=rehearsed)
+    return Outcome(found, Text([str(found)]), found.checks, verdict=made, follow=rehearsed)

@@ -99,22 +99,9 @@ def command(
         raise click.UsageError("-o holds the FRF at one level: ask one --level, or leave -o out")
     found = workflow.predict_files(fitted, **choices)
     if picture:
-        named = dp.plot.stamp(
-            fitted.source, fitted.specimen, mass=choices["mass"], seals=choices["seals"]
-        )
-        drawn = dp.plot.frf(
-            found.frf,
-            *(one.frf for one in found.levels),
-            labels=(
-                "predicted at a vanishing level" if found.levels else "predicted",
-                *(f"at {one.level:.4g} {one.unit}" for one in found.levels),
-            ),
-            band=found.limits,
-            interval=found.interval,
-            ordered=bool(found.levels),
-            stamp=named,
-        )
-        write_figure(picture, drawn)
+        rig = {"mass": choices["mass"], "seals": choices["seals"]}
+        named = dp.plot.stamp(fitted.source, fitted.specimen, **rig)
+        write_figure(picture, _figure(found, named))
     if output:
         from dashpot.io.write import write_frf
 
@@ -122,22 +109,29 @@ def command(
     text = _text.prediction(found, mass=choices["mass"], seals=choices["seals"])
     return Outcome(
         found.document,
-        None if output == "-" else text,
+        text,
         found.checks,
         verdict=found.verdict,
-        follow=""
-        if found.of_part
-        else typed(
-            "compare",
-            fit,
-            "HAMMER",
-            "--mass",
-            grams(choices["mass"]),
-            "--seals",
-            f"{choices['seals']:g}",
-            why="tests it with a hammer",
-        ),
+        follow="" if found.of_part else _follow(fit, choices["mass"], choices["seals"]),
     )
+
+
+def _figure(found: workflow.Prediction, stamp: str) -> dp.plot.Picture:
+    still = "predicted at a vanishing level" if found.levels else "predicted"
+    return dp.plot.frf(
+        found.frf,
+        *(one.frf for one in found.levels),
+        labels=(still, *(f"at {one.level:.4g} {one.unit}" for one in found.levels)),
+        band=found.limits,
+        interval=found.interval,
+        ordered=bool(found.levels),
+        stamp=stamp,
+    )
+
+
+def _follow(fit: str, mass: float, seals: float) -> str:
+    rig = ("--mass", grams(mass), "--seals", f"{seals:g}")
+    return typed("compare", fit, "HAMMER", *rig, why="tests it with a hammer")
 
 
 def _no_other_kind() -> None:

@@ -123,7 +123,7 @@ def command(
         write(written[-1], dp.report.html(study))
     return Outcome(
         study,
-        None if output == "-" else _text.study(study),
+        _text.study(study),
         study.every_check,
         {"report": written[-1], **more},
         verdict=study.verdict,

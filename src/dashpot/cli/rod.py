@@ -70,7 +70,7 @@ def command(
     more = {} if found.fit is None else {"fit": _document(found.fit)}
     return Outcome(
         found.document,
-        None if output == "-" else text.rod(found),
+        text.rod(found),
         found.checks,
         more,
         verdict=found.verdict,

@@ -79,7 +79,7 @@ def command(*, what: str, output: str, **choices: Any) -> Outcome:
     if output == "-":
         text, *_ = made(**choices)
         write(output, text)
-        return Outcome(document | {"text": text}, None)
+        return Outcome(document | {"text": text}, Text())
     beside = str(Path(output).with_suffix(".truth.json"))
     known = str(Path(output).with_suffix(".cal"))
     gauges = [known] if choices["gauges"] else []

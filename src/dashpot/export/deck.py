@@ -169,6 +169,11 @@ class Deck:
         """The frequencies that the test informs, Hz; None for a bare solid."""
         return self.fit.band if self.fit else None
 
+    @property
+    def checks(self) -> tuple[Check, ...]:
+        """Of the fit behind it; none of a bare solid."""
+        return self.fit.checks if self.fit else ()
+
     def extrapolated(self, frequency: float) -> bool:
         """True if the test says nothing of this frequency, Hz; False where no band is known."""
         return self.band is not None and not self.band[0] <= frequency <= self.band[1]
@@ -201,7 +206,7 @@ class Deck:
         lines = [*(f"{comment} {one_line(line)}" for line in header), *body, ""]
         made = DeckText("\n".join(lines))
         made.verdict, made.overrides = found, self.overrides
-        made.checks = (*(self.fit.checks if self.fit else ()), *informed)
+        made.checks = (*self.checks, *informed)
         return made
 
     def _informed(self, table: Table | None) -> tuple[Check, ...]:
@@ -249,12 +254,9 @@ class Deck:
             *(law_lines(self.temperatures) if self.temperatures else ()),
             *self._elastic_law(),
             *self._pedigree(),
+            self._identified(),
             *(f"OVERRIDE: {sentence}" for sentence in self.overrides),
-            *(
-                f"CHECK FAILED: {check.says}"
-                for check in (self.fit.checks if self.fit else ())
-                if check.failed
-            ),
+            *(f"CHECK FAILED: {check.says}" for check in self.checks if check.failed),
         ]
 
     def _elastic_law(self) -> list[str]:
@@ -275,7 +277,7 @@ class Deck:
         return [f"elastic law: not straight; its tangent k_inf is {listed}", meaning]
 
     def _pedigree(self) -> list[str]:
-        """The fit, its files, and the band that the test informs."""
+        """The fit and its files."""
         steps = () if self.fit is None else self.fit.steps
         scaled = [step.says for step in steps if step.name in _MOVES]
         lines = []
@@ -288,10 +290,13 @@ class Deck:
             lines += [f"source: {each.file} sha256 {each.sha256}" for each in self.fit.source]
             if any(each.simulated for each in self.fit.source):
                 lines.append("SIMULATED: the test behind this deck was made by a virtual rig")
+        return lines
+
+    def _identified(self) -> str:
         if self.band is None:
-            return [*lines, "identified band: not stated; nothing marks what is extrapolated"]
+            return "identified band: not stated; nothing marks what is extrapolated"
         band = f"identified band: {self.band[0]:.4g} to {self.band[1]:.4g} Hz"
-        return [*lines, f"{band}; whatever lies outside is EXTRAPOLATED from the fitted arms"]
+        return f"{band}; whatever lies outside is EXTRAPOLATED from the fitted arms"
 
 
 def _levels_of(fit: LevelFit) -> str:

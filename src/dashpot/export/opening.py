@@ -129,6 +129,24 @@ def _refuse_impossible(deck: Deck, *, prony: bool) -> None:
     model = deck.model
     if model.k_0 == 0 and model.b == 0 and not deck.beside.parts:
         raise ExportError("the solid has neither stiffness nor damping; there is nothing to write")
+    _refuse_extreme(deck)
+    fit = deck.linear_fit
+    if prony:
+        if model.b > 0:
+            raise ExportError(
+                f"b = {model.b:g} N s/m: a Prony series cannot hold a parallel dashpot; "
+                "export the arms, or fit without b"
+            )
+    elif fit and fit.unit != "N/m":
+        raise ExportError(
+            f"the fit is of a material, in {fit.unit}, and springs and dashpots are in N/m; "
+            "write a material card: --form prony (Python: form='prony')"
+        )
+
+
+def _refuse_extreme(deck: Deck) -> None:
+    """Raise where a number has more digits before or behind its point than a deck holds."""
+    model = deck.model
     for name, value in (
         ("k_inf", model.k_inf),
         ("b", model.b),
@@ -141,17 +159,6 @@ def _refuse_impossible(deck: Deck, *, prony: bool) -> None:
                 f"{name} = {value:.4g} in SI units; a deck holds 0 or numbers from {LEAST:g} to "
                 f"{MOST:g}"
             )
-    fit = deck.linear_fit
-    if fit and fit.unit != "N/m" and not prony:
-        raise ExportError(
-            f"the fit is of a material, in {fit.unit}, and springs and dashpots are in N/m; "
-            "write a material card: --form prony (Python: form='prony')"
-        )
-    if prony and model.b > 0:
-        raise ExportError(
-            f"b = {model.b:g} N s/m: a Prony series cannot hold a parallel dashpot; "
-            "export the arms, or fit without b"
-        )
 
 
 def _problems(deck: Deck, *, prony: bool) -> dict[str, str]:

@@ -61,16 +61,11 @@ def opensees(
         )
     tags = [str(first_tag + i) for i in range(len(materials) + 1)]
     materials.append(["Parallel", *tags[:-1]])
-    if form == "tcl":
-        commands = [
-            " ".join(["uniaxialMaterial", kind, tag, *values])
-            for tag, (kind, *values) in zip(tags, materials, strict=True)
-        ]
-    else:
-        commands = ["import openseespy.opensees as ops", ""] + [
-            f"ops.uniaxialMaterial({', '.join([repr(kind), tag, *map(_argument, values)])})"
-            for tag, (kind, *values) in zip(tags, materials, strict=True)
-        ]
+    head, command = _WRITTEN[form]
+    commands = [
+        *head,
+        *(command(kind, tag, values) for tag, (kind, *values) in zip(tags, materials, strict=True)),
+    ]
     return deck.written(
         "#",
         "uniaxial material for OpenSees",
@@ -86,3 +81,15 @@ def opensees(
 def _argument(value: str) -> str:
     """As Python writes it: a flag is a text."""
     return repr(value) if value in {"-strain", "-stress"} else value
+
+
+def _python(kind: str, tag: str, values: list[str]) -> str:
+    return f"ops.uniaxialMaterial({', '.join([repr(kind), tag, *map(_argument, values)])})"
+
+
+def _tcl(kind: str, tag: str, values: list[str]) -> str:
+    return " ".join(["uniaxialMaterial", kind, tag, *values])
+
+
+_WRITTEN = {"python": (("import openseespy.opensees as ops", ""), _python), "tcl": ((), _tcl)}
+"""Of each form: what stands first, and how a material is written."""

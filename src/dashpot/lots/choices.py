@@ -24,6 +24,11 @@ def several(given: Quantity | Sequence[Quantity], dimension: Dimension) -> tuple
     return tuple(si(one, dimension) for one in quantities)
 
 
+def _positive(name: str, value: float, unit: str = "", *, expected: str = "a number") -> None:
+    if not 0 < value < math.inf:
+        raise DataError(f"{name} = {value!r}{unit}; expected {expected} > 0")
+
+
 @dataclass(frozen=True)
 class BatchChoices:
     """How every test of a batch is read and fitted.
@@ -73,18 +78,15 @@ class BatchChoices:
                 "--quick needs the number of arms (such as --arms 2): choosing it takes the "
                 "errors that it leaves out"
             )
-        for name, unit in (("mass", "kg"), ("length", "m"), ("radius", "m")):
+        for name, unit in (("mass", " kg"), ("length", " m"), ("radius", " m"), ("seals", "")):
             value = getattr(self, name)
-            if value is not None and not (math.isfinite(value) and value > 0):
-                raise DataError(f"{name} = {value!r} {unit}; expected a number > 0")
-        if not (math.isfinite(self.seals) and self.seals > 0):
-            raise DataError(f"seals = {self.seals!r}; expected a number > 0")
+            if value is not None:
+                _positive(name, value, unit)
         for name in ("at", "compression"):
             found = tuple(dict.fromkeys(getattr(self, name)))
             object.__setattr__(self, name, found)
-            wrong = [one for one in found if not (math.isfinite(one) and one > 0)]
-            if wrong:
-                raise DataError(f"{name} = {wrong[0]!r}; expected numbers > 0")
+            for one in found:
+                _positive(name, one, expected="numbers")
         if self.joint and self.quick:
             raise DataError("--joint weighs both tests by their errors, which --quick leaves out")
 

@@ -165,20 +165,13 @@ def compared(
         If a lot has fewer than two seals, or lacks a quantity.
     """
     (one_name, one), (other_name, other) = first, second
-    theirs = {quantity.name for quantity in other.quantities}
-    wanted = tuple(names) or tuple(
-        quantity.name
-        for quantity in one.quantities
-        if quantity.name in theirs and not quantity.name.startswith(_TOLD_BY_OTHERS)
-    )
-    if not wanted:
+    quantities = [_of(first, second, name) for name in tuple(names) or _shared(one, other)]
+    if not quantities:
         raise DataError(f"{one_name} and {other_name} have no quantity in common")
-    quantities = [_of(first, second, name) for name in wanted]
     found = [one.compare(other, quantity.name) for quantity in quantities]
     p_values = holm([each.p_value for each in found])
     unnamed = sum(int((lot.used["seal"] == "").sum()) for lot in (one, other))
-    mine = set(one.used["sha256"]) - {""}
-    again = sum(sha256 in mine for sha256 in other.used["sha256"])
+    again = _again(one, other)
     tests = one.used.height + other.used.height
     return LotComparison(
         (one_name, other_name),
@@ -194,6 +187,19 @@ def compared(
             ),
         ),
     )
+
+
+def _again(one: Lot, other: Lot) -> int:
+    """Records of the second lot that the first holds, too."""
+    known = set(one.used["sha256"]) - {""}
+    return sum(sha256 in known for sha256 in other.used["sha256"])
+
+
+def _shared(one: Lot, other: Lot) -> tuple[str, ...]:
+    """The quantities that both lots have, less what the others tell."""
+    theirs = {quantity.name for quantity in other.quantities}
+    mine = (quantity.name for quantity in one.quantities)
+    return tuple(name for name in mine if name in theirs and not name.startswith(_TOLD_BY_OTHERS))
 
 
 def _of(first: tuple[str, Lot], second: tuple[str, Lot], name: str) -> Quantity:

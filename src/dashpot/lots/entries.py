@@ -8,16 +8,17 @@ import hashlib
 import os
 import re
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from string import Formatter
 from typing import Any
 
-from dashpot.base.errors import DashpotError, DataError, ReadError
+from dashpot.base.errors import DataError, ReadError
 from dashpot.base.units import Dimension, parse_quantity
 from dashpot.base.version import is_ours, is_record
 from dashpot.io.source import open_raw
+from dashpot.io.toml import Section
 
 LABELS = ("lot", "seal", "repeat", "operator")
 _QUANTITIES: dict[str, Dimension] = {
@@ -119,14 +120,11 @@ def entries(
     DataError
         If the expression is none, or fits no file, or a pattern pairs nothing.
     """
-    listed = {} if manifest is None else _manifest(Path(manifest))
-    leave = {os.path.realpath(manifest)} if manifest is not None else set()
-    found: dict[str, Entry] = {}
-    for path in (*(one for given in paths for one in _expanded(str(given), without)), *listed):
-        place = os.path.realpath(path)
-        if place not in leave:
-            # one text where both are the same: there may be many files
-            found.setdefault(path if path == place else place, Entry(_named(path)))
+    listed = _manifest(manifest)
+    given = (one for path in paths for one in _expanded(str(path), without))
+    found = _by_place((*given, *listed))
+    if manifest is not None:
+        found.pop(os.path.realpath(manifest), None)
     if not found and not growing:
         raise ReadError(
             f"{', '.join(map(str, paths)) or manifest}: no file is there; give files, folders, "
@@ -139,7 +137,17 @@ def entries(
         place = os.path.realpath(path)
         found[place] = replace(found[place], **said)
     every = sorted(found.values(), key=lambda one: one.file)
-    return _tests(every if pair is None else _paired(every, pair, growing=growing))
+    return _tests(_paired(every, pair, growing=growing))
+
+
+def _by_place(paths: Iterable[str]) -> dict[str, Entry]:
+    """Each file once, by its real path."""
+    found: dict[str, Entry] = {}
+    for path in paths:
+        place = os.path.realpath(path)
+        # one text where both are the same: there may be many files
+        found.setdefault(path if path == place else place, Entry(_named(path)))
+    return found
 
 
 def _named(path: str) -> str:
@@ -171,24 +179,28 @@ def _tests(every: Sequence[Entry]) -> tuple[Entry, ...]:
     return tuple(one for one in every if os.path.realpath(one.file) not in hammers)
 
 
-def _paired(every: Sequence[Entry], pair: str, *, growing: bool) -> list[Entry]:
+def _paired(every: Sequence[Entry], pair: str | None, *, growing: bool) -> Sequence[Entry]:
     """The entries with their hammers, but for those whose manifest names some."""
+    if pair is None:
+        return every
     names = _names(pair)
-    unnamed = names.isdisjoint({"stem"}) and not any(
-        getattr(one, name) for one in every for name in names
-    )
-    if unnamed and not growing:
-        raise DataError(f"--pair '{pair}': no test has a lot, seal or repeat: give --by too")
     found = [one if one.hammer else replace(one, hammer=_hammers(one, pair)) for one in every]
-    if not any(one.hammer for one in found) and not growing:
-        example = Path(every[0].file).parent / _filled(every[0], pair)
-        raise DataError(f"--pair '{pair}' finds no hammer file, such as {example}")
+    if not growing:
+        _refuse_unpaired(found, pair, names)
     if found and not _tests(found):
         raise DataError(
             f"--pair '{pair}' fits the tests themselves, so that all are hammers: name the "
             "hammer's files alone"
         )
     return found
+
+
+def _refuse_unpaired(found: Sequence[Entry], pair: str, names: set[str]) -> None:
+    if "stem" not in names and not any(getattr(one, name) for one in found for name in names):
+        raise DataError(f"--pair '{pair}': no test has a lot, seal or repeat: give --by too")
+    if not any(one.hammer for one in found):
+        example = Path(found[0].file).parent / _filled(found[0], pair)
+        raise DataError(f"--pair '{pair}' finds no hammer file, such as {example}")
 
 
 def _names(pair: str) -> set[str]:
@@ -311,10 +323,13 @@ def _groups(by: str) -> tuple[re.Pattern[str], tuple[str, ...]]:
     return pattern, named
 
 
-def _manifest(path: Path) -> dict[str, dict[str, Any]]:
+def _manifest(given: str | Path | None) -> dict[str, dict[str, Any]]:
     """What a manifest says of each file, by path; a path in it is seen from its own folder."""
     import tomllib
 
+    if given is None:
+        return {}
+    path = Path(given)
     try:
         text = open_raw(path).head(_MANIFEST).decode("utf-8-sig")
         toml = path.suffix.lower() == ".toml"
@@ -337,30 +352,28 @@ def _manifest(path: Path) -> dict[str, dict[str, Any]]:
     return listed
 
 
-def _stated(where: str, row: object) -> tuple[str, dict[str, Any]]:
-    if not isinstance(row, Mapping):
-        raise ReadError(f"{where}: expected a table with file = ...")
-    if None in row:
+def _stated(where: str, row: Any) -> tuple[str, dict[str, Any]]:
+    if isinstance(row, Mapping) and None in row:
         raise ReadError(
             f"{where}: more cells than the first line has names: {', '.join(row[None])}"
         )
-    unknown = [str(name) for name in row if name not in _KNOWN]
-    if unknown:
-        raise ReadError(f"{where}: '{unknown[0]}' is unknown; known are {', '.join(_KNOWN)}")
-    several = row.get("hammer")
-    listed = several if isinstance(several, list) else str(several or "").split(";")
-    given = {
-        name: str(value).strip()
-        for name, value in row.items()
-        if value not in (None, "") and name != "hammer"
+    given = Section(where, row, _KNOWN).entries
+    said: dict[str, Any] = {
+        name: str(value).strip() for name, value in given.items() if value not in (None, "")
     }
-    file = given.pop("file", "")
+    file = said.pop("file", "")
     if not file:
         raise ReadError(f"{where}: it names no file; fill the column 'file'")
-    said: dict[str, Any] = {"hammer": [str(one).strip() for one in listed if str(one).strip()]}
-    for name, value in given.items():
+    for name in [one for one in said if one in _QUANTITIES]:
         try:
-            said[name] = parse_quantity(value, _QUANTITIES[name]) if name in _QUANTITIES else value
-        except DashpotError as error:
+            said[name] = parse_quantity(said[name], _QUANTITIES[name])
+        except DataError as error:
             raise ReadError(f"{where}: {name}: {error}") from None
+    said["hammer"] = _listed(given.get("hammer"))
     return file, said
+
+
+def _listed(value: object) -> list[str]:
+    """The texts of a list, or between semicolons."""
+    several = value if isinstance(value, list) else str(value or "").split(";")
+    return [text for one in several if (text := str(one).strip())]

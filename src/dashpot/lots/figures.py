@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.lots.quantities import Quantity
-from dashpot.lots.seals import Charts, Seal
+from dashpot.lots.seals import Charts, Seal, seal_means
+from dashpot.lots.statistics.control import Chart
 from dashpot.plot.picture import (
     Area,
     Axis,
@@ -52,58 +53,71 @@ def control_picture(
     place = {(one.lot, one.name): i + 1.0 for i, one in enumerate(seals)}
     axis = Axis("seal, in the order of lot and name", (0.5, max(len(seals), 1) + 0.5))
     x = np.arange(1.0, len(seals) + 1)
-    y = quantity.scale * np.array([one.mean for one in seals])
+    y = quantity.scale * seal_means(seals)
+    areas: list[Mark] = []
     marks: list[Mark] = [Line(x, y, _THREAD)]
-    edges, below, heights, titles = [y], list[Mark](), [np.zeros(1)], list[tuple[float, str]]()
-    repeated = any(one.repeats is not None for one in charts.values())
+    edges, titles, spans = [y], list[tuple[float, str]](), list[tuple[Charts, FloatArray]]()
     for name, one in charts.items():
         at = np.array([place[seal.lot, seal.name] for seal in one.seals])
-        ends = np.array([at[0] - 0.5, at[-1] + 0.5])
+        ends = _ends(at)
         least, centre, most = (
-            quantity.scale * value
-            for value in (float(one.means.lower[0]), one.means.centre, float(one.means.upper[0]))
+            quantity.scale * value * np.ones(2)
+            for value in (one.means.lower[0], one.means.centre, one.means.upper[0])
         )
-        level = np.ones(2)
-        marks.insert(
-            0, Area(ends, least * level, most * level, "fit", "control limits of each lot")
-        )
-        marks.append(Line(ends, centre * level, _MEAN, "mean of each lot"))
+        areas.insert(0, Area(ends, least, most, "fit", "control limits of each lot"))
+        marks.append(Line(ends, centre, _MEAN, "mean of each lot"))
+        marks += _named(one.seals, one.means, at, quantity.scale)
         if name:
             titles.append((float(ends[0]), name))
-        marks += [
-            Tag(float(at[i]), float(y[int(at[i]) - 1]), one.seals[i].name, "care-ink", "hollow")
-            for i in sorted({signal.point for signal in one.means.signals})
-        ]
-        edges.append(np.array([least, most]))
-        scatter = one.repeats if repeated else one.moving
-        if scatter is not None:
-            values = quantity.scale * scatter.values
-            ceiling = quantity.scale * scatter.upper
-            below += [
-                Line(ends, quantity.scale * scatter.centre * level, _USUAL),
-                Line(at, ceiling, _CEILING, "its upper control limit"),
-                Dots(at, values, "measured", size=4.0),
-            ]
-            below += [
-                Tag(float(at[i]), float(values[i]), one.seals[i].name, "care-ink", "hollow")
-                for i in {signal.point for signal in scatter.signals}
-            ]
-            heights += [values, ceiling]
-    for end in asked:
-        marks.append(Rule(quantity.scale * end, _ASKED, "limits asked", across=True))
-        edges.append(np.array([quantity.scale * end]))
+        edges += [least, most]
+        spans.append((one, at))
+    limits = quantity.scale * np.array(asked)
+    marks += [Rule(end, _ASKED, "limits asked", across=True) for end in limits]
     marks.append(Dots(x, y, "measured", "seal: mean of its tests", size=5.0))
-    low, high = around(*edges)
+    low, high = around(np.concatenate([*edges, limits]))
     # the names of the lots stand above all that is drawn
     marks += [Tag(at, high, text, "soft") for at, text in titles]
     reach = (low, high + 0.12 * (high - low) * bool(titles))
-    panels = [Panel(axis, Axis(quantity.title, reach), tuple(marks), height=190)]
-    if below:
-        what = "SD of repeats" if repeated else "moving range"
+    upper = Panel(axis, Axis(quantity.title, reach), (*areas, *marks), height=190)
+    panels = (upper, *_scatter(axis, quantity, spans))
+    return Picture("chart", f"{quantity.title}: seals of each lot", (panels,))
+
+
+def _scatter(
+    axis: Axis, quantity: Quantity, spans: Sequence[tuple[Charts, FloatArray]]
+) -> Iterator[Panel]:
+    """The panel of repeats or neighbours, unless there are none; each lot with its places."""
+    repeated = any(one.repeats is not None for one, _ in spans)
+    what = "SD of repeats" if repeated else "moving range"
+    marks, heights = list[Mark](), [np.zeros(1)]
+    for one, at in spans:
+        chart = one.repeats if repeated else one.moving
+        if chart is None:
+            continue
+        values, ceiling = quantity.scale * chart.values, quantity.scale * chart.upper
+        marks += [
+            Line(_ends(at), quantity.scale * chart.centre * np.ones(2), _USUAL),
+            Line(at, ceiling, _CEILING, "its upper control limit"),
+            Dots(at, values, "measured", size=4.0),
+            *_named(one.seals, chart, at, quantity.scale),
+        ]
+        heights += [values, ceiling]
+    if marks:
         top = 1.15 * max(float(np.nanmax(one, initial=0.0)) for one in heights) or 1.0
         title = f"{what}, {quantity.unit}".rstrip(", ")
-        panels.append(Panel(axis, Axis(title, (0.0, top)), tuple(below), height=70))
-    return Picture("chart", f"{quantity.title}: seals of each lot", (tuple(panels),))
+        yield Panel(axis, Axis(title, (0.0, top)), tuple(marks), height=70)
+
+
+def _ends(at: FloatArray) -> FloatArray:
+    return np.array([at[0] - 0.5, at[-1] + 0.5])
+
+
+def _named(seals: Sequence[Seal], chart: Chart, at: FloatArray, scale: float) -> list[Tag]:
+    """The names of the seals that break a rule."""
+    return [
+        Tag(float(at[i]), scale * float(chart.values[i]), seals[i].name, "care-ink", "hollow")
+        for i in dict.fromkeys(signal.point for signal in chart.signals)
+    ]
 
 
 def capability_picture(
@@ -111,7 +125,7 @@ def capability_picture(
 ) -> Picture:
     """Return the tests of one lot as a histogram, the normal curve of its seals, and the limits."""
     tests = quantity.scale * np.concatenate([one.values for one in seals])
-    means = quantity.scale * np.array([one.mean for one in seals])
+    means = quantity.scale * seal_means(seals)
     ends = quantity.scale * np.array(asked)
     counts, edges = np.histogram(tests, bins=max(_BARS, int(1.5 * np.sqrt(len(tests)))))
     width, gap = edges[1] - edges[0], 0.08

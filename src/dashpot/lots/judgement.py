@@ -12,6 +12,7 @@ from dashpot.base.errors import DashpotError
 from dashpot.base.student_t import t_quantile
 from dashpot.lots.limits import Limits
 from dashpot.lots.lot import Lot
+from dashpot.lots.quantities import Quantity
 from dashpot.lots.seals import Seal
 
 Decision = Literal["pass", "not proven", "fail", "no result"]
@@ -40,6 +41,13 @@ class Judged(NamedTuple):
     value: float | None
     guard: float | None
 
+    def says(self, quantity: Quantity) -> str:
+        """Why it does not pass; empty where it does, or where there is nothing to judge."""
+        if self.decision != "not proven" or self.guard is None:
+            return "outside the limits" * (self.decision == "fail")
+        guard = quantity.read(self.guard, digits=2)
+        return f"inside the limits by less than its guard band, {guard}"
+
 
 def judged(lot: Lot, limits: Limits) -> tuple[Judged, ...]:
     r"""Return what limits make of every seal that was tested, in the order of lot and seal.
@@ -58,18 +66,22 @@ def judged(lot: Lot, limits: Limits) -> tuple[Judged, ...]:
         if freedom:
             own = math.hypot(deviation / math.sqrt(len(one.values)), between)
             guard = t_quantile(2 * SURE - 1, freedom) * own
-        decision: Decision = "pass"
-        if not limits.inside(one.mean):
-            decision = "fail"
-        elif guard is not None and not limits.inside(one.mean, guard):
-            decision = "not proven"
-        found.append(Judged(one.lot, one.name, decision, one.mean, guard))
+        found.append(Judged(one.lot, one.name, _decision(limits, one.mean, guard), one.mean, guard))
     known = {(one.lot, one.name) for one in seals}
-    rows = lot.table.select("lot", "seal", "file", "outcome").iter_rows()
-    # a file that nobody named and that has no fit need not be a test
-    asked = ((of, seal or file) for of, seal, file, end in rows if seal or end == "fitted")
-    lost = dict.fromkeys(one for one in asked if one not in known)
+    lost = (key for key in _tested(lot) if key not in known)
     return (*found, *(Judged(of, seal, "no result", None, None) for of, seal in lost))
+
+
+def _tested(lot: Lot) -> dict[tuple[str, str], None]:
+    """Lot and name of every seal; a file that nobody named and that has no fit need not be one."""
+    rows = lot.table.select("lot", "seal", "file", "outcome").iter_rows()
+    return {(of, seal or file): None for of, seal, file, end in rows if seal or end == "fitted"}
+
+
+def _decision(limits: Limits, value: float, guard: float | None) -> Decision:
+    if not limits.inside(value):
+        return "fail"
+    return "pass" if limits.inside(value, guard or 0.0) else "not proven"
 
 
 def _pooled(seals: Sequence[Seal]) -> tuple[float, int]:

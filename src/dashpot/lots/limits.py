@@ -8,9 +8,11 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
-from dashpot.base.errors import DashpotError, ReadError
+from dashpot.base.errors import DashpotError, DataError, ReadError
 from dashpot.base.units import parse_quantity
+from dashpot.io.toml import Section
 from dashpot.lots.quantities import Quantity, quantity
 
 _KNOWN = ("lower", "upper", "cpk")
@@ -45,6 +47,11 @@ class Limits:
         high = math.inf if self.upper is None else self.upper
         return low + guard <= value <= high - guard
 
+    @property
+    def distance(self) -> float | None:
+        """From the lower limit to the upper one; None where one is missing."""
+        return None if self.lower is None or self.upper is None else self.upper - self.lower
+
     def __str__(self) -> str:
         ends = [
             f"{word} {self.quantity.read(end)}"
@@ -70,35 +77,31 @@ def read_limits(path: str | Path, columns: Sequence[str]) -> tuple[Limits, ...]:
         raise ReadError(f"{path}: not TOML: {error}") from None
     if not tables:
         raise ReadError(f'{path}: no limit is in it; expected such as [k_end] lower = "0.18N/mm"')
-    found = [_stated(f"{path}, [{name}]", name, table, columns) for name, table in tables.items()]
-    again = [
-        one for one, count in Counter(one.quantity.column for one in found).items() if count > 1
-    ]
-    if again:
-        raise ReadError(f"{path}: limits of {again[0]} stand there twice, by two names; keep one")
+    found = []
+    for name, table in tables.items():
+        section = Section(f"{path}, [{name}]", table, _KNOWN)
+        try:
+            found.append(_stated(name, section.entries, columns))
+        except (DashpotError, TypeError, ValueError) as error:
+            raise ReadError(f"{section.where}: {error}") from None
+    column, times = Counter(one.quantity.column for one in found).most_common(1)[0]
+    if times > 1:
+        raise ReadError(f"{path}: limits of {column} stand there twice, by two names; keep one")
     return tuple(found)
 
 
-def _stated(where: str, name: str, table: object, columns: Sequence[str]) -> Limits:
-    if not isinstance(table, Mapping):
-        raise ReadError(f"{where}: expected a table with {', '.join(_KNOWN)}")
-    unknown = [one for one in table if one not in _KNOWN]
-    if unknown:
-        raise ReadError(f"{where}: '{unknown[0]}' is unknown; known are {', '.join(_KNOWN)}")
-    try:
-        found = quantity(name, columns)
-        lower, upper = (_number(table.get(one), found) for one in ("lower", "upper"))
-        cpk = table.get("cpk")
-        asked = None if cpk is None else float(cpk)
-    except (DashpotError, TypeError, ValueError) as error:
-        raise ReadError(f"{where}: {error}") from None
-    if lower is None and upper is None:
-        raise ReadError(f"{where}: it has no limit; give lower, upper, or both")
-    if lower is not None and upper is not None and lower >= upper:
-        raise ReadError(f"{where}: lower is not below upper; exchange them")
-    if asked is not None and not asked > 0:
-        raise ReadError(f"{where}: cpk = {asked:g}; expected a number > 0, such as 1.33")
-    return Limits(found, lower, upper, asked)
+def _stated(name: str, table: Mapping[str, Any], columns: Sequence[str]) -> Limits:
+    found = quantity(name, columns)
+    lower, upper = (_number(table.get(one), found) for one in ("lower", "upper"))
+    cpk = float(table["cpk"]) if "cpk" in table else None
+    made = Limits(found, lower, upper, cpk)
+    if not made.ends:
+        raise DataError("it has no limit; give lower, upper, or both")
+    if [*made.ends] != sorted(set(made.ends)):
+        raise DataError("lower is not below upper; exchange them")
+    if cpk is not None and not cpk > 0:
+        raise DataError(f"cpk = {cpk:g}; expected a number > 0, such as 1.33")
+    return made
 
 
 def _number(value: object, of: Quantity) -> float | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter, defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -26,7 +26,7 @@ from dashpot.lots.checks import (
 )
 from dashpot.lots.parts import joined, polars, read_parts
 from dashpot.lots.quantities import Quantity, natural, quantity
-from dashpot.lots.seals import Charts, Seal, charted
+from dashpot.lots.seals import Charts, Seal, by_lot, charted, seal_means
 from dashpot.lots.statistics.control import Chart, means_and_deviations
 from dashpot.lots.statistics.difference import Difference, difference
 from dashpot.lots.statistics.gauge import Gauge, gauge
@@ -45,6 +45,16 @@ ALIKE = 0.05
 """Of the median of its lot: by how much hold and depth of a test may differ from it."""
 DEGREES = 3.0
 """By how much its temperature may, K."""
+
+
+def _levels(seals: Sequence[Seal]) -> list[tuple[str, list[str]]]:
+    """Lot and seal of every test, as far as there are several and they repeat."""
+    tests = [one for one in seals for _ in one.files]
+    lots = {one.lot for one in seals}
+    levels = [("lot", [one.lot for one in tests])] if len(lots) > 1 else []
+    if len(tests) > len(seals) > len(lots):
+        levels.append(("seal", [one.name for one in tests]))
+    return levels
 
 
 @dataclass(frozen=True, eq=False)
@@ -204,25 +214,26 @@ class Lot:
         DataError
             If there is no such column, or nothing that repeats.
         """
-        seals, found = self.seals(name), self.quantity(name)
-        lots = [one.lot for one in seals for _ in one.files]
-        labels = [one.name for one in seals for _ in one.files]
-        levels = [("lot", lots)] if len(set(lots)) > 1 else []
-        repeated = len(seals) < len(lots)
-        if len(seals) > len(set(lots)) and repeated:
-            levels.append(("seal", labels))
+        seals = self.seals(name)
+        levels = _levels(seals)
         if not levels:
             raise DataError(
                 "the scatter has no sources to tell apart: say which lot, seal and repeat each "
                 "test is, by --by or --manifest, of at least two lots or seals"
             )
-        errors = None
-        if found.name == "k_inf":
-            by_file = dict(self.used.select("file", "k_inf_se_N_per_m").iter_rows())
-            several = [by_file[file] for one in seals for file in one.files]
-            errors = None if None in several else np.array(several)
-        values = np.concatenate([one.values for one in seals])
-        return components(values, levels, within="repeat" if repeated else "seal", errors=errors)
+        known = self.quantity(name).name == "k_inf"
+        errors = self._by_test("k_inf_se_N_per_m", seals) if known else [None]
+        return components(
+            np.concatenate([one.values for one in seals]),
+            levels,
+            within="repeat" if any(len(one.files) > 1 for one in seals) else "seal",
+            errors=None if None in errors else np.array(errors),
+        )
+
+    def _by_test(self, column: str, seals: Sequence[Seal]) -> list[Any]:
+        """What a column has of every test of these seals."""
+        by_file = dict(self.used.select("file", column).iter_rows())
+        return [by_file[file] for one in seals for file in one.files]
 
     def gauge(self, name: str = "k_end") -> Gauge:
         """Return repeatability and reproducibility of the testing, with the seals as its parts.
@@ -233,9 +244,7 @@ class Lot:
             If no seal was tested twice, or not every operator tested two seals twice.
         """
         seals = self.seals(name)
-        of_file = dict(self.used.select("file", "operator").iter_rows())
-        files = [file for one in seals for file in one.files]
-        who = [of_file[file] for file in files]
+        who = self._by_test("operator", seals)
         parts = [f"{i}" for i, one in enumerate(seals) for _ in one.files]
         if not seals:
             raise DataError(f"no test that is used has a value of {name}")
@@ -248,35 +257,28 @@ class Lot:
         individuals and moving ranges, and the repeats have a chart of their standard deviations
         (Wheeler, Advanced Topics in Statistical Process Control, 1995, chapter 9).
         """
-        lots: dict[str, list[Seal]] = defaultdict(list)
-        for one in self.seals(name):
-            lots[one.lot].append(one)
-        return {lot: charted(tuple(seals)) for lot, seals in lots.items() if len(seals) > 1}
+        lots = by_lot(self.seals(name))
+        return {lot: charted(seals) for lot, seals in lots.items() if len(seals) > 1}
 
     def lot_chart(self, name: str = "k_end") -> tuple[tuple[str, ...], Chart, Chart] | None:
         """Return lots, and the X-bar and s charts whose groups are the seals of each.
 
         None of one lot, or where no lot has two seals.
         """
-        lots: dict[str, list[float]] = defaultdict(list)
-        for one in self.seals(name):
-            lots[one.lot].append(one.mean)
+        lots = by_lot(self.seals(name))
         if len(lots) < 2 or max(map(len, lots.values())) < 2:
             return None
-        charts = means_and_deviations([np.array(values) for values in lots.values()])
+        charts = means_and_deviations([seal_means(seals) for seals in lots.values()])
         return tuple(lots), *charts
 
     def capability(
         self, name: str, lower: float | None = None, upper: float | None = None
     ) -> dict[str, Capability]:
         """Return Cp and Cpk of the seals of each lot that has two, between limits in SI, by lot."""
-        lots: dict[str, list[float]] = defaultdict(list)
-        for one in self.seals(name):
-            lots[one.lot].append(one.mean)
         return {
-            lot: capability(np.array(values), lower, upper)
-            for lot, values in lots.items()
-            if len(values) > 1
+            lot: capability(seal_means(seals), lower, upper)
+            for lot, seals in by_lot(self.seals(name)).items()
+            if len(seals) > 1
         }
 
     def compare(self, other: Lot, name: str = "k_end") -> Difference:
@@ -287,8 +289,7 @@ class Lot:
         DataError
             If there are fewer than two seals of either.
         """
-        mine, others = ([seal.mean for seal in one.seals(name)] for one in (self, other))
-        return difference(np.array(mine), np.array(others))
+        return difference(seal_means(self.seals(name)), seal_means(other.seals(name)))
 
     def only(self, name: str) -> Lot:
         """Return one lot of several.

@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 from functools import cache
 from importlib import resources
 from math import isfinite
@@ -18,10 +17,9 @@ from dashpot.base.numbers import counted, rounded
 from dashpot.base.version import byline
 from dashpot.lots.entries import LABELS
 from dashpot.lots.figures import capability_picture, control_picture, curves_picture
-from dashpot.lots.judgement import Judged
 from dashpot.lots.lot import Lot
 from dashpot.lots.quantities import Quantity
-from dashpot.lots.seals import Seal
+from dashpot.lots.seals import Seal, by_lot, seal_means
 from dashpot.lots.statistics.control import BEYOND, ENOUGH
 from dashpot.lots.statistics.gauge import LIMIT, TRUSTED
 from dashpot.lots.summary import OfQuantity, Summary, summary
@@ -36,7 +34,7 @@ CURVES = 200
 """Drawn at most, evenly over the lot, and as many that stand out; more would be one stain."""
 WIDE = 1180.0
 THIRD = 440.0
-_GRAVITY = {"fail": 0, "not proven": 1, "no result": 2}
+_GRAVITY = {"fail": 0, "not proven": 1, "no result": 2, "look": 3}
 _MARKS = {"fail": "bad", "not proven": "care", "no result": "note", "pass": "good", "look": "care"}
 _SOURCES = {
     "repeatability": "repeats", "operator": "operators", "interaction": "operator and seal",
@@ -59,9 +57,9 @@ def html(lot: Lot, *, title: str = "Lot", found: Summary | None = None) -> str:
     found = found or summary(lot)
     style = f"{tokens.css()}\n{_part('lot.css')}"
     said = verdict(found.checks, sound="every file is a test whose fit may be used")
+    says, *because = [one.says for one in said.because] or [said.says]
     main = found.main
     further = _further(lot, main)
-    asked = () if main.limits is None else main.limits.ends
     labels = [name for name in LABELS if (lot.table[name] != "").any()]
     return str(
         environment("dashpot.lots")
@@ -72,18 +70,17 @@ def html(lot: Lot, *, title: str = "Lot", found: Summary | None = None) -> str:
             style=style,
             policy=f"default-src 'none'; style-src {digest(style)}; base-uri 'none'; "
             "form-action 'none'",
-            verdict=replace(said, says=said.because[0].says) if said.because else said,
+            verdict=said,
+            says=says,
             colour=COLOURS[said.use],
-            because=[one.says for one in said.because[1:]],
+            because=because,
             counts=_counts(lot, main),
             simulated=counted(lot.simulated, "file") if lot.simulated else "",
             quantity=main.quantity,
             heading=main.quantity.title[:1].upper() + main.quantity.title[1:],
             anchor=lambda name: f"a{hashlib.sha256(name.encode()).hexdigest()[:12]}",
             what="mean of the tests of each seal" if _repeated(main) else "one test each",
-            chart=_drawn(control_picture(main.quantity, main.charts, main.seals, asked))
-            if main.seals
-            else None,
+            chart=_chart(main),
             few=[name for name, one in main.charts.items() if len(one.seals) < ENOUGH],
             enough=ENOUGH,
             curves=_curves(lot, found),
@@ -93,7 +90,7 @@ def html(lot: Lot, *, title: str = "Lot", found: Summary | None = None) -> str:
             gauge=_gauge(main),
             flags=found.flags,
             signals=list(_signals(main)),
-            heads=[one for one, _ in further],
+            further=further,
             seals=_seals(found, further),
             judged=bool(main.judged),
             labels=labels,
@@ -117,6 +114,13 @@ def _drawn(picture: Picture, width: float = WIDE) -> Drawn:
     """For a screen and a phone and, where that is wider than a sheet, for paper."""
     whole = sum(panel.height for panel in picture.panels)
     return drawn(picture, width=width, low=whole if width > PAPER else None)
+
+
+def _chart(main: OfQuantity) -> Drawn | None:
+    if not main.seals:
+        return None
+    asked = () if main.limits is None else main.limits.ends
+    return _drawn(control_picture(main.quantity, main.charts, main.seals, asked))
 
 
 def _curves(lot: Lot, found: Summary) -> Drawn | None:
@@ -218,21 +222,20 @@ def _gauge(main: OfQuantity) -> dict[str, Any] | None:
             *_ends(one.interval, scale), f"{100 * one.share:.1f}", *shares,
         ))  # fmt: skip
     share = study["gauge"].share
-    mark = "good" if share <= TRUSTED else "care" if share <= LIMIT else "bad"
-    low, high = (f"{end:.0f}" if isfinite(end) else "∞" for end in study.categories_interval)
-    tolerance = None
-    if main.limits is not None and None not in (main.limits.lower, main.limits.upper):
-        wide = (main.limits.upper or 0.0) - (main.limits.lower or 0.0)
-        tolerance = f"{100 * 6 * study['gauge'].deviation / wide:.1f}"
+    low, high = map(_count, study.categories_interval)
+    distance = None if main.limits is None else main.limits.distance
     return {
-        "rows": rows, "mark": mark, "share": f"{100 * share:.1f}", "low": low, "high": high,
-        "categories": int(study.categories) if isfinite(study.categories) else "∞",
+        "rows": rows, "share": f"{100 * share:.1f}", "low": low, "high": high,
+        "mark": "good" if share <= TRUSTED else "care" if share <= LIMIT else "bad",
+        "categories": _count(np.floor(study.categories)),
         "operators": study.operators, "parts": study.parts, "tests": study.tests,
-        "left_out": study.left_out, "tolerance": tolerance,
-        "pooled": study.interaction_p is not None and "interaction" not in [
-            one.name for one in study.variations
-        ],
+        "left_out": study.left_out, "pooled": study.pooled,
+        "tolerance": distance and f"{100 * 6 * study['gauge'].deviation / distance:.1f}",
     }  # fmt: skip
+
+
+def _count(value: float) -> str:
+    return f"{value:.0f}" if isfinite(value) else "∞"
 
 
 def _signals(main: OfQuantity) -> Iterator[tuple[str, str, str]]:
@@ -249,11 +252,9 @@ def _signals(main: OfQuantity) -> Iterator[tuple[str, str, str]]:
 
 def _lots(main: OfQuantity) -> list[tuple[str, ...]]:
     """Lot, seals, mean, standard deviation, control limits, Cpk and its ends."""
-    groups: dict[str, list[float]] = defaultdict(list)
-    for one in main.seals:
-        groups[one.lot].append(one.mean)
     rows: list[tuple[str, ...]] = []
-    for name, values in groups.items():
+    for name, seals in by_lot(main.seals).items():
+        values = seal_means(seals)
         shown, charts = main.quantity.shown, main.charts.get(name)
         able = main.capability.get(name)
         spread = float(np.std(values, ddof=1)) if len(values) > 1 else None
@@ -287,38 +288,41 @@ def _seals(
     found: Summary, further: Sequence[tuple[Quantity, Mapping[tuple[str, str], str]]]
 ) -> list[dict[str, Any]]:
     """Every seal, the gravest first: what fails, what is to be looked at, the others in order."""
-    main = found.main
-    decisions: dict[tuple[str, str], Judged] = {(one.lot, one.seal): one for one in main.judged}
-    why = defaultdict(list)
+    decisions = {(one.lot, one.seal): one for one in found.main.judged}
+    seals = {(one.lot, one.name): one for one in found.main.seals}
+    why, rows = _why(found), []
+    # those of which no test is used are judged alone
+    for key in dict.fromkeys((*seals, *decisions)):
+        said = "; ".join(why[key])
+        word: str = decisions[key].decision if key in decisions else "ok"
+        if said and word in ("ok", "pass"):
+            word = "look"
+        rows.append({
+            "lot": key[0], "name": key[1], "word": word, "why": said,
+            "rank": _GRAVITY.get(word, len(_GRAVITY)),
+            "more": [means.get(key, "") for _, means in further],
+            **_tested(seals.get(key), found.main.quantity),
+        })  # fmt: skip
+    return sorted(rows, key=lambda row: row["rank"])
+
+
+def _tested(seal: Seal | None, quantity: Quantity) -> dict[str, Any]:
+    """What the tests of a seal found, if one is used."""
+    if seal is None:
+        return {"tests": 0, "value": "", "sd": ""}
+    sd = quantity.shown(seal.deviation, digits=2)
+    return {"tests": len(seal.files), "value": quantity.shown(seal.mean), "sd": sd}
+
+
+def _why(found: Summary) -> dict[tuple[str, str], list[str]]:
+    """Why each seal is to be looked at: its judgement, then its flags."""
+    why: dict[tuple[str, str], list[str]] = defaultdict(list)
+    for one in found.main.judged:
+        why[one.lot, one.seal] += filter(None, [one.says(found.main.quantity)])
     for flag in found.flags:
         if not flag.file or flag.weighty:
             why[flag.lot, flag.seal or flag.file].append(flag.says)
-    rows = []
-    empty = [
-        Seal(key[0], key[1], (), np.array([])) for key in decisions if key not in
-        {(one.lot, one.name) for one in main.seals}
-    ]  # fmt: skip
-    for seal in (*main.seals, *empty):
-        key = seal.lot, seal.name
-        judged = decisions.get(key)
-        said = why[key]
-        if judged is not None and judged.decision == "not proven" and judged.guard is not None:
-            guard = main.quantity.read(judged.guard, digits=2)
-            said = [f"inside the limits by less than its guard band, {guard}", *said]
-        elif judged is not None and judged.decision == "fail":
-            said = ["outside the limits", *said]
-        word: str = judged.decision if judged is not None else ""
-        if said and word in ("", "pass"):
-            word = "look"
-        tested = len(seal.values) > 0
-        rows.append({
-            "lot": seal.lot, "name": seal.name, "tests": len(seal.files), "word": word or "ok",
-            "value": main.quantity.shown(seal.mean) if tested else "",
-            "sd": main.quantity.shown(seal.deviation, digits=2) if tested else "",
-            "more": [means.get(key, "") for _, means in further],
-            "why": "; ".join(said), "rank": (_GRAVITY.get(word, 3 if said else 4)),
-        })  # fmt: skip
-    return sorted(rows, key=lambda row: row["rank"])
+    return why
 
 
 def _tests(found: Summary, labels: Sequence[str]) -> list[dict[str, Any]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -38,6 +39,19 @@ class Seal(NamedTuple):
         return float(self.values.std(ddof=1)) if len(self.values) > 1 else None
 
 
+def by_lot(seals: Sequence[Seal]) -> dict[str, list[Seal]]:
+    """Return the seals of each lot, in their order."""
+    lots: dict[str, list[Seal]] = defaultdict(list)
+    for one in seals:
+        lots[one.lot].append(one)
+    return dict(lots)
+
+
+def seal_means(seals: Sequence[Seal]) -> FloatArray:
+    """Return the mean of each seal, shape (n,)."""
+    return np.array([one.mean for one in seals])
+
+
 class Charts(NamedTuple):
     """Control charts of one lot.
 
@@ -59,7 +73,8 @@ class Charts(NamedTuple):
 
 def charted(seals: Sequence[Seal]) -> Charts:
     """Return the control charts of the seals of one lot, two or more."""
-    means, moving = individuals(np.array([one.mean for one in seals]))
+    points, moving = individuals(seal_means(seals))
     groups = [one.values for one in seals]
     several = sum(len(one) > 1 for one in groups) > 1
-    return Charts(tuple(seals), means, moving, means_and_deviations(groups)[1] if several else None)
+    repeats = means_and_deviations(groups)[1] if several else None
+    return Charts(tuple(seals), points, moving, repeats)

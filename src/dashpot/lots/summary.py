@@ -23,7 +23,7 @@ from dashpot.lots.judgement import Judged, judged
 from dashpot.lots.limits import Limits
 from dashpot.lots.lot import Lot
 from dashpot.lots.quantities import Quantity
-from dashpot.lots.seals import Charts, Seal
+from dashpot.lots.seals import Charts, Seal, by_lot, seal_means
 from dashpot.lots.statistics.control import BEYOND, Chart
 from dashpot.lots.statistics.gauge import Gauge
 from dashpot.lots.statistics.scatter import Component, robust_distance, stands_out
@@ -175,36 +175,35 @@ def _of(lot: Lot, quantity: Quantity, limits: Limits | None) -> OfQuantity:
 
 
 def _flags(lot: Lot, of: OfQuantity) -> Iterator[Flag]:
-    quantity, charts = of.quantity, of.charts
-    for name, one in charts.items():
-        seals = one.seals
-        means = np.array([seal.mean for seal in seals])
-        away, far = robust_distance(means), stands_out(means)
-        beyond = {at for at, rule in one.means.signals if rule == BEYOND}
-        for i, seal in enumerate(seals):
-            if far[i] or i in beyond:
-                says = _far(quantity, seal, float(away[i])) + f", {BEYOND}" * (i in beyond)
-                yield Flag(name, seal.name, _only(seal), says)
-        if one.repeats is not None:
-            usual = one.repeats.centre
-            for at, _ in one.repeats.signals:
-                seal, scatter = seals[at], float(one.repeats.values[at])
-                yield Flag(
-                    name, seal.name, "",
-                    f"its repeats scatter by {quantity.read(scatter, digits=2)}, those of others "
-                    f"by {quantity.read(usual, digits=2)}: seated anew?",
-                )  # fmt: skip
+    for name, one in of.charts.items():
+        yield from _odd_seals(name, one, of.quantity)
     yield from _odd_repeats(of)
-    labels = {row[0]: row[1:] for row in lot.table.select("file", "lot", "seal").iter_rows()}
+    rows = lot.table.select("file", "lot", "seal", "outcome", "verdict", "reason").rows()
+    places = {file: (name, seal, file) for file, name, seal, *_ in rows}
     for file, says in lot.unlike.items():
-        yield Flag(labels[file][0], labels[file][1], file, f"{says}: left out of the statistics")
+        yield Flag(*places[file], f"{says}: left out of the statistics")
     for file, other in lot.copies.items():
-        yield Flag(labels[file][0], labels[file][1], file, f"the same record as {other}")
-    for file, name, seal, outcome, verdict, reason in lot.table.select(
-        "file", "lot", "seal", "outcome", "verdict", "reason"
-    ).iter_rows():
+        yield Flag(*places[file], f"the same record as {other}")
+    for file, _, _, outcome, verdict, reason in rows:
         if outcome != "fitted" or verdict == "do not use":
-            yield Flag(name, seal, file, reason or outcome, weighty=False)
+            yield Flag(*places[file], reason or outcome, weighty=False)
+
+
+def _odd_seals(name: str, one: Charts, quantity: Quantity) -> Iterator[Flag]:
+    """Seals of a lot that stand out of it, then those whose repeats scatter."""
+    away, far = robust_distance(seal_means(one.seals)), stands_out(seal_means(one.seals))
+    beyond = {at for at, rule in one.means.signals if rule == BEYOND}
+    for i, seal in enumerate(one.seals):
+        if far[i] or i in beyond:
+            says = _far(quantity, seal, float(away[i])) + f", {BEYOND}" * (i in beyond)
+            yield Flag(name, seal.name, _only(seal), says)
+    if one.repeats is None:
+        return
+    usual = quantity.read(one.repeats.centre, digits=2)
+    for at, _ in one.repeats.signals:
+        scatter = quantity.read(float(one.repeats.values[at]), digits=2)
+        yield Flag(name, one.seals[at].name, "", f"its repeats scatter by {scatter}, those of "
+                   f"others by {usual}: seated anew?")  # fmt: skip
 
 
 def _only(seal: Seal) -> str:
@@ -212,9 +211,12 @@ def _only(seal: Seal) -> str:
 
 
 def _far(quantity: Quantity, seal: Seal, away: float) -> str:
-    where = f"{'above' if away > 0 else 'below'} the median seal of its lot"
     by = f"{abs(away):.1f} robust deviations " if isfinite(away) else ""
-    return f"{quantity.read(seal.mean)}, {by}{where}"
+    return f"{quantity.read(seal.mean)}, {by}{_side(away)} the median seal of its lot"
+
+
+def _side(away: float) -> str:
+    return "above" if away > 0 else "below"
 
 
 def _odd_repeats(of: OfQuantity) -> Iterator[Flag]:
@@ -223,17 +225,14 @@ def _odd_repeats(of: OfQuantity) -> Iterator[Flag]:
     if not several:
         return
     # of n values about their own mean the deviation is smaller
-    away = [(one.values - one.mean) / np.sqrt(1 - 1 / len(one.values)) for one in several]
-    far = robust_distance(np.concatenate(away))
-    known = stands_out(np.concatenate(away))
+    away = np.concatenate([
+        (one.values - one.mean) / np.sqrt(1 - 1 / len(one.values)) for one in several
+    ])  # fmt: skip
     files = [(one, file) for one in several for file in one.files]
-    for (seal, file), one, out in zip(files, far, known, strict=True):
-        if out and isfinite(one):
-            yield Flag(
-                seal.lot, seal.name, file,
-                f"{abs(one):.1f} robust deviations {'above' if one > 0 else 'below'} the other "
-                "tests of its seal",
-            )  # fmt: skip
+    for (seal, file), far, out in zip(files, robust_distance(away), stands_out(away), strict=True):
+        if out and isfinite(far):
+            says = f"{abs(far):.1f} robust deviations {_side(far)} the other tests of its seal"
+            yield Flag(seal.lot, seal.name, file, says)
 
 
 # -- checks ---------------------------------------------------------------------------------------
@@ -241,24 +240,23 @@ def _odd_repeats(of: OfQuantity) -> Iterator[Flag]:
 
 def _checks(lot: Lot, each: Sequence[OfQuantity], flags: Sequence[Flag]) -> Iterator[Check]:
     for one in each:
-        if one.limits is None:
-            continue
-        yield seals_within_limits(
-            one.quantity.words, str(one.limits), [judge.decision for judge in one.judged]
-        )
-        if one.limits.cpk is not None:
-            lots = {judge.lot for judge in one.judged} or {""}
-            unknown = len(lots) - len(one.known)
-            yield capability_as_asked(one.quantity.words, one.lowest, unknown, one.limits.cpk)
+        if one.limits is not None:
+            yield from _of_limits(one, one.limits)
     seals = {(one.lot, one.seal, one.file) for one in flags if one.weighty}
     yield stands_out_of_lot(len(seals), len(each[0].seals))
-    beyond = [
-        (frequency, count)
-        for frequency in _frequencies(lot)
-        if (count := _out_of_band(lot, frequency))
-    ]
-    if _frequencies(lot):
-        yield asked_in_band([one for one, _ in beyond], max((n for _, n in beyond), default=0))
+    beyond = {frequency: _out_of_band(lot, frequency) for frequency in _frequencies(lot)}
+    if beyond:
+        asked = [frequency for frequency, count in beyond.items() if count]
+        yield asked_in_band(asked, max(beyond.values()))
+
+
+def _of_limits(one: OfQuantity, limits: Limits) -> Iterator[Check]:
+    decisions = [judge.decision for judge in one.judged]
+    yield seals_within_limits(one.quantity.words, str(limits), decisions)
+    if limits.cpk is not None:
+        lots = {judge.lot for judge in one.judged} or {""}
+        unknown = len(lots) - len(one.known)
+        yield capability_as_asked(one.quantity.words, one.lowest, unknown, limits.cpk)
 
 
 def _frequencies(lot: Lot) -> tuple[float, ...]:
@@ -278,17 +276,13 @@ def _out_of_band(lot: Lot, frequency: float) -> int:
 
 
 def _lines(one: OfQuantity) -> Iterator[str]:
-    def shown(value: float) -> str:
-        return ascii_only(one.quantity.read(value))
-
-    signals = sum(len(chart.means.signals) for chart in one.charts.values())
-    lots = counted(len({seal.lot for seal in one.seals}), "lot")
     if len(one.seals) < 2:
         return
-    mean = float(np.mean([seal.mean for seal in one.seals]))
+    signals = sum(len(chart.means.signals) for chart in one.charts.values())
+    mean = ascii_only(one.quantity.read(float(seal_means(one.seals).mean())))
     yield (
-        f"{one.quantity.words}: mean {shown(mean)} of {len(one.seals)} seals in {lots}, "
-        f"{signals} signals of control charts"
+        f"{one.quantity.words}: mean {mean} of {len(one.seals)} seals in "
+        f"{counted(len(by_lot(one.seals)), 'lot')}, {signals} signals of control charts"
     )
     if one.gauge is not None:
         share, (low, high) = one.gauge["gauge"].share, one.gauge.categories_interval
@@ -296,18 +290,19 @@ def _lines(one: OfQuantity) -> Iterator[str]:
             f"  gauge R&R   {100 * share:.3g} % of all scatter, ndc {one.gauge.categories:.0f} "
             f"({low:.0f} to {high:.0f})"
         )
-    for name, able in one.capability.items():
-        if able.cpk is not None and able.cpk_interval is not None:
-            low, high = able.cpk_interval
-            yield (
-                f"  Cpk         {able.cpk:.2f} ({low:.2f} to {high:.2f}, {able.count} seals)"
-                f"{f', lot {name}' if name else ''}"
-            )
-    for judge in one.judged:
-        if judge.decision != "pass":
-            value = "" if judge.value is None else f", {shown(judge.value)}"
-            where = f"{judge.lot} " if judge.lot else ""
-            yield f"  {judge.decision:<11} {where}seal {judge.seal}{value}"
+    for name, able in one.known.items():
+        low, high = able.cpk_interval or (0.0, 0.0)
+        yield (
+            f"  Cpk         {able.cpk:.2f} ({low:.2f} to {high:.2f}, {able.count} seals)"
+            f"{f', lot {name}' if name else ''}"
+        )
+    yield from (_judged(judge, one.quantity) for judge in one.judged if judge.decision != "pass")
+
+
+def _judged(judge: Judged, quantity: Quantity) -> str:
+    value = "" if judge.value is None else f", {ascii_only(quantity.read(judge.value))}"
+    where = f"{judge.lot} " if judge.lot else ""
+    return f"  {judge.decision:<11} {where}seal {judge.seal}{value}"
 
 
 def _plain(one: OfQuantity) -> dict[str, Any]:

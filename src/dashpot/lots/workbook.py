@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import datetime as dt
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from copy import copy
 from io import BytesIO
 from shutil import copyfileobj
@@ -15,7 +15,7 @@ from dashpot.base.version import byline
 from dashpot.io.write import neutral
 from dashpot.lots.lot import Lot
 from dashpot.lots.parts import polars
-from dashpot.lots.summary import OfQuantity, Summary, finite
+from dashpot.lots.summary import Summary
 
 if TYPE_CHECKING:
     import polars as pl
@@ -58,7 +58,7 @@ def _tests(lot: Lot) -> pl.DataFrame:
     if lot.table.height <= _SHEET_ROWS:
         return lot.neutral()
     says = f"{lot.table.height} are more than a sheet has rows: they are in lot.csv"
-    return _frame(iter([{"tests": says}]))
+    return _frame([{"tests": says}])
 
 
 def _write(book: Any, name: str, frame: pl.DataFrame) -> None:
@@ -89,54 +89,49 @@ def _byline_first(made: BytesIO) -> bytes:
     return whole.getvalue()
 
 
+_SHEETS = {
+    "seals": ("seals", "lot seal tests mean repeats_sd"),
+    "limits": ("judged", "lot seal decision value guard"),
+    "scatter": ("components", "source variance interval_from interval_to share"),
+    "gauge": ("variations", "name deviation interval_from interval_to share"),
+    "capability": (
+        "capability",
+        "lot count mean deviation lower upper cp cpk cpk_interval_from cpk_interval_to outside",
+    ),
+}
+"""Which part of the document of each quantity a sheet lists, and what of it."""
+_HEADS = {
+    "name": "source", "deviation": "sd", "count": "seals", "interval_from": "from",
+    "interval_to": "to", "cpk_interval_from": "cpk_from", "cpk_interval_to": "cpk_to",
+}  # fmt: skip
+
+
 def _sheets(found: Summary) -> Iterator[tuple[str, pl.DataFrame]]:
-    each = found.each
-    yield "seals", _frame(
-        _seal(of, seal.lot, seal.name) | {
-            "tests": len(seal.files), "mean": seal.mean, "repeats_sd": seal.deviation,
-        } for of in each for seal in of.seals
-    )  # fmt: skip
-    yield "limits", _frame(
-        _seal(of, one.lot, one.seal)
-        | {"decision": one.decision, "value": one.value, "guard": one.guard}
-        for of in each for one in of.judged
-    )  # fmt: skip
-    yield "scatter", _frame(
-        {"quantity": of.quantity.name, "source": one.source, "variance": one.variance,
-         "from": None if one.interval is None else one.interval[0],
-         "to": None if one.interval is None else one.interval[1], "share": one.share}
-        for of in each for one in of.components
-    )  # fmt: skip
-    yield "gauge", _frame(
-        {"quantity": of.quantity.name, "source": one.name, "sd": one.deviation,
-         "from": one.interval[0], "to": one.interval[1], "share": one.share}
-        for of in each if of.gauge is not None for one in of.gauge.variations
-    )  # fmt: skip
-    yield "capability", _frame(
-        {"quantity": of.quantity.name, "lot": neutral(lot), "seals": one.count, "mean": one.mean,
-         "sd": one.deviation, "lower": one.lower, "upper": one.upper, "cp": one.cp,
-         "cpk": one.cpk, "cpk_from": one.cpk_interval and one.cpk_interval[0],
-         "cpk_to": one.cpk_interval and one.cpk_interval[1], "outside": one.outside}
-        for of in each for lot, one in of.capability.items()
-    )  # fmt: skip
-    yield "flags", _frame(
-        {name: neutral(value) if isinstance(value, str) else value
-         for name, value in one._asdict().items()}
-        for one in found.flags
-    )  # fmt: skip
-    yield (
-        "checks",
-        _frame(
-            {"check": one.name, "passed": one.passed, "says": neutral(one.says)}
-            for one in found.checks
-        ),
-    )
+    document = found.document
+    for sheet, (part, names) in _SHEETS.items():
+        rows = (
+            {"quantity": of["quantity"]}
+            | {_HEADS.get(name, name): row.get(name) for name in names.split()}
+            for of in document["statistics"]
+            for row in map(_flat, (of | (of["gauge"] or {})).get(part, ()))
+        )
+        yield sheet, _frame(rows)
+    yield "flags", _frame(document["flags"])
+    checks = ({"check": one.name, "passed": one.passed, "says": one.says} for one in found.checks)
+    yield "checks", _frame(checks)
 
 
-def _seal(of: OfQuantity, lot: str, seal: str) -> dict[str, Any]:
-    return {"quantity": of.quantity.name, "lot": neutral(lot), "seal": neutral(seal)}
+def _flat(row: dict[str, Any]) -> dict[str, Any]:
+    """A row whose intervals are two cells each."""
+    for name in [name for name, value in row.items() if isinstance(value, list)]:
+        row[f"{name}_from"], row[f"{name}_to"] = row.pop(name)
+    return row
 
 
-def _frame(rows: Iterator[dict[str, Any]]) -> pl.DataFrame:
-    made: pl.DataFrame = polars().DataFrame(finite(list(rows)), infer_schema_length=None)
+def _frame(rows: Iterable[dict[str, Any]]) -> pl.DataFrame:
+    """A table of rows, in which no text is a formula."""
+    cells = [
+        {name: neutral(v) if isinstance(v, str) else v for name, v in row.items()} for row in rows
+    ]
+    made: pl.DataFrame = polars().DataFrame(cells, infer_schema_length=None)
     return made

@@ -40,13 +40,16 @@ def columns(
     DataError
         If there is no column of numbers.
     """
-    filled = [] if values is None else np.flatnonzero(np.isfinite(values).any(axis=0)).tolist()
+    values = np.zeros((0, 0)) if values is None else values
+    filled = np.flatnonzero(np.isfinite(values).any(axis=0)).tolist()
     along = next((i for i in filled if roles[i] in ACROSS), None)
     shown = [i for i in filled if i != along][:MOST]
-    if values is None or not shown:
+    if not shown:
         raise DataError("the file has no column of numbers to draw")
-    x = np.arange(1.0, len(values) + 1) if along is None else values[:, along]
-    across = Axis("row of those drawn" if along is None else names[along], around(x, margin=0.0))
+    x, word = np.arange(1.0, len(values) + 1), "row of those drawn"
+    if along is not None:
+        x, word = values[:, along], names[along]
+    across = Axis(word, around(x, margin=0.0))
     panels = tuple(
         Panel(
             across,

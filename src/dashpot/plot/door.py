@@ -87,11 +87,8 @@ def _line(found: DoorResult, plane: tuple[int, int]) -> Panel:
         Tag(one.at[i], one.at[j], one.name, "ink", "filled")
         for one in (*found.door.hinges, *latch, *found.door.bumpers)
     ]
-    places = [mark for mark in marks if not isinstance(mark, Tag | Rule)]
-    tags = [mark for mark in marks if isinstance(mark, Tag)]
     x, y = (
-        np.concatenate([*(getattr(one, name) for one in places), [getattr(t, name) for t in tags]])
-        for name in ("x", "y")
+        np.concatenate([np.atleast_1d(getattr(one, name)) for one in marks]) for name in ("x", "y")
     )
     return Panel(
         Axis(f"{_AXES[i]}, m", around(x, margin=0.15)),

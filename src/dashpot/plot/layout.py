@@ -159,23 +159,27 @@ def text_width(text: str, size: float = SMALL, *, bold: bool = False) -> float:
 
 def lay_out(strip: tuple[Panel, ...], width: float) -> Laid:
     """Return the places of a strip `width` px wide."""
-    heights = [panel.height for panel in strip]
-    ticks = [numbers(p.y, h, 24 if h < 110 else 30) for p, h in zip(strip, heights, strict=True)]
-    words = [written(p.y, found) for p, found in zip(strip, ticks, strict=True)]
-    left = GAP + max((text_width(word) for each in words for word in each), default=0.0)
+    ticks = [_upright(panel) for panel in strip]
+    left = GAP + max((text_width(word) for each in ticks for _, word in each), default=0.0)
     inner_width = width - left - RIGHT
     frames, y = [], 0.0
-    for i, (panel, height) in enumerate(zip(strip, heights, strict=True)):
+    for i, panel in enumerate(strip):
         last = i == len(strip) - 1
-        shown = _squared(panel, inner_width, height) if panel.square else panel
-        named = y + ROW * bool(panel.title) + (4.0 if panel.title else 0.0)
-        box = Box(left, named + ROW + 4, inner_width, height)
+        named = y + (ROW + 4) * bool(panel.title)
+        box = Box(left, named + ROW + 4, inner_width, panel.height)
+        shown, at = panel, ticks[i]
         if panel.square:
-            ticks[i] = numbers(shown.y, height, 30)
-            words[i] = written(shown.y, ticks[i])
-        frames.append(_frame(shown, box, ticks[i], words[i], named=last))
-        y = box.y + height + (2 * ROW + 6 if last else 10)
+            shown = _squared(panel, inner_width)
+            at = _upright(shown)
+        frames.append(_frame(shown, box, at, named=last))
+        y = box.y + box.height + (2 * ROW + 6 if last else 10)
     return Laid(width, y, tuple(frames))
+
+
+def _upright(panel: Panel) -> list[tuple[float, str]]:
+    """The numbers of the upright axis, and how they are written."""
+    at = numbers(panel.y, panel.height, 24 if panel.height < 110 else 30)
+    return list(zip(at, written(panel.y, at), strict=True))
 
 
 def arranged(picture: Picture) -> Sheet:
@@ -202,10 +206,10 @@ def arranged(picture: Picture) -> Sheet:
     return Sheet(y + MARGIN, tuple(strips), tuple(key), tuple(words))
 
 
-def _squared(panel: Panel, width: float, height: float) -> Panel:
+def _squared(panel: Panel, width: float) -> Panel:
     """The panel with the limits of one axis widened until both have one scale."""
     (x0, x1), (y0, y1) = panel.x.limits, panel.y.limits
-    unit = max((x1 - x0) / width, (y1 - y0) / height)
+    unit = max((x1 - x0) / width, (y1 - y0) / panel.height)
 
     def about(low: float, high: float, length: float) -> tuple[float, float]:
         middle, half = (low + high) / 2, unit * length / 2
@@ -214,43 +218,50 @@ def _squared(panel: Panel, width: float, height: float) -> Panel:
     return replace(
         panel,
         x=replace(panel.x, limits=about(x0, x1, width)),
-        y=replace(panel.y, limits=about(y0, y1, height)),
+        y=replace(panel.y, limits=about(y0, y1, panel.height)),
     )
 
 
-def _frame(
-    panel: Panel, box: Box, at: tuple[float, ...], words: list[str], *, named: bool
-) -> Frame:
+def _frame(panel: Panel, box: Box, upright: list[tuple[float, str]], *, named: bool) -> Frame:
     """One panel; `named` gives its horizontal axis numbers and a label."""
     bottom, right = box.y + box.height, box.x + box.width
     hairs, ticks = [], []
-    for value, word in zip(at, words, strict=True):
+    for value, word in upright:
         y = bottom - box.height * float(place(panel.y, value))
         hairs.append(Hair(box.x, y, right, y, "line"))
         ticks.append(Word(box.x - 6, y + 4, word, anchor="end"))
     hairs.append(Hair(box.x, bottom, right, bottom, "edge"))
-    below = numbers(panel.x, box.width, 46)
-    for value, word in zip(below, written(panel.x, below), strict=True):
-        x = box.x + box.width * float(place(panel.x, value))
-        hairs.append(Hair(x, bottom, x, bottom + 5, "edge"))
-        if named:
-            ticks.append(Word(x, bottom + 18, word, anchor="middle"))
-    for value in between(panel.x):
-        x = box.x + box.width * float(place(panel.x, value))
-        hairs.append(Hair(x, bottom, x, bottom + 3, "edge"))
-    said = [Word(box.x - 4, box.y - 6, panel.y.label)]
-    if panel.title:
-        said.append(Word(0, box.y - 6 - ROW - 2, panel.title, "ink", bold=True, size=BOLD))
-    if panel.note:
-        said.append(Word(right, box.y - 6, panel.note, anchor="end"))
+    said = _above(panel, box)
+    numbered = _numbered(panel.x, box)
     if named:
+        ticks += numbered
         said.append(Word(box.x + box.width / 2, bottom + 34, panel.x.label, anchor="middle"))
+    hairs += [Hair(one.x, bottom, one.x, bottom + 5, "edge") for one in numbered]
+    small = box.x + box.width * place(panel.x, between(panel.x))
+    hairs += [Hair(x, bottom, x, bottom + 3, "edge") for x in small]
     inner = tuple(one for mark in panel.marks for one in _inner(mark, panel, box))
     tags = [mark for mark in panel.marks if isinstance(mark, Tag)]
     return Frame(panel, box, inner, tuple(hairs), tuple(ticks), (*said, *_tagged(tags, panel, box)))
 
 
-# -- marks ----------------------------------------------------------------------------------------
+def _above(panel: Panel, box: Box) -> list[Word]:
+    """What stands above the axes: what they show upright, the title, a note."""
+    said = [Word(box.x - 4, box.y - 6, panel.y.label)]
+    if panel.title:
+        said.append(Word(0, box.y - 6 - ROW - 2, panel.title, "ink", bold=True, size=BOLD))
+    if panel.note:
+        said.append(Word(box.x + box.width, box.y - 6, panel.note, anchor="end"))
+    return said
+
+
+def _numbered(axis: Axis, box: Box) -> list[Word]:
+    """The numbers below the horizontal axis."""
+    at = numbers(axis, box.width, 46)
+    places = box.x + box.width * place(axis, at)
+    return [
+        Word(x, box.y + box.height + 18, word, anchor="middle")
+        for x, word in zip(places, written(axis, at), strict=True)
+    ]
 
 
 def _points(panel: Panel, box: Box, x: FloatArray, y: FloatArray) -> FloatArray:
@@ -361,7 +372,6 @@ def _tagged(tags: list[Tag], panel: Panel, box: Box) -> list[Word]:
     taken = [Box(x - 5, y - 5, 10, 10) for x, y in places]
     made = []
     for tag, (x, y) in zip(tags, places, strict=True):
-        wide = text_width(tag.text, bold=tag.bold)
         spots: list[tuple[float, float, Anchor]] = [
             (x + 10, y + 4, "start"), (x - 10, y + 4, "end"), (x + 10, y - 10, "start"),
             (x - 10, y - 10, "end"), (x + 14, y + 21, "start"), (x - 14, y + 21, "end"),
@@ -371,27 +381,29 @@ def _tagged(tags: list[Tag], panel: Panel, box: Box) -> list[Word]:
         if not tag.dot:
             # beneath the words of the point that it shares
             spots = [*spots[4:6], *spots]
-        choices = [(_room(sx, sy, wide, anchor), sx, sy, anchor) for sx, sy, anchor in spots]
-        free = [
-            one
-            for one in choices
-            if one[0].x >= box.x - 2
-            and one[0].x + one[0].width <= box.x + box.width + RIGHT
-            and box.y - 4 <= one[0].y <= box.y + box.height - ROW
-            and not any(_meet(one[0], other) for other in taken)
+        words = [
+            Word(sx, sy, tag.text, tag.colour, tag.bold, anchor, halo=True)
+            for sx, sy, anchor in spots
         ]
+        clear = (one for one in words if _clear(_room(one), box, taken))
         # where nothing is clear of the others, what stays inside is read
-        room, sx, sy, anchor = (
-            free[0] if free else min(choices, key=lambda one: _beyond(one[0], box))
-        )
-        taken.append(room)
-        made.append(Word(sx, sy, tag.text, tag.colour, tag.bold, anchor, halo=True))
+        word = next(clear, None) or min(words, key=lambda one: _beyond(_room(one), box))
+        taken.append(_room(word))
+        made.append(word)
     return made
 
 
-def _room(x: float, y: float, wide: float, anchor: Anchor) -> Box:
-    left = x if anchor == "start" else x - wide if anchor == "end" else x - wide / 2
-    return Box(left, y - 12, wide, ROW)
+def _clear(room: Box, box: Box, taken: list[Box]) -> bool:
+    """Whether some words stand inside the axes, and on nothing."""
+    beside = box.x - 2 <= room.x and room.x + room.width <= box.x + box.width + RIGHT
+    above = box.y - 4 <= room.y <= box.y + box.height - ROW
+    return beside and above and not any(_meet(room, other) for other in taken)
+
+
+def _room(word: Word) -> Box:
+    wide = text_width(word.text, bold=word.bold)
+    left = word.x - {"start": 0.0, "middle": 0.5, "end": 1.0}[word.anchor] * wide
+    return Box(left, word.y - 12, wide, ROW)
 
 
 def _beyond(room: Box, box: Box) -> float:

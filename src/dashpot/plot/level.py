@@ -27,6 +27,7 @@ from dashpot.plot.picture import (
     around_log,
     unit_of,
 )
+from dashpot.plot.stamps import of_test
 from dashpot.plot.stamps import stamp as stamped
 from dashpot.plot.tokens import SEQUENTIAL, sequential
 from dashpot.plot.vibration import FREQUENCY, SHOWN
@@ -107,23 +108,20 @@ def loops(test: RelaxationTest, fit: AmplitudeFit | None = None, *, stamp: str =
             recorded.append(Line(mm * _closed(x), N * _closed(F), pen, name))
             scaled.append(Line(_closed(x) / X, 1e-3 * _closed(F) / X, pen, name))
     panels = [
-        Panel(
-            Axis(f"displacement, {word}", around(*(one.x for one in recorded))),
-            Axis(f"force, {force}", around(*(one.y for one in recorded))),
-            tuple(recorded), title="as recorded", height=_HEIGHT,
-        ),
-        Panel(
-            Axis("displacement over its amplitude, 1", around(*(one.x for one in scaled))),
-            Axis("force over that amplitude, N/mm", around(*(one.y for one in scaled))),
-            tuple(scaled), title="each to its amplitude", height=_HEIGHT,
-        ),
+        _looped("as recorded", f"displacement, {word}", f"force, {force}", recorded),
+        _looped("each to its amplitude", "displacement over its amplitude, 1",
+                "force over that amplitude, N/mm", scaled),
     ]  # fmt: skip
     if fit is not None:
         panels += _over_amplitude(sweep_of_loops(test), fit)
     caption = "Hysteresis loops at several amplitudes, and what they say of stiffness and loss."
-    said = stamp or stamped(() if test.source is None else (test.source,), test.specimen)
     strips = tuple((panel,) for panel in panels)
-    return Picture("loops", caption, strips, 2, said, width=_WIDE)
+    return Picture("loops", caption, strips, 2, stamp or of_test(test), width=_WIDE)
+
+
+def _looped(title: str, across: str, upright: str, lines: Sequence[Line]) -> Panel:
+    x, y = around(*(one.x for one in lines)), around(*(one.y for one in lines))
+    return Panel(Axis(across, x), Axis(upright, y), tuple(lines), title=title, height=_HEIGHT)
 
 
 def amplitude_sweep(
@@ -138,10 +136,9 @@ def amplitude_sweep(
     stamp : str
         What the figure says of its origin; by default file, specimen and date.
     """
-    said = stamp or stamped(() if sweep.source is None else (sweep.source,), sweep.specimen)
     strips = tuple((panel,) for panel in _over_amplitude(sweep, fit))
     caption = "Storage and loss over amplitude, measured, and the law fitted to them."
-    return Picture("amplitude", caption, strips, 2, said, width=_WIDE)
+    return Picture("amplitude", caption, strips, 2, stamp or of_test(sweep), width=_WIDE)
 
 
 def frfs_at_levels(fit: LevelFit, frfs: Sequence[FRF], *, stamp: str = "") -> Picture:
@@ -187,11 +184,11 @@ def hits_as_levels(found: HitLevels, *, stamp: str = "") -> Picture:
     word, mm = unit_of(X, "m")
     across = Axis(f"amplitude of motion, {word}", around_log(mm * dense, margin=1.0), log=True)
     strips = []
-    for name, values, line, power in (
-        ("resonance, Hz", [one.frequency for one in hits], found.trend.stiffness_line, 0.5),
-        ("damping ratio, %", [one.damping_ratio for one in hits], found.trend.damping_line, 1.0),
+    f, zeta = [one.frequency for one in hits], [one.damping_ratio for one in hits]
+    for name, scale, values, line, power in (
+        ("resonance, Hz", 1.0, f, found.trend.stiffness_line, 0.5),
+        ("damping ratio, %", 100.0, zeta, found.trend.damping_line, 1.0),
     ):
-        scale = 100.0 if name.endswith("%") else 1.0
         ends = np.array([line.at(float(x)) for x in np.log2(dense)])
         middle, lower, upper = (
             scale * np.exp(power * (ends[:, 0] + way * ends[:, 1])) for way in (0, -1, 1)
@@ -234,10 +231,10 @@ def _closed(values: FloatArray) -> FloatArray:
 
 def _over_amplitude(sweep: AmplitudeSweep, fit: AmplitudeFit | None) -> list[Panel]:
     """Storage and loss, one colour a frequency; the law dashed where it was not measured."""
-    of, stretch = ("strain", 100.0) if sweep.of == "strain" else ("displacement", 1.0)
-    word, mm = ("%", stretch) if of == "strain" else unit_of(sweep.amplitude, "m")
-    unit, scale = ("MPa", 1e-6) if sweep.unit == "Pa" else ("N/mm", 1e-3)
-    letter = "E" if sweep.unit == "Pa" else "K"
+    of, word, mm = "strain", "%", 100.0
+    if sweep.of != "strain":
+        of, (word, mm) = "displacement", unit_of(sweep.amplitude, "m")
+    unit, scale, letter = ("MPa", 1e-6, "E") if sweep.unit == "Pa" else ("N/mm", 1e-3, "K")
     tones, tone = np.unique(sweep.frequency.round(6), return_inverse=True)
     low, high = float(sweep.amplitude.min()), float(sweep.amplitude.max())
     dense = np.geomspace(low / 1.5, high * 1.5, 200)

@@ -159,9 +159,7 @@ def stiffness(
         marks += inside(fit.band, f, curve, words.fit, beyond=f"{words.fit}, extrapolated")
         if data is not None:
             marks.append(_sweep(data, name, factor))
-        points = None if measured is None else _points(measured, name)
-        if points is not None and len(points.y):  # an FRF may be good nowhere
-            marks.append(points)
+        marks += _points(measured, name)
         if mark is not None:
             marks.append(Rule(mark, RESONANCE, f"resonance, {mark:.4g} Hz"))
         axes = (
@@ -179,15 +177,13 @@ def stiffness(
 
 def _scale(name: str, label: str, curve: FloatArray, marks: list[Mark]) -> Axis:
     """The upright axis: logarithmic for a loss, unless it is a spring's, which has none."""
-    tops = [m.high for m in marks if isinstance(m, Area)] + [
-        m.y for m in marks if isinstance(m, (Line, Dots))
-    ]
-    highest = max(float(np.nanmax(top)) for top in tops)
+    points = [m.y for m in marks if isinstance(m, (Line, Dots))]
+    tops = [m.high for m in marks if isinstance(m, Area)]
+    highest = max(float(np.nanmax(top)) for top in (*points, *tops))
     if name == "storage" or not curve.max() > 0:
         lowest = min(0.0, float(np.nanmin(curve)))
         return Axis(label, (lowest, 1.08 * highest if highest > 0 else 1.0))
     # a lower limit that touches zero must not make the axis dive after it
-    points = [m.y for m in marks if isinstance(m, (Line, Dots))]
     low, high = around_log(*points, margin=1.4)
     return Axis(label, (max(low, 1e-4 * high), max(high, min(1.2 * highest, 30 * high))), log=True)
 
@@ -263,14 +259,15 @@ def _sweep(data: DynamicTest, name: str, factor: float) -> Dots:
     return Dots(data.frequency, np.asarray(values), "measured", "measured")
 
 
-def _points(measured: DynamicStiffness, name: str) -> Dots:
+def _points(measured: DynamicStiffness | None, name: str) -> list[Dots]:
     """What the FRF says in thirds of an octave, where that is good, with one standard deviation."""
+    if measured is None:
+        return []
     lines = {one.name: one for one in quantities(measured)}
     line = lines["damping" if name == "loss" else name]
     f, one = averaged(measured.frequency, line, per_octave=3)
     good = (f >= one.good[0]) & (f <= one.good[1])
     factor = 2e-3 * np.pi * f if name == "loss" else np.ones(len(f))
-    return Dots(
-        f[good], (factor * one.value)[good], "measured", "straight from the FRF",
-        error=(factor * one.nested[0])[good],
-    )  # fmt: skip
+    value, error = factor * one.value, factor * one.nested[0]
+    points = Dots(f[good], value[good], "measured", "straight from the FRF", error=error[good])
+    return [points] * bool(good.any())  # an FRF may be good nowhere

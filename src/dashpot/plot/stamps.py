@@ -6,9 +6,10 @@ from collections.abc import Iterable
 
 from dashpot.base.numbers import rounded
 from dashpot.base.provenance import Source, sources_of
+from dashpot.records.amplitude import AmplitudeSweep
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF
-from dashpot.records.relaxation import RampHold
+from dashpot.records.relaxation import RampHold, RelaxationTest
 from dashpot.records.specimen import Specimen
 
 # that many file names are told apart; of more, the number
@@ -50,9 +51,9 @@ def _simulated(specimen: Specimen | None) -> bool:
     return specimen is not None and "simulated" in specimen.notes.lower()
 
 
-def of_test(prepared: RampHold) -> str:
-    """Of a relaxation test."""
-    return stamp(sources_of([prepared]), prepared.specimen)
+def of_test(test: RampHold | RelaxationTest | AmplitudeSweep) -> str:
+    """Of one test of a specimen."""
+    return stamp(sources_of([test]), test.specimen)
 
 
 def of_fit(fit: Fit) -> str:

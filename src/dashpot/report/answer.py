@@ -210,19 +210,22 @@ def _row(one: Answer) -> Row:
     else:
         below = above = (high - low) / 2
     known = [size for size in (below, above) if math.isfinite(size)]
-    measured = ""
-    if one.measured is not None:
-        error = None if one.measured_se is None else factor * one.measured_se
-        measured = rounded(factor * one.measured, error, digits=4)
     return Row(
         _name(one),
         rounded(value, min(known, default=None)),
         "unknown" if math.isnan(low) else rounded(low, below),
         "no limit" if math.isinf(high) else rounded(high, above),
         unit,
-        measured,
+        _measured(one, factor),
         one.bound,
     )
+
+
+def _measured(one: Answer, factor: float) -> str:
+    if one.measured is None:
+        return ""
+    error = None if one.measured_se is None else factor * one.measured_se
+    return rounded(factor * one.measured, error, digits=4)
 
 
 def _name(one: Answer) -> str:

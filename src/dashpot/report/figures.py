@@ -155,7 +155,6 @@ def _of_relaxation(study: Study) -> Iterator[plot.Picture]:
 
 
 def _of_vibration(study: Study) -> Iterator[plot.Picture]:
-    alone = study.measured or study.prediction
     if study.comparison is not None:
         c, joint = study.comparison, study.joint_comparison
         yield plot.comparison(c, joint=joint, failed=_failed(study), band=study.frf_band)
@@ -163,13 +162,10 @@ def _of_vibration(study: Study) -> Iterator[plot.Picture]:
         name = joint_pen(failed=_failed(study))[1]
         labels = ("measured", "predicted", name)
         yield plot.nyquist(c.measured, c.predicted, *after, labels=labels, failed=_failed(study))
-    elif alone is not None:
-        measured = alone is study.measured
-        yield plot.frf(
-            alone,
-            labels=("measured" if measured else "predicted, untested",),
-            band=None if measured else study.frf_band,
-        )
+    elif study.measured is not None:
+        yield plot.frf(study.measured, labels=("measured",))
+    elif study.prediction is not None:
+        yield plot.frf(study.prediction, labels=("predicted, untested",), band=study.frf_band)
     chart = chart_of(study)
     if chart is not None:
         yield chart

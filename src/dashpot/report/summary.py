@@ -6,6 +6,8 @@ import math
 from collections.abc import Iterable
 from typing import NamedTuple
 
+import numpy as np
+
 from dashpot.base.checks import GRADES, Check
 from dashpot.base.numbers import counted, hertz, readable, rounded
 from dashpot.base.provenance import Source
@@ -192,12 +194,8 @@ def weighty(study: Study, found: Recommendation) -> tuple[tuple[Weighty, ...], i
         if not (found.joint and check.grade == "note" and subject.get(check) == "fit")
     ]
     failed.sort(key=lambda one: -GRADES.index(one.check.grade))
-    room, shown = MOST_WORDS, 0
-    for one in failed:
-        room -= len(one.check.says.split())
-        if shown and room < 0:
-            break
-        shown += 1
+    words = np.cumsum([len(one.check.says.split()) for one in failed])
+    shown = max(int(np.sum(words <= MOST_WORDS)), min(len(failed), 1))
     return tuple(failed[:shown]), len(failed) - shown
 
 

@@ -362,21 +362,25 @@ def resonance(study: Study) -> Table | None:
         "peak": "highest line and its neighbours",
     }
     rows = [(f"measured: {says}", *_mode_cells(measured, way, c)) for way, says in ways.items()]
-    solids = [("model from relaxation", study.fit, study.mass)]
-    other = rival_of(study.fit)
-    if other is not None:
-        solids.append(("other family from relaxation", other, study.mass))
-    if study.joint is not None:
-        mass = next((n.value for n in study.joint.nuisance if n.name == "mass"), study.mass)
-        solids.append(("model from both tests", study.joint, mass))
     rests = study.at_rest
     given = rests.point.compression if rests is not None and rests.point.given else None
-    for says, one, mass in solids:
+    for says, one, mass in _solids(study, study.mass):
         point = operating_point(one, mass=mass, seals=study.seals, compression=given)
         for mode in model_modes(study.seals * point.solid(one), mass)[:1]:
             rows.append((f"{says}: exact pole", rounded(mode.frequency, digits=5),
                          rounded(100 * mode.damping_ratio)))  # fmt: skip
     return Table(("", "natural frequency, Hz", "damping ratio, %"), tuple(rows))
+
+
+def _solids(study: Study, mass: float) -> Iterator[tuple[str, Fit, float]]:
+    """The solids that are known, by what they are from, and the mass on each."""
+    yield "model from relaxation", study.fit, mass
+    other = rival_of(study.fit)
+    if other is not None:
+        yield "other family from relaxation", other, mass
+    if study.joint is not None:
+        found = next((n.value for n in study.joint.nuisance if n.name == "mass"), mass)
+        yield "model from both tests", study.joint, found
 
 
 def _mode_cells(measured: FRF, way: str, c: Comparison) -> tuple[str, str]:

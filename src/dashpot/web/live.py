@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from datetime import datetime
 from pathlib import Path
 from typing import Any
@@ -139,13 +139,7 @@ class Live:
         notes = device.notes if running else said
         says = "; ".join([f"{rows} samples", device.device, *notes, *self._whereabouts(rows)])
         size = min(max(width, _WIDE[0]), _WIDE[1]), min(max(height, _TALL[0]), _TALL[1])
-        whole = [time for time, _ in seen if len(time) > 1]
-        span = (min(t[0] for t in whole), max(t[-1] for t in whole)) if whole else (0.0, 1.0)
-        drawn = [
-            {"name": name, "now": f"{y[-1]:.4g}", "svg": _drawn(i, name, (x, y), span, size)}
-            for i, (name, (x, y)) in enumerate(zip(device.channels, seen, strict=True))
-            if len(x) > 1
-        ]
+        drawn = _drawings(device.channels, seen, size)
         return {
             "running": running, "rows": rows, "says": says, "failed": failed, "drawn": drawn,
             "kept": None if running else kept,
@@ -216,6 +210,19 @@ def _number(asked: Mapping[str, Any], name: str, usual: Any, kind: Callable[[Any
         return kind(asked.get(name) or usual)
     except (TypeError, ValueError):
         raise DataError(f"{name}: '{asked[name]}' is no number") from None
+
+
+def _drawings(
+    names: Sequence[str], seen: Sequence[tuple[FloatArray, FloatArray]], size: tuple[float, float]
+) -> list[dict[str, Any]]:
+    """Name, last value and drawing of each channel of which there is a curve, all of one time."""
+    whole = [time for time, _ in seen if len(time) > 1]
+    span = (min(t[0] for t in whole), max(t[-1] for t in whole)) if whole else (0.0, 1.0)
+    return [
+        {"name": name, "now": f"{y[-1]:.4g}", "svg": _drawn(i, name, (x, y), span, size)}
+        for i, (name, (x, y)) in enumerate(zip(names, seen, strict=True))
+        if len(x) > 1
+    ]
 
 
 def _drawn(

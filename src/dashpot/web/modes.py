@@ -135,33 +135,36 @@ def _tables(found: MeasuredModes) -> list[tuple[str, str]]:
     """What each mode is beside its pole; of several points shapes and how alike they are."""
     if not found.modes:
         return []
-    several = bool(found.points)
-    last = ["MPC", "MPD, °"] if several else ["modal mass, kg"]
+    last = ["MPC", "MPD, °"] if found.points else ["modal mass, kg"]
     rows = []
     for i, one in enumerate(found.modes, 1):
         own = [f"{one.modal_mass:.4g}"]
-        if several:
+        if found.points:
             own = [f"{one.phase_collinearity:.3f}", f"{one.phase_deviation_deg:.2g}"]
         residue = with_error(abs(one.mode.residue), one.mode.residue_se)
         rows.append([str(i), rounded(one.frequency_hz, digits=4), residue, *own,
                      f"{one.orders} of {found.highest_order}"])  # fmt: skip
     head = ["mode", "Hz", "residue, m/(N s)", *last, "orders stable"]
     tables = [("Modes", head, rows)]
-    if several:
-        numbers = [str(i + 1) for i in range(len(found.modes))]
-        parts = [complex(p.real, p.imag) for one in found.modes for p in one.shape]
-        shape = np.array(parts).reshape(len(numbers), -1)
-        shapes = [
-            [point, *(f"{abs(v):.3f}, {_degrees(v)}°"
-                      for v in shape[:, i])]
-            for i, point in enumerate(found.points)
-        ]  # fmt: skip
-        macs = [[n, *(f"{v:.3f}" for v in row)] for n, row in zip(numbers, found.mac, strict=True)]
-        tables += [
-            ("Shapes: size and phase", ["point", *(f"mode {n}" for n in numbers)], shapes),
-            ("Modal assurance criterion", ["mode", *numbers], macs),
-        ]
+    if found.points:
+        tables += _shapes(found)
     return [(title, views.piece("cells", head=head, rows=rows)) for title, head, rows in tables]
+
+
+def _shapes(found: MeasuredModes) -> list[tuple[str, list[str], list[list[str]]]]:
+    """The shapes of the modes, and how alike they are: title, head and rows."""
+    numbers = [str(i + 1) for i in range(len(found.modes))]
+    parts = [complex(p.real, p.imag) for one in found.modes for p in one.shape]
+    sizes = np.array(parts).reshape(len(numbers), -1).T
+    shapes = [
+        [point, *(f"{abs(v):.3f}, {_degrees(v)}°" for v in row)]
+        for point, row in zip(found.points, sizes, strict=True)
+    ]
+    macs = [[n, *(f"{v:.3f}" for v in row)] for n, row in zip(numbers, found.mac, strict=True)]
+    return [
+        ("Shapes: size and phase", ["point", *(f"mode {n}" for n in numbers)], shapes),
+        ("Modal assurance criterion", ["mode", *numbers], macs),
+    ]
 
 
 def _degrees(value: complex) -> str:

@@ -41,9 +41,9 @@ def job_of(given: object, folder: Path) -> Job:
         If a file is no longer there.
     """
     asked = mapping(given, "job")
-    strange = sorted(asked.keys() - {one.name for one in fields(Job)})
+    strange = asked.keys() - _names(Job)
     if strange:
-        raise DataError(f"a job has no '{strange[0]}'")
+        raise DataError(f"a job has no '{min(strange)}'")
     if not asked.get("relaxation"):
         raise DataError("no relaxation test is open: open one first")
     made: dict[str, Any] = {
@@ -65,12 +65,7 @@ def job_of(given: object, folder: Path) -> Job:
         made[name] = part(kind, asked.get(name, {}), name)
     for name, choices in _CHOICES.items():
         made[name] = choice(asked, name, choices)
-    for name in _TEXTS:
-        text = asked.get(name)
-        if text is not None and not isinstance(text, str):
-            raise DataError(f"{name} = {text!r}; expected a text")
-        if text:
-            made[name] = text
+    made |= {name: text for name in _TEXTS if (text := word(asked, name))}
     return Job(**made)
 
 
@@ -119,10 +114,9 @@ def part(kind: type[T], given: object, name: str) -> T:
         If it has what the part does not, or a value of the wrong kind.
     """
     asked = mapping(given, name)
-    known = {one.name for one in fields(kind)}  # type: ignore[arg-type]
-    strange = sorted(asked.keys() - known)
+    strange = asked.keys() - _names(kind)
     if strange:
-        raise DataError(f"{name} has no '{strange[0]}'; it has {', '.join(sorted(known))}")
+        raise DataError(f"{name} has no '{min(strange)}'; it has {', '.join(sorted(_names(kind)))}")
     if asked.get("calibration"):
         raise DataError("a page names no file beside those that it was given: no calibration")
     stated = {
@@ -131,6 +125,10 @@ def part(kind: type[T], given: object, name: str) -> T:
         if value not in (None, "")
     }
     return _made(lambda them: kind(**them), stated, name)
+
+
+def _names(kind: Any) -> set[str]:
+    return {one.name for one in fields(kind)}
 
 
 def sizes_of(request: Mapping[str, Any]) -> dict[str, tuple[float, float]]:
@@ -225,6 +223,14 @@ def number(given: object, name: str) -> float:
     if isinstance(given, bool) or not isinstance(given, int | float):
         raise DataError(f"{name} = {given!r}; expected a number")
     return float(given)
+
+
+def word(asked: Mapping[str, Any], name: str) -> str:
+    """Return what must be a text; nothing is an empty one."""
+    given = asked.get(name)
+    if given is not None and not isinstance(given, str):
+        raise DataError(f"{name} = {given!r}; expected a text")
+    return given or ""
 
 
 def choice(asked: Mapping[str, Any], name: str, choices: Sequence[str]) -> Any:

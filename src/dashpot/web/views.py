@@ -248,24 +248,13 @@ def live_test(fit: Fit, prepared: RampHold, by_eq5: Fit | None) -> Live:
 
 def beside(fit: Fit, by_eq5: Fit | None) -> list[tuple[str, str, str, str]]:
     """Name, value of the fit, value of eq. (5) and unit, of every parameter."""
-    if fit.family == "fractional":
-        own = parameters(fit)
-        return [(one.name, rounded(one.value, digits=4), "", one.unit) for one in own]
-    model, other = fit.model, None if by_eq5 is None else by_eq5.model
-    rows = [("k_inf", model.k_inf, None if other is None else other.k_inf, "N/mm", 1e-3)]
-    for name, unit, factor in (("k", "N/mm", 1e-3), ("tau", "s", 1.0)):
-        there = () if other is None else getattr(other, name)
-        for j, value in enumerate(getattr(model, name)):
-            beside = there[j] if j < len(there) else None
-            rows.append((f"{name}_{j + 1}", value, beside, unit, factor))
+    there = {}
+    if by_eq5 is not None and fit.family != "fractional":
+        there = {one.name: rounded(one.value, digits=4) for one in parameters(by_eq5)}
     return [
-        (
-            symbol(name),
-            rounded(factor * value, digits=4),
-            "" if beside is None else rounded(factor * beside, digits=4),
-            unit,
-        )
-        for name, value, beside, unit, factor in rows
+        (one.name, rounded(one.value, digits=4), there.get(one.name, ""), one.unit)
+        for one in parameters(fit)
+        if not one.name.startswith("b")
     ]
 
 
@@ -420,21 +409,21 @@ def _pulses(study: Study) -> dict[str, str]:
 
 def file_row(found: InspectedFile) -> dict[str, Any]:
     """What the list of files says of one: its kind, one line, a mark."""
-    ready = found.preparation
-    if ready is not None:
-        line = (
-            f"{rounded(1e3 * ready.depth)} mm, {rounded(ready.ramp_time)} s, "
-            f"{rounded(ready.hold_time)} s"
-        )
-    elif found.kind in (*FITTED, *RESPONSES) and not found.questions:
-        line = _refusal(found) or WANTED_BY[found.kind][0]
-    elif found.questions:
-        line = "asks: " + ("a unit" if "--units" in found.questions[0].option else "a column")
-    else:
-        line = found.refusal or found.reason
     strange = _refusal(found) or _stranger(found)
     mark = "care" if found.questions else "bad" if strange else "good"
-    return {"kind": found.kind, "line": line, "mark": mark, "simulated": found.simulated}
+    return {"kind": found.kind, "line": _told(found), "mark": mark, "simulated": found.simulated}
+
+
+def _told(found: InspectedFile) -> str:
+    ready = found.preparation
+    if ready is not None:
+        ramp, hold = rounded(ready.ramp_time), rounded(ready.hold_time)
+        return f"{rounded(1e3 * ready.depth)} mm, {ramp} s, {hold} s"
+    if found.questions:
+        return "asks: " + ("a unit" if "--units" in found.questions[0].option else "a column")
+    if found.kind in (*FITTED, *RESPONSES):
+        return _refusal(found) or WANTED_BY[found.kind][0]
+    return found.refusal or found.reason
 
 
 def _refusal(found: InspectedFile) -> str:

@@ -174,14 +174,12 @@ def study(request: Mapping[str, Any], folder: Path) -> bytes:
     # what a hammer says of a mass that nobody gave, on one seal, is no verdict yet
     asks = found.mass_inferred
     judged, said = (found.fit.checks, found.fit.verdict) if asks else (found.weighed, found.verdict)
-    weighed = [check for check in judged if check.failed]
-    passed = [check for check in judged if not check.failed]
     head: dict[str, Any] = {
         "verdict": views.verdict(said),
         "colour": COLOURS[said.use],
         "hint": HINT if asks else "",
         "answers": views.answers(found),
-        "checks": views.check_list([*weighed, *passed]),
+        "checks": views.check_list(sorted(judged, key=lambda check: not check.failed)),
         "frf": views.study_panel(found, sizes),
         "hits": views.hit_table(found),
         "hit_panels": views.hit_panels(found, sizes),

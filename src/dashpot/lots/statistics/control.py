@@ -156,9 +156,10 @@ def run_signals(z: FloatArray) -> Iterator[Signal]:
     for i, one in enumerate(z):
         if abs(one) > 3:
             yield Signal(i, BEYOND)
-        if i >= 8 and abs(np.sign(z[i - 8 : i + 1]).sum()) == 9:
+        # a run that begins before the first point is too short
+        if abs(np.sign(z[max(i - 8, 0) : i + 1]).sum()) == 9:
             yield Signal(i, SIDE)
-        if i >= 5 and abs(np.sign(np.diff(z[i - 5 : i + 1])).sum()) == 5:
+        if abs(np.sign(np.diff(z[max(i - 5, 0) : i + 1])).sum()) == 5:
             yield Signal(i, TREND)
         for rule, window, count, reach in ((TWO_OF_THREE, 3, 2, 2.0), (FOUR_OF_FIVE, 5, 4, 1.0)):
             last = z[i - window + 1 : i + 1] * np.sign(one)

@@ -81,6 +81,11 @@ class Gauge:
         """The source of a name."""
         return next(one for one in self.variations if one.name == name)
 
+    @property
+    def pooled(self) -> bool:
+        """Whether the interaction was tried and counts as repeatability."""
+        return self.interaction_p is not None and self.interaction_p > POOLED
+
 
 _Variances: TypeAlias = dict[str, FloatArray]
 
@@ -168,22 +173,23 @@ def _ratios(one: FloatArray, other: FloatArray) -> FloatArray:
 
 def _crossed(x: FloatArray, part: Labels, operator: Labels, operators: int) -> FloatArray:
     """The balanced part of a design, shape (parts, operators, repeats)."""
-    cells = [
-        [x[(part == i) & (operator == j)] for j in range(operators)] for i in range(part.max() + 1)
-    ]
-    whole = [row for row in cells if all(len(cell) for cell in row)]
+    tests = np.bincount(part * operators + operator, minlength=(part.max() + 1) * operators)
+    tests = tests.reshape(-1, operators)
+    whole = np.flatnonzero(tests.all(axis=1))
     if len(whole) < 2:
         raise DataError(
             f"{len(whole)} parts were tested by all {operators} operators; expected two or more: "
             "what operators add cannot be told from the parts"
         )
-    repeats = min(len(cell) for row in whole for cell in row)
+    repeats = tests[whole].min()
     if repeats < 2:
         raise DataError(
             "an operator tested a part once; expected two repeats or more of each: repeatability "
             "cannot be told from the rest"
         )
-    return np.array([[cell[:repeats] for cell in row] for row in whole])
+    return np.array([
+        [x[(part == i) & (operator == j)][:repeats] for j in range(operators)] for i in whole
+    ])  # fmt: skip
 
 
 def _of_repeats(x: FloatArray, part: Labels) -> tuple[_Squares, int, int]:
