@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dashpot.base.arrays import BoolArray, FloatArray
+from dashpot.base.arrays import BoolArray, FloatArray, positive
 from dashpot.base.errors import DataError
 from dashpot.records.closing import ClosingSetup
 from dashpot.records.seal_line import SealSection
@@ -65,10 +65,7 @@ class ClosingDoor:
     setup: ClosingSetup = field(default_factory=ClosingSetup)
 
     def __post_init__(self) -> None:
-        for name in ("inertia", "edge"):
-            value = getattr(self, name)
-            if not (np.isfinite(value) and value > 0):
-                raise DataError(f"{name} = {value!r} of a closing door; expected a number > 0")
+        positive(inertia=self.inertia, edge=self.edge, unit=" of a closing door")
         shapes = {np.shape(one) for one in (self.lever, self.compression, self.length)}
         if len(shapes) != 1 or not all(
             np.isfinite(one).all() for one in (self.lever, self.compression, self.length)
