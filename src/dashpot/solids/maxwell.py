@@ -208,9 +208,7 @@ class GeneralizedMaxwell(Solid):
 
     def with_length(self, length: float, *, measured_length: float) -> GeneralizedMaxwell:
         """The same section at another contact length, both in m: stiffness is per length."""
-        positive(
-            length=length, measured_length=measured_length, unit=" m", expected="a length > 0"
-        )
+        positive(length=length, measured_length=measured_length, unit=" m", expected="a length > 0")
         return self * (length / measured_length)
 
     def shifted(self, a_t: float, b_t: float = 1.0) -> GeneralizedMaxwell:

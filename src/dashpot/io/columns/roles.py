@@ -87,19 +87,20 @@ def assign(table: Table, role: Role, options: ReadOptions) -> Assigned | Questio
     equals = [index, *(i for value, i in others if value > top - _SAME)]
     reason = _reason(table.columns[index], role)
     if len(equals) > 1:
-        listed = _listed([quoted(table.columns, i) for i in sorted(equals)])
+        alike = listed([quoted(table.columns, i) for i in sorted(equals)])
         if not _same_numbers(table, equals, role, options):
             says = (
-                f"{listed} could each be the {_word(role)}; say which, for example "
+                f"{alike} could each be the {_word(role)}; say which, for example "
                 f'{flag(asked)} "{handle(table.columns, index)}"'
             )
             return Question(says, f"{flag(asked)} NAME", choices=len(equals))
-        reason = f"{listed} hold the same numbers"
+        reason = f"{alike} hold the same numbers"
     rest = tuple(i for _, i in others if i not in equals)
     return Assigned(role, index, reason, rest)
 
 
-def _listed(words: Sequence[str], last: str = "and") -> str:
+def listed(words: Sequence[str], last: str = "and") -> str:
+    """Return words as a sentence lists them: "a, b and c"."""
     return f" {last} ".join(filter(None, [", ".join(words[:-1]), words[-1]]))
 
 
@@ -280,7 +281,7 @@ def ask(table: Table, questions: Sequence[Question]) -> str:
         return "; ".join(one.says for one in questions)
     examples = " ".join(one.example for one in reversed(lacking))
     says = (
-        f"no column is recognised as {_listed([one.role for one in lacking], 'or')}; the columns "
+        f"no column is recognised as {listed([one.role for one in lacking], 'or')}; the columns "
         f"are {list_columns(table.columns)}; name each by its name or number, for example "
         f"{examples}"
     )
@@ -412,7 +413,7 @@ def no_units(table: Table, lacking: Sequence[Assigned]) -> str:
     first = lacking[0]
     header = f"{table.columns[first.index].name or first.role} [{examples[0]}]"
     return (
-        f'{labels[0]} has no unit, nor has {_listed(labels[1:], "or")}; add --units "{units_}", '
+        f'{labels[0]} has no unit, nor has {listed(labels[1:], "or")}; add --units "{units_}", '
         f"or write them into the header, as '{header}'"
     )
 

@@ -50,6 +50,20 @@ class Opened:
     table: Table
     options: ReadOptions
 
+    def column(self, role: Role) -> Assigned | None:
+        """The column that plays a role, if one alone does."""
+        answer = assign(self.table, role, self.options)
+        return answer if isinstance(answer, Assigned) else None
+
+    def unit(self, index: int, role: Role) -> Unit:
+        """The unit of a column in a role, as :func:`~dashpot.io.columns.roles.unit_for`."""
+        return unit_for(self.table.columns[index], index + 1, role, self.options)
+
+    def unit_word(self, index: int, role: Role) -> str:
+        """What the user, or else the file, says is the unit of a column; "" if neither does."""
+        column = self.table.columns[index]
+        return self.options.unit_of(role, column.name) or column.unit or ""
+
 
 @dataclass(frozen=True)
 class Channel:
@@ -170,19 +184,20 @@ def with_units(file: Opened, chosen: Sequence[Assigned]) -> list[Channel]:
     ReadError
         With every unit that is missing, unknown or wrong, and how to give it.
     """
-    found, asked = [], []
     lacking = [one for one in chosen if _lacks_unit(file, one)]
-    if len(lacking) > 1:
-        asked.append(no_units(file.table, lacking))
-    for one in chosen if len(lacking) < 2 else [each for each in chosen if each not in lacking]:
-        column, number = file.table.columns[one.index], one.index + 1
+    several = lacking if len(lacking) > 1 else []
+    found, asked = [], [no_units(file.table, several)] if several else []
+    for one in chosen:
+        if one in several:
+            continue
         try:
-            unit = unit_for(column, number, one.role, file.options)
+            unit = file.unit(one.index, one.role)
         except ReadError as error:
             asked.append(str(error))
             continue
         why = f" ({one.reason})" if one.reason else ""
-        says = f"{one.role}: {column.label(number)} [{unit.word}]{why}"
+        label = file.table.columns[one.index].label(one.index + 1)
+        says = f"{one.role}: {label} [{unit.word}]{why}"
         found.append(Channel(one.role, one.index, unit, says))
     if asked:
         raise ReadError("; ".join(asked))
@@ -227,12 +242,11 @@ def refuse_other_rate(file: Opened) -> None:
     ------
     ReadError
     """
-    answer, rate = assign(file.table, "time", file.options), file.options.rate
-    if rate is None or isinstance(answer, Question):
+    answer, rate = file.column("time"), file.options.rate
+    if rate is None or answer is None:
         return
-    column = file.table.columns[answer.index]
     try:
-        unit = unit_for(column, answer.index + 1, "time", file.options)
+        unit = file.unit(answer.index, "time")
     except ReadError:
         return
     ticks = load(file.table, [answer.index], file.options.segment, sure=False).values[:, 0]
@@ -262,8 +276,8 @@ def rivals(file: Opened, chosen: Sequence[Channel]) -> list[str]:
     for one in chosen:
         if one.role == "acceleration":  # there may be several
             continue
-        answer = assign(file.table, one.role, file.options)
-        others = [i for i in getattr(answer, "rivals", ()) if i not in taken]
+        answer = file.column(one.role)
+        others = [i for i in answer.rivals if i not in taken] if answer else []
         if others:
             listed = ", ".join(quoted(columns, i) for i in others[:3])
             notes.append(
@@ -289,6 +303,17 @@ def si(values: FloatArray, unit: Unit) -> FloatArray:
     if unit.offset:
         values += unit.offset
     return values
+
+
+def by_role(values: FloatArray, chosen: Sequence[Channel]) -> dict[Role, FloatArray]:
+    """Return the columns of loaded values, in the order chosen, in SI units by their role."""
+    columns = ((one, np.ascontiguousarray(values[:, j])) for j, one in enumerate(chosen))
+    return {one.role: si(column, one.unit) for one, column in columns}
+
+
+def timed(file: Opened, *roles: Role) -> list[Role]:
+    """Return the roles after that of the time, which is not needed where a rate is given."""
+    return list(roles) if file.options.rate else ["time", *roles]
 
 
 def load(table: Table, indexes: Sequence[int], segment: int | None, *, sure: bool = True) -> Loaded:
