@@ -226,8 +226,8 @@ def _asked_of_line(line: SealLine, assembly: Assembly, fit: Fit, below: float) -
     """Whether the seal is all there, finely enough, and pressed as it was tested."""
     apart = float(np.linalg.norm(line.points[0] - line.points[-1]))
     yield asked.line_closed(line.length, 0.0 if line.closed else apart)
-    yield asked.stations_suffice(station_error(assembly, below), assembly.pitch)
-    stations = line.stations(assembly.pitch)
+    yield asked.stations_suffice(station_error(assembly, below), assembly.door.pitch)
+    stations = line.stations(assembly.door.pitch)
     pressed = stations.compression
     if pressed is not None:
         worst = int(pressed.argmin())

@@ -127,27 +127,16 @@ def load_rows(
     heading = heading or Heading()
     got = _Gathered(segments=[heading.title])
     reader = _Reader(dialect, tuple(indexes), heading, got)
-    line = 1
-    skipped = dialect.first
     first = tail = ""
-    for block in blocks():
-        text = block
-        if skipped:
-            cut = _after_lines(text, skipped)
-            passed = text.count("\n", 0, cut)
-            skipped -= passed
-            line += passed
-            text = text[cut:]
-        if text:
-            reader.read(text, line)
-            line += line_count(text)
-            first = first or text.partition("\n")[0]
-            tail = (tail + text[-_TAIL:])[-_TAIL:]
+    for text, line in _below(blocks(), dialect.first):
+        reader.read(text, line)
+        first = first or text.partition("\n")[0]
+        tail = (tail + text[-_TAIL:])[-_TAIL:]
     values = _assembled(got, len(indexes))
     notes = [*got.notes(), *reader.finish(values)]
     last = tail.rstrip().split("\n")[1:]
-    if last and not got.between:
-        notes += _labels(first, last[-1], dialect, heading)
+    if not got.between:
+        notes += _labels(first, "".join(last[-1:]), dialect, heading)
     complete = got.between or got.rows - got.starts[-1] < 2
     if not complete and dialect.is_cut_off(last):
         values = values[:-1]
@@ -186,6 +175,18 @@ def _assembled(got: _Gathered, width: int) -> FloatArray:
     return values
 
 
+def _below(blocks: Iterator[str], first: int) -> Iterator[tuple[str, int]]:
+    """The text below the first lines, block by block, each with the number of its line."""
+    line = 1
+    for block in blocks:
+        cut = _after_lines(block, first - line + 1)
+        line += block.count("\n", 0, cut)
+        text = block[cut:]
+        if text:
+            yield text, line
+            line += line_count(text)
+
+
 def _after_lines(text: str, count: int) -> int:
     position = 0
     for _ in range(count):
@@ -220,8 +221,8 @@ class _Reader:
         self.got = got
         self.plain = PlainRows(dialect, indexes)
         self.clocks = {
-            i: ClockColumn(heading.clocks[i] if heading.clocks else "")
-            for i in indexes
+            place: ClockColumn(heading.clocks[i] if heading.clocks else "")
+            for place, i in enumerate(indexes)
             if dialect.contents[i] == "clock"
         }
         self.grouped: set[int] = set()
@@ -265,10 +266,8 @@ class _Reader:
             if not found[0][:1].isalpha() and not cut_off:  # else a summary, or a cut-off row
                 self._refuse(number, text)
         notes = []
-        for place, i in enumerate(self.indexes):
-            if i not in self.clocks:
-                continue
-            nights, asked = self.clocks[i].settled(values[:, place])
+        for place, clock in self.clocks.items():
+            nights, asked = clock.settled(values[:, place])
             self.got.doubts += [(None, question) for question in asked]
             notes += [f"the clock passes midnight at row {row + 1}" for row in nights[:3]]
         return notes
@@ -319,7 +318,7 @@ class _Reader:
         """The numbers wanted of a row."""
         values = []
         for place, i in enumerate(self.indexes):
-            clock = self.clocks.get(i)
+            clock = self.clocks.get(place)
             value = clock.seconds(row[i]) if clock else self.dialect.value(row[i], i)
             values.append(np.nan if value is None else value)
             if value is None and row[i]:
