@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from copy import copy
 from dataclasses import fields
 from functools import wraps
+from itertools import pairwise
 from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
@@ -181,6 +182,11 @@ def not_negative(of: str = "", /, *, expected: str = "a number >= 0", **named: A
 def picked(noun: object, *names: str) -> dict[str, Any]:
     """Return some of the fields of a record by name."""
     return {name: getattr(noun, name) for name in names}
+
+
+def slices(starts: Sequence[int], count: int) -> tuple[slice, ...]:
+    """Return the runs of so many rows that begin at these."""
+    return tuple(slice(a, b) for a, b in pairwise((*starts, count)))
 
 
 def phasor(count: int, turn: float) -> ComplexArray:

@@ -271,17 +271,17 @@ def parse_quantity(text: str, dimension: Dimension) -> float:
     match = re.fullmatch(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\d\s].*?)?\s*", text)
     if match is None:
         raise DataError(f"'{text}' is not a quantity; expected a number and a unit of {dimension}")
-    if match[2] and re.match(r",\d", match[2]):
-        bare = text.strip().replace(",", "")
-        grouped = f", or '{bare}' if that is meant" if re.match(r",\d{3}(?!\d)", match[2]) else ""
-        pointed = text.strip().replace(",", ".", 1)
-        raise DataError(f"'{text}' has a decimal comma; write '{pointed}' with a point{grouped}")
     if match[2] is None:
         known = [one.word for one in _of(dimension)]
         raise DataError(
             f"'{text}' has no unit; add a unit of {dimension} to it, for example '{text.strip()}"
             f"{_USUAL.get(dimension, known[0])}' (known: {', '.join(known)})"
         )
+    if re.match(r",\d", match[2]):
+        bare = text.strip().replace(",", "")
+        grouped = f", or '{bare}' if that is meant" if re.match(r",\d{3}(?!\d)", match[2]) else ""
+        pointed = text.strip().replace(",", ".", 1)
+        raise DataError(f"'{text}' has a decimal comma; write '{pointed}' with a point{grouped}")
     unit = parse_unit(match[2], dimension)
     value = float(match[1])
     # division keeps 104 g exactly 0.104 kg where the factor is a negative power of ten

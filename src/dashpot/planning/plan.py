@@ -263,12 +263,11 @@ def _others(
         for part in FASTER
         if bench.ramp_time * part * bench.rate >= 5
     ]
-    single = [(bench, (each,)) for each in repeats] if len(repeats) > 1 else []
-    alone = [(bench, ())] if repeats else []
-    both = [(other, repeats)] if repeats else []
     ramps = [(each, ()) for each in (other, *faster)]
-    cold = [] if repeats else [(bench, place) for place in _usual_cold(room, law)]
-    return [*alone, *single, *both, *ramps, *cold]
+    if not repeats:
+        return [*ramps, *((bench, place) for place in _usual_cold(room, law))]
+    single = [(bench, (each,)) for each in repeats] if len(repeats) > 1 else []
+    return [(bench, ()), *single, (other, repeats), *ramps]
 
 
 def _usual_cold(room: float, law: TemperatureLaw) -> list[tuple[Elsewhere]]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from dashpot.base.arrays import ByValue, FloatArray, measured, positive, same_length
+from dashpot.base.arrays import ByValue, FloatArray, measured, positive, same_length, slices
 from dashpot.base.errors import DataError
 from dashpot.base.offered import Described
 from dashpot.base.provenance import Source, of_file
@@ -57,5 +57,4 @@ class ShakenTest(ByValue, Described):
 
     def records(self) -> tuple[slice, ...]:
         """The continuous records, as slices of the samples."""
-        stops = (*self.starts[1:], len(self.base))
-        return tuple(slice(a, b) for a, b in zip(self.starts, stops, strict=True))
+        return slices(self.starts, len(self.base))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -171,12 +171,7 @@ def level_files(
         "--level": levels, "--mass": mass is not None, "--seals": seals != 1,
         "--motion": motion != "absolute", "--band": band is not None, "--at": at,
     }  # fmt: skip
-    given = [flag for flag in asked if asked[flag] and not (struck and flag in _OF_HITS)]
-    if given:
-        raise ReadError(
-            f"{given[0]} belongs to FRFs of a mass, and {Path(files[0]).name} is another kind of "
-            "file; leave it out"
-        )
+    _refuse_given(files[0], asked, *(_OF_HITS if struck else ()))
     if struck:
         _refuse_law(law, "hits")
         return _of_hits(files, levels, mass=mass, band=band, at=at, options=options)
@@ -186,8 +181,18 @@ def level_files(
     return Levels(found, (), found.checks, (record,))
 
 
-_OF_HITS = {"--level", "--mass", "--band", "--at"}
+_OF_HITS = ("--level", "--mass", "--band", "--at")
 """Options that belong to FRFs, and to hits too."""
+
+
+def _refuse_given(path: str | Path, asked: Mapping[str, object], *but: str) -> None:
+    """Refuse options of FRFs that were given with a file that is none."""
+    given = [flag for flag, said in asked.items() if said and flag not in but]
+    if given:
+        raise ReadError(
+            f"{given[0]} belongs to FRFs of a mass, and {Path(path).name} is another kind of "
+            "file; leave it out"
+        )
 
 
 def _refuse_law(law: str, whose: str) -> None:

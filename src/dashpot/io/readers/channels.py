@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from dashpot.base.arrays import BoolArray, FloatArray, median
+from dashpot.base.arrays import BoolArray, FloatArray, median, slices
 from dashpot.base.checks import Check
 from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Source
@@ -25,6 +25,7 @@ from dashpot.io.columns.roles import (
     no_units,
     quoted,
     unit_for,
+    unit_said,
 )
 from dashpot.io.columns.vocabulary import Role
 from dashpot.io.formats import read_table
@@ -59,10 +60,9 @@ class Opened:
         """The unit of a column in a role, as :func:`~dashpot.io.columns.roles.unit_for`."""
         return unit_for(self.table.columns[index], index + 1, role, self.options)
 
-    def unit_word(self, index: int, role: Role) -> str:
-        """What the user, or else the file, says is the unit of a column; "" if neither does."""
-        column = self.table.columns[index]
-        return self.options.unit_of(role, column.name) or column.unit or ""
+    def unit_word(self, index: int, role: Role) -> str | None:
+        """What the user, or else the file, says is the unit of a column, if either does."""
+        return unit_said(self.table.columns[index], role, self.options)
 
 
 @dataclass(frozen=True)
@@ -184,7 +184,7 @@ def with_units(file: Opened, chosen: Sequence[Assigned]) -> list[Channel]:
     ReadError
         With every unit that is missing, unknown or wrong, and how to give it.
     """
-    lacking = [one for one in chosen if _lacks_unit(file, one)]
+    lacking = [one for one in chosen if file.unit_word(one.index, one.role) is None]
     several = lacking if len(lacking) > 1 else []
     found, asked = [], [no_units(file.table, several)] if several else []
     for one in chosen:
@@ -202,15 +202,6 @@ def with_units(file: Opened, chosen: Sequence[Assigned]) -> list[Channel]:
     if asked:
         raise ReadError("; ".join(asked))
     return found
-
-
-def _lacks_unit(file: Opened, one: Assigned) -> bool:
-    column = file.table.columns[one.index]
-    return (
-        one.role != "stretch"
-        and column.unit is None
-        and file.options.unit_of(one.role, column.name) is None
-    )
 
 
 def refuse_sizes(file: Opened, answers: Sequence[tuple[Channel, Sequence[Check]]]) -> None:
@@ -391,9 +382,8 @@ def part(loaded: Loaded, segment: int | None) -> Loaded:
     if segment > count:
         plural = "s" * (count != 1)
         raise ReadError(f"--segment {segment}, but the file has {count} segment{plural}")
-    stops = (*loaded.starts[1:], len(loaded.values))
     keep = np.zeros(len(loaded.values), dtype=bool)
-    keep[loaded.starts[segment - 1] : stops[segment - 1]] = True
+    keep[slices(loaded.starts, len(keep))[segment - 1]] = True
     doubts = tuple(doubt for doubt in loaded.doubts if doubt[0] in {None, segment - 1})
     return replace(rows(loaded, keep), doubts=doubts)
 

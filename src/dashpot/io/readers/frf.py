@@ -173,7 +173,7 @@ def _comments(header: tuple[str, ...]) -> dict[str, float]:
 
 def _kind(file: Opened, role: Role, index: int) -> Ratio:
     """What the FRF relates, from the unit, held against a ``kind:`` comment."""
-    column, word = file.table.columns[index], file.unit_word(index, role)
+    column, word = file.table.columns[index], file.unit_word(index, role) or ""
     found = ratio(word)
     if found is None and of_motions(file.table):
         found = bare_ratio(word)

@@ -64,11 +64,8 @@ class Dialect:
         found = cell.split(line, self.delimiter, trim=False)
         if self.delimiter == " " and len(found) < self.cells:
             found = cell.placed(line, like)
-        whole = len(found) == self.cells
-        while found and not found[-1]:
-            found.pop()
-        width = len(self.contents)
-        if not found or not (whole or self._ends_well(found)):
+        whole, width = len(found) == self.cells, len(self.contents)
+        if not cell.trimmed(found) or not (whole or self._ends_well(found)):
             return None
         if self.contents[0] == "blank" and found[0]:
             return None  # a word where every row is blank: a key of the header

@@ -143,7 +143,8 @@ def load_rows(
         notes.append("the last row is cut off within its last number and was left out")
     if not sure:
         points = marks.open_columns(values)
-        asked = marks.ambiguous(blocks(), dialect, indexes, reader.grouped, points)
+        below = _below(blocks(), dialect.first)
+        asked = marks.ambiguous(below, dialect, indexes, reader.grouped, points)
         got.doubts += [(None, question) for question in asked]
     starts, names = tuple(got.starts), tuple(got.segments)
     return Loaded(
@@ -153,12 +154,13 @@ def load_rows(
 
 def _labels(first: str, last: str, dialect: Dialect, heading: Heading) -> list[str]:
     """Note columns of labels that end otherwise than they begin: other runs, or no row at all."""
-    notes = []
-    ends = dialect.row(first), dialect.row(last)
-    for i, held in enumerate(dialect.contents if None not in ends else ()):
-        begin, end = (row[i] for row in ends if row)
-        said = begin and end and max(sum(map(str.isdigit, text)) for text in (begin, end)) < _DATED
-        if held == "text" and begin != end and said:
+    notes: list[str] = []
+    top, bottom = dialect.row(first), dialect.row(last)
+    if top is None or bottom is None:
+        return notes
+    for i, (held, begin, end) in enumerate(zip(dialect.contents, top, bottom, strict=True)):
+        digits = max(sum(map(str.isdigit, text)) for text in (begin, end))
+        if held == "text" and "" not in {begin, end} and begin != end and digits < _DATED:
             name = heading.columns[i].label(i + 1) if heading.columns else str(i + 1)
             notes.append(f"column '{name}' begins with '{begin[:20]}' and ends with '{end[:20]}'")
     return notes[:2]
