@@ -272,8 +272,7 @@ class GeneralizedMaxwell(Solid):
         with A = depth / ramp_time and c = ramp_time. Equation (5) as printed holds
         exp(c/tau), which overflows for tau < c/709; this form cannot.
         """
-        if not (np.isfinite(ramp_time) and ramp_time > 0):
-            raise DataError(f"ramp_time = {ramp_time!r} s; expected a time > 0")
+        positive(ramp_time=ramp_time, unit=" s", expected="a time > 0")
         t = np.asarray(t, dtype=float)
         k, tau = self._arms()
         b = k * tau
