@@ -86,22 +86,20 @@ def capability(
     x = np.asarray(values, dtype=float)
     if len(x) < 2:
         raise DataError(f"capability of {len(x)} value: expected two or more")
-    if lower is None and upper is None:
+    low, high = -math.inf if lower is None else lower, math.inf if upper is None else upper
+    if math.isinf(low) and math.isinf(high):
         raise DataError("capability without a limit; give a lower one, an upper one, or both")
-    if lower is not None and upper is not None and lower >= upper:
-        raise DataError(f"the lower limit {lower:g} is not below the upper one, {upper:g}")
+    if low >= high:
+        raise DataError(f"the lower limit {low:g} is not below the upper one, {high:g}")
     from scipy.stats import shapiro  # few need it, and it costs time to import
 
     mean, deviation = float(x.mean()), float(x.std(ddof=1))
-    beyond = np.zeros(len(x), dtype=bool)
-    beyond |= False if lower is None else x < lower
-    beyond |= False if upper is None else x > upper
-    outside = int(np.count_nonzero(beyond))
+    outside = int(np.count_nonzero((x < low) | (x > high)))
     scatters = deviation > 1e-12 * abs(mean)
     unknown: _Index = (None, None)
     cp, cpk = unknown, unknown
     if scatters:
-        cp, cpk = _indices(mean, deviation, lower, upper, n=len(x), level=level)
+        cp, cpk = _indices(mean, deviation, low, high, n=len(x), level=level)
     return Capability(
         len(x), mean, deviation, lower, upper, *cp, *cpk,
         outside, share_interval(outside, len(x), level),
@@ -110,23 +108,17 @@ def capability(
 
 
 def _indices(
-    mean: float, deviation: float, lower: float | None, upper: float | None, *, n: int, level: float
+    mean: float, deviation: float, lower: float, upper: float, *, n: int, level: float
 ) -> tuple[_Index, _Index]:
     from scipy.stats import chi2
 
     tail = (1 - level) / 2
-    halves = [
-        side / (3 * deviation)
-        for side in (
-            math.inf if lower is None else mean - lower,
-            math.inf if upper is None else upper - mean,
-        )
-    ]
+    halves = [side / (3 * deviation) for side in (mean - lower, upper - mean)]
     known = [one for one in halves if math.isfinite(one)]
     low = min(_true_index(one, n, 1 - tail) for one in known)
     high = min(_true_index(one, n, tail / len(known)) for one in known)
     of_cpk = min(known), (low, high)
-    if lower is None or upper is None:
+    if len(known) < len(halves):
         return (None, None), of_cpk
     cp = (upper - lower) / (6 * deviation)
     near, far = (cp * math.sqrt(float(chi2.ppf(p, n - 1)) / (n - 1)) for p in (tail, 1 - tail))

@@ -232,9 +232,22 @@ def parse_unit(word: str, dimension: Dimension) -> Unit:
     if unit is not None:
         return unit
     other = " or ".join(dimensions(word))
-    known = ", ".join(entry.word for entry in TABLE.values() if entry.dimension == dimension)
+    known = ", ".join(one.word for one in _of(dimension))
     found = f"is a unit of {other}" if other else "is not a known unit"
     raise DataError(f"'{word}' {found}; expected a unit of {dimension}, one of: {known}")
+
+
+def si_unit(dimension: Dimension) -> Unit:
+    """Return the SI unit of what is measured.
+
+    >>> si_unit("stress").word, si_unit("compliance").word
+    ('Pa', 'm/N')
+    """
+    return next(unit for unit in _of(dimension) if (unit.factor, unit.offset) == (1, 0))
+
+
+def _of(dimension: Dimension) -> list[Unit]:
+    return [unit for unit in TABLE.values() if unit.dimension == dimension]
 
 
 _USUAL: dict[Dimension, str] = {
@@ -258,17 +271,17 @@ def parse_quantity(text: str, dimension: Dimension) -> float:
     match = re.fullmatch(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\d\s].*?)?\s*", text)
     if match is None:
         raise DataError(f"'{text}' is not a quantity; expected a number and a unit of {dimension}")
-    if match[2] and re.match(r",\d", match[2]):
+    if match[2] is None:
+        known = [one.word for one in _of(dimension)]
+        raise DataError(
+            f"'{text}' has no unit; add a unit of {dimension} to it, for example '{text.strip()}"
+            f"{_USUAL.get(dimension, known[0])}' (known: {', '.join(known)})"
+        )
+    if re.match(r",\d", match[2]):
         bare = text.strip().replace(",", "")
         grouped = f", or '{bare}' if that is meant" if re.match(r",\d{3}(?!\d)", match[2]) else ""
         pointed = text.strip().replace(",", ".", 1)
         raise DataError(f"'{text}' has a decimal comma; write '{pointed}' with a point{grouped}")
-    if match[2] is None:
-        known = ", ".join(entry.word for entry in TABLE.values() if entry.dimension == dimension)
-        raise DataError(
-            f"'{text}' has no unit; add a unit of {dimension} to it, for example '{text.strip()}"
-            f"{_USUAL.get(dimension, known.split(', ')[0])}' (known: {known})"
-        )
     unit = parse_unit(match[2], dimension)
     value = float(match[1])
     # division keeps 104 g exactly 0.104 kg where the factor is a negative power of ten
@@ -290,8 +303,7 @@ def typed(value: float, dimension: Dimension) -> str:
     >>> typed(0.1148, "mass"), typed(296.15, "temperature"), typed(1 / 3, "length")
     ('114.8g', '23degC', '0.3333333333333333m')
     """
-    units = [unit for unit in TABLE.values() if unit.dimension == dimension]
-    plain = next(unit for unit in units if unit.factor == 1.0 and unit.offset == 0.0)
+    plain = si_unit(dimension)
     usual = find(_USUAL.get(dimension, ""), dimension) or plain
     text = f"{(value - usual.offset) / usual.factor:.12g}{usual.word}"
     return text if parse_quantity(text, dimension) == value else f"{value!r}{plain.word}"

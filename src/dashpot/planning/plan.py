@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray, sample_count
+from dashpot.base.arrays import FloatArray, positive, sample_count
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, si
@@ -45,6 +45,7 @@ LINE_STEP = 0.1
 # where a test is repeated if nobody says: a refrigerator, K; if that is so much colder
 USUAL_COLD = 273.15
 COLDER = 10.0
+_IN_SI = "a number > 0 in SI units"
 
 
 @dataclass(frozen=True)
@@ -188,16 +189,11 @@ def plan(
     rate, noise, at = si(rate, "frequency"), si(noise, "force"), si(at, "frequency")
     baseline, sync, drift = si(baseline, "time"), si(sync, "time"), si(drift, "force rate")
     mass, record, pulse = si(mass, "mass"), si(record, "time"), si(pulse, "time")
-    _positive(depth=depth, ramp_time=ramp_time, hold_time=hold_time, rate=rate, noise=noise, at=at)
-    _positive(
-        baseline=baseline,
-        mass=mass,
-        seals=seals,
-        record=record,
-        pulse=pulse,
-        wanted=wanted,
-        hits=hits,
-    )
+    positive(
+        depth=depth, ramp_time=ramp_time, hold_time=hold_time, rate=rate, noise=noise, at=at,
+        baseline=baseline, mass=mass, seals=seals, record=record, pulse=pulse, wanted=wanted,
+        hits=hits, expected=_IN_SI, optional=True,
+    )  # fmt: skip
     if not 0 < coherence < 1:
         raise DataError(f"coherence = {coherence!r}; expected a number between 0 and 1")
     if method not in {"full", "hold"}:
@@ -206,7 +202,7 @@ def plan(
     asked = [cold] if isinstance(cold, str | float | int) else cold
     places = [si(each, "temperature") for each in asked]
     for kelvin in (room, *places):
-        _positive(temperature=kelvin)
+        positive(temperature=kelvin, expected=_IN_SI)
     repeats = tuple(elsewhere(kelvin, room, law) for kelvin in places)
     refuse_twice(places)
     seal = USUAL_SEAL if model is None else model
@@ -245,12 +241,6 @@ def plan(
     )  # fmt: skip
 
 
-def _positive(**named: float | None) -> None:
-    for name, value in named.items():
-        if value is not None and not (np.isfinite(value) and value > 0):
-            raise DataError(f"{name} = {value!r}; expected a number > 0 in SI units")
-
-
 def _with_arm(
     model: GeneralizedMaxwell, arm: tuple[Quantity, Quantity] | None, at: float
 ) -> tuple[GeneralizedMaxwell, tuple[float, float] | None]:
@@ -273,12 +263,11 @@ def _others(
         for part in FASTER
         if bench.ramp_time * part * bench.rate >= 5
     ]
-    single = [(bench, (each,)) for each in repeats] if len(repeats) > 1 else []
-    alone = [(bench, ())] if repeats else []
-    both = [(other, repeats)] if repeats else []
     ramps = [(each, ()) for each in (other, *faster)]
-    cold = [] if repeats else [(bench, place) for place in _usual_cold(room, law)]
-    return [*alone, *single, *both, *ramps, *cold]
+    if not repeats:
+        return [*ramps, *((bench, place) for place in _usual_cold(room, law))]
+    single = [(bench, (each,)) for each in repeats] if len(repeats) > 1 else []
+    return [(bench, ()), *single, (other, repeats), *ramps]
 
 
 def _usual_cold(room: float, law: TemperatureLaw) -> list[tuple[Elsewhere]]:

@@ -27,6 +27,27 @@ _SEPARATOR = re.compile(rb"[,;\s]")
 _NAMED = re.compile(r"([^\[\]]+)\[([^\[\]]+)\]")
 
 
+def _parted(columns: Sequence[str]) -> tuple[tuple[str, ...], int | None, float]:
+    """The columns beside the time, where that stands, and its unit, s."""
+    named = [_NAMED.fullmatch(" ".join(one.split())) for one in columns]
+    words = [(one[1].strip(), one[2].strip()) for one in filter(None, named)]
+    if not words or None in named:
+        raise DataError(
+            "each column needs a name and a unit, such as 'time [s], displacement [mm], force [N]'"
+        )
+    names, channels = [name.casefold() for name, _ in words], [f"{n} [{u}]" for n, u in words]
+    if "time" not in names:
+        return tuple(channels), None, 1.0
+    at = names.index("time")
+    del channels[at]
+    if not channels:
+        raise DataError("only a time is sent; expected a displacement or a force with it")
+    unit = find(words[at][1], "time")
+    if unit is None:
+        raise DataError(f"'{words[at][1]}' is no unit of time that dashpot knows")
+    return tuple(channels), at, unit.factor
+
+
 class Lines:
     """Bytes to blocks, and an account of what was lost.
 
@@ -52,23 +73,8 @@ class Lines:
     def __init__(
         self, columns: Sequence[str] = COLUMNS, *, clock: Callable[[], float] = time.monotonic
     ) -> None:
-        named = [_NAMED.fullmatch(" ".join(one.split())) for one in columns]
-        if not columns or None in named:
-            raise DataError(
-                "each column needs a name and a unit, such as 'time [s], displacement [mm], "
-                "force [N]'"
-            )
-        words = [(one[1].strip(), one[2].strip()) for one in named if one is not None]
-        times = [i for i, (name, _) in enumerate(words) if name.casefold() == "time"]
-        self._at = times[0] if times else None
-        self.channels = tuple(f"{n} [{u}]" for i, (n, u) in enumerate(words) if i != self._at)
-        if not self.channels:
-            raise DataError("only a time is sent; expected a displacement or a force with it")
-        unit = find(words[self._at][1], "time") if self._at is not None else None
-        if self._at is not None and unit is None:
-            raise DataError(f"'{words[self._at][1]}' is no unit of time that dashpot knows")
-        self._factor = 1.0 if unit is None else unit.factor
-        self._width, self._clock = len(words), clock
+        self.channels, self._at, self._factor = _parted(columns)
+        self._width, self._clock = len(columns), clock
         self._checked = False
         self._rest, self._first, self._last = b"", True, -math.inf
         self._held: tuple[float, list[float]] | None = None

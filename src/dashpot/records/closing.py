@@ -7,7 +7,7 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray
+from dashpot.base.arrays import FloatArray, not_negative, picked, positive
 from dashpot.base.errors import DataError
 
 Vector: TypeAlias = tuple[float, float, float]
@@ -87,8 +87,8 @@ class Vents(Air):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        _positive("the vents", width=self.width, section=self.section)
-        _not_negative("the vents", opening=self.opening)
+        positive("the vents: ", width=self.width, section=self.section)
+        not_negative("the vents: ", opening=self.opening)
 
     def chambers(self, door: Ajar) -> tuple[FloatArray, FloatArray]:
         """The hollow less what is pressed out of it."""
@@ -122,8 +122,8 @@ class Between(Air):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        _positive("the air between the seals", width=self.width, depth=self.depth)
-        _not_negative("the air between the seals", opening=self.opening)
+        positive("the air between the seals: ", width=self.width, depth=self.depth)
+        not_negative("the air between the seals: ", opening=self.opening)
 
     def chambers(self, door: Ajar) -> tuple[FloatArray, FloatArray]:
         """The room between the seals, and its leaks with the gap that is still open."""
@@ -155,8 +155,8 @@ class Cabin(Air):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        _positive("the cabin", volume=self.volume, area=self.area, lever=self.lever)
-        _not_negative("the cabin", opening=self.opening)
+        positive("the cabin: ", volume=self.volume, area=self.area, lever=self.lever)
+        not_negative("the cabin: ", opening=self.opening)
 
     def chambers(self, door: Ajar) -> tuple[FloatArray, FloatArray]:
         """The cabin with what the door still encloses, and its vents with the open gap."""
@@ -185,8 +185,8 @@ class Latch:
     beyond: float = 0.0
 
     def __post_init__(self) -> None:
-        _positive("the latch", lever=self.lever)
-        _not_negative("the latch", beyond=self.beyond)
+        positive("the latch: ", lever=self.lever)
+        not_negative("the latch: ", beyond=self.beyond)
         _table("the latch", self.travel, self.force, from_zero=True)
 
     def moment(self, angle: FloatArray) -> FloatArray:
@@ -243,7 +243,7 @@ class Tolerances:
     limit: float | None = None
 
     def __post_init__(self) -> None:
-        _not_negative("the variation", gap=self.gap, load=self.load)
+        not_negative("the variation: ", gap=self.gap, load=self.load)
         if self.load >= 1 or not 2 <= self.count <= 100_000:
             raise DataError(
                 f"a tolerance of {self.load:g} of the seal's force in {self.count} doors; expected "
@@ -288,26 +288,13 @@ class ClosingSetup:
     airs: tuple[tuple[str, Air], ...] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        _not_negative("closing", friction=self.friction)
-        given = {name: getattr(self, name) for name in ("edge", "inertia", "start")}
-        _positive("closing", **{name: one for name, one in given.items() if one is not None})
+        not_negative("closing: ", friction=self.friction)
+        positive("closing: ", **picked(self, "edge", "inertia", "start"), optional=True)
         named = (
             ("vents", self.vents), ("air between seals", self.between), ("cabin air", self.cabin),
         )  # fmt: skip
         airs = tuple((name, air) for name, air in named if air is not None)
         object.__setattr__(self, "airs", airs)
-
-
-def _positive(whose: str, **values: float) -> None:
-    for name, value in values.items():
-        if not (np.isfinite(value) and value > 0):
-            raise DataError(f"{whose}: {name} = {value!r}; expected a number > 0")
-
-
-def _not_negative(whose: str, **values: float) -> None:
-    for name, value in values.items():
-        if not (np.isfinite(value) and value >= 0):
-            raise DataError(f"{whose}: {name} = {value!r}; expected a number >= 0")
 
 
 def _table(

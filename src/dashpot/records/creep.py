@@ -8,7 +8,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from dashpot.base.arrays import ByValue, FloatArray, increasing, measured, same_length
+from dashpot.base.arrays import ByValue, FloatArray, increasing, measured, positive, same_length
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
 from dashpot.base.offered import Described
@@ -194,8 +194,7 @@ class LoadHold(ByValue, Described):
                 f"the load must rise and be held in that order, found onset {self.onset:g} s, "
                 f"ramp end {self.ramp_end:g} s, hold end {self.hold_end:g} s"
             )
-        if not (np.isfinite(self.level) and self.level > 0):
-            raise DataError(f"level = {self.level!r}; expected a load > 0")
+        positive(level=self.level, expected="a load > 0")
         _known_unit(self.unit, COMPLIANCES)
 
     @property

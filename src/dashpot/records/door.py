@@ -12,6 +12,9 @@ from dashpot.records.seal_line import SealLine
 
 Vector: TypeAlias = tuple[float, float, float]
 
+PITCH = 0.025
+"""m, of the stations where none is stated."""
+
 
 @dataclass(frozen=True)
 class RigidPart:
@@ -173,3 +176,9 @@ class Door(ByValue):
     base_along: Vector = (0.0, 0.0, 1.0)
     closing: ClosingSetup = field(default_factory=ClosingSetup)
     source: Source | None = None
+
+    @property
+    def pitch(self) -> float:
+        """Distance of the stations along the seal line, m."""
+        stated = None if self.seal is None else self.seal.pitch
+        return PITCH if stated is None else stated

@@ -10,7 +10,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from dashpot.base.arrays import ByValue, FloatArray
+from dashpot.base.arrays import ByValue, FloatArray, positive
 from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.errors import DataError
 from dashpot.base.numbers import counted
@@ -337,8 +337,7 @@ class Fit(ByValue, Pictured):
             If the compression is not a number > 0.
         """
         compression = si(compression, "length")
-        if not (np.isfinite(compression) and compression > 0):
-            raise DataError(f"compression = {compression!r} m; expected a number > 0")
+        positive(compression=compression, unit=" m")
         law = self.elastic_law
         if law is None or law.kind == "linear":
             return self.model
@@ -373,8 +372,7 @@ class Fit(ByValue, Pictured):
             the glass transition that a WLF law implies, or where the law says nothing.
         """
         kelvin = si(temperature, "temperature")
-        if not (np.isfinite(kelvin) and kelvin > 0):
-            raise DataError(f"temperature = {kelvin!r} K; expected a number > 0")
+        positive(temperature=kelvin, unit=" K")
         if self.temperatures is not None:
             return self.temperatures.shifted(self.model, kelvin)
         tested = self.specimen.temperature
@@ -721,8 +719,7 @@ class Fit(ByValue, Pictured):
             )
         drawn = isinstance(shape, Geometry)
         factor = shape.factor(mode, bonded=bonded) if isinstance(shape, Geometry) else shape
-        if not (np.isfinite(factor) and factor > 0):
-            raise DataError(f"geometry factor = {factor!r} m; expected a number > 0")
+        positive("geometry ", factor=factor, unit=" m")
         step = Step(
             "part",
             (("factor_m", repr(factor)), ("shape", repr(shape) if drawn else "given")),

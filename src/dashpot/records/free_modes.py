@@ -53,19 +53,16 @@ class FreeModes(ByValue):
             raise DataError("a place or a shape of the modes is not finite")
         if (f < 0).any():
             raise DataError(f"a mode has a frequency of {f.min():g} Hz; expected numbers >= 0")
-        zeta = np.array(self.damping_ratio, dtype=float)
-        zeta = np.full(len(f), zeta) if zeta.shape == () else zeta
-        if zeta.shape != f.shape or not ((zeta >= 0) & (zeta < 1)).all():
-            raise DataError("the damping ratios of modes must be one each, from 0 up to 1")
+        zeta = _each(self.damping_ratio, len(f))
         still = np.flatnonzero(np.abs(shape).max(axis=(1, 2)) == 0)
         if still.size:
             raise DataError(
                 f"mode {int(still[0]) + 1} of {len(f)}, at {f[still[0]]:.5g} Hz, does not move any "
                 "of its points"
             )
-        for name, value in (("frequency", f), ("place", place), ("shapes", shape)):
+        checked = {"frequency": f, "place": place, "shapes": shape, "damping_ratio": zeta}
+        for name, value in checked.items():
             object.__setattr__(self, name, frozen(value))
-        object.__setattr__(self, "damping_ratio", frozen(zeta))
 
     def __len__(self) -> int:
         return len(self.frequency)
@@ -152,3 +149,12 @@ class FreeModes(ByValue):
         ).reshape(-1, 6)
         motion = np.linalg.lstsq(R, self.shapes.reshape(len(self), -1).T, rcond=None)[0].T
         return motion @ R.T, motion
+
+
+def _each(damping_ratio: npt.ArrayLike, count: int) -> FloatArray:
+    """The damping ratio of each of so many modes."""
+    zeta = np.array(damping_ratio, dtype=float)
+    zeta = np.full(count, zeta) if zeta.shape == () else zeta
+    if zeta.shape != (count,) or not ((zeta >= 0) & (zeta < 1)).all():
+        raise DataError("the damping ratios of modes must be one each, from 0 up to 1")
+    return zeta

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dashpot.base.arrays import ByValue, FloatArray, frozen, measured, same_length
+from dashpot.base.arrays import ByValue, FloatArray, frozen, measured, same_length, slices
 from dashpot.base.errors import DataError
 from dashpot.base.offered import Described
 from dashpot.base.provenance import Source, of_file
@@ -90,8 +90,7 @@ class ImpactTest(ByValue, Described):
 
     def records(self) -> tuple[slice, ...]:
         """The continuous records, as slices of the samples."""
-        stops = (*self.starts[1:], len(self.time))
-        return tuple(slice(a, b) for a, b in zip(self.starts, stops, strict=True))
+        return slices(self.starts, len(self.time))
 
     @property
     def rate(self) -> float:

@@ -3,12 +3,20 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 import numpy as np
 
-from dashpot.base.arrays import ByValue, FloatArray, increasing, measured, median, same_length
+from dashpot.base.arrays import (
+    ByValue,
+    FloatArray,
+    increasing,
+    measured,
+    median,
+    positive,
+    same_length,
+)
 from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.errors import DataError
 from dashpot.base.numbers import rounded
@@ -52,10 +60,7 @@ class Indenter:
 
     def __post_init__(self) -> None:
         si_fields(self)
-        for one in fields(self):
-            value = getattr(self, one.name)
-            if value is not None and not (math.isfinite(value) and value > 0):
-                raise DataError(f"{one.name} = {value!r}; expected a number > 0 in SI units")
+        positive(**vars(self), expected="a number > 0 in SI units", optional=True)
 
     @property
     def pull(self) -> float:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from dashpot.base.errors import DataError
+from dashpot.base.arrays import not_negative, picked, positive
 from dashpot.base.options import option
 from dashpot.base.units import si_fields
 
@@ -55,10 +55,6 @@ class Machine:
 
     def __post_init__(self) -> None:
         si_fields(self)
-        for name in ("sync", "drift", "compliance"):
-            value = getattr(self, name)
-            if value is not None and not (math.isfinite(value) and value >= 0):
-                raise DataError(f"machine {name} = {value!r}; expected a number >= 0 in SI units")
-        cut = self.force_filter
-        if cut is not None and not (math.isfinite(cut) and cut > 0):
-            raise DataError(f"machine force_filter = {cut!r} Hz; expected a number > 0")
+        known = picked(self, "sync", "drift", "compliance")
+        not_negative("machine ", **known, expected="a number >= 0 in SI units", optional=True)
+        positive("machine ", force_filter=self.force_filter, unit=" Hz", optional=True)

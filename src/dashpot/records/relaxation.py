@@ -8,7 +8,15 @@ from itertools import pairwise
 
 import numpy as np
 
-from dashpot.base.arrays import ByValue, FloatArray, increasing, measured, phasor, same_length
+from dashpot.base.arrays import (
+    ByValue,
+    FloatArray,
+    increasing,
+    measured,
+    phasor,
+    positive,
+    same_length,
+)
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
 from dashpot.base.offered import Described, Pictured
@@ -176,8 +184,7 @@ class RampHold(ByValue, Pictured):
                 f"the ramp must start, end and be held in that order, found onset "
                 f"{self.onset:g} s, ramp end {self.ramp_end:g} s, hold end {self.hold_end:g} s"
             )
-        if not (np.isfinite(self.depth) and self.depth > 0):
-            raise DataError(f"depth = {self.depth!r} m; expected a compression > 0")
+        positive(depth=self.depth, unit=" m", expected="a compression > 0")
 
     @property
     def described(self) -> tuple[str, ...]:

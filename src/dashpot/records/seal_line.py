@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from dashpot.base.arrays import ByValue, FloatArray, frozen
+from dashpot.base.arrays import ByValue, FloatArray, frozen, not_negative
 from dashpot.base.errors import DataError
 from dashpot.base.offered import verb
 from dashpot.base.units import Quantity, si
@@ -169,25 +169,7 @@ class SealLine(ByValue):
     joints: tuple[Joint, ...] = ()
 
     def __post_init__(self) -> None:
-        points: npt.NDArray[np.float64] = np.array(self.points, dtype=float)
-        if points.ndim != 2 or points.shape[1] != 3 or len(points) < 2:
-            raise DataError(
-                f"a seal line needs at least two points x, y, z; found shape {points.shape}"
-            )
-        if not np.isfinite(points).all():
-            row = int(np.flatnonzero(~np.isfinite(points).all(axis=1))[0])
-            raise DataError(f"point {row} of the seal line is not finite: {points[row]}")
-        steps = _lengths(points)
-        if (steps == 0).any():
-            raise DataError(
-                f"point {int(np.argmin(steps)) + 1} of the seal line repeats the one before it"
-            )
-        crossing = _first_crossing(points, nearer_than=CLOSED * float(steps.sum()))
-        if crossing is not None:
-            raise DataError(
-                f"the seal line crosses itself: its piece from point {crossing[0]} meets the one "
-                f"from point {crossing[1]}; check the order of the points"
-            )
+        points = _points(self.points)
         object.__setattr__(self, "points", frozen(points))
         object.__setattr__(self, "normal", frozen(_normals(self.normal, len(points))))
         if self.compression is not None:
@@ -209,8 +191,7 @@ class SealLine(ByValue):
                     f"{joint.name}, {joint.length:g} m long at {joint.at:g} m, is not on the seal "
                     f"line of {self.length:.4g} m"
                 )
-            if not 0 <= joint.factor < np.inf:
-                raise DataError(f"{joint.name}: factor = {joint.factor!r}; expected a number >= 0")
+            not_negative(f"{joint.name}: ", factor=joint.factor)
 
     @property
     def length(self) -> float:
@@ -280,6 +261,30 @@ class SealLine(ByValue):
             covered = np.clip((piece + joint.length) / 2 - away, 0.0, min(piece, joint.length))
             factor += (joint.factor - 1) * covered.sum(axis=0) / piece
         return np.maximum(factor, 0.0)
+
+
+def _points(given: npt.ArrayLike) -> FloatArray:
+    """Points that make a line, or what is wrong with them."""
+    points = np.array(given, dtype=float)
+    if points.ndim != 2 or points.shape[1] != 3 or len(points) < 2:
+        raise DataError(
+            f"a seal line needs at least two points x, y, z; found shape {points.shape}"
+        )
+    if not np.isfinite(points).all():
+        row = int(np.flatnonzero(~np.isfinite(points).all(axis=1))[0])
+        raise DataError(f"point {row} of the seal line is not finite: {points[row]}")
+    steps = _lengths(points)
+    if (steps == 0).any():
+        raise DataError(
+            f"point {int(np.argmin(steps)) + 1} of the seal line repeats the one before it"
+        )
+    crossing = _first_crossing(points, nearer_than=CLOSED * float(steps.sum()))
+    if crossing is not None:
+        raise DataError(
+            f"the seal line crosses itself: its piece from point {crossing[0]} meets the one "
+            f"from point {crossing[1]}; check the order of the points"
+        )
+    return points
 
 
 def _normals(given: npt.ArrayLike, count: int) -> FloatArray:

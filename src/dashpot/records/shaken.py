@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
-from dashpot.base.arrays import ByValue, FloatArray, measured, same_length
+from dashpot.base.arrays import ByValue, FloatArray, measured, positive, same_length, slices
 from dashpot.base.errors import DataError
 from dashpot.base.offered import Described
 from dashpot.base.provenance import Source, of_file
@@ -41,8 +39,7 @@ class ShakenTest(ByValue, Described):
     relative: bool = False
 
     def __post_init__(self) -> None:
-        if not (np.isfinite(self.rate) and self.rate > 0):
-            raise DataError(f"rate = {self.rate!r} Hz; expected a sampling rate > 0")
+        positive(rate=self.rate, unit=" Hz", expected="a sampling rate > 0")
         for name in ("base", "mass"):
             object.__setattr__(self, name, measured(name, getattr(self, name), minimum=8))
         if self.order not in (0, 1, 2):
@@ -60,5 +57,4 @@ class ShakenTest(ByValue, Described):
 
     def records(self) -> tuple[slice, ...]:
         """The continuous records, as slices of the samples."""
-        stops = (*self.starts[1:], len(self.base))
-        return tuple(slice(a, b) for a, b in zip(self.starts, stops, strict=True))
+        return slices(self.starts, len(self.base))

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import datetime as dt
-import math
 from dataclasses import dataclass, fields, replace
 
+from dashpot.base.arrays import picked, positive
 from dashpot.base.errors import DataError
 from dashpot.base.options import option
 from dashpot.base.units import si_fields
@@ -69,12 +69,11 @@ class Specimen:
                 ) from None
         if self.temperature is not None:
             tested_at("specimen temperature", self.temperature)
-        for name in ("length", "height", "temperature"):
-            value = getattr(self, name)
-            if value is not None and not (math.isfinite(value) and value > 0):
-                raise DataError(f"specimen {name} = {value!r}; expected a number > 0 in SI units")
-            most = _LARGEST.get(name)
-            if value is not None and most is not None and value > most:
+        sizes = picked(self, *_LARGEST)
+        positive("specimen ", **sizes, expected="a number > 0 in SI units", optional=True)
+        for name, most in _LARGEST.items():
+            value = sizes[name]
+            if value is not None and value > most:
                 raise DataError(
                     f"specimen {name} = {value:g} m; expected at most {most:g} m: is the unit mm?"
                 )

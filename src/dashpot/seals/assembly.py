@@ -17,8 +17,6 @@ from dashpot.vibration.systems.bodies import Body, Mount
 from dashpot.vibration.systems.system import System
 
 DOOR, BODY = "door", "body"
-PITCH = 0.025
-"""m, where none is stated."""
 _ALIKE = 0.01
 """Relative difference of the masses that rigid modes imply along x, y and z."""
 _STILL = 1.0
@@ -43,12 +41,6 @@ class Assembly:
     door: Door
     modes: FreeModes | None = None
     parts: Mapping[str, Solid] | None = None
-
-    @property
-    def pitch(self) -> float:
-        """Distance of the stations, m."""
-        stated = None if self.door.seal is None else self.door.seal.pitch
-        return PITCH if stated is None else stated
 
     def body(self) -> Body:
         """The door by itself: mass and inertia as stated, else those that its modes imply.
@@ -98,7 +90,7 @@ class Assembly:
             for mount in self._held_by(support)
         ]
         if sealed and door.line is not None:
-            mounts += line_mounts(door.line, DOOR, pitch or self.pitch, ground=BODY)
+            mounts += line_mounts(door.line, DOOR, pitch or self.door.pitch, ground=BODY)
         return System(tuple(bodies), tuple(mounts), grounds)
 
     def _held_by(self, support: Support) -> list[Mount]:

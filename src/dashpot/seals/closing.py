@@ -11,14 +11,15 @@ doors close side by side.
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Mapping
 from copy import copy
 from dataclasses import dataclass, field, replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from dashpot.base.arrays import BoolArray, FloatArray
+from dashpot.base.arrays import BoolArray, FloatArray, positive
 from dashpot.base.errors import DataError
 from dashpot.records.closing import ClosingSetup
 from dashpot.records.seal_line import SealSection
@@ -65,10 +66,7 @@ class ClosingDoor:
     setup: ClosingSetup = field(default_factory=ClosingSetup)
 
     def __post_init__(self) -> None:
-        for name in ("inertia", "edge"):
-            value = getattr(self, name)
-            if not (np.isfinite(value) and value > 0):
-                raise DataError(f"{name} = {value!r} of a closing door; expected a number > 0")
+        positive(inertia=self.inertia, edge=self.edge, unit=" of a closing door")
         shapes = {np.shape(one) for one in (self.lever, self.compression, self.length)}
         if len(shapes) != 1 or not all(
             np.isfinite(one).all() for one in (self.lever, self.compression, self.length)
@@ -171,6 +169,26 @@ class _Doors:
     chambers: list[Chambers]
     angle: float
 
+    @classmethod
+    def at_first(
+        cls, door: ClosingDoor, closed: FloatArray, load: FloatArray, angle: float
+    ) -> _Doors:
+        """At an angle, each with its compressions of the closed door and its factor of the load."""
+        about: dict[str, Any] = {"lever": door.lever, "closed": closed, "angle": angle}
+        seal = PressedSeal(door.section, share=door.length * load[:, None], **about)
+        airs = [Chambers(name, one, length=door.length, **about) for name, one in door.setup.airs]
+        return cls(door, seal, airs, angle)
+
+    def copied(self) -> _Doors:
+        """The same, which the next step leaves where they are."""
+        return replace(self, seal=copy(self.seal), chambers=[copy(one) for one in self.chambers])
+
+    def stored(self, work: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
+        """What every term would give back of its work in all the steps, J."""
+        back = {name: work[name].sum(axis=0) for name in (ELASTIC, GRAVITY) if name in work}
+        back |= {VISCOUS: self.seal.stored(), **{one.name: one.stored() for one in self.chambers}}
+        return {name: back.get(name, np.zeros(each.shape[1])) for name, each in work.items()}
+
     def step(self, angle: float, kinetic: FloatArray, moment: FloatArray) -> _Step:
         """Turn to an angle, with the moment of the step before to tell how long it takes."""
         ends = np.array([self.angle, angle])
@@ -221,35 +239,22 @@ def march(
     )
     angle = replace(door, compression=pressed.max(axis=0)).angles(steps)
     first = float(angle[0])
-    factor = np.ones(doors) if load is None else load
-    seal = PressedSeal(
-        door.section,
-        lever=door.lever,
-        share=door.length * factor[:, None],
-        closed=pressed,
-        angle=first,
-    )
-    chambers = [
-        Chambers(name, one, lever=door.lever, length=door.length, closed=pressed, angle=first)
-        for name, one in door.setup.airs
-    ]
-    going = _Doors(door, seal, chambers, first)
+    going = _Doors.at_first(door, pressed, np.ones(doors) if load is None else load, first)
     n = len(angle) - 1
-    names = (*door.resisting(angle), ELASTIC, VISCOUS, *(one.name for one in chambers))
-    work = {name: np.zeros((n, doors)) for name in names}
-    pressure = {one.name: np.zeros((n + 1, doors)) for one in chambers}
+    work: dict[str, FloatArray] = defaultdict(lambda: np.zeros((n, doors)))
+    pressure: dict[str, FloatArray] = defaultdict(lambda: np.zeros((n + 1, doors)))
     kinetic, time = np.zeros((2, n + 1, doors))
     kinetic[0] = 0.5 * door.inertia * (np.asarray(speed) / door.edge) ** 2
     moment, returned = np.zeros(doors), 0.0
     for i in range(n):
-        before = copy(going), copy(seal), [copy(one) for one in chambers]
+        before = going.copied()
         done = going.step(float(angle[i + 1]), kinetic[i], moment)
         kinetic[i + 1] = kinetic[i] - done.taken
         on = kinetic[i + 1] > 0
         kinetic[i + 1, ~on] = np.nan
         for name, each in done.work.items():
             work[name][i] = np.where(on, each, 0.0)
-        for one in chambers:
+        for one in going.chambers:
             pressure[one.name][i + 1] = np.where(on, one.gauge, 0.0)
         time[i + 1] = time[i] + np.where(on, done.seconds, 0.0)
         moment = done.taken / float(angle[i] - angle[i + 1])
@@ -257,15 +262,11 @@ def march(
             kinetic[i + 1 :] = np.nan
             time[i + 1 :] = time[i + 1]
             if doors == 1:
-                returned = _returned(_Doors(door, *before[1:], before[0].angle), angle[i::-1])
+                returned = _returned(before, angle[i::-1])
             break
-    held = {name: np.zeros(doors) for name in names}
-    held |= {ELASTIC: work[ELASTIC].sum(axis=0), VISCOUS: seal.stored()}
-    held |= {one.name: one.stored() for one in chambers}
-    held |= {name: work[name].sum(axis=0) for name in (GRAVITY,) if name in work}
     stopped = np.isnan(kinetic[-1])
-    held = {name: np.where(stopped, np.nan, each) for name, each in held.items()}
-    return March(angle, kinetic, time, work, held, pressure, returned)
+    held = {name: np.where(stopped, np.nan, each) for name, each in going.stored(work).items()}
+    return March(angle, kinetic, time, dict(work), held, dict(pressure), returned)
 
 
 def _returned(going: _Doors, angle: FloatArray) -> float:

@@ -79,7 +79,7 @@ def door_modes(assembly: Assembly, below: float) -> tuple[DoorMode, ...]:
 def station_error(assembly: Assembly, below: float) -> float:
     """Largest relative change of a frequency up to one, Hz, if stations stand twice as dense."""
     coarse, fine = (
-        oscillations(assembly.system(pitch=assembly.pitch / count), below) for count in (1, 2)
+        oscillations(assembly.system(pitch=assembly.door.pitch / count), below) for count in (1, 2)
     )
     return _moved(coarse, fine)
 
@@ -103,7 +103,7 @@ def farthest(assembly: Assembly, modes: FreeModes) -> tuple[float, str]:
     places = [(one.at, one.name) for one in (*door.hinges, *latch, *door.bumpers)]
     places += [(one.at, one.name) for one in door.points if one.on == DOOR]
     if door.line is not None:
-        stations = door.line.stations(assembly.pitch)
+        stations = door.line.stations(assembly.door.pitch)
         where = zip(stations.place.tolist(), stations.along.tolist(), strict=True)
         places += [(tuple(place), f"the seal at {along:.3g} m") for place, along in where]
     return max((modes.at(place)[1], name) for place, name in places)

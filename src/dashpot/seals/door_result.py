@@ -78,7 +78,7 @@ class DoorResult:
     def stations(self) -> Stations | None:
         """Of the seal line."""
         line = self.door.line
-        return None if line is None else line.stations(self.assembly.pitch)
+        return None if line is None else line.stations(self.assembly.door.pitch)
 
     @property
     def sources(self) -> tuple[Source, ...]:

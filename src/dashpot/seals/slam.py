@@ -10,7 +10,7 @@ from dashpot.base.arrays import FloatArray, IndexArray
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, si
 from dashpot.records.closing import ClosingSetup, Tolerances
-from dashpot.records.door import Door
+from dashpot.records.door import Door, RigidPart
 from dashpot.records.fit import Fit
 from dashpot.records.seal_line import SealLine, SealSection
 from dashpot.seals.closing import (
@@ -22,8 +22,6 @@ from dashpot.seals.closing import (
 )
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
-PITCH = 0.025
-"""m, where none is stated."""
 FASTEST = 20.0
 """m/s: a door that needs more does not close."""
 _G = 9.80665
@@ -443,8 +441,7 @@ def closing_door(door: Door, line: SealLine | None = None) -> ClosingDoor:
         )
     if not door.hinges:
         raise DataError("closing needs the hinges of the door; none is there")
-    pitch = (door.seal.pitch if door.seal else None) or PITCH
-    stations = line.stations(min(pitch, line.length))
+    stations = line.stations(min(door.pitch, line.length))
     hinge = np.array(door.hinges[0].at)
     axis = _axis(door, setup)
     lever = -(np.cross(axis, stations.place - hinge) * stations.normal).sum(axis=1)
@@ -453,25 +450,7 @@ def closing_door(door: Door, line: SealLine | None = None) -> ClosingDoor:
     width = setup.edge if setup.edge is not None else door.width
     if width is None:
         raise DataError("closing needs edge, the distance from the hinges at which speed is meant")
-    inertia, weight = setup.inertia, (0.0, 0.0)
-    if door.rigid is not None:
-        across = np.array(door.rigid.centre) - hinge
-        across = across - (across @ axis) * axis
-        tensor = np.array(door.rigid.inertia)
-        tensor = np.diag(tensor) if tensor.ndim == 1 else tensor
-        if inertia is None:
-            inertia = float(axis @ tensor @ axis + door.rigid.mass * across @ across)
-        if setup.gravity is not None:
-            way = np.array(setup.gravity) / np.linalg.norm(setup.gravity)
-            pull = door.rigid.mass * _G * way
-            weight = (
-                float(axis @ np.cross(across, pull)),
-                float(axis @ np.cross(np.cross(axis, across), pull)),
-            )
-    elif setup.gravity is not None:
-        raise DataError("gravity needs mass and centre of the door in [door]")
-    if inertia is None:
-        raise DataError("closing needs inertia about the hinges, or mass and centre in [door]")
+    inertia, weight = _of_its_mass(door.rigid, setup, hinge, axis)
     return ClosingDoor(
         inertia,
         width,
@@ -482,6 +461,30 @@ def closing_door(door: Door, line: SealLine | None = None) -> ClosingDoor:
         weight,
         setup,
     )
+
+
+def _of_its_mass(
+    rigid: RigidPart | None, setup: ClosingSetup, hinge: FloatArray, axis: FloatArray
+) -> tuple[float, tuple[float, float]]:
+    """Inertia about the hinges, kg m^2, and the moments of gravity as in :class:`ClosingDoor`."""
+    if rigid is None:
+        if setup.gravity is not None:
+            raise DataError("gravity needs mass and centre of the door in [door]")
+        if setup.inertia is None:
+            raise DataError("closing needs inertia about the hinges, or mass and centre in [door]")
+        return setup.inertia, (0.0, 0.0)
+    across = np.array(rigid.centre) - hinge
+    across = across - (across @ axis) * axis
+    tensor = np.array(rigid.inertia)
+    tensor = np.diag(tensor) if tensor.ndim == 1 else tensor
+    inertia = setup.inertia
+    if inertia is None:
+        inertia = float(axis @ tensor @ axis + rigid.mass * across @ across)
+    if setup.gravity is None:
+        return inertia, (0.0, 0.0)
+    pull = rigid.mass * _G * np.array(setup.gravity) / np.linalg.norm(setup.gravity)
+    turning = float(axis @ np.cross(across, pull))
+    return inertia, (turning, float(axis @ np.cross(np.cross(axis, across), pull)))
 
 
 def _axis(door: Door, setup: ClosingSetup) -> FloatArray:

@@ -8,7 +8,7 @@ from math import exp, pi
 import numpy as np
 import numpy.typing as npt
 
-from dashpot.base.arrays import FloatArray
+from dashpot.base.arrays import FloatArray, not_negative, picked, positive
 from dashpot.base.errors import DataError
 
 
@@ -61,14 +61,10 @@ class Axis:
     limit: float = 20.0
 
     def __post_init__(self) -> None:
-        for name in ("frequency", "damping", "rate", "drag", "filter_time", "limit"):
-            value = getattr(self, name)
-            if not (np.isfinite(value) and value > 0):
-                raise DataError(f"axis {name} = {value!r}; expected a number > 0")
-        for name in ("friction", "integral", "integral_zone", "standstill"):
-            value = getattr(self, name)
-            if not (np.isfinite(value) and value >= 0):
-                raise DataError(f"axis {name} = {value!r}; expected a number >= 0")
+        above = ("frequency", "damping", "rate", "drag", "filter_time", "limit")
+        positive("axis ", **picked(self, *above))
+        others = ("friction", "integral", "integral_zone", "standstill")
+        not_negative("axis ", **picked(self, *others))
         if self.frequency > self.rate / 20:
             raise DataError(
                 f"a loop of {self.frequency:g} Hz needs a control rate of at least "

@@ -7,8 +7,7 @@ from math import cos, exp, sin, sqrt
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray, sample_count
-from dashpot.base.errors import DataError
+from dashpot.base.arrays import FloatArray, not_negative, positive, sample_count
 from dashpot.base.units import Quantity, si
 from dashpot.records.creep import CreepTest
 from dashpot.records.specimen import Specimen
@@ -100,12 +99,8 @@ def simulate_creep(
     """
     load, ramp_time, hold_time = si(load, "force"), si(ramp_time, "time"), si(hold_time, "time")
     recovery_time, rig = si(recovery_time, "time"), Rig() if rig is None else rig
-    asked = {"load": load, "ramp_time": ramp_time, "hold_time": hold_time}
-    for name, value in asked.items():
-        if not (np.isfinite(value) and value > 0):
-            raise DataError(f"{name} = {value!r}; expected a number > 0")
-    if not (np.isfinite(recovery_time) and recovery_time >= 0):
-        raise DataError(f"recovery_time = {recovery_time!r}; expected a number >= 0")
+    positive(load=load, ramp_time=ramp_time, hold_time=hold_time)
+    not_negative(recovery_time=recovery_time)
     if climate is not None:
         model = climate.felt(model)
     held = ramp_time + hold_time

@@ -7,7 +7,7 @@ from math import pi, sqrt
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray
+from dashpot.base.arrays import FloatArray, not_negative, picked, positive
 from dashpot.base.errors import DataError
 
 
@@ -41,12 +41,8 @@ class Daq:
     filter: float = 0.0
 
     def __post_init__(self) -> None:
-        for name in ("bits", "span", "rate", "channels", "fastest"):
-            value = getattr(self, name)
-            if not (np.isfinite(value) and value > 0):
-                raise DataError(f"daq {name} = {value!r}; expected a number > 0")
-        if not (np.isfinite(self.filter) and self.filter >= 0):
-            raise DataError(f"daq filter = {self.filter!r}; expected a corner in Hz, or 0")
+        positive("daq ", **picked(self, "bits", "span", "rate", "channels", "fastest"))
+        not_negative("daq ", filter=self.filter, expected="a corner in Hz, or 0")
         asked = self.channels * self.rate
         if asked > self.fastest:
             raise DataError(

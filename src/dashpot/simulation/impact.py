@@ -7,7 +7,7 @@ from math import pi
 
 import numpy as np
 
-from dashpot.base.arrays import ComplexArray, FloatArray, sample_count
+from dashpot.base.arrays import ComplexArray, FloatArray, positive, sample_count
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, si
 from dashpot.records.impact import ImpactTest
@@ -312,9 +312,7 @@ def simulate_impact(
     """
     mass = si(mass, "mass")
     rig = Hammer() if rig is None else rig
-    for name, value in (("mass", mass), ("seals", seals), ("hits", hits)):
-        if not (np.isfinite(value) and value > 0):
-            raise DataError(f"{name} = {value!r}; expected a number > 0")
+    positive(mass=mass, seals=seals, hits=hits)
     if climate is not None:
         model = climate.felt(model)
     random = np.random.default_rng(seed)

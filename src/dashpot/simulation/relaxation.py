@@ -6,8 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray
-from dashpot.base.errors import DataError
+from dashpot.base.arrays import FloatArray, positive
 from dashpot.base.units import Quantity, si
 from dashpot.records.relaxation import RelaxationTest
 from dashpot.simulation.motion import simulate_path
@@ -96,9 +95,7 @@ def simulate_relaxation(
     """
     depth, ramp_time, hold_time = si(depth, "length"), si(ramp_time, "time"), si(hold_time, "time")
     rig = Rig() if rig is None else rig
-    for name, value in (("depth", depth), ("ramp_time", ramp_time), ("hold_time", hold_time)):
-        if not (np.isfinite(value) and value > 0):
-            raise DataError(f"{name} = {value!r}; expected a number > 0")
+    positive(depth=depth, ramp_time=ramp_time, hold_time=hold_time)
     if climate is not None:
         model = climate.felt(model)
     travel = rig.gap + depth

@@ -7,7 +7,7 @@ from math import pi, tan
 
 import numpy as np
 
-from dashpot.base.arrays import ByValue, FloatArray, samples
+from dashpot.base.arrays import ByValue, FloatArray, not_negative, picked, samples
 from dashpot.base.errors import DataError
 from dashpot.simulation.axis import Axis
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -89,11 +89,8 @@ class Rig:
             value = getattr(self, name)
             if not value > 0:
                 raise DataError(f"rig {name} = {value!r}; expected a number > 0")
-        for name in ("baseline", "encoder", "gap", "tilt", "noise", "position_noise", "quantum"):
-            value = getattr(self, name)
-            if not (np.isfinite(value) and value >= 0):
-                raise DataError(f"rig {name} = {value!r}; expected a number >= 0")
-
+        least = ("baseline", "encoder", "gap", "tilt", "noise", "position_noise", "quantum")
+        not_negative("rig ", **picked(self, *least))
         if not 0 <= self.softening < 1:
             raise DataError(
                 f"rig softening = {self.softening!r}; expected a share from 0 to below 1"

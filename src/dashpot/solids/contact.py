@@ -24,7 +24,7 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from dashpot.base.arrays import FloatArray
+from dashpot.base.arrays import FloatArray, positive
 from dashpot.base.errors import DataError
 
 SPHERE = 1.5
@@ -50,7 +50,7 @@ class ViscousContact:
     exponent: float = SPHERE
 
     def __post_init__(self) -> None:
-        _above_zero("k", self.k)
+        positive(k=self.k, expected="a finite number above 0")
         if not 0 <= self.viscous_time < np.inf:
             raise DataError(f"viscous_time = {self.viscous_time!r} s; expected 0 or more")
         if self.exponent not in {1.0, SPHERE}:
@@ -90,8 +90,7 @@ class RelaxingContact:
     exponent = SPHERE
 
     def __post_init__(self) -> None:
-        _above_zero("k", self.k)
-        _above_zero("tau", self.tau)
+        positive(k=self.k, tau=self.tau, expected="a finite number above 0")
         if not 0 <= self.g < np.inf:
             raise DataError(f"g = {self.g!r}; expected 0 or more")
 
@@ -101,7 +100,7 @@ ContactLaw: TypeAlias = ViscousContact | RelaxingContact
 
 def kelvin_voigt(k: float, c: float = 0.0) -> ViscousContact:
     """Return a linear contact, k in N/m, c in N s/m."""
-    _above_zero("k", k)
+    positive(k=k, expected="a finite number above 0")
     return ViscousContact(k, c / k, 1.0)
 
 
@@ -113,8 +112,3 @@ def sphere_stiffness(modulus: float, radius: float) -> float:
 def reduced_modulus(k: float, radius: float) -> float:
     r"""Return :math:`E^* = E / (1 - \nu^2)`, Pa, of k in N/m^1.5 under a rigid sphere, m."""
     return 0.75 * k / float(np.sqrt(radius))
-
-
-def _above_zero(name: str, value: float) -> None:
-    if not 0 < value < np.inf:
-        raise DataError(f"{name} = {value!r}; expected a finite number above 0")

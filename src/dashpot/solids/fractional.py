@@ -28,7 +28,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from dashpot.base.arrays import ComplexArray, FloatArray, increasing, same_length, samples
+from dashpot.base.arrays import ComplexArray, FloatArray, increasing, positive, same_length, samples
 from dashpot.base.errors import DataError
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 from dashpot.solids.parallel import Parallel
@@ -181,8 +181,7 @@ class FractionalZener(Solid):
         for name, value in zip(("k_inf", "k_0", "b"), (*ends, float(self.b)), strict=True):
             if not (isfinite(value) and value >= 0):
                 raise DataError(f"{name} = {value!r}; a passive solid needs {name} >= 0 and finite")
-        if not (isfinite(self.tau) and self.tau > 0):
-            raise DataError(f"tau = {self.tau!r} s; expected a relaxation time > 0")
+        positive(tau=self.tau, unit=" s", expected="a relaxation time > 0")
         if not 0 < self.alpha <= 1:
             raise DataError(
                 f"alpha = {self.alpha!r}; expected 0 < alpha <= 1, from a spring to a dashpot"

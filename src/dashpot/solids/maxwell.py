@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from dashpot.base.arrays import ComplexArray, FloatArray, increasing, same_length, samples
+from dashpot.base.arrays import ComplexArray, FloatArray, increasing, positive, same_length, samples
 from dashpot.base.errors import DataError
 
 if TYPE_CHECKING:
@@ -208,9 +208,7 @@ class GeneralizedMaxwell(Solid):
 
     def with_length(self, length: float, *, measured_length: float) -> GeneralizedMaxwell:
         """The same section at another contact length, both in m: stiffness is per length."""
-        for name, value in (("length", length), ("measured_length", measured_length)):
-            if not (np.isfinite(value) and value > 0):
-                raise DataError(f"{name} = {value!r} m; expected a length > 0")
+        positive(length=length, measured_length=measured_length, unit=" m", expected="a length > 0")
         return self * (length / measured_length)
 
     def shifted(self, a_t: float, b_t: float = 1.0) -> GeneralizedMaxwell:
@@ -219,8 +217,7 @@ class GeneralizedMaxwell(Solid):
         Relaxation times times `a_t`, stiffnesses times `b_t`
         (:mod:`dashpot.solids.temperature`).
         """
-        if not (np.isfinite(a_t) and a_t > 0):
-            raise DataError(f"a_t = {a_t!r}; expected a shift factor > 0")
+        positive(a_t=a_t, expected="a shift factor > 0")
         slower = replace(self, tau=tuple(a_t * tau for tau in self.tau), b=self.b * a_t)
         return slower * b_t
 
@@ -275,8 +272,7 @@ class GeneralizedMaxwell(Solid):
         with A = depth / ramp_time and c = ramp_time. Equation (5) as printed holds
         exp(c/tau), which overflows for tau < c/709; this form cannot.
         """
-        if not (np.isfinite(ramp_time) and ramp_time > 0):
-            raise DataError(f"ramp_time = {ramp_time!r} s; expected a time > 0")
+        positive(ramp_time=ramp_time, unit=" s", expected="a time > 0")
         t = np.asarray(t, dtype=float)
         k, tau = self._arms()
         b = k * tau

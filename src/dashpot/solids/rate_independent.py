@@ -19,7 +19,15 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from dashpot.base.arrays import ComplexArray, FloatArray, increasing, same_length, samples
+from dashpot.base.arrays import (
+    ComplexArray,
+    FloatArray,
+    increasing,
+    picked,
+    positive,
+    same_length,
+    samples,
+)
 from dashpot.base.errors import DataError
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
@@ -391,10 +399,7 @@ def amplitudes(amplitude: npt.ArrayLike) -> FloatArray:
 
 def above_zero(element: Any, *names: str) -> None:
     """Refuse an element one of whose numbers is not above 0."""
-    for name in names:
-        value = getattr(element, name)
-        if not (np.isfinite(value) and value > 0):
-            raise DataError(f"{type(element).__name__}: {name} = {value!r}; expected a number > 0")
+    positive(f"{type(element).__name__}: ", **picked(element, *names))
 
 
 def _marched(part: Solid | AmplitudeDependent) -> AmplitudeDependent | _Arms:

@@ -11,12 +11,12 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from math import isfinite, log
+from math import log
 
 import numpy as np
 import numpy.typing as npt
 
-from dashpot.base.arrays import FloatArray, increasing, same_length, samples
+from dashpot.base.arrays import FloatArray, increasing, positive, same_length, samples
 from dashpot.base.errors import DataError
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -91,10 +91,7 @@ class WLF(TemperatureLaw):
     reference: float
 
     def __post_init__(self) -> None:
-        for name in ("c1", "c2", "reference"):
-            value = getattr(self, name)
-            if not (isfinite(value) and value > 0):
-                raise DataError(f"WLF {name} = {value!r}; expected a number > 0")
+        positive("WLF ", c1=self.c1, c2=self.c2, reference=self.reference)
 
     @classmethod
     def universal(cls, *, glass: float, reference: float) -> WLF:
@@ -163,10 +160,7 @@ class Arrhenius(TemperatureLaw):
     reference: float
 
     def __post_init__(self) -> None:
-        for name in ("energy", "reference"):
-            value = getattr(self, name)
-            if not (isfinite(value) and value > 0):
-                raise DataError(f"Arrhenius {name} = {value!r}; expected a number > 0")
+        positive("Arrhenius ", energy=self.energy, reference=self.reference)
 
     @property
     def kind(self) -> str:

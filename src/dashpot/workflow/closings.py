@@ -14,7 +14,7 @@ from dashpot.seals import checks as asked
 from dashpot.seals.closing_result import ClosingResult
 from dashpot.seals.slam import Closing, SealDoubt, close_door
 from dashpot.vibration.checks import compression_tested
-from dashpot.workflow.doors import open_door
+from dashpot.workflow.doors import open_door, touches_along
 
 __all__ = ["ClosingResult", "close_file"]
 
@@ -50,15 +50,8 @@ def close_file(
 
 def _asked(found: Closing, fit: Fit | None) -> Iterator[Check]:
     yield asked.faster_doors_close(found.monotone)
-    pressed = found.door.compression
-    worst = int(pressed.argmin())
-    length = float(found.door.length.sum())
-    yield asked.seal_touches(
-        float((pressed < 0).mean()),
-        length=length,
-        least=float(pressed[worst]),
-        where=float((np.cumsum(found.door.length) - 0.5 * found.door.length)[worst]),
-    )
+    pressed, pieces = found.door.compression, found.door.length
+    yield touches_along(pressed, np.cumsum(pieces) - 0.5 * pieces, float(pieces.sum()))
     if fit is None:
         return
     solid = found.door.section.solid

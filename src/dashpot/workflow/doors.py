@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, ReadError
 from dashpot.fitting.temperature.checks import temperature_tested
@@ -226,19 +227,24 @@ def _asked_of_line(line: SealLine, assembly: Assembly, fit: Fit, below: float) -
     """Whether the seal is all there, finely enough, and pressed as it was tested."""
     apart = float(np.linalg.norm(line.points[0] - line.points[-1]))
     yield asked.line_closed(line.length, 0.0 if line.closed else apart)
-    yield asked.stations_suffice(station_error(assembly, below), assembly.pitch)
-    stations = line.stations(assembly.pitch)
+    yield asked.stations_suffice(station_error(assembly, below), assembly.door.pitch)
+    stations = line.stations(assembly.door.pitch)
     pressed = stations.compression
     if pressed is not None:
-        worst = int(pressed.argmin())
-        yield asked.seal_touches(
-            float((pressed < 0).mean()),
-            length=line.length,
-            least=float(pressed[worst]),
-            where=float(stations.along[worst]),
-        )
+        yield touches_along(pressed, stations.along, line.length)
         law = fit.elastic_law
         yield compression_tested(float(pressed.max()), None if law is None else law.depth)
+
+
+def touches_along(pressed: FloatArray, along: FloatArray, length: float) -> Check:
+    """Return whether the seal touches at all stations, by their compressions and places, m."""
+    worst = int(pressed.argmin())
+    return asked.seal_touches(
+        float((pressed < 0).mean()),
+        length=length,
+        least=float(pressed[worst]),
+        where=float(along[worst]),
+    )
 
 
 def _asked_of_modes(modes: FreeModes, assembly: Assembly, below: float) -> Iterator[Check]:

@@ -284,6 +284,19 @@ def compare_files(
     return Agreement(comparison, known, mass is None, noted, rests, (lines, formal), limits)
 
 
+def _refuse_unmatched(
+    fits: Sequence[Fit], tests: Sequence[str | Path], temperatures: Sequence[float]
+) -> None:
+    """Refuse fits, tests and temperatures that do not go together."""
+    if len(fits) > 1 or (fits and tests):
+        raise ReadError("--with takes relaxation tests or one fit, not both: leave the fit out")
+    if not tests and len(temperatures) > 1:
+        raise ReadError(
+            f"{len(temperatures)} temperatures and no relaxation test (--with); expected one, that "
+            "of the seals under the hammer"
+        )
+
+
 def identify_files(
     measured: Sequence[str | Path],
     *,
@@ -340,13 +353,7 @@ def identify_files(
         What the FRF and the mass of the seals say.
     """
     known_of_a_test(machine, tests=len(tests), add="a relaxation test (--with)")
-    if len(fits) > 1 or (fits and tests):
-        raise ReadError("--with takes relaxation tests or one fit, not both: leave the fit out")
-    if not tests and len(temperatures) > 1:
-        raise ReadError(
-            f"{len(temperatures)} temperatures and no relaxation test (--with); expected one, that "
-            "of the seals under the hammer"
-        )
+    _refuse_unmatched(fits, tests, temperatures)
     _, frf = read_measured(measured, choices=hammer, options=options, mass=mass, band=band)
     total, noted = total_mass(mass, seal=seal_mass, seals=seals)
     frf = relieved(frf, total, seal_mass, seals)
@@ -354,13 +361,14 @@ def identify_files(
         prepared = prepared_files(
             tests, machine=machine, options=options_with, temperatures=temperatures
         )
-    straight = dp.dynamic_stiffness(frf, total or mass, seals=seals, band=band)
+    mass = total or mass
+    straight = dp.dynamic_stiffness(frf, mass, seals=seals, band=band)
     found = dp.identify(
         frf,
         band=band,
         tests=prepared,
         fit=fits[0] if fits else None,
-        mass=total or mass,
+        mass=mass,
         seals=seals,
         compression=compression,
         temperature=impact_temperature,

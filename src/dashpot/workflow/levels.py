@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -162,37 +162,42 @@ def level_files(
     """
     kinds = [inspect_file(path, options=options).kind for path in files]
     if all(kind in RESPONSES for kind in kinds):
-        if law != "auto":
-            raise ReadError("--law is of an amplitude sweep, and FRFs take no law; leave it out")
+        _refuse_law(law, "FRFs")
         frfs = [as_measured(read_frf(path, options=options), motion) for path in files]
         return _of_frfs(frfs, levels, mass=mass, seals=seals, band=band, at=at)
     struck = all(kind in HITS for kind in kinds)
     _refuse_mixture(files, kinds)
-    given = [
-        flag
-        for flag, said in (
-            ("--level", levels and not struck),
-            ("--mass", mass is not None and not struck),
-            ("--seals", seals != 1),
-            ("--motion", motion != "absolute"),
-            ("--band", band is not None and not struck),
-            ("--at", at and not struck),
-        )
-        if said
-    ]
-    if given:
-        raise ReadError(
-            f"{given[0]} belongs to FRFs of a mass, and {Path(files[0]).name} is another kind of "
-            "file; leave it out"
-        )
+    asked = {
+        "--level": levels, "--mass": mass is not None, "--seals": seals != 1,
+        "--motion": motion != "absolute", "--band": band is not None, "--at": at,
+    }  # fmt: skip
+    _refuse_given(files[0], asked, *(_OF_HITS if struck else ()))
     if struck:
-        if law != "auto":
-            raise ReadError("--law is of an amplitude sweep, and hits take no law; leave it out")
+        _refuse_law(law, "hits")
         return _of_hits(files, levels, mass=mass, band=band, at=at, options=options)
     if len(files) > 1:
         raise ReadError("one amplitude sweep at a time; only FRFs of several levels go together")
     found, _, record = amplitude_file(files[0], kinds[0], law=law, options=options)
     return Levels(found, (), found.checks, (record,))
+
+
+_OF_HITS = ("--level", "--mass", "--band", "--at")
+"""Options that belong to FRFs, and to hits too."""
+
+
+def _refuse_given(path: str | Path, asked: Mapping[str, object], *but: str) -> None:
+    """Refuse options of FRFs that were given with a file that is none."""
+    given = [flag for flag, said in asked.items() if said and flag not in but]
+    if given:
+        raise ReadError(
+            f"{given[0]} belongs to FRFs of a mass, and {Path(path).name} is another kind of "
+            "file; leave it out"
+        )
+
+
+def _refuse_law(law: str, whose: str) -> None:
+    if law != "auto":
+        raise ReadError(f"--law is of an amplitude sweep, and {whose} take no law; leave it out")
 
 
 def _refuse_mixture(files: Sequence[str | Path], kinds: Sequence[str]) -> None:

@@ -63,11 +63,7 @@ class PartChoices:
         DataError
             If more than one geometry is given, or one that cannot be.
         """
-        given = [
-            flag
-            for flag in ("disc", "block", "bush", "bulb", "resonance")
-            if getattr(self, flag) is not None
-        ]
+        given = [flag for flag in (*_SHAPES, "resonance") if getattr(self, flag) is not None]
         if not given:
             if self != PartChoices():
                 raise DataError(
@@ -85,6 +81,18 @@ class PartChoices:
             return fit.as_part(
                 pad(given[0], getattr(self, given[0])), _mode(self.mode), bonded=not self.lubricated
             )
+        factor = self._factor(self.resonance, fit.solid, base=base, peak=peak)
+        return fit.as_part(factor / seals)
+
+    def _factor(
+        self,
+        resonance: float,
+        solid: Solid,
+        *,
+        base: bool,
+        peak: Callable[[Solid, float, float], float] | None,
+    ) -> float:
+        """The geometry factor of all the parts, by the resonance of a mass on them."""
         if self.resonance_mass is None:
             raise DataError(
                 "--resonance needs the mass that it was measured with: --resonance-mass"
@@ -95,14 +103,12 @@ class PartChoices:
                 "and --lubricated out"
             )
         kind = "transmissibility" if base else "accelerance"
-        factor = geometry_factor(
-            fit.solid, mass=self.resonance_mass, peak=self.resonance, kind=kind
-        )
+        factor = geometry_factor(solid, mass=self.resonance_mass, peak=resonance, kind=kind)
         if peak is not None:
             for _ in range(_ROUNDS):
-                found = peak(factor * fit.solid, factor, self.resonance_mass)
-                factor *= (self.resonance / found) ** 2
-        return fit.as_part(factor / seals)
+                found = peak(factor * solid, factor, self.resonance_mass)
+                factor *= (resonance / found) ** 2
+        return factor
 
 
 _ROUNDS = 6

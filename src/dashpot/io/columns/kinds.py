@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 from types import MappingProxyType
 from typing import Literal, TypeAlias
 
@@ -251,19 +252,23 @@ def _over_motion(unit: str) -> bool:
 
 def _numbers(table: Table, role: Role, options: ReadOptions) -> FloatArray:
     """The numbers of the column likeliest in a role; none if there is no such column."""
-    index = _best(table, role, options)
-    values = table.load([index]).values[:, 0] if index >= 0 else np.empty(0)
+    indexes = _columns(table, (role,), options)
+    values = table.load(indexes).values[:, 0] if indexes else np.empty(0)
     return values[np.isfinite(values)]
 
 
-def _best(table: Table, role: Role, options: ReadOptions) -> int:
-    """The index of the column likeliest in a role; -1 if there is no such column."""
-    named = getattr(options, role, None)
-    if named is not None:
-        return find_column(table.columns, named, flag(role))
-    scores = [score(column, role, options) for column in table.columns]
-    best = max(scores, default=0.0)
-    return scores.index(best) if best >= 1.0 else -1
+def _columns(table: Table, roles: Sequence[Role], options: ReadOptions) -> list[int]:
+    """The index of the column likeliest in each role; of a role without such a column none."""
+    found = []
+    for role in roles:
+        named = getattr(options, role, None)
+        if named is not None:
+            found.append(find_column(table.columns, named, flag(role)))
+            continue
+        scores = [score(column, role, options) for column in table.columns]
+        best = max(scores, default=0.0)
+        found += [scores.index(best)] if best >= 1.0 else []
+    return found
 
 
 def _decades(table: Table, role: Role, options: ReadOptions) -> float:
@@ -329,26 +334,19 @@ def groups(values: FloatArray, width: float) -> npt.NDArray[np.intp]:
 
 def _crossed(table: Table, options: ReadOptions) -> bool:
     """Whether most frequencies were met at several amplitudes at one temperature."""
-    found = {role: _best(table, role, options) for role in ("frequency", "temperature")}
-    amplitude = next(
-        (i for i in (_best(table, role, options) for role in ("strain", "displacement")) if i >= 0),
-        -1,
-    )
-    if amplitude < 0:
+    amplitudes = _columns(table, ("strain", "displacement"), options)
+    if not amplitudes:
         return False
-    wanted = [
-        found["frequency"],
-        amplitude,
-        *([found["temperature"]] * (found["temperature"] >= 0)),
-    ]
-    loaded = table.load(wanted)
+    frequency = _columns(table, ("frequency",), options)
+    temperature = _columns(table, ("temperature",), options)
+    loaded = table.load([*frequency, amplitudes[0], *temperature])
     block = np.repeat(np.arange(len(loaded.starts)), np.diff((*loaded.starts, len(loaded.values))))
     told = np.all(np.isfinite(loaded.values), axis=1) & np.all(loaded.values[:, :2] > 0, axis=1)
     rows, block = loaded.values[told], block[told]
     warmth = np.zeros(len(rows), dtype=np.intp)
     if rows.shape[1] > 2:
         warmth = groups(rows[:, 2], _SAME_WARMTH)
-    elif any("temp" in line.casefold() for lines in loaded.above for line in lines):
+    elif any("temp" in line.casefold() for line in chain(*loaded.above)):
         warmth = block
     cells = np.stack((groups(np.log10(rows[:, 0]), ONE_FREQUENCY), warmth))
     _, cell = np.unique(cells, axis=1, return_inverse=True)

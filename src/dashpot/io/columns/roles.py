@@ -83,23 +83,24 @@ def assign(table: Table, role: Role, options: ReadOptions) -> Assigned | Questio
     suited = _suited(table, role, options)
     if not suited:
         return _nothing(table, role)
-    (top, index), *others = suited
-    equals = [index, *(i for value, i in others if value > top - _SAME)]
+    top, index = suited[0]
+    equals = [i for value, i in suited if value > top - _SAME]
     reason = _reason(table.columns[index], role)
     if len(equals) > 1:
-        listed = _listed([quoted(table.columns, i) for i in sorted(equals)])
+        alike = listed([quoted(table.columns, i) for i in sorted(equals)])
         if not _same_numbers(table, equals, role, options):
             says = (
-                f"{listed} could each be the {_word(role)}; say which, for example "
+                f"{alike} could each be the {_word(role)}; say which, for example "
                 f'{flag(asked)} "{handle(table.columns, index)}"'
             )
             return Question(says, f"{flag(asked)} NAME", choices=len(equals))
-        reason = f"{listed} hold the same numbers"
-    rest = tuple(i for _, i in others if i not in equals)
-    return Assigned(role, index, reason, rest)
+        reason = f"{alike} hold the same numbers"
+    rivals = tuple(i for _, i in suited[len(equals) :])
+    return Assigned(role, index, reason, rivals)
 
 
-def _listed(words: Sequence[str], last: str = "and") -> str:
+def listed(words: Sequence[str], last: str = "and") -> str:
+    """Return words as a sentence lists them: "a, b and c"."""
     return f" {last} ".join(filter(None, [", ".join(words[:-1]), words[-1]]))
 
 
@@ -112,7 +113,7 @@ def _same_numbers(table: Table, indexes: Sequence[int], role: Role, options: Rea
     """Whether columns hold one signal, in SI: written twice, or in two units."""
     dimension = DIMENSION.get(role)
     columns = [table.columns[i] for i in indexes]
-    words = [options.unit_of(role, c.name) or c.unit for c in columns]
+    words = [unit_said(column, role, options) for column in columns]
     found = [units.find(word, dimension) if word and dimension else None for word in words]
     if any((unit is None) != (found[0] is None) for unit in found):
         return False
@@ -280,7 +281,7 @@ def ask(table: Table, questions: Sequence[Question]) -> str:
         return "; ".join(one.says for one in questions)
     examples = " ".join(one.example for one in reversed(lacking))
     says = (
-        f"no column is recognised as {_listed([one.role for one in lacking], 'or')}; the columns "
+        f"no column is recognised as {listed([one.role for one in lacking], 'or')}; the columns "
         f"are {list_columns(table.columns)}; name each by its name or number, for example "
         f"{examples}"
     )
@@ -358,22 +359,17 @@ def unit_for(column: Column, number: int, role: Role, options: ReadOptions) -> U
         If no unit is given, or the one given is unknown or measures something else.
     """
     dimension = DIMENSION[role]
-    stated = options.unit_of(role, column.name)
-    word = column.unit if stated is None else stated
-    label = f"'{column.name or f'column {number}'}' ({role})"
-    example = _unit_like(column, role)
-    advice = f'add --units "{role}={example}"'
+    stated, word = options.unit_of(role, column.name), unit_said(column, role, options)
+    label, header = _label(column, number, role), _with_unit(column, role)
+    advice = f'add --units "{role}={_unit_like(column, role)}"'
     if column.content == "clock" and role == "time":
         return _clock_unit(label, stated)
-    if word is None and role == "stretch":
-        word = "1"  # a ratio of lengths
     if word is None:
-        header = f"{column.name or role} [{example}]"
         raise ReadError(
             f"{label} has no unit; {advice}, or write the unit into the header as '{header}'"
         )
     try:
-        sensed = sensitivity(word, dimension, None if stated is None else column.unit)
+        sensed = sensitivity(word, dimension, column.unit)
         return sensed or _of_a_part(word, role) or units.parse_unit(word, dimension)
     except DataError as error:
         wrong = stated is None and units.find(word) is not None
@@ -381,6 +377,22 @@ def unit_for(column: Column, number: int, role: Role, options: ReadOptions) -> U
         if " or " in word:
             text = f"{label} stands under two units, {word}: say which is right: {advice}"
         raise ReadError(text) from None
+
+
+def unit_said(column: Column, role: Role, options: ReadOptions) -> str | None:
+    """Return what the user, or else the file, says is the unit of a column in its role, if any."""
+    pure = "1" if role == "stretch" else None  # a ratio of lengths
+    said = (options.unit_of(role, column.name), column.unit, pure)
+    return next((word for word in said if word is not None), None)
+
+
+def _label(column: Column, number: int, role: Role) -> str:
+    return f"'{column.name or f'column {number}'}' ({role})"
+
+
+def _with_unit(column: Column, role: Role) -> str:
+    """What may be written over a column that has no unit."""
+    return f"{column.name or role} [{_unit_like(column, role)}]"
 
 
 def _unit_like(column: Column, role: Role) -> str:
@@ -402,18 +414,14 @@ def _clock_unit(label: str, stated: str | None) -> Unit:
 
 def no_units(table: Table, lacking: Sequence[Assigned]) -> str:
     """Ask for the units of several columns that have none, in one sentence."""
-    labels = [
-        f"'{table.columns[one.index].name or f'column {one.index + 1}'}' ({one.role})"
-        for one in lacking
-    ]
-    examples = [_unit_like(table.columns[one.index], one.role) for one in lacking]
-    given = [f"{one.role}={unit}" for one, unit in zip(lacking, examples, strict=True)]
-    units_ = ",".join(dict.fromkeys(given))
-    first = lacking[0]
-    header = f"{table.columns[first.index].name or first.role} [{examples[0]}]"
+    columns = [table.columns[one.index] for one in lacking]
+    each = list(zip(columns, lacking, strict=True))
+    labels = [_label(column, one.index + 1, one.role) for column, one in each]
+    given = [f"{one.role}={_unit_like(column, one.role)}" for column, one in each]
     return (
-        f'{labels[0]} has no unit, nor has {_listed(labels[1:], "or")}; add --units "{units_}", '
-        f"or write them into the header, as '{header}'"
+        f"{labels[0]} has no unit, nor has {listed(labels[1:], 'or')}; add --units "
+        f'"{",".join(dict.fromkeys(given))}", or write them into the header, as '
+        f"'{_with_unit(columns[0], lacking[0].role)}'"
     )
 
 

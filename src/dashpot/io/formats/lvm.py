@@ -150,8 +150,8 @@ def _segments(blocks: Iterable[str], sign: str, mark: Mark) -> list[_Segment]:
     if len({segment.channels for segment in found}) != 1:
         raise ReadError("the LVM segments differ in their channels; export them apart")
     for what, said in (
-        ("units", {segment.units for segment in found if segment.units}),
-        ("names of channels", {segment.names for segment in found if segment.names}),
+        ("units", {segment.units for segment in found} - {()}),
+        ("names of channels", {segment.names for segment in found} - {()}),
     ):
         if len(said) > 1:
             first, other = sorted(said)[:2]

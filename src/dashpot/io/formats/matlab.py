@@ -179,10 +179,10 @@ def _array(take: Take, file: _File, size: int, *, depth: int) -> None:
     if len(dimensions) not in _DIMENSIONS:
         raise _Damaged(f"an array with {len(dimensions)} bytes of dimensions")
     shape = _integers(dimensions, file)
-    cells = prod(abs(n) for n in shape)
-    if cells > size and class_ != _SPARSE:
+    cells = 0 if class_ == _SPARSE else prod(abs(n) for n in shape)
+    if cells > size:
         raise _Damaged(f"an array of {cells} values in {size} bytes")
-    file.count(0 if class_ == _SPARSE else cells)
+    file.count(cells)
     left -= _content(take, file, left, _NAME)[0]
     read, kinds, parts = _inside(take, file, left, class_=class_, cells=cells, parts=parts)
     left -= read

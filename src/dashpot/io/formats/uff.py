@@ -89,14 +89,7 @@ def _frf(
     segment: int | None,
     notes: list[str],
 ) -> Table:
-    doubts: tuple[Question, ...] = ()
-    if segment is None and len(frfs) > 1:
-        listed = ", ".join(f"{i + 1} {_title(entry)}" for i, entry in enumerate(frfs[:8]))
-        says = (
-            f"{len(frfs)} FRFs in the file: {listed}; choose one, for example --segment 1 "
-            "(dashpot modes takes them together)"
-        )
-        doubts = (Question(says, SEGMENT),)
+    doubts = _which(frfs) if segment is None else ()
     number = segment or 1
     if number > len(frfs):
         raise ReadError(f"--segment {segment}, but the file has {len(frfs)} FRFs")
@@ -115,6 +108,18 @@ def _frf(
             columns.append(Column(f"coherence{name}", "1"))
             values.append(np.real(own["data"]))
     return _table(columns, values, one, notes, doubts)
+
+
+def _which(frfs: Sequence[_Set]) -> tuple[Question, ...]:
+    """Ask which one of several."""
+    if len(frfs) == 1:
+        return ()
+    listed = ", ".join(f"{i + 1} {_title(entry)}" for i, entry in enumerate(frfs[:8]))
+    says = (
+        f"{len(frfs)} FRFs in the file: {listed}; choose one, for example --segment 1 "
+        "(dashpot modes takes them together)"
+    )
+    return (Question(says, SEGMENT),)
 
 
 def _coherence_of(frf: _Set, coherent: Sequence[_Set]) -> _Set | None:

@@ -14,6 +14,7 @@ from dashpot.io.columns.roles import Assigned, assign, list_columns
 from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers import channels
+from dashpot.io.readers.channels import Opened
 from dashpot.io.readers.dynamic import NAMED, parts_of, sweep_columns
 from dashpot.io.readers.stated import stated_specimen
 from dashpot.io.table import Question
@@ -22,7 +23,7 @@ from dashpot.records.specimen import Specimen
 
 _WARMER = 10.0
 """K that a rubber does not warm by itself from one visit of an amplitude to the next."""
-_OF: tuple[tuple[Role, str], ...] = (("strain", "strain"), ("displacement", "m"))
+_OF: dict[Role, str] = {"strain": "strain", "displacement": "m"}
 
 
 def read_amplitude(
@@ -49,18 +50,7 @@ def read_amplitude(
             named=NAMED,
         )
         wanted, ratio = sweep_columns(file)
-        named = amplitude_named(file.table, file.options)
-        found = [(assign(file.table, role, named), of) for role, of in _OF]
-        held = [(one, of) for one, of in found if isinstance(one, Assigned)]
-        if not held:
-            for one, _ in found:
-                if isinstance(one, Question) and one.choices:
-                    raise ReadError(one.says)
-            raise ReadError(
-                "no column of strain or displacement amplitude was found; name it with --strain or "
-                f"--displacement; the columns are {list_columns(file.table.columns)}"
-            )
-        column, of = held[0]
+        column = _swept(file)
         chosen = channels.with_units(file, [*wanted, column])
         _, values, unit, notes = parts_of(file, chosen, ratio)
         called = file.table.columns[column.index]
@@ -79,10 +69,26 @@ def read_amplitude(
             values["storage"],
             values["loss"],
             unit,
-            of,
+            _OF[column.role],
             specimen,
             channels.source(file, [c.says for c in chosen], (*notes, *said)),
         )
+
+
+def _swept(file: Opened) -> Assigned:
+    """The column of the amplitude: of strain, else of displacement."""
+    named = amplitude_named(file.table, file.options)
+    found = [assign(file.table, role, named) for role in _OF]
+    for one in found:
+        if isinstance(one, Assigned):
+            return one
+    for one in found:
+        if isinstance(one, Question) and one.choices:
+            raise ReadError(one.says)
+    raise ReadError(
+        "no column of strain or displacement amplitude was found; name it with --strain or "
+        f"--displacement; the columns are {list_columns(file.table.columns)}"
+    )
 
 
 def _tones(frequency: FloatArray) -> FloatArray:

@@ -58,7 +58,7 @@ def _is_sweep(file: Opened) -> bool:
     if kind_of(file.table, file.options)[0] not in SWEEPS:
         return False
     try:
-        found = channels.choose(file, roles(file.options))
+        found = channels.choose(file, roles(file))
     except ReadError:
         return True
     # the amplitude of a displacement and that of a force are no record

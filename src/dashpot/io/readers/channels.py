@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from dashpot.base.arrays import BoolArray, FloatArray, median
+from dashpot.base.arrays import BoolArray, FloatArray, median, slices
 from dashpot.base.checks import Check
 from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Source
@@ -25,6 +25,7 @@ from dashpot.io.columns.roles import (
     no_units,
     quoted,
     unit_for,
+    unit_said,
 )
 from dashpot.io.columns.vocabulary import Role
 from dashpot.io.formats import read_table
@@ -49,6 +50,19 @@ class Opened:
     raw: Raw
     table: Table
     options: ReadOptions
+
+    def column(self, role: Role) -> Assigned | None:
+        """The column that plays a role, if one alone does."""
+        answer = assign(self.table, role, self.options)
+        return answer if isinstance(answer, Assigned) else None
+
+    def unit(self, index: int, role: Role) -> Unit:
+        """The unit of a column in a role, as :func:`~dashpot.io.columns.roles.unit_for`."""
+        return unit_for(self.table.columns[index], index + 1, role, self.options)
+
+    def unit_word(self, index: int, role: Role) -> str | None:
+        """What the user, or else the file, says is the unit of a column, if either does."""
+        return unit_said(self.table.columns[index], role, self.options)
 
 
 @dataclass(frozen=True)
@@ -170,32 +184,24 @@ def with_units(file: Opened, chosen: Sequence[Assigned]) -> list[Channel]:
     ReadError
         With every unit that is missing, unknown or wrong, and how to give it.
     """
-    found, asked = [], []
-    lacking = [one for one in chosen if _lacks_unit(file, one)]
-    if len(lacking) > 1:
-        asked.append(no_units(file.table, lacking))
-    for one in chosen if len(lacking) < 2 else [each for each in chosen if each not in lacking]:
-        column, number = file.table.columns[one.index], one.index + 1
+    lacking = [one for one in chosen if file.unit_word(one.index, one.role) is None]
+    several = lacking if len(lacking) > 1 else []
+    found, asked = [], [no_units(file.table, several)] if several else []
+    for one in chosen:
+        if one in several:
+            continue
         try:
-            unit = unit_for(column, number, one.role, file.options)
+            unit = file.unit(one.index, one.role)
         except ReadError as error:
             asked.append(str(error))
             continue
         why = f" ({one.reason})" if one.reason else ""
-        says = f"{one.role}: {column.label(number)} [{unit.word}]{why}"
+        label = file.table.columns[one.index].label(one.index + 1)
+        says = f"{one.role}: {label} [{unit.word}]{why}"
         found.append(Channel(one.role, one.index, unit, says))
     if asked:
         raise ReadError("; ".join(asked))
     return found
-
-
-def _lacks_unit(file: Opened, one: Assigned) -> bool:
-    column = file.table.columns[one.index]
-    return (
-        one.role != "stretch"
-        and column.unit is None
-        and file.options.unit_of(one.role, column.name) is None
-    )
 
 
 def refuse_sizes(file: Opened, answers: Sequence[tuple[Channel, Sequence[Check]]]) -> None:
@@ -227,12 +233,11 @@ def refuse_other_rate(file: Opened) -> None:
     ------
     ReadError
     """
-    answer, rate = assign(file.table, "time", file.options), file.options.rate
-    if rate is None or isinstance(answer, Question):
+    answer, rate = file.column("time"), file.options.rate
+    if rate is None or answer is None:
         return
-    column = file.table.columns[answer.index]
     try:
-        unit = unit_for(column, answer.index + 1, "time", file.options)
+        unit = file.unit(answer.index, "time")
     except ReadError:
         return
     ticks = load(file.table, [answer.index], file.options.segment, sure=False).values[:, 0]
@@ -262,8 +267,8 @@ def rivals(file: Opened, chosen: Sequence[Channel]) -> list[str]:
     for one in chosen:
         if one.role == "acceleration":  # there may be several
             continue
-        answer = assign(file.table, one.role, file.options)
-        others = [i for i in getattr(answer, "rivals", ()) if i not in taken]
+        answer = file.column(one.role)
+        others = [i for i in answer.rivals if i not in taken] if answer else []
         if others:
             listed = ", ".join(quoted(columns, i) for i in others[:3])
             notes.append(
@@ -289,6 +294,17 @@ def si(values: FloatArray, unit: Unit) -> FloatArray:
     if unit.offset:
         values += unit.offset
     return values
+
+
+def by_role(values: FloatArray, chosen: Sequence[Channel]) -> dict[Role, FloatArray]:
+    """Return the columns of loaded values, in the order chosen, in SI units by their role."""
+    columns = ((one, np.ascontiguousarray(values[:, j])) for j, one in enumerate(chosen))
+    return {one.role: si(column, one.unit) for one, column in columns}
+
+
+def timed(file: Opened, *roles: Role) -> list[Role]:
+    """Return the roles after that of the time, which is not needed where a rate is given."""
+    return list(roles) if file.options.rate else ["time", *roles]
 
 
 def load(table: Table, indexes: Sequence[int], segment: int | None, *, sure: bool = True) -> Loaded:
@@ -366,9 +382,8 @@ def part(loaded: Loaded, segment: int | None) -> Loaded:
     if segment > count:
         plural = "s" * (count != 1)
         raise ReadError(f"--segment {segment}, but the file has {count} segment{plural}")
-    stops = (*loaded.starts[1:], len(loaded.values))
     keep = np.zeros(len(loaded.values), dtype=bool)
-    keep[loaded.starts[segment - 1] : stops[segment - 1]] = True
+    keep[slices(loaded.starts, len(keep))[segment - 1]] = True
     doubts = tuple(doubt for doubt in loaded.doubts if doubt[0] in {None, segment - 1})
     return replace(rows(loaded, keep), doubts=doubts)
 

@@ -7,12 +7,11 @@ from pathlib import Path
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.io.columns.roles import Assigned, assign
 from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers import channels, checks
 from dashpot.io.readers.channels import Channel, Opened
-from dashpot.io.readers.relaxation import recorded
+from dashpot.io.readers.relaxation import signals
 from dashpot.io.readers.stated import recorded_temperature, stated_specimen
 from dashpot.records.cld import CompressionTest
 from dashpot.records.specimen import Specimen
@@ -53,12 +52,9 @@ def cld_in(file: Opened, specimen: Specimen) -> CompressionTest:
         "a compression load deflection (CLD) record is",
         named=_SIGNALS,
     )
-    clocked = file.options.rate is not None or isinstance(
-        assign(file.table, "time", file.options), Assigned
-    )
-    counted = clocked and file.options.rate is None
-    chosen = channels.choose(file, ["time", *_SIGNALS] if counted else _SIGNALS)
-    values, notes = recorded(file, chosen) if clocked else _unclocked(file, chosen)
+    chosen, values, notes = signals(file, *_SIGNALS)
+    if "time" not in values:
+        notes.append("the file has no clock: nothing is known of the speed")
     _refuse_sizes(file, chosen, values)
     specimen, said = stated_specimen(file, specimen, recorded_temperature(file, chosen))
     source = channels.source(file, [one.says for one in chosen], [*notes, *said])
@@ -67,17 +63,7 @@ def cld_in(file: Opened, specimen: Specimen) -> CompressionTest:
     )
 
 
-def _unclocked(file: Opened, chosen: list[Channel]) -> tuple[dict[str, FloatArray], list[str]]:
-    """The signals row by row, rows that lack a number left out."""
-    rows, gaps = channels.whole_rows(channels.load_test(file, chosen))
-    values: dict[str, FloatArray] = {
-        one.role: channels.si(rows[:, j].copy(), one.unit) for j, one in enumerate(chosen)
-    }
-    notes = [*file.table.notes, *channels.rivals(file, chosen), *gaps]
-    return values, [*notes, "the file has no clock: nothing is known of the speed"]
-
-
-def _refuse_sizes(file: Opened, chosen: list[Channel], values: dict[str, FloatArray]) -> None:
+def _refuse_sizes(file: Opened, chosen: list[Channel], values: dict[Role, FloatArray]) -> None:
     """Ask for the units again that make a size no test of a seal has."""
     travel, rise = (float(np.ptp(values[role])) for role in _SIGNALS)
     unit = {one.role: one.unit.word for one in chosen}

@@ -10,6 +10,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.provenance import Source
+from dashpot.base.units import si_unit
 from dashpot.io.columns.roles import assign, score
 from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions
@@ -50,18 +51,13 @@ def read_creep(
 
 def roles(file: Opened) -> tuple[Role, ...]:
     """The columns that a creep test is read from: a compliance, stress and strain, or a part's."""
-    options = file.options
-    if options.creep_compliance:
-        return _CURVE
-    if options.stress or options.strain:
-        return _MATERIAL
-    if options.force or options.displacement:
-        return _PART
-    if _suits(file, "creep_compliance", _LIKELY):
-        return _CURVE
-    part = all(_suits(file, role, _SURELY) for role in _PART[1:])
-    material = all(_suits(file, role, _LIKELY) for role in _MATERIAL[1:])
-    return _MATERIAL if material and not part else _PART
+    for wanted in (_CURVE, _MATERIAL, _PART):
+        if any(getattr(file.options, role) for role in wanted[1:]):
+            return wanted
+    for wanted, least in ((_CURVE, _LIKELY), (_PART, _SURELY), (_MATERIAL, _LIKELY)):
+        if all(_suits(file, role, least) for role in wanted[1:]):
+            return wanted
+    return _PART
 
 
 def creep_in(file: Opened, specimen: Specimen) -> CreepTest | CreepCompliance:
@@ -70,11 +66,9 @@ def creep_in(file: Opened, specimen: Specimen) -> CreepTest | CreepCompliance:
     wanted = roles(file)
     named = ["displacement", "force", "stress", "strain", "creep_compliance"]
     channels.expect(file, ["creep", "relaxation", "cld"], "a creep test is", named=named)
-    # rows on an even clock need no column of time
     if wanted is _CURVE:
         return _curve(file, *stated_specimen(file, specimen))
-    needless = file.options.rate is not None
-    chosen = channels.choose(file, wanted[1:] if needless else wanted)
+    chosen = channels.choose(file, channels.timed(file, *wanted[1:]))
     specimen, said = stated_specimen(file, specimen, recorded_temperature(file, chosen))
 
     def source(notes: list[str]) -> Source:
@@ -89,7 +83,7 @@ def creep_in(file: Opened, specimen: Specimen) -> CreepTest | CreepCompliance:
 
 
 def _refuse_sizes(
-    file: Opened, chosen: Sequence[Channel], values: Mapping[str, FloatArray]
+    file: Opened, chosen: Sequence[Channel], values: Mapping[Role, FloatArray]
 ) -> None:
     """Ask for the units again that make a size no test of a seal has."""
     asked: dict[str, Callable[[float, str], Check]] = {
@@ -109,7 +103,7 @@ def _curve(file: Opened, specimen: Specimen, said: list[str]) -> CreepCompliance
     return CreepCompliance(
         values["time"],
         values["creep_compliance"],
-        "m/N" if chosen[1].unit.dimension == "compliance" else "1/Pa",
+        si_unit(chosen[1].unit.dimension).word,
         specimen,
         channels.source(file, [one.says for one in chosen], [*file.table.notes, *notes, *said]),
         warm,

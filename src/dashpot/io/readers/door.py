@@ -6,17 +6,15 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.provenance import Source
-from dashpot.base.units import parse_unit
-from dashpot.io.columns.roles import list_columns
-from dashpot.io.columns.vocabulary import plain
 from dashpot.io.readers import channels
+from dashpot.io.readers.by_name import by_name, in_si
 from dashpot.io.readers.door_closing import closing_of
 from dashpot.io.toml import Section, Vector, tables_of
 from dashpot.records.door import (
@@ -94,10 +92,8 @@ class _Here:
 _RIGID = ("mass", "inertia", "width", "height", "centre", "motions")
 
 
-def _rigid(section: Section, *, besides: bool = False) -> RigidPart | None:
-    """Mass and inertia, or those of an even plate of that width and height; `besides`: or none."""
-    if besides and "mass" not in section:
-        return None
+def _rigid(section: Section) -> RigidPart:
+    """Mass and inertia, or those of an even plate of that width and height."""
     section.needs("mass", "centre")
     mass = section.quantity("mass", "mass") or 0.0
     inertia = section.vector("inertia", "moment of inertia")
@@ -118,7 +114,7 @@ def _rigid(section: Section, *, besides: bool = False) -> RigidPart | None:
 def _door(here: _Here, entries: Any) -> dict[str, Any]:
     section = here.section(entries, *_RIGID)
     sizes = {name: _size(section, name) for name in ("width", "height")}
-    rigid = _rigid(section, besides=True)
+    rigid = _rigid(section) if "mass" in section else None
     if rigid is not None and not LIGHTEST <= rigid.mass <= HEAVIEST:
         raise ReadError(
             f"{section.where}: mass {rigid.mass:g} kg; expected that of a door, {LIGHTEST:g} to "
@@ -153,23 +149,18 @@ def _supports(kind: str) -> Callable[[_Here, Any], dict[str, Any]]:
 def _support(here: _Here, section: Section, name: str) -> Support:
     section.needs("at")
     along, fit = section.direction("along"), here.path(section.word("fit"))
-    stiffness = section.quantities("stiffness", "stiffness") or ()
-    damping = section.quantities("damping", "damping") or ()
+    ways = 1 if along else 3
+    stiffness = _each_way(section, "stiffness", ways)
+    damping = _each_way(section, "damping", ways)
     if bool(stiffness) == bool(fit):
         raise ReadError(f"{section.where}: give its stiffness, or the fit of the part: one of both")
     if fit and along is None:
         raise ReadError(f"{section.where}: along is missing, the direction in which the part acts")
-    ways = 1 if along else 3
-    stiffness, damping = (
-        values * ways if len(values) == 1 else values for values in (stiffness, damping)
-    )
     if len(stiffness) not in {0, ways} or len(damping) not in {0, ways}:
         raise ReadError(
             f"{section.where}: {len(stiffness)} stiffnesses and {len(damping)} dampings; expected "
             + ("one of each, along one direction" if along else "one of each, or x, y and z")
         )
-    if any(not 0 <= value < 1e12 for value in (*stiffness, *damping)):
-        raise ReadError(f"{section.where}: a stiffness or a damping is below 0 or beyond any part")
     return Support(
         section.word("name") or name,
         _place(section, "at"),
@@ -181,6 +172,16 @@ def _support(here: _Here, section: Section, name: str) -> Support:
     )
 
 
+def _each_way(
+    section: Section, name: Literal["stiffness", "damping"], ways: int
+) -> tuple[float, ...]:
+    """Stiffness or damping along each way; one number is that of all."""
+    values = section.quantities(name, name) or ()
+    if any(not 0 <= value < 1e12 for value in values):
+        raise ReadError(f"{section.where}: a stiffness or a damping is below 0 or beyond any part")
+    return values * ways if len(values) == 1 else values
+
+
 def _seal(here: _Here, entries: Any) -> dict[str, Any]:
     section = here.section(
         entries, "fit", "length", "temperature", "points", "unit", "closed", "normal",
@@ -188,16 +189,16 @@ def _seal(here: _Here, entries: Any) -> dict[str, Any]:
     )  # fmt: skip
     section.needs("fit", "points")
     points, columns = _points(here, section)
-    ways = [columns[name] for name in ("nx", "ny", "nz") if name in columns]
+    ways = [columns[name] for name in _NORMAL if name in columns]
     normal = ways if len(ways) == 3 else section.direction("normal") or _Z
-    fields = [points, np.broadcast_to(np.transpose(normal), points.shape)]
+    normals = np.broadcast_to(np.transpose(normal), points.shape)
     pressed = _compression(section, columns, len(points))
-    fields += [] if pressed is None else [pressed]
+    order = np.arange(len(points))
     if section.flag("closed") and not np.array_equal(points[0], points[-1]):
-        fields = [np.concatenate((each, each[:1])) for each in fields]
-    points, normals, *rest = fields
+        order = np.append(order, 0)
+    pressed = None if pressed is None else pressed[order]
     joints = _joints(here, section.entries.get("joint", []))
-    line = SealLine(points, rest[0] if rest else None, normal=normals, joints=joints)
+    line = SealLine(points[order], pressed, normal=normals[order], joints=joints)
     if line.length > LARGEST:
         raise ReadError(
             f"{section.where}: the seal line is {line.length:.4g} m long; expected at most "
@@ -226,33 +227,24 @@ def _points(here: _Here, section: Section) -> tuple[FloatArray, dict[str, FloatA
     return np.array([row.vector("points", "length") for row in rows], dtype=float), {}
 
 
-_COLUMNS = ("x", "y", "z", "gap", "compression", "nx", "ny", "nz")
+_PLACE, _PRESSED, _NORMAL = ("x", "y", "z"), ("gap", "compression"), ("nx", "ny", "nz")
 
 
 def _line_file(path: str, unit: str | None) -> tuple[FloatArray, dict[str, FloatArray]]:
     """The columns of a text file; lengths in the unit of their header, or in the one stated."""
     with channels.opened(path, None) as file:
-        names = [plain(column.name) for column in file.table.columns]
-        missing = [name for name in _COLUMNS[:3] if name not in names]
-        if missing:
-            raise ReadError(
-                f"no column is named {missing[0]}; the columns are "
-                f"{list_columns(file.table.columns)}; expected x, y, z and perhaps gap, "
-                "compression, nx, ny, nz"
-            )
-        known = [name for name in _COLUMNS if name in names]
-        loaded = channels.load(file.table, [names.index(name) for name in known], None)
+        known, loaded = by_name(
+            file,
+            (*_PLACE, *_PRESSED, *_NORMAL),
+            needed=[(axis,) for axis in _PLACE],
+            hint="expected x, y, z and perhaps gap, compression, nx, ny, nz",
+        )
         rows, _ = channels.whole_rows(loaded)
-        columns = {name: rows[:, i].copy() for i, name in enumerate(known)}
-        for name in set(known) & set(_COLUMNS[:5]):
-            word = file.table.columns[names.index(name)].unit or unit
-            if word is None:
-                raise ReadError(
-                    f"column {name} has no unit; write {name} [mm] over it, or add unit to [seal] "
-                    "of the door"
-                )
-            columns[name] = channels.si(columns[name], parse_unit(word, "length"))
-    points = np.stack([columns.pop(name) for name in _COLUMNS[:3]], axis=1)
+        columns = dict(zip(known, rows.T, strict=True))
+        for name in known.keys() - {*_NORMAL}:
+            advice = "add unit to [seal] of the door"
+            columns[name] = in_si(known[name], columns[name], "length", unit, advice)
+    points = np.stack([columns.pop(axis) for axis in _PLACE], axis=1)
     return points, columns
 
 
@@ -261,12 +253,12 @@ def _compression(
 ) -> FloatArray | None:
     """How far the seal is pressed at each point: as stated, or its height less the gap."""
     stated = section.one_of("compression", "gap")
-    both = {name for name in ("compression", "gap") if name in columns or name == stated}
-    if len(both) > 1 or (stated and stated in columns):
+    names = [*filter(columns.__contains__, _PRESSED), *filter(None, [stated])]
+    if len(names) > 1:
         raise ReadError(f"{section.where}: compression or gap stands there twice; keep one")
-    if not both:
+    if not names:
         return None
-    (name,) = both
+    (name,) = names
     values = np.array(columns[name] if name in columns else section.quantities(name, "length"))
     if len(values) not in {1, count}:
         raise ReadError(f"{section.where}: {len(values)} of {name} for {count} points")

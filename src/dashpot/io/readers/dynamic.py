@@ -10,6 +10,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
+from dashpot.base.units import si_unit
 from dashpot.io.columns import vocabulary
 from dashpot.io.columns.kinds import kind_of
 from dashpot.io.columns.roles import Assigned, assign, handle, quoted
@@ -83,30 +84,32 @@ def sweep_columns(file: Opened) -> tuple[list[Assigned], int | None]:
     ReadError
         If a column is not found, or one could be storage or the size.
     """
-    found, ratio = _parts(file)
+    found = _parts(file)
     columns = channels.answered(file, list(found.values()), _hint(file, found))
     _told_apart(file, columns)
-    temperature = assign(file.table, "temperature", file.options)
-    return columns + ([temperature] if isinstance(temperature, Assigned) else []), ratio
+    ratio = next((one.index for one in columns if one.role == "loss_factor"), None)
+    columns = [one for one in columns if one.role != "loss_factor"]
+    temperature = file.column("temperature")
+    return [*columns, temperature] if temperature else columns, ratio
 
 
-def _parts(file: Opened) -> tuple[dict[Role, Assigned | Question], int | None]:
-    """The columns of frequency and of the modulus, and that of the loss factor in place of loss."""
+def _parts(file: Opened) -> dict[Role, Assigned | Question]:
+    """The columns of frequency and of the modulus: with loss, loss factor or loss angle."""
     table, options = file.table, file.options
     found = {role: assign(table, role, options) for role in _ROLES}
-    angle, ratio = _angle(file)
-    size = assign(table, "complex_modulus", options)
+    other = _in_place_of_loss(file)
+    size = file.column("complex_modulus")
+    size = None if options.storage else size
     apart = _both(found)
-    if options.loss or apart or (angle is None and ratio is None):
-        if isinstance(size, Assigned) and not (options.storage or apart):
+    if options.loss or apart or other is None:
+        if size and not apart:
             _no_size_alone(file, table.columns[size.index].name)
-        return found, None
+        return found
     del found["loss"]
-    if angle is not None:
-        found["loss_angle"] = angle
-    if not options.storage and isinstance(size, Assigned) and _is_size(file, size, found):
+    found[other.role] = other
+    if size and _is_size(file, size, found):
         found["storage"] = size
-    return found, ratio
+    return found
 
 
 def _hint(file: Opened, found: Mapping[Role, Assigned | Question]) -> str:
@@ -136,16 +139,11 @@ def _both(found: Mapping[Role, Assigned | Question]) -> bool:
     return len(at) == len(pair)
 
 
-def _angle(file: Opened) -> tuple[Assigned | None, int | None]:
-    """The column of the loss angle, or else of the loss factor."""
-    factor = assign(file.table, "loss_factor", file.options)
-    angle = assign(file.table, "loss_angle", file.options)
-    known = isinstance(factor, Assigned) and not (
-        file.options.phase and not file.options.loss_factor
-    )
-    if isinstance(factor, Assigned) and known:
-        return None, factor.index
-    return (angle if isinstance(angle, Assigned) else None), None
+def _in_place_of_loss(file: Opened) -> Assigned | None:
+    """The column of the loss factor, or else of the loss angle, whose name may be given."""
+    factor, angle = file.column("loss_factor"), file.column("loss_angle")
+    said = file.options.phase and not file.options.loss_factor
+    return angle if factor is None or said else factor
 
 
 def _no_size_alone(file: Opened, name: str) -> None:
@@ -195,32 +193,33 @@ def parts_of(
     indexes = [c.index for c in chosen] + ([] if ratio is None else [ratio])
     loaded = channels.load(file.table, indexes, file.options.segment)
     rows, gaps = channels.whole_rows(loaded)
-    values = {c.role: channels.si(rows[:, j].copy(), c.unit) for j, c in enumerate(chosen)}
+    values = channels.by_role(rows, chosen)
     of = {c.role: c for c in chosen}
     base = of["storage" if "storage" in of else "complex_modulus"]
     notes = [*file.table.notes, *gaps]
-    tangent, says = None, ""
-    if ratio is not None:
+    if "loss" in of:
+        if base.unit.dimension != of["loss"].unit.dimension:
+            raise ReadError(
+                f"storage is a {base.unit.dimension} and loss a {of['loss'].unit.dimension}; "
+                "expected both in one kind of unit, such as MPa or N/mm"
+            )
+        return loaded, values, si_unit(base.unit.dimension).word, notes
+    if ratio is None:
+        angle = of["loss_angle"]
+        tangent = np.tan(_solid_angle(file, angle, values["loss_angle"]))
+        says = f"the tangent of '{file.table.columns[angle.index].name}'"
+    else:
         factor = file.table.columns[ratio]
         tangent, says = rows[:, -1] / (100 if factor.unit == "%" else 1), f"'{factor.name}'"
-    elif "loss_angle" in of:
-        tangent = np.tan(_solid_angle(file, of["loss_angle"], values["loss_angle"]))
-        says = f"the tangent of '{file.table.columns[of['loss_angle'].index].name}'"
-    elif base.unit.dimension != of["loss"].unit.dimension:
-        raise ReadError(
-            f"storage is a {base.unit.dimension} and loss a {of['loss'].unit.dimension}; "
-            "expected both in one kind of unit, such as MPa or N/mm"
-        )
-    if base.role == "complex_modulus" and tangent is not None:
+    if base.role == "complex_modulus":
         values["storage"] = values["complex_modulus"] / np.sqrt(1 + tangent**2)
         notes.append(
             f"storage is '{file.table.columns[base.index].name}', taken as the size |K*|, times "
             "the cosine of the loss angle; if it is storage itself, name it with --storage"
         )
-    if tangent is not None:
-        values["loss"] = values["storage"] * tangent
-        notes.append(f"loss is storage times {says}")
-    return loaded, values, "N/m" if base.unit.dimension == "stiffness" else "Pa", notes
+    values["loss"] = values["storage"] * tangent
+    notes.append(f"loss is storage times {says}")
+    return loaded, values, si_unit(base.unit.dimension).word, notes
 
 
 def _solid_angle(file: Opened, one: Channel, angle: FloatArray) -> FloatArray:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -10,10 +9,9 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, IndexArray
 from dashpot.base.errors import ReadError
 from dashpot.base.units import Dimension, Quantity, parse_unit, si
-from dashpot.io.columns.roles import list_columns
-from dashpot.io.columns.vocabulary import plain
 from dashpot.io.readers import channels
-from dashpot.io.readers.channels import Opened
+from dashpot.io.readers.by_name import by_name, in_si
+from dashpot.io.table import Column
 from dashpot.records.free_modes import FreeModes
 
 _NEEDED = ("mode", "frequency", "x", "y", "z")
@@ -51,15 +49,22 @@ def read_modes(
         If a column or a unit is missing, or the modes do not share their points.
     """
     with channels.opened(path, None) as file:
-        names = [plain(column.name) for column in file.table.columns]
-        _refuse_missing(names, file)
-        known = [name for name in (*_NEEDED, *_SHAPE, *_MORE) if name in names]
-        loaded = channels.load(file.table, [names.index(name) for name in known], None)
+        known, loaded = by_name(
+            file,
+            (*_NEEDED, *_SHAPE, *_MORE),
+            needed=[*((name,) for name in _NEEDED), _SHAPE],
+            hint=f"modes are a table of {', '.join(_NEEDED)} and ux, uy, uz, or a UFF file with "
+            "dataset 55",
+        )
         columns = dict(zip(known, loaded.values.T, strict=True))
-        mass = _masses(file, names, columns, si(modal_mass, "mass"))
-        frequency = _in_si(file, names, columns, "frequency", dimension="frequency", unit="Hz")
-        length = partial(_in_si, file, names, columns, dimension="length", unit=unit)
-        place = np.stack(list(map(length, ("x", "y", "z"))), axis=1)
+
+        def converted(name: str, dimension: Dimension, unit: str | None = None) -> FloatArray:
+            advice = 'say it: unit = "mm" in [modes] (Python: unit=)'
+            return in_si(known[name], columns[name], dimension, unit, advice)
+
+        mass = _masses(known, columns, si(modal_mass, "mass"))
+        frequency = converted("frequency", "frequency", "Hz")
+        place = np.stack([converted(axis, "length", unit) for axis in ("x", "y", "z")], axis=1)
         nil = np.zeros(len(place))
         shape = np.stack([columns.get(axis, nil) for axis in _SHAPE], axis=1)
         shape = shape / np.sqrt(mass)[:, None]
@@ -69,24 +74,13 @@ def read_modes(
         if gaps.any():
             raise ReadError(f"{loaded.where(int(gaps.argmax()))} lacks a number")
         order = _by_mode(number, place, frequency)
-        of = [f"{name} [{file.table.columns[names.index(name)].unit or '-'}]" for name in known]
+        of = [f"{name} [{column.unit or '-'}]" for name, column in known.items()]
         return FreeModes(
             frequency[order[:, 0]],
             place[order[0]],
             shape[order],
             zeta[order[:, 0]],
             channels.source(file, of, file.table.notes),
-        )
-
-
-def _refuse_missing(names: list[str], file: Opened) -> None:
-    missing = [name for name in _NEEDED if name not in names]
-    missing += [] if set(_SHAPE) & set(names) else ["ux, uy or uz"]
-    if missing:
-        raise ReadError(
-            f"no column is named {missing[0]}; the columns are "
-            f"{list_columns(file.table.columns)}; modes are a table of {', '.join(_NEEDED)} "
-            "and ux, uy, uz, or a UFF file with dataset 55"
         )
 
 
@@ -107,26 +101,8 @@ def _by_mode(number: FloatArray, place: FloatArray, frequency: FloatArray) -> In
     return order
 
 
-def _in_si(
-    file: Opened,
-    names: list[str],
-    columns: dict[str, FloatArray],
-    name: str,
-    *,
-    dimension: Dimension,
-    unit: str | None,
-) -> FloatArray:
-    word = file.table.columns[names.index(name)].unit or unit
-    if word is None:
-        raise ReadError(
-            f'column {name} has no unit; write {name} [mm] over it, or say it: unit = "mm" in '
-            "[modes] (Python: unit=)"
-        )
-    return channels.si(columns[name].copy(), parse_unit(word, dimension))
-
-
 def _masses(
-    file: Opened, names: list[str], columns: dict[str, FloatArray], stated: float | None
+    known: dict[str, Column], columns: dict[str, FloatArray], stated: float | None
 ) -> FloatArray:
     """Modal mass of each row, kg: as stated, as in the file, or 1 kg where it says none."""
     rows = len(columns["mode"])
@@ -136,12 +112,13 @@ def _masses(
         given = columns["modal mass"]
         if np.isnan(given).all():
             return np.ones(rows)
-        if file.table.columns[names.index("modal mass")].unit is None:
+        unit = known["modal mass"].unit
+        if unit is None:
             raise ReadError(
                 'the modal masses have no unit; say it: modal_mass = "1kg" in [modes] (Python: '
                 "modal_mass=)"
             )
-        mass = _in_si(file, names, columns, "modal mass", dimension="mass", unit=None)
+        mass = channels.si(given.copy(), parse_unit(unit, "mass"))
     if not (mass > 0).all():
         raise ReadError(f"a modal mass is {np.min(mass):g} kg; expected numbers > 0")
     return mass

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
+from itertools import chain
 from pathlib import Path
 from typing import NamedTuple
 
@@ -12,15 +14,16 @@ from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.errors import ReadError
 from dashpot.io.columns.kinds import of_motions, said_relative
 from dashpot.io.columns.ratios import Ratio, bare_ratio, ratio, undecibel
-from dashpot.io.columns.roles import Assigned, assign, list_columns, unit_for
+from dashpot.io.columns.roles import Assigned, assign, list_columns
 from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions, flag
 from dashpot.io.readers import channels
 from dashpot.io.readers.channels import Opened
-from dashpot.io.table import Question
+from dashpot.io.table import Table
 from dashpot.records.frf import FRF, Kind
 
-_FRF_ROLES: tuple[Role, ...] = ("frequency", "real", "imaginary", "magnitude", "phase", "coherence")
+PAIRS: tuple[tuple[Role, Role], ...] = (("real", "imaginary"), ("magnitude", "phase"))
+"""The parts of a complex value."""
 _HIGHEST = 3e4
 """Hz; no hammer on rubber goes higher."""
 _SEVERAL = 8
@@ -65,14 +68,7 @@ def built(file: Opened, known: Settled) -> FRF:
     )
     if not value.any():
         raise ReadError("the FRF is 0 at every line; export its values, or name their columns")
-    ticks = file.table.columns[index["frequency"]]
-    top = hertz * float(column["frequency"].max())
-    if top > _HIGHEST and not file.options.unit_of("frequency", ticks.name):
-        raise ReadError(
-            f"the FRF goes to {1e-3 * top:.4g} kHz, where no seal is struck: is the unit of "
-            'frequency Hz? Then add --units "frequency=Hz"; if it is meant so, say it: '
-            '--units "frequency=kHz"'
-        )
+    _refuse_high(file, index["frequency"], hertz * float(column["frequency"].max()))
     sd = next((i for i, c in enumerate(file.table.columns) if c.name.casefold() == "sd"), None)
     stated = _comments(file.table.header)
     scale = _differentiated(factor, order, hertz * column["frequency"], stated.get("shift", 0.0))
@@ -118,8 +114,7 @@ def settled(file: Opened) -> Settled:
     roles: tuple[Role, ...] = ("frequency", "phase")
     for role in roles if main == "magnitude" else roles[:1]:
         try:
-            column = file.table.columns[index[role]]
-            factors[role] = unit_for(column, index[role] + 1, role, file.options).factor
+            factors[role] = file.unit(index[role], role).factor
         except ReadError as error:
             asked.append(str(error))
     if found is None or asked:
@@ -129,27 +124,35 @@ def settled(file: Opened) -> Settled:
 
 def _columns(file: Opened) -> dict[Role, int]:
     """The columns of frequency and of one complex value, Cartesian or else polar, and coherence."""
-    answers = {role: assign(file.table, role, file.options) for role in _FRF_ROLES}
-    index = {role: one.index for role, one in answers.items() if isinstance(one, Assigned)}
-    asked = {
-        role: one.says for role, one in answers.items() if isinstance(one, Question) and one.choices
-    }
-    for pair in (("real", "imaginary"), ("magnitude", "phase")):
+    index: dict[Role, int] = {}
+    asked: dict[Role, str] = {}
+    for role in ("frequency", *chain(*PAIRS), "coherence"):
+        answer = assign(file.table, role, file.options)
+        if isinstance(answer, Assigned):
+            index[role] = answer.index
+        elif answer.choices:
+            asked[role] = answer.says
+    for pair in PAIRS:
         if {"frequency", *pair} <= index.keys() and "coherence" not in asked:
             return {r: i for r, i in index.items() if r in {"frequency", "coherence", *pair}}
-    if asked:
-        raise ReadError("; ".join(asked.values()))
-    for part, other in (("magnitude", "phase"), ("phase", "magnitude")):
-        if {"frequency", part} <= index.keys() and other not in index:
-            raise ReadError(
-                f"there is a {part} and no {other}: an FRF is both, and only both tell stiffness "
-                f"and damping; export the {other} too, or name its column with {flag(other)}; the "
-                f"columns are {list_columns(file.table.columns)}"
-            )
-    raise ReadError(
+    raise ReadError("; ".join(asked.values()) or _lacking(file, index))
+
+
+def _lacking(file: Opened, index: Mapping[Role, int]) -> str:
+    """What to say of columns that make no FRF."""
+    listed = list_columns(file.table.columns)
+    parts = {"magnitude", "phase"} & index.keys()
+    if "frequency" in index and len(parts) == 1:
+        part, other = ("magnitude", "phase") if "magnitude" in parts else ("phase", "magnitude")
+        return (
+            f"there is a {part} and no {other}: an FRF is both, and only both tell stiffness "
+            f"and damping; export the {other} too, or name its column with {flag(other)}; the "
+            f"columns are {listed}"
+        )
+    return (
         "no frequency response found; expected columns such as 'frequency [Hz], "
         "real [(m/s^2)/N], imaginary [(m/s^2)/N]' (or magnitude and phase); the columns are "
-        f"{list_columns(file.table.columns)}"
+        f"{listed}"
     )
 
 
@@ -170,10 +173,7 @@ def _comments(header: tuple[str, ...]) -> dict[str, float]:
 
 def _kind(file: Opened, role: Role, index: int) -> Ratio:
     """What the FRF relates, from the unit, held against a ``kind:`` comment."""
-    words = [match[1] for line in file.table.header if (match := _STATED.match(line))]
-    stated = next((Kind(word) for word in words if word in set(Kind)), None)
-    column = file.table.columns[index]
-    word = file.options.unit_of(role, column.name) or column.unit or ""
+    column, word = file.table.columns[index], file.unit_word(index, role) or ""
     found = ratio(word)
     if found is None and of_motions(file.table):
         found = bare_ratio(word)
@@ -185,16 +185,23 @@ def _kind(file: Opened, role: Role, index: int) -> Ratio:
             "or motion per motion such as g/g or mm/g (of a mass over a base that moves); add "
             f'--units "{role}=(m/s^2)/N" or --units "{role}=g/g", or write it into the header'
         )
-    if stated is None and found.kind.over_base and said_relative(file.table):
-        stated = Kind.RELATIVE_TRANSMISSIBILITY
-    if stated is not None and stated.over_base and found.kind.over_base:
+    stated = _stated(file.table, over_base=found.kind.over_base)
+    if stated is None or stated is found.kind:
+        return found
+    if stated.over_base and found.kind.over_base:
         return found._replace(kind=stated)
-    if stated is not None and stated is not found.kind:
-        raise ReadError(
-            f"the comment says {stated.value}, but the unit '{column.unit}' is that of "
-            f"{found.kind.value}; correct one of them"
-        )
-    return found
+    raise ReadError(
+        f"the comment says {stated.value}, but the unit '{column.unit}' is that of "
+        f"{found.kind.value}; correct one of them"
+    )
+
+
+def _stated(table: Table, *, over_base: bool) -> Kind | None:
+    """The kind that a comment says; of a motion over a base a name may say that it is relative."""
+    words = [match[1] for line in table.header if (match := _STATED.match(line))]
+    said = next((Kind(word) for word in words if word in set(Kind)), None)
+    relative = said is None and over_base and said_relative(table)
+    return Kind.RELATIVE_TRANSMISSIBILITY if relative else said
 
 
 def _differentiated(
@@ -226,6 +233,16 @@ def _unlike_parts(file: Opened, index: dict[Role, int]) -> list[str]:
     return [f"{says}; expected one unit: {advice}"]
 
 
+def _refuse_high(file: Opened, index: int, top: float) -> None:
+    """Ask for the unit of a frequency, Hz, at which no seal is struck, unless it was said."""
+    if top > _HIGHEST and not file.options.unit_of("frequency", file.table.columns[index].name):
+        raise ReadError(
+            f"the FRF goes to {1e-3 * top:.4g} kHz, where no seal is struck: is the unit of "
+            'frequency Hz? Then add --units "frequency=Hz"; if it is meant so, say it: '
+            '--units "frequency=kHz"'
+        )
+
+
 def _refuse_angle(file: Opened, index: int, phase: FloatArray, radian: float) -> None:
     """Ask for the unit of a phase that goes over one turn of the other unit, unless it was said."""
     stated = file.options.unit_of("phase", file.table.columns[index].name)
@@ -243,8 +260,7 @@ def _refuse_angle(file: Opened, index: int, phase: FloatArray, radian: float) ->
 
 def _in_parts(file: Opened, index: int, coherence: FloatArray) -> FloatArray:
     """Return a coherence from 0 to 1, whether it was written so or in per cent."""
-    column = file.table.columns[index]
-    if (file.options.unit_of("coherence", column.name) or column.unit) == "%":
+    if file.unit_word(index, "coherence") == "%":
         return coherence / 100
     highest = float(np.nanmax(coherence, initial=0.0))
     if highest > _COHERENT:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import chain
 from pathlib import Path
 
 from dashpot.base.errors import DataError, ReadError
@@ -13,12 +14,11 @@ from dashpot.io.formats.uff import SEGMENT
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers import channels
 from dashpot.io.readers.channels import Opened
-from dashpot.io.readers.frf import built, read_frf, settled
+from dashpot.io.readers.frf import PAIRS, built, read_frf, settled
 from dashpot.io.table import Column
 from dashpot.records.frf import FRF
 from dashpot.records.frf_set import FRFSet
 
-_PAIRS: tuple[tuple[Role, Role], ...] = (("real", "imaginary"), ("magnitude", "phase"))
 _NAMED = 1.5
 """Least score of a column whose name says its role."""
 
@@ -46,15 +46,12 @@ def read_frfs(
         If they are not on the same lines.
     """
     paths = [path] if isinstance(path, str | Path) else list(path)
-    places = [Path(one).resolve() for one in paths]
-    twice = [one.name for i, one in enumerate(places) if one in places[:i]]
-    if twice:
-        raise ReadError(f"{twice[0]} is given twice; expected each point once")
+    _refuse_twice(paths)
     names: list[str] = []
     frfs: list[FRF] = []
     for one in paths:
         stem = Path(one).stem
-        for point, frf in _points_in(one, options or ReadOptions()):
+        for point, frf in _points_in(one, options):
             frfs.append(frf)
             names.append(point if len(paths) == 1 else f"{stem} {point}".strip())
     if len(set(names)) < len(names) or not all(names):
@@ -65,7 +62,14 @@ def read_frfs(
         raise DataError(f"{', '.join(Path(one).name for one in paths[:4])}: {error}") from None
 
 
-def _points_in(path: str | Path, options: ReadOptions) -> Iterator[tuple[str, FRF]]:
+def _refuse_twice(paths: Sequence[str | Path]) -> None:
+    places = [Path(one).resolve() for one in paths]
+    twice = [one.name for i, one in enumerate(places) if one in places[:i]]
+    if twice:
+        raise ReadError(f"{twice[0]} is given twice; expected each point once")
+
+
+def _points_in(path: str | Path, options: ReadOptions | None) -> Iterator[tuple[str, FRF]]:
     """Each FRF of a file with the name of its point, which is empty of a single one."""
     with channels.opened(path, options, sure=False) as file:
         groups = _groups(file)
@@ -84,29 +88,37 @@ def _points_in(path: str | Path, options: ReadOptions) -> Iterator[tuple[str, FR
 def _groups(file: Opened) -> list[tuple[str, dict[int, str]]]:
     """The columns of each FRF by index, named as those of a single one; and its point's name."""
     options, columns = file.options, file.table.columns
-    if options.segment or any(getattr(options, role) for pair in _PAIRS for role in pair):
+    if options.segment or any(getattr(options, role) for role in chain(*PAIRS)):
         return []
-
-    def of(role: Role) -> list[int]:
-        return [i for i, c in enumerate(columns) if score(c, role, options) >= _NAMED]
-
-    ticks = of("frequency")
-    for pair in _PAIRS:
-        first, second = (of(role) for role in pair)
-        if len(ticks) != 1 or len(first) < 2 or len(first) != len(second):
-            continue
-        coherent = of("coherence")
-        scatter = [i for i, c in enumerate(columns) if c.name.casefold().startswith("sd ")]
-        found = []
-        for i, (one, other) in enumerate(zip(first, second, strict=True)):
-            chosen: dict[int, str] = {ticks[0]: "frequency", one: pair[0], other: pair[1]}
-            if len(coherent) == len(first):
-                chosen[coherent[i]] = "coherence"
-            if len(scatter) == len(first):
-                chosen[scatter[i]] = "sd"
-            found.append((_point(columns[one], pair[0]) or str(i + 1), chosen))
-        return found
+    of = _by_role(columns, options)
+    for pair in PAIRS:
+        if len(of["frequency"]) == 1 and 2 <= len(of[pair[0]]) == len(of[pair[1]]):
+            return _repeated(columns, of, pair)
     return []
+
+
+def _repeated(
+    columns: Sequence[Column], of: Mapping[str, list[int]], pair: tuple[Role, Role]
+) -> list[tuple[str, dict[int, str]]]:
+    """The groups of a pair of parts that stands there several times."""
+    first = of[pair[0]]
+    # what does not stand there once for each is of none
+    roles = [role for role in (*pair, "coherence", "sd") if len(of[role]) == len(first)]
+    names = [_point(columns[i], pair[0]) or str(n) for n, i in enumerate(first, start=1)]
+    each = zip(*(of[role] for role in roles), strict=True)
+    named = [dict(zip(indexes, roles, strict=True)) for indexes in each]
+    ticks = {of["frequency"][0]: "frequency"}
+    return [(name, ticks | group) for name, group in zip(names, named, strict=True)]
+
+
+def _by_role(columns: Sequence[Column], options: ReadOptions) -> dict[str, list[int]]:
+    """The columns that name each role, and those of standard deviations."""
+    found: dict[str, list[int]] = {
+        role: [i for i, c in enumerate(columns) if score(c, role, options) >= _NAMED]
+        for role in ("frequency", "coherence", *chain(*PAIRS))
+    }
+    sd = [i for i, c in enumerate(columns) if c.name.casefold().startswith("sd ")]
+    return found | {"sd": sd}
 
 
 def _point(column: Column, role: Role) -> str:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -13,12 +12,12 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.options import option
 from dashpot.io.columns import vocabulary
-from dashpot.io.columns.roles import Assigned, assign, quoted, score
+from dashpot.io.columns.roles import quoted, score
 from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers import channels, checks
 from dashpot.io.readers.channels import Channel, Opened
-from dashpot.io.readers.relaxation import recorded
+from dashpot.io.readers.relaxation import signals
 from dashpot.records.hyperelastic import StressStrainTest
 from dashpot.solids.hyperelastic import Mode
 
@@ -79,14 +78,8 @@ def read_stress_strain(
     measures, pressed = measures or Measures(), pressed or mode == "volumetric"
     with channels.opened(path, options) as file:
         elongated = _elongated(file)
-        there = partial(_assigned, file)
-        if not all(map(there, (elongated, "stress"))):
-            named = ("stress", *_ELONGATED)
-            channels.expect(file, ["stress-strain"], "stress over strain is", named=named)
-        clocked = file.options.rate is None and there("time")
-        roles: list[Role] = ["time", elongated, "stress"] if clocked else [elongated, "stress"]
-        chosen = channels.choose(file, roles)
-        values, notes = _values(file, chosen, clocked=clocked)
+        _expected(file, elongated)
+        chosen, values, notes = signals(file, elongated, "stress", least=4)
         strain, stress = values[elongated], values["stress"]
         _refuse_sizes(file, chosen, strain - (elongated == "stretch"), stress)
         stated = True
@@ -104,10 +97,7 @@ def read_stress_strain(
             # in each mode the area across is the volume over the length
             stress = stress / strain if true else stress
         source = channels.source(file, [one.says for one in chosen], notes)
-        try:
-            return StressStrainTest(mode, strain, stress, values.get("time"), stated, source)
-        except DataError as error:
-            raise ReadError(str(error)) from None
+        return StressStrainTest(mode, strain, stress, values.get("time"), stated, source)
 
 
 def _refuse_sizes(
@@ -120,6 +110,13 @@ def _refuse_sizes(
         (chosen[-1], [checks.stress_of_a_rubber(most, chosen[-1].unit.word)]),
     ]
     channels.refuse_sizes(file, answers)
+
+
+def _expected(file: Opened, elongated: Role) -> None:
+    """Refuse another kind of file, unless both columns stand there."""
+    if not (file.column(elongated) and file.column("stress")):
+        named = ("stress", *_ELONGATED)
+        channels.expect(file, ["stress-strain"], "stress over strain is", named=named)
 
 
 def _elongated(file: Opened) -> Role:
@@ -137,18 +134,6 @@ def _elongated(file: Opened) -> Role:
 _ELONGATED: tuple[Role, Role] = ("strain", "stretch")
 
 
-def _values(
-    file: Opened, chosen: list[Channel], *, clocked: bool
-) -> tuple[dict[str, FloatArray], list[str]]:
-    if clocked or file.options.rate is not None:
-        return recorded(file, chosen)
-    rows, gaps = channels.whole_rows(channels.load_test(file, chosen, least=4))
-    values: dict[str, FloatArray] = {
-        one.role: channels.si(rows[:, j].copy(), one.unit) for j, one in enumerate(chosen)
-    }
-    return values, [*file.table.notes, *channels.rivals(file, chosen), *gaps]
-
-
 def _is_true(file: Opened, one: Channel, given: str) -> tuple[bool, bool, str]:
     """Whether a column is over what is, not what was at rest; whether that was said; and why."""
     column = file.table.columns[one.index]
@@ -162,11 +147,6 @@ def _is_true(file: Opened, one: Channel, given: str) -> tuple[bool, bool, str]:
     if column.unit and units.same(column.unit, "%"):
         return False, True, f"{name} is nominal: a logarithm is not written in per cent"
     return False, False, f"{name} is taken to be nominal (--{one.role}-is)"
-
-
-def _assigned(file: Opened, role: Role) -> bool:
-    """Whether one column alone plays a role."""
-    return isinstance(assign(file.table, role, file.options), Assigned)
 
 
 def _signed(

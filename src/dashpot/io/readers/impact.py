@@ -103,16 +103,21 @@ def _refuse_copies(tests: Sequence[ImpactTest], listed: Sequence[str | Path]) ->
 
 def _joined(tests: Sequence[ImpactTest]) -> ImpactTest:
     """Tests of one set-up, one after the other."""
-    offsets = np.cumsum([0, *(len(test.time) for test in tests[:-1])])
-    starts = [np.add(test.starts, offset) for test, offset in zip(tests, offsets, strict=True)]
     return ImpactTest(
         time=np.concatenate([test.time for test in tests]),
         force=np.concatenate([test.force for test in tests]),
         acceleration=np.concatenate([test.acceleration for test in tests], axis=1),
-        starts=tuple(np.concatenate(starts).tolist()),
+        starts=joined_starts([(len(test.time), test.starts) for test in tests]),
         channels=tests[0].channels,
         source=tuple(source for test in tests for source in test.source),
     )
+
+
+def joined_starts(tests: Sequence[tuple[int, tuple[int, ...]]]) -> tuple[int, ...]:
+    """Return the first samples of the records of joined tests, of the length and starts of each."""
+    begins = np.cumsum([0, *(length for length, _ in tests[:-1])]).tolist()
+    each = zip(begins, tests, strict=True)
+    return tuple(begin + start for begin, (_, starts) in each for start in starts)
 
 
 def _one(path: str | Path, options: ReadOptions, want: str) -> ImpactTest:
@@ -159,10 +164,9 @@ def _names(file: Opened, chosen: Sequence[Channel]) -> tuple[str, ...]:
 
 def _channels(file: Opened) -> list[Channel]:
     """Time unless a rate is given, the hammer, and every acceleration."""
-    wanted: list[Role] = ["hammer"] if file.options.rate is not None else ["time", "hammer"]
     shown = accelerations(file.table, (), file.options)
     asked = [] if shown else [acceleration_question(file.table)]
-    chosen = channels.chosen(file, wanted, besides=asked)
+    chosen = channels.chosen(file, channels.timed(file, "hammer"), besides=asked)
     found = accelerations(file.table, [c.index for c in chosen], file.options)
     if not found:
         raise ReadError(acceleration_question(file.table).says)
@@ -211,12 +215,16 @@ def _refuse_swapped(file: Opened, chosen: Sequence[Channel], signals: Sequence[F
     if of_hammer[1] < _PULSES or len(pulses) != 1:
         return
     hammer = pulses[0][0].index
-    responses = (of_hammer[0].index if one.index == hammer else one.index for one, _ in others)
+    swapped = {hammer: of_hammer[0].index}
     raise ReadError(
         "hammer and acceleration look swapped: the column read as hammer rings on while the one "
         f"read as acceleration ({quoted(file.table.columns, hammer)}) is short pulses; if so, add "
         + channels.named(
-            file, [("hammer", hammer), *(("acceleration", index) for index in responses)]
+            file,
+            [
+                ("hammer", hammer),
+                *(("acceleration", swapped.get(one.index, one.index)) for one, _ in others),
+            ],
         )
     )
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,7 +14,7 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
 from dashpot.base.offered import Pictured
 from dashpot.io.columns.kinds import SWEEPS, WANTED_BY, FileKind, kind_of
-from dashpot.io.columns.roles import Assigned, accelerations, assign, find_column, unit_for
+from dashpot.io.columns.roles import Assigned, accelerations, assign, find_column
 from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions, flag
 from dashpot.io.readers import channels, cleaning, creep
@@ -166,16 +168,14 @@ def inspect_opened(file: Opened) -> Inspection:
     numbers = [i for i, c in enumerate(table.columns) if c.content in {"number", "clock"}]
     loaded = channels.load(table, numbers, options.segment, sure=False)
     by_index = {i: loaded.values[:, j] for j, i in enumerate(numbers)}
-    time = _time(table, by_index, roles, options, len(loaded.values))
+    time = _time(file, by_index, roles, len(loaded.values))
     rate, even, duration = _sampling(time, loaded.starts)
     warnings = [*table.notes, *loaded.notes]
     if time is not None and not loaded.doubts:
         warnings += cleaning.clock_notes(time[np.isfinite(time)])
     doubts = [question for _, question in loaded.doubts]
-    if kind == "relaxation" and not questions:
-        found = {role: by_index[i] for i, (role, _) in roles.items()}
-        if cleaning.swapped(found["displacement"], found["force"]):
-            warnings.append("displacement and force look swapped")
+    if kind == "relaxation" and not questions and _look_swapped(by_index, roles):
+        warnings.append("displacement and force look swapped")
     inspection = Inspection(
         file=raw.name, sha256=raw.sha256, format=table.format, kind=kind, reason=reason,
         encoding=table.encoding, delimiter=table.delimiter, decimal=table.decimal,
@@ -186,6 +186,11 @@ def inspect_opened(file: Opened) -> Inspection:
     )  # fmt: skip
     vars(inspection)[_COURSE] = _course(len(table.columns), by_index)
     return inspection
+
+
+def _look_swapped(by_index: dict[int, FloatArray], roles: dict[int, tuple[Role, str]]) -> bool:
+    found = {role: by_index[i] for i, (role, _) in roles.items()}
+    return cleaning.swapped(found["displacement"], found["force"])
 
 
 def _course(columns: int, by_index: dict[int, FloatArray]) -> FloatArray:
@@ -216,27 +221,17 @@ def _proposal(file: Opened, kind: str) -> tuple[dict[int, tuple[Role, str]], lis
     clocks = own_clocks(table, options) if "displacement" in _ROLES.get(kind, ()) else ()
     roles = {clock.index: (clock.role, clock.reason) for clock in clocks}
     questions: list[Question] = []
-    for role in _roles_of(file, kind):
-        if role == "time" and (clocks or options.rate is not None):
-            continue
-        if role == "hammer" and options.base_acceleration is not None:
-            continue
+    for role in _roles_of(file, kind, clocked=bool(clocks)):
         answer = assign(table, role, options)
-        if isinstance(answer, Question):
-            needless = role == "loss" and isinstance(
-                assign(table, "loss_factor", options), Assigned
-            )
-            questions += [] if role in _WELCOME or needless else [answer]
-            continue
-        roles[answer.index] = (role, answer.reason)
-        questions += [] if role in _WELCOME else _unit_question(table, answer, options)
+        if isinstance(answer, Assigned):
+            roles[answer.index] = (role, answer.reason)
+        questions += [] if role in _WELCOME else _asked(file, role, answer)
     if kind == "frf":
-        questions = _frf_questions(file)
+        questions = _asks(lambda: settled(file), "ROLE")
     if kind in {"impact", "indentation"}:
         for found in _moved(file, list(roles)):
-            i = found.index
-            roles[i] = (found.role, found.reason)
-            questions += _unit_question(table, found, options)
+            roles[found.index] = (found.role, found.reason)
+            questions += _asked(file, found.role, found)
     return roles, questions
 
 
@@ -253,49 +248,48 @@ def _moved(file: Opened, taken: list[int]) -> list[Assigned]:
     ]
 
 
-def _roles_of(file: Opened, kind: str) -> tuple[Role, ...]:
-    """The roles that a file of a kind should fill."""
-    if kind == "creep":
-        return creep.roles(file)
+def _roles_of(file: Opened, kind: str, *, clocked: bool) -> list[Role]:
+    """The roles that a file of a kind should fill, without a time or a hammer it does not need."""
+    wanted = creep.roles(file) if kind == "creep" else _ROLES.get(kind, ())
     if kind in SWEEPS:
-        try:
-            return tuple(one.role for one in sweep_columns(file)[0])
-        except ReadError:
-            pass  # what is lacking is asked below
-    return _ROLES.get(kind, ())
+        with suppress(ReadError):  # what is lacking is asked of the caller
+            wanted = tuple(one.role for one in sweep_columns(file)[0])
+    options = file.options
+    needless = {"time": clocked or options.rate, "hammer": options.base_acceleration}
+    return [role for role in wanted if not needless.get(role)]
 
 
-def _frf_questions(file: Opened) -> list[Question]:
+def _asked(file: Opened, role: Role, answer: Assigned | Question) -> list[Question]:
+    """What a role leaves open: its column, or the unit of that."""
+    if isinstance(answer, Assigned):
+        return _asks(lambda: file.unit(answer.index, role), role)
+    needless = role == "loss" and file.column("loss_factor")
+    return [] if needless else [answer]
+
+
+def _asks(settle: Callable[[], object], role: str) -> list[Question]:
+    """What is asked for by what cannot be settled."""
     try:
-        settled(file)
+        settle()
     except ReadError as error:
-        return [Question(str(error), '--units "ROLE=UNIT"')]
-    return []
-
-
-def _unit_question(table: Table, one: Assigned, options: ReadOptions) -> list[Question]:
-    try:
-        unit_for(table.columns[one.index], one.index + 1, one.role, options)
-    except ReadError as error:
-        return [Question(str(error), f'--units "{one.role}=UNIT"')]
+        return [Question(str(error), f'--units "{role}=UNIT"')]
     return []
 
 
 def _time(
-    table: Table,
+    file: Opened,
     by_index: dict[int, FloatArray],
     roles: dict[int, tuple[Role, str]],
-    options: ReadOptions,
     rows: int,
 ) -> FloatArray | None:
     """Time of every row, s, if the file or the options tell it."""
-    if options.rate is not None:
-        return np.arange(rows) / options.rate
+    if file.options.rate is not None:
+        return np.arange(rows) / file.options.rate
     index = next((i for i, (role, _) in roles.items() if role == "time"), None)
     if index is None:
         return None
     try:
-        unit = unit_for(table.columns[index], index + 1, "time", options)
+        unit = file.unit(index, "time")
     except ReadError:
         return None
     return channels.si(by_index[index].copy(), unit)

@@ -9,6 +9,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
+from dashpot.base.units import si_unit
 from dashpot.io.columns.kinds import WANTED_BY
 from dashpot.io.columns.roles import Assigned, assign, quoted
 from dashpot.io.columns.vocabulary import Role
@@ -46,7 +47,7 @@ def read_modulus(
         return RelaxationModulus(
             values["time"],
             values["modulus"],
-            "N/m" if chosen[1].unit.dimension == "stiffness" else "Pa",
+            si_unit(chosen[1].unit.dimension).word,
             specimen,
             channels.source(file, [one.says for one in chosen], (*file.table.notes, *notes, *said)),
             warm,
@@ -60,14 +61,13 @@ def over_time(
 
     None for the last unless a column, or the lines over the segments, say several.
     """
-    temperature = assign(file.table, "temperature", file.options)
-    taken = {one.index for one in columns}
-    if isinstance(temperature, Assigned) and temperature.index not in taken:
+    temperature = file.column("temperature")
+    if temperature is not None and temperature.index not in {one.index for one in columns}:
         columns = [*columns, temperature]
     chosen = channels.with_units(file, columns)
     loaded = channels.load(file.table, [one.index for one in chosen], file.options.segment)
     rows, notes = channels.whole_rows(loaded)
-    values = {c.role: channels.si(rows[:, j].copy(), c.unit) for j, c in enumerate(chosen)}
+    values = channels.by_role(rows, chosen)
     warm = values.get("temperature", temperatures_of_segments(file, loaded))
     if warm is not None:
         warm = warm[np.isfinite(loaded.values).all(axis=1)] if len(warm) > len(rows) else warm

@@ -6,13 +6,11 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
 from dashpot.base import units
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.provenance import Source
-from dashpot.io.columns.roles import Assigned, assign, list_columns, unit_for
+from dashpot.io.columns.roles import assign, list_columns
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers import channels
 
@@ -53,9 +51,7 @@ def read_psd(said: str | Path, *, options: ReadOptions | None = None) -> BasePSD
     if typed and not Path(said).is_file():
         return BasePSD(float(typed[1]) * _factor(typed[2], f"'{said}'"))
     with channels.opened(said, options) as file:
-        lines = assign(file.table, "frequency", file.options)
-        if not isinstance(lines, Assigned):
-            raise ReadError(lines.says)
+        (lines,) = channels.answered(file, [assign(file.table, "frequency", file.options)])
         others = [
             i
             for i, column in enumerate(file.table.columns)
@@ -69,12 +65,10 @@ def read_psd(said: str | Path, *, options: ReadOptions | None = None) -> BasePSD
             )
         column = file.table.columns[others[0]]
         factor = _factor(column.unit or "", f"'{column.label(others[0] + 1)}'")
-        hertz = unit_for(
-            file.table.columns[lines.index], lines.index + 1, "frequency", file.options
-        )
+        hertz = file.unit(lines.index, "frequency")
         loaded = channels.load(file.table, [lines.index, others[0]], file.options.segment)
         rows, notes = channels.whole_rows(loaded)
-        if not (np.isfinite(rows).all() and (rows[:, 1] >= 0).all()):
+        if (rows[:, 1] < 0).any():
             raise ReadError("a density falls below 0; expected one that is not in dB")
         names = [file.table.columns[lines.index].name, column.name]
         return BasePSD(

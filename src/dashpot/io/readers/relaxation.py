@@ -46,9 +46,9 @@ def read_relaxation(
         return relaxation_in(file, specimen or Specimen())
 
 
-def roles(options: ReadOptions) -> list[Role]:
+def roles(file: Opened) -> list[Role]:
     """The columns that a relaxation test needs: no clock where a rate is given."""
-    return ["displacement", "force"] if options.rate else ["time", "displacement", "force"]
+    return channels.timed(file, "displacement", "force")
 
 
 def relaxation_in(file: Opened, specimen: Specimen) -> RelaxationTest:
@@ -71,7 +71,7 @@ def relaxation_in(file: Opened, specimen: Specimen) -> RelaxationTest:
 
 def recorded(
     file: Opened, chosen: Sequence[Channel], clocks: Sequence[Channel] = ()
-) -> tuple[dict[str, FloatArray], list[str]]:
+) -> tuple[dict[Role, FloatArray], list[str]]:
     """Return the signals of a test by role, in SI units on one rising clock, and notes.
 
     Parameters
@@ -94,9 +94,7 @@ def recorded(
         loaded = on_one_clock(loaded, clocks[0].unit.factor / chosen[0].unit.factor)
     elif not file.options.rate:
         loaded = cleaning.without_padding(loaded)
-    values: dict[str, FloatArray] = {
-        c.role: channels.si(loaded.values[:, j], c.unit) for j, c in enumerate(chosen)
-    }
+    values = channels.by_role(loaded.values, chosen)
     notes = [*file.table.notes, *channels.rivals(file, chosen), *loaded.notes]
     rate = file.options.rate
     if rate is not None:
@@ -115,6 +113,22 @@ def recorded(
     if not keep.all():
         values = {role: column[keep] for role, column in values.items()}
     return values, [*notes, *cleaning.clock_notes(values["time"])]
+
+
+def signals(
+    file: Opened, *roles: Role, least: int = 8
+) -> tuple[list[Channel], dict[Role, FloatArray], list[str]]:
+    """Return two signals in SI units by role, as :func:`recorded`, or row by row without a clock.
+
+    With their columns, and that of the time unless there is none or a rate is given, and notes.
+    """
+    clocked = file.options.rate or file.column("time")
+    chosen = channels.choose(file, channels.timed(file, *roles) if clocked else roles)
+    if clocked:
+        return chosen, *recorded(file, chosen)
+    rows, gaps = channels.whole_rows(channels.load_test(file, chosen, least))
+    notes = [*file.table.notes, *channels.rivals(file, chosen), *gaps]
+    return chosen, channels.by_role(rows, chosen), notes
 
 
 _SHOWN = 5
@@ -189,7 +203,7 @@ def _chosen(file: Opened) -> tuple[list[Channel], list[Channel]]:
     """The columns of the roles, and the clock of the displacement where it has its own."""
     clocks = own_clocks(file.table, file.options)
     if not clocks:
-        return channels.choose(file, roles(file.options)), []
+        return channels.choose(file, roles(file)), []
     of_displacement, of_force = channels.with_units(file, clocks)
     signals = channels.choose(file, ["displacement", "force"])
     return [of_force, *signals], [of_displacement]

@@ -8,15 +8,16 @@ from pathlib import Path
 import numpy as np
 
 from dashpot.base.errors import ReadError
-from dashpot.io.columns.roles import Assigned, accelerations, assign, find_column, quoted
+from dashpot.io.columns.roles import Assigned, accelerations, find_column, quoted
 from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions, flag
 from dashpot.io.readers import channels
 from dashpot.io.readers.channels import Channel, Opened
-from dashpot.io.readers.impact import refuse_same, starts_of, whole
+from dashpot.io.readers.impact import joined_starts, refuse_same, starts_of, whole
 from dashpot.records.shaken import ShakenTest
 
 _ORDERS: dict[Role, int] = {"displacement": 0, "velocity": 1, "acceleration": 2}
+_SLOWER: tuple[Role, ...] = ("velocity", "displacement")
 _SAME_RATE = 1e-3
 """Part of a sampling rate by which the files of one set-up may differ."""
 
@@ -45,13 +46,11 @@ def read_shaken(paths: Sequence[str | Path], options: ReadOptions) -> ShakenTest
             raise ReadError(
                 f"{path}: another motion of the mass than in {paths[0]}; give files of one set-up"
             )
-    offsets = np.cumsum([0, *(len(test.base) for test in tests[:-1])])
-    starts = [np.add(test.starts, offset) for test, offset in zip(tests, offsets, strict=True)]
     return ShakenTest(
         first.rate,
         np.concatenate([test.base for test in tests]),
         np.concatenate([test.mass for test in tests]),
-        tuple(np.concatenate(starts).tolist()),
+        joined_starts([(len(test.base), test.starts) for test in tests]),
         tuple(source for test in tests for source in test.source),
         first.order,
     )
@@ -83,7 +82,7 @@ def _channels(file: Opened) -> list[Channel]:
     """Time unless a rate is given, the base, and the one other motion."""
     columns, base_flag = file.table.columns, flag("base_acceleration")
     base = find_column(columns, str(file.options.base_acceleration), base_flag)
-    ticks = [] if file.options.rate is not None else channels.chosen(file, ["time"])
+    ticks = channels.chosen(file, channels.timed(file))
     taken = [base, *(one.index for one in ticks)]
     found = of_mass(file, taken)
     if len(found) != 1:
@@ -102,15 +101,12 @@ def _channels(file: Opened) -> list[Channel]:
 def of_mass(file: Opened, taken: Sequence[int]) -> list[Assigned]:
     """Return the motions beside the base's: those named, else accelerations, else the others."""
     options = file.options
-    others: tuple[Role, ...] = ("velocity", "displacement")
-    named = [role for role in others if getattr(options, role)]
+    named = [role for role in _SLOWER if getattr(options, role)]
     found: list[Assigned] = []
     if options.acceleration or not named:
         found = [
             Assigned("acceleration", i, "of the mass")
             for i in accelerations(file.table, taken, options)
         ]
-    for role in named if named or found else others:
-        answer = assign(file.table, role, options)
-        found += [answer] if isinstance(answer, Assigned) else []
+    found += filter(None, map(file.column, named if named or found else _SLOWER))
     return [one for one in found if one.index not in taken]

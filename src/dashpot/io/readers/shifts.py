@@ -19,6 +19,7 @@ from dashpot.records.temperature import Shift
 # log aT, log10_a_t, lg(a_T), ln aT, aT, shift factor; and b_T, vertical shift
 _HORIZONTAL = re.compile(r"(log10|log|lg|ln|)(at|shiftfactors?|horizontalshifts?)")
 _VERTICAL = re.compile(r"(log10|log|lg|ln|)(bt|verticalshifts?)")
+_PATTERNS = {"a": _HORIZONTAL, "b": _VERTICAL, "se": re.compile("()se")}
 
 
 def read_shifts(path: str | Path, *, options: ReadOptions | None = None) -> tuple[Shift, ...]:
@@ -37,21 +38,22 @@ def read_shifts(path: str | Path, *, options: ReadOptions | None = None) -> tupl
             file, channels.answered(file, [assign(file.table, "temperature", file.options)])
         )
         names = [_joined(column) for column in file.table.columns]
-        a, b = (_found(names, pattern) for pattern in (_HORIZONTAL, _VERTICAL))
-        if a is None:
+        found = {role: _found(names, pattern) for role, pattern in _PATTERNS.items()}
+        known = {role: one for role, one in found.items() if one is not None}
+        if "a" not in known:
             raise ReadError(
                 "no column is named a_T, log a_T or ln a_T; the columns are "
                 f"{list_columns(file.table.columns)}"
             )
-        se = names.index("se") if "se" in names else None
-        wanted = [columns[0].index, a[0], *(i for i in (b and b[0], se) if i is not None)]
+        wanted = [columns[0].index, *(index for index, _ in known.values())]
         rows, _ = channels.whole_rows(channels.load(file.table, wanted, file.options.segment))
         kelvin = channels.si(rows[:, 0].copy(), columns[0].unit)
         if len(set(kelvin.tolist())) < len(kelvin):
             raise ReadError("a temperature stands in the table of shifts twice")
-        log10_a = _decadic(rows[:, 1], a[1])
-        log10_b = np.zeros(len(rows)) if b is None else _decadic(rows[:, 2], b[1])
-        error = np.zeros(len(rows)) if se is None else rows[:, -1]
+        values, nil = dict(zip(known, rows.T[1:], strict=True)), np.zeros(len(rows))
+        log10_a = _decadic(values["a"], known["a"][1])
+        log10_b = _decadic(values["b"], known["b"][1]) if "b" in known else nil
+        error = values.get("se", nil)
     return tuple(
         Shift(float(kelvin[i]), float(log10_a[i]), float(error[i]), float(10 ** log10_b[i]))
         for i in np.argsort(kelvin)

@@ -14,7 +14,6 @@ from dashpot.base.arrays import FloatArray, median
 from dashpot.base.errors import DataError, ReadError
 from dashpot.io.columns import vocabulary
 from dashpot.io.columns.names import part_unit
-from dashpot.io.columns.roles import Assigned, assign
 from dashpot.io.readers import channels
 from dashpot.io.readers.channels import Channel, Opened
 from dashpot.io.table import Loaded
@@ -41,14 +40,15 @@ def stated_specimen(
     of the header such as ``# temperature: 0 degC`` or ``Prüftemperatur [°C]; 23,0``, which says
     nothing without a unit, with a range, or beside another that differs. What the user gave stands.
     """
+    where = "the header"
     found = {kelvin: f"'{line}'" for kelvin, line in _temperatures(file.table.header)}
     if recorded is not None:
+        where = "the file"
         middle = round(median(recorded), 2)
         found = {middle: f"{middle - 273.15:.4g} degC in its column of temperature"}
         specimen = replace(specimen, warmed=_rise(recorded))
     if not found:
         return specimen, []
-    where = "the header" if recorded is None else "the file"
     said = f"{where} says {' and '.join(list(found.values())[:2])}"
     if specimen.temperature is not None:
         others = [one for one in found if abs(one - specimen.temperature) >= SAME_TEMPERATURE]
@@ -79,8 +79,8 @@ def recorded_temperature(file: Opened, taken: Sequence[Channel]) -> FloatArray |
     ReadError
         If the column was named and has no unit.
     """
-    found = assign(file.table, "temperature", file.options)
-    if not isinstance(found, Assigned) or found.index in {one.index for one in taken}:
+    found = file.column("temperature")
+    if found is None or found.index in {one.index for one in taken}:
         return None
     try:
         (channel,) = channels.with_units(file, [found])

@@ -24,11 +24,10 @@ def read_trajectory(path: str | Path, *, options: ReadOptions | None = None) -> 
     with channels.opened(path, options) as file:
         channels.refuse_other_rate(file)
         rate = file.options.rate
-        chosen = channels.choose(file, ["displacement"] if rate else ["time", "displacement"])
-        loaded = channels.load_test(file, chosen, 2)
-        values, said = channels.whole_rows(loaded)
-        columns = [channels.si(values[:, j], c.unit) for j, c in enumerate(chosen)]
-        time = np.arange(len(values)) / rate if rate else columns[0]
+        chosen = channels.choose(file, channels.timed(file, "displacement"))
+        rows, said = channels.whole_rows(channels.load_test(file, chosen, 2))
+        values = channels.by_role(rows, chosen)
+        time = np.arange(len(rows)) / rate if rate else values["time"]
         notes = [*file.table.notes, *said]
         source = channels.source(file, [c.says for c in chosen], notes)
-        return Trajectory(time, columns[-1], source=source)
+        return Trajectory(time, values["displacement"], source=source)

@@ -74,7 +74,12 @@ def split(line: str, delimiter: str, *, trim: bool = True) -> list[str]:
         cells = _quoted(line, delimiter)
     else:
         cells = [cell.strip() for cell in line.split(delimiter)]
-    while trim and cells and not cells[-1]:
+    return trimmed(cells) if trim else cells
+
+
+def trimmed(cells: list[str]) -> list[str]:
+    """Return the cells, without blank ones at the end any more."""
+    while cells and not cells[-1]:
         cells.pop()
     return cells
 

@@ -105,25 +105,25 @@ class ClockColumn:
 
     def _add_days(self, values: FloatArray) -> list[Question]:
         words = list(dict.fromkeys(date for _, date in self.dates))
-        stated = [self.order] if self.order in _ORDERS else list(_ORDERS)
-        days = {order: [_day(word, order) for word in words] for order in stated}
-        possible = [order for order in stated if None not in days[order]]
-        if not possible or (len(words) > 1 and len({*map(_spread, map(days.get, possible))}) > 1):
-            return [_which_date(words, possible)]
-        day = dict(zip(words, days[possible[0]], strict=True))
+        stated = (self.order,) if self.order in _ORDERS else _ORDERS
+        possible = [days for order in stated if (days := _days(words, order))]
+        # days since the first are all that a record of one clock needs
+        if len({tuple(day - days[0] for day in days) for days in possible}) != 1:
+            return [_which_date(words, possible=bool(possible))]
+        day = dict(zip(words, possible[0], strict=True))
         stops = [row for row, _ in self.dates[1:]] + [len(values)]
         for (start, word), stop in zip(self.dates, stops, strict=True):
-            values[start:stop] += _DAY * (day[word] or 0)
+            values[start:stop] += _DAY * day[word]
         return []
 
 
-def _spread(days: list[int | None] | None) -> tuple[int, ...]:
-    """Days since the first, which is all that a record of one clock needs."""
-    known = [day or 0 for day in days or []]
-    return tuple(day - known[0] for day in known)
+def _days(words: list[str], order: str) -> list[int]:
+    """Days since 1970 of dates in an order; none if one of them is no day."""
+    days = [day for word in words if (day := _day(word, order)) is not None]
+    return days if len(days) == len(words) else []
 
 
-def _which_date(words: list[str], possible: list[str]) -> Question:
+def _which_date(words: list[str], *, possible: bool) -> Question:
     if not possible:
         known = (word for word in words if any(_day(word, order) for order in _ORDERS))
         wrong = next((word for word in words if word not in set(known)), words[-1]) or "no date"

@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import product
+from itertools import product, zip_longest
 
 from dashpot.io.table import Content
 from dashpot.io.text import cells as cell
@@ -64,11 +64,8 @@ class Dialect:
         found = cell.split(line, self.delimiter, trim=False)
         if self.delimiter == " " and len(found) < self.cells:
             found = cell.placed(line, like)
-        whole = len(found) == self.cells
-        while found and not found[-1]:
-            found.pop()
-        width = len(self.contents)
-        if not found or not (whole or self._ends_well(found)):
+        whole, width = len(found) == self.cells, len(self.contents)
+        if not cell.trimmed(found) or not (whole or self._ends_well(found)):
             return None
         if self.contents[0] == "blank" and found[0]:
             return None  # a word where every row is blank: a key of the header
@@ -155,12 +152,17 @@ def find_dialect(
                 highest, best = score, found
     found = None if best is None else _from_the_top(lines, best)
     if found is not None and (found.mark, decimal) == (".", None) and found.delimiter != ",":
-        # 1,234 is a number either way; 0,000 above it shows which
-        other = replace(found, mark=",")
-        if any(other.row(line) for line in lines[: found.first]):
-            other = _from_the_top(lines, other) or found
-            found = other if other.first < found.first else found
+        return _by_the_rows_above(lines, found)
     return found
+
+
+def _by_the_rows_above(lines: Sequence[str], found: Dialect) -> Dialect:
+    """The dialect with a decimal comma, if more rows have it: 0,000 above 1,234 shows which."""
+    other = replace(found, mark=",")
+    if not any(other.row(line) for line in lines[: found.first]):
+        return found
+    other = _from_the_top(lines, other) or found
+    return other if other.first < found.first else found
 
 
 def _delimiters(windows: Sequence[Sequence[str]], given: str | None) -> tuple[str, ...]:
@@ -195,23 +197,25 @@ def _best_run(
     if len(rows) * max(map(len, rows), default=0) <= above:  # even if all cells were numbers
         return best
     for run in _runs(rows, mark):
-        cells = Counter(map(len, run)).most_common(1)[0][0]
-        columns = [[row[i] for row in run if i < len(row) and row[i]] for i in range(cells)]
-        contents = [_content(column, mark) for column in columns]
-        while contents and contents[-1] == "blank":
-            contents.pop()
-        numbers = sum(held in {"number", "clock"} for held in contents)
-        words = sum(
-            2.0 if _hides_numbers(column) else 0.5
-            for column, held in zip(columns, contents, strict=False)
-            if held == "text"
-        )
-        score = len(run) * (numbers - words)
-        # a lone number on each of a few lines is a header more often than a table
-        score -= 0.5 * len(run) if numbers == 1 else 0.0
-        if numbers and score > best[0]:
-            best = (score, Dialect(sign, mark, tuple(contents), cells=cells))
+        score, found = _scored(run, sign, mark)
+        if found.numbers and score > best[0]:
+            best = score, found
     return best
+
+
+def _scored(run: Sequence[list[str]], sign: str, mark: Mark) -> tuple[float, Dialect]:
+    """How much like a table a run of lines is, and its dialect."""
+    cells = Counter(map(len, run)).most_common(1)[0][0]
+    columns = [[*filter(None, column)] for column in list(zip_longest(*run))[:cells]]
+    contents = [_content(column, mark) for column in columns]
+    while contents and contents[-1] == "blank":
+        contents.pop()
+    found = Dialect(sign, mark, tuple(contents), cells=cells)
+    texts = (columns[i] for i, held in enumerate(contents) if held == "text")
+    words = sum(2.0 if _hides_numbers(column) else 0.5 for column in texts)
+    # a lone number on each of a few lines is a header more often than a table
+    lone = 0.5 if len(found.numbers) == 1 else 0.0
+    return len(run) * (len(found.numbers) - words - lone), found
 
 
 def decimals(text: str, mark: Mark) -> int | None:

@@ -76,7 +76,7 @@ class _Marks:
 
 
 def ambiguous(
-    blocks: Iterator[str],
+    blocks: Iterator[tuple[str, int]],
     dialect: Dialect,
     indexes: Sequence[int],
     commas: Collection[int],
@@ -86,19 +86,19 @@ def ambiguous(
 
     Parameters
     ----------
+    blocks : iterator of (str, int)
+        Rows of the table, and the number of their first line.
     commas, points : collection of int
         Places in `indexes` of the columns where commas were met beside decimal points, and of
         those whose points could part thousands.
     """  # fmt: skip
     columns = {place: _Marks(dialect.mark) for place in {*commas, *points}}
-    skip = dialect.first
-    for block in blocks if columns else ():
+    for block, _ in blocks if columns else ():
         cells = block.count("\n") + block.count(dialect.delimiter)
         # where every cell has its point, or none has, one row shows how it is used
-        alike = block.count(".") in {0, cells} and not commas and not skip
+        alike = block.count(".") in {0, cells} and not commas
         lines = [block.partition("\n")[0]] if alike else block.split("\n")[:-1]
-        _add_rows(lines[skip:], dialect, indexes, columns)
-        skip = max(0, skip - len(lines))
+        _add_rows(lines, dialect, indexes, columns)
         if all(m.grouped or (m.broken and place not in commas) for place, m in columns.items()):
             break
     return [_which_mark(text) for marks in columns.values() if (text := marks.doubt())]

@@ -51,33 +51,39 @@ class PlainRows:
 
     def read(self, text: str) -> FloatArray | None:
         """Return the numbers of whole lines, None if one of them is not surely a plain row."""
-        if '"' in text:
-            unquoted = None if self.blanks else self._unquoted(text)
-            if unquoted is None:
-                return None
-            text = unquoted
-        if self.swaps_comma and "." in text and self.dialect.mark == ",":
-            return None  # points group the thousands
+        unquoted = self._unquoted(text)
+        # beside decimal commas points group the thousands
+        if unquoted is None or (self.dialect.mark == "," and "." in unquoted):
+            return None
         if self.blanks:
-            return self._parse(text)
-        raw = _latin(text)
+            return self._parse(unquoted)
+        raw = _latin(unquoted)
         more = self._more(raw)
         if more is None:
             return None
         values = self._from_json(raw, more)
         if values is None:
-            values = self._parse(text)
-        if values is None and self.blank.search(text):
-            values = self._parse(self.blank.sub("nan", text))
-            if values is not None and np.isnan(values).all(axis=1).any():  # a blank line, perhaps
-                return None
+            values = self._parse(unquoted)
+        if values is None and self.blank.search(unquoted):
+            values = self._with_blanks(unquoted)
         return values
+
+    def _with_blanks(self, text: str) -> FloatArray | None:
+        """The numbers of lines with blank cells, None if one of the lines is blank, perhaps."""
+        values = self._parse(self.blank.sub("nan", text))
+        blank = values is not None and np.isnan(values).all(axis=1).any()
+        return None if blank else values
 
     def _unquoted(self, text: str) -> str | None:
         """The text without quotes, a blank for each delimiter in them; None if a line ends there.
 
-        Only numbers are read of it: what is no Latin letter may be lost.
+        None, too, where blanks part the cells. Only numbers are read of it: what is no Latin letter
+        may be lost.
         """
+        if '"' not in text:
+            return text
+        if self.blanks:
+            return None
         sign = self.dialect.delimiter
         codes = _codes(text)
         quotes = np.flatnonzero(codes == ord('"'))

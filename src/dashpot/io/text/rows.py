@@ -127,34 +127,24 @@ def load_rows(
     heading = heading or Heading()
     got = _Gathered(segments=[heading.title])
     reader = _Reader(dialect, tuple(indexes), heading, got)
-    line = 1
-    skipped = dialect.first
     first = tail = ""
-    for block in blocks():
-        text = block
-        if skipped:
-            cut = _after_lines(text, skipped)
-            passed = text.count("\n", 0, cut)
-            skipped -= passed
-            line += passed
-            text = text[cut:]
-        if text:
-            reader.read(text, line)
-            line += line_count(text)
-            first = first or text.partition("\n")[0]
-            tail = (tail + text[-_TAIL:])[-_TAIL:]
+    for text, line in _below(blocks(), dialect.first):
+        reader.read(text, line)
+        first = first or text.partition("\n")[0]
+        tail = (tail + text[-_TAIL:])[-_TAIL:]
     values = _assembled(got, len(indexes))
     notes = [*got.notes(), *reader.finish(values)]
     last = tail.rstrip().split("\n")[1:]
-    if last and not got.between:
-        notes += _labels(first, last[-1], dialect, heading)
+    if not got.between:
+        notes += _labels(first, "".join(last[-1:]), dialect, heading)
     complete = got.between or got.rows - got.starts[-1] < 2
     if not complete and dialect.is_cut_off(last):
         values = values[:-1]
         notes.append("the last row is cut off within its last number and was left out")
     if not sure:
         points = marks.open_columns(values)
-        asked = marks.ambiguous(blocks(), dialect, indexes, reader.grouped, points)
+        below = _below(blocks(), dialect.first)
+        asked = marks.ambiguous(below, dialect, indexes, reader.grouped, points)
         got.doubts += [(None, question) for question in asked]
     starts, names = tuple(got.starts), tuple(got.segments)
     return Loaded(
@@ -164,12 +154,13 @@ def load_rows(
 
 def _labels(first: str, last: str, dialect: Dialect, heading: Heading) -> list[str]:
     """Note columns of labels that end otherwise than they begin: other runs, or no row at all."""
-    notes = []
-    ends = dialect.row(first), dialect.row(last)
-    for i, held in enumerate(dialect.contents if None not in ends else ()):
-        begin, end = (row[i] for row in ends if row)
-        said = begin and end and max(sum(map(str.isdigit, text)) for text in (begin, end)) < _DATED
-        if held == "text" and begin != end and said:
+    notes: list[str] = []
+    top, bottom = dialect.row(first), dialect.row(last)
+    if top is None or bottom is None:
+        return notes
+    for i, (held, begin, end) in enumerate(zip(dialect.contents, top, bottom, strict=True)):
+        digits = max(sum(map(str.isdigit, text)) for text in (begin, end))
+        if held == "text" and "" not in {begin, end} and begin != end and digits < _DATED:
             name = heading.columns[i].label(i + 1) if heading.columns else str(i + 1)
             notes.append(f"column '{name}' begins with '{begin[:20]}' and ends with '{end[:20]}'")
     return notes[:2]
@@ -184,6 +175,18 @@ def _assembled(got: _Gathered, width: int) -> FloatArray:
         values[row - len(part) : row] = part
         row -= len(part)
     return values
+
+
+def _below(blocks: Iterator[str], first: int) -> Iterator[tuple[str, int]]:
+    """The text below the first lines, block by block, each with the number of its line."""
+    line = 1
+    for block in blocks:
+        cut = _after_lines(block, first - line + 1)
+        line += block.count("\n", 0, cut)
+        text = block[cut:]
+        if text:
+            yield text, line
+            line += line_count(text)
 
 
 def _after_lines(text: str, count: int) -> int:
@@ -220,8 +223,8 @@ class _Reader:
         self.got = got
         self.plain = PlainRows(dialect, indexes)
         self.clocks = {
-            i: ClockColumn(heading.clocks[i] if heading.clocks else "")
-            for i in indexes
+            place: ClockColumn(heading.clocks[i] if heading.clocks else "")
+            for place, i in enumerate(indexes)
             if dialect.contents[i] == "clock"
         }
         self.grouped: set[int] = set()
@@ -265,10 +268,8 @@ class _Reader:
             if not found[0][:1].isalpha() and not cut_off:  # else a summary, or a cut-off row
                 self._refuse(number, text)
         notes = []
-        for place, i in enumerate(self.indexes):
-            if i not in self.clocks:
-                continue
-            nights, asked = self.clocks[i].settled(values[:, place])
+        for place, clock in self.clocks.items():
+            nights, asked = clock.settled(values[:, place])
             self.got.doubts += [(None, question) for question in asked]
             notes += [f"the clock passes midnight at row {row + 1}" for row in nights[:3]]
         return notes
@@ -319,7 +320,7 @@ class _Reader:
         """The numbers wanted of a row."""
         values = []
         for place, i in enumerate(self.indexes):
-            clock = self.clocks.get(i)
+            clock = self.clocks.get(place)
             value = clock.seconds(row[i]) if clock else self.dialect.value(row[i], i)
             values.append(np.nan if value is None else value)
             if value is None and row[i]:

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from dashpot.base.arrays import BoolArray
+from dashpot.base.arrays import BoolArray, positive
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Step
 from dashpot.base.units import Quantity, Range, si, si_range
@@ -94,8 +94,7 @@ def estimate_frf(
     record, pretrigger, mass = si(record, "time"), si(pretrigger, "time"), si(mass, "mass")
     band, resonance_band = si_range(band, "frequency"), si_range(resonance_band, "frequency")
     tests = (tests,) if isinstance(tests, ImpactTest) else tuple(tests)
-    if mass is not None and not (np.isfinite(mass) and mass > 0):
-        raise DataError(f"mass = {mass!r} kg; expected a number > 0")
+    positive(mass=mass, unit=" kg", optional=True)
     asked = Window.parse(window)
     hits = cut_hits(tests, record=record, pretrigger=pretrigger)
     taken = _taken(hits, accept, reject)

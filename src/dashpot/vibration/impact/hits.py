@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from dashpot.base.arrays import ComplexArray, FloatArray, sample_count
+from dashpot.base.arrays import ComplexArray, FloatArray, not_negative, sample_count
 from dashpot.base.errors import DataError
 from dashpot.records.impact import ImpactTest
 from dashpot.vibration.modal.peaks import run_about
@@ -215,8 +215,7 @@ def _onset(force: FloatArray, crossing: int, noise: float) -> int:
 
 def _pretrigger(found: Sequence[_Found], rate: float, pretrigger: float | None) -> int:
     if pretrigger is not None:
-        if not (np.isfinite(pretrigger) and pretrigger >= 0):
-            raise DataError(f"pretrigger = {pretrigger!r} s; expected a time >= 0")
+        not_negative(pretrigger=pretrigger, unit=" s", expected="a time >= 0")
         return round(pretrigger * rate)
     most = round(PRETRIGGER * rate)
     # a hit without anything before it is judged later; it must not shorten the others

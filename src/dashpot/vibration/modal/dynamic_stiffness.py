@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dashpot.base.arrays import BoolArray, ByValue, ComplexArray, FloatArray, frozen
+from dashpot.base.arrays import BoolArray, ByValue, ComplexArray, FloatArray, frozen, positive
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, Range, si, si_range
@@ -168,9 +168,7 @@ def dynamic_stiffness(
         If mass or seals cannot be, or too few lines are left.
     """
     mass, mass_sd, band = si(mass, "mass"), si(mass_sd, "mass"), si_range(band, "frequency")
-    for name, given in (("mass", mass), ("seals", seals)):
-        if not (np.isfinite(given) and given > 0):
-            raise DataError(f"{name} = {given!r}; expected a number > 0")
+    positive(mass=mass, seals=seals)
     mass_sd = 0.01 * mass if mass_sd is None else mass_sd
     over_base = frf.kind.over_base
     measured = frf.to(Kind.ACCELERANCE, mass=mass)

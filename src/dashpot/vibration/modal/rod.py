@@ -20,7 +20,7 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from dashpot.base.arrays import BoolArray, ByValue, ComplexArray, FloatArray, IndexArray
+from dashpot.base.arrays import BoolArray, ByValue, ComplexArray, FloatArray, IndexArray, positive
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, Range, si, si_range
@@ -170,9 +170,7 @@ def rod_modulus(
         If a number cannot be, the FRF was windowed, or a line has no modulus.
     """
     top, limits = float(si(mass, "mass")), si_range(band, "frequency")
-    for name, value in (("mass", top), ("density", density)):
-        if not 0 < value < np.inf:
-            raise DataError(f"{name} = {value!r}; expected a finite number above 0")
+    positive(mass=top, density=density, expected="a finite number above 0")
     if frf.shift:
         raise DataError("a rod's waves need an FRF without an exponential window")
     over_base, relative_sensor = frf.kind.over_base, frf.kind is Kind.RELATIVE_TRANSMISSIBILITY

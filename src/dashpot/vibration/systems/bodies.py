@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray
+from dashpot.base.arrays import FloatArray, positive
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, si
 from dashpot.records.free_modes import FreeModes
@@ -46,8 +46,7 @@ class Body:
     modes: FreeModes | None = None
 
     def __post_init__(self) -> None:
-        if not (np.isfinite(self.mass) and self.mass > 0):
-            raise DataError(f"body '{self.name}': mass = {self.mass!r} kg; expected a number > 0")
+        positive(f"body '{self.name}': ", mass=self.mass, unit=" kg")
         unknown = [motion for motion in self.free if motion not in MOTIONS]
         moves = self.free or self.modes is not None
         if unknown or not moves or len(set(self.free)) < len(self.free):

@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dashpot.base.arrays import ByValue, FloatArray
+from dashpot.base.arrays import ByValue, FloatArray, positive
 from dashpot.base.errors import DataError
 from dashpot.solids.contact import ContactLaw, ViscousContact
 
@@ -103,9 +103,7 @@ def collide(law: ContactLaw, *, mass: float, velocity: float, pull: float = 0.0)
     DataError
         If a number is not above zero, or the body is never let go.
     """
-    for name, value in (("mass", mass), ("velocity", velocity)):
-        if not 0 < value < np.inf:
-            raise DataError(f"{name} = {value!r}; expected a finite number above 0")
+    positive(mass=mass, velocity=velocity, expected="a finite number above 0")
     n = law.exponent
     unit = ((n + 1) / 2 * mass * velocity ** (1 - n) / law.k) ** (1 / (n + 1))
     fall = pull * unit / velocity

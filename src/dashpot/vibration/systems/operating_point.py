@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from dashpot.base.arrays import positive
 from dashpot.base.errors import DataError
 from dashpot.records.compression import refuse_far
 from dashpot.records.fit import Fit
@@ -75,9 +76,8 @@ def operating_point(
         If a number cannot be, the fit is of a material, no compression carries the weight, or
         the seal would be pressed beyond its height or ten times as deep as it was tested.
     """
-    for name, value in (("mass", mass), ("seals", seals), ("compression", compression)):
-        if value is not None and not (np.isfinite(value) and value > 0):
-            raise DataError(f"{name} = {value!r}; expected a number > 0")
+    positive(mass=mass, seals=seals)
+    positive(compression=compression, optional=True)
     if fit.unit != "N/m":
         raise DataError(
             f"the fit is of a material's modulus, in {fit.unit}: a mass rests on a part, in N/m"

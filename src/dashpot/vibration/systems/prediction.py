@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from dashpot.base.arrays import ComplexArray, FloatArray, samples
+from dashpot.base.arrays import ComplexArray, FloatArray, not_negative, positive, samples
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, si
@@ -79,7 +79,7 @@ def predict_frf(
         temperature.
     """
     mass, compression = si(mass, "mass"), si(compression, "length")
-    _checked(mass)
+    positive(mass=mass, unit=" kg")
     if temperature is not None:
         model = _at(model, temperature)
     model = _assembled(model, mass, seals, compression)
@@ -114,7 +114,7 @@ def isolation_frequency(model: Solid, mass: float) -> float:
     mass : float
         kg.
     """
-    _checked(mass)
+    positive(mass=mass, unit=" kg")
     arms = model.maxwell
     omega, last = float(np.sqrt(2 * (arms.k_inf + sum(arms.k)) / mass)), np.inf
     while omega < last * (1 - ROUNDING):
@@ -168,7 +168,7 @@ def highest_peak(stiffness: float, mass: float) -> float:
     DataError
         If the mass cannot be.
     """
-    _checked(mass)
+    positive(mass=mass, unit=" kg")
     return float(np.sqrt(max(stiffness, 0.0) / mass) / (2 * np.pi))
 
 
@@ -191,7 +191,7 @@ def model_modes(model: Solid, mass: float) -> tuple[Mode, ...]:
     >>> round(mode.frequency, 4), round(mode.damping_ratio, 6)
     (12.7097, 0.004435)
     """
-    _checked(mass)
+    positive(mass=mass, unit=" kg")
     p = poles(model, mass)
     p = np.append(p[p.imag > _REAL * np.abs(p)], _undamped(model, mass))
     p = _settled(model, mass, p)
@@ -367,9 +367,8 @@ def geometry_factor(
         If no such part peaks there: the material damps too much.
     """
     kilograms, hz = si(mass, "mass"), si(peak, "frequency")
-    _checked(kilograms)
-    if not (np.isfinite(hz) and hz > 0):
-        raise DataError(f"peak = {hz!r} Hz; expected a frequency > 0")
+    positive(mass=kilograms, unit=" kg")
+    positive(peak=hz, unit=" Hz", expected="a frequency > 0")
     ratio = mass_for_peak(modulus, hz, kind)
     if not (np.isfinite(ratio) and ratio > 0):
         raise DataError(
@@ -400,17 +399,11 @@ def moving_mass(block: float, *, seal: float, seals: float = 1.0) -> tuple[float
     check : Check
         ``seal_mass_negligible``: whether all seals weigh less than 2 % of the block.
     """
-    for name, value, least in (("block", block, "> 0"), ("seal", seal, ">= 0")):
-        if not (np.isfinite(value) and (value > 0 or (value == 0 and name == "seal"))):
-            raise DataError(f"{name} mass = {value!r} kg; expected a number {least}")
+    positive("block ", mass=block, unit=" kg")
+    not_negative("seal ", mass=seal, unit=" kg")
     if seals * seal > block:
         raise DataError(
             f"the seals would weigh {1e3 * seals * seal:.4g} g on a block of {1e3 * block:.4g} g: "
             "check the mass of one seal and its unit"
         )
     return block + seals * seal / 3, seal_mass_negligible(seals * seal / block)
-
-
-def _checked(mass: float) -> None:
-    if not (np.isfinite(mass) and mass > 0):
-        raise DataError(f"mass = {mass!r} kg; expected a number > 0")

@@ -250,16 +250,15 @@ class System:
                 raise DataError(f"'{place}' is no degree of freedom; known: {', '.join(names)}")
             row[names[place]] = 1.0
             return row
-        known = {body.name: body.at for body in self.bodies}
-        known |= dict.fromkeys(self.grounds, (0.0, 0.0, 0.0))
+        known: dict[str, Body | None] = {body.name: body for body in self.bodies}
+        known |= dict.fromkeys(self.grounds)
         if place.body not in known:
             raise DataError(f"no body '{place.body}'; the system has {', '.join(known)}")
-        motion = dict(zip(MOTIONS, motion_of(place, known[place.body]), strict=True))
-        flexible = next((b for b in self.bodies if b.name == place.body and b.modes), None)
-        if flexible is not None:
-            motion |= zip(
-                flexible.motions[len(flexible.free) :], bent_by(flexible, place), strict=True
-            )
+        body = known[place.body]
+        at = (0.0, 0.0, 0.0) if body is None else body.at
+        motion = dict(zip(MOTIONS, motion_of(place, at), strict=True))
+        if body is not None and body.modes:
+            motion |= zip(body.motions[len(body.free) :], bent_by(body, place), strict=True)
         for name, value in motion.items():
             dof = f"{place.body}.{name}"
             if dof in names:  # a motion that is held does not move the point
