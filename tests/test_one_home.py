@@ -1,0 +1,99 @@
+"""Each idea of the spine is written once: where else it stands, it is another thing, and says why.
+
+A list here may only shrink: a line that is no longer needed fails, as one that is missing does.
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+SOURCE = Path(__file__).parents[1] / "src/dashpot"
+
+#: idea -> what shows it, the rooms where it lives, and the files that hold something else, with why
+IDEAS: dict[str, tuple[str, tuple[str, ...], dict[str, str]]] = {
+    "a descent by a library": (
+        r"least_squares\(|optimize import .*(nnls|least_squares)",
+        ("engine/least_squares/",),
+        {
+            "solids/friction.py": "solids do not know the engine: sliders of an element, once",
+        },
+    ),
+    "a damped descent": (
+        r"damping \*=|damping \*\*|lstsq\(.*damp|marquardt",
+        ("engine/",),
+        {},
+    ),
+    "a BIC": (
+        r"np\.log\(.*(sse|rss|power)|\* np\.log\((n|effective|worth)",
+        ("engine/inference/order.py",),
+        {},
+    ),
+    "a covariance": (
+        r"linalg\.pinv\(|linalg\.inv\(",
+        ("engine/",),
+        {
+            "records/free_modes.py": "a change of coordinates",
+            "vibration/systems/system.py": "the FRF of a system is the inverse of its stiffness",
+            "vibration/systems/complex_modes.py": "a mass matrix",
+            "vibration/systems/state_space.py": "a mass matrix",
+        },
+    ),
+    "a rule of correlated residuals": (
+        r"1 - rho|def (auto)?correlation\(|lag.?1",
+        ("engine/inference/covariance.py",),
+        {},
+    ),
+    "a quantile of t": (
+        r"t_quantile\(",
+        ("engine/", "base/student_t.py"),
+        {
+            "records/estimate.py": "a fit's own intervals, of what is kept of its estimate",
+            "lots/statistics/scatter.py": "a chart of pieces, not of residuals",
+            "lots/judgement.py": "a guard band of pieces, not of residuals",
+        },
+    ),
+    "non-negative columns": (
+        r"\bnonnegative(_columns)?\(|\bnnls\(",
+        ("engine/",),
+        {
+            "solids/friction.py": "solids do not know the engine: sliders of an element, once",
+        },
+    ),
+    "a status by names of checks": (
+        r"failed = \{check\.name|check\.name (in|not in) |\.name in \{",
+        ("base/checks.py",),
+        {},
+    ),
+}
+
+
+def places(pattern: str, homes: tuple[str, ...]) -> set[str]:
+    return {
+        name
+        for path in SOURCE.rglob("*.py")
+        if not (name := path.relative_to(SOURCE).as_posix()).startswith(homes)
+        and re.search(pattern, path.read_text(encoding="utf-8"))
+    }
+
+
+@pytest.mark.parametrize("idea", IDEAS)
+def test_an_idea_has_one_home(idea: str) -> None:
+    pattern, homes, others = IDEAS[idea]
+    assert all(others.values()), "every other place says why"
+    found = places(pattern, homes)
+    assert found == set(others), (
+        f"{idea} lives in {', '.join(homes)}: call it from there; or, if it is another thing, say so"
+    )
+
+
+@pytest.mark.parametrize("idea", IDEAS)
+def test_what_shows_an_idea_is_found_at_home(idea: str) -> None:
+    pattern, homes, _ = IDEAS[idea]
+    assert any(
+        re.search(pattern, path.read_text(encoding="utf-8"))
+        for home in homes
+        for path in SOURCE.glob(f"{home}**/*.py" if home.endswith("/") else home)
+    )
