@@ -30,7 +30,6 @@ from .fitting.relaxation import fit as fit
 from .fitting.spectrum import dynamic_master_curve as dynamic_master_curve
 from .fitting.spectrum import master_curve as master_curve
 from .fitting.superposition.superpose import superpose as superpose
-from .fitting.uncertainty.bootstrap import bootstrap as bootstrap
 from .fitting.uncertainty.prediction_bounds import frf_band as frf_band
 from .fitting.uncertainty.prediction_bounds import unseen_arm_band as unseen_arm_band
 from .io.readers.bench import read_bench as read_bench
