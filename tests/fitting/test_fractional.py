@@ -239,7 +239,6 @@ def test_it_is_archived_with_its_own_parameters() -> None:
     ("choices", "says"),
     [
         ({"family": "prony"}, "family = 'prony'; expected"),
-        ({"family": "auto", "depth_law": True}, "leave out the law of the depth"),
         ({"family": "fractional", "law": "nonlinear"}, "leave the law to be linear"),
     ],
 )

@@ -39,17 +39,17 @@ _ROUGH = 2
 
 
 class Design(NamedTuple):
-    """How the tests are set out: the method, whose stiffnesses, which nuisance terms."""
+    """How the tests are set out: the method, and which nuisance terms."""
 
     method: Method
-    depth_law: bool = False
     nuisance: tuple[str, ...] = NUISANCE
 
 
 def compressed(tests: Sequence[RampHold], design: Design) -> tuple[Block, ...]:
     """Return one block per test, a few hundred rows each, on which the fit is the full fit."""
-    make = _hold if design.method == "hold" else _full
-    return tuple(make(test, i, design) for i, test in enumerate(tests))
+    if design.method == "hold":
+        return tuple(map(_hold, tests))
+    return tuple(_full(test, i, design) for i, test in enumerate(tests))
 
 
 def nuisanced(tests: Sequence[RampHold], design: Design) -> tuple[Block, ...]:
@@ -117,11 +117,6 @@ def first_sample(test: RampHold) -> int:
     return priors(test).first
 
 
-def fitted_samples(test: RampHold, design: Design) -> slice:
-    """Return the samples that the fit uses: the settled hold, or from contact to its end."""
-    return test.settled if design.method == "hold" else slice(first_sample(test), test.hold.stop)
-
-
 def moves_on(test: RampHold) -> bool:
     """True if the plate moves on to another depth after the first ramp: there is no one hold."""
     return _moved(test) > _ANOTHER_DEPTH
@@ -162,19 +157,6 @@ def eq5_obstacle(test: RampHold) -> str | None:
     return None
 
 
-class _Names(TypedDict):
-    """Names of a block's columns, as the engine takes them."""
-
-    k_inf: str
-    arm_group: str
-
-
-def _names(i: int, design: Design) -> _Names:
-    if design.depth_law:
-        return {"k_inf": f"k_inf@{i}", "arm_group": f"k@{i}"}
-    return {"k_inf": "k_inf", "arm_group": "k"}
-
-
 class _Sensor(TypedDict):
     """Names of the columns of a load cell; None leaves a column out."""
 
@@ -212,27 +194,23 @@ def evened(time: FloatArray) -> FloatArray:
 
 def _full(test: RampHold, i: int, design: Design) -> Block:
     window = slice(first_sample(test), None)
-    return recorded_block(*motion(test), window=window, **_names(i, design), **_sensor(i, design))
+    return recorded_block(*motion(test), window=window, k_inf="k_inf", **_sensor(i, design))
 
 
-def _hold(test: RampHold, i: int, design: Design) -> Block:
+def _hold(test: RampHold) -> Block:
     return hold_block(
         np.maximum(test.time[test.settled] - test.ramp_end, 0.0),
         test.force[test.settled],
         depth=test.depth,
         ramp_time=test.ramp_time,
-        **_names(i, design),
     )
 
 
-def solid_of(solution: Solution, suffix: str = "") -> GeneralizedMaxwell:
-    """Return the solid of one arm group, with its parallel dashpot if it has one.
-
-    An arm that this group does not show is left out.
-    """
-    k = solution.arms[solution.groups.index(f"k{suffix}")] if solution.order else np.zeros(0)
+def solid_of(solution: Solution) -> GeneralizedMaxwell:
+    """Return the solid with the arms that are there, and its parallel dashpot if it has one."""
+    k = solution.arms[solution.groups.index("k")] if solution.order else np.zeros(0)
     return GeneralizedMaxwell(
-        max(solution.coefficient(f"k_inf{suffix}"), 0.0),
+        max(solution.coefficient("k_inf"), 0.0),
         tuple(k[k > 0]),
         tuple(solution.tau[k > 0]),
         max(solution.coefficient("b"), 0.0) if "b" in solution.fixed_names else 0.0,
