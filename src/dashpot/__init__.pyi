@@ -50,8 +50,11 @@ from .io.readers.shifts import read_shifts as read_shifts
 from .io.readers.trajectory import read_trajectory as read_trajectory
 from .lots.batches import batch as batch
 from .lots.lot import Lot as Lot
+from .planning.bench import Bench as Bench
 from .planning.plan import plan as plan
 from .planning.setpoints import planned_trajectory as planned_trajectory
+from .planning.supposed import HammerPlan as HammerPlan
+from .planning.supposed import SupposedSeal as SupposedSeal
 from .preparation.cld.cycles import cld as cld
 from .preparation.prepare import prepare as prepare
 from .records.amplitude import AmplitudeFit as AmplitudeFit

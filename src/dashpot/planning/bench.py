@@ -2,31 +2,61 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray, sample_count
+from dashpot.base.errors import DataError
+from dashpot.base.options import option
+from dashpot.base.units import si_fields
 from dashpot.records.machine import TOLD_DRIFT, Machine
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 
 @dataclass(frozen=True)
 class Bench:
-    """A ramp-and-hold test to be: SI units, `rate` in Hz, `noise` in N per sample.
+    """A ramp-and-hold test to be; quantities as in ``"8mm"``, or in SI units.
 
-    `baseline`, s, is recorded before the ramp. On a described `machine` the fit of ramp and hold
-    finds offset, drift and delay of the force besides; without one, and by eq. 5, it finds none.
+    Attributes
+    ----------
+    depth : float
+        m.
+    ramp_time, hold_time : float
+        s.
+    rate : float
+        Samples per second, Hz.
+    noise : float
+        Standard deviation of a force sample, N; multiply by the square root of the correlation
+        (``fit.residual.kappa``) if samples are filtered.
+    method : str
+        ``"full"`` fits ramp and hold, ``"hold"`` the hold alone.
+    baseline : float
+        Recorded before the ramp, s: it tells the offset of the load cell.
+    machine : Machine or None
+        Its fit of ramp and hold finds offset, drift and delay of the force besides; on None, and
+        by eq. 5, it finds none of them.
+
+    Raises
+    ------
+    DataError
+        If a number is not positive, or the method unknown.
     """
 
-    depth: float
-    ramp_time: float
-    hold_time: float
-    rate: float
-    noise: float
-    method: str
-    baseline: float = 1.0
-    machine: Machine | None = None
+    depth: float = option("8mm", unit="length")
+    ramp_time: float = option("1s", unit="time", flag="ramp")
+    hold_time: float = option("40s", unit="time", flag="hold")
+    rate: float = option("1kHz", unit="frequency")
+    noise: float = option("5mN", "Per sample, one SD.", unit="force")
+    method: str = option("full", choices=("full", "hold"))
+    baseline: float = option("1s", "Before the ramp.", unit="time")
+    machine: Machine | None = field(default=Machine())
+
+    def __post_init__(self) -> None:
+        si_fields(self)
+        positive(self, "depth", "ramp_time", "hold_time", "rate", "noise", "baseline")
+        if self.method not in {"full", "hold"}:
+            raise DataError(f'method = {self.method!r}; expected "full" or "hold"')
 
     def time(self) -> FloatArray:
         """The samples that the method fits, s from the start of the ramp, shape (n,)."""
@@ -81,3 +111,16 @@ class Bench:
             return seen
         known = np.diag(1 / np.maximum(self.prior_sd(model), 1e-300))
         return np.vstack((seen, np.pad(known, ((0, 0), (seen.shape[1] - 3, 0)))))
+
+
+def positive(noun: object, *names: str) -> None:
+    """Refuse a field that is given and no number above 0.
+
+    Raises
+    ------
+    DataError
+    """
+    for name in names:
+        value = getattr(noun, name)
+        if value is not None and not (np.isfinite(value) and value > 0):
+            raise DataError(f"{name} = {value!r}; expected a number > 0 in SI units")
