@@ -21,6 +21,8 @@ from .fitting.depth import fit_depths as fit_depths
 from .fitting.dynamic import fit_dynamic as fit_dynamic
 from .fitting.fit_many import fit_many as fit_many
 from .fitting.hyperelastic.fit import fit_hyperelastic as fit_hyperelastic
+from .fitting.identification.asked import HammerRig as HammerRig
+from .fitting.identification.asked import KnownSolid as KnownSolid
 from .fitting.identification.identify import identify as identify
 from .fitting.indentation.fit import fit_indentation as fit_indentation
 from .fitting.level.frfs import fit_levels as fit_levels
