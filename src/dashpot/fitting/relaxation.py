@@ -20,7 +20,7 @@ from dashpot.fitting.checks.solid import (
     order_agreed,
     uncertainty_estimated,
 )
-from dashpot.fitting.design import NUISANCE, Design, Method, bound
+from dashpot.fitting.design import NUISANCE, Design, Method, block_of, bound
 from dashpot.fitting.filter_bias import filter_bias
 from dashpot.fitting.fit_data import First, FitData, data_of, weighed
 from dashpot.fitting.fractional.choice import Choice as FamilyChoice
@@ -42,7 +42,7 @@ from dashpot.fitting.repeats import refuse_copies
 from dashpot.fitting.shift_law import ShiftLaw
 from dashpot.fitting.temperature.joint import Vertical
 from dashpot.fitting.temperature.optimum import checked_temperatures, reference_of
-from dashpot.fitting.temperature.reduced import Own, bent_block
+from dashpot.fitting.temperature.reduced import Own
 from dashpot.fitting.temperature.thermal_fit import fit_thermal
 from dashpot.fitting.uncertainty.estimate import Estimate
 from dashpot.fitting.uncertainty.informed_band import informed_band
@@ -225,7 +225,9 @@ def _own(record: RampHold, law: LawName, *, thorough: bool) -> Own:
     bent = ramp_law([record], law=law)
     if bent.sound:
         return Own.of(record, kelvin, first, None)
-    block = bent_block(record, bent.law)
+    block = block_of(
+        record, terms=("offset", "drift"), index=0, start=record.settled.start, law=bent.law
+    )
     held = FitData(
         [block], [block.exact], in_time=True, bind=partial(bound, [record], [block], Design("full"))
     )
