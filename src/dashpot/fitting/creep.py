@@ -52,7 +52,7 @@ from dashpot.preparation.creep import load_hold
 from dashpot.preparation.segments import find_segments
 from dashpot.records.creep import Creep, CreepCompliance, CreepTest, LoadHold
 from dashpot.records.fit import Fit, Provenance
-from dashpot.records.machine import TOLD_DRIFT, UNKNOWN_DRIFT
+from dashpot.records.machine import Machine
 from dashpot.records.relaxation import quantum
 from dashpot.records.superposition import Superposition
 from dashpot.solids.interconversion import CreepSpectrum
@@ -192,14 +192,15 @@ def known_before(record: LoadHold) -> _Known:
     count = quantum(x)
     noise = max(record.displacement_noise, _OF_A_COUNT * count)
     # load cell and displacement both drift
-    usual = float(np.sqrt(2)) * UNKNOWN_DRIFT * travel / (record.time[-1] - record.onset)
+    both, duration = float(np.sqrt(2)) * travel, float(record.time[-1] - record.onset)
+    usual = Machine().drift_sd(both, duration)
     drift, told_drift = Prior(0.0, usual), False
     if first >= _FEWEST:
         offset, at, slope = at_rest(time[:first], x[:first], record.displacement_noise)
         # a reading that stands on one count hides a part of the next
         offset = Prior(offset.mean, max(offset.sd, _OF_A_COUNT * count))
         told = max(slope.sd, count / float(time[first - 1]))
-        if told < TOLD_DRIFT / UNKNOWN_DRIFT * usual:
+        if Machine.drift_told(told, both, duration):
             drift, told_drift = Prior(slope.mean, told), True
     else:
         # under load from the first sample on, the channel's own zero is all there is

@@ -20,7 +20,6 @@ from dashpot.base.arrays import FloatArray, kept, median
 from dashpot.engine.blocks.block import Block, prior_block
 from dashpot.engine.inference.covariance import noise_of
 from dashpot.preparation.noise import scatter
-from dashpot.records.machine import TOLD_DRIFT
 from dashpot.records.relaxation import RampHold
 from dashpot.records.specimen import Specimen
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -157,7 +156,7 @@ def priors(record: RampHold) -> Priors:
         offset, at = _first_reading(record, noise), 0.0
         first = max(first, 1) if record.displacement[0] <= 0 else 0
         slope = Prior(0.0, np.inf)
-    if slope.sd < TOLD_DRIFT * final / duration:
+    if record.machine.drift_told(slope.sd, final, duration):
         drift, told = slope, "baseline"
     else:
         drift = Prior(0.0, record.machine.drift_sd(final, duration))

@@ -101,14 +101,17 @@ class Chosen:
     @cached_property
     def _rows(self) -> dict[str, int]:
         """The model's parameters and their rows in the covariance."""
-        solution = self.solution
-        k = solution.arms[solution.groups.index("k")] if solution.order else np.zeros(0)
-        there = np.flatnonzero(k > 0) + 1
-        named = {"k_inf": "k_inf"}
-        named |= {f"k_{j}": f"k_{row}" for j, row in enumerate(there, start=1)}
-        named |= {f"ln_tau_{j}": f"ln_tau_{row}" for j, row in enumerate(there, start=1)}
-        if "b" in solution.fixed_names:
-            named["b"] = "b"
+        return self.rows_named(
+            "k_inf", "k", "ln_tau", "b" if "b" in self.solution.fixed_names else None
+        )
+
+    def rows_named(self, spring: str, arm: str, time: str, dashpot: str | None) -> dict[str, int]:
+        """Rows of the covariance: spring, every arm that is there by its two names, and dashpot."""
+        there = np.flatnonzero(self.solution.arms.ravel() > 0) + 1
+        named = {spring: spring}
+        named |= {f"{arm}_{j}": f"k_{row}" for j, row in enumerate(there, start=1)}
+        named |= {f"{time}_{j}": f"ln_tau_{row}" for j, row in enumerate(there, start=1)}
+        named |= {} if dashpot is None else {dashpot: dashpot}
         return {name: self.estimate.names.index(row) for name, row in named.items()}
 
     @cached_property

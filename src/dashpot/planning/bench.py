@@ -10,7 +10,7 @@ from dashpot.base.arrays import FloatArray, sample_count
 from dashpot.base.errors import DataError
 from dashpot.base.options import option
 from dashpot.base.units import si_fields
-from dashpot.records.machine import TOLD_DRIFT, Machine
+from dashpot.records.machine import Machine
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 
@@ -100,7 +100,7 @@ class Bench:
         )
         offset = self.noise / np.sqrt(self.baseline * self.rate)
         slope = float(np.sqrt(12.0) * offset / self.baseline)
-        told = slope < TOLD_DRIFT * final / length
+        told = machine.drift_told(slope, final, length)
         drift = slope if told else machine.drift_sd(final, length)
         return np.array([offset, drift, machine.delay_sd(1 / self.rate)])
 
