@@ -249,6 +249,18 @@ def test_weights_that_end_in_ones_leave_the_rest_correlated(
     same(wider, found)
 
 
+@pytest.mark.parametrize("count", [1, 30, 300])
+def test_a_few_doubtful_samples_are_kept_whole(count: int) -> None:
+    """A column that no arm resembles, too, in fewer rows than the kernels span."""
+    x, here = HISTORIES["steps and chirp"], slice(40, None)
+    sample = np.arange(6001)
+    weights = np.where(sample < 40 + count, 0.2, 1.0)
+    bump = {"bump": 1.0 * (sample % 7 == 5)}
+    block = recorded_block(TIME, x, force_of(x, 2), window=here, weights=weights, columns=bump)
+    found = solve([block], 2)
+    same(found, solve([block.exact], 2, log_tau_start=found.log_tau))
+
+
 def test_weights_before_the_window_do_not_matter() -> None:
     x = HISTORIES["ramp and hold"]
     force, weights = force_of(x, 2), np.where(np.arange(6001) < 40, 0.1, 1.0)

@@ -104,7 +104,7 @@ def recorded_block(
     if x[0] != 0 or len(time) <= SMALL or step is None or even > stop // 2 or not near:
         whole = replace(exact(start, stop, weights), window=limits)
         return whole if reach is None and stop - start < LONG else reduced_block(whole, reach=reach)
-    if even <= start + 1:
+    if even <= start:
         whole = replace(exact(start, stop), window=limits)
         return correlation_block(whole, time, x, start=start, stop=stop)
     before = replace(exact(start, even, weights), window=limits)
