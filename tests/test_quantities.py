@@ -43,10 +43,18 @@ def test_quantities_and_numbers_give_the_same(name):
 
 
 def test_a_plan_in_the_words_of_the_bench():
-    words = dp.plan(depth="8mm", ramp_time="1s", hold_time="40s", rate="1kHz", noise="5mN",
-                    at="12.71Hz", arm=("0.05N/mm", "12ms"), sync="0.5ms")  # fmt: skip
-    numbers = dp.plan(depth=8e-3, ramp_time=1.0, hold_time=40.0, rate=1e3, noise=5e-3, at=12.71,
-                      arm=(50.0, 0.012), sync=5e-4)  # fmt: skip
+    words = dp.plan(
+        dp.Bench(depth="8mm", ramp_time="1s", noise="5mN", machine=dp.Machine(sync="0.5ms")),
+        at="12.71Hz",
+        seal=dp.SupposedSeal(arm=("0.05N/mm", "12ms"), temperature="23degC"),
+        hammer=dp.HammerPlan(mass="104g", record="8s"),
+    )
+    numbers = dp.plan(
+        dp.Bench(8e-3, 1.0, noise=5e-3, machine=dp.Machine(sync=5e-4)),
+        at=12.71,
+        seal=dp.SupposedSeal(arm=(50.0, 0.012), temperature=296.15),
+        hammer=dp.HammerPlan(0.104, record=8.0),
+    )
     assert str(words) == str(numbers)
     assert words.arm == pytest.approx(numbers.arm, rel=1e-12)
 
@@ -68,7 +76,7 @@ def test_a_bench_and_a_machine_in_their_words():
     [
         (lambda: dp.predict_frf(PAPER, mass="104"), "has no unit"),
         (lambda: dp.predict_frf(PAPER, mass="104mm"), "is a unit of length"),
-        (lambda: dp.plan(depth="8s", ramp_time=1, hold_time=9, rate=9, noise=1, at=1), "of time"),
+        (lambda: dp.Bench(depth="8s"), "of time"),
         (lambda: dp.compare(handmade.measured(), handmade.measured(), band="5Hz"), "low:high"),
         (lambda: dp.Specimen(length="long"), "length|number"),
     ],

@@ -21,6 +21,8 @@ from .fitting.depth import fit_depths as fit_depths
 from .fitting.dynamic import fit_dynamic as fit_dynamic
 from .fitting.fit_many import fit_many as fit_many
 from .fitting.hyperelastic.fit import fit_hyperelastic as fit_hyperelastic
+from .fitting.identification.asked import HammerRig as HammerRig
+from .fitting.identification.asked import KnownSolid as KnownSolid
 from .fitting.identification.identify import identify as identify
 from .fitting.indentation.fit import fit_indentation as fit_indentation
 from .fitting.level.frfs import fit_levels as fit_levels
@@ -30,7 +32,6 @@ from .fitting.relaxation import fit as fit
 from .fitting.spectrum import dynamic_master_curve as dynamic_master_curve
 from .fitting.spectrum import master_curve as master_curve
 from .fitting.superposition.superpose import superpose as superpose
-from .fitting.uncertainty.bootstrap import bootstrap as bootstrap
 from .fitting.uncertainty.prediction_bounds import frf_band as frf_band
 from .fitting.uncertainty.prediction_bounds import unseen_arm_band as unseen_arm_band
 from .io.readers.bench import read_bench as read_bench
@@ -51,8 +52,11 @@ from .io.readers.shifts import read_shifts as read_shifts
 from .io.readers.trajectory import read_trajectory as read_trajectory
 from .lots.batches import batch as batch
 from .lots.lot import Lot as Lot
+from .planning.bench import Bench as Bench
 from .planning.plan import plan as plan
 from .planning.setpoints import planned_trajectory as planned_trajectory
+from .planning.supposed import HammerPlan as HammerPlan
+from .planning.supposed import SupposedSeal as SupposedSeal
 from .preparation.cld.cycles import cld as cld
 from .preparation.prepare import prepare as prepare
 from .records.amplitude import AmplitudeFit as AmplitudeFit

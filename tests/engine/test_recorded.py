@@ -226,6 +226,58 @@ def test_reduced_optimum_is_the_full_optimum(history: str, arms: int) -> None:
     np.testing.assert_allclose(found.arms, full.arms, rtol=1e-8)
 
 
+@pytest.mark.parametrize(("doubtful", "correlated"), [(3000, True), (3001, False)])
+def test_weights_that_end_in_ones_leave_the_rest_correlated(
+    doubtful: int, correlated: bool
+) -> None:
+    """As every sample says, with a column more, and where just half of the record is doubted."""
+    x = HISTORIES["steps and chirp"]
+    force = force_of(x, 2)
+    weights = np.where(np.arange(6001) < doubtful, 0.3 + 0.7 * TIME / TIME[-1], 1.0)
+    here, bump = slice(40, None), np.sin(TIME)
+    block = recorded_block(
+        TIME, x, force, window=here, offset="offset", weights=weights, columns={"bump": bump}
+    )
+    assert block.rotated_basis == correlated
+    assert block.samples == block.exact.samples == 6001 - 40
+    assert len(block.exact.target) == 6001 - 40
+    found = solve([block], 2)
+    same(found, solve([block.exact], 2, log_tau_start=found.log_tau))
+    assert found.fixed_names == ("k_inf", "offset", "bump")
+    bare = recorded_block(TIME, x, force, window=here, offset="offset", weights=weights)
+    wider = solve([bare.with_column("bump", (weights * bump)[here])], 2)
+    same(wider, found)
+
+
+@pytest.mark.parametrize("count", [1, 30, 300])
+def test_a_few_doubtful_samples_are_kept_whole(count: int) -> None:
+    """A column that no arm resembles, too, in fewer rows than the kernels span."""
+    x, here = HISTORIES["steps and chirp"], slice(40, None)
+    sample = np.arange(6001)
+    weights = np.where(sample < 40 + count, 0.2, 1.0)
+    bump = {"bump": 1.0 * (sample % 7 == 5)}
+    block = recorded_block(TIME, x, force_of(x, 2), window=here, weights=weights, columns=bump)
+    found = solve([block], 2)
+    same(found, solve([block.exact], 2, log_tau_start=found.log_tau))
+
+
+def test_weights_before_the_window_do_not_matter() -> None:
+    x = HISTORIES["ramp and hold"]
+    force, weights = force_of(x, 2), np.where(np.arange(6001) < 40, 0.1, 1.0)
+    here = slice(40, None)
+    weighted = recorded_block(TIME, x, force, window=here, weights=weights)
+    same(solve([weighted], 2), solve([recorded_block(TIME, x, force, window=here)], 2))
+
+
+def test_arms_far_slower_than_the_window_are_reduced() -> None:
+    x = HISTORIES["ramp and hold"]
+    force = force_of(x, 2)
+    low, high = recorded_block(TIME, x, force).window
+    asked = [recorded_block(TIME, x, force, reach=(low, n * high)) for n in (10.0, 10.001)]
+    assert [block.rotated_basis for block in asked] == [True, False]
+    same(solve(asked[:1], 2), solve(asked[1:], 2))
+
+
 @given(log_tau=st.lists(st.floats(np.log(0.02), np.log(300)), min_size=2, max_size=2, unique=True))
 @settings(max_examples=15, deadline=None)
 def test_reduced_columns_are_those_of_every_sample(log_tau: list[float]) -> None:

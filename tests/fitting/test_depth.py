@@ -115,18 +115,6 @@ def test_eight_long_records_take_seconds(paper_seal: GeneralizedMaxwell) -> None
     assert found.law.tangent(2.6e-3) == pytest.approx(164.7, rel=0.01)
 
 
-def test_depth_law_of_a_fit_keeps_each_depths_stiffness(paper_seal: GeneralizedMaxwell) -> None:
-    tests = [
-        quasi_linear(paper_seal, 4e-3, law=linear),
-        quasi_linear(paper_seal * 2, 8e-3, law=lambda x: 2 * linear(x)),
-    ]
-    found = fit(tests, arms=2, depth_law=True)
-    assert [at.k_inf for at in found.by_depth] == pytest.approx([196.5, 393.0], rel=1e-6)
-    assert found.model.k_inf == pytest.approx(393.0, rel=1e-6)
-    assert found.by_depth[0].k == pytest.approx(paper_seal.k, rel=1e-5)
-    assert found.parameters == ("k_inf", "k_1", "k_2", "ln_tau_1", "ln_tau_2")
-
-
 def test_the_paper_seal_agrees_with_its_compression_curve() -> None:
     law = ElasticLaw.linear(196.5, 8e-3)
     curve = np.linspace(0.0, 10e-3, 21)

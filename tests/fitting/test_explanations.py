@@ -11,6 +11,7 @@ import pytest
 from kit import hardening
 from kit.fits import a_fit
 
+from dashpot.fitting.identification.asked import KnownSolid
 from dashpot.fitting.identification.explanations import as_other_count
 from dashpot.fitting.identification.identify import identify
 from dashpot.fitting.relaxation import fit
@@ -210,7 +211,7 @@ def test_no_arm_is_no_answer_where_something_dissipates() -> None:
     told = next(check for check in found.checks if check.name == "dashpot_not_missed")
     assert told.failed
     assert "--parallel-dashpot" in told.says
-    taken = identify(voigt(), mass=0.1, parallel_dashpot=True)
+    taken = identify(voigt(), mass=0.1, known=KnownSolid(parallel_dashpot=True))
     assert taken.status is Status.CONVERGED
     assert taken.model.arms == 0
     assert taken.model.b == pytest.approx(0.3, rel=0.05)

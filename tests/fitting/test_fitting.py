@@ -14,7 +14,6 @@ from hypothesis import strategies as st
 from dashpot.base.errors import DataError, FitError
 from dashpot.fitting.linear_gate import Holds
 from dashpot.fitting.relaxation import fit
-from dashpot.fitting.uncertainty.bootstrap import bootstrap
 from dashpot.preparation.prepare import prepare
 from dashpot.records.estimate import Profile, profile_interval
 from dashpot.records.fit import Fit, Status
@@ -373,19 +372,6 @@ def test_profile_and_covariance_agree_where_both_hold() -> None:
     np.testing.assert_allclose(bounds["k"][0], wald["k"][0], rtol=1e-3)
     np.testing.assert_allclose(bounds["b"][0], wald["b"][0], rtol=1e-3)
     np.testing.assert_allclose(bounds["k_inf"], wald["k_inf"], rtol=1e-3)
-
-
-def test_the_bootstrap_agrees_with_the_covariance(paper_seal: GeneralizedMaxwell) -> None:
-    test = ideal(paper_seal, rate=20.0, noise=5e-3, baseline=2.0)
-    found = fit(test, arms=2)
-    drawn = bootstrap(test, found, repeats=120, seed=1)
-    assert drawn == bootstrap(test, found, repeats=120, seed=1)
-    assert drawn.parameters == ("k_inf", "k_1", "k_2", "tau_1", "tau_2")
-    np.testing.assert_allclose(drawn.standard_error(), five_errors(found), rtol=0.3)
-    low, high = drawn.intervals(0.95).T
-    assert np.all((low < five(found.model)) & (five(found.model) < high))
-    with pytest.raises(FitError, match="repeats = 1; a spread needs at least 2"):
-        bootstrap(test, found, repeats=1)
 
 
 # -- the band -------------------------------------------------------------------------------------

@@ -173,8 +173,7 @@ def test_several_tests_are_judged_each_in_the_metric_of_its_noise() -> None:
         coverage.record(order.SEALS[3], coverage.NOISES[name], seed, rate=100.0)
         for seed, name in enumerate(names)
     ]
-    for depth_law in (False, True):
-        assert fit(tests, method="hold", depth_law=depth_law).model.arms == 3
+    assert fit(tests, method="hold").model.arms == 3
 
 
 @pytest.mark.slow

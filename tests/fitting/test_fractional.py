@@ -239,7 +239,6 @@ def test_it_is_archived_with_its_own_parameters() -> None:
     ("choices", "says"),
     [
         ({"family": "prony"}, "family = 'prony'; expected"),
-        ({"family": "auto", "depth_law": True}, "leave out the law of the depth"),
         ({"family": "fractional", "law": "nonlinear"}, "leave the law to be linear"),
     ],
 )
@@ -385,7 +384,7 @@ def test_along_its_narrow_valley_the_optimum_is_found() -> None:
     noisy = replace(frf, value=frf.value + sd * (draw[0] + 1j * draw[1]), sd=sd, averages=5)
     rig = {"mass": 0.0633, "seals": 2, "family": "fractional"}
     found = dp.identify(noisy, **rig)
-    held = dp.identify(noisy, **rig, static_stiffness=(solid.k_inf, 0.01))
+    held = dp.identify(noisy, **rig, known=dp.KnownSolid(static_stiffness=(solid.k_inf, 0.01)))
     assert held.solid.k_inf == pytest.approx(solid.k_inf, abs=0.02)
     # the whole valley is at hand, so nothing on it is better
     assert found.residual.sse <= held.residual.sse
@@ -425,7 +424,7 @@ def test_an_earlier_fractional_fit_is_a_prior_of_its_own_family() -> None:
 def test_a_dashpot_is_found_beside_an_element() -> None:
     damped = dp.FractionalZener(500.0, 200.0, 0.05, 0.5, b=0.05)
     frf = dp.predict_frf(2 * damped, mass=MASS, frequency=np.linspace(4, 40, 73))
-    found = dp.identify(frf, **RIG, arms=1, family="auto", parallel_dashpot="auto")
+    found = dp.identify(frf, **RIG, arms=1, family="auto", known=dp.KnownSolid("auto"))
     assert found.solid.b == pytest.approx(0.05, rel=1e-3)
     assert found.solid.alpha == pytest.approx(0.5, rel=1e-4)
     assert found.parameters == ("k_inf", "k_0", "ln_tau", "alpha", "b")

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from dashpot.base.errors import FitError
+from dashpot.fitting.identification.asked import HammerRig
 from dashpot.fitting.identification.frf_data import frf_data_of
 from dashpot.fitting.identification.identify import identify
 from dashpot.fitting.identification.likelihood import (
@@ -118,7 +119,7 @@ def test_the_true_arm_of_a_simple_pair_is_found() -> None:
     noise = draw.standard_normal(len(sd)) + 1j * draw.standard_normal(len(sd))
     frf = replace(clean, value=clean.value + sd * noise, sd=sd)
     found = identify(
-        frf, tests=held, mass=0.11, seals=2, arms=3, mass_sd=0.0, gain_sd=0.0, delay_sd=0.0,
+        frf, tests=held, mass=0.11, seals=2, arms=3, rig=HammerRig(0.0, 0.0, 0.0),
         band=(4, 40),
     )  # fmt: skip
     se = found.standard_error

@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 import dashpot as dp
-from dashpot.fitting.nuisance import priors
+from dashpot.engine.blocks.block import design_block
+from dashpot.engine.inference.whitening import marginal
+from dashpot.fitting.nuisance import Prior, Terms, priors, terms_of
 from dashpot.records.relaxation import RampHold
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.simulation.rig import Rig
@@ -34,6 +36,47 @@ def test_what_is_known_before_the_fit() -> None:
     assert known.drift.sd == pytest.approx(3.5e-3 * 1.573 / 41, rel=0.02)
     assert known.delay == (0.0, pytest.approx(1e-3))
     assert 1400 < known.first < 1530
+
+
+def test_terms_found_beside_the_solid_and_terms_made_noise_are_one() -> None:
+    """Least squares with rows of what is known, and whitened for it, leave the same of a solid."""
+    random = np.random.default_rng(3)
+    spread, terms = 0.7, Terms({"offset": Prior(2.0, 0.5), "drift": Prior(-1.0, 0.2)}, since=-3.0)
+    names = ("k_inf", "offset@1", "drift@1", "bump")
+    fixed, target = random.standard_normal((40, 4)), random.standard_normal(40)
+    block = design_block(
+        target=target, fixed=fixed, fixed_names=names,
+        columns=lambda tau, _: (np.zeros((40, len(tau))),) * 2, window=(0.1, 1.0),
+    )  # fmt: skip
+    prior = terms.rows(block, spread)
+    assert prior.fixed_names == names[1:3]
+    assert prior.variance == spread**2
+    known = prior.evaluate(np.zeros(0), False)
+    beside = np.zeros((2, 4))
+    beside[:, 1:3] = known.fixed
+    both = np.concatenate((fixed, beside)), np.concatenate((target, known.target))
+    wanted, left, *_ = np.linalg.lstsq(*both, rcond=None)
+    doubts, mean = terms.doubts(fixed, names)
+    white = marginal(fixed[:, [3]], doubts / spread)
+    found, rest, *_ = np.linalg.lstsq(white(fixed[:, :1]), white(target - mean), rcond=None)
+    assert found == pytest.approx(wanted[:1], rel=1e-12)
+    assert rest == pytest.approx(left, rel=1e-12)
+
+
+def test_terms_of_a_record_are_known_no_better_than_it_is_rounded() -> None:
+    record = replace(late(0), machine=dp.Machine(drift=0.0))
+    known = terms_of(record)
+    assert known.known["drift"].sd == 0.0
+    assert known.least == 1e-9 * np.abs(record.force).max()
+    block = design_block(
+        target=np.zeros(3), fixed=np.ones((3, 2)), fixed_names=("offset", "drift"),
+        columns=lambda tau, _: (np.zeros((3, len(tau))),) * 2, window=(0.1, 1.0),
+    )  # fmt: skip
+    for spread, tightest in ((4e-3, 4e-8), (1e-5, known.least)):
+        rows = known.rows(block, spread).evaluate(np.zeros(0), False).fixed
+        assert rows[1] == pytest.approx([0.0, spread / tightest])
+        # the offset is known in the middle of what was recorded before contact
+        assert rows[0, 1] / rows[0, 0] == priors(record).at
 
 
 def test_a_data_sheet_or_a_long_baseline_tells_the_drift() -> None:

@@ -261,9 +261,7 @@ def test_what_one_temperature_has_no_use_for_is_refused(options, named: str):
     assert dp.fit(warm, reference=296.15, arms=2, intervals=False).temperatures is None
 
 
-@pytest.mark.parametrize(
-    "options", [{"method": "hold"}, {"depth_law": True}, {"family": "fractional"}]
-)
+@pytest.mark.parametrize("options", [{"method": "hold"}, {"family": "fractional"}])
 def test_what_knows_of_no_temperature_is_refused(options):
     with pytest.raises(dp.FitError, match="several temperatures"):
         dp.fit(cold.records("hidden", PAIR, 0), **options)

@@ -6,11 +6,12 @@ import itertools
 
 import numpy as np
 import pytest
+from kit.plans import planned
 
 from dashpot.base.errors import DataError
 from dashpot.planning.bench import Bench
 from dashpot.planning.cold import Elsewhere, elsewhere, rows_with
-from dashpot.planning.plan import Plan, plan
+from dashpot.planning.plan import Plan
 from dashpot.records.machine import Machine
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.table_1 import BROAD, HIDDEN, SHIFT
@@ -137,11 +138,7 @@ def test_a_slope_that_is_not_known_costs_something():
 
 
 def asked(**changes: object) -> Plan:
-    options = {
-        "depth": 8e-3, "ramp_time": 1.0, "hold_time": 40.0, "rate": 1000.0, "noise": 5e-3,
-        "at": AT, "model": HIDDEN,
-    }  # fmt: skip
-    return plan(**(options | changes))  # type: ignore[arg-type]
+    return planned(**({"at": AT, "model": HIDDEN} | changes))
 
 
 def test_the_plan_puts_the_cold_test_into_its_table():
@@ -223,8 +220,8 @@ def test_a_hot_test_shows_the_slow_arms():
         ({"cold": "23degC"}, "expected another temperature"),
         ({"cold": 296.15 + 0.4999}, "expected another temperature"),
         ({"cold": "-45.01degC"}, "nearer than 10 K to the glass transition"),
-        ({"cold": float("nan")}, "temperature = nan"),
-        ({"cold": (273.15, -4.0)}, "temperature = -4.0"),
+        ({"cold": float("nan")}, "cold = nan"),
+        ({"cold": (273.15, -4.0)}, "cold = -4.0"),
         ({"temperature": 0.0}, "temperature = 0.0"),
         ({"cold": (273.15, 283.15, 273.15)}, "0 degC and at 0 degC, which is one temperature"),
         ({"cold": (273.15, 273.65)}, "which is one temperature"),

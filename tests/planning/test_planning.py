@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from kit.plans import planned
 from kit.trials import Bench as TrialBench
 from kit.trials import Seal, record, relaxation_test
 
@@ -20,7 +21,6 @@ from dashpot.planning.expected import (
     hammer_rows,
     record_need,
 )
-from dashpot.planning.plan import Plan, plan
 from dashpot.preparation.prepare import prepare
 from dashpot.records.machine import Machine
 from dashpot.records.relaxation import RampHold
@@ -31,22 +31,10 @@ PAPER = GeneralizedMaxwell(196.5, (117.5, 17.8), (59.0 / 117.5, 292.2 / 17.8))
 LSB = 1 / 1280
 
 
-def usual(**changes: object) -> Plan:
-    options = {
-        "depth": 8e-3, "ramp_time": 1.0, "hold_time": 40.0, "rate": 1000.0, "noise": 5e-3,
-        "at": 12.71,
-    }  # fmt: skip
-    return plan(**(options | changes))  # type: ignore[arg-type]
-
-
 def known(arm: tuple[float, float], *, at: float = 12.71, **changes: object) -> ExpectedError:
     """What the force alone would tell, without offset, drift and delay."""
-    options = {
-        "depth": 8e-3, "ramp_time": 1.0, "hold_time": 40.0, "rate": 1000.0, "noise": 5e-3,
-        "method": "full",
-    }  # fmt: skip
     model = PAPER + GeneralizedMaxwell(0.0, (arm[0],), (arm[1],))
-    bench = Bench(**(options | changes))  # type: ignore[arg-type]
+    bench = Bench(machine=None, **changes)  # type: ignore[arg-type]
     return expected_error(model, bench, at, model.tau.index(arm[1]))
 
 
@@ -78,8 +66,8 @@ def test_the_table_of_vibration_4b(
 ) -> None:
     """Relative SD of a hidden arm of 3 and 10 % of the glassy stiffness, hold-only fit."""
     options = {"method": "hold", "noise": noise, "rate": rate}
-    weak = usual(arm=(0.03 * PAPER.k_0, 0.0125), **options).expected
-    strong = usual(arm=(0.10 * PAPER.k_0, 0.0125), **options).expected
+    weak = planned(arm=(0.03 * PAPER.k_0, 0.0125), **options).expected
+    strong = planned(arm=(0.10 * PAPER.k_0, 0.0125), **options).expected
     assert weak.arm_sd == pytest.approx(three, rel=0.015)
     assert strong.arm_sd == pytest.approx(ten, rel=0.015)
     assert strong.loss_factor_sd == pytest.approx(loss_factor, rel=0.02)
@@ -89,7 +77,7 @@ def test_a_faster_ramp_mends_it() -> None:
     """3 % arm, 1 LSB: 97, 29, 9.7, 2.7, 1.0 %."""
     arm = (0.03 * PAPER.k_0, 0.0125)
     told = [
-        usual(method="hold", noise=LSB, arm=arm, ramp_time=c).expected.arm_sd
+        planned(method="hold", noise=LSB, arm=arm, ramp_time=c).expected.arm_sd
         for c in (1.0, 0.3, 0.1, 0.03, 0.01)
     ]
     assert told == pytest.approx([0.97, 0.29, 0.097, 0.027, 0.0105], rel=0.015)
@@ -175,15 +163,15 @@ def test_noise_scales_the_bound_and_samples_its_root(factor: float, at: float) -
 
 def test_what_the_fit_must_find_costs_something() -> None:
     arm = (0.1 * PAPER.k_0, 1 / (2 * np.pi * 12.71))
-    assert usual().expected.loss_factor_sd > 1.5 * known(arm).loss_factor_sd
-    late, drifting = usual(sync=5e-3).expected, usual(drift=5e-3).expected
-    assert late.loss_factor_sd > usual().expected.loss_factor_sd
-    assert drifting.storage_sd > usual().expected.storage_sd
+    assert planned().expected.loss_factor_sd > 1.5 * known(arm).loss_factor_sd
+    late, drifting = planned(sync=5e-3).expected, planned(drift=5e-3).expected
+    assert late.loss_factor_sd > planned().expected.loss_factor_sd
+    assert drifting.storage_sd > planned().expected.storage_sd
 
 
 def test_with_a_hammer_test_it_is_known() -> None:
     """Vibration reference 4b: jointly the 10 % arm is known to 1.1 %, the loss factor to 0.92 %."""
-    told = usual(noise=LSB, method="hold", arm=(0.10 * PAPER.k_0, 0.0125))
+    told = planned(noise=LSB, method="hold", arm=(0.10 * PAPER.k_0, 0.0125))
     joint = told.alternatives[-1]
     assert joint.method == "joint"
     assert joint.arm_sd == pytest.approx(0.011, rel=0.1)
@@ -211,10 +199,10 @@ def test_the_hammers_sensitivities_are_slopes_of_the_response() -> None:
 
 
 def test_a_model_with_an_arm_there_needs_no_other() -> None:
-    told = usual(model=PAPER + GeneralizedMaxwell(0.0, (20.0,), (0.016,)))
+    told = planned(model=PAPER + GeneralizedMaxwell(0.0, (20.0,), (0.016,)))
     assert told.arm is None
     assert told.expected.arm_sd is None
-    assert usual().arm == pytest.approx((0.1 * PAPER.k_0, 1 / (2 * np.pi * 12.71)))
+    assert planned().arm == pytest.approx((0.1 * PAPER.k_0, 1 / (2 * np.pi * 12.71)))
 
 
 # -- the hammer -------------------------------------------------------------------------------
@@ -232,10 +220,10 @@ def test_the_record_for_table_1() -> None:
 
 def test_the_record_is_for_the_solid_that_is_supposed() -> None:
     """An arm that is supposed damps, so the mass rings for less long."""
-    told = usual()
+    told = planned()
     assert told.record.for_lines == pytest.approx(6.86, abs=0.01)
     assert "Record each hit for 6.86 s (44.4 s if the seal has no such arm)" in told.advice[1]
-    assert usual(model=told.model).record.for_lines == pytest.approx(6.86, abs=0.01)
+    assert planned(model=told.model).record.for_lines == pytest.approx(6.86, abs=0.01)
 
 
 def test_short_records_hide_the_peak() -> None:
@@ -282,7 +270,7 @@ def test_the_spectrum_of_a_half_sine(duration: float, part: float) -> None:
 
 def test_user_story_4() -> None:
     """ "I need the loss factor at 12.71 Hz to 10 %": ramp in 0.1 s or hit a block."""
-    told = usual(record=4.0, pulse=0.015)
+    told = planned(record=4.0, pulse=0.015)
     words = " ".join(told.advice)
     assert "ramp in 0.0333 s" in words
     assert "fit both together" in words
@@ -299,29 +287,29 @@ def test_user_story_4() -> None:
 
 
 def test_a_good_test_is_left_alone() -> None:
-    told = usual(ramp_time=0.03, record=60.0, pulse=0.01, noise=1e-3)
+    told = planned(ramp_time=0.03, record=60.0, pulse=0.01, noise=1e-3)
     assert told.expected.loss_factor_sd < 0.1
     assert len(told.advice) == 1
     assert told.advice[0].startswith("This test will do")
 
 
 def test_fit_the_ramp_too() -> None:
-    told = usual(ramp_time=0.1, method="hold")
+    told = planned(ramp_time=0.1, method="hold")
     assert "fit ramp and hold together" in told.advice[0]
 
 
 def test_no_ramp_will_do() -> None:
-    told = usual(noise=1.0)
+    told = planned(noise=1.0)
     assert "no faster ramp tried here" in told.advice[0]
 
 
 def test_a_tip_that_is_too_soft() -> None:
-    told = usual(pulse=0.2)
+    told = planned(pulse=0.2)
     assert any("Use a harder tip" in line and "80.2 ms" in line for line in told.advice)
 
 
 def test_the_band_is_that_of_hold_and_ramp() -> None:
-    assert usual().band == pytest.approx((1 / (2 * np.pi * 40), 1 / np.pi))
+    assert planned().band == pytest.approx((1 / (2 * np.pi * 40), 1 / np.pi))
 
 
 @pytest.mark.parametrize(
@@ -337,4 +325,4 @@ def test_the_band_is_that_of_hold_and_ramp() -> None:
 )
 def test_what_cannot_be_is_refused(changes: dict[str, object], words: str) -> None:
     with pytest.raises(DataError, match=words):
-        usual(**changes)
+        planned(**changes)

@@ -17,6 +17,7 @@ from dashpot.base.errors import DataError, ReadError
 from dashpot.base.provenance import Source, Step
 from dashpot.io.readers.inspect import InspectedColumn, Segment
 from dashpot.io.table import Question
+from dashpot.planning.bench import Bench
 from dashpot.planning.plan import plan
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.estimate import Nuisance, Profile, Residual
@@ -104,7 +105,7 @@ NOUNS = [
     MEASURED,
     PREDICTED,
     compare(PREDICTED, replace(MEASURED, shift=0.0, record=None)),
-    plan(depth=8e-3, ramp_time=1.0, hold_time=40.0, rate=100.0, noise=5e-3, at=12.71),
+    plan(Bench(rate=100.0), at=12.71),
     ImpactResult(MEASURED, MODES, "Hv", "none", "frf.csv"),
     MeasuredModes(
         MEASURED,

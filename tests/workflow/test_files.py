@@ -65,14 +65,17 @@ def test_ramp_and_hold_is_fitted_by_the_pipeline_of_its_own(seal):
 
 
 def test_a_law_of_the_depth_heeds_or_refuses_what_is_asked(two_depths):
-    found, _ = fit_files(two_depths, arms=2, depth_law=True, law="linear")
-    assert set(found.elastic_law.ratio) == {1.0}
+    found, _ = fit_files(two_depths, arms=2, depth_law=True)
     assert [at.depth for at in found.by_depth] == pytest.approx([4e-3, 8e-3], rel=0.01)
-    with pytest.raises(FitError, match="nor with a law of the depth"):
-        fit_files(two_depths, depth_law=True, law="nonlinear")
-    for choice in ({"thorough": True}, {"shifting": ShiftChoices(law="wlf")}):
-        with pytest.raises(FitError, match="leave out --thorough, --reference, --shift"):
+    choices = (
+        {"method": "hold"}, {"law": "linear"}, {"law": "nonlinear"}, {"family": "auto"},
+        {"thorough": True}, {"shifting": ShiftChoices(law="wlf")},
+    )  # fmt: skip
+    for choice in choices:
+        with pytest.raises(FitError, match="leave out --method, --law, --family, --thorough, --r"):
             fit_files(two_depths, depth_law=True, **choice)
+    with pytest.raises(FitError, match="a depth law needs at least two depths"):
+        fit_files(two_depths[:1], depth_law=True)
 
 
 def test_a_sweep_is_fitted_as_a_sweep(sweep):

@@ -364,16 +364,17 @@ def _as_typed(value: object) -> str:
 
 
 def given(*nouns: str, but: Container[str] = ()) -> list[str]:
-    """Return the options of these nouns as they were typed, for the command that comes next.
+    """Return the options of these nouns, or of these fields of them, as they were typed.
 
-    ``given()`` returns those of all nouns, without what says where the results go.
+    For the command that comes next; ``given()`` returns those of all nouns, without what says where
+    the results go.
     """
     context = click.get_current_context()
     words = []
     for one in context.command.params:
         name = one.name or ""
         typed_here = context.get_parameter_source(name) is ParameterSource.COMMANDLINE
-        wanted = not nouns or name.partition("_")[0] in nouns
+        wanted = not nouns or name in nouns or name.partition("_")[0] in nouns
         if not (isinstance(one, click.Option) and typed_here and wanted) or name in but:
             continue
         words += _typed(one, context.meta.get(_TYPED, {}).get(name, context.params.get(name)))

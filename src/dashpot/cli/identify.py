@@ -12,7 +12,7 @@ from dashpot.base.checks import verdict
 from dashpot.cli import _options as options
 from dashpot.cli import _text
 from dashpot.cli._lines_text import sensitive
-from dashpot.cli._options import Quantity, Range, over_profile
+from dashpot.cli._options import Range, over_profile
 from dashpot.cli._shell import (
     File,
     Outcome,
@@ -40,17 +40,14 @@ _A_DECK = ("--to", "nastran", "--units", "mm-t-s", "-o", "seal.bdf")
     "--with-profile", type=File(), metavar="FILE", help="Saved answers for the relaxation tests."
 )
 @options.mass
-@click.option("--mass-sd", type=Quantity("mass"), help="How well the mass is known.")
+@options.filled(dp.HammerRig, "rig", leave=("gain_sd", "delay_sd"))
 @options.seal_mass
 @options.seals
 @options.compression
 @options.impact_temperature
 @options.arms
 @options.family
-@click.option("--parallel-dashpot", is_flag=True, help="A dashpot b beside the arms.")
-@click.option("--static-stiffness", type=Quantity("stiffness"), help="One seal, known.")
-@click.option("--natural-frequency", type=Quantity("frequency"), help="Known; constrains the fit.")
-@click.option("--damping-ratio", type=float, help="Known; constrains the fit.")
+@options.filled(dp.KnownSolid, "known")
 @click.option("--band", type=Range("frequency"), help="Lines fitted, e.g. 5:40Hz.")
 @click.option(
     "--direct",

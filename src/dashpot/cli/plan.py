@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import click
 
@@ -15,7 +16,7 @@ from dashpot.cli import _options as options
 from dashpot.cli._options import Direction, Quantity, given
 from dashpot.cli._shell import Outcome, Output, reports, typed, write
 from dashpot.cli._terminal import Text
-from dashpot.cli.simulate import seal
+from dashpot.cli.simulate import seal as seal_named
 from dashpot.io.write import write_trajectory
 
 if TYPE_CHECKING:
@@ -24,30 +25,14 @@ if TYPE_CHECKING:
 
 @click.command("plan")
 @click.option("--at", type=Quantity("frequency"), required=True, help="Frequency that matters.")
-@click.option("--depth", type=Quantity("length"), default="8mm", show_default=True)
-@click.option("--ramp", type=Quantity("time"), default="1s", show_default=True)
-@click.option("--hold", type=Quantity("time"), default="40s", show_default=True)
-@click.option("--rate", type=Quantity("frequency"), default="1kHz", show_default=True)
-@click.option(
-    "--noise", type=Quantity("force"), default="5mN", show_default=True, help="Per sample, one SD."
-)
-@click.option("--method", type=click.Choice(["full", "hold"]), default="full", show_default=True)
+@options.filled(dp.Bench, "bench", show_default=True)
 @click.option(
     "--model", metavar="paper|broad|hidden|FIT", help="A guess at the seal; else Table 1."
 )
 @click.option("--arm-stiffness", type=Quantity("stiffness"), help="Of the arm that may hide.")
 @click.option("--arm-time", type=Quantity("time"), help="Its relaxation time; else 1/omega.")
-@click.option(
-    "--baseline", type=Quantity("time"), default="1s", show_default=True, help="Before the ramp."
-)
-@click.option("--sync", type=Quantity("time"), help="Doubt of the clocks, e.g. 0.5ms.")
-@click.option("--drift", type=Quantity("force rate"), help="Of the load cell, e.g. 0.2mN/s.")
-@click.option("--mass", type=Quantity("mass"), help="Block; else what peaks at the frequency.")
-@options.seals
-@click.option("--record", type=Quantity("time"), help="Planned record after a hit.")
-@click.option("--pulse", type=Quantity("time"), help="Hammer pulse; soft tips give 10 to 20 ms.")
-@click.option("--hits", type=click.IntRange(1), default=5, show_default=True)
-@click.option("--coherence", type=float, default=0.99, show_default=True, help="Of those hits.")
+@options.filled(dp.Machine, "machine", leave=("compliance", "force_filter"))
+@options.filled(dp.HammerPlan, "hammer", show_default=True)
 @click.option("--wanted", type=float, default=10.0, show_default=True, help="SD that would do, %.")
 @click.option(
     "--cold",
@@ -55,9 +40,7 @@ if TYPE_CHECKING:
     multiple=True,
     help="Repeated there too, e.g. 0degC; repeat it for more.",
 )
-@click.option(
-    "--temperature", type=Quantity("temperature"), help="Of the test; else 23degC or the fit's."
-)
+@options.filled(dp.SupposedSeal, "seal")
 @options.wlf
 @click.option(
     "--setpoints",
@@ -78,17 +61,19 @@ if TYPE_CHECKING:
 def command(
     *,
     at: float,
-    ramp: float,
-    hold: float,
+    bench: dp.Bench,
+    machine: dp.Machine,
+    hammer: dp.HammerPlan,
+    seal: dp.SupposedSeal,
     model: str | None,
     arm_stiffness: float | None,
     arm_time: float | None,
     wanted: float,
+    cold: tuple[float, ...],
     wlf: TemperatureLaw | None,
     setpoints: str | None,
     interval: float,
     along: tuple[float, float, float],
-    **choices: Any,
 ) -> Outcome:
     """Tell how well a planned test will know stiffness and loss factor at a frequency.
 
@@ -104,32 +89,37 @@ def command(
     arm = None
     if arm_stiffness is not None:
         arm = (arm_stiffness, arm_time if arm_time is not None else 1 / (2 * math.pi * at))
-    guess = seal("paper" if model is None else model)
+    guess = seal_named("paper" if model is None else model)
+    bench = replace(bench, machine=machine)
     found = dp.plan(
+        bench,
         at=at,
-        ramp_time=ramp,
-        hold_time=hold,
-        model=guess.solid,
-        arm=arm,
+        seal=replace(seal, model=guess.solid, arm=arm, law=wlf or guess.law),
+        hammer=hammer,
+        cold=cold,
         wanted=wanted / 100,
-        law=wlf or guess.law,
-        **choices,
     )
     if setpoints is not None:
         motion = dp.planned_trajectory(
-            depth=choices["depth"],
-            ramp_time=ramp,
-            hold_time=hold,
-            baseline=choices["baseline"],
+            depth=bench.depth,
+            ramp_time=bench.ramp_time,
+            hold_time=bench.hold_time,
+            baseline=bench.baseline,
             interval=interval,
             along=along,
         )
         count = byline(f"planned test, {len(motion.time)} set-points")
-        timed = f"rest {choices['baseline']:g} s, ramp {ramp:g} s, hold {hold:g} s"
+        rest, ramp, hold = bench.baseline, bench.ramp_time, bench.hold_time
+        timed = f"rest {rest:g} s, ramp {ramp:g} s, hold {hold:g} s"
         says = (count, f"{timed}; one each {interval:g} s, the first where the plate touches")
         write(setpoints, write_trajectory(motion, comments=says))
     rehearsed = typed(
-        "simulate", "relaxation", *given("ramp", "hold"), "-o", "rehearsal.csv", why="rehearses it"
+        "simulate",
+        "relaxation",
+        *given("bench_ramp_time", "bench_hold_time"),
+        "-o",
+        "rehearsal.csv",
+        why="rehearses it",
     )
     made = verdict(found.checks)
     return Outcome(found, Text([str(found)]), found.checks, verdict=made, follow=rehearsed)

@@ -53,7 +53,6 @@ def checked_design(
     asked: Asked,
     *,
     method: Method,
-    depth_law: bool,
     nuisance: Sequence[str],
 ) -> Design:
     """Return how the tests are set out, if that and all else that is asked go together.
@@ -64,14 +63,14 @@ def checked_design(
         If an option is none, contradicts another, or does not apply to the records.
     """
     _refuse_method(records, method)
-    _refuse_law(asked, method, depth_law=depth_law)
-    _refuse_family(asked, depth_law=depth_law)
+    _refuse_law(asked, method)
+    _refuse_family(asked)
     unknown = [name for name in nuisance if name not in NUISANCE]
     if isinstance(nuisance, str) or unknown:
         raise FitError(
             f"nuisance = {nuisance!r}; expected a tuple of names out of {', '.join(NUISANCE)}"
         )
-    return Design(method, depth_law, tuple(name for name in NUISANCE if name in nuisance))
+    return Design(method, tuple(name for name in NUISANCE if name in nuisance))
 
 
 def refuse_shifts(
@@ -92,13 +91,12 @@ def refuse_shifts(
         )
 
 
-def refuse_for_creep(method: str, law: str, family: str, *, depth_law: bool) -> None:
+def refuse_for_creep(method: str, law: str, family: str) -> None:
     """Refuse what a creep test has no other of."""
-    if method != "full" or depth_law or law != "auto" or family != "maxwell":
+    if method != "full" or law != "auto" or family != "maxwell":
         raise FitError(
             "a creep test is fitted to its recorded force and to a linear solid with arms: it "
-            "has no other method, no depth law, no elastic law and no other family; leave "
-            "them out"
+            "has no other method, no elastic law and no other family; leave them out"
         )
 
 
@@ -116,14 +114,14 @@ def _refuse_method(records: Sequence[RampHold], method: str) -> None:
             raise FitError(which + obstacle)
 
 
-def _refuse_law(asked: Asked, method: str, *, depth_law: bool) -> None:
+def _refuse_law(asked: Asked, method: str) -> None:
     law = asked.law
     if law not in ("auto", "linear", "nonlinear"):
         raise FitError(f'law = {law!r}; expected "auto", "linear" or "nonlinear"')
-    if law == "nonlinear" and (method == "hold" or depth_law):
+    if law == "nonlinear" and method == "hold":
         raise FitError(
-            "a nonlinear law bends the ramp of the recorded motion: it goes neither with the hold "
-            "alone nor with a law of the depth; leave one of them out"
+            "a nonlinear law bends the ramp of the recorded motion, and the hold alone has none: "
+            "leave one of them out"
         )
     if law == "nonlinear" and asked.thorough:
         raise FitError(
@@ -132,15 +130,8 @@ def _refuse_law(asked: Asked, method: str, *, depth_law: bool) -> None:
         )
 
 
-def _refuse_family(asked: Asked, *, depth_law: bool) -> None:
+def _refuse_family(asked: Asked) -> None:
     checked_family(asked.family, asked.arms)
-    if asked.family == "maxwell":
-        return
-    if depth_law:
-        raise FitError(
-            "tests of several depths share relaxation times, and a fractional solid has none of "
-            "its own to share: fit arms (family maxwell), or leave out the law of the depth"
-        )
     if asked.family == "fractional" and asked.law == "nonlinear":
         raise FitError(
             "a nonlinear law bends the ramp of a solid with arms: fit arms (family maxwell), or "

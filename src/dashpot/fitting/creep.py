@@ -22,7 +22,7 @@ from dashpot.base.arrays import FloatArray, median
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.provenance import Step, sources_of
-from dashpot.engine.blocks.block import Block, prior_block, retarding
+from dashpot.engine.blocks.block import Block, retarding
 from dashpot.engine.blocks.hold import decay_block
 from dashpot.engine.blocks.recorded import recorded_block
 from dashpot.engine.inference.order import MIN_K_OVER_SE, bic, significant
@@ -39,7 +39,7 @@ from dashpot.fitting.checks.solid import (
 )
 from dashpot.fitting.design import evened
 from dashpot.fitting.fit_data import DOUBTED, FitData, determinable_arms
-from dashpot.fitting.nuisance import Prior, at_rest
+from dashpot.fitting.nuisance import Prior, Terms, at_rest
 from dashpot.fitting.pipeline import Chosen, asked_arms, assembled, chosen_arms, measured_in
 from dashpot.fitting.retardation import FLOW, GLASS, Retarded, spectrum_of
 from dashpot.fitting.spectrum import shared_where_few_fall_short
@@ -52,7 +52,7 @@ from dashpot.preparation.creep import load_hold
 from dashpot.preparation.segments import find_segments
 from dashpot.records.creep import Creep, CreepCompliance, CreepTest, LoadHold
 from dashpot.records.fit import Fit, Provenance
-from dashpot.records.machine import TOLD_DRIFT, UNKNOWN_DRIFT
+from dashpot.records.machine import Machine
 from dashpot.records.relaxation import quantum
 from dashpot.records.superposition import Superposition
 from dashpot.solids.interconversion import CreepSpectrum
@@ -63,8 +63,6 @@ _ROUGH = 2
 _FEWEST = 5
 # nothing of a record is known better than this part of its travel
 _ROUNDING = 1e-9
-# standard deviation of a prior, in those of a row, that is as good as zero
-_TIGHTEST = 1e-5
 # retardations faster than so many times what the load resolves are none
 _RESOLVED = 4.0
 # loads this far apart, in parts of the highest, are two levels
@@ -155,14 +153,14 @@ def _data(record: LoadHold, *, flows: bool) -> FitData:
     )  # fmt: skip
     if flows:
         block = block.with_column(FLOW, _impulse(time, record.load)[window])
-    rough = solve([block, _bound(block, known, None)], min(_ROUGH, determinable_arms([block])))
+    rough = solve([block, *_bound(block, known)], min(_ROUGH, determinable_arms([block])))
     block = block.with_column("delay", _velocity(block, rough, time[window]))
     # what is faster than the load is known answers its noise
     fast, slow = block.window
     block = replace(block, window=(max(fast, _RESOLVED * record.resolution), slow))
     return FitData(
         [block], [block.exact], in_time=True,
-        bind=partial(_priors, block, known),
+        bind=partial(_bound, block, known),
     )  # fmt: skip
 
 
@@ -179,6 +177,12 @@ class _Known(NamedTuple):
     usual: float
     told: bool
 
+    @property
+    def terms(self) -> Terms:
+        """Of the columns, which count from the first sample."""
+        each = {"offset": self.offset, "drift": self.drift, "delay": self.delay}
+        return Terms(each, -self.at, self.least)
+
 
 def known_before(record: LoadHold) -> _Known:
     """Return what the samples before the load say of its zero, its drift and its clock."""
@@ -188,14 +192,15 @@ def known_before(record: LoadHold) -> _Known:
     count = quantum(x)
     noise = max(record.displacement_noise, _OF_A_COUNT * count)
     # load cell and displacement both drift
-    usual = float(np.sqrt(2)) * UNKNOWN_DRIFT * travel / (record.time[-1] - record.onset)
+    both, duration = float(np.sqrt(2)) * travel, float(record.time[-1] - record.onset)
+    usual = Machine().drift_sd(both, duration)
     drift, told_drift = Prior(0.0, usual), False
     if first >= _FEWEST:
         offset, at, slope = at_rest(time[:first], x[:first], record.displacement_noise)
         # a reading that stands on one count hides a part of the next
         offset = Prior(offset.mean, max(offset.sd, _OF_A_COUNT * count))
         told = max(slope.sd, count / float(time[first - 1]))
-        if told < TOLD_DRIFT / UNKNOWN_DRIFT * usual:
+        if Machine.drift_told(told, both, duration):
             drift, told_drift = Prior(slope.mean, told), True
     else:
         # under load from the first sample on, the channel's own zero is all there is
@@ -205,20 +210,11 @@ def known_before(record: LoadHold) -> _Known:
     return _Known(offset, at, drift, delay, first, noise, _ROUNDING * travel, usual, told_drift)
 
 
-def _priors(block: Block, known: _Known, spreads: Sequence[float] | None) -> tuple[Block, ...]:
-    return (_bound(block, known, None if spreads is None else spreads[0]),)
-
-
-def _bound(block: Block, known: _Known, spread: float | None) -> Block:
+def _bound(
+    block: Block, known: _Known, spreads: Sequence[float] | None = None
+) -> tuple[Block, ...]:
     """Rows that bind the nuisance terms of a block."""
-    unit = max(known.noise if spread is None else spread, known.least)
-    names = tuple(name for name in _NUISANCE if name in block.fixed_names)
-    each = [getattr(known, name) for name in names]
-    rows = np.eye(len(names))
-    rows[0, 1] = known.at
-    sd = np.array([max(prior.sd, known.least, _TIGHTEST * unit) for prior in each])
-    mean = np.array([prior.mean for prior in each])
-    return prior_block(block, names, rows, mean, sd, unit=unit)
+    return (known.terms.rows(block, known.noise if spreads is None else spreads[0]),)
 
 
 def _impulse(time: FloatArray, load: FloatArray) -> FloatArray:

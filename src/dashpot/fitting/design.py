@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Literal, NamedTuple, TypeAlias, TypedDict
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
+from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.engine.blocks.block import Block, prior_block
+from dashpot.engine.blocks.block import Block
 from dashpot.engine.blocks.compression import uniform_step
 from dashpot.engine.blocks.hold import hold_block
 from dashpot.engine.blocks.late_force import Late
 from dashpot.engine.blocks.recorded import recorded_block
 from dashpot.engine.solver.descent import Stack
 from dashpot.engine.solver.variable_projection import Solution, solve
-from dashpot.fitting.nuisance import priors
+from dashpot.fitting.nuisance import priors, terms_of
 from dashpot.preparation.denoising import true_motion
 from dashpot.records.relaxation import MAX_CREEP, RampHold
+from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 Method: TypeAlias = Literal["full", "hold"]
@@ -30,26 +32,79 @@ _MOST_BY_EQ_5 = 0.05
 _ANOTHER_DEPTH = 0.25
 _FEWEST = 8
 _ROUNDED = 0.01
-# nothing of a record is known better than this part of its largest force
-_ROUNDING = 1e-9
-# standard deviation of a prior, in those of a row, that is as good as zero
-_TIGHTEST = 1e-5
 # arms of the first solution, which tells the slope of the force
 _ROUGH = 2
 
 
 class Design(NamedTuple):
-    """How the tests are set out: the method, whose stiffnesses, which nuisance terms."""
+    """How the tests are set out: the method, and which nuisance terms."""
 
     method: Method
-    depth_law: bool = False
     nuisance: tuple[str, ...] = NUISANCE
+
+
+def block_of(
+    test: RampHold,
+    *,
+    method: Method = "full",
+    terms: Sequence[str] = (),
+    index: int | None = None,
+    start: int | None = None,
+    law: ElasticLaw | None = None,
+    columns: Mapping[str, FloatArray] = MappingProxyType({}),
+    weights: FloatArray | None = None,
+    reach: tuple[float, float] | None = None,
+) -> Block:
+    """Return the rows of one record: what a solid and its rig give, and the force.
+
+    A few hundred rows on which a fit is that to every sample.
+
+    Parameters
+    ----------
+    test : RampHold
+    method : "full" or "hold"
+        Answers to the recorded motion, or to an ideal ramp in the hold alone (eq. 5).
+    terms : sequence of str
+        ``"offset"`` and ``"drift"`` have a column each, which counts from the first sample, or from
+        the end of an ideal ramp.
+    index : int, optional
+        Of the test: its terms are its own, ``"offset@0"``.
+    start : int, optional
+        The first sample that is fitted to the recorded motion, in place of that of contact.
+    law : ElasticLaw, optional
+        The solid answers the path of this law.
+    columns : mapping of str to array, shape (n,)
+        Further terms of the recorded motion, a value at every sample to the end of the hold.
+    weights : array, shape (n,), optional
+        Of those samples: what is known of the motion, 1 from where it is known.
+    reach : (float, float), optional
+        Relaxation times that are asked about, s, where the window of the record is not enough.
+    """
+    at = "" if index is None else f"@{index}"
+    offset, drift = (f"{name}{at}" if name in terms else None for name in ("offset", "drift"))
+    if method == "hold":
+        return hold_block(
+            np.maximum(test.time[test.settled] - test.ramp_end, 0.0),
+            test.force[test.settled],
+            depth=test.depth if law is None else float(law.path(test.depth)),
+            ramp_time=test.ramp_time,
+            offset=offset,
+            drift=drift,
+        )
+    time, x, force = motion(test)
+    window = slice(first_sample(test) if start is None else start, None)
+    return recorded_block(
+        time, x if law is None else law.path(x), force, window=window, offset=offset, drift=drift,
+        columns=columns, weights=weights, reach=reach,
+    )  # fmt: skip
 
 
 def compressed(tests: Sequence[RampHold], design: Design) -> tuple[Block, ...]:
     """Return one block per test, a few hundred rows each, on which the fit is the full fit."""
-    make = _hold if design.method == "hold" else _full
-    return tuple(make(test, i, design) for i, test in enumerate(tests))
+    terms = design.nuisance if design.method == "full" else ()
+    return tuple(
+        block_of(test, method=design.method, terms=terms, index=i) for i, test in enumerate(tests)
+    )
 
 
 def nuisanced(tests: Sequence[RampHold], design: Design) -> tuple[Block, ...]:
@@ -85,21 +140,8 @@ def bound(
     if design.method == "hold" or not design.nuisance:
         return ()
     given = spreads or [test.force_noise for test in tests]
-    return tuple(map(_bound, tests, blocks, given))
-
-
-def _bound(test: RampHold, block: Block, spread: float) -> Block:
-    known, least = priors(test), _ROUNDING * float(np.abs(test.force).max())
-    names = tuple(name for name in block.fixed_names if name.partition("@")[0] in NUISANCE)
-    kinds = [name.partition("@")[0] for name in names]
-    each = [getattr(known, kind) for kind in kinds]
-    rows = np.eye(len(names))
-    if "offset" in kinds and "drift" in kinds:
-        rows[kinds.index("offset"), kinds.index("drift")] = known.at
-    # a prior tighter than this only spoils the conditioning
-    sd = np.array([max(prior.sd, least, _TIGHTEST * spread) for prior in each])
-    mean = np.array([prior.mean for prior in each])
-    return prior_block(block, names, rows, mean, sd, unit=max(spread, least))
+    every = zip(tests, blocks, given, strict=True)
+    return tuple(terms_of(test).rows(block, spread) for test, block, spread in every)
 
 
 def _late(test: RampHold, block: Block, rough: Solution) -> Late:
@@ -117,11 +159,6 @@ def first_sample(test: RampHold) -> int:
     return priors(test).first
 
 
-def fitted_samples(test: RampHold, design: Design) -> slice:
-    """Return the samples that the fit uses: the settled hold, or from contact to its end."""
-    return test.settled if design.method == "hold" else slice(first_sample(test), test.hold.stop)
-
-
 def moves_on(test: RampHold) -> bool:
     """True if the plate moves on to another depth after the first ramp: there is no one hold."""
     return _moved(test) > _ANOTHER_DEPTH
@@ -129,12 +166,6 @@ def moves_on(test: RampHold) -> bool:
 
 def _moved(test: RampHold) -> float:
     return float(np.ptp(test.displacement[test.hold])) / test.depth
-
-
-def after_ramp(test: RampHold) -> Block:
-    """The block of the recorded motion whose force is fitted from its settled hold on."""
-    window = slice(test.settled.start, None)
-    return recorded_block(*motion(test), window=window, offset="offset", k_inf="k_inf")
 
 
 def eq5_obstacle(test: RampHold) -> str | None:
@@ -162,33 +193,6 @@ def eq5_obstacle(test: RampHold) -> str | None:
     return None
 
 
-class _Names(TypedDict):
-    """Names of a block's columns, as the engine takes them."""
-
-    k_inf: str
-    arm_group: str
-
-
-def _names(i: int, design: Design) -> _Names:
-    if design.depth_law:
-        return {"k_inf": f"k_inf@{i}", "arm_group": f"k@{i}"}
-    return {"k_inf": "k_inf", "arm_group": "k"}
-
-
-class _Sensor(TypedDict):
-    """Names of the columns of a load cell; None leaves a column out."""
-
-    offset: str | None
-    drift: str | None
-
-
-def _sensor(i: int, design: Design) -> _Sensor:
-    return {
-        "offset": f"offset@{i}" if "offset" in design.nuisance else None,
-        "drift": f"drift@{i}" if "drift" in design.nuisance else None,
-    }
-
-
 def motion(test: RampHold) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Time, displacement from the first sample on, and force, up to the end of the hold.
 
@@ -210,29 +214,11 @@ def evened(time: FloatArray) -> FloatArray:
     return grid if float(np.abs(time - grid).max()) <= _ROUNDED * step else time
 
 
-def _full(test: RampHold, i: int, design: Design) -> Block:
-    window = slice(first_sample(test), None)
-    return recorded_block(*motion(test), window=window, **_names(i, design), **_sensor(i, design))
-
-
-def _hold(test: RampHold, i: int, design: Design) -> Block:
-    return hold_block(
-        np.maximum(test.time[test.settled] - test.ramp_end, 0.0),
-        test.force[test.settled],
-        depth=test.depth,
-        ramp_time=test.ramp_time,
-        **_names(i, design),
-    )
-
-
-def solid_of(solution: Solution, suffix: str = "") -> GeneralizedMaxwell:
-    """Return the solid of one arm group, with its parallel dashpot if it has one.
-
-    An arm that this group does not show is left out.
-    """
-    k = solution.arms[solution.groups.index(f"k{suffix}")] if solution.order else np.zeros(0)
+def solid_of(solution: Solution) -> GeneralizedMaxwell:
+    """Return the solid with the arms that are there, and its parallel dashpot if it has one."""
+    k = solution.arms[solution.groups.index("k")] if solution.order else np.zeros(0)
     return GeneralizedMaxwell(
-        max(solution.coefficient(f"k_inf{suffix}"), 0.0),
+        max(solution.coefficient("k_inf"), 0.0),
         tuple(k[k > 0]),
         tuple(solution.tau[k > 0]),
         max(solution.coefficient("b"), 0.0) if "b" in solution.fixed_names else 0.0,

@@ -42,8 +42,6 @@ class FitData:
         judged.
     encoders : sequence of Encoder, optional
         Of each record, where the recorded motion is fitted.
-    suffix : str
-        Which arm group is the model's: ``""``, or ``"@0"`` where each test has its own.
     bind : callable, optional
         Makes the priors of nuisance terms from the standard deviation of one independent residual
         of each record, N; from None by what the records show before a fit.
@@ -55,7 +53,6 @@ class FitData:
     samples: Sequence[Block]
     in_time: bool = False
     encoders: Sequence[Encoder] | None = None
-    suffix: str = ""
     bind: Callable[[Sequence[float] | None], tuple[Block, ...]] | None = None
     priors: tuple[Block, ...] = ()
 
@@ -86,14 +83,12 @@ class FitData:
 
 def data_of(records: Sequence[RampHold], design: Design) -> FitData:
     """Return the tests as data, with what is known of load cell and clocks."""
-    deepest = max(range(len(records)), key=lambda i: records[i].depth)
     blocks = nuisanced(records, design)
     return FitData(
         blocks,
         [block.exact for block in blocks],
         in_time=True,
         encoders=None if design.method == "hold" else [*map(Encoder.of, records)],
-        suffix=f"@{deepest}" if design.depth_law else "",
         bind=partial(bound, records, blocks, design),
     )
 

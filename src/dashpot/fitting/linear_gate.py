@@ -14,7 +14,7 @@ from dashpot.engine.solver.variable_projection import solve
 from dashpot.fitting.asked import Asked
 from dashpot.fitting.design import (
     Design,
-    after_ramp,
+    block_of,
     compressed,
     eq5_obstacle,
     moves_on,
@@ -65,7 +65,7 @@ class Holds:
         return tuple(
             compressed([record], Design("hold"))[0]
             if eq5_obstacle(record) is None
-            else after_ramp(record)
+            else block_of(record, terms=("offset",), start=record.settled.start)
             for record in self.records
         )
 

@@ -10,14 +10,16 @@ bound by what the record, or the data sheet, says of it.
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray, kept, median
+from dashpot.engine.blocks.block import Block, prior_block
 from dashpot.engine.inference.covariance import noise_of
 from dashpot.preparation.noise import scatter
-from dashpot.records.machine import TOLD_DRIFT
 from dashpot.records.relaxation import RampHold
 from dashpot.records.specimen import Specimen
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -28,6 +30,10 @@ _FEWEST = 5
 _LOADED = 0.05
 # part of the ramp for which a plate may move before its encoder shows it
 _UNSEEN = 0.02
+# nothing of a record is known better than this part of its largest force
+_ROUNDING = 1e-9
+# standard deviation of a prior, in those of a row, that is as good as zero
+_TIGHTEST = 1e-5
 # a force off by this part of itself at the end of the hold takes the stiffness off by as much
 MATERIAL = 0.01
 
@@ -37,6 +43,61 @@ class Prior(NamedTuple):
 
     mean: float
     sd: float
+
+
+@dataclass(frozen=True)
+class Terms:
+    """What is known beforehand of the linear terms that a rig adds to a record.
+
+    Attributes
+    ----------
+    known : mapping of str to Prior
+        Of the coefficient of a column, by its kind: ``"offset"``, ``"drift"``, ``"delay"``...
+    since : float
+        From the moment at which the offset is known to that from which the drift's column counts,
+        s.
+    least : float
+        Nothing is known better, in the unit of the record.
+    """
+
+    known: Mapping[str, Prior]
+    since: float = 0.0
+    least: float = 0.0
+
+    def beside(self, **more: Prior) -> Terms:
+        """The terms and further ones."""
+        return replace(self, known={**self.known, **more})
+
+    def rows(self, block: Block, spread: float) -> Block:
+        """Rows beside those of a block, of which one independent one has this `spread`."""
+        names = tuple(name for name in block.fixed_names if kind_of(name) in self.known)
+        kinds = [kind_of(name) for name in names]
+        rows = np.eye(len(names))
+        if "offset" in kinds and "drift" in kinds:
+            rows[kinds.index("offset"), kinds.index("drift")] = -self.since
+        mean, sd = np.array([self.known[kind] for kind in kinds]).reshape(-1, 2).T
+        # a prior tighter than this only spoils the conditioning
+        tightest = max(self.least, _TIGHTEST * spread)
+        unit = max(spread, self.least)
+        return prior_block(block, names, rows, mean, np.maximum(sd, tightest), unit=unit)
+
+    def doubts(self, fixed: FloatArray, names: Sequence[str]) -> tuple[FloatArray, FloatArray]:
+        """The known ones of these columns times their standard deviation, and what they expect."""
+        kinds = [kind_of(name) for name in names]
+        columns, mean = [], np.zeros(len(fixed))
+        for i, kind in enumerate(kinds):
+            if kind in self.known:
+                column, prior = fixed[:, i], self.known[kind]
+                if kind == "drift" and self.since:
+                    column = column + self.since * fixed[:, kinds.index("offset")]
+                columns.append(prior.sd * column)
+                mean = mean + prior.mean * column
+        return np.reshape(columns, (-1, len(fixed))).T, mean
+
+
+def kind_of(name: str) -> str:
+    """Return what a column is: ``"offset"`` of ``"offset@0"``."""
+    return name.partition("@")[0]
 
 
 # what a chamber holds its temperature to over a record, K
@@ -95,12 +156,20 @@ def priors(record: RampHold) -> Priors:
         offset, at = _first_reading(record, noise), 0.0
         first = max(first, 1) if record.displacement[0] <= 0 else 0
         slope = Prior(0.0, np.inf)
-    if slope.sd < TOLD_DRIFT * final / duration:
+    if record.machine.drift_told(slope.sd, final, duration):
         drift, told = slope, "baseline"
     else:
         drift = Prior(0.0, record.machine.drift_sd(final, duration))
         told = "unknown" if record.machine.drift is None else "data sheet"
     return Priors(offset, at, drift, told, delay_prior(record), first)
+
+
+def terms_of(record: RampHold) -> Terms:
+    """Return what is known of offset, drift and delay, their columns counting from its start."""
+    known = priors(record)
+    least = _ROUNDING * float(np.abs(record.force).max())
+    each = {"offset": known.offset, "drift": known.drift, "delay": known.delay}
+    return Terms(each, -known.at, least)
 
 
 class AtRest(NamedTuple):

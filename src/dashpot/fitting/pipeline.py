@@ -43,7 +43,6 @@ from dashpot.records.estimate import (
     parameter_names,
 )
 from dashpot.records.fit import (
-    AtDepth,
     Certificate,
     Evidence,
     Fit,
@@ -92,7 +91,7 @@ class Chosen:
     @cached_property
     def model(self) -> GeneralizedMaxwell:
         """The arms of the optimum."""
-        return solid_of(self.solution, self.data.suffix)
+        return solid_of(self.solution)
 
     @property
     def solid(self) -> Solid:
@@ -102,14 +101,17 @@ class Chosen:
     @cached_property
     def _rows(self) -> dict[str, int]:
         """The model's parameters and their rows in the covariance."""
-        solution, suffix = self.solution, self.data.suffix
-        k = solution.arms[solution.groups.index(f"k{suffix}")] if solution.order else np.zeros(0)
-        there = np.flatnonzero(k > 0) + 1
-        named = {"k_inf": f"k_inf{suffix}"}
-        named |= {f"k_{j}": f"k_{row}{suffix}" for j, row in enumerate(there, start=1)}
-        named |= {f"ln_tau_{j}": f"ln_tau_{row}" for j, row in enumerate(there, start=1)}
-        if "b" in solution.fixed_names:
-            named["b"] = "b"
+        return self.rows_named(
+            "k_inf", "k", "ln_tau", "b" if "b" in self.solution.fixed_names else None
+        )
+
+    def rows_named(self, spring: str, arm: str, time: str, dashpot: str | None) -> dict[str, int]:
+        """Rows of the covariance: spring, every arm that is there by its two names, and dashpot."""
+        there = np.flatnonzero(self.solution.arms.ravel() > 0) + 1
+        named = {spring: spring}
+        named |= {f"{arm}_{j}": f"k_{row}" for j, row in enumerate(there, start=1)}
+        named |= {f"{time}_{j}": f"ln_tau_{row}" for j, row in enumerate(there, start=1)}
+        named |= {} if dashpot is None else {dashpot: dashpot}
         return {name: self.estimate.names.index(row) for name, row in named.items()}
 
     @cached_property
@@ -128,9 +130,16 @@ class Chosen:
         """Names of the model's parameters."""
         return tuple(self._rows)
 
-    def with_depth_doubt(self, doubts: Sequence[float], *, shared: bool) -> Chosen:
+    @property
+    def stiffnesses(self) -> dict[str, float]:
+        """Those that an error of the depth scales, by their rows."""
+        solution = self.solution
+        arms = {f"k_{j}": k for j, k in enumerate(solution.arms.ravel().tolist(), start=1)}
+        return {"k_inf": solution.coefficient("k_inf"), **arms}
+
+    def with_depth_doubt(self, doubts: Sequence[float]) -> Chosen:
         """As found, with what the encoder's step leaves unknown of each depth."""
-        return replace(self, estimate=self.estimate.with_depth_doubt(doubts, shared=shared))
+        return replace(self, estimate=self.estimate.with_depth_doubt(doubts, self.stiffnesses))
 
     @property
     def orders(self) -> tuple[OrderScore, ...]:
@@ -138,7 +147,7 @@ class Chosen:
         return tuple(
             OrderScore(
                 score.solution.order, score.solution.sse, score.bic, score.significant,
-                solid_of(score.solution, self.data.suffix),
+                solid_of(score.solution),
             )
             for score in self.scores
         )  # fmt: skip
@@ -148,7 +157,6 @@ class Chosen:
         return profiles(
             self.data.rows,
             self.estimate,
-            suffix=self.data.suffix,
             every_sample=self.data.samples if in_order_of_time else None,
         )
 
@@ -245,7 +253,6 @@ def assembled(
     checks: Sequence[Check],
     provenance: Provenance,
     noticed: Sequence[Check] = (),
-    by_depth: tuple[AtDepth, ...] = (),
     tests: int = 0,
     unit: str = "N/m",
     elastic_law: ElasticLaw | None = None,
@@ -265,7 +272,6 @@ def assembled(
     checks, noticed : sequences of Check
         Of the fit, which decide its status, and of the preparation, which stand before them.
     provenance : Provenance
-    by_depth : tuple of AtDepth
     tests : int
         How many relaxation tests have a tare and a drift of their own.
     unit : str
@@ -297,7 +303,6 @@ def assembled(
             orders=found.orders,
             certificate=best,
             checks=(*noticed, *checks),
-            by_depth=by_depth,
             end_of_hold=end_of_hold,
             creep=creep,
             alternative=alternative,
@@ -311,7 +316,6 @@ def assembled(
 
 def point_estimate(
     solution: Solution,
-    data: FitData,
     asked: int,
     *,
     checks: Sequence[Check],
@@ -320,7 +324,7 @@ def point_estimate(
     tests: int,
 ) -> Fit:
     """Return an optimum as a fit, without errors and evidence."""
-    model = solid_of(solution, data.suffix)
+    model = solid_of(solution)
     names = parameter_names(model.arms)
     nuisance = tuple(
         Nuisance(_nuisance_name(name, tests), solution.coefficient(name), np.inf, unit)

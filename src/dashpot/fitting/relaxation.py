@@ -20,7 +20,7 @@ from dashpot.fitting.checks.solid import (
     order_agreed,
     uncertainty_estimated,
 )
-from dashpot.fitting.design import NUISANCE, Design, Method, bound
+from dashpot.fitting.design import NUISANCE, Design, Method, block_of, bound
 from dashpot.fitting.filter_bias import filter_bias
 from dashpot.fitting.fit_data import First, FitData, data_of, weighed
 from dashpot.fitting.fractional.choice import Choice as FamilyChoice
@@ -42,7 +42,7 @@ from dashpot.fitting.repeats import refuse_copies
 from dashpot.fitting.shift_law import ShiftLaw
 from dashpot.fitting.temperature.joint import Vertical
 from dashpot.fitting.temperature.optimum import checked_temperatures, reference_of
-from dashpot.fitting.temperature.reduced import Own, bent_block
+from dashpot.fitting.temperature.reduced import Own
 from dashpot.fitting.temperature.thermal_fit import fit_thermal
 from dashpot.fitting.uncertainty.estimate import Estimate
 from dashpot.fitting.uncertainty.informed_band import informed_band
@@ -65,7 +65,6 @@ def fit(
     arms: int | Literal["auto"] = "auto",
     method: Method = "full",
     thorough: bool = False,
-    depth_law: bool = False,
     nuisance: Sequence[str] = NUISANCE,
     max_arms: int = 6,
     law: LawName = "auto",
@@ -97,9 +96,8 @@ def fit(
     ----------
     tests : RampHold, RelaxationTest or sequence of them; or one creep test
         What :func:`~dashpot.preparation.prepare.prepare` returns. A creep test is fitted by
-        :func:`~dashpot.fitting.creep.fit_creep`, with its options alone. Several tests share their
-        relaxation times, and their stiffnesses unless `depth_law`; each has its own tare and
-        drift.
+        :func:`~dashpot.fitting.creep.fit_creep`, with its options alone. Several tests share one
+        solid; each has its own tare and drift.
     arms : int or "auto"
         Number of Maxwell arms; 0 is a spring. ``"auto"`` takes the number that BIC with the
         effective sample size and the significance of every arm both support; under noise as slow
@@ -107,9 +105,6 @@ def fit(
     method : "full" or "hold"
     thorough : bool
         Add quasi-random starts; a ramp that is bent has its own.
-    depth_law : bool
-        Give each test its own k_inf and k; ``Fit.by_depth`` holds them, ``Fit.model`` is the
-        deepest test's.
     nuisance : sequence of str
         Which terms ``method="full"`` fits along with the solid: ``"offset"``, ``"drift"`` and
         ``"delay"``. Eq. (5) has none.
@@ -149,7 +144,7 @@ def fit(
     """
     if isinstance(tests, Creep):
         refuse_shifts("a creep test is", vertical, shift_law, reference)
-        refuse_for_creep(method, law, family, depth_law=depth_law)
+        refuse_for_creep(method, law, family)
         from dashpot.fitting.creep import fit_creep  # few need it
 
         return fit_creep(tests, arms=arms, thorough=thorough, max_arms=max_arms)
@@ -159,8 +154,8 @@ def fit(
     refuse_copies(records)
     most = asked_arms(arms, max_arms)
     asked = Asked("auto" if arms == "auto" else most, max_arms, law, family, intervals, thorough)
-    design = checked_design(records, asked, method=method, depth_law=depth_law, nuisance=nuisance)
-    temperatures = checked_temperatures(records, shared=method == "full" and not depth_law)
+    design = checked_design(records, asked, method=method, nuisance=nuisance)
+    temperatures = checked_temperatures(records, shared=method == "full")
     reference = si(reference, "temperature")
     if len(temperatures) > 1:
         at = reference_of(temperatures, reference)
@@ -215,8 +210,7 @@ def _of_one_temperature(records: Sequence[RampHold], design: Design, asked: Aske
     both = chosen_family(chosen, asked.family, one)
     if design.method == "hold":
         doubts = [record.depth_doubt for record in records]
-        doubtful = both.best.with_depth_doubt(doubts, shared=not design.depth_law)
-        both = replace(both, best=doubtful)
+        both = replace(both, best=both.best.with_depth_doubt(doubts))
     return _assembled(holds, both, design, thorough=asked.thorough)
 
 
@@ -231,7 +225,9 @@ def _own(record: RampHold, law: LawName, *, thorough: bool) -> Own:
     bent = ramp_law([record], law=law)
     if bent.sound:
         return Own.of(record, kelvin, first, None)
-    block = bent_block(record, bent.law)
+    block = block_of(
+        record, terms=("offset", "drift"), index=0, start=record.settled.start, law=bent.law
+    )
     held = FitData(
         [block], [block.exact], in_time=True, bind=partial(bound, [record], [block], Design("full"))
     )
@@ -250,7 +246,6 @@ def _point(records: Sequence[RampHold], first: First, design: Design, arms: int)
     )
     return point_estimate(
         solutions[-1],
-        first.data,
         arms,
         checks=(uncertainty_estimated(made=False),),
         provenance=provenance,
@@ -261,7 +256,7 @@ def _point(records: Sequence[RampHold], first: First, design: Design, arms: int)
 
 def _assembled(holds: Holds, both: FamilyChoice, design: Design, *, thorough: bool) -> Fit:
     """Return the fit of a linear solid, with everything needed to judge it."""
-    records, found, depth_law = holds.records, both.best, design.depth_law
+    records, found = holds.records, both.best
     deepest = max(records, key=lambda record: record.depth)
     band = informed_band(
         records,
@@ -270,7 +265,7 @@ def _assembled(holds: Holds, both: FamilyChoice, design: Design, *, thorough: bo
         noise=max(found.estimate.spread, 1e-6 * found.data.peak, 1e-300),
     )
     # what it bounds is of any spectrum: few arms weigh the record as well as many
-    end = None if depth_law else _end_of_hold(records, both.arms, design)
+    end = _end_of_hold(records, both.arms, design)
     other = both.alternative(band)
     return assembled(
         found,
@@ -291,7 +286,6 @@ def _assembled(holds: Holds, both: FamilyChoice, design: Design, *, thorough: bo
             ),
             deepest.specimen,
         ),
-        by_depth=found.estimate.by_depth([record.depth for record in records]) if depth_law else (),
         tests=len(records),
         elastic_law=ElasticLaw.linear(found.model.k_inf, deepest.depth),
         end_of_hold=end,
@@ -365,7 +359,7 @@ def _checks(
     answers += _load_cells(records, found)
     if choice is not None:
         answers.append(order_agreed(choice))
-    if design.method == "full" and not design.depth_law and in_arms:
+    if design.method == "full" and in_arms:
         answers.append(checks.hold_and_full_agree(model, holds.by_eq5(model.arms), error))
     return tuple(answers)
 
@@ -425,7 +419,6 @@ def _step(
         ("arms", "auto" if asked is None else str(asked)),
         ("method", design.method),
         ("thorough", str(thorough).lower()),
-        ("depth_law", str(design.depth_law).lower()),
         ("nuisance", ", ".join(design.nuisance) or "none"),
     )
     plural = f"{len(records)} tests" if len(records) > 1 else "one test"

@@ -14,15 +14,15 @@ column of the record: with the elongations q_j of unit arms,
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.engine.blocks.block import Block, Evaluation
-from dashpot.fitting.nuisance import Prior
+from dashpot.engine.blocks.block import Block
+from dashpot.engine.inference.whitening import marginal
+from dashpot.fitting.nuisance import Terms, kind_of
 from dashpot.records.temperature import decades, shifted_log_tau
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -30,8 +30,6 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 DASHPOT = 1e-3
 SOLID = ("k_inf", "b")
 LN_10 = float(np.log(10.0))
-
-White: TypeAlias = Callable[[FloatArray], FloatArray]
 
 
 class Moved(NamedTuple):
@@ -105,12 +103,8 @@ class RelaxationData:
         :math:`1/\sqrt S`, 1/N, with S the power of the residuals where arms are told apart.
     kappa : float
         :math:`S/s^2`: so many samples say the same thing.
-    known : mapping of str to Prior
-        Mean and standard deviation of the coefficients of private columns, by the kind of their
-        name; the others are free.
-    since : float
-        From the moment at which the offset is known to that from which the drift's column
-        counts, s.
+    terms : Terms
+        What is known of private columns; the others are free.
     answer : GeneralizedMaxwell
         The solid whose force is late, and whose size the depth decides.
     delay, size : float
@@ -124,8 +118,7 @@ class RelaxationData:
     block: Block
     weight: float
     kappa: float
-    known: Mapping[str, Prior]
-    since: float
+    terms: Terms
     answer: GeneralizedMaxwell
     delay: float
     size: float
@@ -162,7 +155,7 @@ class RelaxationData:
 
     def rows(self, log_tau: FloatArray, *, slopes: bool = True) -> Rows:
         """Everything that depends on the solid, whitened for all that the rig adds."""
-        count, kinds = len(log_tau), [name.partition("@")[0] for name in self.block.fixed_names]
+        count, kinds = len(log_tau), [kind_of(name) for name in self.block.fixed_names]
         shortest = np.log(DASHPOT * self.block.window[0])
         moved = self.moved or Moved()
         doubtful = moved.shift_sd > 0
@@ -173,13 +166,14 @@ class RelaxationData:
         spring = found.fixed[:, kinds.index("k_inf")]
         fast = found.arms[:, -1] / np.exp(shortest)
         of_answer = _of_answer(self.answer, spring, fast, found.arms[:, count:-1])
-        columns, mean = self._known(found, kinds)
-        if doubtful:
-            columns += list(moved.doubts(self.answer, found.d_arms[:, count:-1]).T)
+        doubts, mean = self.terms.doubts(found.fixed, self.block.fixed_names)
+        of_shift = (
+            moved.doubts(self.answer, found.d_arms[:, count:-1]) if doubtful else doubts[:, :0]
+        )
         b_t = float(np.exp(moved.log_b))
-        free = [kind not in SOLID and kind not in self.known for kind in kinds]
-        doubts = np.column_stack((*columns, *(of_answer * (self.delay, self.size)).T))
-        white = _whitening(found.fixed[:, free], self.weight * doubts)
+        free = [kind not in SOLID and kind not in self.terms.known for kind in kinds]
+        every = np.column_stack((doubts, of_shift, of_answer * (self.delay, self.size)))
+        white = marginal(found.fixed[:, free], self.weight * every)
         dashpot = found.fixed[:, kinds.index("b")] if "b" in kinds else fast
         return Rows(
             target=white(self.weight * (found.target - mean)),
@@ -189,20 +183,6 @@ class RelaxationData:
             slopes=white(self.weight * b_t * moved.stretch * found.d_arms[:, :count]),
         )
 
-    def _known(
-        self, found: Evaluation, kinds: Sequence[str]
-    ) -> tuple[list[FloatArray], FloatArray]:
-        """Private columns that are known, times their sd, and the sum of their means."""
-        columns, mean = [], np.zeros(len(found.target))
-        for i, kind in enumerate(kinds):
-            if kind in self.known:
-                column, prior = found.fixed[:, i], self.known[kind]
-                if kind == "drift" and self.since:
-                    column = column + self.since * found.fixed[:, kinds.index("offset")]
-                columns.append(prior.sd * column)
-                mean = mean + prior.mean * column
-        return columns, mean
-
 
 def _of_answer(
     answer: GeneralizedMaxwell, spring: FloatArray, dashpot: FloatArray, arms: FloatArray
@@ -211,20 +191,3 @@ def _of_answer(
     k, tau = np.asarray(answer.k), np.asarray(answer.tau)
     late = arms @ (k / tau) - (answer.k_inf + k.sum()) * dashpot
     return np.column_stack((late, answer.k_inf * spring + arms @ k))
-
-
-def _whitening(free: FloatArray, doubts: FloatArray) -> White:
-    """Return what makes noise of covariance 1 + C C' white, free columns projected out."""
-    private = np.linalg.qr(free)[0]
-    axes, stretch, _ = np.linalg.svd(doubts - private @ (private.T @ doubts), full_matrices=False)
-    shrink = 1 - 1 / np.sqrt(1 + stretch**2)
-
-    def white(columns: FloatArray) -> FloatArray:
-        left = columns - private @ (private.T @ columns)
-        along = axes.T @ left
-        return np.asarray(left - axes @ (shrink.reshape(-1, *[1] * (along.ndim - 1)) * along))
-
-    return white
-
-
-# -- from a test ----------------------------------------------------------------------------------

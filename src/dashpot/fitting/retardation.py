@@ -73,14 +73,8 @@ class Retarded(Chosen):
     @cached_property
     def creep(self) -> CreepEstimate:
         """Compliances and retardation times with their covariance."""
-        arms = self.solution.arms[0] if self.solution.order else np.zeros(0)
-        there = np.flatnonzero(arms > 0) + 1
-        named = {GLASS: GLASS}
-        named |= {f"d_{i}": f"k_{row}" for i, row in enumerate(there, start=1)}
-        named |= {f"ln_lam_{i}": f"ln_tau_{row}" for i, row in enumerate(there, start=1)}
-        if self.flows:
-            named[FLOW] = FLOW
-        rows = [self.estimate.names.index(row) for row in named.values()]
+        named = self.rows_named(GLASS, "d", "ln_lam", FLOW if self.flows else None)
+        rows = list(named.values())
         covariance = self.estimate.covariance[np.ix_(rows, rows)]
         return CreepEstimate(self.spectrum, tuple(named), covariance)
 

@@ -10,14 +10,12 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray, median, slow_periodogram
 from dashpot.base.errors import DataError
-from dashpot.engine.blocks.block import Block, Evaluation
-from dashpot.engine.blocks.compression import SMALL, uniform_step
-from dashpot.engine.blocks.correlation import correlation_block
-from dashpot.engine.blocks.hold import hold_block
-from dashpot.engine.blocks.kernels import reduced_block
-from dashpot.engine.blocks.recorded import recursion_block
-from dashpot.fitting.design import evened
-from dashpot.fitting.nuisance import Prior, priors, warmed, warming
+from dashpot.engine.blocks.block import Block
+from dashpot.engine.blocks.compression import uniform_step
+from dashpot.engine.blocks.hold import window_of
+from dashpot.engine.blocks.recorded import FARTHEST
+from dashpot.fitting.design import block_of, motion
+from dashpot.fitting.nuisance import Prior, kind_of, terms_of, warmed, warming
 from dashpot.fitting.relaxation_data import DASHPOT, LN_10, Moved, RelaxationData
 from dashpot.preparation.denoising import rests, true_motion
 from dashpot.records.fit import Fit
@@ -26,8 +24,9 @@ from dashpot.records.temperature import SAME_TEMPERATURE, celsius
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
-# relaxation times of a record on an uneven clock: from this, s, to this many of its windows
-SHORTEST, LONGEST = 1e-6, 10.0
+_CELL = ("offset", "drift")
+# relaxation times of a record on an uneven clock are asked about from this on, s
+SHORTEST = 1e-6
 # readings that stand for a while on the way, at most
 RESTS = 8
 # the rate of a force is that of the arms slower than so many samples
@@ -83,21 +82,31 @@ def relaxation_data(
         return _at_its_temperature(test, fit, alone)
     model, own = fit.few_arms, (alone or fit).few_arms
     if fit.method == "hold":
-        return held_data(test, model, _left_by(own, held(test, test.depth)))
-    x, left = true_motion(test)
-    x, left = _bent(fit, x - x[0], left)
-    time = evened(test.time[: len(x)] - test.time[0])
+        return held_data(test, model, _left_by(own, block_of(test, method="hold", terms=_CELL)))
+    law = fit.elastic_law
+    if law is not None and law.kind == "linear":
+        law = None
+    (time, x, _), left = motion(test), true_motion(test)[1]
+    if law is not None:
+        x, left = law.path(x), left * law.factor(x)
     motions = _doubts(test, time)
     columns = {name: model.force(time, 1.0 * moved) for name, (moved, _) in motions.items()}
     if moved is not None:
-        columns["warming"] = warming(time, x - x[0], model, by_a=warms[0], by_b=warms[1])
-    certain = _recorded(test, time, x - x[0], {})
+        columns["warming"] = warming(time, x, model, by_a=warms[0], by_b=warms[1])
+    certain = block_of(test, terms=_CELL, law=law, reach=_reach(test, 1.0))
     residual = _left_by(own, certain)
     power = max(noise_power(residual), certain.rounding_floor)
     trusted = 1 / np.sqrt(1 + (model.k_0 * left) ** 2 / power)
     found = _weighed(
         test,
-        _recorded(test, time, x - x[0], columns, trusted=trusted, a_t=moved.a_t if moved else 1.0),
+        block_of(
+            test,
+            terms=_CELL,
+            law=law,
+            columns=columns,
+            weights=trusted,
+            reach=_reach(test, moved.a_t if moved else 1.0),
+        ),
         certain,
         model,
         residual,
@@ -105,7 +114,7 @@ def relaxation_data(
     )
     if moved is None:
         return found
-    found = replace(found, known={**found.known, "warming": warmed(test.specimen)})
+    found = replace(found, terms=found.terms.beside(warming=warmed(test.specimen)))
     gain = _GAIN if moved.shift_sd > 0 else 0.0
     return replace(found, moved=moved, size=float(np.hypot(found.size, gain)))
 
@@ -142,14 +151,6 @@ def _at_its_temperature(test: RampHold, fit: Fit, alone: Fit | None) -> Relaxati
     return relaxation_data(test, here, alone=alone, moved=where, warms=rates)
 
 
-def _bent(fit: Fit, x: FloatArray, left: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """The motion, and what is left of its errors, as a linear solid answers it."""
-    law = fit.elastic_law
-    if law is None or law.kind == "linear":
-        return x, left
-    return law.path(x), left * law.factor(x)
-
-
 def held_data(
     test: RampHold,
     answer: GeneralizedMaxwell,
@@ -158,8 +159,8 @@ def held_data(
     law: ElasticLaw | None = None,
 ) -> RelaxationData:
     """The hold after an ideal ramp, whose depth scales the force, by way of its elastic law."""
-    felt = test.depth if law is None else float(law.path(test.depth))
-    block, since = held(test, felt), float(test.ramp_end - test.time[0])
+    block = block_of(test, method="hold", terms=_CELL, law=law)
+    since = float(test.ramp_end - test.time[0])
     return _weighed(test, block, block, answer, residual, size=test.depth_doubt, since=since)
 
 
@@ -173,22 +174,8 @@ def fitted_data(
     """
     size = float(np.hypot(test.depth_doubt, test.contact_error / test.depth))
     found = _weighed(test, block, block, answer, residual, size=size)
-    if not any(name.startswith("delay") for name in block.fixed_names):
-        return found
-    known = {**found.known, "delay": Prior(0.0, found.delay)}
-    return replace(found, known=known, delay=0.0)
-
-
-def held(test: RampHold, depth: float) -> Block:
-    """The block of the hold at a `depth`, with an offset and a drift of its load cell."""
-    return hold_block(
-        np.maximum(test.time[test.settled] - test.ramp_end, 0.0),
-        test.force[test.settled],
-        depth=depth,
-        ramp_time=test.ramp_time,
-        offset="offset",
-        drift="drift",
-    )
+    late = any(kind_of(name) == "delay" for name in block.fixed_names)
+    return replace(found, delay=0.0) if late else found
 
 
 def noise_power(residual: FloatArray) -> float:
@@ -222,23 +209,20 @@ def _weighed(
     size: float = 0.0,
     since: float = 0.0,
 ) -> RelaxationData:
-    before, step = priors(test), median(np.diff(test.time))
+    terms, step = terms_of(test), median(np.diff(test.time))
     power = max(noise_power(residual), certain.rounding_floor)
     slow = [j for j, tau in enumerate(answer.tau) if tau >= SLOW_ARM * step]
     return RelaxationData(
         block=block,
         weight=1 / float(np.sqrt(power)),
         kappa=power / max(float(np.mean(residual**2)), certain.rounding_floor / len(residual)),
-        known={
-            "offset": before.offset,
-            "drift": before.drift,
-            **{name: Prior(0.0, sd) for name, sd in doubts.items()},
-        },
-        since=since - before.at,
+        terms=replace(terms, since=since + terms.since).beside(
+            **{name: Prior(0.0, sd) for name, sd in doubts.items()}
+        ),
         answer=GeneralizedMaxwell(
             answer.k_inf, tuple(answer.k[j] for j in slow), tuple(answer.tau[j] for j in slow)
         ),
-        delay=before.delay.sd,
+        delay=terms.known["delay"].sd,
         size=size,
         certain=certain,
     )
@@ -251,66 +235,11 @@ def _left_by(model: GeneralizedMaxwell, block: Block) -> FloatArray:
     return np.asarray(rows.target - columns @ np.linalg.lstsq(columns, rows.target, rcond=None)[0])
 
 
-def _recorded(
-    test: RampHold,
-    time: FloatArray,
-    x: FloatArray,
-    columns: Mapping[str, FloatArray],
-    *,
-    trusted: FloatArray | None = None,
-    a_t: float = 1.0,
-) -> Block:
-    """The block of a recorded motion from first contact on, with further private columns.
-
-    `trusted` weighs each sample by what is known of the motion, up to the last doubtful one; `a_t`
-    is how many times slower the solid is there than the one asked about.
-    """
-    first, step = priors(test).first, uniform_step(time)
-    fixed = {"k_inf": x, "offset": np.ones(len(x)), "drift": time, **columns}
-    force = test.force[: len(x)]
-
-    def exact(used: slice, weights: FloatArray | None = None) -> Block:
-        past = slice(0, used.stop)
-        return recursion_block(
-            time[past], x[past], force[past], window=used, step=step,
-            fixed={name: column[used] for name, column in fixed.items()},
-            weights=None if weights is None else weights[past],
-        )  # fmt: skip
-
-    whole = exact(slice(first, len(x)))
-    low, high = whole.window
-    reach = min(DASHPOT * low, SHORTEST) * min(a_t, 1.0), LONGEST * high * max(a_t, 1.0)
-    moving = 0 if trusted is None else int(np.flatnonzero(trusted < 1)[-1:].sum()) + 1
-    # correlations cannot tell arms apart that are slower than a record by far
-    if step is None or len(x) <= SMALL or moving > len(x) // 2 or a_t != 1.0:
-        return reduced_block(
-            whole if not moving else exact(slice(first, len(x)), trusted), reach=reach
-        )
-    if moving <= first + 1:
-        return correlation_block(whole, time, x, start=first, stop=len(x))
-    on = replace(exact(slice(first, moving), trusted), window=whole.window)
-    after = slice(moving, len(x))
-    return _stacked(
-        reduced_block(on, reach=reach),
-        correlation_block(exact(after), time, x, start=moving, stop=len(x)),
-    )
-
-
-def _stacked(one: Block, two: Block) -> Block:
-    """Two stretches of one record as one block."""
-
-    def rows(log_tau: FloatArray, derivative: bool) -> Evaluation:
-        parts = one.evaluate(log_tau, derivative), two.evaluate(log_tau, derivative)
-        return Evaluation(*(np.concatenate(pair) for pair in zip(*parts, strict=True)))
-
-    return replace(
-        two,
-        rows=rows,
-        window=one.window,
-        samples=one.samples + two.samples,
-        floor=one.floor + two.floor,
-        full=None,
-    )
+def _reach(test: RampHold, a_t: float) -> tuple[float, float]:
+    """Relaxation times that are asked about where the solid is `a_t` times slower, s."""
+    time = motion(test)[0]
+    low, high = window_of(time, uniform_step(time))
+    return min(DASHPOT * low, SHORTEST) * min(a_t, 1.0), FARTHEST * high * max(a_t, 1.0)
 
 
 def _doubts(test: RampHold, time: FloatArray) -> dict[str, tuple[BoolArray, float]]:

@@ -2,31 +2,72 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray, sample_count
-from dashpot.records.machine import TOLD_DRIFT, Machine
+from dashpot.base.arrays import FloatArray, positive, sample_count
+from dashpot.base.errors import DataError
+from dashpot.base.options import option
+from dashpot.base.units import si_fields
+from dashpot.records.machine import Machine
 from dashpot.solids.maxwell import GeneralizedMaxwell
+
+IN_SI = "a number > 0 in SI units"
 
 
 @dataclass(frozen=True)
 class Bench:
-    """A ramp-and-hold test to be: SI units, `rate` in Hz, `noise` in N per sample.
+    """A ramp-and-hold test to be; quantities as in ``"8mm"``, or in SI units.
 
-    `baseline`, s, is recorded before the ramp. On a described `machine` the fit of ramp and hold
-    finds offset, drift and delay of the force besides; without one, and by eq. 5, it finds none.
+    Attributes
+    ----------
+    depth : float
+        m.
+    ramp_time, hold_time : float
+        s.
+    rate : float
+        Samples per second, Hz.
+    noise : float
+        Standard deviation of a force sample, N; multiply by the square root of the correlation
+        (``fit.residual.kappa``) if samples are filtered.
+    method : str
+        ``"full"`` fits ramp and hold, ``"hold"`` the hold alone.
+    baseline : float
+        Recorded before the ramp, s: it tells the offset of the load cell.
+    machine : Machine or None
+        Its fit of ramp and hold finds offset, drift and delay of the force besides; on None, and
+        by eq. 5, it finds none of them.
+
+    Raises
+    ------
+    DataError
+        If a number is not positive, or the method unknown.
     """
 
-    depth: float
-    ramp_time: float
-    hold_time: float
-    rate: float
-    noise: float
-    method: str
-    baseline: float = 1.0
-    machine: Machine | None = None
+    depth: float = option("8mm", unit="length")
+    ramp_time: float = option("1s", unit="time", flag="ramp")
+    hold_time: float = option("40s", unit="time", flag="hold")
+    rate: float = option("1kHz", unit="frequency")
+    noise: float = option("5mN", "Per sample, one SD.", unit="force")
+    method: str = option("full", choices=("full", "hold"))
+    baseline: float = option("1s", "Before the ramp.", unit="time")
+    machine: Machine | None = field(default=Machine())
+
+    def __post_init__(self) -> None:
+        si_fields(self)
+        positive(
+            depth=self.depth,
+            ramp_time=self.ramp_time,
+            hold_time=self.hold_time,
+            rate=self.rate,
+            noise=self.noise,
+            baseline=self.baseline,
+            expected=IN_SI,
+            optional=True,
+        )
+        if self.method not in {"full", "hold"}:
+            raise DataError(f'method = {self.method!r}; expected "full" or "hold"')
 
     def time(self) -> FloatArray:
         """The samples that the method fits, s from the start of the ramp, shape (n,)."""
@@ -70,7 +111,7 @@ class Bench:
         )
         offset = self.noise / np.sqrt(self.baseline * self.rate)
         slope = float(np.sqrt(12.0) * offset / self.baseline)
-        told = slope < TOLD_DRIFT * final / length
+        told = machine.drift_told(slope, final, length)
         drift = slope if told else machine.drift_sd(final, length)
         return np.array([offset, drift, machine.delay_sd(1 / self.rate)])
 

@@ -13,7 +13,7 @@ from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, si
 from dashpot.planning import checks
 from dashpot.planning.advice import advice, listed, needed
-from dashpot.planning.bench import Bench
+from dashpot.planning.bench import IN_SI, Bench
 from dashpot.planning.checks import percent
 from dashpot.planning.cold import Elsewhere, elsewhere, refuse_twice
 from dashpot.planning.expected import (
@@ -25,18 +25,12 @@ from dashpot.planning.expected import (
     hammer_rows,
     record_need,
 )
-from dashpot.records.machine import Machine
+from dashpot.planning.supposed import HammerPlan, SupposedSeal
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.solids.table_1 import PAPER, SHIFT
+from dashpot.solids.table_1 import SHIFT
 from dashpot.solids.temperature import TemperatureLaw
 from dashpot.vibration.systems.prediction import mass_for_peak
 
-# the seal of the paper's Table 1, where the user knows nothing better yet
-USUAL_SEAL = PAPER
-# an arm of this part of the instantaneous stiffness is what sponge rubber may hide
-USUAL_PART = 0.1
-# an arm of the model this near, as a factor in time, already stands for the unseen one
-NEAR = 3.0
 WANTED = 0.1
 FASTER = (1 / 3, 1 / 10, 1 / 30)
 # a hammer test informs the lines within this factor of the peak; their usual spacing, Hz
@@ -45,7 +39,6 @@ LINE_STEP = 0.1
 # where a test is repeated if nobody says: a refrigerator, K; if that is so much colder
 USUAL_COLD = 273.15
 COLDER = 10.0
-_IN_SI = "a number > 0 in SI units"
 
 
 @dataclass(frozen=True)
@@ -104,29 +97,13 @@ class Plan:
 
 
 def plan(
+    bench: Bench = Bench(),  # noqa: B008
     *,
-    depth: Quantity,
-    ramp_time: Quantity,
-    hold_time: Quantity,
-    rate: Quantity,
-    noise: Quantity,
     at: Quantity,
-    model: GeneralizedMaxwell | None = None,
-    method: str = "full",
-    arm: tuple[Quantity, Quantity] | None = None,
-    baseline: Quantity = 1.0,
-    sync: Quantity | None = None,
-    drift: Quantity | None = None,
-    mass: Quantity | None = None,
-    seals: float = 1.0,
-    record: Quantity | None = None,
-    pulse: Quantity | None = None,
-    hits: int = 5,
-    coherence: float = 0.99,
-    wanted: float = WANTED,
+    seal: SupposedSeal = SupposedSeal(),  # noqa: B008
+    hammer: HammerPlan = HammerPlan(),  # noqa: B008
     cold: Quantity | Sequence[Quantity] = (),
-    temperature: Quantity | None = None,
-    law: TemperatureLaw = SHIFT,
+    wanted: float = WANTED,
 ) -> Plan:
     r"""Tell what a test will tell at a frequency, before it is run.
 
@@ -136,89 +113,49 @@ def plan(
     before as the fit knows them. For the hammer test, how long the record must be and what the tip
     excites.
 
+    >>> import dashpot as dp
+    >>> dp.plan(dp.Bench(ramp_time="0.1s", noise="1mN"), at="12.71Hz").at
+    12.71
+
     Parameters
     ----------
-    depth, ramp_time, hold_time : float
-        m, s, s.
-    rate : float
-        Samples per second, Hz.
-    noise : float
-        Standard deviation of a force sample, N; multiply by the square root of the correlation
-        (``fit.residual.kappa``) if samples are filtered.
+    bench : Bench
+        The relaxation test.
     at : float
         The frequency that matters, Hz.
-    model : GeneralizedMaxwell, optional
-        A guess at one seal; the paper's Table 1 by default.
-    method : str
-        ``"full"`` fits ramp and hold, ``"hold"`` the hold alone.
-    arm : (float, float), optional
-        Stiffness, N/m, and relaxation time, s, of the unseen arm. By default 10 % of the
-        instantaneous stiffness at 1/omega, unless the model has an arm within a factor of 3.
-    baseline : float
-        Recorded before the ramp, s: it tells the offset of the load cell.
-    sync, drift : float, optional
-        Standard deviations of the delay between the clocks of force and displacement, s, and of
-        the drift of the load cell, N/s, as in :class:`~dashpot.records.machine.Machine`.
-    mass : float, optional
-        kg, of the block on `seals` seals; by default the one that puts the peak at `at`.
-    record : float, optional
-        Length of the planned impact record, s.
-    pulse : float, optional
-        Duration of the hammer pulse, s: soft rubber tips give 10 to 20 ms.
-    hits : int
-        How many hits of the hammer test are averaged.
-    coherence : float
-        Their coherence about the peak, below 1.
-    wanted : float
-        The relative standard deviation of the loss factor that would do.
+    seal : SupposedSeal
+    hammer : HammerPlan
     cold : float or sequence of float
         Temperatures, K, at which the same test is repeated: arms that are too fast for the ramp
         are slower there (:mod:`dashpot.planning.cold`).
-    temperature : float, optional
-        Of the test, K, at which the seal is `model`; by default the reference of the law.
-    law : TemperatureLaw
-        How the seal is supposed to follow temperature: by default as a rubber with its glass
-        transition at -55 degC. The fit needs no law.
+    wanted : float
+        The relative standard deviation of the loss factor that would do.
 
     Raises
     ------
     DataError
-        If a number is not positive or the method unknown, or the law does not reach so far.
+        If a number is not positive, or the law does not reach so far.
     """
-    depth, ramp_time, hold_time = si(depth, "length"), si(ramp_time, "time"), si(hold_time, "time")
-    rate, noise, at = si(rate, "frequency"), si(noise, "force"), si(at, "frequency")
-    baseline, sync, drift = si(baseline, "time"), si(sync, "time"), si(drift, "force rate")
-    mass, record, pulse = si(mass, "mass"), si(record, "time"), si(pulse, "time")
-    positive(
-        depth=depth, ramp_time=ramp_time, hold_time=hold_time, rate=rate, noise=noise, at=at,
-        baseline=baseline, mass=mass, seals=seals, record=record, pulse=pulse, wanted=wanted,
-        hits=hits, expected=_IN_SI, optional=True,
-    )  # fmt: skip
-    if not 0 < coherence < 1:
-        raise DataError(f"coherence = {coherence!r}; expected a number between 0 and 1")
-    if method not in {"full", "hold"}:
-        raise DataError(f'method = {method!r}; expected "full" or "hold"')
-    room = law.reference if temperature is None else si(temperature, "temperature")
+    at = si(at, "frequency")
     asked = [cold] if isinstance(cold, str | float | int) else cold
     places = [si(each, "temperature") for each in asked]
-    for kelvin in (room, *places):
-        positive(temperature=kelvin, expected=_IN_SI)
+    positive(at=at, wanted=wanted, expected=IN_SI)
+    for each in places:
+        positive(cold=each, expected=IN_SI)
+    room, law = seal.room, seal.law
     repeats = tuple(elsewhere(kelvin, room, law) for kelvin in places)
     refuse_twice(places)
-    seal = USUAL_SEAL if model is None else model
-    supposed, arm = _with_arm(seal, arm, at)
+    supposed, arm = seal.with_arm(at)
     index = None if arm is None else supposed.tau.index(arm[1])
-    machine = Machine(sync=sync, drift=drift)
-    bench = Bench(depth, ramp_time, hold_time, rate, noise, method, baseline, machine)
     expected = expected_error(supposed, bench, at, index, repeats=repeats)
-    total = seals * supposed
-    weight = mass_for_peak(total, at) if mass is None else mass
+    total = hammer.seals * supposed
+    weight = mass_for_peak(total, at) if hammer.mass is None else hammer.mass
     rows = hammer_rows(
         supposed,
         weight,
-        seals=seals,
-        lines=_lines(at, record),
-        relative_sd=float(np.sqrt((1 - coherence) / (2 * hits * coherence))),
+        seals=hammer.seals,
+        lines=_lines(at, hammer.record),
+        relative_sd=hammer.relative_sd,
     )
     alternatives = (
         *(
@@ -227,30 +164,18 @@ def plan(
         ),
         expected_error(supposed, replace(bench, method="full"), at, index, rows),
     )
-    need = record_need(total, weight, record)
-    tip = None if pulse is None else half_sine(pulse, at)
+    need = record_need(total, weight, hammer.record)
+    tip = None if hammer.pulse is None else half_sine(hammer.pulse, at)
     band = _band(bench, repeats)
     answers = _checks(expected, band, need, tip, at=at, wanted=wanted)
     words = advice(
         expected, alternatives, answers, need, tip, at=at, wanted=wanted, room=room,
-        without="" if arm is None else _without_arm(seals * seal, mass, at),
+        without="" if arm is None else _without_arm(hammer.seals * seal.model, hammer.mass, at),
     )  # fmt: skip
     return Plan(
         at=at, model=supposed, arm=arm, expected=expected, alternatives=alternatives, band=band,
         record=need, pulse=tip, checks=answers, advice=words, temperature=room, repeats=repeats,
     )  # fmt: skip
-
-
-def _with_arm(
-    model: GeneralizedMaxwell, arm: tuple[Quantity, Quantity] | None, at: float
-) -> tuple[GeneralizedMaxwell, tuple[float, float] | None]:
-    if arm is None:
-        tau = 1 / (2 * np.pi * at)
-        if any(1 / NEAR < own / tau < NEAR for own in model.tau):
-            return model, None
-        arm = (USUAL_PART * model.k_0, tau)
-    known = si(arm[0], "stiffness"), si(arm[1], "time")
-    return model + GeneralizedMaxwell(0.0, known[:1], known[1:]), known
 
 
 def _others(

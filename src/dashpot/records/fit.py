@@ -200,7 +200,7 @@ class Evidence:
     certificate : Certificate or None
     checks : tuple of Check
     by_depth : tuple of AtDepth
-        One per test where each test has its own stiffnesses (``depth_law=True``), shallowest
+        One per test where each has its own stiffnesses (``fit_depths``), shallowest
         first; the fit's solid is then the deepest test's.
     moved : tuple of Moved
         What a further test changed, where there was an earlier fit.

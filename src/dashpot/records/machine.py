@@ -46,6 +46,14 @@ class Machine:
         filtered = 1 / (2 * math.pi * self.force_filter) if self.force_filter else 0.0
         return max(sample, self.sync or 0.0, filtered)
 
+    @staticmethod
+    def drift_told(sd: float, final: float, duration: float) -> bool:
+        """True if a baseline whose slope has this error, N/s, tells the drift over a record.
+
+        `final` is the force at its end, N, and `duration` its length, s.
+        """
+        return sd < TOLD_DRIFT * final / duration
+
     def drift_sd(self, final: float, duration: float) -> float:
         """Standard deviation of the drift, N/s; of a cell not described, from the final force, N.
 

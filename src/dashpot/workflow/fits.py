@@ -70,10 +70,10 @@ class _Asked:
     def refuse_beside_creep(self, *, others: int) -> None:
         """Refuse what is of ramps and holds, and tests that are none of creep."""
         self.refuse_a_machine()
-        if others or self.filter:
+        if others or self.filter or self.depth_law:
             raise FitError(
                 "a creep test is fitted alone, or with others at other temperatures, without "
-                "--filter"
+                "--filter and --depth-law"
             )
 
     def prepared(self, tests: Sequence[RelaxationTest], *, judged: bool) -> tuple[RampHold, ...]:
@@ -97,7 +97,6 @@ class _Asked:
             tests,
             arms=self.arms,
             method=self.method,
-            depth_law=self.depth_law,
             thorough=self.thorough,
             law=self.law,
             family=self.family,
@@ -137,9 +136,8 @@ def fit_files(
         As in :func:`~dashpot.fitting.relaxation.fit`; sweeps, moduli and creep always have
         intervals.
     depth_law : bool
-        Tests of different depths share their relaxation times, and by method ``"full"`` an elastic
-        law (:func:`~dashpot.fitting.depth.fit_depths`) unless `law` is ``"linear"``; each has its
-        own stiffnesses.
+        Tests of different depths share their relaxation times and an elastic law; each has its own
+        stiffnesses (:func:`~dashpot.fitting.depth.fit_depths`).
     filter, machine : optional
         As in :func:`~dashpot.preparation.prepare.prepare`.
     cuts : Cuts, optional
@@ -213,10 +211,10 @@ def _crept(
     with about(name):
         record = _creep(held, asked.shifting, asked.specimen)
         if isinstance(record, Superposition):
-            if not asked.nothing_of("method", "depth_law", "law", "family"):
+            if not asked.nothing_of("method", "law", "family"):
                 raise FitError(
                     "creep at several temperatures has a linear solid with arms: leave out "
-                    "--method, --depth-law, --law and --family"
+                    "--method, --law and --family"
                 )
             return dp.fit_creep(record, arms=asked.arms, thorough=asked.thorough), (record,)
         further = {} if asked.shifting.at is not None else shifted_ramps(asked.shifting)
@@ -224,16 +222,17 @@ def _crept(
 
 
 def _pressed(tests: tuple[RampHold, ...], asked: _Asked) -> Fit:
-    """Fit ramps and holds together; of depths that all differ, with one elastic law."""
-    several = len({round(test.depth, 9) for test in tests}) == len(tests) > 1
-    if several and asked.depth_law and asked.nothing_of("method", "law", "family"):
-        if asked.thorough or asked.shifting != ShiftChoices():
-            raise FitError(
-                "a law of the depth is one of one temperature, with starts of its own: leave "
-                "out --thorough, --reference, --shift, --vertical, --at and --shifts"
-            )
-        return dp.fit_depths(tests, arms=asked.arms).fit
-    return asked.fit(tests, **shifted_ramps(asked.shifting))
+    """Fit ramps and holds together, or, where a law of the depth is asked for, each by itself."""
+    if not asked.depth_law:
+        return asked.fit(tests, **shifted_ramps(asked.shifting))
+    usual = asked.nothing_of("method", "law", "family")
+    if not usual or asked.thorough or asked.shifting != ShiftChoices():
+        raise FitError(
+            "a law of the depth is of arms of one temperature, found from ramps and holds with "
+            "starts of its own: leave out --method, --law, --family, --thorough, --reference, "
+            "--shift, --vertical, --at and --shifts"
+        )
+    return dp.fit_depths(tests, arms=asked.arms).fit
 
 
 def _swept(

@@ -125,6 +125,7 @@ def reduced_block(exact: Block, *, reach: tuple[float, float] | None = None) -> 
     for first in range(0, len(every), ROWS_AT_ONCE):
         rows = np.concatenate((factor, every[first : first + ROWS_AT_ONCE]))
         factor = np.asarray(np.linalg.qr(rows, mode="r"))
+    factor = _to_its_floor(factor)
     return replace(
         exact,
         rows=kernels.rows(factor),
@@ -133,6 +134,12 @@ def reduced_block(exact: Block, *, reach: tuple[float, float] | None = None) -> 
         full=lambda: exact,
         widen=lambda name, column: reduced_block(exact.with_column(name, column), reach=reach),
     )
+
+
+def _to_its_floor(factor: FloatArray) -> FloatArray:
+    """The factor whose last row is what no column reaches: nothing, where rows are few."""
+    rows, columns = factor.shape
+    return np.concatenate((factor, np.zeros((1, columns)))) if rows < columns else factor
 
 
 def compact_block(block: Block, *, beyond: float) -> Block:
@@ -154,7 +161,7 @@ def compact_block(block: Block, *, beyond: float) -> Block:
     )
     found = block.evaluate(np.log(kernels.tau), False)
     every = (found.arms @ kernels.right, found.fixed, found.target[:, None])
-    factor = np.asarray(np.linalg.qr(np.concatenate(every, axis=1), mode="r"))
+    factor = _to_its_floor(np.asarray(np.linalg.qr(np.concatenate(every, axis=1), mode="r")))
     return replace(
         block,
         rows=kernels.rows(factor),

@@ -13,11 +13,15 @@ costs one Fourier transform and then nothing that grows with the record.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import replace
+from types import MappingProxyType
+
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError
-from dashpot.engine.blocks.block import Block, design_block
+from dashpot.engine.blocks.block import Block, Evaluation, design_block
 from dashpot.engine.blocks.compression import SMALL, uniform_step
 from dashpot.engine.blocks.correlation import correlation_block
 from dashpot.engine.blocks.hold import window_of
@@ -26,6 +30,8 @@ from dashpot.engine.blocks.stretches import even_arms
 
 #: samples from which the recursion is worth reducing
 LONG = 2000
+#: correlations cannot tell apart arms that are slower than a record's window by more than this
+FARTHEST = 10.0
 
 
 def recorded_block(
@@ -37,15 +43,17 @@ def recorded_block(
     k_inf: str = "k_inf",
     offset: str | None = None,
     drift: str | None = None,
+    columns: Mapping[str, FloatArray] = MappingProxyType({}),
     weights: FloatArray | None = None,
+    reach: tuple[float, float] | None = None,
     arm_group: str = "k",
 ) -> Block:
     r"""Force under a recorded displacement that is straight between its samples.
 
     .. math:: F_i = k_\infty x_i + \sum_j k_j q_j(t_i) + F_0 + \dot F (t_i - t_0)
 
-    The form is chosen by the record: correlation on a uniform grid, recursion otherwise, reduced
-    (:mod:`dashpot.engine.blocks.kernels`) if it is long.
+    The form is chosen by the record: correlation on a uniform grid from where every weight is 1,
+    recursion otherwise, reduced (:mod:`dashpot.engine.blocks.kernels`) if it is long.
 
     Parameters
     ----------
@@ -56,8 +64,12 @@ def recorded_block(
         t_0 is the first time of all.
     k_inf, offset, drift : str
         Names of the fixed columns; offset and drift are left out unless named.
+    columns : mapping of str to array, shape (M,)
+        Further fixed columns, a value at every sample.
     weights : array, shape (M,), optional
         1/sd of each sample.
+    reach : (float, float), optional
+        Relaxation times to be evaluated, s; those of the window, if left out.
     """
     time = np.asarray(time, dtype=float)
     x = np.asarray(displacement, dtype=float)
@@ -70,25 +82,59 @@ def recorded_block(
     start, stop, stride = window.indices(len(time))
     if stride != 1 or stop - start < 3:
         raise DataError("the window must hold at least 3 neighbouring samples")
-    fixed = {k_inf: x[start:stop]}
+    fixed = {k_inf: x}
     if offset is not None:
-        fixed[offset] = np.ones(stop - start)
+        fixed[offset] = np.ones(len(x))
     if drift is not None:
-        fixed[drift] = time[start:stop] - time[0]
+        fixed[drift] = time - time[0]
+    fixed |= columns
     step = uniform_step(time)
-    exact = recursion_block(
-        time,
-        x,
-        y,
-        window=slice(start, stop),
-        fixed=fixed,
-        step=step,
-        weights=weights,
-        arm_group=arm_group,
+
+    def exact(first: int, last: int, weights: FloatArray | None = None) -> Block:
+        return recursion_block(
+            time[:last], x[:last], y[:last], window=slice(first, last), step=step,
+            fixed={name: column[first:last] for name, column in fixed.items()},
+            weights=None if weights is None else weights[:last], arm_group=arm_group,
+        )  # fmt: skip
+
+    limits = window_of(time, step)
+    # the first sample from which on every weight is 1
+    even = 0 if weights is None else int(np.flatnonzero(weights[:stop] != 1)[-1:].sum()) + 1
+    near = reach is None or reach[1] <= FARTHEST * limits[1]
+    if x[0] != 0 or len(time) <= SMALL or step is None or even > stop // 2 or not near:
+        whole = replace(exact(start, stop, weights), window=limits)
+        return whole if reach is None and stop - start < LONG else reduced_block(whole, reach=reach)
+    if even <= start:
+        whole = replace(exact(start, stop), window=limits)
+        return correlation_block(whole, time, x, start=start, stop=stop)
+    before = replace(exact(start, even, weights), window=limits)
+    after = replace(exact(even, stop), window=limits)
+    return _stacked(
+        reduced_block(before, reach=reach),
+        correlation_block(after, time, x, start=even, stop=stop),
     )
-    if weights is not None or x[0] != 0 or len(time) <= SMALL or step is None:
-        return exact if stop - start < LONG else reduced_block(exact)
-    return correlation_block(exact, time, x, start=start, stop=stop)
+
+
+def _stacked(one: Block, two: Block) -> Block:
+    """Two stretches of one record as one block."""
+    cut = one.samples
+
+    def rows(log_tau: FloatArray, derivative: bool) -> Evaluation:
+        parts = one.evaluate(log_tau, derivative), two.evaluate(log_tau, derivative)
+        return Evaluation(*(np.concatenate(pair) for pair in zip(*parts, strict=True)))
+
+    return replace(
+        two,
+        rows=rows,
+        samples=one.samples + two.samples,
+        floor=one.floor + two.floor,
+        sampling=None,
+        full=lambda: _stacked(one.exact, two.exact),
+        widen=lambda name, column: _stacked(
+            one.with_column(name, column[:cut]), two.with_column(name, column[cut:])
+        ),
+        delayed=None,
+    )
 
 
 def recursion_block(

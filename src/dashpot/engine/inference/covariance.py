@@ -19,7 +19,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray, block_means, fast_length
+from dashpot.base.arrays import (
+    BoolArray,
+    ComplexArray,
+    FloatArray,
+    IndexArray,
+    block_means,
+    fast_length,
+)
 
 # a direction whose share of the information is below this is a rounding error, not knowledge
 _SINGULAR = 1e-13
@@ -278,8 +285,15 @@ def initial_sequence(residual: FloatArray) -> tuple[FloatArray, FloatArray | Non
 
 def geyer_cut(gamma: FloatArray) -> int:
     r"""Return how many lags to keep: up to the first :math:`\gamma_{2m}+\gamma_{2m+1} \le 0`."""
-    falls = np.flatnonzero(gamma[:-1:2] + gamma[1::2] <= 0.0)
-    return max(1, 2 * int(falls[0]) if falls.size else len(gamma))
+    return int(geyer_cuts(gamma))
+
+
+def geyer_cuts(gamma: FloatArray) -> IndexArray:
+    """As :func:`geyer_cut`, of many autocovariances (..., n) at once."""
+    pairs = gamma[..., :-1:2] + gamma[..., 1::2]
+    positive = np.logical_and.accumulate(~(pairs <= 0.0), axis=-1).sum(axis=-1)
+    whole = positive == pairs.shape[-1]
+    return np.asarray(np.where(whole, gamma.shape[-1], np.maximum(2 * positive, 1)))
 
 
 def sandwich(

@@ -12,12 +12,14 @@ is the deviance of a model m in units of chi-square, and its least value is that
 least squares: fast detail counts for more where the noise is slow. No direction is trusted better
 than white noise of the same variance would let it be: a filter leaves next to nothing above its
 cut-off, and to believe that would let its transients decide.
+What a record holds beside the model, columns that are free or known to within a standard deviation,
+adds to that covariance too, and is taken out likewise (:func:`marginal`).
 Source: A. C. Aitken, Proceedings of the Royal Society of Edinburgh 55 (1936) 42.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -45,6 +47,28 @@ def whitened_block(exact: Block, noise: Noise) -> Block:
     variance, axes = _principal(basis, noise)
     whiten = (axes / np.sqrt(variance)).T
     return basis.block.changed(lambda part: whiten @ part)
+
+
+def marginal(free: FloatArray, doubts: FloatArray) -> Callable[[FloatArray], FloatArray]:
+    """Return what makes noise of covariance 1 + C C' white, free columns projected out.
+
+    Parameters
+    ----------
+    free : array, shape (n, q)
+        Columns of which nothing is known.
+    doubts : array, shape (n, m)
+        C, known columns times their standard deviation.
+    """
+    private = np.linalg.qr(free)[0]
+    axes, stretch, _ = np.linalg.svd(doubts - private @ (private.T @ doubts), full_matrices=False)
+    shrink = 1 - 1 / np.sqrt(1 + stretch**2)
+
+    def white(columns: FloatArray) -> FloatArray:
+        left = columns - private @ (private.T @ columns)
+        along = axes.T @ left
+        return np.asarray(left - axes @ (shrink.reshape(-1, *[1] * (along.ndim - 1)) * along))
+
+    return white
 
 
 class ReducedBasis(NamedTuple):

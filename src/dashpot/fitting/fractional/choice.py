@@ -118,14 +118,10 @@ class ChosenElement(Chosen):
         """None: there is one element."""
         return ()
 
-    def with_depth_doubt(self, doubts: Sequence[float], *, shared: bool) -> ChosenElement:  # noqa: ARG002
-        """As of arms: an error of the depth scales k_inf and k."""
-        scale = np.zeros(len(self.estimate.names))
-        for name, value in (("k_inf", self.solid.k_inf), ("k", self.k)):
-            scale[self.estimate.names.index(name)] = value
-        scale *= float(np.sqrt(np.mean(np.square(doubts)) / len(doubts)))
-        covariance = self.estimate.covariance + np.outer(scale, scale)
-        return replace(self, estimate=replace(self.estimate, covariance=covariance))
+    @property
+    def stiffnesses(self) -> dict[str, float]:
+        """Those that an error of the depth scales, by their rows."""
+        return {"k_inf": self.solid.k_inf, "k": self.k}
 
 
 def checked_family(family: str, arms: int | str = "auto") -> None:
@@ -299,7 +295,7 @@ def _of_orders(arms: Chosen) -> list[_Candidate]:
         *(
             _Candidate(
                 arms,
-                solid_of(solution, arms.data.suffix),
+                solid_of(solution),
                 solution.sse,
                 own.parameters + each * (solution.order - arms.solution.order),
             )

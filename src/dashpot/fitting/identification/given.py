@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import numpy as np
 
 from dashpot.base.errors import DataError, FitError
-from dashpot.base.units import Dimension, Quantity, si_range
-from dashpot.fitting.identification.likelihood import Prior
+from dashpot.fitting.identification.asked import HammerRig, KnownSolid
+from dashpot.fitting.identification.likelihood import (
+    UNCHANGED,
+    Constraints,
+    NuisancePriors,
+    Prior,
+)
 from dashpot.fitting.relaxation import fit as fit_tests
 from dashpot.fitting.relaxation_data import RelaxationData
 from dashpot.fitting.temperature.optimum import temperatures_of
@@ -17,8 +22,6 @@ from dashpot.fitting.weighed_relaxation import relaxation_data
 from dashpot.records.fit import Fit
 from dashpot.records.relaxation import RampHold
 from dashpot.vibration.systems.operating_point import OperatingPoint, operating_point
-
-Given: TypeAlias = Quantity | tuple[Quantity, Quantity] | None
 
 # a block on a workshop balance: 0.1 g of 100 g
 USUAL_MASS_SD = 0.001
@@ -134,7 +137,28 @@ def seals_of(seals: float) -> float:
     return seals
 
 
-def mass_of(mass: float | None, sd: float | None) -> Prior | None:
+def priors_of(mass: float | None, rig: HammerRig, point: OperatingPoint | None) -> NuisancePriors:
+    """What is known of mass, rig and seals before the hammer."""
+    factor = UNCHANGED if point is None else Prior(point.factor, point.factor_se)
+    return NuisancePriors(_mass_of(mass, rig.mass_sd), rig.gain_sd, rig.delay_sd, factor=factor)
+
+
+def constraints_of(known: KnownSolid, before: Before) -> Constraints:
+    """What the solid must obey: what is known of it, and an earlier fit that has no tests here."""
+
+    def prior(name: str) -> Prior | None:
+        pair = known.pair(name)
+        return None if pair is None else Prior(*pair)
+
+    return Constraints(
+        prior("static_stiffness"),
+        prior("natural_frequency"),
+        prior("damping_ratio"),
+        before=None if before.relaxations else before.known,
+    )
+
+
+def _mass_of(mass: float | None, sd: float | None) -> Prior | None:
     """What is known of a mass, kg."""
     if mass is None:
         return None
@@ -144,26 +168,4 @@ def mass_of(mass: float | None, sd: float | None) -> Prior | None:
         raise DataError(
             f"mass_sd = {sd:g} kg of a mass of {mass:g} kg; expected less: check its unit"
         )
-    return Prior(mass, sd_of("mass_sd", USUAL_MASS_SD * mass if sd is None else sd))
-
-
-def sd_of(name: str, value: float) -> float:
-    """A standard deviation, >= 0."""
-    if not (np.isfinite(value) and value >= 0):
-        raise DataError(f"{name} = {value!r}; expected a standard deviation >= 0")
-    return float(value)
-
-
-def known_of(name: str, given: Given, dimension: Dimension) -> Prior | None:
-    """A value, or a value and its standard deviation, as a prior."""
-    if given is None:
-        return None
-    value, sd = si_range(given if isinstance(given, tuple) else (given, 0.0), dimension)
-    if not (np.isfinite(value) and value > 0):
-        raise DataError(f"{name} = {value!r}; expected a number > 0")
-    if name == "damping_ratio" and value >= 1:
-        raise DataError(
-            f"damping_ratio = {value:g}; expected a part of the critical damping, < 1: if it is "
-            f"in per cent, give {value / 100:g}"
-        )
-    return Prior(float(value), sd_of(name, sd))
+    return Prior(mass, USUAL_MASS_SD * mass if sd is None else sd)

@@ -16,6 +16,7 @@ from dashpot.engine.inference.order import DECISIVE, choose
 from dashpot.engine.solver.variable_projection import solve_orders
 from dashpot.fitting.fractional.choice import checked_family
 from dashpot.fitting.fractional.projection import Columns
+from dashpot.fitting.identification.asked import HammerRig, KnownSolid
 from dashpot.fitting.identification.checks import dashpot_not_missed
 from dashpot.fitting.identification.explanations import disagreement, freed
 from dashpot.fitting.identification.families import Rival, chosen_rival, judged_again
@@ -23,22 +24,16 @@ from dashpot.fitting.identification.fit_assembly import assembled
 from dashpot.fitting.identification.frf_data import frf_data_of
 from dashpot.fitting.identification.given import (
     Before,
-    Given,
     before_hammer,
-    known_of,
-    mass_of,
+    constraints_of,
     numbers_of,
     point_of,
-    sd_of,
+    priors_of,
     seals_of,
 )
 from dashpot.fitting.identification.likelihood import (
-    UNCHANGED,
     Candidate,
-    Constraints,
-    NuisancePriors,
     Parameters,
-    Prior,
     Problem,
     descend,
 )
@@ -50,8 +45,6 @@ from dashpot.records.frf import FRF
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
-USUAL_GAIN_SD = 0.01
-USUAL_DELAY_SD = 1e-4
 # a criterion this much above the best ends the search for more arms
 WORSE = 6.0
 # a fractional element lies in a narrow valley of slope and relaxation time: so many starts along it
@@ -69,18 +62,13 @@ def identify(
     fit: Fit | None = None,
     mass: Quantity | None = None,
     seals: float = 1.0,
-    arms: int | Literal["auto"] = "auto",
-    parallel_dashpot: bool | Literal["auto"] = False,
-    static_stiffness: Given = None,
-    natural_frequency: Given = None,
-    damping_ratio: Given = None,
-    mass_sd: Quantity | None = None,
-    gain_sd: float = USUAL_GAIN_SD,
-    delay_sd: Quantity = USUAL_DELAY_SD,
-    band: Range | None = None,
     compression: Quantity | None = None,
     temperature: Quantity | None = None,
+    band: Range | None = None,
+    arms: int | Literal["auto"] = "auto",
     family: Literal["maxwell", "fractional", "auto"] = "maxwell",
+    rig: HammerRig = HammerRig(),  # noqa: B008
+    known: KnownSolid = KnownSolid(),  # noqa: B008
 ) -> Fit:
     r"""Find the solid of one seal from the FRF of a mass on `seals` of them.
 
@@ -103,21 +91,6 @@ def identify(
         kg; None leaves it free.
     seals : float
         How many such seals carry the mass.
-    arms : int or "auto"
-        Maxwell arms in all. ``"auto"`` takes the number that the data support.
-    parallel_dashpot : bool or "auto"
-        Add a dashpot: with no arm a Voigt solid, with one a Maxwell-Voigt solid.
-    static_stiffness, natural_frequency, damping_ratio : float or (float, float), optional
-        What the solid must also obey: k_inf of one seal, N/m; natural frequency :math:`|p|/2\pi`,
-        Hz, and damping ratio of the mass on the seals. A pair is a value and its standard
-        deviation, a number is exact (Zhang and Richards 2007).
-    mass_sd : float, optional
-        Standard deviation of the mass, kg; 0.1 % by default, 0 if exact.
-    gain_sd, delay_sd : float
-        What acceleration over force may be off by, relative, and late by, s; 0 if exact. Of a
-        transmissibility, the upper sensor over the lower.
-    band : (float, float), optional
-        Lines to explain, Hz; by default those within a factor of 3 of the peak.
     compression : float, optional
         Of the seals under the hammer, m; by default that of the mass's weight. Where the relaxation
         test's elastic law is not straight, they are there as stiff as its tangent, within its
@@ -125,10 +98,18 @@ def identify(
     temperature : float, optional
         Of the seals under the hammer, K, where the tests are of several temperatures; by default
         that of their solid. The solid found is that of the hammer.
+    band : (float, float), optional
+        Lines to explain, Hz; by default those within a factor of 3 of the peak.
+    arms : int or "auto"
+        Maxwell arms in all. ``"auto"`` takes the number that the data support.
     family : "maxwell", "fractional" or "auto"
         Arms, a fractional Zener solid, or the one of the two that BIC prefers, as in
         :func:`~dashpot.fitting.relaxation.fit`; `Fit.alternative` is then the other. An earlier fit
         without its tests is a prior of its own family alone.
+    rig : HammerRig
+        How well mass and channels are known.
+    known : KnownSolid
+        What the solid must also obey, and whether it has a dashpot beside its arms.
 
     Returns
     -------
@@ -144,38 +125,27 @@ def identify(
         If there are fewer arms than the earlier fit has, or the family cannot be fitted.
     """
     checked_family(family, arms)
-    mass, mass_sd, delay_sd = si(mass, "mass"), si(mass_sd, "mass"), si(delay_sd, "time")
-    band, compression = si_range(band, "frequency"), si(compression, "length")
+    mass, compression = si(mass, "mass"), si(compression, "length")
     records = ramp_holds(tests)
     refuse_copies(records)
-    frf_data = frf_data_of(frf, seals=seals_of(seals), band=band, mass=mass)
+    frf_data = frf_data_of(frf, seals=seals_of(seals), band=si_range(band, "frequency"), mass=mass)
     before = before_hammer(records, fit, si(temperature, "temperature"), family)
     point = point_of(before.known, mass, seals, compression)
-    priors = NuisancePriors(
-        mass_of(mass, mass_sd),
-        sd_of("gain_sd", gain_sd),
-        sd_of("delay_sd", delay_sd),
-        factor=UNCHANGED if point is None else Prior(point.factor, point.factor_se),
-    )
-    constraints = Constraints(
-        known_of("static_stiffness", static_stiffness, "stiffness"),
-        known_of("natural_frequency", natural_frequency, "frequency"),
-        known_of("damping_ratio", damping_ratio, "strain"),
-        before.known if not before.relaxations else None,
-    )
+    priors, constraints = priors_of(mass, rig, point), constraints_of(known, before)
     whole = Problem(before.relaxations, frf_data, priors, constraints)
-    dashpots = (False, True) if parallel_dashpot == "auto" else (bool(parallel_dashpot),)
+    asked = known.parallel_dashpot
+    dashpots = (False, True) if asked == "auto" else (bool(asked),)
     problems = [replace(whole, dashpot=dashpot) for dashpot in dashpots]
     numbers = numbers_of(arms, before.arms)
     best, found, rival = _best(problems, numbers, before, family)
     scale = best.line_scale
     final = descend(replace(best.problem, scale=scale), best.theta, tolerance=TIGHT, central=True)
-    known = before.known
+    earlier = before.known
     own = before.element if isinstance(best.problem.sought, Element) else before.arms
     apart = disagreement(
         final,
         lambda problem: _again(problem, final.point, numbers, own),
-        law=None if known is None else known.elastic_law,
+        law=None if earlier is None else earlier.elastic_law,
         compression=None if point is None else point.compression,
     )
     if apart is not None and rival is not None:
@@ -185,7 +155,7 @@ def identify(
         [candidate.scaled(scale) for candidate in found],
         frf=frf,
         tests=records,
-        before=known,
+        before=earlier,
         own=own,
         asked=arms,
         most=max(numbers),

@@ -118,7 +118,7 @@ def left_of(joint: Joint, test: Own, i: int, point: Point) -> Left:
     columns = exact.evaluate(np.zeros(0), False).fixed[:, test.own_columns]
     rows, target = test.prior_rows
     own = np.linalg.lstsq(
-        np.concatenate((weight * columns, rows[:, test.own_columns])),
+        np.concatenate((weight * columns, rows)),
         np.concatenate((weight * part.residual, target)),
         rcond=None,
     )[0]
@@ -184,7 +184,7 @@ def known(joint: Joint, tests: Sequence[Own], point: Point) -> Knowledge:
 def _of(joint: Joint, test: Own, i: int, point: Point, names: tuple[str, ...]) -> _Test:
     at, weight, shared = int(joint.at[i]), 1 / test.spread, len(joint.names(point.order))
     left, own, part, columns = left_of(joint, test, i, point)
-    rows = test.prior_rows[0][:, test.own_columns]
+    rows = test.prior_rows[0]
     here = [names.index(f"{kind}@{i}") for kind in test.kinds]
     natural = np.ones(shared)
     natural[1 : 1 + point.order] = np.exp(-point.log_k)

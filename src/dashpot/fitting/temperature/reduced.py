@@ -9,7 +9,7 @@ relaxation times,
 
 Offset, drift and delay are those of :mod:`dashpot.fitting.nuisance`. The last term is a seal that
 warms by :math:`\theta` over the record: it answers in reduced time :math:`\int dt/a(T(t))`. What is
-known of the four beforehand stands as rows below the data; all four are then projected out.
+known of the four beforehand makes them a part of the noise, whose rows are whitened for it.
 """
 
 from __future__ import annotations
@@ -21,12 +21,12 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.engine.blocks.block import Block, Evaluation, prior_block
+from dashpot.engine.blocks.block import Block, Evaluation
 from dashpot.engine.blocks.kernels import compact_block
-from dashpot.engine.blocks.recorded import recorded_block
+from dashpot.engine.inference.whitening import marginal
 from dashpot.fitting.design import first_sample, motion
 from dashpot.fitting.fit_data import First
-from dashpot.fitting.nuisance import warmed, warming
+from dashpot.fitting.nuisance import Terms, kind_of, terms_of, warmed, warming
 from dashpot.records.relaxation import RampHold
 from dashpot.records.temperature import shifted_log_tau
 from dashpot.solids.elastic import ElasticLaw
@@ -50,8 +50,6 @@ class Own:
         K.
     bare : Block
         The data, with the columns of its load cell and of its clock.
-    known : tuple of Block
-        What was known of those before the fit.
     spread : float
         Standard deviation of one independent residual, N.
     effective : float
@@ -69,7 +67,6 @@ class Own:
     record: RampHold
     temperature: float
     bare: Block
-    known: tuple[Block, ...]
     spread: float
     effective: float
     chi_square: float
@@ -88,7 +85,6 @@ class Own:
             record,
             temperature,
             block,
-            first.data.priors,
             spread,
             noise.effective,
             float(best.sse) / spread**2,
@@ -104,13 +100,9 @@ class Own:
         return self.bare.with_column(WARMED, self.warming)
 
     @cached_property
-    def priors(self) -> tuple[Block, ...]:
+    def terms(self) -> Terms:
         """What is known of those columns."""
-        if self.warming is None:
-            return self.known
-        mean, sd = (np.array([one]) for one in warmed(self.record.specimen))
-        warm = prior_block(self.bare, (WARMED,), np.eye(1), mean, sd, unit=self.spread)
-        return (*self.known, warm)
+        return terms_of(self.record).beside(warming=warmed(self.record.specimen))
 
     @property
     def own_columns(self) -> list[int]:
@@ -120,20 +112,14 @@ class Own:
     @property
     def kinds(self) -> tuple[str, ...]:
         """What they are: ``"offset"``, ``"drift"``, ``"delay"``, ``"warming"``."""
-        return tuple(self.block.fixed_names[i].partition("@")[0] for i in self.own_columns)
+        return tuple(kind_of(self.block.fixed_names[i]) for i in self.own_columns)
 
     @cached_property
     def prior_rows(self) -> tuple[FloatArray, FloatArray]:
-        """What is known of the columns as rows of unit noise, with their targets."""
-        names = list(self.block.fixed_names)
-        rows, target = [np.zeros((0, len(names)))], [np.zeros(0)]
-        for prior in self.priors:
-            found, unit = prior.evaluate(np.zeros(0), False), float(np.sqrt(prior.variance or 1.0))
-            wide = np.zeros((len(found.target), len(names)))
-            wide[:, [names.index(name) for name in prior.fixed_names]] = found.fixed / unit
-            rows.append(wide)
-            target.append(found.target / unit)
-        return np.concatenate(rows), np.concatenate(target)
+        """What is known of its own columns as rows of unit noise, with their targets."""
+        prior = self.terms.rows(self.block, self.spread)
+        found, unit = prior.evaluate(np.zeros(0), False), float(np.sqrt(prior.variance or 1.0))
+        return found.fixed / unit, found.target / unit
 
     @cached_property
     def marginal(self) -> Block:
@@ -164,15 +150,6 @@ class Own:
         time, x = self.path
         column = warming(time, x, solid, by_a=by_a, by_b=by_b)
         return replace(self, warming=column[self.start :])
-
-
-def bent_block(record: RampHold, law: ElasticLaw) -> Block:
-    """The hold of a record whose ramp bends, after the path of its elastic law."""
-    time, x, force = motion(record)
-    window = slice(record.settled.start, None)
-    return recorded_block(
-        time, law.path(x), force, window=window, offset="offset@0", drift="drift@0", k_inf="k_inf"
-    )
 
 
 class _Basis(NamedTuple):
@@ -208,13 +185,11 @@ def _basis(compact: Block, spread: float) -> _Basis:
 
 def _marginal(test: Own) -> Block:
     compact = compact_block(test.block, beyond=BEYOND)
-    basis, (rows, known) = _basis(compact, test.spread), test.prior_rows
-    every = np.concatenate((basis.fixed, rows))
-    own = test.own_columns
-    whole = np.linalg.qr(every[:, own], mode="complete")[0][:, len(own) :].T
-    data = whole[:, : len(basis.target)] @ basis.turn
-    left = whole @ np.concatenate((basis.target, known))
-    stiff = (whole @ every[:, compact.fixed_names.index("k_inf")])[:, None]
+    basis, names = _basis(compact, test.spread), compact.fixed_names
+    doubts, mean = test.terms.doubts(basis.fixed, names)
+    white = marginal(basis.fixed[:, :0], doubts)
+    data, left = white(basis.turn), white(basis.target - mean)
+    stiff = white(basis.fixed[:, [names.index("k_inf")]])
 
     def at(log_tau: FloatArray, derivative: bool) -> Evaluation:
         found = compact.evaluate(log_tau, derivative)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import NamedTuple
@@ -23,7 +23,6 @@ from dashpot.engine.inference.order import bic, significant
 from dashpot.engine.solver.descent import Stack
 from dashpot.engine.solver.variable_projection import Jacobian, Solution, full_jacobian
 from dashpot.fitting.uncertainty.encoder import Encoder, Kernel, encoder_rows
-from dashpot.records.fit import AtDepth
 
 # a fit that leaves less than this of the largest force has met the rounding of the data
 _ROUNDING = 1e-10
@@ -104,49 +103,18 @@ class Estimate(Known):
         """Standard deviation of one independent residual, N: the rms times root kappa."""
         return float(np.sqrt(self.sse / self.effective))
 
-    def with_depth_doubt(self, doubts: Sequence[float], *, shared: bool) -> Estimate:
+    def with_depth_doubt(
+        self, doubts: Sequence[float], stiffnesses: Mapping[str, float]
+    ) -> Estimate:
         r"""Return the estimate with what the encoder's step leaves unknown of each depth.
 
-        A relative error :math:`\epsilon` of a depth scales every stiffness of its test:
-        :math:`C + \epsilon^2 k k^T`, and :math:`\epsilon/\sqrt n` where n tests share them.
+        A relative error :math:`\epsilon` of a depth scales every stiffness of its test, so that n
+        tests that share them add :math:`\overline{\epsilon^2} k k^T / n` to the covariance;
+        `stiffnesses` holds each by its row.
         """
-        covariance = self.covariance.copy()
-        tests = [""] if shared else [f"@{i}" for i in range(len(doubts))]
-        each = [float(np.sqrt(np.mean(np.square(doubts)) / len(doubts)))] if shared else doubts
-        for suffix, doubt in zip(tests, each, strict=True):
-            scale = doubt * self._stiffnesses(suffix)
-            covariance += np.outer(scale, scale)
-        return replace(self, covariance=covariance)
-
-    def _stiffnesses(self, suffix: str) -> FloatArray:
-        """Return the stiffnesses of one group in their rows, zero elsewhere."""
-        solution = self.solution
-        values = np.zeros(len(self.names))
-        values[self.names.index(f"k_inf{suffix}")] = solution.coefficient(f"k_inf{suffix}")
-        if solution.order:
-            first = self.names.index(f"k_1{suffix}")
-            group = solution.groups.index(f"k{suffix}")
-            values[first : first + solution.order] = solution.arms[group]
-        return values
-
-    def by_depth(
-        self, depths: Sequence[float], scale: Sequence[float] | None = None
-    ) -> tuple[AtDepth, ...]:
-        """Return each test's own stiffnesses, times its `scale`, shallowest first."""
-        arms, solution = range(1, self.solution.order + 1), self.solution
-        found = [
-            AtDepth(
-                depth=float(depth),
-                k_inf=float(s * solution.coefficient(f"k_inf@{i}")),
-                k_inf_se=float(s * self.standard_error(f"k_inf@{i}")),
-                k=tuple(
-                    float(s * solution.arms[solution.groups.index(f"k@{i}"), j - 1]) for j in arms
-                ),
-                k_se=tuple(float(s * self.standard_error(f"k_{j}@{i}")) for j in arms),
-            )
-            for i, (depth, s) in enumerate(zip(depths, scale or [1.0] * len(depths), strict=True))
-        ]
-        return tuple(sorted(found, key=lambda at: at.depth))
+        doubt = float(np.sqrt(np.mean(np.square(doubts)) / len(doubts)))
+        change = np.array([doubt * stiffnesses.get(name, 0.0) for name in self.names])
+        return replace(self, covariance=self.covariance + np.outer(change, change))
 
 
 class Score(NamedTuple):
@@ -293,13 +261,7 @@ def scored(
 
 
 def _significant(solution: Solution, covariance: FloatArray) -> bool:
+    first, arms = len(solution.fixed_names), solution.order
     error = np.sqrt(np.diag(covariance))
-    arms, groups = solution.order, len(solution.groups)
-    first = len(solution.fixed_names)
-    se_k = error[first : first + arms * groups].reshape(groups, arms)
-    # an arm of several tests is there if one of them shows it
-    clearest = np.argmax(solution.arms / np.maximum(se_k, 1e-300), axis=0)
-    column = np.arange(arms)
-    return significant(
-        solution.arms[clearest, column], se_k[clearest, column], error[first + arms * groups :]
-    )
+    k, se_k = solution.arms.ravel(), error[first : first + arms]
+    return significant(k, se_k, error[first + arms :])

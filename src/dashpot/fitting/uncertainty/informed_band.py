@@ -80,7 +80,6 @@ def spread_left(
     basis = np.linalg.qr(fixed)[0]
     # spring, offset and drift are free: what they explain tells nothing of an arm
     arms = arms - basis @ (basis.T @ arms)
-    arms = arms[:, : len(log_tau)] if len(stack.groups) == 1 else _of_groups(arms, len(log_tau))
     prior = _PLAUSIBLE * stiffness
     information = arms.T @ arms * (prior / noise) ** 2
     posterior = np.linalg.inv(information + np.eye(len(log_tau)))
@@ -91,11 +90,6 @@ def spread_left(
     loss = x / (1.0 + x * x)
     left = np.sqrt(((loss @ posterior) * loss).sum(axis=1) / (loss * loss).sum(axis=1))
     return omega / (2.0 * np.pi), left
-
-
-def _of_groups(arms: FloatArray, count: int) -> FloatArray:
-    """Stack the groups' columns below each other: every group informs the same spectrum."""
-    return np.concatenate([arms[:, i : i + count] for i in range(0, arms.shape[1], count)])
 
 
 def _widest(

@@ -6,7 +6,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray, IndexArray, block_means
 from dashpot.engine.blocks.recorded import arm_columns
-from dashpot.engine.inference.covariance import autocovariance
+from dashpot.engine.inference.covariance import autocovariance, geyer_cuts
 from dashpot.engine.solver.many_records import ManySolutions
 
 # about so many means stand for a record
@@ -73,11 +73,8 @@ def _standard_errors(jacobian: FloatArray, residual: FloatArray) -> FloatArray:
     """Standard errors (R, p) by the power of the residuals (R, n)."""
     _, parameters, n = jacobian.shape
     gamma = autocovariance(residual)
-    pairs = gamma[:, : n // 2 * 2 : 2] + gamma[:, 1::2]
-    # up to the first pair that is not positive, as `geyer_cut` says
-    kept = np.logical_and.accumulate(pairs > 0, axis=1)
-    sums = (pairs * kept).sum(axis=1) + kept[:, -1] * gamma[:, n // 2 * 2 :].sum(axis=1)
-    power = np.maximum(gamma[:, 0], 2 * sums - gamma[:, 0])
+    kept = np.arange(n) < geyer_cuts(gamma)[:, None]
+    power = np.maximum(gamma[:, 0], 2 * (gamma * kept).sum(axis=1) - gamma[:, 0])
     information = jacobian @ jacobian.swapaxes(1, 2)
     length = np.sqrt(np.maximum(np.diagonal(information, axis1=1, axis2=2), 1e-300))
     values, vectors = np.linalg.eigh(information / (length[:, :, None] * length[:, None, :]))

@@ -34,7 +34,6 @@ def profiles(
     blocks: Sequence[Block],
     estimate: Estimate,
     *,
-    suffix: str,
     every_sample: Sequence[Block] | None = None,
 ) -> tuple[Profile, ...]:
     """Return the profiles of tau, k and b of every arm with SE(ln tau) >= 0.05, and of k_inf.
@@ -44,8 +43,6 @@ def profiles(
     blocks : sequence of Block
         The compressed data.
     estimate : Estimate
-    suffix : str
-        Which arm group is the model's, ``""`` or ``"@0"``.
     every_sample : sequence of Block, optional
         The data with a row per sample, in the order of time: noise as slow as the arms is then
         counted as each profile meets it.
@@ -53,7 +50,7 @@ def profiles(
     solution = estimate.solution
     if not solution.order or estimate.dof < 1.0:
         return ()
-    k = solution.arms[solution.groups.index(f"k{suffix}")]
+    k = solution.arms[solution.groups.index("k")]
     doubtful = [
         (number, int(j))
         for number, j in enumerate(np.flatnonzero(k > 0), start=1)
@@ -65,10 +62,10 @@ def profiles(
     scaling = _Scaling(estimate, noise_gain)
     fixed = len(solution.fixed_names)
     asked = {}
-    if solution.coefficient(f"k_inf{suffix}") > 0:
-        asked["k_inf"] = scaling.linear(f"k_inf{suffix}")
+    if solution.coefficient("k_inf") > 0:
+        asked["k_inf"] = scaling.linear("k_inf")
     for number, j in doubtful:
-        row = f"k_{j + 1}{suffix}"
+        row = f"k_{j + 1}"
         asked[f"k_{number}"] = scaling.linear(row)
         asked[f"ln_tau_{number}"] = scaling.log_tau(j)
         asked[f"ln_b_{number}"] = scaling.log_b(j, row, float(k[j]), fixed=fixed)

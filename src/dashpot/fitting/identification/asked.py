@@ -1,0 +1,115 @@
+"""What the user of an identification knows beside its records: of the rig, and of the solid."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import isfinite
+from typing import Literal
+
+from dashpot.base.errors import DataError
+from dashpot.base.options import option
+from dashpot.base.units import Dimension, Quantity, si_fields, si_range
+
+_DIMENSIONS: dict[str, Dimension] = {
+    "static_stiffness": "stiffness",
+    "natural_frequency": "frequency",
+    "damping_ratio": "strain",
+}
+
+
+@dataclass(frozen=True)
+class HammerRig:
+    """How well the rig of a vibration test is known; 0 is exact.
+
+    Attributes
+    ----------
+    mass_sd : float, optional
+        Standard deviation of the mass, kg; 0.1 % by default.
+    gain_sd, delay_sd : float
+        What acceleration over force may be off by, relative, and late by, s. Of a transmissibility,
+        the upper sensor over the lower.
+
+    Raises
+    ------
+    DataError
+        If a standard deviation is below 0.
+    """
+
+    mass_sd: float | None = option(None, "How well the mass is known.", unit="mass")
+    gain_sd: float = option(0.01, "Of acceleration over force, relative.")
+    delay_sd: float = option(1e-4, "Of acceleration behind force.", unit="time")
+
+    def __post_init__(self) -> None:
+        si_fields(self)
+        for name in ("mass_sd", "gain_sd", "delay_sd"):
+            _standard_deviation(name, getattr(self, name) or 0.0)
+
+
+@dataclass(frozen=True)
+class KnownSolid:
+    r"""What the solid under a mass must obey besides the records (Zhang and Richards 2007).
+
+    Each of the three is a value, which is exact, or a value and its standard deviation; the noun
+    holds pairs in SI units.
+
+    Attributes
+    ----------
+    static_stiffness : float or (float, float), optional
+        k_inf of one seal, N/m.
+    natural_frequency : float or (float, float), optional
+        :math:`|p|/2\pi` of the mass on the seals, Hz.
+    damping_ratio : float or (float, float), optional
+        :math:`-\mathrm{Re}\,p/|p|`.
+    parallel_dashpot : bool or "auto"
+        A dashpot beside the arms: with no arm a Voigt solid, with one a Maxwell-Voigt solid;
+        ``"auto"`` takes it where BIC prefers it.
+
+    Raises
+    ------
+    DataError
+        If a value is not positive, a standard deviation below 0, or the damping not below the
+        critical.
+    """
+
+    parallel_dashpot: bool | Literal["auto"] = option(
+        False, "A dashpot b beside the arms.", is_flag=True
+    )
+    static_stiffness: float | tuple[float, float] | None = option(
+        None, "One seal, known.", unit="stiffness"
+    )
+    natural_frequency: float | tuple[float, float] | None = option(
+        None, "Known; constrains the fit.", unit="frequency"
+    )
+    damping_ratio: float | tuple[float, float] | None = option(
+        None, "Known; constrains the fit.", above=0.0
+    )
+
+    def __post_init__(self) -> None:
+        for name in _DIMENSIONS:
+            object.__setattr__(self, name, self.pair(name))
+
+    def pair(self, name: str) -> tuple[float, float] | None:
+        """One of the three with its standard deviation, SI units; None if it is not known."""
+        return _pair(name, getattr(self, name), _DIMENSIONS[name])
+
+
+def _pair(
+    name: str, given: Quantity | tuple[Quantity, Quantity] | None, dimension: Dimension
+) -> tuple[float, float] | None:
+    if given is None:
+        return None
+    value, sd = si_range(given if isinstance(given, tuple) else (given, 0.0), dimension)
+    if not (isfinite(value) and value > 0):
+        raise DataError(f"{name} = {value!r}; expected a number > 0")
+    if name == "damping_ratio" and value >= 1:
+        raise DataError(
+            f"damping_ratio = {value:g}; expected a part of the critical damping, < 1: if it is "
+            f"in per cent, give {value / 100:g}"
+        )
+    _standard_deviation(name, sd)
+    return float(value), float(sd)
+
+
+def _standard_deviation(name: str, value: float) -> None:
+    if not (isfinite(value) and value >= 0):
+        raise DataError(f"{name} = {value!r}; expected a standard deviation >= 0")

@@ -1,0 +1,123 @@
+"""What a plan supposes beside the test on the bench: the seal, and a hammer test."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from dashpot.base.arrays import positive
+from dashpot.base.errors import DataError
+from dashpot.base.options import option
+from dashpot.base.units import Quantity, si, si_fields
+from dashpot.planning.bench import IN_SI
+from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.solids.table_1 import PAPER, SHIFT
+from dashpot.solids.temperature import TemperatureLaw
+
+# an arm of this part of the instantaneous stiffness is what sponge rubber may hide
+USUAL_PART = 0.1
+# an arm of the model this near, as a factor in time, already stands for the unseen one
+NEAR = 3.0
+
+
+@dataclass(frozen=True)
+class SupposedSeal:
+    """A guess at one seal, with the arm that a test may not see.
+
+    Attributes
+    ----------
+    model : GeneralizedMaxwell
+        The paper's Table 1 by default.
+    arm : (float, float), optional
+        Stiffness, N/m, and relaxation time, s, of the unseen arm. By default 10 % of the
+        instantaneous stiffness at 1/omega, unless the model has an arm within a factor of 3.
+    temperature : float, optional
+        At which the seal is `model`, K; by default the reference of the law.
+    law : TemperatureLaw
+        How it follows temperature: by default as a rubber with its glass transition at -55 degC.
+        The fit needs no law.
+
+    Raises
+    ------
+    DataError
+        If the temperature is not positive.
+    """
+
+    model: GeneralizedMaxwell = PAPER
+    arm: tuple[Quantity, Quantity] | None = None
+    temperature: float | None = option(
+        None, "Of the test; else 23degC or the fit's.", unit="temperature"
+    )
+    law: TemperatureLaw = SHIFT
+
+    def __post_init__(self) -> None:
+        si_fields(self)
+        positive(temperature=self.temperature, expected=IN_SI, optional=True)
+
+    @property
+    def room(self) -> float:
+        """The temperature of the test, K."""
+        return self.law.reference if self.temperature is None else self.temperature
+
+    def with_arm(self, at: float) -> tuple[GeneralizedMaxwell, tuple[float, float] | None]:
+        """Return the solid with the arm that matters at a frequency, Hz, and that arm."""
+        arm = self.arm
+        if arm is None:
+            tau = 1 / (2 * np.pi * at)
+            if any(1 / NEAR < own / tau < NEAR for own in self.model.tau):
+                return self.model, None
+            arm = (USUAL_PART * self.model.k_0, tau)
+        known = si(arm[0], "stiffness"), si(arm[1], "time")
+        return self.model + GeneralizedMaxwell(0.0, known[:1], known[1:]), known
+
+
+@dataclass(frozen=True)
+class HammerPlan:
+    """A hammer test to be, of a block on seals.
+
+    Attributes
+    ----------
+    mass : float, optional
+        kg, of the block on `seals` seals; by default the one that puts the peak where it matters.
+    seals : float
+    record : float, optional
+        Length of the planned record of a hit, s.
+    pulse : float, optional
+        Duration of the hammer pulse, s: soft rubber tips give 10 to 20 ms.
+    hits : int
+        How many hits are averaged.
+    coherence : float
+        Their coherence about the peak, below 1.
+
+    Raises
+    ------
+    DataError
+        If a number is not positive, or the coherence not below 1.
+    """
+
+    mass: float | None = option(None, "Block; else what peaks at the frequency.", unit="mass")
+    seals: float = option(1.0, "Seals in parallel.")
+    record: float | None = option(None, "Planned record after a hit.", unit="time")
+    pulse: float | None = option(None, "Hammer pulse; soft tips give 10 to 20 ms.", unit="time")
+    hits: int = option(5, least=1)
+    coherence: float = option(0.99, "Of those hits.")
+
+    def __post_init__(self) -> None:
+        si_fields(self)
+        positive(
+            mass=self.mass,
+            seals=self.seals,
+            record=self.record,
+            pulse=self.pulse,
+            hits=self.hits,
+            expected=IN_SI,
+            optional=True,
+        )
+        if not 0 < self.coherence < 1:
+            raise DataError(f"coherence = {self.coherence!r}; expected a number between 0 and 1")
+
+    @property
+    def relative_sd(self) -> float:
+        r"""Of real and imaginary part of each line: :math:`\sqrt{(1-\gamma^2)/(2n\gamma^2)}`."""
+        return float(np.sqrt((1 - self.coherence) / (2 * self.hits * self.coherence)))

@@ -1,0 +1,22 @@
+"""A plan from words in any order: each goes to the noun that has it."""
+
+from __future__ import annotations
+
+from dataclasses import fields, replace
+from typing import Any
+
+from dashpot.planning.bench import Bench
+from dashpot.planning.plan import Plan, plan
+from dashpot.planning.supposed import HammerPlan, SupposedSeal
+from dashpot.records.machine import Machine
+
+
+def planned(**words: Any) -> Plan:
+    """The plan of the usual test at 12.71 Hz, with changes to bench, machine, seal and hammer."""
+    nouns = []
+    for noun in (Bench, Machine, SupposedSeal, HammerPlan):
+        own = {one.name for one in fields(noun)} & words.keys()
+        nouns.append(noun(**{name: words.pop(name) for name in own}))
+    bench, machine, seal, hammer = nouns
+    bench = replace(bench, machine=machine)
+    return plan(bench, seal=seal, hammer=hammer, **({"at": 12.71} | words))
