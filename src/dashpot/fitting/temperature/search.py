@@ -14,7 +14,7 @@ from dashpot.engine.inference.order import bic_of_deviance
 from dashpot.engine.least_squares.problem import Parameter, Problem, Rows
 from dashpot.engine.solver.variable_projection import solve_orders
 from dashpot.fitting.superposition.neighbours import chained
-from dashpot.fitting.temperature.joint import Joint, Point, alive
+from dashpot.fitting.temperature.joint import Joint, Point
 from dashpot.fitting.temperature.reduced import moved
 
 # decades that a colder test may lie away from its warmer neighbour, and a wrong order of them
@@ -94,7 +94,7 @@ def candidates(
             point = joint.descend(
                 Point(
                     max(solution.coefficient("k_inf"), 0.0),
-                    np.log(k[there]),
+                    k[there],
                     solution.log_tau[there],
                     np.array(log_a),
                     np.array(log_b),
@@ -115,9 +115,9 @@ def again(joint: Joint, found: Sequence[Candidate], effective: float) -> tuple[C
 
 
 def _keep(best: dict[int, Candidate], joint: Joint, point: Point, effective: float) -> None:
-    there = alive(point)
+    there = point.alive
     if not there.all():
-        point = replace(point, log_k=point.log_k[there], log_tau=point.log_tau[there])
+        point = replace(point, k=point.k[there], log_tau=point.log_tau[there])
         point = joint.descend(point)
     parameters = len(joint.names(point.order))
     score = bic_of_deviance(point.chi_square, effective=effective, parameters=parameters)
