@@ -17,7 +17,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, IndexArray
 from dashpot.engine.inference.covariance import white
 from dashpot.engine.inference.estimate import white_noise
-from dashpot.engine.inference.order import bic
+from dashpot.engine.inference.order import bic, deviance
 from dashpot.engine.least_squares.problem import Optimum, Parameter, Problem, Rows, solved
 from dashpot.fitting.superposition.isotherms import Isotherm
 
@@ -84,16 +84,12 @@ class Shifted:
     @property
     def bic(self) -> float:
         """Of the spectrum and the shifts, what was known of these counted in."""
-        return bic(
-            max(self.optimum.cost, 1e-300), effective=self.values, parameters=self.parameters
-        )
+        return bic(self.optimum.cost, effective=self.values, parameters=self.parameters)
 
-    def closer_than(self, other: Shifted) -> float:
-        """By how much of BIC it is closer to the same data, were both of one size."""
-        ours, theirs = (
-            bic(max(one.sse, 1e-300), effective=self.values, parameters=0) for one in (self, other)
-        )
-        return theirs - ours
+    @property
+    def deviance(self) -> float:
+        """Of the data alone, as part of a BIC."""
+        return deviance(self.sse, effective=self.values)
 
     @property
     def covariance(self) -> FloatArray:

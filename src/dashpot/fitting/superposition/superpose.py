@@ -196,7 +196,8 @@ def _searched(
     other = next(one for name, one in found.items() if name != how)
     apart = float(np.abs(other.ln_a - found[how].ln_a).max()) / _LN10
     # the support of a spectrum is a rough count: what both measures say is known
-    margin = min(other.bic - found[how].bic, found[how].closer_than(other))
+    taken = found[how]
+    margin = min(other.bic - taken.bic, other.deviance - taken.deviance)
     return best, how, (vertical_shift_known(how, margin, apart), followed)
 
 
@@ -297,7 +298,8 @@ def _solid(isotherms: Sequence[Isotherm], best: Shifted) -> tuple[GeneralizedMax
     if isotherms[0].domain == "creep":
         # what comes to rest, as long as no flow is needed
         at_rest = spectrum_at(isotherms, best.ln_a, best.ln_b, ln_tau[:-1])
-        if found.closer_than(at_rest) < MIN_BIC_MARGIN or at_rest.rms < _NO_MATTER:
+        closer = at_rest.deviance - found.deviance
+        if closer < MIN_BIC_MARGIN or at_rest.rms < _NO_MATTER:
             h, found = np.append(at_rest.optimum.beta, 0.0), at_rest
         d, there = h[1:-1], h[1:-1] > 0
         creep = CreepSpectrum(
