@@ -8,8 +8,11 @@ from operator import itemgetter
 import numpy as np
 import pytest
 from kit import cold
+from kit.slopes import hold_slopes
 
 import dashpot as dp
+from dashpot.engine.blocks.block import Block, Evaluation
+from dashpot.fitting.temperature.joint import Joint, Point, Vertical
 from dashpot.fitting.uncertainty.prediction_bounds import parameter_band
 from dashpot.records.bounds import StiffnessBounds
 from dashpot.simulation.relaxation import simulate_relaxation
@@ -119,6 +122,28 @@ def test_a_temperature_that_was_noted_wrong_is_no_law(wrong):
     found = dp.fit([*tests[:-1], replace(tests[-1], specimen=noted)])
     assert found.verdict.use == "use with care"
     assert failed(found) == {"glass_below_tests" if wrong > 0 else "law_follows_shifts"}
+
+
+@pytest.mark.parametrize("vertical", ["free", "1"])
+@pytest.mark.parametrize("arms", [0, 1, 3])
+def test_the_slopes_of_shifted_tests_are_those_of_their_rows(vertical: Vertical, arms: int) -> None:
+    """In a made-up block: an arm's column is the logarithm's cosine."""
+    at = np.linspace(0.0, 3.0, 7)
+
+    def rows(log_tau: np.ndarray, derivative: bool) -> Evaluation:
+        column = np.cos(at[:, None] + log_tau)
+        return Evaluation(at, np.ones((7, 1)), column, -np.sin(at[:, None] + log_tau))
+
+    block = Block(rows, ("k_inf",), (1e-3, 1e3), 7, floor=2.0)
+    warm = np.array([273.15, 283.15, 296.15])
+    joint = Joint([block] * 4, np.array([2, 0, 1, 0]), warm, 2, vertical, slope_sd=0.3)
+    log_a, log_b = np.array([1.5, 0.7, 0.0]), np.array([-0.1, 0.05, 0.0])
+    tau = np.array([-1.0, 0.5, 2.0])[:arms]
+    point = Point(3.0, np.array([2.0, 1.0, 0.5])[:arms], tau, log_a, log_b, 0.1 * (arms > 1))
+    problem = joint.problem(point)
+    theta = joint.theta(point)
+    assert len(theta) == len(problem.parameters) == len(joint.names(arms)) - 1 - arms
+    hold_slopes(problem, theta, point.stiffnesses)
 
 
 LINES = np.array([0.01, 0.1, 1.0, 5.0, cold.RESONANCE, 50.0])

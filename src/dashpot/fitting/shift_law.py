@@ -4,21 +4,24 @@ r"""A law through shift factors, by generalised least squares with their full co
 
 over the n shifts :math:`s = \log_{10} a_T` away from the reference. Shifts along a master curve are
 chained and hang together: with the diagonal of C alone their law misses the truth every third time.
-WLF is linear in :math:`C_1` at each :math:`C_2`, so that one search finds it.
+WLF is sought as :math:`-\beta\,(T - T_r) / (1 + u\,(T - T_r))` with :math:`u = 1/C_2` and
+:math:`\beta = C_1/C_2`, which is a straight line in T where u is 0.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import FloatArray, samples
 from dashpot.base.errors import FitError
+from dashpot.engine.inference.estimate import estimate, white_noise
 from dashpot.engine.inference.order import bic_of_deviance, needed
+from dashpot.engine.least_squares.problem import Optimum, Parameter, Problem, Rows, solved
 from dashpot.solids.temperature import GAS, WLF, Arrhenius, FreeShifts, TemperatureLaw
 
 ShiftLaw: TypeAlias = Literal["auto", "wlf", "arrhenius", "free"]
@@ -32,11 +35,10 @@ _EVEN = 2.0
 _ODD, _LEAST_LEFT = 0.1, 2
 # temperatures that a law needs: two shifts, the fewest of which one can contradict the other
 LEAST = 3
-# C_2 less the least it can be, K: beyond, WLF is a straight line in T
-_SHORTEST, _LONGEST, _GRID = 1e-3, 1e5, 60
+# C_2 less the least it can be, and C_2 beyond which WLF is a straight line in T, K
+_SHORTEST, _LONGEST = 1e-3, 1e5
 # part of the largest eigenvalue of a covariance that rounding can make
 _ROUNDING = 1e-13
-_GOLDEN = (np.sqrt(5.0) - 1) / 2
 
 
 @dataclass(frozen=True)
@@ -126,9 +128,19 @@ class _Shifts:
     whitener: FloatArray
     reference: float
 
-    def deviance(self, expected: FloatArray) -> float:
-        error = self.whitener @ (self.log10 - expected)
-        return float(error @ error)
+    def rows(self, column: FloatArray, slope: FloatArray | None = None) -> Rows:
+        """Of a law that is so large for a factor of one, of which one theta has that slope."""
+        W = self.whitener
+        by = None if slope is None else lambda beta: (W @ slope * beta)[:, None]
+        return Rows(W @ self.log10, (W @ column)[:, None], by)
+
+
+class _Laid(NamedTuple):
+    """A law, the problem that it solves, and its constants out of theta and beta."""
+
+    law: TemperatureLaw
+    optimum: Optimum
+    constants: Callable[[FloatArray], FloatArray]
 
 
 def law_through(
@@ -174,15 +186,14 @@ def law_through(
     for kind, lay in _LAID.items():
         if n < (LEAST - 1 if law == "auto" else 1) or (laid := lay(shifts)) is None:
             continue
-        one, jacobian = laid
-        size = jacobian.shape[1]
+        one, fit, constants = laid
+        size, deviance = len(fit.values), fit.sse
         if size > n:
             continue
-        expected = one.log10_a_t(shifts.temperature)
-        deviance, off = shifts.deviance(expected), np.abs(expected - shifts.log10)
+        off = np.abs(one.log10_a_t(shifts.temperature) - shifts.log10)
         wider = max(1.0, deviance / (n - size)) if n > size else 1.0
-        whitened = shifts.whitener @ jacobian
-        found[kind] = one, np.asarray(wider * np.linalg.pinv(whitened.T @ whitened))
+        known = estimate(fit, noises=[white_noise(fit, wider)])
+        found[kind] = one, known.derived(constants).covariance
         bic = bic_of_deviance(deviance, effective=n, parameters=size)
         worst = int(np.argmax(off))
         scores.append(
@@ -213,7 +224,7 @@ def _odd(shifts: _Shifts, covariance: FloatArray) -> OddOne | None:
         dof = n - len(_PARAMETERS[kind])
         if dof < _LEAST_LEFT or (laid := lay(shifts)) is None:
             continue
-        deviance = shifts.deviance(laid[0].log10_a_t(shifts.temperature))
+        deviance = laid.optimum.sse
         if not needed(deviance, dof):
             return None
         for i in range(n):
@@ -224,9 +235,8 @@ def _odd(shifts: _Shifts, covariance: FloatArray) -> OddOne | None:
             )  # fmt: skip
             if (without := lay(part)) is None:
                 continue
-            left = part.deviance(without[0].log10_a_t(part.temperature)) / (dof - 1)
-            at = float(shifts.temperature[i])
-            missed = float(shifts.log10[i]) - float(without[0].log10_a_t(at))
+            at, left = float(shifts.temperature[i]), without.optimum.sse / (dof - 1)
+            missed = float(shifts.log10[i]) - float(without.law.log10_a_t(at))
             found.append((left / (deviance / dof), OddOne(at, missed)))
     share, odd = min(found, key=lambda one: one[0], default=(1.0, None))
     return odd if share < _ODD else None
@@ -252,54 +262,37 @@ def _whitener(covariance: FloatArray) -> FloatArray:
     return np.asarray((vectors / np.sqrt(np.maximum(values, floor))).T)
 
 
-def _arrhenius(shifts: _Shifts) -> tuple[Arrhenius, FloatArray] | None:
+def _arrhenius(shifts: _Shifts) -> _Laid | None:
     column = (1 / shifts.temperature - 1 / shifts.reference) / (GAS * np.log(10.0))
-    energy, _ = _scaled(shifts, column)
-    return (Arrhenius(energy, shifts.reference), column[:, None]) if energy > 0 else None
+    best = solved(Problem(lambda _: shifts.rows(column), positive=True))
+    energy = float(best.beta[0])
+    return _Laid(Arrhenius(energy, shifts.reference), best, np.array) if energy > 0 else None
 
 
-def _wlf(shifts: _Shifts) -> tuple[WLF, FloatArray] | None:
-    """The law and its derivatives in C1 and C2, unless the best is a straight line in T."""
+def _wlf(shifts: _Shifts) -> _Laid | None:
+    """The law, unless the best is a straight line in T."""
     above = shifts.temperature - shifts.reference
     least = max(0.0, -float(above.min(initial=0.0)))
 
-    def column(log_over: float) -> FloatArray:
-        return np.asarray(-above / (least + np.exp(log_over) + above))
+    def rows(theta: FloatArray) -> Rows:
+        bent = 1 + theta * above
+        return shifts.rows(-above / bent, (above / bent) ** 2)
 
-    grid = np.linspace(np.log(_SHORTEST), np.log(_LONGEST), _GRID)
-    deviance = [_scaled(shifts, column(x))[1] for x in grid]
-    best = int(np.argmin(deviance))
-    if best == _GRID - 1:
+    range_ = Parameter(1 / _LONGEST, 1 / (least + _SHORTEST), scale=0.01)
+    # linear where every shift is multiplied by what it is divided by
+    straight = np.column_stack((-shifts.log10 * above, -above))
+    start = np.asarray(np.linalg.lstsq(straight, shifts.log10)[0][:1])
+    best = solved(Problem(rows, [range_], positive=True), [start])
+    if best.beta[0] <= 0 or best.theta[0] <= range_.low:
         return None
-    over = _minimum(lambda x: _scaled(shifts, column(x))[1], grid[max(best - 1, 0)], grid[best + 1])
-    c1, _ = _scaled(shifts, column(over))
-    c2 = least + float(np.exp(over))
-    if c1 <= 0:
-        return None
-    in_c2 = c1 * above / (c2 + above) ** 2
-    return WLF(c1, c2, shifts.reference), np.column_stack((column(over), in_c2))
+    c1, c2 = _constants(best.values)
+    return _Laid(WLF(float(c1), float(c2), shifts.reference), best, _constants)
 
 
-_LAID: dict[str, Callable[[_Shifts], tuple[TemperatureLaw, FloatArray] | None]] = {
-    "arrhenius": _arrhenius,
-    "wlf": _wlf,
-}
+def _constants(values: FloatArray) -> FloatArray:
+    """C1 and C2 of u and beta."""
+    u, beta = values
+    return np.array([beta / u, 1 / u])
 
 
-def _scaled(shifts: _Shifts, column: FloatArray) -> tuple[float, float]:
-    """Return the factor >= 0 of a column that serves the shifts best, and the deviance left."""
-    y, x = shifts.whitener @ shifts.log10, shifts.whitener @ column
-    factor = max(float(x @ y) / max(float(x @ x), 1e-300), 0.0)
-    error = y - factor * x
-    return factor, float(error @ error)
-
-
-def _minimum(value: Callable[[float], float], low: float, high: float) -> float:
-    """Return where a function with one minimum between two points has it, by golden section."""
-    for _ in range(60):
-        step = _GOLDEN * (high - low)
-        if value(high - step) < value(low + step):
-            high = low + step
-        else:
-            low = high - step
-    return (low + high) / 2
+_LAID: dict[str, Callable[[_Shifts], _Laid | None]] = {"arrhenius": _arrhenius, "wlf": _wlf}

@@ -13,7 +13,7 @@ from dashpot.base.arrays import FloatArray, increasing, same_length, samples
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.provenance import Source
-from dashpot.engine.least_squares.nnls import nonnegative
+from dashpot.engine.least_squares.nnls import linear
 from dashpot.fitting.checks.curves import FOLLOWED, few_arms_suffice
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.estimate import ParameterEstimate, Residual
@@ -126,7 +126,7 @@ def master_curve(
     # an arm faster than the second time would show in one sample only
     grid = _grid(float(t[1]), float(t[-1]), per_decade)
     columns = np.concatenate((np.ones((len(t), 1)), np.exp(-t[:, None] / grid)), axis=1)
-    found = _nonnegative(columns / values[:, None], np.ones(len(t)))
+    found, _ = linear(columns / values[:, None], np.ones(len(t)), positive=True)
     return MasterCurve(
         _solid(found, grid),
         (_misfit("modulus", columns @ found / values - 1.0, t),),
@@ -166,7 +166,7 @@ def dynamic_master_curve(data: DynamicTest, *, per_decade: float = 4) -> MasterC
     loss = np.concatenate((np.zeros((len(w), 1)), x / (1 + x * x)), axis=1)
     columns = np.concatenate((storage / scale[0][:, None], loss / scale[1][:, None]))
     target = np.concatenate((data.storage / scale[0], data.loss / scale[1]))
-    found = _nonnegative(columns, target)
+    found, _ = linear(columns, target, positive=True)
     error = columns @ found - target
     n = len(w)
     return MasterCurve(
@@ -212,14 +212,6 @@ def _grid(shortest: float, longest: float, per_decade: float) -> FloatArray:
         )
     count = int(np.ceil(np.log10(longest / shortest) * per_decade)) + 1
     return np.geomspace(shortest, longest, count)
-
-
-def _nonnegative(columns: FloatArray, target: FloatArray) -> FloatArray:
-    """Least squares with every coefficient >= 0, on columns of unit length."""
-    length = np.linalg.norm(columns, axis=0)
-    length = np.where(length > 0, length, 1.0)
-    unit = columns / length
-    return nonnegative(unit.T @ unit, unit.T @ target) / length
 
 
 def _solid(found: FloatArray, grid: FloatArray) -> GeneralizedMaxwell:

@@ -11,6 +11,8 @@ this takes, and its import costs a hundred fits.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray
@@ -26,12 +28,14 @@ def linear(
     y: FloatArray,
     positive: bool | BoolArray = False,
     near: BoolArray | None = None,
-) -> tuple[FloatArray, FloatArray]:
+) -> tuple[FloatArray, Callable[[], FloatArray]]:
     r"""Return the beta that minimises |y - A beta|, and a basis of the columns that carry weight.
 
     Which of the coefficients that must not be negative are zero is asked first where there are
-    many, else only if one of them is negative without; the digits are those of a QR factor of the
-    others. Of dependent columns the first carry the weight.
+    many, else only if one of them is negative without. Of few the digits are those of a QR factor
+    of the others. Many are mostly so nearly dependent that such digits are rounding, down to their
+    signs, and to leave out what turns negative costs the optimum: theirs are those of the normal
+    equations, which leave as little. Of dependent columns the first carry the weight.
 
     Parameters
     ----------
@@ -45,33 +49,39 @@ def linear(
     Returns
     -------
     beta : array, shape (q,)
-    basis : array, shape (n, r)
-        Orthonormal.
+    basis : callable
+        ``basis()``, orthonormal, shape (n, r): found when asked for.
     """
     size = np.sqrt(np.einsum("ij,ij->j", A, A))
     size[size == 0] = 1.0
     unit, must = A / size, np.zeros(A.shape[1], dtype=bool) | positive
-    used, beta = np.ones(len(must), dtype=bool), np.zeros(len(must))
-    sought = int(must.sum()) > MANY
-    if sought:
-        used[must] = _support(unit, y, must, near)
+    if int(must.sum()) > MANY:
+        beta = _sought(unit, y, must, near)
+        carries = (beta > 0) | ~must
+        return beta / size, lambda: _solved(unit[:, carries], y)[1]
+    used, beta, sought = np.ones(len(must), dtype=bool), np.zeros(len(must)), False
     while True:
         beta[:] = 0.0
         beta[used], basis = _solved(unit[:, used], y)
         wrong = (beta < 0) & must
         if not wrong.any():
-            return beta / size, basis
+            break
         used = used & ~wrong if sought else nonnegative_columns(unit, y, must)
         sought = True
+    return beta / size, lambda: basis
 
 
-def _support(unit: FloatArray, y: FloatArray, must: BoolArray, near: BoolArray | None) -> BoolArray:
-    """Which of many columns that must not be negative carry weight, the free ones taken off."""
-    A = unit[:, must]
-    if not must.all():
-        Q = np.linalg.qr(unit[:, ~must])[0]
-        A, y = A - Q @ (Q.T @ A), y - Q @ (Q.T @ y)
-    return nonnegative(A.T @ A, A.T @ y, None if near is None else near[must]) > 0
+def _sought(unit: FloatArray, y: FloatArray, must: BoolArray, near: BoolArray | None) -> FloatArray:
+    """The beta of many columns that must not be negative, the free ones taken off."""
+    if must.all():
+        return nonnegative(unit.T @ unit, unit.T @ y, near)
+    Q, factor = np.linalg.qr(unit[:, ~must])
+    A, beta = unit[:, must], np.zeros(len(must))
+    aside, along = Q.T @ A, Q.T @ y
+    A, left = A - Q @ aside, y - Q @ along
+    beta[must] = nonnegative(A.T @ A, A.T @ left, None if near is None else near[must])
+    beta[~must] = np.linalg.lstsq(factor, along - aside @ beta[must], rcond=DEPENDENT)[0]
+    return beta
 
 
 def _solved(A: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -94,8 +94,8 @@ class Problem:
     def at(self, theta: FloatArray, near: BoolArray | None = None) -> Optimum:
         """The best beta at a theta; `near` it only these coefficients are likely above zero."""
         rows = self.model(theta)
-        beta, basis = linear(rows.A, rows.y, self.positive, near)
-        return Optimum(self, np.asarray(theta, dtype=float), beta, rows, basis)
+        beta, span = linear(rows.A, rows.y, self.positive, near)
+        return Optimum(self, np.asarray(theta, dtype=float), beta, rows, span)
 
     def solve(
         self,
@@ -213,8 +213,8 @@ class Optimum:
     theta : array, shape (p,)
     beta : array, shape (q,)
     rows : Rows
-    basis : array, shape (n, r)
-        Orthonormal, of the columns that carry weight.
+    span : callable
+        ``span()`` is `basis`.
     stationary : bool
         The descent ended for no want of steps.
     """
@@ -223,7 +223,7 @@ class Optimum:
     theta: FloatArray
     beta: FloatArray
     rows: Rows
-    basis: FloatArray = field(repr=False)
+    span: Callable[[], FloatArray] = field(repr=False)
     stationary: bool = True
 
     @cached_property
@@ -277,6 +277,11 @@ class Optimum:
     def jacobian(self) -> FloatArray:
         """Derivative of the model by theta, else by central differences, and by beta, (n, p+q)."""
         return np.column_stack((self._slopes(central=True), self.rows.A))
+
+    @cached_property
+    def basis(self) -> FloatArray:
+        """Orthonormal, of the columns that carry weight, shape (n, r)."""
+        return self.span()
 
     @cached_property
     def projected(self) -> FloatArray:

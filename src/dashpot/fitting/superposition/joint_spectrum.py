@@ -1,24 +1,24 @@
 r"""One positive spectrum of many isotherms, and their shifts, by variable projection.
 
-At given shifts the spectrum is the convex problem of
-:func:`~dashpot.engine.least_squares.nnls.nonnegative` on a grid of reduced relaxation times. Its
-derivative in a shift is Kaufman's: that of the isotherm's rows at a fixed spectrum, less what the
-active columns can take over. Nothing smooths the spectrum; smoothing doubles the errors. Each step
-between neighbours has a prior as wide as their window: flat isotherms, of a glass or a plateau,
-would else be thrown decades apart for a hundredth of a standard deviation.
-Source: L. Kaufman, *BIT* 15 (1975) 49.
+At given shifts the spectrum is a convex problem on a grid of reduced relaxation times; the shifts
+descend with it (:mod:`dashpot.engine.least_squares.problem`). Nothing smooths the spectrum;
+smoothing doubles the errors. Each step between neighbours has a prior as wide as their window: flat
+isotherms, of a glass or a plateau, would else be thrown decades apart for a hundredth of a standard
+deviation.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
-from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
-from dashpot.engine.least_squares.nnls import nonnegative
+from dashpot.base.arrays import FloatArray, IndexArray
+from dashpot.engine.inference.covariance import white
+from dashpot.engine.inference.estimate import white_noise
+from dashpot.engine.inference.order import bic, deviance
+from dashpot.engine.least_squares.problem import Optimum, Parameter, Problem, Rows, solved
 from dashpot.fitting.superposition.isotherms import Isotherm
 
 _LN10 = float(np.log(10.0))
@@ -29,9 +29,9 @@ COARSE, FINE = 4, 8
 BEYOND = _LN10
 # a retardation so far beyond the data is a flow
 FLOWS = 4 * _LN10
-_MOST_LN_A, _MOST_LN_B = 0.5, 0.3
-_ITERATIONS, _GRIDS = 60, 4
-_STILL, _LEAST_GAIN, _STUCK = 1e-4, 1e-8, 1e6
+# sizes of ln a and ln b: a step is at most half as long again
+_SIZES = 0.3, 0.2
+_STEPS, _GRIDS, _STILL, _LEAST_GAIN = 60, 4, 1e-5, 1e-8
 # of ln a, from which the grid no longer fits
 _REGRID = 0.2 * _LN10
 
@@ -46,55 +46,55 @@ class Shifted:
         Of each isotherm; 0 at the reference.
     ln_tau : array, shape (k,)
         The grid, of relaxation times at the reference, s.
-    spectrum : array, shape (1 + k,)
-        Plateau and arms, >= 0.
-    residual : array, shape (m,)
-        Relative, of all isotherms one after another.
-    gram : array, shape (p, p)
-        Curvature in the shifts that were free, ln a, then ln b, with what the spectrum can take
-        over taken out.
-    doubt : float
-        What the prior of the steps adds to the sum of squares.
+    optimum : Optimum
+        Theta the shifts that were free, ln a, then ln b; beta the spectrum, plateau and arms, >= 0;
+        residuals relative, of all isotherms one after another.
     """
 
     ln_a: FloatArray
     ln_b: FloatArray
     ln_tau: FloatArray
-    spectrum: FloatArray
-    residual: FloatArray
-    gram: FloatArray
-    doubt: float
+    optimum: Optimum
 
     @property
     def sse(self) -> float:
         """Sum of squared relative residuals."""
-        return float(self.residual @ self.residual)
+        return self.optimum.sse
 
     @property
-    def support(self) -> int:
-        """How many coefficients are above zero."""
-        return int((self.spectrum > 0).sum())
+    def values(self) -> int:
+        """How many residuals there are."""
+        return len(self.optimum.residual)
+
+    @property
+    def rms(self) -> float:
+        """Root mean square of the relative residuals."""
+        return float(np.sqrt(self.sse / self.values))
 
     @property
     def parameters(self) -> int:
-        """Support and free shifts."""
-        return self.support + len(self.gram)
+        """Coefficients above zero, and free shifts."""
+        return int(self.optimum.free.sum())
 
     @property
     def variance(self) -> float:
         """Mean square of the residuals per degree of freedom."""
-        return self.sse / max(len(self.residual) - self.parameters, 1)
+        return white_noise(self.optimum).power
 
     @property
     def bic(self) -> float:
-        """N ln SSE + k ln N."""
-        n = len(self.residual)
-        return float(n * np.log(max(self.sse + self.doubt, 1e-300)) + self.parameters * np.log(n))
+        """Of the spectrum and the shifts, what was known of these counted in."""
+        return bic(self.optimum.cost, effective=self.values, parameters=self.parameters)
+
+    @property
+    def deviance(self) -> float:
+        """Of the data alone, as part of a BIC."""
+        return deviance(self.sse, effective=self.values)
 
     @property
     def covariance(self) -> FloatArray:
         """Of the free shifts, natural logarithms."""
-        return np.asarray(self.variance * np.linalg.pinv(self.gram, hermitian=True))
+        return white(self.optimum.projected, self.variance)
 
 
 def grid_of(
@@ -111,75 +111,77 @@ def grid_of(
     return np.append(grid, high + FLOWS) if isotherms[0].domain == "creep" else grid
 
 
-def spectrum_at(
-    isotherms: Sequence[Isotherm],
-    ln_a: FloatArray,
-    ln_b: FloatArray,
-    ln_tau: FloatArray,
-    near: BoolArray | None = None,
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return the spectrum at given shifts, its columns and its residuals."""
-    columns = np.concatenate(
-        [
-            one.vertical(float(b)) * one.columns(ln_tau, float(a))
-            for one, a, b in zip(isotherms, ln_a, ln_b, strict=True)
-        ]
-    )
-    target = np.concatenate([one.value for one in isotherms])
-    length = np.linalg.norm(columns, axis=0)
-    length = np.where(length > 0, length, 1.0)
-    unit = columns / length
-    h = nonnegative(unit.T @ unit, unit.T @ target, near) / length
-    return h, columns, columns @ h - target
-
-
 @dataclass(frozen=True, eq=False)
-class _Problem:
-    """What is shifted, and what may move."""
+class Search:
+    """What is shifted, and what may move.
+
+    Attributes
+    ----------
+    isotherms : sequence of Isotherm
+        By rising temperature.
+    ln_tau : array, shape (k,)
+    shifts : array, shape (2 n,)
+        Ln a, then ln b: where the search starts, and where the others stay.
+    free : array
+        Which of them move.
+    noise : float
+        Relative standard deviation of the values, the unit of the prior.
+    """
 
     isotherms: Sequence[Isotherm]
     ln_tau: FloatArray
+    shifts: FloatArray
     free: IndexArray
-    prior: FloatArray
-    """Of the steps between neighbours, in units of the residuals, shape (n - 1, n)."""
-    free_b: bool = False
-
-    def at(self, ln_a: FloatArray, ln_b: FloatArray, near: BoolArray | None = None) -> _Point:
-        h, columns, residual = spectrum_at(self.isotherms, ln_a, ln_b, self.ln_tau, near)
-        ends = np.cumsum([0, *(len(one.value) for one in self.isotherms)])
-        jacobian = np.zeros((len(residual), len(self.free) * (1 + self.free_b)))
-        for j, i in enumerate(self.free):
-            rows = slice(ends[i], ends[i + 1])
-            slope = self.isotherms[i].slope(self.ln_tau, float(ln_a[i]), h[1:])
-            jacobian[rows, j] = self.isotherms[i].vertical(float(ln_b[i])) * slope
-            if self.free_b:
-                sign = np.sign(np.log(self.isotherms[i].vertical(1.0)))
-                jacobian[rows, len(self.free) + j] = sign * (columns[rows] @ h)
-        if len(self.free):
-            q = np.linalg.qr(columns[:, h > 0])[0]
-            jacobian -= q @ (q.T @ jacobian)
-        held = np.zeros((len(self.prior), jacobian.shape[1]))
-        held[:, : len(self.free)] = self.prior[:, self.free]
-        doubt = self.prior @ ln_a if len(self.free) else self.prior[:, 0] * 0.0
-        gram = jacobian.T @ jacobian + held.T @ held
-        found = Shifted(ln_a, ln_b, self.ln_tau, h, residual, gram, float(doubt @ doubt))
-        return _Point(found, jacobian.T @ residual + held.T @ doubt)
-
-    def moved(self, at: Shifted, step: FloatArray) -> tuple[FloatArray, FloatArray]:
-        ln_a, ln_b, count = at.ln_a.copy(), at.ln_b.copy(), len(self.free)
-        ln_a[self.free] += step[:count]
-        if self.free_b:
-            ln_b[self.free] += step[count:]
-        return ln_a, ln_b
-
-
-class _Point(NamedTuple):
-    shifted: Shifted
-    gradient: FloatArray
+    noise: float = 0.0
 
     @property
-    def objective(self) -> float:
-        return self.shifted.sse + self.shifted.doubt
+    def problem(self) -> Problem:
+        """The shifts that are free, and the spectrum."""
+        n = len(self.isotherms)
+        sizes = [Parameter(scale=_SIZES[i // n]) for i in self.free.tolist()]
+        return Problem(self.rows, sizes, positive=True, priors=n - 1)
+
+    def placed(self, theta: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Ln a and ln b of each isotherm."""
+        shifts = self.shifts.copy()
+        shifts[self.free] = theta
+        ln_a, ln_b = np.split(shifts, 2)
+        return ln_a, ln_b
+
+    def rows(self, theta: FloatArray) -> Rows:
+        """Of every isotherm, and what is known of the steps between neighbours."""
+        ln_a, ln_b = self.placed(theta)
+        n, prior = len(ln_a), _prior(self.isotherms, self.noise)
+        each = list(zip(self.isotherms, ln_a.tolist(), ln_b.tolist(), strict=True))
+        columns = [one.vertical(b) * one.columns(self.ln_tau, a) for one, a, b in each]
+        A = np.concatenate((*columns, np.zeros((len(prior), 1 + len(self.ln_tau)))))
+        y = np.concatenate((*(one.value for one in self.isotherms), -prior @ ln_a))
+
+        def slope(h: FloatArray) -> FloatArray:
+            by, start = np.zeros((len(y), 2 * n)), 0
+            for i, (one, a, b) in enumerate(each):
+                rows = slice(start, start := start + len(one.value))
+                by[rows, i] = one.vertical(b) * one.slope(self.ln_tau, a, h[1:])
+                by[rows, n + i] = np.log(one.vertical(1.0)) * (columns[i] @ h)
+            by[start:, :n] = prior
+            return by[:, self.free]
+
+        return Rows(y, A, slope)
+
+    @property
+    def found(self) -> Shifted:
+        """The best there is from the start."""
+        start = self.shifts[self.free]
+        best = solved(self.problem, [start], most=_STEPS, finished=_STILL, flat=_LEAST_GAIN)
+        return Shifted(*self.placed(best.theta), self.ln_tau, best)
+
+
+def spectrum_at(
+    isotherms: Sequence[Isotherm], ln_a: FloatArray, ln_b: FloatArray, ln_tau: FloatArray
+) -> Shifted:
+    """Return the spectrum at given shifts."""
+    none = np.zeros(0, dtype=np.intp)
+    return Search(isotherms, ln_tau, np.concatenate((ln_a, ln_b)), none).found
 
 
 def shifted(
@@ -189,7 +191,6 @@ def shifted(
     *,
     reference: int,
     noise: float = 0.0,
-    held: bool = False,
 ) -> Shifted:
     """Return the shifts from a start, all isotherms at once, the grid laid anew as they move.
 
@@ -203,15 +204,12 @@ def shifted(
         The isotherm that does not move.
     noise : float
         Relative standard deviation of the values, the unit of the prior.
-    held : bool
-        Nothing moves: the spectrum alone is sought.
     """
-    free = _free(len(isotherms), reference)[: 0 if held else None]
-    prior = _prior(isotherms, noise)
+    free = _free(len(isotherms), reference)
     for _ in range(_GRIDS):
-        problem = _Problem(isotherms, grid_of(isotherms, ln_a), free, prior)
-        found = _descended(problem, ln_a, ln_b)
-        far = float(np.abs(found.ln_a - ln_a).max(initial=0.0))
+        grid = grid_of(isotherms, ln_a)
+        found = Search(isotherms, grid, np.concatenate((ln_a, ln_b)), free, noise).found
+        far = float(np.abs(found.ln_a - ln_a).max())
         ln_a = found.ln_a
         if far < _REGRID:
             break
@@ -228,9 +226,8 @@ def refined(
 ) -> Shifted:
     """Return the shifts from those found, on a finer grid; with `free_b`, ln b moves too."""
     fine = grid_of(isotherms, found.ln_a, per_decade=FINE)
-    free = _free(len(isotherms), reference)
-    problem = _Problem(isotherms, fine, free, _prior(isotherms, noise), free_b)
-    return _descended(problem, found.ln_a, found.ln_b)
+    free = _free(len(isotherms), reference, both=free_b)
+    return Search(isotherms, fine, np.concatenate((found.ln_a, found.ln_b)), free, noise).found
 
 
 def vertical_step(
@@ -241,17 +238,20 @@ def vertical_step(
     One step of Gauss and Newton from the shifts found; the fall is about chi-square with n - 1
     degrees of freedom where the rule of b_T holds.
     """
-    free = _free(len(isotherms), reference)
-    problem = _Problem(isotherms, best.ln_tau, free, _prior(isotherms, noise), free_b=True)
-    point = problem.at(best.ln_a, best.ln_b, best.spectrum > 0)
-    step = -np.linalg.pinv(point.shifted.gram, hermitian=True) @ point.gradient
-    moved = np.zeros(len(isotherms))
-    moved[free] = step[len(free) :]
-    return moved, float(-step @ point.gradient / max(best.variance, 1e-300))
+    n, shifts = len(isotherms), np.concatenate((best.ln_a, best.ln_b))
+    free = _free(n, reference, both=True)
+    problem = Search(isotherms, best.ln_tau, shifts, free, noise).problem
+    point = problem.at(shifts[free], best.optimum.beta > 0)
+    step = -np.linalg.lstsq(point.projected, point.every, rcond=None)[0]
+    moved = np.zeros(2 * n)
+    moved[free] = step
+    return moved[n:], float(-step @ point.gradient / max(best.variance, 1e-300))
 
 
-def _free(count: int, reference: int) -> IndexArray:
-    return np.delete(np.arange(count), reference)
+def _free(count: int, reference: int, *, both: bool = False) -> IndexArray:
+    """Which of ln a and, with `both`, ln b move."""
+    away = np.delete(np.arange(count), reference)
+    return np.concatenate((away, away + count)) if both else away
 
 
 def _prior(isotherms: Sequence[Isotherm], noise: float) -> FloatArray:
@@ -263,24 +263,3 @@ def windows(isotherms: Sequence[Isotherm]) -> FloatArray:
     """Return the shorter window of each pair of neighbours, natural logarithm, (n - 1,)."""
     length = np.array([one.window[1] - one.window[0] for one in isotherms])
     return np.asarray(np.minimum(length[1:], length[:-1]))
-
-
-def _descended(problem: _Problem, ln_a: FloatArray, ln_b: FloatArray) -> Shifted:
-    """Levenberg and Marquardt on the shifts that are free."""
-    best, damping = problem.at(ln_a, ln_b), 1e-3
-    most = np.repeat([_MOST_LN_A, _MOST_LN_B], len(problem.free))[: len(best.gradient)]
-    for _ in range(_ITERATIONS if len(best.gradient) else 0):
-        gram = best.shifted.gram
-        scale = np.maximum(np.diag(gram), 1e-12 * max(float(gram.diagonal().max()), 1e-300))
-        step = -np.linalg.solve(gram + damping * np.diag(scale), best.gradient)
-        step = np.clip(step, -most, most)
-        near = best.shifted.spectrum > 0
-        trial = problem.at(*problem.moved(best.shifted, step), near)
-        gain = 1 - trial.objective / max(best.objective, 1e-300)
-        if gain > 0:
-            best, damping = trial, max(damping / 5, 1e-9)
-        else:
-            damping *= 4
-        if 0 < gain < _LEAST_GAIN or float(np.abs(step).max()) < _STILL or damping > _STUCK:
-            break
-    return best.shifted

@@ -152,15 +152,15 @@ class _Alone(NamedTuple):
         """Mean square of the joint fit over this, and what that reaches by chance."""
         if self.dof < _LEAST_DOF or self.sse <= 0:
             return None, 1.0
-        more = len(best.residual) - best.parameters - self.dof
+        more = best.values - best.parameters - self.dof
         by_chance = 1 + 3 * np.sqrt(2 * max(more, 1)) / self.dof
         return best.variance / self.variance, float(by_chance)
 
 
 def _alone(isotherms: Sequence[Isotherm]) -> _Alone:
     at = np.zeros(1)
-    own = [shifted([one], at, at, reference=0, held=True) for one in isotherms]
-    return _Alone(sum(one.sse for one in own), sum(len(one.residual) - one.support for one in own))
+    own = [spectrum_at([one], at, at, grid_of([one], at)) for one in isotherms]
+    return _Alone(sum(one.sse for one in own), sum(one.values - one.parameters for one in own))
 
 
 def _reference(t: FloatArray, asked: float | None) -> int:
@@ -196,9 +196,8 @@ def _searched(
     other = next(one for name, one in found.items() if name != how)
     apart = float(np.abs(other.ln_a - found[how].ln_a).max()) / _LN10
     # the support of a spectrum is a rough count: what both measures say is known
-    n = len(best.residual)
-    closer = n * float(np.log(max(other.sse, 1e-300) / max(found[how].sse, 1e-300)))
-    margin = min(other.bic - found[how].bic, closer)
+    taken = found[how]
+    margin = min(other.bic - taken.bic, other.deviance - taken.deviance)
     return best, how, (vertical_shift_known(how, margin, apart), followed)
 
 
@@ -220,7 +219,7 @@ def _as_given(
     ln_b = np.log([one.b_t for one in taken])
     ln_a, ln_b = ln_a - ln_a[at], ln_b - ln_b[at]
     how = "free" if ln_b.any() else "1"
-    return shifted(isotherms, ln_a, ln_b, reference=at, held=True), how, ()
+    return spectrum_at(isotherms, ln_a, ln_b, grid_of(isotherms, ln_a)), how, ()
 
 
 # -- what is known of the shifts ------------------------------------------------------------------
@@ -230,7 +229,7 @@ def _decadic(best: Shifted, at: int) -> FloatArray:
     """Return the covariance of log10 a_T, then ln b_T, of every temperature, shape (2 n, 2 n)."""
     n = len(best.ln_a)
     away = np.delete(np.arange(n), at)
-    free = np.concatenate((away, away + n))[: len(best.gram)]
+    free = np.concatenate((away, away + n))[: len(best.optimum.theta)]
     full = np.zeros((2 * n, 2 * n))
     if len(free):
         scale = np.where(free < n, 1 / _LN10, 1.0)
@@ -294,15 +293,14 @@ def _solid(isotherms: Sequence[Isotherm], best: Shifted) -> tuple[GeneralizedMax
     """
     beyond = _LN10 / 2 if isotherms[0].domain == "frequency" else 0.0
     ln_tau = grid_of(isotherms, best.ln_a, beyond)
-    h, _, residual = spectrum_at(isotherms, best.ln_a, best.ln_b, ln_tau)
-    tau = np.exp(ln_tau)
+    found = spectrum_at(isotherms, best.ln_a, best.ln_b, ln_tau)
+    h, tau = found.optimum.beta, np.exp(ln_tau)
     if isotherms[0].domain == "creep":
         # what comes to rest, as long as no flow is needed
-        at_rest, _, left = spectrum_at(isotherms, best.ln_a, best.ln_b, ln_tau[:-1])
-        alone, with_flow = float(left @ left), max(float(residual @ residual), 1e-300)
-        closer = len(left) * float(np.log(alone / with_flow))
-        if closer < MIN_BIC_MARGIN or alone < len(left) * _NO_MATTER**2:
-            h, residual = np.append(at_rest, 0.0), left
+        at_rest = spectrum_at(isotherms, best.ln_a, best.ln_b, ln_tau[:-1])
+        closer = at_rest.deviance - found.deviance
+        if closer < MIN_BIC_MARGIN or at_rest.rms < _NO_MATTER:
+            h, found = np.append(at_rest.optimum.beta, 0.0), at_rest
         d, there = h[1:-1], h[1:-1] > 0
         creep = CreepSpectrum(
             float(h[0]), tuple(d[there]), tuple(tau[:-1][there]), float(h[-1] / tau[-1])
@@ -311,7 +309,7 @@ def _solid(isotherms: Sequence[Isotherm], best: Shifted) -> tuple[GeneralizedMax
     else:
         k, there = h[1:], h[1:] > 0
         solid = GeneralizedMaxwell(float(h[0]), tuple(k[there]), tuple(tau[there]))
-    return solid, float(np.sqrt(np.mean(residual**2)))
+    return solid, found.rms
 
 
 def _master(

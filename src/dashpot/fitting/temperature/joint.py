@@ -1,18 +1,20 @@
 r"""One solid, its shifts, and tests at several temperatures: least squares over all at once.
 
-Everything that is shared is unknown together: k_inf, every ln k and ln tau, ln a_T and ln b_T of
-every further temperature, and how much further slow arms shift than fast ones,
+Everything that is shared is unknown together: k_inf and every k, which are linear, and every
+ln tau, ln a_T and ln b_T of every further temperature, and how much further slow arms shift than
+fast ones,
 
 .. math:: \ln a_T(\tau) = \ln a_T \bigl[1 + g\,(\log_{10} \tau - \log_{10} 0.5\,\mathrm{s})\bigr]
 
 With :math:`q'_j = \partial q / \partial \ln \tau` of the column of an arm, the derivative by
-:math:`\ln a_T` is :math:`b_T \sum_j k_j q'_j`. Steps are those of Levenberg and Marquardt.
+:math:`\ln a_T` is :math:`b_T \sum_j k_j q'_j`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
@@ -20,18 +22,21 @@ import numpy as np
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
 from dashpot.engine.blocks.block import Block
 from dashpot.engine.inference.covariance import white
+from dashpot.engine.inference.order import significant
+from dashpot.engine.least_squares.problem import Parameter, Problem, Rows, solved
 from dashpot.records.temperature import decades, shifted_log_tau
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 Vertical: TypeAlias = Literal["free", "T/T_r", "1"]
+# target, columns of k_inf and k, and the derivative by theta
+_Rows: TypeAlias = tuple[FloatArray, FloatArray, Callable[[FloatArray], FloatArray]]
 
-# longest steps of ln k, ln tau, ln a, ln b and g
-_LONGEST = {"k": 2.0, "tau": 1.0, "a": 0.5, "b": 0.3, "g": 0.1}
+# sizes of ln tau, ln a, ln b and g: a step is at most half as long again
+_SIZES = {"ln_tau": 0.7, "ln_a": 0.35, "ln_b": 0.2, "slope": 0.07}
 # an arm smaller than this part of the stiffness is none
-_NOTHING = 1e-9
-_STEPS, _DAMPING = 80, (1e-3, 1e9)
-# a relative fall of chi-square that is none
-_STATIONARY = 1e-10
+_NOTHING = 1e-8
+# steps of a descent, and the relative fall of chi-square that is none
+_STEPS, _STATIONARY = 80, 1e-10
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +47,7 @@ class Point:
     ----------
     k_inf : float
         N/m.
-    log_k, log_tau : array, shape (N,)
+    k, log_tau : array, shape (N,)
     log_a, log_b : array, shape (T,)
         Of every temperature; 0 at the reference.
     slope : float
@@ -51,7 +56,7 @@ class Point:
     """
 
     k_inf: float
-    log_k: FloatArray
+    k: FloatArray
     log_tau: FloatArray
     log_a: FloatArray
     log_b: FloatArray
@@ -64,11 +69,21 @@ class Point:
         return len(self.log_tau)
 
     @property
+    def stiffnesses(self) -> FloatArray:
+        """K_inf, then k."""
+        return np.append(self.k_inf, self.k)
+
+    @property
+    def alive(self) -> BoolArray:
+        """Which arms are there."""
+        return np.asarray(self.k > _NOTHING * self.stiffnesses.sum())
+
+    @property
     def solid(self) -> GeneralizedMaxwell:
         """At the reference."""
         order = np.argsort(self.log_tau)
         return GeneralizedMaxwell(
-            self.k_inf, tuple(np.exp(self.log_k[order])), tuple(np.exp(self.log_tau[order]))
+            self.k_inf, tuple(self.k[order]), tuple(np.exp(self.log_tau[order]))
         )
 
     def moved_log_tau(self, i: int) -> FloatArray:
@@ -80,7 +95,7 @@ class Point:
         order, b = np.argsort(self.log_tau), float(np.exp(self.log_b[i]))
         return GeneralizedMaxwell(
             b * self.k_inf,
-            tuple(b * np.exp(self.log_k[order])),
+            tuple(b * self.k[order]),
             tuple(np.exp(self.moved_log_tau(i)[order])),
         )
 
@@ -119,7 +134,7 @@ class Joint:
     vertical: Vertical
     slope_sd: float
 
-    @property
+    @cached_property
     def further(self) -> IndexArray:
         """The temperatures whose shifts are sought."""
         every = np.arange(len(self.temperatures))
@@ -156,118 +171,99 @@ class Joint:
         return turn
 
     def part(self, block: Block, i: int, point: Point) -> Part:
-        """One test of temperature i, in the rows of a block whose fixed column k_inf is first."""
-        names, n = self.names(point.order), point.order
-        found = block.evaluate(point.moved_log_tau(i))
-        k, b = np.exp(point.log_k), float(np.exp(point.log_b[i]))
-        spring = found.fixed[:, list(block.fixed_names).index("k_inf")]
-        slopes, far = b * found.d_arms * k, decades(point.log_tau)
-        by = np.zeros((len(found.target), len(names)))
-        by[:, 0] = b * spring
-        by[:, 1 : 1 + n] = b * found.arms * k
-        stretched = 1 + point.log_a[i] * point.slope / np.log(10.0)
-        by[:, 1 + n : 1 + 2 * n] = slopes * stretched
-        force = by[:, 0] * point.k_inf + by[:, 1 : 1 + n].sum(axis=1)
-        if i != self.reference:
-            by[:, names.index(f"ln_a_{i}")] = slopes @ (1 + point.slope * far)
-            if self.vertical == "free":
-                by[:, names.index(f"ln_b_{i}")] = force
-        if n > 1:
-            by[:, -1] = slopes @ (point.log_a[i] * far)
-        return Part(found.target - force, by)
+        """One test of temperature i, in the rows of its block."""
+        return _part(self._test(block, i, point), point)
 
     def descend(self, point: Point) -> Point:
         """Return the nearest optimum."""
-        longest = self._longest(point.order)
-        residual, by = self._all(point)
-        point = replace(point, chi_square=self._floor + float(residual @ residual))
-        damping = _DAMPING[0]
-        for _ in range(_STEPS):
-            size = np.linalg.norm(by, axis=0)
-            size[size == 0] = 1.0
-            scaled = by / size
-            gram, moment = scaled.T @ scaled, scaled.T @ residual
-            while damping < _DAMPING[1]:
-                damped = gram + damping * np.eye(len(gram))
-                step = np.linalg.solve(damped, moment) / size
-                part = float(np.min(longest / np.maximum(np.abs(step), 1e-300), initial=1.0))
-                tried = self._stepped(point, min(part, 1.0) * step)
-                left, slopes = self._all(tried)
-                chi_square = self._floor + float(left @ left)
-                if chi_square < point.chi_square:
-                    break
-                damping *= 8.0
-            else:
-                break
-            fall = point.chi_square - chi_square
-            point, residual, by = replace(tried, chi_square=chi_square), left, slopes
-            damping = max(damping / 10.0, 1e-12)
-            if fall < _STATIONARY * max(chi_square, 1.0):
-                break
-        return point
+        best = solved(self.problem(point), [self.theta(point)], most=_STEPS, flat=_STATIONARY)
+        k_inf, k = float(best.beta[0]), best.beta[1:]
+        return replace(self._placed(point, best.theta), k_inf=k_inf, k=k, chi_square=best.cost)
 
-    def errors(self, point: Point) -> FloatArray:
-        """Standard errors of what is shared, k relative, under white noise of unit variance."""
-        return np.sqrt(np.diag(self.covariance(point)))
+    def clear(self, point: Point) -> bool:
+        """Whether every arm is significant."""
+        n, error = point.order, np.sqrt(np.diag(self.covariance(point)))
+        return significant(point.k, error[1 : 1 + n], error[1 + n : 1 + 2 * n])
 
     def covariance(self, point: Point) -> FloatArray:
-        """Covariance of what is shared, k relative, under white noise of unit variance."""
-        return white(self._all(point)[1], 1.0)
+        """Covariance of what is shared under white noise of unit variance."""
+        return white(_part(self._every(point), point).by, 1.0)
 
-    def _all(self, point: Point) -> tuple[FloatArray, FloatArray]:
-        """Residual and derivatives of every test, and what is known of g."""
-        parts = [self.part(b, int(i), point) for b, i in zip(self.blocks, self.at, strict=True)]
-        residual = np.concatenate([part.residual for part in parts])
-        by = np.concatenate([part.by for part in parts])
-        if point.order > 1:
-            known = np.zeros((1, by.shape[1]))
-            known[0, -1] = 1 / self.slope_sd
-            residual = np.append(residual, -point.slope / self.slope_sd)
-            by = np.concatenate((by, known))
-        return residual, by
+    def problem(self, start: Point) -> Problem:
+        """All tests at once, with as many arms."""
+        n, (low, high) = start.order, np.array([block.bounds for block in self.blocks]).T
 
-    @property
-    def _floor(self) -> float:
-        return float(sum(block.floor for block in self.blocks))
+        def shown(theta: FloatArray) -> FloatArray:
+            """Relaxation times that one of the tests shows."""
+            moved = self._placed(start, theta).log_a[self.at]
+            tau = np.clip(theta[:n], (low - moved).min(), (high - moved).max())
+            return np.concatenate((tau, theta[n:]))
 
-    def _longest(self, order: int) -> FloatArray:
-        names = self.names(order)
-        kinds = {"k_": "k", "ln_tau": "tau", "ln_a": "a", "ln_b": "b", "slope": "g"}
-        found = []
-        for name in names:
-            kind = next((kinds[start] for start in kinds if name.startswith(start)), "")
-            found.append(np.inf if name == "k_inf" else _LONGEST[kind])
-        return np.array(found)
-
-    def _stepped(self, point: Point, step: FloatArray) -> Point:
-        n, names = point.order, self.names(point.order)
-        log_a, log_b = point.log_a.copy(), point.log_b.copy()
-        for i in self.further:
-            log_a[i] += step[names.index(f"ln_a_{i}")]
-            if self.vertical == "free":
-                log_b[i] += step[names.index(f"ln_b_{i}")]
-        total = point.k_inf + float(np.exp(point.log_k).sum())
-        low, high = self._reach(point)
-        return replace(
-            point,
-            k_inf=max(point.k_inf + float(step[0]), 0.0),
-            log_k=np.maximum(point.log_k + step[1 : 1 + n], np.log(_NOTHING * total)),
-            log_tau=np.clip(point.log_tau + step[1 + n : 1 + 2 * n], low, high),
-            log_a=log_a,
-            log_b=log_b,
-            slope=point.slope + (float(step[-1]) if n > 1 else 0.0),
+        kinds = [name.rpartition("_")[0] or name for name in self.names(n)[1 + n :]]
+        return Problem(
+            lambda theta: Rows(*self._every(self._placed(start, theta))),
+            [Parameter(scale=_SIZES[kind]) for kind in kinds],
+            positive=True,
+            priors=len(self._known(start)),
+            gauge=shown,
         )
 
-    def _reach(self, point: Point) -> tuple[float, float]:
-        """The window of ln tau that one of the tests shows."""
-        each = [
-            (block.bounds[0] - point.log_a[i], block.bounds[1] - point.log_a[i])
-            for block, i in zip(self.blocks, self.at, strict=True)
-        ]
-        return min(low for low, _ in each), max(high for _, high in each)
+    def _known(self, point: Point) -> FloatArray:
+        """Rows by theta of what is known of g, below one of what no model of the tests removes."""
+        known = np.zeros((1 + (point.order > 1), len(self.theta(point))))
+        known[1:, -1:] = 1 / self.slope_sd
+        return known
+
+    def _every(self, point: Point) -> _Rows:
+        """Every test, and what is known beside them."""
+        tests = zip(self.blocks, self.at.tolist(), strict=True)
+        y, A, slopes = zip(*(self._test(block, i, point) for block, i in tests), strict=True)
+        known = self._known(point)
+        beside = -known @ self.theta(point)
+        beside[0] = np.sqrt(sum(block.floor for block in self.blocks))
+        return (
+            np.concatenate((*y, beside)),
+            np.concatenate((*A, np.zeros((len(known), 1 + point.order)))),
+            lambda k: np.concatenate((*(slope(k) for slope in slopes), known)),
+        )
+
+    def _test(self, block: Block, i: int, point: Point) -> _Rows:
+        """One test of temperature i."""
+        n, found = point.order, block.evaluate(point.moved_log_tau(i))
+        b, spring = float(np.exp(point.log_b[i])), list(block.fixed_names).index("k_inf")
+        A = b * np.column_stack((found.fixed[:, spring], found.arms))
+
+        def slope(k: FloatArray) -> FloatArray:
+            names, far = self.names(n)[1 + n :], decades(point.log_tau)
+            by, each = np.zeros((len(A), len(names))), b * found.d_arms * k[1:]
+            by[:, :n] = each * (1 + point.log_a[i] * point.slope / np.log(10.0))
+            if i != self.reference:
+                by[:, names.index(f"ln_a_{i}")] = each @ (1 + point.slope * far)
+                if self.vertical == "free":
+                    by[:, names.index(f"ln_b_{i}")] = A @ k
+            if n > 1:
+                by[:, -1] = each @ (point.log_a[i] * far)
+            return by
+
+        return found.target, A, slope
+
+    def theta(self, point: Point) -> FloatArray:
+        """Ln tau, the shifts that are sought, and g."""
+        log_b = point.log_b[self.further] if self.vertical == "free" else ()
+        slope = [point.slope] * (point.order > 1)
+        return np.concatenate((point.log_tau, point.log_a[self.further], log_b, slope))
+
+    def _placed(self, point: Point, theta: FloatArray) -> Point:
+        """The point with its ln tau, shifts and g."""
+        n, m = point.order, len(self.further)
+        log_a, log_b = point.log_a.copy(), point.log_b.copy()
+        log_a[self.further] = theta[n : n + m]
+        if self.vertical == "free":
+            log_b[self.further] = theta[n + m : n + 2 * m]
+        slope = float(theta[-1]) if n > 1 else 0.0
+        return replace(point, log_tau=theta[:n], log_a=log_a, log_b=log_b, slope=slope)
 
 
-def alive(point: Point) -> BoolArray:
-    """Which arms are there."""
-    total = point.k_inf + float(np.exp(point.log_k).sum())
-    return np.asarray(np.exp(point.log_k) > 10 * _NOTHING * total)
+def _part(rows: _Rows, point: Point) -> Part:
+    (y, A, slope), k = rows, point.stiffnesses
+    return Part(y - A @ k, np.concatenate((A, slope(k)), axis=1))

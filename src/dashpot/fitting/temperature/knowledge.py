@@ -186,10 +186,8 @@ def _of(joint: Joint, test: Own, i: int, point: Point, names: tuple[str, ...]) -
     left, own, part, columns = left_of(joint, test, i, point)
     rows = test.prior_rows[0]
     here = [names.index(f"{kind}@{i}") for kind in test.kinds]
-    natural = np.ones(shared)
-    natural[1 : 1 + point.order] = np.exp(-point.log_k)
     jacobian, before = np.zeros((len(left), len(names))), np.zeros((len(rows), len(names)))
-    jacobian[:, :shared], jacobian[:, here] = weight * part.by * natural, weight * columns
+    jacobian[:, :shared], jacobian[:, here] = weight * part.by, weight * columns
     before[:, here] = rows
     least = weight * rounding(float(np.abs(test.record.force).max()))
     solid = point.solid_at(at)

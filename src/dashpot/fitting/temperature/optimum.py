@@ -10,7 +10,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import FitError
-from dashpot.engine.inference.order import DECISIVE, Choice, choose, significant
+from dashpot.engine.inference.order import DECISIVE, Choice, choose
 from dashpot.fitting.temperature.joint import Joint, Point, Vertical
 from dashpot.fitting.temperature.reduced import Own
 from dashpot.fitting.temperature.search import Candidate, again, candidates, first_shifts
@@ -161,15 +161,12 @@ def _warmed(test: Own, point: Point, i: int, temperatures: FloatArray) -> Own:
 
 def _ascending(point: Point) -> Point:
     order = np.argsort(point.log_tau)
-    return replace(point, log_k=point.log_k[order], log_tau=point.log_tau[order])
+    return replace(point, k=point.k[order], log_tau=point.log_tau[order])
 
 
 def _choice(joint: Joint, tried: Sequence[Candidate], *, exhausted: bool) -> Choice:
     numbers = [one.point.order for one in tried]
-    clear = []
-    for one in tried:
-        n, error = one.point.order, joint.errors(one.point)
-        clear.append(significant(np.ones(n), error[1 : 1 + n], error[1 + n : 1 + 2 * n]))
+    clear = [joint.clear(one.point) for one in tried]
     bics = [one.bic for one in tried]
     return choose(numbers, bics, clear, exhausted=exhausted, decisive=DECISIVE)
 

@@ -11,9 +11,10 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.engine.blocks.block import Block
 from dashpot.engine.inference.order import bic_of_deviance
-from dashpot.engine.least_squares.nnls import nonnegative
+from dashpot.engine.least_squares.problem import Parameter, Problem, Rows
 from dashpot.engine.solver.variable_projection import solve_orders
-from dashpot.fitting.temperature.joint import Joint, Point, alive
+from dashpot.fitting.superposition.neighbours import chained
+from dashpot.fitting.temperature.joint import Joint, Point
 from dashpot.fitting.temperature.reduced import moved
 
 # decades that a colder test may lie away from its warmer neighbour, and a wrong order of them
@@ -37,54 +38,31 @@ class Candidate(NamedTuple):
 
 
 def first_shifts(joint: Joint) -> FloatArray:
-    """Return ln a_T of every temperature, neighbour by neighbour out from the reference."""
-    log_a = np.zeros(len(joint.temperatures))
-    reference, count = joint.reference, len(log_a)
-    for way in (range(reference - 1, -1, -1), range(reference + 1, count)):
-        for i in way:
-            near = i + 1 if i < reference else i - 1
-            colder = 1.0 if i < reference else -1.0
-            log_a[i] = log_a[near] + _against(joint, i, near, colder)
-    return log_a
+    """Return ln a_T of every temperature, each on its neighbour, 0 at the reference."""
+    falls = np.arange(-_BACK, _FARTHEST + _STEP / 2, _STEP) * np.log(10.0)
+    pairs = range(len(joint.temperatures) - 1)
+    return chained(((_pair(joint, i, falls), falls) for i in pairs), joint.reference)
 
 
-def _against(joint: Joint, i: int, near: int, colder: float) -> float:
-    """Return ln a of temperature i over that of its neighbour, by one positive spectrum for both.
-
-    Every shift is tried on a grid, as a grid of arms shared in the neighbour's time.
-    """
+def _pair(joint: Joint, i: int, falls: FloatArray) -> Problem:
+    """One positive spectrum for temperature i and the next warmer one, over how far ln a falls."""
     log_b = joint.held_log_b
-    pairs = [
-        (block, int(at))
-        for block, at in zip(joint.blocks, joint.at, strict=True)
-        if at in {i, near}
-    ]
-    tried = colder * np.arange(-_BACK, _FARTHEST + _STEP / 2, _STEP) * np.log(10.0)
-    left = [
-        _left(
-            [
-                moved(block, shift if at == i else 0.0, log_b[at] - log_b[near])
-                for block, at in pairs
-            ]
-        )
-        for shift in tried
-    ]
-    return float(tried[int(np.argmin(left))])
 
+    def of(at: int, fall: float) -> list[Block]:
+        every = zip(joint.blocks, joint.at, strict=True)
+        return [moved(one, fall, log_b[at] - log_b[i + 1]) for one, here in every if here == at]
 
-def _left(blocks: Sequence[Block]) -> float:
-    """Sum of squares that the best positive spectrum leaves, nearly."""
-    low = min(block.bounds[0] for block in blocks)
-    high = max(block.bounds[1] for block in blocks)
+    ends = [*of(i, falls[0]), *of(i, falls[-1]), *of(i + 1, 0.0)]
+    low, high = min(one.bounds[0] for one in ends), max(one.bounds[1] for one in ends)
     grid = np.linspace(low, high, int((high - low) / np.log(10.0) * _PER_DECADE) + 2)
-    found = [block.evaluate(grid, False) for block in blocks]
-    columns = np.concatenate([np.concatenate((one.fixed, one.arms), axis=1) for one in found])
-    target = np.concatenate([one.target for one in found])
-    scale = np.linalg.norm(columns, axis=0)
-    unit = columns / np.where(scale > 0, scale, 1.0)
-    best = nonnegative(unit.T @ unit, unit.T @ target)
-    error = target - unit @ best
-    return float(error @ error)
+    warm = [block.evaluate(grid, False) for block in of(i + 1, 0.0)]
+
+    def rows(theta: FloatArray) -> Rows:
+        found = [*(block.evaluate(grid, False) for block in of(i, theta[0])), *warm]
+        columns = [np.concatenate((one.fixed, one.arms), axis=1) for one in found]
+        return Rows(np.concatenate([one.target for one in found]), np.concatenate(columns))
+
+    return Problem(rows, [Parameter()], positive=True)
 
 
 def candidates(
@@ -116,7 +94,7 @@ def candidates(
             point = joint.descend(
                 Point(
                     max(solution.coefficient("k_inf"), 0.0),
-                    np.log(k[there]),
+                    k[there],
                     solution.log_tau[there],
                     np.array(log_a),
                     np.array(log_b),
@@ -137,9 +115,9 @@ def again(joint: Joint, found: Sequence[Candidate], effective: float) -> tuple[C
 
 
 def _keep(best: dict[int, Candidate], joint: Joint, point: Point, effective: float) -> None:
-    there = alive(point)
+    there = point.alive
     if not there.all():
-        point = replace(point, log_k=point.log_k[there], log_tau=point.log_tau[there])
+        point = replace(point, k=point.k[there], log_tau=point.log_tau[there])
         point = joint.descend(point)
     parameters = len(joint.names(point.order))
     score = bic_of_deviance(point.chi_square, effective=effective, parameters=parameters)

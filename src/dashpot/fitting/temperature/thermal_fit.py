@@ -11,7 +11,7 @@ import numpy as np
 
 from dashpot.base.checks import Check, worst
 from dashpot.engine.blocks.block import Block
-from dashpot.engine.inference.order import chance_beyond, significant
+from dashpot.engine.inference.order import chance_beyond
 from dashpot.engine.solver.variable_projection import Solution, solve
 from dashpot.fitting.checks import relaxation as solid_questions
 from dashpot.fitting.checks.relaxation import hold_long_enough
@@ -200,12 +200,12 @@ def _solution(found: Thermal) -> Solution:
 def _orders(found: Thermal) -> tuple[OrderScore, ...]:
     """Every number tried; sums of squares in the noise of the fit taken."""
     sse = found.knowledge.residual.sse / found.best.point.chi_square
-    scores = []
-    for one in found.best.tried:
-        n, error = one.point.order, found.best.joint.errors(one.point)
-        clear = significant(np.ones(n), error[1 : 1 + n], error[1 + n : 1 + 2 * n])
-        scores.append(OrderScore(n, sse * one.point.chi_square, one.bic, clear, one.point.solid))
-    return tuple(scores)
+    return tuple(
+        OrderScore(
+            point.order, sse * point.chi_square, bic, found.best.joint.clear(point), point.solid
+        )
+        for point, bic in found.best.tried
+    )
 
 
 def _checks(
