@@ -85,7 +85,7 @@ def test_an_idea_has_one_home(idea: str) -> None:
     assert all(others.values()), "every other place says why"
     found = places(pattern, homes)
     assert found == set(others), (
-        f"{idea} lives in {', '.join(homes)}: call it from there; or, if it is another thing, say so"
+        f"{idea} lives in {', '.join(homes)}: call it there; or, if it is another thing, say so"
     )
 
 
