@@ -7,10 +7,10 @@ import pytest
 from scipy.signal import lfilter
 
 from dashpot.base.errors import DataError, FitError
+from dashpot.base.status import Status
 from dashpot.fitting.fit_many import fit_many
 from dashpot.fitting.relaxation import fit
 from dashpot.preparation.prepare import prepare
-from dashpot.records.fit import Status
 from dashpot.records.relaxation import RelaxationTest
 from dashpot.solids.maxwell import GeneralizedMaxwell
 

@@ -10,8 +10,9 @@ from typing import Literal
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.checks import Check
+from dashpot.base.checks import Check, status_of
 from dashpot.base.errors import FitError
+from dashpot.base.status import Status
 from dashpot.engine.blocks.block import Block
 from dashpot.engine.inference.covariance import Noise, nearly_white, noise_gain_differs
 from dashpot.engine.inference.order import DECISIVE, Choice, choose
@@ -48,7 +49,6 @@ from dashpot.records.fit import (
     Fit,
     OrderScore,
     Provenance,
-    Status,
 )
 from dashpot.records.temperature import TemperatureShifts
 from dashpot.solids.elastic import ElasticLaw
@@ -396,32 +396,11 @@ def _stationary(solution: Solution) -> bool:
 
 
 def _status(solution: Solution, asked: int | None, checks: Sequence[Check]) -> Status:
-    """Return how the fit ended: the first thing that went wrong, or that nothing did."""
-    failed = {check.name for check in checks if check.failed}
-    if "force_relaxes" in failed:
-        return Status.FORCE_RISES
-    return ended(
-        stationary="optimum_found" not in failed,
-        fewer=asked is not None and solution.order < asked,
-        at_bound=bool(solution.at_bound.any()) or "tau_inside_window" in failed,
-        identified=not failed & {"arms_supported", "k_inf_positive", "slope_known"},
-        agreed="data_agree" not in failed,
+    fewer = asked is not None and solution.order < asked
+    return status_of(
+        checks,
+        {Status.FEWER_ARMS: fewer, Status.TAU_AT_BOUND: bool(solution.at_bound.any())},
     )
-
-
-def ended(
-    *, stationary: bool, fewer: bool, at_bound: bool, identified: bool, agreed: bool
-) -> Status:
-    """Return how a fit ended: the first of these that went wrong, or that nothing did."""
-    if not stationary:
-        return Status.NOT_CONVERGED
-    if fewer:
-        return Status.FEWER_ARMS
-    if at_bound:
-        return Status.TAU_AT_BOUND
-    if not agreed:
-        return Status.TESTS_DISAGREE
-    return Status.CONVERGED if identified else Status.NOT_IDENTIFIED
 
 
 def _residual(estimate: Estimate) -> Residual:

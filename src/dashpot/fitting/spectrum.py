@@ -10,14 +10,14 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import FloatArray, increasing, same_length, samples
-from dashpot.base.checks import Check
+from dashpot.base.checks import Check, status_of
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.provenance import Source
 from dashpot.engine.least_squares.nnls import nonnegative
 from dashpot.fitting.checks.curves import FOLLOWED, few_arms_suffice
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.estimate import ParameterEstimate, Residual
-from dashpot.records.fit import Fit, Status
+from dashpot.records.fit import Fit
 from dashpot.records.superposition import AsMeasured, Superposition
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -330,7 +330,7 @@ def _dense(
     return replace(
         few,
         solid=dense.model,
-        status=Status.NOT_IDENTIFIED,
+        status=status_of([*of_data, check]),
         estimate=ParameterEstimate(
             (), np.zeros((0, 0)), float("inf"), residual, nuisance=few.nuisance
         ),

@@ -17,6 +17,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray, block_means
+from dashpot.base.checks import status_of
 from dashpot.base.errors import FitError
 from dashpot.base.provenance import Step, sources_of
 from dashpot.engine.blocks.recorded import arm_columns, recursion
@@ -25,7 +26,6 @@ from dashpot.engine.least_squares.problem import Optimum, Parameter, Problem, Ro
 from dashpot.fitting.cld import checks
 from dashpot.fitting.cld.relaxed import clock_of, felt
 from dashpot.fitting.nonlinear_ramp.quasi_linear import hat_integrals
-from dashpot.fitting.pipeline import ended
 from dashpot.records.cld import CLD
 from dashpot.records.estimate import ParameterEstimate, Residual, parameter_names
 from dashpot.records.fit import Evidence, Fit, OrderScore, Provenance
@@ -268,7 +268,6 @@ def _assembled(
         checks.slowest_relaxed(max(model.tau, default=None), max(strokes)),
         checks.memory_told(float(error.max()) if model.arms else None),
     )
-    failed = {check.name for check in asked if check.failed}
     step = Step(
         "fit",
         (("arms", str(model.arms)), ("knots", str(KNOTS))),
@@ -276,8 +275,7 @@ def _assembled(
     )
     return Fit(
         solid=model,
-        status=ended(stationary=True, fewer=False, at_bound=False,
-                     identified="memory_told" not in failed, agreed=True),
+        status=status_of(asked),
         estimate=ParameterEstimate(
             parameter_names(model.arms), covariance, known.dof,
             Residual(n, best.sse, rms, known.kappa),

@@ -8,17 +8,17 @@ from dataclasses import replace
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.checks import Check
+from dashpot.base.checks import Check, status_of
 from dashpot.base.provenance import Step, sources_of, steps_of
+from dashpot.base.status import Status
 from dashpot.fitting.checks.solid import optimum_found
 from dashpot.fitting.identification import checks
 from dashpot.fitting.identification.explanations import Disagreement, agreement
 from dashpot.fitting.identification.families import Rival, edged, family_checks
 from dashpot.fitting.identification.likelihood import DELAY_UNIT, UNCHANGED, Candidate
 from dashpot.fitting.identification.parametrisation import Arms
-from dashpot.fitting.pipeline import ended
 from dashpot.records.estimate import Nuisance, ParameterEstimate, Residual
-from dashpot.records.fit import Evidence, Fit, Moved, OrderScore, Provenance, Status
+from dashpot.records.fit import Evidence, Fit, Moved, OrderScore, Provenance
 from dashpot.records.frf import FRF
 from dashpot.records.relaxation import RampHold
 from dashpot.records.specimen import Specimen
@@ -26,8 +26,6 @@ from dashpot.records.temperature import TemperatureShifts
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import Solid
 
-# what fails where hammer and relaxation, or hammer and balance, do not describe one seal
-AGREEMENT = {"lines_explained", "relaxation_still_explained", "mass_believable", "tests_agree"}
 NOUNS = {
     "stiffness": "another stiffness of the seals",
     "k_inf": "another stiffness of the seals at rest",
@@ -150,14 +148,8 @@ def _score(candidate: Candidate) -> OrderScore:
 
 
 def _status(best: Candidate, asked: int | str, most: int, answers: Sequence[Check]) -> Status:
-    failed = {check.name for check in answers if check.failed}
-    return ended(
-        stationary="optimum_found" not in failed,
-        fewer=asked != "auto" and most > best.point.model.maxwell.arms,
-        at_bound=edged(best),
-        identified=best.significant,
-        agreed=not failed & AGREEMENT,
-    )
+    fewer = asked != "auto" and most > best.point.model.maxwell.arms
+    return status_of(answers, {Status.FEWER_ARMS: fewer, Status.TAU_AT_BOUND: edged(best)})
 
 
 def _band(best: Candidate, before: Fit | None) -> tuple[float, float]:

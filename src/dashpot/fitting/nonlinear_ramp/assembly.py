@@ -7,14 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from dashpot.base.checks import Check
+from dashpot.base.checks import Check, status_of
 from dashpot.base.provenance import Step, sources_of, steps_of
+from dashpot.base.status import Status
 from dashpot.fitting.checks.solid import frequencies_informed
 from dashpot.fitting.design import Design, compressed
 from dashpot.fitting.nonlinear_ramp import checks
 from dashpot.fitting.nonlinear_ramp.law_estimate import RampLaw
 from dashpot.fitting.nuisance import delay_prior, last_of_hold, material
-from dashpot.fitting.pipeline import ended
 from dashpot.fitting.questions import Residuals, solid_checks
 from dashpot.fitting.uncertainty.informed_band import informed_band
 from dashpot.records.bounds import EndOfHold
@@ -57,16 +57,9 @@ def ramp_fit(
         noise=max(residual.rms * np.sqrt(residual.kappa), 1e-300),
     )
     answers = (*law_checks(tests, found, end), *further, frequencies_informed(band))
-    failed = {check.name for check in answers if check.failed}
     return Fit(
         solid=model,
-        status=ended(
-            stationary=True,
-            fewer=asked is not None and model.arms < asked,
-            at_bound="tau_inside_window" in failed,
-            identified=not failed & {"arms_supported", "k_inf_positive"},
-            agreed=True,
-        ),
+        status=status_of(answers, {Status.FEWER_ARMS: asked is not None and model.arms < asked}),
         estimate=estimate,
         evidence=Evidence(
             band=band,

@@ -7,7 +7,9 @@ from dataclasses import replace
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.checks import status_of
 from dashpot.base.provenance import Step, sources_of, steps_of
+from dashpot.base.status import Status
 from dashpot.fitting.checks.solid import uncertainty_estimated
 from dashpot.fitting.shift_law import LawThroughShifts, ShiftLaw, law_through
 from dashpot.fitting.temperature.joint import Vertical
@@ -15,7 +17,7 @@ from dashpot.fitting.temperature.knowledge import left_of, nuisances, own_names
 from dashpot.fitting.temperature.optimum import Optimum
 from dashpot.fitting.temperature.reduced import Own
 from dashpot.records.estimate import ParameterEstimate, Residual, parameter_names
-from dashpot.records.fit import Evidence, Fit, Provenance, Status
+from dashpot.records.fit import Evidence, Fit, Provenance
 from dashpot.records.temperature import Shift, TemperatureShifts, celsius
 from dashpot.solids.elastic import ElasticLaw
 
@@ -123,7 +125,7 @@ def point_alone(best: Optimum, vertical: Vertical, law: ShiftLaw, *, asked: int)
     sse, names = float(left @ left), parameter_names(point.order)
     return Fit(
         solid=point.solid,
-        status=Status.FEWER_ARMS if point.order < asked else Status.CONVERGED,
+        status=status_of((), {Status.FEWER_ARMS: point.order < asked}),
         estimate=ParameterEstimate(
             parameters=names,
             covariance=np.diag(np.full(len(names), np.inf)),

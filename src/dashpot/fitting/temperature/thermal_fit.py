@@ -9,7 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dashpot.base.checks import Check, worst
+from dashpot.base.checks import Check, status_of, worst
+from dashpot.base.status import Status
 from dashpot.engine.blocks.block import Block
 from dashpot.engine.inference.order import chance_beyond, significant
 from dashpot.engine.solver.variable_projection import Solution, solve
@@ -30,7 +31,7 @@ from dashpot.fitting.checks.temperature import (
     shift_monotone,
     shifts_determined,
 )
-from dashpot.fitting.pipeline import certified, ended
+from dashpot.fitting.pipeline import certified
 from dashpot.fitting.repeats import end_stiffnesses
 from dashpot.fitting.shift_law import LawThroughShifts, ShiftLaw
 from dashpot.fitting.temperature import checks
@@ -154,15 +155,14 @@ def _assembled(
         records, _reduced(found), stiffness=max(model.k_0, 1e-300), noise=1.0, slower=slower
     )
     answers = _checks(found, shifts, laid, band)
-    failed = {check.name for check in answers if check.failed}
     return Fit(
         solid=model,
-        status=ended(
-            stationary="optimum_found" not in failed,
-            fewer=asked is not None and model.arms < asked,
-            at_bound=bool(solution.at_bound.any()) or "tau_inside_window" in failed,
-            identified=not failed & {"arms_supported", "k_inf_positive"},
-            agreed="thermorheologically_simple" not in failed,
+        status=status_of(
+            answers,
+            {
+                Status.FEWER_ARMS: asked is not None and model.arms < asked,
+                Status.TAU_AT_BOUND: bool(solution.at_bound.any()),
+            },
         ),
         estimate=ParameterEstimate(
             parameters=parameter_names(point.order),
