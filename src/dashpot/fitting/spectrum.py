@@ -10,10 +10,11 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import FloatArray, increasing, same_length, samples
-from dashpot.base.checks import Check, status_of
+from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.provenance import Source
 from dashpot.engine.least_squares.nnls import nonnegative
+from dashpot.fitting.assembly import Outcome, assembled
 from dashpot.fitting.checks.curves import FOLLOWED, few_arms_suffice
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.estimate import ParameterEstimate, Residual
@@ -327,12 +328,11 @@ def _dense(
         missed[1],
     )
     residual = Residual(values, values * dense.rms**2, dense.rms, unit="1")
-    return replace(
-        few,
-        solid=dense.model,
-        status=status_of([*of_data, check]),
-        estimate=ParameterEstimate(
-            (), np.zeros((0, 0)), float("inf"), residual, nuisance=few.nuisance
-        ),
-        evidence=replace(few.evidence, certificate=None, checks=(*of_data, check)),
+    estimate = ParameterEstimate((), np.zeros((0, 0)), np.inf, residual, nuisance=few.nuisance)
+    return assembled(
+        Outcome(dense.model, estimate),
+        replace(few.evidence, certificate=None, checks=(*of_data, check)),
+        few.provenance,
+        unit=few.unit,
+        temperatures=few.temperatures,
     )

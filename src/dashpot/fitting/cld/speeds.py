@@ -17,12 +17,12 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray, block_means
-from dashpot.base.checks import status_of
 from dashpot.base.errors import FitError
 from dashpot.base.provenance import Step, sources_of
 from dashpot.engine.blocks.recorded import arm_columns, recursion
 from dashpot.engine.inference.estimate import estimate, score
 from dashpot.engine.least_squares.problem import Optimum, Parameter, Problem, Rows, solved
+from dashpot.fitting.assembly import Outcome, assembled
 from dashpot.fitting.cld import checks
 from dashpot.fitting.cld.relaxed import clock_of, felt
 from dashpot.fitting.nonlinear_ramp.quasi_linear import hat_integrals
@@ -273,16 +273,13 @@ def _assembled(
         (("arms", str(model.arms)), ("knots", str(KNOTS))),
         f"fitted an elastic law and {model.arms} arms to load deflection at {len(pieces)} speeds",
     )
-    return Fit(
-        solid=model,
-        status=status_of(asked),
-        estimate=ParameterEstimate(
-            parameter_names(model.arms), covariance, known.dof,
-            Residual(n, best.sse, rms, known.kappa),
-        ),
-        evidence=Evidence(
-            (1 / (2 * np.pi * max(strokes)), 1 / (np.pi * min(strokes))), orders, checks=asked
-        ),
-        provenance=Provenance("cld", sources_of(pieces), (step,), pieces[0].specimen),
+    told = ParameterEstimate(
+        parameter_names(model.arms), covariance, known.dof, Residual(n, best.sse, rms, known.kappa)
+    )
+    band = 1 / (2 * np.pi * max(strokes)), 1 / (np.pi * min(strokes))
+    return assembled(
+        Outcome(model, told),
+        Evidence(band, orders, checks=asked),
+        Provenance("cld", sources_of(pieces), (step,), pieces[0].specimen),
         elastic_law=law,
-    )  # fmt: skip
+    )

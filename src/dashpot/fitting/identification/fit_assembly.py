@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.checks import Check, status_of
+from dashpot.base.checks import Check
 from dashpot.base.provenance import Step, sources_of, steps_of
-from dashpot.base.status import Status
+from dashpot.fitting.assembly import Outcome, assembled
 from dashpot.fitting.checks.solid import optimum_found
 from dashpot.fitting.identification import checks
 from dashpot.fitting.identification.explanations import Disagreement, agreement
@@ -36,7 +36,7 @@ NOUNS = {
 SAME = 1.0
 
 
-def assembled(
+def identified(
     best: Candidate,
     orders: Sequence[Candidate],
     *,
@@ -65,26 +65,30 @@ def assembled(
     answers = (
         *_checks(best, covariance, before, apart), *family_checks(best, rival, other), *dashpot
     )  # fmt: skip
+    estimate = ParameterEstimate(
+        names,
+        physical,
+        dof=max(samples - len(best.theta), 1.0),
+        residual=residual,
+        nuisance=_nuisance(best, covariance),
+    )
     law = None if before is None else before.elastic_law
-    return Fit(
-        solid=point.model,
-        status=_status(best, asked, most, answers),
-        estimate=ParameterEstimate(
-            names,
-            physical,
-            dof=max(samples - len(best.theta), 1.0),
-            residual=residual,
-            nuisance=_nuisance(best, covariance),
+    return assembled(
+        Outcome(
+            point.model,
+            estimate,
+            fewer=asked != "auto" and most > point.model.maxwell.arms,
+            at_bound=edged(best),
         ),
-        evidence=Evidence(
-            band=band,
+        Evidence(
+            band,
             orders=tuple(_score(candidate) for candidate in orders),
             checks=answers,
             moved=() if own is None else _moved(own, point.model, names, physical),
             explanations=() if apart is None else apart.explanations,
             alternative=other,
         ),
-        provenance=Provenance(
+        Provenance(
             "joint" if tests or before is not None else "frf",
             (*frf.source, *sources_of(tests)),
             (*frf.steps, *steps_of(tests), _step(best)),
@@ -145,11 +149,6 @@ def _score(candidate: Candidate) -> OrderScore:
         candidate.significant,
         candidate.point.model.maxwell,
     )
-
-
-def _status(best: Candidate, asked: int | str, most: int, answers: Sequence[Check]) -> Status:
-    fewer = asked != "auto" and most > best.point.model.maxwell.arms
-    return status_of(answers, {Status.FEWER_ARMS: fewer, Status.TAU_AT_BOUND: edged(best)})
 
 
 def _band(best: Candidate, before: Fit | None) -> tuple[float, float]:
