@@ -8,6 +8,7 @@ from pathlib import Path
 
 import dashpot
 from dashpot.base.checks import REGISTER, Criterion
+from dashpot.base.status import Status
 
 PAGE = Path(__file__).with_suffix(".md")
 HEAD = """\
@@ -29,10 +30,23 @@ JSON). A failure has one of three grades:
 
 The verdict of a fit, a comparison or a study is that of the gravest failure: *do not use* after any
 stop, else *use with care* after any limit, else *use*. It leads every report, with the sentence of
-the check that decided: what was found, and what would change it. How the optimiser ended is another
-matter, and stands below. `--strict` leaves with exit code 1 after a failure graded limit or stop; a
-note is no reason to stop a batch. Some checks grade a failure by its size, as the column says.
+the check that decided: what was found, and what would change it. `--strict` leaves with exit code
+1 after a failure graded limit or stop; a note is no reason to stop a batch. Some checks grade a
+failure by its size, as the column says.
+
+How the optimiser ended is another matter, and stands below the verdict: it is the gravest status
+that a failed check sets, whatever its grade, or that the optimum itself shows. The gravest first:
+
+| status | what it says | set by |
+|---|---|---|
 """
+BESIDE = {
+    Status.NO_DATA: "a record that is not finite",
+    Status.FEWER_ARMS: "fewer arms than were asked for",
+    Status.TAU_AT_BOUND: "a bound that holds the optimum",
+    Status.CONVERGED: "nothing of these",
+}
+"""What sets a status that no check asks for, or not alone."""
 WORDS = {
     "<=": "at most", "<": "below", ">=": "at least", ">": "above", "==": "equal to",
     "|x| <=": "within ±", "x/": "within a factor",
@@ -46,7 +60,7 @@ def page() -> str:
         module = file.relative_to(sources).with_suffix("").parts
         if "checks" in module:
             import_module(".".join(("dashpot", *module)))
-    parts = [HEAD]
+    parts = [HEAD, *map(_ended, reversed(Status))]
     for stage, ours in groupby(sorted(REGISTER.values(), key=_file), key=_stage):
         parts.append(
             f"\n## {stage}\n\n| check | what holds | value | passes if | a failure is a | "
@@ -67,6 +81,14 @@ def _stage(asked: Criterion[...]) -> str:
 
 def _grade(asked: Criterion[...]) -> str:
     return ", or ".join(filter(None, (asked.grade, asked.otherwise)))
+
+
+def _ended(status: Status) -> str:
+    names = dict.fromkeys(
+        f"`{one.name}`" for _, one in sorted(REGISTER.items()) if one.ends is status
+    )
+    ways = [*names, *([BESIDE[status]] if status in BESIDE else [])]
+    return f"| `{status.name.lower()}` | {status.value} | {', '.join(ways)} |\n"
 
 
 def _row(asked: Criterion[...]) -> str:

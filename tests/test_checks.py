@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Callable
 from dataclasses import replace
@@ -17,7 +18,8 @@ from kit.fits import a_fit
 
 import dashpot
 from dashpot.base.capability import capability
-from dashpot.base.checks import REGISTER, Check, Finding, criterion
+from dashpot.base.checks import REGISTER, Check, Finding, criterion, status_of
+from dashpot.base.status import Status
 from dashpot.engine.inference.covariance import Noise, nearly_white, noise_of
 from dashpot.engine.inference.order import DECISIVE, Choice, choose
 from dashpot.export import checks as export
@@ -74,6 +76,7 @@ from dashpot.vibration.modal.stabilisation import DAMPING, Stabilisation
 from dashpot.vibration.systems.operating_point import OperatingPoint
 from dashpot.vibration.systems.prediction import moving_mass, predict_frf
 from dashpot.workflow import checks as workflow
+from dashpot.workflow.archive import to_json
 
 ROOT = Path(__file__).parents[1]
 SOURCES = Path(dashpot.__file__).parent
@@ -86,6 +89,8 @@ def arm(k: float = 1.0, tau: float = 1.0) -> GeneralizedMaxwell:
     return GeneralizedMaxwell(1.0, (k,), (tau,))
 
 
+#: errors of k_inf, k and ln tau that leave an arm unsupported
+WEAK = np.array([0.0, 1.0, 0.0])
 DEPTH = 8e-3
 TIME = np.arange(-100, 4101) / 100
 PLATE = DEPTH * np.clip(TIME, 0, 1)
@@ -1537,6 +1542,35 @@ GRADES = {
 }  # fmt: skip
 
 
+#: how a fit that fails a check ended, by its stage; any other check ends none
+ENDS = {
+    "preparation": {"force_relaxes": Status.FORCE_RISES},
+    "fitting": {
+        "optimum_found": Status.NOT_CONVERGED,
+        "tau_inside_window": Status.TAU_AT_BOUND,
+        "data_agree": Status.TESTS_DISAGREE,
+        "arms_supported": Status.NOT_IDENTIFIED,
+        "k_inf_positive": Status.NOT_IDENTIFIED,
+        "few_arms_suffice": Status.NOT_IDENTIFIED,
+    },
+    "fitting/fractional": {"slope_known": Status.NOT_IDENTIFIED},
+    "fitting/temperature": {"thermorheologically_simple": Status.TESTS_DISAGREE},
+    "fitting/identification": {
+        "lines_explained": Status.TESTS_DISAGREE,
+        "relaxation_still_explained": Status.TESTS_DISAGREE,
+        "tests_agree": Status.TESTS_DISAGREE,
+        "mass_believable": Status.TESTS_DISAGREE,
+        "arms_identified": Status.NOT_IDENTIFIED,
+    },
+    "fitting/cld": {"memory_told": Status.NOT_IDENTIFIED},
+}
+#: the gravest first
+GRAVEST_FIRST = (
+    Status.NO_DATA, Status.FORCE_RISES, Status.NOT_CONVERGED, Status.FEWER_ARMS,
+    Status.TAU_AT_BOUND, Status.TESTS_DISAGREE, Status.NOT_IDENTIFIED, Status.CONVERGED,
+)  # fmt: skip
+
+
 @pytest.mark.parametrize(
     "case",
     [
@@ -1586,6 +1620,37 @@ def test_the_grades_are_those_typed_here() -> None:
     for (stage, name), one in REGISTER.items():
         grades = [grade for grade, stages in GRADES.items() if name in stages.get(stage, ())]
         assert one.grade == (grades or ["limit"])[0], (stage, name)
+
+
+def test_the_statuses_that_checks_set_are_those_typed_here() -> None:
+    """A check that failed ends a fit as its criterion says, one that passed ends none."""
+    for stage, cases in STAGES.items():
+        for case in cases:
+            ends = ENDS.get(stage, {}).get(case.check)
+            for x, status in ((case.passes, Status.CONVERGED), (case.fails, ends)):
+                if x is not None:
+                    assert status_of([case.judge(x)]) is (status or Status.CONVERGED), case.check
+    typed = {(stage, name) for stage, names in ENDS.items() for name in names}
+    assert typed == {at for at, one in REGISTER.items() if one.ends is not None}
+
+
+def test_the_gravest_of_what_went_wrong_is_how_a_fit_ended() -> None:
+    optimum, arms = solid.optimum_found(stationary=False), solid.arms_supported(arm(), WEAK)
+    assert status_of([arms, optimum, arms]) is Status.NOT_CONVERGED
+    assert status_of([arms], {Status.FEWER_ARMS: True}) is Status.FEWER_ARMS
+    assert status_of([arms], {Status.FEWER_ARMS: False}) is Status.NOT_IDENTIFIED
+    assert status_of([solid.arms_supported(arm(), WEAK, needed=True)]) is Status.NOT_IDENTIFIED
+    for i, grave in enumerate(GRAVEST_FIRST):
+        assert status_of([], dict.fromkeys(GRAVEST_FIRST[i:], True)) is grave
+
+
+def test_no_document_and_no_comparison_of_checks_holds_the_status_that_they_set() -> None:
+    check = solid.optimum_found(stationary=False)
+    assert check.ends is Status.NOT_CONVERGED
+    assert check == replace(check, ends=None)
+    assert list(check.document) == ["name", "passed", "says", "value", "limit", "grade"]
+    kept = json.loads(to_json(a_fit(arm(), checks=(check,))))["checks"]
+    assert kept == [check.document]
 
 
 @pytest.mark.parametrize(
@@ -1657,9 +1722,8 @@ def test_a_gross_failure_forbids_the_use(
 
 
 def test_what_another_condition_makes_harmless_is_a_note() -> None:
-    weak = np.array([0.0, 1.0, 0.0])
-    assert solid.arms_supported(arm(), weak).grade == "limit"
-    assert solid.arms_supported(arm(), weak, needed=True).grade == "note"
+    assert solid.arms_supported(arm(), WEAK).grade == "limit"
+    assert solid.arms_supported(arm(), WEAK, needed=True).grade == "note"
     short = replace(RECORD, hold_end=1 + 5.0)
     assert preparation.hold_outlasts_ramp(short).grade == "note"
     assert preparation.hold_outlasts_ramp(replace(RECORD, hold_end=1 + 3.0)).grade == "limit"
@@ -1687,6 +1751,23 @@ def test_checks_are_built_in_the_register_alone() -> None:
         if re.search(r"\bCheck\(", file.read_text(encoding="utf-8"))
     ]
     assert built == ["base/checks.py"]
+
+
+def test_no_status_is_decided_outside_the_criteria() -> None:
+    """A fit ends as its failed checks say: no room reads a status off their names."""
+    texts = {
+        file.relative_to(SOURCES).as_posix(): file.read_text("utf-8")
+        for file in SOURCES.rglob("*.py")
+    }
+    decide = {name for name, text in texts.items() if "status_of(" in text}
+    assert decide == {"base/checks.py", "fitting/assembly.py", "fitting/fit_many.py"}
+    named = {
+        name for name, text in texts.items()
+        if re.search(r"\bStatus\.[A-Z]", text) and "checks" not in Path(name).with_suffix("").parts
+    }  # fmt: skip
+    assert named <= decide | {"records/fit.py", "export/opening.py"}
+    by_name = r"\{check\.name|\.name (not )?in \{"
+    assert not [name for name in decide | named if re.search(by_name, texts[name])]
 
 
 def test_every_criterion_says_what_it_asks_and_where_its_limit_comes_from() -> None:

@@ -16,10 +16,10 @@ from kit.verdicts import failures, judged, table
 
 import dashpot as dp
 from dashpot.base.checks import Check, verdict, worst
+from dashpot.base.status import Status
 from dashpot.cli import _text
 from dashpot.cli._shell import Outcome, reports
 from dashpot.cli._terminal import Text, shown
-from dashpot.records.fit import Status
 from dashpot.simulation.impact import Hammer, simulate_impact
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.simulation.rig import Rig

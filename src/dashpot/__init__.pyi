@@ -10,6 +10,7 @@ from .base.errors import ExportError as ExportError
 from .base.errors import FitError as FitError
 from .base.errors import ReadError as ReadError
 from .base.provenance import Source as Source
+from .base.status import Status as Status
 from .base.version import __version__ as __version__
 from .engine.sums import fit_exponential_sum as fit_exponential_sum
 from .fitting.cld.rate import fit_rate as fit_rate
@@ -71,7 +72,6 @@ from .records.creep import CreepTest as CreepTest
 from .records.door import Door as Door
 from .records.dynamic import DynamicTest as DynamicTest
 from .records.fit import Fit as Fit
-from .records.fit import Status as Status
 from .records.free_modes import FreeModes as FreeModes
 from .records.frf import FRF as FRF
 from .records.frf_set import FRFSet as FRFSet

@@ -22,6 +22,7 @@ from dashpot import export
 from dashpot.base.checks import Check
 from dashpot.base.errors import ExportError
 from dashpot.base.provenance import Source
+from dashpot.base.status import Status
 from dashpot.base.version import __version__
 from dashpot.export import UNIT_SYSTEMS
 from dashpot.export.beside import CARRIERS
@@ -29,7 +30,7 @@ from dashpot.export.notation import packed, text
 from dashpot.fitting.dynamic import fit_dynamic
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.estimate import Residual
-from dashpot.records.fit import Fit, Status
+from dashpot.records.fit import Fit
 from dashpot.records.seal_line import SealLine
 from dashpot.records.specimen import Specimen
 from dashpot.solids.maxwell import GeneralizedMaxwell

@@ -7,11 +7,11 @@ import pytest
 from scipy.signal import lfilter
 
 from dashpot.base.errors import DataError, FitError
+from dashpot.base.status import Status
 from dashpot.fitting.fit_many import fit_many
 from dashpot.fitting.relaxation import fit
 from dashpot.preparation.prepare import prepare
-from dashpot.records.fit import Status
-from dashpot.records.relaxation import RelaxationTest
+from dashpot.records.relaxation import RampHold, RelaxationTest
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 TIME = np.arange(4101) / 100
@@ -73,6 +73,17 @@ def test_each_failure_has_its_status() -> None:
     assert np.isnan(many.k_inf[1])
     assert many.k_inf[3] == pytest.approx(100.0)
     assert np.isnan(many.k[3]).all()
+
+
+@pytest.mark.parametrize(("arms", "status"), [(1, Status.TAU_AT_BOUND), (2, Status.FEWER_ARMS)])
+def test_a_record_in_a_stack_ends_as_it_does_alone(arms: int, status: Status) -> None:
+    """A steady fall is one arm at the end of what the record can show, and no more."""
+    record = 100.0 * X - 1e-4 * np.maximum(TIME - 1.0, 0.0)
+    held = RampHold(TIME, X, record, 0.0, 1.0, TIME[-1], X[-1])
+    alone = fit(held, arms=arms, nuisance=(), intervals=False)
+    many = fit_many(TIME, record, displacement=X, arms=arms)
+    assert many.tau[0, 0] == pytest.approx(alone.model.tau[0])
+    assert many.status == (alone.status,) == (status,)
 
 
 @pytest.mark.parametrize("choice", [{"ramp": (8e-3, 1.0)}, {"displacement": X}])

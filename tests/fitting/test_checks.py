@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 
 from dashpot.base.checks import Check
+from dashpot.base.status import Status
 from dashpot.engine.inference.order import Choice
 from dashpot.fitting.checks import solid
 from dashpot.fitting.relaxation import fit
 from dashpot.preparation import checks as record_checks
-from dashpot.records.fit import Fit, Status
+from dashpot.records.fit import Fit
 from dashpot.records.machine import Machine
 from dashpot.records.relaxation import RampHold
 from dashpot.records.specimen import Specimen

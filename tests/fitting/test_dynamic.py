@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dashpot.base.errors import DataError, FitError
+from dashpot.base.status import Status
 from dashpot.fitting.checks.curves import kramers_kronig
 from dashpot.fitting.dynamic import fit_dynamic
 from dashpot.fitting.relaxation import fit
@@ -18,7 +19,7 @@ from dashpot.fitting.spectrum import passive_misfit
 from dashpot.io.readers.dynamic import read_dynamic
 from dashpot.preparation.prepare import prepare
 from dashpot.records.dynamic import DynamicTest
-from dashpot.records.fit import Fit, Status
+from dashpot.records.fit import Fit
 from dashpot.records.relaxation import RampHold
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.solids.maxwell import GeneralizedMaxwell

@@ -11,12 +11,13 @@ import pytest
 from kit import hardening
 from kit.fits import a_fit
 
+from dashpot.base.status import Status
 from dashpot.fitting.identification.asked import KnownSolid
 from dashpot.fitting.identification.explanations import as_other_count
 from dashpot.fitting.identification.identify import identify
 from dashpot.fitting.relaxation import fit
 from dashpot.preparation.prepare import prepare
-from dashpot.records.fit import Fit, Status
+from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF
 from dashpot.records.relaxation import RampHold, RelaxationTest
 from dashpot.solids.elastic import ElasticLaw

@@ -12,11 +12,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dashpot.base.errors import DataError, FitError
+from dashpot.base.status import Status
 from dashpot.fitting.linear_gate import Holds
 from dashpot.fitting.relaxation import fit
 from dashpot.preparation.prepare import prepare
 from dashpot.records.estimate import Profile, profile_interval
-from dashpot.records.fit import Fit, Status
+from dashpot.records.fit import Fit
 from dashpot.records.relaxation import RampHold
 from dashpot.simulation import simulate_relaxation
 from dashpot.solids.maxwell import GeneralizedMaxwell

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from dashpot.base.errors import FitError
+from dashpot.base.status import Status
 from dashpot.fitting.relaxation import fit
-from dashpot.records.fit import Status
 from dashpot.records.relaxation import RampHold
 
 RAMPS = (0.1, 1.0, 10.0, 100.0)

@@ -13,9 +13,10 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
+from dashpot.base.status import Status
 from dashpot.fitting.relaxation import fit
 from dashpot.preparation.prepare import prepare
-from dashpot.records.fit import Fit, Status
+from dashpot.records.fit import Fit
 from dashpot.records.relaxation import RelaxationTest
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.simulation.rig import Rig

@@ -11,9 +11,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dashpot.base.errors import DataError, FitError
+from dashpot.base.status import Status
 from dashpot.fitting.identification.asked import HammerRig, KnownSolid
 from dashpot.fitting.identification.identify import identify
-from dashpot.records.fit import Status
 from dashpot.records.frf import FRF
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.comparison.compare import infer_mass

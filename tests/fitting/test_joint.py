@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from dashpot.base.errors import FitError
+from dashpot.base.status import Status
 from dashpot.fitting.identification.asked import HammerRig
 from dashpot.fitting.identification.frf_data import frf_data_of
 from dashpot.fitting.identification.identify import identify
@@ -22,7 +23,7 @@ from dashpot.fitting.identification.parametrisation import Arms
 from dashpot.fitting.relaxation import fit
 from dashpot.fitting.weighed_relaxation import relaxation_data
 from dashpot.preparation.prepare import prepare
-from dashpot.records.fit import Fit, Status
+from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF
 from dashpot.records.relaxation import RampHold
 from dashpot.simulation.impact import simulate_impact

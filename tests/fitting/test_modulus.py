@@ -11,12 +11,12 @@ from click.testing import CliRunner
 
 import dashpot as dp
 from dashpot.base.errors import DataError, ReadError
+from dashpot.base.status import Status
 from dashpot.cli import main
 from dashpot.fitting.modulus import fit_modulus
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.inspect import inspect_file
 from dashpot.io.readers.modulus import read_modulus
-from dashpot.records.fit import Status
 from dashpot.records.modulus import RelaxationModulus
 from dashpot.solids.maxwell import GeneralizedMaxwell
 

@@ -10,11 +10,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dashpot.base.errors import DataError, FitError
+from dashpot.base.status import Status
 from dashpot.fitting.modulus import fit_modulus
 from dashpot.fitting.spectrum import dynamic_master_curve, master_curve
 from dashpot.io.readers.dynamic import read_dynamic
 from dashpot.records.dynamic import DynamicTest
-from dashpot.records.fit import Status
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.workflow.archive import from_json, to_json
 

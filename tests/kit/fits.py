@@ -6,8 +6,9 @@ from dataclasses import fields, replace
 
 import numpy as np
 
+from dashpot.base.status import Status
 from dashpot.records.estimate import ELEMENT, ParameterEstimate, Residual, parameter_names
-from dashpot.records.fit import Evidence, Fit, Provenance, Status
+from dashpot.records.fit import Evidence, Fit, Provenance
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import Solid
 

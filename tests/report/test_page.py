@@ -23,10 +23,11 @@ from test_sentences import CODE
 from dashpot.base.checks import Check
 from dashpot.base.numbers import decibels, percent, rounded, with_error
 from dashpot.base.provenance import Source, Step
+from dashpot.base.status import Status
 from dashpot.cli import _text, main
 from dashpot.plot import tokens
 from dashpot.records.estimate import Nuisance
-from dashpot.records.fit import Explanation, Moved, Status
+from dashpot.records.fit import Explanation, Moved
 from dashpot.records.frf import Hit
 from dashpot.records.specimen import Specimen
 from dashpot.report import answer, html

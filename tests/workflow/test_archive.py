@@ -15,13 +15,13 @@ from kit.fits import a_fit
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.provenance import Source, Step
+from dashpot.base.status import Status
 from dashpot.io.readers.inspect import InspectedColumn, Segment
 from dashpot.io.table import Question
 from dashpot.planning.bench import Bench
 from dashpot.planning.plan import plan
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.estimate import Nuisance, Profile, Residual
-from dashpot.records.fit import Status
 from dashpot.records.frf import FRF, Hit
 from dashpot.records.impact import ImpactTest
 from dashpot.records.relaxation import RampHold, RelaxationTest

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable, Iterable
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, replace
 from types import EllipsisType
 from typing import Any, Generic, Literal, NamedTuple, ParamSpec, get_args
 
 from dashpot.base.numbers import json_number, spelled
+from dashpot.base.status import Status
 
 P = ParamSpec("P")
 
@@ -47,6 +48,9 @@ class Check:
     grade : str
         What a failure means: ``"note"``, it does not matter to the result; ``"limit"``, use it
         with care; ``"stop"``, do not use it.
+    ends : Status or None
+        How a fit that fails it ended, as its criterion says; no document holds it, and no
+        comparison of two checks.
     """
 
     name: str
@@ -55,14 +59,18 @@ class Check:
     value: float | None = None
     limit: float | None = None
     grade: Grade = "limit"
+    ends: Status | None = field(default=None, repr=False, compare=False)
 
     @property
     def document(self) -> dict[str, Any]:
         """As every document says it."""
-        numbers = {"value": self.value, "limit": self.limit}
-        return asdict(self) | {
-            name: None if one is None else json_number(one) for name, one in numbers.items()
-        }
+        value, limit = (
+            None if one is None else json_number(one) for one in (self.value, self.limit)
+        )
+        return {
+            "name": self.name, "passed": self.passed, "says": self.says, "value": value,
+            "limit": limit, "grade": self.grade,
+        }  # fmt: skip
 
     @property
     def failed(self) -> bool:
@@ -117,6 +125,21 @@ def verdict(
     because = stops + limits
     more = _others(len(because) - 1)
     return Verdict(use, because[0].says + more if because else sound, because)
+
+
+def status_of(checks: Iterable[Check], found: Mapping[Status, bool] | None = None) -> Status:
+    """Return how a fit ended: the gravest of what its checks and its optimum say.
+
+    Parameters
+    ----------
+    checks : iterable of Check
+        Each that failed says how such a fit ends, if its criterion does.
+    found : mapping of Status to bool, optional
+        What the optimum itself shows, and no check asks.
+    """
+    said = {check.ends for check in checks if check.failed}
+    said |= {status for status, shown in (found or {}).items() if shown}
+    return next((status for status in reversed(Status) if status in said), Status.CONVERGED)
 
 
 def worst(checks: Iterable[Check]) -> Check:
@@ -192,6 +215,8 @@ class Criterion(Generic[P]):
         What a failure means, as in `Check`.
     otherwise : str
         Where a failure means another, in words: ``"stop beyond 10"``.
+    ends : Status or None
+        How a fit that fails it ended, whatever the grade; None if the optimum is none the worse.
     judge : callable
         Returns a `Finding`.
     """
@@ -205,6 +230,7 @@ class Criterion(Generic[P]):
     source: str
     grade: Grade
     otherwise: str
+    ends: Status | None
     judge: Callable[P, Finding]
 
     def __call__(self, *args: P.args, **kwargs: P.kwargs) -> Check:
@@ -214,8 +240,9 @@ class Criterion(Generic[P]):
         passed = self._passed(found, limit)
         says = (found.instead or found.says) + found.but if passed is False else found.says
         return Check(
-            self.name, passed, spelled(says), found.value, limit, found.grade or self.grade
-        )
+            self.name, passed, spelled(says), found.value, limit, found.grade or self.grade,
+            self.ends,
+        )  # fmt: skip
 
     def _passed(self, found: Finding, limit: float | None) -> bool | None:
         if found.faulted or found.excused:
@@ -239,6 +266,7 @@ def criterion(
     *,
     grade: Grade = "limit",
     otherwise: str = "",
+    ends: Status | None = None,
     name: str = "",
     question: str = "",
 ) -> Callable[[Callable[P, Finding]], Criterion[P]]:
@@ -246,7 +274,7 @@ def criterion(
 
     Parameters
     ----------
-    measure, rule, limit, source, grade, otherwise
+    measure, rule, limit, source, grade, otherwise, ends
         As in `Criterion`.
     name, question : str
         By default the function's name and the first line of its docstring.
@@ -256,7 +284,9 @@ def criterion(
         stage = judge.__module__.removeprefix("dashpot.").partition(".checks")[0].replace(".", "/")
         asks = question or (judge.__doc__ or "").strip().partition("\n")[0]
         title = name or judge.__name__
-        made = Criterion(title, stage, asks, measure, rule, limit, source, grade, otherwise, judge)
+        made = Criterion(
+            title, stage, asks, measure, rule, limit, source, grade, otherwise, ends, judge
+        )
         if (stage, made.name) in REGISTER:
             raise ValueError(f"{stage} has two criteria {made.name}; expected one of each name")
         REGISTER[stage, made.name] = made

@@ -10,7 +10,7 @@
 
 The text of an error says where, what was found, what was expected and what to do.
 A fit that does not converge, or a parameter that the data cannot see, is no error:
-it is a :class:`~dashpot.records.fit.Status` or a failed :class:`~dashpot.base.checks.Check`.
+it is a :class:`~dashpot.base.status.Status` or a failed :class:`~dashpot.base.checks.Check`.
 """
 
 

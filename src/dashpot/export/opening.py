@@ -8,10 +8,11 @@ from types import MappingProxyType
 
 from dashpot.base.arrays import LEAST, MOST
 from dashpot.base.errors import DataError, ExportError
+from dashpot.base.status import Status
 from dashpot.export.deck import Deck, Exportable
 from dashpot.export.notation import UNIT_SYSTEMS
 from dashpot.fitting.temperature.checks import temperature_tested
-from dashpot.records.fit import Fit, Status
+from dashpot.records.fit import Fit
 from dashpot.records.level import LevelFit
 from dashpot.records.specimen import Specimen
 

@@ -27,6 +27,7 @@ from dashpot.engine.blocks.hold import decay_block
 from dashpot.engine.blocks.recorded import recorded_block
 from dashpot.engine.inference.order import MIN_K_OVER_SE, bic, significant
 from dashpot.engine.solver.variable_projection import Solution, solve
+from dashpot.fitting.assembly import assembled
 from dashpot.fitting.checks import creep as checks
 from dashpot.fitting.checks.relaxation import residuals_steady
 from dashpot.fitting.checks.solid import (
@@ -40,7 +41,7 @@ from dashpot.fitting.checks.solid import (
 from dashpot.fitting.design import evened
 from dashpot.fitting.fit_data import DOUBTED, FitData, determinable_arms
 from dashpot.fitting.nuisance import Prior, Terms, at_rest
-from dashpot.fitting.pipeline import Chosen, asked_arms, assembled, chosen_arms, measured_in
+from dashpot.fitting.pipeline import Chosen, asked_arms, chosen_arms
 from dashpot.fitting.retardation import FLOW, GLASS, Retarded, spectrum_of
 from dashpot.fitting.spectrum import shared_where_few_fall_short
 from dashpot.fitting.superposition.superpose import superpose
@@ -51,10 +52,10 @@ from dashpot.preparation.checks import of_temperature
 from dashpot.preparation.creep import load_hold
 from dashpot.preparation.segments import find_segments
 from dashpot.records.creep import Creep, CreepCompliance, CreepTest, LoadHold
-from dashpot.records.fit import Fit, Provenance
+from dashpot.records.fit import Evidence, Fit, Provenance
 from dashpot.records.machine import Machine
 from dashpot.records.relaxation import quantum
-from dashpot.records.superposition import Superposition
+from dashpot.records.superposition import AsMeasured, Superposition
 from dashpot.solids.interconversion import CreepSpectrum
 
 _NUISANCE = ("offset", "drift", "delay")
@@ -119,7 +120,8 @@ def fit_creep(
     if isinstance(test, Superposition):
         return _of_master_curve(test, arms, thorough=thorough, max_arms=max_arms)
     if isinstance(test, CreepCompliance):
-        return _of_curve(test, arms, thorough=thorough, max_arms=max_arms)
+        origin = AsMeasured(sources_of([test]))
+        return _of_curve(test, origin, arms, thorough=thorough, max_arms=max_arms)
     record = load_hold(test) if isinstance(test, CreepTest) else test
     each = [
         chosen_arms(_data(record, flows=flows), one, max_arms=max_arms, thorough=thorough)
@@ -277,6 +279,7 @@ def _fit_of_test(record: LoadHold, found: Retarded, arms: int | Literal["auto"])
     )  # fmt: skip
     window = (2 * float(np.diff(record.time).min()), record.hold_time)
     answers = (
+        found.ended,
         *_checks(found, record.unit, window, "the record"),
         *_flow_checks(creep, record.hold_time),
         checks.creep_finished(creep, record.hold_time, _most(record), unit=record.unit),
@@ -286,26 +289,24 @@ def _fit_of_test(record: LoadHold, found: Retarded, arms: int | Literal["auto"])
         residuals_steady([residual], rounding=_ROUNDING * found.data.peak),
         frequencies_informed(band),
     )
-    fit = assembled(
-        found,
-        band=band,
-        checks=answers,
-        noticed=record.checks,
-        provenance=Provenance(
+    word = "m" if record.unit == "N/m" else "1"
+    return assembled(
+        found.outcome(replace(found.residual, unit=word), found.nuisances(of=word)),
+        Evidence(
+            band,
+            found.orders,
+            found.certificate,
+            checks=(*record.checks, *answers),
+            creep=found.creep,
+        ),
+        Provenance(
             "creep",
             sources_of([record]),
             (*record.steps, _step(found, f"{len(residual)} samples of a creep test", arms)),
             record.specimen,
         ),
-        tests=1,
         unit=record.unit,
-        creep=found.creep,
     )
-    word = "m" if record.unit == "N/m" else "1"
-    units = {"offset": word, "drift": f"{word}/s", "delay": "s"}
-    nuisance = tuple(replace(one, unit=units[one.name]) for one in fit.nuisance)
-    fit = replace(fit, estimate=replace(fit.estimate, nuisance=nuisance))
-    return measured_in(fit, word)
 
 
 def _beyond_load_error(record: LoadHold, found: Chosen) -> Chosen:
@@ -415,7 +416,12 @@ def _step(found: Retarded, to: str, arms: int | Literal["auto"]) -> Step:
 
 
 def _of_curve(
-    curve: CreepCompliance, arms: int | Literal["auto"], *, thorough: bool, max_arms: int
+    curve: CreepCompliance,
+    origin: Superposition | AsMeasured,
+    arms: int | Literal["auto"],
+    *,
+    thorough: bool,
+    max_arms: int,
 ) -> Fit:
     """Return the fit of a compliance after a unit step, relative to what is expected of it."""
     later = curve.time > 0
@@ -447,26 +453,23 @@ def _of_curve(
     best = _better(found)
     creep, unit = best.spectrum, curve.stiffness_unit
     answers = (
+        *origin.checks,
+        best.ended,
         *of_temperature(curve.specimen),
         *_checks(best, unit, window, "the curve"),
         *_flow_checks(creep, float(t[-1])),
         checks.creep_finished(creep, float(t[-1]), 1 / float(values[-1]), unit=unit),
         checks.compliance_followed(best.estimate.rms, best.model.arms),
     )
-    fit = assembled(
-        best,
-        band=(1 / (2 * np.pi * float(t[-1])), 1 / (2 * np.pi * float(t[0]))),
-        checks=answers,
-        provenance=Provenance(
-            "creep",
-            sources_of([curve]),
-            (_step(best, f"{len(t)} values of a creep compliance", arms),),
-            curve.specimen,
-        ),
+    step = _step(best, f"{len(t)} values of a creep compliance", arms)
+    band = 1 / (2 * np.pi * float(t[-1])), 1 / (2 * np.pi * float(t[0]))
+    return assembled(
+        best.outcome(replace(best.residual, unit="1")),
+        Evidence(band, best.orders, best.certificate, checks=answers, creep=best.creep),
+        Provenance("creep", origin.sources, (*origin.steps, step), curve.specimen),
         unit=unit,
-        creep=best.creep,
+        temperatures=origin.temperatures,
     )
-    return measured_in(fit, "1")
 
 
 def _of_master_curve(
@@ -478,15 +481,7 @@ def _of_master_curve(
         raise FitError(
             "this master curve is no creep compliance: fit_dynamic or fit_modulus fits it"
         )
-    few = _of_curve(curve, arms, thorough=thorough, max_arms=max_arms)
-    few = replace(
-        few,
-        temperatures=moved.temperatures,
-        evidence=replace(few.evidence, checks=(*moved.checks, *few.checks)),
-        provenance=replace(
-            few.provenance, source=moved.sources, steps=(*moved.steps, *few.provenance.steps)
-        ),
-    )
+    few = _of_curve(curve, moved, arms, thorough=thorough, max_arms=max_arms)
     if arms != "auto" or few.creep is None:
         return few
     error = few.creep.spectrum.compliance(curve.time) / curve.compliance - 1

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
@@ -13,6 +14,7 @@ from dashpot.base.errors import FitError
 from dashpot.base.provenance import Step, sources_of, steps_of
 from dashpot.base.units import Quantity, si
 from dashpot.engine.blocks.block import Block, frequency_block
+from dashpot.fitting.assembly import assembled
 from dashpot.fitting.checks.curves import (
     bands_meet,
     data_agree,
@@ -37,7 +39,7 @@ from dashpot.fitting.fractional.choice import (
     chosen_family,
     named,
 )
-from dashpot.fitting.pipeline import Chosen, asked_arms, assembled, chosen_arms, measured_in
+from dashpot.fitting.pipeline import Chosen, asked_arms, chosen_arms
 from dashpot.fitting.repeats import refuse_copies
 from dashpot.fitting.spectrum import (
     dynamic_master_curve,
@@ -50,7 +52,8 @@ from dashpot.fitting.uncertainty.informed_band import informed_band
 from dashpot.preparation.checks import of_temperature
 from dashpot.preparation.ramp_holds import Tests, ramp_holds
 from dashpot.records.dynamic import DynamicTest
-from dashpot.records.fit import Fit, Provenance
+from dashpot.records.estimate import Residual
+from dashpot.records.fit import Evidence, Fit, Provenance
 from dashpot.records.relaxation import RampHold
 from dashpot.records.superposition import AsMeasured, Superposition
 from dashpot.solids.maxwell import Solid
@@ -149,32 +152,34 @@ def fit_dynamic(
         ("temperature", "all" if temperature is None else f"{temperature:g} K"),
         ("thorough", str(thorough).lower()),
     )
+    error = _relative_error(found.solid, data, weights if shifted else "relative")
+    left = replace(found.residual, unit="sd") if records else _left(error, found.residual)
     few = assembled(
-        found,
-        band=band,
-        checks=(
-            *of_data,
-            *of_temperature(data.specimen),
-            *_checks(found, data, records),
-            *both.checks(other),
-            *met,
+        found.outcome(left, found.nuisances()),
+        Evidence(
+            band,
+            found.orders,
+            found.certificate,
+            checks=(
+                found.ended,
+                *of_data,
+                *of_temperature(data.specimen),
+                *_checks(found, data, records),
+                *both.checks(other),
+                *met,
+            ),
+            alternative=other,
         ),
-        provenance=Provenance(
+        Provenance(
             "dynamic",
             (*origin.sources, *sources_of(records)),
             (*origin.steps, *steps_of(records), _step(data, records, found, options)),
             data.specimen,
         ),
-        tests=len(records),
         unit=data.unit,
-        alternative=other,
         temperatures=origin.temperatures,
     )
-    if records:
-        return measured_in(few, "sd")
-    error = _relative_error(few.solid, data, weights if shifted else "relative")
-    few = measured_in(few, "1", error)
-    if arms != "auto" or dashpot or few.family != "maxwell":
+    if records or arms != "auto" or dashpot or few.family != "maxwell":
         return few
     return spectrum_where_few_fail(few, error, origin, lambda: dynamic_master_curve(data), of_data)
 
@@ -186,6 +191,12 @@ def _relative_error(solid: Solid, data: DynamicTest, weights: str) -> FloatArray
     if weights == "modulus":
         storage = loss = np.abs(data.value)
     return np.concatenate(((K.real - data.storage) / storage, (K.imag - data.loss) / loss))
+
+
+def _left(error: FloatArray, weighted: Residual) -> Residual:
+    """Statistics of relative errors, whose neighbours say as much alike as weighted ones do."""
+    sse, rms = float(error @ error), float(np.sqrt(np.mean(error**2)))
+    return replace(weighted, n=len(error), sse=sse, rms=rms, unit="1")
 
 
 class _Set(NamedTuple):

@@ -11,7 +11,9 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import ByValue, FloatArray, frozen, increasing, samples
+from dashpot.base.checks import status_of
 from dashpot.base.errors import DataError
+from dashpot.base.status import Status
 from dashpot.engine.blocks.block import Block
 from dashpot.engine.blocks.families import (
     Family,
@@ -24,7 +26,6 @@ from dashpot.engine.blocks.hold import hold_block, ramp_hold_block
 from dashpot.engine.blocks.recorded import recorded_block
 from dashpot.engine.solver.many_records import ManySolutions, solve_each, solve_many
 from dashpot.fitting.uncertainty.many_errors import many_errors
-from dashpot.records.fit import Status
 
 # fewer records than this are done sooner one by one than what they share is made
 _STACK = 4
@@ -248,15 +249,16 @@ def _recorded(clock: FloatArray, x: FloatArray, *, method: str) -> _History:
 
 
 def _status(found: ManySolutions, row: int, arms: int) -> Status:
-    if not found.finite[row]:
-        return Status.NO_DATA
-    if found.order[row] < 0:
-        return Status.NOT_CONVERGED
-    if found.at_bound[row]:
-        return Status.TAU_AT_BOUND
-    if found.order[row] < arms:
-        return Status.FEWER_ARMS
-    return Status.CONVERGED if found.converged[row] else Status.NOT_CONVERGED
+    at_bound = found.at_bound[row]
+    return status_of(
+        (),
+        {
+            Status.NO_DATA: not found.finite[row],
+            Status.NOT_CONVERGED: found.order[row] < 0 or not (found.converged[row] or at_bound),
+            Status.FEWER_ARMS: found.order[row] < arms,
+            Status.TAU_AT_BOUND: at_bound,
+        },
+    )
 
 
 def _errors(

@@ -13,6 +13,7 @@ from dashpot.base.errors import DataError, FitError
 from dashpot.base.provenance import Source, Step, sources_of
 from dashpot.engine.blocks.block import Block
 from dashpot.engine.blocks.hold import decay_block
+from dashpot.fitting.assembly import assembled
 from dashpot.fitting.checks.curves import modulus_falls, plateau_seen
 from dashpot.fitting.checks.solid import (
     arms_distinct,
@@ -22,14 +23,14 @@ from dashpot.fitting.checks.solid import (
     tau_inside_window,
 )
 from dashpot.fitting.fit_data import DOUBTED, FitData, alone
-from dashpot.fitting.pipeline import asked_arms, assembled, chosen_arms, measured_in
+from dashpot.fitting.pipeline import asked_arms, chosen_arms
 from dashpot.fitting.spectrum import (
     master_curve,
     spectrum_where_few_fail,
 )
 from dashpot.fitting.superposition.superpose import superpose
 from dashpot.preparation.checks import of_temperature
-from dashpot.records.fit import Fit, Provenance
+from dashpot.records.fit import Evidence, Fit, Provenance
 from dashpot.records.modulus import RelaxationModulus
 from dashpot.records.specimen import Specimen
 from dashpot.records.superposition import AsMeasured, Superposition
@@ -112,6 +113,7 @@ def fit_modulus(
     model = found.model
     positive = t[t > 0]
     asked = (
+        found.ended,
         *origin.checks,
         *of_temperature(data.specimen),
         arms_supported(model, found.error, unit=unit),
@@ -127,15 +129,15 @@ def fit_modulus(
         f"fitted a generalized Maxwell solid with {model.arms} arms to {len(t)} values of a "
         "relaxation modulus",
     )
+    left = replace(found.residual, unit="1" if weights == "relative" else unit)
+    band = float(1 / (2 * np.pi * positive[-1])), float(1 / (2 * np.pi * positive[0]))
     few = assembled(
-        found,
-        band=(float(1 / (2 * np.pi * positive[-1])), float(1 / (2 * np.pi * positive[0]))),
-        checks=asked,
-        provenance=Provenance("modulus", origin.sources, (*origin.steps, step), data.specimen),
+        found.outcome(left),
+        Evidence(band, found.orders, found.certificate, checks=asked),
+        Provenance("modulus", origin.sources, (*origin.steps, step), data.specimen),
         unit=unit,
         temperatures=origin.temperatures,
     )
-    few = measured_in(few, "1" if weights == "relative" else unit)
     later = t > 0
     if arms != "auto" or weights != "relative" or later.sum() < _LEAST:
         return few

@@ -1,4 +1,4 @@
-"""From data to a fit: every number of arms tried, one chosen, judged and assembled."""
+"""From data to an optimum: every number of arms tried, one chosen, and what is known of it."""
 
 from __future__ import annotations
 
@@ -21,6 +21,7 @@ from dashpot.engine.solver.variable_projection import (
     Solution,
     full_jacobian,
 )
+from dashpot.fitting.assembly import Outcome, nuisances
 from dashpot.fitting.checks.solid import optimum_found
 from dashpot.fitting.design import solid_of
 from dashpot.fitting.fit_data import First, FitData, determinable_arms, weighed
@@ -32,31 +33,13 @@ from dashpot.fitting.uncertainty.estimate import (
     scored,
 )
 from dashpot.fitting.uncertainty.profile_intervals import profiles
-from dashpot.records.alternative import Alternative
-from dashpot.records.bounds import EndOfHold
-from dashpot.records.estimate import (
-    CreepEstimate,
-    Nuisance,
-    ParameterEstimate,
-    Profile,
-    Residual,
-    parameter_names,
-)
-from dashpot.records.fit import (
-    Certificate,
-    Evidence,
-    Fit,
-    OrderScore,
-    Provenance,
-    Status,
-)
-from dashpot.records.temperature import TemperatureShifts
-from dashpot.solids.elastic import ElasticLaw
+from dashpot.records.estimate import Nuisance, ParameterEstimate, Profile, Residual
+from dashpot.records.fit import Certificate, OrderScore
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
 # a step that would remove less of the residual than this is rounding, whatever it does to tau
 _STATIONARY = 1e-6
-_NUISANCE_UNITS = {"offset": "N", "drift": "N/s", "delay": "s"}
+# where another spectrum leaves so much less, what is left is no noise
 _MISFIT = 0.5
 
 
@@ -160,6 +143,43 @@ class Chosen:
             every_sample=self.data.samples if in_order_of_time else None,
         )
 
+    @cached_property
+    def certificate(self) -> Certificate:
+        """How far the optimum can be from the best positive spectrum."""
+        return certified(self.data.rows, self.solution)
+
+    @property
+    def ended(self) -> Check:
+        """Whether no step would change more than rounding, or a bound holds the point."""
+        solution = self.solution
+        near = solution.converged or solution.relative_offset < _STATIONARY
+        return optimum_found(stationary=bool(near or solution.at_bound.any()))
+
+    @property
+    def residual(self) -> Residual:
+        """Statistics of the weighted residuals."""
+        return self.estimate.statistics([float(r @ r) for r in self.estimate.residuals])
+
+    def nuisances(self, *, of: str = "N", delays: Sequence[float] = ()) -> tuple[Nuisance, ...]:
+        """Offset, drift and delay of each test, N or `of`, beside what was known of `delays`, s."""
+        known = {f"delay@{i}": sd for i, sd in enumerate(delays)}
+        value, error = self.solution.coefficient, self.estimate.standard_error
+        return nuisances(self.solution.fixed_names, value, error, of=of, known=known)
+
+    def outcome(self, residual: Residual, nuisance: tuple[Nuisance, ...] = ()) -> Outcome:
+        """The solid and what is known of it, as every fit is made of."""
+        steady = self.data.in_time and self.certificate.gap < _MISFIT
+        estimate = ParameterEstimate(
+            self.parameters,
+            self.covariance,
+            self.estimate.dof,
+            residual,
+            self.profiles(in_order_of_time=steady),
+            nuisance,
+        )
+        fewer = self.asked is not None and self.solution.order < self.asked
+        return Outcome(self.solid, estimate, fewer, bool(self.solution.at_bound.any()))
+
 
 def asked_arms(arms: object, max_arms: object) -> int:
     """Return the most arms to try.
@@ -246,107 +266,6 @@ def chosen_arms(
     return Chosen(data, estimate, scores, choice if auto else None, None if auto else most)
 
 
-def assembled(
-    found: Chosen,
-    *,
-    band: tuple[float, float],
-    checks: Sequence[Check],
-    provenance: Provenance,
-    noticed: Sequence[Check] = (),
-    tests: int = 0,
-    unit: str = "N/m",
-    elastic_law: ElasticLaw | None = None,
-    temperatures: TemperatureShifts | None = None,
-    end_of_hold: EndOfHold | None = None,
-    creep: CreepEstimate | None = None,
-    alternative: Alternative | None = None,
-    delays: Sequence[float] = (),
-) -> Fit:
-    """Return the fit that a chosen number of arms makes.
-
-    Parameters
-    ----------
-    found : Chosen
-    band : (float, float)
-        The frequencies that the data inform, Hz.
-    checks, noticed : sequences of Check
-        Of the fit, which decide its status, and of the preparation, which stand before them.
-    provenance : Provenance
-    tests : int
-        How many relaxation tests have a tare and a drift of their own.
-    unit : str
-    elastic_law : ElasticLaw or None
-    temperatures : TemperatureShifts or None
-    end_of_hold : EndOfHold or None
-    creep : CreepEstimate or None
-    alternative : Alternative or None
-    delays : sequence of float
-        What was known of the delay of each test: its standard deviation, s.
-    """
-    data, estimate = found.data, found.estimate
-    checks = (optimum_found(stationary=_stationary(found.solution)), *checks)
-    best = certified(data.rows, found.solution)
-    return Fit(
-        solid=found.solid,
-        status=_status(found.solution, found.asked, checks),
-        estimate=ParameterEstimate(
-            parameters=found.parameters,
-            covariance=found.covariance,
-            dof=estimate.dof,
-            residual=_residual(estimate),
-            # where another spectrum leaves half as much, what is left is no noise
-            profiles=found.profiles(in_order_of_time=data.in_time and best.gap < _MISFIT),
-            nuisance=_nuisance(estimate, tests=tests, delays=delays),
-        ),
-        evidence=Evidence(
-            band=band,
-            orders=found.orders,
-            certificate=best,
-            checks=(*noticed, *checks),
-            end_of_hold=end_of_hold,
-            creep=creep,
-            alternative=alternative,
-        ),
-        provenance=provenance,
-        unit=unit,
-        elastic_law=elastic_law,
-        temperatures=temperatures,
-    )
-
-
-def point_estimate(
-    solution: Solution,
-    asked: int,
-    *,
-    checks: Sequence[Check],
-    provenance: Provenance,
-    depth: float,
-    tests: int,
-) -> Fit:
-    """Return an optimum as a fit, without errors and evidence."""
-    model = solid_of(solution)
-    names = parameter_names(model.arms)
-    nuisance = tuple(
-        Nuisance(_nuisance_name(name, tests), solution.coefficient(name), np.inf, unit)
-        for name, unit in _nuisances(solution)
-    )
-    rms = float(np.sqrt(solution.sse / solution.samples))
-    return Fit(
-        solid=model,
-        status=_status(solution, asked, checks),
-        estimate=ParameterEstimate(
-            parameters=names,
-            covariance=np.diag(np.full(len(names), np.inf)),
-            dof=0.0,
-            residual=Residual(solution.samples, solution.sse, rms),
-            nuisance=nuisance,
-        ),
-        evidence=Evidence((0.0, 0.0), checks=tuple(checks)),
-        provenance=provenance,
-        elastic_law=ElasticLaw.linear(model.k_inf, depth),
-    )
-
-
 # -- orders ---------------------------------------------------------------------------------------
 
 
@@ -393,83 +312,6 @@ def _stationary(solution: Solution) -> bool:
     """True if no step from here would change more than rounding, or a bound holds the point."""
     near = solution.converged or solution.relative_offset < _STATIONARY
     return bool(near or solution.at_bound.any())
-
-
-def _status(solution: Solution, asked: int | None, checks: Sequence[Check]) -> Status:
-    """Return how the fit ended: the first thing that went wrong, or that nothing did."""
-    failed = {check.name for check in checks if check.failed}
-    if "force_relaxes" in failed:
-        return Status.FORCE_RISES
-    return ended(
-        stationary="optimum_found" not in failed,
-        fewer=asked is not None and solution.order < asked,
-        at_bound=bool(solution.at_bound.any()) or "tau_inside_window" in failed,
-        identified=not failed & {"arms_supported", "k_inf_positive", "slope_known"},
-        agreed="data_agree" not in failed,
-    )
-
-
-def ended(
-    *, stationary: bool, fewer: bool, at_bound: bool, identified: bool, agreed: bool
-) -> Status:
-    """Return how a fit ended: the first of these that went wrong, or that nothing did."""
-    if not stationary:
-        return Status.NOT_CONVERGED
-    if fewer:
-        return Status.FEWER_ARMS
-    if at_bound:
-        return Status.TAU_AT_BOUND
-    if not agreed:
-        return Status.TESTS_DISAGREE
-    return Status.CONVERGED if identified else Status.NOT_IDENTIFIED
-
-
-def _residual(estimate: Estimate) -> Residual:
-    """Return the statistics of the weighted residuals."""
-    weights = [float(residual @ residual) for residual in estimate.residuals]
-    watson = [noise.durbin_watson for noise in estimate.noises]
-    return Residual(
-        n=estimate.samples,
-        sse=estimate.sse,
-        rms=float(np.sqrt(estimate.sse / estimate.samples)),
-        kappa=estimate.kappa,
-        durbin_watson=float(np.average(watson, weights=weights)) if sum(weights) > 0 else 2.0,
-    )
-
-
-def measured_in(found: Fit, unit: str, error: FloatArray | None = None) -> Fit:
-    """Return a fit whose residual says its unit, and is that of these errors if any are given."""
-    residual = replace(found.residual, unit=unit)
-    if error is not None:
-        rms = float(np.sqrt(np.mean(error**2)))
-        residual = replace(residual, n=len(error), sse=float(error @ error), rms=rms)
-    return replace(found, estimate=replace(found.estimate, residual=residual))
-
-
-def _nuisances(solution: Solution) -> list[tuple[str, str]]:
-    """Offset, drift and delay of each relaxation test, and their units."""
-    found = ((name, _NUISANCE_UNITS.get(name.partition("@")[0])) for name in solution.fixed_names)
-    return [(name, unit) for name, unit in found if unit is not None]
-
-
-def _nuisance_name(name: str, tests: int) -> str:
-    kind, _, test = name.partition("@")
-    return f"{kind} of test {int(test) + 1}" if tests > 1 else kind
-
-
-def _nuisance(estimate: Estimate, *, tests: int, delays: Sequence[float]) -> tuple[Nuisance, ...]:
-    """Return offset, drift and delay of each relaxation test."""
-    known = {f"delay@{i}": sd for i, sd in enumerate(delays)}
-    return tuple(
-        Nuisance(
-            name=_nuisance_name(name, tests),
-            value=estimate.solution.coefficient(name),
-            standard_error=estimate.standard_error(name),
-            unit=unit,
-            prior_sd=known.get(name),
-        )
-        for name, unit in _nuisances(estimate.solution)
-    )
 
 
 def certified(blocks: Sequence[Block], solution: Solution) -> Certificate:

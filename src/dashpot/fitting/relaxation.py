@@ -11,16 +11,20 @@ import numpy as np
 
 from dashpot.base.checks import Check
 from dashpot.base.errors import FitError
-from dashpot.base.provenance import Step, sources_of, steps_of
+from dashpot.base.provenance import Step
 from dashpot.base.units import Quantity, si
 from dashpot.fitting.asked import Asked, checked_design, refuse_for_creep, refuse_shifts
-from dashpot.fitting.checks import relaxation as checks
-from dashpot.fitting.checks.solid import (
-    frequencies_informed,
-    order_agreed,
-    uncertainty_estimated,
+from dashpot.fitting.assembly import (
+    UNJUDGED,
+    Outcome,
+    assembled,
+    nuisances,
+    point_estimate,
+    provenance_of,
 )
-from dashpot.fitting.design import NUISANCE, Design, Method, block_of, bound
+from dashpot.fitting.checks import relaxation as checks
+from dashpot.fitting.checks.solid import frequencies_informed, order_agreed
+from dashpot.fitting.design import NUISANCE, Design, Method, block_of, bound, solid_of
 from dashpot.fitting.filter_bias import filter_bias
 from dashpot.fitting.fit_data import First, FitData, data_of, weighed
 from dashpot.fitting.fractional.choice import Choice as FamilyChoice
@@ -36,7 +40,7 @@ from dashpot.fitting.nonlinear_ramp.assembly import ramp_fit
 from dashpot.fitting.nonlinear_ramp.ladder import LawName, ramp_law
 from dashpot.fitting.nonlinear_ramp.law_estimate import RampLaw
 from dashpot.fitting.nuisance import delay_prior, material, priors
-from dashpot.fitting.pipeline import Chosen, asked_arms, assembled, chosen_arms, point_estimate
+from dashpot.fitting.pipeline import Chosen, asked_arms, chosen_arms
 from dashpot.fitting.questions import Residuals, solid_checks
 from dashpot.fitting.repeats import refuse_copies
 from dashpot.fitting.shift_law import ShiftLaw
@@ -51,7 +55,7 @@ from dashpot.fitting.weighed_relaxation import fitted_data, held_data
 from dashpot.preparation.ramp_holds import Tests, ramp_holds
 from dashpot.records.bounds import EndOfHold
 from dashpot.records.creep import Creep
-from dashpot.records.fit import Fit, Provenance
+from dashpot.records.fit import Evidence, Fit
 from dashpot.records.relaxation import RampHold
 from dashpot.solids.elastic import ElasticLaw
 
@@ -236,28 +240,25 @@ def _own(record: RampHold, law: LawName, *, thorough: bool) -> Own:
 
 def _point(records: Sequence[RampHold], first: First, design: Design, arms: int) -> Fit:
     """Return the optimum alone, as a fit of which nothing more is known."""
-    solutions = first.solutions[: arms + 1]
-    deepest = max(records, key=lambda record: record.depth)
-    provenance = Provenance(
-        design.method,
-        sources_of(records),
-        steps_of(records),
-        deepest.specimen,
-    )
-    return point_estimate(
-        solutions[-1],
-        arms,
-        checks=(uncertainty_estimated(made=False),),
-        provenance=provenance,
-        depth=deepest.depth,
-        tests=len(records),
+    solution = first.solutions[: arms + 1][-1]
+    model = solid_of(solution)
+    own = nuisances(solution.fixed_names, solution.coefficient, lambda _: np.inf)
+    return assembled(
+        Outcome(
+            model,
+            point_estimate(model, solution.samples, solution.sse, own),
+            fewer=solution.order < arms,
+            at_bound=bool(solution.at_bound.any()),
+        ),
+        UNJUDGED,
+        provenance_of(design.method, records),
+        elastic_law=ElasticLaw.linear(model.k_inf, max(record.depth for record in records)),
     )
 
 
 def _assembled(holds: Holds, both: FamilyChoice, design: Design, *, thorough: bool) -> Fit:
     """Return the fit of a linear solid, with everything needed to judge it."""
     records, found = holds.records, both.best
-    deepest = max(records, key=lambda record: record.depth)
     band = informed_band(
         records,
         found.data.rows,
@@ -267,30 +268,29 @@ def _assembled(holds: Holds, both: FamilyChoice, design: Design, *, thorough: bo
     # what it bounds is of any spectrum: few arms weigh the record as well as many
     end = _end_of_hold(records, both.arms, design)
     other = both.alternative(band)
+    steps = _motion_steps(records, design)
     return assembled(
-        found,
-        band=band,
-        checks=(
-            *_checks(holds, found, design, end),
-            *both.checks(other),
-            frequencies_informed(band),
+        found.outcome(
+            found.residual, found.nuisances(delays=[delay_prior(record).sd for record in records])
         ),
-        noticed=[check for record in records for check in record.checks],
-        provenance=Provenance(
-            design.method,
-            sources_of(records),
-            (
-                *steps_of(records),
-                *_motion_steps(records, design),
-                _step(records, found, design, thorough=thorough),
+        Evidence(
+            band,
+            found.orders,
+            found.certificate,
+            checks=(
+                *(check for record in records for check in record.checks),
+                found.ended,
+                *_checks(holds, found, design, end),
+                *both.checks(other),
+                frequencies_informed(band),
             ),
-            deepest.specimen,
+            end_of_hold=end,
+            alternative=other,
         ),
-        tests=len(records),
-        elastic_law=ElasticLaw.linear(found.model.k_inf, deepest.depth),
-        end_of_hold=end,
-        alternative=other,
-        delays=[delay_prior(record).sd for record in records],
+        provenance_of(
+            design.method, records, *steps, _step(records, found, design, thorough=thorough)
+        ),
+        elastic_law=ElasticLaw.linear(found.model.k_inf, max(record.depth for record in records)),
     )
 
 

@@ -14,10 +14,11 @@ from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.provenance import Source
 from dashpot.engine.least_squares.nnls import linear
+from dashpot.fitting.assembly import Outcome, assembled
 from dashpot.fitting.checks.curves import FOLLOWED, few_arms_suffice
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.estimate import ParameterEstimate, Residual
-from dashpot.records.fit import Fit, Status
+from dashpot.records.fit import Fit
 from dashpot.records.superposition import AsMeasured, Superposition
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -319,12 +320,11 @@ def _dense(
         missed[1],
     )
     residual = Residual(values, values * dense.rms**2, dense.rms, unit="1")
-    return replace(
-        few,
-        solid=dense.model,
-        status=Status.NOT_IDENTIFIED,
-        estimate=ParameterEstimate(
-            (), np.zeros((0, 0)), float("inf"), residual, nuisance=few.nuisance
-        ),
-        evidence=replace(few.evidence, certificate=None, checks=(*of_data, check)),
+    estimate = ParameterEstimate((), np.zeros((0, 0)), np.inf, residual, nuisance=few.nuisance)
+    return assembled(
+        Outcome(dense.model, estimate),
+        replace(few.evidence, certificate=None, checks=(*of_data, check)),
+        few.provenance,
+        unit=few.unit,
+        temperatures=few.temperatures,
     )

@@ -11,6 +11,7 @@ from dashpot.base.arrays import FloatArray, kept, median, runs
 from dashpot.base.checks import Check, Finding, criterion, worst
 from dashpot.base.errors import DataError
 from dashpot.base.numbers import rounded
+from dashpot.base.status import Status
 from dashpot.preparation.contact import MIN_BASELINE, Baseline, Touch
 from dashpot.preparation.denoising import true_motion
 from dashpot.preparation.noise import median_of_three, spikes, usual_scatter
@@ -468,6 +469,7 @@ def ramp_sampled(test: RampHold) -> Finding:
     "<=",
     source="7 SE of a tenth of it, or 0.5 % of the force",
     grade="stop",
+    ends=Status.FORCE_RISES,
 )
 def force_relaxes(test: RampHold) -> Finding:
     """The force falls during the hold, as the force of every relaxing solid does."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from enum import Enum
 from typing import TypeVar
 
 import numpy as np
@@ -16,6 +15,7 @@ from dashpot.base.errors import DataError
 from dashpot.base.numbers import counted
 from dashpot.base.offered import Pictured
 from dashpot.base.provenance import Source, Step
+from dashpot.base.status import Status
 from dashpot.base.units import Quantity, si
 from dashpot.records.alternative import Alternative, Family, family_of
 from dashpot.records.bounds import EndOfHold, LeftOpen
@@ -40,22 +40,6 @@ from dashpot.solids.part import Geometry, Mode
 from dashpot.solids.temperature import TemperatureLaw
 
 _One = TypeVar("_One")
-
-
-class Status(Enum):
-    """How the optimiser ended; the name is for programs, the value for people.
-
-    It does not say whether the result is good: `Fit.verdict` does.
-    """
-
-    CONVERGED = "the optimum was found"
-    FEWER_ARMS = "the optimum has fewer arms than asked for: a further arm would have k <= 0"
-    TAU_AT_BOUND = "a relaxation time of the optimum sits at the edge of the measured window"
-    NOT_IDENTIFIED = "the optimum was found, but the data do not determine every parameter"
-    TESTS_DISAGREE = "the optimum was found, but no one solid explains every test"
-    NOT_CONVERGED = "the iteration limit was reached before the gradient vanished"
-    FORCE_RISES = "the force rises during the hold: no relaxing solid does that"
-    NO_DATA = "nothing was fitted: the record holds values that are not finite"
 
 
 @dataclass(frozen=True)

@@ -10,14 +10,16 @@ from typing import Any
 
 import numpy as np
 
+from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.numbers import json_number
+from dashpot.base.status import Status
 from dashpot.planning.plan import Plan
 from dashpot.records.alternative import Alternative
 from dashpot.records.creep import CreepCompliance, CreepTest, LoadHold
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.estimate import ParameterEstimate
-from dashpot.records.fit import Evidence, Fit, Provenance, Status
+from dashpot.records.fit import Evidence, Fit, Provenance
 from dashpot.records.frf import FRF
 from dashpot.records.hyperelastic import HyperelasticFit
 from dashpot.records.impact import ImpactTest
@@ -181,6 +183,7 @@ def _(value: Any) -> Any:
 
 
 _plain.register(float, json_number)
+_plain.register(Check, lambda check: check.document)
 _plain.register(Enum, lambda value: value.value)
 _plain.register(Status, lambda value: value.name.lower())
 _plain.register(tuple, lambda value: [_plain(item) for item in value])

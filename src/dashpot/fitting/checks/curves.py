@@ -9,6 +9,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Finding, criterion
+from dashpot.base.status import Status
 from dashpot.fitting.checks.solid import ROUNDING, amount
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -124,6 +125,7 @@ def plateau_seen(model: GeneralizedMaxwell, se: float, *, unit: str, further: st
     "<",
     FOLLOWED,
     otherwise="note where several temperatures share the spectrum",
+    ends=Status.NOT_IDENTIFIED,
 )
 def few_arms_suffice(
     missed: float, arms: int, most: int, dense: tuple[int, float], limit: float | None = None
@@ -144,7 +146,13 @@ def few_arms_suffice(
     )
 
 
-@criterion("scatter jointly / alone", "<=", 1.3, otherwise=f"stop beyond {CONTRADICTED:g}")
+@criterion(
+    "scatter jointly / alone",
+    "<=",
+    1.3,
+    otherwise=f"stop beyond {CONTRADICTED:g}",
+    ends=Status.TESTS_DISAGREE,
+)
 def data_agree(spread: Sequence[float], names: Sequence[str]) -> Finding:
     """One solid explains every data set about as well as a solid of its own does.
 

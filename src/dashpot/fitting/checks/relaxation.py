@@ -9,6 +9,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray, slow_periodogram
 from dashpot.base.checks import Finding, criterion
+from dashpot.base.status import Status
 from dashpot.fitting.checks.solid import ROUNDING, arms_said
 from dashpot.fitting.repeats import SAME_DEPTH, EndStiffness
 from dashpot.preparation.filters import Filter
@@ -121,7 +122,7 @@ def hold_long_enough(end: EndOfHold | None) -> Finding:
     )
 
 
-@criterion("k_inf, N/m", ">", source="3 standard errors")
+@criterion("k_inf, N/m", ">", source="3 standard errors", ends=Status.NOT_IDENTIFIED)
 def k_inf_positive(model: GeneralizedMaxwell, se: float) -> Finding:
     """There is an equilibrium stiffness left."""
     return Finding(

@@ -6,6 +6,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Finding, criterion
+from dashpot.base.status import Status
 from dashpot.engine.inference.order import MAX_SE_LN_TAU, MIN_K_OVER_SE, Choice
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -14,7 +15,11 @@ MIN_TAU_RATIO = 1.5
 ROUNDING = 1e-12
 
 
-@criterion(source="the gradient vanishes, or a bound holds the point", grade="stop")
+@criterion(
+    source="the gradient vanishes, or a bound holds the point",
+    grade="stop",
+    ends=Status.NOT_CONVERGED,
+)
 def optimum_found(*, stationary: bool) -> Finding:
     """The optimiser ended at an optimum."""
     return Finding(
@@ -57,6 +62,7 @@ def arms_distinct(model: GeneralizedMaxwell) -> Finding:
     MIN_K_OVER_SE,
     "3 SE; and SE(ln tau) < 0.5, a factor 1.6",
     otherwise="note where fewer arms are rejected",
+    ends=Status.NOT_IDENTIFIED,
 )
 def arms_supported(
     model: GeneralizedMaxwell, error: FloatArray, *, unit: str = "N/m", needed: bool = False
@@ -91,7 +97,13 @@ def arms_supported(
     )
 
 
-@criterion("tau outside, s", "<=", source="the ends of what was sampled", grade="note")
+@criterion(
+    "tau outside, s",
+    "<=",
+    source="the ends of what was sampled",
+    grade="note",
+    ends=Status.TAU_AT_BOUND,
+)
 def tau_inside_window(
     model: GeneralizedMaxwell,
     window: tuple[float, float],

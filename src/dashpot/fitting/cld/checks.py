@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import pi
 
 from dashpot.base.checks import Finding, criterion
+from dashpot.base.status import Status
 
 UNEXPLAINED = 0.03
 AGREES = 0.05
@@ -118,7 +119,13 @@ def slowest_relaxed(longest: float | None, stroke: float) -> Finding:
     )
 
 
-@criterion("standard error of ln tau", "<=", TOLD, "as for the arms of a relaxation test")
+@criterion(
+    "standard error of ln tau",
+    "<=",
+    TOLD,
+    "as for the arms of a relaxation test",
+    ends=Status.NOT_IDENTIFIED,
+)
 def memory_told(error: float | None) -> Finding:
     """Every relaxation time is told."""
     if error is None:

@@ -22,10 +22,10 @@ from dashpot.base.provenance import Step, sources_of
 from dashpot.engine.blocks.recorded import arm_columns, recursion
 from dashpot.engine.inference.estimate import estimate, score
 from dashpot.engine.least_squares.problem import Optimum, Parameter, Problem, Rows, solved
+from dashpot.fitting.assembly import Outcome, assembled
 from dashpot.fitting.cld import checks
 from dashpot.fitting.cld.relaxed import clock_of, felt
 from dashpot.fitting.nonlinear_ramp.quasi_linear import hat_integrals
-from dashpot.fitting.pipeline import ended
 from dashpot.records.cld import CLD
 from dashpot.records.estimate import ParameterEstimate, Residual, parameter_names
 from dashpot.records.fit import Evidence, Fit, OrderScore, Provenance
@@ -268,23 +268,18 @@ def _assembled(
         checks.slowest_relaxed(max(model.tau, default=None), max(strokes)),
         checks.memory_told(float(error.max()) if model.arms else None),
     )
-    failed = {check.name for check in asked if check.failed}
     step = Step(
         "fit",
         (("arms", str(model.arms)), ("knots", str(KNOTS))),
         f"fitted an elastic law and {model.arms} arms to load deflection at {len(pieces)} speeds",
     )
-    return Fit(
-        solid=model,
-        status=ended(stationary=True, fewer=False, at_bound=False,
-                     identified="memory_told" not in failed, agreed=True),
-        estimate=ParameterEstimate(
-            parameter_names(model.arms), covariance, known.dof,
-            Residual(n, best.sse, rms, known.kappa),
-        ),
-        evidence=Evidence(
-            (1 / (2 * np.pi * max(strokes)), 1 / (np.pi * min(strokes))), orders, checks=asked
-        ),
-        provenance=Provenance("cld", sources_of(pieces), (step,), pieces[0].specimen),
+    told = ParameterEstimate(
+        parameter_names(model.arms), covariance, known.dof, Residual(n, best.sse, rms, known.kappa)
+    )
+    band = 1 / (2 * np.pi * max(strokes)), 1 / (np.pi * min(strokes))
+    return assembled(
+        Outcome(model, told),
+        Evidence(band, orders, checks=asked),
+        Provenance("cld", sources_of(pieces), (step,), pieces[0].specimen),
         elastic_law=law,
-    )  # fmt: skip
+    )

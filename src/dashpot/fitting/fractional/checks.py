@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dashpot.base.checks import Finding, criterion
+from dashpot.base.status import Status
 from dashpot.records.alternative import Alternative
 
 #: frequencies at which parts of a car or a machine vibrate and are heard end about here, Hz
@@ -11,7 +12,13 @@ HEARD = 100.0
 STIFFNESS_MATTERS, LOSS_MATTERS = 0.02, 0.1
 
 
-@criterion("SE(alpha)", "<=", 0.05, "our choice: 0.05 turns the loss by 12 % per decade")
+@criterion(
+    "SE(alpha)",
+    "<=",
+    0.05,
+    "our choice: 0.05 turns the loss by 12 % per decade",
+    ends=Status.NOT_IDENTIFIED,
+)
 def slope_known(error: float, *, edge: bool) -> Finding:
     """The slope of the fractional solid and its relaxation time are known.
 

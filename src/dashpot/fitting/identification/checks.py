@@ -7,6 +7,7 @@ from typing import Protocol
 import numpy as np
 
 from dashpot.base.checks import Check, Finding, criterion
+from dashpot.base.status import Status
 from dashpot.engine.inference.order import DECISIVE, MAX_SE_LN_TAU
 from dashpot.records.fit import Explanation
 
@@ -27,6 +28,7 @@ SLIGHT = 0.05
     EXPLAINED,
     "our choice; 0.1 of the FRF without scatter",
     otherwise="stop beyond 20, and 0.5",
+    ends=Status.TESTS_DISAGREE,
 )
 def lines_explained(
     scale: float, *, known_sd: bool, coherent: bool = False, why: str = ""
@@ -67,6 +69,7 @@ def lines_explained(
     1.3,
     "our choice; or too little to matter",
     otherwise=f"stop beyond {CONTRADICTED:g}",
+    ends=Status.TESTS_DISAGREE,
 )
 def relaxation_still_explained(
     number: int, ratio: float, *, missed: float = np.inf, why: str = ""
@@ -102,7 +105,12 @@ def earlier_fit_kept(off: float, *, why: str = "") -> Finding:
     )
 
 
-@criterion("fall of chi-square", source="a note: what explains both tests", grade="stop")
+@criterion(
+    "fall of chi-square",
+    source="a note: what explains both tests",
+    grade="stop",
+    ends=Status.TESTS_DISAGREE,
+)
 def tests_agree(lead: Explanation | None) -> Finding:
     """One seal explains the relaxation test and the hammer, with what is known of the rig.
 
@@ -129,13 +137,14 @@ class Believable(Protocol):
         """Return the answer."""
 
 
-def _believable(quantity: str) -> Believable:
+def _believable(quantity: str, ends: Status | None = None) -> Believable:
     @criterion(
         "distance in standard deviations",
         "<=",
         STRAINED,
         source="1.2 % of normal errors are beyond",
         otherwise=f"stop beyond {4 * STRAINED:g}",
+        ends=ends,
         name=f"{quantity}_believable",
         question=f"The {quantity} stays near what was known of it.",
     )
@@ -151,8 +160,10 @@ def _believable(quantity: str) -> Believable:
     return judge
 
 
-mass_believable, gain_believable, delay_believable, stiffness_believable = map(
-    _believable, ("mass", "gain", "delay", "stiffness")
+# a mass beyond belief is another than that on the balance: hammer and balance disagree
+mass_believable = _believable("mass", Status.TESTS_DISAGREE)
+gain_believable, delay_believable, stiffness_believable = map(
+    _believable, ("gain", "delay", "stiffness")
 )
 
 
@@ -174,7 +185,13 @@ def dashpot_not_missed(fall: float | None, beside: str, b: float, *, sure: bool 
     )
 
 
-@criterion("relative standard error", "<", MAX_SE_LN_TAU, "a factor 1.6 in tau; and k > 3 SE")
+@criterion(
+    "relative standard error",
+    "<",
+    MAX_SE_LN_TAU,
+    "a factor 1.6 in tau; and k > 3 SE",
+    ends=Status.NOT_IDENTIFIED,
+)
 def arms_identified(arms: int, worst: float, *, significant: bool, new: int = 0) -> Finding:
     """Every arm is known.
 

@@ -10,15 +10,15 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.provenance import Step, sources_of, steps_of
+from dashpot.fitting.assembly import Outcome, assembled
 from dashpot.fitting.checks.solid import optimum_found
 from dashpot.fitting.identification import checks
 from dashpot.fitting.identification.explanations import Disagreement, agreement
 from dashpot.fitting.identification.families import Rival, edged, family_checks
 from dashpot.fitting.identification.likelihood import DELAY_UNIT, UNCHANGED, Candidate
 from dashpot.fitting.identification.parametrisation import Arms
-from dashpot.fitting.pipeline import ended
 from dashpot.records.estimate import Nuisance, ParameterEstimate, Residual
-from dashpot.records.fit import Evidence, Fit, Moved, OrderScore, Provenance, Status
+from dashpot.records.fit import Evidence, Fit, Moved, OrderScore, Provenance
 from dashpot.records.frf import FRF
 from dashpot.records.relaxation import RampHold
 from dashpot.records.specimen import Specimen
@@ -26,8 +26,6 @@ from dashpot.records.temperature import TemperatureShifts
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import Solid
 
-# what fails where hammer and relaxation, or hammer and balance, do not describe one seal
-AGREEMENT = {"lines_explained", "relaxation_still_explained", "mass_believable", "tests_agree"}
 NOUNS = {
     "stiffness": "another stiffness of the seals",
     "k_inf": "another stiffness of the seals at rest",
@@ -38,7 +36,7 @@ NOUNS = {
 SAME = 1.0
 
 
-def assembled(
+def identified(
     best: Candidate,
     orders: Sequence[Candidate],
     *,
@@ -67,26 +65,30 @@ def assembled(
     answers = (
         *_checks(best, covariance, before, apart), *family_checks(best, rival, other), *dashpot
     )  # fmt: skip
+    estimate = ParameterEstimate(
+        names,
+        physical,
+        dof=max(samples - len(best.theta), 1.0),
+        residual=residual,
+        nuisance=_nuisance(best, covariance),
+    )
     law = None if before is None else before.elastic_law
-    return Fit(
-        solid=point.model,
-        status=_status(best, asked, most, answers),
-        estimate=ParameterEstimate(
-            names,
-            physical,
-            dof=max(samples - len(best.theta), 1.0),
-            residual=residual,
-            nuisance=_nuisance(best, covariance),
+    return assembled(
+        Outcome(
+            point.model,
+            estimate,
+            fewer=asked != "auto" and most > point.model.maxwell.arms,
+            at_bound=edged(best),
         ),
-        evidence=Evidence(
-            band=band,
+        Evidence(
+            band,
             orders=tuple(_score(candidate) for candidate in orders),
             checks=answers,
             moved=() if own is None else _moved(own, point.model, names, physical),
             explanations=() if apart is None else apart.explanations,
             alternative=other,
         ),
-        provenance=Provenance(
+        Provenance(
             "joint" if tests or before is not None else "frf",
             (*frf.source, *sources_of(tests)),
             (*frf.steps, *steps_of(tests), _step(best)),
@@ -146,17 +148,6 @@ def _score(candidate: Candidate) -> OrderScore:
         candidate.bic,
         candidate.significant,
         candidate.point.model.maxwell,
-    )
-
-
-def _status(best: Candidate, asked: int | str, most: int, answers: Sequence[Check]) -> Status:
-    failed = {check.name for check in answers if check.failed}
-    return ended(
-        stationary="optimum_found" not in failed,
-        fewer=asked != "auto" and most > best.point.model.maxwell.arms,
-        at_bound=edged(best),
-        identified=best.significant,
-        agreed=not failed & AGREEMENT,
     )
 
 

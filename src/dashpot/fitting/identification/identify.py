@@ -20,7 +20,7 @@ from dashpot.fitting.identification.asked import HammerRig, KnownSolid
 from dashpot.fitting.identification.checks import dashpot_not_missed
 from dashpot.fitting.identification.explanations import disagreement, freed
 from dashpot.fitting.identification.families import Rival, chosen_rival, judged_again
-from dashpot.fitting.identification.fit_assembly import assembled
+from dashpot.fitting.identification.fit_assembly import identified
 from dashpot.fitting.identification.frf_data import frf_data_of
 from dashpot.fitting.identification.given import (
     Before,
@@ -150,7 +150,7 @@ def identify(
     )
     if apart is not None and rival is not None:
         rival = judged_again(rival, lambda one: freed(one, apart.explanations[0].name))
-    return assembled(
+    return identified(
         final,
         [candidate.scaled(scale) for candidate in found],
         frf=frf,

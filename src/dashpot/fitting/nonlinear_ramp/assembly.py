@@ -8,18 +8,18 @@ from dataclasses import replace
 import numpy as np
 
 from dashpot.base.checks import Check
-from dashpot.base.provenance import Step, sources_of, steps_of
+from dashpot.base.provenance import Step
+from dashpot.fitting.assembly import Outcome, assembled, provenance_of
 from dashpot.fitting.checks.solid import frequencies_informed
 from dashpot.fitting.design import Design, compressed
 from dashpot.fitting.nonlinear_ramp import checks
 from dashpot.fitting.nonlinear_ramp.law_estimate import RampLaw
 from dashpot.fitting.nuisance import delay_prior, last_of_hold, material
-from dashpot.fitting.pipeline import ended
 from dashpot.fitting.questions import Residuals, solid_checks
 from dashpot.fitting.uncertainty.informed_band import informed_band
 from dashpot.records.bounds import EndOfHold
 from dashpot.records.estimate import ParameterEstimate
-from dashpot.records.fit import AtDepth, Evidence, Fit, Provenance
+from dashpot.records.fit import AtDepth, Evidence, Fit
 from dashpot.records.relaxation import RampHold
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -48,7 +48,6 @@ def ramp_fit(
     """
     model, estimate = found.model, _doubted(found.estimate, found.model, tests)
     found = replace(found, estimate=estimate)
-    deepest = max(tests, key=lambda test: test.depth)
     residual = estimate.residual
     band = informed_band(
         tests,
@@ -56,30 +55,12 @@ def ramp_fit(
         stiffness=max(model.k_0, 1e-300),
         noise=max(residual.rms * np.sqrt(residual.kappa), 1e-300),
     )
+    noticed = [check for test in tests for check in test.checks]
     answers = (*law_checks(tests, found, end), *further, frequencies_informed(band))
-    failed = {check.name for check in answers if check.failed}
-    return Fit(
-        solid=model,
-        status=ended(
-            stationary=True,
-            fewer=asked is not None and model.arms < asked,
-            at_bound="tau_inside_window" in failed,
-            identified=not failed & {"arms_supported", "k_inf_positive"},
-            agreed=True,
-        ),
-        estimate=estimate,
-        evidence=Evidence(
-            band=band,
-            checks=(*(check for test in tests for check in test.checks), *answers),
-            by_depth=by_depth,
-            end_of_hold=end,
-        ),
-        provenance=Provenance(
-            "full",
-            sources_of(tests),
-            (*steps_of(tests), _step(tests, found)),
-            deepest.specimen,
-        ),
+    return assembled(
+        Outcome(model, estimate, fewer=asked is not None and model.arms < asked),
+        Evidence(band, checks=(*noticed, *answers), by_depth=by_depth, end_of_hold=end),
+        provenance_of("full", tests, _step(tests, found)),
         elastic_law=replace(found.law, ratio_se=_shape_error(found)),
     )
 

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from dashpot.base.checks import Finding, criterion
+from dashpot.base.status import Status
 from dashpot.records.estimate import Nuisance
 from dashpot.records.temperature import TemperatureShifts, celsius
 
@@ -33,6 +34,7 @@ MAX_BACK = 3.0
     "chi-square of the joint fit, alone and over that of each test's own, 3 standard errors; and "
     "arms that shift apart by less than 5 % per decade",
     otherwise="stop where the misfit is above 0.1 % of the peak force",
+    ends=Status.TESTS_DISAGREE,
 )
 def thermorheologically_simple(
     chance: float, excess: float, *, temperatures: int, slope: tuple[float, float] | None

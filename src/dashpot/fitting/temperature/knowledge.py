@@ -10,13 +10,12 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.engine.inference.covariance import Noise, noise_of, sandwich
+from dashpot.fitting.assembly import nuisances
 from dashpot.fitting.temperature.joint import Joint, Part, Point
 from dashpot.fitting.temperature.reduced import Own
 from dashpot.fitting.uncertainty.encoder import Encoder, Kernel, encoder_rows
 from dashpot.fitting.uncertainty.estimate import Known, rounding
 from dashpot.records.estimate import Nuisance, Residual, parameter_names
-
-_UNITS = {"offset": "N", "drift": "N/s", "delay": "s", "warming": "K"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,34 +62,23 @@ class Knowledge(Known):
     def nuisances(self) -> tuple[Nuisance, ...]:
         """The columns of each test, and how arms shift apart."""
         own = self.names[len(self.names) - len(self.own) :]
-        return nuisances(own, self.own, self.point, self.standard_error)
+        return of_tests(own, self.own, self.point, self.standard_error)
 
     @property
     def residual(self) -> Residual:
         """Of every sample."""
-        watson = [noise.durbin_watson for noise in self.noises]
-        weights = [noise.samples for noise in self.noises]
-        return Residual(
-            n=self.samples,
-            sse=self.sse,
-            rms=self.rms,
-            kappa=self.kappa,
-            durbin_watson=float(np.average(watson, weights=weights)),
-        )
+        return self.statistics([noise.samples for noise in self.noises])
 
 
-def nuisances(
+def of_tests(
     names: Sequence[str], own: FloatArray, point: Point, error: Callable[[str], float]
 ) -> tuple[Nuisance, ...]:
     """Return the columns of each test, ``"offset@0"``, and how arms shift apart, in words."""
-    found = []
-    for name, value in zip(names, own, strict=True):
-        kind, _, test = name.partition("@")
-        title = f"{kind} of test {int(test) + 1}"
-        found.append(Nuisance(title, float(value), error(name), _UNITS[kind]))
-    if point.order > 1:
-        found.append(Nuisance("shift slope", point.slope, error("slope"), "1/decade"))
-    return tuple(found)
+    values = dict(zip(names, own.tolist(), strict=True))
+    found = nuisances(names, values.__getitem__, error)
+    if point.order < 2:
+        return found
+    return (*found, Nuisance("shift slope", point.slope, error("slope"), "1/decade"))
 
 
 class Left(NamedTuple):

@@ -8,14 +8,13 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.provenance import Step, sources_of, steps_of
-from dashpot.fitting.checks.solid import uncertainty_estimated
+from dashpot.fitting.assembly import UNJUDGED, Outcome, assembled, point_estimate
 from dashpot.fitting.shift_law import LawThroughShifts, ShiftLaw, law_through
 from dashpot.fitting.temperature.joint import Vertical
-from dashpot.fitting.temperature.knowledge import left_of, nuisances, own_names
+from dashpot.fitting.temperature.knowledge import left_of, of_tests, own_names
 from dashpot.fitting.temperature.optimum import Optimum
 from dashpot.fitting.temperature.reduced import Own
-from dashpot.records.estimate import ParameterEstimate, Residual, parameter_names
-from dashpot.records.fit import Evidence, Fit, Provenance, Status
+from dashpot.records.fit import Fit, Provenance
 from dashpot.records.temperature import Shift, TemperatureShifts, celsius
 from dashpot.solids.elastic import ElasticLaw
 
@@ -119,25 +118,13 @@ def point_alone(best: Optimum, vertical: Vertical, law: ShiftLaw, *, asked: int)
     unknown = np.where(turn.any(axis=1), np.inf, 0.0)
     shifts = shifts_of(best, vertical, laid, np.diag(unknown), np.empty(0))
     each = [left_of(joint, test, i, point) for i, test in enumerate(best.tests)]
-    left = np.concatenate([one.left for one in each])
-    sse, names = float(left @ left), parameter_names(point.order)
-    return Fit(
-        solid=point.solid,
-        status=Status.FEWER_ARMS if point.order < asked else Status.CONVERGED,
-        estimate=ParameterEstimate(
-            parameters=names,
-            covariance=np.diag(np.full(len(names), np.inf)),
-            dof=0.0,
-            residual=Residual(len(left), sse, float(np.sqrt(sse / len(left)))),
-            nuisance=nuisances(
-                own_names(best.tests),
-                np.concatenate([one.own for one in each]),
-                point,
-                lambda _: np.inf,
-            ),
-        ),
-        evidence=Evidence((0.0, 0.0), checks=(uncertainty_estimated(made=False),)),
-        provenance=provenance(best, shifts),
+    left, own = (np.concatenate([getattr(one, part) for one in each]) for part in ("left", "own"))
+    nuisance = of_tests(own_names(best.tests), own, point, lambda _: np.inf)
+    estimate = point_estimate(point.solid, len(left), float(left @ left), nuisance)
+    return assembled(
+        Outcome(point.solid, estimate, fewer=point.order < asked),
+        UNJUDGED,
+        provenance(best, shifts),
         elastic_law=elastic_law(best),
         temperatures=shifts,
     )

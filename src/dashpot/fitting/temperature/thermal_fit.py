@@ -13,6 +13,7 @@ from dashpot.base.checks import Check, worst
 from dashpot.engine.blocks.block import Block
 from dashpot.engine.inference.order import chance_beyond
 from dashpot.engine.solver.variable_projection import Solution, solve
+from dashpot.fitting.assembly import Outcome, assembled
 from dashpot.fitting.checks import relaxation as solid_questions
 from dashpot.fitting.checks.relaxation import hold_long_enough
 from dashpot.fitting.checks.solid import (
@@ -30,7 +31,7 @@ from dashpot.fitting.checks.temperature import (
     shift_monotone,
     shifts_determined,
 )
-from dashpot.fitting.pipeline import certified, ended
+from dashpot.fitting.pipeline import certified
 from dashpot.fitting.repeats import end_stiffnesses
 from dashpot.fitting.shift_law import LawThroughShifts, ShiftLaw
 from dashpot.fitting.temperature import checks
@@ -153,31 +154,24 @@ def _assembled(
     band = informed_band(
         records, _reduced(found), stiffness=max(model.k_0, 1e-300), noise=1.0, slower=slower
     )
-    answers = _checks(found, shifts, laid, band)
-    failed = {check.name for check in answers if check.failed}
-    return Fit(
-        solid=model,
-        status=ended(
-            stationary="optimum_found" not in failed,
-            fewer=asked is not None and model.arms < asked,
-            at_bound=bool(solution.at_bound.any()) or "tau_inside_window" in failed,
-            identified=not failed & {"arms_supported", "k_inf_positive"},
-            agreed="thermorheologically_simple" not in failed,
-        ),
-        estimate=ParameterEstimate(
-            parameters=parameter_names(point.order),
-            covariance=knowledge.of_solid,
-            dof=knowledge.dof,
-            residual=knowledge.residual,
-            nuisance=knowledge.nuisances,
-        ),
-        evidence=Evidence(
-            band=band,
+    estimate = ParameterEstimate(
+        parameter_names(point.order),
+        knowledge.of_solid,
+        knowledge.dof,
+        knowledge.residual,
+        nuisance=knowledge.nuisances,
+    )
+    fewer = asked is not None and model.arms < asked
+    noticed = [check for record in records for check in record.checks]
+    return assembled(
+        Outcome(model, estimate, fewer, bool(solution.at_bound.any())),
+        Evidence(
+            band,
             orders=_orders(found),
             certificate=certified(_reduced(found), solution),
-            checks=(*(check for record in records for check in record.checks), *answers),
+            checks=(*noticed, *_checks(found, shifts, laid, band)),
         ),
-        provenance=provenance(best, shifts),
+        provenance(best, shifts),
         elastic_law=elastic_law(best),
         temperatures=shifts,
     )

@@ -23,6 +23,7 @@ from dashpot.engine.inference.order import bic, significant
 from dashpot.engine.solver.descent import Stack
 from dashpot.engine.solver.variable_projection import Jacobian, Solution, full_jacobian
 from dashpot.fitting.uncertainty.encoder import Encoder, Kernel, encoder_rows
+from dashpot.records.estimate import Residual
 
 # a fit that leaves less than this of the largest force has met the rounding of the data
 _ROUNDING = 1e-10
@@ -76,6 +77,12 @@ class Known:
     def kappa(self) -> float:
         """Samples per independent residual, over all records."""
         return self.samples / self.effective
+
+    def statistics(self, weights: Sequence[float]) -> Residual:
+        """Statistics of the residuals; `weights` of the records in that of Durbin and Watson."""
+        watson = [noise.durbin_watson for noise in self.noises]
+        mean = float(np.average(watson, weights=weights)) if sum(weights) > 0 else 2.0
+        return Residual(self.samples, self.sse, self.rms, self.kappa, mean)
 
     def standard_error(self, name: str) -> float:
         """Standard error of a row."""

@@ -1,0 +1,128 @@
+"""From an optimum, what supports it and where it comes from to a fit: alike on every way to one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.checks import status_of
+from dashpot.base.provenance import Step, sources_of, steps_of
+from dashpot.base.status import Status
+from dashpot.fitting.checks.solid import uncertainty_estimated
+from dashpot.records.estimate import Nuisance, ParameterEstimate, Residual, parameter_names
+from dashpot.records.fit import Evidence, Fit, Provenance
+from dashpot.records.relaxation import RampHold
+from dashpot.records.temperature import TemperatureShifts
+from dashpot.solids.elastic import ElasticLaw
+from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
+
+#: what supports an optimum of which nothing more was asked
+UNJUDGED = Evidence((0.0, 0.0), checks=(uncertainty_estimated(made=False),))
+
+
+class Outcome(NamedTuple):
+    """What a search for a solid found.
+
+    Attributes
+    ----------
+    solid : Solid
+    estimate : ParameterEstimate
+        Of its parameters.
+    fewer : bool
+        It has fewer arms than were asked for.
+    at_bound : bool
+        A bound of what is sought holds it.
+    """
+
+    solid: Solid
+    estimate: ParameterEstimate
+    fewer: bool = False
+    at_bound: bool = False
+
+
+def assembled(
+    found: Outcome,
+    evidence: Evidence,
+    provenance: Provenance,
+    *,
+    unit: str = "N/m",
+    elastic_law: ElasticLaw | None = None,
+    temperatures: TemperatureShifts | None = None,
+) -> Fit:
+    """Return the fit of an optimum, which ended as its checks and the optimum itself say.
+
+    Parameters
+    ----------
+    found : Outcome
+    evidence : Evidence
+        Its checks in the order in which they are told, those of the records first.
+    provenance : Provenance
+    unit, elastic_law, temperatures
+        As `Fit` holds them.
+    """
+    shown = {Status.FEWER_ARMS: found.fewer, Status.TAU_AT_BOUND: found.at_bound}
+    return Fit(
+        solid=found.solid,
+        status=status_of(evidence.checks, shown),
+        estimate=found.estimate,
+        evidence=evidence,
+        provenance=provenance,
+        unit=unit,
+        elastic_law=elastic_law,
+        temperatures=temperatures,
+    )
+
+
+def point_estimate(
+    model: GeneralizedMaxwell, samples: int, sse: float, nuisance: tuple[Nuisance, ...]
+) -> ParameterEstimate:
+    """Return what an optimum alone tells of its parameters: no error of any."""
+    names = parameter_names(model.arms)
+    return ParameterEstimate(
+        names,
+        np.diag(np.full(len(names), np.inf)),
+        dof=0.0,
+        residual=Residual(samples, sse, float(np.sqrt(sse / samples))),
+        nuisance=nuisance,
+    )
+
+
+def nuisances(
+    names: Sequence[str],
+    value: Callable[[str], float],
+    error: Callable[[str], float],
+    *,
+    of: str = "N",
+    known: Mapping[str, float] | None = None,
+) -> tuple[Nuisance, ...]:
+    """Return offset, drift, delay and warming of each test; of several, named by its number.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Of columns, ``"offset@0"`` of the first test; those of the solid are passed over.
+    value, error : callable
+        Coefficient and standard error of a column.
+    of : str
+        Unit of what was measured.
+    known : mapping of str to float, optional
+        Standard deviations that were known before the fit.
+    """
+    units = {"offset": of, "drift": f"{of}/s", "delay": "s", "warming": "K"}
+    own = [name for name in names if name.partition("@")[0] in units]
+    several = len({name.partition("@")[2] for name in own}) > 1
+    found = []
+    for name in own:
+        kind, _, test = name.partition("@")
+        title = f"{kind} of test {int(test) + 1}" if several else kind
+        before = None if known is None else known.get(name)
+        found.append(Nuisance(title, value(name), error(name), units[kind], before))
+    return tuple(found)
+
+
+def provenance_of(method: str, tests: Sequence[RampHold], *steps: Step) -> Provenance:
+    """Return where the fit of relaxation tests comes from; its piece is the deepest's."""
+    deepest = max(tests, key=lambda test: test.depth)
+    return Provenance(method, sources_of(tests), (*steps_of(tests), *steps), deepest.specimen)

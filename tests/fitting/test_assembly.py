@@ -1,0 +1,134 @@
+"""How a fit is made of its parts, and how it ended, whatever was fitted."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import dashpot as dp
+from dashpot.base.provenance import Step
+from dashpot.base.status import Status
+from dashpot.fitting.assembly import (
+    UNJUDGED,
+    Outcome,
+    assembled,
+    nuisances,
+    point_estimate,
+    provenance_of,
+)
+from dashpot.fitting.checks.solid import arms_supported, optimum_found
+from dashpot.preparation.checks import force_relaxes
+from dashpot.records.estimate import Nuisance
+from dashpot.records.fit import Evidence, Provenance
+from dashpot.records.relaxation import RampHold
+from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.rig import Rig
+from dashpot.solids.table_1 import PAPER
+
+SOURCES = Path(dp.__file__).parent
+POINT = point_estimate(PAPER, 100, 25.0, ())
+COLUMNS = ("k_inf", "offset@0", "drift@0", "offset@1", "warming@1", "b")
+VALUES = {name: float(i) for i, name in enumerate(COLUMNS)}
+
+
+def of(*names: str, **more: object) -> tuple[Nuisance, ...]:
+    return nuisances(names, VALUES.__getitem__, lambda name: 10 * VALUES[name], **more)  # type: ignore[arg-type]
+
+
+def test_nuisances_of_several_tests_are_named_by_their_number():
+    assert of(*COLUMNS, known={"drift@0": 0.5}) == (
+        Nuisance("offset of test 1", 1.0, 10.0, "N"),
+        Nuisance("drift of test 1", 2.0, 20.0, "N/s", 0.5),
+        Nuisance("offset of test 2", 3.0, 30.0, "N"),
+        Nuisance("warming of test 2", 4.0, 40.0, "K"),
+    )
+
+
+def test_nuisances_of_one_test_have_no_number_and_the_unit_of_what_was_measured():
+    assert [(one.name, one.unit) for one in of("offset@0", "drift@0")] == [
+        ("offset", "N"),
+        ("drift", "N/s"),
+    ]
+    VALUES["offset"] = VALUES["drift"] = 1.0
+    assert [one.unit for one in of("k_inf", "offset", "drift", of="m")] == ["m", "m/s"]
+    assert of("k_inf", "b") == ()
+
+
+def test_a_point_estimate_knows_no_error_of_any_parameter():
+    found = assembled(Outcome(PAPER, POINT), UNJUDGED, Provenance("full"))
+    assert np.isinf(np.diag(found.covariance)).all()
+    assert found.covariance.shape == (5, 5)
+    assert (found.residual.n, found.residual.sse, found.residual.rms) == (100, 25.0, 0.5)
+    assert found.status is Status.CONVERGED
+    assert found.verdict.use == "use with care"
+
+
+@pytest.mark.parametrize(
+    ("fewer", "at_bound", "checks", "status"),
+    [
+        (False, False, (), Status.CONVERGED),
+        (True, False, (), Status.FEWER_ARMS),
+        (False, True, (), Status.TAU_AT_BOUND),
+        (True, True, (), Status.FEWER_ARMS),
+        (False, True, ("weak",), Status.TAU_AT_BOUND),
+        (False, False, ("weak",), Status.NOT_IDENTIFIED),
+        (True, True, ("weak", "lost"), Status.NOT_CONVERGED),
+    ],
+)
+def test_a_fit_ends_as_its_optimum_and_its_checks_say(
+    fewer: bool, at_bound: bool, checks: tuple[str, ...], status: Status
+):
+    failed = {
+        "weak": arms_supported(PAPER, np.full(5, np.inf)),
+        "lost": optimum_found(stationary=False),
+    }
+    evidence = Evidence((0.1, 1.0), checks=tuple(failed[name] for name in checks))
+    found = assembled(Outcome(PAPER, POINT, fewer, at_bound), evidence, Provenance("full"))
+    assert found.status is status
+
+
+def rising(kelvin: float | None = None) -> RampHold:
+    """A prepared test whose force climbs back in the hold, as no relaxing solid's does."""
+    rig, seed = Rig(rate=100), int(kelvin or 0)
+    made = dp.prepare(simulate_relaxation(PAPER, hold_time=10.0, rig=rig, seed=seed).test)
+    more = 0.2 * made.force.max() * np.clip((made.time - made.ramp_end) / 5, 0, 1)
+    specimen = replace(made.specimen, temperature=kelvin)
+    return replace(made, force=made.force + more, specimen=specimen)
+
+
+@pytest.mark.parametrize(
+    "fit",
+    [
+        pytest.param(lambda: dp.fit(rising()), id="linear"),
+        pytest.param(lambda: dp.fit(rising(), law="nonlinear"), id="bent"),
+        pytest.param(lambda: dp.fit([rising(296.0), rising(283.0)], arms=1), id="temperatures"),
+    ],
+)
+def test_a_force_that_rises_ends_every_fit_of_it(fit: Callable[[], dp.Fit]):
+    assert force_relaxes(rising()).failed
+    assert fit().status is Status.FORCE_RISES
+
+
+def test_a_fit_of_tests_names_the_deepest_piece():
+    shallow, deep = (
+        replace(rising(), depth=depth, specimen=dp.Specimen(name=name))
+        for depth, name in ((4e-3, "one"), (8e-3, "other"))
+    )
+    step = Step("fit")
+    found = provenance_of("hold", [shallow, deep], step)
+    assert (found.method, found.specimen.name) == ("hold", "other")
+    assert found.steps == (*shallow.steps, *deep.steps, step)
+
+
+def test_fits_are_made_in_one_place():
+    made = [
+        file.relative_to(SOURCES).as_posix()
+        for file in sorted(SOURCES.rglob("*.py"))
+        if re.search(r"(?<!class )\bFit\($", file.read_text("utf-8"), re.MULTILINE)
+    ]
+    assert made == ["fitting/assembly.py"]
