@@ -192,29 +192,31 @@ def arm_columns(
 
 
 def recursion(decay: FloatArray, increments: FloatArray, first: FloatArray) -> FloatArray:
-    r"""u_0 = first, u_i = decay_{i-1} u_{i-1} + increments_{i-1}, shape (M, N).
+    r"""u_0 = first, u_i = decay_{i-1} u_{i-1} + increments_{i-1}, shape (M, N, ...).
 
-    Many stretches run side by side, one step of all at a time; then each one's end is passed on,
-    damped by the product of the decays since.
+    A decay may serve several increments, as arrays broadcast. Many stretches run side by side, one
+    step of all at a time; then each one's end is passed on, damped by the product of the decays
+    since.
     """
-    total, arms = len(increments) + 1, increments.shape[1]
+    total = len(increments) + 1
     length = int(np.ceil(np.sqrt(total)))
     stretches = -(-total // length)
 
     def by_step(values: FloatArray) -> FloatArray:
-        padded = np.zeros((stretches * length, arms))
+        padded = np.zeros((stretches * length, *values.shape[1:]))
         padded[total - len(values) : total] = values
-        return np.ascontiguousarray(padded.reshape(stretches, length, arms).transpose(1, 0, 2))
+        parts = padded.reshape(stretches, length, *values.shape[1:])
+        return np.ascontiguousarray(parts.swapaxes(0, 1))
 
     out = by_step(np.concatenate((first[None], increments)))
-    u, since = np.zeros((stretches, arms)), by_step(decay)
+    u, since = np.zeros(out.shape[1:]), by_step(decay)
     for i in range(length):
         u = u * since[i] + out[i]
         out[i] = u
         if i:
             since[i] *= since[i - 1]
-    carry = np.zeros((stretches, arms))
+    carry = np.zeros_like(u)
     for b in range(1, stretches):
         carry[b] = carry[b - 1] * since[-1, b - 1] + u[b - 1]
     out += since * carry
-    return np.asarray(out.transpose(1, 0, 2).reshape(stretches * length, arms)[:total])
+    return np.asarray(out.swapaxes(0, 1).reshape(stretches * length, *out.shape[2:])[:total])

@@ -172,15 +172,16 @@ def _rows(records: Sequence[Thinned], theta: FloatArray) -> Rows:
         known = np.where(one.felt, 0.0, memory.displacement(one.time, one.force))
         answer, hats = known.copy(), one.hats.copy()
         moved = np.diff(one.hats, axis=0)
-        step = np.diff(one.time[one.first :])[:, None]
+        step = np.diff(one.time[one.first :])[:, None, None]
         g, tau = np.asarray(memory.k), np.asarray(memory.tau)
         if len(tau):
             answer += arm_columns(one.time, known, tau, derivative=False)[0] @ g
             # every hat under every arm side by side
-            z = step / np.repeat(tau, KNOTS)
-            lost, every = np.expm1(-z), np.tile(moved, len(tau))
-            arms = recursion(1 + lost, -lost / z * every, np.tile(one.hats[0], len(tau)))
-            hats += np.einsum("nap,a->np", arms.reshape(len(hats), len(tau), KNOTS), g)
+            z = step / tau[:, None]
+            lost = np.expm1(-z)
+            first = np.tile(one.hats[0], (len(tau), 1))
+            arms = recursion(1 + lost, -lost / z * moved[:, None], first)
+            hats += np.einsum("nap,a->np", arms, g)
         inside = one.felt[one.first :]
         columns.append(hats[inside])
         targets.append((one.force - answer)[one.first :][inside])
