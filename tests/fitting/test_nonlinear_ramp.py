@@ -12,8 +12,10 @@ import numpy as np
 import pytest
 from kit import ramps
 from kit.ramps import DEPTH, LAWS, Bench, cubic, foam_block, linear, motion, qlv, recorded, tape
+from kit.slopes import hold_slopes
 
 from dashpot.base.errors import FitError
+from dashpot.engine.least_squares.problem import solved
 from dashpot.fitting.nonlinear_ramp.assembly import ramp_checks, ramp_fit
 from dashpot.fitting.nonlinear_ramp.checks import k_inf_believable
 from dashpot.fitting.nonlinear_ramp.hold_first import nuisances
@@ -78,31 +80,40 @@ def test_rows_hold_every_sample_once_and_are_fine_at_corners() -> None:
 def test_columns_are_the_force_of_the_linear_solid() -> None:
     rows = thinned([qlv(linear, QUICK, seed=1)])
     solid = QuasiLinear(rows, DEPTH * np.linspace(0, 1, 5))
-    columns = solid.responses(np.log(PAPER.tau), np.ones(5), full=False).columns
+    columns = solid.columns(np.log(PAPER.tau)) @ np.ones(5)
     start = np.concatenate(([rows.time[0] - rows.step[0]], rows.time))
     force = PAPER.force(start, np.concatenate(([0.0], rows.displacement)))[1:]
     np.testing.assert_allclose(columns @ (PAPER.k_inf, *PAPER.k), force, rtol=1e-10, atol=1e-12)
 
 
 @pytest.mark.parametrize("apart", [False, True])
-def test_the_jacobian_is_the_derivative(apart: bool) -> None:
+@pytest.mark.parametrize("knots", [2, 4])
+def test_the_slope_is_the_derivative(knots: int, apart: bool) -> None:
     rows = thinned([qlv(cubic, QUICK, seed=1), qlv(cubic, QUICK, depth=5e-3, seed=2)])
-    solid = QuasiLinear(rows, DEPTH * np.linspace(0, 1, 4))
+    solid = QuasiLinear(rows, DEPTH * np.linspace(0, 1, knots))
     weighted = Weighted(solid, np.full(len(rows.time), 4e-3), nuisances(rows), apart=apart)
-    shape = np.array([0.8, 0.9, 1.0, 1.2])
-    at = weighted.point(np.log(PAPER.tau), shape / (solid.weights @ shape))
-    k = at.k.reshape(-1, 3)[rows.record if apart else 0 * rows.record]
+    problem, shape = weighted.problem(2), np.array([0.8, 0.9, 1.0, 1.2])[:knots]
+    for size in (1.0, 1.1):
+        theta = solid.theta(np.log(PAPER.tau), size * shape / (solid.weights @ shape))
+        hold_slopes(problem, theta, problem.at(theta).beta)
 
-    def model(free: np.ndarray) -> np.ndarray:
-        scaled = free[2:] / (solid.weights @ free[2:])
-        columns = solid.responses(free[:2], scaled, full=False).columns
-        return np.asarray(weighted.root * np.sum(columns * k, axis=1))
 
-    here, step = np.concatenate((at.log_tau, at.shape)), 1e-6
-    jacobian = weighted.jacobian(at)[: len(rows.time), len(at.k) :]
-    for j, unit in enumerate(np.eye(len(here))):
-        slope = (model(here + step * unit) - model(here - step * unit)) / (2 * step)
-        np.testing.assert_allclose(jacobian[:, j], slope, atol=1e-6 * np.abs(slope).max())
+def test_a_descent_leaves_less_than_noise() -> None:
+    rows = thinned([qlv(ramps.foam, QUICK, seed=1)])
+    solid = QuasiLinear(rows, DEPTH * np.linspace(0, 1, 5))
+    weighted = Weighted(solid, np.full(len(rows.time), 4e-3), nuisances(rows))
+    found = weighted.descend(solid.theta(np.log(PAPER.tau) + 0.5, np.ones(5)))
+    best = solved(weighted.problem(2), [found.theta])
+    assert 0 <= found.cost - best.cost < 1e-4
+    assert solid.weights @ found.theta[2:] == pytest.approx(1.0, abs=1e-12)
+
+
+def test_the_mean_of_a_shape_is_no_doubt() -> None:
+    found = ramp_law([qlv(cubic, QUICK, seed=1)])
+    knots = np.array(found.law.knots)
+    weights = QuasiLinear(found.followed.weighted.solid.rows, knots).weights
+    shape = found.law_covariance[-len(knots) :, -len(knots) :]
+    assert weights @ shape @ weights < 1e-8 * np.diag(shape).min()
 
 
 def test_units_do_not_matter() -> None:

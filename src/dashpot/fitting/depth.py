@@ -21,11 +21,12 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.errors import FitError
+from dashpot.engine.inference.estimate import Estimate
 from dashpot.fitting.checks.relaxation import separable
 from dashpot.fitting.nonlinear_ramp.assembly import ramp_fit
 from dashpot.fitting.nonlinear_ramp.hold_first import MAX_ARMS, follow
 from dashpot.fitting.nonlinear_ramp.ladder import ramp_law
-from dashpot.fitting.nonlinear_ramp.law_estimate import RampLaw, covariance_of
+from dashpot.fitting.nonlinear_ramp.law_estimate import RampLaw
 from dashpot.fitting.pipeline import asked_arms
 from dashpot.fitting.temperature.optimum import checked_temperatures
 from dashpot.preparation.ramp_holds import Tests, ramp_holds
@@ -112,71 +113,63 @@ def fit_depths(
 
 
 class _Each(NamedTuple):
-    """The stiffnesses of each test on a common path, shape (R, 1 + N), and their covariance.
+    """The stiffnesses of each test on a common path, shape (R, 1 + N), and what is known of them.
 
-    Rows of the covariance are the stiffnesses test by test; the law gives the path.
+    The law gives the path.
     """
 
     k: FloatArray
-    covariance: FloatArray
+    known: Estimate
     dof: float
     law: ElasticLaw
 
     def at(self, test: int, depth: float) -> AtDepth:
         """Secant stiffnesses of one test at its depth."""
         scale = float(self.law.path(depth)) / depth
-        size = self.k.shape[1]
-        error = np.sqrt(np.diag(self.covariance)).reshape(self.k.shape)[test]
-        k, se = scale * self.k[test], scale * error
+        error = self.known.standard_error[len(self.known.optimum.theta) :]
+        k, se = scale * self.k[test], scale * error[: self.k.size].reshape(self.k.shape)[test]
         return AtDepth(
-            depth,
-            float(k[0]),
-            float(se[0]),
-            tuple(float(one) for one in k[1:size]),
-            tuple(float(one) for one in se[1:size]),
+            depth, float(k[0]), float(se[0]), tuple(k[1:].tolist()), tuple(se[1:].tolist())
         )
 
 
 def _each(found: RampLaw) -> _Each:
     """Fit each test with stiffnesses of its own, relaxation times and law shared."""
-    tests, n, followed = len(found.hold.rms), found.model.arms, found.followed
+    followed = found.followed
+    solid, log_tau = followed.weighted.solid, np.log(np.asarray(found.model.tau))
     own = follow(
-        followed.weighted.solid,
+        solid,
         found.hold,
         followed,
-        np.log(np.asarray(found.model.tau)),
-        followed.point.shape,
+        solid.theta(log_tau, followed.shape),
         known=followed.weighted.nuisances,
         apart=True,
     )
-    size = tests * (1 + n)
-    covariance = covariance_of(own)[:size, :size]
-    worse = max(1.0, *(a / b for a, b in zip(own.hold, found.hold.rms, strict=True)))
-    law = ElasticLaw(found.law.knots, tuple(own.point.shape.tolist()), 1.0)
-    return _Each(own.point.k.reshape(tests, 1 + n), covariance * worse**2, found.estimate.dof, law)
+    law = ElasticLaw(found.law.knots, tuple(own.shape.tolist()), 1.0)
+    return _Each(own.k, own.estimate(found.hold), found.estimate.dof, law)
 
 
 def _separable(each: _Each) -> Check:
     r"""Test :math:`k_j/k_\infty` equal at every depth: Wald's statistic, as an F."""
-    tests, size = each.k.shape
-    count = size - 1
-    if count == 0:
+    if each.k.shape[1] == 1:
         return separable(None, None)
     ratio = each.k[:, 1:] / each.k[:, :1]
     spread = float(np.abs(ratio / ratio.mean(axis=0) - 1.0).max())
-    if not np.all(np.isfinite(each.covariance)):
+    first = len(each.known.optimum.theta)
+    stiff = slice(first, first + each.k.size)
+    if not np.all(np.isfinite(each.known.covariance[stiff, stiff])):
         return separable(None, spread)
-    slope = np.zeros((tests, count, tests, size))
-    for i in range(tests):
-        slope[i, :, i, 0] = -ratio[i] / each.k[i, 0]
-        slope[i, np.arange(count), i, 1 + np.arange(count)] = 1.0 / each.k[i, 0]
-    contrast = np.kron(np.eye(tests)[1:] - np.eye(tests)[:1], np.eye(count))
-    difference = contrast @ ratio.ravel()
-    gradient = contrast @ slope.reshape(tests * count, tests * size)
-    free = len(difference)
-    spread_of = gradient @ each.covariance @ gradient.T
-    statistic = difference @ np.linalg.lstsq(spread_of, difference, rcond=1e-12)[0] / free
+
+    def differences(values: FloatArray) -> FloatArray:
+        k = values[stiff].reshape(each.k.shape)
+        shapes = k[:, 1:] / k[:, :1]
+        return np.asarray((shapes[1:] - shapes[0]).ravel())
+
+    apart = each.known.derived(differences)
+    free = len(apart.values)
+    told = np.linalg.lstsq(apart.covariance, apart.values, rcond=1e-12)[0]
     # a rare path: scipy's F distribution costs an import that a plain fit does not pay
     from scipy.special import fdtrc
 
-    return separable(float(fdtrc(free, max(each.dof, 1.0), statistic)), spread)
+    chance = fdtrc(free, max(each.dof, 1.0), apart.values @ told / free)
+    return separable(float(chance), spread)

@@ -119,9 +119,7 @@ def ramp_checks(tests: Sequence[RampHold], found: RampLaw) -> tuple[Check, ...]:
     """Return the checks of elastic law and load cell, each at its worst over the records."""
     rows = found.followed.weighted.solid.rows
     worst = int(np.argmax(found.missed))
-    values = dict(
-        zip(found.followed.weighted.nuisances.names, found.followed.point.nuisance, strict=True)
-    )
+    values = found.followed.nuisance
     error = np.sqrt(np.diag(found.estimate.covariance))
     deepest = int(np.argmax(rows.depths))
     followed = checks.ramp_followed(

@@ -13,20 +13,22 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import FloatArray
 from dashpot.engine.blocks.block import Block, design_block
-from dashpot.engine.inference.covariance import noise_of, white
+from dashpot.engine.inference.covariance import directions, noise_of, white
+from dashpot.engine.inference.estimate import Estimate, estimate, white_noise
+from dashpot.engine.inference.order import deviance
+from dashpot.engine.least_squares.problem import Optimum
 from dashpot.engine.solver.variable_projection import (
     Solution,
     full_jacobian,
     solve_orders,
 )
-from dashpot.fitting.nonlinear_ramp.projection import Nuisances, Point, Weighted
+from dashpot.fitting.nonlinear_ramp.projection import Bounds, Nuisances, Weighted, tau_bounds
 from dashpot.fitting.nonlinear_ramp.quasi_linear import QuasiLinear
 from dashpot.fitting.nonlinear_ramp.thinning import Rows
 from dashpot.fitting.nuisance import Prior
@@ -74,7 +76,7 @@ class Followed:
     Attributes
     ----------
     weighted : Weighted
-    point : Point
+    optimum : Optimum
     ramp, hold : tuple of float
         Root mean square of each record's residual on its ramp and in its hold, a sample, N.
     ramp_scatter : tuple of float
@@ -83,25 +85,49 @@ class Followed:
     """
 
     weighted: Weighted
-    point: Point
+    optimum: Optimum
     ramp: tuple[float, ...]
     hold: tuple[float, ...]
     ramp_scatter: tuple[float, ...]
     ramp_correlation: tuple[float, ...]
 
+    @property
+    def log_tau(self) -> FloatArray:
+        """Of every arm, shape (N,)."""
+        return self.weighted.solid.parted(self.optimum.theta)[0]
 
-class Bounds(NamedTuple):
-    """The window of ln tau: a sample of the ramp to the longest hold."""
+    @property
+    def shape(self) -> FloatArray:
+        """Of the law at its knots, of mean 1."""
+        return self.weighted.solid.parted(self.optimum.theta)[1]
 
-    low: float
-    high: float
+    @property
+    def k(self) -> FloatArray:
+        """k_inf and every k, N/m, of each set of stiffnesses, shape (S, 1 + N)."""
+        return self.weighted.stiffnesses(self.optimum)
 
+    @property
+    def nuisance(self) -> dict[str, float]:
+        """The nuisance terms by their names, N, N/s and s."""
+        names = self.weighted.nuisances.names
+        return dict(zip(names, self.optimum.beta[-len(names) :].tolist(), strict=True))
 
-def tau_bounds(rows: Rows) -> Bounds:
-    """Return the relaxation times that ramp and hold could show, ln s."""
-    shortest = min(float(rows.step[rows.record == i].min()) for i in range(len(rows.depths)))
-    holds = [rows.time[rows.record == i][-1] - end for i, end in enumerate(rows.ends)]
-    return Bounds(float(np.log(shortest)), float(np.log(max(holds))))
+    def estimate(self, hold: Hold) -> Estimate:
+        """What is known of the optimum; noise as much more as it leaves in a hold than that alone.
+
+        Arms without stiffness have no error, nor has a shape that rests at 0; every k_inf has.
+        """
+        best, worse = self.optimum, max(1.0, *np.divide(self.hold, hold.rms).tolist())
+        plateau = np.zeros(len(best.beta), dtype=bool)
+        plateau[: self.k.size : self.k.shape[1]] = True
+        gone = (self.k[:, 1:] <= 0).all(axis=0)
+        return estimate(
+            best,
+            noises=[white_noise(best, worse**2)],
+            prior_variance=worse**2,
+            resting=plateau,
+            held=np.append(gone, best.theta[len(self.log_tau) :] <= 0),
+        )
 
 
 # -- the hold alone -------------------------------------------------------------------------------
@@ -157,7 +183,7 @@ def _supported(rows: Rows, blocks: Sequence[Block], solutions: Sequence[Solution
     per_arm = 1 + len(blocks)
     return min(
         solutions,
-        key=lambda s: effective * np.log(s.sse + floor) + per_arm * s.order * price,
+        key=lambda s: deviance(s.sse, effective=effective, floor=floor) + per_arm * s.order * price,
     )
 
 
@@ -217,9 +243,9 @@ def nuisances(rows: Rows, delay: FloatArray | None = None) -> Nuisances:
     )
 
 
-def lag(weighted: Weighted, point: Point) -> FloatArray:
+def lag(weighted: Weighted, best: Optimum) -> FloatArray:
     r"""Return what a delay of one second would do, :math:`-\dot F` of the solid, N/s."""
-    rows, force = weighted.solid.rows, weighted.force(point)
+    rows, force = weighted.solid.rows, weighted.force(best)
     found = np.empty(len(force))
     for i in range(len(rows.depths)):
         here = np.flatnonzero(rows.record == i)
@@ -241,16 +267,14 @@ def recorded_hold(rows: Rows, hold: Hold) -> Followed:
     """Fit the hold rows alone as what follows the recorded history of a linear seal."""
     unseen = spread(rows, np.full(len(rows.depths), np.inf), independent(hold))
     weighted = Weighted(QuasiLinear(rows, np.array([0.0, rows.depth])), unseen, nuisances(rows))
-    point = weighted.descend(hold.log_tau, np.ones(2), tau_bounds(rows))
-    return measured(weighted, point, independent(hold))
+    return measured(weighted, weighted.descend(hold.log_tau), independent(hold))
 
 
 def follow(
     solid: QuasiLinear,
     hold: Hold,
     found: Followed,
-    log_tau: FloatArray,
-    shape: FloatArray,
+    theta: FloatArray,
     *,
     known: Nuisances | None = None,
     apart: bool = False,
@@ -260,25 +284,25 @@ def follow(
     The nuisances are offset and drift unless others are `known`; `apart` gives each record its
     own stiffnesses.
     """
-    rows, bounds = solid.rows, tau_bounds(solid.rows)
+    rows = solid.rows
     known = nuisances(rows) if known is None else known
     by_hold = independent(hold)
     for _ in range(_ROUNDS):
         weighted = Weighted(solid, spread(rows, found.ramp_scatter, by_hold), known, apart=apart)
-        point = weighted.descend(log_tau, shape, bounds)
-        before, found = found, measured(weighted, point, by_hold)
-        log_tau, shape = point.log_tau, point.shape
+        before, found = found, measured(weighted, weighted.descend(theta), by_hold)
+        theta = found.optimum.theta
         change = np.array(found.ramp_scatter) / np.array(before.ramp_scatter) - 1
         if float(np.abs(change).max()) < _SETTLED:
             break
     return found
 
 
-def measured(weighted: Weighted, point: Point, by_hold: FloatArray) -> Followed:
+def measured(weighted: Weighted, best: Optimum, by_hold: FloatArray) -> Followed:
     """Return an optimum with what its residuals say of each ramp."""
-    rows = weighted.solid.rows
-    leverage = _leverages(weighted, point)
-    scaled = np.sqrt(rows.count) * point.residual
+    rows, nuisance = weighted.solid.rows, best.beta[-len(weighted.nuisances.names) :]
+    residual = rows.force - weighted.force(best) - weighted.nuisances.columns @ nuisance
+    leverage = np.sum(directions([best.jacobian]).columns[0].matrix ** 2, axis=1)[: len(residual)]
+    scaled = np.sqrt(rows.count) * residual
     ramps, holds, scatters, correlations = [], [], [], []
     for i in range(len(rows.depths)):
         ramp, held = rows.ramp & (rows.record == i), rows.held(i)
@@ -292,13 +316,5 @@ def measured(weighted: Weighted, point: Point, by_hold: FloatArray) -> Followed:
             max(float(np.sqrt(kappa * (scaled[ramp] @ scaled[ramp]) / left)), float(by_hold[i]))
         )
     return Followed(
-        weighted, point, tuple(ramps), tuple(holds), tuple(scatters), tuple(correlations)
+        weighted, best, tuple(ramps), tuple(holds), tuple(scatters), tuple(correlations)
     )
-
-
-def _leverages(weighted: Weighted, point: Point) -> FloatArray:
-    whole = weighted.jacobian(point)
-    size = np.linalg.norm(whole, axis=0)
-    basis, sizes, _ = np.linalg.svd(whole[:, size > 0] / size[size > 0], full_matrices=False)
-    basis = basis[:, sizes > 1e-10 * sizes[0]]
-    return np.asarray(np.sum(basis**2, axis=1)[: len(weighted.root)])

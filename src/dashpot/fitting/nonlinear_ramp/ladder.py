@@ -14,6 +14,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from dashpot.base.errors import FitError
+from dashpot.engine.inference.order import bic_of_deviance, deviance
 from dashpot.fitting.nonlinear_ramp.hold_first import (
     MAX_ARMS,
     Followed,
@@ -23,7 +24,6 @@ from dashpot.fitting.nonlinear_ramp.hold_first import (
     lag,
     nuisances,
     recorded_hold,
-    tau_bounds,
 )
 from dashpot.fitting.nonlinear_ramp.law_estimate import (
     LEAST_GAIN,
@@ -33,6 +33,7 @@ from dashpot.fitting.nonlinear_ramp.law_estimate import (
     described,
     elastic_law_of,
 )
+from dashpot.fitting.nonlinear_ramp.projection import tau_bounds
 from dashpot.fitting.nonlinear_ramp.quasi_linear import QuasiLinear
 from dashpot.fitting.nonlinear_ramp.soundness import gate, sample_noise
 from dashpot.fitting.nonlinear_ramp.thinning import Rows, thinned
@@ -107,7 +108,7 @@ def ramp_law(
 
 def _followed(rows: Rows, law: Law, hold: Hold, start: Followed) -> Followed:
     solid = QuasiLinear(rows, law.at(rows.depth))
-    return follow(solid, hold, start, start.point.log_tau, np.ones(law.knots))
+    return follow(solid, hold, start, solid.theta(start.log_tau, np.ones(law.knots)))
 
 
 def _scores(tried: dict[Law, Followed], hold: Hold) -> tuple[LawScore, ...]:
@@ -133,13 +134,14 @@ def _bic(found: Followed, hold: Hold, correlation: Sequence[float]) -> float:
         on = float(np.sum(rows.ramp & (rows.record == i))) / kappa
         # a ramp followed closer than its noise is luck
         least = min(rows.noise[i], found.hold[i])
-        total += 2.0 * on * float(np.log(max(found.ramp[i], least)))
-        total += 2.0 * rows.held(i).sum() / hold.correlation[i] * float(np.log(found.hold[i]))
+        held = rows.held(i).sum() / hold.correlation[i]
+        total += deviance(max(found.ramp[i], least) ** 2, effective=on)
+        total += deviance(found.hold[i] ** 2, effective=held)
         effective += on
-    knots, arms = len(found.weighted.solid.knots), len(found.point.log_tau)
-    delays = len(found.weighted.nuisances.names) - 2 * len(rows.depths)
-    free = 2 * arms + (knots - 1 if knots > 2 else 0) + delays
-    return float(total + free * np.log(max(effective, 2.0)))
+    arms, bends = len(found.log_tau), found.weighted.solid.bends.stop
+    delays = len(found.nuisance) - 2 * len(rows.depths)
+    free = 2 * arms + max(bends - 1, 0) + delays
+    return bic_of_deviance(total, effective=max(effective, 2.0), parameters=free)
 
 
 def _taken(scores: Sequence[LawScore]) -> LawScore:
@@ -152,15 +154,9 @@ def _taken(scores: Sequence[LawScore]) -> LawScore:
 
 def _with_delay(found: Followed, hold: Hold) -> Followed:
     """Return the fit with a delay of each force if the ramps show one."""
-    solid, point = found.weighted.solid, found.point
-    late = follow(
-        solid,
-        hold,
-        found,
-        point.log_tau,
-        point.shape,
-        known=nuisances(solid.rows, lag(found.weighted, point)),
-    )
+    solid, best = found.weighted.solid, found.optimum
+    known = nuisances(solid.rows, lag(found.weighted, best))
+    late = follow(solid, hold, found, best.theta, known=known)
     gain = _bic(found, hold, late.ramp_correlation) - _bic(late, hold, late.ramp_correlation)
     return late if gain > LEAST_GAIN else found
 
@@ -174,13 +170,11 @@ def _with_faster_arm(found: Followed, hold: Hold) -> Followed:
     fastest = float(hold.log_tau[0]) if n else float(ramp)
     if fastest - np.log(4.0) <= tau_bounds(rows).low:
         return found
-    start = np.concatenate(([fastest - np.log(4.0)], found.point.log_tau))
-    tried = found.weighted.descend(start, found.point.shape, tau_bounds(rows))
-    fall = found.point.cost - tried.cost
-    if tried.log_tau.min() > fastest - np.log(2.0) or fall < LEAST_GAIN:
+    tried = found.weighted.descend(np.append(fastest - np.log(4.0), found.optimum.theta))
+    fall = found.optimum.cost - tried.cost
+    if solid.parted(tried.theta)[0].min() > fastest - np.log(2.0) or fall < LEAST_GAIN:
         return found
-    known = found.weighted.nuisances
-    more = follow(solid, hold, found, tried.log_tau, tried.shape, known=known)
-    faster = float(more.point.log_tau.min()) < fastest - np.log(2.0)
+    more = follow(solid, hold, found, tried.theta, known=found.weighted.nuisances)
+    faster = float(more.log_tau.min()) < fastest - np.log(2.0)
     gain = _bic(found, hold, more.ramp_correlation) - _bic(more, hold, more.ramp_correlation)
-    return more if faster and bool((more.point.k[1:] > 0).all()) and gain > LEAST_GAIN else found
+    return more if faster and bool((more.k[0, 1:] > 0).all()) and gain > LEAST_GAIN else found

@@ -10,7 +10,8 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.engine.blocks.recorded import arm_columns
-from dashpot.engine.inference.covariance import noise_of, white
+from dashpot.engine.inference.covariance import noise_of
+from dashpot.engine.inference.estimate import Estimate
 from dashpot.fitting.nonlinear_ramp.hold_first import Followed, Hold, independent
 from dashpot.fitting.nonlinear_ramp.soundness import Soundness
 from dashpot.preparation.denoising import true_motion
@@ -162,22 +163,28 @@ def described(
     scores: tuple[LawScore, ...],
 ) -> RampLaw:
     """Return the value of an optimum, with its covariance and its residuals."""
-    point, solid = found.point, found.weighted.solid
-    order = np.argsort(point.log_tau)
-    there = order[point.k[1:][order] > 0]
+    k, log_tau, solid = found.k[0], found.log_tau, found.weighted.solid
+    order = np.argsort(log_tau)
+    there = order[k[1:][order] > 0]
     model = GeneralizedMaxwell(
-        float(point.k[0]),
-        tuple(point.k[1:][there].tolist()),
-        tuple(np.exp(point.log_tau[there]).tolist()),
+        float(k[0]), tuple(k[1:][there].tolist()), tuple(np.exp(log_tau[there]).tolist())
     )
-    worse = max(1.0, *(a / b for a, b in zip(found.hold, hold.rms, strict=True)))
-    covariance = covariance_of(found) * worse**2
-    n = len(point.log_tau)
+    first = len(found.optimum.theta)
+
+    def seal(values: FloatArray) -> FloatArray:
+        """The solid's parameters, then the law's shape, whose mean is 1."""
+        log_tau, shape = solid.parted(values[:first])
+        k = values[first : first + 1 + len(log_tau)]
+        return np.concatenate(
+            (k[:1], k[1 + there], log_tau[there], shape / (solid.weights @ shape))
+        )
+
     # each encoder's step scales every stiffness of its test
     doubt = float(np.sqrt(np.mean([test.depth_doubt**2 for test in tests]) / len(tests)))
-    covariance[: 1 + n, : 1 + n] += doubt**2 * np.outer(point.k, point.k)
-    solid_rows = [0, *(1 + there), *(1 + n + there)]
-    own = [*solid_rows, *range(1 + 2 * n, 1 + 2 * n + len(solid.knots))]
+    scaled = np.zeros(len(found.optimum.values))
+    scaled[first : first + len(k)] = doubt * k
+    known = found.estimate(hold).widened(scaled)
+    covariance, own = known.derived(seal).covariance, 1 + 2 * len(there)
     residuals = tuple(_residual(test, i, model, found) for i, test in enumerate(tests))
     noises = [noise_of(one) for one in residuals]
     effective = sum(one.effective for one in noises)
@@ -187,8 +194,8 @@ def described(
         model=model,
         estimate=ParameterEstimate(
             parameter_names(len(there)),
-            covariance[np.ix_(solid_rows, solid_rows)],
-            dof=max(effective - len(covariance), 1.0),
+            covariance[:own, :own],
+            dof=max(effective - len(scaled), 1.0),
             residual=Residual(
                 count,
                 sse,
@@ -196,9 +203,9 @@ def described(
                 count / effective,
                 float(np.mean([one.durbin_watson for one in noises])),
             ),
-            nuisance=_nuisances(found, covariance, len(tests)),
+            nuisance=_nuisances(found, known, len(tests)),
         ),
-        law_covariance=covariance[np.ix_(own, own)],
+        law_covariance=covariance,
         hold=hold,
         soundness=soundness,
         followed=found,
@@ -207,36 +214,13 @@ def described(
     )
 
 
-def covariance_of(found: Followed) -> FloatArray:
-    """Of every stiffness, ln tau, shape and nuisance; zero for what rests at 0, k_inf excepted."""
-    solid, point = found.weighted.solid, found.point
-    stiff, n, knots = len(point.k), len(point.log_tau), len(solid.knots)
-    jacobian = found.weighted.jacobian(point)
-    first, bent = stiff + n, knots > 2
-    if not bent:
-        jacobian = np.insert(jacobian, [first] * 2, 0.0, axis=1)
-    free = np.ones(jacobian.shape[1], dtype=bool)
-    free[:stiff] = point.k > 0
-    free[stiff:first] = (point.k.reshape(-1, 1 + n)[:, 1:] > 0).any(axis=0)
-    free[first : first + knots] = bent & (point.shape > 0)
-    free[np.arange(0, stiff, 1 + n)] = True
-    # the mean of the shape is 1
-    gauge = np.zeros((1, jacobian.shape[1]))
-    bends = slice(first, first + knots)
-    gauge[0, bends] = solid.weights * np.linalg.norm(jacobian[:, bends])
-    rows = np.concatenate((jacobian, gauge))[:, free]
-    covariance = np.zeros((jacobian.shape[1],) * 2)
-    covariance[np.ix_(free, free)] = white(rows, 1.0)
-    return covariance
-
-
 def _residual(test: RampHold, i: int, model: GeneralizedMaxwell, found: Followed) -> FloatArray:
     """Every sample less the model and the load cell."""
     known = found.weighted.solid.rows.known[i]
     path = elastic_law_of(found).path(true_motion(test)[0])
     time = test.time[: len(path)] - test.time[0]
     arms = arm_columns(time, path, np.asarray(model.tau), derivative=False)[0]
-    values = dict(zip(found.weighted.nuisances.names, found.point.nuisance, strict=True))
+    values = found.nuisance
     force = model.k_inf * path + arms @ np.asarray(model.k)
     force += values[f"offset@{i}"] + values[f"drift@{i}"] * (time - known.at)
     if f"delay@{i}" in values:
@@ -244,20 +228,19 @@ def _residual(test: RampHold, i: int, model: GeneralizedMaxwell, found: Followed
     return np.asarray((test.force[: len(path)] - force)[known.first :])
 
 
-def _nuisances(found: Followed, covariance: FloatArray, tests: int) -> tuple[Nuisance, ...]:
-    names = found.weighted.nuisances.names
-    error = np.sqrt(np.diag(covariance))[-len(names) :]
+def _nuisances(found: Followed, known: Estimate, tests: int) -> tuple[Nuisance, ...]:
+    error = known.standard_error[-len(found.nuisance) :].tolist()
     listed = []
-    for name, value, se in zip(names, found.point.nuisance, error, strict=True):
+    for (name, value), se in zip(found.nuisance.items(), error, strict=True):
         kind, _, test = name.partition("@")
         of = f"{kind} of test {int(test) + 1}" if tests > 1 else kind
-        listed.append(Nuisance(of, float(value), float(se), _UNITS[kind]))
+        listed.append(Nuisance(of, value, se, _UNITS[kind]))
     return tuple(listed)
 
 
 def elastic_law_of(found: Followed) -> ElasticLaw:
     """Return the law of an optimum."""
-    knots, shape = found.weighted.solid.knots, found.point.shape
+    knots, shape, k_inf = found.weighted.solid.knots, found.shape, float(found.k[0, 0])
     if len(knots) == 2:
-        return ElasticLaw.linear(float(found.point.k[0]), float(knots[-1]))
-    return ElasticLaw(tuple(knots.tolist()), tuple(shape.tolist()), float(found.point.k[0]))
+        return ElasticLaw.linear(k_inf, float(knots[-1]))
+    return ElasticLaw(tuple(knots.tolist()), tuple(shape.tolist()), k_inf)

@@ -12,31 +12,11 @@ is the depth and the stiffnesses are secants there.
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.engine.blocks.recorded import recursion
 from dashpot.fitting.nonlinear_ramp.thinning import Rows
-
-
-class Responses(NamedTuple):
-    """The columns of a solid at some relaxation times and some shape, a row per row of data.
-
-    Attributes
-    ----------
-    columns : array, shape (M, 1 + N)
-        Of k_inf and every k: path, and elongation of each arm.
-    slopes : array, shape (M, N)
-        Derivative of each arm's column by its ln tau.
-    by_shape : array, shape (M, 1 + N, P)
-        The columns of each hat alone; empty unless asked for.
-    """
-
-    columns: FloatArray
-    slopes: FloatArray
-    by_shape: FloatArray
 
 
 class QuasiLinear:
@@ -60,27 +40,40 @@ class QuasiLinear:
         moved[rows.first] = self.hats[rows.first]
         self._moved = moved
 
-    def responses(self, log_tau: FloatArray, shape: FloatArray, *, full: bool) -> Responses:
-        """Return the columns; with their derivatives if `full`."""
-        rows, n = self.rows, len(log_tau)
-        z = rows.step[:, None] / np.exp(log_tau)
+    @property
+    def bends(self) -> slice:
+        """The hats whose shape is free: none of a straight law."""
+        return slice(0, len(self.knots) if len(self.knots) > 2 else 0)
+
+    def theta(self, log_tau: FloatArray, shape: FloatArray) -> FloatArray:
+        """Every ln tau, and the shape of a law that is not straight, (N + P,)."""
+        return np.concatenate((log_tau, shape[self.bends]))
+
+    def parted(self, theta: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Every ln tau, and the shape at every knot."""
+        arms = len(theta) - self.bends.stop
+        return theta[:arms], theta[arms:] if self.bends.stop else np.ones(2)
+
+    def columns(self, log_tau: FloatArray) -> FloatArray:
+        """Of k_inf and every k under each hat: its path, and each arm's elongation, (M, 1+N, P)."""
+        _, mean, passed = self._steps(log_tau)
+        arms = _run(passed[:, :, None], mean[:, :, None] * self._moved[:, None, :])
+        return np.concatenate((self.hats[:, None, :], arms), axis=1)
+
+    def slopes(self, log_tau: FloatArray, shape: FloatArray, arms: FloatArray) -> FloatArray:
+        """Derivative of each arm's elongation under a shape by its ln tau, (M, N)."""
+        z, mean, passed = self._steps(log_tau)
+        before = np.concatenate((np.zeros((1, len(log_tau))), arms[:-1]))
+        moved = (self._moved @ shape)[:, None]
+        return _run(passed, passed * z * before + (mean - np.exp(-z)) * moved)
+
+    def _steps(self, log_tau: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Step of each row over tau, the mean decay within it, and what passes from row to row."""
+        z = self.rows.step[:, None] / np.exp(log_tau)
         lost = np.expm1(-z)
-        mean, decay = -lost / z, 1 + lost
-        passed = decay.copy()
-        passed[rows.first] = 0.0
-        path, moved = self.hats @ shape, self._moved @ shape
-        arms = _run(passed, mean * moved[:, None])
-        columns = np.concatenate((path[:, None], arms), axis=1)
-        if not full:
-            return Responses(columns, np.empty((len(z), 0)), np.empty((len(z), 0, 0)))
-        before = np.concatenate((np.zeros((1, n)), arms[:-1]))
-        slopes = _run(passed, passed * z * before + (mean - decay) * moved[:, None])
-        if len(self.knots) == 2:
-            return Responses(columns, slopes, np.empty((len(z), 0, 0)))
-        hats = self._moved.shape[1]
-        each = (mean[:, :, None] * self._moved[:, None, :]).reshape(len(z), n * hats)
-        answers = _run(np.repeat(passed, hats, axis=1), each).reshape(len(z), n, hats)
-        return Responses(columns, slopes, np.concatenate((self.hats[:, None, :], answers), axis=1))
+        passed = 1 + lost
+        passed[self.rows.first] = 0.0
+        return z, -lost / z, passed
 
 
 def hat_integrals(x: FloatArray, knots: FloatArray) -> FloatArray:

@@ -18,7 +18,6 @@ from dashpot.fitting.nonlinear_ramp.hold_first import (
     measured,
     nuisances,
     spread,
-    tau_bounds,
 )
 from dashpot.fitting.nonlinear_ramp.projection import Weighted
 from dashpot.fitting.nonlinear_ramp.quasi_linear import QuasiLinear
@@ -168,9 +167,9 @@ def gate(
 def _joint(rows: Rows, hold: Hold, log_tau: FloatArray, noise: Sequence[float]) -> Followed:
     """Fit the linear law to ramp and hold at equal weight, first without, then with a delay."""
     even = np.array(noise) * np.sqrt(hold.correlation)
-    solid, bounds = QuasiLinear(rows, np.array([0.0, rows.depth])), tau_bounds(rows)
+    solid = QuasiLinear(rows, np.array([0.0, rows.depth]))
     sd = spread(rows, even, even)
     first = Weighted(solid, sd, nuisances(rows))
-    point = first.descend(log_tau, np.ones(2), bounds)
-    late = Weighted(solid, sd, nuisances(rows, lag(first, point)))
-    return measured(late, late.descend(point.log_tau, point.shape, bounds), independent(hold))
+    best = first.descend(log_tau)
+    late = Weighted(solid, sd, nuisances(rows, lag(first, best)))
+    return measured(late, late.descend(best.theta), independent(hold))
