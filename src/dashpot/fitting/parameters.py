@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.records.estimate import ELEMENT
+from dashpot.records.estimate import ELEMENT, parameter_names
 from dashpot.records.fit import Fit
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
@@ -14,15 +16,44 @@ _LEAST = 0.02
 """Part of a stiffness that is left of it, however far it is moved."""
 
 
+class Own(NamedTuple):
+    """The parameters of a fit's solid by their names, and their covariance.
+
+    The covariance is zero for what the fit holds.
+    """
+
+    names: tuple[str, ...]
+    values: FloatArray
+    covariance: FloatArray
+
+
+def own(fit: Fit) -> Own:
+    """Return the parameters of the solid, in the order of a covariance that is of them alone."""
+    solid = fit.solid
+    names: tuple[str, ...] = ELEMENT
+    if isinstance(solid, FractionalZener):
+        found = [solid.k_inf, solid.k_0, np.log(solid.tau), solid.alpha]
+    else:
+        model, dashpot = fit.model, "b" in fit.parameters
+        names = parameter_names(model.arms, dashpot=dashpot)
+        found = [model.k_inf, *model.k, *np.log(model.tau), *([model.b] if dashpot else [])]
+    here = [i for i, name in enumerate(names) if name in fit.parameters]
+    rows = [fit.parameters.index(names[i]) for i in here]
+    covariance = np.zeros((len(names), len(names)))
+    covariance[np.ix_(here, here)] = fit.covariance[np.ix_(rows, rows)]
+    return Own(names, np.array(found), covariance)
+
+
 def values(fit: Fit) -> FloatArray | None:
     """Return the parameters in the order of the covariance; None where it is not of them."""
-    solid = fit.solid
-    if isinstance(solid, FractionalZener):
-        found = np.array([solid.k_inf, solid.k_0, np.log(solid.tau), solid.alpha])
-    else:
-        own = fit.model
-        found = np.array([own.k_inf, *own.k, *np.log(own.tau), *([own.b] if own.b else [])])
-    return found if len(found) == len(fit.parameters) else None
+    names, found, _ = own(fit)
+    return found if names == fit.parameters else None
+
+
+def axes(covariance: FloatArray) -> FloatArray:
+    """Return one standard error along each axis of a covariance, a row each, shape (p, p)."""
+    size, turn = np.linalg.eigh(covariance)
+    return np.asarray((turn * np.sqrt(np.maximum(size, 0.0))).T)
 
 
 def off_by_error(fit: Fit) -> tuple[Solid, ...]:
@@ -33,9 +64,7 @@ def off_by_error(fit: Fit) -> tuple[Solid, ...]:
     here = values(fit)
     if here is None or not np.isfinite(fit.covariance).all():
         return ()
-    size, turn = np.linalg.eigh(fit.covariance)
-    axes = (turn * np.sqrt(np.maximum(size, 0.0))).T
-    return tuple(_solid(fit, here, here + by) for by in axes)
+    return tuple(_solid(fit, here, here + by) for by in axes(fit.covariance))
 
 
 def _solid(fit: Fit, here: FloatArray, there: FloatArray) -> Solid:

@@ -12,12 +12,12 @@ import numpy.typing as npt
 from dashpot.base.arrays import ComplexArray, FloatArray, samples
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, si
+from dashpot.fitting.parameters import axes, own
 from dashpot.fitting.uncertainty.admissible_spectra import Spectra, deviance_limit
 from dashpot.fitting.uncertainty.stiffness_set import distances, ratios
 from dashpot.fitting.weighed_relaxation import relaxation_data
 from dashpot.preparation.ramp_holds import Tests, ramp_holds
 from dashpot.records.bounds import FRFBounds, StiffnessBounds
-from dashpot.records.estimate import ELEMENT, parameter_names
 from dashpot.records.fit import Fit
 from dashpot.records.frf import Kind
 from dashpot.solids.fractional import FractionalZener
@@ -255,54 +255,32 @@ def _formal(
 
 def _drawn(fit: Fit, omega: FloatArray) -> ComplexArray:
     """Complex stiffness of solids drawn from the fit's covariance, shape (draws, n)."""
-    if isinstance(fit.solid, FractionalZener):
-        return _drawn_elements(fit, fit.solid, omega)
-    model = fit.model
-    names = parameter_names(model.arms, dashpot="b" in fit.parameters)
-    rows = [fit.parameters.index(name) for name in names if name in fit.parameters]
-    mean = np.array(
-        [model.k_inf, *model.k, *np.log(model.tau), *([model.b] if "b" in names else [])]
-    )
-    here = [i for i, name in enumerate(names) if name in fit.parameters]
-    covariance = np.zeros((len(names), len(names)))
-    covariance[np.ix_(here, here)] = fit.covariance[np.ix_(rows, rows)]
-    widest = UNKNOWN * np.where([name.startswith("ln") for name in names], 1.0, mean)
-    variance = np.diag(covariance)
-    lost = ~np.isfinite(variance) | (variance > widest**2)
-    covariance[lost, :] = covariance[:, lost] = 0.0
-    covariance[lost, lost] = widest[lost] ** 2
-    draws = _draws(mean, covariance)
-    N = model.arms
+    solid, (names, mean, covariance) = fit.solid, own(fit)
+    if isinstance(solid, FractionalZener):
+        sizes = np.array([solid.k_0, solid.k_0, 1.0, 0.1])
+        k_inf, k_0, log_tau, alpha = _draws(mean, covariance, UNKNOWN * sizes).T[..., None]
+        k_inf = np.maximum(k_inf, 0.0)
+        power = np.exp(np.clip(alpha, 1e-3, 1.0) * np.log(1j * omega * np.exp(log_tau)))
+        K = k_inf + np.maximum(k_0 - k_inf, 0.0) * (1 - 1 / (1 + power))
+        return np.asarray(K + 1j * omega * solid.b)
+    sizes = np.where([name.startswith("ln") for name in names], 1.0, mean)
+    draws = _draws(mean, covariance, UNKNOWN * sizes)
+    N = fit.model.arms
     k = np.maximum(draws[:, 1 : 1 + N], 0.0)
     x = omega * np.exp(np.clip(draws[:, 1 + N : 1 + 2 * N], -60.0, 60.0))[..., None]
     K = np.maximum(draws[:, :1], 0.0) + (k[..., None] * (1j * x / (1 + 1j * x))).sum(axis=1)
-    b = np.maximum(draws[:, -1:], 0.0) if "b" in names else np.full((DRAWS, 1), model.b)
+    b = np.maximum(draws[:, -1:], 0.0) if "b" in names else np.full((DRAWS, 1), fit.model.b)
     return np.asarray(K + 1j * omega * b)
 
 
-def _drawn_elements(fit: Fit, solid: FractionalZener, omega: FloatArray) -> ComplexArray:
-    """As :func:`_drawn`, of a fractional solid."""
-    rows = [fit.parameters.index(name) for name in ELEMENT]
-    covariance = np.array(fit.covariance[np.ix_(rows, rows)])
-    mean = np.array([solid.k_inf, solid.k_0, np.log(solid.tau), solid.alpha])
-    widest = UNKNOWN * np.array([solid.k_0, solid.k_0, 1.0, 0.1])
+def _draws(mean: FloatArray, covariance: FloatArray, widest: FloatArray) -> FloatArray:
+    """Normal draws of parameters, none known worse than `widest`, shape (draws, p)."""
     variance = np.diag(covariance)
     lost = ~np.isfinite(variance) | (variance > widest**2)
     covariance[lost, :] = covariance[:, lost] = 0.0
     covariance[lost, lost] = widest[lost] ** 2
-    k_inf, k_0, log_tau, alpha = _draws(mean, covariance).T[..., None]
-    k_inf = np.maximum(k_inf, 0.0)
-    power = np.exp(np.clip(alpha, 1e-3, 1.0) * np.log(1j * omega * np.exp(log_tau)))
-    K = k_inf + np.maximum(k_0 - k_inf, 0.0) * (1 - 1 / (1 + power))
-    return np.asarray(K + 1j * omega * solid.b)
-
-
-def _draws(mean: FloatArray, covariance: FloatArray) -> FloatArray:
-    """Normal draws of parameters, shape (draws, p)."""
-    values, vectors = np.linalg.eigh(covariance)
-    root = vectors * np.sqrt(np.maximum(values, 0.0))
     normal = np.random.default_rng(SEED).standard_normal((DRAWS, len(mean)))
-    return np.asarray(mean + normal @ root.T)
+    return np.asarray(mean + normal @ axes(covariance))
 
 
 def _quantiles(values: FloatArray, own: FloatArray, level: float) -> FloatArray:
