@@ -399,15 +399,12 @@ class Directions(NamedTuple):
         Their inner products, which take the rounding into account.
     lost : bool array, shape (p,)
         Parameters with a part in what the data do not know.
-    information : array, shape (p, p)
-        J'J of all records.
     """
 
     turn: FloatArray
     columns: tuple[Columns, ...]
     gram: FloatArray
     lost: BoolArray
-    information: FloatArray
 
     def gained(self, noises: Sequence[Noise]) -> FloatArray:
         """The noise along the directions, shape (r, r)."""
@@ -436,7 +433,7 @@ def directions(jacobians: Sequence[FloatArray], *, shared: bool = False) -> Dire
     # a row for each direction, as they are transformed
     columns = tuple(Columns((turn.T @ jacobian.T).T, shared=shared) for jacobian in jacobians)
     gram = np.sum([column.gram for column in columns], axis=0)
-    return Directions(turn, columns, gram, lost, information)
+    return Directions(turn, columns, gram, lost)
 
 
 def _turn(information: FloatArray) -> tuple[FloatArray, BoolArray]:

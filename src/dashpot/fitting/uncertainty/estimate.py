@@ -98,12 +98,12 @@ class Estimate(Known):
     ----------
     solution : Solution
         The rows of `covariance` are its fixed columns, stiffnesses group by group, then ln tau.
-    information : array, shape (p, p)
-        J'J of all samples.
+    directions : array, shape (p, r)
+        Those that all samples know, D: D D' is the inverse of their J'J.
     """
 
     solution: Solution
-    information: FloatArray
+    directions: FloatArray
 
     @property
     def spread(self) -> float:
@@ -175,7 +175,7 @@ def estimated(
     known = [Noise(block.samples, np.array([block.variance]), 1.0, 2.0) for block in priors]
     covariance = sandwich(known_by, [*noises, *known], further=further)
     residuals = tuple(one.values for one in left)
-    return Estimate(whole.names, covariance, residuals, noises, solution, known_by.information)
+    return Estimate(whole.names, covariance, residuals, noises, solution, known_by.turn)
 
 
 def by_record(

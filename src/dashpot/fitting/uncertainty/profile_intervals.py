@@ -101,11 +101,6 @@ class _Scaling:
     def __init__(self, estimate: Estimate, noise_gain: NoiseGain | None) -> None:
         self.estimate = estimate
         self.noise_gain = noise_gain
-        norm = np.sqrt(np.diag(estimate.information))
-        norm = np.where(norm > 0, norm, 1.0)
-        self.inverse = np.linalg.pinv(
-            estimate.information / np.outer(norm, norm), rcond=1e-13, hermitian=True
-        ) / np.outer(norm, norm)
 
     def linear(self, row: str) -> Asked:
         index = self.estimate.names.index(row)
@@ -130,7 +125,9 @@ class _Scaling:
     def _along(self, coordinate: Coordinate, index: int, gradient: FloatArray) -> Asked:
         used = gradient != 0.0
         block = self.estimate.covariance[np.ix_(used, used)]
-        wide = float(gradient @ self.inverse @ gradient)
+        known = self.estimate.directions
+        inverse = known @ (known.T @ gradient)
+        wide = float(gradient @ inverse)
         if np.all(np.isfinite(block)):
             variance = float(gradient[used] @ block @ gradient[used])
         else:
@@ -145,7 +142,7 @@ class _Scaling:
             index,
             step=max(step, 1e-9),
             scale=max(scale, 1e-300),
-            relative_gain=self._relative_gain(self.inverse @ gradient),
+            relative_gain=self._relative_gain(inverse),
         )
 
     def _relative_gain(self, first: FloatArray) -> Callable[[FloatArray, FloatArray], float] | None:
