@@ -264,6 +264,25 @@ def test_what_rests_at_zero_has_no_error_unless_its_bound_is_asked() -> None:
     assert bound.standard_error[1] > 0
 
 
+def test_a_theta_that_is_held_has_no_error_and_takes_none() -> None:
+    best = solved(decay(noisy(2)), [np.zeros(1)])
+    free, held = estimate(best), estimate(best, held=np.array([True]))
+    assert held.standard_error[0] == 0
+    assert (held.standard_error[1:] < free.standard_error[1:]).all()
+    np.testing.assert_array_equal(
+        estimate(best, held=np.array([False])).covariance, free.covariance
+    )
+
+
+def test_what_depends_on_what_the_data_do_not_tell_is_not_told() -> None:
+    x = np.linspace(-1, 1, 50)
+    A = np.column_stack((x, np.ones(50), np.ones(50)))
+    best = solved(Problem(lambda _: Rows(x + 1, A)))
+    known = estimate(best, noises=[white_noise(best, variance=1.0)])
+    found = known.derived(lambda values: np.array([2 * values[0], values[0] + values[1]]))
+    np.testing.assert_allclose(found.covariance, [[4 / (x @ x), 0.0], [0.0, np.inf]])
+
+
 def test_a_systematic_error_moves_as_the_refit_does() -> None:
     y, small = noisy(10), 1e-4 * np.sin(TIME)
     best = solved(decay(y), [np.zeros(1)])

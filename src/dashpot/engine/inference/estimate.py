@@ -99,7 +99,13 @@ class Estimate:
             down, up = here.copy(), here.copy()
             down[i], up[i] = here[i] + np.array(steps[i])
             G[:, i] = (what(up) - what(down)) / (up[i] - down[i])
-        return Derived(values, G @ self.covariance @ G.T, G)
+        # what depends on anything that the data do not determine is none of theirs either
+        told = np.isfinite(np.diag(self.covariance))
+        covariance = G[:, told] @ self.covariance[np.ix_(told, told)] @ G[:, told].T
+        lost = (G[:, ~told] != 0).any(axis=1)
+        covariance[lost], covariance[:, lost] = 0.0, 0.0
+        covariance[lost, lost] = np.inf
+        return Derived(values, covariance, G)
 
     def moved(self, change: FloatArray) -> FloatArray:
         """By how much theta and beta follow a change of the model's rows, to first order."""
@@ -168,6 +174,7 @@ def estimate(
     rounding: float = 0.0,
     noises: Sequence[Noise] = (),
     resting: BoolArray | None = None,
+    held: BoolArray | None = None,
     prior_variance: float | None = None,
 ) -> Estimate:
     """Return what the residuals of each record say of an optimum.
@@ -183,10 +190,14 @@ def estimate(
         Of each record, where it is known otherwise (:func:`white_noise`).
     resting : array, shape (q,), optional
         Coefficients whose error is wanted, as a bound, where they rest at zero, too.
+    held : array, shape (p,), optional
+        Thetas that have no error: such as press against an end that is no mere window.
     prior_variance : float, optional
         Of the rows of priors; by default the mean power of the noises.
     """
     free, count = optimum.free, optimum.problem.priors
+    if held is not None:
+        free[: len(held)] &= ~held
     sizes = [*(parts or [len(optimum.residual)]), *([count] if count else [])]
     cuts = np.cumsum(sizes)[:-1]
     known = directions(np.split(optimum.jacobian[:, free], cuts), shared=len(cuts) > 0)
