@@ -10,6 +10,8 @@ from dashpot.engine.blocks.hold import decay_block
 from dashpot.engine.inference.descents import Descents, Solved
 from dashpot.engine.inference.profile_likelihood import Optimum, profiles
 from dashpot.engine.inference.profile_walks import Asked, Coordinate
+from dashpot.engine.least_squares.descent import _trial
+from dashpot.engine.least_squares.problem import Parameter, Problem, Rows, solved
 from dashpot.engine.solver.descent import Stack
 from dashpot.engine.solver.variable_projection import solve
 
@@ -100,3 +102,34 @@ def test_profiles_of_one_arm_where_two_are_needed_are_the_brute_force_refit(
     assert rises.sum() > 8
     expected = [(refitted(at) - found.sse) / scale for at in value[rises]]
     assert deviance[rises] == pytest.approx(np.array(expected), abs=2e-3, rel=1e-3)
+
+
+@pytest.mark.parametrize(("carried", "felt"), [(1.001e-12, 1.001e-12), (0.999e-12, 1e-12)])
+def test_the_steps_of_a_parameter_that_has_faded_are_damped_as_if_it_carried_a_little(
+    carried, felt
+):
+    """Else damping would not shorten them, and a refused step would stop all others first."""
+
+    class Point:
+        theta, gradient = np.zeros(2), np.array([0.0, 1e-12])
+        curvature = np.diag([1.0, carried])
+
+    wide = [-10.0, -10.0], [10.0, 10.0]
+    step = _trial(Point(), None, 10.0, wide)
+    assert step[1] == pytest.approx(-1e-12 / (carried + 10.0 * felt), rel=1e-9)
+
+
+def test_a_descent_follows_a_valley_that_bends():
+    """Rosenbrock's, thirty times as narrow: a step along it ends on its side."""
+    taken = []
+
+    def model(theta):
+        taken.append(theta)
+        x, y = theta
+        J = np.array([[-600.0 * x, 300.0], [-1.0, 0.0]])
+        return Rows(-np.array([300.0 * (y - x * x), 1.0 - x]), np.empty((2, 0)), lambda _: J)
+
+    found = solved(Problem(model, [Parameter(-3.0, 3.0)] * 2), [np.array([-1.2, 1.0])], most=200)
+    assert found.theta == pytest.approx(np.ones(2), abs=1e-9)
+    assert found.stationary
+    assert len(taken) < 200

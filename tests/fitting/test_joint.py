@@ -6,13 +6,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from kit.slopes import hold_slopes
 
 from dashpot.base.errors import FitError
 from dashpot.base.status import Status
 from dashpot.fitting.identification.asked import HammerRig
+from dashpot.fitting.identification.fit_assembly import _physical
 from dashpot.fitting.identification.frf_data import frf_data_of
 from dashpot.fitting.identification.identify import identify
 from dashpot.fitting.identification.likelihood import (
+    UNFELT,
+    Candidate,
     Constraints,
     NuisancePriors,
     Parameters,
@@ -24,7 +28,7 @@ from dashpot.fitting.relaxation import fit
 from dashpot.fitting.weighed_relaxation import relaxation_data
 from dashpot.preparation.prepare import prepare
 from dashpot.records.fit import Fit
-from dashpot.records.frf import FRF
+from dashpot.records.frf import FRF, Kind
 from dashpot.records.relaxation import RampHold
 from dashpot.simulation.impact import simulate_impact
 from dashpot.simulation.relaxation import simulate_relaxation
@@ -187,17 +191,80 @@ def test_the_jacobian_is_the_slope_of_the_residual(
     assert again.model.b == pytest.approx(solid.b)
     assert (again.mass, again.gain, again.delay) == pytest.approx((0.11, 1.01, 1e-5))
 
-    def chi2(at: np.ndarray) -> float:
-        # rows turn with the relaxation times, their length does not
-        residual = problem.residual(at)
-        return float(residual @ residual)
-
-    slope = 2 * problem.jacobian(theta).T @ problem.residual(theta)
+    about = problem.about(theta)
+    slope = 2 * about.at(theta).gradient
     for i in range(len(theta)):
         move = np.zeros(len(theta))
         move[i] = 1e-4
-        numeric = (chi2(theta + move) - chi2(theta - move)) / 2e-4
+        # rows turn with the relaxation times, their length does not
+        numeric = (about.at(theta + move).cost - about.at(theta - move).cost) / 2e-4
         assert slope[i] == pytest.approx(numeric, rel=2e-4, abs=1e-4 * np.abs(slope).max())
+
+
+@pytest.mark.parametrize(
+    "kind", [Kind.ACCELERANCE, Kind.TRANSMISSIBILITY, Kind.RELATIVE_TRANSMISSIBILITY]
+)
+@pytest.mark.parametrize("earlier", [False, True])
+def test_the_slope_of_every_line_and_prior(
+    broad_frf: FRF, broad_fit: Fit, kind: Kind, *, earlier: bool
+) -> None:
+    over_base = predict_frf(2 * BROAD, mass=BROAD_MASS, frequency=broad_frf.frequency, kind=kind)
+    lines = over_base if kind.over_base else broad_frf
+    problem = Problem(
+        (),
+        frf_data_of(lines, seals=2, band=None, mass=BROAD_MASS),
+        NuisancePriors(Prior(BROAD_MASS, 1e-3), 0.01, 1e-4, Prior(1.1, 0.1), Prior(0.9, 0.1)),
+        Constraints(
+            Prior(196.0, 1.0), Prior(12.7, 0.1), Prior(0.03, 1e-3), broad_fit if earlier else None
+        ),
+        Arms(broad_fit.model.arms + 1),
+        dashpot=True,
+        scale=0.7,
+    )
+    solid = broad_fit.model + GeneralizedMaxwell(0.0, (30.0,), (0.01,), 0.3)
+    theta = problem.pack(Parameters(solid, 0.11, 1.01, 1e-5, 1.05, 0.97))
+    hold_slopes(problem.about(theta), theta, np.zeros(0), rtol=1e-7)
+
+
+def test_arms_that_crossed_keep_their_own_errors(broad_frf: FRF) -> None:
+    lines = frf_data_of(broad_frf, seals=2, band=None)
+    problem = Problem((), lines, NuisancePriors(Prior(BROAD_MASS, 1e-3), 0.01, 1e-4), Constraints())
+    told = []
+    for order in ([0, 1, 2, 3, 4], [0, 2, 1, 4, 3]):
+        here = replace(problem, sought=Arms(2))
+        theta = np.log([190.0, 30.0, 120.0, 0.01, 0.5])[order]
+        theta = np.concatenate((theta, [np.log(0.11), 0.0, 0.0]))
+        told.append(_physical(Candidate(here, here.about(theta).at(theta))))
+    for one, other in zip(*(each[1:] for each in told), strict=True):
+        np.testing.assert_allclose(one, other, rtol=1e-9)
+
+
+def test_a_dashpot_that_has_faded_has_no_error(broad_frf: FRF) -> None:
+    lines = frf_data_of(broad_frf, seals=2, band=None)
+    priors = NuisancePriors(Prior(BROAD_MASS, 1e-3), 0.01, 1e-4)
+    problem = Problem((), lines, priors, Constraints(), Arms(1), dashpot=True)
+    start = problem.pack(
+        Parameters(GeneralizedMaxwell(250.0, (60.0,), (0.02,), 1.0), 0.11, 1.0, 0.0)
+    )
+    at = problem.at["ln_b"]
+
+    def error(b: float) -> float:
+        theta = start.copy()
+        theta[at] = np.log(b)
+        return Candidate(problem, problem.about(theta).at(theta)).covariance[at, at]
+
+    def felt(b: float) -> float:
+        theta = start.copy()
+        theta[at] = np.log(b)
+        size = np.linalg.norm(problem.about(theta).at(theta).jacobian, axis=0)
+        return size[at] / size.max()
+
+    # the column of ln b goes as b
+    last = 1e-9 * UNFELT / felt(1e-9)
+    errors = [error(b) for b in (1.0, 1.001 * last, 0.999 * last)]
+    assert errors[0] > 0
+    assert errors[1] > 0
+    assert errors[2] == 0
 
 
 @pytest.mark.slow

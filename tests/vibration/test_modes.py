@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -14,6 +16,7 @@ from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.vibration.modal.lines import Lines, kernel
 from dashpot.vibration.modal.modes import Method
 from dashpot.vibration.modal.peaks import mount_band
+from dashpot.vibration.modal.trial import Ground, Trial
 from dashpot.vibration.systems.prediction import model_modes, predict_frf
 
 MASS, BROAD_MASS = 0.1040426, 0.114829829
@@ -242,3 +245,26 @@ def test_a_band_beside_the_lines_is_told_where_they_are(paper_seal):
     frf = predict_frf(2 * paper_seal, mass=MASS, frequency=np.arange(4.0, 40.0, 0.5))
     with pytest.raises(DataError, match=r"0 lines between 900 and 950 Hz; .* from 4 to 39.5 Hz"):
         frf.modes(band=(900.0, 950.0))
+
+
+def test_poles_on_trial_know_the_slope_of_their_sum_of_squares():
+    f, rng = np.arange(5.0, 60.0, 0.5), np.random.default_rng(3)
+    s, p = 2j * np.pi * f, np.array([[complex(-3.0, 80.0)], [complex(-9.0, 200.0)]])
+    lines = Lines(s, np.empty((2, len(f)), complex), np.full((2, len(f)), 0.01), 2.0, 0.002)
+    modes = kernel(lines, p) * 0.1
+    scatter = 0.01 * rng.standard_normal((2, 2, len(f)))
+    lines = replace(lines, value=np.array([[1.0, 0.4], [0.7, -1.0]]) @ modes + 1j * scatter[0])
+    theta = np.log([4.0, 82.0, 7.0, 190.0])
+    trial = Trial(Ground.of(lines), theta)
+    for i in range(4):
+        h = 1e-5 * np.eye(4)[i]
+        rise = trial.ahead(h).sse - trial.ahead(-h).sse
+        assert trial.gradient[i] == pytest.approx(rise / 4e-5, rel=1e-6)
+
+
+def test_a_pole_on_trial_oscillates():
+    s, ones = 2j * np.pi * np.arange(5.0, 60.0), np.ones((1, 55))
+    lines = Lines(s, ones.astype(complex), ones, None)
+    for ratio, there in ((0.74, True), (0.76, False)):
+        trial = Trial(Ground.of(lines), np.log([ratio * 100.0, 100.0]))
+        assert np.isfinite(trial.sse) == there

@@ -364,6 +364,28 @@ class GeneralizedMaxwell(Solid):
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.asarray((k * tau / (1 + s[..., None] * tau) ** 2).sum(axis=-1) + self.b)
 
+    def bend_at(self, s: npt.ArrayLike) -> ComplexArray:
+        r"""Second derivative by s, N s^2/m: :math:`-2 \sum_j k_j \tau_j^2/(1+s\tau_j)^3`."""
+        k, tau = self._arms()
+        below = 1 + np.asarray(s, dtype=complex)[..., None] * tau
+        return np.asarray((-2 * k * tau**2 / below**3).sum(axis=-1))
+
+    def arm_slopes(self, s: npt.ArrayLike) -> tuple[ComplexArray, ComplexArray]:
+        r"""Derivative of :math:`K` and of :math:`K'` at s by k_inf, every k and every ln tau.
+
+        Shape (n, 1 + 2 N) each. With :math:`x = s\tau_j`, of an arm
+
+        .. math:: \frac{x}{1+x},\; \frac{k_j x}{(1+x)^2}, \qquad
+                  \frac{\tau_j}{(1+x)^2},\; \frac{k_j\tau_j(1-x)}{(1+x)^3}
+        """
+        s = np.asarray(s, dtype=complex)[:, None]
+        k, tau = self._arms()
+        x, below, one = s * tau, 1 + s * tau, np.ones_like(s)
+        return (
+            np.hstack((one, x / below, k * x / below**2)),
+            np.hstack((0 * one, tau / below**2, k * tau * (1 - x) / below**3)),
+        )
+
     # -- private ------------------------------------------------------------------------------
 
     def _arms(self) -> tuple[FloatArray, FloatArray]:

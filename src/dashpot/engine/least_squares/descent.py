@@ -27,8 +27,13 @@ FINISHED = 1e-11
 LINEAR = 1e-6
 #: what then may be left of theta
 REST = 1e-9
+#: what carries less, as a part, has faded: its steps are damped as if it carried that
+FADED = 1e-12
 #: after a step that was refused none goes farther than this part of it
 NEARER = 0.5
+#: after one, damping falls to this part a step, and not at all where a step gained less than this
+#: part of what it promised
+EASED, GAINED = 0.5, 0.75
 #: a step so little damped promises what there is to gain
 DAMPED = 1e-3
 #: and by how much, in parts of it, the SSE may fall
@@ -119,6 +124,10 @@ def descend(
     from step to step (as in J. E. Dennis, D. M. Gay, R. E. Welsch, *ACM Trans. Math. Softw.* 7,
     1981, with the symmetric rank-one update).
 
+    A step that raises the SSE may only have left the floor of a valley that bends: it is taken if
+    one more from where it ends leads below the start (the watchdog of R. M. Chamberlain and others,
+    *Math. Programming Study* 16, 1982).
+
     With `flat` it ends where a step promises to lower the SSE by less than that part of it. A
     descent on which coefficients that are `wanted` positive have long been negative, such as two
     arms that merge with ever larger coefficients of opposite sign, ends there.
@@ -131,7 +140,7 @@ def descend(
     if here.sse == np.inf:
         return None
     lacking: FloatArray | None = None
-    last, wrong, refused = np.inf, 0, np.inf
+    last, wrong, refused, wary = np.inf, 0, np.inf, False
     for count in range(2, limit + 2):
         trial = _trial(here, lacking, damping, bounds)
         step = trial - here.theta
@@ -149,15 +158,23 @@ def descend(
         if damping < LINEAR and settled(moved, last, fall, sse):
             return Local(here.ahead(step), count, True)
         new = at(trial, here)
+        if here.sse < new.sse < np.inf and moved >= TAIL:
+            # along a valley that bends the step ends on its side: from there to its floor
+            floored = at(_trial(new, None, damping, bounds), new)
+            if floored.sse < here.sse:
+                new, step = floored, floored.theta - here.theta
+                moved = max(map(abs, step.tolist()))
         if accepted(new.sse, here.sse, moved, rounding):
             lacking = _learned(lacking, here, new, moved, last)
+            promised = -float(step @ (2 * here.gradient + here.curvature @ step))
+            short = wary and here.sse - new.sse < GAINED * promised
             last, here = moved, new
             wrong = wrong + 1 if wanted is not None and (here.beta[wanted] < 0).any() else 0
-            damping = 0.1 * damping * (moved >= TAIL)
+            damping *= (1.0 if short else EASED if wary else 0.1) * (moved >= TAIL)
         elif (moved < TAIL and damping == 0.0) or fall <= UNCHANGED * sse:
             return Local(here, count, True)
         else:
-            damping, refused = 10 * max(damping, 1e-6), moved
+            damping, refused, wary = 10 * max(damping, 1e-6), moved, True
         if here.sse <= rounding or damping > 1e9 or wrong > PATIENCE:
             return Local(here, count, here.sse <= rounding)
         if met is not None and met(here.theta):
@@ -196,7 +213,7 @@ def _trial(
         hessian = curvature + lacking
         if np.linalg.eigvalsh(hessian)[0] > 1e-3 * scale.min():
             curvature = hessian
-    ridge = max(damping, 1e-15) * scale
+    ridge = max(damping, 1e-15) * np.maximum(scale, FADED * scale.max(initial=0.0))
     if _between(at, bounds, least=False) and all(scale.tolist()):
         step = _solved(curvature, gradient, ridge)
     else:

@@ -151,12 +151,12 @@ def disagreement(
     scale = min(candidate.line_scale for candidate in found)
     found = [_again(candidate, scale) for candidate in found]
     before = _again(plain, scale)
-    least = min(map(_criterion, found))
+    least = min(one.criterion for one in found)
     # an arm that the model lacks also tells causes apart: only a decisive lead counts
-    alike = least + max(DECISIVE, LACKING * (_criterion(before) - least))
+    alike = least + max(DECISIVE, LACKING * (before.criterion - least))
     ranked = sorted(
         zip(free, found, strict=True),
-        key=lambda pair: (in_conflict(pair[1]), max(_criterion(pair[1]), alike)),
+        key=lambda pair: (in_conflict(pair[1]), max(pair[1].criterion, alike)),
     )
     told = [_told(cause, one, before, law, compression) for cause, one in ranked]
     if not told[0].explains and _failed(plain) == {"lines_explained"}:
@@ -165,7 +165,7 @@ def disagreement(
     rivals = [
         one.says
         for one, (_, candidate) in zip(told[1:], ranked[1:], strict=True)
-        if one.explains and _criterion(candidate) <= alike
+        if one.explains and candidate.criterion <= alike
     ]
     if told[0].explains and rivals:
         says = f"{told[0].says} (as well explained if {', or if '.join(rivals)})"
@@ -194,7 +194,6 @@ def agreement(candidate: Candidate, why: str = "") -> list[Check]:
     `why` is what explains a contradiction, where that is known.
     """
     problem, frf_data = candidate.problem, candidate.problem.frf_data
-    chi2s = problem.relaxation_chi2(candidate.theta)
     answers = [
         checks.lines_explained(
             candidate.line_scale,
@@ -207,9 +206,11 @@ def agreement(candidate: Candidate, why: str = "") -> list[Check]:
         checks.relaxation_still_explained(
             i, chi2 / relaxation.samples, missed=_missed(relaxation, chi2), why=why
         )
-        for i, (relaxation, chi2) in enumerate(zip(problem.relaxations, chi2s, strict=True), 1)
+        for i, (relaxation, chi2) in enumerate(
+            zip(problem.relaxations, candidate.relaxation_chi2, strict=True), 1
+        )
     ]
-    earlier = problem.earlier_residual(candidate.point.model)
+    earlier = candidate.modelled.earlier[0]
     if len(earlier):
         off = float(np.sqrt(np.mean(earlier**2)))
         answers.append(checks.earlier_fit_kept(off, why=why))
@@ -254,12 +255,6 @@ def _freed(problem: Problem, cause: Cause) -> Problem:
 def _again(candidate: Candidate, scale: float) -> Candidate:
     """The same optimum, its lines weighted alike."""
     return descend(replace(candidate.problem, scale=scale), candidate.theta, tolerance=TOLERANCE)
-
-
-def _criterion(candidate: Candidate) -> float:
-    problem = candidate.problem
-    samples = 2 * len(problem.frf_data.lines.s) + sum(one.samples for one in problem.relaxations)
-    return candidate.cost + len(candidate.theta) * float(np.log(samples))
 
 
 def _told(

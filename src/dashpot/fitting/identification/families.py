@@ -102,7 +102,7 @@ def _arms(candidate: Candidate) -> int:
 
 def _left(candidate: Candidate) -> np.ndarray:
     """Squared misfit of the lines, then of each relaxation test."""
-    return np.array([candidate.line_misfit, *candidate.problem.relaxation_chi2(candidate.theta)])
+    return np.array([candidate.line_misfit, *candidate.relaxation_chi2])
 
 
 def _explains(other: Candidate, best: Candidate) -> bool:

@@ -118,18 +118,18 @@ def _physical(
     best: Candidate, model: Solid | None = None
 ) -> tuple[tuple[str, ...], FloatArray, FloatArray]:
     """Names, values and covariance of the solid's parameters; values of another model, if given."""
-    problem = best.problem
-    model, sought = model or best.point.model, problem.sought
-    names, values, gradient = sought.physical(sought.pack(model))
-    rows = [*range(sought.size), *([problem.at["ln_b"]] if problem.dashpot else [])]
-    if problem.dashpot:
-        b = model.maxwell.b
-        names, values = (*names, "b"), np.append(values, b)
-        whole = np.zeros((len(gradient) + 1,) * 2)
-        whole[:-1, :-1], whole[-1, -1] = gradient, b
-        gradient = whole
-    covariance = best.covariance[np.ix_(rows, rows)]
-    return names, values, np.asarray(gradient @ covariance @ gradient.T)
+    problem, sought = best.problem, best.problem.sought
+
+    def physical(theta: FloatArray) -> FloatArray:
+        b = [np.exp(theta[problem.at["ln_b"]])] if problem.dashpot else []
+        return np.append(sought.physical(theta[: sought.size])[1], b)
+
+    names = sought.physical(best.theta[: sought.size])[0] + ("b",) * problem.dashpot
+    told = best.estimate.derived(physical)
+    if model is None:
+        return names, told.values, told.covariance
+    b = [model.maxwell.b] if problem.dashpot else []
+    return names, np.append(sought.physical(sought.pack(model))[1], b), told.covariance
 
 
 def _residual(best: Candidate) -> tuple[Residual, float]:
@@ -260,7 +260,7 @@ def _checks(
 ) -> tuple[Check, ...]:
     lead = None if apart is None else apart.explanations[0]
     why = f"{NOUNS[lead.name]} explains both tests" if lead and lead.explains else ""
-    answers = [optimum_found(stationary=best.converged)]
+    answers = [optimum_found(stationary=best.optimum.stationary)]
     if before is not None:
         # before what follows from it
         answers.append(checks.tests_agree(lead))

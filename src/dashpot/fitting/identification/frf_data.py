@@ -9,10 +9,11 @@ import numpy as np
 from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.errors import DataError
 from dashpot.engine.blocks.block import Block, design_block
+from dashpot.engine.least_squares.problem import stacked
 from dashpot.records.frf import FRF, Kind
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.modal.peaks import find_peak
-from dashpot.vibration.systems.prediction import accelerance
+from dashpot.vibration.systems.prediction import Response
 
 # no line is trusted beyond this part of its value: leakage and aliasing of the pulse remain
 FLOOR = 1e-3
@@ -50,8 +51,13 @@ class FRFData:
     kind: Kind = Kind.ACCELERANCE
     weighed: float | None = None
 
-    def predict(self, model: Solid, mass: float, gain: float, delay: float) -> ComplexArray:
-        r"""Accelerance as this rig would show it, `model` being one seal.
+    def response(self, model: Solid, mass: float) -> Response:
+        """The mass on seals, one of which is `model`, to the end of the record."""
+        lines = self.lines
+        return Response(self.seals * model, mass, lines.s, lines.record, lines.pulse)
+
+    def predict(self, response: Response, gain: float, delay: float) -> ComplexArray:
+        r"""Accelerance as this rig would show it.
 
         .. math:: A(s) = g\,e^{-s d}\,\frac{s^2}{m s^2 + n K(s)}
 
@@ -60,18 +66,34 @@ class FRFData:
         :math:`T = 1 - m A` is :math:`(1 - g\,e^{-s d}\,T) / m_0`, with the mass m_0 of the scale;
         of a sensor between both ends, :math:`g\,e^{-s d}\,m A / m_0`.
         """
-        s = self.lines.s
-        value = accelerance(self.seals * model, mass, s, self.lines.record, self.lines.pulse)
-        seen = gain * np.exp(-s * delay)
-        if self.weighed is not None:
-            R = -mass * value
-            whole = seen * (1 + R) - 1 if self.kind is Kind.TRANSMISSIBILITY else seen * R
-            return np.asarray(-whole / self.weighed)
-        return np.asarray(seen * value)
+        share, base = self._over_base(response.mass)
+        seen = gain * np.exp(-self.lines.s * delay)
+        return np.asarray(seen * (share * response.accelerance - base) + base)
+
+    def slopes(
+        self, response: Response, gain: float, delay: float, by: ComplexArray
+    ) -> tuple[ComplexArray, ...]:
+        """Derivative of :meth:`predict` by some parameters, and by ln m beside, ln g and d.
+
+        `by` is that of the accelerance by those parameters, shape (n, q).
+        """
+        share, base = self._over_base(response.mass)
+        seen = gain * np.exp(-self.lines.s * delay)
+        moving = seen * share * response.accelerance
+        shown = moving - seen * base
+        beside = moving if self.weighed is not None else 0 * moving
+        return (seen * share)[:, None] * by, beside, shown, -self.lines.s * shown
+
+    def _over_base(self, mass: float) -> tuple[float, float]:
+        """What the accelerance is multiplied by, and its value where the mass does not move."""
+        if self.weighed is None:
+            return 1.0, 0.0
+        rests = self.kind is Kind.TRANSMISSIBILITY
+        return mass / self.weighed, rests / self.weighed
 
     def misfit(self, predicted: ComplexArray) -> FloatArray:
         """Weighted differences, real then imaginary, shape (2n,)."""
-        return _stacked((predicted - self.lines.value) / self.sd)
+        return stacked((predicted - self.lines.value) / self.sd)
 
     def stiffness_block(self, mass: float | None, *, dashpot: bool) -> Block:
         r"""The same lines as a linear problem in the stiffnesses of one seal, for starts.
@@ -95,14 +117,14 @@ class FRFData:
 
         def arms(tau: FloatArray, derivative: bool) -> tuple[FloatArray, FloatArray]:
             x = s[:, None] * tau
-            design = weights * _stacked(self.seals * x / (1 + x))
+            design = weights * stacked(self.seals * x / (1 + x))
             if not derivative:
                 return design, design
-            return design, weights * _stacked(self.seals * x / (1 + x) ** 2)
+            return design, weights * stacked(self.seals * x / (1 + x) ** 2)
 
         return design_block(
-            target=weights[:, 0] * _stacked(stiffness),
-            fixed=weights * _stacked(np.column_stack(list(columns.values()))),
+            target=weights[:, 0] * stacked(stiffness),
+            fixed=weights * stacked(np.column_stack(list(columns.values()))),
             fixed_names=tuple(columns),
             columns=arms,
             window=(
@@ -110,10 +132,6 @@ class FRFData:
                 10.0 / float(np.abs(s).min()),
             ),
         )
-
-
-def _stacked(values: ComplexArray) -> FloatArray:
-    return np.concatenate((values.real, values.imag))
 
 
 def frf_data_of(

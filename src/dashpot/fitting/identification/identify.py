@@ -139,7 +139,7 @@ def identify(
     numbers = numbers_of(arms, before.arms)
     best, found, rival = _best(problems, numbers, before, family)
     scale = best.line_scale
-    final = descend(replace(best.problem, scale=scale), best.theta, tolerance=TIGHT, central=True)
+    final = descend(replace(best.problem, scale=scale), best.theta, tolerance=TIGHT)
     earlier = before.known
     own = before.element if isinstance(best.problem.sought, Element) else before.arms
     apart = disagreement(
@@ -206,9 +206,7 @@ def _element(problems: Sequence[Problem], before: Before) -> Candidate:
             if one[1] > 0 and one[0].k_0 > 0
         ]
         rough.sort(key=lambda candidate: candidate.cost)
-        tries += [
-            descend(problem, one.theta, tolerance=LOOSE, central=True) for one in rough[:FINISHED]
-        ]
+        tries += [descend(problem, one.theta, tolerance=LOOSE) for one in rough[:FINISHED]]
     if not tries:
         raise FitError("no fractional solid explains the FRF; widen --band, or fit arms")
     return min(tries, key=lambda candidate: candidate.bic)
@@ -262,7 +260,7 @@ def _again(
 ) -> Candidate:
     """The best of a problem with no more arms than a start has, from there."""
     if isinstance(problem.sought, Element):
-        return descend(problem, problem.pack(start), tolerance=LOOSE, central=True)
+        return descend(problem, problem.pack(start), tolerance=LOOSE)
     most = start.model.maxwell.arms
     fewer = [number for number in numbers if number < most]
     found = _candidates(problem, [*fewer, most], before, start=start)

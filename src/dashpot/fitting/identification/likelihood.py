@@ -19,15 +19,21 @@ static stiffness, enter as priors too narrow to bend. Source: J. Zhang and C. M.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property
 
 import numpy as np
+import numpy.typing as npt
 
-from dashpot.base.arrays import FloatArray
+from dashpot.base.arrays import ComplexArray, FloatArray
+from dashpot.engine.inference.estimate import Estimate, estimate, white_noise
+from dashpot.engine.inference.order import bic_of_deviance, deviance
+from dashpot.engine.least_squares import problem as least_squares
+from dashpot.engine.least_squares.problem import Optimum, Parameter, Rows, solved, stacked
 from dashpot.fitting.identification.frf_data import FRFData
 from dashpot.fitting.identification.parametrisation import (
+    Answer,
     Arms,
     Parametrisation,
     on_another_spring,
@@ -36,7 +42,7 @@ from dashpot.fitting.relaxation_data import RelaxationData
 from dashpot.records.fit import Fit
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import Solid
-from dashpot.vibration.systems.prediction import ringing_pole
+from dashpot.vibration.systems.prediction import Lost, Response, residues, ringing_pole
 
 # one unit of the delay parameter, s: of the order of what channels differ by
 DELAY_UNIT = 1e-4
@@ -45,6 +51,10 @@ EXACT = 1e-6
 # arms are sought this far, as a factor in time, beyond what the lines and tests could tell
 BEYOND = 3.0
 SMALLEST_SCATTER = 1e-9
+# a step that ends a search
+SHORT = 1e-10
+# what moves the rows by less, as a part of what anything does, has left the solid
+UNFELT = 1e-7
 SPRING = Arms(0)
 
 
@@ -55,13 +65,13 @@ class Prior:
     value: float
     sd: float = 0.0
 
-    def off(self, found: float) -> float:
-        """How far `found` is from it, in standard deviations; an equality has a narrow one."""
-        return (found - self.value) / max(self.sd, EXACT * abs(self.value))
+    def off(self, found: float, slope: FloatArray) -> tuple[float, FloatArray]:
+        """How far `found` is from it, in standard deviations; an equality has a narrow one.
 
-    def log_off(self, found: float) -> float:
-        """So too, on a logarithmic scale: 0 where nothing is known."""
-        return float(np.log(found / self.value)) * self.value / self.sd
+        With the derivative, `slope` being that of `found`.
+        """
+        sd = max(self.sd, EXACT * abs(self.value))
+        return (found - self.value) / sd, slope / sd
 
 
 UNCHANGED = Prior(1.0)
@@ -136,7 +146,7 @@ class Parameters:
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """The residuals of one kind of solid, as a function of a flat parameter vector.
+    """What one kind of solid is held against, as a function of a flat parameter vector.
 
     The vector holds the numbers of the solid, ln b if there is a dashpot, then those of ln m,
     ln g, d / 0.1 ms, and of the logarithms of factor and spring, that are not known exactly.
@@ -222,116 +232,197 @@ class Problem:
             spring=exp("ln_spring", priors.spring.value),
         )
 
-    # -- residuals ----------------------------------------------------------------------------
+    # -- what is known beforehand ---------------------------------------------------------------
 
-    def residual(self, theta: FloatArray) -> FloatArray:
-        """All weighted residuals, tests first, shape (n,)."""
-        parts = [self._relaxation_rows(relaxation, theta)[0] for relaxation in self.relaxations]
-        return np.concatenate([*parts, self.frf_residual(theta), self.prior_residual(theta)])
+    @cached_property
+    def rig(self) -> tuple[list[int], FloatArray, FloatArray]:
+        """Which of the vector is known of the rig, its mean and its standard deviation."""
+        priors = self.priors
+        logs = {"ln_mass": priors.mass, "ln_factor": priors.factor, "ln_spring": priors.spring}
+        known = {
+            name: (float(np.log(prior.value)), prior.sd / prior.value)
+            for name, prior in logs.items()
+            if prior is not None
+        }
+        known |= {"ln_gain": (0.0, priors.gain_sd), "delay": (0.0, priors.delay_sd / DELAY_UNIT)}
+        names = [name for name in self.at if name in known]
+        mean, sd = np.array([known[name] for name in names]).reshape(-1, 2).T
+        return [self.at[name] for name in names], mean, sd
 
-    def jacobian(self, theta: FloatArray, *, central: bool = True) -> FloatArray:
-        """Derivative of `residual` by the vector, shape (n, p); one-sided at half the price."""
-        parts = [self._relaxation_rows(relaxation, theta)[1] for relaxation in self.relaxations]
+    @cached_property
+    def earlier(self) -> tuple[list[int], FloatArray, FloatArray] | None:
+        """Which physical parameters an earlier fit knows, its values, a root of its covariance."""
+        before = self.constraints.before
+        if before is None:
+            return None
+        kept, places = self.sought.kept(before)
+        of = dict(zip(kept, places, strict=True))
+        variance = np.diag(before.covariance)
+        rows = [
+            i for i, name in enumerate(before.parameters)
+            if name in kept and np.isfinite(variance[i]) and variance[i] > 0
+        ]  # fmt: skip
+        names = [before.parameters[i] for i in rows]
+        root = np.asarray(np.linalg.cholesky(before.covariance[np.ix_(rows, rows)]))
+        return [of[name] for name in names], np.array([kept[name] for name in names]), root
 
-        def rest(at: FloatArray) -> FloatArray:
-            return np.concatenate((self.frf_residual(at), self.prior_residual(at)))
-
-        return np.concatenate([*parts, _differences(rest, theta, central=central)])
-
-    def relaxation_chi2(self, theta: FloatArray) -> list[float]:
-        """Chi-square of each relaxation test, its floor included."""
-        return [
-            float(np.sum(self._relaxation_rows(relaxation, theta)[0] ** 2)) + relaxation.floor
-            for relaxation in self.relaxations
-        ]
-
-    def _relaxation_rows(
-        self, relaxation: RelaxationData, theta: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
+    def about(self, start: FloatArray) -> least_squares.Problem:
+        """It as least squares, about a start: every logarithm kept where doubles can follow."""
+        low, high = start - 25.0, start + 12.0
         size = self.sought.size
-        found = self.sought.answer(relaxation, theta[:size])
-        residual, jacobian = found.residual, np.zeros((len(found.residual), len(theta)))
-        jacobian[:, :size] = found.jacobian
-        if self.dashpot:
-            part = np.exp(theta[self.at["ln_b"]]) * found.dashpot
-            residual = residual + part
-            jacobian[:, self.at["ln_b"]] = part
-        return residual, jacobian
-
-    def frf_residual(self, theta: FloatArray) -> FloatArray:
-        """Those of the lines, real then imaginary."""
-        p = self.unpack(theta)
-        return (
-            self.frf_data.misfit(self.frf_data.predict(p.felt, p.mass, p.gain, p.delay))
-            / self.scale
+        low[:size], high[:size] = self.sought.bounded(low[:size], high[:size], self.log_tau_range)
+        if "delay" in self.at:
+            low[self.at["delay"]], high[self.at["delay"]] = -1e3, 1e3
+        return least_squares.Problem(
+            lambda theta: Modelled(self, theta).rows,
+            [Parameter(*ends) for ends in zip(low.tolist(), high.tolist(), strict=True)],
+            priors=len(Modelled(self, start).known[0]),
         )
 
-    def prior_residual(self, theta: FloatArray) -> FloatArray:
-        """Those of everything known beforehand."""
-        point = self.unpack(theta)
-        rows = np.array([*self._of_rig(point), *self._of_solid(point)], dtype=float)
-        return np.append(rows, self.earlier_residual(point.model))
 
-    def earlier_residual(self, model: Solid) -> FloatArray:
-        """How far a solid is from the earlier fit, in its standard deviations; empty without."""
-        before = self.constraints.before
-        return np.empty(0) if before is None else _off(before, self.sought.kept(before, model))
+@dataclass(frozen=True, eq=False)
+class Modelled:
+    """What the solid and the rig of one vector make of every test, with the slope by the vector."""
 
-    def _of_rig(self, point: Parameters) -> Iterator[float]:
-        priors = self.priors
-        for prior, found in (
-            (priors.mass, point.mass),
-            (priors.factor, point.factor),
-            (priors.spring, point.spring),
-        ):
-            if prior is not None and prior.sd > 0:
-                yield prior.log_off(found)
-        if priors.gain_sd > 0:
-            yield np.log(point.gain) / priors.gain_sd
-        if priors.delay_sd > 0:
-            yield point.delay / priors.delay_sd
+    problem: Problem
+    theta: FloatArray
 
-    def _of_solid(self, point: Parameters) -> Iterator[float]:
-        known = self.constraints
+    @cached_property
+    def point(self) -> Parameters:
+        """In physical terms."""
+        return self.problem.unpack(self.theta)
+
+    @property
+    def rows(self) -> Rows:
+        """All weighted residuals, tests first, what is known beforehand last; none is linear."""
+        y = -np.concatenate([*self.tests, self.lines, self.known[0]])
+        return Rows(y, np.empty((len(y), 0)), lambda _: self.slope)
+
+    @cached_property
+    def tests(self) -> list[FloatArray]:
+        """Residuals of the relaxation tests."""
+        return [each.residual + self._b * each.dashpot for each in self._answers]
+
+    @cached_property
+    def lines(self) -> FloatArray:
+        """Those of the lines, real then imaginary, shape (2n,)."""
+        problem, p = self.problem, self.point
+        shown = problem.frf_data.predict(self._response, p.gain, p.delay)
+        return problem.frf_data.misfit(shown) / problem.scale
+
+    @cached_property
+    def known(self) -> tuple[FloatArray, FloatArray]:
+        """Those of everything known beforehand, shape (r,), and their slope (r, p)."""
+        at, mean, sd = self.problem.rig
+        rig = (self.theta[at] - mean) / sd, np.eye(len(self.theta))[at] / sd[:, None]
+        off, slopes = zip(rig, *self._of_solid(), self.earlier, strict=True)
+        return np.concatenate(list(map(np.atleast_1d, off))), np.vstack(slopes)
+
+    @cached_property
+    def earlier(self) -> tuple[FloatArray, FloatArray]:
+        """How far the solid is from the earlier fit, in its standard deviations; empty without."""
+        slope = np.zeros((0, len(self.theta)))
+        if self.problem.earlier is None:
+            return np.empty(0), slope
+        places, old, root = self.problem.earlier
+        _, values, gradient = self.problem.sought.physical(self._numbers)
+        slope = np.zeros((len(places), len(self.theta)))
+        slope[:, : len(self._numbers)] = np.linalg.solve(root, gradient[places])
+        return np.asarray(np.linalg.solve(root, values[places] - old)), slope
+
+    @property
+    def slope(self) -> FloatArray:
+        """Derivative of every row."""
+        size = len(self._numbers)
+        tests = [np.zeros((len(each.residual), len(self.theta))) for each in self._answers]
+        for columns, each in zip(tests, self._answers, strict=True):
+            columns[:, :size] = each.jacobian
+            if self.problem.dashpot:
+                columns[:, self.problem.at["ln_b"]] = self._b * each.dashpot
+        return np.concatenate([*tests, self._by_lines(), self.known[1]])
+
+    # -- private ------------------------------------------------------------------------------
+
+    @property
+    def _numbers(self) -> FloatArray:
+        return self.theta[: self.problem.sought.size]
+
+    @property
+    def _b(self) -> float:
+        return float(np.exp(self.theta[self.problem.at["ln_b"]])) if self.problem.dashpot else 0.0
+
+    @cached_property
+    def _answers(self) -> list[Answer]:
+        problem = self.problem
+        return [problem.sought.answer(each, self._numbers) for each in problem.relaxations]
+
+    @cached_property
+    def _response(self) -> Response:
+        return self.problem.frf_data.response(self.point.felt, self.point.mass)
+
+    def _by_lines(self) -> FloatArray:
+        problem, response, p = self.problem, self._response, self.point
+        s, data = response.s, problem.frf_data
+        own = problem.sought.at_lines(self._numbers, s)
+        felt = 1 / response.receptance - p.mass * s**2
+
+        def at_poles(lost: Lost) -> tuple[ComplexArray, ComplexArray]:
+            mass, own = p.mass, problem.sought.at_poles(self._numbers, lost.p)
+            return (
+                self._by_impedance(lost.p, own[0], -mass * lost.p**2),
+                self._by_impedance(lost.p, own[1], 1 / lost.residue - 2 * mass * lost.p, order=1),
+            )
+
+        by = response.slope(self._by_impedance(s, own, felt), at_poles)
+        by, *rest = data.slopes(response, p.gain, p.delay, by)
+        units = {"ln_mass": 1.0, "ln_gain": 1.0, "delay": DELAY_UNIT}
+        for (name, unit), column in zip(units.items(), rest, strict=True):
+            if name in problem.at:
+                by[:, problem.at[name]] += unit * column
+        return stacked(by / data.sd[:, None]) / problem.scale
+
+    def _by_impedance(
+        self, s: ComplexArray, own: ComplexArray, felt: npt.ArrayLike, *, order: int = 0
+    ) -> ComplexArray:
+        """Derivative of m s^2 + n K(s) under the hammer by the vector, or that of its slope by s.
+
+        `own` is that of one seal's K or K' by its own numbers, `felt` n K or n K' under the hammer.
+        """
+        problem, p = self.problem, self.point
+        count = problem.frf_data.seals * p.factor
+        spring = count * p.model.k_inf * (1 - order)
+        by = np.zeros((len(s), len(self.theta)), dtype=complex)
+        by[:, : own.shape[1]] = count * own
+        by[:, 0] += (p.spring - 1) * spring
+        rest = {
+            "ln_b": count * self._b * s ** (1 - order),
+            "ln_mass": p.mass * s ** (2 - order) * (1 + order),
+            "ln_factor": felt,
+            "ln_spring": p.spring * spring,
+        }
+        for name in rest.keys() & problem.at.keys():
+            by[:, problem.at[name]] = rest[name]
+        return by
+
+    def _of_solid(self) -> Iterator[tuple[float, FloatArray]]:
+        known, p = self.problem.constraints, self.point
         if known.static_stiffness is not None:
-            yield known.static_stiffness.off(point.model.k_inf)
-        if known.natural_frequency is not None or known.damping_ratio is not None:
-            pole = ringing_pole(self.frf_data.seals * point.felt, point.mass)
-            if known.natural_frequency is not None:
-                yield known.natural_frequency.off(abs(pole) / (2 * np.pi))
-            if known.damping_ratio is not None:
-                yield known.damping_ratio.off(-pole.real / abs(pole))
-
-
-def _off(fit: Fit, off: dict[str, float]) -> FloatArray:
-    """How far parameters are off an earlier fit, in its standard deviations."""
-    rows = [i for i, name in enumerate(fit.parameters) if name in off]
-    covariance = fit.covariance[np.ix_(rows, rows)]
-    known = np.isfinite(np.diag(covariance)) & (np.diag(covariance) > 0)
-    pick = [rows[i] for i in np.flatnonzero(known)]
-    difference = np.array([off[fit.parameters[i]] for i in pick])
-    root = np.linalg.cholesky(covariance[np.ix_(known, known)])
-    return np.asarray(np.linalg.solve(root, difference))
-
-
-def _differences(
-    function: Callable[[FloatArray], FloatArray], theta: FloatArray, *, central: bool
-) -> FloatArray:
-    """Differences to one side or to both; every parameter is a logarithm or of order one.
-
-    A peak curves so much that a one-sided difference of 1e-6 is off by 1e-6 Q of itself.
-    """
-    step = 1e-5 if central else 1e-6
-    start = np.empty(0) if central else function(theta)
-    columns = []
-    for i in range(len(theta)):
-        move = np.zeros(len(theta))
-        move[i] = step
-        if central:
-            columns.append((function(theta + move) - function(theta - move)) / (2 * step))
-        else:
-            columns.append((function(theta + move) - start) / step)
-    return np.array(columns).T
+            k_inf = p.model.k_inf
+            yield known.static_stiffness.off(k_inf, k_inf * np.eye(1, len(self.theta))[0])
+        if known.natural_frequency is None and known.damping_ratio is None:
+            return
+        solid = self.problem.frf_data.seals * p.felt
+        pole = ringing_pole(solid, p.mass)
+        at, size = np.array([pole]), abs(pole)
+        own = self.problem.sought.at_poles(self._numbers, at)[0]
+        by = self._by_impedance(at, own, -p.mass * at**2)[0]
+        moved = -by * complex(residues(solid.maxwell, p.mass, at)[0])
+        longer = (pole.conjugate() * moved).real / size
+        if known.natural_frequency is not None:
+            yield known.natural_frequency.off(size / (2 * np.pi), longer / (2 * np.pi))
+        if known.damping_ratio is not None:
+            slope = (pole.real * longer / size - moved.real) / size
+            yield known.damping_ratio.off(-pole.real / size, slope)
 
 
 # -- the optimum ------------------------------------------------------------------------------
@@ -342,20 +433,39 @@ class Candidate:
     """The optimum for one number of arms, or an element, with or without a parallel dashpot."""
 
     problem: Problem
-    theta: FloatArray
-    cost: float
-    converged: bool
+    optimum: Optimum
+
+    @property
+    def theta(self) -> FloatArray:
+        """The flat parameter vector."""
+        return self.optimum.theta
+
+    @property
+    def cost(self) -> float:
+        """What was minimised."""
+        return self.optimum.cost
 
     @cached_property
+    def modelled(self) -> Modelled:
+        """What it makes of every test."""
+        return Modelled(self.problem, self.theta)
+
+    @property
     def point(self) -> Parameters:
         """The optimum in physical terms."""
-        return self.problem.unpack(self.theta)
+        return self.modelled.point
 
     @cached_property
+    def estimate(self) -> Estimate:
+        """Every row has unit variance; what has faded from the solid is held."""
+        size = np.linalg.norm(self.optimum.jacobian, axis=0)
+        noise, faded = white_noise(self.optimum, 1.0), size <= UNFELT * size.max()
+        return estimate(self.optimum, noises=[noise], held=faded, prior_variance=1.0)
+
+    @property
     def covariance(self) -> FloatArray:
         """Of the flat parameter vector."""
-        jacobian = self.problem.jacobian(self.theta)
-        return np.asarray(np.linalg.pinv(jacobian.T @ jacobian, rcond=1e-14, hermitian=True))
+        return self.estimate.covariance
 
     @property
     def significant(self) -> bool:
@@ -365,16 +475,22 @@ class Candidate:
 
     @cached_property
     def bic(self) -> float:
-        r"""Bayesian criterion with each test's own noise profiled: sum n ln(chi2/n) + p ln n."""
-        problem, theta = self.problem, self.theta
-        lines = 2.0 * len(problem.frf_data.lines.s)
+        """Bayesian criterion with each test's own noise profiled."""
+        lines = 2.0 * len(self.problem.frf_data.lines.s)
         # below a millionth of the value, or of the noise, one misfit is as good as another
-        total = lines * np.log(max(self.line_misfit / lines, SMALLEST_SCATTER**2))
-        chi2s = problem.relaxation_chi2(theta)
-        for relaxation, chi2 in zip(problem.relaxations, chi2s, strict=True):
-            total += relaxation.samples * np.log(chi2 / relaxation.samples)
-        prior = float(np.sum(problem.prior_residual(theta) ** 2))
-        return float(total + prior + len(theta) * np.log(self.samples))
+        total = deviance(max(self.line_misfit / lines, SMALLEST_SCATTER**2), effective=lines)
+        for relaxation, chi2 in zip(self.problem.relaxations, self.relaxation_chi2, strict=True):
+            total += deviance(chi2 / relaxation.samples, effective=relaxation.samples)
+        prior = self.modelled.known[0]
+        return self._penalised(total + float(prior @ prior))
+
+    @property
+    def criterion(self) -> float:
+        """That with the noise as it is weighted."""
+        return self._penalised(self.cost)
+
+    def _penalised(self, total: float) -> float:
+        return bic_of_deviance(total, effective=self.samples, parameters=len(self.theta))
 
     @property
     def samples(self) -> float:
@@ -384,15 +500,20 @@ class Candidate:
         return lines + sum(relaxation.samples for relaxation in problem.relaxations)
 
     @cached_property
-    def line_misfit(self) -> float:
-        """Squared misfit of the lines in units of their own scatter, not scaled."""
-        return float(np.sum((self.problem.frf_residual(self.theta) * self.problem.scale) ** 2))
+    def relaxation_chi2(self) -> list[float]:
+        """Chi-square of each relaxation test, its floor included."""
+        each = zip(self.modelled.tests, self.problem.relaxations, strict=True)
+        return [float(rows @ rows) + relaxation.floor for rows, relaxation in each]
 
     @cached_property
+    def line_misfit(self) -> float:
+        """Squared misfit of the lines in units of their own scatter, not scaled."""
+        return float(np.sum((self.modelled.lines * self.problem.scale) ** 2))
+
+    @property
     def chi2(self) -> float:
         """Of the lines and of the relaxation tests."""
-        lines = self.problem.frf_residual(self.theta)
-        return float(lines @ lines) + sum(self.problem.relaxation_chi2(self.theta))
+        return self.line_misfit / self.problem.scale**2 + sum(self.relaxation_chi2)
 
     @property
     def line_scale(self) -> float:
@@ -403,37 +524,14 @@ class Candidate:
 
     def scaled(self, scale: float) -> Candidate:
         """As it was found, its covariance with the scatter of the lines scaled."""
-        return replace(self, problem=replace(self.problem, scale=scale))
+        problem = replace(self.problem, scale=scale)
+        return Candidate(problem, problem.about(self.theta).at(self.theta))
 
 
-def descend(
-    problem: Problem,
-    start: FloatArray,
-    *,
-    tolerance: float,
-    central: bool = False,
-    most: int = 200,
-) -> Candidate:
-    """To the nearest optimum, every logarithm kept where doubles can follow.
+def descend(problem: Problem, start: FloatArray, *, tolerance: float, most: int = 200) -> Candidate:
+    """To the nearest optimum, in at most so many steps.
 
-    In at most so many steps; by one-sided differences unless `central`, as a narrow valley asks.
+    Until a step promises to lower chi-square by less than that part of it.
     """
-    from scipy.optimize import least_squares
-
-    low, high = start - 25.0, start + 12.0
-    size = problem.sought.size
-    low[:size], high[:size] = problem.sought.bounded(low[:size], high[:size], problem.log_tau_range)
-    if "delay" in problem.at:
-        low[problem.at["delay"]], high[problem.at["delay"]] = -1e3, 1e3
-    result = least_squares(
-        problem.residual,
-        np.clip(start, low + 1e-9, high - 1e-9),
-        jac=partial(problem.jacobian, central=central),
-        bounds=(low, high),
-        x_scale="jac",
-        xtol=1e-10,
-        ftol=tolerance,
-        gtol=1e-12,
-        max_nfev=most,
-    )
-    return Candidate(problem, result.x, 2 * float(result.cost), result.status > 0)
+    whole = problem.about(start)
+    return Candidate(problem, solved(whole, [start], most=most, finished=SHORT, flat=tolerance))

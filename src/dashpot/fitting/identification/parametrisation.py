@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray
+from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.engine.inference.order import significant
 from dashpot.fitting.fractional.checks import slope_known
 from dashpot.fitting.fractional.projection import ALPHA, BEYOND, SOUGHT, STEP
@@ -82,8 +82,22 @@ class Parametrisation(ABC):
         """Names and values of a fit's parameters, and their derivative by the numbers."""
 
     @abstractmethod
-    def kept(self, before: Fit, solid: Solid) -> dict[str, float]:
-        """By how much a solid is off an earlier fit, by the names of that fit's parameters."""
+    def arm_gradient(self, numbers: FloatArray) -> FloatArray:
+        """Derivative of k_inf, every k and every ln tau of the solid's arms by the numbers."""
+
+    def at_poles(self, numbers: FloatArray, p: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
+        """Derivative of the stiffness of its arms, and of its slope, by the numbers: (n, size)."""
+        gradient = self.arm_gradient(numbers)
+        by_arms, slope_by_arms = self.unpack(numbers, 0.0).maxwell.arm_slopes(p)
+        return by_arms @ gradient, slope_by_arms @ gradient
+
+    def at_lines(self, numbers: FloatArray, s: ComplexArray) -> ComplexArray:
+        """Derivative of the stiffness by the numbers, shape (n, size)."""
+        return self.at_poles(numbers, s)[0]
+
+    @abstractmethod
+    def kept(self, before: Fit) -> tuple[dict[str, float], list[int]]:
+        """What an earlier fit found, by name, and which of the physical parameters those are."""
 
     @abstractmethod
     def identified(self, error: FloatArray) -> bool:
@@ -151,15 +165,18 @@ class Arms(Parametrisation):
         scale = np.concatenate((values[: 1 + N], np.ones(N)))
         return parameter_names(N), values, scale[:, None] * np.eye(self.size)[rows]
 
-    def kept(self, before: Fit, solid: Solid) -> dict[str, float]:
-        """By how much it is off an earlier fit."""
-        model, old, N = solid.maxwell, before.model, before.model.arms
-        off = {"k_inf": model.k_inf - old.k_inf}
+    def arm_gradient(self, numbers: FloatArray) -> FloatArray:
+        """Of its arms."""
+        return self.physical(numbers)[2]
+
+    def kept(self, before: Fit) -> tuple[dict[str, float], list[int]]:
+        """What an earlier fit found."""
+        old = Arms(before.model.arms)
+        names, values, _ = old.physical(old.pack(before.model))
         # faster arms than the earlier fit has are new: it says nothing about them
-        pairs = zip(model.k[-N:], model.tau[-N:], old.k, old.tau, strict=True) if N else ()
-        for j, (k, tau, k0, tau0) in enumerate(pairs, start=1):
-            off |= {f"k_{j}": k - k0, f"ln_tau_{j}": float(np.log(tau / tau0))}
-        return off
+        new, count = self.count - old.count, self.count
+        places = [0, *range(1 + new, 1 + count), *range(1 + count + new, 1 + 2 * count)]
+        return dict(zip(names, values.tolist(), strict=True)), places
 
     def identified(self, error: FloatArray) -> bool:
         """True if no number is unknown."""
@@ -250,10 +267,23 @@ class Element(Parametrisation):
         gradient[:2, :2] = [[k_inf, 0.0], [k_inf, own]]
         return ELEMENT, np.array([k_inf, k_inf + own, *numbers[2:]]), gradient
 
-    def kept(self, before: Fit, solid: Solid) -> dict[str, float]:
-        """By how much it is off an earlier fit."""
-        own, old = (self.physical(self.pack(one))[1] for one in (solid, before.solid))
-        return dict(zip(ELEMENT, (own - old).tolist(), strict=True))
+    def arm_gradient(self, numbers: FloatArray) -> FloatArray:
+        """Of the arms that stand for it."""
+        return self.unpack(numbers, 0.0).arm_gradient() @ self.physical(numbers)[2]
+
+    def at_lines(self, numbers: FloatArray, s: ComplexArray) -> ComplexArray:
+        """Derivative of its own stiffness."""
+        (k_inf, own, tau), alpha = np.exp(numbers[:3]), numbers[3]
+        power = (s * tau) ** alpha
+        column = own * (1 - 1 / (1 + power))
+        turned = column / (1 + power)
+        spring = np.full(len(s), k_inf)
+        return np.column_stack((spring, column, alpha * turned, np.log(s * tau) * turned))
+
+    def kept(self, before: Fit) -> tuple[dict[str, float], list[int]]:
+        """What an earlier fit found."""
+        values = self.physical(self.pack(before.solid))[1]
+        return dict(zip(ELEMENT, values.tolist(), strict=True)), [*range(4)]
 
     def identified(self, error: FloatArray) -> bool:
         """True if no number is unknown."""

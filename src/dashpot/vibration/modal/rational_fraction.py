@@ -19,15 +19,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
+from dashpot.engine.least_squares.descent import Objective, descend
 from dashpot.vibration.modal.lines import Lines, kernel
 from dashpot.vibration.modal.shapes import mac
-from dashpot.vibration.modal.trial import RATIOS, Ground, Scan, Trial, scans
+from dashpot.vibration.modal.trial import MOST_DAMPED, RATIOS, Ground, Scan, Trial, scans
 
 STEPS = 60
 ENOUGH = 0.2  # variances: what a last step may explain while modes are sought
-HELD = 1e-2  # damping of a step from which on it is held back
 NOTHING_NEW = 1e-10  # of a column's square: what rounding leaves of one that is known
-MOST_DAMPED = 0.75  # sigma / omega of a mode; beyond it is relaxation
 SMALLEST_MODE = 0.01  # of the largest value in the band
 OUTSIDE = (1.02, 1.1, 1.3)  # times the band's ends, where poles beyond it are tried
 FARTHEST = 2.0  # beyond which the background says the same
@@ -94,7 +93,7 @@ def find_poles(lines: Lines, *, most: int, count: int | None = None) -> PoleFit 
 
 def residues_at(lines: Lines, poles: ComplexArray) -> ComplexArray:
     """Best residues of each row at given poles, shape (channels, modes)."""
-    theta = np.ravel(np.column_stack((np.log(-poles.real), poles.imag)))
+    theta = np.log(np.ravel(np.column_stack((-poles.real, poles.imag))))
     return Trial(Ground.of(lines), theta).residues
 
 
@@ -117,33 +116,15 @@ def _near(lines: Lines, p: complex) -> BoolArray:
 
 
 def _refine(trial: Trial, enough: float = 0.0) -> Trial:
-    """Levenberg-Marquardt over the poles, the residues projected out (Kaufman's Jacobian).
+    """To the nearest optimum of the poles, the residues projected out.
 
-    Ends where a step explains no more than `enough` variances, as one for each row of the lines.
+    Ends where a step promises no more than `enough` variances, as one for each row of the lines.
     """
-    damping = 1e-3
-    least = max(1e-13, enough / trial.ground.rest.size)
-    for _ in range(STEPS):
-        normal, gradient = trial.solution.normal.sum(axis=0), trial.solution.gradient.sum(axis=0)
-        diagonal = np.diag(normal).copy()
-        diagonal[diagonal == 0] = 1.0
-        better = None
-        while better is None and damping < 1e8:
-            step = np.linalg.solve(normal + damping * np.diag(diagonal), gradient)
-            step[0::2] = np.clip(step[0::2], -2.0, 2.0)
-            theta = trial.theta + step
-            if (np.exp(theta[0::2]) < MOST_DAMPED * theta[1::2]).all():
-                there = replace(trial, theta=theta)
-                better = there if there.cost <= trial.cost else None
-            damping = damping * 10 if better is None else max(damping / 10, 1e-12)
-        if better is None:
-            break
-        gain, trial = trial.cost - better.cost, better
-        # of a step that was held back a small gain says nothing
-        small = gain <= (least if damping < HELD else 1e-13) * trial.cost
-        if small or np.abs(step).max() < 1e-13:
-            break
-    return trial
+    free = np.full(len(trial.theta), np.inf)
+    objective = Objective(lambda theta, _: replace(trial, theta=theta), -free, free)
+    flat = max(1e-13, enough / trial.ground.rest.size)
+    ended = descend(objective, trial.theta, flat=flat, limit=STEPS)
+    return trial if ended is None else ended.point
 
 
 def _with_next_pole(trial: Trial) -> Trial:
@@ -161,7 +142,7 @@ def _with_best(trial: Trial, tried: list[Scan]) -> tuple[Trial, float]:
     gains = np.concatenate([_gains(trial, scan) for scan in tried])
     best = int(np.argmax(gains))
     pole = np.concatenate([scan.poles for scan in tried])[best]
-    theta = np.append(trial.theta, (np.log(-pole.real), pole.imag))
+    theta = np.append(trial.theta, np.log((-pole.real, pole.imag)))
     return replace(trial, theta=theta), float(gains[best])
 
 
@@ -193,12 +174,12 @@ def _with_outer_poles(trial: Trial) -> Trial:
     for _ in range(2):
         more, gain = _with_best(trial, tried)
         # a scan shows a part of what a refined pole explains
-        if 10 * gain < trial.cost * _worth(trial) / size:
+        if 10 * gain < trial.sse * _worth(trial) / size:
             break
         more = _refine(more)
         at = more.poles[-1].imag
         beyond = low / FARTHEST < at <= low or high <= at < high * FARTHEST
-        if not beyond or trial.cost - more.cost < more.cost * _worth(trial) / size:
+        if not beyond or trial.sse - more.sse < more.sse * _worth(trial) / size:
             break
         trial = more
     return trial
@@ -211,16 +192,15 @@ def _worth(trial: Trial) -> float:
 
 def _finish(trial: Trial, modes: int) -> PoleFit:
     """Residues of the first poles, and all errors: every channel tells the poles."""
-    every, solved = len(trial.poles), trial.solution
-    by_sigma = np.ones(2 * every)
-    by_sigma[0::2] = -1 / trial.poles.real  # and not by its logarithm
-    normal = solved.normal.sum(axis=0) * np.outer(by_sigma, by_sigma)
+    solved = trial.solution
+    by = 1 / np.ravel(np.column_stack((-trial.poles.real, trial.poles.imag)))  # not by logarithms
+    normal = trial.curvature * np.outer(by, by)
     scale = np.sqrt(np.diag(normal))
     whole = np.linalg.pinv(normal / np.outer(scale, scale)) / np.outer(scale, scale)
     covariance = whole[: 2 * modes, : 2 * modes]
     inverse = solved.inverse[:, : 2 * modes]
-    by = inverse @ (solved.crossing * by_sigma)
-    variance = (inverse**2).sum(axis=2) + ((by @ whole) * by).sum(axis=2)
+    moved = inverse @ (solved.crossing * by)
+    variance = (inverse**2).sum(axis=2) + ((moved @ whole) * moved).sum(axis=2)
     # what the model misses about a mode widens that mode's error
     misfit = np.array([_chi2(trial, p) for p in trial.poles[:modes]])
     worse = np.sqrt(np.maximum(misfit, 1.0))

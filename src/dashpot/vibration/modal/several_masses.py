@@ -18,7 +18,7 @@ import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.errors import DataError
-from dashpot.engine.least_squares.nnls import nonnegative
+from dashpot.engine.least_squares.nnls import linear
 from dashpot.records.frf import Mode
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -26,7 +26,6 @@ STORAGE, LOSS = 0.003, 0.03
 """Relative differences of stiffness and damping that do not matter, as standard deviations."""
 TIMES = np.geomspace(1e-3, 1e3, 97)
 """Relaxation times, over the time 1/|p| of the poles."""
-NOTHING = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,13 +111,9 @@ def several_masses(
     columns = np.column_stack((np.ones_like(p), damper, p[:, None] * tau / (1 + p[:, None] * tau)))
     rows = np.concatenate((columns.real / counts[:, [0]], columns.imag / counts[:, [1]])) * size
     y = np.concatenate((stiffness.real / counts[:, 0], stiffness.imag / counts[:, 1]))
-    scale = np.linalg.norm(rows, axis=0)
-    rows /= scale
-    x = nonnegative(rows.T @ rows, rows.T @ y)
-    x = np.where(x * scale > NOTHING * float((x * scale).max()), x, 0.0)
-    apart = (rows @ x - y).reshape(2, -1)
-    far = np.hypot(apart[0], apart[1])
-    k = size * x / scale
+    k = linear(rows, y, positive=True)[0]
+    apart = (rows @ k - y).reshape(2, -1)
+    far, k = np.hypot(apart[0], apart[1]), size * k
     arms = np.flatnonzero(k[2:] > 0)
     solid = GeneralizedMaxwell(
         float(k[0]), tuple(map(float, k[2:][arms])), tuple(map(float, tau[arms])),

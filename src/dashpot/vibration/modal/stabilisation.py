@@ -22,9 +22,9 @@ from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray, IndexArray
 from dashpot.records.frf import Mode
 from dashpot.records.frf_set import FRFSet
 from dashpot.vibration.modal.lines import Lines
-from dashpot.vibration.modal.rational_fraction import MOST_DAMPED
 from dashpot.vibration.modal.several_points import lines_of, together, within
 from dashpot.vibration.modal.shapes import mac
+from dashpot.vibration.modal.trial import MOST_DAMPED
 
 HIGHEST = 30
 ARC = 1.5 * np.pi

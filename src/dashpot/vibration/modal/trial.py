@@ -18,6 +18,7 @@ from dashpot.vibration.modal.lines import Lines, kernel, kernel_slope
 SLOW_POLES = (1e-3, 0.3, 1.5, 7.0)  # of the background, times the middle of the band
 RATIOS = np.geomspace(3e-4, 0.4, 9)  # of damping, at which a pole is tried
 ROOM = 1 << 20  # numbers of a block that is worked on at once
+MOST_DAMPED = 0.75  # sigma / omega of a mode; beyond it is relaxation
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,9 +83,10 @@ class _Solved(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Trial:
-    """Poles, as ln sigma and omega of each, with the best residues and background there.
+    """Poles, as ln sigma and ln omega of each, with the best residues and background there.
 
-    Modes, two real coefficients each, are solved for channel by channel.
+    Modes, two real coefficients each, are solved for channel by channel, so that it is no problem
+    of dense rows; it descends as any other (:class:`dashpot.engine.least_squares.descent.Trial`).
     """
 
     ground: Ground
@@ -93,7 +95,8 @@ class Trial:
     @cached_property
     def poles(self) -> ComplexArray:
         """Shape (modes,)."""
-        return np.asarray(-np.exp(self.theta[0::2]) + 1j * self.theta[1::2])
+        sigma, omega = np.exp(self.theta.reshape(-1, 2)).T
+        return np.asarray(-sigma + 1j * omega)
 
     @cached_property
     def columns(self) -> ComplexArray:
@@ -133,7 +136,8 @@ class Trial:
             )
         )
         slopes = np.empty((len(c), len(self.theta), up.shape[-1]), complex)
-        slopes[:, 0::2], slopes[:, 1::2] = self.poles.real[:, None] * (up + down), 1j * (up - down)
+        sigma, omega = -self.poles.real[:, None], self.poles.imag[:, None]
+        slopes[:, 0::2], slopes[:, 1::2] = -sigma * (up + down), 1j * omega * (up - down)
         jacobian = self.ground.apart(part, slopes)
         crossing = q.swapaxes(1, 2) @ jacobian
         jacobian -= q @ crossing
@@ -143,9 +147,25 @@ class Trial:
         )
 
     @cached_property
-    def cost(self) -> float:
-        """Sum of squared residuals."""
+    def sse(self) -> float:
+        """Sum of squared residuals; infinite where a pole does not oscillate."""
+        if (self.theta[0::2] - self.theta[1::2] >= np.log(MOST_DAMPED)).any():
+            return np.inf
         return float((self.solution.residuals**2).sum())
+
+    @cached_property
+    def gradient(self) -> FloatArray:
+        """Half the slope of the sum of squares by theta."""
+        return np.asarray(-self.solution.gradient.sum(axis=0))
+
+    @cached_property
+    def curvature(self) -> FloatArray:
+        """Of Gauss and Newton."""
+        return np.asarray(self.solution.normal.sum(axis=0))
+
+    def ahead(self, step: FloatArray) -> Trial:
+        """The trial a short step away."""
+        return replace(self, theta=self.theta + step)
 
     @cached_property
     def misfit(self) -> FloatArray:
@@ -157,6 +177,11 @@ class Trial:
     def residues(self) -> ComplexArray:
         """Shape (channels, modes)."""
         return self.solution.residues
+
+    @property
+    def beta(self) -> FloatArray:
+        """The residues' real and imaginary parts in turn, shape (channels * 2 modes,)."""
+        return self.residues.view(float).ravel()
 
     def only(self, modes: list[int]) -> Trial:
         """The chosen modes."""

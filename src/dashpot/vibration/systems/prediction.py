@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
 import numpy as np
 import numpy.typing as npt
 
@@ -283,19 +288,106 @@ def accelerance(
     exponential window, s = j omega + a, the cut-off part shrinks by e^{-aT}; without a `record`
     nothing is cut.
     """
-    s = np.asarray(s, dtype=complex)
-    whole = np.asarray(s**2 / (mass * s**2 + model.stiffness_at(s)))
-    if record is None:
-        return whole
-    arms = _in_sight(model.maxwell, float(np.abs(s).min()), float(np.abs(s).max()), record)
-    p = poles(arms, mass)
-    # of an arm faster than the pulse the width of it tells nothing: it has long died away
-    p = p[p.real * record > -DIED]
-    lost = residues(arms, mass, p) * p**2 * np.exp(p * record + 0.5 * (pulse * p) ** 2)
-    live = np.abs(lost) > 0
-    p, lost = p[live], lost[live]
-    tail = (lost / (s[:, None] - p)).sum(axis=1)
-    return np.asarray(whole - tail * np.exp(-s * record - 0.5 * (pulse * s) ** 2))
+    return Response(model, mass, np.asarray(s, dtype=complex), record, pulse).accelerance
+
+
+class Lost(NamedTuple):
+    """What the end of a record takes of a response, pole by pole.
+
+    Attributes
+    ----------
+    p, residue : complex array, shape (k,)
+        Of the receptance.
+    size, bend : complex array, shape (k,)
+        Of the part taken, and the second derivative of m s^2 + K there.
+    """
+
+    p: ComplexArray
+    residue: ComplexArray
+    size: ComplexArray
+    bend: ComplexArray
+
+
+@dataclass(frozen=True, eq=False)
+class Response:
+    """A mass on a solid as a record that ends shows it, as :func:`accelerance`, with its slope.
+
+    Attributes
+    ----------
+    model : Solid
+    mass : float
+        kg.
+    s : complex array, shape (n,)
+    record : float or None
+        s.
+    pulse : float
+        s.
+    """
+
+    model: Solid
+    mass: float
+    s: ComplexArray
+    record: float | None
+    pulse: float
+
+    @cached_property
+    def receptance(self) -> ComplexArray:
+        """Of a record without an end, m/N."""
+        return np.asarray(1 / (self.mass * self.s**2 + self.model.stiffness_at(self.s)))
+
+    @cached_property
+    def accelerance(self) -> ComplexArray:
+        """Shape (n,), 1/kg."""
+        whole, lost = self.s**2 * self.receptance, self._lost
+        if lost is None:
+            return np.asarray(whole)
+        return np.asarray(whole - (lost.size / (self.s[:, None] - lost.p)).sum(axis=1) * self._end)
+
+    def slope(
+        self,
+        at_lines: ComplexArray,
+        at_poles: Callable[[Lost], tuple[ComplexArray, ComplexArray]],
+    ) -> ComplexArray:
+        """Derivative of the accelerance by some parameters, shape (n, q).
+
+        Parameters
+        ----------
+        at_lines : complex array, shape (n, q)
+            That of m s^2 + K.
+        at_poles : callable
+            That of m s^2 + K, and of its derivative by s, at the poles, shape (k, q) each.
+        """
+        whole = -((self.s * self.receptance) ** 2)[:, None] * at_lines
+        if (lost := self._lost) is None:
+            return whole
+        change, slope_change = at_poles(lost)
+        p, residue = lost.p[:, None], lost.residue[:, None]
+        moved = -residue * change
+        # of the residue, of p^2, and of the decay until the end
+        grown = -residue * (slope_change + lost.bend[:, None] * moved)
+        grown += (2 / p + (self.record or 0.0) + self.pulse**2 * p) * moved
+        part = lost.size / (self.s[:, None] - lost.p)
+        taken = part @ grown + part / (self.s[:, None] - lost.p) @ moved
+        return np.asarray(whole - taken * self._end[:, None])
+
+    @cached_property
+    def _end(self) -> ComplexArray:
+        return np.asarray(np.exp(-self.s * (self.record or 0.0) - 0.5 * (self.pulse * self.s) ** 2))
+
+    @cached_property
+    def _lost(self) -> Lost | None:
+        if self.record is None:
+            return None
+        sizes, mass = np.abs(self.s), self.mass
+        arms = _in_sight(self.model.maxwell, float(sizes.min()), float(sizes.max()), self.record)
+        p = poles(arms, mass)
+        # of an arm faster than the pulse the width of it tells nothing: it has long died away
+        p = p[p.real * self.record > -DIED]
+        r = residues(arms, mass, p)
+        size = r * p**2 * np.exp(p * self.record + 0.5 * (self.pulse * p) ** 2)
+        live = np.abs(size) > 0
+        p = p[live]
+        return Lost(p, r[live], size[live], 2 * mass + arms.bend_at(p))
 
 
 def _in_sight(
