@@ -10,7 +10,7 @@ from kit.slopes import hold_slopes
 from scipy.optimize import least_squares, nnls
 
 from dashpot.base.errors import DataError, FitError
-from dashpot.engine.inference.estimate import estimate, score, white_noise
+from dashpot.engine.inference.estimate import Estimate, estimate, score, white_noise
 from dashpot.engine.least_squares.nnls import MANY, linear
 from dashpot.engine.least_squares.problem import Optimum, Parameter, Problem, Rows, solved, stacked
 
@@ -293,13 +293,19 @@ def test_a_systematic_error_moves_as_the_refit_does() -> None:
     assert (known.widened(by).standard_error > known.standard_error).all()
 
 
+def ends(known: Estimate, index: int = 0) -> tuple[float, float]:
+    """Of a profile interval."""
+    found = known.profile(index)
+    low, high = (float(found[i].known.optimum.theta[index]) for i in (0, -1))
+    return low, high
+
+
 def test_a_profile_of_a_nearly_linear_theta_is_its_interval() -> None:
     best = solved(decay(noisy(11, sd=0.002)), [np.zeros(1)])
     known = estimate(best, noises=[white_noise(best)])
-    low, high = known.profile(0)
     half = known.quantile() * known.standard_error[0]
-    here = best.theta[0]
-    np.testing.assert_allclose([here - low, high - here], half, rtol=0.02)
+    low, high = ends(known)
+    np.testing.assert_allclose([best.theta[0] - low, high - best.theta[0]], half, rtol=0.02)
 
 
 def test_a_profile_ends_where_the_deviance_is_that_of_the_level() -> None:
@@ -308,10 +314,36 @@ def test_a_profile_ends_where_the_deviance_is_that_of_the_level() -> None:
     best = solved(decay(y), [np.zeros(1)])
     noise = white_noise(best)
     known = estimate(best, noises=[noise])
-    for end in known.profile(0):
+    for end in ends(known):
         held = decay(y).at(np.array([end]))
         t = np.sqrt((held.cost - best.cost) / noise.power)
-        assert t == pytest.approx(known.quantile(), rel=5e-3)
+        assert t == pytest.approx(known.quantile(), rel=0.01)
+
+
+def test_slices_of_a_profile_are_the_problem_with_one_theta_held() -> None:
+    """Two arms: the others descend, and know nothing of an error of what is held."""
+    draw = np.random.default_rng(14).standard_normal(len(TIME))
+    y = np.exp(-TIME / 0.2) + np.exp(-TIME / 1.2) + 0.01 * draw
+
+    def model(theta: np.ndarray) -> Rows:
+        return Rows(y, np.exp(-TIME[:, None] / np.exp(theta)))
+
+    problem = Problem(model, [Parameter(-6.0, 6.0)] * 2, positive=True)
+    best = solved(problem, [np.array([-1.6, 0.2])])
+    known = estimate(best, noises=[white_noise(best)])
+    slices = known.profile(0)
+    roots = [one.root for one in slices]
+    assert roots[0] == pytest.approx(known.quantile(), rel=0.01)
+    assert min(roots) == roots[len(slices) // 2] == 0
+    for root, held in slices:
+        theta = held.optimum.theta
+        again = solved(problem.held(0, theta[0]), [best.theta[1:]])
+        np.testing.assert_allclose(theta[1:], again.theta, atol=1e-3)
+        assert root**2 == pytest.approx(
+            (again.cost - best.cost) / known.noises[0].power, rel=1e-2, abs=1e-6
+        )
+        assert held.standard_error[0] == 0
+        assert (held.standard_error[1:] < known.standard_error[1:]).all()
 
 
 def test_a_profile_that_nothing_ends_goes_to_the_range() -> None:
@@ -321,7 +353,7 @@ def test_a_profile_that_nothing_ends_goes_to_the_range() -> None:
         return Rows(y, np.exp(-TIME[:30] / np.exp(theta[0]))[:, None])
 
     best = solved(Problem(model, [Parameter(-3.0, 6.0)], positive=True), [np.ones(1)])
-    assert estimate(best).profile(0)[1] == 6.0
+    assert ends(estimate(best))[1] == 6.0
 
 
 @pytest.mark.parametrize("sd", [0.0, 0.01])

@@ -19,13 +19,14 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray
+from dashpot.base.errors import DataError
 from dashpot.base.student_t import t_quantile
 from dashpot.engine.inference.covariance import Noise, directions, noise_of, sandwich
 from dashpot.engine.inference.order import bic
 from dashpot.engine.least_squares.problem import Optimum
 
-#: of an end of a profile interval: trials at most, and how close, in parts of the half width
-_TRIALS, _CLOSE = 40, 1e-3
+#: of a profile interval: slices to a side, trials at most, and how close its ends come in quantiles
+_SLICES, _TRIALS, _CLOSE = 3, 40, 1e-2
 
 
 class Derived(NamedTuple):
@@ -119,52 +120,84 @@ class Estimate:
         """With one more error, that moves theta and beta by so much."""
         return replace(self, covariance=self.covariance + np.outer(by, by))
 
-    def profile(self, index: int, *, level: float = 0.95) -> tuple[float, float]:
-        r"""The interval of one theta by profile likelihood, the others descending at each value.
+    def profile(self, index: int, *, level: float = 0.95) -> list[Slice]:
+        r"""Return the problem with one theta held, all others at their best, across its interval.
 
         .. math:: S(\theta_i) - S_{\min} \le t^2\, \gamma
 
-        with the power :math:`\gamma` of the noise. An end beyond which nothing is worse is that of
-        the parameter's range. Source: D. M. Bates and D. G. Watts, Nonlinear Regression Analysis
-        (1988), ch. 6.
+        with the power :math:`\gamma` of the noise, from the low end to the high. What is normal at
+        each value that is held, but not over all, has the interval of all slices together. An end
+        beyond which nothing is worse is that of the parameter's range. Source: D. M. Bates and
+        D. G. Watts, Nonlinear Regression Analysis (1988), ch. 6.
         """
         best, one = self.optimum, self.optimum.problem.parameters[index]
         count = [noise.samples for noise in self.noises]
         power = float(np.average([noise.power for noise in self.noises], weights=count))
-        reach, here = self.quantile(level), float(best.theta[index])
-        rest = np.delete(best.theta, index)
+        reach, middle = self.quantile(level), float(best.theta[index])
         width = float(self.standard_error[index])
-        first = reach * width if 0 < width < np.inf else one.scale
+        sized = 0 < width < np.inf
+        rest, along = np.delete(best.theta, index), self.covariance[: len(best.theta), index]
+        tangent = np.delete(along, index) / width**2 if sized else np.zeros(len(rest))
+        first = reach * width / _SLICES if sized else one.scale
 
-        def excess(value: float) -> float:
-            """Above zero outside: the signed root of the deviance, less the quantile."""
-            found = best.problem.held(index, value).solve([rest], flat=1e-9)
-            if found is None:
-                return np.inf
-            return float(np.sqrt(max(found.cost - best.cost, 0.0) / power)) - reach
+        def held(value: float, start: FloatArray) -> Slice | None:
+            """What is held has no error; None where the model says nothing."""
+            try:
+                found = best.problem.held(index, value).solve([start], flat=_CLOSE / sum(count))
+                return None if found is None else slice_of(value, found)
+            except DataError:
+                return None
 
-        def end(way: float, limit: float) -> float:
-            inside, outside, low = here, here + way * first, -reach
-            while (high := excess(outside)) <= 0:
-                if way * outside >= way * limit:
-                    return limit
-                inside, low = outside, high
-                outside = here + 2 * (outside - here)
-                outside = min(outside, limit) if way > 0 else max(outside, limit)
+        def slice_of(value: float, found: Optimum) -> Slice:
+            known = estimate(found, parts=count, noises=self.noises).covariance
+            known = np.insert(np.insert(known, index, 0.0, axis=0), index, 0.0, axis=1)
+            optimum = best.problem.at(np.insert(found.theta, index, value))
+            root = float(np.sqrt(max(found.cost - best.cost, 0.0) / power))
+            return Slice(root, replace(self, optimum=optimum, covariance=known))
+
+        def side(way: float, limit: float) -> list[Slice]:
+            inside: list[Slice] = []
+            last, (here, near, root) = (middle - first, rest - first * tangent), (middle, rest, 0.0)
+            step, beyond, worse = first, np.nan, np.inf
             for _ in range(_TRIALS):
-                if abs(outside - inside) <= _CLOSE * abs(outside - here):
+                met = root > reach * (1 - _CLOSE) or abs(beyond - here) < _CLOSE * first
+                if met or here == limit:
                     break
                 # the root of a parabola's deviance is straight: a secant, kept off the ends
-                share = low / (low - high) if np.isfinite(high) else 0.5
-                middle = inside + min(max(share, 0.05), 0.95) * (outside - inside)
-                value = excess(middle)
-                if value <= 0:
-                    inside, low = middle, value
-                else:
-                    outside, high = middle, value
-            return inside if np.isinf(high) else inside + low / (low - high) * (outside - inside)
+                share = (reach - root) / (worse - root) if worse < np.inf else 0.5
+                far = min(step, abs(limit - here))
+                far = far if np.isnan(beyond) else min(max(share, 0.1), 0.9) * abs(beyond - here)
+                value = here + way * far
+                # the others begin where the last two lead
+                start = near + (near - last[1]) * ((value - here) / (here - last[0]))
+                new = held(value, start)
+                if new is None or new.root > reach * (1 + _CLOSE):
+                    beyond, worse = value, np.inf if new is None else new.root
+                    continue
+                inside.append(new)
+                step *= min(max(reach / _SLICES / max(new.root - root, 1e-9), 0.5), 2.0)
+                last, (here, near, root) = (
+                    (here, near),
+                    (value, np.delete(new.known.optimum.theta, index), new.root),
+                )
+            return inside
 
-        return end(-1.0, one.low), end(1.0, one.high)
+        centre = slice_of(middle, best.problem.held(index, middle).at(rest))
+        return [*side(-1.0, one.low)[::-1], centre, *side(1.0, one.high)]
+
+
+class Slice(NamedTuple):
+    """An estimate with one theta held at a value other than its best.
+
+    Attributes
+    ----------
+    root : float
+        Of the deviance: how many standard errors away that is.
+    known : Estimate
+    """
+
+    root: float
+    known: Estimate
 
 
 def estimate(

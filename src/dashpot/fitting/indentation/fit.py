@@ -11,20 +11,23 @@ residual, and the covariance is the sandwich with it. Between laws BIC decides.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import partial
+from itertools import product
 from typing import Literal
 
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray
 from dashpot.base.errors import DataError, FitError
-from dashpot.base.student_t import t_quantile
-from dashpot.engine.inference.covariance import Columns, Noise, noise_of, toeplitz_form
-from dashpot.engine.inference.order import bic
+from dashpot.engine.inference.covariance import noise_of
+from dashpot.engine.inference.estimate import Estimate, Slice, estimate, score
+from dashpot.engine.least_squares.problem import Optimum, Parameter, Problem, Rows
 from dashpot.fitting.indentation import checks
 from dashpot.fitting.indentation.contacts import Contact, largest_contact
-from dashpot.fitting.indentation.laws import LAWS, Law, recorded
+from dashpot.fitting.indentation.laws import LAWS, STEP, Law, Recorded, recorded
 from dashpot.records.indentation import Found, IndentationFit, IndentationTest
 from dashpot.solids.contact import ContactLaw, RelaxingContact, ViscousContact, reduced_modulus
 from dashpot.vibration.systems.contact import Collision
@@ -35,21 +38,26 @@ _VELOCITY_OFFSET = 3e-3
 """Standard deviation of a velocity's offset, as a part of the speed: no flight shows it."""
 _AT_TOUCH = 0.29
 """Standard deviation of a time that is known to lie between two samples, in their distance."""
-_TOUCHES = tuple(np.arange(-5.0, 5.5, 0.5).tolist())
+_TOUCHES = (0.0, -2.0, -1.0, 1.0, 2.0)
 """Where such a touch is sought, in samples."""
 _CLIPPED = 3
 """Samples at one and the same extreme that a sensor at its limit leaves."""
 _ROUNDING = 1e-5
 """Part of the record that integration and interpolation leave."""
-_STEP = 1e-4
-_LOSS = 1
-"""Place of the law's viscous time, or of g, among the parameters."""
-_SLIGHT, _SLIGHT_STEP = 0.02, 2e-3
-"""Of a loss, in the unit of time, or of g: below it a step by its logarithm drowns in digits."""
 _LOSSES = frozenset({"c", "viscous_time", "g"})
-_REACH = 8.0
-"""Of the logarithm of a parameter, from where it begins."""
-_FIRST_TRIES, _TRIES = 5, 30
+_TIME = 2
+"""Place of the law's time among the parameters."""
+_SAME = 0.02
+"""Difference of that parameter below which two valleys are one."""
+_ENDS = 1.02
+"""Of a quantile, beyond which a slice of a profile is outside."""
+_FAR = 0.8
+"""How far from where it begins the touch is sought, in times of the contact."""
+_TRIES, _FLAT = 40, 1e-7
+_STARTS = 4
+"""Of descents; of a table of more those that none of their neighbours beats."""
+_NEAR, _ROUGHLY = 3, 1e-3
+"""Steps that the others take beside one of a table, and what they may leave."""
 _DECIDED = 10.0
 """Difference of BIC beyond which another law is out (Kass and Raftery 1995: very strong)."""
 
@@ -70,27 +78,42 @@ class _Window:
     fixed: FloatArray
     prior: FloatArray  # inverse standard deviation of each column, over the noise's
 
-    def modelled(self, hit: Collision, touch: float) -> FloatArray:
+    def seen(self, hit: Collision, touch: float) -> Recorded:
         whole = recorded(hit, self.test.of, self.time - touch, self.test.step)
-        return whole[self.kept]
-
-    def left(self, model: FloatArray) -> FloatArray:
-        """What is left of the record beside a model, offset and drift projected out."""
-        return self.signal[self.kept] - model - self.fixed @ self.added(model)
-
-    def penalised(self, model: FloatArray) -> FloatArray:
-        """The same, and what the prior has against offset and drift."""
-        added = self.added(model)
-        rest = self.signal[self.kept] - model - self.fixed @ added
-        return np.concatenate((rest, self.prior * added))
+        return Recorded(*(one[self.kept] for one in whole))
 
     def struck(self, law: Law, theta: FloatArray) -> Collision:
         return law.collision(theta, self.mass, self.test.indenter.pull)
 
-    def added(self, model: FloatArray) -> FloatArray:
-        A = self.fixed
-        gram = A.T @ A + np.diag(self.prior**2)
-        return np.asarray(np.linalg.solve(gram, A.T @ (self.signal[self.kept] - model)))
+    def modelled(self, law: Law, theta: FloatArray, pull: float) -> Recorded:
+        return self.seen(law.collision(theta, self.mass, pull), float(theta[-1]))
+
+    def rows(self, law: Law, pull: float, theta: FloatArray) -> Rows:
+        """The record less a motion, and what the sensor adds, beside what is known of that."""
+        none = np.zeros(len(self.prior))
+        value, rate, stretched = self.modelled(law, theta, pull)
+
+        def slope(_: FloatArray) -> FloatArray:
+            """Exact but for what a motion is marched again for: the law's own numbers, the pull."""
+
+            def changed(theta: FloatArray, pull: float) -> FloatArray:
+                return (self.modelled(law, theta, pull).value - value) / STEP
+
+            J = np.zeros((len(value) + len(none), len(theta)))
+            J[: len(value), [0, -2, -1]] = np.stack((stretched, value, -rate), axis=1)
+            for i in range(1, len(theta) - 2):
+                J[: len(value), i] = changed(theta + STEP * np.eye(len(theta))[i], pull)
+            if pull > 0:
+                # in units of the contact it is proportional to the unit of time over the speed
+                pulled = changed(theta, pull * (1 + STEP))
+                J[: len(value), [0, -2]] += np.stack((pulled, -pulled), axis=1)
+            return J
+
+        return Rows(
+            np.append(self.signal[self.kept] - value, none),
+            np.concatenate((self.fixed, np.diag(self.prior))),
+            slope,
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,21 +121,30 @@ class _Solved:
     """One law at its optimum."""
 
     name: str
-    theta: FloatArray
     hit: Collision
     model: FloatArray
-    residual: FloatArray
-    jacobian: FloatArray
-    covariance: FloatArray
-    noise: Noise
+    estimate: Estimate
+    valleys: tuple[Optimum, ...]
 
     @property
     def law(self) -> Law:
         return LAWS[self.name]
 
     @property
+    def optimum(self) -> Optimum:
+        return self.estimate.optimum
+
+    @property
+    def residual(self) -> FloatArray:
+        return self.optimum.residual
+
+    @property
+    def touch(self) -> float:
+        return float(self.optimum.theta[-1])
+
+    @property
     def contact(self) -> ContactLaw:
-        return self.law.contact(self.theta, self.hit.mass)
+        return self.law.contact(self.optimum.theta, self.hit.mass)
 
 
 def fit_indentation(test: IndentationTest, *, law: LawName = "auto") -> IndentationFit:
@@ -136,14 +168,22 @@ def fit_indentation(test: IndentationTest, *, law: LawName = "auto") -> Indentat
     if law != "auto" and law not in LAWS:
         raise DataError(f"law = '{law}'; expected auto, {', '.join(LAWS)}")
     window = _window(test, largest_contact(test))
-    tried = [one for name in ([law] if law != "auto" else LAWS) if (one := _solved(window, name))]
+    tried = []
+    for name in [law] if law != "auto" else LAWS:
+        # beside a valley the body may never be let go
+        with suppress(DataError):
+            tried += [one] if (one := _solved(window, name)) else []
     if not tried:
         raise FitError(
             "no law of contact follows the record: expected one push, in flight before and after; "
             "cut the record about the contact (--segment), or look at it with dashpot inspect"
         )
-    least = min(tried, key=lambda one: float(one.residual @ one.residual))
-    scores = {one.name: _score(one, least.noise.effective) for one in tried}
+    # all laws by the noise of the one that leaves least, for a misfit is no noise
+    effective = min(tried, key=lambda one: one.optimum.sse).estimate.effective
+    scores = {
+        one.name: score(one.optimum, effective, floor=len(one.residual) * _rounding(one.model) ** 2)
+        for one in tried
+    }
     tried.sort(key=lambda one: scores[one.name])
     best = tried[0]
     found = _found(window, best)
@@ -152,7 +192,7 @@ def fit_indentation(test: IndentationTest, *, law: LawName = "auto") -> Indentat
     noise = float(np.sqrt(np.mean(flight**2))) if len(flight) > 8 else 0.0
     left = float(np.sqrt(np.mean(best.residual[in_contact] ** 2)))
     size = float(np.ptp(best.model)) or 1.0
-    touch = float(best.theta[-1])
+    touch = best.touch
     near = [one for one in tried[1:] if scores[one.name] - scores[best.name] < _DECIDED]
     others = [(one.name, _found(window, one)) for one in near]
     fitted = IndentationFit(
@@ -202,182 +242,150 @@ def _clipped(signal: FloatArray, of: str) -> BoolArray:
     return clipped
 
 
-def _speed(window: _Window) -> float:
-    """Of approach, roughly: of what the contact changes of the speed, somewhat more than half."""
+def _change(window: _Window) -> float:
+    """Of the speed by the contact, roughly."""
     signal, of = window.signal, window.test.of
     if of == "velocity":
-        return 0.55 * float(np.ptp(signal))
+        return float(np.ptp(signal))
     if of == "displacement":
-        return 2.0 * float(np.ptp(signal)) / (3 * window.contact.duration)
+        return 1.2 * float(np.ptp(signal)) / window.contact.duration
     begin, end = window.contact.start, window.contact.start + window.contact.duration
     within = (window.time >= begin) & (window.time <= end)
     rest = float(np.median(signal[~within])) if (~within).any() else 0.0
     change = float(np.sum(signal[within] - rest)) * window.test.step
-    return max(change, 1e-12) / (1.75 * (window.mass if of == "force" else 1.0))
+    return max(change, 1e-12) / (window.mass if of == "force" else 1.0)
 
 
 def _solved(window: _Window, name: str) -> _Solved | None:
     """Least squares from each start of a law; None if none leads to a motion."""
-    from scipy.optimize import least_squares
+    law, change, duration = LAWS[name], _change(window), window.contact.duration
+    begin, far = window.contact.start, _FAR * duration
+    touch = Parameter(begin - far, begin + far, duration)
 
-    law, speed, duration = LAWS[name], _speed(window), window.contact.duration
-    count = int(window.kept.sum()) + len(window.prior)
-    beyond = np.full(count, 10 * float(np.ptp(window.signal)))
+    def problem(law: Law, pull: float) -> Problem:
+        parameters = [*law.parameters(duration, change), touch]
+        return Problem(partial(window.rows, law, pull), parameters, priors=len(window.prior))
 
-    def left(theta: FloatArray) -> FloatArray:
-        try:
-            return window.penalised(window.modelled(window.struck(law, theta), float(theta[-1])))
-        except DataError:
-            return beyond
+    def nearly(own: Sequence[float]) -> tuple[float, FloatArray]:
+        """The cost of a loss and a time, as motions know it that all records share."""
+        start = np.append(law.begun(duration, own, change), begin)
+        rest = [0, len(start) - 2, len(start) - 1]
+        found = problem(law.held(own), 0.0).solve([start[rest]], most=_NEAR, flat=_ROUGHLY)
+        if found is None:
+            return np.inf, start
+        start[rest] = found.theta
+        return found.cost, start
 
-    def slopes(theta: FloatArray) -> FloatArray:
-        here, steps = left(theta), np.diag(_steps(theta, duration))
-        return np.stack([(left(theta + one) - here) / one.sum() for one in steps], axis=1)
-
-    def descended(first: FloatArray, tries: int) -> tuple[float, FloatArray]:
-        scale = np.array([*np.ones(len(first) - 1), duration])
-        reach = scale * np.array([*np.full(len(first) - 1, _REACH), 0.8])
-        solved = least_squares(
-            left, first, jac=slopes, x_scale=scale, bounds=(first - reach, first + reach),
-            max_nfev=tries, xtol=1e-7, ftol=1e-7, gtol=1e-12,
-        )  # fmt: skip
-        return float(solved.cost), np.asarray(solved.x)
-
-    starts = [
-        np.array([*np.log((duration / law.lasts, *own, speed)), window.contact.start])
-        for own in law.starts
+    table = [nearly(own) for own in product(*law.starts)]
+    cost = np.array([one for one, _ in table]).reshape([len(one) for one in law.starts])
+    starts = [table[i][1] for i in _valleys(cost)]
+    whole = problem(law, window.test.indenter.pull)
+    found = [
+        one
+        for start in starts
+        if (one := whole.solve([start], most=_TRIES, finished=_FLAT, flat=_FLAT)) is not None
     ]
-    first = min((descended(one, _FIRST_TRIES) for one in starts), key=lambda one: one[0])
-    cost, theta = descended(first[1], _TRIES)
-    if law.exponent == 1:
-        # where the force jumps, a touch between two other samples is another valley
-        others = [theta + np.eye(len(theta))[-1] * by * window.test.step for by in _TOUCHES]
-        near = min(others, key=lambda one: float(np.sum(left(one) ** 2)))
-        cost, theta = min((cost, theta), descended(near, _TRIES), key=lambda one: one[0])
-    return _assembled(window, name, theta)
-
-
-def _slopes(
-    of: Callable[[FloatArray], FloatArray], theta: FloatArray, duration: float
-) -> FloatArray:
-    """Central differences by each parameter, shape (n, p)."""
-    return np.stack(
-        [
-            (of(theta + one) - of(theta - one)) / (2 * one.sum())
-            for one in np.diag(_steps(theta, duration))
-        ],
-        axis=1,
-    )
-
-
-def _slight(law: Law, theta: FloatArray) -> bool:
-    """Whether the law's loss is so small that its logarithm says nothing."""
-    return bool(law.starts[0]) and float(np.exp(theta[_LOSS])) < _SLIGHT
-
-
-def _from_zero(of: Callable[[FloatArray], FloatArray], theta: FloatArray) -> FloatArray:
-    """The derivative by the logarithm of a slight loss, from a step that a motion shows."""
-    loss = float(np.exp(theta[_LOSS]))
-    more = theta.copy()
-    more[_LOSS] = np.log(loss + _SLIGHT_STEP)
-    return loss * (of(more) - of(theta)) / _SLIGHT_STEP
-
-
-def _steps(theta: FloatArray, duration: float) -> FloatArray:
-    """How far each parameter is moved: the touch, in s, as far as the motion is sampled densely."""
-    return np.array([*np.full(len(theta) - 1, _STEP), 10 * _STEP * duration])
-
-
-def _assembled(window: _Window, name: str, theta: FloatArray) -> _Solved | None:
-    law = LAWS[name]
-    try:
-        hit = window.struck(law, theta)
-    except DataError:
+    if not found:
         return None
-    model = window.modelled(hit, float(theta[-1]))
-    residual = window.left(model)
+    best = min(found, key=lambda one: one.cost)
+    if len(law.starts) == 1:
+        # where the force jumps, or rises as a root, a touch between two other samples is a valley
+        beside = np.outer(_TOUCHES, np.eye(len(best.theta))[-1]) * window.test.step
+        near = whole.solve([*best.theta + beside], most=_TRIES, finished=_FLAT, flat=_FLAT)
+        best = near or best
+    return _known(window, name, best, found)
 
-    def followed(theta: FloatArray) -> FloatArray:
-        return window.modelled(window.struck(law, theta), float(theta[-1]))
 
-    try:
-        slopes = _slopes(followed, theta, window.contact.duration)
-        if _slight(law, theta):
-            slopes[:, _LOSS] = _from_zero(followed, theta)
-    except DataError:
-        return None
-    J = np.concatenate((slopes, window.fixed), axis=1)
-    noise = noise_of(residual, J, rounding=_ROUNDING * float(np.ptp(model)))
-    covariance = _covariance(J, noise, np.concatenate((np.zeros(len(theta)), window.prior)))
-    if hit.force[0] > 0:
+def _valleys(cost: FloatArray) -> list[int]:
+    """The entries of a table that none of their neighbours beats, the best first."""
+    around = np.pad(cost, 1, constant_values=np.inf)
+    inner = (slice(1, -1),) * cost.ndim
+    beaten = np.zeros(cost.shape, dtype=bool)
+    for axis in range(cost.ndim):
+        for by in (-1, 1):
+            beaten |= np.roll(around, by, axis)[inner] < cost
+    order: list[int] = np.argsort(np.where(beaten, np.inf, cost), axis=None).tolist()
+    return order[: min(int(np.count_nonzero(~beaten)), _STARTS)]
+
+
+def _known(window: _Window, name: str, best: Optimum, found: Sequence[Optimum]) -> _Solved:
+    """A law with what its residual says of its noise, and so of its parameters."""
+    hit = window.struck(LAWS[name], best.theta)
+    seen = window.seen(hit, float(best.theta[-1]))
+    model = seen.value
+    count = len(best.residual)
+    noise = noise_of(best.residual, best.jacobian[:count], rounding=_rounding(model))
+    known = estimate(best, noises=[noise], prior_variance=float(noise.autocovariance[0]))
+    if hit.force[0] > 0 and window.test.of in {"acceleration", "force"}:
         # how a recorder takes a jump is not known: the touch lies between two samples
-        along = covariance[:, len(theta) - 1] * _AT_TOUCH * window.test.step
-        along /= max(covariance[len(theta) - 1, len(theta) - 1], 1e-300)
-        covariance = covariance + np.outer(along, along)
-    return _Solved(name, theta, hit, model, residual, J, covariance, noise)
+        at = int(np.argmin(np.abs(window.time[window.kept] - float(best.theta[-1]))))
+        change = np.zeros(len(best.every))
+        change[at] = _AT_TOUCH * window.test.step * seen.rate[at]
+        known = known.widened(known.moved(change))
+    return _Solved(name, hit, model, known, tuple(found))
 
 
-def _score(one: _Solved, effective: float) -> float:
-    """BIC; all laws by the noise of the one that leaves least, for a misfit is no noise."""
-    return bic(
-        float(one.residual @ one.residual),
-        effective=max(effective, 2.0),
-        parameters=one.jacobian.shape[1],
-        floor=len(one.residual) * (_ROUNDING * float(np.ptp(one.model))) ** 2,
-    )
-
-
-def _covariance(J: FloatArray, noise: Noise, prior: FloatArray) -> FloatArray:
-    """The sandwich with the noise's own autocovariance, and the prior on what the sensor adds."""
-    scale = np.sqrt(np.sum(J**2, axis=0) + prior**2)
-    scale = np.where(scale > 0, scale, 1.0)
-    A = J / scale
-    weight = np.diag((prior / scale) ** 2)
-    inverse = np.linalg.pinv(A.T @ A + weight, rcond=1e-14, hermitian=True)
-    middle = toeplitz_form(Columns(A), noise.autocovariance) + noise.autocovariance[0] * weight
-    return np.asarray(inverse @ middle @ inverse / np.outer(scale, scale))
+def _rounding(model: FloatArray) -> float:
+    """Rms that integration and interpolation leave."""
+    return _ROUNDING * float(np.ptp(model))
 
 
 def _in_contact(window: _Window, one: _Solved) -> BoolArray:
-    since = window.time[window.kept] - one.theta[-1]
+    since = window.time[window.kept] - one.touch
     return np.asarray((since >= 0) & (since <= one.hit.duration))
 
 
 def _found(window: _Window, one: _Solved) -> tuple[Found, ...]:
     """The law's parameters and what follows from them, each with its interval."""
-    values = _follows(window, one.law, one.theta)
-    count = len(one.theta)
-    slopes = []
-    for i in range(count - 1):
-        step = np.zeros(count)
-        step[i] = 1e-3
-        up, down = (_follows(window, one.law, one.theta + sign * step) for sign in (1, -1))
-        slopes.append([(np.log(up[name][0]) - np.log(down[name][0])) / 2e-3 for name in values])
-    if _slight(one.law, one.theta):
+    named = _follows(window, one.law, one.optimum.theta)
 
-        def logarithms(theta: FloatArray) -> FloatArray:
-            return np.log([value for value, _ in _follows(window, one.law, theta).values()])
+    def numbers(values: FloatArray) -> FloatArray:
+        theta = values[: len(one.optimum.theta)]
+        return np.array([value for value, _ in _follows(window, one.law, theta).values()])
 
-        # the loss is as its logarithm has it; what follows from it moves too little to be seen so
-        for i, slope in enumerate(_from_zero(logarithms, one.theta).tolist()):
-            if list(values)[i] not in _LOSSES:
-                slopes[_LOSS][i] = slope
-    G = np.array([*slopes, [0.0] * len(values)])
-    variance = np.einsum("in,ij,jn->n", G, one.covariance[:count, :count], G)
-    dof = max(one.noise.effective - one.jacobian.shape[1], 1.0)
-    error = np.sqrt(np.maximum(variance, 0.0))
-    wide, once = t_quantile(0.95, dof) * error, t_quantile(0.90, dof) * error
-    found = []
-    for (name, (value, unit)), by, beyond in zip(
-        values.items(), wide.tolist(), once.tolist(), strict=True
-    ):
-        if name in _LOSSES:  # which has a normal error itself, where its logarithm has none
-            low, high = (0.0, 1 + beyond) if by >= 1 else (1 - by, 1 + by)
-            found.append(Found(name, value, value * low, value * high, unit))
+    slices = _slices(one) if len(one.law.starts) > 1 else [Slice(0.0, one.estimate)]
+    derived = [(root, known.derived(numbers)) for root, known in slices]
+
+    def ends(level: float) -> tuple[FloatArray, FloatArray]:
+        """Of all slices together, as parts of the value; of a loss, and of all others."""
+        reach = one.estimate.quantile(level)
+        each = []
+        for root, what in derived:
+            if root > _ENDS * reach:
+                continue
+            part = what.standard_error / what.values * np.sqrt(max(reach**2 - root**2, 0.0))
+            spread = np.exp(np.minimum(part, 50.0))
+            # a loss has a normal error itself, where its logarithm has none
+            low = np.where(losses, 1 - part, 1 / spread)
+            high = np.where(losses, 1 + part, spread)
+            each.append((what.values * low, what.values * high))
+        return np.min([low for low, _ in each], axis=0), np.max([high for _, high in each], axis=0)
+
+    losses = np.array([name in _LOSSES for name in named])
+    (low, high), (_, once) = ends(0.95), ends(0.90)
+    bounded = losses & (low <= 0)
+    rows = zip(
+        named.items(), np.where(bounded, 0.0, low).tolist(), np.where(bounded, once, high).tolist(),
+        strict=True,
+    )  # fmt: skip
+    return tuple(Found(name, value, low, high, unit) for (name, (value, unit)), low, high in rows)
+
+
+def _slices(one: _Solved) -> list[Slice]:
+    """Of all valleys that the record does not rule out.
+
+    A loss and a time trade along a valley that bends: across it all is normal, along it nothing.
+    """
+    noise, best = one.estimate.noises[0], one.optimum
+    found, seen = one.estimate.profile(_TIME), [best.theta[_TIME]]
+    for other in one.valleys:
+        worse = max(other.cost - best.cost, 0.0) / noise.power
+        if worse > one.estimate.quantile() ** 2 or np.abs(seen - other.theta[_TIME]).min() < _SAME:
             continue
-        spread = float(np.exp(min(by, 50.0)))
-        found.append(Found(name, value, value / spread, value * spread, unit))
-    return tuple(found)
+        seen.append(other.theta[_TIME])
+        each = estimate(other, noises=[noise]).profile(_TIME)
+        found += [Slice(float(np.sqrt(root**2 + worse)), known) for root, known in each]
+    return found
 
 
 def _follows(window: _Window, law: Law, theta: FloatArray) -> dict[str, tuple[float, str]]:
