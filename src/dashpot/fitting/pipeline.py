@@ -308,12 +308,6 @@ def _whole(number: object) -> bool:
 # -- parts of a fit -------------------------------------------------------------------------------
 
 
-def _stationary(solution: Solution) -> bool:
-    """True if no step from here would change more than rounding, or a bound holds the point."""
-    near = solution.converged or solution.relative_offset < _STATIONARY
-    return bool(near or solution.at_bound.any())
-
-
 def certified(blocks: Sequence[Block], solution: Solution) -> Certificate:
     """Return how far the optimum can be from the best positive spectrum."""
     found = certificate(blocks, solution)

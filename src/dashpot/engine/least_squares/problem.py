@@ -349,6 +349,11 @@ def solved(
     return found
 
 
+def ordinary(y: FloatArray, A: FloatArray, *, positive: bool = False) -> Optimum:
+    """Return ordinary least squares: the optimum of a model that is linear throughout."""
+    return solved(Problem(lambda _: Rows(y, A), positive=positive))
+
+
 def stacked(values: FloatArray | ComplexArray) -> FloatArray:
     """Complex rows as real ones: real parts, then imaginary."""
     return np.concatenate((values.real, values.imag))

@@ -22,7 +22,7 @@ from dashpot.base.arrays import FloatArray, IndexArray
 from dashpot.base.checks import Check
 from dashpot.base.errors import FitError
 from dashpot.engine.inference.estimate import estimate
-from dashpot.engine.least_squares.problem import Problem, Rows, solved
+from dashpot.engine.least_squares.problem import ordinary
 from dashpot.fitting.cld import checks
 from dashpot.fitting.nonlinear_ramp.quasi_linear import hat_integrals
 from dashpot.fitting.parameters import off_by_error
@@ -179,7 +179,7 @@ def law_through(x: FloatArray, force: FloatArray, *, depth: float) -> Curve:
 
 def _law(x: FloatArray, force: FloatArray, knots: FloatArray) -> Curve:
     hats = hat_integrals(x, knots)
-    best = solved(Problem(lambda _: Rows(force, hats), positive=True))
+    best = ordinary(force, hats, positive=True)
     width, slope = np.diff(knots), best.beta
     mean = float(0.5 * width @ (slope[1:] + slope[:-1])) / float(knots[-1])
     error = estimate(best).standard_error

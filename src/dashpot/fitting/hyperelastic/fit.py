@@ -12,7 +12,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import FitError
 from dashpot.engine.inference.estimate import estimate, score
-from dashpot.engine.least_squares.problem import Problem, Rows, solved
+from dashpot.engine.least_squares.problem import ordinary
 from dashpot.fitting.hyperelastic import checks
 from dashpot.fitting.hyperelastic.curves import elastic_curve
 from dashpot.fitting.hyperelastic.solving import (
@@ -209,7 +209,7 @@ def _bulk(volumetric: Sequence[ElasticCurve]) -> Found | None:
         return None
     x = np.concatenate([each.stretch - 1 for each in volumetric])
     y = np.concatenate([each.stress for each in volumetric])
-    best = solved(Problem(lambda _: Rows(y, x[:, None])))
+    best = ordinary(y, x[:, None])
     known = estimate(best, parts=[len(each.stretch) for each in volumetric])
     bulk, wide = float(best.beta[0]), known.quantile() * float(known.standard_error[0])
     return Found("bulk_modulus", bulk, bulk - wide, bulk + wide, "Pa")

@@ -18,7 +18,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.engine.least_squares.descent import triangle
 from dashpot.engine.least_squares.nnls import linear
-from dashpot.engine.least_squares.problem import Optimum, Parameter, Problem, Rows, solved
+from dashpot.engine.least_squares.problem import Optimum, Parameter, Problem, Rows, ordinary, solved
 from dashpot.records.hyperelastic import ElasticCurve
 from dashpot.solids.hyperelastic import (
     POWERS,
@@ -104,7 +104,7 @@ def invariant_law(rows: Weighed, kind: Kind) -> Solution:
     unit = Hyperelastic(kind, (1.0,) * len(POWERS[kind]))
     parts = zip(rows.weights, rows.curves, strict=True)
     A = np.concatenate([w[:, None] * unit.columns(one.mode, one.stretch) for w, one in parts])
-    found = solved(Problem(lambda _: Rows(rows.target, A)))
+    found = ordinary(rows.target, A)
     return Solution(kind, Hyperelastic(kind, tuple(found.beta.tolist())), found)
 
 

@@ -16,6 +16,7 @@ from dashpot.engine.least_squares.problem import (
     Parameter,
     Problem,
     Rows,
+    ordinary,
     solved,
     stacked,
 )
@@ -228,7 +229,7 @@ class _Law:
         """What a term of X^4 gains in deviance, and k3 beside it."""
         X, n = self.sweep.amplitude, len(best.residual)
         more = stacked((X / X.max()) ** 4 / self.size)
-        wider = solved(Problem(lambda _: Rows(best.rows.y, np.column_stack((best.rows.A, more)))))
+        wider = ordinary(best.rows.y, np.column_stack((best.rows.A, more)))
         gain = [
             bic(one.sse / n, effective=n, parameters=0, floor=_NOTHING) for one in (best, wider)
         ]

@@ -8,7 +8,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.engine.inference.estimate import estimate
-from dashpot.engine.least_squares.problem import Problem, Rows, solved
+from dashpot.engine.least_squares.problem import ordinary
 from dashpot.records.cld import AtCompression, Branch, Cycle
 
 WINDOW = 0.04
@@ -40,7 +40,7 @@ def local(branch: Branch, at: float, *, half: float, beyond: float) -> Local | N
     near = away <= half
     u, y = (x[near] - at) / half, f[near]
     A = np.column_stack((np.ones_like(u), u, u**2))
-    known = estimate(solved(Problem(lambda _: Rows(y, A))))
+    known = estimate(ordinary(y, A))
     c, error = known.optimum.beta, known.standard_error
     least = _DIGITS * abs(float(c[0]))  # what follows without a rest still has a file's digits
     return Local(

@@ -9,6 +9,9 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
 from dashpot.base.checks import Check, Finding, criterion
+from dashpot.engine.inference.estimate import estimate as knowledge
+from dashpot.engine.inference.estimate import white_noise
+from dashpot.engine.least_squares.problem import ordinary
 from dashpot.records.frf import FRF, Kind, Mode
 from dashpot.records.shaken import ShakenTest
 from dashpot.vibration.checks import GRAVITY
@@ -503,10 +506,9 @@ def apparent_mass(
     relative = 1e-3 if sd is None else np.hypot(sd[keep] / size[keep], 1e-3)
     w = 1 / (relative * np.abs(inverse))
     rows = np.column_stack((np.ones_like(x), x / np.abs(x).max())) * w[:, None]
-    c, *_ = np.linalg.lstsq(rows, inverse.real * w, rcond=None)
-    misfit = inverse.real * w - rows @ c
-    scale = float(misfit @ misfit) / (len(x) - 2)
-    return float(c[0]), float(np.sqrt(np.linalg.inv(rows.T @ rows)[0, 0] * scale))
+    best = ordinary(inverse.real * w, rows)
+    known = knowledge(best, noises=[white_noise(best)])
+    return float(best.beta[0]), float(known.standard_error[0])
 
 
 @criterion(

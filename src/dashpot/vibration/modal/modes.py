@@ -17,6 +17,8 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
 from dashpot.base.errors import DataError, FitError
+from dashpot.engine.inference.estimate import estimate, white_noise
+from dashpot.engine.least_squares.problem import ordinary
 from dashpot.records.frf import FRF, Mode
 from dashpot.records.frf_set import FRFSet
 from dashpot.vibration.modal.peaks import run_about
@@ -218,12 +220,14 @@ def _decrement(s: ComplexArray, accelerance: ComplexArray, record: float | None)
     t, h, size = t[size > size[0] / 30], h[size > size[0] / 30], size[size > size[0] / 30]
     turning = np.unwrap(np.angle(h * np.exp(-1j * omega[top] * t)))
     rows = np.column_stack((t, np.ones_like(t))) * size[:, None]
-    fits = [np.linalg.lstsq(rows, y * size, rcond=None) for y in (np.log(size), turning)]
-    (slope, start), (turn, phase) = (fit[0] for fit in fits)
-    misfit = [rows @ f[0] - y * size for f, y in zip(fits, (np.log(size), turning), strict=True)]
-    spread = np.linalg.inv(rows.T @ rows)[0, 0]
+    fits = [ordinary(size * y, rows) for y in (np.log(size), turning)]
+    (slope, start), (turn, phase) = (fit.beta for fit in fits)
     # neighbours share four samples' worth of band
-    errors = [float(np.sqrt(spread * 4 * (m @ m) / max(len(t) / 4 - 2, 1))) for m in misfit]
+    noises = [white_noise(fit, 4 * fit.sse / max(len(t) / 4 - 2, 1)) for fit in fits]
+    errors = [
+        float(estimate(fit, noises=[noise]).standard_error[0])
+        for fit, noise in zip(fits, noises, strict=True)
+    ]
     p = complex(slope, omega[top] + turn)
     # the fading lets through, of e^{pt}, its own value at p
     let_through = 0.5 * (1 + np.cos(np.pi * (p / 1j - omega[top]) / half))
