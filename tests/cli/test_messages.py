@@ -94,6 +94,7 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "workflow/prepared.py": ("predict", "compare"),
     "workflow/impacts.py": MEASURED,
     "workflow/measured.py": MEASURED,
+    "workflow/impacts.py:_refuse_unmatched": ("identify",),
     "workflow/impacts.py:identify_files": ("identify",),
     "workflow/study.py": ("report",),
     "workflow/command_lines.py": ("report",),
