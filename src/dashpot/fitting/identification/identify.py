@@ -53,6 +53,8 @@ ELEMENT_STARTS = 4
 ROUGH, FINISHED = 25, 2
 # relative fall of chi-square that ends a search, and the last descent
 LOOSE, TIGHT = 1e-9, 1e-13
+# a larger number of arms that leaves so many times what the last one leaves
+ASTRAY = 1.01
 
 
 def identify(
@@ -248,7 +250,10 @@ def _candidates(
         starts += _spread(problem, before)
         tries = [descend(problem, problem.pack(one), tolerance=LOOSE) for one in starts]
         best = min(tries, key=lambda candidate: candidate.cost)
-        if best.problem.sought.whole(best.point.model):
+        # more arms explain no less: where they do, their optimum was not found
+        if best.problem.sought.whole(best.point.model) and not (
+            found and best.cost > ASTRAY * found[-1].cost
+        ):
             found.append(best)
         if found and best.bic > min(candidate.bic for candidate in found) + WORSE:
             break
