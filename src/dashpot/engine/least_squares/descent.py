@@ -34,6 +34,8 @@ NEARER = 0.5
 #: after one, damping falls to this part a step, and not at all where a step gained less than this
 #: part of what it promised
 EASED, GAINED = 0.5, 0.75
+#: what was learned of the Hessian is dropped where the fall that it foretells is so far off
+MISTAKEN = 0.25
 #: a step so little damped promises what there is to gain
 DAMPED = 1e-3
 #: and by how much, in parts of it, the SSE may fall
@@ -165,9 +167,10 @@ def descend(
                 new, step = floored, floored.theta - here.theta
                 moved = max(map(abs, step.tolist()))
         if accepted(new.sse, here.sse, moved, rounding):
-            lacking = _learned(lacking, here, new, moved, last)
             promised = -float(step @ (2 * here.gradient + here.curvature @ step))
             short = wary and here.sse - new.sse < GAINED * promised
+            sure = moved < TAIL or _foretold(lacking, here, new, step)
+            lacking = _learned(lacking, here, new, moved, last) if sure else None
             last, here = moved, new
             wrong = wrong + 1 if wanted is not None and (here.beta[wanted] < 0).any() else 0
             damping *= (1.0 if short else EASED if wary else 0.1) * (moved >= TAIL)
@@ -180,6 +183,14 @@ def descend(
         if met is not None and met(here.theta):
             return None
     return Local(here, limit, False)
+
+
+def _foretold(lacking: FloatArray | None, old: Trial, new: Trial, step: FloatArray) -> bool:
+    """Whether what was learned of the Hessian foretells by how much a step lowers the SSE."""
+    if lacking is None:
+        return True
+    fall = -float(step @ (2 * old.gradient + (old.curvature + lacking) @ step))
+    return bool(abs(old.sse - new.sse - fall) <= MISTAKEN * fall)
 
 
 def _learned(
