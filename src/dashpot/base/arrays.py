@@ -115,6 +115,25 @@ def measured(name: str, values: npt.ArrayLike, *, minimum: int = 1) -> FloatArra
     return array
 
 
+def hold_measured(noun: object, *names: str, minimum: int = 1) -> None:
+    """Hold named fields of a frozen noun as :func:`measured` arrays of one length; none is None.
+
+    A ``time`` among them must rise.
+
+    Raises
+    ------
+    DataError
+        As for :func:`measured`, :func:`same_length` and :func:`increasing`.
+    """
+    given = {name: getattr(noun, name) for name in names if getattr(noun, name) is not None}
+    held = {name: measured(name, values, minimum=minimum) for name, values in given.items()}
+    for name, values in held.items():
+        object.__setattr__(noun, name, values)
+    same_length(**held)
+    if "time" in held:
+        increasing("time", held["time"])
+
+
 def sample_count(duration: float, rate: float) -> int:
     """Return how many samples a time in s holds at a rate in Hz, to the nearest.
 

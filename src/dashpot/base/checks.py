@@ -127,6 +127,17 @@ def verdict(
     return Verdict(use, because[0].says + more if because else sound, because)
 
 
+class Checked:
+    """A result that was asked whether it can be trusted: it has `checks`."""
+
+    checks: tuple[Check, ...]
+
+    @property
+    def verdict(self) -> Verdict:
+        """What to make of it."""
+        return verdict(self.checks)
+
+
 def status_of(checks: Iterable[Check], found: Mapping[Status, bool] | None = None) -> Status:
     """Return how a fit ended: the gravest of what its checks and its optimum say.
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import numpy.typing as npt
 
-from dashpot.base.arrays import BoolArray, ByValue, ComplexArray, FloatArray, measured, same_length
-from dashpot.base.checks import Check, Verdict, verdict
+from dashpot.base.arrays import BoolArray, ByValue, ComplexArray, FloatArray, hold_measured
+from dashpot.base.checks import Check, Checked
 from dashpot.base.errors import DataError
 from dashpot.base.numbers import READ_IN, ascii_only, rounded
 from dashpot.base.offered import Described
@@ -59,17 +59,7 @@ class AmplitudeSweep(ByValue, Described):
     sd: FloatArray | None = None
 
     def __post_init__(self) -> None:
-        for name in ("frequency", "amplitude", "storage", "loss"):
-            object.__setattr__(self, name, measured(name, getattr(self, name)))
-        if self.sd is not None:
-            object.__setattr__(self, "sd", measured("sd", self.sd))
-        same_length(
-            frequency=self.frequency,
-            amplitude=self.amplitude,
-            storage=self.storage,
-            loss=self.loss,
-            sd=self.sd,
-        )
+        hold_measured(self, "frequency", "amplitude", "storage", "loss", "sd")
         for name, unit in (("frequency", "Hz"), ("amplitude", self.of)):
             values = getattr(self, name)
             bad = np.flatnonzero(values <= 0)
@@ -108,7 +98,7 @@ class AmplitudeSweep(ByValue, Described):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class AmplitudeFit(ByValue, Described):
+class AmplitudeFit(ByValue, Described, Checked):
     r"""What an amplitude sweep says of how stiffness and loss move with amplitude.
 
     ``"factor"``: :math:`K^*(\omega, X) = K^*(\omega)\,\phi(X)`; ``"additive"``:
@@ -169,11 +159,6 @@ class AmplitudeFit(ByValue, Described):
     source: Source | None = None
     k3: float = 0.0
     k3_unseen: float = 0.0
-
-    @property
-    def verdict(self) -> Verdict:
-        """What to make of it."""
-        return verdict(self.checks)
 
     @property
     def described(self) -> tuple[str, ...]:

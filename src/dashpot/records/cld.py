@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from dashpot.base.arrays import ByValue, FloatArray, increasing, measured, same_length
-from dashpot.base.checks import Check, Verdict, verdict
+from dashpot.base.arrays import ByValue, FloatArray, hold_measured
+from dashpot.base.checks import Check, Checked
 from dashpot.base.offered import Described, Pictured
 from dashpot.base.provenance import Source, of_file
 from dashpot.records.specimen import Specimen
@@ -45,11 +45,7 @@ class CompressionTest(ByValue, Described):
     source: Source | None = None
 
     def __post_init__(self) -> None:
-        for name in ("displacement", "force"):
-            object.__setattr__(self, name, measured(name, getattr(self, name), minimum=8))
-        if self.time is not None:
-            object.__setattr__(self, "time", increasing("time", measured("time", self.time)))
-        same_length(time=self.time, displacement=self.displacement, force=self.force)
+        hold_measured(self, "time", "displacement", "force", minimum=8)
 
     @property
     def described(self) -> tuple[str, ...]:
@@ -179,7 +175,7 @@ class AtCompression:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class CLD(ByValue, Pictured):
+class CLD(ByValue, Pictured, Checked):
     """A compression load deflection test as cycles, and what one of them shows.
 
     Made by :func:`dashpot.preparation.cld.cycles.cld`.
@@ -269,11 +265,6 @@ class CLD(ByValue, Pictured):
         """Compression at which the last cycle that crossed air met the seal again, m."""
         met = [one.contact for one in self.cycles[1:] if one.contact is not None]
         return met[-1] if met else None
-
-    @property
-    def verdict(self) -> Verdict:
-        """What to make of it."""
-        return verdict(self.checks, sound="nothing that was judged limits the use")
 
     @property
     def described(self) -> tuple[str, ...]:

@@ -8,7 +8,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from dashpot.base.arrays import ByValue, FloatArray, increasing, measured, positive, same_length
+from dashpot.base.arrays import ByValue, FloatArray, hold_measured, positive
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
 from dashpot.base.offered import Described
@@ -56,10 +56,7 @@ class CreepTest(ByValue, Described):
     source: Source | None = None
 
     def __post_init__(self) -> None:
-        for name in ("time", "displacement", "force"):
-            object.__setattr__(self, name, measured(name, getattr(self, name), minimum=8))
-        same_length(time=self.time, displacement=self.displacement, force=self.force)
-        increasing("time", self.time)
+        hold_measured(self, "time", "displacement", "force", minimum=8)
         _known_unit(self.unit, COMPLIANCES)
 
     @property
@@ -184,11 +181,7 @@ class LoadHold(ByValue, Described):
     corners: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
-        names = ("time", "displacement", "force", "load")
-        for name in names:
-            object.__setattr__(self, name, measured(name, getattr(self, name), minimum=8))
-        same_length(**{name: getattr(self, name) for name in names})
-        increasing("time", self.time)
+        hold_measured(self, "time", "displacement", "force", "load", minimum=8)
         if not self.onset <= self.ramp_end < self.hold_end:
             raise DataError(
                 f"the load must rise and be held in that order, found onset {self.onset:g} s, "

@@ -12,8 +12,7 @@ from dashpot.base.arrays import (
     ComplexArray,
     FloatArray,
     IndexArray,
-    measured,
-    same_length,
+    hold_measured,
 )
 from dashpot.base.errors import DataError
 from dashpot.base.offered import Described
@@ -58,16 +57,7 @@ class DynamicTest(ByValue, Described):
     source: Source | None = None
 
     def __post_init__(self) -> None:
-        for name in ("frequency", "storage", "loss", "temperature"):
-            values = getattr(self, name)
-            if values is not None:
-                object.__setattr__(self, name, measured(name, values))
-        same_length(
-            frequency=self.frequency,
-            storage=self.storage,
-            loss=self.loss,
-            temperature=self.temperature,
-        )
+        hold_measured(self, "frequency", "storage", "loss", "temperature")
         if self.temperature is not None:
             tested_at("temperature", self.temperature.min(), self.temperature.max())
         bad = np.flatnonzero(self.frequency <= 0)

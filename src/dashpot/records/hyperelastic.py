@@ -7,8 +7,8 @@ from typing import TypeAlias
 
 import numpy as np
 
-from dashpot.base.arrays import ByValue, FloatArray, increasing, measured, same_length
-from dashpot.base.checks import Check, Verdict, verdict
+from dashpot.base.arrays import ByValue, FloatArray, hold_measured
+from dashpot.base.checks import Check, Checked
 from dashpot.base.errors import DataError
 from dashpot.base.numbers import rounded
 from dashpot.base.offered import Described
@@ -56,11 +56,7 @@ class StressStrainTest(ByValue, Described):
     source: Source | None = None
 
     def __post_init__(self) -> None:
-        for name in ("stretch", "stress", *(("time",) if self.time is not None else ())):
-            object.__setattr__(self, name, measured(name, getattr(self, name), minimum=LEAST_ROWS))
-        same_length(stretch=self.stretch, stress=self.stress, time=self.time)
-        if self.time is not None:
-            increasing("time", self.time)
+        hold_measured(self, "stretch", "stress", "time", minimum=LEAST_ROWS)
         low, high = float(self.stretch.min()), float(self.stretch.max())
         if not (low > 1 / MOST_STRETCH and high < MOST_STRETCH):
             raise DataError(
@@ -126,7 +122,7 @@ Limits: TypeAlias = tuple[float | None, float | None]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class HyperelasticFit(ByValue, Described):
+class HyperelasticFit(ByValue, Described, Checked):
     """A hyperelastic law, and how well the tests tell it.
 
     Attributes
@@ -169,11 +165,6 @@ class HyperelasticFit(ByValue, Described):
     def sources(self) -> tuple[Source, ...]:
         """The files behind it."""
         return sources_of(self.curves)
-
-    @property
-    def verdict(self) -> Verdict:
-        """What to make of it."""
-        return verdict(self.checks)
 
     @property
     def described(self) -> tuple[str, ...]:

@@ -8,16 +8,8 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from dashpot.base.arrays import (
-    ByValue,
-    FloatArray,
-    increasing,
-    measured,
-    median,
-    positive,
-    same_length,
-)
-from dashpot.base.checks import Check, Verdict, verdict
+from dashpot.base.arrays import ByValue, FloatArray, hold_measured, median, positive
+from dashpot.base.checks import Check, Checked
 from dashpot.base.errors import DataError
 from dashpot.base.numbers import rounded
 from dashpot.base.offered import Described
@@ -107,12 +99,7 @@ class IndentationTest(ByValue, Described):
     source: Source | None = None
 
     def __post_init__(self) -> None:
-        for name in ("time", "signal", *(("force",) if self.force is not None else ())):
-            object.__setattr__(self, name, measured(name, getattr(self, name), minimum=16))
-        if self.force is not None:
-            same_length(time=self.time, force=self.force)
-        same_length(time=self.time, signal=self.signal)
-        increasing("time", self.time)
+        hold_measured(self, "time", "signal", "force", minimum=16)
         if self.of not in UNITS:
             raise DataError(f"of = '{self.of}'; expected one of {', '.join(UNITS)}")
         steps = np.diff(self.time)
@@ -160,7 +147,7 @@ class Found:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class IndentationFit(ByValue, Described):
+class IndentationFit(ByValue, Described, Checked):
     """What one contact says of a surface.
 
     Attributes
@@ -207,11 +194,6 @@ class IndentationFit(ByValue, Described):
     def __getitem__(self, name: str) -> Found:
         """One of the numbers found, by its name."""
         return next(one for one in self.found if one.name == name)
-
-    @property
-    def verdict(self) -> Verdict:
-        """What to make of it."""
-        return verdict(self.checks)
 
     @property
     def described(self) -> tuple[str, ...]:

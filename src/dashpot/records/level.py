@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import BoolArray, ByValue, ComplexArray, FloatArray
-from dashpot.base.checks import Check, Verdict, verdict
+from dashpot.base.checks import Check, Checked
 from dashpot.base.numbers import counted
 from dashpot.base.offered import Described
 from dashpot.base.provenance import Source, Step
@@ -25,7 +25,7 @@ Parts: TypeAlias = tuple[GeneralizedMaxwell, tuple[Jenkins | Cubic, ...]]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class LevelFit(ByValue, Described):
+class LevelFit(ByValue, Described, Checked):
     """Arms, sliders and a spring of one seal that follow its FRFs at several levels.
 
     Attributes
@@ -75,11 +75,6 @@ class LevelFit(ByValue, Described):
     orders: tuple[tuple[str, float], ...] = ()
     specimen: Specimen = field(default_factory=Specimen)
     steps: tuple[Step, ...] = ()
-
-    @property
-    def verdict(self) -> Verdict:
-        """What to make of it."""
-        return verdict(self.checks)
 
     @property
     def sliders(self) -> tuple[Jenkins, ...]:

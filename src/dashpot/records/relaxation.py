@@ -8,15 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from dashpot.base.arrays import (
-    ByValue,
-    FloatArray,
-    increasing,
-    measured,
-    phasor,
-    positive,
-    same_length,
-)
+from dashpot.base.arrays import ByValue, FloatArray, hold_measured, phasor, positive
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
 from dashpot.base.offered import Described, Pictured
@@ -61,10 +53,7 @@ class RelaxationTest(ByValue, Described):
     source: Source | None = None
 
     def __post_init__(self) -> None:
-        for name in ("time", "displacement", "force"):
-            object.__setattr__(self, name, measured(name, getattr(self, name), minimum=8))
-        same_length(time=self.time, displacement=self.displacement, force=self.force)
-        increasing("time", self.time)
+        hold_measured(self, "time", "displacement", "force", minimum=8)
 
     @property
     def described(self) -> tuple[str, ...]:
@@ -175,10 +164,7 @@ class RampHold(ByValue, Pictured):
     hum: tuple[Hum, ...] = ()
 
     def __post_init__(self) -> None:
-        for name in ("time", "displacement", "force"):
-            object.__setattr__(self, name, measured(name, getattr(self, name), minimum=8))
-        same_length(time=self.time, displacement=self.displacement, force=self.force)
-        increasing("time", self.time)
+        hold_measured(self, "time", "displacement", "force", minimum=8)
         if not self.onset < self.ramp_end < self.hold_end:
             raise DataError(
                 f"the ramp must start, end and be held in that order, found onset "

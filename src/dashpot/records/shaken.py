@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from dashpot.base.arrays import ByValue, FloatArray, measured, positive, same_length, slices
+from dashpot.base.arrays import ByValue, FloatArray, hold_measured, positive, slices
 from dashpot.base.errors import DataError
 from dashpot.base.offered import Described
 from dashpot.base.provenance import Source, of_file
@@ -40,11 +40,9 @@ class ShakenTest(ByValue, Described):
 
     def __post_init__(self) -> None:
         positive(rate=self.rate, unit=" Hz", expected="a sampling rate > 0")
-        for name in ("base", "mass"):
-            object.__setattr__(self, name, measured(name, getattr(self, name), minimum=8))
+        hold_measured(self, "base", "mass", minimum=8)
         if self.order not in (0, 1, 2):
             raise DataError(f"order = {self.order!r}; expected 0, 1 or 2")
-        same_length(base=self.base, mass=self.mass)
 
     @property
     def described(self) -> tuple[str, ...]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from dashpot.base.arrays import ByValue, FloatArray, frozen, increasing, measured, same_length
+from dashpot.base.arrays import ByValue, FloatArray, frozen, hold_measured
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source
 
@@ -35,10 +35,7 @@ class Trajectory(ByValue):
     source: Source | None = None
 
     def __post_init__(self) -> None:
-        for name in ("time", "displacement"):
-            object.__setattr__(self, name, measured(name, getattr(self, name), minimum=2))
-        same_length(time=self.time, displacement=self.displacement)
-        increasing("time", self.time)
+        hold_measured(self, "time", "displacement", minimum=2)
         if self.position is not None:
             if self.position.shape != (len(self.time), 3):
                 raise DataError(

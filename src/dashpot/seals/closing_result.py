@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from dashpot.base.checks import Check, Verdict, verdict
+from dashpot.base.checks import Check, Checked
 from dashpot.base.provenance import Source
 from dashpot.records.door import Door
 from dashpot.records.fit import Fit
@@ -15,7 +15,7 @@ from dashpot.seals.slam import Closing, Scatter
 
 
 @dataclass(frozen=True)
-class ClosingResult:
+class ClosingResult(Checked):
     """What ``dashpot door --close`` found.
 
     Attributes
@@ -37,11 +37,6 @@ class ClosingResult:
         """The files behind it."""
         own = () if self.door.source is None else (self.door.source,)
         return (*own, *(self.fit.source if self.fit else ()))
-
-    @property
-    def verdict(self) -> Verdict:
-        """What to make of it."""
-        return verdict(self.checks)
 
     @property
     def document(self) -> dict[str, Any]:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.checks import Check, Verdict, verdict
+from dashpot.base.checks import Check, Checked
 from dashpot.base.provenance import Source
 from dashpot.records.door import Door, DoorPoint
 from dashpot.records.fit import Fit
@@ -37,7 +37,7 @@ class Shaken:
 
 
 @dataclass(frozen=True)
-class DoorResult:
+class DoorResult(Checked):
     """What ``dashpot door`` found.
 
     Attributes
@@ -86,11 +86,6 @@ class DoorResult:
         modes = self.assembly.modes
         known = (self.door.source, None if modes is None else modes.source)
         return (*(one for one in known if one is not None), *(self.fit.source if self.fit else ()))
-
-    @property
-    def verdict(self) -> Verdict:
-        """What to make of it."""
-        return verdict(self.checks)
 
     @property
     def document(self) -> dict[str, Any]:

@@ -11,7 +11,7 @@ import numpy as np
 
 import dashpot as dp
 from dashpot.base.capability import Capability, capability
-from dashpot.base.checks import Check, Verdict, verdict, worst
+from dashpot.base.checks import Check, Checked, worst
 from dashpot.base.errors import ReadError
 from dashpot.base.units import Quantity, Range
 from dashpot.fitting.cld.relaxed import nearest
@@ -52,7 +52,7 @@ class Scatter:
 
 
 @dataclass(frozen=True)
-class Pieces:
+class Pieces(Checked):
     """What ``dashpot cld`` found.
 
     Attributes
@@ -85,11 +85,6 @@ class Pieces:
     def unit(self) -> str:
         """Of a force."""
         return self.pieces[0].unit
-
-    @property
-    def verdict(self) -> Verdict:
-        """What to make of them."""
-        return verdict(self.checks, sound="nothing that was judged limits the use")
 
     @property
     def document(self) -> dict[str, Any]:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from dashpot.base.checks import Check, Verdict, verdict
+from dashpot.base.checks import Check, Checked
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source
 from dashpot.records.frf import FRF
@@ -23,7 +23,7 @@ _ROUNDS = 20
 
 
 @dataclass(frozen=True, eq=False)
-class HitLevels:
+class HitLevels(Checked):
     """What hits of different height say of how a resonance moves with amplitude.
 
     Attributes
@@ -37,11 +37,6 @@ class HitLevels:
     frf: FRF
     trend: Trend
     checks: tuple[Check, ...]
-
-    @property
-    def verdict(self) -> Verdict:
-        """What to make of it."""
-        return verdict(self.checks)
 
     @property
     def source(self) -> tuple[Source, ...]:
