@@ -13,7 +13,7 @@ least squares: fast detail counts for more where the noise is slow. No direction
 than white noise of the same variance would let it be: a filter leaves next to nothing above its
 cut-off, and to believe that would let its transients decide.
 What a record holds beside the model, columns that are free or known to within a standard deviation,
-adds to that covariance too, and is taken out likewise (:func:`marginal`).
+adds to that covariance too, and is taken out likewise (``marginal``).
 Source: A. C. Aitken, Proceedings of the Royal Society of Edinburgh 55 (1936) 42.
 """
 

@@ -49,7 +49,7 @@ class ComplexMode(ByValue):
 
     @property
     def damping_ratio(self) -> float:
-        """-Re s / abs(s): 1 for a pole that does not oscillate."""
+        """Of the pole s, -Re s / abs(s); 1 for one that does not oscillate."""
         return -self.pole.real / abs(self.pole) if self.pole else 1.0
 
     @property

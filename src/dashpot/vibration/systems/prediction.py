@@ -296,9 +296,9 @@ class Lost(NamedTuple):
 
     Attributes
     ----------
-    p, residue : complex array, shape (k,)
+    p, residue : complex array, shape (m,)
         Of the receptance.
-    size, bend : complex array, shape (k,)
+    size, bend : complex array, shape (m,)
         Of the part taken, and the second derivative of m s^2 + K there.
     """
 
