@@ -49,9 +49,10 @@ from dashpot.records.creep import LoadHold
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.estimate import Nuisance
 from dashpot.records.fit import Explanation
+from dashpot.records.found import Found
 from dashpot.records.frf import FRF, Hit, Mode
 from dashpot.records.frf_set import ModeShape
-from dashpot.records.indentation import Found, IndentationFit, Indenter
+from dashpot.records.indentation import IndentationFit, Indenter
 from dashpot.records.relaxation import RampHold
 from dashpot.records.shaken import ShakenTest
 from dashpot.records.specimen import Specimen

@@ -10,6 +10,7 @@ import subprocess
 import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -31,8 +32,12 @@ def run(function, raw: Raw = RAW, options: ReadOptions | None = None):
 
 def children() -> set[str]:
     """Processes whose parent is this one, the dead and unburied among them."""
-    task = Path(f"/proc/{os.getpid()}/task")
-    return {pid for one in task.iterdir() for pid in (one / "children").read_text().split()}
+    found: set[str] = set()
+    for one in Path(f"/proc/{os.getpid()}/task").iterdir():
+        # a thread may end between being listed and being asked
+        with suppress(FileNotFoundError, ProcessLookupError):
+            found.update((one / "children").read_text().split())
+    return found
 
 
 def test_a_table_comes_through_whole() -> None:

@@ -8,12 +8,11 @@ from typing import TypeAlias
 import numpy as np
 
 from dashpot.base.arrays import ByValue, FloatArray, hold_measured
-from dashpot.base.checks import Check, Checked
+from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
-from dashpot.base.numbers import rounded
 from dashpot.base.offered import Described
 from dashpot.base.provenance import Source, of_file, sources_of
-from dashpot.records.indentation import Found
+from dashpot.records.found import Found, Numbered
 from dashpot.solids.hyperelastic import Hyperelastic, Mode
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -122,7 +121,7 @@ Limits: TypeAlias = tuple[float | None, float | None]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class HyperelasticFit(ByValue, Described, Checked):
+class HyperelasticFit(ByValue, Described, Numbered):
     """A hyperelastic law, and how well the tests tell it.
 
     Attributes
@@ -157,10 +156,6 @@ class HyperelasticFit(ByValue, Described, Checked):
     checks: tuple[Check, ...] = ()
     temperature: float | None = None
 
-    def __getitem__(self, name: str) -> Found:
-        """One of the numbers found, by its name."""
-        return next(one for one in self.found if one.name == name)
-
     @property
     def sources(self) -> tuple[Source, ...]:
         """The files behind it."""
@@ -170,9 +165,8 @@ class HyperelasticFit(ByValue, Described, Checked):
     def described(self) -> tuple[str, ...]:
         """The verdict, the law and its numbers."""
         judged = self.verdict
-        rows = [
-            f"{one.name} {rounded(one.value)} {one.unit}".rstrip()
-            + f", 95 % {rounded(one.low)} to {rounded(one.high)}"
-            for one in self.found
-        ]
-        return (f"{judged.use}: {judged.says}", f"law: {self.law.kind}", *rows)
+        return (
+            f"{judged.use}: {judged.says}",
+            f"law: {self.law.kind}",
+            *(one.says for one in self.found),
+        )

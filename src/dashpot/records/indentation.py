@@ -9,13 +9,13 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from dashpot.base.arrays import ByValue, FloatArray, hold_measured, median, positive
-from dashpot.base.checks import Check, Checked
+from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
-from dashpot.base.numbers import rounded
 from dashpot.base.offered import Described
 from dashpot.base.options import option
 from dashpot.base.provenance import Source, of_file
 from dashpot.base.units import si_fields
+from dashpot.records.found import Found, Numbered
 from dashpot.solids.contact import ContactLaw
 
 GRAVITY = 9.80665
@@ -127,27 +127,8 @@ class IndentationTest(ByValue, Described):
         )
 
 
-@dataclass(frozen=True)
-class Found:
-    """A number that a contact shows, and its 95 % interval; from 0 where it is a bound alone.
-
-    Attributes
-    ----------
-    name : str
-    value, low, high : float
-        SI.
-    unit : str
-    """
-
-    name: str
-    value: float
-    low: float
-    high: float
-    unit: str
-
-
 @dataclass(frozen=True, eq=False, repr=False)
-class IndentationFit(ByValue, Described, Checked):
+class IndentationFit(ByValue, Described, Numbered):
     """What one contact says of a surface.
 
     Attributes
@@ -191,19 +172,12 @@ class IndentationFit(ByValue, Described, Checked):
     checks: tuple[Check, ...] = ()
     source: Source | None = None
 
-    def __getitem__(self, name: str) -> Found:
-        """One of the numbers found, by its name."""
-        return next(one for one in self.found if one.name == name)
-
     @property
     def described(self) -> tuple[str, ...]:
         """The verdict, the law and its numbers."""
         judged = self.verdict
-        rows = [
-            f"{one.name} {rounded(one.value)} {one.unit}".rstrip()
-            + f", 95 % {rounded(one.low)} to {rounded(one.high)}"
-            if one.low > 0
-            else f"{one.name} below {rounded(one.high)} {one.unit}".rstrip()
-            for one in self.found
-        ]
-        return (f"{judged.use}: {judged.says}", f"law: {self.law}", *rows)
+        return (
+            f"{judged.use}: {judged.says}",
+            f"law: {self.law}",
+            *(one.says for one in self.found),
+        )

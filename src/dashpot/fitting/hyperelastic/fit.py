@@ -23,8 +23,8 @@ from dashpot.fitting.hyperelastic.solving import (
     power_law,
     weighed,
 )
+from dashpot.records.found import Found
 from dashpot.records.hyperelastic import ElasticCurve, HyperelasticFit, Span, StressStrainTest
-from dashpot.records.indentation import Found
 from dashpot.solids.hyperelastic import KINDS, SHEARING, Hyperelastic, Kind, Mode, direction
 from dashpot.solids.maxwell import GeneralizedMaxwell
 

@@ -8,7 +8,8 @@ import numpy as np
 
 from dashpot.base.checks import Check, Finding, criterion
 from dashpot.fitting.indentation.contacts import Contact
-from dashpot.records.indentation import GRAVITY, Found, IndentationFit, IndentationTest
+from dashpot.records.found import Found
+from dashpot.records.indentation import GRAVITY, IndentationFit, IndentationTest
 from dashpot.vibration.systems.contact import Collision
 
 SAMPLED = 20

@@ -28,7 +28,8 @@ from dashpot.engine.least_squares.problem import Optimum, Parameter, Problem, Ro
 from dashpot.fitting.indentation import checks
 from dashpot.fitting.indentation.contacts import Contact, largest_contact
 from dashpot.fitting.indentation.laws import LAWS, STEP, Law, Recorded, recorded
-from dashpot.records.indentation import Found, IndentationFit, IndentationTest
+from dashpot.records.found import Found
+from dashpot.records.indentation import IndentationFit, IndentationTest
 from dashpot.solids.contact import ContactLaw, RelaxingContact, ViscousContact, reduced_modulus
 from dashpot.vibration.systems.contact import Collision
 
