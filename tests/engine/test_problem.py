@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -11,6 +13,7 @@ from scipy.optimize import least_squares, nnls
 
 from dashpot.base.errors import DataError, FitError
 from dashpot.engine.inference.estimate import Estimate, estimate, score, white_noise
+from dashpot.engine.least_squares.descent import MISTAKEN, _foretold
 from dashpot.engine.least_squares.nnls import MANY, linear
 from dashpot.engine.least_squares.problem import Optimum, Parameter, Problem, Rows, solved, stacked
 
@@ -104,6 +107,21 @@ def test_sizes_of_parameters_do_not_change_the_optimum() -> None:
 def test_exact_data_are_followed_to_rounding() -> None:
     found = solved(decay(noisy(0, sd=0.0)), [np.array([1.0])])
     np.testing.assert_allclose(found.values, [np.log(0.7), 2.0, 1.0], rtol=1e-10)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize(("off", "kept"), [(0.99, True), (1.01, False)])
+def test_what_was_learned_of_a_hessian_is_kept_while_it_foretells_the_fall(
+    off: float, kept: bool, sign: int
+) -> None:
+    """A parabola whose J'J lacks 1 of 3: the true fall, and one that is a quarter off."""
+    step, gradient = np.array([-1.0]), np.array([3.0])
+    lacking, curvature = np.eye(1), 2 * np.eye(1)
+    fall = -float(step @ (2 * gradient + (curvature + lacking) @ step))
+    old = SimpleNamespace(sse=10.0, gradient=gradient, curvature=curvature)
+    new = SimpleNamespace(sse=10.0 - fall * (1 + sign * MISTAKEN * off))
+    assert _foretold(lacking, old, new, step) is kept
+    assert _foretold(None, old, new, step)
 
 
 def test_where_a_model_says_nothing_no_descent_begins_and_none_ends() -> None:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from importlib import import_module
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -311,3 +313,30 @@ def test_what_is_known_is_held_in_si_units_once_and_again() -> None:
 def test_a_strange_number_of_arms_is_refused(isolator_frf: FRF) -> None:
     with pytest.raises(FitError, match="expected a number >= 0"):
         identify(isolator_frf, mass=5.0, arms=-1)
+
+
+identify_room = import_module("dashpot.fitting.identification.identify")
+
+
+@pytest.mark.parametrize(("worse", "found"), [(1.009, [1, 2]), (1.011, [1])])
+def test_more_arms_that_leave_more_were_not_found(monkeypatch, worse, found):
+    """Their optimum leaves no more than that of fewer: a descent that ended above it counts not."""
+
+    @dataclass(frozen=True)
+    class Asked:
+        sought: object = None
+
+    def ended(problem, start, **_):
+        number = problem.sought.number
+        sought = SimpleNamespace(whole=lambda model: True)
+        return SimpleNamespace(
+            problem=SimpleNamespace(sought=sought), point=SimpleNamespace(model=None),
+            cost=worse if number == 2 else 1.0, bic=0.0, number=number,
+        )  # fmt: skip
+
+    monkeypatch.setattr(identify_room, "Arms", lambda number: SimpleNamespace(number=number))
+    monkeypatch.setattr(identify_room, "_linear", lambda problem, most: [])
+    monkeypatch.setattr(identify_room, "_spread", lambda problem, before: [None])
+    monkeypatch.setattr(identify_room, "descend", ended)
+    monkeypatch.setattr(Asked, "pack", lambda self, start: start, raising=False)
+    assert [one.number for one in identify_room._candidates(Asked(), [1, 2], None)] == found
