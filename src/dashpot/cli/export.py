@@ -19,6 +19,7 @@ from dashpot.cli._terminal import Text
 from dashpot.records.level import LevelFit
 from dashpot.records.seal_line import Stations
 from dashpot.records.specimen import Specimen
+from dashpot.workflow.job import Job
 
 # written out, so that --help need not import the decks; a test holds it to export.TARGETS
 TARGETS = (
@@ -52,7 +53,7 @@ LONGEST_LINE = 100.0
 @click.option("--modulus", type=Quantity("stress"), help="Of the rubber, for material cards.")
 @click.option("--bulk-modulus", type=Quantity("stress"), help="Of the rubber, for material cards.")
 @click.option("--density", type=float, help="Of the rubber, kg/m^3, for material cards.")
-@options.seals
+@options.of(Job, "seals")
 @click.option(
     "--compression",
     type=Quantity("length"),

@@ -8,6 +8,7 @@ import click
 
 import dashpot as dp
 from dashpot import workflow
+from dashpot.base.choices import ElasticKindAsked, words
 from dashpot.cli import _options as options
 from dashpot.cli._shell import File, Outcome, printed, reports, typed, write, write_figure
 from dashpot.cli._terminal import Text
@@ -36,7 +37,7 @@ def _modes(function: Any) -> Any:
 @_modes
 @click.option(
     "--law",
-    type=click.Choice(["auto", "neo-hooke", "mooney-rivlin", "yeoh", "ogden", "hyperfoam"]),
+    type=click.Choice(words(ElasticKindAsked)),
     default="auto",
     show_default=True,
     help="auto takes the one that the tests prefer and that is stable in use.",

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import click
 
 import dashpot as dp
+from dashpot.base.choices import Rehearsed, words
 from dashpot.base.errors import DataError, ReadError
 from dashpot.cli import _options as options
 from dashpot.cli._options import Quantity
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 
 
 @click.command("simulate")
-@click.argument("what", type=click.Choice(["relaxation", "creep", "impact", "motion"]))
+@click.argument("what", type=click.Choice(words(Rehearsed)))
 @click.option(
     "--model",
     default="paper",

@@ -10,6 +10,7 @@ from typing import Literal
 import numpy as np
 
 from dashpot.base.checks import Check
+from dashpot.base.choices import FamilyAsked, Method, RampLawAsked, ShiftLaw, Vertical
 from dashpot.base.errors import FitError
 from dashpot.base.provenance import Step
 from dashpot.base.units import Quantity, si
@@ -24,7 +25,7 @@ from dashpot.fitting.assembly import (
 )
 from dashpot.fitting.checks import relaxation as checks
 from dashpot.fitting.checks.solid import frequencies_informed, order_agreed
-from dashpot.fitting.design import NUISANCE, Design, Method, block_of, bound, solid_of
+from dashpot.fitting.design import NUISANCE, Design, block_of, bound, solid_of
 from dashpot.fitting.filter_bias import filter_bias
 from dashpot.fitting.fit_data import First, FitData, data_of, weighed
 from dashpot.fitting.fractional.choice import Choice as FamilyChoice
@@ -37,14 +38,12 @@ from dashpot.fitting.fractional.choice import (
 from dashpot.fitting.linear_gate import Holds, gated
 from dashpot.fitting.nonlinear_ramp import checks as ramp_checks
 from dashpot.fitting.nonlinear_ramp.assembly import ramp_fit
-from dashpot.fitting.nonlinear_ramp.ladder import LawName, ramp_law
+from dashpot.fitting.nonlinear_ramp.ladder import ramp_law
 from dashpot.fitting.nonlinear_ramp.law_estimate import RampLaw
 from dashpot.fitting.nuisance import delay_prior, material, priors
 from dashpot.fitting.pipeline import Chosen, asked_arms, chosen_arms
 from dashpot.fitting.questions import Residuals, solid_checks
 from dashpot.fitting.repeats import refuse_copies
-from dashpot.fitting.shift_law import ShiftLaw
-from dashpot.fitting.temperature.joint import Vertical
 from dashpot.fitting.temperature.optimum import checked_temperatures, reference_of
 from dashpot.fitting.temperature.reduced import Own
 from dashpot.fitting.temperature.thermal_fit import fit_thermal
@@ -71,8 +70,8 @@ def fit(
     thorough: bool = False,
     nuisance: Sequence[str] = NUISANCE,
     max_arms: int = 6,
-    law: LawName = "auto",
-    family: Literal["maxwell", "fractional", "auto"] = "maxwell",
+    law: RampLawAsked = "auto",
+    family: FamilyAsked = "maxwell",
     intervals: bool = True,
     vertical: Vertical = "free",
     shift_law: ShiftLaw = "auto",
@@ -218,7 +217,7 @@ def _of_one_temperature(records: Sequence[RampHold], design: Design, asked: Aske
     return _assembled(holds, both, design, thorough=asked.thorough)
 
 
-def _own(record: RampHold, law: LawName, *, thorough: bool) -> Own:
+def _own(record: RampHold, law: RampLawAsked, *, thorough: bool) -> Own:
     """Return one test of several temperatures with its own free fit; a bent ramp with its law."""
     kelvin = record.specimen.temperature or 0.0
     data = data_of([record], Design("full"))

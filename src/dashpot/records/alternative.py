@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
 
+from dashpot.base.choices import Family
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import Solid
-
-Family: TypeAlias = Literal["maxwell", "fractional"]
 
 
 def family_of(solid: Solid) -> Family:

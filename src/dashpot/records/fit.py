@@ -11,13 +11,14 @@ import numpy as np
 
 from dashpot.base.arrays import ByValue, FloatArray, positive
 from dashpot.base.checks import Check, Verdict, verdict
+from dashpot.base.choices import Family
 from dashpot.base.errors import DataError
 from dashpot.base.numbers import counted
 from dashpot.base.offered import Pictured
 from dashpot.base.provenance import Source, Step
 from dashpot.base.status import Status
 from dashpot.base.units import Quantity, si
-from dashpot.records.alternative import Alternative, Family, family_of
+from dashpot.records.alternative import Alternative, family_of
 from dashpot.records.bounds import EndOfHold, LeftOpen
 from dashpot.records.compression import refuse_far
 from dashpot.records.estimate import (

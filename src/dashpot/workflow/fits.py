@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, Literal, TypeAlias, TypeVar
 
 import dashpot as dp
+from dashpot.base.choices import FamilyAsked, Method, RampLawAsked
 from dashpot.base.errors import FitError
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import about
@@ -34,11 +35,11 @@ class _Asked:
     """What the user asked for, whatever the records turn out to be."""
 
     arms: int | Literal["auto"]
-    method: Literal["full", "hold"]
+    method: Method
     depth_law: bool
     thorough: bool
-    law: Literal["auto", "linear", "nonlinear"]
-    family: Literal["maxwell", "fractional", "auto"]
+    law: RampLawAsked
+    family: FamilyAsked
     intervals: bool
     filter: str | None
     cuts: Cuts
@@ -109,11 +110,11 @@ def fit_files(
     files: Sequence[str | Path],
     *,
     arms: int | Literal["auto"] = "auto",
-    method: Literal["full", "hold"] = "full",
+    method: Method = "full",
     depth_law: bool = False,
     thorough: bool = False,
-    law: Literal["auto", "linear", "nonlinear"] = "auto",
-    family: Literal["maxwell", "fractional", "auto"] = "maxwell",
+    law: RampLawAsked = "auto",
+    family: FamilyAsked = "maxwell",
     intervals: bool = True,
     filter: str | None = None,
     cuts: Cuts | None = None,

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Literal
 
+from dashpot.base.choices import ElasticKindAsked
 from dashpot.base.errors import DataError, FitError, ReadError
 from dashpot.fitting.cld.relaxed import memory_of
-from dashpot.fitting.hyperelastic.fit import LawName, fit_hyperelastic
+from dashpot.fitting.hyperelastic.fit import fit_hyperelastic
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.hyperelastic import Measures, read_stress_strain
 from dashpot.records.fit import Fit
@@ -29,7 +30,7 @@ MODES: Mapping[str, tuple[Mode, bool]] = {
 def hyperelastic_files(
     files: Mapping[str, Sequence[str | Path]],
     *,
-    law: LawName = "auto",
+    law: ElasticKindAsked = "auto",
     terms: int | Literal["auto"] = "auto",
     poisson: float | None = None,
     memory: Fit | None = None,

@@ -7,8 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from dashpot.base.checks import Check, Verdict
+from dashpot.base.choices import ImpactLawAsked
 from dashpot.base.errors import DataError, ReadError
-from dashpot.fitting.indentation.fit import LawName, fit_indentation
+from dashpot.fitting.indentation.fit import fit_indentation
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.indentation import read_indentation
 from dashpot.io.source import about
@@ -62,7 +63,7 @@ def indent_file(
     path: str | Path,
     *,
     indenter: Indenter,
-    law: LawName = "auto",
+    law: ImpactLawAsked = "auto",
     options: ReadOptions | None = None,
 ) -> Indentation:
     """Find what the largest contact in a file says of the surface.

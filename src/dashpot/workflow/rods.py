@@ -9,6 +9,7 @@ from typing import Any, Literal
 
 from dashpot.base.arrays import ComplexArray
 from dashpot.base.checks import Check, Verdict, verdict
+from dashpot.base.choices import FamilyAsked
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.options import option
 from dashpot.base.provenance import Step
@@ -146,7 +147,7 @@ def rod_files(
     density: float,
     rod: RodChoices,
     arms: int | Literal["auto"] = "auto",
-    family: Literal["maxwell", "fractional", "auto"] = "maxwell",
+    family: FamilyAsked = "maxwell",
     band: tuple[float, float] | None = None,
     hammer: HammerChoices | None = None,
     specimen: Specimen | None = None,

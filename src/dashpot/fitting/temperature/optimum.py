@@ -9,9 +9,10 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.choices import Vertical
 from dashpot.base.errors import FitError
 from dashpot.engine.inference.order import DECISIVE, Choice, choose
-from dashpot.fitting.temperature.joint import Joint, Point, Vertical
+from dashpot.fitting.temperature.joint import Joint, Point
 from dashpot.fitting.temperature.reduced import Own
 from dashpot.fitting.temperature.search import Candidate, again, candidates, first_shifts
 from dashpot.records.relaxation import RampHold

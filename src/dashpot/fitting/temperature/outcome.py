@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.choices import ShiftLaw, Vertical
 from dashpot.base.provenance import Step, sources_of, steps_of
 from dashpot.fitting.assembly import UNJUDGED, Outcome, assembled, point_estimate
-from dashpot.fitting.shift_law import LawThroughShifts, ShiftLaw, law_through
-from dashpot.fitting.temperature.joint import Vertical
+from dashpot.fitting.shift_law import LawThroughShifts, law_through
 from dashpot.fitting.temperature.knowledge import left_of, of_tests, own_names
 from dashpot.fitting.temperature.optimum import Optimum
 from dashpot.fitting.temperature.reduced import Own

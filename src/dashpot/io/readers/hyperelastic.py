@@ -9,7 +9,8 @@ import numpy as np
 
 from dashpot.base import units
 from dashpot.base.arrays import FloatArray
-from dashpot.base.errors import DataError, ReadError
+from dashpot.base.choices import Measure, refuse_other
+from dashpot.base.errors import ReadError
 from dashpot.base.options import option
 from dashpot.io.columns import vocabulary
 from dashpot.io.columns.roles import quoted, score
@@ -21,7 +22,6 @@ from dashpot.io.readers.relaxation import signals
 from dashpot.records.hyperelastic import StressStrainTest
 from dashpot.solids.hyperelastic import Mode
 
-_CHOICES = ("auto", "nominal", "true")
 _MIXED = 0.05
 """Part of the largest stress that may have the wrong sign: noise about zero."""
 
@@ -39,13 +39,12 @@ class Measures:
         ``"nominal"`` (elongation over length at rest), ``"true"`` (logarithmic) or ``"auto"``.
     """
 
-    stress_is: str = option("auto", "Over the area at rest, or as it is.", choices=_CHOICES)
-    strain_is: str = option("auto", "Over the length at rest, or its log.", choices=_CHOICES)
+    stress_is: str = option("auto", "Over the area at rest, or as it is.", choices=Measure)
+    strain_is: str = option("auto", "Over the length at rest, or its log.", choices=Measure)
 
     def __post_init__(self) -> None:
-        for one in (self.stress_is, self.strain_is):
-            if one not in _CHOICES:
-                raise DataError(f"'{one}' is no measure; expected one of {', '.join(_CHOICES)}")
+        for name, one in vars(self).items():
+            refuse_other(name, one, Measure)
 
 
 def read_stress_strain(
