@@ -263,9 +263,9 @@ class ModesJob:
 
 
 def with_paths(job: J, found: Callable[[str], str]) -> J:
-    """Return a job with every path in it replaced: raw files, calibrations, the logo."""
+    """Return a job with every path in it replaced: those of its parts, then its own."""
     changed: dict[str, Any] = {}
-    for one in fields(job):
+    for one in sorted(fields(job), key=lambda one: "part" not in one.metadata):
         value = getattr(job, one.name)
         if "part" in one.metadata:
             changed[one.name] = with_paths(value, found)
