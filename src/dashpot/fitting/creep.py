@@ -22,7 +22,7 @@ from dashpot.base.arrays import FloatArray, median
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.provenance import Step, sources_of
-from dashpot.engine.blocks.block import Block, retarding
+from dashpot.engine.blocks.block import DataBlock, retarding
 from dashpot.engine.blocks.hold import decay_block
 from dashpot.engine.blocks.recorded import recorded_block
 from dashpot.engine.inference.order import MIN_K_OVER_SE, bic, significant
@@ -213,8 +213,8 @@ def known_before(record: LoadHold) -> _Known:
 
 
 def _bound(
-    block: Block, known: _Known, spreads: Sequence[float] | None = None
-) -> tuple[Block, ...]:
+    block: DataBlock, known: _Known, spreads: Sequence[float] | None = None
+) -> tuple[DataBlock, ...]:
     """Rows that bind the nuisance terms of a block."""
     return (known.terms.rows(block, known.noise if spreads is None else spreads[0]),)
 
@@ -225,14 +225,14 @@ def _impulse(time: FloatArray, load: FloatArray) -> FloatArray:
     return np.concatenate(([0.0], np.cumsum(steps)))
 
 
-def _answer(block: Block, solution: Solution) -> FloatArray:
+def _answer(block: DataBlock, solution: Solution) -> FloatArray:
     """The displacement that a solution gives at every sample, without its nuisance terms."""
     rows = block.exact.evaluate(solution.log_tau, False)
     fixed = [0.0 if name in _NUISANCE else solution.coefficient(name) for name in block.fixed_names]
     return np.asarray(rows.fixed @ fixed + rows.arms @ solution.arms[0])
 
 
-def _velocity(block: Block, rough: Solution, time: FloatArray) -> FloatArray:
+def _velocity(block: DataBlock, rough: Solution, time: FloatArray) -> FloatArray:
     """The column of a force that is recorded late: the velocity of the answer, m/s."""
     return np.gradient(_answer(block, rough), time)
 
@@ -498,7 +498,7 @@ def _curve_block(
     window: tuple[float, float],
     *,
     flows: bool,
-) -> Block:
+) -> DataBlock:
     block = decay_block(t, values, constant=GLASS, weights=weight, compress=False)
     block = retarding(replace(block, window=(window[0], 10 * window[1])), GLASS)
     return block.with_column(FLOW, weight * t) if flows else block

@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import FloatArray, kept, median
-from dashpot.engine.blocks.block import Block, prior_block
+from dashpot.engine.blocks.block import DataBlock, prior_block
 from dashpot.engine.inference.covariance import noise_of
 from dashpot.preparation.noise import scatter
 from dashpot.records.relaxation import RampHold
@@ -68,7 +68,7 @@ class Terms:
         """The terms and further ones."""
         return replace(self, known={**self.known, **more})
 
-    def rows(self, block: Block, spread: float) -> Block:
+    def rows(self, block: DataBlock, spread: float) -> DataBlock:
         """Rows beside those of a block, of which one independent one has this `spread`."""
         names = tuple(name for name in block.fixed_names if kind_of(name) in self.known)
         kinds = [kind_of(name) for name in names]

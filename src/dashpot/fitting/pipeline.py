@@ -12,7 +12,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.errors import FitError
-from dashpot.engine.blocks.block import Block
+from dashpot.engine.blocks.block import DataBlock
 from dashpot.engine.inference.covariance import Noise, nearly_white, noise_gain_differs
 from dashpot.engine.inference.order import DECISIVE, Choice, choose
 from dashpot.engine.solver.certificate import certificate
@@ -308,7 +308,7 @@ def _whole(number: object) -> bool:
 # -- parts of a fit -------------------------------------------------------------------------------
 
 
-def certified(blocks: Sequence[Block], solution: Solution) -> Certificate:
+def certified(blocks: Sequence[DataBlock], solution: Solution) -> Certificate:
     """Return how far the optimum can be from the best positive spectrum."""
     found = certificate(blocks, solution)
     if found.optimal:

@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.engine.blocks.block import Block
+from dashpot.engine.blocks.block import DataBlock
 from dashpot.engine.inference.whitening import marginal
 from dashpot.fitting.nuisance import Terms, kind_of
 from dashpot.records.temperature import decades, shifted_log_tau
@@ -97,7 +97,7 @@ class RelaxationData:
 
     Attributes
     ----------
-    block : Block
+    block : DataBlock
         Fixed columns other than those of the solid are private to the test.
     weight : float
         :math:`1/\sqrt S`, 1/N, with S the power of the residuals where arms are told apart.
@@ -109,20 +109,20 @@ class RelaxationData:
         The solid whose force is late, and whose size the depth decides.
     delay, size : float
         Standard deviations of the delay, s, and of the relative size of the force.
-    certain : Block
+    certain : DataBlock
         The test without the columns that only doubt the motion.
     moved : Moved or None
         How the solid that is asked about lies at the temperature of the test.
     """
 
-    block: Block
+    block: DataBlock
     weight: float
     kappa: float
     terms: Terms
     answer: GeneralizedMaxwell
     delay: float
     size: float
-    certain: Block
+    certain: DataBlock
     moved: Moved | None = None
 
     @property
@@ -142,7 +142,7 @@ class RelaxationData:
         """Effective number of samples."""
         return self.block.samples / self.kappa
 
-    def weighted(self, index: int) -> Block:
+    def weighted(self, index: int) -> DataBlock:
         """The certain block in rows of unit noise; `index` tells private columns of tests apart."""
         names = (n if n in SOLID else f"{n}@{index}" for n in self.certain.fixed_names)
         made = self.certain.weighted(self.weight, tuple(names))

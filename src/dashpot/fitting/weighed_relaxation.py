@@ -10,7 +10,7 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray, median, slow_periodogram
 from dashpot.base.errors import DataError
-from dashpot.engine.blocks.block import Block
+from dashpot.engine.blocks.block import DataBlock
 from dashpot.engine.blocks.compression import uniform_step
 from dashpot.engine.blocks.hold import window_of
 from dashpot.engine.blocks.recorded import FARTHEST
@@ -165,7 +165,7 @@ def held_data(
 
 
 def fitted_data(
-    test: RampHold, block: Block, answer: GeneralizedMaxwell, residual: FloatArray
+    test: RampHold, block: DataBlock, answer: GeneralizedMaxwell, residual: FloatArray
 ) -> RelaxationData:
     """As :func:`relaxation_data`, from the block of a recorded motion that a fit has at hand.
 
@@ -200,8 +200,8 @@ def _without_lines(power: FloatArray) -> FloatArray:
 
 def _weighed(
     test: RampHold,
-    block: Block,
-    certain: Block,
+    block: DataBlock,
+    certain: DataBlock,
     answer: GeneralizedMaxwell,
     residual: FloatArray,
     *,
@@ -228,7 +228,7 @@ def _weighed(
     )
 
 
-def _left_by(model: GeneralizedMaxwell, block: Block) -> FloatArray:
+def _left_by(model: GeneralizedMaxwell, block: DataBlock) -> FloatArray:
     """What the arms of a solid leave of a record, their stiffnesses free."""
     rows = block.exact.evaluate(np.log(model.tau), derivative=False)
     columns = np.concatenate((rows.fixed, rows.arms), axis=1)

@@ -11,7 +11,7 @@ import numpy as np
 from dashpot.base.checks import Check
 from dashpot.base.errors import FitError
 from dashpot.base.units import Quantity, Range, si, si_range
-from dashpot.engine.blocks.block import Block
+from dashpot.engine.blocks.block import DataBlock
 from dashpot.engine.inference.order import DECISIVE, choose
 from dashpot.engine.solver.variable_projection import solve_orders
 from dashpot.fitting.fractional.choice import checked_family
@@ -311,7 +311,7 @@ def _arms(candidate: Candidate) -> int:
     return candidate.point.model.maxwell.arms
 
 
-def _stiffness_blocks(problem: Problem) -> list[Block]:
+def _stiffness_blocks(problem: Problem) -> list[DataBlock]:
     """Every test as a linear problem in the stiffnesses of the solid."""
     blocks = [relaxation.weighted(i) for i, relaxation in enumerate(problem.relaxations)]
     felt = replace(problem.frf_data, seals=problem.frf_data.seals * problem.priors.factor.value)

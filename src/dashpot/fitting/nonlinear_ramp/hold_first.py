@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import FloatArray
-from dashpot.engine.blocks.block import Block, design_block
+from dashpot.engine.blocks.block import DataBlock, design_block
 from dashpot.engine.inference.covariance import directions, noise_of, white
 from dashpot.engine.inference.estimate import Estimate, estimate, white_noise
 from dashpot.engine.inference.order import deviance
@@ -145,7 +145,7 @@ def hold_alone(rows: Rows, arms: int | None = None, max_arms: int = MAX_ARMS) ->
     return _described(rows, blocks, chosen)
 
 
-def _hold_block(rows: Rows, i: int, bounds: Bounds) -> Block:
+def _hold_block(rows: Rows, i: int, bounds: Bounds) -> DataBlock:
     r"""What relaxes, and what answers at once to a plate that has not settled.
 
     .. math:: F - F_0 = k_\infty + \sum_j A_j e^{-t/\tau_j} + k_g\,(x - x_h)
@@ -173,7 +173,7 @@ def _hold_block(rows: Rows, i: int, bounds: Bounds) -> Block:
     )
 
 
-def _supported(rows: Rows, blocks: Sequence[Block], solutions: Sequence[Solution]) -> Solution:
+def _supported(rows: Rows, blocks: Sequence[DataBlock], solutions: Sequence[Solution]) -> Solution:
     """Return the number of arms with the least BIC: rows that say something new, all samples."""
     sizes = [block.samples for block in blocks]
     largest = np.split(full_jacobian(blocks, solutions[-1]).residual, np.cumsum(sizes)[:-1])
@@ -187,7 +187,7 @@ def _supported(rows: Rows, blocks: Sequence[Block], solutions: Sequence[Solution
     )
 
 
-def _described(rows: Rows, blocks: Sequence[Block], solution: Solution) -> Hold:
+def _described(rows: Rows, blocks: Sequence[DataBlock], solution: Solution) -> Hold:
     found = full_jacobian(blocks, solution)
     cuts = np.cumsum([block.samples for block in blocks])[:-1]
     scatter, correlation, rms, plateau, error = [], [], [], [], []

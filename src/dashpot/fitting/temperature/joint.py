@@ -20,7 +20,7 @@ from typing import Literal, NamedTuple, TypeAlias
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
-from dashpot.engine.blocks.block import Block
+from dashpot.engine.blocks.block import DataBlock
 from dashpot.engine.inference.covariance import white
 from dashpot.engine.inference.order import significant
 from dashpot.engine.least_squares.problem import Parameter, Problem, Rows, solved
@@ -113,7 +113,7 @@ class Joint:
 
     Attributes
     ----------
-    blocks : sequence of Block
+    blocks : sequence of DataBlock
         Rows of unit noise, one fixed column, k_inf.
     at : array, shape (n,)
         Which temperature each is of.
@@ -127,7 +127,7 @@ class Joint:
         What is known of g.
     """
 
-    blocks: Sequence[Block]
+    blocks: Sequence[DataBlock]
     at: IndexArray
     temperatures: FloatArray
     reference: int
@@ -170,7 +170,7 @@ class Joint:
                 turn[count + i, names.index(f"ln_b_{i}")] = 1.0
         return turn
 
-    def part(self, block: Block, i: int, point: Point) -> Part:
+    def part(self, block: DataBlock, i: int, point: Point) -> Part:
         """One test of temperature i, in the rows of its block."""
         return _part(self._test(block, i, point), point)
 
@@ -227,7 +227,7 @@ class Joint:
             lambda k: np.concatenate((*(slope(k) for slope in slopes), known)),
         )
 
-    def _test(self, block: Block, i: int, point: Point) -> _Rows:
+    def _test(self, block: DataBlock, i: int, point: Point) -> _Rows:
         """One test of temperature i."""
         n, found = point.order, block.evaluate(point.moved_log_tau(i))
         b, spring = float(np.exp(point.log_b[i])), list(block.fixed_names).index("k_inf")

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.engine.blocks.block import Block
+from dashpot.engine.blocks.block import DataBlock
 from dashpot.engine.inference.order import bic_of_deviance
 from dashpot.engine.least_squares.problem import Parameter, Problem, Rows
 from dashpot.engine.solver.variable_projection import solve_orders
@@ -48,7 +48,7 @@ def _pair(joint: Joint, i: int, falls: FloatArray) -> Problem:
     """One positive spectrum for temperature i and the next warmer one, over how far ln a falls."""
     log_b = joint.held_log_b
 
-    def of(at: int, fall: float) -> list[Block]:
+    def of(at: int, fall: float) -> list[DataBlock]:
         every = zip(joint.blocks, joint.at, strict=True)
         return [moved(one, fall, log_b[at] - log_b[i + 1]) for one, here in every if here == at]
 

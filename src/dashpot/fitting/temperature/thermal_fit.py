@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.checks import Check, worst
-from dashpot.engine.blocks.block import Block
+from dashpot.engine.blocks.block import DataBlock
 from dashpot.engine.inference.order import chance_beyond
 from dashpot.engine.solver.variable_projection import Solution, solve
 from dashpot.fitting.assembly import Outcome, assembled
@@ -177,7 +177,7 @@ def _assembled(
     )
 
 
-def _reduced(found: Thermal) -> list[Block]:
+def _reduced(found: Thermal) -> list[DataBlock]:
     """Every test in the time of the reference."""
     point = found.best.point
     return [
