@@ -38,7 +38,7 @@ _SIZES = (1.0, 0.13)
 _AT_ONCE = 16
 
 
-class Columns:
+class ArmColumns:
     """The rows of a stack, reduced, with columns of arms at fixed relaxation times."""
 
     def __init__(self, blocks: Sequence[DataBlock]) -> None:
@@ -112,7 +112,7 @@ class Columns:
         )
 
 
-def element_jacobian(blocks: Sequence[DataBlock], columns: Columns, best: Optimum) -> Jacobian:
+def element_jacobian(blocks: Sequence[DataBlock], columns: ArmColumns, best: Optimum) -> Jacobian:
     """Residual and derivative by fixed coefficients, k, ln tau and alpha, in the blocks' rows."""
     stack, weights = Stack(blocks), columns.weights(best.theta)
     matrix = np.stack(weights, axis=1)

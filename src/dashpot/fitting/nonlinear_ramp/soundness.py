@@ -21,7 +21,7 @@ from dashpot.fitting.nonlinear_ramp.hold_first import (
 )
 from dashpot.fitting.nonlinear_ramp.projection import Weighted
 from dashpot.fitting.nonlinear_ramp.quasi_linear import QuasiLinear
-from dashpot.fitting.nonlinear_ramp.thinning import Rows, relaxes_from
+from dashpot.fitting.nonlinear_ramp.thinning import ThinnedRows, relaxes_from
 from dashpot.preparation.denoising import true_motion
 from dashpot.records.relaxation import RampHold
 
@@ -137,7 +137,7 @@ def sample_noise(scatter: float, rms: float) -> float:
 
 
 def gate(
-    rows: Rows, hold: Hold, noise: Sequence[float], arms: int | None
+    rows: ThinnedRows, hold: Hold, noise: Sequence[float], arms: int | None
 ) -> tuple[tuple[Soundness, ...], Followed]:
     """Return how sound the linear law is, the best of the numbers of arms tried."""
     count = len(hold.log_tau)
@@ -164,7 +164,7 @@ def gate(
     return (sound or tried)[0]
 
 
-def _joint(rows: Rows, hold: Hold, log_tau: FloatArray, noise: Sequence[float]) -> Followed:
+def _joint(rows: ThinnedRows, hold: Hold, log_tau: FloatArray, noise: Sequence[float]) -> Followed:
     """Fit the linear law to ramp and hold at equal weight, first without, then with a delay."""
     even = np.array(noise) * np.sqrt(hold.correlation)
     solid = QuasiLinear(rows, np.array([0.0, rows.depth]))

@@ -91,7 +91,7 @@ class Known:
 
 
 @dataclass(frozen=True, eq=False)
-class Estimate(Known):
+class SolutionEstimate(Known):
     """A solution with its uncertainty.
 
     Attributes
@@ -112,7 +112,7 @@ class Estimate(Known):
 
     def with_depth_doubt(
         self, doubts: Sequence[float], stiffnesses: Mapping[str, float]
-    ) -> Estimate:
+    ) -> SolutionEstimate:
         r"""Return the estimate with what the encoder's step leaves unknown of each depth.
 
         A relative error :math:`\epsilon` of a depth scales every stiffness of its test, so that n
@@ -142,7 +142,7 @@ def estimated(
     further: Sequence[Callable[[FloatArray], FloatArray]] = (),
     whole: Jacobian | None = None,
     left: Sequence[Series] = (),
-) -> Estimate:
+) -> SolutionEstimate:
     """Return the solution's uncertainty from one block per record with a row per sample.
 
     Parameters
@@ -175,7 +175,7 @@ def estimated(
     known = [Noise(block.samples, np.array([block.variance]), 1.0, 2.0) for block in priors]
     covariance = sandwich(known_by, [*noises, *known], further=further)
     residuals = tuple(one.values for one in left)
-    return Estimate(whole.names, covariance, residuals, noises, solution, known_by.turn)
+    return SolutionEstimate(whole.names, covariance, residuals, noises, solution, known_by.turn)
 
 
 def by_record(

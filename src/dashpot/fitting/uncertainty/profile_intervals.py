@@ -17,7 +17,7 @@ from dashpot.engine.inference.profile_likelihood import profiles as walked
 from dashpot.engine.inference.profile_walks import Coordinate, Profiled
 from dashpot.engine.solver.descent import Stack
 from dashpot.engine.solver.variable_projection import full_jacobian
-from dashpot.fitting.uncertainty.estimate import Estimate, by_record
+from dashpot.fitting.uncertainty.estimate import SolutionEstimate, by_record
 from dashpot.records.estimate import Profile
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ _WIDEST_LEVEL, _USUAL_LEVEL, _MEASURE = 0.999, 0.95, 30.0
 
 def profiles(
     blocks: Sequence[DataBlock],
-    estimate: Estimate,
+    estimate: SolutionEstimate,
     *,
     every_sample: Sequence[DataBlock] | None = None,
 ) -> tuple[Profile, ...]:
@@ -42,7 +42,7 @@ def profiles(
     ----------
     blocks : sequence of DataBlock
         The compressed data.
-    estimate : Estimate
+    estimate : SolutionEstimate
     every_sample : sequence of DataBlock, optional
         The data with a row per sample, in the order of time: noise as slow as the arms is then
         counted as each profile meets it.
@@ -82,7 +82,7 @@ def profiles(
     return tuple(Profile(name, *one) for name, one in zip(asked, found, strict=True))
 
 
-def _noise_gain(every_sample: Sequence[DataBlock], estimate: Estimate) -> NoiseGain | None:
+def _noise_gain(every_sample: Sequence[DataBlock], estimate: SolutionEstimate) -> NoiseGain | None:
     """Return the noise gain of each change of the model, None if it is about the same."""
     if nearly_white(estimate.noises):
         return None
@@ -97,7 +97,7 @@ def _noise_gain(every_sample: Sequence[DataBlock], estimate: Estimate) -> NoiseG
 class _Scaling:
     """Steps and scales of profiles, so that each begins as its own covariance says."""
 
-    def __init__(self, estimate: Estimate, noise_gain: NoiseGain | None) -> None:
+    def __init__(self, estimate: SolutionEstimate, noise_gain: NoiseGain | None) -> None:
         self.estimate = estimate
         self.noise_gain = noise_gain
 
