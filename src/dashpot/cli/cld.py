@@ -18,7 +18,7 @@ from dashpot.cli._options import Quantity, Range
 from dashpot.cli._shell import File, Outcome, printed, reports, write, write_figure
 from dashpot.cli._terminal import Text
 from dashpot.cli._text import rounded, table, with_error
-from dashpot.workflow.cld import Scatter
+from dashpot.workflow.cld import PieceStatistics
 
 
 @click.command("cld")
@@ -106,7 +106,7 @@ def _said(found: workflow.Pieces) -> Text:
     return Text(lines, details)
 
 
-def _scatter(found: Sequence[Scatter]) -> list[str]:
+def _scatter(found: Sequence[PieceStatistics]) -> list[str]:
     rows = [["", "mean", "deviation", "cv, %", "unit"]]
     for each in found:
         word, of, length = each.unit.partition(" per ")

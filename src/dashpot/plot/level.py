@@ -9,7 +9,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.fitting.level.frfs import rows_at_level
 from dashpot.fitting.level.hits import HitLevels
-from dashpot.fitting.level.loops import Cycle, steady_cycles, sweep_of_loops
+from dashpot.fitting.level.loops import HysteresisLoop, steady_cycles, sweep_of_loops
 from dashpot.fitting.level.response import receptance_at_level
 from dashpot.plot.picture import (
     FIT,
@@ -207,9 +207,9 @@ def hits_as_levels(found: HitLevels, *, stamp: str = "") -> Picture:
     return Picture("hits", caption, tuple(strips), 2, said, width=_WIDE)
 
 
-def _apart(cycles: Sequence[Cycle]) -> list[Cycle]:
+def _apart(cycles: Sequence[HysteresisLoop]) -> list[HysteresisLoop]:
     """A cycle of each amplitude, the smallest first; of many, as many as have colours."""
-    found: list[Cycle] = []
+    found: list[HysteresisLoop] = []
     for one in sorted(cycles, key=lambda one: one.amplitude):
         if not found or one.amplitude > 1.1 * found[-1].amplitude:
             found.append(one)
@@ -217,7 +217,7 @@ def _apart(cycles: Sequence[Cycle]) -> list[Cycle]:
     return [found[i] for i in chosen]
 
 
-def _ellipse(one: Cycle, fit: AmplitudeFit) -> tuple[FloatArray, FloatArray]:
+def _ellipse(one: HysteresisLoop, fit: AmplitudeFit) -> tuple[FloatArray, FloatArray]:
     """The loop of the fitted stiffness, m and N."""
     turn = np.exp(1j * np.linspace(0, 2 * np.pi, 181))
     tone = int(np.abs(fit.frequency - one.frequency).argmin())

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from dashpot.base.checks import Check, Finding, criterion
-from dashpot.fitting.indentation.contacts import Contact
+from dashpot.fitting.indentation.contacts import ContactInterval
 from dashpot.records.found import Found
 from dashpot.records.indentation import GRAVITY, IndentationFit, IndentationTest
 from dashpot.vibration.systems.contact import Collision
@@ -31,7 +31,7 @@ def judge(
     hit: Collision,
     test: IndentationTest,
     *,
-    contact: Contact,
+    contact: ContactInterval,
     clipped: int,
     others: Sequence[tuple[str, Sequence[Found]]],
 ) -> tuple[Check, ...]:
