@@ -6,7 +6,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.plot.direct import FREQUENCY
-from dashpot.plot.modulus import TIME
+from dashpot.plot.modulus_figure import TIME
 from dashpot.plot.picture import (
     FIT,
     REF,

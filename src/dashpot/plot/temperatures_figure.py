@@ -9,7 +9,7 @@ from dashpot.base.errors import DataError
 from dashpot.plot.picture import Axis, Line, Mark, Panel, Pen, Picture, around
 from dashpot.plot.relaxation import SINCE, fitted_force
 from dashpot.plot.stamps import of_fit
-from dashpot.plot.superposition import shift_panel
+from dashpot.plot.superposition_figure import shift_panel
 from dashpot.plot.thinning import extremes
 from dashpot.plot.tokens import sequential
 from dashpot.records.fit import Fit

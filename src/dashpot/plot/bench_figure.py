@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from dashpot.plot.creep import creep
-from dashpot.plot.modulus import modulus
+from dashpot.plot.creep_figure import creep
+from dashpot.plot.modulus_figure import modulus
 from dashpot.plot.picture import Picture
 from dashpot.plot.relaxation import fit
 from dashpot.plot.solid import stiffness
-from dashpot.plot.superposition import superposition
-from dashpot.plot.temperatures import temperatures
+from dashpot.plot.superposition_figure import superposition
+from dashpot.plot.temperatures_figure import temperatures
 from dashpot.records.creep import CreepCompliance, LoadHold
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.fit import Fit
