@@ -1160,6 +1160,18 @@ LEVEL = [
     Case("levels_as_struck", lambda x: level.levels_as_struck([2.0, x], [2.0, 1.0]), 1.99, 2.01),
     Case("levels_as_struck", lambda x: level.levels_as_struck([2.0, x], [2.0, 1.0]), 0.51, 0.49),
     Case("levels_held", lambda x: level.levels_held(["low.csv"] * int(x)), 0, 1),
+    Case(
+        "level_covered",
+        lambda x: level.level_covered(2e-3 * x, (1e-3, 2e-3), at="1 N"),
+        0.999,
+        1.001,
+    ),
+    Case(
+        "level_covered",
+        lambda x: level.level_covered(1e-3 / x, (1e-3, 2e-3), at="1 N"),
+        0.999,
+        1.001,
+    ),
 ]
 
 CLD = [
@@ -1206,6 +1218,13 @@ RELAXED = [
     Case("memory_suffices", relaxed.memory_suffices, 9.9, 10.1),
     Case("memories_agree", relaxed.memories_agree, 0.0499, 0.0501),
     Case("relaxed_agrees", lambda x: relaxed.relaxed_agrees(-x, 8e-3, 200.0), 0.0499, 0.0501),
+    Case("pieces_tested_alike", lambda x: relaxed.pieces_tested_alike(["speed"] * int(x)), 0, 1),
+    Case(
+        "pieces_capable",
+        lambda x: relaxed.pieces_capable(capability(np.array([-1.0, 0.0, 1.0]), -9.0, 3 * x), "N"),
+        1.331,
+        1.329,
+    ),
 ]
 
 LOTS = [
@@ -1271,25 +1290,6 @@ WORKFLOW = [
         lambda x: workflow.families_predict_alike(MODE, Mode(x, 0.05, 1j)),
         10.099,
         10.101,
-    ),
-    Case(
-        "level_covered",
-        lambda x: workflow.level_covered(2e-3 * x, (1e-3, 2e-3), at="1 N"),
-        0.999,
-        1.001,
-    ),
-    Case(
-        "level_covered",
-        lambda x: workflow.level_covered(1e-3 / x, (1e-3, 2e-3), at="1 N"),
-        0.999,
-        1.001,
-    ),
-    Case("pieces_tested_alike", lambda x: workflow.pieces_tested_alike(["speed"] * int(x)), 0, 1),
-    Case(
-        "pieces_capable",
-        lambda x: workflow.pieces_capable(capability(np.array([-1.0, 0.0, 1.0]), -9.0, 3 * x), "N"),
-        1.331,
-        1.329,
     ),
     Case("hold_fit_possible", lambda _: workflow.hold_fit_possible("two ramps"), None, 0),
     Case("history_present", workflow.history_present, 1, 0),
@@ -1442,12 +1442,13 @@ LIMITS = {
     "fitting/level": {
         "level_matters": 20, "amplitudes_spread": 3, "softening_seen": 2, "law_followed": 0.03,
         "levels_followed": 1.4, "loss_followed": 0.15, "spring_cubic": 20, "ways_agree": 0.03,
-        "levels_as_struck": 2, "levels_held": 0,
+        "levels_as_struck": 2, "levels_held": 0, "level_covered": 1,
     },
     "fitting/cld": {
         "memory_explains": 0.03, "stroke_within_memory": 1, "relaxed_agrees": 0.05,
         "memories_agree": 0.05, "memory_suffices": 10,
         "speeds_spread": 10, "speeds_followed": 2, "slowest_relaxed": 1, "memory_told": 0.5,
+        "pieces_tested_alike": 0, "pieces_capable": 1.33,
     },
     "lots": {"files_fitted": 0, "fits_usable": 0, "hammers_compared": 0,
              "tests_alike": 0, "records_distinct": 0, "seals_within_limits": 0,
@@ -1480,9 +1481,9 @@ LIMITS = {
         "mass_beside_rod": 100,
     },
     "workflow": {
-        "result_recomputed": 1e-7, "prediction_informed": 1, "level_covered": 1,
+        "result_recomputed": 1e-7, "prediction_informed": 1,
         "base_band_informed": 1,
-        "history_present": 1, "pieces_tested_alike": 0, "pieces_capable": 1.33,
+        "history_present": 1,
         "families_predict_alike": 1.1,
         "files_listed": 0, "page_redrawn": 0, "history_whole": 0,
     },

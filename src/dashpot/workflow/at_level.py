@@ -16,6 +16,7 @@ from dashpot.base.errors import DataError
 from dashpot.base.options import option
 from dashpot.base.provenance import Source
 from dashpot.base.units import Dimension, si
+from dashpot.fitting.level.checks import level_covered
 from dashpot.fitting.level.loops import sweep_of_loops
 from dashpot.fitting.level.sweep import fit_amplitude
 from dashpot.io.options import ReadOptions
@@ -29,7 +30,6 @@ from dashpot.records.relaxation import RelaxationTest
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.systems.level import mass_at_level
 from dashpot.vibration.systems.mounts import on_heavy_mounts
-from dashpot.workflow.checks import level_covered
 from dashpot.workflow.part import PartChoices
 
 STRAIN_FACTORS = (1.0, 1 / np.sqrt(3))

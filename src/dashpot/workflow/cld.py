@@ -14,6 +14,7 @@ from dashpot.base.capability import Capability, capability
 from dashpot.base.checks import Check, Checked, worst
 from dashpot.base.errors import ReadError
 from dashpot.base.units import Quantity, Range
+from dashpot.fitting.cld.checks import pieces_capable, pieces_tested_alike
 from dashpot.fitting.cld.relaxed import nearest
 from dashpot.fitting.cld.speeds import SAME_SPEED
 from dashpot.io.options import ReadOptions
@@ -22,7 +23,6 @@ from dashpot.records.cld import CLD, AtCompression, CompressionTest, Cycle, Rate
 from dashpot.records.fit import Fit
 from dashpot.records.specimen import Specimen
 from dashpot.solids.elastic import ElasticLaw
-from dashpot.workflow.checks import pieces_capable, pieces_tested_alike
 
 _ALIKE = 0.05
 """Relative difference of depths and speeds that are one."""

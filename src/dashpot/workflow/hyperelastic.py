@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Literal
 
 from dashpot.base.errors import DataError, FitError, ReadError
-from dashpot.fitting.cld.relaxed import memory_of
 from dashpot.fitting.hyperelastic.fit import LawName, fit_hyperelastic
+from dashpot.fitting.parameters import memory_of
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.hyperelastic import Measures, read_stress_strain
 from dashpot.records.fit import Fit
@@ -72,7 +72,7 @@ def hyperelastic_files(
             law=law,
             terms=terms,
             poisson=poisson,
-            memory=None if memory is None else memory_of(memory),
+            memory=None if memory is None else memory_of(memory.model),
             cycle=None if options is None else options.cycle,
             stretches=stretches,
             temperature=temperature,

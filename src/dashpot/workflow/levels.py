@@ -14,7 +14,7 @@ from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Source
 from dashpot.base.units import Quantity, si
-from dashpot.fitting.level.checks import levels_as_struck
+from dashpot.fitting.level.checks import level_covered, levels_as_struck
 from dashpot.fitting.level.frfs import fit_levels
 from dashpot.fitting.level.hits import HitLevels, hits_as_levels
 from dashpot.fitting.level.response import resonance_at_level
@@ -34,7 +34,6 @@ from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.vibration.impact.hits import cut_hits
 from dashpot.workflow.archive import document
 from dashpot.workflow.at_level import HITS, RESPONSES, amplitude_file
-from dashpot.workflow.checks import level_covered
 from dashpot.workflow.level_document import LevelDocument, PeakAtLevel
 from dashpot.workflow.measured import as_measured
 

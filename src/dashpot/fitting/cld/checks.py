@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import pi
 
+from dashpot.base.capability import Capability
 from dashpot.base.checks import Finding, criterion
 from dashpot.base.status import Status
 
@@ -134,4 +136,28 @@ def memory_told(error: float | None) -> Finding:
         f"the least known relaxation time is known to a factor of {1 + error:.3g}",
         error,
         ": more speeds, or fewer arms",
+    )
+
+
+@criterion("conditions that differ", "<=", 0, "by definition")
+def pieces_tested_alike(otherwise: Sequence[str]) -> Finding:
+    """Pieces were pressed alike: speed, depth, cycle and temperature, so that they may scatter."""
+    return Finding(
+        "the pieces were tested alike",
+        len(otherwise),
+        instead=f"the pieces were not tested alike ({'; '.join(otherwise)}): part of their "
+        "scatter is the testing's",
+    )
+
+
+@criterion("Cpk", ">=", 1.33, "AIAG's usual demand of a process that is known")
+def pieces_capable(of: Capability, unit: str) -> Finding:
+    """The force at the nominal compression keeps to its limits by a margin."""
+    low, high = of.cpk_interval or (0.0, 0.0)
+    return Finding(
+        f"Cpk of the force at the nominal compression is "
+        f"{'unknown' if of.cpk is None else f'{of.cpk:.2f}'} ({low:.2f} to {high:.2f}, "
+        f"{of.count} pieces, {of.lower:g} to {of.upper:g} {unit})",
+        of.cpk,
+        ": test more pieces" if high >= 1.33 else ": they scatter too much, or lie off centre",
     )

@@ -25,12 +25,11 @@ from dashpot.engine.inference.estimate import estimate
 from dashpot.engine.least_squares.problem import ordinary
 from dashpot.fitting.cld import checks
 from dashpot.fitting.nonlinear_ramp.quasi_linear import hat_integrals
-from dashpot.fitting.parameters import off_by_error
+from dashpot.fitting.parameters import memory_of, off_by_error
 from dashpot.preparation.cld.figures import WINDOW, local
 from dashpot.records.cld import CLD, Branch, RelaxedLaw
 from dashpot.records.fit import Fit
 from dashpot.solids.elastic import ElasticLaw
-from dashpot.solids.maxwell import GeneralizedMaxwell
 
 KNOTS = (2, 3, 5, 9, 13, 17)
 _AS_WELL = 1.05
@@ -65,7 +64,7 @@ def relaxed_law(found: CLD, fit: Fit | Sequence[Fit]) -> RelaxedLaw:
     """
     fits = (fit,) if isinstance(fit, Fit) else tuple(fit)
     fit = nearest(found, fits)
-    memory = memory_of(fit)
+    memory = memory_of(fit.model)
     time = clock_of(found)
     e = memory.displacement(time, found.force)
     cycle = found.cycle
@@ -78,7 +77,7 @@ def relaxed_law(found: CLD, fit: Fit | Sequence[Fit]) -> RelaxedLaw:
     others = tuple(
         _law(
             found.compression[rows],
-            _unit(other.maxwell).displacement(time, found.force)[rows],
+            memory_of(other.maxwell).displacement(time, found.force)[rows],
             np.asarray(curve.law.knots),
         ).law
         for other in off_by_error(fit)
@@ -123,22 +122,8 @@ def _apart(fits: Sequence[Fit], stroke: float | None) -> float | None:
     if stroke is None:
         return None
     t = np.geomspace(stroke / 20, stroke, 12)
-    curves = np.stack([memory_of(one).relaxation(t) for one in fits])
+    curves = np.stack([memory_of(one.model).relaxation(t) for one in fits])
     return float((curves.max(axis=0) / curves.min(axis=0) - 1).max())
-
-
-def memory_of(fit: Fit) -> GeneralizedMaxwell:
-    """Return the arms of a fit over its stiffness at rest: a solid whose k_inf is 1."""
-    return _unit(fit.model)
-
-
-def _unit(model: GeneralizedMaxwell) -> GeneralizedMaxwell:
-    if not model.k_inf > 0:
-        raise FitError(
-            "the relaxation test found no stiffness at rest, so that its memory has no scale; "
-            "hold it longer"
-        )
-    return model * (1 / model.k_inf)
 
 
 def depth_of(fit: Fit) -> float:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from dashpot.base.checks import Finding, criterion
+from dashpot.base.numbers import READ_IN
 
 MATTERS = 20.0
 FAR_ENOUGH = 2.0
@@ -158,4 +159,24 @@ def levels_followed(residual: float, noise: float | None) -> Finding:
         ": no arms, sliders and cubic spring explain every level; check the mass, which level "
         "belongs to which FRF, and the phase between the channels",
         grade="stop" if residual > LOST else "limit",
+    )
+
+
+@criterion("distance from the range, a factor", "<=", 1.0, "the amplitudes of the tests")
+def level_covered(
+    amplitude: float, tested: tuple[float, float], *, at: str, of: str = "m"
+) -> Finding:
+    """At the level asked for the seal moves as far as it did in a test."""
+    scale, unit = READ_IN[of]
+    low, high = tested
+    factor = max(amplitude / high, low / amplitude)
+    says = (
+        f"at {at} the seal {'moves' if of == 'm' else 'is moved by'} {scale * amplitude:.3g} {unit}"
+    )
+    range_ = f"{scale * low:.3g} to {scale * high:.3g} {unit} of the tests"
+    return Finding(
+        f"{says}, within the {range_}",
+        factor,
+        instead=f"{says}, {factor:.3g} times beyond the {range_}: what slips there nobody has "
+        "measured; test at that level",
     )

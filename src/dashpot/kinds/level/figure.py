@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.provenance import sources_of
 from dashpot.fitting.level.frfs import rows_at_level
 from dashpot.fitting.level.hits import HitLevels
 from dashpot.fitting.level.loops import Cycle, steady_cycles, sweep_of_loops
@@ -138,7 +139,8 @@ def amplitude_sweep(
     """
     strips = tuple((panel,) for panel in _over_amplitude(sweep, fit))
     caption = "Storage and loss over amplitude, measured, and the law fitted to them."
-    return Picture("amplitude", caption, strips, 2, stamp or of_test(sweep), width=_WIDE)
+    stamp = stamp or stamped(sources_of([sweep]), sweep.specimen)
+    return Picture("amplitude", caption, strips, 2, stamp, width=_WIDE)
 
 
 def frfs_at_levels(fit: LevelFit, frfs: Sequence[FRF], *, stamp: str = "") -> Picture:
