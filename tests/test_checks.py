@@ -28,13 +28,15 @@ from dashpot.fitting.cld import checks as relaxed
 from dashpot.fitting.fractional import checks as fractional
 from dashpot.fitting.hyperelastic import checks as hyper
 from dashpot.fitting.identification import checks as identification
-from dashpot.fitting.indentation import checks as indentation
 from dashpot.fitting.level import checks as level
 from dashpot.fitting.nonlinear_ramp import checks as ramp
 from dashpot.fitting.repeats import EndStiffness
 from dashpot.fitting.shift_law import LawScore, OddOne
 from dashpot.fitting.temperature import checks as several
 from dashpot.io.readers import checks as reading
+from dashpot.kinds.indentation import checks as indentation
+from dashpot.kinds.indentation.contact_law import ViscousContact
+from dashpot.kinds.indentation.record import IndentationFit, Indenter
 from dashpot.lots import checks as lots
 from dashpot.planning import checks as planning
 from dashpot.planning.expected import Pulse, RecordNeed
@@ -52,13 +54,11 @@ from dashpot.records.fit import Explanation
 from dashpot.records.found import Found
 from dashpot.records.frf import FRF, Hit, Mode
 from dashpot.records.frf_set import ModeShape
-from dashpot.records.indentation import IndentationFit, Indenter
 from dashpot.records.relaxation import RampHold
 from dashpot.records.shaken import ShakenTest
 from dashpot.records.specimen import Specimen
 from dashpot.records.temperature import Shift, TemperatureShifts
 from dashpot.seals import checks as seals
-from dashpot.solids.contact import ViscousContact
 from dashpot.solids.interconversion import CreepSpectrum
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.table_1 import PAPER
@@ -1355,7 +1355,7 @@ STAGES = {
     "fitting/fractional": FRACTIONAL,
     "fitting/temperature": TEMPERATURE,
     "fitting/hyperelastic": HYPERELASTIC,
-    "fitting/indentation": INDENTATION,
+    "kinds/indentation": INDENTATION,
     "fitting/level": LEVEL,
     "fitting/cld": RELAXED,
     "lots": LOTS,
@@ -1433,7 +1433,7 @@ LIMITS = {
         "loading_returned": 0.1, "conditioned": 0.05, "zero_known": 0.005, "labels_agree": 3,
         "measures_stated": 0.1,
     },
-    "fitting/indentation": {
+    "kinds/indentation": {
         "contact_sampled": 20, "flights_recorded": 0.1, "sensor_in_range": 0, "first_contact": 0,
         "law_followed": 1.5, "released_freely": -0.02, "parameters_known": 1.25, "laws_agree": 0.05,
         "velocity_agrees": 1.1, "gravity_known": 0.01, "force_agrees": 1.1,

@@ -25,7 +25,6 @@ from .fitting.hyperelastic.fit import fit_hyperelastic as fit_hyperelastic
 from .fitting.identification.asked import HammerRig as HammerRig
 from .fitting.identification.asked import KnownSolid as KnownSolid
 from .fitting.identification.identify import identify as identify
-from .fitting.indentation.fit import fit_indentation as fit_indentation
 from .fitting.level.frfs import fit_levels as fit_levels
 from .fitting.level.sweep import fit_amplitude as fit_amplitude
 from .fitting.modulus import fit_modulus as fit_modulus
@@ -45,12 +44,16 @@ from .io.readers.frf import read_frf as read_frf
 from .io.readers.frf_set import read_frfs as read_frfs
 from .io.readers.hyperelastic import read_stress_strain as read_stress_strain
 from .io.readers.impact import read_impact as read_impact
-from .io.readers.indentation import read_indentation as read_indentation
 from .io.readers.inspect import inspect_file as inspect_file
 from .io.readers.modulus import read_modulus as read_modulus
 from .io.readers.relaxation import read_relaxation as read_relaxation
 from .io.readers.shifts import read_shifts as read_shifts
 from .io.readers.trajectory import read_trajectory as read_trajectory
+from .kinds.indentation.fit import fit_indentation as fit_indentation
+from .kinds.indentation.read import read_indentation as read_indentation
+from .kinds.indentation.record import IndentationFit as IndentationFit
+from .kinds.indentation.record import IndentationTest as IndentationTest
+from .kinds.indentation.record import Indenter as Indenter
 from .lots.batches import batch as batch
 from .lots.lot import Lot as Lot
 from .planning.bench import Bench as Bench
@@ -78,9 +81,6 @@ from .records.frf_set import FRFSet as FRFSet
 from .records.hyperelastic import HyperelasticFit as HyperelasticFit
 from .records.hyperelastic import StressStrainTest as StressStrainTest
 from .records.impact import ImpactTest as ImpactTest
-from .records.indentation import IndentationFit as IndentationFit
-from .records.indentation import IndentationTest as IndentationTest
-from .records.indentation import Indenter as Indenter
 from .records.level import LevelFit as LevelFit
 from .records.machine import Machine as Machine
 from .records.modulus import RelaxationModulus as RelaxationModulus

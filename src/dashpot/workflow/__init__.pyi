@@ -1,3 +1,6 @@
+from dashpot.kinds.indentation.from_files import Indentation as Indentation
+from dashpot.kinds.indentation.from_files import indent_file as indent_file
+
 from .archive import document as document
 from .cld import Pieces as Pieces
 from .cld import cld_files as cld_files
@@ -19,8 +22,6 @@ from .impacts import direct_document as direct_document
 from .impacts import direct_table as direct_table
 from .impacts import identify_files as identify_files
 from .impacts import impact_files as impact_files
-from .indentations import Indentation as Indentation
-from .indentations import indent_file as indent_file
 from .inspections import InspectedFile as InspectedFile
 from .inspections import Inspections as Inspections
 from .inspections import inspect_files as inspect_files

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from dashpot.base.numbers import rounded
+from dashpot.kinds.indentation.record import UNITS, IndentationFit
 from dashpot.plot.picture import FIT, REF, Axis, Dots, Line, Panel, Picture, Rule, Span, around
 from dashpot.plot.stamps import stamp as stamped
-from dashpot.records.indentation import UNITS, IndentationFit
 
 
 def indentation(fit: IndentationFit, *, stamp: str = "") -> Picture:

@@ -8,7 +8,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray, median
 from dashpot.base.errors import DataError
-from dashpot.records.indentation import IndentationTest
+from dashpot.kinds.indentation.record import IndentationTest
 
 _DERIVATIVES = {"acceleration": 0, "force": 0, "velocity": 1, "displacement": 2}
 """How often a record is differentiated to show the push."""

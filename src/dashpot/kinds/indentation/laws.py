@@ -18,9 +18,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.engine.least_squares.problem import Parameter
-from dashpot.records.indentation import Motion
-from dashpot.solids.contact import SPHERE, ContactLaw, RelaxingContact, ViscousContact
-from dashpot.vibration.systems.contact import (
+from dashpot.kinds.indentation.collision import (
     Collision,
     Shape,
     relaxing,
@@ -28,6 +26,13 @@ from dashpot.vibration.systems.contact import (
     stiffness_of,
     viscous,
 )
+from dashpot.kinds.indentation.contact_law import (
+    SPHERE,
+    ContactLaw,
+    RelaxingContact,
+    ViscousContact,
+)
+from dashpot.kinds.indentation.record import Motion
 
 _SLIGHT = np.array([0.02, 1.0])
 """Of a loss and a time, whose arsinh in this unit is the parameter: by what is less a record

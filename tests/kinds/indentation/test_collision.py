@@ -7,14 +7,14 @@ import pytest
 from kit import contacts
 
 from dashpot.base.errors import DataError
-from dashpot.solids.contact import (
+from dashpot.kinds.indentation.collision import collide
+from dashpot.kinds.indentation.contact_law import (
     RelaxingContact,
     ViscousContact,
     kelvin_voigt,
     reduced_modulus,
     sphere_stiffness,
 )
-from dashpot.vibration.systems.contact import collide
 
 pytestmark = pytest.mark.once
 

@@ -21,7 +21,7 @@ import numpy as np
 
 from dashpot.base.arrays import ByValue, FloatArray, positive
 from dashpot.base.errors import DataError
-from dashpot.solids.contact import ContactLaw, ViscousContact
+from dashpot.kinds.indentation.contact_law import ContactLaw, ViscousContact
 
 _STEP, _RELAXING_STEP = 0.03, 0.045
 """Of the march; a lossless contact is some five long. The motion is right to 1e-8, that of a solid

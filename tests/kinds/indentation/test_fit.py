@@ -12,10 +12,10 @@ from kit.slopes import hold_slopes
 
 from dashpot import IndentationTest, Indenter, fit_indentation
 from dashpot.base.errors import DataError
-from dashpot.fitting.indentation import fit
-from dashpot.fitting.indentation.checks import parameters_known
-from dashpot.fitting.indentation.contacts import largest_contact
-from dashpot.fitting.indentation.laws import LAWS
+from dashpot.kinds.indentation import fit
+from dashpot.kinds.indentation.checks import parameters_known
+from dashpot.kinds.indentation.laws import LAWS
+from dashpot.kinds.indentation.prepare import largest_contact
 
 pytestmark = pytest.mark.once
 

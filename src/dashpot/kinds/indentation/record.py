@@ -15,8 +15,8 @@ from dashpot.base.offered import Described
 from dashpot.base.options import option
 from dashpot.base.provenance import Source, of_file
 from dashpot.base.units import si_fields
+from dashpot.kinds.indentation.contact_law import ContactLaw
 from dashpot.records.found import Found, Numbered
-from dashpot.solids.contact import ContactLaw
 
 GRAVITY = 9.80665
 Motion: TypeAlias = Literal["acceleration", "velocity", "displacement", "force"]

@@ -8,11 +8,11 @@ from typing import Any
 
 from dashpot.base.checks import Check, Verdict
 from dashpot.base.errors import DataError, ReadError
-from dashpot.fitting.indentation.fit import LawName, fit_indentation
 from dashpot.io.options import ReadOptions
-from dashpot.io.readers.indentation import read_indentation
 from dashpot.io.source import about
-from dashpot.records.indentation import IndentationFit, Indenter
+from dashpot.kinds.indentation.fit import LawName, fit_indentation
+from dashpot.kinds.indentation.read import read_indentation
+from dashpot.kinds.indentation.record import IndentationFit, Indenter
 
 
 @dataclass(frozen=True)
@@ -73,7 +73,7 @@ def indent_file(
     indenter : Indenter
         With its mass.
     law : str
-        As :func:`~dashpot.fitting.indentation.fit.fit_indentation` takes it.
+        As :func:`~dashpot.kinds.indentation.fit.fit_indentation` takes it.
     options : ReadOptions, optional
         What the user said of the file.
     """

@@ -25,13 +25,18 @@ from dashpot.base.errors import DataError, FitError
 from dashpot.engine.inference.covariance import noise_of
 from dashpot.engine.inference.estimate import Estimate, Slice, estimate, score
 from dashpot.engine.least_squares.problem import Optimum, Parameter, Problem, Rows
-from dashpot.fitting.indentation import checks
-from dashpot.fitting.indentation.contacts import Contact, largest_contact
-from dashpot.fitting.indentation.laws import LAWS, STEP, Law, Recorded, recorded
+from dashpot.kinds.indentation import checks
+from dashpot.kinds.indentation.collision import Collision
+from dashpot.kinds.indentation.contact_law import (
+    ContactLaw,
+    RelaxingContact,
+    ViscousContact,
+    reduced_modulus,
+)
+from dashpot.kinds.indentation.laws import LAWS, STEP, Law, Recorded, recorded
+from dashpot.kinds.indentation.prepare import Contact, largest_contact
+from dashpot.kinds.indentation.record import IndentationFit, IndentationTest
 from dashpot.records.found import Found
-from dashpot.records.indentation import IndentationFit, IndentationTest
-from dashpot.solids.contact import ContactLaw, RelaxingContact, ViscousContact, reduced_modulus
-from dashpot.vibration.systems.contact import Collision
 
 _ABOUT = 1.0
 """How much of the flights is taken to either side, in times of the contact."""

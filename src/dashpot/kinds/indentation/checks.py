@@ -7,10 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from dashpot.base.checks import Check, Finding, criterion
-from dashpot.fitting.indentation.contacts import Contact
+from dashpot.kinds.indentation.collision import Collision
+from dashpot.kinds.indentation.prepare import Contact
+from dashpot.kinds.indentation.record import GRAVITY, IndentationFit, IndentationTest
 from dashpot.records.found import Found
-from dashpot.records.indentation import GRAVITY, IndentationFit, IndentationTest
-from dashpot.vibration.systems.contact import Collision
 
 SAMPLED = 20
 FLIGHT = 0.1
