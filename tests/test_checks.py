@@ -26,7 +26,6 @@ from dashpot.export import checks as export
 from dashpot.fitting.checks import creep, curves, relaxation, solid, temperature
 from dashpot.fitting.cld import checks as relaxed
 from dashpot.fitting.fractional import checks as fractional
-from dashpot.fitting.hyperelastic import checks as hyper
 from dashpot.fitting.identification import checks as identification
 from dashpot.fitting.level import checks as level
 from dashpot.fitting.nonlinear_ramp import checks as ramp
@@ -34,6 +33,7 @@ from dashpot.fitting.repeats import EndStiffness
 from dashpot.fitting.shift_law import LawScore, OddOne
 from dashpot.fitting.temperature import checks as several
 from dashpot.io.readers import checks as reading
+from dashpot.kinds.hyperelastic import checks as hyper
 from dashpot.kinds.indentation import checks as indentation
 from dashpot.kinds.indentation.contact_law import ViscousContact
 from dashpot.kinds.indentation.record import IndentationFit, Indenter
@@ -1354,7 +1354,7 @@ STAGES = {
     "fitting/nonlinear_ramp": RAMP,
     "fitting/fractional": FRACTIONAL,
     "fitting/temperature": TEMPERATURE,
-    "fitting/hyperelastic": HYPERELASTIC,
+    "kinds/hyperelastic": HYPERELASTIC,
     "kinds/indentation": INDENTATION,
     "fitting/level": LEVEL,
     "fitting/cld": RELAXED,
@@ -1427,7 +1427,7 @@ LIMITS = {
         "gain_believable": 2.5, "delay_believable": 2.5, "stiffness_believable": 2.5,
         "earlier_fit_kept": 2.5, "dashpot_not_missed": 50, "arms_identified": 0.5,
     },
-    "fitting/hyperelastic": {
+    "kinds/hyperelastic": {
         "law_followed": 0.05, "no_law_closer": 2, "stable_in_use": 0, "modes_told": 0.1,
         "use_measured": 1, "constants_known": 0.25, "rows_enough": 4, "files_agree": 0.05,
         "loading_returned": 0.1, "conditioned": 0.05, "zero_known": 0.005, "labels_agree": 3,
@@ -1505,7 +1505,7 @@ GRADES = {
         "fitting/identification": {"dashpot_not_missed"},
         "fitting/temperature": {"shifts_told_apart"},
         "fitting/level": {"level_matters"},
-        "fitting/hyperelastic": {"volume_known"},
+        "kinds/hyperelastic": {"volume_known"},
         "fitting/nonlinear_ramp": {"clocks_agree", "offset_believable", "drift_believable"},
         "workflow": {
             "hold_fit_possible", "history_complete", "files_listed", "base_band_informed",
@@ -1529,7 +1529,7 @@ GRADES = {
             "frequencies_informed",
             "same_specimen",
         },
-        "fitting/hyperelastic": {"stable_in_use"},
+        "kinds/hyperelastic": {"stable_in_use"},
         "fitting/identification": {"tests_agree"},
         "vibration/comparison": {"no_unit_slip"},
         "vibration/impact": {

@@ -21,7 +21,6 @@ from .fitting.creep import fit_creep as fit_creep
 from .fitting.depth import fit_depths as fit_depths
 from .fitting.dynamic import fit_dynamic as fit_dynamic
 from .fitting.fit_many import fit_many as fit_many
-from .fitting.hyperelastic.fit import fit_hyperelastic as fit_hyperelastic
 from .fitting.identification.asked import HammerRig as HammerRig
 from .fitting.identification.asked import KnownSolid as KnownSolid
 from .fitting.identification.identify import identify as identify
@@ -42,13 +41,16 @@ from .io.readers.dynamic import read_dynamic as read_dynamic
 from .io.readers.free_modes import read_modes as read_modes
 from .io.readers.frf import read_frf as read_frf
 from .io.readers.frf_set import read_frfs as read_frfs
-from .io.readers.hyperelastic import read_stress_strain as read_stress_strain
 from .io.readers.impact import read_impact as read_impact
 from .io.readers.inspect import inspect_file as inspect_file
 from .io.readers.modulus import read_modulus as read_modulus
 from .io.readers.relaxation import read_relaxation as read_relaxation
 from .io.readers.shifts import read_shifts as read_shifts
 from .io.readers.trajectory import read_trajectory as read_trajectory
+from .kinds.hyperelastic.fit import fit_hyperelastic as fit_hyperelastic
+from .kinds.hyperelastic.read import read_stress_strain as read_stress_strain
+from .kinds.hyperelastic.record import HyperelasticFit as HyperelasticFit
+from .kinds.hyperelastic.record import StressStrainTest as StressStrainTest
 from .kinds.indentation.fit import fit_indentation as fit_indentation
 from .kinds.indentation.read import read_indentation as read_indentation
 from .kinds.indentation.record import IndentationFit as IndentationFit
@@ -78,8 +80,6 @@ from .records.fit import Fit as Fit
 from .records.free_modes import FreeModes as FreeModes
 from .records.frf import FRF as FRF
 from .records.frf_set import FRFSet as FRFSet
-from .records.hyperelastic import HyperelasticFit as HyperelasticFit
-from .records.hyperelastic import StressStrainTest as StressStrainTest
 from .records.impact import ImpactTest as ImpactTest
 from .records.level import LevelFit as LevelFit
 from .records.machine import Machine as Machine

@@ -27,8 +27,8 @@ from dashpot.export.deck import DeckText
 from dashpot.export.hyperelastic import hyperelastic_card
 from dashpot.export.notation import UNIT_SYSTEMS
 from dashpot.export.opening import PROBLEMS
+from dashpot.kinds.hyperelastic.record import HyperelasticFit
 from dashpot.records.fit import Fit
-from dashpot.records.hyperelastic import HyperelasticFit
 from dashpot.records.level import LevelFit
 
 _MODULES = {

@@ -1,3 +1,4 @@
+from dashpot.kinds.hyperelastic.from_files import hyperelastic_files as hyperelastic_files
 from dashpot.kinds.indentation.from_files import Indentation as Indentation
 from dashpot.kinds.indentation.from_files import indent_file as indent_file
 
@@ -14,7 +15,6 @@ from .examples import EXAMPLES as EXAMPLES
 from .examples import FIRST as FIRST
 from .examples import MASS as MASS
 from .fits import fit_files as fit_files
-from .hyperelastic import hyperelastic_files as hyperelastic_files
 from .impacts import Agreement as Agreement
 from .impacts import ImpactResult as ImpactResult
 from .impacts import compare_files as compare_files

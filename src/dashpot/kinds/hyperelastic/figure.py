@@ -6,6 +6,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.numbers import rounded
+from dashpot.kinds.hyperelastic.record import HyperelasticFit
 from dashpot.plot.picture import (
     FIT,
     PREDICTED,
@@ -22,7 +23,6 @@ from dashpot.plot.picture import (
     around,
 )
 from dashpot.plot.stamps import stamp as stamped
-from dashpot.records.hyperelastic import HyperelasticFit
 from dashpot.solids.hyperelastic import SHEARING, Mode
 
 _MARGIN = 0.08

@@ -10,11 +10,11 @@ from kit.rubber import FOAM, MEMORY, RUBBER, at_rate, loaded
 from kit.slopes import hold_slopes
 
 from dashpot.base.errors import FitError
-from dashpot.fitting.hyperelastic import checks
-from dashpot.fitting.hyperelastic.curves import elastic_curve
-from dashpot.fitting.hyperelastic.fit import fit_hyperelastic
-from dashpot.fitting.hyperelastic.solving import power_law, weighed
-from dashpot.records.hyperelastic import StressStrainTest
+from dashpot.kinds.hyperelastic import checks
+from dashpot.kinds.hyperelastic.fit import fit_hyperelastic
+from dashpot.kinds.hyperelastic.prepare import elastic_curve
+from dashpot.kinds.hyperelastic.record import StressStrainTest
+from dashpot.kinds.hyperelastic.solving import power_law, weighed
 from dashpot.solids.hyperelastic import SHEARING, Hyperelastic
 
 pytestmark = pytest.mark.once

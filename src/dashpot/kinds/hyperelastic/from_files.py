@@ -6,12 +6,12 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Literal
 
 from dashpot.base.errors import DataError, FitError, ReadError
-from dashpot.fitting.hyperelastic.fit import LawName, fit_hyperelastic
 from dashpot.fitting.parameters import memory_of
 from dashpot.io.options import ReadOptions
-from dashpot.io.readers.hyperelastic import Measures, read_stress_strain
+from dashpot.kinds.hyperelastic.fit import LawName, fit_hyperelastic
+from dashpot.kinds.hyperelastic.read import Measures, read_stress_strain
+from dashpot.kinds.hyperelastic.record import HyperelasticFit, Span
 from dashpot.records.fit import Fit
-from dashpot.records.hyperelastic import HyperelasticFit, Span
 from dashpot.records.specimen import Specimen
 from dashpot.solids.hyperelastic import Mode
 
@@ -47,7 +47,7 @@ def hyperelastic_files(
     memory : Fit, optional
         Of a relaxation test of the material: its memory is taken off.
     law, terms, poisson, stretches
-        As :func:`~dashpot.fitting.hyperelastic.fit.fit_hyperelastic` takes them.
+        As :func:`~dashpot.kinds.hyperelastic.fit.fit_hyperelastic` takes them.
     measures : Measures, optional
     specimen : Specimen, optional
         Its temperature goes into decks.

@@ -13,9 +13,10 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import FitError
 from dashpot.engine.inference.estimate import estimate, score
 from dashpot.engine.least_squares.problem import ordinary
-from dashpot.fitting.hyperelastic import checks
-from dashpot.fitting.hyperelastic.curves import elastic_curve
-from dashpot.fitting.hyperelastic.solving import (
+from dashpot.kinds.hyperelastic import checks
+from dashpot.kinds.hyperelastic.prepare import elastic_curve
+from dashpot.kinds.hyperelastic.record import ElasticCurve, HyperelasticFit, Span, StressStrainTest
+from dashpot.kinds.hyperelastic.solving import (
     EXACT,
     Solution,
     Weighed,
@@ -24,7 +25,6 @@ from dashpot.fitting.hyperelastic.solving import (
     weighed,
 )
 from dashpot.records.found import Found
-from dashpot.records.hyperelastic import ElasticCurve, HyperelasticFit, Span, StressStrainTest
 from dashpot.solids.hyperelastic import KINDS, SHEARING, Hyperelastic, Kind, Mode, direction
 from dashpot.solids.maxwell import GeneralizedMaxwell
 

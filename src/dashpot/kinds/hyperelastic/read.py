@@ -18,7 +18,7 @@ from dashpot.io.options import ReadOptions
 from dashpot.io.readers import channels, checks
 from dashpot.io.readers.channels import Channel, Opened
 from dashpot.io.readers.relaxation import signals
-from dashpot.records.hyperelastic import StressStrainTest
+from dashpot.kinds.hyperelastic.record import StressStrainTest
 from dashpot.solids.hyperelastic import Mode
 
 _CHOICES = ("auto", "nominal", "true")

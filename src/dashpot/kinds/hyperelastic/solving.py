@@ -19,7 +19,7 @@ from dashpot.base.arrays import FloatArray
 from dashpot.engine.least_squares.descent import triangle
 from dashpot.engine.least_squares.nnls import linear
 from dashpot.engine.least_squares.problem import Optimum, Parameter, Problem, Rows, ordinary, solved
-from dashpot.records.hyperelastic import ElasticCurve
+from dashpot.kinds.hyperelastic.record import ElasticCurve
 from dashpot.solids.hyperelastic import (
     POWERS,
     Hyperelastic,

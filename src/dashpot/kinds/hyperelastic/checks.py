@@ -11,8 +11,8 @@ import numpy as np
 
 from dashpot.base.checks import Check, Finding, criterion
 from dashpot.engine.inference.estimate import Derived
-from dashpot.fitting.hyperelastic.solving import Solution, closest
-from dashpot.records.hyperelastic import ElasticCurve, HyperelasticFit, Span
+from dashpot.kinds.hyperelastic.record import ElasticCurve, HyperelasticFit, Span
+from dashpot.kinds.hyperelastic.solving import Solution, closest
 from dashpot.solids.hyperelastic import SHEARING, Hyperelastic, Mode, direction
 
 FOLLOWED = 0.05
