@@ -24,7 +24,6 @@ from dashpot.engine.inference.covariance import Noise, nearly_white, noise_of
 from dashpot.engine.inference.order import DECISIVE, Choice, choose
 from dashpot.export import checks as export
 from dashpot.fitting.checks import creep, curves, relaxation, solid, temperature
-from dashpot.fitting.cld import checks as relaxed
 from dashpot.fitting.fractional import checks as fractional
 from dashpot.fitting.identification import checks as identification
 from dashpot.fitting.level import checks as level
@@ -33,6 +32,7 @@ from dashpot.fitting.repeats import EndStiffness
 from dashpot.fitting.shift_law import LawScore, OddOne
 from dashpot.fitting.temperature import checks as several
 from dashpot.io.readers import checks as reading
+from dashpot.kinds.cld import checks as cld
 from dashpot.kinds.hyperelastic import checks as hyper
 from dashpot.kinds.indentation import checks as indentation
 from dashpot.kinds.indentation.contact_law import ViscousContact
@@ -41,7 +41,6 @@ from dashpot.lots import checks as lots
 from dashpot.planning import checks as planning
 from dashpot.planning.expected import Pulse, RecordNeed
 from dashpot.preparation import checks as preparation
-from dashpot.preparation.cld import checks as cld
 from dashpot.preparation.contact import Baseline, Touch
 from dashpot.preparation.filters import parse_filter
 from dashpot.preparation.segments import Cycle, Segment
@@ -1193,35 +1192,32 @@ CLD = [
     Case("energy_lost", cld.energy_lost, -0.0199, -0.0201),
     Case("unloading_recorded", lambda x: cld.unloading_recorded(recorded=bool(x)), 1, 0),
     Case("length_given", lambda x: cld.length_given(given=bool(x)), 1, 0),
-]
-
-RELAXED = [
-    Case("memory_explains", lambda x: relaxed.memory_explains(0.2, x), 0.0299, 0.0301),
-    Case("memory_explains", lambda x: relaxed.memory_explains(0.2, -x), 0.0299, 0.0301),
+    Case("memory_explains", lambda x: cld.memory_explains(0.2, x), 0.0299, 0.0301),
+    Case("memory_explains", lambda x: cld.memory_explains(0.2, -x), 0.0299, 0.0301),
     Case(
         "stroke_within_memory",
-        lambda x: relaxed.stroke_within_memory(x * 5 / np.pi, (0.1, 1.0)),
+        lambda x: cld.stroke_within_memory(x * 5 / np.pi, (0.1, 1.0)),
         1.0,
         1.01,
     ),
     Case(
         "stroke_within_memory",
-        lambda x: relaxed.stroke_within_memory(0.5 / np.pi / x, (0.1, 1.0)),
+        lambda x: cld.stroke_within_memory(0.5 / np.pi / x, (0.1, 1.0)),
         1.0,
         1.01,
     ),
-    Case("relaxed_agrees", lambda x: relaxed.relaxed_agrees(x, 8e-3, 200.0), 0.0499, 0.0501),
-    Case("speeds_spread", relaxed.speeds_spread, 10.01, 9.99),
-    Case("speeds_followed", lambda x: relaxed.speeds_followed(x * 5e-3, 5e-3, 2.0), 1.99, 2.01),
-    Case("slowest_relaxed", lambda x: relaxed.slowest_relaxed(x * 80.0, 80.0), 0.999, 1.001),
-    Case("memory_told", relaxed.memory_told, 0.499, 0.501),
-    Case("memory_suffices", relaxed.memory_suffices, 9.9, 10.1),
-    Case("memories_agree", relaxed.memories_agree, 0.0499, 0.0501),
-    Case("relaxed_agrees", lambda x: relaxed.relaxed_agrees(-x, 8e-3, 200.0), 0.0499, 0.0501),
-    Case("pieces_tested_alike", lambda x: relaxed.pieces_tested_alike(["speed"] * int(x)), 0, 1),
+    Case("relaxed_agrees", lambda x: cld.relaxed_agrees(x, 8e-3, 200.0), 0.0499, 0.0501),
+    Case("speeds_spread", cld.speeds_spread, 10.01, 9.99),
+    Case("speeds_followed", lambda x: cld.speeds_followed(x * 5e-3, 5e-3, 2.0), 1.99, 2.01),
+    Case("slowest_relaxed", lambda x: cld.slowest_relaxed(x * 80.0, 80.0), 0.999, 1.001),
+    Case("memory_told", cld.memory_told, 0.499, 0.501),
+    Case("memory_suffices", cld.memory_suffices, 9.9, 10.1),
+    Case("memories_agree", cld.memories_agree, 0.0499, 0.0501),
+    Case("relaxed_agrees", lambda x: cld.relaxed_agrees(-x, 8e-3, 200.0), 0.0499, 0.0501),
+    Case("pieces_tested_alike", lambda x: cld.pieces_tested_alike(["speed"] * int(x)), 0, 1),
     Case(
         "pieces_capable",
-        lambda x: relaxed.pieces_capable(capability(np.array([-1.0, 0.0, 1.0]), -9.0, 3 * x), "N"),
+        lambda x: cld.pieces_capable(capability(np.array([-1.0, 0.0, 1.0]), -9.0, 3 * x), "N"),
         1.331,
         1.329,
     ),
@@ -1348,7 +1344,7 @@ STAGES = {
     "export": EXPORT,
     "io/readers": READING,
     "preparation": PREPARATION,
-    "preparation/cld": CLD,
+    "kinds/cld": CLD,
     "fitting": [*FITTING, *CREEP],
     "fitting/identification": IDENTIFICATION,
     "fitting/nonlinear_ramp": RAMP,
@@ -1357,7 +1353,6 @@ STAGES = {
     "kinds/hyperelastic": HYPERELASTIC,
     "kinds/indentation": INDENTATION,
     "fitting/level": LEVEL,
-    "fitting/cld": RELAXED,
     "lots": LOTS,
     "planning": PLANNING,
     "vibration": VIBRATION,
@@ -1390,10 +1385,14 @@ LIMITS = {
         "depth_resolved": 0.005, "hold_is_still": 0.01, "hold_outlasts_ramp": 10,
         "ramp_sampled": 10, "strain_small": 0.2,
     },
-    "preparation/cld": {
+    "kinds/cld": {
         "zero_recorded": 0.05, "conditioned": 0.02, "depth_conditioned": 1.02,
         "compressions_reached": 1, "load_cell_steady": 0.02, "speed_even": 0.02,
         "energy_lost": -0.02, "released_freely": 0.01,
+        "memory_explains": 0.03, "stroke_within_memory": 1, "relaxed_agrees": 0.05,
+        "memories_agree": 0.05, "memory_suffices": 10,
+        "speeds_spread": 10, "speeds_followed": 2, "slowest_relaxed": 1, "memory_told": 0.5,
+        "pieces_tested_alike": 0, "pieces_capable": 1.33,
     },
     "fitting": {
         "same_specimen": 3,
@@ -1444,12 +1443,6 @@ LIMITS = {
         "levels_followed": 1.4, "loss_followed": 0.15, "spring_cubic": 20, "ways_agree": 0.03,
         "levels_as_struck": 2, "levels_held": 0, "level_covered": 1,
     },
-    "fitting/cld": {
-        "memory_explains": 0.03, "stroke_within_memory": 1, "relaxed_agrees": 0.05,
-        "memories_agree": 0.05, "memory_suffices": 10,
-        "speeds_spread": 10, "speeds_followed": 2, "slowest_relaxed": 1, "memory_told": 0.5,
-        "pieces_tested_alike": 0, "pieces_capable": 1.33,
-    },
     "lots": {"files_fitted": 0, "fits_usable": 0, "hammers_compared": 0,
              "tests_alike": 0, "records_distinct": 0, "seals_within_limits": 0,
              "stands_out_of_lot": 0, "asked_in_band": 0, "lots_tested_alike": 0,
@@ -1493,7 +1486,7 @@ GRADES = {
     "note": {
         "seals": {"line_closed", "faster_doors_close"},
         "lots": {"stands_out_of_lot"},
-        "preparation/cld": {"unloading_recorded", "length_given"},
+        "kinds/cld": {"unloading_recorded", "length_given"},
         "preparation": {
             "baseline_recorded", "single_loading", "overshoot_small", "range_used",
             "hold_outlasts_ramp", "load_held",
@@ -1512,7 +1505,7 @@ GRADES = {
         },
     },
     "stop": {
-        "preparation/cld": {"energy_lost"},
+        "kinds/cld": {"energy_lost"},
         "preparation": {
             "columns_plausible", "force_not_clipped", "force_resolved", "force_relaxes",
             "ramp_recorded",
@@ -1564,7 +1557,7 @@ ENDS = {
         "mass_believable": Status.TESTS_DISAGREE,
         "arms_identified": Status.NOT_IDENTIFIED,
     },
-    "fitting/cld": {"memory_told": Status.NOT_IDENTIFIED},
+    "kinds/cld": {"memory_told": Status.NOT_IDENTIFIED},
 }
 #: the gravest first
 GRAVEST_FIRST = (

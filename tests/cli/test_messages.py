@@ -66,7 +66,7 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "workflow/part.py": ("predict",),
     "workflow/levels.py": ("level",),
     "workflow/at_level.py": ("predict",),
-    "workflow/cld.py": ("cld",),
+    "kinds/cld/from_files.py": ("cld",),
     "workflow/checks.py:base_band_informed": ("predict",),
     "preparation/cld/": ("cld",),
     "fitting/cld/": ("cld",),

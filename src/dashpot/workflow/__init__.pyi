@@ -1,10 +1,10 @@
+from dashpot.kinds.cld.from_files import Pieces as Pieces
+from dashpot.kinds.cld.from_files import cld_files as cld_files
 from dashpot.kinds.hyperelastic.from_files import hyperelastic_files as hyperelastic_files
 from dashpot.kinds.indentation.from_files import Indentation as Indentation
 from dashpot.kinds.indentation.from_files import indent_file as indent_file
 
 from .archive import document as document
-from .cld import Pieces as Pieces
-from .cld import cld_files as cld_files
 from .closings import ClosingResult as ClosingResult
 from .closings import close_file as close_file
 from .doors import DoorResult as DoorResult

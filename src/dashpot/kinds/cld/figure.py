@@ -8,6 +8,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.provenance import sources_of
+from dashpot.kinds.cld.record import CLD, Branch, Cycle
 from dashpot.plot.picture import (
     FIT,
     REF,
@@ -23,7 +24,6 @@ from dashpot.plot.picture import (
 )
 from dashpot.plot.stamps import stamp as stamped
 from dashpot.plot.thinning import extremes
-from dashpot.records.cld import CLD, Branch, Cycle
 
 _FIRST = Pen("ref", 1.4, (2, 3)), "first cycle"
 _EARLIER = Pen("ref", 1.1), "other cycles"

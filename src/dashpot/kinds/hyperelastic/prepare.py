@@ -10,7 +10,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, IndexArray
 from dashpot.base.errors import FitError
 from dashpot.kinds.hyperelastic.record import ElasticCurve, StressStrainTest
-from dashpot.preparation.cld.strokes import Stroke, strokes_of
+from dashpot.preparation.strokes import Stroke, strokes_of
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 MOST_POINTS = 100

@@ -13,7 +13,7 @@ from dashpot.io.readers import channels, checks
 from dashpot.io.readers.channels import Channel, Opened
 from dashpot.io.readers.relaxation import signals
 from dashpot.io.readers.stated import recorded_temperature, stated_specimen
-from dashpot.records.cld import CompressionTest
+from dashpot.kinds.cld.record import CompressionTest
 from dashpot.records.specimen import Specimen
 
 _SIGNALS: tuple[Role, Role] = ("displacement", "force")

@@ -3,7 +3,7 @@ r"""Load deflection at several speeds: a spring and a dashpot that depend on com
 .. math:: F = F_e(x) + c(x)\,\dot x + \sum_j k_j \int_0^t e^{-(t-u)/\tau_j}\,dx(u)
 
 The arms are those of a linear solid, which one memory under a bent law
-(:mod:`~dashpot.fitting.cld.speeds`) are not; which of the two the speeds prefer BIC says. At given
+(:mod:`~dashpot.kinds.cld.speeds`) are not; which of the two the speeds prefer BIC says. At given
 relaxation times all is linear: tangents of :math:`F_e` on hats, c on hats, k, each >= 0.
 Source: E. Dikmen and I. Basdogan, ESDA2006-95402.
 """
@@ -21,10 +21,10 @@ from dashpot.engine.blocks.recorded import arm_columns
 from dashpot.engine.inference.estimate import estimate, score
 from dashpot.engine.inference.order import bic
 from dashpot.engine.least_squares.problem import Optimum, Parameter, Problem, Rows, solved
-from dashpot.fitting.cld import checks
-from dashpot.fitting.cld.speeds import KNOTS, Thinned, mean_slope, thinned_alike
 from dashpot.fitting.nonlinear_ramp.quasi_linear import hat_integrals
-from dashpot.records.cld import CLD, RateLaw
+from dashpot.kinds.cld import checks
+from dashpot.kinds.cld.record import CLD, RateLaw
+from dashpot.kinds.cld.speeds import KNOTS, Thinned, mean_slope, thinned_alike
 from dashpot.records.fit import Fit
 from dashpot.solids.elastic import ElasticLaw
 
@@ -53,7 +53,7 @@ def fit_rate(pieces: Sequence[CLD], beside: Fit) -> RateLaw:
     pieces : sequence of CLD
         With clocks, at two speeds or more.
     beside : Fit
-        One law with one memory, as :func:`~dashpot.fitting.cld.speeds.fit_speeds` fits it to the
+        One law with one memory, as :func:`~dashpot.kinds.cld.speeds.fit_speeds` fits it to the
         same tests.
     """
     depth, records = thinned_alike(pieces)

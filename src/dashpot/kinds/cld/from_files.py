@@ -14,12 +14,12 @@ from dashpot.base.capability import Capability, capability
 from dashpot.base.checks import Check, Checked, worst
 from dashpot.base.errors import ReadError
 from dashpot.base.units import Quantity, Range
-from dashpot.fitting.cld.checks import pieces_capable, pieces_tested_alike
-from dashpot.fitting.cld.relaxed import nearest
-from dashpot.fitting.cld.speeds import SAME_SPEED
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import about
-from dashpot.records.cld import CLD, AtCompression, CompressionTest, Cycle, RateLaw, RelaxedLaw
+from dashpot.kinds.cld.checks import pieces_capable, pieces_tested_alike
+from dashpot.kinds.cld.record import CLD, AtCompression, CompressionTest, Cycle, RateLaw, RelaxedLaw
+from dashpot.kinds.cld.relaxed import nearest
+from dashpot.kinds.cld.speeds import SAME_SPEED
 from dashpot.records.fit import Fit
 from dashpot.records.specimen import Specimen
 from dashpot.solids.elastic import ElasticLaw
@@ -122,7 +122,7 @@ def cld_files(
     files : sequence of path
         A piece each.
     at, between
-        As in :func:`~dashpot.preparation.cld.cycles.cld`; without `at` the least depth of all.
+        As in :func:`~dashpot.kinds.cld.prepare.cld`; without `at` the least depth of all.
     limits : (float, float), optional
         Of the force at the nominal compression, N, of 100 mm where the length is known.
     memory : sequence of Fit

@@ -9,7 +9,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.engine.inference.estimate import estimate
 from dashpot.engine.least_squares.problem import ordinary
-from dashpot.records.cld import AtCompression, Branch, Cycle
+from dashpot.kinds.cld.record import AtCompression, Branch, Cycle
 
 WINDOW = 0.04
 """Half of the compressions taken, as a part of the depth."""

@@ -178,7 +178,7 @@ class AtCompression:
 class CLD(ByValue, Pictured, Checked):
     """A compression load deflection test as cycles, and what one of them shows.
 
-    Made by :func:`dashpot.preparation.cld.cycles.cld`.
+    Made by :func:`dashpot.kinds.cld.prepare.cld`.
 
     Attributes
     ----------
@@ -291,7 +291,7 @@ class CLD(ByValue, Pictured, Checked):
 class RelaxedLaw:
     """The elastic law under a cycle that was driven at a finite speed.
 
-    Made by :func:`dashpot.fitting.cld.relaxed.relaxed_law`.
+    Made by :func:`dashpot.kinds.cld.relaxed.relaxed_law`.
 
     Attributes
     ----------
@@ -331,7 +331,7 @@ class RateLaw(ByValue):
 
     .. math:: F = F_e(x) + c(x)\,\dot x + \sum_j k_j \int_0^t e^{-(t-u)/\tau_j}\,dx(u)
 
-    Made by :func:`dashpot.fitting.cld.rate.fit_rate`.
+    Made by :func:`dashpot.kinds.cld.rate.fit_rate`.
 
     Attributes
     ----------

@@ -23,11 +23,11 @@ from dashpot.base.checks import Check
 from dashpot.base.errors import FitError
 from dashpot.engine.inference.estimate import estimate
 from dashpot.engine.least_squares.problem import ordinary
-from dashpot.fitting.cld import checks
 from dashpot.fitting.nonlinear_ramp.quasi_linear import hat_integrals
 from dashpot.fitting.parameters import memory_of, off_by_error
-from dashpot.preparation.cld.figures import WINDOW, local
-from dashpot.records.cld import CLD, Branch, RelaxedLaw
+from dashpot.kinds.cld import checks
+from dashpot.kinds.cld.read_off import WINDOW, local
+from dashpot.kinds.cld.record import CLD, Branch, RelaxedLaw
 from dashpot.records.fit import Fit
 from dashpot.solids.elastic import ElasticLaw
 

@@ -7,9 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import FloatArray, median, runs
-from dashpot.preparation.cld.strokes import Stroke
 from dashpot.preparation.contact import find_contact, touch_of
 from dashpot.preparation.noise import usual_scatter
+from dashpot.preparation.strokes import Stroke
 from dashpot.records.relaxation import quantum
 
 _RESTED = 5

@@ -1,6 +1,6 @@
 r"""Load deflection at several speeds: one elastic law and one memory under all of them.
 
-The quasi-linear seal of :mod:`~dashpot.fitting.cld.relaxed` is fitted to the chosen cycle of each
+The quasi-linear seal of :mod:`~dashpot.kinds.cld.relaxed` is fitted to the chosen cycle of each
 record, its law on hats with tangents >= 0. Within the cycle the plate drives the seal,
 :math:`e = F_e(x)`; before it, and in air, the relaxed force that drives is the exact inverse of the
 force recorded so far, so that neither the softening of earlier cycles nor a seal that the plate has
@@ -23,10 +23,10 @@ from dashpot.engine.blocks.recorded import arm_columns, recursion
 from dashpot.engine.inference.estimate import estimate, score
 from dashpot.engine.least_squares.problem import Optimum, Parameter, Problem, Rows, solved
 from dashpot.fitting.assembly import Outcome, assembled
-from dashpot.fitting.cld import checks
-from dashpot.fitting.cld.relaxed import clock_of, felt
 from dashpot.fitting.nonlinear_ramp.quasi_linear import hat_integrals
-from dashpot.records.cld import CLD
+from dashpot.kinds.cld import checks
+from dashpot.kinds.cld.record import CLD
+from dashpot.kinds.cld.relaxed import clock_of, felt
 from dashpot.records.estimate import ParameterEstimate, Residual, parameter_names
 from dashpot.records.fit import Evidence, Fit, OrderScore, Provenance
 from dashpot.solids.elastic import ElasticLaw

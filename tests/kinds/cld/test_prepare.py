@@ -10,7 +10,7 @@ from kit.cld import ARMS, LENGTH, bulb, pressed, stiffening
 
 import dashpot as dp
 from dashpot.base.errors import DataError
-from dashpot.preparation.cld.strokes import LEAST_STROKE, strokes_of
+from dashpot.preparation.strokes import LEAST_STROKE, strokes_of
 
 SPECIMEN = dp.Specimen(length=LENGTH)
 ELASTIC = {"arms": (), "softening": 0.0}
