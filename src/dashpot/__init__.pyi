@@ -61,6 +61,7 @@ from .kinds.indentation.read import read_indentation as read_indentation
 from .kinds.indentation.record import IndentationFit as IndentationFit
 from .kinds.indentation.record import IndentationTest as IndentationTest
 from .kinds.indentation.record import Indenter as Indenter
+from .kinds.rod.prepare import rod_modulus as rod_modulus
 from .lots.batches import batch as batch
 from .lots.lot import Lot as Lot
 from .planning.bench import Bench as Bench
@@ -111,7 +112,6 @@ from .vibration.comparison.compare import infer_mass as infer_mass
 from .vibration.comparison.comparison import Comparison as Comparison
 from .vibration.impact.frf_estimation import estimate_frf as estimate_frf
 from .vibration.modal.dynamic_stiffness import dynamic_stiffness as dynamic_stiffness
-from .vibration.modal.rod import rod_modulus as rod_modulus
 from .vibration.modal.several_masses import several_masses as several_masses
 from .vibration.modal.shapes import mac as mac
 from .vibration.modal.stabilisation import stabilisation as stabilisation

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from dashpot.kinds.rod.prepare import RodModulus
 from dashpot.plot.direct import FREQUENCY
 from dashpot.plot.picture import FIT, Area, Axis, Dots, Line, Mark, Panel, Picture, Span, around
 from dashpot.records.fit import Fit
-from dashpot.vibration.modal.rod import RodModulus
 
 
 def rod(found: RodModulus, *, fit: Fit | None = None, stamp: str = "") -> Picture:

@@ -24,14 +24,9 @@ from dashpot.base.arrays import BoolArray, ByValue, ComplexArray, FloatArray, In
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, Range, si, si_range
+from dashpot.kinds.rod.checks import mass_beside_rod, rod_usable, sensors_agree, waves_plane
 from dashpot.records.frf import FRF, Kind
 from dashpot.solids.part import Block, Disc
-from dashpot.vibration.modal.checks import (
-    mass_beside_rod,
-    rod_usable,
-    sensors_agree,
-    waves_plane,
-)
 from dashpot.vibration.modal.sensitivity import changed
 
 _ROUNDS = 50

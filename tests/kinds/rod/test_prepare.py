@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from dashpot.base.errors import DataError
+from dashpot.kinds.rod.prepare import RodErrors, rod_modulus, rod_transmissibility
 from dashpot.records.frf import FRF, Kind
 from dashpot.solids.part import Disc
-from dashpot.vibration.modal.rod import RodErrors, rod_modulus, rod_transmissibility
 
 pytestmark = pytest.mark.once
 
