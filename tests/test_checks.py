@@ -26,7 +26,6 @@ from dashpot.export import checks as export
 from dashpot.fitting.checks import creep, curves, relaxation, solid, temperature
 from dashpot.fitting.fractional import checks as fractional
 from dashpot.fitting.identification import checks as identification
-from dashpot.fitting.level import checks as level
 from dashpot.fitting.nonlinear_ramp import checks as ramp
 from dashpot.fitting.repeats import EndStiffness
 from dashpot.fitting.shift_law import LawScore, OddOne
@@ -37,6 +36,7 @@ from dashpot.kinds.hyperelastic import checks as hyper
 from dashpot.kinds.indentation import checks as indentation
 from dashpot.kinds.indentation.contact_law import ViscousContact
 from dashpot.kinds.indentation.record import IndentationFit, Indenter
+from dashpot.kinds.level import checks as level
 from dashpot.lots import checks as lots
 from dashpot.planning import checks as planning
 from dashpot.planning.expected import Pulse, RecordNeed
@@ -1352,7 +1352,7 @@ STAGES = {
     "fitting/temperature": TEMPERATURE,
     "kinds/hyperelastic": HYPERELASTIC,
     "kinds/indentation": INDENTATION,
-    "fitting/level": LEVEL,
+    "kinds/level": LEVEL,
     "lots": LOTS,
     "planning": PLANNING,
     "vibration": VIBRATION,
@@ -1438,7 +1438,7 @@ LIMITS = {
         "velocity_agrees": 1.1, "gravity_known": 0.01, "force_agrees": 1.1,
         "indentation_shallow": 0.3, "sensor_fast_enough": 0.03,
     },
-    "fitting/level": {
+    "kinds/level": {
         "level_matters": 20, "amplitudes_spread": 3, "softening_seen": 2, "law_followed": 0.03,
         "levels_followed": 1.4, "loss_followed": 0.15, "spring_cubic": 20, "ways_agree": 0.03,
         "levels_as_struck": 2, "levels_held": 0, "level_covered": 1,
@@ -1497,7 +1497,7 @@ GRADES = {
         },
         "fitting/identification": {"dashpot_not_missed"},
         "fitting/temperature": {"shifts_told_apart"},
-        "fitting/level": {"level_matters"},
+        "kinds/level": {"level_matters"},
         "kinds/hyperelastic": {"volume_known"},
         "fitting/nonlinear_ramp": {"clocks_agree", "offset_believable", "drift_believable"},
         "workflow": {

@@ -21,8 +21,6 @@ from .fitting.fit_many import fit_many as fit_many
 from .fitting.identification.asked import HammerRig as HammerRig
 from .fitting.identification.asked import KnownSolid as KnownSolid
 from .fitting.identification.identify import identify as identify
-from .fitting.level.frfs import fit_levels as fit_levels
-from .fitting.level.sweep import fit_amplitude as fit_amplitude
 from .fitting.modulus import fit_modulus as fit_modulus
 from .fitting.relaxation import fit as fit
 from .fitting.spectrum import dynamic_master_curve as dynamic_master_curve
@@ -61,6 +59,11 @@ from .kinds.indentation.read import read_indentation as read_indentation
 from .kinds.indentation.record import IndentationFit as IndentationFit
 from .kinds.indentation.record import IndentationTest as IndentationTest
 from .kinds.indentation.record import Indenter as Indenter
+from .kinds.level.fit import fit_amplitude as fit_amplitude
+from .kinds.level.fit_frfs import fit_levels as fit_levels
+from .kinds.level.levels import LevelFit as LevelFit
+from .kinds.level.record import AmplitudeFit as AmplitudeFit
+from .kinds.level.record import AmplitudeSweep as AmplitudeSweep
 from .kinds.rod.prepare import rod_modulus as rod_modulus
 from .lots.batches import batch as batch
 from .lots.lot import Lot as Lot
@@ -70,8 +73,6 @@ from .planning.setpoints import planned_trajectory as planned_trajectory
 from .planning.supposed import HammerPlan as HammerPlan
 from .planning.supposed import SupposedSeal as SupposedSeal
 from .preparation.prepare import prepare as prepare
-from .records.amplitude import AmplitudeFit as AmplitudeFit
-from .records.amplitude import AmplitudeSweep as AmplitudeSweep
 from .records.closing import ClosingSetup as ClosingSetup
 from .records.creep import CreepCompliance as CreepCompliance
 from .records.creep import CreepTest as CreepTest
@@ -82,7 +83,6 @@ from .records.free_modes import FreeModes as FreeModes
 from .records.frf import FRF as FRF
 from .records.frf_set import FRFSet as FRFSet
 from .records.impact import ImpactTest as ImpactTest
-from .records.level import LevelFit as LevelFit
 from .records.machine import Machine as Machine
 from .records.modulus import RelaxationModulus as RelaxationModulus
 from .records.relaxation import RampHold as RampHold

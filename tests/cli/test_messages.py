@@ -89,7 +89,7 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "export/hyperelastic.py": ("export",),
     "kinds/indentation/fit.py": ("indent",),
     "kinds/indentation/checks.py": ("indent",),
-    "io/readers/amplitude.py": ("level", "predict"),
+    "kinds/level/read.py": ("level", "predict"),
     "workflow/predictions.py": ("predict",),
     "workflow/prepared.py": ("predict", "compare"),
     "workflow/impacts.py": MEASURED,

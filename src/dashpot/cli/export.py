@@ -16,7 +16,7 @@ from dashpot.cli._echo import to_stderr
 from dashpot.cli._options import Quantity, Range
 from dashpot.cli._shell import File, Outcome, reports, write
 from dashpot.cli._terminal import Text
-from dashpot.records.level import LevelFit
+from dashpot.kinds.level.levels import LevelFit
 from dashpot.records.seal_line import Stations
 from dashpot.records.specimen import Specimen
 

@@ -28,8 +28,8 @@ from dashpot.export.hyperelastic import hyperelastic_card
 from dashpot.export.notation import UNIT_SYSTEMS
 from dashpot.export.opening import PROBLEMS
 from dashpot.kinds.hyperelastic.record import HyperelasticFit
+from dashpot.kinds.level.levels import LevelFit
 from dashpot.records.fit import Fit
-from dashpot.records.level import LevelFit
 
 _MODULES = {
     module.__name__.rpartition(".")[2]: module

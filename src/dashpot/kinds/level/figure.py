@@ -8,10 +8,12 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.provenance import sources_of
-from dashpot.fitting.level.frfs import rows_at_level
-from dashpot.fitting.level.hits import HitLevels
-from dashpot.fitting.level.loops import Cycle, steady_cycles, sweep_of_loops
-from dashpot.fitting.level.response import receptance_at_level
+from dashpot.kinds.level.fit_frfs import rows_at_level
+from dashpot.kinds.level.hits import HitLevels
+from dashpot.kinds.level.levels import LevelFit
+from dashpot.kinds.level.prepare import Cycle, steady_cycles, sweep_of_loops
+from dashpot.kinds.level.record import AmplitudeFit, AmplitudeSweep
+from dashpot.kinds.level.response import receptance_at_level
 from dashpot.plot.picture import (
     FIT,
     PREDICTED,
@@ -32,9 +34,7 @@ from dashpot.plot.stamps import of_test
 from dashpot.plot.stamps import stamp as stamped
 from dashpot.plot.tokens import SEQUENTIAL, sequential
 from dashpot.plot.vibration import FREQUENCY, SHOWN
-from dashpot.records.amplitude import AmplitudeFit, AmplitudeSweep
 from dashpot.records.frf import FRF, Kind
-from dashpot.records.level import LevelFit
 from dashpot.records.relaxation import RelaxationTest
 from dashpot.solids.friction import Jenkins
 from dashpot.solids.maxwell import GeneralizedMaxwell

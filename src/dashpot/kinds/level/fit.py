@@ -7,7 +7,7 @@ import numpy as np
 from dashpot.base.arrays import BoolArray, ComplexArray, median
 from dashpot.base.checks import Check
 from dashpot.base.errors import FitError
-from dashpot.fitting.level.checks import (
+from dashpot.kinds.level.checks import (
     FAR_ENOUGH,
     MATTERS,
     amplitudes_spread,
@@ -18,8 +18,8 @@ from dashpot.fitting.level.checks import (
     spring_cubic,
     ways_agree,
 )
-from dashpot.fitting.level.laws import LAWS, SET, Fitted, fitted
-from dashpot.records.amplitude import AmplitudeFit, AmplitudeSweep
+from dashpot.kinds.level.laws import LAWS, SET, Fitted, fitted
+from dashpot.kinds.level.record import AmplitudeFit, AmplitudeSweep
 
 _LEAST = 6
 """Samples: two numbers of a level, three of the law, one to spare."""

@@ -8,7 +8,7 @@ from kit import levels
 from kit.pictures import first, lines, marks
 
 from dashpot import plot
-from dashpot.fitting.level.loops import steady_cycles, sweep_of_loops
+from dashpot.kinds.level.prepare import steady_cycles, sweep_of_loops
 from dashpot.plot.picture import Dots
 from dashpot.plot.tokens import SEQUENTIAL
 

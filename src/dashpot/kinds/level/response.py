@@ -6,8 +6,8 @@ import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.errors import DataError
+from dashpot.kinds.level.levels import LevelFit, Parts
 from dashpot.records.frf import FRF, Kind
-from dashpot.records.level import LevelFit, Parts
 from dashpot.solids.rate_independent import InParallel
 from dashpot.solids.stiffening import Cubic
 from dashpot.vibration.systems.level import mass_at_level

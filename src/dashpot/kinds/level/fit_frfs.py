@@ -13,7 +13,7 @@ from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, Range, si, si_range
 from dashpot.engine.least_squares.nnls import linear
 from dashpot.engine.least_squares.problem import stacked
-from dashpot.fitting.level.checks import (
+from dashpot.kinds.level.checks import (
     LOST,
     MATTERS,
     amplitudes_spread,
@@ -21,9 +21,9 @@ from dashpot.fitting.level.checks import (
     levels_followed,
     levels_held,
 )
-from dashpot.fitting.level.response import stiffness_at, with_third_harmonic
+from dashpot.kinds.level.levels import LevelFit, Parts
+from dashpot.kinds.level.response import stiffness_at, with_third_harmonic
 from dashpot.records.frf import FRF, Kind
-from dashpot.records.level import LevelFit, Parts
 from dashpot.solids.friction import Jenkins, slipping_share
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.stiffening import Cubic

@@ -10,13 +10,13 @@ from kit import levels
 from scipy.optimize import brentq
 
 from dashpot.base.errors import DataError, FitError
-from dashpot.fitting.level.checks import levels_as_struck
-from dashpot.fitting.level.frfs import fit_levels
-from dashpot.fitting.level.hits import HitLevels
-from dashpot.fitting.level.loops import sweep_of_loops
-from dashpot.fitting.level.response import resonance_at_level
-from dashpot.fitting.level.sweep import fit_amplitude
-from dashpot.records.amplitude import AmplitudeSweep
+from dashpot.kinds.level.checks import levels_as_struck
+from dashpot.kinds.level.fit import fit_amplitude
+from dashpot.kinds.level.fit_frfs import fit_levels
+from dashpot.kinds.level.hits import HitLevels
+from dashpot.kinds.level.prepare import sweep_of_loops
+from dashpot.kinds.level.record import AmplitudeSweep
+from dashpot.kinds.level.response import resonance_at_level
 from dashpot.records.frf import FRF, Hit, Kind
 from dashpot.vibration.impact.amplitude import trend_of_hits
 

@@ -20,8 +20,8 @@ from dashpot.engine.least_squares.problem import (
     solved,
     stacked,
 )
-from dashpot.fitting.level.checks import MATTERS
-from dashpot.records.amplitude import AmplitudeSweep
+from dashpot.kinds.level.checks import MATTERS
+from dashpot.kinds.level.record import AmplitudeSweep
 from dashpot.solids.friction import slipping_share
 from dashpot.solids.softening import softened
 

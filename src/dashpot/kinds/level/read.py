@@ -18,7 +18,7 @@ from dashpot.io.readers.channels import Opened
 from dashpot.io.readers.dynamic import NAMED, parts_of, sweep_columns
 from dashpot.io.readers.stated import stated_specimen
 from dashpot.io.table import Question
-from dashpot.records.amplitude import AmplitudeSweep
+from dashpot.kinds.level.record import AmplitudeSweep
 from dashpot.records.specimen import Specimen
 
 _WARMER = 10.0

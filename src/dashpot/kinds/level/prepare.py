@@ -10,7 +10,7 @@ from numpy.polynomial import Polynomial
 
 from dashpot.base.arrays import ComplexArray, FloatArray, median
 from dashpot.base.errors import DataError
-from dashpot.records.amplitude import AmplitudeSweep
+from dashpot.kinds.level.record import AmplitudeSweep
 from dashpot.records.relaxation import RelaxationTest
 
 _LEAST = 12
