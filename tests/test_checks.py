@@ -20,6 +20,7 @@ import dashpot
 from dashpot.base.capability import capability
 from dashpot.base.checks import REGISTER, Check, Finding, criterion, status_of
 from dashpot.base.status import Status
+from dashpot.door import checks as seals
 from dashpot.engine.inference.covariance import Noise, nearly_white, noise_of
 from dashpot.engine.inference.order import DECISIVE, Choice, choose
 from dashpot.export import checks as export
@@ -57,7 +58,6 @@ from dashpot.records.relaxation import RampHold
 from dashpot.records.shaken import ShakenTest
 from dashpot.records.specimen import Specimen
 from dashpot.records.temperature import Shift, TemperatureShifts
-from dashpot.seals import checks as seals
 from dashpot.solids.interconversion import CreepSpectrum
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.table_1 import PAPER
@@ -1356,7 +1356,7 @@ STAGES = {
     "lots": LOTS,
     "planning": PLANNING,
     "vibration": VIBRATION,
-    "seals": SEALS,
+    "door": SEALS,
     "vibration/comparison": COMPARISON,
     "vibration/impact": IMPACT,
     "vibration/modal": MODAL,
@@ -1448,7 +1448,7 @@ LIMITS = {
              "stands_out_of_lot": 0, "asked_in_band": 0, "lots_tested_alike": 0,
              "seals_named": 0},
     "planning": {"tip_excites": -10},
-    "seals": {
+    "door": {
         "door_modes_informed": 1, "seal_touches": 0, "stations_suffice": 1e-3,
         "modes_suffice": 5e-3, "shapes_known_there": 0.03, "masses_agree": 1.05, "door_held": 0,
         "closing_informed": 1.0,
@@ -1484,7 +1484,7 @@ LIMITS = {
 #: what a failure means; of every other check, that the result is to be used with care
 GRADES = {
     "note": {
-        "seals": {"line_closed", "faster_doors_close"},
+        "door": {"line_closed", "faster_doors_close"},
         "lots": {"stands_out_of_lot"},
         "kinds/cld": {"unloading_recorded", "length_given"},
         "preparation": {

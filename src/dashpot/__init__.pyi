@@ -12,6 +12,13 @@ from .base.errors import ReadError as ReadError
 from .base.provenance import Source as Source
 from .base.status import Status as Status
 from .base.version import __version__ as __version__
+from .door.closing import ClosingDoor as ClosingDoor
+from .door.closing_record import ClosingSetup as ClosingSetup
+from .door.read import read_door as read_door
+from .door.read_modes import read_modes as read_modes
+from .door.record import Door as Door
+from .door.slam import Closing as Closing
+from .door.slam import close_door as close_door
 from .engine.sums import fit_exponential_sum as fit_exponential_sum
 from .fitting.compliance import measured_compliance as measured_compliance
 from .fitting.creep import fit_creep as fit_creep
@@ -30,9 +37,7 @@ from .fitting.uncertainty.prediction_bounds import frf_band as frf_band
 from .fitting.uncertainty.prediction_bounds import unseen_arm_band as unseen_arm_band
 from .io.readers.bench import read_bench as read_bench
 from .io.readers.creep import read_creep as read_creep
-from .io.readers.door import read_door as read_door
 from .io.readers.dynamic import read_dynamic as read_dynamic
-from .io.readers.free_modes import read_modes as read_modes
 from .io.readers.frf import read_frf as read_frf
 from .io.readers.frf_set import read_frfs as read_frfs
 from .io.readers.impact import read_impact as read_impact
@@ -73,10 +78,8 @@ from .planning.setpoints import planned_trajectory as planned_trajectory
 from .planning.supposed import HammerPlan as HammerPlan
 from .planning.supposed import SupposedSeal as SupposedSeal
 from .preparation.prepare import prepare as prepare
-from .records.closing import ClosingSetup as ClosingSetup
 from .records.creep import CreepCompliance as CreepCompliance
 from .records.creep import CreepTest as CreepTest
-from .records.door import Door as Door
 from .records.dynamic import DynamicTest as DynamicTest
 from .records.fit import Fit as Fit
 from .records.free_modes import FreeModes as FreeModes
@@ -93,9 +96,6 @@ from .records.seal_line import SealSection as SealSection
 from .records.specimen import Specimen as Specimen
 from .records.superposition import Superposition as Superposition
 from .records.trajectory import Trajectory as Trajectory
-from .seals.closing import ClosingDoor as ClosingDoor
-from .seals.slam import Closing as Closing
-from .seals.slam import close_door as close_door
 from .solids import friction as friction
 from .solids import networks as networks
 from .solids import stiffening as stiffening

@@ -6,6 +6,8 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.numbers import rounded
+from dashpot.door.closing_result import ClosingResult
+from dashpot.door.slam import Closing, Scatter
 from dashpot.plot.picture import (
     FIT,
     REF,
@@ -23,8 +25,6 @@ from dashpot.plot.picture import (
 )
 from dashpot.plot.stamps import stamp as stamped
 from dashpot.plot.tokens import sequential
-from dashpot.seals.closing_result import ClosingResult
-from dashpot.seals.slam import Closing, Scatter
 
 _HALF = 0.36
 """Of a bar, its rows being 1 apart."""

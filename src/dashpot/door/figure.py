@@ -8,6 +8,8 @@ import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.numbers import rounded
+from dashpot.door.assembly import AXES, DOOR
+from dashpot.door.result import DoorResult
 from dashpot.plot.picture import (
     FIT,
     REF,
@@ -25,8 +27,6 @@ from dashpot.plot.picture import (
 )
 from dashpot.plot.stamps import stamp as stamped
 from dashpot.plot.tokens import sequential
-from dashpot.seals.assembly import AXES, DOOR
-from dashpot.seals.door_result import DoorResult
 from dashpot.vibration.systems.bodies import Point
 
 SHOWN = 4

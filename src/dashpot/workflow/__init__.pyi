@@ -1,3 +1,8 @@
+from dashpot.door.closing_files import ClosingResult as ClosingResult
+from dashpot.door.closing_files import close_file as close_file
+from dashpot.door.from_files import DoorResult as DoorResult
+from dashpot.door.from_files import door_file as door_file
+from dashpot.door.from_files import open_door as open_door
 from dashpot.kinds.cld.from_files import Pieces as Pieces
 from dashpot.kinds.cld.from_files import cld_files as cld_files
 from dashpot.kinds.hyperelastic.from_files import hyperelastic_files as hyperelastic_files
@@ -5,11 +10,6 @@ from dashpot.kinds.indentation.from_files import Indentation as Indentation
 from dashpot.kinds.indentation.from_files import indent_file as indent_file
 
 from .archive import document as document
-from .closings import ClosingResult as ClosingResult
-from .closings import close_file as close_file
-from .doors import DoorResult as DoorResult
-from .doors import door_file as door_file
-from .doors import open_door as open_door
 from .examples import CAPTIONS as CAPTIONS
 from .examples import EXAMPLES as EXAMPLES
 from .examples import FIRST as FIRST

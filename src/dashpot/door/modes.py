@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray
+from dashpot.door.assembly import DOOR, Assembly
 from dashpot.records.free_modes import FreeModes
-from dashpot.seals.assembly import DOOR, Assembly
 from dashpot.vibration.systems.complex_modes import ComplexMode, complex_modes, newton_modes
 from dashpot.vibration.systems.energy import EnergyShare, energy_shares
 from dashpot.vibration.systems.system import System

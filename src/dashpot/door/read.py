@@ -13,18 +13,11 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.provenance import Source
+from dashpot.door.read_closing import closing_of
+from dashpot.door.record import Door, DoorPoint, ModesChoice, RigidPart, SealChoice, Support
 from dashpot.io.readers import channels
 from dashpot.io.readers.by_name import by_name, in_si
-from dashpot.io.readers.door_closing import closing_of
 from dashpot.io.toml import Section, Vector, tables_of
-from dashpot.records.door import (
-    Door,
-    DoorPoint,
-    ModesChoice,
-    RigidPart,
-    SealChoice,
-    Support,
-)
 from dashpot.records.seal_line import Joint, SealLine
 
 LARGEST = 30.0

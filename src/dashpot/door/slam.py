@@ -9,17 +9,11 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, IndexArray
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, si
-from dashpot.records.closing import ClosingSetup, Tolerances
-from dashpot.records.door import Door, RigidPart
+from dashpot.door.closing import ELASTIC, STEPS, ClosingDoor, March, march
+from dashpot.door.closing_record import ClosingSetup, Tolerances
+from dashpot.door.record import Door, RigidPart
 from dashpot.records.fit import Fit
 from dashpot.records.seal_line import SealLine, SealSection
-from dashpot.seals.closing import (
-    ELASTIC,
-    STEPS,
-    ClosingDoor,
-    March,
-    march,
-)
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 FASTEST = 20.0

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from dashpot.base.errors import DataError
-from dashpot.records.door import Door, ModesChoice, RigidPart, SealChoice, Support
+from dashpot.door.assembly import Assembly, rigid_of
+from dashpot.door.modes import basis_error, oscillations
+from dashpot.door.record import Door, ModesChoice, RigidPart, SealChoice, Support
 from dashpot.records.free_modes import FreeModes
 from dashpot.records.seal_line import Joint, SealLine, SealSection
-from dashpot.seals.assembly import Assembly, rigid_of
-from dashpot.seals.door_modes import basis_error, oscillations
 from dashpot.simulation.plate import free_plate
 from dashpot.solids import networks as net
 from dashpot.solids.elastic import ElasticLaw

@@ -9,9 +9,9 @@ import numpy as np
 
 from dashpot.base.checks import Check, Checked
 from dashpot.base.provenance import Source
-from dashpot.records.door import Door
+from dashpot.door.record import Door
+from dashpot.door.slam import Closing, Scatter
 from dashpot.records.fit import Fit
-from dashpot.seals.slam import Closing, Scatter
 
 
 @dataclass(frozen=True)

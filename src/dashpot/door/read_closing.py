@@ -7,8 +7,7 @@ from typing import Any
 
 from dashpot.base.errors import ReadError
 from dashpot.base.units import Dimension
-from dashpot.io.toml import Section
-from dashpot.records.closing import (
+from dashpot.door.closing_record import (
     ADIABATIC,
     DISCHARGE,
     ISOTHERMAL,
@@ -20,6 +19,7 @@ from dashpot.records.closing import (
     Tolerances,
     Vents,
 )
+from dashpot.io.toml import Section
 
 _AIR = ("discharge", "process")
 

@@ -10,12 +10,12 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Checked
 from dashpot.base.provenance import Source
-from dashpot.records.door import Door, DoorPoint
+from dashpot.door.assembly import Assembly
+from dashpot.door.modes import DoorMode
+from dashpot.door.record import Door, DoorPoint
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF
 from dashpot.records.seal_line import Stations
-from dashpot.seals.assembly import Assembly
-from dashpot.seals.door_modes import DoorMode
 from dashpot.vibration.systems.random_base import RandomResponse
 
 

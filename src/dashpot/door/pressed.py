@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.records.closing import Air, Ajar
+from dashpot.door import air
+from dashpot.door.closing_record import Air, Ajar
 from dashpot.records.seal_line import SealSection
-from dashpot.seals import air
 
 
 class PressedSeal:

@@ -11,7 +11,9 @@ from scipy.optimize import brentq
 
 import dashpot as dp
 from dashpot.base.errors import DataError
-from dashpot.records.closing import (
+from dashpot.door import air
+from dashpot.door.closing import ELASTIC, GRAVITY, HINGE, VISCOUS, ClosingDoor, march
+from dashpot.door.closing_record import (
     Between,
     Cabin,
     CheckStrap,
@@ -20,11 +22,9 @@ from dashpot.records.closing import (
     Tolerances,
     Vents,
 )
-from dashpot.records.door import Door, RigidPart, Support
+from dashpot.door.record import Door, RigidPart, Support
+from dashpot.door.slam import SealDoubt, close_door, least_speed, scattered
 from dashpot.records.seal_line import SealLine, SealSection
-from dashpot.seals import air
-from dashpot.seals.closing import ELASTIC, GRAVITY, HINGE, VISCOUS, ClosingDoor, march
-from dashpot.seals.slam import SealDoubt, close_door, least_speed, scattered
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 

@@ -7,7 +7,7 @@ from typing import TypeAlias
 
 from dashpot.base.arrays import ByValue
 from dashpot.base.provenance import Source
-from dashpot.records.closing import ClosingSetup
+from dashpot.door.closing_record import ClosingSetup
 from dashpot.records.seal_line import SealLine
 
 Vector: TypeAlias = tuple[float, float, float]

@@ -11,19 +11,9 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, ReadError
-from dashpot.fitting.temperature.checks import temperature_tested
-from dashpot.io.readers.door import read_door
-from dashpot.io.readers.free_modes import read_modes
-from dashpot.io.readers.psd import read_psd
-from dashpot.io.source import about
-from dashpot.records.compression import refuse_far
-from dashpot.records.door import Door, DoorPoint
-from dashpot.records.fit import Fit
-from dashpot.records.free_modes import FreeModes
-from dashpot.records.seal_line import SealLine, SealSection
-from dashpot.seals import checks as asked
-from dashpot.seals.assembly import BODY, DOOR, Assembly, implied_mass
-from dashpot.seals.door_modes import (
+from dashpot.door import checks as asked
+from dashpot.door.assembly import BODY, DOOR, Assembly, implied_mass
+from dashpot.door.modes import (
     DoorMode,
     basis_error,
     door_modes,
@@ -32,8 +22,18 @@ from dashpot.seals.door_modes import (
     oscillations,
     station_error,
 )
-from dashpot.seals.door_result import DoorResult, Shaken
-from dashpot.seals.mounts import SEAL
+from dashpot.door.mounts import SEAL
+from dashpot.door.read import read_door
+from dashpot.door.read_modes import read_modes
+from dashpot.door.record import Door, DoorPoint
+from dashpot.door.result import DoorResult, Shaken
+from dashpot.fitting.temperature.checks import temperature_tested
+from dashpot.io.readers.psd import read_psd
+from dashpot.io.source import about
+from dashpot.records.compression import refuse_far
+from dashpot.records.fit import Fit
+from dashpot.records.free_modes import FreeModes
+from dashpot.records.seal_line import SealLine, SealSection
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.checks import compression_tested
 from dashpot.vibration.systems.bodies import Point
@@ -52,7 +52,7 @@ def open_door(path: str | Path, *, temperature: float | None = None) -> tuple[As
     Parameters
     ----------
     path : path
-        TOML, as :func:`~dashpot.io.readers.door.read_door` reads it.
+        TOML, as :func:`~dashpot.door.read.read_door` reads it.
     temperature : float, optional
         Of the seal, K, instead of what the file says.
 
@@ -113,7 +113,7 @@ def door_file(
     Parameters
     ----------
     path : path
-        TOML, as :func:`~dashpot.io.readers.door.read_door` reads it.
+        TOML, as :func:`~dashpot.door.read.read_door` reads it.
     band : (float, float)
         Of the FRFs and modes, Hz.
     temperature : float, optional

@@ -5,7 +5,7 @@ r"""A door that closes on its seal, in time.
 The angle falls from where the door has its speed to closed, in steps: over each the kinetic energy
 loses the work of every term, so that energy balances by construction and the time follows as
 step over mean speed, to second order. The arms of the seal answer a compression that is straight
-within a step exactly, whatever their times; air leaves by :mod:`dashpot.seals.air`. Any number of
+within a step exactly, whatever their times; air leaves by :mod:`dashpot.door.air`. Any number of
 doors close side by side.
 """
 
@@ -21,9 +21,9 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray, positive
 from dashpot.base.errors import DataError
-from dashpot.records.closing import ClosingSetup
+from dashpot.door.closing_record import ClosingSetup
+from dashpot.door.pressed import Chambers, PressedSeal
 from dashpot.records.seal_line import SealSection
-from dashpot.seals.pressed import Chambers, PressedSeal
 
 ELASTIC, VISCOUS = "seal, elastic", "seal, viscous"
 HINGE, CHECK, LATCH, GRAVITY = "hinge friction", "check", "latch", "gravity"

@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 
 from dashpot.base.checks import Check
+from dashpot.door import checks as asked
+from dashpot.door.closing_result import ClosingResult
+from dashpot.door.from_files import open_door, touches_along
+from dashpot.door.slam import Closing, SealDoubt, close_door
 from dashpot.io.source import about
 from dashpot.records.fit import Fit
-from dashpot.seals import checks as asked
-from dashpot.seals.closing_result import ClosingResult
-from dashpot.seals.slam import Closing, SealDoubt, close_door
 from dashpot.vibration.checks import compression_tested
-from dashpot.workflow.doors import open_door, touches_along
 
 __all__ = ["ClosingResult", "close_file"]
 
@@ -27,7 +27,7 @@ def close_file(
     Parameters
     ----------
     path : path
-        TOML, as :func:`~dashpot.io.readers.door.read_door` reads it.
+        TOML, as :func:`~dashpot.door.read.read_door` reads it.
     speed : float
         At the door's edge where it begins, m/s.
     temperature : float, optional

@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from dashpot.base.errors import ReadError
-from dashpot.io.readers.door import read_door
-from dashpot.records.closing import ClosingSetup
-from dashpot.records.door import DoorPoint, ModesChoice, RigidPart, SealChoice, Support
+from dashpot.door.closing_record import ClosingSetup
+from dashpot.door.read import read_door
+from dashpot.door.record import DoorPoint, ModesChoice, RigidPart, SealChoice, Support
 from dashpot.records.seal_line import Joint
 
 WHOLE = """

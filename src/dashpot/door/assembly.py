@@ -9,9 +9,9 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError
-from dashpot.records.door import Door, RigidPart, Support
+from dashpot.door.mounts import line_mounts
+from dashpot.door.record import Door, RigidPart, Support
 from dashpot.records.free_modes import FreeModes
-from dashpot.seals.mounts import line_mounts
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 from dashpot.vibration.systems.bodies import Body, Mount
 from dashpot.vibration.systems.system import System

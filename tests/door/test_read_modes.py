@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from dashpot.base.errors import ReadError
-from dashpot.io.readers.free_modes import read_modes
+from dashpot.door.read_modes import read_modes
 
 PLACE = np.array([(0, 0, 0), (1100, 0, 0), (1100, 1200, 0), (0, 1200, 5.0)])
 FREQUENCY = [0.0, 30.0, 55.0]
