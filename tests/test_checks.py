@@ -38,6 +38,7 @@ from dashpot.kinds.indentation import checks as indentation
 from dashpot.kinds.indentation.contact_law import ViscousContact
 from dashpot.kinds.indentation.record import IndentationFit, Indenter
 from dashpot.kinds.level import checks as level
+from dashpot.kinds.rod import checks as rod
 from dashpot.lots import checks as lots
 from dashpot.planning import checks as planning
 from dashpot.planning.expected import Pulse, RecordNeed
@@ -954,18 +955,21 @@ MODAL = [
         4.001,
     ),
     Case("points_share_modes", lambda x: modal.points_share_modes(sharing(x)), 0.2001, 0.1999),
-    Case("rod_usable", whole(lambda n: modal.rod_usable(n, (10.0, 20.0))), 8, 7),
-    Case("mass_beside_rod", modal.mass_beside_rod, 99.9, 100.1),
-    Case("waves_plane", lambda x: modal.waves_plane(x, 300.0), 0.0499, 0.0501),
-    Case(
-        "sensors_agree", lambda x: modal.sensors_agree(x / 100, 0.0, known=(0.01, 0.02)), 2.99, 3.01
-    ),
-    Case(
-        "sensors_agree", lambda x: modal.sensors_agree(0.0, -x / 50, known=(0.01, 0.02)), 2.99, 3.01
-    ),
     # of two masses four numbers, whose sum of squares exceeds 13.28 once in a hundred
     Case(
         "one_solid", lambda x: modal.one_solid(x, (0.1, 0.2), (0.1, "1 % of stiffness")), 3.63, 3.66
+    ),
+]
+
+ROD = [
+    Case("rod_usable", whole(lambda n: rod.rod_usable(n, (10.0, 20.0))), 8, 7),
+    Case("mass_beside_rod", rod.mass_beside_rod, 99.9, 100.1),
+    Case("waves_plane", lambda x: rod.waves_plane(x, 300.0), 0.0499, 0.0501),
+    Case(
+        "sensors_agree", lambda x: rod.sensors_agree(x / 100, 0.0, known=(0.01, 0.02)), 2.99, 3.01
+    ),
+    Case(
+        "sensors_agree", lambda x: rod.sensors_agree(0.0, -x / 50, known=(0.01, 0.02)), 2.99, 3.01
     ),
 ]
 
@@ -1353,6 +1357,7 @@ STAGES = {
     "kinds/hyperelastic": HYPERELASTIC,
     "kinds/indentation": INDENTATION,
     "kinds/level": LEVEL,
+    "kinds/rod": ROD,
     "lots": LOTS,
     "planning": PLANNING,
     "vibration": VIBRATION,
@@ -1438,6 +1443,7 @@ LIMITS = {
         "velocity_agrees": 1.1, "gravity_known": 0.01, "force_agrees": 1.1,
         "indentation_shallow": 0.3, "sensor_fast_enough": 0.03,
     },
+    "kinds/rod": {"rod_usable": 8, "waves_plane": 0.05, "sensors_agree": 3, "mass_beside_rod": 100},
     "kinds/level": {
         "level_matters": 20, "amplitudes_spread": 3, "softening_seen": 2, "law_followed": 0.03,
         "levels_followed": 1.4, "loss_followed": 0.15, "spring_cubic": 20, "ways_agree": 0.03,
@@ -1470,8 +1476,6 @@ LIMITS = {
     },
     "vibration/modal": {
         "modes_stable": 5, "modes_explain_lines": 4, "points_share_modes": 0.2,
-        "rod_usable": 8, "waves_plane": 0.05, "sensors_agree": 3,
-        "mass_beside_rod": 100,
     },
     "workflow": {
         "result_recomputed": 1e-7, "prediction_informed": 1,
