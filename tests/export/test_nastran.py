@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from dashpot.export.decks.nastran import bush_property
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from kit.bulkdata import Bush, read_cards, real
@@ -17,7 +18,6 @@ from dashpot import export
 from dashpot.base.errors import ExportError
 from dashpot.export import UNIT_SYSTEMS
 from dashpot.export.frequency_tables import tabulate
-from dashpot.export.nastran import bush_property
 from dashpot.export.notation import packed
 from dashpot.records.seal_line import SealLine
 from dashpot.records.specimen import Specimen
