@@ -20,6 +20,7 @@ from kit.levels import a_level_fit
 
 from dashpot import export
 from dashpot.base.checks import Check
+from dashpot.base.choices import DECKS as DECK_NAMES
 from dashpot.base.errors import ExportError
 from dashpot.base.provenance import Source
 from dashpot.base.status import Status
@@ -487,6 +488,11 @@ def test_every_deck_has_its_row_in_the_documents():
     assert tests
     for test in tests:
         assert (Path(__file__).parents[2] / test).is_file(), test
+
+
+def test_every_file_of_a_deck_is_offered():
+    files = {path.stem for path in Path(export.__file__).with_name("decks").glob("*.py")}
+    assert files - {"__init__"} == set(DECK_NAMES) == set(export.TARGETS)
 
 
 def test_forms_and_targets_are_the_same_list():

@@ -9,7 +9,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from dashpot.export.decks.nastran import bush_property
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from kit.bulkdata import Bush, read_cards, real
@@ -17,6 +16,7 @@ from kit.bulkdata import Bush, read_cards, real
 from dashpot import export
 from dashpot.base.errors import ExportError
 from dashpot.export import UNIT_SYSTEMS
+from dashpot.export.decks.nastran import bush_property
 from dashpot.export.frequency_tables import tabulate
 from dashpot.export.notation import packed
 from dashpot.records.seal_line import SealLine
