@@ -10,6 +10,7 @@ import click
 
 import dashpot as dp
 from dashpot import workflow
+from dashpot.base.choices import DECKS
 from dashpot.base.errors import ExportError
 from dashpot.cli import _options as options
 from dashpot.cli._echo import to_stderr
@@ -20,20 +21,13 @@ from dashpot.kinds.level.levels import LevelFit
 from dashpot.records.seal_line import Stations
 from dashpot.records.specimen import Specimen
 
-# written out, so that --help need not import the decks; a test holds it to export.TARGETS
-TARGETS = (
-    "nastran", "abaqus", "ansys", "lsdyna", "radioss", "calculix", "opensees", "adams",
-    "statespace", "csv",
-)  # fmt: skip
-
-
 LONGEST_LINE = 100.0
 """m; no car has more of one seal."""
 
 
 @click.command("export")
 @click.argument("fit", type=File())
-@click.option("--to", "target", type=click.Choice(TARGETS), required=True)
+@click.option("--to", "target", type=click.Choice(DECKS), required=True)
 @click.option("--units", metavar="SI|mm-t-s|mm-kg-ms", help="The deck's unit system; required.")
 @click.option("--form", help="E.g. arms, table, prony; each target has its own.")
 @click.option("--range", "frequency_range", type=Range("frequency"), help="Of a table, 1:100Hz.")

@@ -13,6 +13,7 @@ from dashpot.export.opening import open_deck
 from dashpot.records.specimen import Specimen
 
 FORMS = ("frequency", "arms")
+SUFFIX = "csv"
 _VERIFIED = "verified: read back in dashpot's tests"
 
 

@@ -14,6 +14,7 @@ from dashpot.records.specimen import Specimen
 from dashpot.solids.networks import creep_of, parallel
 
 FORMS = ("transfer-function",)
+SUFFIX = "txt"
 
 
 def adams(

@@ -18,6 +18,7 @@ from dashpot.records.seal_line import SealSection, Stations
 from dashpot.records.specimen import Specimen
 
 FORMS = ("table", "viscous-table", "arms")
+SUFFIX = "bdf"
 _VERIFIED = (
     "not solver-verified: no Nastran runs in dashpot's tests; an independent bulk-data reader "
     "reads such a deck back to the printed digits"

@@ -14,6 +14,7 @@ from dashpot.export.shift import abaqus_shift
 from dashpot.records.specimen import Specimen
 
 FORMS = ("arms", "connector", "prony")
+SUFFIX = "inp"
 READ = (
     "not solver-verified: no Abaqus runs in dashpot's tests; CalculiX reads these cards there, and "
     "runs its own deck of the same ones"

@@ -10,6 +10,7 @@ from dashpot.export.opening import open_deck
 from dashpot.records.specimen import Specimen
 
 FORMS = ("python", "tcl")
+SUFFIX = "txt"
 VERIFIED = (
     "verified: OpenSeesPy runs these commands in dashpot's tests; the force of a ramp and hold is "
     "within 1e-5 of the model"

@@ -12,6 +12,8 @@ from dashpot.export.opening import open_deck
 from dashpot.records.specimen import Specimen
 
 FORMS = ("arms", "prony")
+SUFFIX = "k"
+NEEDS = {"prony": ("modulus", "bulk_modulus", "density")}
 _MOST_TERMS = 18  # of *MAT_GENERAL_VISCOELASTIC
 
 

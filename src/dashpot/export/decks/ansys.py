@@ -13,6 +13,7 @@ from dashpot.export.shift import ansys_shift
 from dashpot.records.specimen import Specimen
 
 FORMS = ("arms", "prony")
+SUFFIX = "mac"
 _MOST_POINTS = 20
 
 

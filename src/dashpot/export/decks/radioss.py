@@ -11,6 +11,8 @@ from dashpot.export.opening import open_deck
 from dashpot.records.specimen import Specimen
 
 FORMS = ("prony",)
+SUFFIX = "rad"
+NEEDS = {"prony": ("modulus",)}
 
 
 def radioss(

@@ -8,13 +8,14 @@ import numpy as np
 
 from dashpot.base.errors import ExportError
 from dashpot.base.units import Quantity, Range, si, si_range
-from dashpot.export.abaqus import slider_remarks, spring_dashpot_network
 from dashpot.export.deck import Deck, DeckText, Exportable
+from dashpot.export.decks.abaqus import slider_remarks, spring_dashpot_network
 from dashpot.export.notation import text
 from dashpot.export.opening import open_deck
 from dashpot.records.specimen import Specimen
 
 FORMS = ("arms",)
+SUFFIX = "inp"
 CYCLED = (
     "verified: CalculiX (ccx) runs such a deck in dashpot's tests; loops of several amplitudes "
     "have the energy and the secant of the model within 1e-3"

@@ -10,6 +10,7 @@ from dashpot.export.opening import open_deck
 from dashpot.records.specimen import Specimen
 
 FORMS = ("octave",)
+SUFFIX = "m"
 
 
 def statespace(
