@@ -46,7 +46,7 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "fitting/superposition/": ("fit",),
     "fitting/asked.py:refuse_shifts": ("fit",),
     "fitting/asked.py:_refuse_law": ("fit",),
-    "fitting/temperature/optimum.py:checked_temperatures": ("fit",),
+    "fitting/temperature/of_tests.py:checked_temperatures": ("fit",),
     "fitting/fractional/choice.py:checked_family": ("fit", "identify", "report"),
     "fitting/identification/": ("identify", "report"),
     "vibration/comparison/": MEASURED,
