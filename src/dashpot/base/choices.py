@@ -29,6 +29,12 @@ ImpactLawAsked: TypeAlias = Literal["auto", ImpactLaw]
 Driver: TypeAlias = Literal["serial", "replay", "simulated"]
 Rehearsed: TypeAlias = Literal["relaxation", "creep", "impact", "motion"]
 
+DECKS = (
+    "nastran", "abaqus", "ansys", "lsdyna", "radioss", "calculix", "opensees", "adams",
+    "statespace", "csv",
+)  # fmt: skip
+"""Solvers: each a file of ``export/decks``."""
+
 
 def words(choice: Any) -> tuple[str, ...]:
     """Return the words of such a type, or of an enumeration.

@@ -28,7 +28,7 @@ _TYPED = "dashpot.typed"
 """Where quantities are kept as they were typed."""
 
 
-class Quantity(click.ParamType[Any]):
+class WithUnit(click.ParamType[Any]):
     """A number with its unit, such as ``104g``; the value passed on is in SI.
 
     A `word` stands for no number, and is passed on as None.
@@ -53,7 +53,7 @@ class Quantity(click.ParamType[Any]):
             self.fail(str(error), param, ctx)
 
 
-class Range(Quantity):
+class Range(WithUnit):
     """Two quantities, such as ``1:50Hz``, in SI."""
 
     _parsed = staticmethod(parse_range)
@@ -101,7 +101,7 @@ def _kelvin(text: str) -> float:
 PICTURES = (".pdf", ".png", ".svg")  # written out, so that --help need not import matplotlib
 
 
-class Picture(Output):
+class Figure(Output):
     """A figure's file, refused before the work if its suffix is none that is drawn."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
@@ -110,7 +110,7 @@ class Picture(Output):
         return super().convert(value, param, ctx)
 
 
-class Arms(click.ParamType[Any]):
+class ArmCount(click.ParamType[Any]):
     """A number of Maxwell arms, or ``auto``."""
 
     name = "auto|N"
@@ -191,7 +191,7 @@ def _usual(one: Field[Any]) -> Any:
 def _type(one: Field[Any]) -> click.ParamType[Any] | None:
     asked = one.metadata
     if "unit" in asked:
-        kind = Range if "ends" in asked else Quantity
+        kind = Range if "ends" in asked else WithUnit
         return kind(asked["unit"], asked.get("word", ""))
     if "choices" in asked:
         return click.Choice(asked["choices"])
@@ -200,7 +200,7 @@ def _type(one: Field[Any]) -> click.ParamType[Any] | None:
     if "above" in asked:
         return click.FloatRange(asked["above"], min_open=True)
     if "word" in asked:
-        return Arms()
+        return ArmCount()
     return click.IntRange(asked["least"]) if "least" in asked else None
 
 
@@ -271,7 +271,7 @@ wlf = click.option(
 def picture(function: Callable[..., T]) -> Callable[..., T]:
     """Give a command ``--plot``; it receives the ``picture``'s file, and may open it."""
     saved = click.option(
-        "--plot", "picture", type=Picture(), metavar="FILE", help="Save the figure (png, svg, pdf)."
+        "--plot", "picture", type=Figure(), metavar="FILE", help="Save the figure (png, svg, pdf)."
     )
     return saved(opens(function))
 
@@ -291,7 +291,7 @@ def output(help: str, *suffixes: str, **how: Any) -> Callable[[Callable[..., T]]
 fit_output = output("Write the fit as JSON; - is stdout.", ".json")
 temperature = click.option(
     "--temperature",
-    type=Quantity("temperature"),
+    type=WithUnit("temperature"),
     help="Of the seals, where the fit knows how they follow it [default: that of its solid].",
 )
 

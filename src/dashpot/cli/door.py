@@ -11,7 +11,7 @@ from dashpot import workflow
 from dashpot.base.checks import verdict
 from dashpot.cli import _options as options
 from dashpot.cli._closing import closing_text
-from dashpot.cli._options import Quantity
+from dashpot.cli._options import WithUnit
 from dashpot.cli._shell import File, Outcome, printed, reports, write, write_figure
 from dashpot.cli._terminal import Text
 from dashpot.cli._text import hertz, rounded, table
@@ -26,7 +26,7 @@ _ROUNDING = 1e-9
 @click.option("--modes", "every", is_flag=True, help="The share of every part in every mode.")
 @options.of(Job, "band", default="1:200Hz", help="Of modes and FRFs.")
 @click.option(
-    "--close", "speed", type=Quantity("velocity"), metavar="SPEED",
+    "--close", "speed", type=WithUnit("velocity"), metavar="SPEED",
     help="Close it at this speed of its edge: energy by terms, the least speed, its scatter.",
 )  # fmt: skip
 @options.temperature

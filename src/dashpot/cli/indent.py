@@ -12,7 +12,7 @@ from dashpot.base.choices import ImpactLawAsked, words
 from dashpot.cli import _options as options
 from dashpot.cli import _text
 from dashpot.cli._shell import File, Outcome, reports, write_figure
-from dashpot.records.indentation import Indenter
+from dashpot.kinds.indentation.record import Indenter
 
 
 @click.command("indent")
