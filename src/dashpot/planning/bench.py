@@ -6,8 +6,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray, positive, sample_count
+from dashpot.base.arrays import FloatArray, sample_count
 from dashpot.base.choices import Method, refuse_other
+from dashpot.base.demands import positive
 from dashpot.base.options import option
 from dashpot.base.units import si_fields
 from dashpot.records.machine import Machine

@@ -9,15 +9,16 @@ from typing import TypeVar
 
 import numpy as np
 
-from dashpot.base.arrays import ByValue, FloatArray, positive
+from dashpot.base.arrays import ByValue, FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.choices import Family
+from dashpot.base.demands import positive
 from dashpot.base.errors import DataError
 from dashpot.base.numbers import counted
 from dashpot.base.offered import Pictured
 from dashpot.base.provenance import Source, Step
 from dashpot.base.status import Status
-from dashpot.base.units import Quantity, si
+from dashpot.base.units import Quantity, celsius, si
 from dashpot.records.alternative import Alternative, family_of
 from dashpot.records.bounds import EndOfHold, LeftOpen
 from dashpot.records.compression import refuse_far
@@ -33,7 +34,7 @@ from dashpot.records.estimate import (
     StandardErrors,
 )
 from dashpot.records.specimen import Specimen
-from dashpot.records.temperature import SAME_TEMPERATURE, Shift, TemperatureShifts, celsius
+from dashpot.records.temperature import SAME_TEMPERATURE, Shift, TemperatureShifts
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid

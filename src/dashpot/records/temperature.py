@@ -9,6 +9,7 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, ByValue, FloatArray, frozen
 from dashpot.base.errors import DataError
+from dashpot.base.units import celsius
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.temperature import WLF, Arrhenius, FreeShifts, TemperatureLaw
 
@@ -389,8 +390,3 @@ def shifted_log_tau(log_tau: FloatArray, log_a: float, slope: float) -> FloatArr
 def decades(log_tau: FloatArray) -> FloatArray:
     """Decades of tau above the one that is shifted by a_T, whatever the slope."""
     return np.asarray((log_tau - np.log(CENTRE)) / _LN10)
-
-
-def celsius(temperature: float) -> str:
-    """A temperature, K, in words for people."""
-    return f"{temperature - 273.15:.4g} degC"

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import dashpot as dp
 from dashpot.base.choices import ShiftLaw, VerticalAsked, words
 from dashpot.base.errors import FitError
 from dashpot.base.options import option
-from dashpot.fitting.superposition.isotherms import Measured
 from dashpot.records.specimen import Specimen
-from dashpot.records.superposition import Superposition
+
+if TYPE_CHECKING:
+    from dashpot.fitting.superposition.isotherms import Measured
+    from dashpot.records.superposition import Superposition
 
 _TYPED = {one.removesuffix("/T_r"): one for one in words(VerticalAsked)}
 """Shifts of the moduli, by the words that are typed."""

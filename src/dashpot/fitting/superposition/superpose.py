@@ -14,7 +14,7 @@ from dashpot.base.checks import Check
 from dashpot.base.choices import ShiftLaw, VerticalAsked, refuse_other
 from dashpot.base.errors import FitError
 from dashpot.base.provenance import Step
-from dashpot.base.units import Quantity, si
+from dashpot.base.units import Quantity, celsius, si
 from dashpot.fitting.checks.temperature import (
     MIN_BIC_MARGIN,
     of_law,
@@ -39,7 +39,7 @@ from dashpot.fitting.superposition.neighbours import chained_starts
 from dashpot.records.creep import CreepCompliance
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.superposition import Superposition
-from dashpot.records.temperature import ONE_TEMPERATURE, Shift, TemperatureShifts, celsius
+from dashpot.records.temperature import ONE_TEMPERATURE, Shift, TemperatureShifts
 from dashpot.solids.interconversion import CreepSpectrum, relaxation_spectrum
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
