@@ -57,6 +57,17 @@ def flag_of(one: Field[Any]) -> str:
     return "--" + str(one.metadata.get("flag", one.name)).replace("_", "-")
 
 
+def flags_of(noun: type) -> str:
+    """Return the options of a noun as a sentence lists them.
+
+    >>> from dashpot.workflow.job import Cuts
+    >>> flags_of(Cuts)
+    '--onset, --ramp-end and --hold-end'
+    """
+    *others, last = map(flag_of, offered(noun))
+    return f"{', '.join(others)} and {last}"
+
+
 def words_of(noun: Any, *names: str) -> list[str]:
     """Return the options that say what a noun says, or these fields of it, as they are typed.
 

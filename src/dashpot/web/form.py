@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import MISSING, fields
+from dataclasses import Field
 from html import escape
 from typing import Any
 
@@ -20,7 +20,9 @@ LABELS = {
 def filled(page: str) -> str:
     """Return the page with the choices of a job in their places, and what is usual as data."""
     for name in ("method", "law", "family"):
-        page = page.replace(f"<!-- {name} -->", _buttons(name))
+        one = _declared(Job, name)
+        page = page.replace(f"<!-- {name} -->", _buttons(one))
+        page = page.replace(f"<!-- {name} says -->", escape(one.metadata["help"]))
     words = _declared(LevelJob, "law").metadata["choices"]
     listed = "".join(f"<option>{word}</option>" for word in words)
     page = page.replace("<!-- amplitude-law -->", listed)
@@ -36,14 +38,13 @@ def usual() -> dict[str, Any]:
     }
 
 
-def _declared(noun: Any, name: str) -> Any:
-    return next(one for one in fields(noun) if one.name == name and one.default is not MISSING)
+def _declared(noun: type, name: str) -> Field[Any]:
+    return next(one for one in offered(noun) if one.name == name)
 
 
-def _buttons(name: str) -> str:
-    one = _declared(Job, name)
+def _buttons(one: Field[Any]) -> str:
     return "".join(
-        f'<button data-{name}="{word}" aria-pressed="{str(word == one.default).lower()}"'
-        f' title="{escape(one.metadata["help"])}">{LABELS.get(word, word)}</button>'
+        f'<button data-{one.name}="{word}" aria-pressed="{str(word == one.default).lower()}">'
+        f"{LABELS.get(word, word)}</button>"
         for word in one.metadata["choices"]
     )

@@ -16,7 +16,7 @@ from dashpot.base.choices import (
     RampLawAsked,
 )
 from dashpot.base.errors import DataError
-from dashpot.base.options import like, names_files, option, part
+from dashpot.base.options import flags_of, like, names_files, option, part
 from dashpot.io.options import ReadOptions
 from dashpot.records.machine import Machine
 from dashpot.records.specimen import Specimen
@@ -42,8 +42,8 @@ def known_of_a_test(machine: Machine | None, *, tests: int, add: str) -> None:
     """
     if machine is not None and machine != Machine() and not tests:
         raise DataError(
-            "--sync, --drift, --compliance and --force-filter describe the machine of a "
-            f"relaxation test, and there is none here: add {add}, or leave them out"
+            f"{flags_of(Machine)} describe the machine of a relaxation test, and there is none "
+            f"here: add {add}, or leave them out"
         )
 
 
@@ -55,7 +55,7 @@ class HammerChoices:
     and how the mass over a base that moves was measured.
     """
 
-    estimator: Estimate = option("H1", choices=Estimate)
+    estimator: Estimate = option("H1", "Where the noise is taken to be.", choices=Estimate)
     window: str = option(
         "none", "none, exponential, or exponential:0.01 (what is left at the end)."
     )
@@ -100,8 +100,8 @@ class Cuts:
         """
         if self != Cuts() and tests != 1:
             raise DataError(
-                "--onset, --ramp-end and --hold-end cut one relaxation test, and there are "
-                f"{tests} here: leave them out, or fit that test alone"
+                f"{flags_of(Cuts)} cut one relaxation test, and there are {tests} here: leave "
+                "them out, or fit that test alone"
             )
 
 
