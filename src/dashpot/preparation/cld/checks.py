@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dashpot.base.checks import Finding, criterion
+from dashpot.base.units import written
 from dashpot.preparation.cld.zero import MOST_PRELOAD
 
 SETTLED = 0.02
@@ -74,7 +75,7 @@ def depth_conditioned(ratio: float | None, cycle: int) -> Finding:
 def compressions_reached(most: float, depth: float) -> Finding:
     """The cycle reaches every compression asked for."""
     return Finding(
-        f"asked for up to {1e3 * most:.4g} mm, pressed to {1e3 * depth:.4g} mm",
+        f"asked for up to {written(most, 'mm')}, pressed to {written(depth, 'mm')}",
         most / depth,
         ": nothing is said of what was not reached; press deeper, or ask for less",
     )
