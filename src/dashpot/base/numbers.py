@@ -22,10 +22,12 @@ SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 _ASCII = str.maketrans(f"{MINUS}–⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "---0123456789") | {ord("∞"): "inf"}
 
 
-READ_IN = MappingProxyType({
-    "N/m": (1e-3, "N/mm"), "m": (1e3, "mm"), "Pa": (1e-6, "MPa"), "s": (1e3, "ms"),
-    "strain": (100.0, "% strain"),
-})  # fmt: skip
+READ_IN = MappingProxyType(
+    {
+        unit: (in_unit(1.0, word), word)
+        for unit, word in {"N/m": "N/mm", "m": "mm", "Pa": "MPa", "s": "ms"}.items()
+    }
+)
 """Factor and unit in which people are shown what is in a unit of SI."""
 
 
