@@ -6,6 +6,7 @@ from math import pi
 
 from dashpot.base.checks import Finding, criterion
 from dashpot.base.status import Status
+from dashpot.base.units import written
 
 UNEXPLAINED = 0.03
 AGREES = 0.05
@@ -45,7 +46,7 @@ def stroke_within_memory(stroke: float | None, band: tuple[float, float]) -> Fin
 @criterion("relaxed force / k_inf x, less 1", "|x| <=", AGREES, "our choice: pieces scatter so")
 def relaxed_agrees(difference: float | None, depth: float, k_inf: float) -> Finding:
     """The relaxed force is that of the relaxation test at the compression that it was held at."""
-    held = f"at {1e3 * depth:.4g} mm the relaxation test has {k_inf * depth:.4g} N at rest"
+    held = f"at {written(depth, 'mm')} the relaxation test has {k_inf * depth:.4g} N at rest"
     if difference is None:
         return Finding(f"{held}; the cycle does not go so deep")
     return Finding(
