@@ -9,7 +9,7 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, ByValue, FloatArray, frozen
 from dashpot.base.errors import DataError
-from dashpot.base.units import celsius
+from dashpot.base.units import celsius, in_unit
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.temperature import WLF, Arrhenius, FreeShifts, TemperatureLaw
 
@@ -352,7 +352,7 @@ def near(temperature: FloatArray | None, asked: float) -> BoolArray:
     within = np.abs(temperature - asked) <= ONE_TEMPERATURE / 2
     if not within.any():
         listed = ", ".join(
-            f"{value:.0f} degC" for value in np.unique(np.round(temperature - 273.15))
+            f"{value:.0f} degC" for value in np.unique(np.round(in_unit(temperature, "degC")))
         )
         raise DataError(
             f"no sample within {ONE_TEMPERATURE / 2:g} K of {celsius(asked)}; the test has {listed}"
