@@ -21,6 +21,7 @@ from hypothesis import strategies as st
 
 import dashpot as dp
 from dashpot import workflow
+from dashpot.base.choices import Driver, words
 from dashpot.base.options import flag_of, names_files, offered, words_of
 from dashpot.cli import COMMANDS, main
 from dashpot.io.options import OF_HAMMER, OF_HAMMER_ALONE, ReadOptions
@@ -171,6 +172,13 @@ def test_the_laws_of_amplitude_are_those_of_the_command() -> None:
     assert tuple(re.findall("<option>(.*?)<", listed[1])) == one.metadata["choices"]
 
 
+def test_the_instruments_of_the_page_are_those_of_the_command() -> None:
+    text = (Path(dp.__file__).parent / "web/static/record.html").read_text(encoding="utf-8")
+    listed = re.search('id="driver">(.*?)</select>', text)
+    assert listed is not None
+    assert tuple(re.findall('value="(.*?)"', listed[1])) == words(Driver)
+
+
 @pytest.mark.parametrize(
     ("name", "unit"), [("mass", "g"), ("compression", "mm"), ("specimen-length", "mm")]
 )
@@ -271,14 +279,14 @@ class _HeardError(Exception):
         self.heard, self.named = heard, named
 
 
-def heard(place: Any, name: str, words: str) -> _HeardError:
+def heard(place: Any, name: str, typed: str) -> _HeardError:
     """Return what the work is asked for where a line is typed."""
 
     def work(*told: Any, **named: Any) -> None:
         raise _HeardError(*told, **named)
 
     with patch.object(place, name, work), pytest.raises(_HeardError) as found:
-        main.main(shlex.split(words)[1:], standalone_mode=False)
+        main.main(shlex.split(typed)[1:], standalone_mode=False)
     return found.value
 
 
@@ -341,8 +349,8 @@ def batch_choices(draw: st.DrawFn) -> BatchChoices:
 @given(batch_choices())
 def test_a_batch_is_typed_as_the_choices_that_it_has(said: BatchChoices) -> None:
     beside = said.reading_impact.only([name for name in OF_HAMMER if name != "frequency"])
-    words = ["-o", "lot", *words_of(replace(said, reading_impact=beside))]
-    told = heard(batches, "run_batch", shlex.join(["dashpot", "batch", "tests", *words]))
+    typed = ["-o", "lot", *words_of(replace(said, reading_impact=beside))]
+    told = heard(batches, "run_batch", shlex.join(["dashpot", "batch", "tests", *typed]))
     assert told.heard[0].choices == said
 
 

@@ -26,9 +26,10 @@ ElasticKindAsked: TypeAlias = Literal["auto", ElasticKind]
 Measure: TypeAlias = Literal["auto", "nominal", "true"]
 ImpactLaw: TypeAlias = Literal["kelvin-voigt", "hertz", "hertz-kelvin-voigt", "hertz-maxwell"]
 ImpactLawAsked: TypeAlias = Literal["auto", ImpactLaw]
-Driver: TypeAlias = Literal["serial", "replay", "simulated"]
+Driver: TypeAlias = Literal["simulated", "serial", "replay"]
 Rehearsed: TypeAlias = Literal["relaxation", "creep", "impact", "motion"]
 
+Drawn: TypeAlias = Literal["pdf", "png", "svg"]
 DECKS = (
     "nastran", "abaqus", "ansys", "lsdyna", "radioss", "calculix", "opensees", "adams",
     "statespace", "csv",

@@ -13,6 +13,7 @@ import click
 from click.core import ParameterSource
 
 import dashpot as dp
+from dashpot.base.choices import Drawn, words
 from dashpot.base.errors import DashpotError, ReadError
 from dashpot.base.options import flag_of, names_files, offered
 from dashpot.base.units import Dimension, parse_quantity, parse_range
@@ -98,14 +99,11 @@ def _kelvin(text: str) -> float:
     return parse_quantity(text.strip(), "temperature")
 
 
-PICTURES = (".pdf", ".png", ".svg")  # written out, so that --help need not import matplotlib
-
-
 class Figure(Output):
     """A figure's file, refused before the work if its suffix is none that is drawn."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
-        if Path(value).suffix.lower() not in PICTURES:
+        if Path(value).suffix.lower().lstrip(".") not in words(Drawn):
             self.fail(f"'{value}': a figure is written as .pdf, .png or .svg", param, ctx)
         return super().convert(value, param, ctx)
 

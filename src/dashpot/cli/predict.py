@@ -11,9 +11,8 @@ from dashpot import workflow
 from dashpot.cli import _options as options
 from dashpot.cli import _text
 from dashpot.cli._shell import File, Outcome, grams, reports, typed, write, write_figure
-from dashpot.records.frf import Kind
-from dashpot.workflow.at_level import LevelChoices
-from dashpot.workflow.job import HammerChoices, Job
+from dashpot.records.frf import OF_FORCE
+from dashpot.workflow.job import HammerChoices, Job, LevelChoices
 from dashpot.workflow.part import PartChoices
 
 
@@ -26,7 +25,7 @@ from dashpot.workflow.part import PartChoices
 @click.option("--lines", type=click.IntRange(2), default=2001, show_default=True)
 @click.option(
     "--kind",
-    type=click.Choice([one.value for one in Kind if not one.over_base]),
+    type=click.Choice(OF_FORCE),
     default="accelerance",
     show_default=True,
     help="Of the mass and a force on it.",

@@ -7,14 +7,15 @@ from dataclasses import Field
 from html import escape
 from typing import Any
 
+from dashpot.base.choices import AmplitudeLawAsked, words
 from dashpot.base.options import names_files, offered
-from dashpot.workflow.job import Job, LevelJob
+from dashpot.workflow.job import Job
 
 LABELS = {
     "full": "recorded", "hold": "eq. (5)", "linear": "straight", "nonlinear": "bent",
     "maxwell": "arms",
 }  # fmt: skip
-"""What a button says of a word that a command is told."""
+"""What the page says of a word that a command is told."""
 
 
 def filled(page: str) -> str:
@@ -23,8 +24,7 @@ def filled(page: str) -> str:
         one = _declared(Job, name)
         page = page.replace(f"<!-- {name} -->", _buttons(one))
         page = page.replace(f"<!-- {name} says -->", escape(one.metadata["help"]))
-    words = _declared(LevelJob, "law").metadata["choices"]
-    listed = "".join(f"<option>{word}</option>" for word in words)
+    listed = "".join(f"<option>{word}</option>" for word in words(AmplitudeLawAsked))
     page = page.replace("<!-- amplitude-law -->", listed)
     return page.replace("<!-- usual -->", json.dumps(usual()))
 

@@ -237,6 +237,41 @@ class LevelJob:
 
 
 @dataclass(frozen=True)
+class LevelChoices:
+    """How far a part is moved, and the sweep that tells what this does to it."""
+
+    levels: tuple[str, ...] = option(
+        (),
+        "Amplitude of the force, e.g. 0.5N; with --base of its acceleration, e.g. 5m/s^2. "
+        "Needs --sweep.",
+        multiple=True,
+        metavar="LEVEL",
+        flag="level",
+    )
+    sweep: str | None = option(
+        None,
+        "Storage and loss over strain or displacement, or recorded loops: what a level does.",
+        metavar="FILE",
+    )
+    height: float | None = option(
+        None, "Of the part, for its strain; of a --disc or --block it is known.", unit="length"
+    )
+    strain_factor: float | None = option(
+        None,
+        "Strain of the sweep over X/height of the part: 1 where both are loaded alike, 0.577 for a "
+        "part in shear beside a sweep in tension, 1.73 the other way [default: 1, and what the "
+        "other would make of it].",
+        above=0.0,
+    )
+    fitted_at: str | None = option(
+        None, "Strain at which FIT's own test was made, e.g. 0.1% [default: a vanishing one]."
+    )
+    resonance_level: str | None = option(
+        None, "At which --resonance was measured [default: a vanishing one]."
+    )
+
+
+@dataclass(frozen=True)
 class ModesJob:
     """Everything that decides the result of ``dashpot modes``.
 

@@ -33,13 +33,12 @@ from dashpot.vibration.systems.random_base import random_base, random_limits
 from dashpot.workflow.at_level import (
     VANISHING,
     AtLevel,
-    LevelChoices,
     SweptPart,
     level_of,
     swept_part,
 )
 from dashpot.workflow.checks import base_band_informed, prediction_informed
-from dashpot.workflow.job import known_of_a_test
+from dashpot.workflow.job import LevelChoices, known_of_a_test
 from dashpot.workflow.part import PartChoices
 from dashpot.workflow.prepared import at_their_temperatures, prepared_files, refuse_others
 from dashpot.workflow.resting import (

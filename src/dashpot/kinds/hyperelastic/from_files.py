@@ -10,21 +10,13 @@ from dashpot.base.errors import DataError, FitError, ReadError
 from dashpot.fitting.parameters import memory_of
 from dashpot.io.options import ReadOptions
 from dashpot.kinds.hyperelastic.fit import fit_hyperelastic
-from dashpot.kinds.hyperelastic.read import Measures, read_stress_strain
+from dashpot.kinds.hyperelastic.read import MODES, Measures, read_stress_strain
 from dashpot.kinds.hyperelastic.record import HyperelasticFit, Span
 from dashpot.records.fit import Fit
 from dashpot.records.specimen import Specimen
-from dashpot.solids.hyperelastic import Mode
 
 if TYPE_CHECKING:
     from pathlib import Path
-
-MODES: Mapping[str, tuple[Mode, bool]] = {
-    "uniaxial": ("uniaxial", False), "compression": ("uniaxial", True),
-    "biaxial": ("equibiaxial", False), "planar": ("planar", False),
-    "volumetric": ("volumetric", True),
-}  # fmt: skip
-"""The mode of a kind of file, and whether its specimen was pressed."""
 
 
 def hyperelastic_files(
@@ -62,7 +54,7 @@ def hyperelastic_files(
         )
     tests = [
         read_stress_strain(
-            path, MODES[kind][0], pressed=MODES[kind][1], measures=measures, options=options
+            path, MODES[kind].mode, pressed=MODES[kind].pressed, measures=measures, options=options
         )
         for kind, path in given
     ]

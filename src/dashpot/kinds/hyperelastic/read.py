@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,6 +24,25 @@ from dashpot.io.readers.relaxation import signals
 from dashpot.kinds.hyperelastic.record import StressStrainTest
 from dashpot.solids.hyperelastic import Mode
 
+
+class FilesOfMode(NamedTuple):
+    """Files of one mode of test: what users are told, and whether their specimen was pressed."""
+
+    says: str
+    mode: Mode
+    pressed: bool = False
+
+
+MODES = MappingProxyType({
+    "uniaxial": FilesOfMode("Uniaxial: stress over strain; tension > 0.", "uniaxial"),
+    "compression": FilesOfMode("Uniaxial, pressed: whatever the signs.", "uniaxial", pressed=True),
+    "biaxial": FilesOfMode("Equibiaxial.", "equibiaxial"),
+    "planar": FilesOfMode("Planar tension (pure shear).", "planar"),
+    "volumetric": FilesOfMode(
+        "Pressure over volume ratio or volumetric strain.", "volumetric", pressed=True
+    ),
+})  # fmt: skip
+"""By the option that names them."""
 _MIXED = 0.05
 """Part of the largest stress that may have the wrong sign: noise about zero."""
 
