@@ -35,7 +35,6 @@ from dashpot.web.store import Store
 from dashpot.workflow.command_lines import line
 from dashpot.workflow.job import Cuts, HammerChoices, Job, LevelJob, ModesJob
 
-NUMBERS = ("arms", "method", "law", "family", "filter")
 RIG = ("seal_mass", "seals", "compression")
 TESTED = tuple(one.name for one in offered(Specimen) if one.name != "temperature")
 """Of several tests each has a temperature of its own: a job's, not the specimen's."""
@@ -44,7 +43,8 @@ FACES: dict[str, dict[type, tuple[str, ...]]] = {
         Job: (), Cuts: (), Machine: (), HammerChoices: (), ReadOptions: (), Specimen: TESTED,
     },
     "fit": {
-        Job: (*NUMBERS, "temperatures"), Cuts: (), Machine: (), ReadOptions: (), Specimen: TESTED,
+        Job: ("arms", "method", "law", "family", "filter", "temperatures"), Cuts: (),
+        Machine: (), ReadOptions: (), Specimen: TESTED,
     },
     "identify": {
         Job: (*RIG, "arms", "family", "band", "mass", "temperatures", "impact_temperature"),
@@ -304,9 +304,7 @@ def test_a_report_is_typed_as_the_job_that_it_is(job: Job) -> None:
     assert told.heard == (job,)
 
 
-OF_FIT = (
-    "relaxation", "further", *NUMBERS, "cuts", "machine", "specimen", "temperatures", "reading",
-)  # fmt: skip
+OF_FIT = tuple(one.name for one in fields(Job) if "decides" in one.metadata)
 
 
 @settings(max_examples=40, deadline=None)

@@ -22,7 +22,7 @@ def option(default: Any, help: str | None = None, **how: Any) -> Any:
     :mod:`~dashpot.base.choices`; ``least``, of a whole number; ``above``, of any; ``word``, what
     stands for no number; ``parse``, from what click passes on to what the noun takes, and
     ``typed`` back to texts; ``flag``, the option's name where it is not the field's;
-    ``argument`` of what is typed without an option.
+    ``argument`` of what is typed without an option; ``decides``, what a job needs it for first.
     """
     if "choices" in how:
         how["choices"] = words(how["choices"])
@@ -35,9 +35,9 @@ def like(noun: type, name: str, **other: Any) -> Any:
     return option(**{"default": one.default, **one.metadata, **other})
 
 
-def part(kind: type) -> Any:
+def part(kind: type, **how: Any) -> Any:
     """Return the field that holds a noun with options of its own."""
-    return field(default_factory=kind, metadata={"part": kind})
+    return field(default_factory=kind, metadata={"part": kind, **how})
 
 
 def offered(noun: Any) -> Iterator[Field[Any]]:

@@ -10,6 +10,7 @@ from typing import Any, Literal, TypeAlias, TypeVar
 import dashpot as dp
 from dashpot.base.choices import FamilyAsked, Method, RampLawAsked
 from dashpot.base.errors import FitError
+from dashpot.base.options import offered
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import about
 from dashpot.preparation.creep import load_hold
@@ -22,7 +23,7 @@ from dashpot.records.modulus import RelaxationModulus
 from dashpot.records.relaxation import RampHold, RelaxationTest
 from dashpot.records.specimen import Specimen
 from dashpot.records.superposition import Superposition
-from dashpot.workflow.job import Cuts, known_of_a_test
+from dashpot.workflow.job import Cuts, Job, known_of_a_test
 from dashpot.workflow.shifting import ShiftChoices, each_specimen, one_temperature, shifted_ramps
 
 Record: TypeAlias = (
@@ -50,7 +51,7 @@ class _FitRequest:
 
     def nothing_of(self, *names: str) -> bool:
         """Whether each of these is left at what it is where nothing is said."""
-        usual = {"method": "full", "depth_law": False, "law": "auto", "family": "maxwell"}
+        usual = {one.name: one.default for one in offered(Job)} | {"depth_law": False}
         return all(getattr(self, name) == usual[name] for name in names)
 
     def refuse_for_a_modulus(self) -> None:

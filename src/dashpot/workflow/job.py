@@ -148,7 +148,7 @@ class Job:
         File of an image for its head.
     """
 
-    relaxation: str = option(MISSING, metavar="FILE", argument=True)
+    relaxation: str = option(MISSING, metavar="FILE", argument=True, decides="test")
     impact: tuple[str, ...] = option(
         (), "Hits, or an FRF; repeat for more.", metavar="FILE", multiple=True
     )
@@ -157,45 +157,52 @@ class Job:
         None, "Of one seal: a third moves along, a sixth couples mass and base.", unit="mass"
     )
     seals: float = option(1.0, "Seals in parallel.")
-    arms: int | Literal["auto"] = option("auto", "Maxwell arms.", word="auto", least=0)
+    arms: int | Literal["auto"] = option(
+        "auto", "Maxwell arms.", word="auto", least=0, decides="fit"
+    )
     method: Method = option(
         "full",
         "full: the recorded motion, ramp and hold; hold: the paper's eq. 5.",
         choices=Method,
+        decides="fit",
     )
     law: RampLawAsked = option(
         "auto",
         "Elastic law of the seal, from the ramp: straight unless the record says otherwise.",
         choices=RampLawAsked,
+        decides="fit",
     )
     family: FamilyAsked = option(
         "maxwell",
         "Of the solid: arms, a fractional Zener solid, or the one that the record prefers.",
         choices=FamilyAsked,
+        decides="fit",
     )
-    cuts: Cuts = part(Cuts)
+    cuts: Cuts = part(Cuts, decides="test")
     band: tuple[float, float] | None = option(
         None, "Lines compared, e.g. 5:40Hz.", unit="frequency", ends=True
     )
-    filter: str | None = option(None, "E.g. lowpass:10Hz; off by default.", metavar="SPEC")
+    filter: str | None = option(
+        None, "E.g. lowpass:10Hz; off by default.", metavar="SPEC", decides="test"
+    )
     joint: bool = option(
         True, "Leave out the joint fit.", flag="no-joint", is_flag=True, parse=not_
     )
     compression: float | None = option(
         None, "Of the seals under the mass, e.g. 2.6mm.", unit="length", word="weight"
     )
-    specimen: Specimen = part(Specimen)
-    machine: Machine = part(Machine)
-    reading: ReadOptions = part(ReadOptions)
+    specimen: Specimen = part(Specimen, decides="test")
+    machine: Machine = part(Machine, decides="test")
+    reading: ReadOptions = part(ReadOptions, decides="test")
     reading_impact: ReadOptions = part(ReadOptions)
     hammer: HammerChoices = part(HammerChoices)
     title: str = option("", "Of the report [default: the specimen].", metavar="TEXT")
     logo: str | None = option(None, "PNG, JPEG or SVG for its head, up to 100 kB.", metavar="FILE")
-    further: tuple[str, ...] = option((), metavar="FILE", argument=True)
+    further: tuple[str, ...] = option((), metavar="FILE", argument=True, decides="test")
     temperatures: tuple[float, ...] = option(
         (),
         "Test temperature, e.g. 23degC; once for all files, or for each, in their order.",
-        unit="temperature", multiple=True, flag="temperature",
+        unit="temperature", multiple=True, flag="temperature", decides="test",
     )  # fmt: skip
     impact_temperature: float | None = option(
         None,
@@ -295,6 +302,12 @@ class ModesJob:
     )  # fmt: skip
     seals: float = like(Job, "seals")
     options: ReadOptions = part(ReadOptions)
+
+
+def deciding(job: Job, *what: str) -> Job:
+    """Return what of a job decides its ``"test"`` as prepared, or the ``"fit"`` of that."""
+    said = [one.name for one in fields(job) if one.metadata.get("decides") in what]
+    return Job(**{name: getattr(job, name) for name in said})
 
 
 def with_paths(job: J, found: Callable[[str], str]) -> J:
