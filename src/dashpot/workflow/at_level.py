@@ -29,8 +29,8 @@ from dashpot.records.relaxation import RelaxationTest
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.systems.level import mass_at_level
 from dashpot.vibration.systems.mounts import on_heavy_mounts
-from dashpot.workflow.job import LevelChoices
-from dashpot.workflow.part import PartChoices
+from dashpot.workflow.job import LevelChoices, PartChoices
+from dashpot.workflow.part import height_of
 
 STRAIN_FACTORS = (1.0, 1 / np.sqrt(3))
 """Strain of a sweep that does to the rubber what X/h of the part does: loaded alike; a part in
@@ -321,7 +321,7 @@ def swept_part(
             f"the sweep is in {law.unit} and the fit in {unit}; expected both of the material, or "
             "both of the part"
         )
-    height = _height(choices, law, None if part is None else part.height)
+    height = _height(choices, law, None if part is None else height_of(part))
     factors = (choices.strain_factor,) if choices.strain_factor else _strain_factors(law.source)
     if height is None:
         factors = (1.0,)

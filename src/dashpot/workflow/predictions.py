@@ -38,8 +38,8 @@ from dashpot.workflow.at_level import (
     swept_part,
 )
 from dashpot.workflow.checks import base_band_informed, prediction_informed
-from dashpot.workflow.job import LevelChoices, known_of_a_test
-from dashpot.workflow.part import PartChoices
+from dashpot.workflow.job import LevelChoices, PartChoices, known_of_a_test
+from dashpot.workflow.part import applied
 from dashpot.workflow.prepared import at_their_temperatures, prepared_files, refuse_others
 from dashpot.workflow.resting import (
     LIMIT_LINES,
@@ -166,8 +166,8 @@ def predict_files(
                 "leave it or the geometry out"
             )
         material = here.solid
-        here = found = part.applied(
-            here, seals=seals, base=asked.over_base, peak=_measured_at(swept, at_level, asked)
+        here = found = applied(
+            part, here, seals=seals, base=asked.over_base, peak=_measured_at(swept, at_level, asked)
         )
         scale *= float(abs(here.solid.complex_stiffness(1.0) / material.complex_stiffness(1.0)))
     rests = at_rest(here, mass=moving, seals=seals, compression=compression)
