@@ -9,6 +9,7 @@ import numpy as np
 
 from dashpot.base.errors import ExportError
 from dashpot.export.notation import UnitSystem, text
+from dashpot.records.level import Beside as Stands
 from dashpot.records.level import LevelFit
 from dashpot.solids.friction import Jenkins
 from dashpot.solids.stiffening import Cubic
@@ -45,7 +46,7 @@ class Beside:
     """
 
     units: UnitSystem
-    parts: tuple[Jenkins | Cubic, ...] = ()
+    parts: Stands = ()
     amplitudes: tuple[float, float] = (0.0, 0.0)
 
     @classmethod

@@ -33,12 +33,10 @@ from dashpot.plot.tokens import SEQUENTIAL, sequential
 from dashpot.plot.vibration import FREQUENCY, SHOWN
 from dashpot.records.amplitude import AmplitudeFit, AmplitudeSweep
 from dashpot.records.frf import FRF, Kind
-from dashpot.records.level import LevelFit
+from dashpot.records.level import Beside, LevelFit
 from dashpot.records.relaxation import RelaxationTest
-from dashpot.solids.friction import Jenkins
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.rate_independent import InParallel
-from dashpot.solids.stiffening import Cubic
 from dashpot.vibration.impact.amplitude import DECAYED
 
 _HEIGHT = 240.0
@@ -351,7 +349,7 @@ def _informed(fit: LevelFit, frfs: Sequence[FRF]) -> list[Panel]:
 def _interval(fit: LevelFit, omega: float, X: FloatArray) -> FloatArray:
     """95 % interval of storage and loss over amplitude, N/m, shape (2, 2, n)."""
 
-    def both(solid: GeneralizedMaxwell, beside: tuple[Jenkins | Cubic, ...]) -> FloatArray:
+    def both(solid: GeneralizedMaxwell, beside: Beside) -> FloatArray:
         K = InParallel((solid, *beside)).equivalent(omega, X)
         return np.array((K.real, K.imag))
 

@@ -18,6 +18,7 @@ from dashpot.base.arrays import (
     samples,
 )
 from dashpot.base.checks import Check
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.offered import Pictured, verb
 from dashpot.base.provenance import Source, Step
@@ -97,7 +98,7 @@ class Hit:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class FRF(ByValue, Pictured):
+class FRF(ByValue, Pictured, Documented):
     r"""A frequency response function, measured or predicted.
 
     Sign convention: x(t) = Re X e^{+j omega t}; the receptance of a passive system has a
@@ -129,6 +130,8 @@ class FRF(ByValue, Pictured):
     checks, source, steps
         As in a fit.
     """
+
+    schema = "dashpot/frf@1"
 
     frequency: FloatArray
     value: ComplexArray

@@ -15,15 +15,12 @@ from dashpot.base.numbers import rounded
 from dashpot.fitting.level.hits import HitLevels
 from dashpot.plot.picture import unit_of
 from dashpot.records.amplitude import AmplitudeFit
-from dashpot.records.level import LevelFit
+from dashpot.records.level import Beside, LevelFit, PeakAtLevel
 from dashpot.report.figures import drawn
 from dashpot.report.pages import COLOURS, frame, held
 from dashpot.report.tables import READ, Parameter, Table, checks
-from dashpot.solids.friction import Jenkins
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.rate_independent import InParallel
-from dashpot.solids.stiffening import Cubic
-from dashpot.workflow.level_document import PeakAtLevel
 from dashpot.workflow.levels import Levels
 
 _95 = 1.96
@@ -153,7 +150,7 @@ def _of_levels(fit: LevelFit) -> Iterator[Parameter]:
     omega = np.pi * (fit.band[0] + fit.band[1])
     X = np.array(fit.amplitudes)
 
-    def read(solid: GeneralizedMaxwell, beside: tuple[Jenkins | Cubic, ...]) -> FloatArray:
+    def read(solid: GeneralizedMaxwell, beside: Beside) -> FloatArray:
         K = InParallel((solid, *beside)).equivalent(omega, X)
         return np.array((1e-3 * K.real, K.imag / K.real))
 

@@ -12,6 +12,7 @@ import numpy as np
 import dashpot as dp
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.version import byline
 from dashpot.io.options import OF_BENCH, ReadOptions
@@ -49,7 +50,7 @@ class ImpactMode:
 
 
 @dataclass(frozen=True)
-class ImpactResult:
+class ImpactResult(Documented):
     """What ``dashpot impact`` found.
 
     Attributes
@@ -62,6 +63,12 @@ class ImpactResult:
     file : str or None
         Where the FRF was written.
     """
+
+    schema = "dashpot/impact@1"
+    keys = (
+        "estimator", "window", "frf.averages", "modes", "peak", "frf.hits", "frf.checks",
+        "frf.source", "file", "frf",
+    )  # fmt: skip
 
     frf: FRF
     modes: tuple[ImpactMode, ...]
