@@ -81,7 +81,7 @@ def _attribute(noun: Any, name: str) -> Any:
 
 
 @cache
-def _keys(kind: type[Documented]) -> tuple[_Key, ...]:
+def _keys(kind: Any) -> tuple[_Key, ...]:
     own = [one.name for one in fields(kind)] if is_dataclass(kind) else []
     return tuple(
         _Key.of(name) for text in kind.keys or ("*",) for name in (own if text == "*" else [text])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import Any, TypeVar
 
 import numpy as np
@@ -518,11 +518,10 @@ class Fit(ByValue, Pictured, Documented):
         """The family of the solid; of another than arms its parameters and how they are known."""
         if self.family == "maxwell":
             return {"family": self.family}
-        error = self.solid_standard_error
         return {
             "family": self.family,
-            **{name: getattr(self.solid, name) for name in error},
-            "standard_error": error,
+            **{one.name: getattr(self.solid, one.name) for one in fields(self.solid)},  # type: ignore[arg-type]
+            "standard_error": self.solid_standard_error,
             "interval_95": self.solid_intervals(level=0.95),
         }
 
