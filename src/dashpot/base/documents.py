@@ -46,7 +46,8 @@ class Documented:
     def document(self) -> dict[str, Any]:
         """Plain dictionaries, lists, texts and numbers, SI units."""
         found: dict[str, Any] = {"schema": self.schema} if self.schema else {}
-        for key in _keys(type(self)):
+        kind: Any = type(self)
+        for key in _keys(kind):
             found |= key.item(self)
         return {**found, DIGEST: digest_of(found)} if self.sealed else found
 
@@ -88,7 +89,7 @@ def _keys(kind: Any) -> tuple[_Key, ...]:
     )
 
 
-def fields_of(kind: type, document: Mapping[str, Any]) -> dict[str, Any]:
+def fields_of(kind: Any, document: Mapping[str, Any]) -> dict[str, Any]:
     """Return the fields of a noun out of its document: each attribute goes back its own way.
 
     What was spread gets the whole document, and takes of it what it knows.

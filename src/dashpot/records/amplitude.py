@@ -189,10 +189,14 @@ class AmplitudeFit(ByValue, Described, Checked, Documented):
         return tuple(map(LinearAt, *(row.tolist() for row in rows)))
 
     @property
+    def constants(self) -> dict[str, float]:
+        """The numbers of the law."""
+        return {name: getattr(self, name) for name, _ in self.se}
+
+    @property
     def numbers(self) -> dict[str, float]:
         """The numbers of the law, and their standard errors."""
-        found = {name: float(getattr(self, name)) for name, _ in self.se}
-        return found | {f"{name}_se": error for name, error in self.se}
+        return self.constants | {f"{name}_se": error for name, error in self.se}
 
     @property
     def bic_by_law(self) -> dict[str, float]:

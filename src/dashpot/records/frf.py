@@ -412,7 +412,7 @@ def _as_kind(receptance: ComplexArray, s: ComplexArray, kind: Kind) -> ComplexAr
 
 
 @dataclass(frozen=True)
-class Mode:
+class Mode(Documented):
     r"""One mode: a pole pair :math:`p = \omega_n(-\zeta \pm j\sqrt{1-\zeta^2})` and its residue.
 
     Attributes
@@ -428,6 +428,8 @@ class Mode:
     method : str
         How it was found.
     """
+
+    keys = ("frequency_hz=frequency", "damping_ratio")
 
     frequency: float
     damping_ratio: float
