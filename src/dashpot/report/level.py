@@ -12,10 +12,10 @@ import numpy as np
 from dashpot import plot
 from dashpot.base.arrays import FloatArray
 from dashpot.base.numbers import rounded
-from dashpot.fitting.level.hits import HitLevels
+from dashpot.kinds.level.hits import HitLevels
+from dashpot.kinds.level.levels import Elements, LevelFit, PeakAtLevel
+from dashpot.kinds.level.record import AmplitudeFit
 from dashpot.plot.picture import unit_of
-from dashpot.records.amplitude import AmplitudeFit
-from dashpot.records.level import Beside, LevelFit, PeakAtLevel
 from dashpot.report.figures import drawn
 from dashpot.report.pages import COLOURS, frame, held
 from dashpot.report.tables import READ, Parameter, Table, checks
@@ -150,7 +150,7 @@ def _of_levels(fit: LevelFit) -> Iterator[Parameter]:
     omega = np.pi * (fit.band[0] + fit.band[1])
     X = np.array(fit.amplitudes)
 
-    def read(solid: GeneralizedMaxwell, beside: Beside) -> FloatArray:
+    def read(solid: GeneralizedMaxwell, beside: Elements) -> FloatArray:
         K = InParallel((solid, *beside)).equivalent(omega, X)
         return np.array((1e-3 * K.real, K.imag / K.real))
 

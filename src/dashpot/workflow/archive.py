@@ -14,15 +14,15 @@ import numpy as np
 from dashpot.base.documents import NOT_FINITE, Documented, fields_of
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.status import Status
+from dashpot.kinds.hyperelastic.record import HyperelasticFit
+from dashpot.kinds.level.levels import LevelFit
 from dashpot.planning.plan import Plan
 from dashpot.records.bounds import EndOfHold
 from dashpot.records.creep import CreepCompliance, CreepTest, LoadHold
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF
-from dashpot.records.hyperelastic import HyperelasticFit
 from dashpot.records.impact import ImpactTest
-from dashpot.records.level import LevelFit
 from dashpot.records.relaxation import RampHold, RelaxationTest
 from dashpot.records.temperature import TemperatureShifts
 from dashpot.solids.elastic import ElasticLaw

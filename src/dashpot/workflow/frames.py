@@ -12,7 +12,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError
 from dashpot.io.readers.inspect import Inspection
-from dashpot.records.cld import CLD, CompressionTest
+from dashpot.kinds.cld.record import CLD, CompressionTest
 from dashpot.records.creep import CreepCompliance, CreepTest
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.fit import Fit

@@ -15,24 +15,23 @@ from dashpot.base.documents import Documented
 from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Source
 from dashpot.base.units import Quantity, si
-from dashpot.fitting.level.checks import levels_as_struck
-from dashpot.fitting.level.frfs import fit_levels
-from dashpot.fitting.level.hits import HitLevels, hits_as_levels
-from dashpot.fitting.level.response import resonance_at_level
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.frf import read_frf
 from dashpot.io.readers.impact import read_impacts
 from dashpot.io.readers.inspect import inspect_file
 from dashpot.io.source import about
-from dashpot.records.amplitude import AmplitudeFit, AmplitudeSweep
+from dashpot.kinds.level.checks import level_covered, levels_as_struck
+from dashpot.kinds.level.fit_frfs import fit_levels
+from dashpot.kinds.level.hits import HitLevels, hits_as_levels
+from dashpot.kinds.level.levels import Elements, LevelFit, PeakAtLevel
+from dashpot.kinds.level.record import AmplitudeFit, AmplitudeSweep
+from dashpot.kinds.level.response import resonance_at_level
 from dashpot.records.frf import FRF
-from dashpot.records.level import Beside, LevelFit, PeakAtLevel
 from dashpot.records.relaxation import RelaxationTest
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.vibration.impact.hits import cut_hits
 from dashpot.workflow.at_level import HITS, RESPONSES, amplitude_file
-from dashpot.workflow.checks import level_covered
 from dashpot.workflow.measured import as_measured
 
 
@@ -252,7 +251,7 @@ def _of_frfs(
 def _peak(found: LevelFit, level: float) -> PeakAtLevel:
     """The largest motion of the mass at a level, and what the draws say of it."""
 
-    def largest(solid: GeneralizedMaxwell, beside: Beside) -> FloatArray:
+    def largest(solid: GeneralizedMaxwell, beside: Elements) -> FloatArray:
         hz, X = resonance_at_level(found, level, of=(solid, beside))
         return np.array((hz, X / level))
 
