@@ -4,19 +4,18 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 from enum import Enum
 from functools import cache, reduce, singledispatch
 from typing import Any, ClassVar, NamedTuple
 
-import numpy as np
-
 from dashpot.base.numbers import json_number
 from dashpot.base.status import Status
 
 DIGEST = "digest"
-"""The key of a sealed document that shows whether the rest was edited."""
+"""The key of a digested document that shows whether the rest was edited."""
 
 
 class Documented:
@@ -38,7 +37,7 @@ class Documented:
     keys: ClassVar[tuple[str, ...]] = ()
 
     @property
-    def sealed(self) -> bool:
+    def digested(self) -> bool:
         """Whether its document ends with a digest of the rest."""
         return False
 
@@ -49,7 +48,7 @@ class Documented:
         kind: Any = type(self)
         for key in _keys(kind):
             found |= key.item(self)
-        return {**found, DIGEST: digest_of(found)} if self.sealed else found
+        return {**found, DIGEST: digest_of(found)} if self.digested else found
 
 
 class _Key(NamedTuple):
@@ -118,8 +117,8 @@ def _laid(place: Mapping[str, Any], way: tuple[str, ...], value: Any) -> dict[st
 def plain(value: Any) -> Any:
     """Return a value as JSON holds it; a number that is not finite by its name.
 
-    >>> plain((1.5, float("inf"), {"a": np.array([1j])}))
-    [1.5, 'Infinity', {'a': {'real': [0.0], 'imag': [1.0]}}]
+    >>> plain((1.5, float("inf"), {"a": 1j}))
+    [1.5, 'Infinity', {'a': {'real': 0.0, 'imag': 1.0}}]
     """
     if isinstance(value, Documented):
         return value.document
@@ -131,22 +130,17 @@ def plain(value: Any) -> Any:
         return [plain(item) for item in value]
     if is_dataclass(value):
         return {one.name: plain(getattr(value, one.name)) for one in fields(value)}
-    return value
-
-
-@plain.register(np.ndarray)
-@plain.register(np.generic)
-def _(value: Any) -> Any:
-    if np.iscomplexobj(value):
+    if isinstance(value, complex) or getattr(getattr(value, "dtype", None), "kind", "") == "c":
         return {"real": plain(value.real), "imag": plain(value.imag)}
-    return plain(value.tolist())
+    # an array: NumPy is not needed to say what went wrong
+    return plain(value.tolist()) if hasattr(value, "tolist") else value
 
 
-plain.register(float, json_number)
+plain.register(float, lambda value: json_number(float(value)))
 plain.register(Enum, lambda value: value.value)
 plain.register(Status, lambda value: value.name.lower())
 
-NOT_FINITE = {"Infinity": np.inf, "-Infinity": -np.inf, "NaN": np.nan}
+NOT_FINITE = {"Infinity": math.inf, "-Infinity": -math.inf, "NaN": math.nan}
 """JSON has no such numbers; a text that no measurement can be mistaken for stands in."""
 
 

@@ -276,7 +276,7 @@ class Fit(ByValue, Pictured, Documented):
     temperatures: TemperatureShifts | None = None
 
     @property
-    def sealed(self) -> bool:
+    def digested(self) -> bool:
         """Its document shows whether it was edited."""
         return True
 

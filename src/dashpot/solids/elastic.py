@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -16,6 +17,14 @@ import numpy.typing as npt
 from dashpot.base.arrays import FloatArray, increasing, same_length, samples
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
+
+
+class BareLaw(NamedTuple):
+    """The kind of an elastic law, compressions, m, and the tangent stiffness there, N/m."""
+
+    kind: str
+    knots: tuple[float, ...]
+    tangent: FloatArray
 
 
 @dataclass(frozen=True)
@@ -103,6 +112,11 @@ class ElasticLaw(Documented):
     def tangent(self, x: npt.ArrayLike) -> FloatArray:
         """Tangent stiffness dF_e/dx, N/m."""
         return self.stiffness * self.factor(x)
+
+    @property
+    def bare(self) -> BareLaw:
+        """What follows of it alone."""
+        return BareLaw(self.kind, self.knots, self.tangents)
 
     @property
     def tangents(self) -> FloatArray:

@@ -121,7 +121,7 @@ class LevelFit(ByValue, Described, Checked, Documented):
     at: tuple[PeakAtLevel, ...] = ()
 
     @property
-    def sealed(self) -> bool:
+    def digested(self) -> bool:
         """Its document shows whether it was edited."""
         return True
 
