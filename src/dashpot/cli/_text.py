@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from dashpot.solids.elastic import ElasticLaw
     from dashpot.workflow.impacts import ImpactResult
     from dashpot.workflow.levels import Levels
-    from dashpot.workflow.predictions import Prediction, Shaken
+    from dashpot.workflow.predictions import Prediction, ShakenMass
     from dashpot.workflow.study import Study
 
 
@@ -472,7 +472,7 @@ def _at_levels(found: Prediction) -> list[str]:
     return [*table(rows), says]
 
 
-def _shaken(found: Shaken) -> list[str]:
+def _shaken(found: ShakenMass) -> list[str]:
     """What a base that shakes at random does, and at most."""
     band, response = found.band, found.response
     reach = "" if band is None else f" ({band[0]:.4g} to {band[1]:.4g} Hz)"

@@ -38,7 +38,7 @@ class Shaken(Documented):
     bare: RandomResponse | None
 
 
-class Spread(NamedTuple):
+class AlongLine(NamedTuple):
     """Of values along a line."""
 
     least: float
@@ -58,7 +58,7 @@ class SealOfDoor(NamedTuple):
     stations : int
         At a distance of `pitch`, m.
     pitch : float
-    compression : Spread or None
+    compression : AlongLine or None
         m; None where it is not known.
     touching : float or None
         Part of the line that touches.
@@ -79,7 +79,7 @@ class SealOfDoor(NamedTuple):
     closed: bool
     stations: int
     pitch: float
-    compression: Spread | None
+    compression: AlongLine | None
     touching: float | None
     stiffness: float
     stiffness_per_metre: float
@@ -174,7 +174,7 @@ class DoorResult(Checked, Documented):
             door.line.closed,
             len(share),
             float(stations.length[0]),
-            None if pressed is None else Spread(pressed.min(), pressed.mean(), pressed.max()),
+            None if pressed is None else AlongLine(pressed.min(), pressed.mean(), pressed.max()),
             None if pressed is None else float((pressed >= 0).mean()),
             float(section.solid.k_inf * (share @ factor)),
             section.solid.k_inf,

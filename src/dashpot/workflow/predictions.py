@@ -93,7 +93,7 @@ class Limited(Documented):
 
 
 @dataclass(frozen=True)
-class Shaken(Documented):
+class ShakenMass(Documented):
     """Standard deviations over a base that shakes at random.
 
     Attributes
@@ -115,7 +115,7 @@ class Shaken(Documented):
     limits: RandomLimits | None
 
 
-class Rival(NamedTuple):
+class RivalModes(NamedTuple):
     """Another family of solids that explains the test, and the modes of the mass on it."""
 
     family: Family
@@ -147,14 +147,14 @@ class Prediction(Documented):
         What to make of it.
     at_rest : AtRest
         Where the mass rests, and what secant and tangent make of it.
-    rival : Rival or None
+    rival : RivalModes or None
     of_part : bool
         Of a part of a material, not of the fit itself.
     levels : tuple of AtLevel
         The resonance at each level that was asked for; all else is of a vanishing one.
     swept : SweptPart or None
         The sweep behind them.
-    shaken : Shaken or None
+    shaken : ShakenMass or None
         Over a base that shakes at random.
     isolation : float or None
         Above it the mass moves less than its base, Hz.
@@ -181,11 +181,11 @@ class Prediction(Documented):
     checks: tuple[Check, ...]
     verdict: Verdict
     at_rest: AtRest
-    rival: Rival | None = None
+    rival: RivalModes | None = None
     of_part: bool = False
     levels: tuple[AtLevel, ...] = ()
     swept: SweptPart | None = None
-    shaken: Shaken | None = None
+    shaken: ShakenMass | None = None
     isolation: float | None = None
 
     @property
@@ -358,13 +358,13 @@ class _OnSeals:
         return peak, top in {0, last} and peak[0] in {low, high}
 
     @property
-    def rival(self) -> Rival | None:
+    def rival(self) -> RivalModes | None:
         """What the other family of solids that explains the test makes of the resonance."""
         other = self.fit.alternative
         if other is None or not other.explains:
             return None
         how = {"mass": self.mass, "seals": self.seals}
-        return Rival(other.family, rival_modes(self.fit, self.rests.point, **how))
+        return RivalModes(other.family, rival_modes(self.fit, self.rests.point, **how))
 
     def limited(self, frf: FRF, bounded: Callable[..., FRFBounds] | None) -> Limited:
         """The limits of the response, over fewer lines."""
@@ -386,7 +386,7 @@ class _OnSeals:
         )
         return Limited(kind, few, formal, bounds)
 
-    def shaken(self, base: BasePSD, bounded: Callable[..., FRFBounds] | None) -> Shaken:
+    def shaken(self, base: BasePSD, bounded: Callable[..., FRFBounds] | None) -> ShakenMass:
         """What a base that shakes at random does, and between which limits."""
         f, mass, coupled = base.frequency, self.mass, self.coupled
         how: dict[str, Any] = {"psd": base.density, "frequency": f, "coupled": coupled}
@@ -399,8 +399,8 @@ class _OnSeals:
                 **how,
             )
         if f is None:
-            return Shaken(response, "white noise", None, limits)
-        return Shaken(response, base.source[0].file, (float(f[0]), float(f[-1])), limits)
+            return ShakenMass(response, "white noise", None, limits)
+        return ShakenMass(response, base.source[0].file, (float(f[0]), float(f[-1])), limits)
 
     def at(
         self, swept: SweptPart, levels: Sequence[str], frf: FRF, *, scale: float, about: float

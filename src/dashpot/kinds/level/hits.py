@@ -12,7 +12,7 @@ from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source
 from dashpot.records.frf import FRF
-from dashpot.vibration.impact.amplitude import Line, Trend, trend_of_hits
+from dashpot.vibration.impact.amplitude import RegressionLine, Trend, trend_of_hits
 from dashpot.vibration.impact.checks import (
     amplitude_linear,
     hits_enough,
@@ -91,7 +91,7 @@ class HitLevels(Checked, Documented):
         )
 
     @property
-    def per_doubling(self) -> dict[str, Line]:
+    def per_doubling(self) -> dict[str, RegressionLine]:
         """The trends of stiffness and damping by their names."""
         return {"stiffness": self.trend.stiffness_line, "damping": self.trend.damping_line}
 
@@ -167,5 +167,5 @@ def hits_as_levels(frf: FRF, *, band: tuple[float, float] | None = None) -> HitL
     return HitLevels(frf, trend, checks)
 
 
-def _with_error(line: Line) -> str:
+def _with_error(line: RegressionLine) -> str:
     return f"{100 * line.slope:+.2g} +- {100 * line.se:.1g} %"
