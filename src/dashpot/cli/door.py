@@ -168,17 +168,17 @@ def _line(found: workflow.DoorResult) -> list[str]:
     seal = found.seal
     if seal is None:
         return ["  no seal"]
-    closed = "closed" if seal.closed else "open"
+    closed = "closed" if seal.line.closed else "open"
     count, stiffness = seal.stations, rounded(1e-3 * seal.stiffness)
-    length = rounded(seal.length)
+    length = rounded(seal.line.length)
     said = [f"  seal line {length} m, {closed}, {count} stations, k_inf {stiffness} N/mm in all"]
     if seal.compression is not None and seal.force is not None:
         least, mean, most = (rounded(1e3 * one, digits=3) for one in seal.compression)
         said.append(
             f"  pressed {least} to {most} mm (mean {mean}), relaxed {rounded(seal.force)} N in all"
         )
-    if seal.band_hz is not None:
-        said.append(f"  its test informs {hertz(seal.band_hz)}")
+    if seal.fit is not None:
+        said.append(f"  its test informs {hertz(seal.fit.band)}")
     return said
 
 

@@ -15,7 +15,7 @@ from dashpot.door.modes import DoorMode
 from dashpot.door.record import Door, DoorPoint
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF
-from dashpot.records.seal_line import Joint, Stations
+from dashpot.records.seal_line import SealLine, SealSection, Stations
 from dashpot.vibration.systems.random_base import RandomResponse
 
 
@@ -46,48 +46,66 @@ class AlongLine(NamedTuple):
     most: float
 
 
-class SealOfDoor(NamedTuple):
+@dataclass(frozen=True)
+class SealOfDoor(Documented):
     """What lies along the line of a door.
 
     Attributes
     ----------
-    length : float
-        m.
-    closed : bool
-        Whether the line is.
-    stations : int
-        At a distance of `pitch`, m.
-    pitch : float
-    compression : AlongLine or None
-        m; None where it is not known.
-    touching : float or None
-        Part of the line that touches.
-    stiffness, stiffness_per_metre : float
-        At rest, of all of it, N/m, and of a metre.
-    force : float or None
-        Relaxed, of all of it, N.
-    joints : tuple of Joint
-    temperature : float or None
-        K.
-    band_hz : (float, float) or None
-        Which its test informs.
-    fit : str or None
-        The fit's identity.
+    line : SealLine
+    section : SealSection
+    along : Stations
+    fit : Fit or None
+        Of the seal, at its temperature.
     """
 
-    length: float
-    closed: bool
-    stations: int
-    pitch: float
-    compression: AlongLine | None
-    touching: float | None
-    stiffness: float
-    stiffness_per_metre: float
-    force: float | None
-    joints: tuple[Joint, ...]
-    temperature: float | None
-    band_hz: tuple[float, float] | None
-    fit: str | None
+    keys = (
+        "line.length", "line.closed", "stations", "pitch", "compression", "touching", "stiffness",
+        "stiffness_per_metre=section.solid.k_inf", "force", "line.joints",
+        "fit.specimen.temperature", "band_hz=fit.band", "fit=fit.identity",
+    )  # fmt: skip
+
+    line: SealLine
+    section: SealSection
+    along: Stations
+    fit: Fit | None
+
+    @property
+    def stations(self) -> int:
+        """How many."""
+        return len(self.along.length)
+
+    @property
+    def pitch(self) -> float:
+        """Their distance, m."""
+        return float(self.along.length[0])
+
+    @property
+    def compression(self) -> AlongLine | None:
+        """m; None where it is not known."""
+        x = self.along.compression
+        return None if x is None else AlongLine(x.min(), x.mean(), x.max())
+
+    @property
+    def touching(self) -> float | None:
+        """Part of the line that touches."""
+        x = self.along.compression
+        return None if x is None else float((x >= 0).mean())
+
+    @property
+    def stiffness(self) -> float:
+        """At rest, of all of it, N/m."""
+        share, x = self.along.length * self.along.factor, self.along.compression
+        factor = np.ones_like(share) if x is None else self.section.factor(x)
+        return float(self.section.solid.k_inf * (share @ factor))
+
+    @property
+    def force(self) -> float | None:
+        """Relaxed, of all of it, N."""
+        x = self.along.compression
+        if x is None:
+            return None
+        return float((self.along.length * self.along.factor) @ self.section.force(x))
 
 
 @dataclass(frozen=True)
@@ -163,24 +181,7 @@ class DoorResult(Checked, Documented):
     @property
     def seal(self) -> SealOfDoor | None:
         """What lies along the line; None without a seal."""
-        door, stations, fit = self.door, self.stations, self.fit
-        if door.line is None or stations is None or door.line.section is None:
+        line, stations = self.door.line, self.stations
+        if line is None or stations is None or line.section is None:
             return None
-        section, pressed = door.line.section, stations.compression
-        share = stations.length * stations.factor
-        factor = np.ones_like(share) if pressed is None else section.factor(pressed)
-        return SealOfDoor(
-            door.line.length,
-            door.line.closed,
-            len(share),
-            float(stations.length[0]),
-            None if pressed is None else AlongLine(pressed.min(), pressed.mean(), pressed.max()),
-            None if pressed is None else float((pressed >= 0).mean()),
-            float(section.solid.k_inf * (share @ factor)),
-            section.solid.k_inf,
-            None if pressed is None else float(share @ section.force(pressed)),
-            door.line.joints,
-            None if fit is None else fit.specimen.temperature,
-            None if fit is None else fit.band,
-            None if fit is None else fit.identity,
-        )
+        return SealOfDoor(line, line.section, stations, self.fit)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -16,7 +16,7 @@ from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.fitting.temperature.checks import temperature_tested
 from dashpot.io.options import ReadOptions
-from dashpot.io.readers.psd import BasePSD, read_psd
+from dashpot.io.readers.psd import read_psd
 from dashpot.records.alternative import Family
 from dashpot.records.bounds import FRFBounds
 from dashpot.records.fit import Fit
@@ -273,16 +273,12 @@ def predict_files(
     moving, noted = moving_mass(mass, seal=seal_mass or 0.0, seals=seals)
     here = found if temperature is None else found.at_temperature(temperature)
     swept = swept_part(choices, unit=found.unit, part=part, options=options)
-    scale, of_part = seals, part is not None and part != PartChoices()
+    stiffer, of_part = 1.0, part is not None and part != PartChoices()
     if part is not None and of_part:
-        if records:
-            raise DataError(
-                "a record (--with) bounds the part that was tested, not another of its material: "
-                "leave it or the geometry out"
-            )
+        _refuse_records(records)
         material, measured = here.solid, _measured_at(swept, choices, asked)
         here = found = part.applied(here, seals=seals, base=asked.over_base, peak=measured)
-        scale *= float(abs(here.solid.complex_stiffness(1.0) / material.complex_stiffness(1.0)))
+        stiffer = float(abs(here.solid.complex_stiffness(1.0) / material.complex_stiffness(1.0)))
     rests = at_rest(here, mass=moving, seals=seals, compression=compression)
     # over a base, mounts that weigh something couple the mass to it
     coupled = entrained(seal_mass, seals) if asked.over_base else 0.0
@@ -290,10 +286,9 @@ def predict_files(
     frf = on.frf(np.linspace(*band, lines))
     bounded = _bounds(on, found, records, temperature=temperature, machine=machine, options=options)
     limited = on.limited(frf, bounded)
-    modes = model_modes(on.solid, moving)
     peak, at_edge = on.peak(frf)
-    about = modes[0].frequency if modes else peak[0]
-    levels = () if swept is None else on.at(swept, choices.levels, frf, scale=scale, about=about)
+    about = on.modes[0].frequency if on.modes else peak[0]
+    levels = on.at(swept, choices.levels, frf, scale=seals * stiffer, about=about)
     checks = (
         # what the test must inform is the resonance, inside the band or not
         *_led_by(on, mass=mass, band=band, felt=about if at_edge else peak[0]),
@@ -303,14 +298,13 @@ def predict_files(
         noted,
         *family_checks(here, rests.point, mass=moving, seals=seals),
     )
-    over_base = asked is Kind.TRANSMISSIBILITY
     return Prediction(
         here,
         mass,
         moving,
         seals,
         frf,
-        modes,
+        on.modes,
         peak,
         at_edge,
         limited,
@@ -321,9 +315,17 @@ def predict_files(
         of_part,
         levels,
         swept,
-        on.shaken(read_psd(base_psd), bounded) if over_base and base_psd is not None else None,
-        isolation_frequency(on.solid, moving - coupled) if over_base else None,
+        on.shaken(base_psd, bounded),
+        on.isolation,
     )
+
+
+def _refuse_records(records: Sequence[str | Path]) -> None:
+    if records:
+        raise DataError(
+            "a record (--with) bounds the part that was tested, not another of its material: "
+            "leave it or the geometry out"
+        )
 
 
 @dataclass(frozen=True)
@@ -341,6 +343,17 @@ class _OnSeals:
     def solid(self) -> Solid:
         """All the seals, as small vibration feels them."""
         return self.seals * self.rests.point.solid(self.fit)
+
+    @cached_property
+    def modes(self) -> tuple[Mode, ...]:
+        return model_modes(self.solid, self.mass)
+
+    @property
+    def isolation(self) -> float | None:
+        """Above it the mass moves less than its base, Hz."""
+        if self.kind is not Kind.TRANSMISSIBILITY:
+            return None
+        return isolation_frequency(self.solid, self.mass - self.coupled)
 
     def frf(self, frequency: FloatArray) -> FRF:
         frf = predict_frf(self.solid, mass=self.mass, frequency=frequency, kind=self.kind)
@@ -386,8 +399,13 @@ class _OnSeals:
         )
         return Limited(kind, few, formal, bounds)
 
-    def shaken(self, base: BasePSD, bounded: Callable[..., FRFBounds] | None) -> ShakenMass:
+    def shaken(
+        self, base_psd: str | None, bounded: Callable[..., FRFBounds] | None
+    ) -> ShakenMass | None:
         """What a base that shakes at random does, and between which limits."""
+        if base_psd is None or self.kind is not Kind.TRANSMISSIBILITY:
+            return None
+        base = read_psd(base_psd)
         f, mass, coupled = base.frequency, self.mass, self.coupled
         how: dict[str, Any] = {"psd": base.density, "frequency": f, "coupled": coupled}
         response, limits = random_base(self.solid, mass=mass, **how), None
@@ -403,9 +421,17 @@ class _OnSeals:
         return ShakenMass(response, base.source[0].file, (float(f[0]), float(f[-1])), limits)
 
     def at(
-        self, swept: SweptPart, levels: Sequence[str], frf: FRF, *, scale: float, about: float
+        self,
+        swept: SweptPart | None,
+        levels: Sequence[str],
+        frf: FRF,
+        *,
+        scale: float,
+        about: float,
     ) -> tuple[AtLevel, ...]:
-        """The resonance at each level."""
+        """The resonance at each level; of no sweep at none."""
+        if swept is None:
+            return ()
         return swept.at(
             self.solid,
             [level_of(word, self.kind) for word in levels],
