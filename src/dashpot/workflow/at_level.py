@@ -372,7 +372,7 @@ def amplitude_file(
     """The law of an amplitude sweep or of recorded loops, the sweep, and the record as read.
 
     `kind` is what the file was taken for, `law` ``"auto"`` or one of
-    ``fitting.level.laws.LAWS``.
+    ``kinds.level.laws.LAWS``.
     """
     if kind in _LOOPS:
         record = read_relaxation(path, options=options)

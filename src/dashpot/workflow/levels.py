@@ -153,7 +153,7 @@ def level_files(
     at : sequence of float
         Levels at which the resonance of that mass, or of the one that was struck, is wanted, N.
     law : str
-        Of an amplitude sweep or loops: ``"auto"`` or one of ``fitting.level.laws.LAWS``.
+        Of an amplitude sweep or loops: ``"auto"`` or one of ``kinds.level.laws.LAWS``.
     motion : str
         Of the mass in transmissibilities: ``"absolute"``, or ``"relative"`` to the base.
     options : ReadOptions, optional
