@@ -13,6 +13,7 @@ from dashpot.base.progress import doing
 from dashpot.base.units import si
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.inspect import inspect_file
+from dashpot.kinds import KINDS
 from dashpot.plot.picture import Picture
 from dashpot.records.fit import Fit
 from dashpot.report.pages import COLOURS
@@ -41,14 +42,15 @@ def _fitted(
 
 
 def _asked(request: Mapping[str, Any], folder: Path) -> tuple[Any, ...]:
-    """File, options, arms and temperature of a request; a modulus is the column that holds one."""
+    """File, options, arms and temperature of a request; a column that must be named is."""
     path = str(path_in(folder, request.get("file")))
     options = part(ReadOptions, request.get("options", {}), "options")
-    if options.modulus is None:
-        found = inspect_file(path, options=options)
-        moduli = [one for one in found.columns if one.role == "modulus"]
-        if found.kind == "modulus" and moduli:
-            options = replace(options, modulus=moduli[0].name or str(moduli[0].number))
+    found = inspect_file(path, options=options)
+    column = KINDS[found.kind].column if found.kind in KINDS else ""
+    playing = [one for one in found.columns if one.role == column]
+    if playing and getattr(options, column) is None:
+        named: dict[str, Any] = {column: playing[0].name or str(playing[0].number)}
+        options = replace(options, **named)
     warmth = request.get("temperature") or None
     return path, options, arms_of(request.get("arms", "auto")), si(warmth, "temperature")
 
