@@ -14,7 +14,7 @@ from dashpot.base.checks import REGISTER
 from dashpot.cli import COMMANDS
 from dashpot.io.columns.kinds import RECOGNISED, FileKind
 from dashpot.io.options import ReadOptions
-from dashpot.kinds import KINDS, Kind, Piece, figure_of, kind_of, load
+from dashpot.kinds import KINDS, KindOfTest, Piece, figure_of, load, row_of
 from dashpot.lots.columns import NUMBERS
 from dashpot.plot.picture import Picture
 from dashpot.workflow.archive import SCHEMAS
@@ -31,7 +31,7 @@ OWN_ROWS = {
 }
 
 
-def words(kind: Kind) -> list[str]:
+def words(kind: KindOfTest) -> list[str]:
     return [
         word
         for word in (
@@ -56,7 +56,7 @@ def test_what_is_recognised_has_a_row_and_the_other_way_round() -> None:
 
 
 @pytest.mark.parametrize("kind", ROWS)
-def test_every_word_of_a_row_is_there(kind: Kind) -> None:
+def test_every_word_of_a_row_is_there(kind: KindOfTest) -> None:
     for word in words(kind):
         assert load(word) is not None
     for noun in kind.nouns:
@@ -67,7 +67,7 @@ def test_every_word_of_a_row_is_there(kind: Kind) -> None:
 
 
 @pytest.mark.parametrize("kind", ROWS)
-def test_what_a_row_says_is_a_command_is_one(kind: Kind) -> None:
+def test_what_a_row_says_is_a_command_is_one(kind: KindOfTest) -> None:
     said = RECOGNISED[kind.name].use if kind.name in RECOGNISED else ""
     asked = re.findall(r"dashpot ([a-z]+)", f"{said} {kind.says}")
     assert {*kind.command[:1], *asked} <= set(COMMANDS)
@@ -75,7 +75,7 @@ def test_what_a_row_says_is_a_command_is_one(kind: Kind) -> None:
 
 
 @pytest.mark.parametrize("kind", ROWS)
-def test_a_row_names_options_and_columns_that_there_are(kind: Kind) -> None:
+def test_a_row_names_options_and_columns_that_there_are(kind: KindOfTest) -> None:
     assert not kind.column or kind.column in {one.name for one in fields(ReadOptions)}
     assert not kind.needs or kind.needs in {one.name for one in fields(Piece)}
     assert set(kind.columns) <= set(NUMBERS)
@@ -99,7 +99,7 @@ def test_a_row_of_its_own_fills_the_columns_that_it_names(folder: Path, name: st
     result, numbers = load(kind.row)(folder / file, piece)
     assert set(kind.columns) <= set(numbers)
     assert result.verdict.use
-    assert kind_of(result) is kind
+    assert row_of(result) is kind
     assert isinstance(figure_of(result)(result), Picture)
 
 
@@ -118,7 +118,7 @@ def test_what_a_reader_returns_is_of_the_kind_and_comes_back_from_its_document(
     folder: Path, name: str
 ) -> None:
     record = load(KINDS[name].reader)(folder / READ[name])
-    assert kind_of(record) is KINDS[name]
+    assert row_of(record) is KINDS[name]
     again = dp.from_json(dp.to_json(record))
     assert again == record
     assert type(record) in SCHEMAS.values()

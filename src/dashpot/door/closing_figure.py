@@ -12,13 +12,13 @@ from dashpot.plot.picture import (
     FIT,
     REF,
     Area,
-    Axis,
     Line,
     Mark,
     Panel,
     Pen,
     Picture,
     Rule,
+    Scale,
     Span,
     Tag,
     around,
@@ -69,8 +69,8 @@ def _waterfall(done: Closing) -> Panel:
         marks.append(Area(ends, np.full(2, y - _HALF), np.full(2, y + _HALF), colour, tint=0.55))
         marks.append(Tag(right, y, f"{name} {rounded(high - low, digits=3)} J", "ink", "filled"))
     return Panel(
-        Axis("energy, J", (min(0.0, at), _WORDS * done.energy)),
-        Axis("", (0.0, len(rows) + 0.6), ticks=(0.0,)),
+        Scale("energy, J", (min(0.0, at), _WORDS * done.energy)),
+        Scale("", (0.0, len(rows) + 0.6), ticks=(0.0,)),
         tuple(marks),
         title="where the energy goes",
         height=250,
@@ -100,8 +100,8 @@ def _moments(done: Closing) -> Panel:
         highest.append(moment)
         marks.append(Line(middle[on], moment, pen, name))
     return Panel(
-        Axis("edge to closed, mm", (float(way[-1]), most)),
-        Axis("moment against closing, N m", around(*highest)),
+        Scale("edge to closed, mm", (float(way[-1]), most)),
+        Scale("moment against closing, N m", around(*highest)),
         tuple(marks),
         title="moments",
         height=250,
@@ -114,8 +114,8 @@ def _speed(done: Closing) -> Panel:
     known = np.isfinite(speed)
     marks: list[Mark] = [Line(way[known], speed[known], FIT)]
     return Panel(
-        Axis("edge to closed, mm", (float(way[-1]), float(way[0]))),
-        Axis("speed of the edge, m/s", around(speed[known], np.zeros(1))),
+        Scale("edge to closed, mm", (float(way[-1]), float(way[0]))),
+        Scale("speed of the edge, m/s", around(speed[known], np.zeros(1))),
         tuple(marks),
         title="speed",
         height=220,
@@ -141,8 +141,8 @@ def _doors(done: Closing, scatter: Scatter) -> Panel:
             ends.append(np.array([at]))
     above = scatter.above
     return Panel(
-        Axis("least speed, m/s", around(*ends)),
-        Axis("doors, %", (0.0, 100.0)),
+        Scale("least speed, m/s", around(*ends)),
+        Scale("doors, %", (0.0, 100.0)),
         tuple(marks),
         title=f"least speed of {len(scatter.speed)} doors",
         height=220,

@@ -62,7 +62,7 @@ class Piece:
 
 
 @dataclass(frozen=True)
-class Kind:
+class KindOfTest:
     """A kind of test.
 
     Attributes
@@ -114,8 +114,8 @@ class Kind:
     examples: str = ""
 
 
-KINDS: Mapping[str, Kind] = MappingProxyType({kind.name: kind for kind in (
-    Kind(
+KINDS: Mapping[str, KindOfTest] = MappingProxyType({kind.name: kind for kind in (
+    KindOfTest(
         "relaxation", _RELAXATION, FIT_FILES, page="job", command=("fit",),
         nouns={
             "records.relaxation:RelaxationTest": "",
@@ -123,30 +123,30 @@ KINDS: Mapping[str, Kind] = MappingProxyType({kind.name: kind for kind in (
         },
         checks="preparation.checks",
     ),
-    Kind(
+    KindOfTest(
         "impact", "io.readers.impact:read_impact", "workflow.impacts:impact_files",
         page="job", command=("impact",), says=_PAIR, resonates=True,
         nouns={"records.impact:ImpactTest": ""},
         checks="vibration.impact.checks",
     ),
-    Kind(
+    KindOfTest(
         "frf", "io.readers.frf:read_frf", "workflow.measured_modes:modes_files",
         page="response", command=("compare", "fit.json"), says=_PAIR, resonates=True,
         nouns={"records.frf:FRF": "plot.vibration:frf"},
         checks="vibration.modal.checks",
     ),
-    Kind("transmissibility", "io.readers.frf:read_frf", page="response"),
-    Kind(
+    KindOfTest("transmissibility", "io.readers.frf:read_frf", page="response"),
+    KindOfTest(
         "dma", _DYNAMIC, FIT_FILES, page="bench", command=("fit",),
         nouns={"records.dynamic:DynamicTest": ""},
         checks="fitting.checks.curves",
     ),
-    Kind(
+    KindOfTest(
         "master-curve", _DYNAMIC, FIT_FILES, page="bench", command=("fit",),
         nouns={"records.superposition:Superposition": "plot.superposition_figure:superposition"},
         checks="fitting.checks.temperature",
     ),
-    Kind(
+    KindOfTest(
         "strain-sweep", "kinds.level.read:read_amplitude", "workflow.levels:level_files",
         page="level",
         nouns={
@@ -156,15 +156,15 @@ KINDS: Mapping[str, Kind] = MappingProxyType({kind.name: kind for kind in (
         },
         checks="kinds.level.checks",
     ),
-    Kind("temperature-sweep"),
-    Kind("one-frequency"),
-    Kind(
+    KindOfTest("temperature-sweep"),
+    KindOfTest("one-frequency"),
+    KindOfTest(
         "modulus", "io.readers.modulus:read_modulus", FIT_FILES, page="bench", column="modulus",
         says="name its column (--modulus)",
         nouns={"records.modulus:RelaxationModulus": ""},
         checks="fitting.checks.curves",
     ),
-    Kind(
+    KindOfTest(
         "creep", "io.readers.creep:read_creep", FIT_FILES, page="bench",
         nouns={
             "records.creep:CreepTest": "",
@@ -173,7 +173,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType({kind.name: kind for kind in (
         },
         checks="fitting.checks.creep",
     ),
-    Kind(
+    KindOfTest(
         "cld", "kinds.cld.read:read_cld", "kinds.cld.from_files:cld_files",
         nouns={
             "kinds.cld.record:CompressionTest": "",
@@ -187,7 +187,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType({kind.name: kind for kind in (
         ),
         examples="kinds.cld.examples:EXAMPLES",
     ),
-    Kind(
+    KindOfTest(
         "indentation", "kinds.indentation.read:read_indentation",
         "kinds.indentation.from_files:indent_file",
         nouns={
@@ -203,13 +203,13 @@ KINDS: Mapping[str, Kind] = MappingProxyType({kind.name: kind for kind in (
         ),
         examples="kinds.indentation.examples:EXAMPLES",
     ),
-    Kind(
+    KindOfTest(
         "rod", "io.readers.frf:read_frf", "workflow.rods:rod_files", command=("rod",),
         nouns={"kinds.rod.prepare:RodModulus": "kinds.rod.figure:rod"},
         checks="kinds.rod.checks",
         examples="kinds.rod.examples:EXAMPLES",
     ),
-    Kind(
+    KindOfTest(
         "stress-strain", "kinds.hyperelastic.read:read_stress_strain",
         "kinds.hyperelastic.from_files:hyperelastic_files",
         nouns={
@@ -219,7 +219,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType({kind.name: kind for kind in (
         checks="kinds.hyperelastic.checks",
         examples="kinds.hyperelastic.examples:EXAMPLES",
     ),
-    Kind(
+    KindOfTest(
         "cyclic", _RELAXATION, "workflow.levels:level_files", page="level",
         checks="kinds.level.checks",
         examples="kinds.level.examples:EXAMPLES",
@@ -230,14 +230,14 @@ KINDS: Mapping[str, Kind] = MappingProxyType({kind.name: kind for kind in (
 _NOUNS = {noun: kind for kind in KINDS.values() for noun in kind.nouns}
 
 
-def kind_of(noun: object) -> Kind | None:
+def row_of(noun: object) -> KindOfTest | None:
     """Return the kind that a record or a result is of; None of what is of none, or of several."""
     return _NOUNS.get(_word(noun))
 
 
 def figure_of(noun: object) -> Any:
     """Return the function that draws a record or a result; None if none does."""
-    kind = kind_of(noun)
+    kind = row_of(noun)
     return load(kind.nouns[_word(noun)]) if kind and kind.nouns[_word(noun)] else None
 
 

@@ -15,7 +15,7 @@ from dashpot.base.checks import Check, Verdict
 from dashpot.base.errors import DashpotError
 from dashpot.base.provenance import SIMULATED
 from dashpot.io.columns.kinds import MASTER, RECOGNISED
-from dashpot.kinds import FIT_FILES, KINDS, Kind, Piece, kind_of, load
+from dashpot.kinds import FIT_FILES, KINDS, KindOfTest, Piece, load, row_of
 from dashpot.lots.choices import BatchChoices
 from dashpot.lots.columns import asked_columns, empty, of_solid
 from dashpot.lots.entries import Entry, hashed
@@ -119,7 +119,7 @@ def _piece(entry: Entry, choices: BatchChoices, mass: float | None) -> Piece:
     )  # fmt: skip
 
 
-def _of_kind(kind: Kind, entry: Entry, piece: Piece) -> dict[str, Any]:
+def _of_kind(kind: KindOfTest, entry: Entry, piece: Piece) -> dict[str, Any]:
     """The row of a kind that has its own."""
     try:
         result, numbers = load(kind.row)(entry.file, piece)
@@ -169,7 +169,7 @@ def _of_record(record: Record) -> dict[str, Any]:
     source = getattr(record, "source", None)
     found: dict[str, Any] = {} if kelvin is None else {"temperature_K": kelvin}
     found |= {} if source is None else {"sha256": source.sha256}
-    kind = kind_of(record)
+    kind = row_of(record)
     found |= {} if kind is None else {"kind": kind.name}
     if isinstance(record, RampHold):
         return found | {

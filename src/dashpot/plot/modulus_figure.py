@@ -8,12 +8,12 @@ from dashpot.base.numbers import rounded
 from dashpot.plot.picture import (
     FIT,
     REF,
-    Axis,
     Dots,
     Line,
     Panel,
     Picture,
     Rule,
+    Scale,
     around,
     around_log,
 )
@@ -41,15 +41,15 @@ def modulus(fit: Fit, data: RelaxationModulus, *, stamp: str = "") -> Picture:
     dense = np.geomspace(t[0], t[-1], 300)
     curve = scale * fit.solid.relaxation(dense)
     left = 100 * (measured / (scale * fit.solid.relaxation(t)) - 1)
-    across = Axis(TIME, (float(t[0]), float(t[-1])), log=True)
-    up = Axis(f"relaxation modulus, {word}", around_log(measured, curve), log=True)
+    across = Scale(TIME, (float(t[0]), float(t[-1])), log=True)
+    up = Scale(f"relaxation modulus, {word}", around_log(measured, curve), log=True)
     upper = Panel(
         across, up,
         (Dots(t, measured, "measured", "measured"), Line(dense, curve, FIT, "fit")),
         height=240,
     )  # fmt: skip
     lower = Panel(
-        across, Axis("residual, %", around(left, np.zeros(1), margin=0.1)),
+        across, Scale("residual, %", around(left, np.zeros(1), margin=0.1)),
         (Rule(0.0, REF, across=True), Dots(t, left, "fit")),
         height=90, note=f"rms {rounded(float(np.sqrt(np.mean(left**2))))} %",
     )  # fmt: skip

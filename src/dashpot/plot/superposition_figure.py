@@ -11,13 +11,13 @@ from dashpot.plot.picture import (
     FIT,
     REF,
     Area,
-    Axis,
     Dots,
     Line,
     Mark,
     Panel,
     Picture,
     Rule,
+    Scale,
     around,
     around_log,
 )
@@ -71,10 +71,10 @@ def _of_sweeps(data: Superposition, curve: DynamicTest, fit: Fit | None) -> tupl
     value = scale * solid.complex_stiffness(2 * np.pi * f)
     measured = scale * curve.value
     letter = "E" if curve.unit == "Pa" else "K"
-    across = Axis(f"reduced {FREQUENCY}", (float(f[0]), float(f[-1])), log=True)
+    across = Scale(f"reduced {FREQUENCY}", (float(f[0]), float(f[-1])), log=True)
     panels = [
         Panel(
-            across, Axis(f"{name}, {word}", around_log(one, line), log=True),
+            across, Scale(f"{name}, {word}", around_log(one, line), log=True),
             (*_dots(data, curve.frequency, one), Line(f, line, FIT, said)), height=220,
         )
         for name, one, line in (
@@ -84,8 +84,8 @@ def _of_sweeps(data: Superposition, curve: DynamicTest, fit: Fit | None) -> tupl
     ]  # fmt: skip
     size, angle = np.abs(measured), np.degrees(np.angle(measured))
     palmen = Panel(
-        Axis(f"size of the modulus, {word}", around_log(size), log=True),
-        Axis("loss angle, °", around(angle)),
+        Scale(f"size of the modulus, {word}", around_log(size), log=True),
+        Scale("loss angle, °", around(angle)),
         (*_dots(data, size, angle), Line(np.abs(value), np.degrees(np.angle(value)), FIT)),
         title="van Gurp-Palmen", height=220,
     )  # fmt: skip
@@ -106,13 +106,13 @@ def _of_curves(
     t = np.geomspace(float(curve.time[0]), float(curve.time[-1]), 400)
     line, measured = scale * answer(t), scale * value
     left = 100 * (value / answer(curve.time) - 1)
-    across = Axis(f"reduced {TIME}", (float(t[0]), float(t[-1])), log=True)
+    across = Scale(f"reduced {TIME}", (float(t[0]), float(t[-1])), log=True)
     upper = Panel(
-        across, Axis(f"{name}, {word}", around_log(measured, line), log=True),
+        across, Scale(f"{name}, {word}", around_log(measured, line), log=True),
         (*_dots(data, curve.time, measured), Line(t, line, FIT, said)), height=220,
     )  # fmt: skip
     lower = Panel(
-        across, Axis("residual, %", around(left, np.zeros(1), margin=0.1)),
+        across, Scale("residual, %", around(left, np.zeros(1), margin=0.1)),
         (Rule(0.0, REF, across=True), *_dots(data, curve.time, left)), height=220,
     )  # fmt: skip
     return upper, lower
@@ -135,8 +135,8 @@ def shift_panel(moved: TemperatureShifts) -> Panel:
         Dots(t - _ZERO, log10, "measured", "shift", error=error),
     ]
     return Panel(
-        Axis("temperature, °C", around(t - _ZERO)),
-        Axis("log₁₀ of the shift factor", around(log10 - error, log10 + error)),
+        Scale("temperature, °C", around(t - _ZERO)),
+        Scale("log₁₀ of the shift factor", around(log10 - error, log10 + error)),
         tuple(marks), title=f"shift factors, b = {moved.vertical}", height=220,
     )  # fmt: skip
 

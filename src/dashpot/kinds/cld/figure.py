@@ -12,13 +12,13 @@ from dashpot.kinds.cld.record import CLD, Branch, Cycle
 from dashpot.plot.picture import (
     FIT,
     REF,
-    Axis,
     Line,
     Mark,
     Panel,
     Pen,
     Picture,
     Rule,
+    Scale,
     Tag,
     around,
 )
@@ -54,8 +54,8 @@ def cld(found: CLD | Sequence[CLD], *, stamp: str = "") -> Picture:
             words = f"{force:.3g}"
             marks.append(Tag(1e3 * at.compression, force, words, "fit", "filled", bold=True))
     x, y = (np.concatenate([getattr(one, way) for one in lines]) for way in ("x", "y"))
-    across = Axis("compression since first contact, mm", around(x))
-    panel = Panel(across, Axis(f"force, {first.unit}", around(y)), tuple(marks), height=320)
+    across = Scale("compression since first contact, mm", around(x))
+    panel = Panel(across, Scale(f"force, {first.unit}", around(y)), tuple(marks), height=320)
     caption = (
         "Compression load deflection: force on the way in and back, with the nominal compression "
         "and its tolerance."

@@ -12,13 +12,13 @@ from dashpot.plot.picture import (
     PREDICTED,
     REF,
     REJECTED,
-    Axis,
     Dots,
     Line,
     Mark,
     Panel,
     Picture,
     Rule,
+    Scale,
     Span,
     around,
 )
@@ -80,6 +80,6 @@ def _panel(fit: HyperelasticFit, mode: Mode) -> Panel:
     note = f"residual {rounded(100 * max(left), digits=2)} %" if left else "not measured"
     across, what = _AXES[mode == "volumetric"]
     return Panel(
-        Axis(across, (float(x[0]), float(x[-1]))), Axis(what, around(law, *measured)),
+        Scale(across, (float(x[0]), float(x[-1]))), Scale(what, around(law, *measured)),
         tuple(marks), title=mode, note=note,
     )  # fmt: skip

@@ -8,7 +8,7 @@ import numpy as np
 
 from dashpot.base.checks import Check, Finding, criterion
 from dashpot.kinds.indentation.collision import Collision
-from dashpot.kinds.indentation.prepare import Contact
+from dashpot.kinds.indentation.prepare import ContactInterval
 from dashpot.kinds.indentation.record import GRAVITY, IndentationFit, IndentationTest
 from dashpot.records.found import Found
 
@@ -31,7 +31,7 @@ def judge(
     hit: Collision,
     test: IndentationTest,
     *,
-    contact: Contact,
+    contact: ContactInterval,
     clipped: int,
     others: Sequence[tuple[str, Sequence[Found]]],
 ) -> tuple[Check, ...]:

@@ -11,7 +11,7 @@ from dashpot.base.checks import Check, Checked
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source
 from dashpot.records.frf import FRF
-from dashpot.vibration.impact.amplitude import Line, Trend, trend_of_hits
+from dashpot.vibration.impact.amplitude import RegressionLine, Trend, trend_of_hits
 from dashpot.vibration.impact.checks import (
     amplitude_linear,
     hits_enough,
@@ -163,5 +163,5 @@ def hits_as_levels(frf: FRF, *, band: tuple[float, float] | None = None) -> HitL
     return HitLevels(frf, trend, checks)
 
 
-def _with_error(line: Line) -> str:
+def _with_error(line: RegressionLine) -> str:
     return f"{100 * line.slope:+.2g} +- {100 * line.se:.1g} %"

@@ -6,7 +6,7 @@ import numpy as np
 
 from dashpot.kinds.rod.prepare import RodModulus
 from dashpot.plot.direct import FREQUENCY
-from dashpot.plot.picture import FIT, Area, Axis, Dots, Line, Mark, Panel, Picture, Span, around
+from dashpot.plot.picture import FIT, Area, Dots, Line, Mark, Panel, Picture, Scale, Span, around
 from dashpot.records.fit import Fit
 
 
@@ -50,7 +50,7 @@ def rod(found: RodModulus, *, fit: Fit | None = None, stamp: str = "") -> Pictur
         marks.append(Dots(x, y, "measured", "from the FRF"))
         shown = (value - error)[near], (value + error)[near]
         panels.append(
-            Panel(Axis(FREQUENCY, span, log=True), Axis(label, around(*shown)), tuple(marks),
+            Panel(Scale(FREQUENCY, span, log=True), Scale(label, around(*shown)), tuple(marks),
                   height=210)
         )  # fmt: skip
     caption = (
