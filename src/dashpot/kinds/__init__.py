@@ -227,6 +227,9 @@ KINDS: Mapping[str, KindOfTest] = MappingProxyType({kind.name: kind for kind in 
 )})  # fmt: skip
 """Every kind, in the order in which columns and examples stand."""
 
+RESPONSES = tuple(kind.name for kind in KINDS.values() if kind.page == "response")
+"""Kinds that are what a mass on its seals does, over frequency."""
+
 _NOUNS = {noun: kind for kind in KINDS.values() for noun in kind.nouns}
 
 

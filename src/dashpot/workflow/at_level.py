@@ -20,6 +20,7 @@ from dashpot.io.options import ReadOptions
 from dashpot.io.readers.inspect import inspect_file
 from dashpot.io.readers.relaxation import read_relaxation
 from dashpot.io.source import about
+from dashpot.kinds import RESPONSES
 from dashpot.kinds.level.checks import level_covered
 from dashpot.kinds.level.fit import fit_amplitude
 from dashpot.kinds.level.prepare import sweep_of_loops
@@ -35,8 +36,8 @@ from dashpot.workflow.part import PartChoices
 STRAIN_FACTORS = (1.0, 1 / np.sqrt(3))
 """Strain of a sweep that does to the rubber what X/h of the part does: loaded alike; a part in
 shear beside a sweep in tension, by equal energy."""
-RESPONSES, HITS = ("frf", "transmissibility"), ("impact",)
-"""Kinds of files that tell what a mass on the seals does."""
+HITS = ("impact",)
+"""Kinds of files that, as responses, tell what a mass on the seals does."""
 _LOOPS = ("cyclic", "cld", "relaxation", "creep")
 """What a record of time, displacement and force is taken for; here it is one of loops."""
 _ALIKE = 10.0

@@ -19,6 +19,7 @@ from dashpot.io.readers.frf import read_frf
 from dashpot.io.readers.impact import read_impacts
 from dashpot.io.readers.inspect import inspect_file
 from dashpot.io.source import about
+from dashpot.kinds import RESPONSES
 from dashpot.kinds.level.checks import level_covered, levels_as_struck
 from dashpot.kinds.level.fit_frfs import fit_levels
 from dashpot.kinds.level.hits import HitLevels, hits_as_levels
@@ -33,7 +34,7 @@ from dashpot.solids.stiffening import Cubic
 from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.vibration.impact.hits import cut_hits
 from dashpot.workflow.archive import document
-from dashpot.workflow.at_level import HITS, RESPONSES, amplitude_file
+from dashpot.workflow.at_level import HITS, amplitude_file
 from dashpot.workflow.level_document import LevelDocument, PeakAtLevel
 from dashpot.workflow.measured import as_measured
 
