@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -106,6 +107,18 @@ class Inspection(Pictured):
     warnings: tuple[str, ...] = ()
     questions: tuple[Question, ...] = ()
     simulated: bool = False
+
+    @property
+    def series(self) -> Mapping[str, tuple[Any, str]]:
+        """A row for each column of the file."""
+        columns = self.columns
+        return {
+            "number": ([one.number for one in columns], ""),
+            "name": ([one.name for one in columns], ""),
+            "unit": ([one.unit or "" for one in columns], ""),
+            "role": ([one.role or "" for one in columns], ""),
+            "because": ([one.reason for one in columns], ""),
+        }
 
     @property
     def described(self) -> tuple[str, ...]:
