@@ -413,7 +413,10 @@ def file_row(found: InspectedFile) -> dict[str, Any]:
     """What the list of files says of one: its kind, one line, a mark."""
     strange = _refusal(found) or _stranger(found)
     mark = "care" if found.questions else "bad" if strange else "good"
-    return {"kind": found.kind, "line": _told(found), "mark": mark, "simulated": found.simulated}
+    return {
+        "kind": found.kind, "page": place_of(found), "line": _told(found), "mark": mark,
+        "simulated": found.simulated,
+    }  # fmt: skip
 
 
 def _told(found: InspectedFile) -> str:
