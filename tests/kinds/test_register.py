@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import re
 from dataclasses import fields
 from pathlib import Path
@@ -12,7 +13,7 @@ import pytest
 import dashpot as dp
 from dashpot.base.checks import REGISTER
 from dashpot.cli import COMMANDS
-from dashpot.io.columns.kinds import RECOGNISED, FileKind
+from dashpot.io.columns.kinds import RECOGNISED, SWEEPS, FileKind
 from dashpot.io.options import ReadOptions
 from dashpot.kinds import KINDS, KindOfTest, Piece, figure_of, load, row_of
 from dashpot.lots.columns import NUMBERS
@@ -39,6 +40,32 @@ def words(kind: KindOfTest) -> list[str]:
         )
         if word
     ]  # fmt: skip
+
+
+SOURCE = Path(dp.__file__).parent
+NAMED = {
+    "cli/": "a command is called so, too",
+    "io/columns/kinds.py": "what a table must hold",
+    "io/readers/": "which files a reader takes",
+    "kinds/": "the register, and the rooms",
+    "lots/row.py": "a sweep as wide as no machine makes one is a master curve",
+    "preparation/": "what the moves of a record show",
+    "workflow/examples.py": "what an example is",
+}
+"""Where a kind of file is named, and why; everybody else asks the register."""
+
+
+def test_nobody_else_names_a_kind() -> None:
+    # such as "creep" are words of much else
+    kinds = {"cld", "indentation", "stress-strain", "cyclic", "dma", *SWEEPS}
+    found = {
+        path.relative_to(SOURCE).as_posix()
+        for path in SOURCE.rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Constant) and node.value in kinds
+    }
+    places = {next((room for room in NAMED if name.startswith(room)), name) for name in found}
+    assert places == set(NAMED)
 
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from dashpot.base.errors import DataError
 from dashpot.base.options import option
 from dashpot.base.provenance import Source
 from dashpot.base.units import Dimension, si
+from dashpot.io.columns.kinds import RECOGNISED
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.inspect import inspect_file
 from dashpot.io.readers.relaxation import read_relaxation
@@ -26,6 +27,7 @@ from dashpot.kinds.level.fit import fit_amplitude
 from dashpot.kinds.level.prepare import sweep_of_loops
 from dashpot.kinds.level.read import read_amplitude
 from dashpot.kinds.level.record import AmplitudeFit, AmplitudeSweep
+from dashpot.preparation.segments import Loading
 from dashpot.records.frf import FRF, Kind
 from dashpot.records.relaxation import RelaxationTest
 from dashpot.solids.maxwell import Solid
@@ -38,7 +40,7 @@ STRAIN_FACTORS = (1.0, 1 / np.sqrt(3))
 shear beside a sweep in tension, by equal energy."""
 HITS = ("impact",)
 """Kinds of files that, as responses, tell what a mass on the seals does."""
-_LOOPS = ("cyclic", "cld", "relaxation", "creep")
+_LOOPS = tuple(kind for kind in get_args(Loading) if kind in RECOGNISED)
 """What a record of time, displacement and force is taken for; here it is one of loops."""
 _ALIKE = 10.0
 """BIC within which two laws of a sweep are not told apart."""
