@@ -12,7 +12,7 @@ import numpy as np
 from dashpot.base.checks import Check
 from dashpot.base.errors import FitError
 from dashpot.base.provenance import Step
-from dashpot.base.units import Quantity, si
+from dashpot.base.units import Quantity, si, written
 from dashpot.fitting.asked import Asked, checked_design, refuse_for_creep, refuse_shifts
 from dashpot.fitting.assembly import (
     UNJUDGED,
@@ -448,8 +448,9 @@ def _motion_steps(records: Sequence[RampHold], design: Design) -> tuple[Step, ..
         count, noise = record.encoder_step, record.displacement_noise
         if count > 0 or noise > 0:
             says = (
-                f"read the displacement between counts of {1e6 * count:.3g} um and averaged its "
-                f"scatter of {1e6 * noise:.3g} um where the motion allows; the force is as recorded"
+                f"read the displacement between counts of {written(count, 'um', '.3g')} and "
+                f"averaged its scatter of {written(noise, 'um', '.3g')} where the motion allows; "
+                "the force is as recorded"
             )
             parameters = (("count", f"{count:.6g} m"), ("noise", f"{noise:.6g} m"))
             steps.append(Step("motion", parameters, says))

@@ -17,7 +17,7 @@ from dashpot.base.checks import Check, verdict
 from dashpot.base.errors import DataError
 from dashpot.base.numbers import rounded, with_error
 from dashpot.base.progress import doing
-from dashpot.base.units import si, si_range
+from dashpot.base.units import in_unit, si, si_range, written
 from dashpot.io.options import ReadOptions
 from dashpot.plot.picture import Picture
 from dashpot.records.frf import FRF, Mode
@@ -89,7 +89,7 @@ def modes(request: Mapping[str, Any], folder: Path) -> bytes:
     else:
         checks, frfs = found.checks, [one.frf for one in found.tests]
         held = zip(found.together.masses, found.together.modes, strict=True)
-        named = [(f"{1e3 * mass:.4g} g", mode) for mass, mode in held]
+        named = [(written(mass, "g"), mode) for mass, mode in held]
     said = verdict(checks)
     names = [Path(path).name for path in asked.files]
     return wire.packed(
@@ -120,12 +120,9 @@ def take_modes(request: Mapping[str, Any], folder: Path) -> bytes:
 def _terms(named: list[tuple[str, Mode]]) -> list[views.Term]:
     """Frequency and damping of every mode, with the ends of their intervals."""
     rows = []
-    for sign, unit, scale, name in (
-        ("f", "Hz", 1.0, "frequency"),
-        ("ζ", "%", 1e2, "damping_ratio"),
-    ):
+    for sign, unit, name in (("f", "Hz", "frequency"), ("ζ", "%", "damping_ratio")):
         for which, mode in named:
-            value, se = scale * getattr(mode, name), scale * getattr(mode, f"{name}_se")
+            value, se = (in_unit(getattr(mode, of), unit) for of in (name, f"{name}_se"))
             half = HALF * se if np.isfinite(se) else np.inf
             rows.append(views.term(f"{sign}, {which}", value, (value - half, value + half), unit))
     return rows

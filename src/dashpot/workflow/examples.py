@@ -13,6 +13,7 @@ from types import MappingProxyType
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.units import in_unit, written
 from dashpot.base.version import byline
 from dashpot.io.write import write_impact, write_relaxation
 from dashpot.kinds import KINDS, Example, load
@@ -73,9 +74,10 @@ def _hammer() -> str:
 def _sweep() -> str:
     """Storage and loss of one seal as a dynamic testing machine writes them, 0.5 % noisy."""
     frequency = np.geomspace(0.01, 100.0, 41)
-    stiffness = BROAD.complex_stiffness(2 * np.pi * frequency) * 1e-3
+    stiffness = BROAD.complex_stiffness(2 * np.pi * frequency)
+    storage, loss = (in_unit(part, "N/mm") for part in (stiffness.real, stiffness.imag))
     noise = 1 + 0.005 * np.random.default_rng(1).standard_normal((2, len(frequency)))
-    rows = zip(frequency, stiffness.real * noise[0], stiffness.imag * noise[1], strict=True)
+    rows = zip(frequency, storage * noise[0], loss * noise[1], strict=True)
     head = "frequency [Hz],storage stiffness [N/mm],loss stiffness [N/mm]"
     lines = [f"# {byline('simulated dynamic test')}", "# simulated", head]
     return "\n".join([*lines, *(",".join(f"{value:.6g}" for value in row) for row in rows), ""])
@@ -140,7 +142,10 @@ def _around() -> tuple[FloatArray, FloatArray]:
 
 def _door_line() -> str:
     place, gap = _around()
-    rows = (",".join(f"{1e3 * v:.3f}" for v in (*p, g)) for p, g in zip(place, gap, strict=True))
+    rows = (
+        ",".join(f"{in_unit(v, 'mm'):.3f}" for v in (*p, g))
+        for p, g in zip(place, gap, strict=True)
+    )
     head = [f"# {byline('simulated seal line')}", "# simulated", "x [mm],y [mm],z [mm],gap [mm]"]
     return "\n".join([*head, *rows, ""])
 
@@ -150,7 +155,7 @@ def _door_modes() -> str:
     place = np.concatenate((_around()[0][:-1], (*_HINGES, _LATCH, _MIRROR)))
     modes = free_plate(place, width=1.1, height=1.2, mass=25.0, rigidity=3e4, elastic=24)
     rows = (
-        ",".join(f"{v:.7g}" for v in (r + 1, f, *(1e3 * place[p]), modes.shapes[r, p, 2]))
+        ",".join(f"{v:.7g}" for v in (r + 1, f, *in_unit(place[p], "mm"), modes.shapes[r, p, 2]))
         for r, f in enumerate(modes.frequency)
         for p in range(len(place))
     )
@@ -249,7 +254,9 @@ limit = "0.75m/s"
 _BENCH = {
     "seal_8mm.csv": Example("relaxation", "a seal pressed 8 mm in 1 s and held 40 s", _seal(1)),
     "hammer.csv": Example(
-        "impact", f"a block of {1e3 * MASS:g} g on two such seals, struck five times", _hammer
+        "impact",
+        f"a block of {written(MASS, 'g', 'g')} on two such seals, struck five times",
+        _hammer,
     ),
     "depth_4mm.csv": Example(
         "relaxation",

@@ -8,6 +8,7 @@ from types import MappingProxyType
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray
+from dashpot.base.units import in_unit
 from dashpot.base.version import byline
 from dashpot.kinds import Example
 from dashpot.solids.table_1 import BROAD
@@ -46,7 +47,7 @@ def _pressed(stiffness: float, seed: int, *, speed: float = 50e-3 / 60) -> Calla
         path = softer * (0.7 * x + 0.3 * x**3 / depth**2)
         force = stiffness * _pushed(path, plate > 0, float(time[1]))
         noise = 4e-3 * np.random.default_rng(seed).standard_normal(len(time))
-        lines = zip(time, 1e3 * plate, force + 0.03 + noise, strict=True)
+        lines = zip(time, in_unit(plate, "mm"), force + 0.03 + noise, strict=True)
         head = [f"# {byline('simulated compression load deflection test')}", "# simulated"]
         rows = (",".join(f"{value:.6g}" for value in row) for row in lines)
         return "\n".join([*head, "time [s],displacement [mm],force [N]", *rows, ""])

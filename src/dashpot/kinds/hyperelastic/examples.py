@@ -7,6 +7,7 @@ from types import MappingProxyType
 
 import numpy as np
 
+from dashpot.base.units import in_unit
 from dashpot.base.version import byline
 from dashpot.kinds import Example
 from dashpot.solids.hyperelastic import Hyperelastic, Mode
@@ -19,7 +20,7 @@ def _stretched(mode: Mode, most: float, seed: int) -> Callable[[], str]:
 
     def made() -> str:
         x = np.linspace(1.0, most, 80)
-        stress = 1e-6 * _RUBBER.nominal(mode, x)
+        stress = in_unit(_RUBBER.nominal(mode, x), "MPa")
         stress += 0.005 * stress.max() * np.random.default_rng(seed).standard_normal(len(x))
         rows = (f"{100 * (a - 1):.5g},{b:.5g}" for a, b in zip(x, stress, strict=True))
         head = [f"# {byline(f'simulated {mode} test')}", "# simulated"]

@@ -7,11 +7,11 @@ from types import MappingProxyType
 
 import numpy as np
 
+from dashpot.base.units import GRAVITY
 from dashpot.base.version import byline
 from dashpot.kinds import Example
 from dashpot.kinds.indentation.collision import collide
 from dashpot.kinds.indentation.contact_law import ViscousContact, sphere_stiffness
-from dashpot.kinds.indentation.record import GRAVITY
 
 
 def _hit() -> str:

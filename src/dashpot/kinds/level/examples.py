@@ -7,6 +7,7 @@ from types import MappingProxyType
 
 import numpy as np
 
+from dashpot.base.units import in_unit
 from dashpot.base.version import byline
 from dashpot.kinds import Example
 from dashpot.solids.friction import Iwan
@@ -28,7 +29,10 @@ def _loops() -> str:
     x = size * np.sin(2 * np.pi * hz * time)
     noise = 3e-4 * np.random.default_rng(1).standard_normal(len(time))
     force = (BROAD + _RUBBING).path_force(time, x) + 1.2 + noise
-    rows = (f"{t:.6g},{d:.6g},{f:.6g}" for t, d, f in zip(time, 1e3 * x + 4, force, strict=True))
+    rows = (
+        f"{t:.6g},{d:.6g},{f:.6g}"
+        for t, d, f in zip(time, in_unit(x + 4e-3, "mm"), force, strict=True)
+    )
     head = [f"# {byline('simulated loops')}", "# simulated", "time [s],displacement [mm],force [N]"]
     return "\n".join([*head, *rows, ""])
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.provenance import sources_of
+from dashpot.base.units import in_unit
 from dashpot.kinds.level.fit_frfs import rows_at_level
 from dashpot.kinds.level.hits import HitLevels
 from dashpot.kinds.level.levels import LevelFit
@@ -28,6 +29,7 @@ from dashpot.plot.picture import (
     Scale,
     around,
     around_log,
+    read_as,
     unit_of,
 )
 from dashpot.plot.stamps import of_test
@@ -107,7 +109,7 @@ def loops(test: RelaxationTest, fit: AmplitudeFit | None = None, *, stamp: str =
             curves.append((_THIN, said, *_ellipse(one, fit)))
         for pen, name, x, F in curves:
             recorded.append(Line(mm * _closed(x), N * _closed(F), pen, name))
-            scaled.append(Line(_closed(x) / X, 1e-3 * _closed(F) / X, pen, name))
+            scaled.append(Line(_closed(x) / X, in_unit(_closed(F) / X, "N/mm"), pen, name))
     panels = [
         _looped("as recorded", f"displacement, {word}", f"force, {force}", recorded),
         _looped("each to its amplitude", "displacement over its amplitude, 1",
@@ -236,7 +238,7 @@ def _over_amplitude(sweep: AmplitudeSweep, fit: AmplitudeFit | None) -> list[Pan
     of, word, mm = "strain", "%", 100.0
     if sweep.of != "strain":
         of, (word, mm) = "displacement", unit_of(sweep.amplitude, "m")
-    unit, scale, letter = ("MPa", 1e-6, "E") if sweep.unit == "Pa" else ("N/mm", 1e-3, "K")
+    letter, (unit, scale) = "E" if sweep.unit == "Pa" else "K", read_as(sweep.unit)
     tones, tone = np.unique(sweep.frequency.round(6), return_inverse=True)
     low, high = float(sweep.amplitude.min()), float(sweep.amplitude.max())
     dense = np.geomspace(low / 1.5, high * 1.5, 200)
@@ -334,12 +336,18 @@ def _informed(fit: LevelFit, frfs: Sequence[FRF]) -> list[Panel]:
     panels = []
     ends = _interval(fit, middle, dense)
     for i, (name, part) in enumerate((("storage K′", np.real), ("loss K″", np.imag))):
-        low, high = 1e-3 * ends[:, i]
-        y = 1e-3 * part(curve)
+        low, high = in_unit(ends[:, i], "N/mm")
+        y = in_unit(part(curve), "N/mm")
         marks = (
             Area(mm * dense, low, high, "fit", "95 % interval"),
             Line(mm * dense, y, FIT, "fit"),
-            Dots(mm * at, 1e-3 * part(mean), "measured", "measured", error=2e-3 * error),
+            Dots(
+                mm * at,
+                in_unit(part(mean), "N/mm"),
+                "measured",
+                "measured",
+                error=in_unit(2 * error, "N/mm"),
+            ),
         )
         pad = max(float(np.ptp(y)), 0.1 * float(np.abs(y).max()))
         limits = around(y - 0.3 * pad, y + 0.3 * pad, low, high)
