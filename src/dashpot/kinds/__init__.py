@@ -205,7 +205,7 @@ KINDS: Mapping[str, KindOfTest] = MappingProxyType({kind.name: kind for kind in 
     ),
     KindOfTest(
         "rod", "io.readers.frf:read_frf", "workflow.rods:rod_files", command=("rod",),
-        nouns={"kinds.rod.prepare:RodModulus": "kinds.rod.figure:rod"},
+        nouns={"kinds.rod.record:RodModulus": "kinds.rod.figure:rod"},
         checks="kinds.rod.checks",
         examples="kinds.rod.examples:EXAMPLES",
     ),
