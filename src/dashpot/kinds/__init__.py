@@ -231,6 +231,7 @@ RESPONSES = tuple(kind.name for kind in KINDS.values() if kind.page == "response
 """Kinds that are what a mass on its seals does, over frequency."""
 
 _NOUNS = {noun: kind for kind in KINDS.values() for noun in kind.nouns}
+_FIGURES = {noun: figure for kind in KINDS.values() for noun, figure in kind.nouns.items()}
 
 
 def row_of(noun: object) -> KindOfTest | None:
@@ -240,8 +241,8 @@ def row_of(noun: object) -> KindOfTest | None:
 
 def figure_of(noun: object) -> Any:
     """Return the function that draws a record or a result; None if none does."""
-    kind = row_of(noun)
-    return load(kind.nouns[_word(noun)]) if kind and kind.nouns[_word(noun)] else None
+    word = _FIGURES.get(_word(noun))
+    return load(word) if word else None
 
 
 def _word(noun: object) -> str:
