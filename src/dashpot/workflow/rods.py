@@ -19,7 +19,8 @@ from dashpot.base.provenance import Step
 from dashpot.base.units import si_fields, written
 from dashpot.io.options import ReadOptions
 from dashpot.kinds.rod.fit import fit_rod
-from dashpot.kinds.rod.prepare import RodErrors, RodModulus, rod_modulus
+from dashpot.kinds.rod.prepare import rod_modulus
+from dashpot.kinds.rod.record import RodErrors, RodModulus
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF
 from dashpot.records.specimen import Specimen
