@@ -25,7 +25,7 @@ from dashpot.base.choices import Driver, words
 from dashpot.base.options import flag_of, names_files, offered, words_of
 from dashpot.cli import COMMANDS, main
 from dashpot.io.options import OF_HAMMER, OF_HAMMER_ALONE, ReadOptions
-from dashpot.kinds.rod.prepare import RodErrors
+from dashpot.kinds.rod.record import RodErrors
 from dashpot.lots import batches
 from dashpot.lots.choices import BatchChoices
 from dashpot.records.machine import Machine

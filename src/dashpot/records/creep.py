@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from dashpot.base.arrays import ByValue, FloatArray, hold_measured
 from dashpot.base.checks import Check
 from dashpot.base.demands import positive
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.offered import Described
 from dashpot.base.provenance import Source, Step, of_file
@@ -26,7 +27,7 @@ COMPLIANCES = {"N/m": "m/N", "Pa": "1/Pa"}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class CreepTest(ByValue, Described):
+class CreepTest(ByValue, Described, Documented):
     """A creep test as the machine wrote it, in SI units: a force held, and what it moves.
 
     Attributes
@@ -49,6 +50,8 @@ class CreepTest(ByValue, Described):
         If the arrays differ in length, hold fewer than 8 samples, are not finite, or time stalls.
     """
 
+    schema = "dashpot/creep-test@1"
+
     time: FloatArray
     displacement: FloatArray
     force: FloatArray
@@ -61,6 +64,15 @@ class CreepTest(ByValue, Described):
         _known_unit(self.unit, COMPLIANCES)
 
     @property
+    def series(self) -> Mapping[str, tuple[Any, str]]:
+        """Displacement and force, or strain and stress, over time."""
+        moved, pushed = ("m", "N") if self.unit == "N/m" else ("1", "Pa")
+        return {
+            "time": (self.time, "s"), "displacement": (self.displacement, moved),
+            "force": (self.force, pushed),
+        }  # fmt: skip
+
+    @property
     def described(self) -> tuple[str, ...]:
         """Which record it is, and how far it reaches."""
         moved, pressed = float(np.ptp(self.displacement)), float(np.ptp(self.force))
@@ -71,7 +83,7 @@ class CreepTest(ByValue, Described):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class CreepCompliance(ByValue, Described):
+class CreepCompliance(ByValue, Described, Documented):
     r"""A curve :math:`J(t)`, measured or shifted together, after a step of the force at t = 0.
 
     Attributes
@@ -92,6 +104,8 @@ class CreepCompliance(ByValue, Described):
     DataError
         If the arrays differ in length, are not finite, or time falls or starts below 0.
     """
+
+    schema = "dashpot/creep-compliance@1"
 
     time: FloatArray
     compliance: FloatArray
@@ -125,13 +139,18 @@ class CreepCompliance(ByValue, Described):
         return next(stiffness for stiffness, one in COMPLIANCES.items() if one == self.unit)
 
     @property
+    def series(self) -> Mapping[str, tuple[Any, str]]:
+        """Compliance over time."""
+        return {"time": (self.time, "s"), "compliance": (self.compliance, self.unit)}
+
+    @property
     def described(self) -> tuple[str, ...]:
         """Which curve it is, and what it covers."""
         return described_curve(self, "compliance")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class LoadHold(ByValue, Described):
+class LoadHold(ByValue, Described, Documented):
     """A creep test prepared: both signals rise under the load, from the state before it.
 
     Attributes
@@ -162,6 +181,8 @@ class LoadHold(ByValue, Described):
     corners : tuple of float
         Times, s, between which `load` is straight, both ends included; none if it is not.
     """
+
+    schema = "dashpot/load-hold@1"
 
     time: FloatArray
     displacement: FloatArray

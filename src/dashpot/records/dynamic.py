@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -14,6 +16,7 @@ from dashpot.base.arrays import (
     IndexArray,
     hold_measured,
 )
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.offered import Described
 from dashpot.base.provenance import Source, of_file
@@ -23,7 +26,7 @@ from dashpot.records.temperature import near, several, span
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class DynamicTest(ByValue, Described):
+class DynamicTest(ByValue, Described, Documented):
     r"""Storage and loss as a machine measured them under a harmonic motion.
 
     :math:`K^*(\omega) = K'(\omega) + j K''(\omega)` with x(t) = Re X e^{+j omega t}: a positive
@@ -48,6 +51,8 @@ class DynamicTest(ByValue, Described):
         If the arrays differ in length, are not finite, or a frequency is not above 0.
     """
 
+    schema = "dashpot/dynamic-test@1"
+
     frequency: FloatArray
     storage: FloatArray
     loss: FloatArray
@@ -66,6 +71,14 @@ class DynamicTest(ByValue, Described):
             raise DataError(f"frequency[{i}] = {self.frequency[i]:g} Hz; expected > 0")
         if self.unit not in {"Pa", "N/m"}:
             raise DataError(f"unit '{self.unit}' of storage and loss; expected 'Pa' or 'N/m'")
+
+    @property
+    def series(self) -> Mapping[str, tuple[Any, str]]:
+        """Storage and loss over frequency."""
+        return {
+            "frequency": (self.frequency, "Hz"), "storage": (self.storage, self.unit),
+            "loss": (self.loss, self.unit), "temperature": (self.temperature, "K"),
+        }  # fmt: skip
 
     @property
     def described(self) -> tuple[str, ...]:

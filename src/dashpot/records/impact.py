@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from dashpot.base.arrays import ByValue, FloatArray, frozen, measured, same_length, slices
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.offered import Described
 from dashpot.base.provenance import Source, of_file
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ImpactTest(ByValue, Described):
+class ImpactTest(ByValue, Described, Documented):
     """Hammer force and one or more accelerations, sampled together, in SI units.
 
     Attributes
@@ -34,6 +37,8 @@ class ImpactTest(ByValue, Described):
     source : tuple of Source
         One per file read.
     """
+
+    schema = "dashpot/impact-test@1"
 
     time: FloatArray
     force: FloatArray
@@ -74,6 +79,18 @@ class ImpactTest(ByValue, Described):
                     f"the record that begins at sample {record.start} is sampled at {rate:.6g} Hz, "
                     f"the first at {self.rate:.6g} Hz; expected one rate: give their hits apart"
                 )
+
+    @property
+    def series(self) -> Mapping[str, tuple[Any, str]]:
+        """Force and accelerations over time, and the number of the record."""
+        counts = np.diff((*self.starts, len(self.time)))
+        felt = zip(self.channels, self.acceleration, strict=True)
+        return {
+            "time": (self.time, "s"),
+            "record": (np.repeat(np.arange(1, len(counts) + 1), counts), ""),
+            "force": (self.force, "N"),
+            **{name: (row, "m/s^2") for name, row in felt},
+        }
 
     @property
     def described(self) -> tuple[str, ...]:

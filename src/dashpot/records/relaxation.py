@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
 from dashpot.base.arrays import ByValue, FloatArray, hold_measured, phasor
 from dashpot.base.checks import Check
 from dashpot.base.demands import positive
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.offered import Described, Pictured
 from dashpot.base.provenance import Source, Step, of_file
@@ -27,7 +30,7 @@ MAX_CREEP = 0.01
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class RelaxationTest(ByValue, Described):
+class RelaxationTest(ByValue, Described, Documented):
     """A relaxation test as the machine wrote it, in SI units.
 
     Attributes
@@ -48,6 +51,8 @@ class RelaxationTest(ByValue, Described):
         If the arrays differ in length, hold fewer than 8 samples, are not finite, or time stalls.
     """
 
+    schema = "dashpot/relaxation-test@1"
+
     time: FloatArray
     displacement: FloatArray
     force: FloatArray
@@ -56,6 +61,14 @@ class RelaxationTest(ByValue, Described):
 
     def __post_init__(self) -> None:
         hold_measured(self, "time", "displacement", "force", minimum=8)
+
+    @property
+    def series(self) -> Mapping[str, tuple[Any, str]]:
+        """Displacement and force over time."""
+        return {
+            "time": (self.time, "s"), "displacement": (self.displacement, "m"),
+            "force": (self.force, "N"),
+        }  # fmt: skip
 
     @property
     def described(self) -> tuple[str, ...]:
@@ -105,7 +118,7 @@ class Hum:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class RampHold(ByValue, Pictured):
+class RampHold(ByValue, Pictured, Documented):
     """A prepared relaxation test: the ramp and the hold known, compression positive, tared.
 
     Made by :func:`dashpot.preparation.prepare.prepare`; what every fit works on.
@@ -146,6 +159,8 @@ class RampHold(ByValue, Pictured):
         Lines found in the force and taken off it.
     """
 
+    schema = "dashpot/ramp-hold@1"
+
     time: FloatArray
     displacement: FloatArray
     force: FloatArray
@@ -173,6 +188,14 @@ class RampHold(ByValue, Pictured):
                 f"{self.onset:g} s, ramp end {self.ramp_end:g} s, hold end {self.hold_end:g} s"
             )
         positive(depth=self.depth, unit=" m", expected="a compression > 0")
+
+    @property
+    def series(self) -> Mapping[str, tuple[Any, str]]:
+        """Displacement and force over time."""
+        return {
+            "time": (self.time, "s"), "displacement": (self.displacement, "m"),
+            "force": (self.force, "N"),
+        }  # fmt: skip
 
     @property
     def described(self) -> tuple[str, ...]:

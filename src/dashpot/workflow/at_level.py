@@ -3,27 +3,31 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source
 from dashpot.base.units import Dimension, si
+from dashpot.io.columns.kinds import RECOGNISED
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.inspect import inspect_file
 from dashpot.io.readers.relaxation import read_relaxation
 from dashpot.io.source import about
+from dashpot.kinds import RESPONSES
 from dashpot.kinds.level.checks import level_covered
 from dashpot.kinds.level.fit import fit_amplitude
 from dashpot.kinds.level.prepare import sweep_of_loops
 from dashpot.kinds.level.read import read_amplitude
 from dashpot.kinds.level.record import AmplitudeFit, AmplitudeSweep
+from dashpot.preparation.segments import Loading
 from dashpot.records.frf import FRF, Kind
 from dashpot.records.relaxation import RelaxationTest
 from dashpot.solids.maxwell import Solid
@@ -35,9 +39,9 @@ from dashpot.workflow.part import height_of
 STRAIN_FACTORS = (1.0, 1 / np.sqrt(3))
 """Strain of a sweep that does to the rubber what X/h of the part does: loaded alike; a part in
 shear beside a sweep in tension, by equal energy."""
-RESPONSES, HITS = ("frf", "transmissibility"), ("impact",)
-"""Kinds of files that tell what a mass on the seals does."""
-_LOOPS = ("cyclic", "cld", "relaxation", "creep")
+HITS = ("impact",)
+"""Kinds of files that, as responses, tell what a mass on the seals does."""
+_LOOPS = tuple(kind for kind in get_args(Loading) if kind in RECOGNISED)
 """What a record of time, displacement and force is taken for; here it is one of loops."""
 _ALIKE = 10.0
 """BIC within which two laws of a sweep are not told apart."""
@@ -48,7 +52,7 @@ _COARSE, _FINE, _REACH = 241, 61, (0.25, 2.5)
 
 
 @dataclass(frozen=True)
-class AtLevel:
+class AtLevel(Documented):
     """The resonance of a mass at a level.
 
     Attributes
@@ -67,6 +71,16 @@ class AtLevel:
     frf : FRF
     """
 
+    keys = (
+        "level",
+        "unit",
+        "peak",
+        "frequency_between_hz=frequency_between",
+        "value_between",
+        "amplitude",
+        "strain",
+    )
+
     level: float
     unit: str
     frequency: float
@@ -78,21 +92,13 @@ class AtLevel:
     frf: FRF
 
     @property
-    def document(self) -> dict[str, Any]:
-        """In ``dashpot/prediction@1``."""
-        return {
-            "level": self.level,
-            "unit": self.unit,
-            "peak": {"frequency_hz": self.frequency, "value": self.value},
-            "frequency_between_hz": list(self.frequency_between),
-            "value_between": list(self.value_between),
-            "amplitude": self.amplitude,
-            "strain": self.strain,
-        }
+    def peak(self) -> dict[str, float]:
+        """Its numbers by their names."""
+        return {"frequency_hz": self.frequency, "value": self.value}
 
 
 @dataclass(frozen=True)
-class SweptPart:
+class SweptPart(Documented):
     """What amplitude does to parts of a material, by a sweep of it.
 
     Attributes
@@ -108,6 +114,11 @@ class SweptPart:
         Amplitude of the test behind the solid, in the unit of the sweep; 0 for a vanishing one.
     sweep : Source or None
     """
+
+    keys = (
+        "sweep.file", "law.law", "laws=names", "*law.constants", "height",
+        "strain_factors=factors", "fitted_at",
+    )  # fmt: skip
 
     laws: tuple[AmplitudeFit, ...]
     factors: tuple[float, ...]
@@ -126,19 +137,9 @@ class SweptPart:
         return self.law.checks
 
     @property
-    def document(self) -> dict[str, Any]:
-        """In ``dashpot/prediction@1``."""
-        law = self.law
-        numbers = {name: getattr(law, name) for name, _ in law.se}
-        return {
-            "file": None if self.sweep is None else asdict(self.sweep)["file"],
-            "law": law.law,
-            "laws": [one.law for one in self.laws],
-            **numbers,
-            "height": self.height,
-            "strain_factors": list(self.factors),
-            "fitted_at": self.fitted_at,
-        }
+    def names(self) -> tuple[str, ...]:
+        """Of the laws."""
+        return tuple(one.law for one in self.laws)
 
     def stretch(self, factor: float) -> float:
         """Displacement of the part, m, for each of the sweep's amplitude."""
@@ -337,7 +338,7 @@ def amplitude_file(
     """The law of an amplitude sweep or of recorded loops, the sweep, and the record as read.
 
     `kind` is what the file was taken for, `law` ``"auto"`` or one of
-    ``fitting.level.laws.LAWS``.
+    ``kinds.level.laws.LAWS``.
     """
     if kind in _LOOPS:
         record = read_relaxation(path, options=options)

@@ -8,14 +8,16 @@ from pathlib import Path
 from typing import TypeAlias
 
 from dashpot.base.checks import Check
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DashpotError
 from dashpot.base.provenance import Step
-from dashpot.io.columns.kinds import WANTED_BY
+from dashpot.io.columns.kinds import RECOGNISED
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.channels import Opened, opened, read_once
 from dashpot.io.readers.inspect import Inspection, inspect_opened
 from dashpot.io.readers.relaxation import relaxation_in
 from dashpot.io.source import about
+from dashpot.kinds import KINDS
 from dashpot.preparation.motion import loading_in
 from dashpot.preparation.prepare import prepare
 from dashpot.records.relaxation import RampHold, RelaxationTest
@@ -43,7 +45,7 @@ class Preparation:
 
 
 @dataclass(frozen=True)
-class InspectedFile(Inspection):
+class InspectedFile(Inspection, Documented):
     """An inspection, and the preparation of what is a relaxation test.
 
     Attributes
@@ -53,13 +55,22 @@ class InspectedFile(Inspection):
         Why a relaxation test cannot be prepared.
     """
 
+    keys = (*(one.name for one in fields(Inspection)), "preparation=account?")
+
     preparation: Preparation | None = None
     refusal: str = ""
 
+    @property
+    def account(self) -> Preparation | dict[str, str] | None:
+        """The preparation, or why there is none."""
+        return {"error": self.refusal} if self.refusal else self.preparation
+
 
 @dataclass(frozen=True)
-class Inspections:
+class Inspections(Documented):
     """What ``dashpot inspect`` found, file by file."""
+
+    schema = "dashpot/inspection@1"
 
     files: tuple[InspectedFile, ...]
 
@@ -109,9 +120,9 @@ def _inspected(
         with about(file.raw.name):
             record = read(file)
         loading = loading_in(record)
-        if loading in WANTED_BY and loading != "relaxation":
-            plain |= {"kind": loading, "reason": f"it is {WANTED_BY[loading][0]}"}
-        if loading in {"creep", "cld"}:
+        if loading in RECOGNISED and loading != "relaxation":
+            plain |= {"kind": loading, "reason": f"it is {RECOGNISED[loading].what}"}
+        if loading in KINDS and KINDS[loading].reader != KINDS["relaxation"].reader:
             return InspectedFile(**plain)
         test = prepared(record, options)
     except DashpotError as error:

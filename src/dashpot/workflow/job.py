@@ -16,6 +16,7 @@ from dashpot.base.choices import (
     PartMode,
     RampLawAsked,
 )
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.options import flags_of, like, names_files, option, part
 from dashpot.base.units import si_fields
@@ -108,7 +109,7 @@ class Cuts:
 
 
 @dataclass(frozen=True)
-class Job:
+class Job(Documented):
     """Everything that decides the result of ``dashpot report``.
 
     Attributes
@@ -149,6 +150,8 @@ class Job:
     logo : str or None
         File of an image for its head.
     """
+
+    schema = "dashpot/job@1"
 
     relaxation: str = option(MISSING, metavar="FILE", argument=True, decides="test")
     impact: tuple[str, ...] = option(
