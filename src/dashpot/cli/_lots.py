@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
-from dataclasses import asdict
+from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import click
 
 import dashpot as dp
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.numbers import counted
 from dashpot.base.progress import doing
@@ -166,48 +167,83 @@ def write_lot(job: BatchJob, found: Summary) -> None:
     write(f"{job.output}/lot.html", html(found.lot, title=job.output.resolve().name, found=found))
 
 
+@dataclass(frozen=True)
+class Filled(Documented):
+    """The folder of a lot, and what the lot says of a quantity.
+
+    Attributes
+    ----------
+    folder : str
+    found : Summary or None
+        None where no table was made.
+    quantity : str
+    """
+
+    schema = "dashpot/batch@1"
+    keys = (
+        "folder", "files", "found.lot.computed?", "found.lot.simulated?", "found.lot.outcomes?",
+        "found.lot.verdicts?", "found.lot.agreements?", "components?", "outliers?",
+        "found.lot.short_holds?", "*found",
+    )  # fmt: skip
+
+    folder: str
+    found: Summary | None = None
+    quantity: str = ""
+
+    @property
+    def files(self) -> int:
+        """How many."""
+        return 0 if self.found is None else self.found.lot.table.height
+
+    @property
+    def components(self) -> tuple[Component, ...] | None:
+        """The components of the relaxed stiffness, where lots or seals were named."""
+        try:
+            return None if self.found is None else self.found.lot.components()
+        except DataError:
+            return ()
+
+    @property
+    def outliers(self) -> tuple[Outlier, ...] | None:
+        """The tests that stand out."""
+        if self.found is None:
+            return None
+        away = self.found.lot.outliers(self.quantity)
+        return tuple(Outlier(file, one if isfinite(one) else None) for file, one in away)
+
+
+class Outlier(NamedTuple):
+    """A test, and by how much it stands out of its lot."""
+
+    file: str
+    robust_deviations: float | None
+
+
 def outcome(job: BatchJob, found: Summary) -> Outcome:
     """Return what is printed of a lot."""
-    lot = found.lot
-    scatter = _scatter(lot)
-    document = {
-        "schema": "dashpot/batch@1",
-        "folder": str(job.output),
-        "files": lot.table.height,
-        "computed": lot.computed,
-        "simulated": lot.simulated,
-        "outcomes": lot.outcomes,
-        "verdicts": lot.verdicts,
-        "agreements": lot.agreements,
-        "components": [asdict(one) for one in scatter],
-        "outliers": [
-            {"file": file, "robust_deviations": away if isfinite(away) else None}
-            for file, away in lot.outliers(job.quantity or lot.main)
-        ],
-        "short_holds": list(lot.short_holds),
-        **found.document,
-    }
+    lot, quantity = found.lot, job.quantity or found.lot.main
+    filled = Filled(str(job.output), found, quantity)
     lines = [
-        *_told(document),
+        *_told(lot),
         *found.lines,
-        *_shares(scatter),
-        *_out(lot, job.quantity or lot.main),
+        *_shares(filled.components or ()),
+        *_out(lot, quantity),
     ]
-    return Outcome(document, Text(lines, _others(lot)), found.checks)
+    return Outcome(filled, Text(lines, _others(lot)), found.checks)
 
 
-def _told(document: dict[str, Any]) -> list[str]:
+def _told(lot: dp.Lot) -> list[str]:
     def tallied(counts: dict[str, int]) -> str:
         return ", ".join(f"{count} {name}" for name, count in counts.items())
 
-    there = document["files"] - document["computed"]
+    files = lot.table.height
     lines = [
-        f"files       {document['files']}: {tallied(document['outcomes'])}",
-        f"computed    {document['computed']} now, {there} were there",
+        f"files       {files}: {tallied(lot.outcomes)}",
+        f"computed    {lot.computed} now, {files - lot.computed} were there",
     ]
-    judged = {"verdicts": document["verdicts"], "hammers": document["agreements"]}
-    if document["simulated"]:
-        lines.append(f"SIMULATED   {counted(document['simulated'], 'file')}, by the virtual rig")
+    judged = {"verdicts": lot.verdicts, "hammers": lot.agreements}
+    if lot.simulated:
+        lines.append(f"SIMULATED   {counted(lot.simulated, 'file')}, by the virtual rig")
     return [*lines, *(f"{name:<12}{tallied(found)}" for name, found in judged.items() if found)]
 
 
@@ -215,14 +251,6 @@ def _others(lot: dp.Lot) -> list[str]:
     """Every file that was not fitted, with its sentence."""
     columns = lot.table.select("file", "outcome", "reason").iter_rows()
     return [f"  {file}: {reason}" for file, outcome, reason in columns if outcome != "fitted"]
-
-
-def _scatter(lot: dp.Lot) -> tuple[Component, ...]:
-    """The components of the relaxed stiffness, where lots or seals were named."""
-    try:
-        return lot.components()
-    except DataError:
-        return ()
 
 
 def _shares(scatter: tuple[Component, ...]) -> list[str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import shlex
 import sys
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
@@ -25,6 +25,7 @@ from dashpot.workflow.outputs import Outputs
 
 if TYPE_CHECKING:
     from dashpot.base.checks import Check, Verdict
+    from dashpot.base.documents import Documented
     from dashpot.solids.temperature import TemperatureLaw
 
 T = TypeVar("T")
@@ -41,10 +42,7 @@ class Outcome(NamedTuple):
     Attributes
     ----------
     found
-        A noun of the archive, or a document. It is written when it is asked for: the archive
-        knows every noun, and importing all of them takes longer than a fit.
-    more
-        What only the command knows, beside the noun's document.
+        What it prints as a document.
     text
         It is printed unless stdout is taken by what was asked for there.
     must_pass
@@ -55,10 +53,9 @@ class Outcome(NamedTuple):
         The command that comes next, if it can be named.
     """
 
-    found: object
+    found: Documented
     text: Text
     checks: Sequence[Check] = ()
-    more: Mapping[str, Any] = {}
     must_pass: bool = False
     verdict: Verdict | None = None
     follow: str = ""
@@ -113,22 +110,17 @@ def reports(function: Callable[..., Outcome]) -> Callable[..., None]:
 
 def _printed(outcome: Outcome, *, as_json: bool, verbose: bool) -> str:
     if as_json:
-        return printed(outcome.found, outcome.more)
+        return printed(outcome.found)
     if click.get_current_context().meta.get(_TAKEN):
         return ""
     return "\n".join(shown(outcome.text, outcome.verdict, outcome.checks, verbose=verbose))
 
 
-def printed(found: object, more: Mapping[str, Any] | None = None) -> str:
-    """Return a noun or a document as the JSON that commands print and write."""
+def printed(found: Documented) -> str:
+    """Return a noun as the JSON that commands print and write."""
     import json
 
-    if not isinstance(found, dict):
-        from dashpot.workflow.archive import document
-
-        found = document(found)
-    whole = found | dict(more or {})
-    return escaped_json(json.dumps(whole, indent=2, ensure_ascii=False, allow_nan=False))
+    return escaped_json(json.dumps(found.document, indent=2, ensure_ascii=False, allow_nan=False))
 
 
 class File(click.ParamType[str]):

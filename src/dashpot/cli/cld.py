@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from typing import Any
 
@@ -68,17 +67,16 @@ def command(
     dashpot cld piece.csv --at 6mm --with fit.json -o fit_with_law.json
     """
     found = workflow.cld_files(files, memory=[workflow.read_fit(one) for one in memory], **choices)
-    if output and found.fit is None:
-        raise ReadError(
-            "-o writes a fit: that of a relaxation test (--with), with the elastic law of the load "
-            "deflection, or that of records at several speeds; here is neither"
-        )
     if output:
+        if found.fit is None:
+            raise ReadError(
+                "-o writes a fit: that of a relaxation test (--with), with the elastic law of the "
+                "load deflection, or that of records at several speeds; here is neither"
+            )
         write(output, printed(found.fit) + "\n")
     if picture:
         write_figure(picture, dp.plot.cld(found.pieces))
-    more = {} if found.fit is None else {"fit": json.loads(printed(found.fit))}
-    return Outcome(found.document, _said(found), found.checks, more, verdict=found.verdict)
+    return Outcome(found, _said(found), found.checks, verdict=found.verdict)
 
 
 def _said(found: workflow.Pieces) -> Text:

@@ -87,17 +87,9 @@ def command(
     if fitted.alternative is not None:
         with_tests += ["--family", "auto"]
     return Outcome(
-        found.comparison,
+        found,
         Text(lines, [f"  {arm}" for arm in found.comparison.arms]),
         found.checks,
-        {
-            "mass": found.mass,
-            "mass_inferred": inferred,
-            "seals": seals,
-            # of the measured FRF too, not of the agreement alone
-            "verdict": found.verdict.document,
-            **found.at_rest.document,
-        },
         verdict=found.verdict,
         follow=typed(
             "identify",

@@ -42,4 +42,4 @@ def command(*, hit: str, picture: str | None, **choices: Any) -> Outcome:
     found = workflow.indent_file(hit, **choices)
     if picture:
         write_figure(picture, dp.plot.indentation(found.fit))
-    return Outcome(found.document, _text.indentation(found), found.checks, verdict=found.verdict)
+    return Outcome(found, _text.indentation(found), found.checks, verdict=found.verdict)

@@ -74,4 +74,4 @@ def command(
         write_figure(picture, dp.plot.level(found.fit, found.records))
     if output:
         write(output, dp.report.html(found))
-    return Outcome(found.document, _text.levels(found), found.checks, verdict=found.verdict)
+    return Outcome(found, _text.levels(found), found.checks, verdict=found.verdict)

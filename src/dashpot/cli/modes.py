@@ -70,7 +70,7 @@ def command(
             under = [one.frf for one in held.tests]
             stamp = dp.plot.stamp([source for one in under for source in one.source], seals=seals)
             write_figure(picture, dp.plot.several_masses(held.together, under, stamp=stamp))
-        return Outcome(held.document, text.modes_by_mass(held), held.checks,
+        return Outcome(held, text.modes_by_mass(held), held.checks,
                        verdict=verdict(held.checks))  # fmt: skip
     found, chart = workflow.modes_files(frfs, options=options, band=band, against=against)
     if picture:

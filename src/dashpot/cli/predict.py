@@ -108,7 +108,7 @@ def command(
         write(output, write_frf(found.levels[0].frf if found.levels else found.frf))
     text = _text.prediction(found, mass=choices["mass"], seals=choices["seals"])
     return Outcome(
-        found.document,
+        found,
         text,
         found.checks,
         verdict=found.verdict,

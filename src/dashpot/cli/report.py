@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import click
 
 import dashpot as dp
 from dashpot import workflow
+from dashpot.base.documents import Documented
 from dashpot.base.errors import ReadError
 from dashpot.base.progress import doing
 from dashpot.cli import _options as options
@@ -32,6 +34,17 @@ from dashpot.workflow.job import Job
 
 if TYPE_CHECKING:
     from dashpot import Study
+
+
+@dataclass(frozen=True)
+class Reported(Documented):
+    """A study, the file of its report, and the hash of its project's history."""
+
+    keys = ("*study", "report", "history?")
+
+    study: Study
+    report: str
+    history: str | None
 
 
 @click.command("report")
@@ -106,13 +119,13 @@ def command(
         output = "report.html"
         claim([output])
     written: list[str] = []
-    more: dict[str, str] = {}
+    history = None
     if project:
         home = workflow.create(project)
         with _hammer_named():
             study, place = workflow.record(home, job, page=dp.report.html)
         note_written(place)
-        more = {"history": home.head}
+        history = home.head
         written.append(str(place))
     else:
         with _hammer_named():
@@ -122,12 +135,11 @@ def command(
         written.append(output)
         write(written[-1], dp.report.html(study))
     return Outcome(
-        study,
+        Reported(study, written[-1], history),
         _text.study(study),
         study.every_check,
-        {"report": written[-1], **more},
         verdict=study.verdict,
-        follow=typed("verify", project, "--expect", more["history"], why="recomputes it")
+        follow=typed("verify", project, "--expect", history, why="recomputes it")
         if project
         else _follow(job, study),
     )

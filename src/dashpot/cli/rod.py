@@ -60,28 +60,20 @@ def command(
     dashpot rod shaken.csv --base-acceleration ch1 --disc 20mm,20mm --density 1000 --mass 31.4g
     """
     found = workflow.rod_files(files, **choices)
-    if output and found.fit is None:
-        raise ReadError(f"-o writes a fit, and there is none: {found.reason}")
     if output:
+        if found.fit is None:
+            raise ReadError(f"-o writes a fit, and there is none: {found.reason}")
         write(output, printed(found.fit) + "\n")
     if picture:
         stamp = dp.plot.stamp(found.frf.source, mass=found.mass)
         write_figure(picture, dp.plot.rod(found.modulus, fit=found.fit, stamp=stamp))
-    more = {} if found.fit is None else {"fit": _document(found.fit)}
     return Outcome(
-        found.document,
+        found,
         text.rod(found),
         found.checks,
-        more,
         verdict=found.verdict,
         follow=_follow(found, output),
     )
-
-
-def _document(fit: dp.Fit) -> dict[str, Any]:
-    from dashpot.workflow.archive import document
-
-    return document(fit)
 
 
 def _follow(found: workflow.Rod, output: str | None) -> str:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
+from dashpot.base.documents import Documented
 from dashpot.base.errors import ExportError
 from dashpot.base.lock import alone
 from dashpot.base.progress import doing
@@ -80,7 +81,7 @@ class BatchJob:
 
 
 @dataclass(frozen=True)
-class BatchPlan:
+class BatchPlan(Documented):
     """What a batch would do.
 
     Attributes
@@ -94,6 +95,8 @@ class BatchPlan:
     jobs : int
         Processes side by side.
     """
+
+    schema = "dashpot/batch-plan@1"
 
     files: int
     done: int

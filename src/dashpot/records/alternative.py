@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
+from dashpot.base.documents import Documented
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import Solid
 
@@ -17,7 +18,7 @@ def family_of(solid: Solid) -> Family:
 
 
 @dataclass(frozen=True)
-class Alternative:
+class Alternative(Documented):
     """The best solid of another family, fitted to the same data.
 
     Attributes
@@ -33,6 +34,8 @@ class Alternative:
     says : str
         What the two predict there, and what would tell them apart.
     """
+
+    keys = ("family", "*")
 
     solid: Solid
     bic: float

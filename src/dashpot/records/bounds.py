@@ -9,6 +9,7 @@ from typing import TypedDict
 import numpy as np
 
 from dashpot.base.arrays import ByValue, FloatArray, frozen, increasing, samples
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.numbers import interval, rounded
 from dashpot.base.units import in_unit
@@ -16,7 +17,7 @@ from dashpot.records.frf import Kind
 
 
 @dataclass(frozen=True)
-class EndOfHold:
+class EndOfHold(Documented):
     r"""What a relaxation test knows of the stiffness when it ends, and what it leaves open.
 
     Limits over every non-negative spectrum that the test does not reject, of the relaxation
@@ -33,6 +34,8 @@ class EndOfHold:
     falling : float
         The steepest :math:`-dk/d\ln t` at T, N/m.
     """
+
+    keys = ("k_inf", "k_end", "k_3end", "time", "falling")
 
     time: float
     k_end: tuple[float, float]

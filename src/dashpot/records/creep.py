@@ -10,6 +10,7 @@ import numpy as np
 
 from dashpot.base.arrays import ByValue, FloatArray, hold_measured, positive
 from dashpot.base.checks import Check
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.offered import Described
 from dashpot.base.provenance import Source, Step, of_file
@@ -25,7 +26,7 @@ COMPLIANCES = {"N/m": "m/N", "Pa": "1/Pa"}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class CreepTest(ByValue, Described):
+class CreepTest(ByValue, Described, Documented):
     """A creep test as the machine wrote it, in SI units: a force held, and what it moves.
 
     Attributes
@@ -47,6 +48,8 @@ class CreepTest(ByValue, Described):
     DataError
         If the arrays differ in length, hold fewer than 8 samples, are not finite, or time stalls.
     """
+
+    schema = "dashpot/creep-test@1"
 
     time: FloatArray
     displacement: FloatArray
@@ -79,7 +82,7 @@ class CreepTest(ByValue, Described):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class CreepCompliance(ByValue, Described):
+class CreepCompliance(ByValue, Described, Documented):
     r"""A curve :math:`J(t)`, measured or shifted together, after a step of the force at t = 0.
 
     Attributes
@@ -100,6 +103,8 @@ class CreepCompliance(ByValue, Described):
     DataError
         If the arrays differ in length, are not finite, or time falls or starts below 0.
     """
+
+    schema = "dashpot/creep-compliance@1"
 
     time: FloatArray
     compliance: FloatArray
@@ -144,7 +149,7 @@ class CreepCompliance(ByValue, Described):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class LoadHold(ByValue, Described):
+class LoadHold(ByValue, Described, Documented):
     """A creep test prepared: both signals rise under the load, from the state before it.
 
     Attributes
@@ -175,6 +180,8 @@ class LoadHold(ByValue, Described):
     corners : tuple of float
         Times, s, between which `load` is straight, both ends included; none if it is not.
     """
+
+    schema = "dashpot/load-hold@1"
 
     time: FloatArray
     displacement: FloatArray

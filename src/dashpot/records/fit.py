@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
-from typing import TypeVar
+from dataclasses import dataclass, field, fields, replace
+from typing import Any, TypeVar
 
 import numpy as np
 
 from dashpot.base.arrays import ByValue, FloatArray, positive
 from dashpot.base.checks import Check, Verdict, verdict
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.numbers import counted
 from dashpot.base.offered import Pictured
@@ -35,7 +36,7 @@ from dashpot.records.specimen import Specimen
 from dashpot.records.temperature import SAME_TEMPERATURE, Shift, TemperatureShifts, celsius
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.fractional import FractionalZener
-from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
+from dashpot.solids.maxwell import GeneralizedMaxwell, MaxwellArm, Solid
 from dashpot.solids.part import Geometry, Mode
 from dashpot.solids.temperature import TemperatureLaw
 
@@ -232,7 +233,7 @@ class Provenance:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Fit(ByValue, Pictured):
+class Fit(ByValue, Pictured, Documented):
     """A fitted solid, how well each parameter is known, and what the test cannot tell.
 
     Attributes
@@ -253,6 +254,18 @@ class Fit(ByValue, Pictured):
         of their reference.
     """
 
+    schema = "dashpot/fit@1"
+    keys = (
+        "id=identity", "status", "ok", "says=status.value", "verdict", "model", "solid=own_solid~",
+        "standard_error=errors_by_arm~", "interval_95=intervals_95~", "estimate.residual",
+        "band_hz=evidence.band", "elastic_law", "left_open=evidence.end_of_hold",
+        "temperature=temperatures", "mass=mass_found?", "evidence.creep?", "provenance.method",
+        "estimate.parameters", "estimate.covariance", "estimate.dof", "evidence.orders",
+        "evidence.certificate", "estimate.profiles", "estimate.nuisance", "evidence.checks",
+        "provenance.source", "provenance.steps", "evidence.by_depth", "provenance.specimen",
+        "evidence.moved", "evidence.explanations", "evidence.alternative", "unit",
+    )  # fmt: skip
+
     solid: Solid
     status: Status
     estimate: ParameterEstimate
@@ -261,6 +274,11 @@ class Fit(ByValue, Pictured):
     unit: str = "N/m"
     elastic_law: ElasticLaw | None = None
     temperatures: TemperatureShifts | None = None
+
+    @property
+    def digested(self) -> bool:
+        """Its document shows whether it was edited."""
+        return True
 
     @property
     def ok(self) -> bool:
@@ -482,6 +500,35 @@ class Fit(ByValue, Pictured):
             return self.estimate.element_intervals(self.solid, level)
         ends = self.intervals(level)
         return _by_name(ends["k_inf"], ends["k"], ends["tau"])
+
+    @property
+    def intervals_95(self) -> Intervals:
+        """95 % intervals, as :meth:`intervals`."""
+        return self.intervals(level=0.95)
+
+    @property
+    def errors_by_arm(self) -> dict[str, Any]:
+        """Standard errors laid out as the document of a model is."""
+        error = self.standard_error
+        arms = zip(error["k"], error["tau"], error["b"], strict=True)
+        return {"k_inf": error["k_inf"], "arms": tuple(MaxwellArm(*one) for one in arms)}
+
+    @property
+    def own_solid(self) -> dict[str, Any]:
+        """The family of the solid; of another than arms its parameters and how they are known."""
+        if self.family == "maxwell":
+            return {"family": self.family}
+        return {
+            "family": self.family,
+            **{one.name: getattr(self.solid, one.name) for one in fields(self.solid)},  # type: ignore[arg-type]
+            "standard_error": self.solid_standard_error,
+            "interval_95": self.solid_intervals(level=0.95),
+        }
+
+    @property
+    def mass_found(self) -> float | None:
+        """The mass that was fitted too, kg."""
+        return next((one.value for one in self.nuisance if one.name == "mass"), None)
 
     @property
     def _of_arms(self) -> ParameterEstimate:

@@ -12,6 +12,7 @@ import numpy as np
 
 from dashpot.base.arrays import ByValue, FloatArray, hold_measured, phasor, positive
 from dashpot.base.checks import Check
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.offered import Described, Pictured
 from dashpot.base.provenance import Source, Step, of_file
@@ -28,7 +29,7 @@ MAX_CREEP = 0.01
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class RelaxationTest(ByValue, Described):
+class RelaxationTest(ByValue, Described, Documented):
     """A relaxation test as the machine wrote it, in SI units.
 
     Attributes
@@ -48,6 +49,8 @@ class RelaxationTest(ByValue, Described):
     DataError
         If the arrays differ in length, hold fewer than 8 samples, are not finite, or time stalls.
     """
+
+    schema = "dashpot/relaxation-test@1"
 
     time: FloatArray
     displacement: FloatArray
@@ -114,7 +117,7 @@ class Hum:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class RampHold(ByValue, Pictured):
+class RampHold(ByValue, Pictured, Documented):
     """A prepared relaxation test: the ramp and the hold known, compression positive, tared.
 
     Made by :func:`dashpot.preparation.prepare.prepare`; what every fit works on.
@@ -154,6 +157,8 @@ class RampHold(ByValue, Pictured):
     hum : tuple of Hum
         Lines found in the force and taken off it.
     """
+
+    schema = "dashpot/ramp-hold@1"
 
     time: FloatArray
     displacement: FloatArray

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, ByValue, FloatArray, frozen
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.units import in_unit, written
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -50,7 +51,7 @@ class Shift:
 
 
 @dataclass(frozen=True, eq=False)
-class TemperatureShifts(ByValue):
+class TemperatureShifts(ByValue, Documented):
     """The shifts of several temperatures, and the law laid through them.
 
     Attributes
@@ -73,6 +74,8 @@ class TemperatureShifts(ByValue):
         Covariance of the p parameters of the fit's solid and of `slope` with what `covariance` is
         of and with `slope`; empty where nothing is known of it.
     """
+
+    keys = ("reference", "*")
 
     law: TemperatureLaw
     shifts: tuple[Shift, ...]

@@ -9,17 +9,27 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import FloatArray, increasing, same_length, samples
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.units import in_unit, written
 
 
+class BareLaw(NamedTuple):
+    """The kind of an elastic law, compressions, m, and the tangent stiffness there, N/m."""
+
+    kind: str
+    knots: tuple[float, ...]
+    tangent: FloatArray
+
+
 @dataclass(frozen=True)
-class ElasticLaw:
+class ElasticLaw(Documented):
     r"""Relaxed force against compression, its tangent linear between knots.
 
     .. math:: F_e(x) = k \int_0^x t(u)\,du, \qquad \frac1h \int_0^h t(u)\,du = 1
@@ -41,6 +51,8 @@ class ElasticLaw:
     ratio_se : tuple of float
         Standard error of :math:`t` at the knots; empty where nothing is known of it.
     """
+
+    keys = ("kind", "knots", "tangent=tangents", "ratio", "ratio_se", "stiffness")
 
     knots: tuple[float, ...]
     ratio: tuple[float, ...]
@@ -101,6 +113,16 @@ class ElasticLaw:
     def tangent(self, x: npt.ArrayLike) -> FloatArray:
         """Tangent stiffness dF_e/dx, N/m."""
         return self.stiffness * self.factor(x)
+
+    @property
+    def bare(self) -> BareLaw:
+        """What follows of it alone."""
+        return BareLaw(self.kind, self.knots, self.tangents)
+
+    @property
+    def tangents(self) -> FloatArray:
+        """Tangent stiffness at the knots, N/m."""
+        return self.tangent(self.knots)
 
     def factor(self, x: npt.ArrayLike) -> FloatArray:
         """Tangent stiffness over `stiffness`: what small vibration about x does to every arm."""

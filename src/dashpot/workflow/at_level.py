@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any, get_args
@@ -12,6 +12,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.options import option
 from dashpot.base.provenance import Source
@@ -86,7 +87,7 @@ class LevelChoices:
 
 
 @dataclass(frozen=True)
-class AtLevel:
+class AtLevel(Documented):
     """The resonance of a mass at a level.
 
     Attributes
@@ -105,6 +106,16 @@ class AtLevel:
     frf : FRF
     """
 
+    keys = (
+        "level",
+        "unit",
+        "peak",
+        "frequency_between_hz=frequency_between",
+        "value_between",
+        "amplitude",
+        "strain",
+    )
+
     level: float
     unit: str
     frequency: float
@@ -116,21 +127,13 @@ class AtLevel:
     frf: FRF
 
     @property
-    def document(self) -> dict[str, Any]:
-        """In ``dashpot/prediction@1``."""
-        return {
-            "level": self.level,
-            "unit": self.unit,
-            "peak": {"frequency_hz": self.frequency, "value": self.value},
-            "frequency_between_hz": list(self.frequency_between),
-            "value_between": list(self.value_between),
-            "amplitude": self.amplitude,
-            "strain": self.strain,
-        }
+    def peak(self) -> dict[str, float]:
+        """Its numbers by their names."""
+        return {"frequency_hz": self.frequency, "value": self.value}
 
 
 @dataclass(frozen=True)
-class SweptPart:
+class SweptPart(Documented):
     """What amplitude does to parts of a material, by a sweep of it.
 
     Attributes
@@ -146,6 +149,11 @@ class SweptPart:
         Amplitude of the test behind the solid, in the unit of the sweep; 0 for a vanishing one.
     sweep : Source or None
     """
+
+    keys = (
+        "sweep.file", "law.law", "laws=names", "*law.constants", "height",
+        "strain_factors=factors", "fitted_at",
+    )  # fmt: skip
 
     laws: tuple[AmplitudeFit, ...]
     factors: tuple[float, ...]
@@ -164,19 +172,9 @@ class SweptPart:
         return self.law.checks
 
     @property
-    def document(self) -> dict[str, Any]:
-        """In ``dashpot/prediction@1``."""
-        law = self.law
-        numbers = {name: getattr(law, name) for name, _ in law.se}
-        return {
-            "file": None if self.sweep is None else asdict(self.sweep)["file"],
-            "law": law.law,
-            "laws": [one.law for one in self.laws],
-            **numbers,
-            "height": self.height,
-            "strain_factors": list(self.factors),
-            "fitted_at": self.fitted_at,
-        }
+    def names(self) -> tuple[str, ...]:
+        """Of the laws."""
+        return tuple(one.law for one in self.laws)
 
     def stretch(self, factor: float) -> float:
         """Displacement of the part, m, for each of the sweep's amplitude."""

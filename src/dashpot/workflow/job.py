@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.options import option
 from dashpot.io.options import ReadOptions
@@ -91,7 +92,7 @@ class Cuts:
 
 
 @dataclass(frozen=True)
-class Job:
+class Job(Documented):
     """Everything that decides the result of ``dashpot report``.
 
     Attributes
@@ -132,6 +133,8 @@ class Job:
     logo : str or None
         File of an image for its head.
     """
+
+    schema = "dashpot/job@1"
 
     relaxation: str
     impact: tuple[str, ...] = ()

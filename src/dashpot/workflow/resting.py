@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -50,6 +50,16 @@ class StiffnessAt:
     damping_ratio: float | None
 
 
+class Rests(NamedTuple):
+    """Compression and depth tested, m; whether its law is extrapolated; both stiffnesses."""
+
+    compression: float | None
+    depth: float | None
+    extrapolated_law: bool
+    secant: StiffnessAt
+    tangent: StiffnessAt
+
+
 @dataclass(frozen=True)
 class AtRest:
     """Where a mass rests, and both linear solids that could be meant.
@@ -68,16 +78,12 @@ class AtRest:
     tangent: StiffnessAt
 
     @property
-    def document(self) -> dict[str, Any]:
-        """Compression, m, and both; without what is not known."""
-        at, depth = self.point.compression, self.point.depth
-        return {
-            "compression": at if np.isfinite(at) else None,
-            "depth": depth,
-            "extrapolated_law": self.point.beyond and not self.point.linear,
-            "secant": asdict(self.secant),
-            "tangent": asdict(self.tangent),
-        }
+    def told(self) -> Rests:
+        """As the document of what stands on it tells it."""
+        point = self.point
+        at = point.compression if np.isfinite(point.compression) else None
+        law = point.beyond and not point.linear
+        return Rests(at, point.depth, law, self.secant, self.tangent)
 
     def __str__(self) -> str:
         point, secant, tangent = self.point, self.secant, self.tangent

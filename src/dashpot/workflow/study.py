@@ -10,6 +10,7 @@ from typing import Literal, NamedTuple, TypeAlias
 import numpy as np
 
 from dashpot.base.checks import Check, Verdict, verdict
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.numbers import hertz
 from dashpot.base.offered import Pictured
@@ -65,7 +66,7 @@ BAND_LINES, PEAK_LINES = 61, 121
 
 
 @dataclass(frozen=True, repr=False)
-class Study(Pictured):
+class Study(Pictured, Documented):
     """Everything the main job found, as values: what the report shows.
 
     Attributes
@@ -111,6 +112,9 @@ class Study(Pictured):
     title, logo : str
         What heads its report: words, and an image as a data URI.
     """
+
+    schema = "dashpot/study@1"
+    keys = ("verdict", "*")
 
     test: RelaxationTest
     prepared: RampHold

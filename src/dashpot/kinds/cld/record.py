@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from dashpot.base.arrays import ByValue, FloatArray, hold_measured
 from dashpot.base.checks import Check, Checked
+from dashpot.base.documents import Documented
 from dashpot.base.offered import Described, Pictured
 from dashpot.base.provenance import Source, of_file
 from dashpot.base.units import written
@@ -100,7 +101,7 @@ class Branch(ByValue):
 
 
 @dataclass(frozen=True, eq=False)
-class Cycle(ByValue):
+class Cycle(ByValue, Documented):
     """One loading and, where it was recorded, the unloading after it.
 
     Attributes
@@ -121,6 +122,8 @@ class Cycle(ByValue):
     loading : Branch
     unloading : Branch or None
     """
+
+    keys = ("number", "depth", "speed", "contact", "peak", "energy", "returned", "hysteresis")
 
     number: int
     depth: float
@@ -149,7 +152,7 @@ class Cycle(ByValue):
 
 
 @dataclass(frozen=True)
-class AtCompression:
+class AtCompression(Documented):
     """What a cycle shows at one compression.
 
     Attributes
@@ -165,6 +168,8 @@ class AtCompression:
     energy : float
         Put in up to here, J.
     """
+
+    keys = ("*", "secant", "hysteresis")
 
     compression: float
     loading: float
@@ -185,8 +190,27 @@ class AtCompression:
         return None if self.unloading is None else 1 - self.unloading / self.loading
 
 
+@dataclass(frozen=True)
+class Quoted(Documented):
+    """What a cycle shows at one compression, and of 100 mm, where the length is known."""
+
+    keys = ("*at", "per_100mm?")
+
+    at: AtCompression
+    of: CLD
+
+    @property
+    def per_100mm(self) -> dict[str, float | None] | None:
+        """Forces, N, slope, N/m, and energy, J, of 100 mm."""
+        if self.of.specimen.length is None:
+            return None
+        names = ("loading", "loading_se", "unloading", "slope", "energy")
+        known = {name: getattr(self.at, name) for name in names}
+        return {name: None if one is None else self.of.per * one for name, one in known.items()}
+
+
 @dataclass(frozen=True, eq=False, repr=False)
-class CLD(ByValue, Pictured, Checked):
+class CLD(ByValue, Pictured, Checked, Documented):
     """A compression load deflection test as cycles, and what one of them shows.
 
     Made by :func:`dashpot.kinds.cld.prepare.cld`.
@@ -217,6 +241,12 @@ class CLD(ByValue, Pictured, Checked):
     specimen : Specimen
     source : Source or None
     """
+
+    keys = (
+        "source.file", "source.sha256", "specimen.length", "contact", "contact_se", "preload",
+        "drift", "cycle=cycle.number", "softening", "set", "least=least_of", "nominal=nominal_of",
+        "most=most_of", "cycles", "checks",
+    )  # fmt: skip
 
     cycles: tuple[Cycle, ...]
     index: int
@@ -255,6 +285,21 @@ class CLD(ByValue, Pictured, Checked):
     def marked(self) -> tuple[AtCompression, ...]:
         """Least, nominal and most, as far as they are known."""
         return tuple(one for one in (self.least, self.nominal, self.most) if one is not None)
+
+    @property
+    def least_of(self) -> Quoted | None:
+        """`least`, and of 100 mm."""
+        return None if self.least is None else Quoted(self.least, self)
+
+    @property
+    def nominal_of(self) -> Quoted:
+        """`nominal`, and of 100 mm."""
+        return Quoted(self.nominal, self)
+
+    @property
+    def most_of(self) -> Quoted | None:
+        """`most`, and of 100 mm."""
+        return None if self.most is None else Quoted(self.most, self)
 
     @property
     def per(self) -> float:
@@ -307,7 +352,7 @@ class CLD(ByValue, Pictured, Checked):
 
 
 @dataclass(frozen=True)
-class RelaxedLaw:
+class RelaxedLaw(Documented):
     """The elastic law under a cycle that was driven at a finite speed.
 
     Made by :func:`dashpot.kinds.cld.relaxed.relaxed_law`.
@@ -329,6 +374,10 @@ class RelaxedLaw:
         The law by the same memory one standard error off, along each axis of its covariance.
     """
 
+    keys = (
+        "elastic_law=law.bare", "force_se=knot_se", "residual", "hysteresis", "left", "softening",
+    )  # fmt: skip
+
     law: ElasticLaw
     memory: GeneralizedMaxwell
     residual: float
@@ -338,14 +387,28 @@ class RelaxedLaw:
     checks: tuple[Check, ...] = ()
     others: tuple[ElasticLaw, ...] = ()
 
+    @property
+    def knot_se(self) -> tuple[float, ...]:
+        """Standard error of the relaxed force at the knots, N."""
+        return tuple(map(self.force_se, self.law.knots))
+
     def force_se(self, x: float) -> float:
         """Standard error of the relaxed force at a compression, m, by that of the memory, N."""
         off = [float(one.force(x)) - float(self.law.force(x)) for one in self.others]
         return float(np.linalg.norm(off)) if off else 0.0
 
 
+class RateArm(NamedTuple):
+    """A stiffness, N/m, its relaxation time, s, and what is known of both."""
+
+    k: float
+    tau: float
+    k_se: float
+    ln_tau_se: float
+
+
 @dataclass(frozen=True, eq=False)
-class RateLaw(ByValue):
+class RateLaw(ByValue, Documented):
     r"""A spring and a dashpot that depend on compression, and Maxwell arms beside them.
 
     .. math:: F = F_e(x) + c(x)\,\dot x + \sum_j k_j \int_0^t e^{-(t-u)/\tau_j}\,dx(u)
@@ -370,6 +433,11 @@ class RateLaw(ByValue):
     checks : tuple of Check
     """
 
+    keys = (
+        "elastic_law=law.bare", "knots", "damping", "damping_se", "arms", "residual",
+        "bic_over_memory=bic", "checks",
+    )  # fmt: skip
+
     law: ElasticLaw
     knots: tuple[float, ...]
     damping: tuple[float, ...]
@@ -381,6 +449,11 @@ class RateLaw(ByValue):
     residual: float
     bic: float
     checks: tuple[Check, ...] = ()
+
+    @property
+    def arms(self) -> tuple[RateArm, ...]:
+        """The arms one by one."""
+        return tuple(map(RateArm, self.k, self.tau, self.k_se, self.ln_tau_se))
 
     def c(self, x: float) -> tuple[float, float]:
         """Damping at a compression, m, and its standard error, N s/m."""

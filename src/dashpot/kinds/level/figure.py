@@ -11,7 +11,7 @@ from dashpot.base.provenance import sources_of
 from dashpot.base.units import in_unit
 from dashpot.kinds.level.fit_frfs import rows_at_level
 from dashpot.kinds.level.hits import HitLevels
-from dashpot.kinds.level.levels import LevelFit
+from dashpot.kinds.level.levels import Elements, LevelFit
 from dashpot.kinds.level.prepare import HysteresisLoop, steady_cycles, sweep_of_loops
 from dashpot.kinds.level.record import AmplitudeFit, AmplitudeSweep
 from dashpot.kinds.level.response import receptance_at_level
@@ -38,10 +38,8 @@ from dashpot.plot.tokens import SEQUENTIAL, sequential
 from dashpot.plot.vibration import FREQUENCY, SHOWN
 from dashpot.records.frf import FRF, Kind
 from dashpot.records.relaxation import RelaxationTest
-from dashpot.solids.friction import Jenkins
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.rate_independent import InParallel
-from dashpot.solids.stiffening import Cubic
 from dashpot.vibration.impact.amplitude import DECAYED
 
 _HEIGHT = 240.0
@@ -361,7 +359,7 @@ def _informed(fit: LevelFit, frfs: Sequence[FRF]) -> list[Panel]:
 def _interval(fit: LevelFit, omega: float, X: FloatArray) -> FloatArray:
     """95 % interval of storage and loss over amplitude, N/m, shape (2, 2, n)."""
 
-    def both(solid: GeneralizedMaxwell, beside: tuple[Jenkins | Cubic, ...]) -> FloatArray:
+    def both(solid: GeneralizedMaxwell, beside: Elements) -> FloatArray:
         K = InParallel((solid, *beside)).equivalent(omega, X)
         return np.array((K.real, K.imag))
 

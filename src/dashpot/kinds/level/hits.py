@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 
 from dashpot.base.checks import Check, Checked
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source
 from dashpot.base.units import in_unit, written
@@ -23,8 +24,18 @@ from dashpot.vibration.impact.checks import (
 _ROUNDS = 20
 
 
+class StruckAt(NamedTuple):
+    """A hit: its peak, N, and the motion, m, resonance, Hz, and damping ratio after it."""
+
+    name: str
+    peak: float | None
+    amplitude: float | None
+    frequency_hz: float | None
+    damping_ratio: float | None
+
+
 @dataclass(frozen=True, eq=False)
-class HitLevels(Checked):
+class HitLevels(Checked, Documented):
     """What hits of different height say of how a resonance moves with amplitude.
 
     Attributes
@@ -34,6 +45,8 @@ class HitLevels(Checked):
     trend : Trend
     checks : tuple of Check
     """
+
+    keys = ("hits", "per_doubling")
 
     frf: FRF
     trend: Trend
@@ -70,27 +83,18 @@ class HitLevels(Checked):
         )
 
     @property
-    def document(self) -> dict[str, Any]:
-        """Its part of ``dashpot/levels@1``."""
-        trend = self.trend
-        lines = {"stiffness": trend.stiffness_line, "damping": trend.damping_line}
-        return {
-            "hits": [
-                {
-                    "name": one.name,
-                    "peak": one.peak,
-                    "amplitude": one.amplitude,
-                    "frequency_hz": one.frequency,
-                    "damping_ratio": one.damping_ratio,
-                }
-                for one in self.frf.hits
-                if one.accepted
-            ],
-            "per_doubling": {
-                name: {"change": line.slope, "se": line.se, "found": line.found}
-                for name, line in lines.items()
-            },
-        }
+    def hits(self) -> tuple[StruckAt, ...]:
+        """The hits that count."""
+        return tuple(
+            StruckAt(one.name, one.peak, one.amplitude, one.frequency, one.damping_ratio)
+            for one in self.frf.hits
+            if one.accepted
+        )
+
+    @property
+    def per_doubling(self) -> dict[str, RegressionLine]:
+        """The trends of stiffness and damping by their names."""
+        return {"stiffness": self.trend.stiffness_line, "damping": self.trend.damping_line}
 
     def resonance(
         self, level: float

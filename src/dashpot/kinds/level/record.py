@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import BoolArray, ByValue, ComplexArray, FloatArray, hold_measured
 from dashpot.base.checks import Check, Checked
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.numbers import ascii_only, rounded
 from dashpot.base.offered import Described
@@ -98,8 +100,18 @@ class AmplitudeSweep(ByValue, Described):
         )
 
 
+class LinearAt(NamedTuple):
+    """Storage and loss at a frequency, each with its standard error."""
+
+    frequency_hz: float
+    storage: float
+    loss: float
+    storage_se: float
+    loss_se: float
+
+
 @dataclass(frozen=True, eq=False, repr=False)
-class AmplitudeFit(ByValue, Described, Checked):
+class AmplitudeFit(ByValue, Described, Checked, Documented):
     r"""What an amplitude sweep says of how stiffness and loss move with amplitude.
 
     ``"factor"``: :math:`K^*(\omega, X) = K^*(\omega)\,\phi(X)`; ``"additive"``:
@@ -140,7 +152,15 @@ class AmplitudeFit(ByValue, Described, Checked):
         Of the cubic spring, in `unit` per square of `of`; 0 where there is none.
     k3_unseen : float
         Where there is none: size up to which one stays unseen beside the law, 95 %; else 0.
+    loss_per_lag : float or None
+        What a second between the channels of recorded loops makes of the loss factor, 1/s. It does
+        so at every amplitude alike, so loops of one frequency do not tell it from loss.
     """
+
+    keys = (
+        "residual", "law", "unit", "of", "loss_factor_per_lag=loss_per_lag", "linear=lines",
+        "*numbers", "k3_unseen", "orders=bic_by_law",
+    )  # fmt: skip
 
     law: str
     frequency: FloatArray
@@ -160,6 +180,29 @@ class AmplitudeFit(ByValue, Described, Checked):
     source: Source | None = None
     k3: float = 0.0
     k3_unseen: float = 0.0
+    loss_per_lag: float | None = None
+
+    @property
+    def lines(self) -> tuple[LinearAt, ...]:
+        """The stiffness at a vanishing amplitude, frequency by frequency."""
+        value, se = self.linear, self.linear_se
+        rows = (self.frequency, value.real, value.imag, se.real, se.imag)
+        return tuple(map(LinearAt, *(row.tolist() for row in rows)))
+
+    @property
+    def constants(self) -> dict[str, float]:
+        """The numbers of the law."""
+        return {name: getattr(self, name) for name, _ in self.se}
+
+    @property
+    def numbers(self) -> dict[str, float]:
+        """The numbers of the law, and their standard errors."""
+        return self.constants | {f"{name}_se": error for name, error in self.se}
+
+    @property
+    def bic_by_law(self) -> dict[str, float]:
+        """`orders` by their names."""
+        return dict(self.orders)
 
     @property
     def described(self) -> tuple[str, ...]:
