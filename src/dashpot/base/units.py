@@ -356,6 +356,11 @@ def written(value: float, unit: str, form: str = ".4g") -> str:
     return f"{in_unit(value, unit):{form}} {unit.replace('*', ' ')}"
 
 
+def celsius(temperature: float) -> str:
+    """Return a temperature, K, as a sentence says it."""
+    return written(temperature, "degC")
+
+
 def typed(value: float, dimension: Dimension) -> str:
     """Return an SI value as it is typed: a text that :func:`parse_quantity` gives back exactly.
 

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
-from dashpot import Closing
 from dashpot.base.units import in_unit, written
 from dashpot.cli._terminal import Text
 from dashpot.cli._text import rounded, table
+
+if TYPE_CHECKING:
+    from dashpot import Closing
 
 
 def closing_text(found: Closing) -> Text:

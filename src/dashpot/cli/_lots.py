@@ -15,12 +15,14 @@ import dashpot as dp
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.numbers import counted
+from dashpot.base.options import offered
 from dashpot.base.progress import doing
 from dashpot.cli import _options as options
 from dashpot.cli._options import over_profile
 from dashpot.cli._shell import File, Folder, Outcome, write
 from dashpot.cli._terminal import Text
 from dashpot.io.options import OF_HAMMER, OF_HAMMER_ALONE, ReadOptions
+from dashpot.lots.choices import BatchChoices
 
 if TYPE_CHECKING:
     from dashpot.lots.batches import BatchJob
@@ -31,33 +33,7 @@ T = TypeVar("T")
 
 _DECLARED: tuple[Callable[..., Any], ...] = (
     click.option("-o", "--output", type=Folder(), metavar="LOT", help="Folder to fill."),
-    options.arms,
-    options.method,
-    click.option("--quick", is_flag=True, help="The optimum alone; needs a number of --arms."),
-    click.option("--mass", type=options.WithUnit("mass"), help="Block mass: adds its frequency."),
-    options.seals,
-    click.option(
-        "--at",
-        type=options.WithUnit("frequency"),
-        multiple=True,
-        help="Adds stiffness and loss factor there, e.g. 12.7Hz; repeat it for more.",
-    ),
-    click.option(
-        "--compression",
-        type=options.WithUnit("length"),
-        multiple=True,
-        help="Of the seals, for these [default: as tested]; repeat it for more.",
-    ),
-    click.option(
-        "--length",
-        type=options.WithUnit("length"),
-        help="Contact length of each piece: load deflection per 100 mm.",
-    ),
-    click.option(
-        "--radius",
-        type=options.WithUnit("length"),
-        help="Of an indenter's tip; its mass is --mass.",
-    ),
+    options.of(BatchChoices),
     click.option(
         "--by",
         metavar="REGEX",
@@ -75,7 +51,6 @@ _DECLARED: tuple[Callable[..., Any], ...] = (
         metavar="PATTERN",
         help="Hammer files of a test: '{stem}_hammer*.csv', '{seal}_*.uff'.",
     ),
-    click.option("--joint", is_flag=True, help="One solid for a ramp and hold and its hammer."),
     click.option(
         "--impact-profile", type=File(), metavar="FILE", help="Saved answers for the hammer files."
     ),
@@ -115,11 +90,10 @@ def of_many(function: Callable[..., T]) -> Callable[..., T]:
         options: ReadOptions,
         **given: Any,
     ) -> T:
-        own = {name: given.pop(name) for name in _CHOSEN}
+        own = {one.name: given.pop(one.name) for one in offered(BatchChoices)}
 
         def job(*paths: str) -> BatchJob:
             from dashpot.lots.batches import BatchJob  # polars and all are not needed for --help
-            from dashpot.lots.choices import BatchChoices
             from dashpot.lots.columns import number_columns
             from dashpot.lots.limits import read_limits
             from dashpot.lots.quantities import quantity
@@ -142,11 +116,6 @@ def of_many(function: Callable[..., T]) -> Callable[..., T]:
     for declare in reversed(_DECLARED):
         command = declare(command)
     return command
-
-
-_CHOSEN = (
-    "arms", "method", "quick", "mass", "seals", "at", "compression", "joint", "length", "radius",
-)  # fmt: skip
 
 
 def summarised(job: BatchJob, lot: dp.Lot) -> Summary:

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from dashpot.base import numbers
 from dashpot.base.numbers import READ_IN, ascii_only
+from dashpot.base.units import celsius
 from dashpot.cli._terminal import Text
-from dashpot.records.temperature import celsius
 
 if TYPE_CHECKING:
     from dashpot import Comparison

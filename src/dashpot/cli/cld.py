@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 import dashpot as dp
 from dashpot import workflow
-from dashpot.base.capability import Capability
 from dashpot.base.errors import ReadError
 from dashpot.cli import _options as options
 from dashpot.cli import _text
@@ -17,7 +16,10 @@ from dashpot.cli._options import Range, WithUnit
 from dashpot.cli._shell import File, Outcome, printed, reports, write, write_figure
 from dashpot.cli._terminal import Text
 from dashpot.cli._text import rounded, table, with_error
-from dashpot.kinds.cld.from_files import PieceStatistics
+
+if TYPE_CHECKING:
+    from dashpot.base.capability import Capability
+    from dashpot.kinds.cld.from_files import PieceStatistics
 
 
 @click.command("cld")

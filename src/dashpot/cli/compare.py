@@ -15,6 +15,7 @@ from dashpot.cli._options import given
 from dashpot.cli._shell import File, Outcome, grams, reports, typed, write_figure
 from dashpot.cli._terminal import Text
 from dashpot.io.options import ReadOptions
+from dashpot.workflow.job import Job
 
 
 @click.command("compare")
@@ -28,11 +29,9 @@ from dashpot.io.options import ReadOptions
     multiple=True,
     help="The relaxation record(s) behind FIT, for the bound.",
 )
-@options.mass_if_known
-@options.seal_mass
-@options.seals
-@options.compression
-@options.compared
+@options.of(Job, "mass")
+@options.carried
+@options.of(Job, "band")
 @options.picture
 @options.overwrite
 @reports

@@ -14,10 +14,11 @@ from dashpot.base.documents import Documented
 from dashpot.base.units import in_unit
 from dashpot.cli import _options as options
 from dashpot.cli._closing import closing_text
-from dashpot.cli._options import Range, WithUnit
+from dashpot.cli._options import WithUnit
 from dashpot.cli._shell import File, Outcome, printed, reports, write, write_figure
 from dashpot.cli._terminal import Text
 from dashpot.cli._text import hertz, rounded, table
+from dashpot.workflow.job import Job
 
 _ROUNDING = 1e-9
 """Of a damping, %."""
@@ -26,10 +27,7 @@ _ROUNDING = 1e-9
 @click.command("door")
 @click.argument("door", type=File(), metavar="DOOR.toml")
 @click.option("--modes", "every", is_flag=True, help="The share of every part in every mode.")
-@click.option(
-    "--band", type=Range("frequency"), default="1:200Hz", show_default=True,
-    help="Of modes and FRFs.",
-)  # fmt: skip
+@options.of(Job, "band", default="1:200Hz", help="Of modes and FRFs.")
 @click.option(
     "--close", "speed", type=WithUnit("velocity"), metavar="SPEED",
     help="Close it at this speed of its edge: energy by terms, the least speed, its scatter.",

@@ -21,6 +21,7 @@ from dashpot.cli._terminal import Text
 from dashpot.kinds.level.levels import LevelFit
 from dashpot.records.seal_line import Stations
 from dashpot.records.specimen import Specimen
+from dashpot.workflow.job import Job
 
 LONGEST_LINE = 100.0
 """m; no car has more of one seal."""
@@ -61,7 +62,7 @@ class Exported(Documented):
 @click.option("--modulus", type=WithUnit("stress"), help="Of the rubber, for material cards.")
 @click.option("--bulk-modulus", type=WithUnit("stress"), help="Of the rubber, for material cards.")
 @click.option("--density", type=float, help="Of the rubber, kg/m^3, for material cards.")
-@options.seals
+@options.of(Job, "seals")
 @click.option(
     "--compression",
     type=WithUnit("length"),

@@ -11,7 +11,7 @@ from dashpot import workflow
 from dashpot.cli import _options as options
 from dashpot.cli import _text
 from dashpot.cli._lines_text import sensitive
-from dashpot.cli._options import Range, over_profile
+from dashpot.cli._options import over_profile
 from dashpot.cli._shell import (
     File,
     Outcome,
@@ -24,6 +24,7 @@ from dashpot.cli._shell import (
 )
 from dashpot.cli._terminal import Text
 from dashpot.io.options import ReadOptions
+from dashpot.workflow.job import Job
 
 _ROWS = 3
 """Lines of a transmissibility that are shown: both ends of its band, and between."""
@@ -38,16 +39,12 @@ _A_DECK = ("--to", "nastran", "--units", "mm-t-s", "-o", "seal.bdf")
 @click.option(
     "--with-profile", type=File(), metavar="FILE", help="Saved answers for the relaxation tests."
 )
-@options.mass
+@options.weighed
 @options.filled(dp.HammerRig, "rig", leave=("gain_sd", "delay_sd"))
-@options.seal_mass
-@options.seals
-@options.compression
-@options.impact_temperature
-@options.arms
-@options.family
+@options.carried
+@options.of(Job, "impact_temperature", "arms", "family")
 @options.filled(dp.KnownSolid, "known")
-@click.option("--band", type=Range("frequency"), help="Lines fitted, e.g. 5:40Hz.")
+@options.of(Job, "band", help="Lines fitted, e.g. 5:40Hz.")
 @click.option(
     "--direct",
     type=Output([".csv"]),

@@ -13,6 +13,7 @@ from typing import Any
 import click
 
 import dashpot as dp
+from dashpot.base.choices import Driver, words
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.progress import doing
@@ -36,7 +37,7 @@ class KeptRecord(Documented):
 
 @click.command("record")
 @click.option(
-    "--driver", type=click.Choice(["serial", "replay", "simulated"]), required=True,
+    "--driver", type=click.Choice(words(Driver)), required=True,
     help="A serial line, a record played again, or the virtual rig.",
 )  # fmt: skip
 @click.option("--port", metavar="PORT", help="Of the serial line, e.g. /dev/ttyUSB0.")

@@ -49,32 +49,19 @@ class Reported(Documented):
 
 @click.command("report")
 @click.argument("relaxation", type=File(), nargs=-1, required=True, metavar="RELAXATION...")
-@click.option(
-    "--impact", type=File(), multiple=True, metavar="FILE", help="Hits, or an FRF; repeat for more."
-)
-@options.mass_if_known
+@options.of(Job, "impact", "mass")
 @click.option(
     "--impact-profile", type=File(), metavar="FILE", help="Saved answers for the impact files."
 )
-@options.impact_temperature
-@options.seal_mass
-@options.seals
-@options.compression
-@options.arms
-@options.method
-@options.law
-@options.family
+@options.of(Job, "impact_temperature")
+@options.carried
+@options.of(Job, "arms", "method", "law", "family")
 @options.cuts
-@options.compared
-@options.filtered
-@click.option("--no-joint", is_flag=True, help="Leave out the joint fit.")
+@options.of(Job, "band", "filter", "joint")
 @click.option(
     "--project", type=Folder(), metavar="DIR", help="Keep raw files, results and history there."
 )
-@click.option("--title", metavar="TEXT", default="", help="Of the report [default: the specimen].")
-@click.option(
-    "--logo", type=File(), metavar="FILE", help="PNG, JPEG or SVG for its head, up to 100 kB."
-)
+@options.of(Job, "title", "logo")
 @options.output("The report [default: report.html].", ".html", ".htm")
 @options.overwrite
 @opens
@@ -87,7 +74,6 @@ def command(
     *,
     relaxation: tuple[str, ...],
     impact_profile: str | None,
-    no_joint: bool,
     project: str | None,
     output: str | None,
     options: ReadOptions,
@@ -110,7 +96,6 @@ def command(
     job = Job(
         first,
         further=tuple(further),
-        joint=not no_joint,
         reading=options.without(OF_HAMMER),
         reading_impact=over_profile(of_impact, impact_profile),
         **choices,

@@ -11,7 +11,6 @@ from dashpot import workflow
 from dashpot.base.errors import ReadError
 from dashpot.cli import _options as options
 from dashpot.cli import _rod_text as text
-from dashpot.cli._options import Range
 from dashpot.cli._shell import (
     File,
     Outcome,
@@ -23,6 +22,7 @@ from dashpot.cli._shell import (
     write_figure,
 )
 from dashpot.records.specimen import Specimen
+from dashpot.workflow.job import Job
 from dashpot.workflow.rods import RodChoices
 
 _OTHERS = ("length", "height", "notes", "name", "lot", "operator", "date")
@@ -31,11 +31,10 @@ _OTHERS = ("length", "height", "notes", "name", "lot", "operator", "date")
 @click.command("rod")
 @click.argument("files", type=File(), nargs=-1, required=True, metavar="FRF|RECORD...")
 @options.filled(RodChoices, "rod")
-@options.mass
+@options.weighed
 @click.option("--density", type=float, required=True, help="Of the rod, kg/m^3.")
-@click.option("--band", type=Range("frequency"), help="Lines to use, e.g. 50:400Hz.")
-@options.arms
-@options.family
+@options.of(Job, "band", help="Lines to use, e.g. 50:400Hz.")
+@options.of(Job, "arms", "family")
 @options.fit_output
 @options.picture
 @options.overwrite

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import click
 
 import dashpot as dp
+from dashpot.base.choices import Rehearsed, words
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError, ReadError
 from dashpot.cli import _options as options
@@ -36,7 +37,7 @@ class Simulated(Documented):
 
 
 @click.command("simulate")
-@click.argument("what", type=click.Choice(["relaxation", "creep", "impact", "motion"]))
+@click.argument("what", type=click.Choice(words(Rehearsed)))
 @click.option(
     "--model",
     default="paper",

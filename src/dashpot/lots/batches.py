@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
+from dashpot.base.choices import Method
 from dashpot.base.documents import Documented
 from dashpot.base.errors import ExportError
 from dashpot.base.lock import alone
@@ -110,7 +111,7 @@ def batch(
     *,
     output: str | Path | None = None,
     arms: int | Literal["auto"] = "auto",
-    method: Literal["full", "hold"] = "full",
+    method: Method = "full",
     quick: bool = False,
     mass: Quantity | None = None,
     seals: float = 1.0,

@@ -7,8 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray, positive, sample_count
+from dashpot.base.arrays import FloatArray, sample_count
 from dashpot.base.checks import Check
+from dashpot.base.demands import positive
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, si

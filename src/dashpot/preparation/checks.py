@@ -12,7 +12,7 @@ from dashpot.base.checks import Check, Finding, criterion, worst
 from dashpot.base.errors import DataError
 from dashpot.base.numbers import rounded
 from dashpot.base.status import Status
-from dashpot.base.units import written
+from dashpot.base.units import celsius, written
 from dashpot.preparation.contact import MIN_BASELINE, Baseline, Touch
 from dashpot.preparation.denoising import true_motion
 from dashpot.preparation.noise import median_of_three, spikes, usual_scatter
@@ -20,7 +20,6 @@ from dashpot.preparation.segments import RampHoldCycle, listed
 from dashpot.records.creep import LoadHold
 from dashpot.records.relaxation import MAX_CREEP, RampHold, quantum
 from dashpot.records.specimen import Specimen
-from dashpot.records.temperature import celsius
 
 LAW = "by law; a tenth for noise and drift"
 MIN_QUANTA = 20.0

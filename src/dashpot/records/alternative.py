@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
 
+from dashpot.base.choices import Family
 from dashpot.base.documents import Documented
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import Solid
-
-Family: TypeAlias = Literal["maxwell", "fractional"]
 
 
 def family_of(solid: Solid) -> Family:

@@ -9,16 +9,18 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from dashpot.base.arrays import ByValue, FloatArray, positive
+from dashpot.base.arrays import ByValue, FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
+from dashpot.base.choices import Family
+from dashpot.base.demands import positive
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.numbers import counted
 from dashpot.base.offered import Pictured
 from dashpot.base.provenance import Source, Step
 from dashpot.base.status import Status
-from dashpot.base.units import Quantity, si, written
-from dashpot.records.alternative import Alternative, Family, family_of
+from dashpot.base.units import Quantity, celsius, si, written
+from dashpot.records.alternative import Alternative, family_of
 from dashpot.records.bounds import EndOfHold, LeftOpen
 from dashpot.records.compression import refuse_far
 from dashpot.records.estimate import (
@@ -33,7 +35,7 @@ from dashpot.records.estimate import (
     StandardErrors,
 )
 from dashpot.records.specimen import Specimen
-from dashpot.records.temperature import SAME_TEMPERATURE, Shift, TemperatureShifts, celsius
+from dashpot.records.temperature import SAME_TEMPERATURE, Shift, TemperatureShifts
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, MaxwellArm, Solid

@@ -10,8 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from dashpot.base.arrays import ByValue, FloatArray, hold_measured, phasor, positive
+from dashpot.base.arrays import ByValue, FloatArray, hold_measured, phasor
 from dashpot.base.checks import Check
+from dashpot.base.demands import positive
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.offered import Described, Pictured

@@ -5,7 +5,7 @@ from __future__ import annotations
 import datetime as dt
 from dataclasses import dataclass, fields, replace
 
-from dashpot.base.arrays import picked, positive
+from dashpot.base.demands import picked, positive
 from dashpot.base.errors import DataError
 from dashpot.base.options import option
 from dashpot.base.units import in_unit, si_fields, written

@@ -10,7 +10,7 @@ import numpy as np
 from dashpot.base.arrays import BoolArray, ByValue, FloatArray, frozen
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
-from dashpot.base.units import in_unit, written
+from dashpot.base.units import celsius, in_unit
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.temperature import WLF, Arrhenius, FreeShifts, TemperatureLaw
 
@@ -393,8 +393,3 @@ def shifted_log_tau(log_tau: FloatArray, log_a: float, slope: float) -> FloatArr
 def decades(log_tau: FloatArray) -> FloatArray:
     """Decades of tau above the one that is shifted by a_T, whatever the slope."""
     return np.asarray((log_tau - np.log(CENTRE)) / _LN10)
-
-
-def celsius(temperature: float) -> str:
-    """A temperature, K, in words for people."""
-    return written(temperature, "degC")

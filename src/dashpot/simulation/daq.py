@@ -7,7 +7,8 @@ from math import pi, sqrt
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray, not_negative, picked, positive
+from dashpot.base.arrays import FloatArray
+from dashpot.base.demands import not_negative, picked, positive
 from dashpot.base.errors import DataError
 from dashpot.base.units import in_unit, written
 

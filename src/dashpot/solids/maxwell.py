@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from dashpot.base.arrays import ComplexArray, FloatArray, increasing, positive, same_length, samples
+from dashpot.base.arrays import ComplexArray, FloatArray, increasing, same_length, samples
+from dashpot.base.demands import positive
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 

@@ -16,7 +16,8 @@ from math import log
 import numpy as np
 import numpy.typing as npt
 
-from dashpot.base.arrays import FloatArray, increasing, positive, same_length, samples
+from dashpot.base.arrays import FloatArray, increasing, same_length, samples
+from dashpot.base.demands import positive
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.solids.maxwell import GeneralizedMaxwell

@@ -14,7 +14,6 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
-from dashpot.base.options import option
 from dashpot.base.provenance import Source
 from dashpot.base.units import Dimension, si
 from dashpot.io.columns.kinds import RECOGNISED
@@ -34,6 +33,7 @@ from dashpot.records.relaxation import RelaxationTest
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.systems.level import mass_at_level
 from dashpot.vibration.systems.mounts import on_heavy_mounts
+from dashpot.workflow.job import LevelChoices
 from dashpot.workflow.part import PartChoices
 
 STRAIN_FACTORS = (1.0, 1 / np.sqrt(3))
@@ -49,41 +49,6 @@ VANISHING = 1e-9
 """A level, N or m/s^2, at which nothing that slips does."""
 _COARSE, _FINE, _REACH = 241, 61, (0.25, 2.5)
 """Lines about the linear resonance, lines about the largest of these, and how far they go."""
-
-
-@dataclass(frozen=True)
-class LevelChoices:
-    """How far a part is moved, and the sweep that tells what this does to it."""
-
-    levels: tuple[str, ...] = option(
-        (),
-        "Amplitude of the force, e.g. 0.5N; with --base of its acceleration, e.g. 5m/s^2. "
-        "Needs --sweep.",
-        multiple=True,
-        metavar="LEVEL",
-        flag="level",
-    )
-    sweep: str | None = option(
-        None,
-        "Storage and loss over strain or displacement, or recorded loops: what a level does.",
-        metavar="FILE",
-    )
-    height: float | None = option(
-        None, "Of the part, for its strain; of a --disc or --block it is known.", unit="length"
-    )
-    strain_factor: float | None = option(
-        None,
-        "Strain of the sweep over X/height of the part: 1 where both are loaded alike, 0.577 for a "
-        "part in shear beside a sweep in tension, 1.73 the other way [default: 1, and what the "
-        "other would make of it].",
-        above=0.0,
-    )
-    fitted_at: str | None = option(
-        None, "Strain at which FIT's own test was made, e.g. 0.1% [default: a vanishing one]."
-    )
-    resonance_level: str | None = option(
-        None, "At which --resonance was measured [default: a vanishing one]."
-    )
 
 
 @dataclass(frozen=True)

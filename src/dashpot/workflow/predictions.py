@@ -12,12 +12,12 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
+from dashpot.base.choices import Family
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.fitting.temperature.checks import temperature_tested
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.psd import read_psd
-from dashpot.records.alternative import Family
 from dashpot.records.bounds import FRFBounds
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF, Kind, Mode
@@ -39,13 +39,12 @@ from dashpot.vibration.systems.random_base import (
 from dashpot.workflow.at_level import (
     VANISHING,
     AtLevel,
-    LevelChoices,
     SweptPart,
     level_of,
     swept_part,
 )
 from dashpot.workflow.checks import base_band_informed, prediction_informed
-from dashpot.workflow.job import known_of_a_test
+from dashpot.workflow.job import LevelChoices, known_of_a_test
 from dashpot.workflow.part import PartChoices
 from dashpot.workflow.prepared import at_their_temperatures, prepared_files, refuse_others
 from dashpot.workflow.resting import (

@@ -22,7 +22,7 @@ from __future__ import annotations
 import json
 import tomllib
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -34,7 +34,7 @@ from dashpot.io.options import ReadOptions, dump_profile
 from dashpot.io.source import open_raw
 from dashpot.workflow.archive import to_json
 from dashpot.workflow.history import Listed, append, file_of, read_history, sha256
-from dashpot.workflow.job import Job
+from dashpot.workflow.job import Job, with_paths
 from dashpot.workflow.study import Study, run
 
 SCHEMA = "dashpot/project@1"
@@ -210,21 +210,6 @@ def profiles(job: Job) -> dict[str, bytes]:
 
 
 # -- the files that a job names -------------------------------------------------------------------
-
-
-def with_paths(job: Job, found: Callable[[str], str]) -> Job:
-    """Return the job with every path in it replaced: raw files, calibrations, the logo."""
-    calibrated = {
-        name: replace(options, calibration=found(options.calibration))
-        for name in ("reading", "reading_impact")
-        if (options := getattr(job, name)).calibration is not None
-    }
-    relaxation, impact = found(job.relaxation), tuple(map(found, job.impact))
-    logo = None if job.logo is None else found(job.logo)
-    further = tuple(map(found, job.further))
-    return replace(
-        job, relaxation=relaxation, further=further, impact=impact, logo=logo, **calibrated
-    )
 
 
 def paths_of(job: Job) -> tuple[str, ...]:

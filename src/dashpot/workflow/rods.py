@@ -11,6 +11,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
+from dashpot.base.choices import FamilyAsked
 from dashpot.base.documents import Documented, plain
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.options import option
@@ -147,7 +148,7 @@ def rod_files(
     density: float,
     rod: RodChoices,
     arms: int | Literal["auto"] = "auto",
-    family: Literal["maxwell", "fractional", "auto"] = "maxwell",
+    family: FamilyAsked = "maxwell",
     band: tuple[float, float] | None = None,
     hammer: HammerChoices | None = None,
     specimen: Specimen | None = None,

@@ -10,15 +10,14 @@ from typing import Literal, NamedTuple, TypeAlias
 import numpy as np
 
 from dashpot.base.checks import Check, Verdict, verdict
+from dashpot.base.choices import FamilyAsked, Method, RampLawAsked
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.numbers import hertz
 from dashpot.base.offered import Pictured
 from dashpot.base.progress import doing
 from dashpot.base.units import Quantity, Range, si, si_range, written
-from dashpot.fitting.design import Method
 from dashpot.fitting.identification.identify import identify
-from dashpot.fitting.nonlinear_ramp.ladder import LawName
 from dashpot.fitting.relaxation import fit
 from dashpot.fitting.uncertainty.prediction_bounds import parameter_band, unseen_arm_band
 from dashpot.io.logo import read_logo
@@ -222,8 +221,8 @@ def characterise(
     seals: float = 1.0,
     arms: int | Literal["auto"] = "auto",
     method: Method = "full",
-    law: LawName = "auto",
-    family: Literal["maxwell", "fractional", "auto"] = "maxwell",
+    law: RampLawAsked = "auto",
+    family: FamilyAsked = "maxwell",
     cuts: Cuts | None = None,
     band: Range | None = None,
     filter: str | None = None,

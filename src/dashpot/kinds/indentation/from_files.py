@@ -6,11 +6,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from dashpot.base.checks import Check, Verdict
+from dashpot.base.choices import ImpactLawAsked
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError, ReadError
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import about
-from dashpot.kinds.indentation.fit import LawName, fit_indentation
+from dashpot.kinds.indentation.fit import fit_indentation
 from dashpot.kinds.indentation.read import read_indentation
 from dashpot.kinds.indentation.record import IndentationFit, Indenter
 
@@ -67,7 +68,7 @@ def indent_file(
     path: str | Path,
     *,
     indenter: Indenter,
-    law: LawName = "auto",
+    law: ImpactLawAsked = "auto",
     options: ReadOptions | None = None,
 ) -> Indentation:
     """Find what the largest contact in a file says of the surface.

@@ -8,8 +8,9 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from dashpot.base.arrays import ByValue, FloatArray, hold_measured, median, positive
+from dashpot.base.arrays import ByValue, FloatArray, hold_measured, median
 from dashpot.base.checks import Check
+from dashpot.base.demands import positive
 from dashpot.base.errors import DataError
 from dashpot.base.offered import Described
 from dashpot.base.options import option

@@ -20,7 +20,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from dashpot.base.arrays import ComplexArray, FloatArray, positive
+from dashpot.base.arrays import ComplexArray, FloatArray
+from dashpot.base.demands import positive
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, Range, si, si_range
 from dashpot.kinds.rod.checks import mass_beside_rod, rod_usable, sensors_agree, waves_plane

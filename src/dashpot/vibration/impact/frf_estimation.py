@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from dashpot.base.arrays import BoolArray, positive
+from dashpot.base.arrays import BoolArray
+from dashpot.base.demands import positive
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Step
 from dashpot.base.units import Quantity, Range, si, si_range, written

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dashpot.base.arrays import positive
+from dashpot.base.demands import positive
 from dashpot.base.errors import DataError
 from dashpot.base.units import GRAVITY
 from dashpot.records.compression import refuse_far

@@ -10,8 +10,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from dashpot.base.arrays import ComplexArray, FloatArray, not_negative, positive, samples
+from dashpot.base.arrays import ComplexArray, FloatArray, samples
 from dashpot.base.checks import Check
+from dashpot.base.demands import not_negative, positive
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, si, written
 from dashpot.records.fit import Fit
