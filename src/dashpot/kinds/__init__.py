@@ -74,7 +74,8 @@ class KindOfTest:
     fit : str
         From files to what is found; empty where nothing is.
     nouns : mapping of str to str
-        Records and results that are of this kind alone, each with its figure, if it has one.
+        Records and results that are of this kind alone, each with its figure, if it has one; those
+        with a schema are read back from their documents.
     command : tuple of str
         What the shell proposes for a file of the kind; the first is the command.
     checks : str

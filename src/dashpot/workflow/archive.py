@@ -14,16 +14,11 @@ import numpy as np
 from dashpot.base.documents import NOT_FINITE, Documented, fields_of
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.status import Status
-from dashpot.kinds.hyperelastic.record import HyperelasticFit
+from dashpot.kinds import KINDS, load
 from dashpot.kinds.level.levels import LevelFit
 from dashpot.planning.plan import Plan
 from dashpot.records.bounds import EndOfHold
-from dashpot.records.creep import CreepCompliance, CreepTest, LoadHold
-from dashpot.records.dynamic import DynamicTest
 from dashpot.records.fit import Fit
-from dashpot.records.frf import FRF
-from dashpot.records.impact import ImpactTest
-from dashpot.records.relaxation import RampHold, RelaxationTest
 from dashpot.records.temperature import TemperatureShifts
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.fractional import FractionalZener
@@ -41,12 +36,13 @@ from dashpot.workflow.job import Job
 from dashpot.workflow.measured_modes import MeasuredModes
 from dashpot.workflow.study import Study
 
+_OF_KINDS = (load(noun) for kind in KINDS.values() for noun in kind.nouns)
 SCHEMAS: dict[str, type[Documented]] = {
     noun.schema: noun
     for noun in (
-        GeneralizedMaxwell, FractionalZener, Parallel, RelaxationTest, RampHold, DynamicTest,
-        CreepTest, LoadHold, CreepCompliance, Fit, HyperelasticFit, LevelFit, ImpactTest, FRF,
-        ImpactResult, MeasuredModes, Inspections, Comparison, Plan, Job, Study,
+        GeneralizedMaxwell, FractionalZener, Parallel, Fit, ImpactResult, MeasuredModes,
+        Inspections, Comparison, Plan, Job, Study,
+        *(noun for noun in _OF_KINDS if issubclass(noun, Documented) and noun.schema),
     )
 }  # fmt: skip
 """What each versioned schema name holds."""
