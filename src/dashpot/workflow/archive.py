@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import is_dataclass
 from functools import cache
 from itertools import zip_longest
@@ -142,13 +142,13 @@ def _laid_out(kind: Any, value: Any) -> Any:
     """What a document has of a value of this kind, every noun in it by its fields."""
     if isinstance(value, str):
         return NOT_FINITE.get(value, value)
-    kinds = tuple(_kinds(kind))
+    if not isinstance(value, list | dict):
+        return value
+    kinds = get_args(kind) if get_origin(kind) in {Union, UnionType} else (kind,)
     if isinstance(value, list):
         of = next((get_args(one) for one in kinds if get_origin(one) is tuple), (Any, ...))
         each = of[:1] * len(value) if ... in of else of
         return [_laid_out(*pair) for pair in zip_longest(each, value)][: len(value)]
-    if not isinstance(value, dict):
-        return value
     noun = _noun_in(kinds, value)
     if noun is None:
         return {key: _laid_out(Any, item) for key, item in value.items()}
@@ -174,14 +174,6 @@ def _decoded(kind: type, value: Any) -> Any:
     if isinstance(value, tuple(_CHOSEN)):
         return value
     raise TypeError(f"expected an array, found {type(value).__name__} for {kind}")
-
-
-def _kinds(kind: Any) -> Iterator[Any]:
-    """The members of a union, one by one."""
-    if get_origin(kind) in {Union, UnionType}:
-        yield from get_args(kind)
-    else:
-        yield kind
 
 
 def _noun_in(kinds: Sequence[Any], value: dict[str, Any]) -> type | None:
