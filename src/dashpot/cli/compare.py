@@ -8,6 +8,7 @@ import click
 
 import dashpot as dp
 from dashpot import workflow
+from dashpot.base.choices import Method, words
 from dashpot.base.units import written
 from dashpot.cli import _options as options
 from dashpot.cli import _text
@@ -81,7 +82,7 @@ def command(
             f"  mass        {written(found.mass, 'g', '.5g')}, inferred from the measured FRF: the "
             "agreement in frequency then proves nothing; give --mass to test it"
         )
-    alone = fitted.method in ("full", "hold")
+    alone = fitted.method in words(Method)
     with_tests = [word for source in fitted.source for word in ("--with", source.file)]
     if fitted.alternative is not None:
         with_tests += ["--family", "auto"]

@@ -10,7 +10,7 @@ import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.checks import Check
-from dashpot.base.choices import FamilyAsked
+from dashpot.base.choices import FamilyAsked, refuse_other
 from dashpot.base.errors import FitError
 from dashpot.base.provenance import Step, sources_of, steps_of
 from dashpot.base.units import Quantity, si
@@ -284,8 +284,7 @@ def _sweep_block(
 
 
 def _checked(data: DynamicTest, weights: str) -> None:
-    if weights not in ("relative", "modulus"):
-        raise FitError(f"weights = {weights!r}; expected 'relative' or 'modulus'")
+    refuse_other("weights", weights, Weights, FitError)
     bad = np.flatnonzero(data.storage <= 0)
     if bad.size:
         i = int(bad[0])

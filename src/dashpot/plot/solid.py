@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.choices import Method, words
 from dashpot.base.errors import DataError
 from dashpot.base.units import in_unit, written
 from dashpot.plot.direct import FREQUENCY, LABELS, averaged, quantities
@@ -205,7 +206,7 @@ class _Words(NamedTuple):
 
 
 def _words(fit: Fit) -> _Words:
-    of_force = fit.method in {"full", "hold"}
+    of_force = fit.method in words(Method)
     band = "band of the relaxation test" if of_force else "band of the test"
     name = "relaxation fit" if of_force else "fit"
     _, scale = read_as(fit.unit)

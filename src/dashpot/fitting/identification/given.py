@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dashpot.base.choices import Method, words
 from dashpot.base.errors import DataError, FitError
 from dashpot.fitting.identification.asked import HammerRig, KnownSolid
 from dashpot.fitting.identification.likelihood import (
@@ -70,7 +71,7 @@ def before_hammer(
     before = _of_family("maxwell", fit) or fit_tests(list(records))
     if temperature is not None:
         before = before.at_temperature(temperature)
-    same = len(records) == 1 and before.method in {"full", "hold"}
+    same = len(records) == 1 and before.method in words(Method)
     alone = [before] if same else [fit_tests(record) for record in records]
     found = tuple(
         relaxation_data(record, before, alone=own)

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import ComplexArray, FloatArray, samples
+from dashpot.base.choices import Method, words
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, si
 from dashpot.fitting.parameters import axes, own
@@ -297,7 +298,7 @@ def _spectra(fit: Fit, tests: Tests, *, fastest: float, level: float) -> Admissi
     records = ramp_holds(tests)
     if not records:
         raise DataError("no relaxation test: the unseen arms are those that such a test misses")
-    if fit.method not in {"full", "hold"}:
+    if fit.method not in words(Method):
         raise DataError(
             f"the fit's method is {fit.method!r}: the unseen arms are bounded by the noise of the "
             "relaxation test alone; give the fit of that test"
