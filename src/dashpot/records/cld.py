@@ -187,6 +187,8 @@ class CLD(ByValue, Pictured, Checked):
         Of the cycle that the figures are of, in `cycles`.
     contact, contact_se : float
         Where the plate first met the seal, on the scale of the record, and its standard error, m.
+    zero_se : float
+        Standard error of the load cell's zero, N.
     preload : float
         Force at the first sample where the record begins in contact under a load, N; else 0.
     drift : float
@@ -211,6 +213,7 @@ class CLD(ByValue, Pictured, Checked):
     index: int
     contact: float
     contact_se: float
+    zero_se: float
     preload: float
     drift: float
     noise: float
@@ -307,7 +310,8 @@ class RelaxedLaw:
         Part of the first cycle's relaxed force that is missing in the last, at ``CLD.common``.
     checks : tuple of Check
     others : tuple of ElasticLaw
-        The law by the same memory one standard error off, along each axis of its covariance.
+        The law where what it rests on is one standard error off: the memory, along each axis of
+        its covariance, first contact, and the zero of the force.
     """
 
     law: ElasticLaw
@@ -320,7 +324,7 @@ class RelaxedLaw:
     others: tuple[ElasticLaw, ...] = ()
 
     def force_se(self, x: float) -> float:
-        """Standard error of the relaxed force at a compression, m, by that of the memory, N."""
+        """Standard error of the relaxed force at a compression, m, by those of memory and zeros, N."""
         off = [float(one.force(x)) - float(self.law.force(x)) for one in self.others]
         return float(np.linalg.norm(off)) if off else 0.0
 
