@@ -5,7 +5,9 @@ A list here may only shrink: a line that is no longer needed fails, as one that 
 
 from __future__ import annotations
 
+import ast
 import re
+from collections import defaultdict
 from pathlib import Path
 
 import pytest
@@ -72,7 +74,7 @@ IDEAS: dict[str, tuple[str, tuple[str, ...], dict[str, str]]] = {
         r"failed = \{check\.name|check\.name (in|not in) |\.name in \{",
         (),
         {
-            "fitting/indentation/checks.py": "names of numbers, not of checks",
+            "kinds/indentation/checks.py": "names of numbers, not of checks",
             "planning/advice.py": "the remedies of its own two checks",
             "report/answer.py": "checks of a document, which holds their names",
             "report/summary.py": "checks of a document, which holds their names",
@@ -110,3 +112,13 @@ def test_what_shows_an_idea_is_found_at_home(idea: str) -> None:
         for home in homes
         for path in SOURCE.glob(f"{home}**/*.py" if home.endswith("/") else home)
     )
+
+
+def test_one_word_means_one_thing() -> None:
+    homes = defaultdict(list)
+    for path in sorted(SOURCE.rglob("*.py")):
+        for node in ast.parse(path.read_text(encoding="utf-8")).body:
+            if isinstance(node, ast.ClassDef):
+                homes[node.name].append(path.relative_to(SOURCE).as_posix())
+    twice = {name: places for name, places in homes.items() if len(places) > 1}
+    assert not twice, "two classes of one name: make them one, or say what each is"

@@ -9,7 +9,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dashpot.base.errors import DataError
-from dashpot.base.units import TABLE, dimensions, find, parse_quantity, parse_range, parse_unit
+from dashpot.base.units import (
+    TABLE,
+    dimensions,
+    find,
+    in_unit,
+    parse_quantity,
+    parse_range,
+    parse_unit,
+    read_in,
+    si_unit,
+)
 
 PINT = {
     "gn": "standard_gravity", "gf": "gram_force", "kgf": "kilogram_force", "kp": "kilogram_force",
@@ -22,7 +32,8 @@ SI = {
     "velocity": "m/s", "frequency": "Hz", "stiffness": "N/m", "damping": "N*s/m", "strain": "",
     "stress": "Pa", "voltage": "V", "torque": "N*m", "angle": "rad", "temperature": "K",
     "compliance": "m/N", "force rate": "N/s", "material compliance": "1/Pa",
-    "moment of inertia": "kg*m^2", "area": "m^2", "volume": "m^3",
+    "moment of inertia": "kg*m^2", "area": "m^2", "volume": "m^3", "viscosity": "Pa*s",
+    "energy": "J", "molar energy": "J/mol",
 }  # fmt: skip
 
 
@@ -140,3 +151,25 @@ def test_a_range_begins_at_nought_or_above() -> None:
     assert parse_range("0:5Hz", "frequency") == (0.0, 5.0)
     with pytest.raises(DataError, match="begins below 0"):
         parse_range("-5:5Hz", "frequency")
+
+
+@given(st.sampled_from(sorted(TABLE)), st.floats(-1e6, 1e6))
+def test_in_a_unit_and_back(key: str, value: float) -> None:
+    dimension, word = key.split(":")
+    if word in {"g", "nm"} and dimension == "acceleration":
+        return  # shown in m/s^2, never in g
+    unit = TABLE[key]
+    shown = in_unit(value, word)
+    assert unit.factor * shown + unit.offset == pytest.approx(value, rel=1e-12, abs=1e-9)
+
+
+def test_what_people_read_is_the_same_quantity() -> None:
+    for unit in TABLE.values():
+        plain = si_unit(unit.dimension)
+        read = find(read_in(plain.word), unit.dimension)
+        assert read is not None, unit.word
+
+
+def test_a_unit_that_is_not_in_the_table_is_refused() -> None:
+    with pytest.raises(DataError, match="'furlong' is not a known unit"):
+        in_unit(1.0, "furlong")

@@ -7,9 +7,15 @@ import re
 from dataclasses import dataclass, fields
 from functools import lru_cache
 from types import MappingProxyType
-from typing import Any, Literal, TypeAlias, overload
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, overload
 
 from dashpot.base.errors import DataError
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
+    FloatArray: TypeAlias = npt.NDArray[np.float64]
 
 Quantity: TypeAlias = float | str
 """A number in SI units, or one with its unit: ``0.104`` or ``"104g"``."""
@@ -21,7 +27,7 @@ Dimension: TypeAlias = Literal[
     "time", "length", "force", "mass", "acceleration", "velocity", "frequency",
     "stiffness", "damping", "temperature", "strain", "stress", "voltage", "torque", "angle",
     "compliance", "force rate", "material compliance", "moment of inertia",
-    "area", "volume",
+    "area", "volume", "viscosity", "energy", "molar energy",
 ]  # fmt: skip
 
 
@@ -71,6 +77,9 @@ def _table() -> dict[str, Unit]:
         "area": {"m^2": 1.0, "cm^2": 1e-4, "mm^2": 1e-6},
         "volume": {"m^3": 1.0, "dm^3": 1e-3, "cm^3": 1e-6, "mm^3": 1e-9},
         "moment of inertia": {"kg*m^2": 1.0, "kg*mm^2": 1e-6, "t*mm^2": 1e-3, "g*mm^2": 1e-9},
+        "viscosity": {"Pa*s": 1.0, "MPa*s": 1e6},
+        "energy": {"J": 1.0, "mJ": 1e-3},
+        "molar energy": {"J/mol": 1.0, "kJ/mol": 1e3},
     }  # fmt: skip
     units: dict[str, Unit] = {}
     for dimension, words in rows.items():
@@ -124,8 +133,9 @@ _SPELLINGS = {
     "kHz": "kilohertz",
     "rad/s": "rad/sec rad.s-1 rad*s^-1",
     "N/m": "n/meter",
-    "N*s/m": "n.s/m ns/m n·s/m n-s/m n*s*m^-1",
-    "N*s/mm": "n.s/mm ns/mm n·s/mm n-s/mm",
+    "N*s/m": "n.s/m ns/m n·s/m n-s/m n*s*m^-1 n_s/m",
+    "N*s/mm": "n.s/mm ns/mm n·s/mm n-s/mm n_s/mm",
+    "Pa*s": "pa_s",
     "um/N": "µm/n",
     "um/kN": "µm/kn",
     "uN/s": "µn/s",
@@ -256,6 +266,12 @@ _USUAL: dict[Dimension, str] = {
 }  # fmt: skip
 """What a seal is measured in, where that is not the first unit of the table."""
 
+_READ = MappingProxyType({
+    "m": "mm", "kg": "g", "N/m": "N/mm", "N*s/m": "N*s/mm", "Pa": "MPa", "Pa*s": "MPa*s",
+    "m/N": "mm/N", "1/Pa": "1/MPa", "J": "mJ", "J/mol": "kJ/mol", "m/s": "mm/s", "m^2": "mm^2",
+})  # fmt: skip
+"""The unit in which people read what is in a unit of SI, where that is another one."""
+
 
 def parse_quantity(text: str, dimension: Dimension) -> float:
     """Return the SI value of a quantity such as ``"104g"``, ``"12.71 Hz"`` or ``"8mm"``.
@@ -293,6 +309,50 @@ def parse_quantity(text: str, dimension: Dimension) -> float:
             f"{MOST:g}: check the number and its unit"
         )
     return scaled + unit.offset
+
+
+def read_in(unit: str) -> str:
+    """Return the unit in which people read what is in a unit of SI.
+
+    >>> read_in("N/m"), read_in("N s/m"), read_in("Hz"), read_in("")
+    ('N/mm', 'N*s/mm', 'Hz', '')
+    """
+    known = find(unit)
+    return unit if known is None else _READ.get(known.word, unit)
+
+
+@overload
+def in_unit(value: float, unit: str) -> float: ...
+@overload
+def in_unit(value: FloatArray, unit: str) -> FloatArray: ...
+def in_unit(value: float | FloatArray, unit: str) -> float | FloatArray:
+    """Return an SI value, or an array of them, in a unit of the table.
+
+    >>> in_unit(0.0083, "mm"), in_unit(17400.0, "N/mm"), in_unit(300.15, "degC")
+    (8.3, 17.4, 27.0)
+
+    Raises
+    ------
+    DataError
+        If the unit is not in the table.
+    """
+    known = find(unit)
+    if known is None:
+        raise DataError(f"'{unit}' is not a known unit")
+    if known.offset:
+        return (value - known.offset) / known.factor
+    # by the whole number that the inverse of a negative power of ten is: 1e3 * x, not x / 1e-3
+    inverse = round(1 / known.factor)
+    return inverse * value if inverse > 1 and 1 / inverse == known.factor else value / known.factor
+
+
+def written(value: float, unit: str, form: str = ".4g") -> str:
+    """Return an SI value as a sentence says it: in a unit of the table, with its word.
+
+    >>> written(0.0083, "mm"), written(17432.1, "N/mm", ".3g"), written(2.5e-3, "ms")
+    ('8.3 mm', '17.4 N/mm', '2.5 ms')
+    """
+    return f"{in_unit(value, unit):{form}} {unit.replace('*', ' ')}"
 
 
 def typed(value: float, dimension: Dimension) -> str:

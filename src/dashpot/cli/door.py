@@ -11,7 +11,7 @@ from dashpot import workflow
 from dashpot.base.checks import verdict
 from dashpot.cli import _options as options
 from dashpot.cli._closing import closing_text
-from dashpot.cli._options import Quantity, Range
+from dashpot.cli._options import Range, WithUnit
 from dashpot.cli._shell import File, Outcome, printed, reports, write, write_figure
 from dashpot.cli._terminal import Text
 from dashpot.cli._text import hertz, rounded, table
@@ -28,7 +28,7 @@ _ROUNDING = 1e-9
     help="Of modes and FRFs.",
 )  # fmt: skip
 @click.option(
-    "--close", "speed", type=Quantity("velocity"), metavar="SPEED",
+    "--close", "speed", type=WithUnit("velocity"), metavar="SPEED",
     help="Close it at this speed of its edge: energy by terms, the least speed, its scatter.",
 )  # fmt: skip
 @options.temperature

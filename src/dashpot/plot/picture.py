@@ -123,8 +123,8 @@ Mark: TypeAlias = Keyed | Tag
 
 
 @dataclass(frozen=True)
-class Axis:
-    """A quantity with its unit, and from where to where it is shown."""
+class Scale:
+    """The scale of an axis: a quantity with its unit, and from where to where it is shown."""
 
     label: str
     limits: tuple[float, float]
@@ -138,7 +138,7 @@ class Panel:
 
     Attributes
     ----------
-    x, y : Axis
+    x, y : Scale
     marks : tuple of Mark
     title : str
     height : float
@@ -149,8 +149,8 @@ class Panel:
         A unit of x is as long as one of y.
     """
 
-    x: Axis
-    y: Axis
+    x: Scale
+    y: Scale
     marks: tuple[Mark, ...]
     title: str = ""
     height: float = 190.0
@@ -203,7 +203,7 @@ class Picture:
 
     def _repr_html_(self) -> str:
         """Show itself in a notebook."""
-        text: str = verb("plot.svg", "whole")(self)
+        text: str = verb("plot.svg", "to_svg")(self)
         return text
 
 

@@ -12,7 +12,6 @@ from dashpot.plot.direct import FREQUENCY, LABELS, averaged, quantities
 from dashpot.plot.picture import (
     FIT,
     Area,
-    Axis,
     Dots,
     Line,
     Mark,
@@ -20,6 +19,7 @@ from dashpot.plot.picture import (
     Pen,
     Picture,
     Rule,
+    Scale,
     Span,
     around_log,
     inside,
@@ -56,7 +56,7 @@ def spectrum(fit: Fit, *, joint: Fit | None = None, stamp: str = "") -> Picture:
         marks += _stems(joint, *joint_pen(failed=joint.verdict.use == "do not use"))
     marks += _stems(fit, FIT, words.fit)
     tallest = max([k_inf, *(words.scale * k for one in (fit, joint) if one for k in one.model.k)])
-    axes = Axis("relaxation time τ, s", limits, log=True), Axis(words.arm, (0.0, 1.2 * tallest))
+    axes = Scale("relaxation time τ, s", limits, log=True), Scale(words.arm, (0.0, 1.2 * tallest))
     caption = "Relaxation spectrum: one stem per Maxwell arm, 95 % intervals of k and τ."
     panel = Panel(*axes, tuple(marks), height=220)
     return Picture("spectrum", caption, ((panel,),), 1, stamp or of_fit(fit), width=420.0)
@@ -96,12 +96,12 @@ def elastic_law(fit: Fit, *, compression: float | None = None, stamp: str = "") 
         Line(at, tangent, FIT, "elastic law"),
         Dots(1e3 * knots, 1e-3 * law.tangent(knots), "fit", size=5),
     )
-    below = Axis("compression, mm", (0.0, float(at[-1])))
+    below = Scale("compression, mm", (0.0, float(at[-1])))
     highest = float(np.max([law.force(x), law.stiffness * x]))
     steepest = float(np.max(tangent + error))
     panels = (
-        Panel(below, Axis("relaxed force, N", (0.0, 1.08 * highest)), force),
-        Panel(below, Axis("tangent stiffness k∞, N/mm", (0.0, 1.08 * steepest)), stiffness),
+        Panel(below, Scale("relaxed force, N", (0.0, 1.08 * highest)), force),
+        Panel(below, Scale("tangent stiffness k∞, N/mm", (0.0, 1.08 * steepest)), stiffness),
     )
     caption = (
         "Elastic law from the ramp: relaxed force and tangent stiffness against compression. "
@@ -163,7 +163,7 @@ def stiffness(
         if mark is not None:
             marks.append(Rule(mark, RESONANCE, f"resonance, {mark:.4g} Hz"))
         axes = (
-            Axis(FREQUENCY, (float(f[0]), float(f[-1])), log=True),
+            Scale(FREQUENCY, (float(f[0]), float(f[-1])), log=True),
             _scale(name, label, curve, marks),
         )
         panels.append(Panel(*axes, tuple(marks), height=210))
@@ -175,17 +175,17 @@ def stiffness(
     return Picture("stiffness", caption, strips, 3, stamp or of_fit(fit), width=900.0)
 
 
-def _scale(name: str, label: str, curve: FloatArray, marks: list[Mark]) -> Axis:
+def _scale(name: str, label: str, curve: FloatArray, marks: list[Mark]) -> Scale:
     """The upright axis: logarithmic for a loss, unless it is a spring's, which has none."""
     points = [m.y for m in marks if isinstance(m, (Line, Dots))]
     tops = [m.high for m in marks if isinstance(m, Area)]
     highest = max(float(np.nanmax(top)) for top in (*points, *tops))
     if name == "storage" or not curve.max() > 0:
         lowest = min(0.0, float(np.nanmin(curve)))
-        return Axis(label, (lowest, 1.08 * highest if highest > 0 else 1.0))
+        return Scale(label, (lowest, 1.08 * highest if highest > 0 else 1.0))
     # a lower limit that touches zero must not make the axis dive after it
     low, high = around_log(*points, margin=1.4)
-    return Axis(label, (max(low, 1e-4 * high), max(high, min(1.2 * highest, 30 * high))), log=True)
+    return Scale(label, (max(low, 1e-4 * high), max(high, min(1.2 * highest, 30 * high))), log=True)
 
 
 class _Words(NamedTuple):

@@ -19,7 +19,6 @@ from dashpot.plot.picture import (
     REJECTED,
     SIMPLER,
     Area,
-    Axis,
     Dots,
     Line,
     Mark,
@@ -27,6 +26,7 @@ from dashpot.plot.picture import (
     Pen,
     Picture,
     Rule,
+    Scale,
     Tag,
     around,
     joint_pen,
@@ -266,8 +266,8 @@ def nyquist(
     every = np.concatenate(ranges)
     what = measured.kind.value.replace("_", " ")
     panel = Panel(
-        Axis(f"real part of {what}, {unit}", around(every.real, margin=0.08)),
-        Axis(f"imaginary part of {what}, {unit}", around(every.imag, margin=0.08)),
+        Scale(f"real part of {what}, {unit}", around(every.real, margin=0.08)),
+        Scale(f"imaginary part of {what}, {unit}", around(every.imag, margin=0.08)),
         (Rule(0.0, REF, across=True), Rule(0.0, REF), *marks),
         height=300,
         square=True,
@@ -337,7 +337,7 @@ def magnitude_panel(
     if tagged:
         marks += [replace(one, y=min(one.y, limits[1])) for one in _peaks(curves, unit)]
     label = f"{kind.value.replace('_', ' ')}, {unit}"
-    axes = (Axis(FREQUENCY, view, log=True), Axis(label, (limits[0], limits[1]), log=True))
+    axes = (Scale(FREQUENCY, view, log=True), Scale(label, (limits[0], limits[1]), log=True))
     return Panel(*axes, tuple(marks), height=height)
 
 
@@ -349,8 +349,8 @@ def phase_panel(curves: Sequence[Curve], view: tuple[float, float]) -> Panel:
         f, value = smooth(one.frf)
         x, y = unwrapped(f, value, lowest)
         marks.append(Line(x, y, one.pen))
-    axes = (Axis(FREQUENCY, view, log=True),
-            Axis("phase, °", (ticks[0] - 15, ticks[-1] + 15), ticks=ticks))  # fmt: skip
+    axes = (Scale(FREQUENCY, view, log=True),
+            Scale("phase, °", (ticks[0] - 15, ticks[-1] + 15), ticks=ticks))  # fmt: skip
     return Panel(*axes, tuple(marks), height=90)
 
 
@@ -365,7 +365,7 @@ def _bode(curves: Sequence[Curve], spread: Sequence[Spread]) -> tuple[Panel, ...
     strip = [upper, phase_panel(curves, upper.x.limits)]
     measured = curves[0].frf
     if measured.coherence is not None:
-        axes = (upper.x, Axis("coherence, 1", (0.0, 1.08), ticks=(0.0, 0.5, 1.0)))
+        axes = (upper.x, Scale("coherence, 1", (0.0, 1.08), ticks=(0.0, 0.5, 1.0)))
         # 0.9 is what ISO 7626-5 asks for
         marks = (Rule(0.9, REF, across=True),
                  Line(measured.frequency, measured.coherence, MEASURED))  # fmt: skip

@@ -15,7 +15,7 @@ from dashpot.base.status import Status
 from dashpot.preparation.contact import MIN_BASELINE, Baseline, Touch
 from dashpot.preparation.denoising import true_motion
 from dashpot.preparation.noise import median_of_three, spikes, usual_scatter
-from dashpot.preparation.segments import Cycle, listed
+from dashpot.preparation.segments import RampHoldCycle, listed
 from dashpot.records.creep import LoadHold
 from dashpot.records.relaxation import MAX_CREEP, RampHold, quantum
 from dashpot.records.specimen import Specimen
@@ -163,7 +163,7 @@ def refuse_late_start(where: str, rise: float, change: float) -> None:
 
 
 @criterion("loadings in the record", "<=", 1.0, "by definition; or `--cycle` chooses", grade="note")
-def single_loading(index: int, cycles: tuple[Cycle, ...], *, asked: bool) -> Finding:
+def single_loading(index: int, cycles: tuple[RampHoldCycle, ...], *, asked: bool) -> Finding:
     """The record leaves no choice of loadings that the user has not made."""
     cycle = cycles[index]
     says = f"used: {cycle.words()}"

@@ -56,7 +56,7 @@ class Row(NamedTuple):
     bound: bool
 
 
-class File(NamedTuple):
+class Attachment(NamedTuple):
     """A file inside the page.
 
     Attributes
@@ -246,7 +246,7 @@ def _held(seconds: float) -> str:
 # -- files ----------------------------------------------------------------------------------------
 
 
-def files(study: Study, found: Recommendation) -> tuple[File, ...]:
+def files(study: Study, found: Recommendation) -> tuple[Attachment, ...]:
     """What can be taken along, the recommended solid and its decks first."""
     fits = {"fit.json": (study.fit, "the fit of the relaxation test")}
     if study.joint is not None:
@@ -270,7 +270,7 @@ UNSTATED = {"temperature": "temperature", "length": "contact length"}
 """What a deck should say of its specimen, and does without, marked."""
 
 
-class Deck(NamedTuple):
+class AttachedDeck(NamedTuple):
     """A deck as the page holds it, and the words that make the same of the solid's JSON file.
 
     Attributes
@@ -287,7 +287,7 @@ class Deck(NamedTuple):
     options: tuple[str, ...]
 
 
-def decks(found: Recommendation) -> tuple[Deck, ...]:
+def decks(found: Recommendation) -> tuple[AttachedDeck, ...]:
     """Decks of one recommended seal, over the band that its tests inform and no further.
 
     What is not known of the specimen is allowed by name, so each deck marks it in its header. A
@@ -312,7 +312,7 @@ def decks(found: Recommendation) -> tuple[Deck, ...]:
             )
         except ExportError:
             return ()
-        made.append(Deck(text, label, suffix, ("--to", target, *options)))
+        made.append(AttachedDeck(text, label, suffix, ("--to", target, *options)))
     return tuple(made)
 
 
@@ -337,7 +337,7 @@ def about_decks(found: Recommendation) -> str:
     return f"Decks hold from {hertz(found.solid.band)}{marked}."
 
 
-def _decks(found: Recommendation, solid: str) -> list[File]:
+def _decks(found: Recommendation, solid: str) -> list[Attachment]:
     made = []
     for i, (text, label, suffix, options) in enumerate(decks(found)):
         command = shlex.join(("dashpot", "export", solid, *options))
@@ -348,14 +348,14 @@ def _decks(found: Recommendation, solid: str) -> list[File]:
     return made
 
 
-def _json(name: str, label: str, about: str, noun: object) -> File:
+def _json(name: str, label: str, about: str, noun: object) -> Attachment:
     about += ", SI units, full precision"
     return _file(name, label, about, "application/json", to_json(noun))
 
 
-def _file(name: str, label: str, about: str, kind: str, text: str) -> File:
+def _file(name: str, label: str, about: str, kind: str, text: str) -> Attachment:
     link = held(kind, text)
-    return File(name, label, about, link)
+    return Attachment(name, label, about, link)
 
 
 def _lines(c: Comparison, joint: Comparison | None) -> str:

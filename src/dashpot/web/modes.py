@@ -34,7 +34,7 @@ from dashpot.workflow.under_masses import ModesByMass, modes_by_mass
 HALF = 1.96
 
 
-class _Asked(NamedTuple):
+class _ModesArguments(NamedTuple):
     """What decides the modes: what `modes_files` or `modes_by_mass` takes."""
 
     files: tuple[str, ...]
@@ -44,14 +44,14 @@ class _Asked(NamedTuple):
     band: tuple[float, float] | None
 
 
-def _asked(request: Mapping[str, Any], folder: Path) -> _Asked:
+def _asked(request: Mapping[str, Any], folder: Path) -> _ModesArguments:
     files = tuple(str(path_in(folder, one)) for one in listed(request, "files"))
     given = listed(request, "masses")
     for file, mass in zip(files, given, strict=False):
         if not mass:
             raise DataError(f"{Path(file).name}: say which mass was on the seals, such as 104 g")
     band = str(request.get("band") or "")
-    return _Asked(
+    return _ModesArguments(
         files,
         part(ReadOptions, request.get("options", {}), "options"),
         tuple(si(str(one), "mass") for one in given),
@@ -61,7 +61,7 @@ def _asked(request: Mapping[str, Any], folder: Path) -> _Asked:
 
 
 @lru_cache(KEPT)
-def _found(asked: _Asked) -> tuple[MeasuredModes | ModesByMass, Picture]:
+def _found(asked: _ModesArguments) -> tuple[MeasuredModes | ModesByMass, Picture]:
     """The modes, and their figure."""
     doing(f"seeking the modes of {', '.join(Path(path).name for path in asked.files)}")
     options, band = asked.options, asked.band

@@ -12,7 +12,7 @@ import numpy.typing as npt
 import dashpot as dp
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
-from dashpot.fitting.uncertainty.prediction_bounds import Answer, formal_frf_band
+from dashpot.fitting.uncertainty.prediction_bounds import PredictedFRF, formal_frf_band
 from dashpot.records.bounds import FRFBounds
 from dashpot.records.fit import Fit
 from dashpot.records.frf import Kind, Mode
@@ -180,7 +180,7 @@ def frf_limits(
     else:
         omega = 2 * np.pi * f
         K = point.solid(here).complex_stiffness(omega)
-        own = Answer(mass, seals, kind, coupled).magnitude(K, omega)
+        own = PredictedFRF(mass, seals, kind, coupled).magnitude(K, omega)
         formal = formal_frf_band(
             here,
             mass=mass / point.factor,

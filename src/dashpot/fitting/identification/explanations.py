@@ -26,9 +26,9 @@ from dashpot.engine.inference.order import DECISIVE
 from dashpot.fitting.identification import checks
 from dashpot.fitting.identification.likelihood import (
     Candidate,
+    IdentificationProblem,
     NuisancePriors,
     Parameters,
-    Problem,
     descend,
 )
 from dashpot.fitting.relaxation_data import RelaxationData
@@ -70,28 +70,28 @@ class Cause:
 
 
 def _mass_free(priors: NuisancePriors) -> NuisancePriors:
-    return priors if priors.mass is None else replace(priors, mass=replace(priors.mass, sd=np.inf))
+    return priors if priors.mass is None else replace(priors, mass=priors.mass._replace(sd=np.inf))
 
 
 def _mass_supposed(priors: NuisancePriors) -> float:
-    return float("nan") if priors.mass is None else priors.mass.value
+    return float("nan") if priors.mass is None else priors.mass.mean
 
 
 CAUSES = (
     Cause(
         "stiffness",
         "ln_factor",
-        lambda known: replace(known, factor=replace(known.factor, sd=np.inf)),
+        lambda known: replace(known, factor=known.factor._replace(sd=np.inf)),
         lambda point: point.factor,
-        lambda known: known.factor.value,
+        lambda known: known.factor.mean,
         "1",
     ),
     Cause(
         "k_inf",
         "ln_spring",
-        lambda known: replace(known, spring=replace(known.spring, sd=np.inf)),
+        lambda known: replace(known, spring=known.spring._replace(sd=np.inf)),
         lambda point: point.spring,
-        lambda known: known.spring.value,
+        lambda known: known.spring.mean,
         "1",
     ),
     Cause("mass", "ln_mass", _mass_free, lambda point: point.mass, _mass_supposed, "kg"),
@@ -124,7 +124,7 @@ class Disagreement:
 
 def disagreement(
     plain: Candidate,
-    refit: Callable[[Problem], Candidate],
+    refit: Callable[[IdentificationProblem], Candidate],
     *,
     law: ElasticLaw | None = None,
     compression: float | None = None,
@@ -234,12 +234,12 @@ def _of_rig(candidate: Candidate, why: str) -> list[Check]:
         (
             checks.stiffness_believable,
             f"{point.factor:.4g} times that of the relaxation test",
-            point.factor - priors.factor.value,
+            point.factor - priors.factor.mean,
             priors.factor.sd,
         ),
     ]
     if mass is not None:
-        off = point.mass - mass.value
+        off = point.mass - mass.mean
         known.insert(0, (checks.mass_believable, f"{1e3 * point.mass:.4g} g", off, mass.sd))
     return [judge(found, off, sd, why=why) for judge, found, off, sd in known if 0 < sd < np.inf]
 
@@ -248,7 +248,7 @@ def _applies(cause: Cause, priors: NuisancePriors) -> bool:
     return cause.name != "mass" or priors.mass is not None
 
 
-def _freed(problem: Problem, cause: Cause) -> Problem:
+def _freed(problem: IdentificationProblem, cause: Cause) -> IdentificationProblem:
     return replace(problem, priors=cause.free(problem.priors))
 
 

@@ -19,7 +19,7 @@ from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions, flag
 from dashpot.io.readers import channels
 from dashpot.io.readers.channels import Opened
-from dashpot.io.table import Table
+from dashpot.io.table import FileTable
 from dashpot.records.frf import FRF, Kind
 
 PAIRS: tuple[tuple[Role, Role], ...] = (("real", "imaginary"), ("magnitude", "phase"))
@@ -196,7 +196,7 @@ def _kind(file: Opened, role: Role, index: int) -> Ratio:
     )
 
 
-def _stated(table: Table, *, over_base: bool) -> Kind | None:
+def _stated(table: FileTable, *, over_base: bool) -> Kind | None:
     """The kind that a comment says; of a motion over a base a name may say that it is relative."""
     words = [match[1] for line in table.header if (match := _STATED.match(line))]
     said = next((Kind(word) for word in words if word in set(Kind)), None)

@@ -17,7 +17,7 @@ from dashpot.records.shaken import ShakenTest
 from dashpot.vibration.checks import GRAVITY
 from dashpot.vibration.impact.amplitude import Trend, trend_of_hits
 from dashpot.vibration.impact.estimators import Estimator, Spectra, estimate, leave_one_out
-from dashpot.vibration.impact.quality import Verdict
+from dashpot.vibration.impact.quality import HitQuality
 from dashpot.vibration.impact.rocking import Combination
 
 NO_TURN = 0.95
@@ -37,18 +37,18 @@ SOFTENING, NARROW = 0.01, 0.2  # of the stiffness; of the half-power band
 
 def agreement(
     spectra: Spectra,
-    verdicts: Sequence[Verdict],
+    qualities: Sequence[HitQuality],
     taken: BoolArray,
     accept: Sequence[str],
-) -> tuple[list[Verdict], BoolArray]:
+) -> tuple[list[HitQuality], BoolArray]:
     """Hold each hit against the others; leave out one that the others contradict.
 
     With fewer than four hits nobody can say who is wrong, so none is left out.
     """
-    verdicts, taken = list(verdicts), taken.copy()
+    qualities, taken = list(qualities), taken.copy()
     apart = disagreement(spectra.only(taken))
     if apart is None:
-        return verdicts, taken
+        return qualities, taken
     usual = float(np.median(apart))
     for i, value in zip(np.flatnonzero(taken), apart, strict=True):
         if value < max(OUTLIER * usual, DISAGREES):
@@ -58,11 +58,11 @@ def agreement(
             f"predict, where {100 * usual:.1f} % is usual"
         )
         if np.count_nonzero(taken) > ENOUGH:
-            verdicts[i] = replace(verdicts[i], faults=(*verdicts[i].faults, says))
+            qualities[i] = replace(qualities[i], faults=(*qualities[i].faults, says))
             taken[i] = str(i + 1) in accept
         else:
-            verdicts[i] = replace(verdicts[i], doubts=(*verdicts[i].doubts, says))
-    return verdicts, taken
+            qualities[i] = replace(qualities[i], doubts=(*qualities[i].doubts, says))
+    return qualities, taken
 
 
 def disagreement(spectra: Spectra) -> FloatArray | None:

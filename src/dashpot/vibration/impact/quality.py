@@ -1,4 +1,4 @@
-"""The verdict on each hammer hit, after the practice of ISO 7626-5."""
+"""The quality of each hammer hit, after the practice of ISO 7626-5."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ UNDERSHOOT = 0.05  # of the pulse's impulse given back after it
 
 
 @dataclass(frozen=True)
-class Verdict:
+class HitQuality:
     """What makes a hit useless and what makes it doubtful, one sentence each."""
 
     faults: tuple[str, ...] = ()
@@ -34,12 +34,12 @@ class Verdict:
         return self.faults + self.doubts
 
 
-def judge(hit: HitBlock, *, windowed: bool = False) -> Verdict:
+def judge(hit: HitBlock, *, windowed: bool = False) -> HitQuality:
     """Judge one hit by itself.
 
     A fault makes the FRF wrong and rejects the hit; a doubt costs accuracy and is only said.
     """
-    return Verdict(tuple(_faults(hit)), tuple(_doubts(hit, windowed)))
+    return HitQuality(tuple(_faults(hit)), tuple(_doubts(hit, windowed)))
 
 
 def remaining(hit: HitBlock) -> float:

@@ -1,0 +1,64 @@
+"""One statement of a number, from which every face takes its own."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from dashpot.base.documents import Documented, plain
+from dashpot.base.facts import Fact
+
+
+def test_a_fact_is_read_in_the_unit_of_the_field() -> None:
+    found = Fact("k_1", 17432.1, 17000.0, 17864.2, "N/m", 200.0)
+    assert found.cells == ("k_1", "17.43", "0.20", "17.00 to 17.86", "N/mm")
+    assert found.cells.with_error == "17.43 ± 0.20"
+    assert found.symbol == "k₁"
+    assert found.says == "k_1 17.43 ± 0.20 N/mm, 95 % 17.00 to 17.86"
+
+
+@pytest.mark.parametrize(
+    ("error", "said"),
+    [(0.0, "2.00, held"), (math.inf, "2.00, not identified"), (None, "2.00"), (0.1, "2.00 ± 0.10")],
+)
+def test_what_is_known_of_a_value_is_said(error: float | None, said: str) -> None:
+    assert Fact("tau_1", 2.0, unit="s", error=error).cells.with_error == said
+
+
+def test_a_bound_alone_says_no_value() -> None:
+    found = Fact("viscous_time", 4e-4, 0.0, 2.2e-2, "s", read="ms")
+    assert found.says == "viscous_time below 22.0 ms"
+
+
+@dataclass(frozen=True)
+class Part:
+    length: float
+    inside: np.ndarray | None = None
+
+
+@dataclass(frozen=True)
+class Result(Documented):
+    schema = "dashpot/result@0"
+    keys = ("law", "part.length", "high=part.length", "part.inside?", "*more", "part")
+
+    law: str
+    part: Part
+    more: dict[str, float]
+
+
+def test_a_document_is_a_list_of_attributes() -> None:
+    found = Result("linear", Part(math.inf), {"k": 2.0}).document
+    assert found == {
+        "schema": "dashpot/result@0", "law": "linear", "length": "Infinity", "high": "Infinity",
+        "k": 2.0, "part": {"length": "Infinity", "inside": None},
+    }  # fmt: skip
+    assert list(found) == ["schema", "law", "length", "high", "k", "part"]
+
+
+def test_arrays_and_complex_numbers_are_plain() -> None:
+    assert plain({"a": np.array([1 + 2j]), "n": np.float64(3.0)}) == {
+        "a": {"real": [1.0], "imag": [2.0]}, "n": 3.0,
+    }  # fmt: skip
