@@ -78,6 +78,24 @@ def test_a_start_in_a_bad_place_is_not_followed() -> None:
     assert both[1].cost == pytest.approx(both[0].cost, rel=1e-10)
 
 
+def test_a_valley_that_was_found_is_not_followed_again() -> None:
+    """Valleys at 0 and 3 in sizes of 10; the third start leads to the first."""
+    theta = []
+
+    def model(at: np.ndarray) -> Rows:
+        theta.append(x := at[0] / 10)
+        slope = np.array([[(x - 3) + x, 0.0]]).T / 10
+        return Rows(-np.array([x * (x - 3), 1.0]), np.empty((2, 0)), lambda _: slope)
+
+    problem = Problem(model, [Parameter(-50.0, 80.0, 10.0)])
+    starts = [np.array([one]) for one in (-9.0, 39.0, 8.0)]
+    found = problem.valleys(starts, same=0.1)
+    np.testing.assert_allclose([one.theta[0] for one in found], [0.0, 30.0], atol=1e-8)
+    # within `same` of the first it is left
+    assert 1e-4 < abs(theta[-1]) < 0.1
+    assert len(problem.valleys(starts)) == 3
+
+
 def test_a_parameter_stays_in_its_range() -> None:
     found = solved(
         Problem(decay(noisy(3)).model, [Parameter(0.5, 2.0)], positive=True), [np.array([9.0])]
