@@ -85,7 +85,6 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "workflow/study.py": ("report",),
     "workflow/command_lines.py": ("report",),
     "workflow/command_lines.py:predict_command": ("predict",),
-    "workflow/command_lines.py:level_command": ("level",),
     "workflow/outputs.py": ("fit", "report", "identify", "export", "predict", "inspect"),
     "lots/": ("batch", "watch"),
     "recording/": ("record",),

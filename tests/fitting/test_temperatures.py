@@ -11,8 +11,9 @@ from kit import cold
 from kit.slopes import hold_slopes
 
 import dashpot as dp
+from dashpot.base.choices import Vertical
 from dashpot.engine.blocks.block import DataBlock, Evaluation
-from dashpot.fitting.temperature.joint import JointTests, ShiftedSolid, Vertical
+from dashpot.fitting.temperature.joint import JointTests, ShiftedSolid
 from dashpot.fitting.uncertainty.prediction_bounds import parameter_band
 from dashpot.records.bounds import StiffnessBounds
 from dashpot.simulation.relaxation import simulate_relaxation

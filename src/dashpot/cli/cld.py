@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 import dashpot as dp
 from dashpot import workflow
-from dashpot.base.capability import Capability
 from dashpot.base.errors import ReadError
 from dashpot.cli import _options as options
 from dashpot.cli import _text
@@ -18,7 +16,10 @@ from dashpot.cli._options import Range, WithUnit
 from dashpot.cli._shell import File, Outcome, printed, reports, write, write_figure
 from dashpot.cli._terminal import Text
 from dashpot.cli._text import rounded, table, with_error
-from dashpot.kinds.cld.from_files import PieceStatistics
+
+if TYPE_CHECKING:
+    from dashpot.base.capability import Capability
+    from dashpot.kinds.cld.from_files import PieceStatistics
 
 
 @click.command("cld")
@@ -68,17 +69,16 @@ def command(
     dashpot cld piece.csv --at 6mm --with fit.json -o fit_with_law.json
     """
     found = workflow.cld_files(files, memory=[workflow.read_fit(one) for one in memory], **choices)
-    if output and found.fit is None:
-        raise ReadError(
-            "-o writes a fit: that of a relaxation test (--with), with the elastic law of the load "
-            "deflection, or that of records at several speeds; here is neither"
-        )
     if output:
+        if found.fit is None:
+            raise ReadError(
+                "-o writes a fit: that of a relaxation test (--with), with the elastic law of the "
+                "load deflection, or that of records at several speeds; here is neither"
+            )
         write(output, printed(found.fit) + "\n")
     if picture:
         write_figure(picture, dp.plot.cld(found.pieces))
-    more = {} if found.fit is None else {"fit": json.loads(printed(found.fit))}
-    return Outcome(found.document, _said(found), found.checks, more, verdict=found.verdict)
+    return Outcome(found, _said(found), found.checks, verdict=found.verdict)
 
 
 def _said(found: workflow.Pieces) -> Text:

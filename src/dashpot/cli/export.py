@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import fields, replace
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +11,7 @@ import click
 import dashpot as dp
 from dashpot import workflow
 from dashpot.base.choices import DECKS
+from dashpot.base.documents import Documented
 from dashpot.base.errors import ExportError
 from dashpot.cli import _options as options
 from dashpot.cli._echo import to_stderr
@@ -20,9 +21,24 @@ from dashpot.cli._terminal import Text
 from dashpot.kinds.level.levels import LevelFit
 from dashpot.records.seal_line import Stations
 from dashpot.records.specimen import Specimen
+from dashpot.workflow.job import Job
 
 LONGEST_LINE = 100.0
 """m; no car has more of one seal."""
+
+
+@dataclass(frozen=True)
+class Exported(Documented):
+    """A deck: for what, in which units, which refusals were overridden, its file, or its text."""
+
+    schema = "dashpot/deck@1"
+    keys = ("target", "units", "file", "overrides", "deck?")
+
+    target: str
+    units: str | None
+    overrides: tuple[str, ...]
+    file: str | None
+    deck: str | None
 
 
 @click.command("export")
@@ -46,7 +62,7 @@ LONGEST_LINE = 100.0
 @click.option("--modulus", type=WithUnit("stress"), help="Of the rubber, for material cards.")
 @click.option("--bulk-modulus", type=WithUnit("stress"), help="Of the rubber, for material cards.")
 @click.option("--density", type=float, help="Of the rubber, kg/m^3, for material cards.")
-@options.seals
+@options.of(Job, "seals")
 @click.option(
     "--compression",
     type=WithUnit("length"),
@@ -112,16 +128,10 @@ def command(
     write(output, deck)
     for mark in deck.overrides:
         to_stderr(f"OVERRIDE: {mark}")
-    document = {
-        "schema": "dashpot/deck@1",
-        "target": target,
-        "units": units,
-        "file": None if output == "-" else output,
-        "overrides": list(deck.overrides),
-    }
-    more = {"deck": deck} if output == "-" else {}
+    written = (None, deck) if output == "-" else (output, None)
     text = Text([f"{output}: {target} deck, {units}, {len(deck.splitlines())} lines"])
-    return Outcome(document, text, deck.checks, more, verdict=deck.verdict)
+    made = Exported(target, units, deck.overrides, *written)
+    return Outcome(made, text, deck.checks, verdict=deck.verdict)
 
 
 def _described(known: Specimen, given: Specimen) -> Specimen:

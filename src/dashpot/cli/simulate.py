@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
 import dashpot as dp
+from dashpot.base.choices import Rehearsed, words
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError, ReadError
 from dashpot.cli import _options as options
 from dashpot.cli._options import WithUnit
@@ -21,8 +23,21 @@ if TYPE_CHECKING:
     from dashpot.solids.temperature import TemperatureLaw
 
 
+@dataclass(frozen=True)
+class Simulated(Documented):
+    """What was simulated, its file, that of the truth, or its text where there are none."""
+
+    schema = "dashpot/simulated@1"
+    keys = ("what", "file", "truth", "text?")
+
+    what: str
+    file: str
+    truth: str | None
+    text: str | None = None
+
+
 @click.command("simulate")
-@click.argument("what", type=click.Choice(["relaxation", "creep", "impact", "motion"]))
+@click.argument("what", type=click.Choice(words(Rehearsed)))
 @click.option(
     "--model",
     default="paper",
@@ -75,11 +90,10 @@ def command(*, what: str, output: str, **choices: Any) -> Outcome:
     }  # fmt: skip
     made = tests[what]
     _refuse_senseless(what, output, choices)
-    document = {"schema": "dashpot/simulated@1", "what": what, "file": output, "truth": None}
     if output == "-":
         text, *_ = made(**choices)
         write(output, text)
-        return Outcome(document | {"text": text}, Text())
+        return Outcome(Simulated(what, output, None, text), Text())
     beside = str(Path(output).with_suffix(".truth.json"))
     known = str(Path(output).with_suffix(".cal"))
     gauges = [known] if choices["gauges"] else []
@@ -95,7 +109,7 @@ def command(*, what: str, output: str, **choices: Any) -> Outcome:
         says += [f"! {one}" for one in said]
         reading = ["fit", output, "--calibration", known]
     story = Text(says)
-    return Outcome(document | {"truth": beside}, story, follow=typed(*reading))
+    return Outcome(Simulated(what, output, beside), story, follow=typed(*reading))
 
 
 _RIG = ("softening", "warming", "friction", "gauges", "misaligned", "antialias")

@@ -19,7 +19,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from dashpot.base.arrays import BoolArray, FloatArray, positive
+from dashpot.base.arrays import BoolArray, FloatArray
+from dashpot.base.demands import positive
 from dashpot.base.errors import DataError
 from dashpot.door.closing_record import ClosingSetup
 from dashpot.door.pressed import Chambers, PressedSeal

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.numbers import rounded
+from dashpot.base.numbers import rounded, shown
+from dashpot.base.units import in_unit
 from dashpot.door.closing_result import ClosingResult
 from dashpot.door.slam import Closing, Scatter
 from dashpot.plot.picture import (
@@ -80,10 +81,12 @@ def _waterfall(done: Closing) -> Panel:
 
 def _way(done: Closing) -> tuple[FloatArray, float]:
     """Where the edge is, mm to closed, and how far of it is drawn."""
-    way = 1e3 * done.door.edge * done.march.angle
+    way = in_unit(done.door.edge * done.march.angle, "mm")
     door = done.door
     angles = door.compression[door.lever > 0] / door.lever[door.lever > 0]
-    most = _NEAR * 1e3 * door.edge * float(np.median(angles)) if len(angles) else 0.0
+    most = 0.0
+    if len(angles):
+        most = _NEAR * in_unit(door.edge * float(np.median(angles)), "mm")
     return way, min(float(way[0]), most) if most > 0 else float(way[0])
 
 
@@ -119,7 +122,7 @@ def _speed(done: Closing) -> Panel:
         tuple(marks),
         title="speed",
         height=220,
-        note=f"{rounded(1e3 * done.sealing, digits=3)} ms for the seal",
+        note=f"{shown(done.sealing, 'ms')} for the seal",
     )
 
 

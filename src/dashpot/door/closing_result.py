@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass
 
-import numpy as np
-
+from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Checked
+from dashpot.base.documents import Documented
 from dashpot.base.provenance import Source
 from dashpot.door.record import Door
-from dashpot.door.slam import Closing, Scatter
+from dashpot.door.slam import Closing
 from dashpot.records.fit import Fit
 
 
 @dataclass(frozen=True)
-class ClosingResult(Checked):
+class ClosingResult(Checked, Documented):
     """What ``dashpot door --close`` found.
 
     Attributes
@@ -26,6 +25,16 @@ class ClosingResult(Checked):
     closing : Closing
     checks : tuple of Check
     """
+
+    schema = "dashpot/closing@1"
+    keys = (
+        "closing.speed", "closing.door.edge", "closing.door.inertia", "closing.latched",
+        "closing.energy", "energy_left=closing.left", "closing.stopped", "closing.rebound",
+        "time=closing.seconds", "sealing_time=closing.sealing", "closing.terms", "peak_pressure",
+        "least_speed=closing.minimum~", "least_speed_interval=closing.interval~",
+        "least_compression", "least_contact_force", "closing.scatter", "history~", "verdict",
+        "checks", "source=sources",
+    )  # fmt: skip
 
     door: Door
     fit: Fit | None
@@ -39,59 +48,23 @@ class ClosingResult(Checked):
         return (*own, *(self.fit.source if self.fit else ()))
 
     @property
-    def document(self) -> dict[str, Any]:
-        """``dashpot/closing@1``."""
-        found = self.closing
-        done = found.march
-        return {
-            "schema": "dashpot/closing@1",
-            "speed": found.speed,
-            "edge": found.door.edge,
-            "inertia": found.door.inertia,
-            "latched": found.latched,
-            "energy": found.energy,
-            "energy_left": found.left,
-            "stopped": found.stopped,
-            "rebound": found.rebound,
-            "time": found.seconds,
-            "sealing_time": found.sealing,
-            "terms": [
-                {
-                    "name": one.name, "work": one.work, "stored": _known(one.stored),
-                    "lost": _known(one.lost), "peak_moment": one.moment,
-                }
-                for one in found.terms
-            ],
-            "peak_pressure": {name: float(each.max()) for name, each in done.pressure.items()},
-            "least_speed": _known(found.minimum),
-            "least_speed_interval": None
-            if found.interval is None
-            else [_known(one) for one in found.interval],
-            "least_compression": float(found.door.compression.min()),
-            "least_contact_force": float(found.door.section.force(found.door.compression).min()),
-            "scatter": None if found.scatter is None else _scatter(found.scatter),
-            "history": {
-                "time": done.time[:, 0].tolist(),
-                "angle": done.angle.tolist(),
-                "kinetic": [_known(one) for one in done.kinetic[:, 0].tolist()],
-            },
-            "verdict": self.verdict.document,
-            "checks": [check.document for check in self.checks],
-            "source": [asdict(one) for one in self.sources],
-        }  # fmt: skip
+    def peak_pressure(self) -> dict[str, float]:
+        """The highest in each chamber, Pa."""
+        return {name: float(one.max()) for name, one in self.closing.march.pressure.items()}
 
+    @property
+    def least_compression(self) -> float:
+        """Along the line, closed, m."""
+        return float(self.closing.door.compression.min())
 
-def _known(value: float) -> float | None:
-    return value if np.isfinite(value) else None
+    @property
+    def least_contact_force(self) -> float:
+        """Relaxed, along the line, closed, N/m."""
+        door = self.closing.door
+        return float(door.section.force(door.compression).min())
 
-
-def _scatter(found: Scatter) -> dict[str, Any]:
-    return {
-        **asdict(found.variation),
-        "least_speed": [_known(one) for one in found.speed.tolist()],
-        "least_speed_95": _known(found.quantile(0.95)),
-        "above_limit": found.above,
-        "leaking": found.leaking,
-        "least_compression": found.least.tolist(),
-        "least_contact_force": found.contact.tolist(),
-    }
+    @property
+    def history(self) -> dict[str, FloatArray]:
+        """The course of the door: s, rad, J."""
+        done = self.closing.march
+        return {"time": done.time[:, 0], "angle": done.angle, "kinetic": done.kinetic[:, 0]}

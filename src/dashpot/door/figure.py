@@ -8,6 +8,7 @@ import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.numbers import rounded
+from dashpot.base.units import in_unit
 from dashpot.door.assembly import AXES, DOOR
 from dashpot.door.result import DoorResult
 from dashpot.plot.picture import (
@@ -81,7 +82,7 @@ def _line(found: DoorResult, plane: tuple[int, int]) -> Panel:
         if pressed is None:
             marks.append(Dots(x, y, "fit", "seal", size=4.0))
         else:
-            marks += _classes(x, y, 1e3 * pressed)
+            marks += _classes(x, y, in_unit(pressed, "mm"))
     latch = () if found.door.latch is None else (found.door.latch,)
     marks += [
         Tag(one.at[i], one.at[j], one.name, "ink", "filled")
@@ -125,13 +126,14 @@ def _pressed(found: DoorResult) -> Panel:
     along = np.zeros(0) if stations is None else stations.along
     mm = np.zeros(0)
     if stations is not None and stations.compression is not None:
-        mm = 1e3 * stations.compression
+        mm = in_unit(stations.compression, "mm")
     law = None if found.fit is None else found.fit.elastic_law
     marks: list[Mark] = [Line(along, mm, FIT, "compression"), Rule(0.0, REF, across=True)]
     limits = [mm, np.zeros(1)]
     if law is not None:
-        marks.append(Rule(1e3 * law.depth, Pen("ref", 1.2, (7, 4)), "depth tested", across=True))
-        limits.append(np.array([1e3 * law.depth]))
+        tested = in_unit(law.depth, "mm")
+        marks.append(Rule(tested, Pen("ref", 1.2, (7, 4)), "depth tested", across=True))
+        limits.append(np.array([tested]))
     return Panel(
         Scale("along the line, m", (0.0, float(along[-1] + along[0]))),
         Scale("compression, mm", around(*limits)),

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray
+from dashpot.base.documents import Documented
 from dashpot.door.assembly import DOOR, Assembly
 from dashpot.records.free_modes import FreeModes
 from dashpot.vibration.systems.complex_modes import ComplexMode, complex_modes, newton_modes
@@ -22,7 +23,7 @@ _SAME = 0.5
 
 
 @dataclass(frozen=True)
-class DoorMode:
+class DoorMode(Documented):
     """A mode of the closed door.
 
     Attributes
@@ -33,6 +34,11 @@ class DoorMode:
     without_seal : float or None
         Frequency of the same motion without the seal, Hz; None if none is like it.
     """
+
+    keys = (
+        "frequency_hz=mode.frequency", "mode.damping_ratio", "loss_factor",
+        "without_seal_hz=without_seal", "shares",
+    )  # fmt: skip
 
     mode: ComplexMode
     shares: tuple[EnergyShare, ...]

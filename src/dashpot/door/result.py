@@ -2,25 +2,25 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Checked
+from dashpot.base.documents import Documented
 from dashpot.base.provenance import Source
 from dashpot.door.assembly import Assembly
 from dashpot.door.modes import DoorMode
 from dashpot.door.record import Door, DoorPoint
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF
-from dashpot.records.seal_line import Stations
+from dashpot.records.seal_line import SealLine, SealSection, Stations
 from dashpot.vibration.systems.random_base import RandomResponse
 
 
 @dataclass(frozen=True)
-class Shaken:
+class Shaken(Documented):
     """A place over a base that shakes at random, with the seal and without.
 
     Attributes
@@ -31,13 +31,85 @@ class Shaken:
         None where nothing else damps what the base shakes.
     """
 
+    keys = ("point=name", "sealed", "bare")
+
     name: str
     sealed: RandomResponse
     bare: RandomResponse | None
 
 
+class AlongLine(NamedTuple):
+    """Of values along a line."""
+
+    least: float
+    mean: float
+    most: float
+
+
 @dataclass(frozen=True)
-class DoorResult(Checked):
+class SealOfDoor(Documented):
+    """What lies along the line of a door.
+
+    Attributes
+    ----------
+    line : SealLine
+    section : SealSection
+    along : Stations
+    fit : Fit or None
+        Of the seal, at its temperature.
+    """
+
+    keys = (
+        "line.length", "line.closed", "stations", "pitch", "compression", "touching", "stiffness",
+        "stiffness_per_metre=section.solid.k_inf", "force", "line.joints",
+        "fit.specimen.temperature", "band_hz=fit.band", "fit=fit.identity",
+    )  # fmt: skip
+
+    line: SealLine
+    section: SealSection
+    along: Stations
+    fit: Fit | None
+
+    @property
+    def stations(self) -> int:
+        """How many."""
+        return len(self.along.length)
+
+    @property
+    def pitch(self) -> float:
+        """Their distance, m."""
+        return float(self.along.length[0])
+
+    @property
+    def compression(self) -> AlongLine | None:
+        """m; None where it is not known."""
+        x = self.along.compression
+        return None if x is None else AlongLine(x.min(), x.mean(), x.max())
+
+    @property
+    def touching(self) -> float | None:
+        """Part of the line that touches."""
+        x = self.along.compression
+        return None if x is None else float((x >= 0).mean())
+
+    @property
+    def stiffness(self) -> float:
+        """At rest, of all of it, N/m."""
+        share, x = self.along.length * self.along.factor, self.along.compression
+        factor = np.ones_like(share) if x is None else self.section.factor(x)
+        return float(self.section.solid.k_inf * (share @ factor))
+
+    @property
+    def force(self) -> float | None:
+        """Relaxed, of all of it, N."""
+        x = self.along.compression
+        if x is None:
+            return None
+        return float((self.along.length * self.along.factor) @ self.section.force(x))
+
+
+@dataclass(frozen=True)
+class DoorResult(Checked, Documented):
     """What ``dashpot door`` found.
 
     Attributes
@@ -58,6 +130,12 @@ class DoorResult(Checked):
     shaken : tuple of Shaken
     checks : tuple of Check
     """
+
+    schema = "dashpot/door@1"
+    keys = (
+        "seal", "modes", "without_seal_hz=bare", "frf=responses", "random=shaken", "verdict",
+        "checks", "source=sources",
+    )  # fmt: skip
 
     assembly: Assembly
     fit: Fit | None
@@ -88,75 +166,22 @@ class DoorResult(Checked):
         return (*(one for one in known if one is not None), *(self.fit.source if self.fit else ()))
 
     @property
-    def document(self) -> dict[str, Any]:
-        """``dashpot/door@1``."""
+    def responses(self) -> dict[str, Any]:
+        """The FRF of every point, by their names."""
+        points = {
+            name: {"sealed": sealed.value, "bare": bare.value} for name, sealed, bare in self.frfs
+        }
         return {
-            "schema": "dashpot/door@1",
-            "seal": _seal(self),
-            "modes": [
-                {
-                    "frequency_hz": one.mode.frequency,
-                    "damping_ratio": one.mode.damping_ratio,
-                    "loss_factor": one.loss_factor,
-                    "without_seal_hz": one.without_seal,
-                    "shares": [asdict(share) for share in one.shares],
-                }
-                for one in self.modes
-            ],
-            "without_seal_hz": list(self.bare),
-            "frf": {
-                "force": self.driven.name,
-                "kind": "accelerance",
-                "frequency_hz": self.frfs[0][1].frequency.tolist() if self.frfs else [],
-                "points": {
-                    name: {"sealed": _parts(sealed), "bare": _parts(bare)}
-                    for name, sealed, bare in self.frfs
-                },
-            },
-            "random": [
-                {
-                    "point": one.name,
-                    "sealed": asdict(one.sealed),
-                    "bare": None if one.bare is None else asdict(one.bare),
-                }
-                for one in self.shaken
-            ],
-            "verdict": self.verdict.document,
-            "checks": [check.document for check in self.checks],
-            "source": [asdict(one) for one in self.sources],
+            "force": self.driven.name,
+            "kind": "accelerance",
+            "frequency_hz": self.frfs[0][1].frequency if self.frfs else (),
+            "points": points,
         }
 
-
-def _seal(found: DoorResult) -> dict[str, Any] | None:
-    """What lies along the line: its length, stations, compression, stiffness and closed force."""
-    door, stations = found.door, found.stations
-    if door.line is None or stations is None or door.line.section is None:
-        return None
-    section, pressed = door.line.section, stations.compression
-    share = stations.length * stations.factor
-    factor = np.ones_like(share) if pressed is None else section.factor(pressed)
-    return {
-        "length": door.line.length,
-        "closed": door.line.closed,
-        "stations": len(share),
-        "pitch": float(stations.length[0]),
-        "compression": None if pressed is None else _spread(pressed),
-        "touching": None if pressed is None else float((pressed >= 0).mean()),
-        "stiffness": float(section.solid.k_inf * (share @ factor)),
-        "stiffness_per_metre": section.solid.k_inf,
-        "force": None if pressed is None else float(share @ section.force(pressed)),
-        "joints": [asdict(joint) for joint in door.line.joints],
-        "temperature": None if found.fit is None else found.fit.specimen.temperature,
-        "band_hz": None if found.fit is None else list(found.fit.band),
-        "fit": None if found.fit is None else found.fit.identity,
-    }
-
-
-def _spread(values: FloatArray) -> dict[str, float]:
-    return {
-        "least": float(values.min()), "mean": float(values.mean()), "most": float(values.max())
-    }  # fmt: skip
-
-
-def _parts(frf: FRF) -> dict[str, list[float]]:
-    return {"real": frf.value.real.tolist(), "imag": frf.value.imag.tolist()}
+    @property
+    def seal(self) -> SealOfDoor | None:
+        """What lies along the line; None without a seal."""
+        line, stations = self.door.line, self.stations
+        if line is None or stations is None or line.section is None:
+            return None
+        return SealOfDoor(line, line.section, stations, self.fit)

@@ -7,8 +7,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from dashpot.base.arrays import FloatArray, IndexArray
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
-from dashpot.base.units import Quantity, si
+from dashpot.base.units import GRAVITY, Quantity, si
 from dashpot.door.closing import ELASTIC, STEPS, ClosingDoor, March, march
 from dashpot.door.closing_record import ClosingSetup, Tolerances
 from dashpot.door.record import Door, RigidPart
@@ -18,7 +19,6 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 
 FASTEST = 20.0
 """m/s: a door that needs more does not close."""
-_G = 9.80665
 _SIGNIFICANT = 1e-5
 _COARSE, _FEW, _ROUGH = 60, 24, 1e-3
 """Steps, stations and tolerance of the many doors of a scatter."""
@@ -30,7 +30,7 @@ _FASTER = (1.02, 1.1, 1.25, 1.5, 2.0, 3.0)
 
 
 @dataclass(frozen=True)
-class Share:
+class Share(Documented):
     """What one term took from the motion.
 
     Attributes
@@ -44,6 +44,8 @@ class Share:
         The largest against closing, N m.
     """
 
+    keys = ("name", "work", "stored~", "lost~", "peak_moment=moment")
+
     name: str
     work: float
     stored: float
@@ -56,7 +58,7 @@ class Share:
 
 
 @dataclass(frozen=True)
-class Scatter:
+class Scatter(Documented):
     """Doors drawn within their tolerances.
 
     Attributes
@@ -70,6 +72,11 @@ class Scatter:
         Least relaxed force of contact along the line, N/m.
     """
 
+    keys = (
+        "*variation", "least_speed=speed~", "least_speed_95~", "above_limit=above", "leaking",
+        "least_compression=least", "least_contact_force=contact",
+    )  # fmt: skip
+
     variation: Tolerances
     speed: FloatArray
     least: FloatArray
@@ -78,6 +85,11 @@ class Scatter:
     def quantile(self, part: float) -> float:
         """The speed that closes so many of the doors, m/s."""
         return float(np.quantile(self.speed, part, method="higher"))
+
+    @property
+    def least_speed_95(self) -> float:
+        """The speed that closes 95 % of the doors, m/s."""
+        return self.quantile(0.95)
 
     @property
     def above(self) -> float | None:
@@ -476,7 +488,7 @@ def _of_its_mass(
         inertia = float(axis @ tensor @ axis + rigid.mass * across @ across)
     if setup.gravity is None:
         return inertia, (0.0, 0.0)
-    pull = rigid.mass * _G * np.array(setup.gravity) / np.linalg.norm(setup.gravity)
+    pull = rigid.mass * GRAVITY * np.array(setup.gravity) / np.linalg.norm(setup.gravity)
     turning = float(axis @ np.cross(across, pull))
     return inertia, (turning, float(axis @ np.cross(np.cross(axis, across), pull)))
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
-from typing import Literal, NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.choices import Method
 from dashpot.engine.blocks.block import DataBlock
 from dashpot.engine.blocks.compression import uniform_step
 from dashpot.engine.blocks.hold import hold_block
@@ -21,8 +22,6 @@ from dashpot.preparation.denoising import true_motion
 from dashpot.records.relaxation import MAX_CREEP, RampHold
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
-
-Method: TypeAlias = Literal["full", "hold"]
 
 NUISANCE = ("offset", "drift", "delay")
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.checks import Check
+from dashpot.base.choices import FamilyAsked
 from dashpot.base.errors import FitError
 from dashpot.base.provenance import Step, sources_of, steps_of
 from dashpot.base.units import Quantity, si
@@ -76,7 +77,7 @@ def fit_dynamic(
     temperature: Quantity | None = None,
     thorough: bool = False,
     max_arms: int = 6,
-    family: Literal["maxwell", "fractional", "auto"] = "maxwell",
+    family: FamilyAsked = "maxwell",
 ) -> Fit:
     r"""Fit a generalized Maxwell solid to storage and loss, and to relaxation tests with them.
 

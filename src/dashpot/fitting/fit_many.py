@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import ByValue, FloatArray, frozen, increasing, samples
 from dashpot.base.checks import status_of
+from dashpot.base.choices import Method
 from dashpot.base.errors import DataError
 from dashpot.base.status import Status
 from dashpot.engine.blocks.block import DataBlock
@@ -92,7 +93,7 @@ def fit_many(
     displacement: npt.ArrayLike | None = None,
     ramp: tuple[float, float] | None = None,
     arms: int = 2,
-    method: Literal["full", "hold"] = "full",
+    method: Method = "full",
     errors: bool = False,
 ) -> Many:
     r"""Fit every record of a stack that was taken on one clock under one displacement.

@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from dashpot.base.checks import Check
+from dashpot.base.choices import FamilyAsked, Method, RampLawAsked, ShiftLaw, Vertical
 from dashpot.base.errors import FitError
 from dashpot.base.provenance import Step
-from dashpot.base.units import Quantity, si
+from dashpot.base.units import Quantity, si, written
 from dashpot.fitting.asked import Asked, checked_design, refuse_for_creep, refuse_shifts
 from dashpot.fitting.assembly import (
     UNJUDGED,
@@ -24,7 +25,7 @@ from dashpot.fitting.assembly import (
 )
 from dashpot.fitting.checks import relaxation as checks
 from dashpot.fitting.checks.solid import frequencies_informed, order_agreed
-from dashpot.fitting.design import NUISANCE, Design, Method, block_of, bound, solid_of
+from dashpot.fitting.design import NUISANCE, Design, block_of, bound, solid_of
 from dashpot.fitting.filter_bias import filter_bias
 from dashpot.fitting.fit_data import First, FitData, data_of, weighed
 from dashpot.fitting.fractional.choice import (
@@ -53,10 +54,7 @@ from dashpot.records.relaxation import RampHold
 from dashpot.solids.elastic import ElasticLaw
 
 if TYPE_CHECKING:
-    from dashpot.fitting.nonlinear_ramp.ladder import LawName
     from dashpot.fitting.nonlinear_ramp.law_estimate import RampLaw
-    from dashpot.fitting.shift_law import ShiftLaw
-    from dashpot.fitting.temperature.joint import Vertical
     from dashpot.fitting.temperature.reduced import Own
 
 # arms that a test may have by itself, where it is one of several temperatures
@@ -71,8 +69,8 @@ def fit(
     thorough: bool = False,
     nuisance: Sequence[str] = NUISANCE,
     max_arms: int = 6,
-    law: LawName = "auto",
-    family: Literal["maxwell", "fractional", "auto"] = "maxwell",
+    law: RampLawAsked = "auto",
+    family: FamilyAsked = "maxwell",
     intervals: bool = True,
     vertical: Vertical = "free",
     shift_law: ShiftLaw = "auto",
@@ -220,7 +218,7 @@ def _of_one_temperature(records: Sequence[RampHold], design: Design, asked: Aske
     return _assembled(holds, both, design, thorough=asked.thorough)
 
 
-def _own(record: RampHold, law: LawName, *, thorough: bool) -> Own:
+def _own(record: RampHold, law: RampLawAsked, *, thorough: bool) -> Own:
     """Return one test of several temperatures with its own free fit; a bent ramp with its law."""
     from dashpot.fitting.temperature.reduced import Own
 
@@ -242,7 +240,7 @@ def _own(record: RampHold, law: LawName, *, thorough: bool) -> Own:
     return Own.of(record, kelvin, weighed(held, _OWN_ARMS), bent.law)
 
 
-def _law_of(records: Sequence[RampHold], law: LawName, arms: int | None = None) -> RampLaw:
+def _law_of(records: Sequence[RampHold], law: RampLawAsked, arms: int | None = None) -> RampLaw:
     """Return the elastic law that the ramps support."""
     from dashpot.fitting.nonlinear_ramp.ladder import ramp_law  # a sound linear fit needs none
 
@@ -448,8 +446,9 @@ def _motion_steps(records: Sequence[RampHold], design: Design) -> tuple[Step, ..
         count, noise = record.encoder_step, record.displacement_noise
         if count > 0 or noise > 0:
             says = (
-                f"read the displacement between counts of {1e6 * count:.3g} um and averaged its "
-                f"scatter of {1e6 * noise:.3g} um where the motion allows; the force is as recorded"
+                f"read the displacement between counts of {written(count, 'um', '.3g')} and "
+                f"averaged its scatter of {written(noise, 'um', '.3g')} where the motion allows; "
+                "the force is as recorded"
             )
             parameters = (("count", f"{count:.6g} m"), ("noise", f"{noise:.6g} m"))
             steps.append(Step("motion", parameters, says))

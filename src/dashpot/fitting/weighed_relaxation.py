@@ -10,6 +10,7 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray, median, slow_periodogram
 from dashpot.base.errors import DataError
+from dashpot.base.units import celsius
 from dashpot.engine.blocks.block import DataBlock
 from dashpot.engine.blocks.compression import uniform_step
 from dashpot.engine.blocks.hold import window_of
@@ -20,7 +21,7 @@ from dashpot.fitting.relaxation_data import DASHPOT, LN_10, RelaxationData, Ther
 from dashpot.preparation.denoising import rests, true_motion
 from dashpot.records.fit import Fit
 from dashpot.records.relaxation import RampHold
-from dashpot.records.temperature import SAME_TEMPERATURE, celsius
+from dashpot.records.temperature import SAME_TEMPERATURE
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 

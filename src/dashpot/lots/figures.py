@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.units import in_unit
 from dashpot.lots.quantities import Quantity
 from dashpot.lots.seals import Charts, Seal, seal_means
 from dashpot.lots.statistics.control import Chart
@@ -173,4 +174,4 @@ def _relaxation(row: Mapping[str, Any], time: FloatArray) -> FloatArray:
     k = np.full(len(time), float(row["k_inf_N_per_m"]))
     for j in range(1, int(row["arms"]) + 1):
         k += row[f"k_{j}_N_per_m"] * np.exp(-time / row[f"tau_{j}_s"])
-    return np.asarray(1e-3 * k)
+    return in_unit(k, "N/mm")

@@ -19,6 +19,7 @@ from dashpot.plot.picture import (
     Scale,
     around,
     around_log,
+    read_as,
     unit_of,
 )
 from dashpot.plot.stamps import of_fit
@@ -82,7 +83,7 @@ def _test(fit: Fit, data: LoadHold) -> tuple[Panel, Panel]:
 
 
 def _curve(fit: Fit, data: CreepCompliance) -> tuple[Panel, Panel]:
-    word, scale = ("1/MPa", 1e6) if data.unit == "1/Pa" else ("mm/N", 1e3)
+    word, scale = read_as(data.unit)
     known = data.time > 0
     t, measured = data.time[known], scale * data.compliance[known]
     dense = np.geomspace(t[0], t[-1], 300)

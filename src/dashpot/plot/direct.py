@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dashpot.base.arrays import FloatArray, IndexArray
+from dashpot.base.units import in_unit
 from dashpot.plot.picture import (
     FIT,
     Area,
@@ -53,7 +54,7 @@ class DrawnQuantity:
         """The same quantity as a solid has it, at `f`, Hz."""
         omega = 2 * np.pi * f
         if self.name == "storage":
-            return 1e-3 * solid.storage(omega)
+            return in_unit(solid.storage(omega), "N/mm")
         return solid.loss(omega) / omega if self.name == "damping" else solid.loss_factor(omega)
 
 
@@ -121,9 +122,12 @@ def quantities(measured: DynamicStiffness) -> tuple[DrawnQuantity, DrawnQuantity
     def of_factor(loss: FloatArray, storage: FloatArray) -> FloatArray:
         return np.asarray(np.abs(m.loss_factor) * np.hypot(loss / m.loss, storage / m.storage))
 
+    storage, random, phase, mass = (
+        in_unit(one, "N/mm")
+        for one in (m.storage, m.storage_random, m.storage_phase, m.storage_mass)
+    )
     return (
-        DrawnQuantity("storage", 1e-3 * m.storage, 1e-3 * m.storage_random, 1e-3 * m.storage_phase,
-                 1e-3 * m.storage_mass, m.storage_band),
+        DrawnQuantity("storage", storage, random, phase, mass, m.storage_band),
         DrawnQuantity("damping", m.damping, m.loss_random / omega, m.loss_phase / omega, none,
                  m.loss_band),
         DrawnQuantity("loss_factor", m.loss_factor, of_factor(m.loss_random, m.storage_random),

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.units import in_unit
 from dashpot.plot.picture import REF, REJECTED, Line, Mark, Panel, Pen, Picture, Rule, Scale, Span
 from dashpot.plot.picture import around as about
 from dashpot.plot.stamps import of_frf
@@ -96,10 +97,11 @@ def _pulses(judged: Sequence[DrawnHit]) -> Panel:
     lines = []
     for one in judged:
         near = (one.time > -0.6 * width) & (one.time < end)
-        x, y = extremes(1e3 * one.time[near], one.block.force[near], bins=250)
+        x, y = extremes(in_unit(one.time[near], "ms"), one.block.force[near], bins=250)
         lines.append(Line(x, y, one.pen, _key(one)))
     accepted = sum(one.accepted for one in judged)
-    axes = (Scale("time after the hit, ms", (-600 * width, 1e3 * end)),
+    span = in_unit(-0.6 * width, "ms"), in_unit(end, "ms")
+    axes = (Scale("time after the hit, ms", span),
             Scale("hammer force, N", about(*(line.y for line in lines))))  # fmt: skip
     title = f"{accepted} of {len(judged)} hits accepted"
     return Panel(*axes, tuple(lines), title=title, height=150)

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from dashpot.base.numbers import rounded
+from dashpot.base.numbers import rounded, shown
+from dashpot.base.units import in_unit
 from dashpot.plot.picture import (
     MEASURED,
     Dots,
@@ -111,7 +112,7 @@ def several_masses(found: SeveralMasses, frfs: Sequence[FRF], *, stamp: str = ""
         near = (one.frequency >= low) & (one.frequency <= high)
         f, height = one.frequency[near], np.abs(one.value[near])
         heights.append(height)
-        curves.append(Line(f, height, Pen(colour, 1.6), f"{rounded(1e3 * mass, digits=4)} g"))
+        curves.append(Line(f, height, Pen(colour, 1.6), shown(mass, "g", digits=4)))
         top = float(np.interp(mode.frequency, f, height))
         text = f"{rounded(mode.frequency, digits=4)} Hz, {rounded(100 * mode.damping_ratio)} %"
         curves.append(Tag(mode.frequency, top, text, colour, "filled"))
@@ -121,10 +122,10 @@ def several_masses(found: SeveralMasses, frfs: Sequence[FRF], *, stamp: str = ""
     order = np.argsort(hertz)
     for i, name in enumerate(("storage stiffness, N/mm", "loss stiffness, N/mm")):
         measured, solid = (
-            1e-3 * (each.imag if i else each.real)[order]
+            in_unit((each.imag if i else each.real)[order], "N/mm")
             for each in (found.stiffness, found.at_poles)
         )
-        error = 1.96e-3 * found.spread[order, i]
+        error = 1.96 * in_unit(found.spread[order, i], "N/mm")
         marks = (
             Line(hertz[order], solid, FOUND),
             Dots(hertz[order], solid, "fit", "the linear solid nearest to all", hollow=True,

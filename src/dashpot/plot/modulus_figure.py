@@ -16,6 +16,7 @@ from dashpot.plot.picture import (
     Scale,
     around,
     around_log,
+    read_as,
 )
 from dashpot.plot.stamps import of_fit
 from dashpot.records.fit import Fit
@@ -35,7 +36,7 @@ def modulus(fit: Fit, data: RelaxationModulus, *, stamp: str = "") -> Picture:
     stamp : str
         What the figure says of its origin; by default the fit's files, specimen and date.
     """
-    word, scale = ("MPa", 1e-6) if data.unit == "Pa" else ("N/mm", 1e-3)
+    word, scale = read_as(data.unit)
     known = data.time > 0
     t, measured = data.time[known], scale * data.modulus[known]
     dense = np.geomspace(t[0], t[-1], 300)

@@ -8,6 +8,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError
+from dashpot.base.units import in_unit, written
 from dashpot.plot.direct import FREQUENCY, LABELS, averaged, quantities
 from dashpot.plot.picture import (
     FIT,
@@ -24,6 +25,7 @@ from dashpot.plot.picture import (
     around_log,
     inside,
     joint_pen,
+    read_as,
 )
 from dashpot.plot.stamps import of_fit
 from dashpot.plot.vibration import BOUND, INTERVAL
@@ -77,13 +79,16 @@ def elastic_law(fit: Fit, *, compression: float | None = None, stamp: str = "") 
     if law is None:
         raise DataError("the fit has no elastic law: it is not of a relaxation test")
     x = np.linspace(0.0, law.depth, 201)
-    knots, at = np.asarray(law.knots), 1e3 * x
-    tangent, error = 1e-3 * law.tangent(x), 2e-3 * law.stiffness * law.factor_se(x)
-    secant = f"secant at {1e3 * law.depth:.3g} mm"
+    knots, at = np.asarray(law.knots), in_unit(x, "mm")
+    straight = np.full(len(x), law.stiffness)
+    tangent, error = (
+        in_unit(one, "N/mm") for one in (law.tangent(x), 2 * law.stiffness * law.factor_se(x))
+    )
+    secant = f"secant at {written(law.depth, 'mm', '.3g')}"
     rest: tuple[Mark, ...] = ()
     if compression is not None:
-        where = f"the mass rests at {1e3 * compression:.3g} mm"
-        rest = (Rule(1e3 * compression, RESONANCE, where),)
+        where = f"the mass rests at {written(compression, 'mm', '.3g')}"
+        rest = (Rule(in_unit(compression, "mm"), RESONANCE, where),)
     force = (
         *rest,
         Line(at, law.stiffness * x, SECANT, secant),
@@ -92,9 +97,9 @@ def elastic_law(fit: Fit, *, compression: float | None = None, stamp: str = "") 
     stiffness = (
         *rest,
         Area(at, tangent - error, tangent + error, "fit", "± 2 standard errors"),
-        Line(at, np.full(len(x), 1e-3 * law.stiffness), SECANT, secant),
+        Line(at, in_unit(straight, "N/mm"), SECANT, secant),
         Line(at, tangent, FIT, "elastic law"),
-        Dots(1e3 * knots, 1e-3 * law.tangent(knots), "fit", size=5),
+        Dots(in_unit(knots, "mm"), in_unit(law.tangent(knots), "N/mm"), "fit", size=5),
     )
     below = Scale("compression, mm", (0.0, float(at[-1])))
     highest = float(np.max([law.force(x), law.stiffness * x]))
@@ -203,11 +208,12 @@ def _words(fit: Fit) -> _Words:
     of_force = fit.method in {"full", "hold"}
     band = "band of the relaxation test" if of_force else "band of the test"
     name = "relaxation fit" if of_force else "fit"
+    _, scale = read_as(fit.unit)
     if fit.unit == "Pa":
         axes = ("storage modulus E′, MPa", "loss modulus E″, MPa", "loss factor E″/E′, 1")
-        return _Words(1e-6, "modulus E, MPa", "E∞", axes, band, name)
+        return _Words(scale, "modulus E, MPa", "E∞", axes, band, name)
     axes = (LABELS["storage"], "loss stiffness K″, N/mm", LABELS["loss_factor"])
-    return _Words(1e-3, "stiffness k, N/mm", "k∞", axes, band, name)
+    return _Words(scale, "stiffness k, N/mm", "k∞", axes, band, name)
 
 
 def _stems(one: Fit, pen: Pen, label: str) -> list[Mark]:
@@ -267,7 +273,7 @@ def _points(measured: DynamicStiffness | None, name: str) -> list[Dots]:
     line = lines["damping" if name == "loss" else name]
     f, one = averaged(measured.frequency, line, per_octave=3)
     good = (f >= one.good[0]) & (f <= one.good[1])
-    factor = 2e-3 * np.pi * f if name == "loss" else np.ones(len(f))
+    factor = in_unit(2 * np.pi * f, "N/mm") if name == "loss" else np.ones(len(f))
     value, error = factor * one.value, factor * one.nested[0]
     points = Dots(f[good], value[good], "measured", "straight from the FRF", error=error[good])
     return [points] * bool(good.any())  # an FRF may be good nowhere

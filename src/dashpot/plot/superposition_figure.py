@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.units import in_unit
 from dashpot.plot.direct import FREQUENCY
 from dashpot.plot.modulus_figure import TIME
 from dashpot.plot.picture import (
@@ -20,6 +21,7 @@ from dashpot.plot.picture import (
     Scale,
     around,
     around_log,
+    read_as,
 )
 from dashpot.plot.stamps import of_fit
 from dashpot.plot.stamps import stamp as stamped
@@ -32,7 +34,6 @@ from dashpot.records.superposition import Superposition
 from dashpot.records.temperature import TemperatureShifts
 from dashpot.solids.maxwell import Solid
 
-_ZERO = 273.15
 _DOT = 4.5
 
 
@@ -65,7 +66,7 @@ def superposition(data: Superposition, fit: Fit | None = None, *, stamp: str = "
 
 
 def _of_sweeps(data: Superposition, curve: DynamicTest, fit: Fit | None) -> tuple[Panel, ...]:
-    word, scale = _unit(curve.unit)
+    word, scale = read_as(curve.unit)
     solid, said = _line(data, fit)
     f = np.geomspace(float(curve.frequency.min()), float(curve.frequency.max()), 400)
     value = scale * solid.complex_stiffness(2 * np.pi * f)
@@ -99,10 +100,9 @@ def _of_curves(
     solid, said = _line(data, fit)
     if isinstance(curve, CreepCompliance):
         name, answer, value = "creep compliance", solid.maxwell.creep, curve.compliance
-        word, scale = ("1/MPa", 1e6) if curve.unit == "1/Pa" else ("mm/N", 1e3)
     else:
         name, answer, value = "relaxation modulus", solid.relaxation, curve.modulus
-        word, scale = _unit(curve.unit)
+    word, scale = read_as(curve.unit)
     t = np.geomspace(float(curve.time[0]), float(curve.time[-1]), 400)
     line, measured = scale * answer(t), scale * value
     left = 100 * (value / answer(curve.time) - 1)
@@ -125,17 +125,18 @@ def shift_panel(moved: TemperatureShifts) -> Panel:
     error = 2 * np.array([one.se for one in moved.shifts])
     dense = np.linspace(t[0], t[-1], 200)
     law = moved.law.log10_a_t(dense)
+    celsius, at = in_unit(dense, "degC"), in_unit(t, "degC")
     named = {"wlf": "WLF", "arrhenius": "Arrhenius"}.get(moved.law.kind, "between the shifts")
     marks: list[Mark] = []
     if moved.law_parameters:
         wide = 2 / np.log(10.0) * np.array([moved.error(float(one))[0] for one in dense])
-        marks.append(Area(dense - _ZERO, law - wide, law + wide, "fit", "± 2 standard errors"))
+        marks.append(Area(celsius, law - wide, law + wide, "fit", "± 2 standard errors"))
     marks += [
-        Line(dense - _ZERO, law, FIT, named),
-        Dots(t - _ZERO, log10, "measured", "shift", error=error),
+        Line(celsius, law, FIT, named),
+        Dots(at, log10, "measured", "shift", error=error),
     ]
     return Panel(
-        Scale("temperature, °C", around(t - _ZERO)),
+        Scale("temperature, °C", around(at)),
         Scale("log₁₀ of the shift factor", around(log10 - error, log10 + error)),
         tuple(marks), title=f"shift factors, b = {moved.vertical}", height=220,
     )  # fmt: skip
@@ -143,7 +144,7 @@ def shift_panel(moved: TemperatureShifts) -> Panel:
 
 def _dots(data: Superposition, x: FloatArray, y: FloatArray) -> list[Dots]:
     """The samples, in as many colours as there are for temperatures."""
-    celsius = data.temperature - _ZERO
+    celsius = in_unit(data.temperature, "degC")
     every = np.unique(celsius)
     classes = np.array_split(every, min(len(every), len(SEQUENTIAL)))
     found = []
@@ -158,7 +159,3 @@ def _dots(data: Superposition, x: FloatArray, y: FloatArray) -> list[Dots]:
 def _line(data: Superposition, fit: Fit | None) -> tuple[Solid, str]:
     """Which solid is drawn, and what it is called."""
     return (data.solid, "spectrum of all temperatures") if fit is None else (fit.solid, "fit")
-
-
-def _unit(unit: str) -> tuple[str, float]:
-    return ("MPa", 1e-6) if unit == "Pa" else ("N/mm", 1e-3)

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError
+from dashpot.base.units import celsius
 from dashpot.plot.picture import Line, Mark, Panel, Pen, Picture, Scale, around
 from dashpot.plot.relaxation import SINCE, fitted_force
 from dashpot.plot.stamps import of_fit
@@ -14,7 +15,6 @@ from dashpot.plot.thinning import extremes
 from dashpot.plot.tokens import sequential
 from dashpot.records.fit import Fit
 from dashpot.records.relaxation import RampHold
-from dashpot.records.temperature import celsius
 
 
 def temperatures(fit: Fit, tests: Sequence[RampHold], *, stamp: str = "") -> Picture:

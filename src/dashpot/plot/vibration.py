@@ -10,6 +10,7 @@ import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.numbers import rounded
+from dashpot.base.units import in_unit
 from dashpot.plot.lines import half_power, phase_axis, smooth, unwrapped
 from dashpot.plot.picture import (
     JOINT,
@@ -41,12 +42,12 @@ from dashpot.vibration.modal.peaks import find_peak
 FREQUENCY = "frequency, Hz"
 PENS = (MEASURED, PREDICTED, JOINT, *SIMPLER)
 
-# what people read: the unit, and its size in SI
+# what people read: the unit, and the factor from SI
 SHOWN = {
-    Kind.RECEPTANCE: ("mm/N", 1e3),
-    Kind.MOBILITY: ("(mm/s)/N", 1e3),
+    Kind.RECEPTANCE: ("mm/N", in_unit(1.0, "mm/N")),
+    Kind.MOBILITY: ("(mm/s)/N", in_unit(1.0, "mm/s")),
     Kind.ACCELERANCE: ("1/kg", 1.0),
-    Kind.DYNAMIC_STIFFNESS: ("N/mm", 1e-3),
+    Kind.DYNAMIC_STIFFNESS: ("N/mm", in_unit(1.0, "N/mm")),
     Kind.TRANSMISSIBILITY: ("m/m", 1.0),
     Kind.RELATIVE_TRANSMISSIBILITY: ("m/m", 1.0),
 }

@@ -9,7 +9,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, median, noted
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Step
-from dashpot.base.units import Quantity, si
+from dashpot.base.units import Quantity, si, written
 from dashpot.preparation import checks
 from dashpot.preparation.averaging import averaged
 from dashpot.preparation.contact import (
@@ -338,9 +338,10 @@ def _risen(record: RampHold, before: Baseline, where: str) -> float:
     peak, least = float(loaded.max()) - start, float(loaded.min()) - start
     if peak <= 8 * record.force_noise:
         raise DataError(
-            f"{where}: the force does not rise while the plate presses (by {1e3 * peak:.3g} mN, "
-            f"with a scatter of {1e3 * record.force_noise:.3g} mN); check the force column, its "
-            "unit and the sign"
+            f"{where}: the force does not rise while the plate presses (by "
+            f"{written(peak, 'mN', '.3g')}, with a scatter of "
+            f"{written(record.force_noise, 'mN', '.3g')}); check the force column, its unit and "
+            "the sign"
         )
     if before.long_enough and least < -max(8 * record.force_noise, 0.1 * peak):
         raise DataError(
@@ -370,9 +371,9 @@ def _on_the_machine(record: RampHold, preload: float, machine: Machine) -> RampH
     sank = _mean(record.time[record.hold], given[record.hold])
     if not sank < record.depth:
         raise DataError(
-            f"a machine of {1e6 * machine.compliance:.4g} um/N gives {1e3 * sank:.4g} mm under the "
-            f"force of the hold, and the plate moved {1e3 * record.depth:.4g} mm; check the unit "
-            "of the compliance"
+            f"a machine of {written(machine.compliance, 'um/N')} gives {written(sank, 'mm')} under "
+            f"the force of the hold, and the plate moved {written(record.depth, 'mm')}; check the "
+            "unit of the compliance"
         )
     return replace(
         record, displacement=x, depth=record.depth - sank, preload=preload, machine=machine
@@ -417,7 +418,7 @@ def _kept(motion: PlateMotion, record: RampHold) -> Step:
 
 def _met(touch: Touch) -> Step:
     says = (
-        f"an air gap of {1e3 * touch.gap:.4g} mm is taken off the displacement"
+        f"an air gap of {written(touch.gap, 'mm')} is taken off the displacement"
         if touch.gap > 0
         else "contact where the motion begins"
     )
@@ -426,9 +427,9 @@ def _met(touch: Touch) -> Step:
 
 def _ramped(record: RampHold, motion: PlateMotion) -> Step:
     says = (
-        f"the ramp runs at {1e3 * motion.line.speed:.4g} mm/s from {record.onset:.6g} s to "
+        f"the ramp runs at {written(motion.line.speed, 'mm/s')} from {record.onset:.6g} s to "
         f"{record.ramp_end:.6g} s ({record.ramp_time:.5g} s), the hold to {record.hold_end:.6g} s "
-        f"({record.hold_time:.5g} s), at {1e3 * record.depth:.5g} mm"
+        f"({record.hold_time:.5g} s), at {written(record.depth, 'mm', '.5g')}"
     )
     parameters = (
         ("onset_s", repr(record.onset)),

@@ -11,6 +11,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray, median
 from dashpot.base.errors import DataError
+from dashpot.base.units import written
 from dashpot.preparation.noise import median_of_three, usual_scatter
 from dashpot.records.relaxation import quantum
 
@@ -326,5 +327,5 @@ def _in_words(segment: MotionSegment) -> str:
     if segment.kind == "hold":
         return f"hold {segment.start:.5g} to {segment.end:.5g} s"
     verb = "ramp" if segment.kind == "load" else "unloading"
-    moved = 1e3 * (segment.level - segment.origin)
-    return f"{verb} {segment.start:.5g} to {segment.end:.5g} s by {moved:+.4g} mm"
+    moved = written(segment.level - segment.origin, "mm", "+.4g")
+    return f"{verb} {segment.start:.5g} to {segment.end:.5g} s by {moved}"

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from dashpot.base.arrays import ByValue, FloatArray, frozen, not_negative
+from dashpot.base.arrays import ByValue, FloatArray, frozen
+from dashpot.base.demands import not_negative
 from dashpot.base.errors import DataError
 from dashpot.base.offered import verb
 from dashpot.base.units import Quantity, si

@@ -11,7 +11,8 @@ from typing import NamedTuple
 from dashpot import export
 from dashpot.base.checks import Check
 from dashpot.base.errors import ExportError
-from dashpot.base.numbers import counted, decibels, duration, hertz, percent, rounded
+from dashpot.base.numbers import counted, decibels, duration, hertz, percent, rounded, shown
+from dashpot.base.units import in_unit, written
 from dashpot.export import DeckText
 from dashpot.report.pages import held
 from dashpot.vibration.comparison.comparison import Comparison
@@ -29,10 +30,10 @@ LOPSIDED = 0.1
 
 ORDER = ("good", "note", "care", "bad")
 
-# the unit that people read, and its size in SI
+# the unit that people read
 UNITS = {
-    "frequency": ("Hz", 1.0), "damping": ("%", 100.0), "end of hold": ("N/mm", 1e-3),
-    "dynamic stiffness": ("N/mm", 1e-3), "loss factor": ("", 1.0),
+    "frequency": "Hz", "damping": "%", "end of hold": "N/mm", "dynamic stiffness": "N/mm",
+    "loss factor": "",
 }  # fmt: skip
 
 
@@ -80,20 +81,20 @@ class Attachment(NamedTuple):
 def header(study: Study) -> tuple[tuple[str, str], ...]:
     """What was tested, where it comes from, by whom, when, and under what."""
     specimen = study.prepared.specimen
-    length = "" if specimen.length is None else f"{rounded(1e3 * specimen.length)} mm long"
+    length = "" if specimen.length is None else f"{shown(specimen.length, 'mm')} long"
     what = ", ".join(part for part in (specimen.name, length) if part)
     kelvin = specimen.temperature
-    mass = "" if study.mass is None else f"{rounded(1e3 * study.mass, digits=4)} g"
+    mass = "" if study.mass is None else shown(study.mass, "g", digits=4)
     inferred = " (inferred)" if study.mass_inferred else ""
     rows = (
         ("Specimen", what),
         ("Lot", specimen.lot),
         ("Operator", specimen.operator),
         ("Date", specimen.date),
-        ("Temperature", "" if kelvin is None else f"{kelvin - 273.15:.1f} °C"),
+        ("Temperature", "" if kelvin is None else written(kelvin, "°C", ".1f")),
         ("Mass", mass + inferred),
         ("Seals", "" if study.mass is None else f"{study.seals:g}"),
-        ("Test depth", f"{rounded(1e3 * study.prepared.depth)} mm"),
+        ("Test depth", shown(study.prepared.depth, "mm")),
     )
     return tuple((name, value or NOT_GIVEN) for name, value in rows)
 
@@ -186,8 +187,8 @@ def under_mass(study: Study, found: Recommendation) -> tuple[str, tuple[Row, ...
     """What the mass does on its seals; nothing without a mass."""
     if study.mass is None or not found.under_mass:
         return "", ()
-    grams, seals = rounded(1e3 * study.mass, digits=4), study.seals
-    said = f"{grams} g on {seals:g} seal{'' if seals == 1 else 's'}"
+    weight, seals = shown(study.mass, "g", digits=4), study.seals
+    said = f"{weight} on {seals:g} seal{'' if seals == 1 else 's'}"
     if study.mass_inferred:
         said += ", the mass inferred from the FRF"
     elif not found.recommended:
@@ -201,8 +202,8 @@ def rows(answers: Iterable[Answer]) -> tuple[Row, ...]:
 
 
 def _row(one: Answer) -> Row:
-    unit, factor = UNITS[one.quantity]
-    value, low, high = (factor * v for v in (one.value, one.low, one.high))
+    unit = UNITS[one.quantity]
+    value, low, high = (in_unit(v, unit or "1") for v in (one.value, one.low, one.high))
     below, above = value - low, high - value
     # of a lopsided range each end has the digits of its own distance
     if not min(below, above) > LOPSIDED * max(below, above):
@@ -216,16 +217,16 @@ def _row(one: Answer) -> Row:
         "unknown" if math.isnan(low) else rounded(low, below),
         "no limit" if math.isinf(high) else rounded(high, above),
         unit,
-        _measured(one, factor),
+        _measured(one, unit),
         one.bound,
     )
 
 
-def _measured(one: Answer, factor: float) -> str:
+def _measured(one: Answer, unit: str) -> str:
     if one.measured is None:
         return ""
-    error = None if one.measured_se is None else factor * one.measured_se
-    return rounded(factor * one.measured, error, digits=4)
+    error = None if one.measured_se is None else in_unit(one.measured_se, unit or "1")
+    return rounded(in_unit(one.measured, unit or "1"), error, digits=4)
 
 
 def _name(one: Answer) -> str:
@@ -297,7 +298,7 @@ def decks(found: Recommendation) -> tuple[AttachedDeck, ...]:
         return ()
     fit, options = found.solid, ["--units", "mm-t-s"]
     if found.point is not None and not found.point.linear:
-        depth = round(1e3 * found.point.compression, 4)
+        depth = round(in_unit(found.point.compression, "mm"), 4)
         fit = fit.at_compression(f"{depth}mm")
         options += ["--compression", f"{depth}mm"]
     low, high = _inside(fit.band)

@@ -13,17 +13,14 @@ from dashpot import plot
 from dashpot.base.arrays import FloatArray
 from dashpot.base.numbers import rounded
 from dashpot.kinds.level.hits import HitLevels
-from dashpot.kinds.level.levels import LevelFit
+from dashpot.kinds.level.levels import Elements, LevelFit, PeakAtLevel
 from dashpot.kinds.level.record import AmplitudeFit
 from dashpot.plot.picture import unit_of
 from dashpot.report.figures import drawn
 from dashpot.report.pages import COLOURS, frame, held
 from dashpot.report.tables import READ, ParameterRow, TextTable, checks
-from dashpot.solids.friction import Jenkins
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.rate_independent import InParallel
-from dashpot.solids.stiffening import Cubic
-from dashpot.workflow.level_document import PeakAtLevel
 from dashpot.workflow.levels import Levels
 
 _95 = 1.96
@@ -153,7 +150,7 @@ def _of_levels(fit: LevelFit) -> Iterator[ParameterRow]:
     omega = np.pi * (fit.band[0] + fit.band[1])
     X = np.array(fit.amplitudes)
 
-    def read(solid: GeneralizedMaxwell, beside: tuple[Jenkins | Cubic, ...]) -> FloatArray:
+    def read(solid: GeneralizedMaxwell, beside: Elements) -> FloatArray:
         K = InParallel((solid, *beside)).equivalent(omega, X)
         return np.array((1e-3 * K.real, K.imag / K.real))
 

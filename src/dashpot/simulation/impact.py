@@ -7,7 +7,8 @@ from math import pi
 
 import numpy as np
 
-from dashpot.base.arrays import ComplexArray, FloatArray, positive, sample_count
+from dashpot.base.arrays import ComplexArray, FloatArray, sample_count
+from dashpot.base.demands import positive
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, si
 from dashpot.records.impact import ImpactTest

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from dashpot.base.arrays import FloatArray, IndexArray
+from dashpot.base.choices import Driver, refuse_other
 from dashpot.base.errors import DashpotError, DataError
 from dashpot.plot.picture import Line, Panel, Pen, Scale, around
 from dashpot.plot.svg import strip
@@ -200,8 +201,7 @@ class Live:
                 speed=_number(asked, "speed", 1.0, float),
             ),
         }
-        if driver not in made:
-            raise DataError(f"'{driver}' is no instrument; expected one of {', '.join(made)}")
+        refuse_other("driver", driver, Driver)
         return made[driver]()
 
 

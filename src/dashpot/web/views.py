@@ -190,9 +190,10 @@ def base_panel(found: Prediction, joint: bool, sizes: Sizes) -> str:
     """The transmissibility to the mass, its peak, and from where on the mass is isolated."""
     pen, name = joint_pen(failed=False) if joint else (PREDICTED, "predicted from relaxation")
     panel = magnitude_panel([Curve(found.frf, name, pen, found.peak)], tagged=True)
-    hz = found.document["isolation_hz"]
-    isolated = Rule(hz, REF, label=f"less than its base above {rounded(hz, digits=4)} Hz")
-    return drawn("frf", replace(panel, marks=(*panel.marks, isolated)), sizes)
+    if found.isolation is not None:
+        said = f"less than its base above {rounded(found.isolation, digits=4)} Hz"
+        panel = replace(panel, marks=(*panel.marks, Rule(found.isolation, REF, label=said)))
+    return drawn("frf", panel, sizes)
 
 
 def hit_panels(study: Study, sizes: Sizes) -> dict[str, str]:

@@ -18,8 +18,6 @@ from .fits import fit_files as fit_files
 from .impacts import Agreement as Agreement
 from .impacts import ImpactResult as ImpactResult
 from .impacts import compare_files as compare_files
-from .impacts import direct_document as direct_document
-from .impacts import direct_table as direct_table
 from .impacts import identify_files as identify_files
 from .impacts import impact_files as impact_files
 from .inspections import InspectedFile as InspectedFile

@@ -8,7 +8,9 @@ from pathlib import Path
 from typing import Any, Literal, TypeAlias, TypeVar
 
 import dashpot as dp
+from dashpot.base.choices import FamilyAsked, Method, RampLawAsked
 from dashpot.base.errors import FitError
+from dashpot.base.options import offered
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import about
 from dashpot.preparation.creep import load_hold
@@ -21,7 +23,7 @@ from dashpot.records.modulus import RelaxationModulus
 from dashpot.records.relaxation import RampHold, RelaxationTest
 from dashpot.records.specimen import Specimen
 from dashpot.records.superposition import Superposition
-from dashpot.workflow.job import Cuts, known_of_a_test
+from dashpot.workflow.job import Cuts, Job, known_of_a_test
 from dashpot.workflow.shifting import ShiftChoices, each_specimen, one_temperature, shifted_ramps
 
 Record: TypeAlias = (
@@ -34,11 +36,11 @@ class _FitRequest:
     """What the user asked for, whatever the records turn out to be."""
 
     arms: int | Literal["auto"]
-    method: Literal["full", "hold"]
+    method: Method
     depth_law: bool
     thorough: bool
-    law: Literal["auto", "linear", "nonlinear"]
-    family: Literal["maxwell", "fractional", "auto"]
+    law: RampLawAsked
+    family: FamilyAsked
     intervals: bool
     filter: str | None
     cuts: Cuts
@@ -49,7 +51,7 @@ class _FitRequest:
 
     def nothing_of(self, *names: str) -> bool:
         """Whether each of these is left at what it is where nothing is said."""
-        usual = {"method": "full", "depth_law": False, "law": "auto", "family": "maxwell"}
+        usual = {one.name: one.default for one in offered(Job)} | {"depth_law": False}
         return all(getattr(self, name) == usual[name] for name in names)
 
     def refuse_for_a_modulus(self) -> None:
@@ -109,11 +111,11 @@ def fit_files(
     files: Sequence[str | Path],
     *,
     arms: int | Literal["auto"] = "auto",
-    method: Literal["full", "hold"] = "full",
+    method: Method = "full",
     depth_law: bool = False,
     thorough: bool = False,
-    law: Literal["auto", "linear", "nonlinear"] = "auto",
-    family: Literal["maxwell", "fractional", "auto"] = "maxwell",
+    law: RampLawAsked = "auto",
+    family: FamilyAsked = "maxwell",
     intervals: bool = True,
     filter: str | None = None,
     cuts: Cuts | None = None,

@@ -10,10 +10,11 @@ from typing import Any
 
 from dashpot.base.atomic import PART
 from dashpot.base.checks import Check
+from dashpot.base.documents import DIGEST
 from dashpot.base.errors import ReadError
 from dashpot.workflow import checks
 from dashpot.workflow.archive import from_json
-from dashpot.workflow.documents import DIGEST, parts_of
+from dashpot.workflow.documents import parts_of
 from dashpot.workflow.history import History, HistoryLine, Listed, read_history, sha256, software
 from dashpot.workflow.job import Job
 from dashpot.workflow.project import (

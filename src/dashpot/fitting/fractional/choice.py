@@ -18,6 +18,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
+from dashpot.base.choices import FamilyAsked, refuse_other
 from dashpot.base.errors import FitError
 from dashpot.engine.inference.order import bic, deviance, needed
 from dashpot.engine.least_squares.problem import Optimum
@@ -40,7 +41,6 @@ from dashpot.records.fit import Fit, OrderScore
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
-FAMILIES = ("maxwell", "fractional", "auto")
 # fall of BIC below which arms keep their place
 VERY_STRONG = 10.0
 #: what tells two families apart that explain ramps and holds, and sweeps
@@ -131,8 +131,7 @@ def checked_family(family: str, arms: int | str = "auto") -> None:
     ------
     FitError
     """
-    if family not in FAMILIES:
-        raise FitError(f'family = {family!r}; expected "maxwell", "fractional" or "auto"')
+    refuse_other("family", family, FamilyAsked, FitError)
     if family == "fractional" and arms != "auto":
         raise FitError(
             f"arms = {arms}, but a fractional solid has no number of arms: leave out --arms, or "

@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 
 from dashpot.base.checks import Check
+from dashpot.base.choices import FamilyAsked
 from dashpot.base.errors import FitError
 from dashpot.base.units import Quantity, Range, si, si_range
 from dashpot.engine.blocks.block import DataBlock
@@ -68,7 +69,7 @@ def identify(
     temperature: Quantity | None = None,
     band: Range | None = None,
     arms: int | Literal["auto"] = "auto",
-    family: Literal["maxwell", "fractional", "auto"] = "maxwell",
+    family: FamilyAsked = "maxwell",
     rig: HammerRig = HammerRig(),  # noqa: B008
     known: KnownSolid = KnownSolid(),  # noqa: B008
 ) -> Fit:

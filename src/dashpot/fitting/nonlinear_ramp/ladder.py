@@ -9,11 +9,11 @@ the one that BIC prefers if it also matters.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Literal, TypeAlias
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.choices import RampLawAsked, refuse_other
 from dashpot.base.errors import FitError
 from dashpot.engine.inference.order import bic_of_deviance, deviance
 from dashpot.fitting.nonlinear_ramp.hold_first import (
@@ -43,8 +43,6 @@ from dashpot.fitting.nonlinear_ramp.soundness import Soundness, sample_noise, so
 from dashpot.fitting.nonlinear_ramp.thinning import ThinnedRows, thinned
 from dashpot.records.relaxation import RampHold
 
-LawName: TypeAlias = Literal["auto", "linear", "nonlinear"]
-
 # a law that moves the path by less than this part of the depth is not worth having
 LEAST_GAP = 0.01
 
@@ -62,7 +60,7 @@ DEPTHS_LADDER = (KnotSpacing(17), KnotSpacing(17, 2))
 def ramp_law(
     tests: Sequence[RampHold],
     *,
-    law: LawName = "auto",
+    law: RampLawAsked = "auto",
     arms: int | None = None,
     max_arms: int = MAX_ARMS,
 ) -> RampLaw:
@@ -87,8 +85,7 @@ def ramp_law(
     FitError
         If a record has no samples on its ramp or in its hold to speak of.
     """
-    if law not in ("auto", "linear", "nonlinear"):
-        raise FitError(f'law = {law!r}; expected "auto", "linear" or "nonlinear"')
+    refuse_other("law", law, RampLawAsked, FitError)
     rows = thinned(tests)
     hold = hold_alone(rows, arms, max_arms)
     noise = [sample_noise(*pair) for pair in zip(rows.noise, hold.rms, strict=True)]

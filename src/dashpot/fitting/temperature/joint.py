@@ -15,11 +15,12 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Literal, NamedTuple, TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
+from dashpot.base.choices import Vertical
 from dashpot.engine.blocks.block import DataBlock
 from dashpot.engine.inference.covariance import white
 from dashpot.engine.inference.order import significant
@@ -27,7 +28,6 @@ from dashpot.engine.least_squares.problem import Parameter, Problem, Rows, solve
 from dashpot.records.temperature import decades, shifted_log_tau
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
-Vertical: TypeAlias = Literal["free", "T/T_r", "1"]
 # target, columns of k_inf and k, and the derivative by theta
 _Rows: TypeAlias = tuple[FloatArray, FloatArray, Callable[[FloatArray], FloatArray]]
 

@@ -8,8 +8,9 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import FitError
+from dashpot.base.units import celsius
 from dashpot.records.relaxation import RampHold
-from dashpot.records.temperature import SAME_TEMPERATURE, celsius
+from dashpot.records.temperature import SAME_TEMPERATURE
 
 # the standard temperature of rubber laboratories, K: the solid is that of the test nearest to it
 STANDARD = 296.15

@@ -9,8 +9,9 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.choices import Vertical
 from dashpot.engine.inference.order import DECISIVE, Choice, choose
-from dashpot.fitting.temperature.joint import JointTests, ShiftedSolid, Vertical
+from dashpot.fitting.temperature.joint import JointTests, ShiftedSolid
 from dashpot.fitting.temperature.of_tests import temperatures_of
 from dashpot.fitting.temperature.reduced import Own
 from dashpot.fitting.temperature.search import OrderCandidate, again, candidates, first_shifts

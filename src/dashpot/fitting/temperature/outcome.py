@@ -7,15 +7,16 @@ from dataclasses import replace
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.choices import ShiftLaw, Vertical
 from dashpot.base.provenance import Step, sources_of, steps_of
+from dashpot.base.units import celsius
 from dashpot.fitting.assembly import UNJUDGED, FoundSolid, assembled, point_estimate
-from dashpot.fitting.shift_law import LawThroughShifts, ShiftLaw, law_through
-from dashpot.fitting.temperature.joint import Vertical
+from dashpot.fitting.shift_law import LawThroughShifts, law_through
 from dashpot.fitting.temperature.knowledge import left_of, of_tests, own_names
 from dashpot.fitting.temperature.optimum import ThermalOptimum
 from dashpot.fitting.temperature.reduced import Own
 from dashpot.records.fit import Fit, Provenance
-from dashpot.records.temperature import Shift, TemperatureShifts, celsius
+from dashpot.records.temperature import Shift, TemperatureShifts
 from dashpot.solids.elastic import ElasticLaw
 
 

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.checks import Check, worst
+from dashpot.base.choices import ShiftLaw, Vertical
 from dashpot.engine.blocks.block import DataBlock
 from dashpot.engine.inference.order import chance_beyond
 from dashpot.engine.solver.variable_projection import Solution, solve
@@ -33,9 +34,8 @@ from dashpot.fitting.checks.temperature import (
 )
 from dashpot.fitting.pipeline import certified
 from dashpot.fitting.repeats import end_stiffnesses
-from dashpot.fitting.shift_law import LawThroughShifts, ShiftLaw
+from dashpot.fitting.shift_law import LawThroughShifts
 from dashpot.fitting.temperature import checks
-from dashpot.fitting.temperature.joint import Vertical
 from dashpot.fitting.temperature.knowledge import Knowledge, known
 from dashpot.fitting.temperature.optimum import ThermalOptimum, optimum
 from dashpot.fitting.temperature.outcome import (

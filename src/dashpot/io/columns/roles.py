@@ -438,9 +438,9 @@ def sensitivity(word: str, dimension: Dimension, column_unit: str | None) -> Uni
     measured = units.find(match[3], dimension)
     if measured is None or float(match[1]) <= 0:
         return None
-    prefix = {"m": 1e-3, "u": 1e-6, "µ": 1e-6}.get(match[2] or "", 1.0)
+    volt = units.parse_unit(f"{match[2] or ''}V", "voltage").factor
     volts = units.find(column_unit, "voltage") if column_unit else None
-    factor = (volts.factor if volts else 1.0) * measured.factor / (float(match[1]) * prefix)
+    factor = (volts.factor if volts else 1.0) * measured.factor / (float(match[1]) * volt)
     return Unit(word, dimension, factor)
 
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
+from dashpot.base.units import in_unit
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import Raw, extra
 from dashpot.io.table import Column, FileTable, Question, in_memory
@@ -287,7 +288,7 @@ def _unit(entry: _Set, axis: str, units: _Set | None) -> str | None:
     word = _QUANTITY.get(int(entry.get(f"{axis}_spec_data_type", 0) or 0), "")
     length, force = float(units.get("length", 1.0)), float(units.get("force", 1.0))
     if word == "N":
-        return {1.0: "N", 1000.0: "mN", 1e-3: "kN"}.get(force)
+        return next((name for name in ("N", "mN", "kN") if in_unit(1.0, name) == force), None)
     if word.startswith("m"):
         prefix = {1.0: "", 1000.0: "m"}.get(length)
         return None if prefix is None else prefix + word

@@ -12,6 +12,7 @@ import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.errors import ReadError
+from dashpot.base.units import written
 from dashpot.io.columns.kinds import of_motions, said_relative
 from dashpot.io.columns.ratios import Ratio, bare_ratio, ratio, undecibel
 from dashpot.io.columns.roles import Assigned, assign, list_columns
@@ -237,7 +238,7 @@ def _refuse_high(file: Opened, index: int, top: float) -> None:
     """Ask for the unit of a frequency, Hz, at which no seal is struck, unless it was said."""
     if top > _HIGHEST and not file.options.unit_of("frequency", file.table.columns[index].name):
         raise ReadError(
-            f"the FRF goes to {1e-3 * top:.4g} kHz, where no seal is struck: is the unit of "
+            f"the FRF goes to {written(top, 'kHz')}, where no seal is struck: is the unit of "
             'frequency Hz? Then add --units "frequency=Hz"; if it is meant so, say it: '
             '--units "frequency=kHz"'
         )

@@ -3,26 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 import dashpot as dp
 from dashpot.base.capability import Capability, capability
 from dashpot.base.checks import Check, Checked, worst
+from dashpot.base.documents import Documented
 from dashpot.base.errors import ReadError
 from dashpot.base.units import Quantity, Range
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import about
 from dashpot.kinds.cld.checks import pieces_capable, pieces_tested_alike
-from dashpot.kinds.cld.record import CLD, AtCompression, CompressionTest, Cycle, RateLaw, RelaxedLaw
+from dashpot.kinds.cld.record import CLD, AtCompression, CompressionTest, RateLaw, RelaxedLaw
 from dashpot.kinds.cld.relaxed import nearest
 from dashpot.kinds.cld.speeds import SAME_SPEED
 from dashpot.records.fit import Fit
 from dashpot.records.specimen import Specimen
-from dashpot.solids.elastic import ElasticLaw
 
 _ALIKE = 0.05
 """Relative difference of depths and speeds that are one."""
@@ -52,7 +51,7 @@ class PieceStatistics:
 
 
 @dataclass(frozen=True)
-class Pieces(Checked):
+class Pieces(Checked, Documented):
     """What ``dashpot cld`` found.
 
     Attributes
@@ -73,6 +72,11 @@ class Pieces(Checked):
         Of records at several speeds: a spring and a dashpot that depend on compression.
     """
 
+    schema = "dashpot/cld@1"
+    keys = (
+        "unit", "pieces", "scatter", "capability", "relaxed?", "rate?", "verdict", "checks", "fit?",
+    )  # fmt: skip
+
     pieces: tuple[CLD, ...]
     scatter: tuple[PieceStatistics, ...]
     capability: Capability | None
@@ -85,21 +89,6 @@ class Pieces(Checked):
     def unit(self) -> str:
         """Of a force."""
         return self.pieces[0].unit
-
-    @property
-    def document(self) -> dict[str, Any]:
-        """``dashpot/cld@1``: SI units; a force also per 100 mm, where the length is known."""
-        return {
-            "schema": "dashpot/cld@1",
-            "unit": self.unit,
-            "pieces": [_piece(one) for one in self.pieces],
-            "scatter": [asdict(one) for one in self.scatter],
-            "capability": None if self.capability is None else asdict(self.capability),
-            **({} if self.relaxed is None else {"relaxed": _law(self.relaxed)}),
-            **({} if self.rate is None else {"rate": _rate(self.rate)}),
-            "verdict": self.verdict.document,
-            "checks": [check.document for check in self.checks],
-        }
 
 
 def cld_files(
@@ -274,87 +263,3 @@ _CONDITIONS: tuple[Callable[[CLD], float | None], ...] = (
     lambda one: one.specimen.temperature,
 )
 """Speed, depth, number of the cycle and temperature, K, of a test."""
-
-
-def _piece(one: CLD) -> dict[str, Any]:
-    source = one.source
-    return {
-        "file": None if source is None else source.file,
-        "sha256": None if source is None else source.sha256,
-        "length": one.specimen.length,
-        "contact": one.contact,
-        "contact_se": one.contact_se,
-        "preload": one.preload,
-        "drift": one.drift,
-        "cycle": one.cycle.number,
-        "softening": one.softening,
-        "set": one.set,
-        "least": _at(one, one.least),
-        "nominal": _at(one, one.nominal),
-        "most": _at(one, one.most),
-        "cycles": [_cycle(cycle) for cycle in one.cycles],
-        "checks": [check.document for check in one.checks],
-    }
-
-
-def _at(one: CLD, at: AtCompression | None) -> dict[str, Any] | None:
-    if at is None:
-        return None
-    known = asdict(at) | {"secant": at.secant, "hysteresis": at.hysteresis}
-    if one.specimen.length is None:
-        return known
-    return known | {"per_100mm": {
-        "loading": one.per * at.loading,
-        "loading_se": one.per * at.loading_se,
-        "unloading": None if at.unloading is None else one.per * at.unloading,
-        "slope": one.per * at.slope,
-        "energy": one.per * at.energy,
-    }}  # fmt: skip
-
-
-def _cycle(cycle: Cycle) -> dict[str, Any]:
-    return {
-        "number": cycle.number,
-        "depth": cycle.depth,
-        "speed": cycle.speed,
-        "contact": cycle.contact,
-        "peak": cycle.peak,
-        "energy": cycle.energy,
-        "returned": cycle.returned,
-        "hysteresis": cycle.hysteresis,
-    }
-
-
-def _law(found: RelaxedLaw) -> dict[str, Any]:
-    return {
-        "elastic_law": _elastic(found.law),
-        "force_se": [found.force_se(knot) for knot in found.law.knots],
-        "residual": found.residual,
-        "hysteresis": found.hysteresis,
-        "left": found.left,
-        "softening": found.softening,
-    }
-
-
-def _elastic(law: ElasticLaw) -> dict[str, Any]:
-    return {
-        "kind": law.kind,
-        "knots": list(law.knots),
-        "tangent": law.tangent(law.knots).tolist(),
-    }
-
-
-def _rate(found: RateLaw) -> dict[str, Any]:
-    arms = zip(found.k, found.tau, found.k_se, found.ln_tau_se, strict=True)
-    return {
-        "elastic_law": _elastic(found.law),
-        "knots": list(found.knots),
-        "damping": list(found.damping),
-        "damping_se": list(found.damping_se),
-        "arms": [
-            {"k": k, "tau": tau, "k_se": k_se, "ln_tau_se": tau_se} for k, tau, k_se, tau_se in arms
-        ],
-        "residual": found.residual,
-        "bic_over_memory": found.bic,
-        "checks": [check.document for check in found.checks],
-    }

@@ -10,7 +10,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
-from dashpot.base.units import Quantity, Range, si, si_range
+from dashpot.base.units import Quantity, Range, si, si_range, written
 from dashpot.kinds.cld import checks
 from dashpot.kinds.cld.read_off import WINDOW, at_compression, local, unevenness
 from dashpot.kinds.cld.record import CLD, AtCompression, Branch, CompressionTest, Cycle
@@ -81,8 +81,8 @@ def cld(
     if middle is None:
         deepest = max(one.depth for one in found.cycles)
         raise DataError(
-            f"{1e3 * nominal:.4g} mm was asked for; expected a compression > 0 that the seal was "
-            f"pressed to, at most {1e3 * deepest:.4g} mm: --at gives it, --cycle another cycle"
+            f"{written(nominal, 'mm')} was asked for; expected a compression > 0 that the seal was "
+            f"pressed to, at most {written(deepest, 'mm')}: --at gives it, --cycle another cycle"
         )
     zero, specimen = found.zero, test.specimen
     return CLD(

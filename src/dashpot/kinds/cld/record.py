@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
 from dashpot.base.arrays import ByValue, FloatArray, hold_measured
 from dashpot.base.checks import Check, Checked
+from dashpot.base.documents import Documented
 from dashpot.base.offered import Described, Pictured
 from dashpot.base.provenance import Source, of_file
+from dashpot.base.units import written
 from dashpot.records.specimen import Specimen
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -53,7 +56,7 @@ class CompressionTest(ByValue, Described):
         return (
             of_file(self.source, len(self.force)),
             (
-                f"displacement spans {1e3 * np.ptp(self.displacement):.4g} mm, force "
+                f"displacement spans {written(np.ptp(self.displacement), 'mm')}, force "
                 f"{np.ptp(self.force):.4g} N" + ", no clock" * (self.time is None)
             ),
         )
@@ -89,7 +92,7 @@ class Branch(ByValue):
 
 
 @dataclass(frozen=True, eq=False)
-class Cycle(ByValue):
+class Cycle(ByValue, Documented):
     """One loading and, where it was recorded, the unloading after it.
 
     Attributes
@@ -110,6 +113,8 @@ class Cycle(ByValue):
     loading : Branch
     unloading : Branch or None
     """
+
+    keys = ("number", "depth", "speed", "contact", "peak", "energy", "returned", "hysteresis")
 
     number: int
     depth: float
@@ -138,7 +143,7 @@ class Cycle(ByValue):
 
 
 @dataclass(frozen=True)
-class AtCompression:
+class AtCompression(Documented):
     """What a cycle shows at one compression.
 
     Attributes
@@ -154,6 +159,8 @@ class AtCompression:
     energy : float
         Put in up to here, J.
     """
+
+    keys = ("*", "secant", "hysteresis")
 
     compression: float
     loading: float
@@ -174,8 +181,27 @@ class AtCompression:
         return None if self.unloading is None else 1 - self.unloading / self.loading
 
 
+@dataclass(frozen=True)
+class Quoted(Documented):
+    """What a cycle shows at one compression, and of 100 mm, where the length is known."""
+
+    keys = ("*at", "per_100mm?")
+
+    at: AtCompression
+    of: CLD
+
+    @property
+    def per_100mm(self) -> dict[str, float | None] | None:
+        """Forces, N, slope, N/m, and energy, J, of 100 mm."""
+        if self.of.specimen.length is None:
+            return None
+        names = ("loading", "loading_se", "unloading", "slope", "energy")
+        known = {name: getattr(self.at, name) for name in names}
+        return {name: None if one is None else self.of.per * one for name, one in known.items()}
+
+
 @dataclass(frozen=True, eq=False, repr=False)
-class CLD(ByValue, Pictured, Checked):
+class CLD(ByValue, Pictured, Checked, Documented):
     """A compression load deflection test as cycles, and what one of them shows.
 
     Made by :func:`dashpot.kinds.cld.prepare.cld`.
@@ -208,6 +234,12 @@ class CLD(ByValue, Pictured, Checked):
     specimen : Specimen
     source : Source or None
     """
+
+    keys = (
+        "source.file", "source.sha256", "specimen.length", "contact", "contact_se", "preload",
+        "drift", "cycle=cycle.number", "softening", "set", "least=least_of", "nominal=nominal_of",
+        "most=most_of", "cycles", "checks",
+    )  # fmt: skip
 
     cycles: tuple[Cycle, ...]
     index: int
@@ -249,6 +281,21 @@ class CLD(ByValue, Pictured, Checked):
         return tuple(one for one in (self.least, self.nominal, self.most) if one is not None)
 
     @property
+    def least_of(self) -> Quoted | None:
+        """`least`, and of 100 mm."""
+        return None if self.least is None else Quoted(self.least, self)
+
+    @property
+    def nominal_of(self) -> Quoted:
+        """`nominal`, and of 100 mm."""
+        return Quoted(self.nominal, self)
+
+    @property
+    def most_of(self) -> Quoted | None:
+        """`most`, and of 100 mm."""
+        return None if self.most is None else Quoted(self.most, self)
+
+    @property
     def per(self) -> float:
         """What a force, N, is multiplied with: to N per 100 mm, or 1 where no length is known."""
         return 1.0 if self.specimen.length is None else PER / self.specimen.length
@@ -277,13 +324,13 @@ class CLD(ByValue, Pictured, Checked):
         return (
             f"{judged.use}: {judged.says}",
             (
-                f"{self.per * one.loading:.4g} {self.unit} at {1e3 * one.compression:.4g} mm, "
-                f"slope {1e-3 * self.per * one.slope:.3g} N/mm"
+                f"{self.per * one.loading:.4g} {self.unit} at {written(one.compression, 'mm')}, "
+                f"slope {written(self.per * one.slope, 'N/mm', '.3g')}"
                 + " per 100 mm"
                 * (self.specimen.length is not None)
             ),
             (
-                f"cycle {cycle.number} of {len(self.cycles)}, to {1e3 * cycle.depth:.4g} mm"
+                f"cycle {cycle.number} of {len(self.cycles)}, to {written(cycle.depth, 'mm')}"
                 + ("" if lost is None else f", hysteresis {100 * lost:.3g} %")
             ),
             *(check.says for check in self.checks if check.failed),
@@ -291,7 +338,7 @@ class CLD(ByValue, Pictured, Checked):
 
 
 @dataclass(frozen=True)
-class RelaxedLaw:
+class RelaxedLaw(Documented):
     """The elastic law under a cycle that was driven at a finite speed.
 
     Made by :func:`dashpot.kinds.cld.relaxed.relaxed_law`.
@@ -314,6 +361,10 @@ class RelaxedLaw:
         its covariance, first contact, and the zero of the force.
     """
 
+    keys = (
+        "elastic_law=law.bare", "force_se=knot_se", "residual", "hysteresis", "left", "softening",
+    )  # fmt: skip
+
     law: ElasticLaw
     memory: GeneralizedMaxwell
     residual: float
@@ -323,14 +374,28 @@ class RelaxedLaw:
     checks: tuple[Check, ...] = ()
     others: tuple[ElasticLaw, ...] = ()
 
+    @property
+    def knot_se(self) -> tuple[float, ...]:
+        """Standard error of the relaxed force at the knots, N."""
+        return tuple(map(self.force_se, self.law.knots))
+
     def force_se(self, x: float) -> float:
         """Standard error of the relaxed force at a compression, m: of memory and zeros, N."""
         off = [float(one.force(x)) - float(self.law.force(x)) for one in self.others]
         return float(np.linalg.norm(off)) if off else 0.0
 
 
+class RateArm(NamedTuple):
+    """A stiffness, N/m, its relaxation time, s, and what is known of both."""
+
+    k: float
+    tau: float
+    k_se: float
+    ln_tau_se: float
+
+
 @dataclass(frozen=True, eq=False)
-class RateLaw(ByValue):
+class RateLaw(ByValue, Documented):
     r"""A spring and a dashpot that depend on compression, and Maxwell arms beside them.
 
     .. math:: F = F_e(x) + c(x)\,\dot x + \sum_j k_j \int_0^t e^{-(t-u)/\tau_j}\,dx(u)
@@ -355,6 +420,11 @@ class RateLaw(ByValue):
     checks : tuple of Check
     """
 
+    keys = (
+        "elastic_law=law.bare", "knots", "damping", "damping_se", "arms", "residual",
+        "bic_over_memory=bic", "checks",
+    )  # fmt: skip
+
     law: ElasticLaw
     knots: tuple[float, ...]
     damping: tuple[float, ...]
@@ -366,6 +436,11 @@ class RateLaw(ByValue):
     residual: float
     bic: float
     checks: tuple[Check, ...] = ()
+
+    @property
+    def arms(self) -> tuple[RateArm, ...]:
+        """The arms one by one."""
+        return tuple(map(RateArm, self.k, self.tau, self.k_se, self.ln_tau_se))
 
     def c(self, x: float) -> tuple[float, float]:
         """Damping at a compression, m, and its standard error, N s/m."""

@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Literal, TypeAlias
+from typing import Literal
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.choices import ElasticKind, ElasticKindAsked
 from dashpot.base.errors import FitError
 from dashpot.engine.inference.estimate import estimate, score
 from dashpot.engine.least_squares.problem import ordinary
@@ -25,10 +26,9 @@ from dashpot.kinds.hyperelastic.solving import (
     weighed,
 )
 from dashpot.records.found import Found
-from dashpot.solids.hyperelastic import KINDS, SHEARING, Hyperelastic, Kind, Mode, direction
+from dashpot.solids.hyperelastic import POWERS, SHEARING, Hyperelastic, Mode, direction
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
-LawName: TypeAlias = Literal["auto", "neo-hooke", "mooney-rivlin", "yeoh", "ogden", "hyperfoam"]
 MOST_TERMS = 3
 _WORTH = 0.95
 """Times the residual of one term fewer, at most, of a law that a further term is tried for."""
@@ -37,7 +37,7 @@ _WORTH = 0.95
 def fit_hyperelastic(
     tests: Sequence[StressStrainTest],
     *,
-    law: LawName = "auto",
+    law: ElasticKindAsked = "auto",
     terms: int | Literal["auto"] = "auto",
     poisson: float | None = None,
     memory: GeneralizedMaxwell | None = None,
@@ -132,13 +132,13 @@ def _of_rubber(
 ) -> list[HyperelasticOptimum]:
     rows = weighed(curves)
     return [
-        *(invariant_law(rows, one) for one in KINDS[:3]),
+        *(invariant_law(rows, one) for one in POWERS),
         *_power_laws(rows, "ogden", terms, 0.5),
     ]
 
 
 def _power_laws(
-    rows: Weighed, kind: Kind, terms: int | Literal["auto"], poisson: float | None
+    rows: Weighed, kind: ElasticKind, terms: int | Literal["auto"], poisson: float | None
 ) -> list[HyperelasticOptimum]:
     """The law of so many terms; or of one and two, and of more while each is worth it."""
     if terms != "auto":
@@ -151,7 +151,7 @@ def _power_laws(
 
 def _refuse(
     curves: Sequence[ElasticCurve],
-    law: LawName,
+    law: ElasticKindAsked,
     terms: int | Literal["auto"],
     poisson: float | None,
     *,
@@ -182,7 +182,7 @@ def _refuse(
 def _chosen(
     tried: Sequence[HyperelasticOptimum],
     scores: dict[str, float],
-    law: LawName,
+    law: ElasticKindAsked,
     reach: dict[Mode, Span],
 ) -> HyperelasticOptimum:
     named = [one for one in tried if law in {"auto", one.law.kind}]

@@ -5,31 +5,24 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Literal
 
+from dashpot.base.choices import ElasticKindAsked
 from dashpot.base.errors import DataError, FitError, ReadError
 from dashpot.fitting.parameters import memory_of
 from dashpot.io.options import ReadOptions
-from dashpot.kinds.hyperelastic.fit import LawName, fit_hyperelastic
-from dashpot.kinds.hyperelastic.read import Measures, read_stress_strain
+from dashpot.kinds.hyperelastic.fit import fit_hyperelastic
+from dashpot.kinds.hyperelastic.read import MODES, Measures, read_stress_strain
 from dashpot.kinds.hyperelastic.record import HyperelasticFit, Span
 from dashpot.records.fit import Fit
 from dashpot.records.specimen import Specimen
-from dashpot.solids.hyperelastic import Mode
 
 if TYPE_CHECKING:
     from pathlib import Path
-
-MODES: Mapping[str, tuple[Mode, bool]] = {
-    "uniaxial": ("uniaxial", False), "compression": ("uniaxial", True),
-    "biaxial": ("equibiaxial", False), "planar": ("planar", False),
-    "volumetric": ("volumetric", True),
-}  # fmt: skip
-"""The mode of a kind of file, and whether its specimen was pressed."""
 
 
 def hyperelastic_files(
     files: Mapping[str, Sequence[str | Path]],
     *,
-    law: LawName = "auto",
+    law: ElasticKindAsked = "auto",
     terms: int | Literal["auto"] = "auto",
     poisson: float | None = None,
     memory: Fit | None = None,
@@ -61,7 +54,7 @@ def hyperelastic_files(
         )
     tests = [
         read_stress_strain(
-            path, MODES[kind][0], pressed=MODES[kind][1], measures=measures, options=options
+            path, MODES[kind].mode, pressed=MODES[kind].pressed, measures=measures, options=options
         )
         for kind, path in given
     ]

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
+from typing import NamedTuple
 
 import numpy as np
 
 from dashpot.base import units
 from dashpot.base.arrays import FloatArray
-from dashpot.base.errors import DataError, ReadError
+from dashpot.base.choices import Measure, refuse_other
+from dashpot.base.errors import ReadError
 from dashpot.base.options import option
 from dashpot.io.columns import vocabulary
 from dashpot.io.columns.roles import quoted, score
@@ -21,7 +24,25 @@ from dashpot.io.readers.relaxation import signals
 from dashpot.kinds.hyperelastic.record import StressStrainTest
 from dashpot.solids.hyperelastic import Mode
 
-_CHOICES = ("auto", "nominal", "true")
+
+class FilesOfMode(NamedTuple):
+    """Files of one mode of test: what users are told, and whether their specimen was pressed."""
+
+    says: str
+    mode: Mode
+    pressed: bool = False
+
+
+MODES = MappingProxyType({
+    "uniaxial": FilesOfMode("Uniaxial: stress over strain; tension > 0.", "uniaxial"),
+    "compression": FilesOfMode("Uniaxial, pressed: whatever the signs.", "uniaxial", pressed=True),
+    "biaxial": FilesOfMode("Equibiaxial.", "equibiaxial"),
+    "planar": FilesOfMode("Planar tension (pure shear).", "planar"),
+    "volumetric": FilesOfMode(
+        "Pressure over volume ratio or volumetric strain.", "volumetric", pressed=True
+    ),
+})  # fmt: skip
+"""By the option that names them."""
 _MIXED = 0.05
 """Part of the largest stress that may have the wrong sign: noise about zero."""
 
@@ -39,13 +60,12 @@ class Measures:
         ``"nominal"`` (elongation over length at rest), ``"true"`` (logarithmic) or ``"auto"``.
     """
 
-    stress_is: str = option("auto", "Over the area at rest, or as it is.", choices=_CHOICES)
-    strain_is: str = option("auto", "Over the length at rest, or its log.", choices=_CHOICES)
+    stress_is: str = option("auto", "Over the area at rest, or as it is.", choices=Measure)
+    strain_is: str = option("auto", "Over the length at rest, or its log.", choices=Measure)
 
     def __post_init__(self) -> None:
-        for one in (self.stress_is, self.strain_is):
-            if one not in _CHOICES:
-                raise DataError(f"'{one}' is no measure; expected one of {', '.join(_CHOICES)}")
+        for name, one in vars(self).items():
+            refuse_other(name, one, Measure)
 
 
 def read_stress_strain(

@@ -9,6 +9,7 @@ import numpy as np
 
 from dashpot.base.arrays import ByValue, FloatArray, hold_measured
 from dashpot.base.checks import Check
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.offered import Described
 from dashpot.base.provenance import Source, of_file, sources_of
@@ -121,7 +122,7 @@ Limits: TypeAlias = tuple[float | None, float | None]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class HyperelasticFit(ByValue, Described, Numbered):
+class HyperelasticFit(ByValue, Described, Numbered, Documented):
     """A hyperelastic law, and how well the tests tell it.
 
     Attributes
@@ -144,6 +145,9 @@ class HyperelasticFit(ByValue, Described, Numbered):
     temperature : float or None
         Of the tests, K.
     """
+
+    schema = "dashpot/hyperelastic@1"
+    keys = ("verdict", "*")
 
     law: Hyperelastic
     found: tuple[Found, ...]

@@ -16,6 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.choices import ElasticKind
 from dashpot.engine.least_squares.descent import triangle
 from dashpot.engine.least_squares.nnls import linear
 from dashpot.engine.least_squares.problem import Optimum, Parameter, Problem, Rows, ordinary, solved
@@ -23,7 +24,6 @@ from dashpot.kinds.hyperelastic.record import ElasticCurve
 from dashpot.solids.hyperelastic import (
     POWERS,
     Hyperelastic,
-    Kind,
     Path,
     path,
     power_by_poisson,
@@ -99,7 +99,7 @@ def weighed(curves: Sequence[ElasticCurve]) -> Weighed:
     return Weighed(tuple(curves), each, target)
 
 
-def invariant_law(rows: Weighed, kind: Kind) -> HyperelasticOptimum:
+def invariant_law(rows: Weighed, kind: ElasticKind) -> HyperelasticOptimum:
     """Return the law of the invariants that follows the curves best: linear least squares."""
     unit = Hyperelastic(kind, (1.0,) * len(POWERS[kind]))
     parts = zip(rows.weights, rows.curves, strict=True)
@@ -108,7 +108,9 @@ def invariant_law(rows: Weighed, kind: Kind) -> HyperelasticOptimum:
     return HyperelasticOptimum(kind, Hyperelastic(kind, tuple(found.beta.tolist())), found)
 
 
-def power_law(rows: Weighed, terms: int, kind: Kind, poisson: float | None) -> HyperelasticOptimum:
+def power_law(
+    rows: Weighed, terms: int, kind: ElasticKind, poisson: float | None
+) -> HyperelasticOptimum:
     """Return the law of so many power terms, or fewer if a further one is worth nothing.
 
     Poisson's ratio of a foam is sought where it is None.

@@ -19,7 +19,8 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from dashpot.base.arrays import ByValue, FloatArray, positive
+from dashpot.base.arrays import ByValue, FloatArray
+from dashpot.base.demands import positive
 from dashpot.base.errors import DataError
 from dashpot.kinds.indentation.contact_law import ContactLaw, ViscousContact
 

@@ -24,7 +24,8 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from dashpot.base.arrays import FloatArray, positive
+from dashpot.base.arrays import FloatArray
+from dashpot.base.demands import positive
 from dashpot.base.errors import DataError
 
 SPHERE = 1.5

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from dashpot.base.numbers import rounded
+from dashpot.base.units import in_unit
 from dashpot.kinds.indentation.record import UNITS, IndentationFit
 from dashpot.plot.picture import FIT, REF, Dots, Line, Panel, Picture, Rule, Scale, Span, around
 from dashpot.plot.stamps import stamp as stamped
@@ -19,12 +20,11 @@ def indentation(fit: IndentationFit, *, stamp: str = "") -> Picture:
     stamp : str
         What the figure says of its origin; by default the file.
     """
-    t, scale = 1e3 * fit.time, 1e3 if fit.of == "displacement" else 1.0
-    unit = "mm" if fit.of == "displacement" else UNITS[fit.of]
-    measured, modelled = scale * fit.measured, scale * fit.modelled
+    t, unit = in_unit(fit.time, "ms"), "mm" if fit.of == "displacement" else UNITS[fit.of]
+    measured, modelled = in_unit(fit.measured, unit), in_unit(fit.modelled, unit)
     left = measured - modelled
     across = Scale("time since the touch, ms", (float(t[0]), float(t[-1])))
-    contact = Span(0.0, 1e3 * fit.duration, "fit", "in contact")
+    contact = Span(0.0, in_unit(fit.duration, "ms"), "fit", "in contact")
     upper = Panel(
         across, Scale(f"{fit.of} (push > 0), {unit}", around(measured, modelled)),
         (

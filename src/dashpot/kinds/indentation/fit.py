@@ -16,11 +16,11 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import product
-from typing import Literal
 
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray
+from dashpot.base.choices import ImpactLawAsked, refuse_other
 from dashpot.base.errors import DataError, FitError
 from dashpot.engine.inference.covariance import noise_of
 from dashpot.engine.inference.estimate import Estimate, Slice, estimate, score
@@ -67,8 +67,6 @@ _NEAR, _ROUGHLY = 3, 1e-3
 """Steps that the others take beside one of a table, and what they may leave."""
 _DECIDED = 10.0
 """Difference of BIC beyond which another law is out (Kass and Raftery 1995: very strong)."""
-
-LawName = Literal["auto", "kelvin-voigt", "hertz", "hertz-kelvin-voigt", "hertz-maxwell"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,7 +152,7 @@ class _LawOptimum:
         return self.law.contact(self.optimum.theta, self.hit.mass)
 
 
-def fit_indentation(test: IndentationTest, *, law: LawName = "auto") -> IndentationFit:
+def fit_indentation(test: IndentationTest, *, law: ImpactLawAsked = "auto") -> IndentationFit:
     """Return what the largest contact of a record says of the surface.
 
     Parameters
@@ -172,8 +170,7 @@ def fit_indentation(test: IndentationTest, *, law: LawName = "auto") -> Indentat
     FitError
         If no law can follow the record.
     """
-    if law != "auto" and law not in LAWS:
-        raise DataError(f"law = '{law}'; expected auto, {', '.join(LAWS)}")
+    refuse_other("law", law, ImpactLawAsked)
     window = _window(test, largest_contact(test))
     tried = []
     for name in [law] if law != "auto" else LAWS:

@@ -2,27 +2,34 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from dashpot.base.checks import Check, Verdict
+from dashpot.base.choices import ImpactLawAsked
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError, ReadError
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import about
-from dashpot.kinds.indentation.fit import LawName, fit_indentation
+from dashpot.kinds.indentation.fit import fit_indentation
 from dashpot.kinds.indentation.read import read_indentation
 from dashpot.kinds.indentation.record import IndentationFit, Indenter
 
 
 @dataclass(frozen=True)
-class Indentation:
+class Indentation(Documented):
     """What ``dashpot indent`` found.
 
     Attributes
     ----------
     fit : IndentationFit
     """
+
+    schema = "dashpot/indentation@1"
+    keys = (
+        "fit.law", "fit.of", "fit.indenter", "*values", "intervals", "units", "orders", "fit.touch",
+        "fit.noise", "fit.residual", "verdict", "checks", "fit.source",
+    )  # fmt: skip
 
     fit: IndentationFit
 
@@ -37,32 +44,31 @@ class Indentation:
         return self.fit.verdict
 
     @property
-    def document(self) -> dict[str, Any]:
-        """``dashpot/indentation@1``."""
-        fit = self.fit
-        return {
-            "schema": "dashpot/indentation@1",
-            "law": fit.law,
-            "of": fit.of,
-            "indenter": asdict(fit.indenter),
-            **{one.name: one.value for one in fit.found},
-            "intervals": {one.name: [one.low, one.high] for one in fit.found},
-            "units": {one.name: one.unit for one in fit.found},
-            "orders": dict(fit.orders),
-            "touch": fit.touch,
-            "noise": fit.noise,
-            "residual": fit.residual,
-            "verdict": self.verdict.document,
-            "checks": [check.document for check in fit.checks],
-            "source": None if fit.source is None else asdict(fit.source),
-        }
+    def values(self) -> dict[str, float]:
+        """What was found, by its names."""
+        return {one.name: one.value for one in self.fit.found}
+
+    @property
+    def intervals(self) -> dict[str, tuple[float, float]]:
+        """95 %, by the same names."""
+        return {one.name: (one.low, one.high) for one in self.fit.found}
+
+    @property
+    def units(self) -> dict[str, str]:
+        """By the same names."""
+        return {one.name: one.unit for one in self.fit.found}
+
+    @property
+    def orders(self) -> dict[str, float]:
+        """BIC of each law that was tried."""
+        return dict(self.fit.orders)
 
 
 def indent_file(
     path: str | Path,
     *,
     indenter: Indenter,
-    law: LawName = "auto",
+    law: ImpactLawAsked = "auto",
     options: ReadOptions | None = None,
 ) -> Indentation:
     """Find what the largest contact in a file says of the surface.

@@ -8,17 +8,17 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from dashpot.base.arrays import ByValue, FloatArray, hold_measured, median, positive
+from dashpot.base.arrays import ByValue, FloatArray, hold_measured, median
 from dashpot.base.checks import Check
+from dashpot.base.demands import positive
 from dashpot.base.errors import DataError
 from dashpot.base.offered import Described
 from dashpot.base.options import option
 from dashpot.base.provenance import Source, of_file
-from dashpot.base.units import si_fields
+from dashpot.base.units import GRAVITY, si_fields
 from dashpot.kinds.indentation.contact_law import ContactLaw
 from dashpot.records.found import Found, Numbered
 
-GRAVITY = 9.80665
 Motion: TypeAlias = Literal["acceleration", "velocity", "displacement", "force"]
 UNITS: dict[str, str] = {
     "acceleration": "m/s^2", "velocity": "m/s", "displacement": "m", "force": "N",

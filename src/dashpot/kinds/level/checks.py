@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from dashpot.base.checks import Finding, criterion
-from dashpot.base.numbers import READ_IN
+from dashpot.base.units import in_unit
+from dashpot.kinds.level.record import moved_in
 
 MATTERS = 20.0
 FAR_ENOUGH = 2.0
@@ -167,13 +168,12 @@ def level_covered(
     amplitude: float, tested: tuple[float, float], *, at: str, of: str = "m"
 ) -> Finding:
     """At the level asked for the seal moves as far as it did in a test."""
-    scale, unit = READ_IN[of]
+    unit, said = moved_in(of)
+    size, least, most = (f"{in_unit(one, unit):.3g}" for one in (amplitude, *tested))
     low, high = tested
     factor = max(amplitude / high, low / amplitude)
-    says = (
-        f"at {at} the seal {'moves' if of == 'm' else 'is moved by'} {scale * amplitude:.3g} {unit}"
-    )
-    range_ = f"{scale * low:.3g} to {scale * high:.3g} {unit} of the tests"
+    says = f"at {at} the seal {'moves' if of == 'm' else 'is moved by'} {size} {said}"
+    range_ = f"{least} to {most} {said} of the tests"
     return Finding(
         f"{says}, within the {range_}",
         factor,

@@ -8,9 +8,10 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.provenance import sources_of
+from dashpot.base.units import in_unit
 from dashpot.kinds.level.fit_frfs import rows_at_level
 from dashpot.kinds.level.hits import HitLevels
-from dashpot.kinds.level.levels import LevelFit
+from dashpot.kinds.level.levels import Elements, LevelFit
 from dashpot.kinds.level.prepare import HysteresisLoop, steady_cycles, sweep_of_loops
 from dashpot.kinds.level.record import AmplitudeFit, AmplitudeSweep
 from dashpot.kinds.level.response import receptance_at_level
@@ -28,6 +29,7 @@ from dashpot.plot.picture import (
     Scale,
     around,
     around_log,
+    read_as,
     unit_of,
 )
 from dashpot.plot.stamps import of_test
@@ -36,10 +38,8 @@ from dashpot.plot.tokens import SEQUENTIAL, sequential
 from dashpot.plot.vibration import FREQUENCY, SHOWN
 from dashpot.records.frf import FRF, Kind
 from dashpot.records.relaxation import RelaxationTest
-from dashpot.solids.friction import Jenkins
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.rate_independent import InParallel
-from dashpot.solids.stiffening import Cubic
 from dashpot.vibration.impact.amplitude import DECAYED
 
 _HEIGHT = 240.0
@@ -107,7 +107,7 @@ def loops(test: RelaxationTest, fit: AmplitudeFit | None = None, *, stamp: str =
             curves.append((_THIN, said, *_ellipse(one, fit)))
         for pen, name, x, F in curves:
             recorded.append(Line(mm * _closed(x), N * _closed(F), pen, name))
-            scaled.append(Line(_closed(x) / X, 1e-3 * _closed(F) / X, pen, name))
+            scaled.append(Line(_closed(x) / X, in_unit(_closed(F) / X, "N/mm"), pen, name))
     panels = [
         _looped("as recorded", f"displacement, {word}", f"force, {force}", recorded),
         _looped("each to its amplitude", "displacement over its amplitude, 1",
@@ -236,7 +236,7 @@ def _over_amplitude(sweep: AmplitudeSweep, fit: AmplitudeFit | None) -> list[Pan
     of, word, mm = "strain", "%", 100.0
     if sweep.of != "strain":
         of, (word, mm) = "displacement", unit_of(sweep.amplitude, "m")
-    unit, scale, letter = ("MPa", 1e-6, "E") if sweep.unit == "Pa" else ("N/mm", 1e-3, "K")
+    letter, (unit, scale) = "E" if sweep.unit == "Pa" else "K", read_as(sweep.unit)
     tones, tone = np.unique(sweep.frequency.round(6), return_inverse=True)
     low, high = float(sweep.amplitude.min()), float(sweep.amplitude.max())
     dense = np.geomspace(low / 1.5, high * 1.5, 200)
@@ -334,12 +334,18 @@ def _informed(fit: LevelFit, frfs: Sequence[FRF]) -> list[Panel]:
     panels = []
     ends = _interval(fit, middle, dense)
     for i, (name, part) in enumerate((("storage K′", np.real), ("loss K″", np.imag))):
-        low, high = 1e-3 * ends[:, i]
-        y = 1e-3 * part(curve)
+        low, high = in_unit(ends[:, i], "N/mm")
+        y = in_unit(part(curve), "N/mm")
         marks = (
             Area(mm * dense, low, high, "fit", "95 % interval"),
             Line(mm * dense, y, FIT, "fit"),
-            Dots(mm * at, 1e-3 * part(mean), "measured", "measured", error=2e-3 * error),
+            Dots(
+                mm * at,
+                in_unit(part(mean), "N/mm"),
+                "measured",
+                "measured",
+                error=in_unit(2 * error, "N/mm"),
+            ),
         )
         pad = max(float(np.ptp(y)), 0.1 * float(np.abs(y).max()))
         limits = around(y - 0.3 * pad, y + 0.3 * pad, low, high)
@@ -353,7 +359,7 @@ def _informed(fit: LevelFit, frfs: Sequence[FRF]) -> list[Panel]:
 def _interval(fit: LevelFit, omega: float, X: FloatArray) -> FloatArray:
     """95 % interval of storage and loss over amplitude, N/m, shape (2, 2, n)."""
 
-    def both(solid: GeneralizedMaxwell, beside: tuple[Jenkins | Cubic, ...]) -> FloatArray:
+    def both(solid: GeneralizedMaxwell, beside: Elements) -> FloatArray:
         K = InParallel((solid, *beside)).equivalent(omega, X)
         return np.array((K.real, K.imag))
 

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 
 from dashpot.base.checks import Check, Checked
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source
+from dashpot.base.units import in_unit, written
 from dashpot.records.frf import FRF
 from dashpot.vibration.impact.amplitude import RegressionLine, Trend, trend_of_hits
 from dashpot.vibration.impact.checks import (
@@ -22,8 +24,18 @@ from dashpot.vibration.impact.checks import (
 _ROUNDS = 20
 
 
+class StruckAt(NamedTuple):
+    """A hit: its peak, N, and the motion, m, resonance, Hz, and damping ratio after it."""
+
+    name: str
+    peak: float | None
+    amplitude: float | None
+    frequency_hz: float | None
+    damping_ratio: float | None
+
+
 @dataclass(frozen=True, eq=False)
-class HitLevels(Checked):
+class HitLevels(Checked, Documented):
     """What hits of different height say of how a resonance moves with amplitude.
 
     Attributes
@@ -33,6 +45,8 @@ class HitLevels(Checked):
     trend : Trend
     checks : tuple of Check
     """
+
+    keys = ("hits", "per_doubling")
 
     frf: FRF
     trend: Trend
@@ -56,8 +70,8 @@ class HitLevels(Checked):
         return (
             f"{judged.use}: {judged.says}",
             (
-                f"{trend.stiffness_line.dof + 2} hits, motion of {1e3 * low:.3g} to "
-                f"{1e3 * high:.3g} mm: per doubling the stiffness changes by "
+                f"{trend.stiffness_line.dof + 2} hits, motion of {in_unit(low, 'mm'):.3g} to "
+                f"{written(high, 'mm', '.3g')}: per doubling the stiffness changes by "
                 f"{_with_error(trend.stiffness_line)}, the damping ratio by "
                 f"{_with_error(trend.damping_line)}"
             ),
@@ -69,27 +83,18 @@ class HitLevels(Checked):
         )
 
     @property
-    def document(self) -> dict[str, Any]:
-        """Its part of ``dashpot/levels@1``."""
-        trend = self.trend
-        lines = {"stiffness": trend.stiffness_line, "damping": trend.damping_line}
-        return {
-            "hits": [
-                {
-                    "name": one.name,
-                    "peak": one.peak,
-                    "amplitude": one.amplitude,
-                    "frequency_hz": one.frequency,
-                    "damping_ratio": one.damping_ratio,
-                }
-                for one in self.frf.hits
-                if one.accepted
-            ],
-            "per_doubling": {
-                name: {"change": line.slope, "se": line.se, "found": line.found}
-                for name, line in lines.items()
-            },
-        }
+    def hits(self) -> tuple[StruckAt, ...]:
+        """The hits that count."""
+        return tuple(
+            StruckAt(one.name, one.peak, one.amplitude, one.frequency, one.damping_ratio)
+            for one in self.frf.hits
+            if one.accepted
+        )
+
+    @property
+    def per_doubling(self) -> dict[str, RegressionLine]:
+        """The trends of stiffness and damping by their names."""
+        return {"stiffness": self.trend.stiffness_line, "damping": self.trend.damping_line}
 
     def resonance(
         self, level: float
@@ -128,11 +133,11 @@ class HitLevels(Checked):
             hz, receptance = along(x)
             x = float(np.log2(level * receptance))
         if hz == 0:
-            low, high = (1e3 * one for one in self.amplitudes)
+            low, high = self.amplitudes
             raise DataError(
-                f"at {level:g} N the line through the damping of the hits, of {low:.3g} to "
-                f"{high:.3g} mm, leaves no resonance: it does not reach so far; hit so that the "
-                "seal moves as it does at that level"
+                f"at {level:g} N the line through the damping of the hits, of "
+                f"{in_unit(low, 'mm'):.3g} to {written(high, 'mm', '.3g')}, leaves no resonance: "
+                "it does not reach so far; hit so that the seal moves as it does at that level"
             )
         least_hz, most_hz = (along(x, stiffness=way)[0] for way in (-1.0, 1.0))
         least, most = (along(x, damping=way)[1] for way in (1.0, -1.0))

@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
+from dashpot.base.choices import AmplitudeLaw, words
 from dashpot.engine.inference.estimate import estimate, white_noise
 from dashpot.engine.inference.order import bic, deviance
 from dashpot.engine.least_squares.nnls import linear
@@ -25,7 +26,7 @@ from dashpot.kinds.level.record import AmplitudeSweep
 from dashpot.solids.friction import slipping_share
 from dashpot.solids.softening import softened
 
-LAWS = ("factor", "additive", "cubic", "factor+cubic", "additive+cubic")
+LAWS = words(AmplitudeLaw)
 """Kraus's law as a factor or beside the solid, a cubic spring, and both."""
 _EXPONENTS = (0.1, 0.95)
 SET = 0.5

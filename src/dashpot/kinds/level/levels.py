@@ -4,28 +4,63 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import BoolArray, ByValue, ComplexArray, FloatArray
 from dashpot.base.checks import Check, Checked
+from dashpot.base.documents import Documented
 from dashpot.base.numbers import counted
 from dashpot.base.offered import Described
 from dashpot.base.provenance import Source, Step
+from dashpot.base.units import in_unit, written
 from dashpot.records.specimen import Specimen
 from dashpot.solids.friction import Jenkins
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.solids.rate_independent import InParallel
+from dashpot.solids.rate_independent import InParallel, RateIndependent
 from dashpot.solids.stiffening import Cubic
 
-Parts: TypeAlias = tuple[GeneralizedMaxwell, tuple[Jenkins | Cubic, ...]]
+Elements: TypeAlias = tuple[RateIndependent, ...]
+"""What stands beside a solid: sliders and a cubic spring."""
+Parts: TypeAlias = tuple[GeneralizedMaxwell, Elements]
 """A solid, and what stands beside it."""
 
 
+@dataclass(frozen=True)
+class PeakAtLevel:
+    """The resonance of a mass at a level that was asked for.
+
+    Attributes
+    ----------
+    level : float
+        Amplitude of the force, N.
+    frequency, receptance : float
+        Of the largest motion, Hz, and that motion over the force, m/N.
+    frequency_interval, receptance_interval : (float, float)
+        95 %.
+    amplitude : float
+        Of the seal's displacement there, m.
+    """
+
+    level: float
+    frequency: float
+    receptance: float
+    frequency_interval: tuple[float, float]
+    receptance_interval: tuple[float, float]
+    amplitude: float
+
+
+class CubicFound(NamedTuple):
+    """A cubic spring, N/m^3, with its 95 % interval."""
+
+    k3: float
+    interval: tuple[float, float]
+
+
 @dataclass(frozen=True, eq=False, repr=False)
-class LevelFit(ByValue, Described, Checked):
+class LevelFit(ByValue, Described, Checked, Documented):
     """Arms, sliders and a spring of one seal that follow its FRFs at several levels.
 
     Attributes
@@ -58,10 +93,19 @@ class LevelFit(ByValue, Described, Checked):
     specimen : Specimen
     steps : tuple of Step
         What was made of it since.
+    at : tuple of PeakAtLevel
+        The levels that were asked for.
     """
 
+    schema = "dashpot/levels@1"
+    keys = (
+        "amplitudes", "verdict", "checks", "residual", "mass", "seals", "band_hz=band",
+        "linear_residual", "model=solid", "sliders", "cubic", "orders=two_ln_l", "levels", "source",
+        "at",
+    )  # fmt: skip
+
     solid: GeneralizedMaxwell
-    beside: tuple[Jenkins | Cubic, ...]
+    beside: Elements
     amplitudes: tuple[float, float]
     band: tuple[float, float]
     residual: float
@@ -75,6 +119,12 @@ class LevelFit(ByValue, Described, Checked):
     orders: tuple[tuple[str, float], ...] = ()
     specimen: Specimen = field(default_factory=Specimen)
     steps: tuple[Step, ...] = ()
+    at: tuple[PeakAtLevel, ...] = ()
+
+    @property
+    def digested(self) -> bool:
+        """Its document shows whether it was edited."""
+        return True
 
     @property
     def sliders(self) -> tuple[Jenkins, ...]:
@@ -92,12 +142,22 @@ class LevelFit(ByValue, Described, Checked):
         low, high = self.interval(_k3).tolist()
         return low, high
 
+    @property
+    def cubic(self) -> CubicFound | None:
+        """The cubic spring, where there is one."""
+        return CubicFound(self.k3, self.k3_interval) if self.k3 else None
+
+    @property
+    def two_ln_l(self) -> dict[str, float]:
+        """`orders` by their names."""
+        return dict(self.orders)
+
     def stiffness(self, omega: npt.ArrayLike, amplitude: npt.ArrayLike) -> ComplexArray:
         """Complex stiffness of one seal, N/m, at rad/s and amplitudes, m."""
         return InParallel((self.solid, *self.beside)).equivalent(omega, amplitude)
 
     def interval(
-        self, follows: Callable[[GeneralizedMaxwell, tuple[Jenkins | Cubic, ...]], npt.ArrayLike]
+        self, follows: Callable[[GeneralizedMaxwell, Elements], npt.ArrayLike]
     ) -> FloatArray:
         """95 % interval of what follows from the solid and what is beside it (basic bootstrap).
 
@@ -113,7 +173,7 @@ class LevelFit(ByValue, Described, Checked):
     def in_parallel(self, count: float) -> LevelFit:
         """So many seals side by side, as one; a fraction is a shorter piece."""
 
-        def of(solid: GeneralizedMaxwell, beside: tuple[Jenkins | Cubic, ...]) -> Parts:
+        def of(solid: GeneralizedMaxwell, beside: Elements) -> Parts:
             return solid * count, tuple(one * count for one in beside)
 
         solid, beside = of(self.solid, self.beside)
@@ -146,9 +206,9 @@ class LevelFit(ByValue, Described, Checked):
         return (
             f"{judged.use}: {judged.says}",
             (
-                f"one seal, {1e3 * low:.3g} to {1e3 * high:.3g} mm at {middle / 2 / np.pi:.4g} Hz: "
-                f"stiffness {1e-3 * ends[0].real:.4g} to {1e-3 * ends[1].real:.4g} N/mm, "
-                f"loss factor {factor[0]:.3g} to {factor[1]:.3g}"
+                f"one seal, {in_unit(low, 'mm'):.3g} to {written(high, 'mm', '.3g')} at "
+                f"{middle / 2 / np.pi:.4g} Hz: stiffness {in_unit(ends[0].real, 'N/mm'):.4g} to "
+                f"{written(ends[1].real, 'N/mm')}, loss factor {factor[0]:.3g} to {factor[1]:.3g}"
             ),
             (
                 f"{counted(self.solid.arms, 'arm')} and {counted(len(self.sliders), 'slider')} "
@@ -173,10 +233,10 @@ class LevelFit(ByValue, Described, Checked):
         return (
             (
                 f"it {way} as a cubic spring, k3 = {self.k3:.4g} N/m^3 ({low:.4g} to {high:.4g}): "
-                f"{1e-3 * share:+.3g} N/mm at the largest amplitude"
+                f"{written(share, 'N/mm', '+.3g')} at the largest amplitude"
             ),
         )
 
 
-def _k3(_: GeneralizedMaxwell, beside: tuple[Jenkins | Cubic, ...]) -> float:
+def _k3(_: GeneralizedMaxwell, beside: Elements) -> float:
     return sum(one.k3 for one in beside if isinstance(one, Cubic))

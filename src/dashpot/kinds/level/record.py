@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import BoolArray, ByValue, ComplexArray, FloatArray, hold_measured
 from dashpot.base.checks import Check, Checked
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
-from dashpot.base.numbers import READ_IN, ascii_only, rounded
+from dashpot.base.numbers import ascii_only, rounded
 from dashpot.base.offered import Described
 from dashpot.base.provenance import Source, of_file
+from dashpot.base.units import in_unit, read_in, written
 from dashpot.records.specimen import Specimen
 from dashpot.solids.friction import Kraus
 from dashpot.solids.maxwell import Solid
@@ -97,8 +100,18 @@ class AmplitudeSweep(ByValue, Described):
         )
 
 
+class LinearAt(NamedTuple):
+    """Storage and loss at a frequency, each with its standard error."""
+
+    frequency_hz: float
+    storage: float
+    loss: float
+    storage_se: float
+    loss_se: float
+
+
 @dataclass(frozen=True, eq=False, repr=False)
-class AmplitudeFit(ByValue, Described, Checked):
+class AmplitudeFit(ByValue, Described, Checked, Documented):
     r"""What an amplitude sweep says of how stiffness and loss move with amplitude.
 
     ``"factor"``: :math:`K^*(\omega, X) = K^*(\omega)\,\phi(X)`; ``"additive"``:
@@ -139,7 +152,15 @@ class AmplitudeFit(ByValue, Described, Checked):
         Of the cubic spring, in `unit` per square of `of`; 0 where there is none.
     k3_unseen : float
         Where there is none: size up to which one stays unseen beside the law, 95 %; else 0.
+    loss_per_lag : float or None
+        What a second between the channels of recorded loops makes of the loss factor, 1/s. It does
+        so at every amplitude alike, so loops of one frequency do not tell it from loss.
     """
+
+    keys = (
+        "residual", "law", "unit", "of", "loss_factor_per_lag=loss_per_lag", "linear=lines",
+        "*numbers", "k3_unseen", "orders=bic_by_law",
+    )  # fmt: skip
 
     law: str
     frequency: FloatArray
@@ -159,23 +180,41 @@ class AmplitudeFit(ByValue, Described, Checked):
     source: Source | None = None
     k3: float = 0.0
     k3_unseen: float = 0.0
+    loss_per_lag: float | None = None
+
+    @property
+    def lines(self) -> tuple[LinearAt, ...]:
+        """The stiffness at a vanishing amplitude, frequency by frequency."""
+        value, se = self.linear, self.linear_se
+        rows = (self.frequency, value.real, value.imag, se.real, se.imag)
+        return tuple(map(LinearAt, *(row.tolist() for row in rows)))
+
+    @property
+    def constants(self) -> dict[str, float]:
+        """The numbers of the law."""
+        return {name: getattr(self, name) for name, _ in self.se}
+
+    @property
+    def numbers(self) -> dict[str, float]:
+        """The numbers of the law, and their standard errors."""
+        return self.constants | {f"{name}_se": error for name, error in self.se}
+
+    @property
+    def bic_by_law(self) -> dict[str, float]:
+        """`orders` by their names."""
+        return dict(self.orders)
 
     @property
     def described(self) -> tuple[str, ...]:
         """The verdict, the law and its numbers."""
         judged = self.verdict
         lines, error = [f"{judged.use}: {judged.says}"], dict(self.se)
-        size, unit = READ_IN[self.unit]
-        far, of = READ_IN[self.of]
-        low, high = (far * one for one in self.amplitudes)
+        unit, (motion, of) = read_in(self.unit), moved_in(self.of)
+        low, high = (in_unit(one, motion) for one in self.amplitudes)
         kraus = self.law.partition("+")[0]
         if kraus in {"factor", "additive"}:
-            lost = (
-                f"{100 * self.lost:.3g} %"
-                if kraus == "factor"
-                else f"{size * self.lost:.4g} {unit}"
-            )
-            half_way, doubt = far * self.half_way, far * error["half_way"]
+            lost = written(self.lost, "%", ".3g") if kraus == "factor" else written(self.lost, unit)
+            half_way, doubt = (in_unit(one, motion) for one in (self.half_way, error["half_way"]))
             lines.append(
                 f"{kraus} law: {lost} of the stiffness is lost with amplitude, half of it at "
                 f"{ascii_only(rounded(half_way, doubt))} +- {doubt:.2g} {of}; exponent "
@@ -184,16 +223,16 @@ class AmplitudeFit(ByValue, Described, Checked):
         if self.k3:
             per = f"{self.unit}" + ("" if self.of == "strain" else "/m^2")
             way = "stiffens" if self.k3 > 0 else "softens"
-            most = size * 0.75 * abs(self.k3) * self.amplitudes[1] ** 2
+            most = 0.75 * abs(self.k3) * self.amplitudes[1] ** 2
             lines.append(
                 f"cubic spring: k3 = {self.k3:.4g} +- {error['k3']:.2g} {per}, which {way} by "
-                f"{most:.3g} {unit} at the largest amplitude"
+                f"{written(most, unit, '.3g')} at the largest amplitude"
             )
         if self.k3_unseen:
             share = 0.75 * self.k3_unseen * self.amplitudes[1] ** 2
             part = share / float(np.abs(self.stiffness(self.amplitudes[1])))
             lines.append(
-                f"no cubic spring is seen: one of up to {size * share:.2g} {unit} "
+                f"no cubic spring is seen: one of up to {written(share, unit, '.2g')} "
                 f"({100 * part:.2g} %) at the largest amplitude would not be"
             )
         lines.append(
@@ -264,3 +303,8 @@ class AmplitudeFit(ByValue, Described, Checked):
         if not self.law.startswith("additive"):
             raise DataError(f"the law is '{self.law}'; only an additive law stands beside a solid")
         return Kraus(self.lost * scale, self.half_way * stretch, self.exponent)
+
+
+def moved_in(of: str) -> tuple[str, str]:
+    """The unit in which people read a motion, a displacement or a strain, and what they call it."""
+    return ("%", "% strain") if of == "strain" else (read_in(of), read_in(of))

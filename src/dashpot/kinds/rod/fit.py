@@ -17,6 +17,7 @@ from typing import Literal
 import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray
+from dashpot.base.choices import FamilyAsked
 from dashpot.base.errors import FitError
 from dashpot.base.provenance import Source
 from dashpot.fitting.dynamic import fit_dynamic
@@ -35,7 +36,7 @@ def fit_rod(
     *,
     errors: RodErrors | None = None,
     arms: int | Literal["auto"] = "auto",
-    family: Literal["maxwell", "fractional", "auto"] = "maxwell",
+    family: FamilyAsked = "maxwell",
     specimen: Specimen | None = None,
     source: Source | None = None,
 ) -> Fit:

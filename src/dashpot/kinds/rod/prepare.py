@@ -20,8 +20,9 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from dashpot.base.arrays import BoolArray, ByValue, ComplexArray, FloatArray, IndexArray, positive
+from dashpot.base.arrays import BoolArray, ByValue, ComplexArray, FloatArray, IndexArray
 from dashpot.base.checks import Check
+from dashpot.base.demands import positive
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, Range, si, si_range
 from dashpot.kinds.rod.checks import mass_beside_rod, rod_usable, sensors_agree, waves_plane

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.documents import Documented
 from dashpot.base.student_t import t_quantile
 from dashpot.records.frf import FRF, Hit, Mode
 from dashpot.vibration.impact.estimators import Spectra
@@ -25,7 +26,7 @@ DECAYED = 0.55
 
 
 @dataclass(frozen=True)
-class RegressionLine:
+class RegressionLine(Documented):
     """A straight line over the binary logarithm of an amplitude.
 
     Attributes
@@ -42,6 +43,8 @@ class RegressionLine:
         Standard error of the slope, and root of the sum of squares of the logarithms.
     dof : int
     """
+
+    keys = ("change=slope", "se", "found")
 
     slope: float
     sure: float

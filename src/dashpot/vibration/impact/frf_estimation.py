@@ -7,10 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from dashpot.base.arrays import BoolArray, positive
+from dashpot.base.arrays import BoolArray
+from dashpot.base.demands import positive
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Step
-from dashpot.base.units import Quantity, Range, si, si_range
+from dashpot.base.units import Quantity, Range, si, si_range, written
 from dashpot.records.frf import FRF, Hit
 from dashpot.records.impact import ImpactTest
 from dashpot.vibration.impact.amplitude import with_resonances
@@ -230,8 +231,8 @@ def _cut_step(hits: Sequence[HitBlock]) -> Step:
             ("record", f"{length:.9g} s"),
             ("pretrigger", f"{before:.9g} s"),
         ),
-        f"{len(hits)} hits in blocks of {length:.4g} s, {1000 * before:.3g} ms of each before "
-        "the hit, from where the offsets were taken",
+        f"{len(hits)} hits in blocks of {length:.4g} s, {written(before, 'ms', '.3g')} of each "
+        "before the hit, from where the offsets were taken",
     )
 
 

@@ -7,7 +7,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from dashpot.base.arrays import ComplexArray, FloatArray, not_negative, sample_count
+from dashpot.base.arrays import ComplexArray, FloatArray, sample_count
+from dashpot.base.demands import not_negative
 from dashpot.base.errors import DataError
 from dashpot.records.impact import ImpactTest
 from dashpot.vibration.modal.peaks import run_about

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.units import written
 from dashpot.vibration.impact.hits import HitBlock, width_at
 from dashpot.vibration.modal.peaks import run_about
 
@@ -105,7 +106,7 @@ def _faults(hit: HitBlock) -> Iterator[str]:
     if second >= REBOUND and second * hit.peak >= 8 * hit.noise[0]:
         yield (
             f"double hit: a second pulse of {100 * second:.0f} % of the peak "
-            f"{1000 * abs(after):.0f} ms {'after' if after > 0 else 'before'} it"
+            f"{written(abs(after), 'ms', '.0f')} {'after' if after > 0 else 'before'} it"
         )
     yield from _overloads(hit)
 
