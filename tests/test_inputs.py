@@ -25,6 +25,7 @@ from dashpot.base.choices import Driver, words
 from dashpot.base.options import flag_of, names_files, offered, words_of
 from dashpot.cli import COMMANDS, main
 from dashpot.io.options import OF_HAMMER, OF_HAMMER_ALONE, ReadOptions
+from dashpot.kinds.rod.record import RodErrors
 from dashpot.lots import batches
 from dashpot.lots.choices import BatchChoices
 from dashpot.records.machine import Machine
@@ -33,7 +34,7 @@ from dashpot.web.form import filled, usual
 from dashpot.web.requests import job_of, noun_of, page_of, said_of
 from dashpot.web.store import Store
 from dashpot.workflow.command_lines import line
-from dashpot.workflow.job import Cuts, HammerChoices, Job, LevelJob, ModesJob
+from dashpot.workflow.job import Cuts, HammerChoices, Job, LevelJob, ModesJob, RodChoices
 
 RIG = ("seal_mass", "seals", "compression")
 TESTED = tuple(one.name for one in offered(Specimen) if one.name != "temperature")
@@ -129,6 +130,11 @@ def test_what_python_takes_where_nothing_is_said_is_the_same(
         if name in usually and one.default not in (inspect.Parameter.empty, usually[name])
     ]  # fmt: skip
     assert not wrong
+
+
+def test_a_rod_is_known_as_well_as_the_work_takes_it_to_be() -> None:
+    said = RodChoices()
+    assert (said.gain_error, said.phase_error) == (RodErrors.gain, RodErrors.phase)
 
 
 @pytest.mark.once

@@ -69,6 +69,7 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "workflow/checks.py:base_band_informed": ("predict",),
     "workflow/rods.py": ("rod",),
     "workflow/part.py:pad": ("predict", "rod"),
+    "kinds/__init__.py": ("batch", "watch"),
     "kinds/cld/": ("cld",),
     "kinds/hyperelastic/": ("hyperelastic",),
     "kinds/indentation/": ("indent",),

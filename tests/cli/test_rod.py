@@ -10,7 +10,8 @@ from click.testing import CliRunner
 
 import dashpot as dp
 from dashpot.cli import main
-from dashpot.kinds.rod.prepare import RodErrors, rod_modulus
+from dashpot.kinds.rod.prepare import rod_modulus
+from dashpot.kinds.rod.record import RodErrors
 from dashpot.solids.part import Disc
 from dashpot.workflow.examples import EXAMPLES
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from dashpot.base.errors import ReadError
-from dashpot.io.columns.kinds import MASTER, ONE_FREQUENCY, WANTED_BY, kind_of
+from dashpot.io.columns.kinds import MASTER, ONE_FREQUENCY, RECOGNISED, kind_of
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.creep import read_creep
 from dashpot.io.readers.dynamic import read_dynamic
@@ -55,12 +55,12 @@ def test_each_kind_is_named(tmp_path: Path, name: str) -> None:
     kind = FILES[name][1]
     (found,) = inspect_files([written(tmp_path, name)]).files
     assert found.kind == kind
-    assert found.use == WANTED_BY[kind][1]
+    assert found.use == RECOGNISED[kind].use
     assert not found.questions
 
 
 def test_every_kind_has_a_file() -> None:
-    assert {kind for _, kind in FILES.values()} == set(WANTED_BY)
+    assert {kind for _, kind in FILES.values()} == set(RECOGNISED)
 
 
 @pytest.mark.parametrize("name", FILES)
@@ -81,7 +81,7 @@ def test_a_reader_takes_its_kind_and_says_of_others_what_they_are(
     with pytest.raises(ReadError) as caught:
         read(path)
     seen = "relaxation" if name in {"creep.csv", "triangle.csv", "fatigue.csv"} else kind
-    what, command = WANTED_BY[seen]
+    what, command, *_ = RECOGNISED[seen]
     says = str(caught.value)
     assert says.startswith(f"{name}: this is {what} (")
     assert says.endswith(command.replace("COLUMN", '"Relaxation modulus"'))

@@ -81,7 +81,7 @@ def test_a_page_reads_no_file_through_it(live, tmp_path):
         ({"driver": "simulated", "speed": "fast"}, DataError, "speed: 'fast' is no number"),
         ({"driver": "simulated", "speed": "-1"}, DataError, "expected a number > 0"),
         ({"driver": "move"}, DataError, "driver = 'move'; expected one of simulated"),
-        ({}, DataError, "'' is no instrument"),
+        ({}, DataError, "driver = ''; expected one of simulated"),
     ]:  # fmt: skip
         with pytest.raises(error, match=says):
             live.start(asked)

@@ -26,6 +26,9 @@ ElasticKindAsked: TypeAlias = Literal["auto", ElasticKind]
 Measure: TypeAlias = Literal["auto", "nominal", "true"]
 ImpactLaw: TypeAlias = Literal["kelvin-voigt", "hertz", "hertz-kelvin-voigt", "hertz-maxwell"]
 ImpactLawAsked: TypeAlias = Literal["auto", ImpactLaw]
+PartMode: TypeAlias = Literal[
+    "compression", "shear", "axial", "torsion", "radial-short", "radial-long"
+]  # fmt: skip
 Driver: TypeAlias = Literal["simulated", "serial", "replay"]
 Rehearsed: TypeAlias = Literal["relaxation", "creep", "impact", "motion"]
 

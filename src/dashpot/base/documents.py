@@ -120,6 +120,8 @@ def plain(value: Any) -> Any:
     >>> plain((1.5, float("inf"), {"a": 1j}))
     [1.5, 'Infinity', {'a': {'real': 0.0, 'imag': 1.0}}]
     """
+    if value is None or isinstance(value, str | int):
+        return value
     if isinstance(value, Documented):
         return value.document
     if isinstance(value, tuple) and hasattr(value, "_fields"):
@@ -153,11 +155,11 @@ def numbers_or_null(value: Any) -> Any:
     return None if isinstance(value, str) and value in NOT_FINITE else value
 
 
-def digest_of(document: Mapping[str, Any]) -> str:
+def digest_of(document: dict[str, Any]) -> str:
     """Return 16 hexadecimal digits of what a document says, however it is laid out."""
 
     def even(value: Any) -> Any:
-        if isinstance(value, Mapping):
+        if isinstance(value, dict):
             return {key: even(item) for key, item in value.items() if key != DIGEST}
         if isinstance(value, list):
             return [even(item) for item in value]

@@ -6,7 +6,7 @@ a noun loads nothing that it is not asked for.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from importlib import import_module
 from typing import Any
 
@@ -30,6 +30,14 @@ class Described:
     def described(self) -> tuple[str, ...]:
         """What a shell prints of it, line by line."""
         raise NotImplementedError
+
+    @property
+    def series(self) -> Mapping[str, tuple[Any, str]]:
+        """Its numbers as columns of one length, each with its SI unit; the first is their index.
+
+        None in place of numbers that it does not have; nothing at all of what is no table.
+        """
+        return {}
 
     def __repr__(self) -> str:
         lines = "\n".join(self.described).split("\n")

@@ -13,18 +13,10 @@ from dashpot.cli._shell import File, Outcome, Output, reports, typed, write
 from dashpot.cli._terminal import Text
 from dashpot.cli._text import table
 from dashpot.io.options import ReadOptions
+from dashpot.kinds import KINDS
 
 if TYPE_CHECKING:
     from dashpot.workflow.inspections import InspectedFile
-
-_COMMANDS = {
-    "relaxation": ("fit",),
-    "dma": ("fit",),
-    "master-curve": ("fit",),
-    "impact": ("impact",),
-    "frf": ("compare", "fit.json"),
-}
-"""What a file of a kind is for."""
 
 
 @click.command("inspect")
@@ -61,15 +53,19 @@ def _follow(paths: tuple[str, ...], found: tuple[InspectedFile, ...]) -> str:
     said = given("options", "profile")
     if any(each.questions or each.refusal for each in found):
         return typed("inspect", *paths, *said, why="with the option that answers")
-    words = _COMMANDS.get(found[0].kind)
+    words = _proposed(found[0])
     return typed(*words, *paths, *said) if words else ""
+
+
+def _proposed(found: InspectedFile) -> tuple[str, ...]:
+    return KINDS[found.kind].command if found.kind in KINDS else ()
 
 
 def _answer(found: InspectedFile) -> list[str]:
     """Return what a file is, what it still asks, and the test in it."""
     lines = [
         f"{found.file}: {found.kind} ({found.reason})",
-        *([f"  for       {found.use}"] if found.use and not _COMMANDS.get(found.kind) else []),
+        *([f"  for       {found.use}"] if found.use and not _proposed(found) else []),
         *(f"  ASK       {question.says}" for question in found.questions),
     ]
     if found.refusal:

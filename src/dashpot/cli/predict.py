@@ -12,8 +12,7 @@ from dashpot.cli import _options as options
 from dashpot.cli import _text
 from dashpot.cli._shell import File, Outcome, grams, reports, typed, write, write_figure
 from dashpot.records.frf import OF_FORCE
-from dashpot.workflow.job import HammerChoices, Job, LevelChoices
-from dashpot.workflow.part import PartChoices
+from dashpot.workflow.job import HammerChoices, Job, LevelChoices, PartChoices
 
 
 @click.command("predict")

@@ -22,8 +22,7 @@ from dashpot.cli._shell import (
     write_figure,
 )
 from dashpot.records.specimen import Specimen
-from dashpot.workflow.job import Job
-from dashpot.workflow.rods import RodChoices
+from dashpot.workflow.job import Job, RodChoices
 
 _OTHERS = ("length", "height", "notes", "name", "lot", "operator", "date")
 

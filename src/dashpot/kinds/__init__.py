@@ -1,1 +1,250 @@
-"""Kinds of tests, a room for each: its record, how it is read, prepared, fitted, judged, drawn."""
+"""The register of kinds of tests: one row each, and the rooms of those that have one.
+
+A row says of a kind by word, ``"module:name"`` under dashpot, what every other room asks of it: who
+reads and fits it, what nouns it is and how they are drawn, its row in a lot, its place in the app.
+What a table must hold to be of the kind, and what it is then called, stands in
+`dashpot.io.columns.kinds`: a low room recognises, and names nothing above it. A word is imported
+when it is asked for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+
+from dashpot.base.offered import verb
+
+if TYPE_CHECKING:
+    from dashpot.io.options import ReadOptions
+
+FIT_FILES = "workflow.fits:fit_files"
+_PAIR = "say of which test (--pair, or the column 'hammer' of --manifest), or use dashpot identify"
+_RELAXATION = "io.readers.relaxation:read_relaxation"
+_DYNAMIC = "io.readers.dynamic:read_dynamic"
+
+
+def load(word: str) -> Any:
+    """Return what a word names."""
+    return verb(*word.split(":"))
+
+
+class Example(NamedTuple):
+    """A file to learn on: the kind that it is recognised as, if any, and what writes it."""
+
+    kind: str
+    caption: str
+    write: Callable[[], str]
+
+
+@dataclass(frozen=True)
+class Piece:
+    """What a lot knows of one file besides what stands in it, SI.
+
+    Attributes
+    ----------
+    options : ReadOptions
+    temperature, mass : float or None
+        Of the test, and of what moves in it.
+    length, radius : float or None
+        Of the piece in contact, and of the tip of an indenter.
+    compression : float or None
+        The nominal one.
+    """
+
+    options: ReadOptions
+    temperature: float | None = None
+    mass: float | None = None
+    length: float | None = None
+    radius: float | None = None
+    compression: float | None = None
+
+
+@dataclass(frozen=True)
+class KindOfTest:
+    """A kind of test.
+
+    Attributes
+    ----------
+    name : str
+        As a file is recognised; of a test that is said to be one, such as a rod, its command.
+    reader : str
+        From a file to its record.
+    fit : str
+        From files to what is found; empty where nothing is.
+    nouns : mapping of str to str
+        Records and results that are of this kind alone, each with its figure, if it has one; those
+        with a schema are read back from their documents.
+    command : tuple of str
+        What the shell proposes for a file of the kind; the first is the command.
+    checks : str
+        The module of what it is asked.
+    page : str
+        Where the app takes it: ``"job"`` a test or a hammer, ``"response"`` that or one of several
+        levels, ``"bench"`` and ``"level"`` fitted by themselves; empty where it does not.
+    row : str
+        Its own row in a lot: from a file and what is known of its piece to result and numbers.
+    columns : tuple of str
+        Which no other kind has, of that row.
+    needs : str
+        What has to be known of the piece before.
+    says : str
+        In a lot, which word it waits for; by default who wants it.
+    column : str
+        The option that must name its column.
+    resonates : bool
+        Whether a lot finds a resonance in the file alone.
+    examples : str
+        Its example files, each with a caption and what writes it.
+    """
+
+    name: str
+    reader: str = ""
+    fit: str = ""
+    nouns: Mapping[str, str] = field(default_factory=dict)
+    command: tuple[str, ...] = ()
+    checks: str = ""
+    page: Literal["", "job", "response", "bench", "level"] = ""
+    row: str = ""
+    columns: tuple[str, ...] = ()
+    needs: str = ""
+    says: str = ""
+    column: str = ""
+    resonates: bool = False
+    examples: str = ""
+
+
+KINDS: Mapping[str, KindOfTest] = MappingProxyType({kind.name: kind for kind in (
+    KindOfTest(
+        "relaxation", _RELAXATION, FIT_FILES, page="job", command=("fit",),
+        nouns={
+            "records.relaxation:RelaxationTest": "",
+            "records.relaxation:RampHold": "plot.relaxation:segments",
+        },
+        checks="preparation.checks",
+    ),
+    KindOfTest(
+        "impact", "io.readers.impact:read_impact", "workflow.impacts:impact_files",
+        page="job", command=("impact",), says=_PAIR, resonates=True,
+        nouns={"records.impact:ImpactTest": ""},
+        checks="vibration.impact.checks",
+    ),
+    KindOfTest(
+        "frf", "io.readers.frf:read_frf", "workflow.measured_modes:modes_files",
+        page="response", command=("compare", "fit.json"), says=_PAIR, resonates=True,
+        nouns={"records.frf:FRF": "plot.vibration:frf"},
+        checks="vibration.modal.checks",
+    ),
+    KindOfTest("transmissibility", "io.readers.frf:read_frf", page="response"),
+    KindOfTest(
+        "dma", _DYNAMIC, FIT_FILES, page="bench", command=("fit",),
+        nouns={"records.dynamic:DynamicTest": ""},
+        checks="fitting.checks.curves",
+    ),
+    KindOfTest(
+        "master-curve", _DYNAMIC, FIT_FILES, page="bench", command=("fit",),
+        nouns={"records.superposition:Superposition": "plot.superposition_figure:superposition"},
+        checks="fitting.checks.temperature",
+    ),
+    KindOfTest(
+        "strain-sweep", "kinds.level.read:read_amplitude", "workflow.levels:level_files",
+        page="level",
+        nouns={
+            "kinds.level.record:AmplitudeSweep": "kinds.level.figure:amplitude_sweep",
+            "kinds.level.record:AmplitudeFit": "",
+            "kinds.level.levels:LevelFit": "",
+        },
+        checks="kinds.level.checks",
+    ),
+    KindOfTest("temperature-sweep"),
+    KindOfTest("one-frequency"),
+    KindOfTest(
+        "modulus", "io.readers.modulus:read_modulus", FIT_FILES, page="bench", column="modulus",
+        says="name its column (--modulus)",
+        nouns={"records.modulus:RelaxationModulus": ""},
+        checks="fitting.checks.curves",
+    ),
+    KindOfTest(
+        "creep", "io.readers.creep:read_creep", FIT_FILES, page="bench",
+        nouns={
+            "records.creep:CreepTest": "",
+            "records.creep:LoadHold": "",
+            "records.creep:CreepCompliance": "",
+        },
+        checks="fitting.checks.creep",
+    ),
+    KindOfTest(
+        "cld", "kinds.cld.read:read_cld", "kinds.cld.from_files:cld_files",
+        nouns={
+            "kinds.cld.record:CompressionTest": "",
+            "kinds.cld.record:CLD": "kinds.cld.figure:cld",
+        },
+        checks="kinds.cld.checks",
+        row="kinds.cld.row:row",
+        columns=(
+            "cld_at_m", "cld_force_N", "cld_force_se_N", "cld_per_100mm_N", "cld_slope_N_per_m",
+            "cld_hysteresis", "cld_softening", "cld_set_m",
+        ),
+        examples="kinds.cld.examples:EXAMPLES",
+    ),
+    KindOfTest(
+        "indentation", "kinds.indentation.read:read_indentation",
+        "kinds.indentation.from_files:indent_file",
+        nouns={
+            "kinds.indentation.record:IndentationTest": "",
+            "kinds.indentation.record:IndentationFit": "kinds.indentation.figure:indentation",
+        },
+        checks="kinds.indentation.checks",
+        row="kinds.indentation.row:row", needs="mass",
+        says="give the indenter's mass (--mass, or the column 'mass' of --manifest)",
+        columns=(
+            "indent_modulus_Pa", "indent_modulus_low_Pa", "indent_modulus_high_Pa",
+            "indent_depth_m", "restitution", "contact_s",
+        ),
+        examples="kinds.indentation.examples:EXAMPLES",
+    ),
+    KindOfTest(
+        "rod", "io.readers.frf:read_frf", "workflow.rods:rod_files", command=("rod",),
+        nouns={"kinds.rod.record:RodModulus": "kinds.rod.figure:rod"},
+        checks="kinds.rod.checks",
+        examples="kinds.rod.examples:EXAMPLES",
+    ),
+    KindOfTest(
+        "stress-strain", "kinds.hyperelastic.read:read_stress_strain",
+        "kinds.hyperelastic.from_files:hyperelastic_files",
+        nouns={
+            "kinds.hyperelastic.record:StressStrainTest": "",
+            "kinds.hyperelastic.record:HyperelasticFit": "kinds.hyperelastic.figure:hyperelastic",
+        },
+        checks="kinds.hyperelastic.checks",
+        examples="kinds.hyperelastic.examples:EXAMPLES",
+    ),
+    KindOfTest(
+        "cyclic", _RELAXATION, "workflow.levels:level_files", page="level",
+        checks="kinds.level.checks",
+        examples="kinds.level.examples:EXAMPLES",
+    ),
+)})  # fmt: skip
+"""Every kind, in the order in which columns and examples stand."""
+
+RESPONSES = tuple(kind.name for kind in KINDS.values() if kind.page == "response")
+"""Kinds that are what a mass on its seals does, over frequency."""
+
+_NOUNS = {noun: kind for kind in KINDS.values() for noun in kind.nouns}
+_FIGURES = {noun: figure for kind in KINDS.values() for noun, figure in kind.nouns.items()}
+
+
+def row_of(noun: object) -> KindOfTest | None:
+    """Return the kind that a record or a result is of; None of what is of none, or of several."""
+    return _NOUNS.get(_word(noun))
+
+
+def figure_of(noun: object) -> Any:
+    """Return the function that draws a record or a result; None if none does."""
+    word = _FIGURES.get(_word(noun))
+    return load(word) if word else None
+
+
+def _word(noun: object) -> str:
+    return f"{type(noun).__module__.removeprefix('dashpot.')}:{type(noun).__qualname__}"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any, TypeAlias
 
 import dashpot as dp
+from dashpot.kinds import KINDS
 from dashpot.lots.choices import BatchChoices
 from dashpot.lots.entries import LABELS, Entry
 
@@ -36,10 +37,7 @@ NUMBERS = (
     "band_high_Hz", "frequency_Hz", "damping_ratio",
     "predicted_Hz", "predicted_damping_ratio", "measured_Hz", "measured_se_Hz",
     "measured_damping_ratio", "measured_damping_ratio_se", "peak_dB", "frac",
-    "cld_at_m", "cld_force_N", "cld_force_se_N", "cld_per_100mm_N", "cld_slope_N_per_m",
-    "cld_hysteresis", "cld_softening", "cld_set_m",
-    "indent_modulus_Pa", "indent_modulus_low_Pa", "indent_modulus_high_Pa", "indent_depth_m",
-    "restitution", "contact_s",
+    *(name for kind in KINDS.values() for name in kind.columns),
     *(of_solid(what, "Pa") for what in _OF_THE_SOLID),
 )  # fmt: skip
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from itertools import islice
 from pathlib import Path
@@ -11,14 +11,15 @@ from typing import Any
 
 import numpy as np
 
+from dashpot.base.checks import Check, Verdict
 from dashpot.base.errors import DashpotError
 from dashpot.base.provenance import SIMULATED
-from dashpot.io.columns.kinds import MASTER, WANTED_BY
+from dashpot.io.columns.kinds import MASTER, RECOGNISED
+from dashpot.kinds import FIT_FILES, KINDS, KindOfTest, Piece, load, row_of
 from dashpot.lots.choices import BatchChoices
 from dashpot.lots.columns import asked_columns, empty, of_solid
 from dashpot.lots.entries import Entry, hashed
 from dashpot.lots.hammer import held_against_hammer, of_hammer_alone, of_origin
-from dashpot.lots.pressed import failed_names, pressed
 from dashpot.records.compression import refuse_far
 from dashpot.records.creep import CreepCompliance, LoadHold
 from dashpot.records.dynamic import DynamicTest
@@ -29,16 +30,6 @@ from dashpot.records.specimen import Specimen
 from dashpot.workflow.fits import Record, fit_files
 from dashpot.workflow.inspections import inspect_files
 from dashpot.workflow.resting import at_rest
-
-_FITTED = ("relaxation", "dma", "master-curve", "creep")
-"""Kinds that have a fit: what is wrong with such a file is its own sentence."""
-_PAIR = "say of which test (--pair, or the column 'hammer' of --manifest), or use dashpot identify"
-_RESONANCES = ("impact", "frf")
-_USES = {
-    "impact": _PAIR, "frf": _PAIR, "modulus": "name its column (--modulus)",
-    "indentation": "give the indenter's mass (--mass, or the column 'mass' of --manifest)",
-}  # fmt: skip
-"""What a batch makes of kinds that wait for a word."""
 
 
 def row(entry: Entry, hashes: Sequence[str], choices: BatchChoices) -> dict[str, Any]:
@@ -97,21 +88,49 @@ def _answered(entry: Entry, choices: BatchChoices, found: Mapping[str, Any]) -> 
         fit, records = fit_files((entry.file,), options=bench, **how)
     except DashpotError as error:
         seen = inspect_files((entry.file,), options=bench).files[0]
-        kind, origin = seen.kind, {"origin": SIMULATED if seen.simulated else ""}
-        own = pressed(kind, entry, choices, found["mass_kg"])
-        if own is not None:
-            return own | origin
-        if kind == "modulus" and choices.reading.modulus is not None:
+        origin = {"origin": SIMULATED if seen.simulated else ""}
+        refused = {"kind": seen.kind, "outcome": "refused", "reason": str(error)} | origin
+        if seen.kind not in RECOGNISED:
+            return refused
+        kind, mass = KINDS[seen.kind], found["mass_kg"]
+        piece = _piece(entry, choices, mass)
+        if kind.row and (not kind.needs or getattr(piece, kind.needs) is not None):
+            return _of_kind(kind, entry, piece) | origin
+        if kind.column and getattr(choices.reading, kind.column) is not None:
             fit, records = fit_files((entry.file,), options=choices.reading, **how)
-        elif kind in WANTED_BY and kind not in _FITTED:
-            what, use = WANTED_BY[kind][0], _USES.get(kind, WANTED_BY[kind][1])
-            told = {"kind": kind, "outcome": "other", "reason": f"it is {what}: {use}"} | origin
-            return told | (
-                of_hammer_alone(entry, choices, found["mass_kg"]) if kind in _RESONANCES else {}
-            )
+        elif kind.fit == FIT_FILES and not kind.says:
+            return refused
         else:
-            return {"kind": kind, "outcome": "refused", "reason": str(error)} | origin
+            what, use, *_ = RECOGNISED[seen.kind]
+            told = {
+                "kind": kind.name,
+                "outcome": "other",
+                "reason": f"it is {what}: {kind.says or use}",
+            }
+            alone = of_hammer_alone(entry, choices, mass) if kind.resonates else {}
+            return told | origin | alone
     return _of_test(fit, records[0], entry, choices, found)
+
+
+def _piece(entry: Entry, choices: BatchChoices, mass: float | None) -> Piece:
+    return Piece(
+        choices.bench, entry.temperature, mass,
+        choices.length, choices.radius, next(iter(choices.compression), None),
+    )  # fmt: skip
+
+
+def _of_kind(kind: KindOfTest, entry: Entry, piece: Piece) -> dict[str, Any]:
+    """The row of a kind that has its own."""
+    try:
+        result, numbers = load(kind.row)(entry.file, piece)
+    except DashpotError as error:
+        return {"kind": kind.name, "outcome": "refused", "reason": str(error)}
+    source = result.source
+    told: dict[str, Any] = {
+        "kind": kind.name, "outcome": "fitted", "sha256": "" if source is None else source.sha256,
+    }  # fmt: skip
+    told |= numbers
+    return told | _trusted(result.verdict, result.checks)
 
 
 def _of_test(
@@ -150,9 +169,10 @@ def _of_record(record: Record) -> dict[str, Any]:
     source = getattr(record, "source", None)
     found: dict[str, Any] = {} if kelvin is None else {"temperature_K": kelvin}
     found |= {} if source is None else {"sha256": source.sha256}
+    kind = row_of(record)
+    found |= {} if kind is None else {"kind": kind.name}
     if isinstance(record, RampHold):
         return found | {
-            "kind": "relaxation",
             "samples": len(record.time),
             "depth_m": record.depth,
             "ramp_s": record.ramp_time,
@@ -161,15 +181,14 @@ def _of_record(record: Record) -> dict[str, Any]:
         }
     if isinstance(record, LoadHold):
         times = {"ramp_s": record.ramp_time, "hold_s": record.hold_time}
-        return found | {"kind": "creep", "samples": len(record.time)} | times
+        return found | {"samples": len(record.time)} | times
     if isinstance(record, CreepCompliance | RelaxationModulus):
-        kind = "modulus" if isinstance(record, RelaxationModulus) else "creep"
-        return found | {"kind": kind, "samples": len(record.time), "hold_s": record.time[-1]}
+        return found | {"samples": len(record.time), "hold_s": record.time[-1]}
     if isinstance(record, DynamicTest):
         wide = np.log10(np.max(record.frequency) / np.min(record.frequency)) >= MASTER
-        kind = "master-curve" if wide else "dma"
-        return found | {"kind": kind, "samples": len(record.frequency)}
-    return found | {"kind": "master-curve"}
+        shifted = {"kind": "master-curve"} if wide else {}
+        return found | shifted | {"samples": len(record.frequency)}
+    return found
 
 
 def _of_fit(fit: Fit, hold: float | None, room: int) -> dict[str, Any]:
@@ -196,11 +215,8 @@ def _of_fit(fit: Fit, hold: float | None, room: int) -> dict[str, Any]:
 def _judged(fit: Fit, room: int) -> dict[str, Any]:
     """Errors, intervals, checks and verdict."""
     low, high = fit.intervals()["k_inf"]
-    error, verdict, unit = fit.standard_error, fit.verdict, fit.unit
-    found: dict[str, Any] = {
-        "verdict": verdict.use,
-        "reason": "" if verdict.use == "use" else verdict.says,
-        "failed_checks": " ".join(failed_names(fit.checks)),
+    error, unit = fit.standard_error, fit.unit
+    found = _trusted(fit.verdict, fit.checks) | {
         of_solid("inf_se", unit): error["k_inf"],
         of_solid("inf_low", unit): low,
         of_solid("inf_high", unit): high,
@@ -211,6 +227,16 @@ def _judged(fit: Fit, room: int) -> dict[str, Any]:
     for j, (k, tau) in _arms(error["k"], error["tau"], room):
         found |= {of_solid(f"{j}_se", unit): k, f"tau_{j}_se_s": tau}
     return found
+
+
+def _trusted(verdict: Verdict, checks: Iterable[Check]) -> dict[str, Any]:
+    """The verdict, why, and the checks that limit the use, each once."""
+    failed = dict.fromkeys(one.name for one in checks if one.failed and one.grade != "note")
+    return {
+        "verdict": verdict.use,
+        "reason": "" if verdict.use == "use" else verdict.says,
+        "failed_checks": " ".join(failed),
+    }
 
 
 def _arms(

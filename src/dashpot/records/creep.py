@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -62,6 +62,15 @@ class CreepTest(ByValue, Described, Documented):
     def __post_init__(self) -> None:
         hold_measured(self, "time", "displacement", "force", minimum=8)
         _known_unit(self.unit, COMPLIANCES)
+
+    @property
+    def series(self) -> Mapping[str, tuple[Any, str]]:
+        """Displacement and force, or strain and stress, over time."""
+        moved, pushed = ("m", "N") if self.unit == "N/m" else ("1", "Pa")
+        return {
+            "time": (self.time, "s"), "displacement": (self.displacement, moved),
+            "force": (self.force, pushed),
+        }  # fmt: skip
 
     @property
     def described(self) -> tuple[str, ...]:
@@ -128,6 +137,11 @@ class CreepCompliance(ByValue, Described, Documented):
     def stiffness_unit(self) -> str:
         """Unit of what the inverse gives: ``"Pa"`` or ``"N/m"``."""
         return next(stiffness for stiffness, one in COMPLIANCES.items() if one == self.unit)
+
+    @property
+    def series(self) -> Mapping[str, tuple[Any, str]]:
+        """Compliance over time."""
+        return {"time": (self.time, "s"), "compliance": (self.compliance, self.unit)}
 
     @property
     def described(self) -> tuple[str, ...]:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -69,6 +71,14 @@ class DynamicTest(ByValue, Described, Documented):
             raise DataError(f"frequency[{i}] = {self.frequency[i]:g} Hz; expected > 0")
         if self.unit not in {"Pa", "N/m"}:
             raise DataError(f"unit '{self.unit}' of storage and loss; expected 'Pa' or 'N/m'")
+
+    @property
+    def series(self) -> Mapping[str, tuple[Any, str]]:
+        """Storage and loss over frequency."""
+        return {
+            "frequency": (self.frequency, "Hz"), "storage": (self.storage, self.unit),
+            "loss": (self.loss, self.unit), "temperature": (self.temperature, "K"),
+        }  # fmt: skip
 
     @property
     def described(self) -> tuple[str, ...]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from dashpot.base.arrays import ByValue, FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
-from dashpot.base.choices import Family
+from dashpot.base.choices import Family, PartMode
 from dashpot.base.demands import positive
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
@@ -39,7 +39,7 @@ from dashpot.records.temperature import SAME_TEMPERATURE, Shift, TemperatureShif
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, MaxwellArm, Solid
-from dashpot.solids.part import Geometry, Mode
+from dashpot.solids.part import Geometry
 from dashpot.solids.temperature import TemperatureLaw
 
 _One = TypeVar("_One")
@@ -726,7 +726,7 @@ class Fit(ByValue, Pictured, Documented):
         )
 
     def as_part(
-        self, shape: Geometry | float, mode: Mode | None = None, *, bonded: bool = True
+        self, shape: Geometry | float, mode: PartMode | None = None, *, bonded: bool = True
     ) -> Fit:
         """The fit of a part of this material: modulus, errors and bounds times a geometry factor.
 

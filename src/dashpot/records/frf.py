@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from enum import StrEnum
+from typing import Any
 
 import numpy as np
 
@@ -181,6 +183,14 @@ class FRF(ByValue, Pictured, Documented):
                 "expected a kind per force, such as accelerance"
             )
         return cls(frequency, _as_kind(receptance, s, kind), kind, shift=shift)
+
+    @property
+    def series(self) -> Mapping[str, tuple[Any, str]]:
+        """The response over frequency, and how well it is known."""
+        return {
+            "frequency": (self.frequency, "Hz"), "value": (self.value, self.unit),
+            "coherence": (self.coherence, ""), "sd": (self.sd, self.unit),
+        }  # fmt: skip
 
     @property
     def described(self) -> tuple[str, ...]:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -77,6 +79,18 @@ class ImpactTest(ByValue, Described, Documented):
                     f"the record that begins at sample {record.start} is sampled at {rate:.6g} Hz, "
                     f"the first at {self.rate:.6g} Hz; expected one rate: give their hits apart"
                 )
+
+    @property
+    def series(self) -> Mapping[str, tuple[Any, str]]:
+        """Force and accelerations over time, and the number of the record."""
+        counts = np.diff((*self.starts, len(self.time)))
+        felt = zip(self.channels, self.acceleration, strict=True)
+        return {
+            "time": (self.time, "s"),
+            "record": (np.repeat(np.arange(1, len(counts) + 1), counts), ""),
+            "force": (self.force, "N"),
+            **{name: (row, "m/s^2") for name, row in felt},
+        }
 
     @property
     def described(self) -> tuple[str, ...]:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 from dashpot.base.arrays import ByValue, FloatArray
 from dashpot.base.errors import DataError
@@ -63,6 +65,14 @@ class RelaxationModulus(ByValue, Described):
     def several_temperatures(self) -> bool:
         """Whether the samples are too far apart in temperature to be of one solid."""
         return several(self.temperature)
+
+    @property
+    def series(self) -> Mapping[str, tuple[Any, str]]:
+        """Modulus over time."""
+        return {
+            "time": (self.time, "s"), "modulus": (self.modulus, self.unit),
+            "temperature": (self.temperature, "K"),
+        }  # fmt: skip
 
     @property
     def described(self) -> tuple[str, ...]:

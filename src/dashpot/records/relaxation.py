@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -59,6 +61,14 @@ class RelaxationTest(ByValue, Described, Documented):
 
     def __post_init__(self) -> None:
         hold_measured(self, "time", "displacement", "force", minimum=8)
+
+    @property
+    def series(self) -> Mapping[str, tuple[Any, str]]:
+        """Displacement and force over time."""
+        return {
+            "time": (self.time, "s"), "displacement": (self.displacement, "m"),
+            "force": (self.force, "N"),
+        }  # fmt: skip
 
     @property
     def described(self) -> tuple[str, ...]:
@@ -178,6 +188,14 @@ class RampHold(ByValue, Pictured, Documented):
                 f"{self.onset:g} s, ramp end {self.ramp_end:g} s, hold end {self.hold_end:g} s"
             )
         positive(depth=self.depth, unit=" m", expected="a compression > 0")
+
+    @property
+    def series(self) -> Mapping[str, tuple[Any, str]]:
+        """Displacement and force over time."""
+        return {
+            "time": (self.time, "s"), "displacement": (self.displacement, "m"),
+            "force": (self.force, "N"),
+        }  # fmt: skip
 
     @property
     def described(self) -> tuple[str, ...]:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from dashpot.base.arrays import ByValue, FloatArray, same_length, samples
 from dashpot.base.checks import Check
@@ -65,6 +66,11 @@ class Superposition(ByValue, Pictured):
     def model(self) -> GeneralizedMaxwell:
         """The spectrum, as a fit names it."""
         return self.solid
+
+    @property
+    def series(self) -> Mapping[str, tuple[Any, str]]:
+        """The master curve, and the temperature that each of its samples was measured at."""
+        return {**self.curve.series, "temperature": (self.temperature, "K")}
 
     @property
     def described(self) -> tuple[str, ...]:

@@ -9,29 +9,26 @@ from html import escape
 
 from dashpot import plot
 from dashpot.io.readers.inspect import Inspection
-from dashpot.kinds.cld.record import CLD
+from dashpot.kinds import figure_of
 from dashpot.plot import Picture
 from dashpot.records.fit import Fit
-from dashpot.records.frf import FRF
-from dashpot.records.relaxation import RampHold
-from dashpot.records.superposition import Superposition
 from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.workflow.study import Study
 
 
 @singledispatch
 def picture(noun: object) -> Picture:
-    """Return the picture of a noun."""
-    raise TypeError(f"a {type(noun).__name__} has no picture")
+    """Return the picture of a noun; that of one kind of test is named in the register of kinds."""
+    draw = figure_of(noun)
+    if draw is None:
+        raise TypeError(f"a {type(noun).__name__} has no picture")
+    drawn: Picture = draw(noun)
+    return drawn
 
 
 picture.register(Fit, plot.stiffness)
-picture.register(FRF, plot.frf)
 picture.register(Comparison, plot.comparison)
 picture.register(Study, plot.hero)
-picture.register(RampHold, plot.segments)
-picture.register(CLD, plot.cld)
-picture.register(Superposition, plot.superposition)
 
 
 @picture.register

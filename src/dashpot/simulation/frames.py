@@ -52,7 +52,7 @@ def unit(direction: npt.ArrayLike) -> FloatArray:
 def depth_along(
     positions: npt.ArrayLike, normal: npt.ArrayLike, *, contact: Point = (0.0, 0.0, 0.0)
 ) -> FloatArray:
-    r"""Indentation by projection on the plate's normal, :math:`(p - p_0) \cdot \hat n`, m.
+    r"""Compression by projection on the plate's normal, :math:`(p - p_0) \cdot \hat n`, m.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""A ramp and a hold on the virtual indentation rig."""
+"""A ramp and a hold on the virtual rig."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The virtual indentation rig: what stands between a seal and the file."""
+"""The virtual rig: what stands between a seal and the file."""
 
 from __future__ import annotations
 

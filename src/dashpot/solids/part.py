@@ -18,15 +18,12 @@ them and nearly incompressible, :math:`G = E/3`:
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Literal, TypeAlias
 
 import numpy as np
 
+from dashpot.base.choices import PartMode
 from dashpot.base.errors import DataError
 from dashpot.base.units import si
-
-Mode: TypeAlias = Literal["compression", "shear", "axial", "torsion", "radial-short", "radial-long"]
-"""How a part is loaded."""
 
 
 class Geometry:
@@ -35,9 +32,9 @@ class Geometry:
     A shape gives :meth:`factor`, and the ways to load it.
     """
 
-    modes: tuple[Mode, ...] = ("compression", "shear")
+    modes: tuple[PartMode, ...] = ("compression", "shear")
 
-    def factor(self, mode: Mode | None = None, *, bonded: bool = True) -> float:
+    def factor(self, mode: PartMode | None = None, *, bonded: bool = True) -> float:
         """Stiffness of the part over Young's modulus, m (m^3 in torsion).
 
         Parameters
@@ -62,7 +59,7 @@ class Geometry:
             raise DataError("a lubricated part carries no shear; leave one of the two out")
         return self._factor(asked, bonded)
 
-    def _factor(self, mode: Mode, bonded: bool) -> float:
+    def _factor(self, mode: PartMode, bonded: bool) -> float:
         raise NotImplementedError
 
 
@@ -81,7 +78,7 @@ class _Pad(Geometry):
 
     height: float
 
-    def _factor(self, mode: Mode, bonded: bool) -> float:
+    def _factor(self, mode: PartMode, bonded: bool) -> float:
         plain = self.area / self.height
         if mode == "shear":
             return plain / 3
@@ -152,7 +149,7 @@ class Bush(Geometry):
                 f"a bush of {self.inner} m inside and {self.outer} m outside; expected more outside"
             )
 
-    def _factor(self, mode: Mode, bonded: bool) -> float:
+    def _factor(self, mode: PartMode, bonded: bool) -> float:
         if not bonded:
             raise DataError("a bush is bonded to its sleeves; leave the lubrication out")
         a, b, L = (float(one) / 2 for one in (self.inner, self.outer, 2 * self.length))
@@ -202,7 +199,7 @@ class Bulb(Geometry):
         return (self.outer - self.wall) / 2
 
     # one way to be loaded, whatever its plates
-    def _factor(self, mode: Mode, bonded: bool) -> float:  # noqa: ARG002
+    def _factor(self, mode: PartMode, bonded: bool) -> float:  # noqa: ARG002
         bending = self.length * self.wall**3 / (12 * (1 - self.poisson**2))
         return float(bending / ((np.pi / 4 - 2 / np.pi) * self.radius**3))
 

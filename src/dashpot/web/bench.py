@@ -11,6 +11,7 @@ from typing import Any
 from dashpot import plot
 from dashpot.base.progress import doing
 from dashpot.io.readers.inspect import inspect_file
+from dashpot.kinds import KINDS
 from dashpot.plot.picture import Picture
 from dashpot.records.fit import Fit
 from dashpot.report.pages import COLOURS
@@ -38,7 +39,7 @@ def _fitted(job: Job) -> tuple[Fit, Picture]:
 
 
 def _asked(request: Mapping[str, Any], folder: Path) -> Job:
-    """File, options, arms and temperature of a request; a modulus is the column that holds one."""
+    """File, options, arms and temperature of a request; a column that must be named is."""
     warmth = request.get("temperature")
     asked = {
         "relaxation": request.get("file"),
@@ -47,12 +48,12 @@ def _asked(request: Mapping[str, Any], folder: Path) -> Job:
         "temperatures": [warmth] if warmth else [],
     }
     job = noun_of(Job, asked, folder)
-    if job.reading.modulus is None:
-        found = inspect_file(job.relaxation, options=job.reading)
-        moduli = [one for one in found.columns if one.role == "modulus"]
-        if found.kind == "modulus" and moduli:
-            column = moduli[0].name or str(moduli[0].number)
-            return replace(job, reading=replace(job.reading, modulus=column))
+    found = inspect_file(job.relaxation, options=job.reading)
+    column = KINDS[found.kind].column if found.kind in KINDS else ""
+    playing = [one for one in found.columns if one.role == column]
+    if playing and getattr(job.reading, column) is None:
+        named: dict[str, Any] = {column: playing[0].name or str(playing[0].number)}
+        return replace(job, reading=replace(job.reading, **named))
     return job
 
 

@@ -17,7 +17,8 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Verdict
 from dashpot.base.numbers import duration, rounded, symbol
 from dashpot.base.units import Dimension
-from dashpot.io.columns.kinds import WANTED_BY
+from dashpot.io.columns.kinds import RECOGNISED
+from dashpot.kinds import KINDS
 from dashpot.plot import relaxation
 from dashpot.plot.layout import ROW
 from dashpot.plot.picture import (
@@ -51,12 +52,8 @@ from dashpot.workflow.study import Study
 
 ROLES = ("time", "displacement", "force", "hammer", "acceleration")
 """What a column of a relaxation test or of a hammer test can be."""
-RESPONSES = ("frf", "transmissibility")
-"""Those that may be one of several, each at its level."""
-TAKEN = ("relaxation", "impact", *RESPONSES)
-"""The kinds of file that a job, or a fit of several levels, is made of."""
-FITTED = ("dma", "master-curve", "modulus", "creep", "strain-sweep", "cyclic")
-"""Those that the page fits by themselves."""
+_ALONE = ("response", "bench", "level")
+"""Places of the page where a file is no part of a job, or not of one only."""
 ASKED: tuple[Dimension, ...] = ("time", "length", "force", "acceleration")
 """What its unit can be one of."""
 EQ5 = Pen("ref", 1.6, (2, 3))
@@ -408,11 +405,19 @@ def _pulses(study: Study) -> dict[str, str]:
     return found
 
 
+def place_of(found: InspectedFile) -> str:
+    """Where the page takes a file; empty where it does not."""
+    return KINDS[found.kind].page if found.kind in KINDS else ""
+
+
 def file_row(found: InspectedFile) -> dict[str, Any]:
     """What the list of files says of one: its kind, one line, a mark."""
     strange = _refusal(found) or _stranger(found)
     mark = "care" if found.questions else "bad" if strange else "good"
-    return {"kind": found.kind, "line": _told(found), "mark": mark, "simulated": found.simulated}
+    return {
+        "kind": found.kind, "page": place_of(found), "line": _told(found), "mark": mark,
+        "simulated": found.simulated,
+    }  # fmt: skip
 
 
 def _told(found: InspectedFile) -> str:
@@ -422,30 +427,30 @@ def _told(found: InspectedFile) -> str:
         return f"{rounded(1e3 * ready.depth)} mm, {ramp} s, {hold} s"
     if found.questions:
         return "asks: " + ("a unit" if "--units" in found.questions[0].option else "a column")
-    if found.kind in (*FITTED, *RESPONSES):
-        return _refusal(found) or WANTED_BY[found.kind][0]
+    if place_of(found) in _ALONE:
+        return _refusal(found) or RECOGNISED[found.kind].what
     return found.refusal or found.reason
 
 
 def _refusal(found: InspectedFile) -> str:
     """Why a file is not fitted; that loops are no ramp and hold is no reason."""
-    return "" if found.kind == "cyclic" else found.refusal
+    return "" if place_of(found) == "level" else found.refusal
 
 
 def _heading(found: InspectedFile) -> str:
     if found.questions:
         return f"What does {found.file} hold?"
     if _stranger(found):
-        return f"{found.file} is {WANTED_BY[found.kind][0]}"
+        return f"{found.file} is {RECOGNISED[found.kind].what}"
     return f"{found.file} was not read"
 
 
 def _stranger(found: InspectedFile) -> str:
     """What to do with a file of a kind that this page has no place for, if it is one."""
-    known = found.kind in (*TAKEN, *FITTED) or found.kind not in WANTED_BY
+    known = place_of(found) or found.kind not in RECOGNISED
     if found.questions or found.refusal or known:
         return ""
-    advice = WANTED_BY[found.kind][1]
+    advice = RECOGNISED[found.kind].use
     return (
         "this page takes relaxation tests, hammer files, FRFs, sweeps, loops, moduli and creep "
         f"tests; for this one: {advice}"

@@ -61,7 +61,7 @@ def inspect(request: Mapping[str, Any], folder: Path) -> bytes:
     ).files
     head = views.file_row(found)
     head["long"] = found.rows > results.WHILE_HELD
-    if head["mark"] != "good" or found.kind not in (*views.TAKEN, *views.FITTED):
+    if head["mark"] != "good" or not views.place_of(found):
         head["asked"] = views.asked(found, _consequences(path, found, options))
     return wire.packed({**head, "name": path.name})
 

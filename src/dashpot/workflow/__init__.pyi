@@ -25,6 +25,7 @@ from .inspections import Inspections as Inspections
 from .inspections import inspect_files as inspect_files
 from .job import HammerChoices as HammerChoices
 from .job import Job as Job
+from .job import RodChoices as RodChoices
 from .json_files import read_exported as read_exported
 from .json_files import read_fit as read_fit
 from .json_files import stored as stored
@@ -40,7 +41,6 @@ from .project import record as record
 from .resting import AtRest as AtRest
 from .resting import at_rest as at_rest
 from .rods import Rod as Rod
-from .rods import RodChoices as RodChoices
 from .rods import rod_files as rod_files
 from .study import run as run
 from .under_masses import ModesByMass as ModesByMass

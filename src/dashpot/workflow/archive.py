@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import is_dataclass
 from functools import cache
 from itertools import zip_longest
@@ -14,16 +14,11 @@ import numpy as np
 from dashpot.base.documents import NOT_FINITE, Documented, fields_of
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.status import Status
-from dashpot.kinds.hyperelastic.record import HyperelasticFit
+from dashpot.kinds import KINDS, load
 from dashpot.kinds.level.levels import LevelFit
 from dashpot.planning.plan import Plan
 from dashpot.records.bounds import EndOfHold
-from dashpot.records.creep import CreepCompliance, CreepTest, LoadHold
-from dashpot.records.dynamic import DynamicTest
 from dashpot.records.fit import Fit
-from dashpot.records.frf import FRF
-from dashpot.records.impact import ImpactTest
-from dashpot.records.relaxation import RampHold, RelaxationTest
 from dashpot.records.temperature import TemperatureShifts
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.fractional import FractionalZener
@@ -41,12 +36,13 @@ from dashpot.workflow.job import Job
 from dashpot.workflow.measured_modes import MeasuredModes
 from dashpot.workflow.study import Study
 
+_OF_KINDS = (load(noun) for kind in KINDS.values() for noun in kind.nouns)
 SCHEMAS: dict[str, type[Documented]] = {
     noun.schema: noun
     for noun in (
-        GeneralizedMaxwell, FractionalZener, Parallel, RelaxationTest, RampHold, DynamicTest,
-        CreepTest, LoadHold, CreepCompliance, Fit, HyperelasticFit, LevelFit, ImpactTest, FRF,
-        ImpactResult, MeasuredModes, Inspections, Comparison, Plan, Job, Study,
+        GeneralizedMaxwell, FractionalZener, Parallel, Fit, ImpactResult, MeasuredModes,
+        Inspections, Comparison, Plan, Job, Study,
+        *(noun for noun in _OF_KINDS if issubclass(noun, Documented) and noun.schema),
     )
 }  # fmt: skip
 """What each versioned schema name holds."""
@@ -146,13 +142,13 @@ def _laid_out(kind: Any, value: Any) -> Any:
     """What a document has of a value of this kind, every noun in it by its fields."""
     if isinstance(value, str):
         return NOT_FINITE.get(value, value)
-    kinds = tuple(_kinds(kind))
+    if not isinstance(value, list | dict):
+        return value
+    kinds = get_args(kind) if get_origin(kind) in {Union, UnionType} else (kind,)
     if isinstance(value, list):
         of = next((get_args(one) for one in kinds if get_origin(one) is tuple), (Any, ...))
         each = of[:1] * len(value) if ... in of else of
         return [_laid_out(*pair) for pair in zip_longest(each, value)][: len(value)]
-    if not isinstance(value, dict):
-        return value
     noun = _noun_in(kinds, value)
     if noun is None:
         return {key: _laid_out(Any, item) for key, item in value.items()}
@@ -178,14 +174,6 @@ def _decoded(kind: type, value: Any) -> Any:
     if isinstance(value, tuple(_CHOSEN)):
         return value
     raise TypeError(f"expected an array, found {type(value).__name__} for {kind}")
-
-
-def _kinds(kind: Any) -> Iterator[Any]:
-    """The members of a union, one by one."""
-    if get_origin(kind) in {Union, UnionType}:
-        yield from get_args(kind)
-    else:
-        yield kind
 
 
 def _noun_in(kinds: Sequence[Any], value: dict[str, Any]) -> type | None:

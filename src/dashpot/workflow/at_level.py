@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
@@ -16,29 +16,32 @@ from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source
 from dashpot.base.units import Dimension, si
+from dashpot.io.columns.kinds import RECOGNISED
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.inspect import inspect_file
 from dashpot.io.readers.relaxation import read_relaxation
 from dashpot.io.source import about
+from dashpot.kinds import RESPONSES
 from dashpot.kinds.level.checks import level_covered
 from dashpot.kinds.level.fit import fit_amplitude
 from dashpot.kinds.level.prepare import sweep_of_loops
 from dashpot.kinds.level.read import read_amplitude
 from dashpot.kinds.level.record import AmplitudeFit, AmplitudeSweep
+from dashpot.preparation.segments import Loading
 from dashpot.records.frf import FRF, Kind
 from dashpot.records.relaxation import RelaxationTest
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.systems.level import mass_at_level
 from dashpot.vibration.systems.mounts import on_heavy_mounts
-from dashpot.workflow.job import LevelChoices
-from dashpot.workflow.part import PartChoices
+from dashpot.workflow.job import LevelChoices, PartChoices
+from dashpot.workflow.part import height_of
 
 STRAIN_FACTORS = (1.0, 1 / np.sqrt(3))
 """Strain of a sweep that does to the rubber what X/h of the part does: loaded alike; a part in
 shear beside a sweep in tension, by equal energy."""
-RESPONSES, HITS = ("frf", "transmissibility"), ("impact",)
-"""Kinds of files that tell what a mass on the seals does."""
-_LOOPS = ("cyclic", "cld", "relaxation", "creep")
+HITS = ("impact",)
+"""Kinds of files that, as responses, tell what a mass on the seals does."""
+_LOOPS = tuple(kind for kind in get_args(Loading) if kind in RECOGNISED)
 """What a record of time, displacement and force is taken for; here it is one of loops."""
 _ALIKE = 10.0
 """BIC within which two laws of a sweep are not told apart."""
@@ -319,7 +322,7 @@ def swept_part(
             f"the sweep is in {law.unit} and the fit in {unit}; expected both of the material, or "
             "both of the part"
         )
-    height = _height(choices, law, None if part is None else part.height)
+    height = _height(choices, law, None if part is None else height_of(part))
     factors = (choices.strain_factor,) if choices.strain_factor else _strain_factors(law.source)
     if height is None:
         factors = (1.0,)
@@ -335,7 +338,7 @@ def amplitude_file(
     """The law of an amplitude sweep or of recorded loops, the sweep, and the record as read.
 
     `kind` is what the file was taken for, `law` ``"auto"`` or one of
-    ``fitting.level.laws.LAWS``.
+    ``kinds.level.laws.LAWS``.
     """
     if kind in _LOOPS:
         record = read_relaxation(path, options=options)

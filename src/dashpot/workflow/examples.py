@@ -12,29 +12,21 @@ from types import MappingProxyType
 
 import numpy as np
 
-from dashpot.base.arrays import BoolArray, FloatArray
-from dashpot.base.units import GRAVITY, in_unit, written
+from dashpot.base.arrays import FloatArray
+from dashpot.base.units import in_unit, written
 from dashpot.base.version import byline
 from dashpot.io.write import write_impact, write_relaxation
-from dashpot.kinds.indentation.collision import collide
-from dashpot.kinds.indentation.contact_law import ViscousContact, sphere_stiffness
-from dashpot.kinds.rod.prepare import rod_transmissibility
+from dashpot.kinds import KINDS, Example, load
 from dashpot.simulation.impact import Hammer, simulate_impact
 from dashpot.simulation.plate import free_plate
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.simulation.rig import Climate, Rig
 from dashpot.simulation.truth import stamp
-from dashpot.solids.friction import Iwan
-from dashpot.solids.hyperelastic import Hyperelastic, Mode
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.solids.part import Disc
-from dashpot.solids.table_1 import BROAD
+from dashpot.solids.table_1 import BROAD, BROAD_MASS
 from dashpot.solids.temperature import WLF
-from dashpot.vibration.systems.bodies import Mount, point_mass
-from dashpot.vibration.systems.level import response_at_level
-from dashpot.vibration.systems.system import System
 
-MASS = 0.1148
+MASS = round(BROAD_MASS, 4)
 """Of the block under the hammer, kg: 114.8 g on two seals."""
 
 _RIG = replace(Rig(), rate=200.0)
@@ -120,135 +112,6 @@ def _sweeps() -> str:
         ]
     head = "frequency [Hz],storage modulus [MPa],loss modulus [MPa],temperature [degC]"
     return "\n".join([f"# {byline('simulated dynamic test')}", "# simulated", head, *rows, ""])
-
-
-def _pushed(path: FloatArray, met: BoolArray, step: float) -> FloatArray:
-    """The force of a path with memory, N: a seal that would pull is left, and recovers."""
-    k, tau = np.asarray(BROAD.k), np.asarray(BROAD.tau)
-    decay = np.exp(-step / tau)
-    mean = k * (1 - decay) * tau / step
-    arms, here, force = np.zeros(len(k)), 0.0, np.zeros(len(path))
-    for i, wanted in enumerate(path.tolist()):
-        before, here, passed = here, wanted, decay * arms
-        force[i] = BROAD.k_inf * here + (passed + mean * (here - before)).sum()
-        if force[i] <= 0 or not met[i]:
-            force[i] = 0.0
-            here = (mean.sum() * before - passed.sum()) / (BROAD.k_inf + mean.sum())
-        arms = passed + mean * (here - before)
-    return force
-
-
-def _pressed(stiffness: float, seed: int, *, speed: float = 50e-3 / 60) -> Callable[[], str]:
-    """A piece of a stiffening seal, pressed 8 mm and released four times, softer each time."""
-
-    def made() -> str:
-        depth, gap, cycles = 8e-3, 1e-3, 4
-        stroke = (depth + gap) / speed
-        turns = np.arange(2 * cycles + 1) * stroke + 2.0
-        knots = np.concatenate(([0.0], turns, [turns[-1] + 2.0]))
-        places = np.array([-gap, *([-gap, depth] * cycles), -gap, -gap])
-        time = np.linspace(0.0, knots[-1], 1601)
-        plate = np.interp(time, knots, places)
-        x = np.maximum(plate, 0.0)
-        number = np.searchsorted(turns[2::2], time)
-        softer = 1 + 0.1 * np.exp(-2.0 * number)  # the seal of the relaxation test is conditioned
-        path = softer * (0.7 * x + 0.3 * x**3 / depth**2)
-        force = stiffness * _pushed(path, plate > 0, float(time[1]))
-        noise = 4e-3 * np.random.default_rng(seed).standard_normal(len(time))
-        lines = zip(time, in_unit(plate, "mm"), force + 0.03 + noise, strict=True)
-        head = [f"# {byline('simulated compression load deflection test')}", "# simulated"]
-        rows = (",".join(f"{value:.6g}" for value in row) for row in lines)
-        return "\n".join([*head, "time [s],displacement [mm],force [N]", *rows, ""])
-
-    return made
-
-
-def _hit() -> str:
-    """A steel ball of 5 g on rubber, its acceleration at 100 kHz, 0.5 % noisy, with an offset."""
-    law = ViscousContact(sphere_stiffness(4e6, 5e-3), 1e-4)
-    one = collide(law, mass=5e-3, velocity=1.0, pull=GRAVITY)
-    time = np.arange(600) * 1e-5
-    felt = np.interp(time - 2e-3, one.time, one.force / one.mass, left=0.0, right=0.0)
-    felt += 3.0 + 0.005 * felt.max() * np.random.default_rng(1).standard_normal(len(time))
-    rows = (f"{t:.5f},{a:.5g}" for t, a in zip(time, -felt, strict=True))
-    head = [f"# {byline('simulated indentation')}", "# simulated", "# indenter of 5 g, radius 5 mm"]
-    return "\n".join([*head, "time [s],acceleration [m/s^2]", *rows, ""])
-
-
-def _rod() -> str:
-    """T of a rubber cylinder, 20 mm by 20 mm and 6.283 g, under 31.4 g; 0.5 % noisy."""
-    part, density = Disc(20e-3, 20e-3), 1000.0
-    frequency = np.arange(20.0, 600.0, 1.0)
-    omega = 2 * np.pi * frequency
-    rubber = GeneralizedMaxwell(0.8e6, (0.15e6, 0.15e6, 0.4e6), (1e-2, 1e-3, 1e-4))
-    bonded = part.factor() * part.height / part.area
-    T = rod_transmissibility(
-        frequency, bonded * rubber.complex_stiffness(omega), length=part.height, density=density,
-        mass_ratio=31.4e-3 / (density * part.area * part.height),
-    )  # fmt: skip
-    draw = np.random.default_rng(1).standard_normal
-    T = T * (1 + 0.005 * (draw(len(T)) + 1j * draw(len(T))))
-    rows = zip(frequency, np.abs(T), np.degrees(np.angle(T)), np.full(len(T), 0.9999), strict=True)
-    head = "frequency [Hz],transmissibility magnitude [g/g],phase [deg],coherence"
-    lines = [f"# {byline('simulated transmissibility')}", "# simulated", head]
-    return "\n".join([*lines, *(",".join(f"{one:.6g}" for one in row) for row in rows), ""])
-
-
-_RUBBER = Hyperelastic("mooney-rivlin", (0.15e6, 0.05e6))
-
-
-def _stretched(mode: Mode, most: float, seed: int) -> Callable[[], str]:
-    """Stress over strain of a rubber that follows Mooney and Rivlin, 0.5 % noisy."""
-
-    def made() -> str:
-        x = np.linspace(1.0, most, 80)
-        stress = in_unit(_RUBBER.nominal(mode, x), "MPa")
-        stress += 0.005 * stress.max() * np.random.default_rng(seed).standard_normal(len(x))
-        rows = (f"{100 * (a - 1):.5g},{b:.5g}" for a, b in zip(x, stress, strict=True))
-        head = [f"# {byline(f'simulated {mode} test')}", "# simulated"]
-        return "\n".join([*head, "strain [%],nominal stress [MPa]", *rows, ""])
-
-    return made
-
-
-_RUBBING = Iwan(120.0, 0.06)
-"""Friction beside a seal, N/m and N: it softens with amplitude."""
-
-
-def _loops() -> str:
-    """Six cycles at each of nine amplitudes, 5 Hz, about a compression of 4 mm."""
-    rate, cycles, hz = 250, 6, 5.0
-    sizes = np.geomspace(5e-5, 3e-3, 9)
-    time = np.arange(int(len(sizes) * cycles / hz * rate)) / rate
-    size = sizes[np.minimum((time * hz / cycles).astype(int), len(sizes) - 1)]
-    x = size * np.sin(2 * np.pi * hz * time)
-    noise = 3e-4 * np.random.default_rng(1).standard_normal(len(time))
-    force = (BROAD + _RUBBING).path_force(time, x) + 1.2 + noise
-    rows = (
-        f"{t:.6g},{d:.6g},{f:.6g}"
-        for t, d, f in zip(time, in_unit(x + 4e-3, "mm"), force, strict=True)
-    )
-    head = [f"# {byline('simulated loops')}", "# simulated", "time [s],displacement [mm],force [N]"]
-    return "\n".join([*head, *rows, ""])
-
-
-def _at_level(level: float, seed: int) -> Callable[[], str]:
-    """The FRF of the block on two seals that rub, under a force of that amplitude, 0.5 % noisy."""
-
-    def made() -> str:
-        mount = Mount(2 * BROAD, ("block", "ground"), friction=2 * _RUBBING)
-        found = response_at_level(
-            System((point_mass("block", MASS),), (mount,)), response="block.z", force="block.z",
-            level=level, frequency=np.linspace(8, 20, 97),
-        ).frf()  # fmt: skip
-        draw = np.random.default_rng(seed).standard_normal
-        value = found.value * (1 + 0.005 * (draw(97) + 1j * draw(97)))
-        rows = zip(found.frequency, value.real, value.imag, strict=True)
-        head = "frequency [Hz],real [(m/s^2)/N],imaginary [(m/s^2)/N]"
-        lines = [f"# {byline('simulated shaker test')}", "# simulated", head]
-        return "\n".join([*lines, *(",".join(f"{one:.6g}" for one in row) for row in rows), ""])
-
-    return made
 
 
 def _line() -> str:
@@ -388,75 +251,80 @@ limit = "0.75m/s"
 """
 
 
-CAPTIONS: Mapping[str, str] = MappingProxyType(
-    {
-        "seal_8mm.csv": "a seal pressed 8 mm in 1 s and held 40 s",
-        "hammer.csv": f"a block of {written(MASS, 'g', 'g')} on two such seals, struck five times",
-        "depth_4mm.csv": "a seal that stiffens as it is pressed, to 4 mm",
-        "depth_6mm.csv": "the same to 6 mm",
-        "depth_8mm.csv": "the same to 8 mm: dashpot fit --depth-law takes the three",
-        "at_23degC.csv": "another seal at 23 degC",
-        "at_10degC.csv": "the same at 10 degC",
-        "at_0degC.csv": "the same at 0 degC: dashpot fit takes the three together",
-        "short_hold.csv": "a hold of 3 s, too short for the slow arms",
-        "clipped.csv": "a load cell that clips: a test not to be used",
-        "sweep.csv": "storage and loss over frequency, as a dynamic testing machine writes them",
-        "sweeps.csv": "such sweeps of a rubber at nine temperatures, for a master curve",
-        "curve.csv": 'a relaxation modulus over time, for dashpot fit --modulus "E(t)"',
-        "cld_1.csv": "100 mm of a seal pressed 8 mm and released four times at 50 mm/min",
-        "cld_2.csv": "a second piece of it",
-        "cld_3.csv": "a third: dashpot cld takes the three",
-        "cld_slow.csv": "the first piece at 5 mm/min",
-        "cld_fast.csv": "and at 500 mm/min: dashpot cld takes the three speeds",
-        "hit.csv": "a ball of 5 g, radius 5 mm, dropped 51 mm on rubber, for dashpot indent",
-        "rod.csv": "the transmissibility of a rubber cylinder to a mass on it, for dashpot rod",
-        "tension.csv": "a rubber pulled to twice its length, for dashpot hyperelastic",
-        "biaxial.csv": "the same pulled both ways: dashpot hyperelastic takes the two",
-        "loops.csv": "a seal that rubs, moved to and fro at nine amplitudes, for dashpot level",
-        "shaker_20mN.csv": "the block on two such seals, on a shaker of 0.02 N",
-        "shaker_500mN.csv": "the same at 0.5 N: dashpot level takes the two",
-        "line.csv": "x, y, z of a seal along a quarter of a door, for dashpot export --line",
-        "door.toml": "a door with hinges, latch, seal and modes, for dashpot door",
-        "door_line.csv": "its seal line: x, y, z and the gap that the seal fills",
-        "door_modes.csv": "its modes, as it moves when nothing holds it",
-    }
-)
+_BENCH = {
+    "seal_8mm.csv": Example("relaxation", "a seal pressed 8 mm in 1 s and held 40 s", _seal(1)),
+    "hammer.csv": Example(
+        "impact",
+        f"a block of {written(MASS, 'g', 'g')} on two such seals, struck five times",
+        _hammer,
+    ),
+    "depth_4mm.csv": Example(
+        "relaxation",
+        "a seal that stiffens as it is pressed, to 4 mm",
+        _seal(3, depth=4e-3, rig=_STIFFENING),
+    ),
+    "depth_6mm.csv": Example(
+        "relaxation", "the same to 6 mm", _seal(2, depth=6e-3, rig=_STIFFENING)
+    ),
+    "depth_8mm.csv": Example(
+        "relaxation",
+        "the same to 8 mm: dashpot fit --depth-law takes the three",
+        _seal(1, depth=8e-3, rig=_STIFFENING),
+    ),
+    "at_23degC.csv": Example(
+        "relaxation", "another seal at 23 degC", _seal(5, rig=_FINE, celsius=23.0)
+    ),
+    "at_10degC.csv": Example(
+        "relaxation", "the same at 10 degC", _seal(6, rig=_FINE, celsius=10.0)
+    ),
+    "at_0degC.csv": Example(
+        "relaxation",
+        "the same at 0 degC: dashpot fit takes the three together",
+        _seal(7, rig=_FINE, celsius=0.0),
+    ),
+    "short_hold.csv": Example(
+        "relaxation", "a hold of 3 s, too short for the slow arms", _seal(4, hold=3.0)
+    ),
+    "clipped.csv": Example("relaxation", "a load cell that clips: a test not to be used", _clipped),
+    "sweep.csv": Example(
+        "dma", "storage and loss over frequency, as a dynamic testing machine writes them", _sweep
+    ),
+    "sweeps.csv": Example(
+        "dma", "such sweeps of a rubber at nine temperatures, for a master curve", _sweeps
+    ),
+    "curve.csv": Example(
+        "modulus", 'a relaxation modulus over time, for dashpot fit --modulus "E(t)"', _curve
+    ),
+}
+_DOOR = {
+    "line.csv": Example(
+        "", "x, y, z of a seal along a quarter of a door, for dashpot export --line", _line
+    ),
+    "door.toml": Example("", "a door with hinges, latch, seal and modes, for dashpot door", _door),
+    "door_line.csv": Example(
+        "", "its seal line: x, y, z and the gap that the seal fills", _door_line
+    ),
+    "door_modes.csv": Example("", "its modes, as it moves when nothing holds it", _door_modes),
+}
+FILES: Mapping[str, Example] = MappingProxyType({
+    **_BENCH,
+    **{
+        name: one
+        for kind in KINDS.values()
+        if kind.examples
+        for name, one in load(kind.examples).items()
+    },
+    **_DOOR,
+})  # fmt: skip
+"""Every example file: those of a bench and a hammer, of the kinds that have a room, of a door."""
+
+CAPTIONS: Mapping[str, str] = MappingProxyType({name: one.caption for name, one in FILES.items()})
 """What every example file is."""
 
 FIRST = ("seal_8mm.csv", "hammer.csv")
 """The two files of the first seal."""
 
 EXAMPLES: Mapping[str, Callable[[], str]] = MappingProxyType(
-    {
-        "seal_8mm.csv": _seal(1),
-        "hammer.csv": _hammer,
-        "depth_4mm.csv": _seal(3, depth=4e-3, rig=_STIFFENING),
-        "depth_6mm.csv": _seal(2, depth=6e-3, rig=_STIFFENING),
-        "depth_8mm.csv": _seal(1, depth=8e-3, rig=_STIFFENING),
-        "at_23degC.csv": _seal(5, rig=_FINE, celsius=23.0),
-        "at_10degC.csv": _seal(6, rig=_FINE, celsius=10.0),
-        "at_0degC.csv": _seal(7, rig=_FINE, celsius=0.0),
-        "short_hold.csv": _seal(4, hold=3.0),
-        "clipped.csv": _clipped,
-        "sweep.csv": _sweep,
-        "sweeps.csv": _sweeps,
-        "curve.csv": _curve,
-        "cld_1.csv": _pressed(1.0, 1),
-        "cld_2.csv": _pressed(1.04, 2),
-        "cld_3.csv": _pressed(0.97, 3),
-        "cld_slow.csv": _pressed(1.0, 4, speed=5e-3 / 60),
-        "cld_fast.csv": _pressed(1.0, 5, speed=500e-3 / 60),
-        "hit.csv": _hit,
-        "rod.csv": _rod,
-        "tension.csv": _stretched("uniaxial", 2.0, 1),
-        "biaxial.csv": _stretched("equibiaxial", 1.6, 2),
-        "loops.csv": _loops,
-        "shaker_20mN.csv": _at_level(0.02, 1),
-        "shaker_500mN.csv": _at_level(0.5, 2),
-        "line.csv": _line,
-        "door.toml": _door,
-        "door_line.csv": _door_line,
-        "door_modes.csv": _door_modes,
-    }
+    {name: one.write for name, one in FILES.items()}
 )
 """Every example file and what writes it."""

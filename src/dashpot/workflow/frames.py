@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import singledispatch
 from importlib import import_module
 from typing import Any, NamedTuple
@@ -11,17 +10,8 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError
-from dashpot.io.readers.inspect import Inspection
-from dashpot.kinds.cld.record import CLD, CompressionTest
-from dashpot.records.creep import CreepCompliance, CreepTest
-from dashpot.records.dynamic import DynamicTest
+from dashpot.base.offered import Described
 from dashpot.records.fit import Fit
-from dashpot.records.frf import FRF
-from dashpot.records.impact import ImpactTest
-from dashpot.records.modulus import RelaxationModulus
-from dashpot.records.relaxation import RampHold, RelaxationTest
-from dashpot.records.superposition import Superposition
-from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.workflow.study import Study
 
 
@@ -76,7 +66,9 @@ def library(name: str) -> Any:
 
 @singledispatch
 def frame(noun: object) -> UnitFrame:
-    """Return the numbers of a noun as columns."""
+    """Return the numbers of a noun as columns: its own series."""
+    if isinstance(noun, Described) and noun.series:
+        return _frame(**noun.series)
     raise DataError(f"a {type(noun).__name__} is no table")
 
 
@@ -86,101 +78,6 @@ def _frame(**columns: tuple[Any, str]) -> UnitFrame:
     return UnitFrame(
         {name: values for name, (values, _) in known.items()},
         {name: unit for name, (_, unit) in known.items()},
-    )
-
-
-@frame.register(RelaxationTest)
-@frame.register(RampHold)
-def _(noun: RelaxationTest | RampHold) -> UnitFrame:
-    return _frame(
-        time=(noun.time, "s"), displacement=(noun.displacement, "m"), force=(noun.force, "N")
-    )
-
-
-@frame.register
-def _(noun: CompressionTest) -> UnitFrame:
-    return _frame(
-        displacement=(noun.displacement, "m"), force=(noun.force, "N"), time=(noun.time, "s")
-    )
-
-
-@frame.register
-def _(noun: CLD) -> UnitFrame:
-    return _frame(
-        compression=(noun.compression, "m"), force=(noun.force, "N"), time=(noun.time, "s")
-    )
-
-
-@frame.register
-def _(noun: ImpactTest) -> UnitFrame:
-    record = np.repeat(np.arange(1, len(noun.starts) + 1), np.diff((*noun.starts, len(noun.time))))
-    accelerations = {
-        name: (row, "m/s^2") for name, row in zip(noun.channels, noun.acceleration, strict=True)
-    }
-    return _frame(time=(noun.time, "s"), record=(record, ""), force=(noun.force, "N"),
-                  **accelerations)  # fmt: skip
-
-
-@frame.register
-def _(noun: DynamicTest) -> UnitFrame:
-    return _frame(
-        frequency=(noun.frequency, "Hz"),
-        storage=(noun.storage, noun.unit),
-        loss=(noun.loss, noun.unit),
-        temperature=(noun.temperature, "K"),
-    )
-
-
-@frame.register
-def _(noun: CreepTest) -> UnitFrame:
-    moved, pushed = ("m", "N") if noun.unit == "N/m" else ("1", "Pa")
-    return _frame(
-        time=(noun.time, "s"),
-        displacement=(noun.displacement, moved),
-        force=(noun.force, pushed),
-    )
-
-
-@frame.register
-def _(noun: CreepCompliance) -> UnitFrame:
-    return _frame(time=(noun.time, "s"), compliance=(noun.compliance, noun.unit))
-
-
-@frame.register
-def _(noun: RelaxationModulus) -> UnitFrame:
-    return _frame(
-        time=(noun.time, "s"),
-        modulus=(noun.modulus, noun.unit),
-        temperature=(noun.temperature, "K"),
-    )
-
-
-@frame.register
-def _(noun: Superposition) -> UnitFrame:
-    """The master curve, and the temperature that each of its samples was measured at."""
-    made = frame(replace(noun.curve, temperature=None))
-    return UnitFrame(
-        {**made.columns, "temperature": noun.temperature}, {**made.units, "temperature": "K"}
-    )
-
-
-@frame.register
-def _(noun: FRF) -> UnitFrame:
-    return _frame(
-        frequency=(noun.frequency, "Hz"),
-        value=(noun.value, noun.unit),
-        coherence=(noun.coherence, ""),
-        sd=(noun.sd, noun.unit),
-    )
-
-
-@frame.register
-def _(noun: Comparison) -> UnitFrame:
-    return _frame(
-        frequency=(noun.measured.frequency, "Hz"),
-        measured=(noun.measured.value, noun.measured.unit),
-        predicted=(noun.predicted.value, noun.predicted.unit),
-        z=(noun.z, ""),
     )
 
 
@@ -219,17 +116,6 @@ def _of_element(noun: Fit) -> UnitFrame:
 def _(noun: Study) -> UnitFrame:
     """The parameters of the solid that the study ends with."""
     return frame(noun.fit if noun.joint is None else noun.joint)
-
-
-@frame.register
-def _(noun: Inspection) -> UnitFrame:
-    return _frame(
-        number=([one.number for one in noun.columns], ""),
-        name=([one.name for one in noun.columns], ""),
-        unit=([one.unit or "" for one in noun.columns], ""),
-        role=([one.role or "" for one in noun.columns], ""),
-        because=([one.reason for one in noun.columns], ""),
-    )
 
 
 def _column(values: tuple[float, ...]) -> FloatArray:

@@ -11,12 +11,13 @@ from dashpot.base.checks import Check
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DashpotError
 from dashpot.base.provenance import Step
-from dashpot.io.columns.kinds import WANTED_BY
+from dashpot.io.columns.kinds import RECOGNISED
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.channels import Opened, opened, read_once
 from dashpot.io.readers.inspect import Inspection, inspect_opened
 from dashpot.io.readers.relaxation import relaxation_in
 from dashpot.io.source import about
+from dashpot.kinds import KINDS
 from dashpot.preparation.motion import loading_in
 from dashpot.preparation.prepare import prepare
 from dashpot.records.relaxation import RampHold, RelaxationTest
@@ -119,9 +120,9 @@ def _inspected(
         with about(file.raw.name):
             record = read(file)
         loading = loading_in(record)
-        if loading in WANTED_BY and loading != "relaxation":
-            plain |= {"kind": loading, "reason": f"it is {WANTED_BY[loading][0]}"}
-        if loading in {"creep", "cld"}:
+        if loading in RECOGNISED and loading != "relaxation":
+            plain |= {"kind": loading, "reason": f"it is {RECOGNISED[loading].what}"}
+        if loading in KINDS and KINDS[loading].reader != KINDS["relaxation"].reader:
             return InspectedFile(**plain)
         test = prepared(record, options)
     except DashpotError as error:

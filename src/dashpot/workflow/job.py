@@ -13,11 +13,13 @@ from dashpot.base.choices import (
     FamilyAsked,
     Method,
     OverBase,
+    PartMode,
     RampLawAsked,
 )
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.options import flags_of, like, names_files, option, part
+from dashpot.base.units import si_fields
 from dashpot.io.options import ReadOptions
 from dashpot.records.machine import Machine
 from dashpot.records.specimen import Specimen
@@ -305,6 +307,51 @@ class ModesJob:
     )  # fmt: skip
     seals: float = like(Job, "seals")
     options: ReadOptions = part(ReadOptions)
+
+
+@dataclass(frozen=True)
+class PartChoices:
+    """The geometry of a part of a material whose modulus was fitted, or a resonance that tells it.
+
+    One of the shapes, a factor, or a resonance with its mass.
+    """
+
+    disc: str | None = option(None, "Diameter and height of a pad, e.g. 20mm,20mm.")
+    block: str | None = option(None, "Length, width and height of a pad, e.g. 30mm,20mm,10mm.")
+    bush: str | None = option(None, "Inner and outer diameter and length, e.g. 12mm,30mm,40mm.")
+    bulb: str | None = option(
+        None, "Outer diameter, wall and length of a hollow seal, e.g. 22mm,2mm,100mm."
+    )
+    mode: PartMode | None = option(None, "How the shape is loaded.", choices=PartMode)
+    lubricated: bool = option(False, "The plates are lubricated, not bonded.", is_flag=True)
+    resonance: float | None = option(
+        None,
+        "Measured peak of one such mass; tells the geometry factor in place of a shape.",
+        unit="frequency",
+    )
+    resonance_mass: float | None = option(None, "On the parts at that peak.", unit="mass")
+
+
+@dataclass(frozen=True)
+class RodChoices:
+    """A rod under a mass as a user says it, and how well its test is known."""
+
+    disc: str | None = option(None, "Diameter and length of a round rod, e.g. 20mm,20mm.")
+    block: str | None = option(None, "Both widths and length of another, e.g. 30mm,20mm,10mm.")
+    lubricated: bool = option(False, "Its ends slide: no shape factor is taken off.", is_flag=True)
+    gain_error: float = option(0.01, "Of one sensor over the other, e.g. 1%.", unit="strain")
+    phase_error: float = option(
+        "1deg", "Between the sensors, e.g. 1deg [default: 1deg].", unit="angle"
+    )
+
+    def __post_init__(self) -> None:
+        si_fields(self)
+        for name in ("gain_error", "phase_error"):
+            value = getattr(self, name)
+            if not 0 <= value < 1:
+                raise DataError(
+                    f"--{name.replace('_', '-')} {value:g}; expected an error from 0 to below 1"
+                )
 
 
 def deciding(job: Job, *what: str) -> Job:

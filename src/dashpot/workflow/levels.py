@@ -20,6 +20,7 @@ from dashpot.io.readers.frf import read_frf
 from dashpot.io.readers.impact import read_impacts
 from dashpot.io.readers.inspect import inspect_file
 from dashpot.io.source import about
+from dashpot.kinds import RESPONSES
 from dashpot.kinds.level.checks import level_covered, levels_as_struck
 from dashpot.kinds.level.fit_frfs import fit_levels
 from dashpot.kinds.level.hits import HitLevels, hits_as_levels
@@ -31,7 +32,7 @@ from dashpot.records.relaxation import RelaxationTest
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.vibration.impact.hits import cut_hits
-from dashpot.workflow.at_level import HITS, RESPONSES, amplitude_file
+from dashpot.workflow.at_level import HITS, amplitude_file
 from dashpot.workflow.measured import as_measured
 
 
@@ -119,7 +120,7 @@ def level_files(
     at : sequence of float
         Levels at which the resonance of that mass, or of the one that was struck, is wanted, N.
     law : str
-        Of an amplitude sweep or loops: ``"auto"`` or one of ``fitting.level.laws.LAWS``.
+        Of an amplitude sweep or loops: ``"auto"`` or one of ``kinds.level.laws.LAWS``.
     motion : str
         Of the mass in transmissibilities: ``"absolute"``, or ``"relative"`` to the base.
     options : ReadOptions, optional

@@ -15,6 +15,7 @@ from dashpot.io.readers.frf import read_frf
 from dashpot.io.readers.impact import HITS, hits_in
 from dashpot.io.readers.inspect import inspect_file
 from dashpot.io.readers.shaken import read_shaken
+from dashpot.kinds import RESPONSES
 from dashpot.records.frf import FRF, Mode
 from dashpot.records.impact import ImpactTest
 from dashpot.vibration.impact.checks import (
@@ -32,7 +33,6 @@ from dashpot.vibration.systems.mounts import as_relative, entrained, on_light_mo
 from dashpot.vibration.systems.prediction import moving_mass
 from dashpot.workflow.job import HammerChoices
 
-_RESPONSES = ("frf", "transmissibility")
 _NO_MASS = (
     "the file holds a transmissibility, which tells the stiffness over the mass and neither alone: "
     "give the mass (--mass)"
@@ -58,7 +58,7 @@ def read_measured(
         if mass is None:
             raise ReadError(_NO_MASS)
         return None, shaken(paths, choices=choices, options=options, mass=mass, band=band)[0]
-    if len(paths) == 1 and inspect_file(paths[0], options=options).kind in _RESPONSES:
+    if len(paths) == 1 and inspect_file(paths[0], options=options).kind in RESPONSES:
         frf = as_measured(read_frf(paths[0], options=options), choices.motion)
         if frf.kind.over_base and mass is None:
             raise ReadError(_NO_MASS)

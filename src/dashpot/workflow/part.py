@@ -1,114 +1,90 @@
-"""What part of a material a mass rests on, as a user says it."""
+"""What part of a material a mass rests on: its geometry, from what a user says of it."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from typing import Literal, get_args, overload
 
+from dashpot.base.choices import PartMode
 from dashpot.base.errors import DataError
-from dashpot.base.options import option
 from dashpot.base.units import si
 from dashpot.records.fit import Fit
 from dashpot.solids.maxwell import Solid
-from dashpot.solids.part import Block, Bulb, Bush, Disc, Geometry, Mode
+from dashpot.solids.part import Block, Bulb, Bush, Disc, Geometry
 from dashpot.vibration.systems.prediction import geometry_factor
+from dashpot.workflow.job import PartChoices
 
 
-@dataclass(frozen=True)
-class PartChoices:
-    """The geometry of a part of a material whose modulus was fitted, or a resonance that tells it.
+def height_of(part: PartChoices) -> float | None:
+    """Return the height of a pad, m; None of what has none, or where no shape is given."""
+    shape = next((pad(flag, lengths) for flag in _SHAPES if (lengths := getattr(part, flag))), None)
+    return shape.height if isinstance(shape, Disc | Block) else None
 
-    One of the shapes, a factor, or a resonance with its mass.
+
+def applied(
+    part: PartChoices,
+    fit: Fit,
+    *,
+    seals: float,
+    base: bool,
+    peak: Callable[[Solid, float, float], float] | None = None,
+) -> Fit:
+    """Return the fit of one of `seals` such parts; the fit itself where nothing is said.
+
+    `peak`, of a solid, its factor and a mass, is the resonance at the level at which that of
+    the user was measured.
+
+    Raises
+    ------
+    DataError
+        If more than one geometry is given, or one that cannot be.
     """
-
-    disc: str | None = option(None, "Diameter and height of a pad, e.g. 20mm,20mm.")
-    block: str | None = option(None, "Length, width and height of a pad, e.g. 30mm,20mm,10mm.")
-    bush: str | None = option(None, "Inner and outer diameter and length, e.g. 12mm,30mm,40mm.")
-    bulb: str | None = option(
-        None, "Outer diameter, wall and length of a hollow seal, e.g. 22mm,2mm,100mm."
-    )
-    mode: str | None = option(None, "How the shape is loaded.", choices=Mode)
-    lubricated: bool = option(False, "The plates are lubricated, not bonded.", is_flag=True)
-    resonance: float | None = option(
-        None,
-        "Measured peak of one such mass; tells the geometry factor in place of a shape.",
-        unit="frequency",
-    )
-    resonance_mass: float | None = option(None, "On the parts at that peak.", unit="mass")
-
-    @property
-    def height(self) -> float | None:
-        """Of a pad, m; None of what has none, or where no shape is given."""
-        shape = next(
-            (pad(flag, lengths) for flag in _SHAPES if (lengths := getattr(self, flag))), None
+    given = [flag for flag in (*_SHAPES, "resonance") if getattr(part, flag) is not None]
+    if not given:
+        if part != PartChoices():
+            raise DataError(
+                "--mode, --lubricated and --resonance-mass belong to a shape (--disc, --block, "
+                "--bush, --bulb) or to a --resonance; add one, or leave them out"
+            )
+        return fit
+    if len(given) > 1:
+        raise DataError(
+            f"--{given[0]} and --{given[1]} both tell the geometry; leave one of them out"
         )
-        return shape.height if isinstance(shape, Disc | Block) else None
+    if part.resonance is None:
+        if part.resonance_mass is not None:
+            raise DataError("--resonance-mass belongs to a --resonance; add that, or leave it")
+        return fit.as_part(
+            pad(given[0], getattr(part, given[0])), _mode(part.mode), bonded=not part.lubricated
+        )
+    factor = _factor(part, part.resonance, fit.solid, base=base, peak=peak)
+    return fit.as_part(factor / seals)
 
-    def applied(
-        self,
-        fit: Fit,
-        *,
-        seals: float,
-        base: bool,
-        peak: Callable[[Solid, float, float], float] | None = None,
-    ) -> Fit:
-        """The fit of one of `seals` such parts; the fit itself where nothing is said.
 
-        `peak`, of a solid, its factor and a mass, is the resonance at the level at which that of
-        the user was measured.
-
-        Raises
-        ------
-        DataError
-            If more than one geometry is given, or one that cannot be.
-        """
-        given = [flag for flag in (*_SHAPES, "resonance") if getattr(self, flag) is not None]
-        if not given:
-            if self != PartChoices():
-                raise DataError(
-                    "--mode, --lubricated and --resonance-mass belong to a shape (--disc, --block, "
-                    "--bush, --bulb) or to a --resonance; add one, or leave them out"
-                )
-            return fit
-        if len(given) > 1:
-            raise DataError(
-                f"--{given[0]} and --{given[1]} both tell the geometry; leave one of them out"
-            )
-        if self.resonance is None:
-            if self.resonance_mass is not None:
-                raise DataError("--resonance-mass belongs to a --resonance; add that, or leave it")
-            return fit.as_part(
-                pad(given[0], getattr(self, given[0])), _mode(self.mode), bonded=not self.lubricated
-            )
-        factor = self._factor(self.resonance, fit.solid, base=base, peak=peak)
-        return fit.as_part(factor / seals)
-
-    def _factor(
-        self,
-        resonance: float,
-        solid: Solid,
-        *,
-        base: bool,
-        peak: Callable[[Solid, float, float], float] | None,
-    ) -> float:
-        """The geometry factor of all the parts, by the resonance of a mass on them."""
-        if self.resonance_mass is None:
-            raise DataError(
-                "--resonance needs the mass that it was measured with: --resonance-mass"
-            )
-        if self.mode is not None or self.lubricated:
-            raise DataError(
-                "a resonance tells the factor, however the part is loaded: leave --mode "
-                "and --lubricated out"
-            )
-        kind = "transmissibility" if base else "accelerance"
-        factor = geometry_factor(solid, mass=self.resonance_mass, peak=resonance, kind=kind)
-        if peak is not None:
-            for _ in range(_ROUNDS):
-                found = peak(factor * solid, factor, self.resonance_mass)
-                factor *= (resonance / found) ** 2
-        return factor
+def _factor(
+    part: PartChoices,
+    resonance: float,
+    solid: Solid,
+    *,
+    base: bool,
+    peak: Callable[[Solid, float, float], float] | None,
+) -> float:
+    """The geometry factor of all the parts, by the resonance of a mass on them."""
+    if part.resonance_mass is None:
+        raise DataError("--resonance needs the mass that it was measured with: --resonance-mass")
+    if part.mode is not None or part.lubricated:
+        raise DataError(
+            "a resonance tells the factor, however the part is loaded: leave --mode "
+            "and --lubricated out"
+        )
+    kind = "transmissibility" if base else "accelerance"
+    factor = geometry_factor(solid, mass=part.resonance_mass, peak=resonance, kind=kind)
+    if peak is not None:
+        for _ in range(_ROUNDS):
+            found = peak(factor * solid, factor, part.resonance_mass)
+            factor *= (resonance / found) ** 2
+    return factor
 
 
 _ROUNDS = 6
@@ -143,5 +119,5 @@ def pad(flag: str, lengths: str | None) -> Geometry:
     return kind(*(si(word.strip(), "length") for word in words))
 
 
-def _mode(word: str | None) -> Mode | None:
-    return next((one for one in get_args(Mode) if one == word), None)
+def _mode(word: str | None) -> PartMode | None:
+    return next((one for one in get_args(PartMode) if one == word), None)

@@ -44,8 +44,8 @@ from dashpot.workflow.at_level import (
     swept_part,
 )
 from dashpot.workflow.checks import base_band_informed, prediction_informed
-from dashpot.workflow.job import LevelChoices, known_of_a_test
-from dashpot.workflow.part import PartChoices
+from dashpot.workflow.job import LevelChoices, PartChoices, known_of_a_test
+from dashpot.workflow.part import applied
 from dashpot.workflow.prepared import at_their_temperatures, prepared_files, refuse_others
 from dashpot.workflow.resting import (
     LIMIT_LINES,
@@ -276,7 +276,7 @@ def predict_files(
     if part is not None and of_part:
         _refuse_records(records)
         material, measured = here.solid, _measured_at(swept, choices, asked)
-        here = found = part.applied(here, seals=seals, base=asked.over_base, peak=measured)
+        here = found = applied(part, here, seals=seals, base=asked.over_base, peak=measured)
         stiffer = float(abs(here.solid.complex_stiffness(1.0) / material.complex_stiffness(1.0)))
     rests = at_rest(here, mass=moving, seals=seals, compression=compression)
     # over a base, mounts that weigh something couple the mass to it

@@ -14,60 +14,23 @@ from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.choices import FamilyAsked
 from dashpot.base.documents import Documented, plain
 from dashpot.base.errors import DataError, FitError
-from dashpot.base.options import option
 from dashpot.base.provenance import Step
-from dashpot.base.units import si_fields, written
+from dashpot.base.units import written
 from dashpot.io.options import ReadOptions
 from dashpot.kinds.rod.fit import fit_rod
-from dashpot.kinds.rod.prepare import RodErrors, RodModulus, rod_modulus
+from dashpot.kinds.rod.prepare import rod_modulus
+from dashpot.kinds.rod.record import RodErrors, RodModulus
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF
 from dashpot.records.specimen import Specimen
 from dashpot.solids.part import Block, Disc
-from dashpot.workflow.job import HammerChoices
+from dashpot.workflow.job import HammerChoices, RodChoices
 from dashpot.workflow.measured import read_measured
 from dashpot.workflow.part import pad
 
 _LIGHTEST, _HEAVIEST = 5.0, 2e4
 """Of a foam and of a metal, kg/m^3."""
 _ERRORS = ("gain", "phase", "mass", "length", "area", "density")
-
-
-@dataclass(frozen=True)
-class RodChoices:
-    """A rod under a mass as a user says it, and how well its test is known."""
-
-    disc: str | None = option(None, "Diameter and length of a round rod, e.g. 20mm,20mm.")
-    block: str | None = option(None, "Both widths and length of another, e.g. 30mm,20mm,10mm.")
-    lubricated: bool = option(False, "Its ends slide: no shape factor is taken off.", is_flag=True)
-    gain_error: float = option(0.01, "Of one sensor over the other, e.g. 1%.", unit="strain")
-    phase_error: float = option(
-        RodErrors.phase, "Between the sensors, e.g. 1deg [default: 1deg].", unit="angle"
-    )
-
-    def __post_init__(self) -> None:
-        si_fields(self)
-        for name in ("gain_error", "phase_error"):
-            value = getattr(self, name)
-            if not 0 <= value < 1:
-                raise DataError(
-                    f"--{name.replace('_', '-')} {value:g}; expected an error from 0 to below 1"
-                )
-
-    @property
-    def part(self) -> Disc | Block:
-        """Its shape; the last length is the one along it."""
-        if (self.disc is None) == (self.block is None):
-            raise DataError(
-                "a rod's shape turns motion into a modulus: give either --disc DIAMETER,LENGTH or "
-                "--block WIDTH,WIDTH,LENGTH"
-            )
-        return pad("disc", self.disc) if self.block is None else pad("block", self.block)
-
-    @property
-    def errors(self) -> RodErrors:
-        """As standard deviations."""
-        return RodErrors(gain=self.gain_error, phase=self.phase_error)
 
 
 @dataclass(frozen=True)
@@ -172,7 +135,7 @@ def rod_files(
     hammer, options, specimen
         How the files are read.
     """
-    part, bonded = rod.part, not rod.lubricated
+    part, errors, bonded = _part(rod), _errors(rod), not rod.lubricated
     if not _LIGHTEST <= density <= _HEAVIEST:
         raise DataError(
             f"--density {density:g}: expected {_LIGHTEST:g} to {_HEAVIEST:g} kg/m^3, such as 1100 "
@@ -183,12 +146,12 @@ def rod_files(
         band=band,
     )  # fmt: skip
     modulus = rod_modulus(
-        frf, part, mass=mass, density=density, bonded=bonded, errors=rod.errors, band=band
+        frf, part, mass=mass, density=density, bonded=bonded, errors=errors, band=band
     )
     own = density * part.area * part.height
-    found = Rod(frf, modulus, part, bonded, mass, own, rod.errors, None)
+    found = Rod(frf, modulus, part, bonded, mass, own, errors, None)
     try:
-        fit = fit_rod(modulus, errors=rod.errors, arms=arms, family=family, specimen=specimen)
+        fit = fit_rod(modulus, errors=errors, arms=arms, family=family, specimen=specimen)
     except FitError as error:
         return replace(found, reason=str(error))
     step = Step(
@@ -203,3 +166,18 @@ def rod_files(
     checks = (*found.checks, *fit.checks)
     evidence = replace(fit.evidence, checks=checks)
     return replace(found, fit=replace(fit, provenance=provenance, evidence=evidence))
+
+
+def _part(rod: RodChoices) -> Disc | Block:
+    """Its shape; the last length is the one along it."""
+    if (rod.disc is None) == (rod.block is None):
+        raise DataError(
+            "a rod's shape turns motion into a modulus: give either --disc DIAMETER,LENGTH or "
+            "--block WIDTH,WIDTH,LENGTH"
+        )
+    return pad("disc", rod.disc) if rod.block is None else pad("block", rod.block)
+
+
+def _errors(rod: RodChoices) -> RodErrors:
+    """As standard deviations."""
+    return RodErrors(gain=rod.gain_error, phase=rod.phase_error)

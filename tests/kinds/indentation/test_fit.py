@@ -197,7 +197,7 @@ class TestRefusals:
         noise = IndentationTest(np.arange(400) * 1e-5, flat, "acceleration", BALL)
         with pytest.raises(DataError, match="stands out"):
             fit_indentation(noise)
-        with pytest.raises(DataError, match="expected auto"):
+        with pytest.raises(DataError, match="expected one of auto"):
             fit_indentation(hit(), law="rubber")
 
     def test_too_few_samples(self):

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from dashpot.base.errors import DataError
-from dashpot.kinds.rod.prepare import RodErrors, rod_modulus, rod_transmissibility
+from dashpot.kinds.rod.prepare import rod_modulus, rod_transmissibility
+from dashpot.kinds.rod.record import RodErrors
 from dashpot.records.frf import FRF, Kind
 from dashpot.solids.part import Disc
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
 from types import MappingProxyType
-from typing import Literal, TypeAlias
+from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -28,38 +28,74 @@ FileKind: TypeAlias = Literal[
     "stress-strain", "not-a-test", "unclear",
 ]  # fmt: skip
 
-_NO_TIMES = "it tells no relaxation times; sweep the frequency"
-WANTED_BY: MappingProxyType[str, tuple[str, str]] = MappingProxyType({
-    "relaxation": ("a relaxation test", "use dashpot fit or dashpot report"),
-    "impact": ("a hammer file", "use dashpot impact"),
-    "frf": ("an FRF", "use dashpot modes, dashpot compare or dashpot identify"),
-    "transmissibility": (
-        "a transmissibility", "use dashpot compare or dashpot identify with the mass"
-    ),
-    "dma": ("a dynamic (DMA) sweep", "use dashpot fit"),
-    "master-curve": ("a master curve of storage and loss", "use dashpot fit"),
-    "strain-sweep": ("an amplitude sweep at one frequency or a few", "use dashpot level"),
-    "temperature-sweep": ("a temperature sweep at one frequency", _NO_TIMES),
-    "one-frequency": ("a dynamic test at one frequency", _NO_TIMES),
-    "modulus": ("a relaxation modulus over time", "use dashpot fit FILE --modulus COLUMN"),
-    "creep": ("a creep test", "use dashpot fit"),
-    "cld": ("a compression load deflection (CLD), pressed and released", "use dashpot cld"),
-    "indentation": ("a contact of an indenter", "use dashpot indent with its mass"),
-    "stress-strain": (
-        "stress over strain of a material",
-        "use dashpot hyperelastic; of a relaxation test multiply by area and height first",
-    ),
-    "cyclic": (
-        "a cyclic run without a hold",
-        "use dashpot cld for cycles at one speed, dashpot level for loops of several amplitudes",
-    ),
-})  # fmt: skip
-"""What each kind of file is called, and which command wants it or why none does."""
-
 SWEEPS: tuple[FileKind, ...] = (
     "dma", "master-curve", "strain-sweep", "temperature-sweep", "one-frequency",
 )  # fmt: skip
 """The kinds of a table of storage and loss."""
+
+
+class Recognised(NamedTuple):
+    """What a file of a kind is called and is for, and what its columns play.
+
+    Attributes
+    ----------
+    what, use : str
+        Its name, and which command wants it or why none does.
+    roles : tuple of str
+        Of its columns; what a creep test or a sweep has, its reader finds.
+    accelerated : bool
+        Whether every acceleration beside them is of it, too.
+    """
+
+    what: str
+    use: str
+    roles: tuple[Role, ...] = ()
+    accelerated: bool = False
+
+
+RAMP: tuple[Role, ...] = ("time", "displacement", "force")
+_RESPONSE: tuple[Role, ...] = ("frequency", "real", "imaginary", "magnitude", "phase", "coherence")
+_SWEPT: tuple[Role, ...] = ("frequency", "storage", "loss", "temperature")
+_NO_TIMES = "it tells no relaxation times; sweep the frequency"
+RECOGNISED: Mapping[str, Recognised] = MappingProxyType({
+    "relaxation": Recognised("a relaxation test", "use dashpot fit or dashpot report", RAMP),
+    "impact": Recognised("a hammer file", "use dashpot impact", ("time", "hammer"), True),
+    "frf": Recognised(
+        "an FRF", "use dashpot modes, dashpot compare or dashpot identify", _RESPONSE
+    ),
+    "transmissibility": Recognised(
+        "a transmissibility", "use dashpot compare or dashpot identify with the mass", _RESPONSE
+    ),
+    "dma": Recognised("a dynamic (DMA) sweep", "use dashpot fit", _SWEPT),
+    "master-curve": Recognised("a master curve of storage and loss", "use dashpot fit", _SWEPT),
+    "strain-sweep": Recognised(
+        "an amplitude sweep at one frequency or a few", "use dashpot level", _SWEPT
+    ),
+    "temperature-sweep": Recognised("a temperature sweep at one frequency", _NO_TIMES, _SWEPT),
+    "one-frequency": Recognised("a dynamic test at one frequency", _NO_TIMES, _SWEPT),
+    "modulus": Recognised(
+        "a relaxation modulus over time", "use dashpot fit FILE --modulus COLUMN",
+        ("time", "modulus"),
+    ),
+    "creep": Recognised("a creep test", "use dashpot fit"),
+    "cld": Recognised(
+        "a compression load deflection (CLD), pressed and released", "use dashpot cld",
+        ("displacement", "force"),
+    ),
+    "indentation": Recognised(
+        "a contact of an indenter", "use dashpot indent with its mass", ("time", "velocity"), True
+    ),
+    "stress-strain": Recognised(
+        "stress over strain of a material",
+        "use dashpot hyperelastic; of a relaxation test multiply by area and height first",
+        ("stretch", "strain", "stress"),
+    ),
+    "cyclic": Recognised(
+        "a cyclic run without a hold",
+        "use dashpot cld for cycles at one speed, dashpot level for loops of several amplitudes",
+    ),
+})  # fmt: skip
+"""Every kind that a file can be seen to be; what else is of a kind, ``dashpot.kinds`` names."""
 
 _SIGNALS = {"force", "displacement", "stress", "strain"}
 
@@ -367,8 +403,8 @@ def refuse_kind(
     ReadError
     """
     kind, reason = kind_of(table, options)
-    if kind in WANTED_BY and kind not in accepted:
-        what, command = WANTED_BY[kind]
+    if kind in RECOGNISED and kind not in accepted:
+        what, command, *_ = RECOGNISED[kind]
         if kind == "modulus":
             scores = [score(column, "modulus", options) for column in table.columns]
             named = table.columns[scores.index(max(scores))].name

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
 from dashpot.base.offered import Pictured
-from dashpot.io.columns.kinds import SWEEPS, WANTED_BY, FileKind, kind_of
+from dashpot.io.columns.kinds import RAMP, RECOGNISED, SWEEPS, FileKind, kind_of
 from dashpot.io.columns.roles import Assigned, accelerations, assign, find_column
 from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions, flag
@@ -25,19 +26,6 @@ from dashpot.io.readers.frf import settled
 from dashpot.io.readers.shaken import of_mass
 from dashpot.io.table import FileTable, Loaded, Question
 
-_RESPONSE: tuple[Role, ...] = ("frequency", "real", "imaginary", "magnitude", "phase", "coherence")
-_ROLES: dict[str, tuple[Role, ...]] = {
-    "relaxation": ("time", "displacement", "force"),
-    "unclear": ("time", "displacement", "force"),
-    "cld": ("displacement", "force"),
-    "impact": ("time", "hammer"),
-    "indentation": ("time", "velocity"),
-    "frf": _RESPONSE,
-    "transmissibility": _RESPONSE,
-    "modulus": ("time", "modulus"),
-    "stress-strain": ("stretch", "strain", "stress"),
-    **dict.fromkeys(SWEEPS, ("frequency", "storage", "loss", "temperature")),
-}
 COURSE_ROWS = 400
 """Rows that an inspection keeps for a picture."""
 
@@ -121,6 +109,18 @@ class Inspection(Pictured):
     simulated: bool = False
 
     @property
+    def series(self) -> Mapping[str, tuple[Any, str]]:
+        """A row for each column of the file."""
+        columns = self.columns
+        return {
+            "number": ([one.number for one in columns], ""),
+            "name": ([one.name for one in columns], ""),
+            "unit": ([one.unit or "" for one in columns], ""),
+            "role": ([one.role or "" for one in columns], ""),
+            "because": ([one.reason for one in columns], ""),
+        }
+
+    @property
     def described(self) -> tuple[str, ...]:
         """What the file is, its columns, and what is to be answered."""
         return (
@@ -145,7 +145,7 @@ class Inspection(Pictured):
     @property
     def use(self) -> str:
         """Which command wants such a file, or why none does; empty where that is not known."""
-        return WANTED_BY.get(self.kind, ("", ""))[1]
+        return RECOGNISED[self.kind].use if self.kind in RECOGNISED else ""
 
 
 def inspect_file(path: str | Path, *, options: ReadOptions | None = None) -> Inspection:
@@ -218,7 +218,7 @@ def _columns(
 def _proposal(file: Opened, kind: str) -> tuple[dict[int, tuple[Role, str]], list[Question]]:
     """Role and reason by column, and the questions left."""
     table, options = file.table, file.options
-    clocks = own_clocks(table, options) if "displacement" in _ROLES.get(kind, ()) else ()
+    clocks = own_clocks(table, options) if "displacement" in _usual(kind) else ()
     roles = {clock.index: (clock.role, clock.reason) for clock in clocks}
     questions: list[Question] = []
     for role in _roles_of(file, kind, clocked=bool(clocks)):
@@ -228,7 +228,7 @@ def _proposal(file: Opened, kind: str) -> tuple[dict[int, tuple[Role, str]], lis
         questions += [] if role in _WELCOME else _asked(file, role, answer)
     if kind == "frf":
         questions = _asks(lambda: settled(file), "ROLE")
-    if kind in {"impact", "indentation"}:
+    if kind in RECOGNISED and RECOGNISED[kind].accelerated:
         for found in _moved(file, list(roles)):
             roles[found.index] = (found.role, found.reason)
             questions += _asked(file, found.role, found)
@@ -248,9 +248,16 @@ def _moved(file: Opened, taken: list[int]) -> list[Assigned]:
     ]
 
 
+def _usual(kind: str) -> tuple[Role, ...]:
+    """The roles of a kind; of a table that shows none, those of a ramp and hold are asked for."""
+    if kind == "unclear":
+        return RAMP
+    return RECOGNISED[kind].roles if kind in RECOGNISED else ()
+
+
 def _roles_of(file: Opened, kind: str, *, clocked: bool) -> list[Role]:
     """The roles that a file of a kind should fill, without a time or a hammer it does not need."""
-    wanted = creep.roles(file) if kind == "creep" else _ROLES.get(kind, ())
+    wanted = creep.roles(file) if kind == "creep" else _usual(kind)
     if kind in SWEEPS:
         with suppress(ReadError):  # what is lacking is asked of the caller
             wanted = tuple(one.role for one in sweep_columns(file)[0])

@@ -10,7 +10,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
 from dashpot.base.units import si_unit
-from dashpot.io.columns.kinds import WANTED_BY
+from dashpot.io.columns.kinds import RECOGNISED
 from dashpot.io.columns.roles import Assigned, assign, quoted
 from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions
@@ -81,7 +81,7 @@ def over_time(
 def _refuse_compliance(file: Opened, one: Assigned) -> None:
     """Refuse a column that is named a compliance, which rises where a modulus falls."""
     if "compliance" in file.table.columns[one.index].name.casefold():
-        what, advice = WANTED_BY["creep"]
+        what, advice, *_ = RECOGNISED["creep"]
         raise ReadError(
             f"{quoted(file.table.columns, one.index)} is a compliance, of {what}, where a "
             f"relaxation modulus is expected: {advice}, without --modulus"

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -49,6 +50,14 @@ class CompressionTest(ByValue, Described):
 
     def __post_init__(self) -> None:
         hold_measured(self, "time", "displacement", "force", minimum=8)
+
+    @property
+    def series(self) -> Mapping[str, tuple[Any, str]]:
+        """Force over displacement, and time."""
+        return {
+            "displacement": (self.displacement, "m"), "force": (self.force, "N"),
+            "time": (self.time, "s"),
+        }  # fmt: skip
 
     @property
     def described(self) -> tuple[str, ...]:
@@ -315,6 +324,14 @@ class CLD(ByValue, Pictured, Checked, Documented):
         """Compression at which the last cycle that crossed air met the seal again, m."""
         met = [one.contact for one in self.cycles[1:] if one.contact is not None]
         return met[-1] if met else None
+
+    @property
+    def series(self) -> Mapping[str, tuple[Any, str]]:
+        """Force over compression, and time."""
+        return {
+            "compression": (self.compression, "m"), "force": (self.force, "N"),
+            "time": (self.time, "s"),
+        }  # fmt: skip
 
     @property
     def described(self) -> tuple[str, ...]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from dashpot.base.units import in_unit
-from dashpot.kinds.rod.prepare import RodModulus
+from dashpot.kinds.rod.record import RodModulus
 from dashpot.plot.direct import FREQUENCY
 from dashpot.plot.picture import FIT, Area, Dots, Line, Mark, Panel, Picture, Scale, Span, around
 from dashpot.records.fit import Fit

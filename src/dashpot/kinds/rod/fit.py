@@ -23,7 +23,7 @@ from dashpot.base.provenance import Source
 from dashpot.fitting.dynamic import fit_dynamic
 from dashpot.fitting.parameters import values
 from dashpot.kinds.rod.checks import ROD_LINES
-from dashpot.kinds.rod.prepare import RodErrors, RodModulus
+from dashpot.kinds.rod.record import RodErrors, RodModulus
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.fit import Fit
 from dashpot.records.specimen import Specimen

@@ -16,19 +16,18 @@ Source: V. M. Kulik et al., Exp. Mech. (2009) (base excitation, two acceleromete
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields, replace
+from dataclasses import replace
 
 import numpy as np
 
-from dashpot.base.arrays import BoolArray, ByValue, ComplexArray, FloatArray, IndexArray
-from dashpot.base.checks import Check
+from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.demands import positive
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, Range, si, si_range
 from dashpot.kinds.rod.checks import mass_beside_rod, rod_usable, sensors_agree, waves_plane
+from dashpot.kinds.rod.record import RodErrors, RodModulus
 from dashpot.records.frf import FRF, Kind
 from dashpot.solids.part import Block, Disc
-from dashpot.vibration.modal.sensitivity import changed
 
 _ROUNDS = 50
 _CLOSE = 1e-13
@@ -40,87 +39,6 @@ _EXACT = 1e-3
 """No two sensors are known to agree better, as a part, or in rad."""
 _GOOD = 0.1
 """Error of storage and of loss factor in the band that is called usable."""
-
-
-@dataclass(frozen=True)
-class RodErrors:
-    """How well a rod's test is known, as standard deviations; the defaults are our choice.
-
-    Attributes
-    ----------
-    gain : float
-        Of one sensor over the other, relative.
-    phase : float
-        Between them, rad.
-    mass, length, area, density : float
-        Of the mass on top, and of the rod, relative.
-    """
-
-    gain: float = 0.01
-    phase: float = float(np.pi / 180)
-    mass: float = 0.002
-    length: float = 0.005
-    area: float = 0.005
-    density: float = 0.005
-
-
-@dataclass(frozen=True, eq=False)
-class RodModulus(ByValue):
-    r"""Modulus of a rod's material against frequency, and what spoils it.
-
-    Attributes
-    ----------
-    frequency : array, shape (n,)
-        Hz.
-    modulus : complex array, shape (n,)
-        E*, Pa.
-    by_gain, by_phase, by_mass, by_length, by_area, by_density : complex array, shape (n,)
-        :math:`d\ln E^*` for each relative change of these, for each rad of phase; what that does to
-        storage and loss factor is :meth:`changes`.
-    storage_sd, loss_factor_sd : array, shape (n,)
-        All errors together, random ones too: Pa, and absolute.
-    band : (float, float)
-        About the resonance, where both are known to 10 %, Hz; (nan, nan) if nowhere.
-    checks : tuple of Check
-    """
-
-    frequency: FloatArray
-    modulus: ComplexArray
-    by_gain: ComplexArray
-    by_phase: ComplexArray
-    by_mass: ComplexArray
-    by_length: ComplexArray
-    by_area: ComplexArray
-    by_density: ComplexArray
-    storage_sd: FloatArray
-    loss_factor_sd: FloatArray
-    band: tuple[float, float]
-    checks: tuple[Check, ...] = ()
-
-    @property
-    def storage(self) -> FloatArray:
-        """E', Pa."""
-        return np.asarray(self.modulus.real)
-
-    @property
-    def loss_factor(self) -> FloatArray:
-        """E''/E'."""
-        return np.asarray(self.modulus.imag / self.modulus.real)
-
-    def changes(self, of: str, by: float) -> tuple[FloatArray, FloatArray]:
-        """Relative change of the storage, and change of the loss factor, by an error of `of`."""
-        slope: ComplexArray = getattr(self, f"by_{of}")
-        return changed(by * slope, self.loss_factor)
-
-    def only(self, lines: BoolArray | IndexArray) -> RodModulus:
-        """The same at some of its lines."""
-        per_line = [one.name for one in fields(self) if one.name not in ("band", "checks")]
-        return replace(self, **{name: getattr(self, name)[lines] for name in per_line})
-
-    @property
-    def usable(self) -> BoolArray:
-        """The lines in the band."""
-        return np.asarray((self.frequency >= self.band[0]) & (self.frequency <= self.band[1]))
 
 
 def rod_transmissibility(

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -179,6 +181,16 @@ class Comparison(Pictured, Documented):
             f"{self.band[0]:.4g} to {self.band[1]:.4g} Hz, {len(self.measured.frequency)} lines: "
             f"FRAC {self.frac:.4f}, rms {self.rms_db:.2f} dB{z}"
         )
+
+    @property
+    def series(self) -> Mapping[str, tuple[Any, str]]:
+        """Measured and predicted over frequency, and what parts them in standard deviations."""
+        return {
+            "frequency": (self.measured.frequency, "Hz"),
+            "measured": (self.measured.value, self.measured.unit),
+            "predicted": (self.predicted.value, self.predicted.unit),
+            "z": (self.z, ""),
+        }
 
     @property
     def described(self) -> tuple[str, ...]:

@@ -9,6 +9,7 @@ import { call } from "./wire.js";
  * @property {string} name
  * @property {Options} options
  * @property {string} [kind]
+ * @property {string} [page] Where it is taken: part of a job, one of several responses, or by itself
  * @property {string} [line]
  * @property {string} [mark]
  * @property {string} [asked]
@@ -38,9 +39,6 @@ import { call } from "./wire.js";
 
 /** What is shown where no file is. */
 export const LOT = "lot";
-const BENCH = ["dma", "master-curve", "modulus", "creep"];
-const LEVELS = ["strain-sweep", "cyclic"];
-const RESPONSES = ["frf", "transmissibility"];
 const HAMMERS = ["impact", "frf"];
 const STEPS_BACK = 100;
 const KEY = 18;
@@ -72,18 +70,20 @@ export const isTest = (/** @type {OpenFile} */ one) =>
 /** @returns {(one: OpenFile) => boolean} */
 const isGood = (/** @type {string[]} */ kinds) => (one) =>
   kinds.includes(one.kind || "") && one.mark === "good";
+/** @returns {(one: OpenFile) => boolean} */
+const isTaken = (/** @type {string} */ page) => (one) => one.page === page && one.mark === "good";
 /** An FRF of a level goes with those of other levels, and with no relaxation test. */
 export const isHammer = (/** @type {OpenFile} */ one) => isGood(HAMMERS)(one) && !one.level;
-export const isResponse = isGood(RESPONSES);
+export const isResponse = isTaken("response");
 /** A file, or one of several, in which amplitude was varied. */
 export const isLevel = (/** @type {OpenFile} */ one) =>
-  isGood(LEVELS)(one) || (isResponse(one) && !!one.level);
+  isTaken("level")(one) || (isResponse(one) && !!one.level);
 /** An FRF whose modes are sought. */
 export const isModes = (/** @type {OpenFile} */ one) =>
   isGood(["frf"])(one) && !one.level && state.frfs.of !== "levels";
 /** What the page fits by itself. */
 export const isBench = (/** @type {OpenFile} */ one) =>
-  isGood(BENCH)(one) || isLevel(one) || isModes(one);
+  isTaken("bench")(one) || isLevel(one) || isModes(one);
 /** The unit in which the level of an FRF is said. */
 export const levelUnit = (/** @type {OpenFile | undefined} */ one) =>
   one?.kind === "transmissibility" ? "m/s^2" : "N";
