@@ -10,7 +10,7 @@ from dashpot.engine.blocks.hold import decay_block
 from dashpot.engine.inference.descents import Descents, Solved
 from dashpot.engine.inference.profile_likelihood import profiles
 from dashpot.engine.inference.profile_walks import Coordinate, Profiled
-from dashpot.engine.least_squares.descent import _trial
+from dashpot.engine.least_squares.descent import Objective, _trial, descend
 from dashpot.engine.least_squares.problem import Parameter, Problem, Rows, solved
 from dashpot.engine.solver.descent import Stack
 from dashpot.engine.solver.variable_projection import solve
@@ -116,6 +116,35 @@ def test_the_steps_of_a_parameter_that_has_faded_are_damped_as_if_it_carried_a_l
     wide = [-10.0, -10.0], [10.0, 10.0]
     step = _trial(Point(), None, 10.0, wide)
     assert step[1] == pytest.approx(-1e-12 / (carried + 10.0 * felt), rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("refused", "gained", "damping"),
+    [(True, 0.749, 1.0), (True, 0.751, 0.5), (False, 0.749, 0.1), (False, 0.751, 0.1)],
+)
+def test_after_a_refused_step_damping_falls_slowly_and_not_where_little_was_gained(
+    refused, gained, damping
+):
+    """Of the fall that the accepted step promised it gains so much; damping then is so many times
+    what it was, as the length of the next step shows."""
+    at, first = [], 10.0 if refused else 1.0
+    step = 1 / (1 + first)
+    falls = [0.0, *[-1.0] * (2 * refused), gained * step * (2 - step), 5.0]
+
+    class Point:
+        beta, gradient, curvature = np.empty(0), -np.ones(1), np.eye(1)
+
+    def point(theta, _):
+        here = Point()
+        here.theta, here.sse = theta, 10.0 - falls[len(at)]
+        at.append(float(theta[0]))
+        return here
+
+    objective = Objective(point, np.full(1, -9.0), np.full(1, 9.0))
+    # a step that raises the SSE is followed by one from where it ends, which is none better
+    descend(objective, np.zeros(1), damping=1.0, limit=2 + refused)
+    assert at[-2] == pytest.approx(step)
+    assert at[-1] - at[-2] == pytest.approx(1 / (1 + damping * first))
 
 
 def test_a_descent_follows_a_valley_that_bends():

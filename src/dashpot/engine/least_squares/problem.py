@@ -122,16 +122,37 @@ class Problem:
         """
         if not self.parameters:
             return self.at(np.zeros(0))
-        found = [
-            replace(ended.point.optimum, stationary=ended.converged)
-            for start in starts
-            if (ended := self._descended(start, rough or most, finished, flat)) is not None
-        ]
+        found = self.valleys(starts, most=rough or most, finished=finished, flat=flat)
         best = min(found, key=lambda one: one.cost, default=None)
         if best is None or not rough:
             return best
         near = [one.theta for one in found if one.cost <= _CLEARLY * best.cost]
         return self.solve(near, most=most, finished=finished, flat=flat)
+
+    def valleys(
+        self,
+        starts: Sequence[FloatArray],
+        *,
+        same: float = 0.0,
+        most: int = 100,
+        finished: float = FINISHED,
+        flat: float = 0.0,
+    ) -> list[Optimum]:
+        """Return where descents from some starts end, as :meth:`solve` asks of them.
+
+        One that comes nearer than `same`, in sizes of the parameters, to the end of another is not
+        followed.
+        """
+        found: list[Optimum] = []
+        scale = self.bounds[2]
+
+        def met(theta: FloatArray) -> bool:
+            return any(np.abs(theta - one.theta / scale).max() < same for one in found)
+
+        for start in starts:
+            if (ended := self._descended(start, met, most, finished, flat)) is not None:
+                found.append(replace(ended.point.optimum, stationary=ended.converged))
+        return found
 
     def held(self, index: int, value: float) -> Problem:
         """The problem with one theta held."""
@@ -146,9 +167,14 @@ class Problem:
         return replace(self, model=model, parameters=rest, gauge=None)
 
     def _descended(
-        self, start: FloatArray, most: int, finished: float, flat: float
+        self,
+        start: FloatArray,
+        met: Callable[[FloatArray], bool],
+        most: int,
+        finished: float,
+        flat: float,
     ) -> Local[_Trial] | None:
-        """Where a descent from one start ends, in sizes of the parameters."""
+        """Where a descent from one start ends, in sizes of the parameters; None if met before."""
         low, high, scale = self.bounds
         low, high = low / scale, high / scale
         first = self._tried(np.clip(np.asarray(start) / scale, low, high), None)
@@ -156,7 +182,7 @@ class Problem:
             lambda theta, last: first if last is None else self._tried(theta, last),
             low, high, rounding=first.rounding,
         )  # fmt: skip
-        return descend(objective, first.theta, limit=most, finished=finished, flat=flat)
+        return descend(objective, first.theta, met=met, limit=most, finished=finished, flat=flat)
 
     def _tried(self, theta: FloatArray, last: _Trial | None) -> _Trial:
         """The best beta at a theta in sizes; where the model says nothing it is infinitely bad."""

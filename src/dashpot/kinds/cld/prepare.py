@@ -90,6 +90,7 @@ def cld(
         index,
         zero.contact,
         zero.contact_se,
+        zero.force_se,
         zero.preload,
         zero.drift,
         zero.noise,

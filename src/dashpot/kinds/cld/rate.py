@@ -24,9 +24,9 @@ from dashpot.engine.least_squares.problem import Optimum, Parameter, Problem, Ro
 from dashpot.fitting.nonlinear_ramp.quasi_linear import hat_integrals
 from dashpot.kinds.cld import checks
 from dashpot.kinds.cld.record import CLD, RateLaw
-from dashpot.kinds.cld.speeds import KNOTS, Thinned, mean_slope, thinned_alike
+from dashpot.kinds.cld.relaxed import knots_over, law_of
+from dashpot.kinds.cld.speeds import Thinned, thinned_alike
 from dashpot.records.fit import Fit
-from dashpot.solids.elastic import ElasticLaw
 
 DAMPING_KNOTS = 7
 MOST_ARMS = 2
@@ -56,11 +56,12 @@ def fit_rate(pieces: Sequence[CLD], beside: Fit) -> RateLaw:
         One law with one memory, as :func:`~dashpot.kinds.cld.speeds.fit_speeds` fits it to the
         same tests.
     """
-    depth, records = thinned_alike(pieces)
+    fine, records = thinned_alike(pieces)
+    depth = float(fine[-1])
     strokes = [one.cycle.depth / one.cycle.speed for one in pieces if one.cycle.speed]
     window = np.log([min(strokes) / 20, 3 * max(strokes)])
     of = _Data(
-        records, np.linspace(0.0, depth, DAMPING_KNOTS), np.linspace(0.0, depth, KNOTS), depth,
+        records, knots_over(fine[1:], depth, DAMPING_KNOTS), fine, depth,
         max(one.noise for one in pieces),
     )  # fmt: skip
     tried = [_best(of, np.zeros(len(records)), None)]
@@ -124,30 +125,25 @@ def _best(of: _Data, before: FloatArray, window: FloatArray | None) -> Optimum:
 
 
 def _assembled(pieces: Sequence[CLD], beside: Fit, of: _Data, best: Optimum) -> RateLaw:
-    count, arms = KNOTS + DAMPING_KNOTS, len(best.theta) - len(of.records)
+    first = len(of.fine)
+    count, arms = first + len(of.knots), len(best.theta) - len(of.records)
     resting = np.zeros(count + arms, dtype=bool)
-    resting[KNOTS:count] = True  # of a damping of 0 the error is its bound
+    resting[first:count] = True  # of a damping of 0 the error is its bound
     known = estimate(best, parts=_parts(of), resting=resting, prior_variance=of.noise**2)
     ln_tau_se, error = np.split(known.standard_error, [len(best.theta)])
-    slope, c, k = np.split(best.beta, [KNOTS, count])
+    _, c, k = np.split(best.beta, [first, count])
     tau = np.exp(best.theta[:arms])
     kept = [int(i) for i in np.argsort(tau) if k[i] > 0]
-    k_e, n = mean_slope(slope), len(best.residual)
+    n = len(best.residual)
     rms = float(np.sqrt(best.sse / n))
     kappa = min((best.sse, known.kappa), (beside.residual.sse, beside.residual.kappa))[1]
     own = score(best, n / kappa)
-    other = bic(beside.residual.sse, effective=n / kappa, parameters=KNOTS + 2 * beside.model.arms)
-    law = ElasticLaw(
-        tuple(of.fine.tolist()),
-        tuple((slope / k_e).tolist()),
-        k_e,
-        tuple((error[:KNOTS] / k_e).tolist()),
-    )
+    other = bic(beside.residual.sse, effective=n / kappa, parameters=first + 2 * beside.model.arms)
     return RateLaw(
-        law,
+        law_of(known, of.fine, slice(len(best.theta), len(best.theta) + first)),
         tuple(of.knots.tolist()),
         tuple(c.tolist()),
-        tuple(error[KNOTS:count].tolist()),
+        tuple(error[first:count].tolist()),
         tuple(k[kept].tolist()),
         tuple(tau[kept].tolist()),
         tuple(error[count:][kept].tolist()),

@@ -222,6 +222,8 @@ class CLD(ByValue, Pictured, Checked, Documented):
         Of the cycle that the figures are of, in `cycles`.
     contact, contact_se : float
         Where the plate first met the seal, on the scale of the record, and its standard error, m.
+    zero_se : float
+        Standard error of the load cell's zero, N.
     preload : float
         Force at the first sample where the record begins in contact under a load, N; else 0.
     drift : float
@@ -252,6 +254,7 @@ class CLD(ByValue, Pictured, Checked, Documented):
     index: int
     contact: float
     contact_se: float
+    zero_se: float
     preload: float
     drift: float
     noise: float
@@ -371,7 +374,8 @@ class RelaxedLaw(Documented):
         Part of the first cycle's relaxed force that is missing in the last, at ``CLD.common``.
     checks : tuple of Check
     others : tuple of ElasticLaw
-        The law by the same memory one standard error off, along each axis of its covariance.
+        The law where what it rests on is one standard error off: the memory, along each axis of
+        its covariance, first contact, and the zero of the force.
     """
 
     keys = (
@@ -393,7 +397,7 @@ class RelaxedLaw(Documented):
         return tuple(map(self.force_se, self.law.knots))
 
     def force_se(self, x: float) -> float:
-        """Standard error of the relaxed force at a compression, m, by that of the memory, N."""
+        """Standard error of the relaxed force at a compression, m: of memory and zeros, N."""
         off = [float(one.force(x)) - float(self.law.force(x)) for one in self.others]
         return float(np.linalg.norm(off)) if off else 0.0
 

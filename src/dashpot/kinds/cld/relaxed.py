@@ -20,7 +20,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, IndexArray
 from dashpot.base.checks import Check
 from dashpot.base.errors import FitError
-from dashpot.engine.inference.estimate import estimate
+from dashpot.engine.inference.estimate import Estimate, estimate
 from dashpot.engine.least_squares.problem import ordinary
 from dashpot.fitting.nonlinear_ramp.quasi_linear import hat_integrals
 from dashpot.fitting.parameters import memory_of, off_by_error
@@ -66,14 +66,15 @@ def relaxed_law(found: CLD, fit: Fit | Sequence[Fit]) -> RelaxedLaw:
     left = None if cycle.unloading is None else _lost(found, cycle.unloading, e)
     first, last = (_at_common(found, e, number) for number in (0, -1))
     stroke = cycle.depth / cycle.speed if cycle.speed else None
-    others = tuple(
-        _law(
-            found.compression[rows],
-            memory_of(other.maxwell).displacement(time, found.force)[rows],
-            np.asarray(law.knots),
-        )[0]
-        for other in off_by_error(fit)
+    knots = np.asarray(law.knots)
+    # what it rests on, one standard error off: the memory along each axis, and both zeros
+    off = [(0.0, memory_of(other.maxwell), 0.0) for other in off_by_error(fit)]
+    off += [(found.contact_se, memory, 0.0), (0.0, memory, found.zero_se)]
+    laws = (
+        _law(found.compression[rows] + x, one.displacement(time, found.force + by)[rows], knots)
+        for x, one, by in off
     )
+    others = tuple(one[0] for one in laws if one is not None)
     return RelaxedLaw(
         _widened(law, others),
         memory,
@@ -99,9 +100,9 @@ def nearest(found: CLD, fits: Sequence[Fit]) -> Fit:
 
 
 def _widened(law: ElasticLaw, others: Sequence[ElasticLaw]) -> ElasticLaw:
-    """The law with what the memory's errors make of its tangents, beside the scatter."""
+    """The law with what errors of memory and zeros make of its bend, beside the scatter."""
     own = np.asarray(law.ratio_se)
-    moves = [one.stiffness * np.asarray(one.ratio) / law.stiffness - law.ratio for one in others]
+    moves = [np.subtract(one.ratio, law.ratio) for one in others]
     total = np.sqrt(own**2 + sum((one**2 for one in moves), np.zeros(len(own))))
     return replace(law, ratio_se=tuple(total.tolist()))
 
@@ -147,26 +148,49 @@ def felt(found: CLD) -> IndexArray:
 def law_through(x: FloatArray, force: FloatArray, *, depth: float) -> tuple[ElasticLaw, float]:
     """Return the law of the fewest knots that follows points as well as the finest, and its rms.
 
-    Its tangent is linear between knots and nowhere below 0.
+    Its tangent is linear between knots and nowhere below 0, and told by the points at each.
     """
-    tried = [_law(x, force, np.linspace(0.0, depth, count)) for count in KNOTS]
+    laws = [_law(x, force, knots_over(x, depth, count)) for count in KNOTS]
+    tried = [one for one in laws if one is not None]
+    if not tried:
+        raise FitError(
+            f"{len(x)} samples of the cycle stand out of the noise, too few to tell a law; press "
+            "slower, or record faster"
+        )
     _, finest = tried[-1]
     return next(one for one in tried if one[1] <= _AS_WELL * finest + 1e-12)
 
 
-def _law(x: FloatArray, force: FloatArray, knots: FloatArray) -> tuple[ElasticLaw, float]:
+def knots_over(x: FloatArray, depth: float, count: int) -> FloatArray:
+    """Return 0 and even knots to a depth, but for those between 0 and where points begin."""
+    even = np.linspace(0.0, depth, count)
+    return np.asarray(even[(even == 0.0) | (even > np.min(x, initial=np.inf)) | (even == depth)])
+
+
+def _law(x: FloatArray, force: FloatArray, knots: FloatArray) -> tuple[ElasticLaw, float] | None:
+    """The law on knots; None where the points do not tell each tangent."""
     hats = hat_integrals(x, knots)
     best = ordinary(force, hats, positive=True)
-    width, slope = np.diff(knots), best.beta
-    mean = float(0.5 * width @ (slope[1:] + slope[:-1])) / float(knots[-1])
-    error = estimate(best).standard_error
-    law = ElasticLaw(
+    known = estimate(best)
+    if not np.isfinite(known.standard_error).all():
+        return None
+    return law_of(known, knots, slice(None)), float(np.sqrt(best.sse / len(x)))
+
+
+def law_of(known: Estimate, knots: FloatArray, at: slice) -> ElasticLaw:
+    """Return the law whose tangents on knots, N/m, stand there among the values of an estimate."""
+    ratio = known.derived(lambda values: values[at] / mean_slope(values[at], knots))
+    return ElasticLaw(
         tuple(knots.tolist()),
-        tuple((slope / mean).tolist()),
-        mean,
-        tuple((error / mean).tolist()),
+        tuple(ratio.values.tolist()),
+        mean_slope(known.optimum.values[at], knots),
+        tuple(ratio.standard_error.tolist()),
     )
-    return law, float(np.sqrt(best.sse / len(x)))
+
+
+def mean_slope(slope: FloatArray, knots: FloatArray) -> float:
+    """Return the mean of a tangent that is linear between knots from 0 on, N/m."""
+    return float(0.5 * np.diff(knots) @ (slope[1:] + slope[:-1])) / float(knots[-1])
 
 
 def _lost(found: CLD, back: Branch, e: FloatArray) -> float:

@@ -26,10 +26,9 @@ from dashpot.fitting.assembly import FoundSolid, assembled
 from dashpot.fitting.nonlinear_ramp.quasi_linear import hat_integrals
 from dashpot.kinds.cld import checks
 from dashpot.kinds.cld.record import CLD
-from dashpot.kinds.cld.relaxed import clock_of, felt
+from dashpot.kinds.cld.relaxed import clock_of, felt, knots_over, law_of, mean_slope
 from dashpot.records.estimate import ParameterEstimate, Residual, parameter_names
 from dashpot.records.fit import Evidence, Fit, OrderScore, Provenance
-from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 KNOTS = 13
@@ -83,19 +82,19 @@ def fit_speeds(pieces: Sequence[CLD], *, arms: int | Literal["auto"] = "auto") -
             "one speed alone tells no memory from an elastic law; expected tests at two or more, "
             "a decade apart or farther"
         )
-    depth, records = thinned_alike(pieces)
+    knots, records = thinned_alike(pieces)
     strokes = [one.cycle.depth / speed for one, speed in zip(pieces, speeds, strict=True)]
     window = min(strokes) / 20, 3 * max(strokes)
     tried = _tried(records, window, range(MOST_ARMS + 1) if arms == "auto" else [arms])
     # what is left of too few arms is no noise: all are weighed by that of the most
     effective = estimate(tried[-1], parts=_parts(records)).effective
     scores = [score(one, effective) for one in tried]
-    best = _supported(records, tried, scores)
+    best = _supported(records, knots, tried, scores)
     orders = tuple(
-        OrderScore(len(one.theta) // 2, one.sse, bic, number <= best, _model(one.values))
+        OrderScore(len(one.theta) // 2, one.sse, bic, number <= best, _model(knots, one))
         for number, (bic, one) in enumerate(zip(scores, tried, strict=True))
     )
-    return _assembled(pieces, records, tried[best], depth=depth, strokes=strokes, orders=orders)
+    return _assembled(pieces, records, tried[best], knots=knots, strokes=strokes, orders=orders)
 
 
 def _tried(
@@ -111,36 +110,40 @@ def _tried(
 
 
 def _supported(
-    records: Sequence[Thinned], tried: Sequence[Optimum], scores: Sequence[float]
+    records: Sequence[Thinned],
+    knots: FloatArray,
+    tried: Sequence[Optimum],
+    scores: Sequence[float],
 ) -> int:
     """The last memory that lowers BIC decisively and whose arms are all known; else the first."""
     for i in range(len(tried) - 1, 0, -1):
-        if scores[i - 1] - scores[i] >= _DECISIVE and _told(records, tried[i]):
+        if scores[i - 1] - scores[i] >= _DECISIVE and _told(records, knots, tried[i]):
             return i
     return 0
 
 
-def thinned_alike(pieces: Sequence[CLD]) -> tuple[float, list[Thinned]]:
-    """Return the least depth of tests, m, and their records to it."""
-    depth = min(one.cycle.depth for one in pieces)
-    return depth, [thinned(one, depth) for one in pieces]
+def thinned_alike(pieces: Sequence[CLD]) -> tuple[FloatArray, list[Thinned]]:
+    """Return the knots of a law to the least depth of tests, m, and their records to it."""
+    pressed = np.concatenate([one.compression[felt(one)] for one in pieces])
+    knots = knots_over(pressed, min(one.cycle.depth for one in pieces), KNOTS)
+    return knots, [thinned(one, knots) for one in pieces]
 
 
-def _told(records: Sequence[Thinned], best: Optimum) -> bool:
+def _told(records: Sequence[Thinned], knots: FloatArray, best: Optimum) -> bool:
     """Whether every arm is worth three of its errors, and its time is known to a half."""
     arms = len(best.theta) // 2
-    found = estimate(best, parts=_parts(records)).derived(_seal)
+    found = estimate(best, parts=_parts(records)).derived(partial(_seal, knots))
     k, error = found.values[1 : 1 + arms], found.standard_error[1:]
     return bool((k > 3 * error[:arms]).all() and (error[arms : 2 * arms] < checks.TOLD).all())
 
 
-def thinned(one: CLD, depth: float, *, off: float = 0.0) -> Thinned:
+def thinned(one: CLD, knots: FloatArray, *, off: float = 0.0) -> Thinned:
     """Means of neighbours, so that a stroke of the chosen cycle has some hundred rows."""
     last = one.unloading or one.loading
     stop = last.samples.stop
     rows = np.zeros(len(one.force), dtype=bool)
     rows[felt(one)] = True
-    rows &= one.compression <= 1.005 * depth
+    rows &= one.compression <= 1.005 * knots[-1]
     block = max(1, len(one.loading.force) // _PER_STROKE)
     clock = clock_of(one)
     time, x, velocity, force, share = (
@@ -149,7 +152,7 @@ def thinned(one: CLD, depth: float, *, off: float = 0.0) -> Thinned:
     )
     pressed = share == 1.0  # a block that holds a turning point is not taken
     first = min(int(np.flatnonzero(pressed)[0]), one.loading.samples.start // block)
-    hats = np.where(pressed[:, None], hat_integrals(x + off, np.linspace(0.0, depth, KNOTS)), 0.0)
+    hats = np.where(pressed[:, None], hat_integrals(x + off, knots), 0.0)
     return Thinned(time, x, velocity, force, pressed, first, hats[first:])
 
 
@@ -216,22 +219,16 @@ def _best(
     return replace(problem.at(np.concatenate((g[order], tau[order]))), stationary=best.stationary)
 
 
-def mean_slope(slope: FloatArray) -> float:
-    """Return the mean slope of a law on even knots, N/m."""
-    return float(np.trapezoid(slope) / (len(slope) - 1))
-
-
-def _seal(values: FloatArray) -> FloatArray:
-    """K_inf, k, N/m, and ln tau of a memory and tangents; then the tangents, N/m."""
-    count = len(values) - KNOTS
-    theta, slope = values[:count], values[count:]
-    k_inf = mean_slope(slope)
+def _seal(knots: FloatArray, values: FloatArray) -> FloatArray:
+    """K_inf, k, N/m, and ln tau of a memory and tangents."""
+    theta, slope = np.split(values, [-len(knots)])
+    k_inf = mean_slope(slope, knots)
     g, ln_tau = np.split(theta, 2)
-    return np.concatenate(([k_inf], np.exp(g) * k_inf, ln_tau, slope))
+    return np.concatenate(([k_inf], np.exp(g) * k_inf, ln_tau))
 
 
-def _model(values: FloatArray) -> GeneralizedMaxwell:
-    return _memory(values[:-KNOTS]) * mean_slope(values[-KNOTS:])
+def _model(knots: FloatArray, best: Optimum) -> GeneralizedMaxwell:
+    return _memory(best.theta) * mean_slope(best.beta, knots)
 
 
 def _assembled(
@@ -239,28 +236,23 @@ def _assembled(
     records: Sequence[Thinned],
     best: Optimum,
     *,
-    depth: float,
+    knots: FloatArray,
     strokes: Sequence[float],
     orders: tuple[OrderScore, ...],
 ) -> Fit:
-    model, slope = _model(best.values), best.beta
-    k_inf, n = mean_slope(slope), len(best.residual)
+    model, n = _model(knots, best), len(best.residual)
     known = estimate(best, parts=_parts(records))
-    # beside the noise, what each first contact leaves unknown: a record with it one error off
+    # beside the noise, what both zeros leave unknown: a record with one of them an error off
     for i, one in enumerate(pieces):
-        off = [*records[:i], thinned(one, depth, off=one.contact_se), *records[i + 1 :]]
-        other = _rows(off, best.theta)
-        known = known.widened(known.moved(other.A @ best.beta - other.y + best.every))
-    seal = known.derived(_seal)
-    covariance = seal.covariance[:-KNOTS, :-KNOTS]
+        by = thinned(one, knots, off=one.contact_se)
+        weighed = records[i]._replace(force=records[i].force + one.zero_se)
+        for off in (by, weighed):
+            other = _rows([*records[:i], off, *records[i + 1 :]], best.theta)
+            known = known.widened(known.moved(other.A @ best.beta - other.y + best.every))
+    covariance = known.derived(partial(_seal, knots)).covariance
     rms = float(np.sqrt(best.sse / n))
     peak = max(one.cycle.peak for one in pieces)
-    law = ElasticLaw(
-        tuple(np.linspace(0.0, depth, KNOTS).tolist()),
-        tuple((slope / k_inf).tolist()),
-        k_inf,
-        tuple((seal.standard_error[-KNOTS:] / k_inf).tolist()),
-    )
+    law = law_of(known, knots, slice(-len(knots), None))
     error = np.sqrt(np.diag(covariance))[1 + model.arms :]
     speeds = [one.cycle.speed or np.nan for one in pieces]
     asked = (
@@ -271,7 +263,7 @@ def _assembled(
     )
     step = Step(
         "fit",
-        (("arms", str(model.arms)), ("knots", str(KNOTS))),
+        (("arms", str(model.arms)), ("knots", str(len(knots)))),
         f"fitted an elastic law and {model.arms} arms to load deflection at {len(pieces)} speeds",
     )
     told = ParameterEstimate(

@@ -53,8 +53,9 @@ _ROUNDING = 1e-5
 _LOSSES = frozenset({"c", "viscous_time", "g"})
 _TIME = 2
 """Place of the law's time among the parameters."""
-_SAME = 0.02
-"""Difference of that parameter below which two valleys are one."""
+_SAME = 0.05
+"""Difference of every parameter below which two valleys are one."""
+_LEVEL = 0.95
 _ENDS = 1.02
 """Of a quantile, beyond which a slice of a profile is outside."""
 _FAR = 0.8
@@ -283,11 +284,7 @@ def _solved(window: _Window, name: str) -> _LawOptimum | None:
     cost = np.array([one for one, _ in table]).reshape([len(one) for one in law.starts])
     starts = [table[i][1] for i in _valleys(cost)]
     whole = problem(law, window.test.indenter.pull)
-    found = [
-        one
-        for start in starts
-        if (one := whole.solve([start], most=_TRIES, finished=_FLAT, flat=_FLAT)) is not None
-    ]
+    found = whole.valleys(starts, same=_SAME, most=_TRIES, finished=_FLAT, flat=_FLAT)
     if not found:
         return None
     best = min(found, key=lambda one: one.cost)
@@ -347,7 +344,8 @@ def _found(window: _Window, one: _LawOptimum) -> tuple[Found, ...]:
         return np.array([value for value, _ in _follows(window, one.law, theta).values()])
 
     slices = _slices(one) if len(one.law.starts) > 1 else [Slice(0.0, one.estimate)]
-    derived = [(root, known.derived(numbers)) for root, known in slices]
+    widest = one.estimate.quantile(_LEVEL)
+    derived = [(root, known.derived(numbers)) for root, known in slices if root <= _ENDS * widest]
 
     def ends(level: float) -> tuple[FloatArray, FloatArray]:
         """Of all slices together, as parts of the value; of a loss, and of all others."""
@@ -365,7 +363,7 @@ def _found(window: _Window, one: _LawOptimum) -> tuple[Found, ...]:
         return np.min([low for low, _ in each], axis=0), np.max([high for _, high in each], axis=0)
 
     losses = np.array([name in _LOSSES for name in named])
-    (low, high), (_, once) = ends(0.95), ends(0.90)
+    (low, high), (_, once) = ends(_LEVEL), ends(0.90)
     bounded = losses & (low <= 0)
     rows = zip(
         named.items(), np.where(bounded, 0.0, low).tolist(), np.where(bounded, once, high).tolist(),
@@ -380,12 +378,11 @@ def _slices(one: _LawOptimum) -> list[Slice]:
     A loss and a time trade along a valley that bends: across it all is normal, along it nothing.
     """
     noise, best = one.estimate.noises[0], one.optimum
-    found, seen = one.estimate.profile(_TIME), [best.theta[_TIME]]
+    found = one.estimate.profile(_TIME)
     for other in one.valleys:
-        worse = max(other.cost - best.cost, 0.0) / noise.power
-        if worse > one.estimate.quantile() ** 2 or np.abs(seen - other.theta[_TIME]).min() < _SAME:
+        worse = (other.cost - best.cost) / noise.power
+        if other is best or worse > one.estimate.quantile() ** 2:
             continue
-        seen.append(other.theta[_TIME])
         each = estimate(other, noises=[noise]).profile(_TIME)
         found += [Slice(float(np.sqrt(root**2 + worse)), known) for root, known in each]
     return found

@@ -1,0 +1,168 @@
+"""How often 95 % limits hold the truth, for pressed parts and struck surfaces, under white noise.
+
+    python benchmarks/coverage_kinds.py STUDY [--seeds 200] [--first 7000]
+
+Truths are those of `tests/kit/foreign`. The last tables printed are kept in docs/performance.md.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections import Counter
+from collections.abc import Iterator
+from functools import cache, partial
+from pathlib import Path
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+import dashpot as dp
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
+
+from kit.foreign import kinds
+from kit.foreign.rigs import Protocol, noisy, pressed, sampled
+from kit.foreign.truths import TABLE_1, Seal
+
+Held = Iterator[tuple[str, bool]]
+DEPTH = 6e-3
+"""Of a load deflection test, m."""
+
+
+def within(name: str, true: float, value: float, error: float) -> tuple[str, bool]:
+    return name, bool(abs(value - true) <= 1.96 * error)
+
+
+def seal_of(seed: int) -> Seal:
+    """Table 1's solid under a law whose tangent is a line."""
+    return Seal(TABLE_1, DEPTH, a=np.random.default_rng([seed, 1]).uniform(0, 0.6))
+
+
+def bends(law: dp.ElasticLaw, seal: Seal) -> Held:
+    """Its tangent over its secant at the depth."""
+    for part in (0.0, 0.5, 1.0):
+        at, step = part * law.depth, 1e-3 * law.depth
+        true = float(np.diff(seal.elastic([at - step, at + step]))[0]) / (2 * step)
+        name = f"tangent at {part:g} of the depth"
+        yield within(name, true, float(law.factor(at)), float(law.factor_se(at)))
+
+
+def pressed_once(seal: Seal, speed: float, seed: int, air: bool) -> dp.CLD:
+    """From air or from contact, in and back to a quarter of the depth, 400 rows to a stroke."""
+    step = DEPTH / speed / 400
+    rows = np.arange(-100, 701)
+    plate = DEPTH * np.interp(rows, (-50, 400, 700), (-50, 400, 100)) / 400
+    pressed = np.maximum(plate, 0.0)
+    force = seal.force(pressed, step)
+    noise = 2e-3 * np.random.default_rng([seed, round(1e9 * speed)]).standard_normal(len(rows))
+    return dp.cld(dp.CompressionTest(plate if air else pressed, force + noise, step * (rows + 100)))
+
+
+def figures(seed: int) -> Held:
+    """Force and slope of the loading halfway and at the depth."""
+    sheet = kinds.cld(seed)
+    x, pure = 1e-3 * sheet["displacement"], sheet.truth["pure"]
+    test = dp.CompressionTest(x, sheet["force"], sheet["time"])
+    for name, at in (("halfway", DEPTH / 2), ("at the depth", DEPTH)):
+        found = dp.cld(test, at=at)
+        rows = found.loading.samples
+        rows = slice(rows.start + 1, rows.stop - 1)  # between the turns the force is smooth
+        true = CubicSpline(x[rows], pure[rows])
+        one = found.nominal
+        yield within(f"force {name}", float(true(at)), one.loading, one.loading_se)
+        yield within(f"slope {name}", float(true(at, 1)), one.slope, one.slope_se)
+
+
+@cache
+def memory() -> dp.Fit:
+    """Table 1's, known to rounding."""
+    one = sampled(pressed(Seal(TABLE_1), Protocol(rate=200.0)), None)
+    return dp.fit(dp.RelaxationTest(one.time, one.displacement, one.force), arms=2)
+
+
+def relaxed(seed: int, air: bool) -> Held:
+    """Tangents of the law under one cycle whose memory is known."""
+    seal, speed = seal_of(seed), np.random.default_rng([seed, 2]).choice([1e-4, 5e-4, 2e-3])
+    law = dp.relaxed_law(pressed_once(seal, speed, seed, air), memory()).law
+    yield from bends(law, seal)
+
+
+def intervals(found: dp.Fit, prefix: str = "") -> Held:
+    """Those of Table 1's solid."""
+    bounds = found.intervals()
+    true = {"k_inf": [TABLE_1.k_inf], "k": TABLE_1.k, "tau": TABLE_1.tau}
+    for name, values in true.items():
+        pairs = np.reshape(bounds[name], (-1, 2)).tolist()
+        for i, value in enumerate(values):
+            told = found.model.arms == 2 and pairs[i][0] <= value <= pairs[i][1]
+            yield f"{prefix}{name}{i + 1 if len(values) > 1 else ''}", told
+
+
+def speeds(seed: int, air: bool) -> Held:
+    """One memory at three speeds, its number of arms chosen."""
+    seal = seal_of(seed)
+    found = dp.fit_speeds([pressed_once(seal, speed, seed, air) for speed in (2e-4, 2e-3, 2e-2)])
+    yield from intervals(found)
+    yield from bends(found.elastic_law, seal)
+
+
+def depths(seed: int) -> Held:
+    """Three tests of one seal, and their law."""
+    seal, random = Seal(TABLE_1, a=0.48), np.random.default_rng(seed)
+    tests = []
+    for depth in (4e-3, 6e-3, 8e-3):
+        one = sampled(pressed(seal, Protocol(depth=depth, rate=200.0)), random)
+        one = noisy(one, random, sd=4e-3)
+        tests.append(dp.prepare(dp.RelaxationTest(one.time, one.displacement, one.force)))
+    found = dp.fit_depths(tests, arms=2)
+    for at in found.by_depth:
+        name = f"k_inf at {1e3 * at.depth:.0f} mm"
+        secant = TABLE_1.k_inf * float(seal.elastic(at.depth)) / at.depth
+        yield within(name, secant, at.k_inf, at.k_inf_se)
+    yield from intervals(found.fit, "together ")
+    yield from bends(found.fit.elastic_law, seal)
+
+
+def indentation(seed: int) -> Held:
+    """A ball on rubber with one arm."""
+    sheet = kinds.indentation(4 * (seed // 3) + 1 + seed % 3)  # every fourth has no arm
+    true, solid = sheet.truth, sheet.truth["contact"]
+    ball = dp.Indenter(true["mass"], impact_velocity=true["speed"])
+    test = dp.IndentationTest(1e-3 * sheet["time"], sheet["indenter"], "acceleration", ball)
+    found = dp.fit_indentation(test, law="hertz-maxwell")
+    numbers = {
+        "k": solid.k_inf, "g": solid.k[0] / solid.k_inf, "tau": solid.tau[0],
+        "impact_velocity": true["speed"], "depth": true["depth"],
+    }  # fmt: skip
+    for name, value in numbers.items():
+        one = next(one for one in found.found if one.name == name)
+        yield name, bool(one.low <= value <= one.high)
+
+
+STUDIES = {
+    "figures": figures, "depths": depths, "indentation": indentation,
+    "relaxed": partial(relaxed, air=False), "relaxed-from-air": partial(relaxed, air=True),
+    "speeds": partial(speeds, air=False), "speeds-from-air": partial(speeds, air=True),
+}  # fmt: skip
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("study", choices=STUDIES)
+    parser.add_argument("--seeds", type=int, default=200)
+    parser.add_argument("--first", type=int, default=7000)
+    options = parser.parse_args()
+    held: Counter[str] = Counter()
+    start = time.process_time()
+    for seed in range(options.first, options.first + options.seeds):
+        held.update(dict(STUDIES[options.study](seed)))
+    cost = (time.process_time() - start) / options.seeds
+    print(f"{options.study}: held of {options.seeds}, {1e3 * cost:.0f} ms of CPU each")
+    for name, count in held.items():
+        print(f"  {name:28}{count:5d}")
+
+
+if __name__ == "__main__":
+    main()
