@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-from types import MappingProxyType
 
 _PARAMETER = re.compile(r"\bk_inf\b|\b(?:ln_)?(?:k|tau|b)_\d+\b|\btau\b|\b[ab]_T\b")
 # what a command line or Python alone can heed: (--band), (dashpot identify), (Python: arms=2)
@@ -17,14 +16,7 @@ _UNIT = re.compile(
 MINUS = "−"
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
-_ASCII = str.maketrans(f"{MINUS}–⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "---0123456789") | {ord("∞"): "inf"}
-
-
-READ_IN = MappingProxyType({
-    "N/m": (1e-3, "N/mm"), "m": (1e3, "mm"), "Pa": (1e-6, "MPa"), "s": (1e3, "ms"),
-    "strain": (100.0, "% strain"),
-})  # fmt: skip
-"""Factor and unit in which people are shown what is in a unit of SI."""
+_ASCII = str.maketrans(f"{MINUS}–⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "---0123456789") | {ord("∞"): "inf", ord("·"): " "}
 
 
 def rounded(value: float, error: float | None = None, *, digits: int = 3) -> str:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 from dashpot import Closing
-from dashpot.cli._terminal import Text
-from dashpot.cli._text import rounded, table
+from dashpot.cli._terminal import Text, table
+from dashpot.cli._text import rounded
 
 
 def closing_text(found: Closing) -> Text:

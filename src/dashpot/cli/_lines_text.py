@@ -7,7 +7,8 @@ from typing import Protocol
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
-from dashpot.cli._text import rounded, table, with_error
+from dashpot.cli._terminal import table
+from dashpot.cli._text import rounded, with_error
 
 ERRORS = {
     "phase": ("1 deg", "1 degree of phase", float(np.pi / 180)),

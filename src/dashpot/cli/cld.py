@@ -16,8 +16,8 @@ from dashpot.cli import _options as options
 from dashpot.cli import _text
 from dashpot.cli._options import Quantity, Range
 from dashpot.cli._shell import File, Outcome, printed, reports, write, write_figure
-from dashpot.cli._terminal import Text
-from dashpot.cli._text import rounded, table, with_error
+from dashpot.cli._terminal import Text, table
+from dashpot.cli._text import rounded, with_error
 from dashpot.workflow.cld import Scatter
 
 

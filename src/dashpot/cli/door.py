@@ -13,8 +13,8 @@ from dashpot.cli import _options as options
 from dashpot.cli._closing import closing_text
 from dashpot.cli._options import Quantity, Range
 from dashpot.cli._shell import File, Outcome, printed, reports, write, write_figure
-from dashpot.cli._terminal import Text
-from dashpot.cli._text import hertz, rounded, table
+from dashpot.cli._terminal import Text, table
+from dashpot.cli._text import hertz, rounded
 
 _ROUNDING = 1e-9
 """Of a damping, %."""

@@ -10,15 +10,21 @@ import numpy.typing as npt
 from dashpot.base.arrays import BoolArray, ByValue, ComplexArray, FloatArray, hold_measured
 from dashpot.base.checks import Check, Checked
 from dashpot.base.errors import DataError
-from dashpot.base.numbers import READ_IN, ascii_only, rounded
+from dashpot.base.numbers import ascii_only, rounded
 from dashpot.base.offered import Described
 from dashpot.base.provenance import Source, of_file
+from dashpot.base.units import in_unit, read_in, written
 from dashpot.records.specimen import Specimen
 from dashpot.solids.friction import Kraus
 from dashpot.solids.maxwell import Solid
 from dashpot.solids.rate_independent import AmplitudeDependent, InParallel, Since
 from dashpot.solids.softening import Softening, softened
 from dashpot.solids.stiffening import Cubic
+
+
+def read_of(of: str) -> tuple[str, str]:
+    """Return the unit in which people read an amplitude, and its word, of ``"m"`` or a strain."""
+    return ("%", "% strain") if of == "strain" else (read_in(of), read_in(of))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -165,17 +171,12 @@ class AmplitudeFit(ByValue, Described, Checked):
         """The verdict, the law and its numbers."""
         judged = self.verdict
         lines, error = [f"{judged.use}: {judged.says}"], dict(self.se)
-        size, unit = READ_IN[self.unit]
-        far, of = READ_IN[self.of]
-        low, high = (far * one for one in self.amplitudes)
+        unit, far, of = read_in(self.unit), *read_of(self.of)
+        low, high = (in_unit(one, far) for one in self.amplitudes)
         kraus = self.law.partition("+")[0]
         if kraus in {"factor", "additive"}:
-            lost = (
-                f"{100 * self.lost:.3g} %"
-                if kraus == "factor"
-                else f"{size * self.lost:.4g} {unit}"
-            )
-            half_way, doubt = far * self.half_way, far * error["half_way"]
+            lost = written(self.lost, "%", ".3g") if kraus == "factor" else written(self.lost, unit)
+            half_way, doubt = (in_unit(one, far) for one in (self.half_way, error["half_way"]))
             lines.append(
                 f"{kraus} law: {lost} of the stiffness is lost with amplitude, half of it at "
                 f"{ascii_only(rounded(half_way, doubt))} +- {doubt:.2g} {of}; exponent "
@@ -184,16 +185,16 @@ class AmplitudeFit(ByValue, Described, Checked):
         if self.k3:
             per = f"{self.unit}" + ("" if self.of == "strain" else "/m^2")
             way = "stiffens" if self.k3 > 0 else "softens"
-            most = size * 0.75 * abs(self.k3) * self.amplitudes[1] ** 2
+            most = written(0.75 * abs(self.k3) * self.amplitudes[1] ** 2, unit, ".3g")
             lines.append(
                 f"cubic spring: k3 = {self.k3:.4g} +- {error['k3']:.2g} {per}, which {way} by "
-                f"{most:.3g} {unit} at the largest amplitude"
+                f"{most} at the largest amplitude"
             )
         if self.k3_unseen:
             share = 0.75 * self.k3_unseen * self.amplitudes[1] ** 2
             part = share / float(np.abs(self.stiffness(self.amplitudes[1])))
             lines.append(
-                f"no cubic spring is seen: one of up to {size * share:.2g} {unit} "
+                f"no cubic spring is seen: one of up to {written(share, unit, '.2g')} "
                 f"({100 * part:.2g} %) at the largest amplitude would not be"
             )
         lines.append(

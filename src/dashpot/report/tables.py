@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
@@ -15,12 +14,10 @@ from dashpot.base.errors import DashpotError
 from dashpot.base.numbers import (
     decibels,
     duration,
-    interval,
     percent,
     readable,
     rounded,
     signed,
-    symbol,
     with_error,
     words,
 )
@@ -39,15 +36,6 @@ STATES = {True: "passed", None: "not judged"}
 MEANS = {"stop": "failed: do not use", "limit": "failed: use with care", "note": "failed: a note"}
 MENDED = "failed: mended by the joint fit"
 VALUE = ("", "value ± standard error", "unit")
-
-# the unit that people read, and its size in the SI unit before it
-READ = {
-    "N/m": ("N/mm", 1e-3), "N s/m": ("N·s/mm", 1e-3),
-    "Pa": ("MPa", 1e-6), "Pa s": ("MPa·s", 1e-6),
-}  # fmt: skip
-READ_OF_NUISANCE = {
-    "N": ("mN", 1e3), "N/s": ("mN/s", 1e3), "kg": ("g", 1e3), "s": ("ms", 1e3), "1": ("–", 1.0),
-}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -113,46 +101,6 @@ def _mark(check: Check, weighed: Collection[Check]) -> str:
 # -- the relaxation test and its fits -------------------------------------------------------------
 
 
-class Parameter(NamedTuple):
-    """One parameter of a solid in the unit that is read."""
-
-    name: str
-    value: float
-    error: float
-    ends: tuple[float, float]
-    unit: str
-
-
-def parameters(fit: Fit) -> Iterator[Parameter]:
-    """k∞, then the stiffness, the dashpot and the relaxation time of every arm.
-
-    Of a fractional solid, its own four; of a material, moduli.
-    """
-    of_k = fit.unit
-    of_b = "N s/m" if of_k == "N/m" else f"{of_k} s"
-    if fit.family == "fractional":
-        known, limits = fit.solid_standard_error, fit.solid_intervals()
-        for name, si in (("k_inf", of_k), ("k_0", of_k), ("tau", "s"), ("alpha", "")):
-            unit, f = READ.get(si, (si, 1.0))
-            low, high = limits[name]
-            value = f * getattr(fit.solid, name)
-            yield Parameter(symbol(name), value, f * known[name], (f * low, f * high), unit)
-        return
-    model, error, between = fit.model, fit.standard_error, fit.intervals(level=0.95)
-    groups = (
-        ("k", of_k, model.k, error["k"], between["k"]),
-        ("b", of_b, model.arm_b, error["b"], between["b"]),
-        ("tau", "s", model.tau, error["tau"], between["tau"]),
-    )
-    every = [("k_inf", of_k, model.k_inf, error["k_inf"], between["k_inf"])]
-    for name, unit, *columns in groups:
-        for j, (value, se, ends) in enumerate(zip(*columns, strict=True), start=1):
-            every.append((f"{name}_{j}", unit, value, se, ends))
-    for name, si, value, se, (low, high) in every:
-        unit, f = READ.get(si, (si, 1.0))
-        yield Parameter(symbol(name), f * value, f * se, (f * low, f * high), unit)
-
-
 def test_facts(prepared: RampHold) -> Table:
     """What was done to the seal."""
     steps = np.diff(prepared.time)
@@ -186,23 +134,15 @@ def coefficients(fit: Fit | None, length: float | None) -> Table | None:
     if fit is None:
         return None
     rows = []
-    if fit.end_of_hold is not None:
-        end = fit.end_of_hold
-        value = rounded(1e-3 * float(fit.model.relaxation(end.time)), digits=4)
-        ends = interval(*(1e-3 * limit for limit in end.k_end))
-        scaled = [] if length is None else [f"{rounded(0.1 / length * float(value))} N/mm"]
-        rows.append((f"k({duration(end.time)})", value, ends, "N/mm", *scaled))
-    for one in parameters(fit):
-        value = with_error(one.value, one.error)
-        cells = [one.name, value, interval(*one.ends), one.unit]
-        if length is not None:
+    for one in fit.known:
+        cells = one.cells
+        row = (one.symbol, cells.with_error, cells.interval, cells.unit)
+        each = ""
+        if length is not None and one.unit not in ("s", ""):
             scale = 0.1 / length
-            each = f"{rounded(one.value * scale, one.error * scale)} {one.unit}"
-            cells.append("" if one.unit == "s" else each)
-        rows.append(tuple(cells))
-    if fit.model.b > 0:
-        unit, f = READ["N s/m"]
-        rows.append(("b", rounded(f * fit.model.b), "", unit, *[""] * (length is not None)))
+            value = rounded(one.shown(one.value) * scale, one.size * scale)
+            each = f"{value} {cells.unit}"
+        rows.append(row if length is None else (*row, each))
     head = ("", "value ± standard error", "95 % interval", "unit", "per 100 mm")
     return Table(head if length is not None else head[:-1], tuple(rows))
 
@@ -246,15 +186,16 @@ def two_routes(study: Study) -> Table | None:
     fit, hold = study.fit, study.hold_fit
     if hold is None or fit.model.arms != hold.model.arms:
         return None
+    there = {one.name: one for one in hold.known}
     rows = tuple(
         (
-            f"{a.name}, {a.unit}",
-            with_error(a.value, a.error),
-            with_error(b.value, b.error),
-            percent(b.value / a.value - 1),
+            f"{one.symbol}, {one.word}",
+            one.cells.with_error,
+            there[one.name].cells.with_error,
+            percent(there[one.name].value / one.value - 1),
         )
-        for a, b in zip(parameters(fit), parameters(hold), strict=True)
-        if a.value and a.unit != READ["N s/m"][0]
+        for one in fit.known
+        if one.name in there and one.error is not None and one.value and one.name[0] != "b"
     )
     return Table(("", "full history", "hold only, eq. (5)", "difference"), rows)
 
@@ -263,11 +204,9 @@ def nuisances(fit: Fit | None) -> Table | None:
     """What the fit needed and nobody asked for."""
     if fit is None or not fit.nuisance:
         return None
-    rows = []
-    for term in fit.nuisance:
-        unit, f = READ_OF_NUISANCE.get(term.unit, (term.unit, 1.0))
-        rows.append((words(term.name), with_error(f * term.value, f * term.standard_error), unit))
-    return Table(VALUE, tuple(rows))
+    each = (term.fact for term in fit.nuisance)
+    rows = tuple((one.symbol, one.cells.with_error, one.word or "–") for one in each)
+    return Table(VALUE, rows)
 
 
 def in_frequency(study: Study) -> Table:
@@ -392,10 +331,8 @@ def _mode_cells(measured: FRF, way: str, c: Comparison) -> tuple[str, str]:
         return "none found", ""
     # rocking and other modes beside it are not what the prediction is of
     mode = min(modes, key=lambda one: abs(one.frequency - c.measured_hz))
-    return (
-        with_error(mode.frequency, mode.frequency_se),
-        with_error(100 * mode.damping_ratio, 100 * mode.damping_ratio_se),
-    )
+    frequency, ratio, _ = (one.cells.with_error for one in mode.facts)
+    return frequency, ratio
 
 
 def arms_tested(comparison: Comparison | None) -> Table | None:
@@ -456,12 +393,9 @@ def moved(joint: Fit | None) -> Table | None:
 
 
 def _moved_row(m: Moved) -> tuple[str, ...]:
-    unit, f = READ.get(m.unit, (m.unit, 1.0))
-    name = f"{symbol(m.name)}, {unit}"
-    now = with_error(f * m.after, f * m.after_se)
-    if m.before is None:
-        return name, "", now, "", "new"
-    known = m.before_se is not None
-    then = with_error(f * m.before, f * (m.before_se or 0.0)) if known else rounded(f * m.before)
-    change = percent(m.after / m.before - 1) if m.before else ""
-    return name, then, now, change, signed(m.shift)
+    was, now = m.was, m.now
+    name, after = ", ".join(filter(None, (now.symbol, now.word))), now.cells.with_error
+    if was is None:
+        return name, "", after, "", "new"
+    change = percent(now.value / was.value - 1) if was.value else ""
+    return name, was.cells.with_error, after, change, signed(m.shift)

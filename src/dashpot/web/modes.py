@@ -6,6 +6,7 @@ import cmath
 import json
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -15,7 +16,7 @@ import numpy as np
 from dashpot import plot
 from dashpot.base.checks import Check, verdict
 from dashpot.base.errors import DataError
-from dashpot.base.numbers import rounded, with_error
+from dashpot.base.numbers import rounded
 from dashpot.base.progress import doing
 from dashpot.base.units import si, si_range
 from dashpot.io.options import ReadOptions
@@ -30,8 +31,6 @@ from dashpot.workflow.archive import to_json
 from dashpot.workflow.command_lines import modes_command
 from dashpot.workflow.measured_modes import MeasuredModes, modes_files
 from dashpot.workflow.under_masses import ModesByMass, modes_by_mass
-
-HALF = 1.96
 
 
 class _Asked(NamedTuple):
@@ -119,16 +118,11 @@ def take_modes(request: Mapping[str, Any], folder: Path) -> bytes:
 
 def _terms(named: list[tuple[str, Mode]]) -> list[views.Term]:
     """Frequency and damping of every mode, with the ends of their intervals."""
-    rows = []
-    for sign, unit, scale, name in (
-        ("f", "Hz", 1.0, "frequency"),
-        ("ζ", "%", 1e2, "damping_ratio"),
-    ):
-        for which, mode in named:
-            value, se = scale * getattr(mode, name), scale * getattr(mode, f"{name}_se")
-            half = HALF * se if np.isfinite(se) else np.inf
-            rows.append(views.term(f"{sign}, {which}", value, (value - half, value + half), unit))
-    return rows
+    return [
+        views.term(replace(mode.facts[i], words=f"{sign}, {which}"))
+        for i, sign in enumerate(("f", "ζ"))
+        for which, mode in named
+    ]
 
 
 def _tables(found: MeasuredModes) -> list[tuple[str, str]]:
@@ -141,7 +135,7 @@ def _tables(found: MeasuredModes) -> list[tuple[str, str]]:
         own = [f"{one.modal_mass:.4g}"]
         if found.points:
             own = [f"{one.phase_collinearity:.3f}", f"{one.phase_deviation_deg:.2g}"]
-        residue = with_error(abs(one.mode.residue), one.mode.residue_se)
+        residue = one.mode.facts[2].cells.with_error
         rows.append([str(i), rounded(one.frequency_hz, digits=4), residue, *own,
                      f"{one.orders} of {found.highest_order}"])  # fmt: skip
     head = ["mode", "Hz", "residue, m/(N s)", *last, "orders stable"]

@@ -12,6 +12,7 @@ import numpy as np
 
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, ReadError
+from dashpot.base.facts import Fact
 from dashpot.base.numbers import json_number
 from dashpot.base.status import Status
 from dashpot.planning.plan import Plan
@@ -184,6 +185,7 @@ def _(value: Any) -> Any:
 
 _plain.register(float, json_number)
 _plain.register(Check, lambda check: check.document)
+_plain.register(Fact, lambda fact: fact.document)
 _plain.register(Enum, lambda value: value.value)
 _plain.register(Status, lambda value: value.name.lower())
 _plain.register(tuple, lambda value: [_plain(item) for item in value])

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 
 from dashpot.base.capability import Capability
 from dashpot.base.checks import Finding, criterion
-from dashpot.base.numbers import READ_IN
+from dashpot.base.units import in_unit
+from dashpot.records.amplitude import read_of
 from dashpot.records.frf import Mode
 
 LISTED = 20
@@ -81,13 +82,12 @@ def level_covered(
     amplitude: float, tested: tuple[float, float], *, at: str, of: str = "m"
 ) -> Finding:
     """At the level asked for the seal moves as far as it did in a test."""
-    scale, unit = READ_IN[of]
+    unit, word = read_of(of)
     low, high = tested
+    moves, least, most = (f"{in_unit(one, unit):.3g}" for one in (amplitude, *tested))
     factor = max(amplitude / high, low / amplitude)
-    says = (
-        f"at {at} the seal {'moves' if of == 'm' else 'is moved by'} {scale * amplitude:.3g} {unit}"
-    )
-    range_ = f"{scale * low:.3g} to {scale * high:.3g} {unit} of the tests"
+    says = f"at {at} the seal {'moves' if of == 'm' else 'is moved by'} {moves} {word}"
+    range_ = f"{least} to {most} {word} of the tests"
     return Finding(
         f"{says}, within the {range_}",
         factor,

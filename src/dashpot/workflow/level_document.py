@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from dashpot.base.checks import Check, verdict
+from dashpot.base.facts import Fact
 from dashpot.base.provenance import Source
 from dashpot.records.level import LevelFit
 from dashpot.solids.friction import Jenkins
@@ -35,6 +36,15 @@ class PeakAtLevel:
     frequency_interval: tuple[float, float]
     receptance_interval: tuple[float, float]
     amplitude: float
+
+    @property
+    def facts(self) -> tuple[Fact, Fact]:
+        """Where the motion is largest, and how large it is per force."""
+        at = f"at {self.level:.4g} N"
+        return (
+            Fact(f"peak {at}", self.frequency, *self.frequency_interval, "Hz"),
+            Fact(f"motion {at}", self.receptance, *self.receptance_interval, "m/N"),
+        )
 
 
 @dataclass(frozen=True)

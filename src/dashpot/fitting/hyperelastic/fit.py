@@ -11,6 +11,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import FitError
+from dashpot.base.facts import Fact
 from dashpot.engine.inference.estimate import estimate, score
 from dashpot.engine.least_squares.problem import ordinary
 from dashpot.fitting.hyperelastic import checks
@@ -23,7 +24,6 @@ from dashpot.fitting.hyperelastic.solving import (
     power_law,
     weighed,
 )
-from dashpot.records.found import Found
 from dashpot.records.hyperelastic import ElasticCurve, HyperelasticFit, Span, StressStrainTest
 from dashpot.solids.hyperelastic import KINDS, SHEARING, Hyperelastic, Kind, Mode, direction
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -189,21 +189,21 @@ def _chosen(
 # -- how well it is known ---------------------------------------------------------------------
 
 
-def _found(one: Solution, values: FloatArray, half: FloatArray) -> tuple[Found, ...]:
+def _found(one: Solution, values: FloatArray, half: FloatArray) -> tuple[Fact, ...]:
     """Constants, exponents and the shear modulus with their intervals."""
     law = one.law
     names = [*law.constant_names, *(f"alpha{k}" for k in range(1, len(law.exponents) + 1))]
     names += ["poisson"] * (len(names) < len(values) - 1)
     units = ["Pa"] * len(law.constants) + ["1"] * (len(names) - len(law.constants)) + ["Pa"]
     return tuple(
-        Found(name, value, value - wide, value + wide, unit)
+        Fact(name, value, value - wide, value + wide, unit)
         for name, value, wide, unit in zip(
             [*names, "shear_modulus"], values.tolist(), half.tolist(), units, strict=True
         )
     )
 
 
-def _bulk(volumetric: Sequence[ElasticCurve]) -> Found | None:
+def _bulk(volumetric: Sequence[ElasticCurve]) -> Fact | None:
     """The bulk modulus of a rubber."""
     if not volumetric:
         return None
@@ -212,7 +212,7 @@ def _bulk(volumetric: Sequence[ElasticCurve]) -> Found | None:
     best = ordinary(y, x[:, None])
     known = estimate(best, parts=[len(each.stretch) for each in volumetric])
     bulk, wide = float(best.beta[0]), known.quantile() * float(known.standard_error[0])
-    return Found("bulk_modulus", bulk, bulk - wide, bulk + wide, "Pa")
+    return Fact("bulk_modulus", bulk, bulk - wide, bulk + wide, "Pa")
 
 
 def _with_bulk(one: Solution, bulk: float | None) -> Hyperelastic:

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from dashpot.base.checks import Check, Finding, criterion
+from dashpot.base.facts import Fact
 from dashpot.fitting.indentation.contacts import Contact
-from dashpot.records.found import Found
 from dashpot.records.indentation import GRAVITY, IndentationFit, IndentationTest
 from dashpot.vibration.systems.contact import Collision
 
@@ -33,7 +33,7 @@ def judge(
     *,
     contact: Contact,
     clipped: int,
-    others: Sequence[tuple[str, Sequence[Found]]],
+    others: Sequence[tuple[str, Sequence[Fact]]],
 ) -> tuple[Check, ...]:
     """Every check of a contact."""
     since, T = fit.time, fit.duration
@@ -210,7 +210,7 @@ def parameters_known(name: str, factor: float, bounded: str = "") -> Finding:
 
 
 @criterion("largest difference between laws", "<=", ALIKE, "our choice: 5 %")
-def laws_agree(fit: IndentationFit, others: Sequence[tuple[str, Sequence[Found]]]) -> Finding:
+def laws_agree(fit: IndentationFit, others: Sequence[tuple[str, Sequence[Fact]]]) -> Finding:
     """Laws that explain the contact as well say the same of restitution, modulus and depth."""
     if not others:
         return Finding(f"no other law explains the contact as well as {fit.law}", 0.0)

@@ -22,13 +22,14 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray
 from dashpot.base.errors import DataError, FitError
+from dashpot.base.facts import Fact
+from dashpot.base.units import read_in
 from dashpot.engine.inference.covariance import noise_of
 from dashpot.engine.inference.estimate import Estimate, Slice, estimate, score
 from dashpot.engine.least_squares.problem import Optimum, Parameter, Problem, Rows
 from dashpot.fitting.indentation import checks
 from dashpot.fitting.indentation.contacts import Contact, largest_contact
 from dashpot.fitting.indentation.laws import LAWS, STEP, Law, Recorded, recorded
-from dashpot.records.found import Found
 from dashpot.records.indentation import IndentationFit, IndentationTest
 from dashpot.solids.contact import ContactLaw, RelaxingContact, ViscousContact, reduced_modulus
 from dashpot.vibration.systems.contact import Collision
@@ -336,7 +337,7 @@ def _in_contact(window: _Window, one: _Solved) -> BoolArray:
     return np.asarray((since >= 0) & (since <= one.hit.duration))
 
 
-def _found(window: _Window, one: _Solved) -> tuple[Found, ...]:
+def _found(window: _Window, one: _Solved) -> tuple[Fact, ...]:
     """The law's parameters and what follows from them, each with its interval."""
     named = _follows(window, one.law, one.optimum.theta)
 
@@ -369,7 +370,10 @@ def _found(window: _Window, one: _Solved) -> tuple[Found, ...]:
         named.items(), np.where(bounded, 0.0, low).tolist(), np.where(bounded, once, high).tolist(),
         strict=True,
     )  # fmt: skip
-    return tuple(Found(name, value, low, high, unit) for (name, (value, unit)), low, high in rows)
+    return tuple(
+        Fact(name, value, low, high, unit, read=read_in(unit, fine=unit == "s"))
+        for (name, (value, unit)), low, high in rows
+    )
 
 
 def _slices(one: _Solved) -> list[Slice]:
