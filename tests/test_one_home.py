@@ -72,7 +72,7 @@ IDEAS: dict[str, tuple[str, tuple[str, ...], dict[str, str]]] = {
         r"failed = \{check\.name|check\.name (in|not in) |\.name in \{",
         (),
         {
-            "fitting/indentation/checks.py": "names of numbers, not of checks",
+            "kinds/indentation/checks.py": "names of numbers, not of checks",
             "planning/advice.py": "the remedies of its own two checks",
             "report/answer.py": "checks of a document, which holds their names",
             "report/summary.py": "checks of a document, which holds their names",

@@ -13,8 +13,8 @@ import dashpot as dp
 from dashpot import workflow
 from dashpot.cli import main
 from dashpot.cli.hyperelastic import _OF_MODE
+from dashpot.kinds.hyperelastic.from_files import MODES
 from dashpot.workflow.examples import EXAMPLES
-from dashpot.workflow.hyperelastic import MODES
 
 pytestmark = pytest.mark.once
 

@@ -20,7 +20,7 @@ from dashpot.base.checks import Check
 from dashpot.base.errors import ExportError, ReadError
 from dashpot.export import UNIT_SYSTEMS
 from dashpot.export.beside import CARRIERS
-from dashpot.records.level import LevelFit
+from dashpot.kinds.level.levels import LevelFit
 from dashpot.solids.friction import Jenkins
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.networks import spring

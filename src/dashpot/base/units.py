@@ -269,6 +269,7 @@ _USUAL: dict[Dimension, str] = {
 _READ = MappingProxyType({
     "m": "mm", "kg": "g", "N/m": "N/mm", "N*s/m": "N*s/mm", "Pa": "MPa", "Pa*s": "MPa*s",
     "m/N": "mm/N", "1/Pa": "1/MPa", "J": "mJ", "J/mol": "kJ/mol", "m/s": "mm/s", "m^2": "mm^2",
+    "strain": "% strain",
 })  # fmt: skip
 """The unit in which people read what is in a unit of SI, where that is another one."""
 
@@ -328,10 +329,9 @@ def read_in(unit: str, *, fine: bool = False) -> str:
     """
     word, per, what = unit.partition(" per ")
     known = find(word)
-    if known is None:
-        return unit
-    usual = _READ.get(known.word, word)
-    return (_FINE.get(known.word, usual) if fine else usual) + per + what
+    of = word if known is None else known.word
+    usual = _READ.get(of, word)
+    return (_FINE.get(of, usual) if fine else usual) + per + what
 
 
 def column(name: str, unit: str) -> str:
@@ -368,7 +368,7 @@ def in_unit(value: float | FloatArray, unit: str) -> float | FloatArray:
     DataError
         If the unit is not in the table.
     """
-    known = find(unit.partition(" per ")[0])
+    known = find(re.split(" per | strain", unit)[0])
     if known is None:
         raise DataError(f"'{unit}' is not a known unit")
     if known.offset:

@@ -15,12 +15,12 @@ from dashpot.records.temperature import celsius
 if TYPE_CHECKING:
     from dashpot import Comparison
     from dashpot.base.provenance import Source
+    from dashpot.kinds.indentation.from_files import Indentation
     from dashpot.records.fit import Fit
     from dashpot.records.frf import Mode
     from dashpot.records.temperature import TemperatureShifts
     from dashpot.solids.elastic import ElasticLaw
     from dashpot.workflow.impacts import ImpactResult
-    from dashpot.workflow.indentations import Indentation
     from dashpot.workflow.levels import Levels
     from dashpot.workflow.predictions import Prediction
     from dashpot.workflow.study import Study

@@ -18,7 +18,7 @@ from dashpot.cli._options import Quantity, Range
 from dashpot.cli._shell import File, Outcome, printed, reports, write, write_figure
 from dashpot.cli._terminal import Text, table
 from dashpot.cli._text import rounded, with_error
-from dashpot.workflow.cld import Scatter
+from dashpot.kinds.cld.from_files import Scatter
 
 
 @click.command("cld")

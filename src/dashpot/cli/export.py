@@ -10,22 +10,16 @@ import click
 
 import dashpot as dp
 from dashpot import workflow
+from dashpot.base.choices import DECKS
 from dashpot.base.errors import ExportError
 from dashpot.cli import _options as options
 from dashpot.cli._echo import to_stderr
 from dashpot.cli._options import Quantity, Range
 from dashpot.cli._shell import File, Outcome, reports, write
 from dashpot.cli._terminal import Text
-from dashpot.records.level import LevelFit
+from dashpot.kinds.level.levels import LevelFit
 from dashpot.records.seal_line import Stations
 from dashpot.records.specimen import Specimen
-
-# written out, so that --help need not import the decks; a test holds it to export.TARGETS
-TARGETS = (
-    "nastran", "abaqus", "ansys", "lsdyna", "radioss", "calculix", "opensees", "adams",
-    "statespace", "csv",
-)  # fmt: skip
-
 
 LONGEST_LINE = 100.0
 """m; no car has more of one seal."""
@@ -33,7 +27,7 @@ LONGEST_LINE = 100.0
 
 @click.command("export")
 @click.argument("fit", type=File())
-@click.option("--to", "target", type=click.Choice(TARGETS), required=True)
+@click.option("--to", "target", type=click.Choice(DECKS), required=True)
 @click.option("--units", metavar="SI|mm-t-s|mm-kg-ms", help="The deck's unit system; required.")
 @click.option("--form", help="E.g. arms, table, prony; each target has its own.")
 @click.option("--range", "frequency_range", type=Range("frequency"), help="Of a table, 1:100Hz.")

@@ -12,7 +12,7 @@ from dashpot.cli import _options as options
 from dashpot.cli._shell import File, Outcome, printed, reports, typed, write, write_figure
 from dashpot.cli._terminal import Text, facts, table
 from dashpot.cli._text import rounded
-from dashpot.io.readers.hyperelastic import Measures
+from dashpot.kinds.hyperelastic.read import Measures
 from dashpot.records.specimen import Specimen
 
 _OF_MODE = {

@@ -11,7 +11,7 @@ from dashpot import workflow
 from dashpot.cli import _options as options
 from dashpot.cli import _text
 from dashpot.cli._shell import File, Outcome, reports, write_figure
-from dashpot.records.indentation import Indenter
+from dashpot.kinds.indentation.record import Indenter
 
 
 @click.command("indent")

@@ -9,55 +9,47 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from importlib import import_module
 from inspect import signature
 from types import MappingProxyType
 
+from dashpot.base.choices import DECKS
 from dashpot.base.errors import ExportError
-from dashpot.export import abaqus as _abaqus
-from dashpot.export import adams as _adams
-from dashpot.export import ansys as _ansys
-from dashpot.export import calculix as _calculix
-from dashpot.export import csv as _csv
-from dashpot.export import lsdyna as _lsdyna
-from dashpot.export import nastran as _nastran
-from dashpot.export import opensees as _opensees
-from dashpot.export import radioss as _radioss
-from dashpot.export import statespace as _statespace
 from dashpot.export.deck import DeckText
 from dashpot.export.hyperelastic import hyperelastic_card
 from dashpot.export.notation import UNIT_SYSTEMS
 from dashpot.export.opening import PROBLEMS
+from dashpot.kinds.hyperelastic.record import HyperelasticFit
+from dashpot.kinds.level.levels import LevelFit
 from dashpot.records.fit import Fit
-from dashpot.records.hyperelastic import HyperelasticFit
-from dashpot.records.level import LevelFit
 
-_MODULES = {
-    module.__name__.rpartition(".")[2]: module
-    for module in (
-        _nastran, _abaqus, _ansys, _lsdyna, _calculix, _opensees, _adams, _csv, _radioss,
-        _statespace,
-    )
-}  # fmt: skip
+_MODULES = {name: import_module(f"dashpot.export.decks.{name}") for name in DECKS}
 FORMS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {name: module.FORMS for name, module in _MODULES.items()}
 )
 """The forms each target can write; the first is what it writes if not told."""
 
-nastran = _nastran.nastran
-abaqus = _abaqus.abaqus
-ansys = _ansys.ansys
-lsdyna = _lsdyna.lsdyna
-calculix = _calculix.calculix
-opensees = _opensees.opensees
-adams = _adams.adams
-csv = _csv.csv
-radioss = _radioss.radioss
-statespace = _statespace.statespace
+SUFFIXES: Mapping[str, str] = MappingProxyType(
+    {name: module.SUFFIX for name, module in _MODULES.items()}
+)
+"""Of the file that each target's decks are kept in."""
+
+NEEDS: Mapping[str, Mapping[str, tuple[str, ...]]] = MappingProxyType(
+    {name: getattr(module, "NEEDS", {}) for name, module in _MODULES.items()}
+)
+"""Arguments that a form of a target cannot do without."""
 
 TARGETS: Mapping[str, Callable[..., DeckText]] = MappingProxyType(
     {name: getattr(module, name) for name, module in _MODULES.items()}
 )
 """Every target by its name on the command line."""
+
+
+def __getattr__(name: str) -> Callable[..., DeckText]:
+    """A target is an attribute, too: ``export.nastran``."""
+    if name not in TARGETS:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return TARGETS[name]
 
 
 def deck_for(
@@ -115,21 +107,6 @@ def deck_for(
 
 
 __all__ = [
-    "FORMS",
-    "PROBLEMS",
-    "TARGETS",
-    "UNIT_SYSTEMS",
-    "DeckText",
-    "abaqus",
-    "adams",
-    "ansys",
-    "calculix",
-    "csv",
-    "deck_for",
+    "FORMS", "NEEDS", "PROBLEMS", "SUFFIXES", "TARGETS", "UNIT_SYSTEMS", "DeckText", "deck_for",
     "hyperelastic_card",
-    "lsdyna",
-    "nastran",
-    "opensees",
-    "radioss",
-    "statespace",
-]
+]  # fmt: skip

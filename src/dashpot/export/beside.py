@@ -9,7 +9,7 @@ import numpy as np
 
 from dashpot.base.errors import ExportError
 from dashpot.export.notation import UnitSystem, text
-from dashpot.records.level import LevelFit
+from dashpot.kinds.level.levels import LevelFit
 from dashpot.solids.friction import Jenkins
 from dashpot.solids.stiffening import Cubic
 

@@ -16,8 +16,8 @@ from dashpot.export.checks import rows_informed
 from dashpot.export.frequency_tables import Damping, Table, tabulate
 from dashpot.export.notation import UnitSystem, one_line, text
 from dashpot.export.shift import law_lines
+from dashpot.kinds.level.levels import LevelFit
 from dashpot.records.fit import Fit
-from dashpot.records.level import LevelFit
 from dashpot.records.specimen import Specimen
 from dashpot.records.temperature import TemperatureShifts
 from dashpot.solids.elastic import ElasticLaw

@@ -11,7 +11,7 @@ from dashpot.base.units import Quantity, si
 from dashpot.base.version import byline
 from dashpot.export.deck import NOT_VERIFIED, DeckText
 from dashpot.export.notation import UNIT_SYSTEMS, UnitSystem, one_line, packed, text
-from dashpot.records.hyperelastic import HyperelasticFit
+from dashpot.kinds.hyperelastic.record import HyperelasticFit
 from dashpot.solids.hyperelastic import POWERS, Hyperelastic
 
 VERIFIED = (

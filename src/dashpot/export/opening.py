@@ -12,8 +12,8 @@ from dashpot.base.status import Status
 from dashpot.export.deck import Deck, Exportable
 from dashpot.export.notation import UNIT_SYSTEMS
 from dashpot.fitting.temperature.checks import temperature_tested
+from dashpot.kinds.level.levels import LevelFit
 from dashpot.records.fit import Fit
-from dashpot.records.level import LevelFit
 from dashpot.records.specimen import Specimen
 
 PROBLEMS = MappingProxyType(

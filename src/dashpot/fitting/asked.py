@@ -4,16 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from dashpot.base.errors import FitError
 from dashpot.base.units import Quantity
 from dashpot.fitting.design import NUISANCE, Design, Method, eq5_obstacle
 from dashpot.fitting.fractional.choice import checked_family
-from dashpot.fitting.nonlinear_ramp.ladder import LawName
-from dashpot.fitting.shift_law import ShiftLaw
-from dashpot.fitting.temperature.joint import Vertical
 from dashpot.records.relaxation import RampHold
+
+if TYPE_CHECKING:
+    from dashpot.fitting.nonlinear_ramp.ladder import LawName
+    from dashpot.fitting.shift_law import ShiftLaw
+    from dashpot.fitting.temperature.joint import Vertical
 
 
 @dataclass(frozen=True)

@@ -28,7 +28,7 @@ from dashpot.fitting.nonlinear_ramp.hold_first import MAX_ARMS, follow
 from dashpot.fitting.nonlinear_ramp.ladder import ramp_law
 from dashpot.fitting.nonlinear_ramp.law_estimate import RampLaw
 from dashpot.fitting.pipeline import asked_arms
-from dashpot.fitting.temperature.optimum import checked_temperatures
+from dashpot.fitting.temperature.of_tests import checked_temperatures
 from dashpot.preparation.ramp_holds import Tests, ramp_holds
 from dashpot.records.fit import AtDepth, Fit
 from dashpot.solids.elastic import ElasticLaw

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.errors import FitError
 from dashpot.records.estimate import ELEMENT, parameter_names
 from dashpot.records.fit import Fit
 from dashpot.solids.fractional import FractionalZener
@@ -79,3 +80,19 @@ def _solid(fit: Fit, here: FloatArray, there: FloatArray) -> Solid:
     return GeneralizedMaxwell(
         k[0], tuple(k[1 + i] for i in order), tuple(tau[order].tolist()), fit.model.b
     )
+
+
+def memory_of(solid: GeneralizedMaxwell) -> GeneralizedMaxwell:
+    """Return the arms of a solid over its stiffness at rest: a solid whose k_inf is 1.
+
+    Raises
+    ------
+    FitError
+        If it has no stiffness at rest.
+    """
+    if not solid.k_inf > 0:
+        raise FitError(
+            "the relaxation test found no stiffness at rest, so that its memory has no scale; "
+            "hold it longer"
+        )
+    return solid * (1 / solid.k_inf)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -36,18 +36,11 @@ from dashpot.fitting.fractional.choice import (
 )
 from dashpot.fitting.linear_gate import Holds, gated
 from dashpot.fitting.nonlinear_ramp import checks as ramp_checks
-from dashpot.fitting.nonlinear_ramp.assembly import ramp_fit
-from dashpot.fitting.nonlinear_ramp.ladder import LawName, ramp_law
-from dashpot.fitting.nonlinear_ramp.law_estimate import RampLaw
 from dashpot.fitting.nuisance import delay_prior, material, priors
 from dashpot.fitting.pipeline import Chosen, asked_arms, chosen_arms
 from dashpot.fitting.questions import Residuals, solid_checks
 from dashpot.fitting.repeats import refuse_copies
-from dashpot.fitting.shift_law import ShiftLaw
-from dashpot.fitting.temperature.joint import Vertical
-from dashpot.fitting.temperature.optimum import checked_temperatures, reference_of
-from dashpot.fitting.temperature.reduced import Own
-from dashpot.fitting.temperature.thermal_fit import fit_thermal
+from dashpot.fitting.temperature.of_tests import checked_temperatures, reference_of
 from dashpot.fitting.uncertainty.estimate import Estimate
 from dashpot.fitting.uncertainty.informed_band import informed_band
 from dashpot.fitting.uncertainty.left_open import end_of_hold
@@ -58,6 +51,13 @@ from dashpot.records.creep import Creep
 from dashpot.records.fit import Evidence, Fit
 from dashpot.records.relaxation import RampHold
 from dashpot.solids.elastic import ElasticLaw
+
+if TYPE_CHECKING:
+    from dashpot.fitting.nonlinear_ramp.ladder import LawName
+    from dashpot.fitting.nonlinear_ramp.law_estimate import RampLaw
+    from dashpot.fitting.shift_law import ShiftLaw
+    from dashpot.fitting.temperature.joint import Vertical
+    from dashpot.fitting.temperature.reduced import Own
 
 # arms that a test may have by itself, where it is one of several temperatures
 _OWN_ARMS = 6
@@ -167,7 +167,7 @@ def fit(
     here = len(temperatures) == 1 and reference in {None, *temperatures.tolist()}
     refuse_shifts("the tests are", vertical, shift_law, None if here else reference)
     if law == "nonlinear":
-        return _by_ramp(records, ramp_law(records, law=law, arms=asked.count), asked.count)
+        return _by_ramp(records, _law_of(records, law, asked.count), asked.count)
     return _of_one_temperature(records, design, asked)
 
 
@@ -180,6 +180,8 @@ def _of_temperatures(
             "tests at several temperatures share arms that move together: leave the family to "
             "be maxwell, or fit the tests of one temperature"
         )
+    from dashpot.fitting.temperature.thermal_fit import fit_thermal  # few need it
+
     return fit_thermal(
         [_own(record, asked.law, thorough=asked.thorough) for record in records],
         arms=asked.count,
@@ -197,7 +199,7 @@ def _of_one_temperature(records: Sequence[RampHold], design: Design, asked: Aske
     data, holds, first, one = data_of(records, design), Holds(records), None, None
     if design == Design("full"):
         first, one, sound = gated(holds, data, asked)
-        bent = None if sound else ramp_law(records, law=asked.law, arms=asked.count)
+        bent = None if sound else _law_of(records, asked.law, asked.count)
         if bent is not None and not bent.sound:
             found = _by_ramp(records, bent, asked.count)
             return found if one is None else beside_bent(found, bent.residuals, one)
@@ -220,13 +222,15 @@ def _of_one_temperature(records: Sequence[RampHold], design: Design, asked: Aske
 
 def _own(record: RampHold, law: LawName, *, thorough: bool) -> Own:
     """Return one test of several temperatures with its own free fit; a bent ramp with its law."""
+    from dashpot.fitting.temperature.reduced import Own
+
     kelvin = record.specimen.temperature or 0.0
     data = data_of([record], Design("full"))
     asked = Asked("auto", _OWN_ARMS, thorough=thorough)
     first, _, sound = gated(Holds([record]), data, asked)
     if sound or law == "linear":
         return Own.of(record, kelvin, first, None)
-    bent = ramp_law([record], law=law)
+    bent = _law_of([record], law)
     if bent.sound:
         return Own.of(record, kelvin, first, None)
     block = block_of(
@@ -236,6 +240,13 @@ def _own(record: RampHold, law: LawName, *, thorough: bool) -> Own:
         [block], [block.exact], in_time=True, bind=partial(bound, [record], [block], Design("full"))
     )
     return Own.of(record, kelvin, weighed(held, _OWN_ARMS), bent.law)
+
+
+def _law_of(records: Sequence[RampHold], law: LawName, arms: int | None = None) -> RampLaw:
+    """Return the elastic law that the ramps support."""
+    from dashpot.fitting.nonlinear_ramp.ladder import ramp_law  # a sound linear fit needs none
+
+    return ramp_law(records, law=law, arms=arms)
 
 
 def _point(records: Sequence[RampHold], first: First, design: Design, arms: int) -> Fit:
@@ -313,6 +324,8 @@ def _by_ramp(records: Sequence[RampHold], found: RampLaw, arms: int | None) -> F
         tau=found.model.tau,
         dof=max(found.estimate.dof, 1.0),
     )
+    from dashpot.fitting.nonlinear_ramp.assembly import ramp_fit
+
     return ramp_fit(records, found, asked=arms, end=end)
 
 

@@ -10,7 +10,7 @@ from dashpot.base.errors import ExportError
 from dashpot.base.version import byline
 from dashpot.plot.bitmap import to_figure
 from dashpot.plot.picture import Picture
-from dashpot.plot.svg import whole
+from dashpot.plot.svg import to_svg
 
 FORMATS = ("pdf", "png", "svg")
 
@@ -50,7 +50,7 @@ def rendered(picture: Picture, suffix: str, *, dpi: float = 300.0) -> bytes:
             f"a figure is written as .pdf, .png or .svg, found '{suffix or 'no suffix'}'"
         )
     if kind == "svg":
-        return f"<!-- {byline('figure')} -->\n{whole(picture)}\n".encode()
+        return f"<!-- {byline('figure')} -->\n{to_svg(picture)}\n".encode()
     from matplotlib import rc_context
 
     by: dict[str, str | None] = {"Software": byline("figure")}

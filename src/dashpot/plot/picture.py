@@ -203,7 +203,7 @@ class Picture:
 
     def _repr_html_(self) -> str:
         """Show itself in a notebook."""
-        text: str = verb("plot.svg", "whole")(self)
+        text: str = verb("plot.svg", "to_svg")(self)
         return text
 
 

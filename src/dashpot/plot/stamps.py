@@ -6,7 +6,6 @@ from collections.abc import Iterable
 
 from dashpot.base.numbers import rounded
 from dashpot.base.provenance import Source, sources_of
-from dashpot.records.amplitude import AmplitudeSweep
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF
 from dashpot.records.relaxation import RampHold, RelaxationTest
@@ -51,7 +50,7 @@ def _simulated(specimen: Specimen | None) -> bool:
     return specimen is not None and "simulated" in specimen.notes.lower()
 
 
-def of_test(test: RampHold | RelaxationTest | AmplitudeSweep) -> str:
+def of_test(test: RampHold | RelaxationTest) -> str:
     """Of one test of a specimen."""
     return stamp(sources_of([test]), test.specimen)
 

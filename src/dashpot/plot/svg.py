@@ -52,7 +52,7 @@ def swatch(mark: Keyed, *, name: str) -> str:
     )
 
 
-def whole(picture: Picture) -> str:
+def to_svg(picture: Picture) -> str:
     """The picture as an SVG file: every strip, the key, the stamp."""
     name, sheet = checked(picture.name), arranged(picture)
     body = [_patterns([f for one in sheet.strips for f in one.laid.frames], name)]

@@ -13,10 +13,10 @@ from dashpot import plot
 from dashpot.base.arrays import FloatArray
 from dashpot.base.facts import Fact
 from dashpot.base.numbers import rounded
-from dashpot.fitting.level.hits import HitLevels
+from dashpot.kinds.level.hits import HitLevels
+from dashpot.kinds.level.levels import LevelFit
+from dashpot.kinds.level.record import AmplitudeFit
 from dashpot.plot.picture import unit_of
-from dashpot.records.amplitude import AmplitudeFit
-from dashpot.records.level import LevelFit
 from dashpot.report.figures import drawn
 from dashpot.report.pages import COLOURS, frame, held
 from dashpot.report.tables import Table, checks

@@ -11,8 +11,8 @@ from dashpot import plot
 from dashpot.base.errors import DataError
 from dashpot.base.progress import doing
 from dashpot.base.units import si
-from dashpot.fitting.level.laws import LAWS
 from dashpot.io.options import ReadOptions
+from dashpot.kinds.level.laws import LAWS
 from dashpot.plot.picture import Picture
 from dashpot.report.level import beyond, document, numbers
 from dashpot.report.pages import COLOURS

@@ -1,17 +1,20 @@
+from dashpot.door.closing_files import ClosingResult as ClosingResult
+from dashpot.door.closing_files import close_file as close_file
+from dashpot.door.from_files import DoorResult as DoorResult
+from dashpot.door.from_files import door_file as door_file
+from dashpot.door.from_files import open_door as open_door
+from dashpot.kinds.cld.from_files import Pieces as Pieces
+from dashpot.kinds.cld.from_files import cld_files as cld_files
+from dashpot.kinds.hyperelastic.from_files import hyperelastic_files as hyperelastic_files
+from dashpot.kinds.indentation.from_files import Indentation as Indentation
+from dashpot.kinds.indentation.from_files import indent_file as indent_file
+
 from .archive import document as document
-from .cld import Pieces as Pieces
-from .cld import cld_files as cld_files
-from .closings import ClosingResult as ClosingResult
-from .closings import close_file as close_file
-from .doors import DoorResult as DoorResult
-from .doors import door_file as door_file
-from .doors import open_door as open_door
 from .examples import CAPTIONS as CAPTIONS
 from .examples import EXAMPLES as EXAMPLES
 from .examples import FIRST as FIRST
 from .examples import MASS as MASS
 from .fits import fit_files as fit_files
-from .hyperelastic import hyperelastic_files as hyperelastic_files
 from .impacts import Agreement as Agreement
 from .impacts import ImpactResult as ImpactResult
 from .impacts import compare_files as compare_files
@@ -19,8 +22,6 @@ from .impacts import direct_document as direct_document
 from .impacts import direct_table as direct_table
 from .impacts import identify_files as identify_files
 from .impacts import impact_files as impact_files
-from .indentations import Indentation as Indentation
-from .indentations import indent_file as indent_file
 from .inspections import InspectedFile as InspectedFile
 from .inspections import Inspections as Inspections
 from .inspections import inspect_files as inspect_files

@@ -15,6 +15,7 @@ from dashpot.base.errors import DataError, ReadError
 from dashpot.base.facts import Fact
 from dashpot.base.numbers import json_number
 from dashpot.base.status import Status
+from dashpot.kinds.hyperelastic.record import HyperelasticFit
 from dashpot.planning.plan import Plan
 from dashpot.records.alternative import Alternative
 from dashpot.records.creep import CreepCompliance, CreepTest, LoadHold
@@ -22,7 +23,6 @@ from dashpot.records.dynamic import DynamicTest
 from dashpot.records.estimate import ParameterEstimate
 from dashpot.records.fit import Evidence, Fit, Provenance
 from dashpot.records.frf import FRF
-from dashpot.records.hyperelastic import HyperelasticFit
 from dashpot.records.impact import ImpactTest
 from dashpot.records.relaxation import RampHold, RelaxationTest
 from dashpot.solids.elastic import ElasticLaw

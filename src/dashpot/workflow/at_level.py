@@ -16,20 +16,20 @@ from dashpot.base.errors import DataError
 from dashpot.base.options import option
 from dashpot.base.provenance import Source
 from dashpot.base.units import Dimension, si
-from dashpot.fitting.level.loops import sweep_of_loops
-from dashpot.fitting.level.sweep import fit_amplitude
 from dashpot.io.options import ReadOptions
-from dashpot.io.readers.amplitude import read_amplitude
 from dashpot.io.readers.inspect import inspect_file
 from dashpot.io.readers.relaxation import read_relaxation
 from dashpot.io.source import about
-from dashpot.records.amplitude import AmplitudeFit, AmplitudeSweep
+from dashpot.kinds.level.checks import level_covered
+from dashpot.kinds.level.fit import fit_amplitude
+from dashpot.kinds.level.prepare import sweep_of_loops
+from dashpot.kinds.level.read import read_amplitude
+from dashpot.kinds.level.record import AmplitudeFit, AmplitudeSweep
 from dashpot.records.frf import FRF, Kind
 from dashpot.records.relaxation import RelaxationTest
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.systems.level import mass_at_level
 from dashpot.vibration.systems.mounts import on_heavy_mounts
-from dashpot.workflow.checks import level_covered
 from dashpot.workflow.part import PartChoices
 
 STRAIN_FACTORS = (1.0, 1 / np.sqrt(3))

@@ -15,22 +15,22 @@ import numpy as np
 from dashpot.base.arrays import BoolArray, FloatArray
 from dashpot.base.version import byline
 from dashpot.io.write import write_impact, write_relaxation
-from dashpot.records.indentation import GRAVITY
+from dashpot.kinds.indentation.collision import collide
+from dashpot.kinds.indentation.contact_law import ViscousContact, sphere_stiffness
+from dashpot.kinds.indentation.record import GRAVITY
+from dashpot.kinds.rod.prepare import rod_transmissibility
 from dashpot.simulation.impact import Hammer, simulate_impact
 from dashpot.simulation.plate import free_plate
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.simulation.rig import Climate, Rig
 from dashpot.simulation.truth import stamp
-from dashpot.solids.contact import ViscousContact, sphere_stiffness
 from dashpot.solids.friction import Iwan
 from dashpot.solids.hyperelastic import Hyperelastic, Mode
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.part import Disc
 from dashpot.solids.table_1 import BROAD
 from dashpot.solids.temperature import WLF
-from dashpot.vibration.modal.rod import rod_transmissibility
 from dashpot.vibration.systems.bodies import Mount, point_mass
-from dashpot.vibration.systems.contact import collide
 from dashpot.vibration.systems.level import response_at_level
 from dashpot.vibration.systems.system import System
 

@@ -14,7 +14,7 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError
 from dashpot.base.facts import Fact
 from dashpot.io.readers.inspect import Inspection
-from dashpot.records.cld import CLD, CompressionTest
+from dashpot.kinds.cld.record import CLD, CompressionTest
 from dashpot.records.creep import CreepCompliance, CreepTest
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.fit import Fit

@@ -6,9 +6,9 @@ from pathlib import Path
 
 from dashpot.base.errors import ReadError
 from dashpot.io.source import like_json, open_raw
+from dashpot.kinds.hyperelastic.record import HyperelasticFit
+from dashpot.kinds.level.levels import LevelFit
 from dashpot.records.fit import Fit
-from dashpot.records.hyperelastic import HyperelasticFit
-from dashpot.records.level import LevelFit
 from dashpot.workflow.archive import from_json
 from dashpot.workflow.level_document import LevelDocument
 

@@ -8,7 +8,7 @@ from typing import Any
 from dashpot.base.checks import Check, verdict
 from dashpot.base.facts import Fact
 from dashpot.base.provenance import Source
-from dashpot.records.level import LevelFit
+from dashpot.kinds.level.levels import LevelFit
 from dashpot.solids.friction import Jenkins
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.stiffening import Cubic
@@ -57,7 +57,7 @@ class CubicFound:
 
 @dataclass(frozen=True)
 class LevelDocument:
-    """A :class:`~dashpot.records.level.LevelFit` as its document lays it out, without its draws."""
+    """A :class:`~dashpot.kinds.level.levels.LevelFit` as its document has it, without its draws."""
 
     amplitudes: tuple[float, float]
     verdict: dict[str, Any]

@@ -14,18 +14,18 @@ from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Source
 from dashpot.base.units import Quantity, si
-from dashpot.fitting.level.checks import levels_as_struck
-from dashpot.fitting.level.frfs import fit_levels
-from dashpot.fitting.level.hits import HitLevels, hits_as_levels
-from dashpot.fitting.level.response import resonance_at_level
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.frf import read_frf
 from dashpot.io.readers.impact import read_impacts
 from dashpot.io.readers.inspect import inspect_file
 from dashpot.io.source import about
-from dashpot.records.amplitude import AmplitudeFit, AmplitudeSweep
+from dashpot.kinds.level.checks import level_covered, levels_as_struck
+from dashpot.kinds.level.fit_frfs import fit_levels
+from dashpot.kinds.level.hits import HitLevels, hits_as_levels
+from dashpot.kinds.level.levels import LevelFit
+from dashpot.kinds.level.record import AmplitudeFit, AmplitudeSweep
+from dashpot.kinds.level.response import resonance_at_level
 from dashpot.records.frf import FRF
-from dashpot.records.level import LevelFit
 from dashpot.records.relaxation import RelaxationTest
 from dashpot.solids.friction import Jenkins
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -34,7 +34,6 @@ from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.vibration.impact.hits import cut_hits
 from dashpot.workflow.archive import document
 from dashpot.workflow.at_level import HITS, RESPONSES, amplitude_file
-from dashpot.workflow.checks import level_covered
 from dashpot.workflow.level_document import LevelDocument, PeakAtLevel
 from dashpot.workflow.measured import as_measured
 

@@ -13,13 +13,13 @@ from dashpot.base.errors import DataError, FitError
 from dashpot.base.options import option
 from dashpot.base.provenance import Step
 from dashpot.base.units import si_fields
-from dashpot.fitting.rod import fit_rod
 from dashpot.io.options import ReadOptions
+from dashpot.kinds.rod.fit import fit_rod
+from dashpot.kinds.rod.prepare import RodErrors, RodModulus, rod_modulus
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF
 from dashpot.records.specimen import Specimen
 from dashpot.solids.part import Block, Disc
-from dashpot.vibration.modal.rod import RodErrors, RodModulus, rod_modulus
 from dashpot.workflow.job import HammerChoices
 from dashpot.workflow.measured import read_measured
 from dashpot.workflow.part import pad

@@ -13,6 +13,7 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
+from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import FitError
 from dashpot.engine.inference.order import bic_of_deviance, deviance
 from dashpot.fitting.nonlinear_ramp.hold_first import (
@@ -21,9 +22,12 @@ from dashpot.fitting.nonlinear_ramp.hold_first import (
     Hold,
     follow,
     hold_alone,
+    independent,
     lag,
+    measured,
     nuisances,
     recorded_hold,
+    spread,
 )
 from dashpot.fitting.nonlinear_ramp.law_estimate import (
     LEAST_GAIN,
@@ -33,9 +37,9 @@ from dashpot.fitting.nonlinear_ramp.law_estimate import (
     described,
     elastic_law_of,
 )
-from dashpot.fitting.nonlinear_ramp.projection import tau_bounds
+from dashpot.fitting.nonlinear_ramp.projection import Weighted, tau_bounds
 from dashpot.fitting.nonlinear_ramp.quasi_linear import QuasiLinear
-from dashpot.fitting.nonlinear_ramp.soundness import gate, sample_noise
+from dashpot.fitting.nonlinear_ramp.soundness import Soundness, sample_noise, soundness
 from dashpot.fitting.nonlinear_ramp.thinning import Rows, thinned
 from dashpot.records.relaxation import RampHold
 
@@ -178,3 +182,42 @@ def _with_faster_arm(found: Followed, hold: Hold) -> Followed:
     faster = float(more.log_tau.min()) < fastest - np.log(2.0)
     gain = _bic(found, hold, more.ramp_correlation) - _bic(more, hold, more.ramp_correlation)
     return more if faster and bool((more.k[0, 1:] > 0).all()) and gain > LEAST_GAIN else found
+
+
+def gate(
+    rows: Rows, hold: Hold, noise: Sequence[float], arms: int | None
+) -> tuple[tuple[Soundness, ...], Followed]:
+    """Return how sound the linear law is, the best of the numbers of arms tried."""
+    count = len(hold.log_tau)
+    tried = []
+    for one in (count, count - 1) if arms is None and count > 1 else (count,):
+        start = hold if one == count else hold_alone(rows, one)
+        found = _joint(rows, hold, start.log_tau, noise)
+        judged = tuple(
+            soundness(
+                found.ramp[i],
+                found.hold[i],
+                hold.rms[i],
+                noise=noise[i],
+                discrepancy=found.ramp_scatter[i] / float(independent(hold)[i]),
+                samples=float(np.sum(rows.ramp & (rows.record == i))) / hold.correlation[i],
+                peak=rows.peak(i),
+            )
+            for i in range(len(noise))
+        )
+        tried.append((judged, found))
+        if all(at.sound for at in judged):
+            break
+    sound = [pair for pair in tried if all(at.sound for at in pair[0])]
+    return (sound or tried)[0]
+
+
+def _joint(rows: Rows, hold: Hold, log_tau: FloatArray, noise: Sequence[float]) -> Followed:
+    """Fit the linear law to ramp and hold at equal weight, first without, then with a delay."""
+    even = np.array(noise) * np.sqrt(hold.correlation)
+    solid = QuasiLinear(rows, np.array([0.0, rows.depth]))
+    sd = spread(rows, even, even)
+    first = Weighted(solid, sd, nuisances(rows))
+    best = first.descend(log_tau)
+    late = Weighted(solid, sd, nuisances(rows, lag(first, best)))
+    return measured(late, late.descend(best.theta), independent(hold))

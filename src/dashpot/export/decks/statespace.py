@@ -1,0 +1,50 @@
+"""State-space matrices as an Octave and MATLAB script."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+from dashpot.export.deck import DeckText, Exportable
+from dashpot.export.notation import text
+from dashpot.export.opening import open_deck
+from dashpot.records.specimen import Specimen
+
+FORMS = ("octave",)
+SUFFIX = "m"
+
+
+def statespace(
+    solid: Exportable,
+    *,
+    units: str | None = None,
+    specimen: Specimen | None = None,
+    allow: Collection[str] = (),
+    form: str = "octave",
+) -> DeckText:
+    r"""State-space matrices of a solid, displacement in, force out.
+
+    .. math::
+
+        \dot y = A y + B x, \qquad F = C y + D x + E \dot x
+
+    with one state per arm, the elongation of its dashpot: A = -diag(1/tau), B = 1/tau,
+    C = -k, D = k_inf + sum k, E = b.
+
+    Parameters are those of :func:`dashpot.export.nastran`.
+    """
+    deck = open_deck(solid, "statespace", form, FORMS, units=units, specimen=specimen, allow=allow)
+    rates = [text(1 / tau) for _, tau, _ in deck.arms]
+    return deck.written(
+        "%",
+        "state space of the solid: displacement x in, force F out",
+        [
+            f"A = -diag([{' '.join(rates)}]);",
+            f"B = [{'; '.join(rates)}];",
+            f"C = -[{' '.join(text(k) for k, _, _ in deck.arms)}];",
+            f"D = {text(deck.k_inf + sum(k for k, _, _ in deck.arms))};",
+            f"E = {text(deck.b)};",
+        ],
+        remarks=[
+            "dy/dt = A y + B x, F = C y + D x + E dx/dt; y is the elongation of each arm's dashpot",
+        ],
+    )
