@@ -190,7 +190,6 @@ def outcome(job: BatchJob, found: Summary) -> Outcome:
     lines = [
         *_told(document),
         *found.lines,
-        *_shares(scatter),
         *_out(lot, job.quantity or lot.main),
     ]
     return Outcome(document, Text(lines, _others(lot)), found.checks)
@@ -223,18 +222,6 @@ def _scatter(lot: dp.Lot) -> tuple[Component, ...]:
         return lot.components()
     except DataError:
         return ()
-
-
-def _shares(scatter: tuple[Component, ...]) -> list[str]:
-    lines = []
-    for one in scatter:
-        low, high = one.interval or (one.variance, one.variance)
-        between = f" ({low**0.5:.3g} to {high**0.5:.3g})" if one.interval else ""
-        lines.append(
-            f"  {one.source:<9} {one.variance**0.5:.3g}{between} N/m, {100 * one.share:.3g} % of "
-            "the variance"
-        )
-    return ["scatter of k_inf, standard deviations:", *lines] if lines else []
 
 
 def _out(lot: dp.Lot, quantity: str) -> list[str]:

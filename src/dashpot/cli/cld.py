@@ -120,9 +120,7 @@ def _scatter(found: Sequence[Scatter]) -> list[str]:
 def _capability(found: Capability | None) -> list[str]:
     if found is None or found.cpk is None:
         return []
-    low, high = found.cpk_interval or (0.0, 0.0)
-    outside = f"{found.outside} of {found.count} outside"
-    return [f"  Cpk {found.cpk:.2f} ({low:.2f} to {high:.2f}), {outside}"]
+    return [f"  {found.says}, {found.outside} of {found.count} outside"]
 
 
 def _choice(rate: dp.RateLaw) -> str:

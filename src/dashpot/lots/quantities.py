@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Sequence
 from typing import NamedTuple
 
 from dashpot.base.errors import DataError
+from dashpot.base.facts import Fact
 from dashpot.base.numbers import rounded
 from dashpot.base.units import Dimension, find, in_unit, of_column, read_in
 
@@ -55,6 +57,11 @@ class Quantity(NamedTuple):
     def title(self) -> str:
         """Its words and its unit."""
         return f"{self.words}, {self.unit}" if self.unit else self.words
+
+    def fact(self, name: str, value: float, ends: tuple[float, float] | None = None) -> Fact:
+        """A number of this quantity, SI, and its 95 % interval."""
+        low, high = ends or (math.nan, math.nan)
+        return Fact(name, value, low, high, of_column(self.column)[1], read=self.unit)
 
     def shown(self, value: float | None, *, digits: int = 4) -> str:
         """A value, SI, in that unit without its word; empty where there is none."""
