@@ -94,8 +94,8 @@ def modes_by_mass(found: ModesByMass) -> Text:
         at_poles.append(
             [
                 name,
-                with_error(k.real, float(se[0]), scale=1e-3),
-                with_error(k.imag, float(se[1]), scale=1e-3),
+                with_error(k.real, float(se[0]), "N/m"),
+                with_error(k.imag, float(se[1]), "N/m"),
                 f"{100 * (solid.real / k.real - 1):+.2f}",
                 f"{100 * (solid.imag / k.imag - 1):+.2f}",
             ]

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from dashpot.base import numbers
+from dashpot.base.facts import Fact
 from dashpot.base.numbers import ascii_only
 from dashpot.base.units import written
 from dashpot.cli._terminal import Text, facts, table
@@ -31,10 +32,9 @@ def rounded(value: float, error: float | None = None, *, digits: int = 4) -> str
     return ascii_only(numbers.rounded(value, error, digits=digits))
 
 
-def with_error(value: float, error: float | None, *, scale: float = 1.0) -> str:
-    """Return a value and its error, so too; None is an error that is not known."""
-    error = math.nan if error is None else error
-    return ascii_only(numbers.with_error(value * scale, error * scale))
+def with_error(value: float, error: float | None, unit: str = "") -> str:
+    """Return a value of a unit of SI and its error as people read both; None is not known."""
+    return Fact.normal("", value, error, unit).cells.ascii.with_error
 
 
 def hertz(band: tuple[float, float]) -> str:
@@ -398,6 +398,7 @@ def _law(law: ElasticLaw) -> str:
     shown = law.knots[::step]
     each = zip(shown, law.tangent(shown), law.stiffness * law.factor_se(shown), strict=True)
     tangents = ", ".join(
-        f"{with_error(1e-3 * k, 1e-3 * se or None)} at {1e3 * x:.3g} mm" for x, k, se in each
+        f"{with_error(k, se or None, 'N/m')} at {written(x, 'mm', '.3g')}" for x, k, se in each
     )
-    return f"secant {1e-3 * law.stiffness:.4g} N/mm at {1e3 * law.depth:.3g} mm; tangent {tangents}"
+    secant = f"{written(law.stiffness, 'N/mm')} at {written(law.depth, 'mm', '.3g')}"
+    return f"secant {secant}; tangent {tangents}"

@@ -12,6 +12,7 @@ import dashpot as dp
 from dashpot import workflow
 from dashpot.base.capability import Capability
 from dashpot.base.errors import ReadError
+from dashpot.base.units import in_unit, read_in
 from dashpot.cli import _options as options
 from dashpot.cli import _text
 from dashpot.cli._options import Quantity, Range
@@ -109,11 +110,10 @@ def _said(found: workflow.Pieces) -> Text:
 def _scatter(found: Sequence[Scatter]) -> list[str]:
     rows = [["", "mean", "deviation", "cv, %", "unit"]]
     for each in found:
-        word, of, length = each.unit.partition(" per ")
-        unit, scale = _SHOWN.get(word, (word, 1.0))
+        unit = read_in(each.unit) or "%"
         cv = rounded(100 * each.deviation / each.mean) if each.mean else ""
-        mean, deviation = rounded(scale * each.mean), rounded(scale * each.deviation)
-        rows.append([each.name, mean, deviation, cv, unit + of + length])
+        told = (rounded(in_unit(one, unit)) for one in (each.mean, each.deviation))
+        rows.append([each.name, *told, cv, unit])
     return table(rows)
 
 
@@ -135,18 +135,18 @@ def _rate(rate: dp.RateLaw) -> list[str]:
     rows = [["F_e + c(x) v, mm", "force, N", "tangent, N/mm", "c, N s/m"]]
     for knot in rate.knots[1:]:
         c, error = rate.c(knot)
-        stiff, off = (float(each(knot)) for each in (rate.law.factor, rate.law.factor_se))
-        scale = 1e-3 * rate.law.stiffness
+        law, k = rate.law, rate.law.stiffness
+        stiff, off = (float(k * each(knot)) for each in (law.factor, law.factor_se))
         rows.append(
             [
                 rounded(1e3 * knot),
-                rounded(float(rate.law.force(knot))),
-                with_error(scale * stiff, scale * off),
+                rounded(float(law.force(knot))),
+                with_error(stiff, off, "N/m"),
                 with_error(c, error) if c > 2 * error else f"below {c + 2 * error:.2g}",
             ]
         )
     arms = ", ".join(
-        f"{with_error(1e-3 * k, 1e-3 * se)} N/mm over {with_error(tau, tau * wide)} s"
+        f"{with_error(k, se, 'N/m')} N/mm over {with_error(tau, tau * wide)} s"
         for k, tau, se, wide in zip(rate.k, rate.tau, rate.k_se, rate.ln_tau_se, strict=True)
     )
     return [*table(rows), f"  arms beside it: {arms or 'none'}"]
@@ -162,7 +162,7 @@ def _relaxed(found: dp.RelaxedLaw, one: dp.CLD) -> list[str]:
                 rounded(1e3 * mark),
                 with_error(float(law.force(mark)), found.force_se(mark)),
                 rounded(1e-3 * float(law.secant(mark))),
-                with_error(1e-3 * tangent, 1e-3 * error),
+                with_error(tangent, error, "N/m"),
             ]
         )
     said = f"  softer than cycle 1 by {100 * found.softening:.3g} % without the memory"
@@ -173,7 +173,6 @@ def _relaxed(found: dp.RelaxedLaw, one: dp.CLD) -> list[str]:
 
 _BLOCKS = 2
 """Pieces that are shown one by one."""
-_SHOWN = {"N/m": ("N/mm", 1e-3), "J": ("mJ", 1e3), "m": ("mm", 1e3), "": ("%", 100.0)}
 
 
 def _overview(found: workflow.Pieces) -> list[str]:
@@ -203,7 +202,7 @@ def _piece(one: dp.CLD) -> list[str]:
                 rounded(1e3 * mark.compression),
                 with_error(per * mark.loading, per * mark.loading_se),
                 back,
-                with_error(1e-3 * per * mark.slope, 1e-3 * per * mark.slope_se),
+                with_error(per * mark.slope, per * mark.slope_se, "N/m"),
                 rounded(1e3 * per * mark.energy),
             ]
         )

@@ -110,7 +110,7 @@ def command(
     first = [named]
     if straight.over_base:
         errors = ("phase", "mass")
-        first += sensitive(straight, errors=errors, unit="N/mm", scale=1e-3, shown=_ROWS)
+        first += sensitive(straight, errors=errors, unit="N/m", shown=_ROWS)
     text = Text([*first, *lines, *([str(rests)] if str(rests) else [])], details)
     checks = (*found.checks, *noted)
     return Outcome(

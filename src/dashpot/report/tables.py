@@ -11,6 +11,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import GRADES, Check
 from dashpot.base.errors import DashpotError
+from dashpot.base.facts import Fact
 from dashpot.base.numbers import (
     decibels,
     duration,
@@ -18,7 +19,6 @@ from dashpot.base.numbers import (
     readable,
     rounded,
     signed,
-    with_error,
     words,
 )
 from dashpot.records.bounds import StiffnessBounds
@@ -255,8 +255,8 @@ def peaks(study: Study) -> Table | None:
     columns = [
         ("peak frequency, Hz", "peak accelerance, (m/s²)/N", "damping ratio, %",
          "FRAC (1 is alike)", "rms difference, dB"),
-        (_known(c.measured_hz, c.measured_hz_se, digits=4), rounded(c.measured_peak),
-         _measured_damping(c), "", ""),
+        (Fact.normal("frequency", c.measured_hz, c.measured_hz_se or None, "Hz").cells.with_error,
+         rounded(c.measured_peak), _measured_damping(c), "", ""),
         *_predicted(c),
     ]  # fmt: skip
     if joint is not None:
@@ -279,13 +279,8 @@ def _predicted(c: Comparison) -> tuple[tuple[str, ...], tuple[str, ...]]:
 def _measured_damping(c: Comparison) -> str:
     if c.measured_damping is None:
         return "not supported by the record"
-    se = c.measured_damping_se
-    return _known(100 * c.measured_damping, None if se is None else 100 * se)
-
-
-def _known(value: float, se: float | None, *, digits: int = 3) -> str:
-    """With its standard error where there is one."""
-    return with_error(value, se) if se is not None and se > 0 else rounded(value, digits=digits)
+    se = c.measured_damping_se or None
+    return Fact.normal("damping ratio", c.measured_damping, se, "1", "%").cells.with_error
 
 
 def resonance(study: Study) -> Table | None:
