@@ -46,7 +46,7 @@ from dashpot.planning.expected import Pulse, RecordNeed
 from dashpot.preparation import checks as preparation
 from dashpot.preparation.contact import Baseline, Touch
 from dashpot.preparation.filters import parse_filter
-from dashpot.preparation.segments import Cycle, Segment
+from dashpot.preparation.segments import MotionSegment, RampHoldCycle
 from dashpot.records.alternative import Alternative
 from dashpot.records.bounds import EndOfHold
 from dashpot.records.creep import LoadHold
@@ -68,7 +68,7 @@ from dashpot.vibration.comparison import checks as comparison
 from dashpot.vibration.comparison.compare import compare
 from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.vibration.impact import checks as impact
-from dashpot.vibration.impact.amplitude import Line
+from dashpot.vibration.impact.amplitude import RegressionLine
 from dashpot.vibration.impact.estimators import Estimator, Spectra
 from dashpot.vibration.impact.rocking import Combination
 from dashpot.vibration.modal import checks as modal
@@ -189,10 +189,10 @@ def quantised() -> np.ndarray:
     return np.random.default_rng(0).integers(0, 8, 500).astype(float)
 
 
-def loadings(count: int) -> tuple[Cycle, ...]:
-    ramp = Segment("load", 0, 100, 0.0, 1.0, 0.0, DEPTH)
-    hold = Segment("hold", 100, 4100, 1.0, 41.0, DEPTH, DEPTH)
-    return count * (Cycle(None, (ramp, hold)),)
+def loadings(count: int) -> tuple[RampHoldCycle, ...]:
+    ramp = MotionSegment("load", 0, 100, 0.0, 1.0, 0.0, DEPTH)
+    hold = MotionSegment("hold", 100, 4100, 1.0, 41.0, DEPTH, DEPTH)
+    return count * (RampHoldCycle(None, (ramp, hold)),)
 
 
 def wandering(ratio: float) -> np.ndarray:
@@ -291,8 +291,10 @@ def trend(**changes: float) -> impact.Trend:
     stiffness = 0.02 if "stiffness_sure" in changes else 0.0
     values = {"stiffness": stiffness, "damping": 0.0} | changes
     stiffer, damped = (
-        Line(values[name], values.get(f"{name}_sure", 0.0), values.get(f"{name}_found", 0.0),
-             0.0, 0.0, 0.0, 1.0, 3)
+        RegressionLine(
+            values[name], values.get(f"{name}_sure", 0.0), values.get(f"{name}_found", 0.0),
+            0.0, 0.0, 0.0, 1.0, 3,
+        )
         for name in ("stiffness", "damping")
     )  # fmt: skip
     return impact.Trend(stiffer, damped, 0.1, 0.0, (1e-4, 4e-4), 4.0)

@@ -363,6 +363,8 @@ def test_each_accelerometer_has_its_sensitivity(tmp_path: Path) -> None:
     np.testing.assert_allclose(test.force, np.arange(ROWS) / 2)
     np.testing.assert_allclose(test.acceleration[0], np.arange(ROWS) / 100 * 9.80665)
     np.testing.assert_allclose(test.acceleration[1], np.arange(ROWS) / 10)
+    shouted = read_impact(path, options=ReadOptions(units=units | {"force": "2MV/N"}))
+    np.testing.assert_array_equal(shouted.force, test.force)
 
 
 def test_text_loads_no_heavy_library(tmp_path: Path) -> None:

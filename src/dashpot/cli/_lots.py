@@ -33,28 +33,28 @@ _DECLARED: tuple[Callable[..., Any], ...] = (
     options.arms,
     options.method,
     click.option("--quick", is_flag=True, help="The optimum alone; needs a number of --arms."),
-    click.option("--mass", type=options.Quantity("mass"), help="Block mass: adds its frequency."),
+    click.option("--mass", type=options.WithUnit("mass"), help="Block mass: adds its frequency."),
     options.seals,
     click.option(
         "--at",
-        type=options.Quantity("frequency"),
+        type=options.WithUnit("frequency"),
         multiple=True,
         help="Adds stiffness and loss factor there, e.g. 12.7Hz; repeat it for more.",
     ),
     click.option(
         "--compression",
-        type=options.Quantity("length"),
+        type=options.WithUnit("length"),
         multiple=True,
         help="Of the seals, for these [default: as tested]; repeat it for more.",
     ),
     click.option(
         "--length",
-        type=options.Quantity("length"),
+        type=options.WithUnit("length"),
         help="Contact length of each piece: load deflection per 100 mm.",
     ),
     click.option(
         "--radius",
-        type=options.Quantity("length"),
+        type=options.WithUnit("length"),
         help="Of an indenter's tip; its mass is --mass.",
     ),
     click.option(

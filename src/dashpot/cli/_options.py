@@ -27,7 +27,7 @@ _TYPED = "dashpot.typed"
 """Where quantities are kept as they were typed."""
 
 
-class Quantity(click.ParamType[Any]):
+class WithUnit(click.ParamType[Any]):
     """A number with its unit, such as ``104g``; the value passed on is in SI."""
 
     _parsed: Callable[[str, Dimension], Any] = staticmethod(parse_quantity)
@@ -48,13 +48,13 @@ class Quantity(click.ParamType[Any]):
             self.fail(str(error), param, ctx)
 
 
-class Range(Quantity):
+class Range(WithUnit):
     """Two quantities, such as ``1:50Hz``, in SI."""
 
     _parsed = staticmethod(parse_range)
 
 
-class Compression(Quantity):
+class LengthOrWeight(WithUnit):
     """A length, or ``weight`` for the compression of the mass's own weight; passed on as None."""
 
     def __init__(self) -> None:
@@ -107,7 +107,7 @@ def _kelvin(text: str) -> float:
 PICTURES = (".pdf", ".png", ".svg")  # written out, so that --help need not import matplotlib
 
 
-class Picture(Output):
+class Figure(Output):
     """A figure's file, refused before the work if its suffix is none that is drawn."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
@@ -116,7 +116,7 @@ class Picture(Output):
         return super().convert(value, param, ctx)
 
 
-class Arms(click.ParamType[Any]):
+class ArmCount(click.ParamType[Any]):
     """A number of Maxwell arms, or ``auto``."""
 
     name = "auto|N"
@@ -168,7 +168,7 @@ _PASSED = ("help", "metavar", "multiple", "is_flag")
 def _type(one: Field[Any]) -> click.ParamType[Any] | None:
     asked = one.metadata
     if "unit" in asked:
-        return Quantity(asked["unit"])
+        return WithUnit(asked["unit"])
     if "choices" in asked:
         return click.Choice(asked["choices"])
     if asked.get("metavar") == "FILE":
@@ -192,7 +192,7 @@ def specimens(function: Callable[..., T]) -> Callable[..., T]:
     named = click.option(
         "--temperature",
         "temperatures",
-        type=Quantity("temperature"),
+        type=WithUnit("temperature"),
         multiple=True,
         help="Test temperature, e.g. 23degC; once for all files, or for each, in their order.",
     )
@@ -304,14 +304,16 @@ def over_profile(options: ReadOptions, path: str | None) -> ReadOptions:
     return options.over(profile)
 
 
-arms = click.option("--arms", type=Arms(), default="auto", show_default=True, help="Maxwell arms.")
-mass = click.option("--mass", type=Quantity("mass"), required=True, help="Block mass, e.g. 104g.")
+arms = click.option(
+    "--arms", type=ArmCount(), default="auto", show_default=True, help="Maxwell arms."
+)
+mass = click.option("--mass", type=WithUnit("mass"), required=True, help="Block mass, e.g. 104g.")
 mass_if_known = click.option(
-    "--mass", type=Quantity("mass"), help="Block mass; inferred, and said so, if missing."
+    "--mass", type=WithUnit("mass"), help="Block mass; inferred, and said so, if missing."
 )
 seal_mass = click.option(
     "--seal-mass",
-    type=Quantity("mass"),
+    type=WithUnit("mass"),
     help="Of one seal: a third moves along, a sixth couples mass and base.",
 )
 seals = click.option(
@@ -319,7 +321,7 @@ seals = click.option(
 )
 compression = click.option(
     "--compression",
-    type=Compression(),
+    type=LengthOrWeight(),
     default="weight",
     show_default=True,
     help="Of the seals under the mass, e.g. 2.6mm.",
@@ -334,7 +336,7 @@ filtered = click.option("--filter", metavar="SPEC", help="E.g. lowpass:10Hz; off
 def picture(function: Callable[..., T]) -> Callable[..., T]:
     """Give a command ``--plot``; it receives the ``picture``'s file, and may open it."""
     saved = click.option(
-        "--plot", "picture", type=Picture(), metavar="FILE", help="Save the figure (png, svg, pdf)."
+        "--plot", "picture", type=Figure(), metavar="FILE", help="Save the figure (png, svg, pdf)."
     )
     return saved(opens(function))
 
@@ -354,7 +356,7 @@ def output(help: str, *suffixes: str, **how: Any) -> Callable[[Callable[..., T]]
 fit_output = output("Write the fit as JSON; - is stdout.", ".json")
 temperature = click.option(
     "--temperature",
-    type=Quantity("temperature"),
+    type=WithUnit("temperature"),
     help="Of the seals, where the fit knows how they follow it [default: that of its solid].",
 )
 
@@ -391,6 +393,6 @@ def _typed(one: click.Option, value: object) -> list[str]:
 
 impact_temperature = click.option(
     "--impact-temperature",
-    type=Quantity("temperature"),
+    type=WithUnit("temperature"),
     help="Of the seals under the hammer, where tests at several temperatures say how they move.",
 )

@@ -17,6 +17,7 @@ import dashpot as dp
 from dashpot import workflow
 from dashpot.base.errors import ReadError
 from dashpot.base.escapes import escaped_json
+from dashpot.base.units import in_unit
 from dashpot.cli._echo import to_stderr, to_stdout
 from dashpot.cli._terminal import Text, progress, shown
 from dashpot.io.source import like_json
@@ -252,7 +253,7 @@ def typed(*words: object, why: str = "") -> str:
 
 def grams(mass: float) -> str:
     """Return a mass, kg, as it is typed."""
-    return f"{1e3 * mass:g}g"
+    return f"{in_unit(mass, 'g'):g}g"
 
 
 def read_model(path: str) -> tuple[dp.GeneralizedMaxwell, TemperatureLaw | None]:

@@ -15,17 +15,17 @@ from dashpot.base.errors import ReadError
 from dashpot.base.units import in_unit, read_in
 from dashpot.cli import _options as options
 from dashpot.cli import _text
-from dashpot.cli._options import Quantity, Range
+from dashpot.cli._options import Range, WithUnit
 from dashpot.cli._shell import File, Outcome, printed, reports, write, write_figure
 from dashpot.cli._terminal import Text, table
 from dashpot.cli._text import rounded, with_error
-from dashpot.kinds.cld.from_files import Scatter
+from dashpot.kinds.cld.from_files import PieceStatistics
 
 
 @click.command("cld")
 @click.argument("files", type=File(), nargs=-1, required=True, metavar="FILE...")
 @click.option(
-    "--at", type=Quantity("length"), help="Nominal compression, e.g. 6mm [default: the deepest]."
+    "--at", type=WithUnit("length"), help="Nominal compression, e.g. 6mm [default: the deepest]."
 )
 @click.option("--between", type=Range("length"), help="Its tolerance, e.g. 4:8mm.")
 @click.option(
@@ -107,7 +107,7 @@ def _said(found: workflow.Pieces) -> Text:
     return Text(lines, details)
 
 
-def _scatter(found: Sequence[Scatter]) -> list[str]:
+def _scatter(found: Sequence[PieceStatistics]) -> list[str]:
     rows = [["", "mean", "deviation", "cv, %", "unit"]]
     for each in found:
         unit = read_in(each.unit) or "%"

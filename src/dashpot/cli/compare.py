@@ -8,6 +8,7 @@ import click
 
 import dashpot as dp
 from dashpot import workflow
+from dashpot.base.units import written
 from dashpot.cli import _options as options
 from dashpot.cli import _text
 from dashpot.cli._options import given
@@ -78,7 +79,7 @@ def command(
     inferred = found.mass_inferred
     if inferred:
         lines.append(
-            f"  mass        {found.mass * 1e3:.5g} g, inferred from the measured FRF: the "
+            f"  mass        {written(found.mass, 'g', '.5g')}, inferred from the measured FRF: the "
             "agreement in frequency then proves nothing; give --mass to test it"
         )
     alone = fitted.method in ("full", "hold")

@@ -9,9 +9,10 @@ import click
 import dashpot as dp
 from dashpot import workflow
 from dashpot.base.checks import verdict
+from dashpot.base.units import in_unit
 from dashpot.cli import _options as options
 from dashpot.cli._closing import closing_text
-from dashpot.cli._options import Quantity, Range
+from dashpot.cli._options import Range, WithUnit
 from dashpot.cli._shell import File, Outcome, printed, reports, write, write_figure
 from dashpot.cli._terminal import Text, table
 from dashpot.cli._text import hertz, rounded
@@ -28,7 +29,7 @@ _ROUNDING = 1e-9
     help="Of modes and FRFs.",
 )  # fmt: skip
 @click.option(
-    "--close", "speed", type=Quantity("velocity"), metavar="SPEED",
+    "--close", "speed", type=WithUnit("velocity"), metavar="SPEED",
     help="Close it at this speed of its edge: energy by terms, the least speed, its scatter.",
 )  # fmt: skip
 @options.temperature
@@ -158,12 +159,12 @@ def _line(found: workflow.DoorResult) -> list[str]:
     if seal is None:
         return ["  no seal"]
     closed = "closed" if seal["closed"] else "open"
-    count, stiffness = seal["stations"], rounded(1e-3 * seal["stiffness"])
+    count, stiffness = seal["stations"], rounded(in_unit(seal["stiffness"], "N/mm"))
     length = rounded(seal["length"])
     said = [f"  seal line {length} m, {closed}, {count} stations, k_inf {stiffness} N/mm in all"]
     pressed = seal["compression"]
     if pressed is not None:
-        least, mean, most = (rounded(1e3 * pressed[name], digits=3) for name in pressed)
+        least, mean, most = (rounded(in_unit(pressed[name], "mm"), digits=3) for name in pressed)
         said.append(
             f"  pressed {least} to {most} mm (mean {mean}), relaxed {rounded(seal['force'])} N in "
             "all"
@@ -183,9 +184,9 @@ def _shaken(found: workflow.DoorResult) -> list[str]:
             [
                 one.name,
                 rounded(one.sealed.acceleration),
-                rounded(1e3 * one.sealed.stretch),
+                rounded(in_unit(one.sealed.stretch, "mm")),
                 "not damped" if bare is None else rounded(bare.acceleration),
-                "" if bare is None else rounded(1e3 * bare.stretch),
+                "" if bare is None else rounded(in_unit(bare.stretch, "mm")),
             ]
         )
     return table(rows)

@@ -14,7 +14,7 @@ from dashpot.base.choices import DECKS
 from dashpot.base.errors import ExportError
 from dashpot.cli import _options as options
 from dashpot.cli._echo import to_stderr
-from dashpot.cli._options import Quantity, Range
+from dashpot.cli._options import Range, WithUnit
 from dashpot.cli._shell import File, Outcome, reports, write
 from dashpot.cli._terminal import Text
 from dashpot.kinds.level.levels import LevelFit
@@ -32,24 +32,24 @@ LONGEST_LINE = 100.0
 @click.option("--form", help="E.g. arms, table, prony; each target has its own.")
 @click.option("--range", "frequency_range", type=Range("frequency"), help="Of a table, 1:100Hz.")
 @click.option("--tolerance", type=float, help="Largest relative FRF error of a table, e.g. 1e-3.")
-@click.option("--mass", type=Quantity("mass"), help="CalculiX: a complete deck with this mass.")
+@click.option("--mass", type=WithUnit("mass"), help="CalculiX: a complete deck with this mass.")
 @click.option(
     "--line",
     type=File(),
     metavar="FILE",
     help="Nastran: seal line, CSV with x, y, z columns in units; or DOOR.toml with [seal].",
 )
-@click.option("--pitch", type=Quantity("length"), help="Distance of elements along the line.")
+@click.option("--pitch", type=WithUnit("length"), help="Distance of elements along the line.")
 @click.option(
     "--normal", metavar="X,Y,Z", help="Direction of compression along it [default: 0,0,1]."
 )
-@click.option("--modulus", type=Quantity("stress"), help="Of the rubber, for material cards.")
-@click.option("--bulk-modulus", type=Quantity("stress"), help="Of the rubber, for material cards.")
+@click.option("--modulus", type=WithUnit("stress"), help="Of the rubber, for material cards.")
+@click.option("--bulk-modulus", type=WithUnit("stress"), help="Of the rubber, for material cards.")
 @click.option("--density", type=float, help="Of the rubber, kg/m^3, for material cards.")
 @options.seals
 @click.option(
     "--compression",
-    type=Quantity("length"),
+    type=WithUnit("length"),
     help="Small vibration about it: the tangent there, e.g. 2.6mm [default: the secant].",
 )
 @click.option("--allow", multiple=True, metavar="PROBLEM", help="Overlook one named problem.")

@@ -10,7 +10,7 @@ import dashpot as dp
 from dashpot import workflow
 from dashpot.cli import _options as options
 from dashpot.cli import _text
-from dashpot.cli._options import Quantity
+from dashpot.cli._options import WithUnit
 from dashpot.cli._shell import File, Outcome, reports, write, write_figure
 
 
@@ -24,12 +24,12 @@ from dashpot.cli._shell import File, Outcome, reports, write, write_figure
     help="Of each FRF, in order: amplitude of the force, e.g. 0.05N; of a transmissibility that "
     "of the base's acceleration, e.g. 1m/s^2; of hits their peak force, held against them.",
 )
-@click.option("--mass", type=Quantity("mass"), help="Under those FRFs, or struck, e.g. 104g.")
+@click.option("--mass", type=WithUnit("mass"), help="Under those FRFs, or struck, e.g. 104g.")
 @options.seals
 @options.compared
 @click.option(
     "--at",
-    type=Quantity("force"),
+    type=WithUnit("force"),
     multiple=True,
     help="Level at which the resonance of that mass, or of the one struck, is wanted, e.g. 0.2N.",
 )

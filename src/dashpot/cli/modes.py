@@ -10,7 +10,7 @@ from dashpot.base.checks import verdict
 from dashpot.base.errors import ReadError
 from dashpot.cli import _modes_text as text
 from dashpot.cli import _options as options
-from dashpot.cli._options import Quantity, Range
+from dashpot.cli._options import Range, WithUnit
 from dashpot.cli._shell import File, Outcome, reports, write_figure
 from dashpot.io.options import ReadOptions
 
@@ -28,7 +28,7 @@ from dashpot.io.options import ReadOptions
 @click.option(
     "--mass",
     "masses",
-    type=Quantity("mass"),
+    type=WithUnit("mass"),
     multiple=True,
     help="On the seals in each FRF, in order, e.g. 104g: is it one solid that carries them all?",
 )

@@ -15,7 +15,7 @@ import dashpot as dp
 from dashpot.base.errors import DataError
 from dashpot.base.progress import doing
 from dashpot.cli import _options as options
-from dashpot.cli._options import Quantity
+from dashpot.cli._options import WithUnit
 from dashpot.cli._shell import File, Outcome, note_written, reports, typed
 from dashpot.cli._terminal import Text
 from dashpot.cli.simulate import as_it_stands, seal
@@ -37,7 +37,7 @@ from dashpot.cli.simulate import as_it_stands, seal
 @click.option("--from", "played", type=File(), metavar="FILE", help="The record to replay.")
 @click.option("--model", default="paper", show_default=True, metavar="paper|broad|hidden|FIT")
 @click.option("--speed", type=float, default=1.0, show_default=True, help="Of what is played.")
-@click.option("--seconds", type=Quantity("time"), help="How long, e.g. 45s; else until Ctrl-C.")
+@click.option("--seconds", type=WithUnit("time"), help="How long, e.g. 45s; else until Ctrl-C.")
 @options.output("Text; it grows while the instrument is read.", ".csv", ".txt", required=True)
 @options.force
 @reports

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 
 from dashpot.base.checks import Finding, criterion
+from dashpot.base.units import written
 
 NOT_THERE = 0.3
 """m, beyond which shapes are not those of this door."""
@@ -48,8 +49,9 @@ def seal_touches(part: float, *, length: float, least: float, where: float) -> F
     return Finding(
         "the seal touches all along the line",
         part,
-        instead=f"{1e3 * part * length:.4g} mm of {length:.3g} m of seal do not touch, most at "
-        f"{where:.4g} m along the line, by {-1e3 * least:.3g} mm: no force there, and a leak",
+        instead=f"{written(part * length, 'mm')} of {length:.3g} m of seal do not touch, most at "
+        f"{where:.4g} m along the line, by {written(-least, 'mm', '.3g')}: no force there, and a "
+        "leak",
     )
 
 
@@ -58,8 +60,8 @@ def line_closed(length: float, apart: float) -> Finding:
     """The seal line ends where it begins."""
     return Finding(
         f"the seal line of {length:.4g} m is closed",
-        instead=f"the seal line of {length:.4g} m ends {1e3 * apart:.4g} mm from where it begins: "
-        "is that so, or is its last point missing?",
+        instead=f"the seal line of {length:.4g} m ends {written(apart, 'mm')} from where it "
+        "begins: is that so, or is its last point missing?",
         faulted=apart > 0,
     )
 
@@ -68,7 +70,7 @@ def line_closed(length: float, apart: float) -> Finding:
 def stations_suffice(change: float, pitch: float) -> Finding:
     """Half the distance of the stations changes no mode."""
     return Finding(
-        f"with stations twice as dense as {1e3 * pitch:.4g} mm no mode moves by more than "
+        f"with stations twice as dense as {written(pitch, 'mm')} no mode moves by more than "
         f"{100 * change:.2g} %",
         change,
         ": take a smaller pitch in [seal]",
@@ -95,10 +97,10 @@ def modes_suffice(change: float | None, kept: int, highest: float) -> Finding:
 def shapes_known_there(away: float, place: str) -> Finding:
     """Shapes are known near the seal, the supports and the points."""
     return Finding(
-        f"the shapes are known within {1e3 * away:.3g} mm of all places that are used",
+        f"the shapes are known within {written(away, 'mm', '.3g')} of all places that are used",
         away,
-        instead=f"the shapes are known only {1e3 * away:.3g} mm from {place}: export points there, "
-        "or check the axes and the unit of the modes",
+        instead=f"the shapes are known only {written(away, 'mm', '.3g')} from {place}: export "
+        "points there, or check the axes and the unit of the modes",
         grade="stop" if away > NOT_THERE else "limit",
     )
 
@@ -149,11 +151,12 @@ def closing_informed(
             ends = f"{known[0]:.3g} m/s or more"
         speeds = f"; with what its test leaves open for faster arms, the least speed is {ends}"
     return Finding(
-        f"the door presses its seal in {1e3 * seconds:.3g} ms, as slowly as its test informs",
+        f"the door presses its seal in {written(seconds, 'ms', '.3g')}, as slowly as its test "
+        "informs",
         factor,
-        instead=f"the door presses its seal in {1e3 * seconds:.3g} ms, x{factor:.3g} faster than "
-        f"its test informs: there it answers with all but all its arms, {glassy:.3g} times its "
-        f"relaxed force by the fit{speeds}; test it faster, in the cold or with a hammer",
+        instead=f"the door presses its seal in {written(seconds, 'ms', '.3g')}, x{factor:.3g} "
+        f"faster than its test informs: there it answers with all but all its arms, {glassy:.3g} "
+        f"times its relaxed force by the fit{speeds}; test it faster, in the cold or with a hammer",
     )
 
 

@@ -5,20 +5,21 @@ from __future__ import annotations
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.numbers import rounded
+from dashpot.base.numbers import rounded, shown
+from dashpot.base.units import in_unit
 from dashpot.door.closing_result import ClosingResult
 from dashpot.door.slam import Closing, Scatter
 from dashpot.plot.picture import (
     FIT,
     REF,
     Area,
-    Axis,
     Line,
     Mark,
     Panel,
     Pen,
     Picture,
     Rule,
+    Scale,
     Span,
     Tag,
     around,
@@ -69,8 +70,8 @@ def _waterfall(done: Closing) -> Panel:
         marks.append(Area(ends, np.full(2, y - _HALF), np.full(2, y + _HALF), colour, tint=0.55))
         marks.append(Tag(right, y, f"{name} {rounded(high - low, digits=3)} J", "ink", "filled"))
     return Panel(
-        Axis("energy, J", (min(0.0, at), _WORDS * done.energy)),
-        Axis("", (0.0, len(rows) + 0.6), ticks=(0.0,)),
+        Scale("energy, J", (min(0.0, at), _WORDS * done.energy)),
+        Scale("", (0.0, len(rows) + 0.6), ticks=(0.0,)),
         tuple(marks),
         title="where the energy goes",
         height=250,
@@ -80,10 +81,12 @@ def _waterfall(done: Closing) -> Panel:
 
 def _way(done: Closing) -> tuple[FloatArray, float]:
     """Where the edge is, mm to closed, and how far of it is drawn."""
-    way = 1e3 * done.door.edge * done.march.angle
+    way = in_unit(done.door.edge * done.march.angle, "mm")
     door = done.door
     angles = door.compression[door.lever > 0] / door.lever[door.lever > 0]
-    most = _NEAR * 1e3 * door.edge * float(np.median(angles)) if len(angles) else 0.0
+    most = 0.0
+    if len(angles):
+        most = _NEAR * in_unit(door.edge * float(np.median(angles)), "mm")
     return way, min(float(way[0]), most) if most > 0 else float(way[0])
 
 
@@ -100,8 +103,8 @@ def _moments(done: Closing) -> Panel:
         highest.append(moment)
         marks.append(Line(middle[on], moment, pen, name))
     return Panel(
-        Axis("edge to closed, mm", (float(way[-1]), most)),
-        Axis("moment against closing, N m", around(*highest)),
+        Scale("edge to closed, mm", (float(way[-1]), most)),
+        Scale("moment against closing, N m", around(*highest)),
         tuple(marks),
         title="moments",
         height=250,
@@ -114,12 +117,12 @@ def _speed(done: Closing) -> Panel:
     known = np.isfinite(speed)
     marks: list[Mark] = [Line(way[known], speed[known], FIT)]
     return Panel(
-        Axis("edge to closed, mm", (float(way[-1]), float(way[0]))),
-        Axis("speed of the edge, m/s", around(speed[known], np.zeros(1))),
+        Scale("edge to closed, mm", (float(way[-1]), float(way[0]))),
+        Scale("speed of the edge, m/s", around(speed[known], np.zeros(1))),
         tuple(marks),
         title="speed",
         height=220,
-        note=f"{rounded(1e3 * done.sealing, digits=3)} ms for the seal",
+        note=f"{shown(done.sealing, 'ms')} for the seal",
     )
 
 
@@ -141,8 +144,8 @@ def _doors(done: Closing, scatter: Scatter) -> Panel:
             ends.append(np.array([at]))
     above = scatter.above
     return Panel(
-        Axis("least speed, m/s", around(*ends)),
-        Axis("doors, %", (0.0, 100.0)),
+        Scale("least speed, m/s", around(*ends)),
+        Scale("doors, %", (0.0, 100.0)),
         tuple(marks),
         title=f"least speed of {len(scatter.speed)} doors",
         height=220,

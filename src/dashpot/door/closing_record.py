@@ -9,6 +9,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray, not_negative, picked, positive
 from dashpot.base.errors import DataError
+from dashpot.base.units import written
 
 Vector: TypeAlias = tuple[float, float, float]
 
@@ -95,9 +96,9 @@ class Vents(Air):
         hollow = self.section - self.width * door.pressed
         if (hollow <= 0).any():
             raise DataError(
-                f"a bulb of {1e6 * self.section:.4g} mm^2 that is {1e3 * self.width:.4g} mm wide "
-                f"has no air left when pressed by {1e3 * door.pressed.max():.4g} mm; give the area "
-                "of its hollow and the width over which it is pressed"
+                f"a bulb of {written(self.section, 'mm^2')} that is {written(self.width, 'mm')} "
+                f"wide has no air left when pressed by {written(door.pressed.max(), 'mm')}; give "
+                "the area of its hollow and the width over which it is pressed"
             )
         return door.length * hollow, np.broadcast_to(door.length * self.opening, hollow.shape)
 

@@ -8,12 +8,12 @@ import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.numbers import rounded
+from dashpot.base.units import in_unit
 from dashpot.door.assembly import AXES, DOOR
 from dashpot.door.result import DoorResult
 from dashpot.plot.picture import (
     FIT,
     REF,
-    Axis,
     Dots,
     Line,
     Mark,
@@ -21,6 +21,7 @@ from dashpot.plot.picture import (
     Pen,
     Picture,
     Rule,
+    Scale,
     Tag,
     around,
     around_log,
@@ -81,7 +82,7 @@ def _line(found: DoorResult, plane: tuple[int, int]) -> Panel:
         if pressed is None:
             marks.append(Dots(x, y, "fit", "seal", size=4.0))
         else:
-            marks += _classes(x, y, 1e3 * pressed)
+            marks += _classes(x, y, in_unit(pressed, "mm"))
     latch = () if found.door.latch is None else (found.door.latch,)
     marks += [
         Tag(one.at[i], one.at[j], one.name, "ink", "filled")
@@ -91,8 +92,8 @@ def _line(found: DoorResult, plane: tuple[int, int]) -> Panel:
         np.concatenate([np.atleast_1d(getattr(one, name)) for one in marks]) for name in ("x", "y")
     )
     return Panel(
-        Axis(f"{_AXES[i]}, m", around(x, margin=0.15)),
-        Axis(f"{_AXES[j]}, m", around(y, margin=0.1)),
+        Scale(f"{_AXES[i]}, m", around(x, margin=0.15)),
+        Scale(f"{_AXES[j]}, m", around(y, margin=0.1)),
         tuple(marks),
         title="seal line",
         height=300,
@@ -125,16 +126,17 @@ def _pressed(found: DoorResult) -> Panel:
     along = np.zeros(0) if stations is None else stations.along
     mm = np.zeros(0)
     if stations is not None and stations.compression is not None:
-        mm = 1e3 * stations.compression
+        mm = in_unit(stations.compression, "mm")
     law = None if found.fit is None else found.fit.elastic_law
     marks: list[Mark] = [Line(along, mm, FIT, "compression"), Rule(0.0, REF, across=True)]
     limits = [mm, np.zeros(1)]
     if law is not None:
-        marks.append(Rule(1e3 * law.depth, Pen("ref", 1.2, (7, 4)), "depth tested", across=True))
-        limits.append(np.array([1e3 * law.depth]))
+        tested = in_unit(law.depth, "mm")
+        marks.append(Rule(tested, Pen("ref", 1.2, (7, 4)), "depth tested", across=True))
+        limits.append(np.array([tested]))
     return Panel(
-        Axis("along the line, m", (0.0, float(along[-1] + along[0]))),
-        Axis("compression, mm", around(*limits)),
+        Scale("along the line, m", (0.0, float(along[-1] + along[0]))),
+        Scale("compression, mm", around(*limits)),
         tuple(marks),
         title="compression along the line",
         height=300,
@@ -168,8 +170,8 @@ def _shapes(found: DoorResult, plane: tuple[int, int]) -> list[Panel]:
         damping = 100 * one.mode.damping_ratio
         panels.append(
             Panel(
-                Axis(f"{_AXES[i]}, m", around(place[:, i], margin=0.25)),
-                Axis(f"{_AXES[j]}, m", around(place[:, j], margin=0.25)),
+                Scale(f"{_AXES[i]}, m", around(place[:, i], margin=0.25)),
+                Scale(f"{_AXES[j]}, m", around(place[:, j], margin=0.25)),
                 (
                     Line(place[:, i], place[:, j], REF, "at rest"),
                     Line(x, y, FIT, "in the mode"),
@@ -194,8 +196,8 @@ def _frf(found: DoorResult, index: int) -> Panel:
     f = sealed.frequency
     curves: Sequence[FloatArray] = (np.abs(sealed.value), np.abs(bare.value))
     return Panel(
-        Axis("frequency, Hz", (float(f[0]), float(f[-1]))),
-        Axis("accelerance, 1/kg", around_log(*curves), log=True),
+        Scale("frequency, Hz", (float(f[0]), float(f[-1]))),
+        Scale("accelerance, 1/kg", around_log(*curves), log=True),
         (
             Line(f, curves[1], Pen("ref", 1.6, (7, 4)), "without the seal"),
             Line(f, curves[0], FIT, "with the seal"),

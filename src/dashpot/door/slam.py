@@ -8,7 +8,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray, IndexArray
 from dashpot.base.errors import DataError
-from dashpot.base.units import Quantity, si
+from dashpot.base.units import GRAVITY, Quantity, si
 from dashpot.door.closing import ELASTIC, STEPS, ClosingDoor, March, march
 from dashpot.door.closing_record import ClosingSetup, Tolerances
 from dashpot.door.record import Door, RigidPart
@@ -18,7 +18,6 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 
 FASTEST = 20.0
 """m/s: a door that needs more does not close."""
-_G = 9.80665
 _SIGNIFICANT = 1e-5
 _COARSE, _FEW, _ROUGH = 60, 24, 1e-3
 """Steps, stations and tolerance of the many doors of a scatter."""
@@ -476,7 +475,7 @@ def _of_its_mass(
         inertia = float(axis @ tensor @ axis + rigid.mass * across @ across)
     if setup.gravity is None:
         return inertia, (0.0, 0.0)
-    pull = rigid.mass * _G * np.array(setup.gravity) / np.linalg.norm(setup.gravity)
+    pull = rigid.mass * GRAVITY * np.array(setup.gravity) / np.linalg.norm(setup.gravity)
     turning = float(axis @ np.cross(across, pull))
     return inertia, (turning, float(axis @ np.cross(np.cross(axis, across), pull)))
 

@@ -10,6 +10,7 @@ from typing import TypeAlias
 
 from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.errors import ExportError
+from dashpot.base.units import written
 from dashpot.base.version import byline
 from dashpot.export.beside import Beside
 from dashpot.export.checks import rows_informed
@@ -248,7 +249,7 @@ class Deck:
             *described,
             *self.beside.described,
             "temperature: "
-            + ("not stated" if kelvin is None else f"{kelvin:.6g} K ({kelvin - 273.15:.4g} degC)"),
+            + ("not stated" if kelvin is None else f"{kelvin:.6g} K ({written(kelvin, 'degC')})"),
             "contact length: "
             + ("not stated" if metres is None else f"{metres / units.length:.6g} {length}"),
             *(law_lines(self.temperatures) if self.temperatures else ()),

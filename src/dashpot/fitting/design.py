@@ -9,7 +9,7 @@ from typing import Literal, NamedTuple, TypeAlias
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.engine.blocks.block import Block
+from dashpot.engine.blocks.block import DataBlock
 from dashpot.engine.blocks.compression import uniform_step
 from dashpot.engine.blocks.hold import hold_block
 from dashpot.engine.blocks.late_force import Late
@@ -54,7 +54,7 @@ def block_of(
     columns: Mapping[str, FloatArray] = MappingProxyType({}),
     weights: FloatArray | None = None,
     reach: tuple[float, float] | None = None,
-) -> Block:
+) -> DataBlock:
     """Return the rows of one record: what a solid and its rig give, and the force.
 
     A few hundred rows on which a fit is that to every sample.
@@ -99,7 +99,7 @@ def block_of(
     )  # fmt: skip
 
 
-def compressed(tests: Sequence[RampHold], design: Design) -> tuple[Block, ...]:
+def compressed(tests: Sequence[RampHold], design: Design) -> tuple[DataBlock, ...]:
     """Return one block per test, a few hundred rows each, on which the fit is the full fit."""
     terms = design.nuisance if design.method == "full" else ()
     return tuple(
@@ -107,7 +107,7 @@ def compressed(tests: Sequence[RampHold], design: Design) -> tuple[Block, ...]:
     )
 
 
-def nuisanced(tests: Sequence[RampHold], design: Design) -> tuple[Block, ...]:
+def nuisanced(tests: Sequence[RampHold], design: Design) -> tuple[DataBlock, ...]:
     r"""Return the blocks of :func:`compressed` with the column of a force that comes late.
 
     .. math:: -\dot F = \sum_j (k_j/\tau_j)\,q_j - k_g\,\dot x, \qquad k_g = k_\infty + \sum_j k_j
@@ -128,10 +128,10 @@ def nuisanced(tests: Sequence[RampHold], design: Design) -> tuple[Block, ...]:
 
 def bound(
     tests: Sequence[RampHold],
-    blocks: Sequence[Block],
+    blocks: Sequence[DataBlock],
     design: Design,
     spreads: Sequence[float] | None = None,
-) -> tuple[Block, ...]:
+) -> tuple[DataBlock, ...]:
     """Return what is known of each load cell and its clock before the fit, a block per test.
 
     `spreads` holds the standard deviation of one independent residual of each test, N; that of
@@ -144,7 +144,7 @@ def bound(
     return tuple(terms_of(test).rows(block, spread) for test, block, spread in every)
 
 
-def _late(test: RampHold, block: Block, rough: Solution) -> Late:
+def _late(test: RampHold, block: DataBlock, rough: Solution) -> Late:
     """The force of the first solution as one that comes late, N/s."""
     time, x, _ = motion(test)
     k = rough.arms[rough.groups.index(block.arm_group)]

@@ -14,7 +14,7 @@ from dashpot.base.arrays import ByValue, FloatArray, frozen, increasing, samples
 from dashpot.base.checks import status_of
 from dashpot.base.errors import DataError
 from dashpot.base.status import Status
-from dashpot.engine.blocks.block import Block
+from dashpot.engine.blocks.block import DataBlock
 from dashpot.engine.blocks.families import (
     Family,
     hold_family,
@@ -195,7 +195,7 @@ class _History(NamedTuple):
     x: FloatArray
     first: int
     given: slice
-    block: Callable[[FloatArray], Block]
+    block: Callable[[FloatArray], DataBlock]
     family: Callable[[], Family] | None
 
     def solved(self, records: FloatArray, arms: int) -> ManySolutions:

@@ -17,7 +17,7 @@ _LEAST = 0.02
 """Part of a stiffness that is left of it, however far it is moved."""
 
 
-class Own(NamedTuple):
+class SolidParameters(NamedTuple):
     """The parameters of a fit's solid by their names, and their covariance.
 
     The covariance is zero for what the fit holds.
@@ -28,7 +28,7 @@ class Own(NamedTuple):
     covariance: FloatArray
 
 
-def own(fit: Fit) -> Own:
+def own(fit: Fit) -> SolidParameters:
     """Return the parameters of the solid, in the order of a covariance that is of them alone."""
     solid = fit.solid
     names: tuple[str, ...] = ELEMENT
@@ -42,7 +42,7 @@ def own(fit: Fit) -> Own:
     rows = [fit.parameters.index(names[i]) for i in here]
     covariance = np.zeros((len(names), len(names)))
     covariance[np.ix_(here, here)] = fit.covariance[np.ix_(rows, rows)]
-    return Own(names, np.array(found), covariance)
+    return SolidParameters(names, np.array(found), covariance)
 
 
 def values(fit: Fit) -> FloatArray | None:

@@ -12,11 +12,11 @@ import numpy as np
 from dashpot.base.checks import Check
 from dashpot.base.errors import FitError
 from dashpot.base.provenance import Step
-from dashpot.base.units import Quantity, si
+from dashpot.base.units import Quantity, si, written
 from dashpot.fitting.asked import Asked, checked_design, refuse_for_creep, refuse_shifts
 from dashpot.fitting.assembly import (
     UNJUDGED,
-    Outcome,
+    FoundSolid,
     assembled,
     nuisances,
     point_estimate,
@@ -27,9 +27,9 @@ from dashpot.fitting.checks.solid import frequencies_informed, order_agreed
 from dashpot.fitting.design import NUISANCE, Design, Method, block_of, bound, solid_of
 from dashpot.fitting.filter_bias import filter_bias
 from dashpot.fitting.fit_data import First, FitData, data_of, weighed
-from dashpot.fitting.fractional.choice import Choice as FamilyChoice
 from dashpot.fitting.fractional.choice import (
     ChosenElement,
+    FamilyChoice,
     beside_bent,
     chosen_family,
     named,
@@ -41,7 +41,7 @@ from dashpot.fitting.pipeline import Chosen, asked_arms, chosen_arms
 from dashpot.fitting.questions import Residuals, solid_checks
 from dashpot.fitting.repeats import refuse_copies
 from dashpot.fitting.temperature.of_tests import checked_temperatures, reference_of
-from dashpot.fitting.uncertainty.estimate import Estimate
+from dashpot.fitting.uncertainty.estimate import SolutionEstimate
 from dashpot.fitting.uncertainty.informed_band import informed_band
 from dashpot.fitting.uncertainty.left_open import end_of_hold
 from dashpot.fitting.weighed_relaxation import fitted_data, held_data
@@ -255,7 +255,7 @@ def _point(records: Sequence[RampHold], first: First, design: Design, arms: int)
     model = solid_of(solution)
     own = nuisances(solution.fixed_names, solution.coefficient, lambda _: np.inf)
     return assembled(
-        Outcome(
+        FoundSolid(
             model,
             point_estimate(model, solution.samples, solution.sse, own),
             fewer=solution.order < arms,
@@ -408,7 +408,7 @@ def _load_cells(records: Sequence[RampHold], found: Chosen) -> list[Check]:
     return [*answers, ramp_checks.clocks_agree(late)]
 
 
-def _drift_correlation(estimate: Estimate) -> float | None:
+def _drift_correlation(estimate: SolutionEstimate) -> float | None:
     """Return the largest correlation between the slowest arm and a drift, None without either."""
     drifts = [i for i, name in enumerate(estimate.names) if name.startswith("drift@")]
     if not drifts or not estimate.solution.order:
@@ -448,8 +448,9 @@ def _motion_steps(records: Sequence[RampHold], design: Design) -> tuple[Step, ..
         count, noise = record.encoder_step, record.displacement_noise
         if count > 0 or noise > 0:
             says = (
-                f"read the displacement between counts of {1e6 * count:.3g} um and averaged its "
-                f"scatter of {1e6 * noise:.3g} um where the motion allows; the force is as recorded"
+                f"read the displacement between counts of {written(count, 'um', '.3g')} and "
+                f"averaged its scatter of {written(noise, 'um', '.3g')} where the motion allows; "
+                "the force is as recorded"
             )
             parameters = (("count", f"{count:.6g} m"), ("noise", f"{noise:.6g} m"))
             steps.append(Step("motion", parameters, says))

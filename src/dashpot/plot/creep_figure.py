@@ -11,14 +11,15 @@ from dashpot.plot.picture import (
     FIT,
     MEASURED,
     REF,
-    Axis,
     Dots,
     Line,
     Panel,
     Picture,
     Rule,
+    Scale,
     around,
     around_log,
+    read_as,
     unit_of,
 )
 from dashpot.plot.stamps import of_fit
@@ -59,13 +60,13 @@ def _test(fit: Fit, data: LoadHold) -> tuple[Panel, Panel]:
         label = f"displacement, {word}"
     else:
         scale, label = 100.0, "strain, %"
-    across = Axis(SINCE, (first, float(t[-1])), log=True)
+    across = Scale(SINCE, (first, float(t[-1])), log=True)
 
     def line(values: FloatArray) -> tuple[FloatArray, FloatArray]:
         return extremes(t, scale * values, bins=350, log=True)
 
     upper = Panel(
-        across, Axis(label, around(scale * measured)),
+        across, Scale(label, around(scale * measured)),
         (Line(*line(measured), MEASURED, "measured"), Line(*line(said), FIT, "fit")),
         height=240,
     )  # fmt: skip
@@ -74,7 +75,7 @@ def _test(fit: Fit, data: LoadHold) -> tuple[Panel, Panel]:
     x, y = extremes(t, small * left, bins=350, log=True)
     rms = rounded(small * fit.residual.rms)
     lower = Panel(
-        across, Axis(f"residual, {word}", around(y, np.zeros(1), margin=0.1)),
+        across, Scale(f"residual, {word}", around(y, np.zeros(1), margin=0.1)),
         (Rule(0.0, REF, across=True), Line(x, y, FIT)),
         height=90, note=f"rms {rms} {word}",
     )  # fmt: skip
@@ -82,20 +83,20 @@ def _test(fit: Fit, data: LoadHold) -> tuple[Panel, Panel]:
 
 
 def _curve(fit: Fit, data: CreepCompliance) -> tuple[Panel, Panel]:
-    word, scale = ("1/MPa", 1e6) if data.unit == "1/Pa" else ("mm/N", 1e3)
+    word, scale = read_as(data.unit)
     known = data.time > 0
     t, measured = data.time[known], scale * data.compliance[known]
     dense = np.geomspace(t[0], t[-1], 300)
     curve = scale * fit.solid.creep(dense)
     left = 100 * (measured / (scale * fit.solid.creep(t)) - 1)
-    across = Axis("time since the step, s", (float(t[0]), float(t[-1])), log=True)
+    across = Scale("time since the step, s", (float(t[0]), float(t[-1])), log=True)
     upper = Panel(
-        across, Axis(f"creep compliance, {word}", around_log(measured, curve), log=True),
+        across, Scale(f"creep compliance, {word}", around_log(measured, curve), log=True),
         (Dots(t, measured, "measured", "measured"), Line(dense, curve, FIT, "fit")),
         height=240,
     )  # fmt: skip
     lower = Panel(
-        across, Axis("residual, %", around(left, np.zeros(1), margin=0.1)),
+        across, Scale("residual, %", around(left, np.zeros(1), margin=0.1)),
         (Rule(0.0, REF, across=True), Dots(t, left, "fit")),
         height=90, note=f"rms {rounded(float(np.sqrt(np.mean(left**2))))} %",
     )  # fmt: skip

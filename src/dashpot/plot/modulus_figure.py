@@ -8,14 +8,15 @@ from dashpot.base.numbers import rounded
 from dashpot.plot.picture import (
     FIT,
     REF,
-    Axis,
     Dots,
     Line,
     Panel,
     Picture,
     Rule,
+    Scale,
     around,
     around_log,
+    read_as,
 )
 from dashpot.plot.stamps import of_fit
 from dashpot.records.fit import Fit
@@ -35,21 +36,21 @@ def modulus(fit: Fit, data: RelaxationModulus, *, stamp: str = "") -> Picture:
     stamp : str
         What the figure says of its origin; by default the fit's files, specimen and date.
     """
-    word, scale = ("MPa", 1e-6) if data.unit == "Pa" else ("N/mm", 1e-3)
+    word, scale = read_as(data.unit)
     known = data.time > 0
     t, measured = data.time[known], scale * data.modulus[known]
     dense = np.geomspace(t[0], t[-1], 300)
     curve = scale * fit.solid.relaxation(dense)
     left = 100 * (measured / (scale * fit.solid.relaxation(t)) - 1)
-    across = Axis(TIME, (float(t[0]), float(t[-1])), log=True)
-    up = Axis(f"relaxation modulus, {word}", around_log(measured, curve), log=True)
+    across = Scale(TIME, (float(t[0]), float(t[-1])), log=True)
+    up = Scale(f"relaxation modulus, {word}", around_log(measured, curve), log=True)
     upper = Panel(
         across, up,
         (Dots(t, measured, "measured", "measured"), Line(dense, curve, FIT, "fit")),
         height=240,
     )  # fmt: skip
     lower = Panel(
-        across, Axis("residual, %", around(left, np.zeros(1), margin=0.1)),
+        across, Scale("residual, %", around(left, np.zeros(1), margin=0.1)),
         (Rule(0.0, REF, across=True), Dots(t, left, "fit")),
         height=90, note=f"rms {rounded(float(np.sqrt(np.mean(left**2))))} %",
     )  # fmt: skip

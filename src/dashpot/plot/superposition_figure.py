@@ -5,21 +5,23 @@ from __future__ import annotations
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.units import in_unit
 from dashpot.plot.direct import FREQUENCY
 from dashpot.plot.modulus_figure import TIME
 from dashpot.plot.picture import (
     FIT,
     REF,
     Area,
-    Axis,
     Dots,
     Line,
     Mark,
     Panel,
     Picture,
     Rule,
+    Scale,
     around,
     around_log,
+    read_as,
 )
 from dashpot.plot.stamps import of_fit
 from dashpot.plot.stamps import stamp as stamped
@@ -32,7 +34,6 @@ from dashpot.records.superposition import Superposition
 from dashpot.records.temperature import TemperatureShifts
 from dashpot.solids.maxwell import Solid
 
-_ZERO = 273.15
 _DOT = 4.5
 
 
@@ -65,16 +66,16 @@ def superposition(data: Superposition, fit: Fit | None = None, *, stamp: str = "
 
 
 def _of_sweeps(data: Superposition, curve: DynamicTest, fit: Fit | None) -> tuple[Panel, ...]:
-    word, scale = _unit(curve.unit)
+    word, scale = read_as(curve.unit)
     solid, said = _line(data, fit)
     f = np.geomspace(float(curve.frequency.min()), float(curve.frequency.max()), 400)
     value = scale * solid.complex_stiffness(2 * np.pi * f)
     measured = scale * curve.value
     letter = "E" if curve.unit == "Pa" else "K"
-    across = Axis(f"reduced {FREQUENCY}", (float(f[0]), float(f[-1])), log=True)
+    across = Scale(f"reduced {FREQUENCY}", (float(f[0]), float(f[-1])), log=True)
     panels = [
         Panel(
-            across, Axis(f"{name}, {word}", around_log(one, line), log=True),
+            across, Scale(f"{name}, {word}", around_log(one, line), log=True),
             (*_dots(data, curve.frequency, one), Line(f, line, FIT, said)), height=220,
         )
         for name, one, line in (
@@ -84,8 +85,8 @@ def _of_sweeps(data: Superposition, curve: DynamicTest, fit: Fit | None) -> tupl
     ]  # fmt: skip
     size, angle = np.abs(measured), np.degrees(np.angle(measured))
     palmen = Panel(
-        Axis(f"size of the modulus, {word}", around_log(size), log=True),
-        Axis("loss angle, °", around(angle)),
+        Scale(f"size of the modulus, {word}", around_log(size), log=True),
+        Scale("loss angle, °", around(angle)),
         (*_dots(data, size, angle), Line(np.abs(value), np.degrees(np.angle(value)), FIT)),
         title="van Gurp-Palmen", height=220,
     )  # fmt: skip
@@ -99,20 +100,19 @@ def _of_curves(
     solid, said = _line(data, fit)
     if isinstance(curve, CreepCompliance):
         name, answer, value = "creep compliance", solid.maxwell.creep, curve.compliance
-        word, scale = ("1/MPa", 1e6) if curve.unit == "1/Pa" else ("mm/N", 1e3)
     else:
         name, answer, value = "relaxation modulus", solid.relaxation, curve.modulus
-        word, scale = _unit(curve.unit)
+    word, scale = read_as(curve.unit)
     t = np.geomspace(float(curve.time[0]), float(curve.time[-1]), 400)
     line, measured = scale * answer(t), scale * value
     left = 100 * (value / answer(curve.time) - 1)
-    across = Axis(f"reduced {TIME}", (float(t[0]), float(t[-1])), log=True)
+    across = Scale(f"reduced {TIME}", (float(t[0]), float(t[-1])), log=True)
     upper = Panel(
-        across, Axis(f"{name}, {word}", around_log(measured, line), log=True),
+        across, Scale(f"{name}, {word}", around_log(measured, line), log=True),
         (*_dots(data, curve.time, measured), Line(t, line, FIT, said)), height=220,
     )  # fmt: skip
     lower = Panel(
-        across, Axis("residual, %", around(left, np.zeros(1), margin=0.1)),
+        across, Scale("residual, %", around(left, np.zeros(1), margin=0.1)),
         (Rule(0.0, REF, across=True), *_dots(data, curve.time, left)), height=220,
     )  # fmt: skip
     return upper, lower
@@ -125,25 +125,26 @@ def shift_panel(moved: TemperatureShifts) -> Panel:
     error = 2 * np.array([one.se for one in moved.shifts])
     dense = np.linspace(t[0], t[-1], 200)
     law = moved.law.log10_a_t(dense)
+    celsius, at = in_unit(dense, "degC"), in_unit(t, "degC")
     named = {"wlf": "WLF", "arrhenius": "Arrhenius"}.get(moved.law.kind, "between the shifts")
     marks: list[Mark] = []
     if moved.law_parameters:
         wide = 2 / np.log(10.0) * np.array([moved.error(float(one))[0] for one in dense])
-        marks.append(Area(dense - _ZERO, law - wide, law + wide, "fit", "± 2 standard errors"))
+        marks.append(Area(celsius, law - wide, law + wide, "fit", "± 2 standard errors"))
     marks += [
-        Line(dense - _ZERO, law, FIT, named),
-        Dots(t - _ZERO, log10, "measured", "shift", error=error),
+        Line(celsius, law, FIT, named),
+        Dots(at, log10, "measured", "shift", error=error),
     ]
     return Panel(
-        Axis("temperature, °C", around(t - _ZERO)),
-        Axis("log₁₀ of the shift factor", around(log10 - error, log10 + error)),
+        Scale("temperature, °C", around(at)),
+        Scale("log₁₀ of the shift factor", around(log10 - error, log10 + error)),
         tuple(marks), title=f"shift factors, b = {moved.vertical}", height=220,
     )  # fmt: skip
 
 
 def _dots(data: Superposition, x: FloatArray, y: FloatArray) -> list[Dots]:
     """The samples, in as many colours as there are for temperatures."""
-    celsius = data.temperature - _ZERO
+    celsius = in_unit(data.temperature, "degC")
     every = np.unique(celsius)
     classes = np.array_split(every, min(len(every), len(SEQUENTIAL)))
     found = []
@@ -158,7 +159,3 @@ def _dots(data: Superposition, x: FloatArray, y: FloatArray) -> list[Dots]:
 def _line(data: Superposition, fit: Fit | None) -> tuple[Solid, str]:
     """Which solid is drawn, and what it is called."""
     return (data.solid, "spectrum of all temperatures") if fit is None else (fit.solid, "fit")
-
-
-def _unit(unit: str) -> tuple[str, float]:
-    return ("MPa", 1e-6) if unit == "Pa" else ("N/mm", 1e-3)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError
-from dashpot.plot.picture import Axis, Line, Mark, Panel, Pen, Picture, around
+from dashpot.plot.picture import Line, Mark, Panel, Pen, Picture, Scale, around
 from dashpot.plot.relaxation import SINCE, fitted_force
 from dashpot.plot.stamps import of_fit
 from dashpot.plot.superposition_figure import shift_panel
@@ -54,7 +54,7 @@ def temperatures(fit: Fit, tests: Sequence[RampHold], *, stamp: str = "") -> Pic
         x, y = extremes(at[on], force[on], bins=400, log=True)
         marks.append(Line(x, y, Pen("fit", 1.2), "" if shown else "one solid"))
         shown.append(y)
-    axes = Axis(SINCE, (shortest, longest), log=True), Axis("force, N", around(*shown))
+    axes = Scale(SINCE, (shortest, longest), log=True), Scale("force, N", around(*shown))
     force_panel = Panel(*axes, tuple(marks), height=240)
     caption = (
         "One solid at several temperatures: the force of each test, what the solid says of it, and "

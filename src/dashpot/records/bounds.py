@@ -12,6 +12,7 @@ from dashpot.base.arrays import ByValue, FloatArray, frozen, increasing, samples
 from dashpot.base.errors import DataError
 from dashpot.base.facts import Fact
 from dashpot.base.numbers import duration, interval, rounded
+from dashpot.base.units import in_unit
 from dashpot.records.frf import Kind
 from dashpot.solids.maxwell import Solid
 
@@ -44,8 +45,8 @@ class EndOfHold:
     @property
     def says(self) -> str:
         """What is known at the end of the hold, what is not, and what would tell more."""
-        low, high = (1e-3 * end for end in self.k_end)
-        most = rounded(1e-3 * self.k_inf[1], (high - low) / 4)
+        low, high = (in_unit(end, "N/mm") for end in self.k_end)
+        most = rounded(in_unit(self.k_inf[1], "N/mm"), (high - low) / 4)
         return (
             f"after {rounded(self.time)} s of hold the stiffness is {interval(low, high)} N/mm; "
             f"what it relaxes to is at most {most} N/mm, and no record sets a lower limit; a "

@@ -13,7 +13,7 @@ from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
 from dashpot.base.offered import Described
 from dashpot.base.provenance import Source, Step, of_file
-from dashpot.base.units import Quantity, si
+from dashpot.base.units import Quantity, si, written
 from dashpot.records.after_step import curve_at, described_curve, since_a_step
 from dashpot.records.specimen import Specimen
 from dashpot.records.temperature import several
@@ -244,4 +244,4 @@ def _known_unit(unit: str, known: Iterable[str]) -> None:
 def _spans(moved: float, pressed: float, unit: str) -> str:
     if unit == "Pa":
         return f"strain spans {moved:.4g}, stress {pressed:.4g} Pa"
-    return f"displacement spans {1e3 * moved:.4g} mm, force {pressed:.4g} N"
+    return f"displacement spans {written(moved, 'mm')}, force {pressed:.4g} N"

@@ -17,7 +17,7 @@ from dashpot.base.numbers import counted
 from dashpot.base.offered import Pictured
 from dashpot.base.provenance import Source, Step
 from dashpot.base.status import Status
-from dashpot.base.units import Quantity, si
+from dashpot.base.units import Quantity, si, written
 from dashpot.records.alternative import Alternative, Family, family_of
 from dashpot.records.bounds import EndOfHold, LeftOpen
 from dashpot.records.compression import refuse_far
@@ -675,7 +675,7 @@ class Fit(ByValue, Pictured):
         step = Step(
             "compression",
             (("compression_m", repr(compression)), ("of", self.identity)),
-            f"tangent at {1e3 * compression:.4g} mm, {factor:.4g} times the secant of fit "
+            f"tangent at {written(compression, 'mm')}, {factor:.4g} times the secant of fit "
             f"{self.identity}",
         )
         return replace(self._scaled(factor, step), solid=tangent, elastic_law=None)
@@ -696,15 +696,15 @@ class Fit(ByValue, Pictured):
         held = self.elastic_law.depth
         if law.depth < 0.99 * held:
             raise DataError(
-                f"the law ends at {1e3 * law.depth:.4g} mm, and the test was held at "
-                f"{1e3 * held:.4g} mm: expected a cycle at least as deep"
+                f"the law ends at {written(law.depth, 'mm')}, and the test was held at "
+                f"{written(held, 'mm')}: expected a cycle at least as deep"
             )
         factor = held / float(law.path(held))
         step = Step(
             "elastic law",
             (("depth_m", repr(law.depth)), ("of", self.identity)),
-            f"elastic law of compression load deflection to {1e3 * law.depth:.4g} mm: stiffnesses "
-            f"there {factor:.4g} times the secant of fit {self.identity}",
+            f"elastic law of compression load deflection to {written(law.depth, 'mm')}: "
+            f"stiffnesses there {factor:.4g} times the secant of fit {self.identity}",
         )
         scaled = self._scaled(factor, step)
         return replace(

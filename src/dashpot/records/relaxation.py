@@ -13,6 +13,7 @@ from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
 from dashpot.base.offered import Described, Pictured
 from dashpot.base.provenance import Source, Step, of_file
+from dashpot.base.units import written
 from dashpot.engine.blocks.compression import uniform_step
 from dashpot.records.machine import Machine
 from dashpot.records.specimen import Specimen
@@ -62,7 +63,7 @@ class RelaxationTest(ByValue, Described):
             of_file(self.source, len(self.time)),
             (
                 f"{np.ptp(self.time):.5g} s; displacement spans "
-                f"{1e3 * np.ptp(self.displacement):.4g} mm, force {np.ptp(self.force):.4g} N"
+                f"{written(np.ptp(self.displacement), 'mm')}, force {np.ptp(self.force):.4g} N"
             ),
         )
 
@@ -179,10 +180,13 @@ class RampHold(ByValue, Pictured):
         return (
             of_file(self.source, len(self.time)),
             (
-                f"ramp of {1e3 * self.depth:.4g} mm in {self.ramp_time:.4g} s from "
+                f"ramp of {written(self.depth, 'mm')} in {self.ramp_time:.4g} s from "
                 f"{self.onset:.5g} s, held {self.hold_time:.5g} s"
             ),
-            f"noise {1e3 * self.force_noise:.3g} mN and {1e6 * self.displacement_noise:.3g} um",
+            (
+                f"noise {written(self.force_noise, 'mN', '.3g')} and "
+                f"{written(self.displacement_noise, 'um', '.3g')}"
+            ),
             *failed,
         )
 

@@ -10,6 +10,7 @@ import numpy as np
 from dashpot.base.arrays import BoolArray, ByValue, FloatArray, frozen
 from dashpot.base.errors import DataError
 from dashpot.base.facts import Fact
+from dashpot.base.units import in_unit, written
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.temperature import WLF, Arrhenius, FreeShifts, TemperatureLaw
 
@@ -372,7 +373,7 @@ def near(temperature: FloatArray | None, asked: float) -> BoolArray:
     within = np.abs(temperature - asked) <= ONE_TEMPERATURE / 2
     if not within.any():
         listed = ", ".join(
-            f"{value:.0f} degC" for value in np.unique(np.round(temperature - 273.15))
+            f"{value:.0f} degC" for value in np.unique(np.round(in_unit(temperature, "degC")))
         )
         raise DataError(
             f"no sample within {ONE_TEMPERATURE / 2:g} K of {celsius(asked)}; the test has {listed}"
@@ -414,4 +415,4 @@ def decades(log_tau: FloatArray) -> FloatArray:
 
 def celsius(temperature: float) -> str:
     """A temperature, K, in words for people."""
-    return f"{temperature - 273.15:.4g} degC"
+    return written(temperature, "degC")

@@ -19,7 +19,7 @@ from dashpot.kinds.level.record import AmplitudeFit
 from dashpot.plot.picture import unit_of
 from dashpot.report.figures import drawn
 from dashpot.report.pages import COLOURS, frame, held
-from dashpot.report.tables import Table, checks
+from dashpot.report.tables import TextTable, checks
 from dashpot.solids.friction import Jenkins
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.rate_independent import InParallel
@@ -41,7 +41,7 @@ def contents(found: Levels) -> dict[str, Any]:
         "verdict": found.verdict,
         "colour": COLOURS[found.verdict.use],
         "figures": {"level": drawn(picture)},
-        "numbers": Table(("", "value", "95 % from", "to", "unit"), tuple(rows)),
+        "numbers": TextTable(("", "value", "95 % from", "to", "unit"), tuple(rows)),
         "beyond": beyond(found),
         "checks": checks([("levels", found.checks)], found.checks),
         "sources": tuple(dict.fromkeys(found.source)),

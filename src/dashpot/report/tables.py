@@ -39,8 +39,8 @@ VALUE = ("", "value ± standard error", "unit")
 
 
 @dataclass(frozen=True)
-class Table:
-    """Head and rows; `marks` names a style for a row: "good", "bad", "doubt" or ""."""
+class TextTable:
+    """Head and rows as text; `marks` names a style for a row: "good", "bad", "doubt" or ""."""
 
     head: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
@@ -51,7 +51,7 @@ class Table:
         return self.marks[row] if row < len(self.marks) else ""
 
 
-def assumptions(study: Study) -> Table:
+def assumptions(study: Study) -> TextTable:
     """What the results suppose, what the checks of this study say of it, and what lifts it."""
     checks = (*study.prepared.checks, *study.every_check)
     told = [(one, one.state(checks)) for one in ASSUMPTIONS]
@@ -60,10 +60,10 @@ def assumptions(study: Study) -> Table:
         for one, state in told
     )
     head = ("assumed", "what that means", "here", "option that lifts it", "on the bench")
-    return Table(head, rows, tuple("bad" if state == "doubted" else "" for _, state in told))
+    return TextTable(head, rows, tuple("bad" if state == "doubted" else "" for _, state in told))
 
 
-def checks(groups: Sequence[tuple[str, Sequence[Check]]], weighed: Collection[Check]) -> Table:
+def checks(groups: Sequence[tuple[str, Sequence[Check]]], weighed: Collection[Check]) -> TextTable:
     """Every check in words, failed ones first; a sentence that two stages share stands once.
 
     One that the verdict does not weigh, such as what a joint fit has mended, says so.
@@ -76,7 +76,7 @@ def checks(groups: Sequence[tuple[str, Sequence[Check]]], weighed: Collection[Ch
     rows = tuple((_state(check, weighed), stage, words(check.name), readable(check.says))
                  for stage, check in ordered)  # fmt: skip
     marks = tuple(_mark(check, weighed) for _, check in ordered)
-    return Table(("", "stage", "question", "answer"), rows, marks)
+    return TextTable(("", "stage", "question", "answer"), rows, marks)
 
 
 def _gravity(check: Check, weighed: Collection[Check]) -> int:
@@ -101,7 +101,7 @@ def _mark(check: Check, weighed: Collection[Check]) -> str:
 # -- the relaxation test and its fits -------------------------------------------------------------
 
 
-def test_facts(prepared: RampHold) -> Table:
+def test_facts(prepared: RampHold) -> TextTable:
     """What was done to the seal."""
     steps = np.diff(prepared.time)
     rate = 1 / float(np.median(steps))
@@ -126,10 +126,10 @@ def test_facts(prepared: RampHold) -> Table:
         rows.append(("compression / height", rounded(100 * strain, digits=2), "%"))
     if specimen.temperature:
         rows.append(("temperature", f"{specimen.temperature - 273.15:.1f}", "°C"))
-    return Table(("", "value", "unit"), tuple(rows))
+    return TextTable(("", "value", "unit"), tuple(rows))
 
 
-def coefficients(fit: Fit | None, length: float | None) -> Table | None:
+def coefficients(fit: Fit | None, length: float | None) -> TextTable | None:
     """Table 1 of the paper, with intervals, and per 100 mm of seal if the length is known."""
     if fit is None:
         return None
@@ -144,10 +144,10 @@ def coefficients(fit: Fit | None, length: float | None) -> Table | None:
             each = f"{value} {cells.unit}"
         rows.append(row if length is None else (*row, each))
     head = ("", "value ± standard error", "95 % interval", "unit", "per 100 mm")
-    return Table(head if length is not None else head[:-1], tuple(rows))
+    return TextTable(head if length is not None else head[:-1], tuple(rows))
 
 
-def orders(study: Study) -> Table:
+def orders(study: Study) -> TextTable:
     """One, two and more arms side by side."""
     fit = study.fit
     best = min((one.bic for one in fit.orders), default=math.nan)
@@ -178,10 +178,10 @@ def orders(study: Study) -> Table:
             "every arm significant")  # fmt: skip
     # a ramp that no linear solid follows is fitted hold first, and its orders are not compared
     columns = len(head) if scores else 4
-    return Table(head[:columns], tuple(row[:columns] for row in rows), tuple(marks))
+    return TextTable(head[:columns], tuple(row[:columns] for row in rows), tuple(marks))
 
 
-def two_routes(study: Study) -> Table | None:
+def two_routes(study: Study) -> TextTable | None:
     """The full history against the paper's eq. (5) on the hold; None if their arms differ."""
     fit, hold = study.fit, study.hold_fit
     if hold is None or fit.model.arms != hold.model.arms:
@@ -197,19 +197,19 @@ def two_routes(study: Study) -> Table | None:
         for one in fit.known
         if one.name in there and one.error is not None and one.value and one.name[0] != "b"
     )
-    return Table(("", "full history", "hold only, eq. (5)", "difference"), rows)
+    return TextTable(("", "full history", "hold only, eq. (5)", "difference"), rows)
 
 
-def nuisances(fit: Fit | None) -> Table | None:
+def nuisances(fit: Fit | None) -> TextTable | None:
     """What the fit needed and nobody asked for."""
     if fit is None or not fit.nuisance:
         return None
     each = (term.fact for term in fit.nuisance)
     rows = tuple((one.symbol, one.cells.with_error, one.word or "–") for one in each)
-    return Table(VALUE, rows)
+    return TextTable(VALUE, rows)
 
 
-def in_frequency(study: Study) -> Table:
+def in_frequency(study: Study) -> TextTable:
     """Stiffness and loss factor of one seal at some frequencies, and whether they are known."""
     (low, high), unseen = study.fit.band, study.unseen
     marked = () if study.comparison is None else (study.comparison.measured_hz,)
@@ -233,7 +233,7 @@ def in_frequency(study: Study) -> Table:
     head = ["frequency, Hz", "storage K′, N/mm", "loss K″, N/mm", "loss factor"]
     if unseen is not None:
         head += ["K′ left open, N/mm", "loss factor left open"]
-    return Table((*head, "this test"), tuple(rows), tuple(marks))
+    return TextTable((*head, "this test"), tuple(rows), tuple(marks))
 
 
 def _range_at(band: StiffnessBounds, limits: FloatArray, f: float) -> str:
@@ -246,7 +246,7 @@ def _range_at(band: StiffnessBounds, limits: FloatArray, f: float) -> str:
 # -- the hammer test ------------------------------------------------------------------------------
 
 
-def peaks(study: Study) -> Table | None:
+def peaks(study: Study) -> TextTable | None:
     """Predicted, measured and joint: frequency, height and damping of the peak."""
     c, joint = study.comparison, study.joint_comparison
     if c is None:
@@ -262,7 +262,7 @@ def peaks(study: Study) -> Table | None:
     if joint is not None:
         head += ["after the joint fit", "difference"]
         columns += _predicted(joint)
-    return Table(tuple(head), tuple(zip(*columns, strict=True)))
+    return TextTable(tuple(head), tuple(zip(*columns, strict=True)))
 
 
 def _predicted(c: Comparison) -> tuple[tuple[str, ...], tuple[str, ...]]:
@@ -283,7 +283,7 @@ def _measured_damping(c: Comparison) -> str:
     return Fact.normal("damping ratio", c.measured_damping, se, "1", "%").cells.with_error
 
 
-def resonance(study: Study) -> Table | None:
+def resonance(study: Study) -> TextTable | None:
     """Natural frequency and damping of the resonance, read in every way the record supports."""
     c, measured = study.comparison, study.measured
     if c is None or measured is None or study.mass is None:
@@ -303,7 +303,7 @@ def resonance(study: Study) -> Table | None:
         for mode in model_modes(study.seals * point.solid(one), mass)[:1]:
             rows.append((f"{says}: exact pole", rounded(mode.frequency, digits=5),
                          rounded(100 * mode.damping_ratio)))  # fmt: skip
-    return Table(("", "natural frequency, Hz", "damping ratio, %"), tuple(rows))
+    return TextTable(("", "natural frequency, Hz", "damping ratio, %"), tuple(rows))
 
 
 def _solids(study: Study, mass: float) -> Iterator[tuple[str, Fit, float]]:
@@ -330,7 +330,7 @@ def _mode_cells(measured: FRF, way: str, c: Comparison) -> tuple[str, str]:
     return frequency, ratio
 
 
-def arms_tested(comparison: Comparison | None) -> Table | None:
+def arms_tested(comparison: Comparison | None) -> TextTable | None:
     """Which arms carried the loss at the measured peak, and which the relaxation test resolved."""
     if comparison is None or not comparison.arms:
         return None
@@ -343,10 +343,10 @@ def arms_tested(comparison: Comparison | None) -> Table | None:
         marks.append("bad" if tested and not resolved else "")
     head = ("arm's τ", "share of the loss at the peak, %", "tested by this FRF",
             "resolved by the relaxation test")  # fmt: skip
-    return Table(head, tuple(rows), tuple(marks))
+    return TextTable(head, tuple(rows), tuple(marks))
 
 
-def hits(frf: FRF | None) -> Table | None:
+def hits(frf: FRF | None) -> TextTable | None:
     """Every hit and the verdict on it, with the reasons if there are any."""
     if frf is None or not frf.hits:
         return None
@@ -363,10 +363,10 @@ def hits(frf: FRF | None) -> Table | None:
         )[:columns]
         for hit in frf.hits
     )
-    return Table(head[:columns], rows, tuple("" if hit.accepted else "bad" for hit in frf.hits))
+    return TextTable(head[:columns], rows, tuple("" if hit.accepted else "bad" for hit in frf.hits))
 
 
-def explanations(joint: Fit | None) -> Table | None:
+def explanations(joint: Fit | None) -> TextTable | None:
     """What would explain two tests that disagree, or None if they agree."""
     if joint is None or not joint.explanations:
         return None
@@ -374,17 +374,17 @@ def explanations(joint: Fit | None) -> Table | None:
         (readable(one.says), rounded(one.fall, digits=4), "yes" if one.explains else "no")
         for one in joint.explanations
     )
-    return Table(("if", "chi-square falls by", "explains both tests"), rows)
+    return TextTable(("if", "chi-square falls by", "explains both tests"), rows)
 
 
-def moved(joint: Fit | None) -> Table | None:
+def moved(joint: Fit | None) -> TextTable | None:
     """What the hammer changed in the solid."""
     if joint is None or not joint.moved:
         return None
     rows = tuple(_moved_row(one) for one in joint.moved)
     marks = tuple("doubt" if row[-1] == "new" else "" for row in rows)
     head = ("", "relaxation alone", "both tests", "change", "in SE of relaxation alone")
-    return Table(head, rows, marks)
+    return TextTable(head, rows, marks)
 
 
 def _moved_row(m: Moved) -> tuple[str, ...]:

@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from dashpot.base.arrays import FloatArray, increasing, same_length, samples
 from dashpot.base.errors import DataError
+from dashpot.base.units import in_unit, written
 
 
 @dataclass(frozen=True)
@@ -122,7 +123,7 @@ class ElasticLaw:
         deepest, last = float(self.path(self.depth)), self.ratio[-1]
         if not 0 <= target < np.inf or (target > deepest and last <= 0):
             raise DataError(
-                f"no compression carries {force:.4g} N: at {1e3 * self.depth:.4g} mm the relaxed "
+                f"no compression carries {force:.4g} N: at {written(self.depth, 'mm')} the relaxed "
                 f"force is {self.stiffness * deepest:.4g} N, its tangent "
                 f"{self.stiffness * last:.4g} N/m"
             )
@@ -196,8 +197,9 @@ def compare_with_curve(
     for depth in depths:
         if not x[0] <= depth <= x[-1]:
             raise DataError(
-                f"the compression curve runs from {1e3 * x[0]:.4g} to {1e3 * x[-1]:.4g} mm and "
-                f"does not reach the depth of {1e3 * depth:.4g} mm; measure it deeper"
+                f"the compression curve runs from {in_unit(x[0], 'mm'):.4g} to "
+                f"{written(x[-1], 'mm')} and does not reach the depth of {written(depth, 'mm')}; "
+                "measure it deeper"
             )
         relaxed, curve = float(law.force(depth)), float(np.interp(depth, x, y))
         ratio = 100 * (curve / relaxed - 1.0)
@@ -206,7 +208,7 @@ def compare_with_curve(
                 depth,
                 relaxed,
                 curve,
-                f"at {1e3 * depth:.4g} mm the compression curve reads {curve:.4g} N, "
+                f"at {written(depth, 'mm')} the compression curve reads {curve:.4g} N, "
                 f"{ratio:+.2g} % of the relaxed {relaxed:.4g} N; a curve driven at a finite "
                 "speed lies above by what has not relaxed yet",
             )

@@ -24,7 +24,7 @@ from dashpot.workflow.command_lines import level_command
 from dashpot.workflow.levels import Levels, level_files
 
 
-class _Asked(NamedTuple):
+class _LevelArguments(NamedTuple):
     """What decides a fit: what `level_files` takes."""
 
     files: tuple[str, ...]
@@ -37,7 +37,7 @@ class _Asked(NamedTuple):
 
 
 @lru_cache(KEPT)
-def _fitted(asked: _Asked) -> tuple[Levels, Picture]:
+def _fitted(asked: _LevelArguments) -> tuple[Levels, Picture]:
     """The fit of these files, and its figure."""
     doing(f"fitting {', '.join(Path(path).name for path in asked.files)}")
     how = asked._asdict()
@@ -45,13 +45,13 @@ def _fitted(asked: _Asked) -> tuple[Levels, Picture]:
     return found, plot.level(found.fit, found.records)
 
 
-def _asked(request: Mapping[str, Any], folder: Path) -> _Asked:
+def _asked(request: Mapping[str, Any], folder: Path) -> _LevelArguments:
     """The request; a mass and seals are of FRFs alone, each of which has its level."""
     levels = tuple(map(str, listed(request, "levels")))
     mass = quantity(request, "mass", "mass") if levels else None
     if levels and mass is None:
         raise DataError("no mass is given: say what rests on the seals, such as 104 g")
-    return _Asked(
+    return _LevelArguments(
         tuple(str(path_in(folder, one)) for one in listed(request, "files")),
         part(ReadOptions, request.get("options", {}), "options"),
         levels,

@@ -18,7 +18,7 @@ from dashpot.base.checks import Check, verdict
 from dashpot.base.errors import DataError
 from dashpot.base.numbers import rounded
 from dashpot.base.progress import doing
-from dashpot.base.units import si, si_range
+from dashpot.base.units import si, si_range, written
 from dashpot.io.options import ReadOptions
 from dashpot.plot.picture import Picture
 from dashpot.records.frf import FRF, Mode
@@ -33,7 +33,7 @@ from dashpot.workflow.measured_modes import MeasuredModes, modes_files
 from dashpot.workflow.under_masses import ModesByMass, modes_by_mass
 
 
-class _Asked(NamedTuple):
+class _ModesArguments(NamedTuple):
     """What decides the modes: what `modes_files` or `modes_by_mass` takes."""
 
     files: tuple[str, ...]
@@ -43,14 +43,14 @@ class _Asked(NamedTuple):
     band: tuple[float, float] | None
 
 
-def _asked(request: Mapping[str, Any], folder: Path) -> _Asked:
+def _asked(request: Mapping[str, Any], folder: Path) -> _ModesArguments:
     files = tuple(str(path_in(folder, one)) for one in listed(request, "files"))
     given = listed(request, "masses")
     for file, mass in zip(files, given, strict=False):
         if not mass:
             raise DataError(f"{Path(file).name}: say which mass was on the seals, such as 104 g")
     band = str(request.get("band") or "")
-    return _Asked(
+    return _ModesArguments(
         files,
         part(ReadOptions, request.get("options", {}), "options"),
         tuple(si(str(one), "mass") for one in given),
@@ -60,7 +60,7 @@ def _asked(request: Mapping[str, Any], folder: Path) -> _Asked:
 
 
 @lru_cache(KEPT)
-def _found(asked: _Asked) -> tuple[MeasuredModes | ModesByMass, Picture]:
+def _found(asked: _ModesArguments) -> tuple[MeasuredModes | ModesByMass, Picture]:
     """The modes, and their figure."""
     doing(f"seeking the modes of {', '.join(Path(path).name for path in asked.files)}")
     options, band = asked.options, asked.band
@@ -88,7 +88,7 @@ def modes(request: Mapping[str, Any], folder: Path) -> bytes:
     else:
         checks, frfs = found.checks, [one.frf for one in found.tests]
         held = zip(found.together.masses, found.together.modes, strict=True)
-        named = [(f"{1e3 * mass:.4g} g", mode) for mass, mode in held]
+        named = [(written(mass, "g"), mode) for mass, mode in held]
     said = verdict(checks)
     names = [Path(path).name for path in asked.files]
     return wire.packed(

@@ -221,14 +221,14 @@ def hammer_line(study: Study) -> str:
 # -- curves while a handle is held ----------------------------------------------------------------
 
 
-class Live(NamedTuple):
+class LiveCurves(NamedTuple):
     """Curves by panel and name, in the units of their axes, and words beside them."""
 
     arrays: dict[str, FloatArray]
     words: str
 
 
-def live_test(fit: Fit, prepared: RampHold, by_eq5: Fit | None) -> Live:
+def live_test(fit: Fit, prepared: RampHold, by_eq5: Fit | None) -> LiveCurves:
     """What a fit says while a handle is held: its curves, its residual, its numbers."""
     chosen = relaxation.fitted(fit, (), prepared)[0]
     ramp, hold = (
@@ -243,7 +243,7 @@ def live_test(fit: Fit, prepared: RampHold, by_eq5: Fit | None) -> Live:
         if isinstance(mark, Line):
             keep = np.unique(np.linspace(0, len(mark.x) - 1, LIVE_POINTS).astype(int))
             arrays[f"{name}/x"], arrays[f"{name}/y"] = mark.x[keep], mark.y[keep]
-    return Live(arrays, piece("beside", rows=beside(fit, by_eq5)))
+    return LiveCurves(arrays, piece("beside", rows=beside(fit, by_eq5)))
 
 
 def beside(fit: Fit, by_eq5: Fit | None) -> list[tuple[str, str, str, str]]:
@@ -258,7 +258,7 @@ def beside(fit: Fit, by_eq5: Fit | None) -> list[tuple[str, str, str, str]]:
     ]
 
 
-def live_response(predicted: FRF) -> Live:
+def live_response(predicted: FRF) -> LiveCurves:
     """The predicted response while the mass moves."""
     size = np.abs(predicted.value)
     top = int(size.argmax())
@@ -266,7 +266,7 @@ def live_response(predicted: FRF) -> Live:
         f"{rounded(float(predicted.frequency[top]), digits=4)} Hz, {rounded(float(size[top]))} "
         f"{SHOWN[predicted.kind][0]}"
     )
-    return Live({"frf/predicted/x": predicted.frequency, "frf/predicted/y": size}, words)
+    return LiveCurves({"frf/predicted/x": predicted.frequency, "frf/predicted/y": size}, words)
 
 
 # -- pieces of the page ---------------------------------------------------------------------------

@@ -15,6 +15,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DashpotError, DataError
+from dashpot.base.units import in_unit
 from dashpot.fitting.relaxation import fit
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.relaxation import read_relaxation, relaxation_in
@@ -84,7 +85,7 @@ def _consequences(
                 solid = fit(test, arms=1, intervals=False).model
             except DashpotError:
                 continue
-            stiffness = 1e-3 * float(solid.relaxation(test.hold_time))
+            stiffness = in_unit(float(solid.relaxation(test.hold_time)), "N/mm")
             told.append(
                 views.Consequence(word, f"{float(test.force.max()):.3g}", f"{stiffness:.3g}")
             )

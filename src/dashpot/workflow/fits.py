@@ -30,7 +30,7 @@ Record: TypeAlias = (
 
 
 @dataclass(frozen=True)
-class _Asked:
+class _FitRequest:
     """What the user asked for, whatever the records turn out to be."""
 
     arms: int | Literal["auto"]
@@ -164,7 +164,7 @@ def fit_files(
     """
     options = options or ReadOptions()
     each = each_specimen(specimen, temperatures, len(files))
-    asked = _Asked(
+    asked = _FitRequest(
         arms, method, depth_law, thorough, law, family, intervals, filter, cuts or Cuts(), machine,
         options.cycle, shifting, each[0],
     )  # fmt: skip
@@ -203,7 +203,7 @@ def _read(
 
 
 def _crept(
-    tests: Sequence[CreepTest | CreepCompliance], asked: _Asked, name: str
+    tests: Sequence[CreepTest | CreepCompliance], asked: _FitRequest, name: str
 ) -> tuple[Fit, tuple[Record, ...]]:
     """Fit one creep test, or the master curve of several; `name` is the first file's."""
     # a load that is not held says itself of which file it is
@@ -221,7 +221,7 @@ def _crept(
         return asked.fit(record, **further), (record,)
 
 
-def _pressed(tests: tuple[RampHold, ...], asked: _Asked) -> Fit:
+def _pressed(tests: tuple[RampHold, ...], asked: _FitRequest) -> Fit:
     """Fit ramps and holds together, or, where a law of the depth is asked for, each by itself."""
     if not asked.depth_law:
         return asked.fit(tests, **shifted_ramps(asked.shifting))
@@ -236,7 +236,7 @@ def _pressed(tests: tuple[RampHold, ...], asked: _Asked) -> Fit:
 
 
 def _swept(
-    read: Sequence[object], tests: tuple[RampHold, ...], asked: _Asked
+    read: Sequence[object], tests: tuple[RampHold, ...], asked: _FitRequest
 ) -> tuple[Fit, tuple[Record, ...]]:
     """Fit the sweep read, or a master curve, with the ramps and holds of the same part."""
     sweeps = [one for one in read if isinstance(one, DynamicTest)]

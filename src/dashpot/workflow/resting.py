@@ -12,7 +12,8 @@ import numpy.typing as npt
 import dashpot as dp
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
-from dashpot.fitting.uncertainty.prediction_bounds import Answer, formal_frf_band
+from dashpot.base.units import in_unit, written
+from dashpot.fitting.uncertainty.prediction_bounds import PredictedFRF, formal_frf_band
 from dashpot.records.bounds import FRFBounds
 from dashpot.records.fit import Fit
 from dashpot.records.frf import Kind, Mode
@@ -83,12 +84,12 @@ class AtRest:
         if point.linear:
             return ""
         where = "as given" if point.given else "under its weight"
-        here, depth = f"{1e3 * point.compression:.3g} mm", f"{1e3 * (point.depth or 0.0):.3g} mm"
+        here, depth = (written(one or 0.0, "mm", ".3g") for one in (point.compression, point.depth))
         lines = [f"the seals are compressed by {here} {where}, and were tested to {depth}"]
         for name, one in ((f"secant at {depth}", secant), (f"tangent at {here}", tangent)):
             peak = "no resonance" if one.frequency is None else f"{one.frequency:.5g} Hz"
-            error = f" +- {1e-3 * one.stiffness_se:.2g}" if one.stiffness_se > 0 else ""
-            lines.append(f"  {name}  {1e-3 * one.stiffness:.4g}{error} N/mm, {peak}")
+            error = f" +- {in_unit(one.stiffness_se, 'N/mm'):.2g}" if one.stiffness_se > 0 else ""
+            lines.append(f"  {name}  {in_unit(one.stiffness, 'N/mm'):.4g}{error} N/mm, {peak}")
         if point.beyond:
             lines.append("  ! deeper than tested: the last tangent was taken on")
         return "\n".join(lines)
@@ -180,7 +181,7 @@ def frf_limits(
     else:
         omega = 2 * np.pi * f
         K = point.solid(here).complex_stiffness(omega)
-        own = Answer(mass, seals, kind, coupled).magnitude(K, omega)
+        own = PredictedFRF(mass, seals, kind, coupled).magnitude(K, omega)
         formal = formal_frf_band(
             here,
             mass=mass / point.factor,

@@ -12,7 +12,7 @@ from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.options import option
 from dashpot.base.provenance import Step
-from dashpot.base.units import si_fields
+from dashpot.base.units import si_fields, written
 from dashpot.io.options import ReadOptions
 from dashpot.kinds.rod.fit import fit_rod
 from dashpot.kinds.rod.prepare import RodErrors, RodModulus, rod_modulus
@@ -194,7 +194,7 @@ def rod_files(
         "rod_modulus",
         (("mass", f"{mass:.6g} kg"), ("density", f"{density:.6g} kg/m^3"), ("shape", str(part)),
          ("bonded", str(bonded).lower())),
-        f"inverted the wave equation of a rod of {1e3 * own:.4g} g under {1e3 * mass:.4g} g",
+        f"inverted the wave equation of a rod of {written(own, 'g')} under {written(mass, 'g')}",
     )  # fmt: skip
     provenance = replace(
         fit.provenance, source=frf.source, steps=(*frf.steps, step, *fit.provenance.steps)

@@ -14,7 +14,7 @@ from dashpot.base.errors import DataError, FitError
 from dashpot.base.numbers import hertz
 from dashpot.base.offered import Pictured
 from dashpot.base.progress import doing
-from dashpot.base.units import Quantity, Range, si, si_range
+from dashpot.base.units import Quantity, Range, si, si_range, written
 from dashpot.fitting.design import Method
 from dashpot.fitting.identification.identify import identify
 from dashpot.fitting.nonlinear_ramp.ladder import LawName
@@ -142,7 +142,7 @@ class Study(Pictured):
         """The verdict, the mass, the solid, and the peaks."""
         solid = self.fit if self.joint is None else self.joint
         agreed = self.comparison if self.joint is None else self.joint_comparison
-        mass = "no mass" if self.mass is None else f"{1e3 * self.mass:.6g} g"
+        mass = "no mass" if self.mass is None else written(self.mass, "g", ".6g")
         return (
             f"{self.verdict.use}: {self.verdict.says}",
             f"{mass} on {self.seals:g} seals; {solid.model} ({solid.unit}, s), {solid.method}",

@@ -12,6 +12,7 @@ import numpy as np
 
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
+from dashpot.base.units import in_unit, written
 from dashpot.io.options import ReadOptions
 from dashpot.vibration.modal.checks import one_solid
 from dashpot.vibration.modal.several_masses import SeveralMasses, several_masses
@@ -99,7 +100,7 @@ def modes_by_mass(
     silent = [mass for mass, one in zip(masses, tests, strict=True) if not one.modes]
     if silent:
         raise DataError(
-            f"nothing rings under the mass of {1e3 * silent[0]:.4g} g; give the band of its "
+            f"nothing rings under the mass of {written(silent[0], 'g')}; give the band of its "
             "resonance (--band), or leave its file out"
         )
     modes = [one.modes[0].mode for one in tests]
@@ -107,7 +108,7 @@ def modes_by_mass(
     missed = found.missed
     by = f"{100 * missed.real:+.2g} % of stiffness and {100 * missed.imag:+.2g} % of damping"
     own = [
-        replace(check, says=f"{1e3 * mass:.4g} g: {check.says}")
+        replace(check, says=f"{written(mass, 'g')}: {check.says}")
         for mass, one in zip(masses, tests, strict=True)
         for check in one.frf.checks
     ]
@@ -124,6 +125,6 @@ def _refuse_same(
         if np.array_equal(one.frf.value, two.frf.value):
             names = dict.fromkeys((Path(file).name, Path(other).name))
             raise DataError(
-                f"{' and '.join(names)}: the same FRF is given under {1e3 * mass:.4g} and under "
-                f"{1e3 * its:.4g} g; expected what was measured under each mass"
+                f"{' and '.join(names)}: the same FRF is given under {in_unit(mass, 'g'):.4g} and "
+                f"under {written(its, 'g')}; expected what was measured under each mass"
             )

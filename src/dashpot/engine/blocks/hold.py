@@ -10,7 +10,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError
-from dashpot.engine.blocks.block import Block, Columns, design_rows
+from dashpot.engine.blocks.block import Columns, DataBlock, design_rows
 from dashpot.engine.blocks.compression import (
     ACCURACY,
     Compression,
@@ -40,7 +40,7 @@ def decay_block(
     weights: FloatArray | None = None,
     arm_group: str = "k",
     compress: bool = True,
-) -> Block:
+) -> DataBlock:
     r"""A plain sum of exponentials :math:`y = y_\infty + \sum_j k_j e^{-t/\tau_j}` from t = 0.
 
     Parameters
@@ -71,7 +71,7 @@ def hold_block(
     weights: FloatArray | None = None,
     arm_group: str = "k",
     compress: bool = True,
-) -> Block:
+) -> DataBlock:
     r"""The hold after an ideal ramp (paper eq. 5, in a form that cannot overflow).
 
     .. math:: F = x_h \Bigl[k_\infty + \sum_j k_j\, g(c/\tau_j)\, e^{-s/\tau_j}\Bigr],
@@ -109,7 +109,7 @@ def ramp_hold_block(
     weights: FloatArray | None = None,
     arm_group: str = "k",
     compress: bool = True,
-) -> Block:
+) -> DataBlock:
     r"""An ideal ramp and its hold.
 
     On the ramp, with t since its start and A = depth/ramp_time,
@@ -143,7 +143,7 @@ def _block(
     *,
     arm_group: str,
     compress: bool,
-) -> Block:
+) -> DataBlock:
     time, step = _checked(time, values, weights)
     plans = _plans(time, weights, ideal, step, compress=compress)
     starts = (0.0, ideal.ramp_time)
@@ -162,10 +162,10 @@ def _block(
     rows = design_rows(target, matrix, _columns(plans, ideal))
     window = window_of(time, plans[-1].step)
     if len(target) == len(time):
-        return Block(rows, names, window, len(time), arm_group)
+        return DataBlock(rows, names, window, len(time), arm_group)
     # the columns follow from the clock and all but the data
     known = weights is None and step is not None
-    block = Block(
+    block = DataBlock(
         rows,
         names,
         window,
@@ -179,10 +179,10 @@ def _block(
     return _widening(block, plans)
 
 
-def _widening(block: Block, plans: tuple[Compression, ...]) -> Block:
+def _widening(block: DataBlock, plans: tuple[Compression, ...]) -> DataBlock:
     """The block, able to take a fixed column that is smooth as its arms are."""
 
-    def widen(name: str, column: FloatArray) -> Block:
+    def widen(name: str, column: FloatArray) -> DataBlock:
         at_nodes, _ = projected(plans, column)
         whole = partial(block.exact.with_column, name, column)
         return _widening(block.beside(name, at_nodes, full=whole), plans)

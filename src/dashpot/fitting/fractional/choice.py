@@ -31,7 +31,7 @@ from dashpot.fitting.fractional.checks import (
     families_told_apart,
     slope_known,
 )
-from dashpot.fitting.fractional.projection import Columns, element_jacobian
+from dashpot.fitting.fractional.projection import ArmColumns, element_jacobian
 from dashpot.fitting.pipeline import Chosen
 from dashpot.fitting.uncertainty.estimate import estimated, rounding
 from dashpot.records.alternative import Alternative
@@ -148,7 +148,7 @@ def element(data: FitData) -> ChosenElement:
     FitError
         If the data have fewer samples than parameters.
     """
-    columns = Columns(data.rows)
+    columns = ArmColumns(data.rows)
     unknown = len(columns.stack.names) + 3
     if columns.stack.samples + columns.stack.known <= unknown:
         raise FitError(
@@ -192,7 +192,7 @@ class Other(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Choice:
+class FamilyChoice:
     """One family taken, and the other.
 
     Attributes
@@ -239,13 +239,13 @@ class _Candidate(NamedTuple):
     parameters: int
 
 
-def chosen_family(arms: Chosen, family: str, one: ChosenElement | None = None) -> Choice:
+def chosen_family(arms: Chosen, family: str, one: ChosenElement | None = None) -> FamilyChoice:
     """Return the family asked for, or with ``"auto"`` the one that BIC prefers, and the other.
 
     `one` is the fractional solid of the same data, where it is known already.
     """
     if family == "maxwell":
-        return Choice(arms, arms)
+        return FamilyChoice(arms, arms)
     one = one or element(arms.data)
     fewest = min(arms, one, key=lambda found: found.solution.sse)
     effective = fewest.estimate.effective
@@ -269,7 +269,7 @@ def chosen_family(arms: Chosen, family: str, one: ChosenElement | None = None) -
     least = criterion(best) + VERY_STRONG
     explain = [other for other in others if criterion(other) < least or explained(other, best)]
     other = (explain or others)[0]
-    return Choice(
+    return FamilyChoice(
         best.family,
         arms,
         Other(

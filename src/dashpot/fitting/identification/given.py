@@ -13,8 +13,8 @@ from dashpot.fitting.identification.likelihood import (
     UNCHANGED,
     Constraints,
     NuisancePriors,
-    Prior,
 )
+from dashpot.fitting.nuisance import Prior
 from dashpot.fitting.relaxation import fit as fit_tests
 from dashpot.fitting.relaxation_data import RelaxationData
 from dashpot.fitting.temperature.of_tests import temperatures_of

@@ -20,7 +20,7 @@ from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.engine.inference.order import significant
 from dashpot.fitting.fractional.checks import slope_known
 from dashpot.fitting.fractional.projection import ALPHA, BEYOND, SOUGHT, STEP
-from dashpot.fitting.relaxation_data import RelaxationData, Rows
+from dashpot.fitting.relaxation_data import RelaxationData, RelaxationRows
 from dashpot.records.estimate import ELEMENT, parameter_names
 from dashpot.records.fit import Fit
 from dashpot.solids.fractional import FractionalZener, weights_at
@@ -33,7 +33,7 @@ GONE = 1e-6
 _AT_EDGE = 1e-3
 
 
-class Answer(NamedTuple):
+class RelaxationResiduals(NamedTuple):
     """What a solid makes of a relaxation test: its rows of unit noise, and their derivative.
 
     Attributes
@@ -68,7 +68,7 @@ class Parametrisation(ABC):
         """The solid of the numbers, beside a dashpot b."""
 
     @abstractmethod
-    def answer(self, relaxation: RelaxationData, numbers: FloatArray) -> Answer:
+    def residuals(self, relaxation: RelaxationData, numbers: FloatArray) -> RelaxationResiduals:
         """What the solid makes of a relaxation test."""
 
     @abstractmethod
@@ -140,14 +140,14 @@ class Arms(Parametrisation):
             float(solid[0]), tuple(solid[1 : 1 + N]), tuple(solid[1 + N :]), b
         )
 
-    def answer(self, relaxation: RelaxationData, numbers: FloatArray) -> Answer:
+    def residuals(self, relaxation: RelaxationData, numbers: FloatArray) -> RelaxationResiduals:
         """What it makes of a relaxation test."""
         N = self.count
         rows = relaxation.rows(numbers[1 + N :])
         k_inf, k = np.exp(numbers[0]), np.exp(numbers[1 : 1 + N])
         parts = (k_inf * rows.spring[:, None], rows.arms * k, rows.slopes * k)
         force = parts[0][:, 0] + rows.arms @ k
-        return Answer(force - rows.target, np.concatenate(parts, axis=1), rows.dashpot)
+        return RelaxationResiduals(force - rows.target, np.concatenate(parts, axis=1), rows.dashpot)
 
     def bounded(
         self, low: FloatArray, high: FloatArray, log_tau: tuple[float, float]
@@ -202,7 +202,7 @@ class _Grid(NamedTuple):
     """A relaxation test at fixed relaxation times, even in ln tau."""
 
     log_tau: FloatArray
-    rows: Rows
+    rows: RelaxationRows
 
 
 @dataclass(frozen=True, eq=False)
@@ -243,7 +243,7 @@ class Element(Parametrisation):
         k_inf, own, tau = np.exp(numbers[:3]).tolist()
         return FractionalZener(k_inf + own, k_inf, tau, float(numbers[3]), b)
 
-    def answer(self, relaxation: RelaxationData, numbers: FloatArray) -> Answer:
+    def residuals(self, relaxation: RelaxationData, numbers: FloatArray) -> RelaxationResiduals:
         """What it makes of a relaxation test."""
         log_tau, rows = self.grids[relaxation]
         k_inf, own = np.exp(numbers[:2])
@@ -251,7 +251,7 @@ class Element(Parametrisation):
         column, by_tau, by_alpha = (own * (rows.arms @ part) for part in weights)
         spring = k_inf * rows.spring
         slopes = np.column_stack((spring, column, by_tau, by_alpha))
-        return Answer(spring + column - rows.target, slopes, rows.dashpot)
+        return RelaxationResiduals(spring + column - rows.target, slopes, rows.dashpot)
 
     def bounded(
         self, low: FloatArray, high: FloatArray, log_tau: tuple[float, float]

@@ -31,8 +31,8 @@ from dashpot.fitting.nonlinear_ramp.hold_first import (
 )
 from dashpot.fitting.nonlinear_ramp.law_estimate import (
     LEAST_GAIN,
-    Law,
-    LawScore,
+    ElasticLawScore,
+    KnotSpacing,
     RampLaw,
     described,
     elastic_law_of,
@@ -40,7 +40,7 @@ from dashpot.fitting.nonlinear_ramp.law_estimate import (
 from dashpot.fitting.nonlinear_ramp.projection import Weighted, tau_bounds
 from dashpot.fitting.nonlinear_ramp.quasi_linear import QuasiLinear
 from dashpot.fitting.nonlinear_ramp.soundness import Soundness, sample_noise, soundness
-from dashpot.fitting.nonlinear_ramp.thinning import Rows, thinned
+from dashpot.fitting.nonlinear_ramp.thinning import ThinnedRows, thinned
 from dashpot.records.relaxation import RampHold
 
 LawName: TypeAlias = Literal["auto", "linear", "nonlinear"]
@@ -53,10 +53,10 @@ _ROWS_PER_KNOT = 2
 # so many depths bear finer laws
 _SEVERAL = 3
 
-LINEAR = Law(2)
-LADDER = (Law(3), Law(5), Law(9), Law(7, 2), Law(9, 2))
+LINEAR = KnotSpacing(2)
+LADDER = (KnotSpacing(3), KnotSpacing(5), KnotSpacing(9), KnotSpacing(7, 2), KnotSpacing(9, 2))
 # several depths show the law's integral at each, to the noise of a hold
-DEPTHS_LADDER = (Law(17), Law(17, 2))
+DEPTHS_LADDER = (KnotSpacing(17), KnotSpacing(17, 2))
 
 
 def ramp_law(
@@ -94,7 +94,7 @@ def ramp_law(
     noise = [sample_noise(*pair) for pair in zip(rows.noise, hold.rms, strict=True)]
     soundness, sound = gate(rows, hold, noise, arms)
     if law != "nonlinear" and all(one.sound for one in soundness):
-        score = LawScore(LINEAR, elastic_law_of(sound), 0.0, sound.ramp, sound.hold)
+        score = ElasticLawScore(LINEAR, elastic_law_of(sound), 0.0, sound.ramp, sound.hold)
         return described(tests, hold, soundness, sound, (score,))
     shown = int(rows.ramp.sum()) // _ROWS_PER_KNOT
     finer = DEPTHS_LADDER if len(set(rows.depths)) >= _SEVERAL else ()
@@ -104,29 +104,29 @@ def ramp_law(
     tried = {one: _followed(rows, one, hold, start) for one in laws}
     scores = _scores(tried, hold)
     taken = _taken(scores) if law == "auto" else min(scores, key=lambda score: score.bic)
-    found = _with_delay(tried[taken.law], hold)
+    found = _with_delay(tried[taken.spacing], hold)
     if arms is None and len(hold.log_tau) < max_arms:
         found = _with_faster_arm(found, hold)
     return described(tests, hold, soundness, found, scores)
 
 
-def _followed(rows: Rows, law: Law, hold: Hold, start: Followed) -> Followed:
-    solid = QuasiLinear(rows, law.at(rows.depth))
-    return follow(solid, hold, start, solid.theta(start.log_tau, np.ones(law.knots)))
+def _followed(rows: ThinnedRows, spacing: KnotSpacing, hold: Hold, start: Followed) -> Followed:
+    solid = QuasiLinear(rows, spacing.at(rows.depth))
+    return follow(solid, hold, start, solid.theta(start.log_tau, np.ones(spacing.knots)))
 
 
-def _scores(tried: dict[Law, Followed], hold: Hold) -> tuple[LawScore, ...]:
+def _scores(tried: dict[KnotSpacing, Followed], hold: Hold) -> tuple[ElasticLawScore, ...]:
     """Return BIC of each law; ramp rows count as the closest of them leaves them correlated."""
     best = min(tried.values(), key=lambda found: float(np.sum(np.log(found.ramp))))
     return tuple(
-        LawScore(
-            law,
+        ElasticLawScore(
+            spacing,
             elastic_law_of(found),
             _bic(found, hold, best.ramp_correlation),
             found.ramp,
             found.hold,
         )
-        for law, found in tried.items()
+        for spacing, found in tried.items()
     )
 
 
@@ -148,7 +148,7 @@ def _bic(found: Followed, hold: Hold, correlation: Sequence[float]) -> float:
     return bic_of_deviance(total, effective=max(effective, 2.0), parameters=free)
 
 
-def _taken(scores: Sequence[LawScore]) -> LawScore:
+def _taken(scores: Sequence[ElasticLawScore]) -> ElasticLawScore:
     """Return the law of the least BIC if it gains and matters, else the linear one."""
     best = min(scores, key=lambda score: score.bic)
     linear = scores[0]
@@ -185,7 +185,7 @@ def _with_faster_arm(found: Followed, hold: Hold) -> Followed:
 
 
 def gate(
-    rows: Rows, hold: Hold, noise: Sequence[float], arms: int | None
+    rows: ThinnedRows, hold: Hold, noise: Sequence[float], arms: int | None
 ) -> tuple[tuple[Soundness, ...], Followed]:
     """Return how sound the linear law is, the best of the numbers of arms tried."""
     count = len(hold.log_tau)
@@ -212,7 +212,7 @@ def gate(
     return (sound or tried)[0]
 
 
-def _joint(rows: Rows, hold: Hold, log_tau: FloatArray, noise: Sequence[float]) -> Followed:
+def _joint(rows: ThinnedRows, hold: Hold, log_tau: FloatArray, noise: Sequence[float]) -> Followed:
     """Fit the linear law to ramp and hold at equal weight, first without, then with a delay."""
     even = np.array(noise) * np.sqrt(hold.correlation)
     solid = QuasiLinear(rows, np.array([0.0, rows.depth]))

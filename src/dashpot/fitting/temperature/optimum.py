@@ -10,37 +10,37 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.engine.inference.order import DECISIVE, Choice, choose
-from dashpot.fitting.temperature.joint import Joint, Point, Vertical
+from dashpot.fitting.temperature.joint import JointTests, ShiftedSolid, Vertical
 from dashpot.fitting.temperature.of_tests import temperatures_of
 from dashpot.fitting.temperature.reduced import Own
-from dashpot.fitting.temperature.search import Candidate, again, candidates, first_shifts
+from dashpot.fitting.temperature.search import OrderCandidate, again, candidates, first_shifts
 
 # what is known of how arms shift apart: two temperatures hardly tell, three do
 _SLOPE_OF_TWO, _SLOPE = 0.03, 0.3
 
 
-class Optimum(NamedTuple):
+class ThermalOptimum(NamedTuple):
     """One solid at several temperatures, found.
 
     Attributes
     ----------
     tests : tuple of Own
         With the columns of a seal that warms.
-    joint : Joint
-    tried : tuple of Candidate
+    joint : JointTests
+    tried : tuple of OrderCandidate
     choice : Choice or None
         None if the number of arms was asked for.
-    point : Point
+    point : ShiftedSolid
         Relaxation times ascending.
     thorough : bool
         With quasi-random starts.
     """
 
     tests: tuple[Own, ...]
-    joint: Joint
-    tried: tuple[Candidate, ...]
+    joint: JointTests
+    tried: tuple[OrderCandidate, ...]
     choice: Choice | None
-    point: Point
+    point: ShiftedSolid
     thorough: bool
 
 
@@ -52,7 +52,7 @@ def optimum(
     max_arms: int,
     vertical: Vertical,
     thorough: bool,
-) -> Optimum:
+) -> ThermalOptimum:
     """Return the optimum over all tests, the number of arms chosen if none is asked for.
 
     Parameters are those of :func:`~dashpot.fitting.temperature.thermal_fit.fit_thermal`.
@@ -61,9 +61,9 @@ def optimum(
     at = np.array([int(np.argmin(np.abs(temperatures - test.temperature))) for test in tests])
     slope = _SLOPE_OF_TWO if len(temperatures) == 2 else _SLOPE
 
-    def joint_of(every: Sequence[Own]) -> Joint:
+    def joint_of(every: Sequence[Own]) -> JointTests:
         blocks = [test.marginal for test in every]
-        return Joint(blocks, at, temperatures, reference, vertical, slope)
+        return JointTests(blocks, at, temperatures, reference, vertical, slope)
 
     effective = sum(test.effective for test in tests)
     joint = joint_of(tests)
@@ -80,26 +80,28 @@ def optimum(
         tried = again(joint, tried, effective)
         choice = _choice(joint, tried, exhausted=len(tried) - 1 < most)
     best = _ascending(_taken(tried, choice, arms).point)
-    return Optimum(tuple(tests), joint, tried, choice if arms is None else None, best, thorough)
+    return ThermalOptimum(
+        tuple(tests), joint, tried, choice if arms is None else None, best, thorough
+    )
 
 
-def _warmed(test: Own, point: Point, i: int, temperatures: FloatArray) -> Own:
+def _warmed(test: Own, point: ShiftedSolid, i: int, temperatures: FloatArray) -> Own:
     by_a, by_b = (np.gradient(one, temperatures)[i] for one in (point.log_a, point.log_b))
     return test.warmed(point.solid_at(i), by_a=float(by_a), by_b=float(by_b))
 
 
-def _ascending(point: Point) -> Point:
+def _ascending(point: ShiftedSolid) -> ShiftedSolid:
     order = np.argsort(point.log_tau)
     return replace(point, k=point.k[order], log_tau=point.log_tau[order])
 
 
-def _choice(joint: Joint, tried: Sequence[Candidate], *, exhausted: bool) -> Choice:
+def _choice(joint: JointTests, tried: Sequence[OrderCandidate], *, exhausted: bool) -> Choice:
     numbers = [one.point.order for one in tried]
     clear = [joint.clear(one.point) for one in tried]
     bics = [one.bic for one in tried]
     return choose(numbers, bics, clear, exhausted=exhausted, decisive=DECISIVE)
 
 
-def _taken(tried: Sequence[Candidate], choice: Choice, asked: int | None) -> Candidate:
+def _taken(tried: Sequence[OrderCandidate], choice: Choice, asked: int | None) -> OrderCandidate:
     most = choice.arms if asked is None else asked
     return [one for one in tried if one.point.order <= most][-1]

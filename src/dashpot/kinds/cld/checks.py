@@ -8,6 +8,7 @@ from math import pi
 from dashpot.base.capability import Capability
 from dashpot.base.checks import Finding, criterion
 from dashpot.base.status import Status
+from dashpot.base.units import written
 from dashpot.preparation.zero import MOST_PRELOAD
 
 SETTLED = 0.02
@@ -79,7 +80,7 @@ def depth_conditioned(ratio: float | None, cycle: int) -> Finding:
 def compressions_reached(most: float, depth: float) -> Finding:
     """The cycle reaches every compression asked for."""
     return Finding(
-        f"asked for up to {1e3 * most:.4g} mm, pressed to {1e3 * depth:.4g} mm",
+        f"asked for up to {written(most, 'mm')}, pressed to {written(depth, 'mm')}",
         most / depth,
         ": nothing is said of what was not reached; press deeper, or ask for less",
     )
@@ -209,7 +210,7 @@ def stroke_within_memory(stroke: float | None, band: tuple[float, float]) -> Fin
 @criterion("relaxed force / k_inf x, less 1", "|x| <=", AGREES, "our choice: pieces scatter so")
 def relaxed_agrees(difference: float | None, depth: float, k_inf: float) -> Finding:
     """The relaxed force is that of the relaxation test at the compression that it was held at."""
-    held = f"at {1e3 * depth:.4g} mm the relaxation test has {k_inf * depth:.4g} N at rest"
+    held = f"at {written(depth, 'mm')} the relaxation test has {k_inf * depth:.4g} N at rest"
     if difference is None:
         return Finding(f"{held}; the cycle does not go so deep")
     return Finding(

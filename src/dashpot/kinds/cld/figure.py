@@ -8,17 +8,18 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.provenance import sources_of
+from dashpot.base.units import in_unit
 from dashpot.kinds.cld.record import CLD, Branch, Cycle
 from dashpot.plot.picture import (
     FIT,
     REF,
-    Axis,
     Line,
     Mark,
     Panel,
     Pen,
     Picture,
     Rule,
+    Scale,
     Tag,
     around,
 )
@@ -48,14 +49,15 @@ def cld(found: CLD | Sequence[CLD], *, stamp: str = "") -> Picture:
         lines += _ways(one, one.cycle, (FIT, _BACK), ("loading", "unloading"))
     marks: list[Mark] = [*lines]
     for at in first.marked:
-        marks.append(Rule(1e3 * at.compression, REF))
+        pressed = in_unit(at.compression, "mm")
+        marks.append(Rule(pressed, REF))
         if alone:
             force = first.per * at.loading
             words = f"{force:.3g}"
-            marks.append(Tag(1e3 * at.compression, force, words, "fit", "filled", bold=True))
+            marks.append(Tag(pressed, force, words, "fit", "filled", bold=True))
     x, y = (np.concatenate([getattr(one, way) for one in lines]) for way in ("x", "y"))
-    across = Axis("compression since first contact, mm", around(x))
-    panel = Panel(across, Axis(f"force, {first.unit}", around(y)), tuple(marks), height=320)
+    across = Scale("compression since first contact, mm", around(x))
+    panel = Panel(across, Scale(f"force, {first.unit}", around(y)), tuple(marks), height=320)
     caption = (
         "Compression load deflection: force on the way in and back, with the nominal compression "
         "and its tolerance."
@@ -87,5 +89,7 @@ def _line(one: CLD, way: Branch, pen: Pen, label: str) -> Line:
         x, y = x[::-1], y[::-1]
     # bins need a rising x: noise makes a few readings fall
     order = np.argsort(x, kind="stable")
-    thin: tuple[FloatArray, FloatArray] = extremes(1e3 * x[order], one.per * y[order], bins=300)
+    thin: tuple[FloatArray, FloatArray] = extremes(
+        in_unit(x[order], "mm"), one.per * y[order], bins=300
+    )
     return Line(*thin, pen, label)

@@ -31,8 +31,8 @@ _AS_WARM = 3.0
 
 
 @dataclass(frozen=True)
-class Scatter:
-    """One figure over the pieces.
+class PieceStatistics:
+    """Mean and deviation of one figure over the pieces.
 
     Attributes
     ----------
@@ -59,7 +59,7 @@ class Pieces(Checked):
     ----------
     pieces : tuple of CLD
         One a file.
-    scatter : tuple of Scatter
+    scatter : tuple of PieceStatistics
         Of two or more pieces.
     capability : Capability or None
         Of the force at the nominal compression between its limits.
@@ -74,7 +74,7 @@ class Pieces(Checked):
     """
 
     pieces: tuple[CLD, ...]
-    scatter: tuple[Scatter, ...]
+    scatter: tuple[PieceStatistics, ...]
     capability: Capability | None
     checks: tuple[Check, ...]
     relaxed: RelaxedLaw | None = None
@@ -222,7 +222,7 @@ def _several_speeds(pieces: Sequence[CLD]) -> bool:
     return len(speeds) == len(pieces) and max(speeds) >= SAME_SPEED * min(speeds)
 
 
-def _scatter(pieces: Sequence[CLD]) -> list[Scatter]:
+def _scatter(pieces: Sequence[CLD]) -> list[PieceStatistics]:
     unit = pieces[0].unit
     each_mm = "N/m" + unit.removeprefix("N")
     figures: tuple[tuple[str, str, Callable[[CLD], float | None]], ...] = (
@@ -240,7 +240,9 @@ def _scatter(pieces: Sequence[CLD]) -> list[Scatter]:
         known = [value for value in map(figure, pieces) if value is not None]
         if len(known) > 1:
             found.append(
-                Scatter(name, of, len(known), float(np.mean(known)), float(np.std(known, ddof=1)))
+                PieceStatistics(
+                    name, of, len(known), float(np.mean(known)), float(np.std(known, ddof=1))
+                )
             )
     return found
 

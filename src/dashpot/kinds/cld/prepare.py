@@ -10,7 +10,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
-from dashpot.base.units import Quantity, Range, si, si_range
+from dashpot.base.units import Quantity, Range, si, si_range, written
 from dashpot.kinds.cld import checks
 from dashpot.kinds.cld.read_off import WINDOW, at_compression, local, unevenness
 from dashpot.kinds.cld.record import CLD, AtCompression, Branch, CompressionTest, Cycle
@@ -28,7 +28,7 @@ _UNFINISHED = 0.9
 """A last loading that ends before this part of the depth, and is not unloaded, is left out."""
 
 
-class _Found(NamedTuple):
+class _RecordCycles(NamedTuple):
     """The cycles of a record, before one is chosen; a compression may lie so far `beyond` them."""
 
     cycles: tuple[Cycle, ...]
@@ -81,8 +81,8 @@ def cld(
     if middle is None:
         deepest = max(one.depth for one in found.cycles)
         raise DataError(
-            f"{1e3 * nominal:.4g} mm was asked for; expected a compression > 0 that the seal was "
-            f"pressed to, at most {1e3 * deepest:.4g} mm: --at gives it, --cycle another cycle"
+            f"{written(nominal, 'mm')} was asked for; expected a compression > 0 that the seal was "
+            f"pressed to, at most {written(deepest, 'mm')}: --at gives it, --cycle another cycle"
         )
     zero, specimen = found.zero, test.specimen
     return CLD(
@@ -106,7 +106,7 @@ def cld(
     )
 
 
-def _at(found: _Found, cycle: Cycle, at: float | None) -> AtCompression | None:
+def _at(found: _RecordCycles, cycle: Cycle, at: float | None) -> AtCompression | None:
     if at is None or not at > 0:
         return None
     return at_compression(
@@ -118,7 +118,7 @@ def _at(found: _Found, cycle: Cycle, at: float | None) -> AtCompression | None:
     )
 
 
-def _cycles(test: CompressionTest) -> _Found:
+def _cycles(test: CompressionTest) -> _RecordCycles:
     turn, push = inward(test.displacement, test.force)
     x, force = turn * test.displacement, push * test.force
     clock = np.arange(float(len(x))) if test.time is None else test.time
@@ -142,7 +142,7 @@ def _cycles(test: CompressionTest) -> _Found:
                    beyond=beyond, speed=speed)
         )  # fmt: skip
         uneven.append(departure)
-    return _Found(tuple(cycles), zero, beyond, common, tuple(uneven), x, force)
+    return _RecordCycles(tuple(cycles), zero, beyond, common, tuple(uneven), x, force)
 
 
 def _pairs(strokes: Sequence[Stroke]) -> list[tuple[Stroke, Stroke | None]]:
@@ -192,7 +192,7 @@ def _branch(x: FloatArray, force: FloatArray, stroke: Stroke) -> Branch:
     return Branch(x[stroke.samples], force[stroke.samples], stroke.first)
 
 
-def _chosen(found: _Found, asked: int | None, at: float | None) -> int:
+def _chosen(found: _RecordCycles, asked: int | None, at: float | None) -> int:
     cycles = found.cycles
     if asked is not None:
         if not 1 <= asked <= len(cycles):
@@ -216,7 +216,9 @@ def _pull(cycle: Cycle, zero: Zero) -> float | None:
     return float(max(-means.min() - chance, 0.0) / cycle.peak)
 
 
-def _checks(found: _Found, index: int, most: float, test: CompressionTest) -> tuple[Check, ...]:
+def _checks(
+    found: _RecordCycles, index: int, most: float, test: CompressionTest
+) -> tuple[Check, ...]:
     cycles, zero = found.cycles, found.zero
     used, before = cycles[index], cycles[:index]
     drift = zero.drift / used.peak if zero.drift else None

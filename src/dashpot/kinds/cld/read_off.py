@@ -18,7 +18,7 @@ _LEAST = 8
 """Samples there; a window with fewer is widened."""
 
 
-class Local(NamedTuple):
+class LocalStiffness(NamedTuple):
     """Force and slope at a compression, N and N/m, and their standard errors."""
 
     force: float
@@ -27,7 +27,7 @@ class Local(NamedTuple):
     slope_se: float
 
 
-def local(branch: Branch, at: float, *, half: float, beyond: float) -> Local | None:
+def local(branch: Branch, at: float, *, half: float, beyond: float) -> LocalStiffness | None:
     """Return force and slope at a compression, m: a parabola over what lies within `half` of it.
 
     None where the branch ends more than `beyond` before.
@@ -43,7 +43,7 @@ def local(branch: Branch, at: float, *, half: float, beyond: float) -> Local | N
     known = estimate(ordinary(y, A))
     c, error = known.optimum.beta, known.standard_error
     least = _DIGITS * abs(float(c[0]))  # what follows without a rest still has a file's digits
-    return Local(
+    return LocalStiffness(
         float(c[0]), max(float(error[0]), least), float(c[1]) / half,
         max(float(error[1]), least) / half,
     )  # fmt: skip

@@ -10,6 +10,7 @@ from dashpot.base.arrays import ByValue, FloatArray, hold_measured
 from dashpot.base.checks import Check, Checked
 from dashpot.base.offered import Described, Pictured
 from dashpot.base.provenance import Source, of_file
+from dashpot.base.units import written
 from dashpot.records.specimen import Specimen
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -53,7 +54,7 @@ class CompressionTest(ByValue, Described):
         return (
             of_file(self.source, len(self.force)),
             (
-                f"displacement spans {1e3 * np.ptp(self.displacement):.4g} mm, force "
+                f"displacement spans {written(np.ptp(self.displacement), 'mm')}, force "
                 f"{np.ptp(self.force):.4g} N" + ", no clock" * (self.time is None)
             ),
         )
@@ -274,13 +275,13 @@ class CLD(ByValue, Pictured, Checked):
         return (
             f"{judged.use}: {judged.says}",
             (
-                f"{self.per * one.loading:.4g} {self.unit} at {1e3 * one.compression:.4g} mm, "
-                f"slope {1e-3 * self.per * one.slope:.3g} N/mm"
+                f"{self.per * one.loading:.4g} {self.unit} at {written(one.compression, 'mm')}, "
+                f"slope {written(self.per * one.slope, 'N/mm', '.3g')}"
                 + " per 100 mm"
                 * (self.specimen.length is not None)
             ),
             (
-                f"cycle {cycle.number} of {len(self.cycles)}, to {1e3 * cycle.depth:.4g} mm"
+                f"cycle {cycle.number} of {len(self.cycles)}, to {written(cycle.depth, 'mm')}"
                 + ("" if lost is None else f", hysteresis {100 * lost:.3g} %")
             ),
             *(check.says for check in self.checks if check.failed),

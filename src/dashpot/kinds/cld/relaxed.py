@@ -14,7 +14,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -36,13 +35,6 @@ _AS_WELL = 1.05
 """A law on fewer knots is taken if it leaves no more than this times what the finest leaves."""
 _FELT = 5.0
 """Standard deviations of the force above which the plate is on the seal."""
-
-
-class Curve(NamedTuple):
-    """A law on knots through points of compression and force."""
-
-    law: ElasticLaw
-    residual: float
 
 
 def relaxed_law(found: CLD, fit: Fit | Sequence[Fit]) -> RelaxedLaw:
@@ -69,7 +61,7 @@ def relaxed_law(found: CLD, fit: Fit | Sequence[Fit]) -> RelaxedLaw:
     e = memory.displacement(time, found.force)
     cycle = found.cycle
     rows = felt(found)
-    curve = law_through(found.compression[rows], e[rows], depth=cycle.depth)
+    law, residual = law_through(found.compression[rows], e[rows], depth=cycle.depth)
     raw = cycle.hysteresis
     left = None if cycle.unloading is None else _lost(found, cycle.unloading, e)
     first, last = (_at_common(found, e, number) for number in (0, -1))
@@ -78,21 +70,21 @@ def relaxed_law(found: CLD, fit: Fit | Sequence[Fit]) -> RelaxedLaw:
         _law(
             found.compression[rows],
             memory_of(other.maxwell).displacement(time, found.force)[rows],
-            np.asarray(curve.law.knots),
-        ).law
+            np.asarray(law.knots),
+        )[0]
         for other in off_by_error(fit)
     )
     return RelaxedLaw(
-        _widened(curve.law, others),
+        _widened(law, others),
         memory,
-        curve.residual,
+        residual,
         raw,
         left,
         1 - last / first,
         (
             checks.memory_explains(raw, left),
             checks.stroke_within_memory(stroke, fit.band),
-            *(check for one in fits for check in _compared(found, curve.law, one)),
+            *(check for one in fits for check in _compared(found, law, one)),
             *([checks.memories_agree(_apart(fits, stroke))] if len(fits) > 1 else ()),
         ),
         others,
@@ -152,17 +144,17 @@ def felt(found: CLD) -> IndexArray:
     return np.asarray(rows[pressed & (found.compression[rows] > 0)])
 
 
-def law_through(x: FloatArray, force: FloatArray, *, depth: float) -> Curve:
-    """Return the law of the fewest knots that follows points as well as the finest does.
+def law_through(x: FloatArray, force: FloatArray, *, depth: float) -> tuple[ElasticLaw, float]:
+    """Return the law of the fewest knots that follows points as well as the finest, and its rms.
 
     Its tangent is linear between knots and nowhere below 0.
     """
     tried = [_law(x, force, np.linspace(0.0, depth, count)) for count in KNOTS]
-    finest = tried[-1].residual
-    return next(one for one in tried if one.residual <= _AS_WELL * finest + 1e-12)
+    _, finest = tried[-1]
+    return next(one for one in tried if one[1] <= _AS_WELL * finest + 1e-12)
 
 
-def _law(x: FloatArray, force: FloatArray, knots: FloatArray) -> Curve:
+def _law(x: FloatArray, force: FloatArray, knots: FloatArray) -> tuple[ElasticLaw, float]:
     hats = hat_integrals(x, knots)
     best = ordinary(force, hats, positive=True)
     width, slope = np.diff(knots), best.beta
@@ -174,7 +166,7 @@ def _law(x: FloatArray, force: FloatArray, knots: FloatArray) -> Curve:
         mean,
         tuple((error / mean).tolist()),
     )
-    return Curve(law, float(np.sqrt(best.sse / len(x))))
+    return law, float(np.sqrt(best.sse / len(x)))
 
 
 def _lost(found: CLD, back: Branch, e: FloatArray) -> float:

@@ -22,7 +22,7 @@ from dashpot.base.provenance import Step, sources_of
 from dashpot.engine.blocks.recorded import arm_columns, recursion
 from dashpot.engine.inference.estimate import estimate, score
 from dashpot.engine.least_squares.problem import Optimum, Parameter, Problem, Rows, solved
-from dashpot.fitting.assembly import Outcome, assembled
+from dashpot.fitting.assembly import FoundSolid, assembled
 from dashpot.fitting.nonlinear_ramp.quasi_linear import hat_integrals
 from dashpot.kinds.cld import checks
 from dashpot.kinds.cld.record import CLD
@@ -279,7 +279,7 @@ def _assembled(
     )
     band = 1 / (2 * np.pi * max(strokes)), 1 / (np.pi * min(strokes))
     return assembled(
-        Outcome(model, told),
+        FoundSolid(model, told),
         Evidence(band, orders, checks=asked),
         Provenance("cld", sources_of(pieces), (step,), pieces[0].specimen),
         elastic_law=law,

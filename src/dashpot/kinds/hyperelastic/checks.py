@@ -12,7 +12,7 @@ import numpy as np
 from dashpot.base.checks import Check, Finding, criterion
 from dashpot.engine.inference.estimate import Derived
 from dashpot.kinds.hyperelastic.record import ElasticCurve, HyperelasticFit, Span
-from dashpot.kinds.hyperelastic.solving import Solution, closest
+from dashpot.kinds.hyperelastic.solving import HyperelasticOptimum, closest
 from dashpot.solids.hyperelastic import SHEARING, Hyperelastic, Mode, direction
 
 FOLLOWED = 0.05
@@ -28,8 +28,8 @@ _SHIFTS = (0.01, 0.02, 0.04, 0.08, 0.16)
 
 def judge(
     fit: HyperelasticFit,
-    chosen: Solution,
-    tried: Sequence[Solution],
+    chosen: HyperelasticOptimum,
+    tried: Sequence[HyperelasticOptimum],
     known: Derived,
     times: float,
     *,
@@ -83,8 +83,8 @@ def least_drucker(law: Hyperelastic, reach: dict[Mode, Span]) -> tuple[float, st
 
 def _untold(
     fit: HyperelasticFit,
-    chosen: Solution,
-    tried: Sequence[Solution],
+    chosen: HyperelasticOptimum,
+    tried: Sequence[HyperelasticOptimum],
     known: Derived,
     times: float,
 ) -> tuple[float | None, str, str]:

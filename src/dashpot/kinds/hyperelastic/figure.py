@@ -6,19 +6,20 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.numbers import rounded
+from dashpot.base.units import in_unit
 from dashpot.kinds.hyperelastic.record import HyperelasticFit
 from dashpot.plot.picture import (
     FIT,
     PREDICTED,
     REF,
     REJECTED,
-    Axis,
     Dots,
     Line,
     Mark,
     Panel,
     Picture,
     Rule,
+    Scale,
     Span,
     around,
 )
@@ -65,10 +66,10 @@ def _panel(fit: HyperelasticFit, mode: Mode) -> Panel:
     low, high = float(every.min()), float(every.max())
     pad = _MARGIN * (high - low)
     x = np.linspace(max(low - pad, 0.02), high + pad, 160)
-    law = 1e-6 * fit.law.nominal(mode, x)
+    law = in_unit(fit.law.nominal(mode, x), "MPa")
     within = (x >= low) & (x <= high)
     marks = [Rule(0.0, REF, across=True), *_unstable(fit, mode, x)]
-    measured = [1e-6 * one.stress for one in curves]
+    measured = [in_unit(one.stress, "MPa") for one in curves]
     for one, stress in zip(curves, measured, strict=True):
         marks.append(Dots(one.stretch, stress, "measured", "measured", size=3.0))
     marks.append(Line(x, law, PREDICTED, "not measured"))
@@ -80,6 +81,6 @@ def _panel(fit: HyperelasticFit, mode: Mode) -> Panel:
     note = f"residual {rounded(100 * max(left), digits=2)} %" if left else "not measured"
     across, what = _AXES[mode == "volumetric"]
     return Panel(
-        Axis(across, (float(x[0]), float(x[-1]))), Axis(what, around(law, *measured)),
+        Scale(across, (float(x[0]), float(x[-1]))), Scale(what, around(law, *measured)),
         tuple(marks), title=mode, note=note,
     )  # fmt: skip

@@ -19,7 +19,7 @@ from dashpot.kinds.hyperelastic.prepare import elastic_curve
 from dashpot.kinds.hyperelastic.record import ElasticCurve, HyperelasticFit, Span, StressStrainTest
 from dashpot.kinds.hyperelastic.solving import (
     EXACT,
-    Solution,
+    HyperelasticOptimum,
     Weighed,
     invariant_law,
     power_law,
@@ -123,11 +123,13 @@ def _parted(
 
 def _of_foam(
     curves: Sequence[ElasticCurve], terms: int | Literal["auto"], poisson: float | None
-) -> list[Solution]:
+) -> list[HyperelasticOptimum]:
     return _power_laws(weighed(curves), "hyperfoam", terms, poisson)
 
 
-def _of_rubber(curves: Sequence[ElasticCurve], terms: int | Literal["auto"]) -> list[Solution]:
+def _of_rubber(
+    curves: Sequence[ElasticCurve], terms: int | Literal["auto"]
+) -> list[HyperelasticOptimum]:
     rows = weighed(curves)
     return [
         *(invariant_law(rows, one) for one in KINDS[:3]),
@@ -137,7 +139,7 @@ def _of_rubber(curves: Sequence[ElasticCurve], terms: int | Literal["auto"]) -> 
 
 def _power_laws(
     rows: Weighed, kind: Kind, terms: int | Literal["auto"], poisson: float | None
-) -> list[Solution]:
+) -> list[HyperelasticOptimum]:
     """The law of so many terms; or of one and two, and of more while each is worth it."""
     if terms != "auto":
         return [power_law(rows, terms, kind, poisson)]
@@ -178,8 +180,11 @@ def _refuse(
 
 
 def _chosen(
-    tried: Sequence[Solution], scores: dict[str, float], law: LawName, reach: dict[Mode, Span]
-) -> Solution:
+    tried: Sequence[HyperelasticOptimum],
+    scores: dict[str, float],
+    law: LawName,
+    reach: dict[Mode, Span],
+) -> HyperelasticOptimum:
     named = [one for one in tried if law in {"auto", one.law.kind}]
     if law == "auto":
         named = [one for one in named if checks.least_drucker(one.law, reach)[0] > 0] or named
@@ -189,7 +194,7 @@ def _chosen(
 # -- how well it is known ---------------------------------------------------------------------
 
 
-def _found(one: Solution, values: FloatArray, half: FloatArray) -> tuple[Fact, ...]:
+def _found(one: HyperelasticOptimum, values: FloatArray, half: FloatArray) -> tuple[Fact, ...]:
     """Constants, exponents and the shear modulus with their intervals."""
     law = one.law
     names = [*law.constant_names, *(f"alpha{k}" for k in range(1, len(law.exponents) + 1))]
@@ -215,7 +220,7 @@ def _bulk(volumetric: Sequence[ElasticCurve]) -> Fact | None:
     return Fact("bulk_modulus", bulk, bulk - wide, bulk + wide, "Pa")
 
 
-def _with_bulk(one: Solution, bulk: float | None) -> Hyperelastic:
+def _with_bulk(one: HyperelasticOptimum, bulk: float | None) -> Hyperelastic:
     if bulk is None:
         return one.law
     if not bulk > 0:
@@ -226,7 +231,7 @@ def _with_bulk(one: Solution, bulk: float | None) -> Hyperelastic:
     return replace(one.law, bulk=bulk)
 
 
-def _left(one: Solution, curve: ElasticCurve) -> float:
+def _left(one: HyperelasticOptimum, curve: ElasticCurve) -> float:
     """Rms of what the law leaves of a curve, over the rms of its stress."""
     left = curve.stress - one.law.nominal(curve.mode, curve.stretch)
     return float(np.sqrt(np.mean(left**2))) / curve.size

@@ -58,8 +58,8 @@ class Weighed(NamedTuple):
     target: FloatArray
 
 
-class Solution(NamedTuple):
-    """A law through curves.
+class HyperelasticOptimum(NamedTuple):
+    """A law through curves, at its optimum.
 
     Attributes
     ----------
@@ -99,16 +99,16 @@ def weighed(curves: Sequence[ElasticCurve]) -> Weighed:
     return Weighed(tuple(curves), each, target)
 
 
-def invariant_law(rows: Weighed, kind: Kind) -> Solution:
+def invariant_law(rows: Weighed, kind: Kind) -> HyperelasticOptimum:
     """Return the law of the invariants that follows the curves best: linear least squares."""
     unit = Hyperelastic(kind, (1.0,) * len(POWERS[kind]))
     parts = zip(rows.weights, rows.curves, strict=True)
     A = np.concatenate([w[:, None] * unit.columns(one.mode, one.stretch) for w, one in parts])
     found = ordinary(rows.target, A)
-    return Solution(kind, Hyperelastic(kind, tuple(found.beta.tolist())), found)
+    return HyperelasticOptimum(kind, Hyperelastic(kind, tuple(found.beta.tolist())), found)
 
 
-def power_law(rows: Weighed, terms: int, kind: Kind, poisson: float | None) -> Solution:
+def power_law(rows: Weighed, terms: int, kind: Kind, poisson: float | None) -> HyperelasticOptimum:
     """Return the law of so many power terms, or fewer if a further one is worth nothing.
 
     Poisson's ratio of a foam is sought where it is None.
@@ -125,7 +125,7 @@ def power_law(rows: Weighed, terms: int, kind: Kind, poisson: float | None) -> S
         tuple(theta[: len(order)].tolist()),
         v if kind == "hyperfoam" else 0.5,
     )
-    return Solution(f"{kind}-{len(order)}", law, found)
+    return HyperelasticOptimum(f"{kind}-{len(order)}", law, found)
 
 
 def power_problem(rows: Weighed, terms: int, poisson: float | None) -> Problem:

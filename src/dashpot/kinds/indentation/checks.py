@@ -8,9 +8,10 @@ import numpy as np
 
 from dashpot.base.checks import Check, Finding, criterion
 from dashpot.base.facts import Fact
+from dashpot.base.units import GRAVITY
 from dashpot.kinds.indentation.collision import Collision
-from dashpot.kinds.indentation.prepare import Contact
-from dashpot.kinds.indentation.record import GRAVITY, IndentationFit, IndentationTest
+from dashpot.kinds.indentation.prepare import ContactInterval
+from dashpot.kinds.indentation.record import IndentationFit, IndentationTest
 
 SAMPLED = 20
 FLIGHT = 0.1
@@ -31,7 +32,7 @@ def judge(
     hit: Collision,
     test: IndentationTest,
     *,
-    contact: Contact,
+    contact: ContactInterval,
     clipped: int,
     others: Sequence[tuple[str, Sequence[Fact]]],
 ) -> tuple[Check, ...]:
@@ -238,7 +239,7 @@ def velocity_agrees(speed: float, stated: float | None) -> Finding:
     unit = next(
         (
             f"; the factor is that between {word}: is the unit right?"
-            for factor, word in ((9.80665, "g and m/s^2"), (1e3, "units a thousandfold apart"))
+            for factor, word in ((GRAVITY, "g and m/s^2"), (1e3, "units a thousandfold apart"))
             if 0.85 < ratio / factor < 1.18 or 0.85 < ratio * factor < 1.18
         ),
         "",

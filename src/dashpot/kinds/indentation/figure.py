@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from dashpot.base.numbers import rounded
+from dashpot.base.units import in_unit
 from dashpot.kinds.indentation.record import UNITS, IndentationFit
-from dashpot.plot.picture import FIT, REF, Axis, Dots, Line, Panel, Picture, Rule, Span, around
+from dashpot.plot.picture import FIT, REF, Dots, Line, Panel, Picture, Rule, Scale, Span, around
 from dashpot.plot.stamps import stamp as stamped
 
 
@@ -19,14 +20,13 @@ def indentation(fit: IndentationFit, *, stamp: str = "") -> Picture:
     stamp : str
         What the figure says of its origin; by default the file.
     """
-    t, scale = 1e3 * fit.time, 1e3 if fit.of == "displacement" else 1.0
-    unit = "mm" if fit.of == "displacement" else UNITS[fit.of]
-    measured, modelled = scale * fit.measured, scale * fit.modelled
+    t, unit = in_unit(fit.time, "ms"), "mm" if fit.of == "displacement" else UNITS[fit.of]
+    measured, modelled = in_unit(fit.measured, unit), in_unit(fit.modelled, unit)
     left = measured - modelled
-    across = Axis("time since the touch, ms", (float(t[0]), float(t[-1])))
-    contact = Span(0.0, 1e3 * fit.duration, "fit", "in contact")
+    across = Scale("time since the touch, ms", (float(t[0]), float(t[-1])))
+    contact = Span(0.0, in_unit(fit.duration, "ms"), "fit", "in contact")
     upper = Panel(
-        across, Axis(f"{fit.of} (push > 0), {unit}", around(measured, modelled)),
+        across, Scale(f"{fit.of} (push > 0), {unit}", around(measured, modelled)),
         (
             contact, Dots(t, measured, "measured", "measured", size=2.5),
             Line(t, modelled, FIT, "fit"),
@@ -34,7 +34,7 @@ def indentation(fit: IndentationFit, *, stamp: str = "") -> Picture:
         height=240, note=fit.law,
     )  # fmt: skip
     lower = Panel(
-        across, Axis(f"residual, {unit}", around(left, np.zeros(1), margin=0.1)),
+        across, Scale(f"residual, {unit}", around(left, np.zeros(1), margin=0.1)),
         (contact, Rule(0.0, REF, across=True), Dots(t, left, "fit", size=2.5)),
         height=90, note=f"{rounded(100 * fit.residual)} % of the push in contact",
     )  # fmt: skip

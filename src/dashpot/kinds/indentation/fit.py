@@ -36,7 +36,7 @@ from dashpot.kinds.indentation.contact_law import (
     reduced_modulus,
 )
 from dashpot.kinds.indentation.laws import LAWS, STEP, Law, Recorded, recorded
-from dashpot.kinds.indentation.prepare import Contact, largest_contact
+from dashpot.kinds.indentation.prepare import ContactInterval, largest_contact
 from dashpot.kinds.indentation.record import IndentationFit, IndentationTest
 
 _ABOUT = 1.0
@@ -76,7 +76,7 @@ class _Window:
     """The samples about one contact, and the columns of what the sensor adds."""
 
     test: IndentationTest
-    contact: Contact
+    contact: ContactInterval
     time: FloatArray
     signal: FloatArray
     kept: BoolArray
@@ -124,7 +124,7 @@ class _Window:
 
 
 @dataclass(frozen=True, eq=False)
-class _Solved:
+class _LawOptimum:
     """One law at its optimum."""
 
     name: str
@@ -213,7 +213,7 @@ def fit_indentation(test: IndentationTest, *, law: LawName = "auto") -> Indentat
     return replace(fitted, checks=judged)
 
 
-def _window(test: IndentationTest, contact: Contact) -> _Window:
+def _window(test: IndentationTest, contact: ContactInterval) -> _Window:
     mass = test.indenter.mass
     if mass is None:
         raise DataError("the mass of the indenter is not known; give it (--mass 5g)")
@@ -263,7 +263,7 @@ def _change(window: _Window) -> float:
     return max(change, 1e-12) / (window.mass if of == "force" else 1.0)
 
 
-def _solved(window: _Window, name: str) -> _Solved | None:
+def _solved(window: _Window, name: str) -> _LawOptimum | None:
     """Least squares from each start of a law; None if none leads to a motion."""
     law, change, duration = LAWS[name], _change(window), window.contact.duration
     begin, far = window.contact.start, _FAR * duration
@@ -315,7 +315,7 @@ def _valleys(cost: FloatArray) -> list[int]:
     return order[: min(int(np.count_nonzero(~beaten)), _STARTS)]
 
 
-def _known(window: _Window, name: str, best: Optimum, found: Sequence[Optimum]) -> _Solved:
+def _known(window: _Window, name: str, best: Optimum, found: Sequence[Optimum]) -> _LawOptimum:
     """A law with what its residual says of its noise, and so of its parameters."""
     hit = window.struck(LAWS[name], best.theta)
     seen = window.seen(hit, float(best.theta[-1]))
@@ -329,7 +329,7 @@ def _known(window: _Window, name: str, best: Optimum, found: Sequence[Optimum]) 
         change = np.zeros(len(best.every))
         change[at] = _AT_TOUCH * window.test.step * seen.rate[at]
         known = known.widened(known.moved(change))
-    return _Solved(name, hit, model, known, tuple(found))
+    return _LawOptimum(name, hit, model, known, tuple(found))
 
 
 def _rounding(model: FloatArray) -> float:
@@ -337,12 +337,12 @@ def _rounding(model: FloatArray) -> float:
     return _ROUNDING * float(np.ptp(model))
 
 
-def _in_contact(window: _Window, one: _Solved) -> BoolArray:
+def _in_contact(window: _Window, one: _LawOptimum) -> BoolArray:
     since = window.time[window.kept] - one.touch
     return np.asarray((since >= 0) & (since <= one.hit.duration))
 
 
-def _found(window: _Window, one: _Solved) -> tuple[Fact, ...]:
+def _found(window: _Window, one: _LawOptimum) -> tuple[Fact, ...]:
     """The law's parameters and what follows from them, each with its interval."""
     named = _follows(window, one.law, one.optimum.theta)
 
@@ -381,7 +381,7 @@ def _found(window: _Window, one: _Solved) -> tuple[Fact, ...]:
     )
 
 
-def _slices(one: _Solved) -> list[Slice]:
+def _slices(one: _LawOptimum) -> list[Slice]:
     """Of all valleys that the record does not rule out.
 
     A loss and a time trade along a valley that bends: across it all is normal, along it nothing.

@@ -23,8 +23,8 @@ _FOOT_WIDTH = 0.84
 _FEWEST = 6
 
 
-class Contact(NamedTuple):
-    """The largest contact of a record, roughly.
+class ContactInterval(NamedTuple):
+    """Where the largest contact of a record lies, roughly.
 
     Attributes
     ----------
@@ -43,7 +43,7 @@ class Contact(NamedTuple):
     after: int
 
 
-def largest_contact(test: IndentationTest) -> Contact:
+def largest_contact(test: IndentationTest) -> ContactInterval:
     """Return the contact with the largest push.
 
     Raises
@@ -77,7 +77,7 @@ def largest_contact(test: IndentationTest) -> Contact:
     level = max(_OTHER * push[top], 8 * scatter)
     others = [run for run in _runs(push > level) if run[1] - run[0] >= 3]
     gap = 0.5 * wide / test.step
-    return Contact(
+    return ContactInterval(
         sign,
         middle - 0.5 * wide,
         wide,

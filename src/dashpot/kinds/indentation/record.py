@@ -15,10 +15,9 @@ from dashpot.base.facts import Fact, Numbered
 from dashpot.base.offered import Described
 from dashpot.base.options import option
 from dashpot.base.provenance import Source, of_file
-from dashpot.base.units import si_fields
+from dashpot.base.units import GRAVITY, si_fields
 from dashpot.kinds.indentation.contact_law import ContactLaw
 
-GRAVITY = 9.80665
 Motion: TypeAlias = Literal["acceleration", "velocity", "displacement", "force"]
 UNITS: dict[str, str] = {
     "acceleration": "m/s^2", "velocity": "m/s", "displacement": "m", "force": "N",

@@ -8,10 +8,11 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.provenance import sources_of
+from dashpot.base.units import in_unit
 from dashpot.kinds.level.fit_frfs import rows_at_level
 from dashpot.kinds.level.hits import HitLevels
 from dashpot.kinds.level.levels import LevelFit
-from dashpot.kinds.level.prepare import Cycle, steady_cycles, sweep_of_loops
+from dashpot.kinds.level.prepare import HysteresisLoop, steady_cycles, sweep_of_loops
 from dashpot.kinds.level.record import AmplitudeFit, AmplitudeSweep
 from dashpot.kinds.level.response import receptance_at_level
 from dashpot.plot.picture import (
@@ -19,15 +20,16 @@ from dashpot.plot.picture import (
     PREDICTED,
     REF,
     Area,
-    Axis,
     Dots,
     Line,
     Mark,
     Panel,
     Pen,
     Picture,
+    Scale,
     around,
     around_log,
+    read_as,
     unit_of,
 )
 from dashpot.plot.stamps import of_test
@@ -107,7 +109,7 @@ def loops(test: RelaxationTest, fit: AmplitudeFit | None = None, *, stamp: str =
             curves.append((_THIN, said, *_ellipse(one, fit)))
         for pen, name, x, F in curves:
             recorded.append(Line(mm * _closed(x), N * _closed(F), pen, name))
-            scaled.append(Line(_closed(x) / X, 1e-3 * _closed(F) / X, pen, name))
+            scaled.append(Line(_closed(x) / X, in_unit(_closed(F) / X, "N/mm"), pen, name))
     panels = [
         _looped("as recorded", f"displacement, {word}", f"force, {force}", recorded),
         _looped("each to its amplitude", "displacement over its amplitude, 1",
@@ -122,7 +124,7 @@ def loops(test: RelaxationTest, fit: AmplitudeFit | None = None, *, stamp: str =
 
 def _looped(title: str, across: str, upright: str, lines: Sequence[Line]) -> Panel:
     x, y = around(*(one.x for one in lines)), around(*(one.y for one in lines))
-    return Panel(Axis(across, x), Axis(upright, y), tuple(lines), title=title, height=_HEIGHT)
+    return Panel(Scale(across, x), Scale(upright, y), tuple(lines), title=title, height=_HEIGHT)
 
 
 def amplitude_sweep(
@@ -184,7 +186,7 @@ def hits_as_levels(found: HitLevels, *, stamp: str = "") -> Picture:
     dense = np.geomspace(low / 2, high * 2, 80)
     within = (dense >= low * 0.999) & (dense <= high * 1.001)
     word, mm = unit_of(X, "m")
-    across = Axis(f"amplitude of motion, {word}", around_log(mm * dense, margin=1.0), log=True)
+    across = Scale(f"amplitude of motion, {word}", around_log(mm * dense, margin=1.0), log=True)
     strips = []
     f, zeta = [one.frequency for one in hits], [one.damping_ratio for one in hits]
     for name, scale, values, line, power in (
@@ -203,15 +205,15 @@ def hits_as_levels(found: HitLevels, *, stamp: str = "") -> Picture:
             Dots(mm * X, dots, "measured", "measured"),
         )
         limits = around(dots, lower[within], upper[within], margin=0.3)
-        strips.append((Panel(across, Axis(name, limits), marks, height=_HEIGHT),))
+        strips.append((Panel(across, Scale(name, limits), marks, height=_HEIGHT),))
     caption = "The resonance of every hit over the motion that it made."
     said = stamp or stamped(found.frf.source)
     return Picture("hits", caption, tuple(strips), 2, said, width=_WIDE)
 
 
-def _apart(cycles: Sequence[Cycle]) -> list[Cycle]:
+def _apart(cycles: Sequence[HysteresisLoop]) -> list[HysteresisLoop]:
     """A cycle of each amplitude, the smallest first; of many, as many as have colours."""
-    found: list[Cycle] = []
+    found: list[HysteresisLoop] = []
     for one in sorted(cycles, key=lambda one: one.amplitude):
         if not found or one.amplitude > 1.1 * found[-1].amplitude:
             found.append(one)
@@ -219,7 +221,7 @@ def _apart(cycles: Sequence[Cycle]) -> list[Cycle]:
     return [found[i] for i in chosen]
 
 
-def _ellipse(one: Cycle, fit: AmplitudeFit) -> tuple[FloatArray, FloatArray]:
+def _ellipse(one: HysteresisLoop, fit: AmplitudeFit) -> tuple[FloatArray, FloatArray]:
     """The loop of the fitted stiffness, m and N."""
     turn = np.exp(1j * np.linspace(0, 2 * np.pi, 181))
     tone = int(np.abs(fit.frequency - one.frequency).argmin())
@@ -236,11 +238,11 @@ def _over_amplitude(sweep: AmplitudeSweep, fit: AmplitudeFit | None) -> list[Pan
     of, word, mm = "strain", "%", 100.0
     if sweep.of != "strain":
         of, (word, mm) = "displacement", unit_of(sweep.amplitude, "m")
-    unit, scale, letter = ("MPa", 1e-6, "E") if sweep.unit == "Pa" else ("N/mm", 1e-3, "K")
+    letter, (unit, scale) = "E" if sweep.unit == "Pa" else "K", read_as(sweep.unit)
     tones, tone = np.unique(sweep.frequency.round(6), return_inverse=True)
     low, high = float(sweep.amplitude.min()), float(sweep.amplitude.max())
     dense = np.geomspace(low / 1.5, high * 1.5, 200)
-    across = Axis(f"amplitude of {of}, {word}", around_log(mm * dense, margin=1.0), log=True)
+    across = Scale(f"amplitude of {of}, {word}", around_log(mm * dense, margin=1.0), log=True)
     value, panels = scale * sweep.value, []
     for name, part in ((f"storage {letter}′", np.real), (f"loss {letter}″", np.imag)):
         marks: list[Mark] = []
@@ -257,7 +259,7 @@ def _over_amplitude(sweep: AmplitudeSweep, fit: AmplitudeFit | None) -> list[Pan
                     Line(mm * dense, np.where(within, curve, np.nan), FIT, "fit"),
                 ]
         shown = [one.y for one in marks if isinstance(one, Line | Dots)]
-        panels.append(Panel(across, Axis(f"{name}, {unit}", around(*shown)), tuple(marks),
+        panels.append(Panel(across, Scale(f"{name}, {unit}", around(*shown)), tuple(marks),
                             height=_HEIGHT))  # fmt: skip
     return panels
 
@@ -288,7 +290,7 @@ def _magnitudes(fit: LevelFit, frfs: Sequence[FRF]) -> Panel:
     spine = Line(np.where(inside, f, np.nan), scale * height, REF, "backbone")
     label = f"{kind.value.replace('_', ' ')}, {unit}"
     return Panel(
-        Axis(FREQUENCY, fit.band), Axis(label, limits, log=True), (spine, *fits, *marks),
+        Scale(FREQUENCY, fit.band), Scale(label, limits, log=True), (spine, *fits, *marks),
         title="at each level", height=_HEIGHT,
     )  # fmt: skip
 
@@ -329,23 +331,29 @@ def _informed(fit: LevelFit, frfs: Sequence[FRF]) -> list[Panel]:
     dense = np.geomspace(*fit.amplitudes, 60)
     curve = fit.stiffness(middle, dense)
     word, mm = unit_of(X, "m")
-    across = Axis(f"amplitude of displacement, {word}", around_log(mm * dense, margin=1.1),
+    across = Scale(f"amplitude of displacement, {word}", around_log(mm * dense, margin=1.1),
                   log=True)  # fmt: skip
     panels = []
     ends = _interval(fit, middle, dense)
     for i, (name, part) in enumerate((("storage K′", np.real), ("loss K″", np.imag))):
-        low, high = 1e-3 * ends[:, i]
-        y = 1e-3 * part(curve)
+        low, high = in_unit(ends[:, i], "N/mm")
+        y = in_unit(part(curve), "N/mm")
         marks = (
             Area(mm * dense, low, high, "fit", "95 % interval"),
             Line(mm * dense, y, FIT, "fit"),
-            Dots(mm * at, 1e-3 * part(mean), "measured", "measured", error=2e-3 * error),
+            Dots(
+                mm * at,
+                in_unit(part(mean), "N/mm"),
+                "measured",
+                "measured",
+                error=in_unit(2 * error, "N/mm"),
+            ),
         )
         pad = max(float(np.ptp(y)), 0.1 * float(np.abs(y).max()))
         limits = around(y - 0.3 * pad, y + 0.3 * pad, low, high)
         title = f"one seal at {middle / 2 / np.pi:.3g} Hz"
         panels.append(
-            Panel(across, Axis(f"{name}, N/mm", limits), marks, title=title, height=_HEIGHT)
+            Panel(across, Scale(f"{name}, N/mm", limits), marks, title=title, height=_HEIGHT)
         )
     return panels
 

@@ -153,7 +153,7 @@ def _name(frf: FRF, number: int) -> str:
     return ", ".join(one.file for one in frf.source) or f"FRF {number}"
 
 
-def _draws(problem: _Problem, K: ComplexArray, best: _Solved, seed: int) -> tuple[Parts, ...]:
+def _draws(problem: _Problem, K: ComplexArray, best: _TermsOptimum, seed: int) -> tuple[Parts, ...]:
     """The same fit of records that chance might have given."""
     rng, inertia = np.random.default_rng(seed), problem.inertia * problem.omega**2
     direct = K + best.left / best.problem.weight - inertia  # F/X of the fit itself
@@ -169,7 +169,7 @@ def _draws(problem: _Problem, K: ComplexArray, best: _Solved, seed: int) -> tupl
 
 
 @dataclass(frozen=True, eq=False)
-class _Solved:
+class _TermsOptimum:
     """Coefficients >= 0 of one set of terms, and the weighted residual."""
 
     problem: _Problem
@@ -229,7 +229,9 @@ class _Problem:
         low, high = 1 / self.omega.max() / 30, 1 / self.omega.min() * 30
         return np.geomspace(low, high, round(_PER_DECADE / 2 * np.log10(high / low)) + 1)
 
-    def solved(self, K: ComplexArray, terms: tuple[Term, ...], *, passes: int = _PASSES) -> _Solved:
+    def solved(
+        self, K: ComplexArray, terms: tuple[Term, ...], *, passes: int = _PASSES
+    ) -> _TermsOptimum:
         """Solved; sliders on a coarse grid, then on a finer one about those found there."""
         found = self._solve(K, terms)
         count = len(self.tau) + 1
@@ -267,11 +269,11 @@ class _Problem:
             found.append(square[:, None] * np.array([1.0, -1.0]))
         return np.hstack(found)
 
-    def _solve(self, K: ComplexArray, terms: tuple[Term, ...]) -> _Solved:
+    def _solve(self, K: ComplexArray, terms: tuple[Term, ...]) -> _TermsOptimum:
         A = self._columns(terms) * self.weight[:, None]
         y = K * self.weight
         k, _ = linear(stacked(A), stacked(y), positive=True)
-        return _Solved(self, terms, k, np.asarray(A @ k - y))
+        return _TermsOptimum(self, terms, k, np.asarray(A @ k - y))
 
 
 def _level(frf: FRF, level: Quantity) -> float:

@@ -10,8 +10,9 @@ import numpy as np
 from dashpot.base.checks import Check, Checked
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source
+from dashpot.base.units import in_unit, written
 from dashpot.records.frf import FRF
-from dashpot.vibration.impact.amplitude import Line, Trend, trend_of_hits
+from dashpot.vibration.impact.amplitude import RegressionLine, Trend, trend_of_hits
 from dashpot.vibration.impact.checks import (
     amplitude_linear,
     hits_enough,
@@ -56,8 +57,8 @@ class HitLevels(Checked):
         return (
             f"{judged.use}: {judged.says}",
             (
-                f"{trend.stiffness_line.dof + 2} hits, motion of {1e3 * low:.3g} to "
-                f"{1e3 * high:.3g} mm: per doubling the stiffness changes by "
+                f"{trend.stiffness_line.dof + 2} hits, motion of {in_unit(low, 'mm'):.3g} to "
+                f"{written(high, 'mm', '.3g')}: per doubling the stiffness changes by "
                 f"{_with_error(trend.stiffness_line)}, the damping ratio by "
                 f"{_with_error(trend.damping_line)}"
             ),
@@ -128,11 +129,11 @@ class HitLevels(Checked):
             hz, receptance = along(x)
             x = float(np.log2(level * receptance))
         if hz == 0:
-            low, high = (1e3 * one for one in self.amplitudes)
+            low, high = self.amplitudes
             raise DataError(
-                f"at {level:g} N the line through the damping of the hits, of {low:.3g} to "
-                f"{high:.3g} mm, leaves no resonance: it does not reach so far; hit so that the "
-                "seal moves as it does at that level"
+                f"at {level:g} N the line through the damping of the hits, of "
+                f"{in_unit(low, 'mm'):.3g} to {written(high, 'mm', '.3g')}, leaves no resonance: "
+                "it does not reach so far; hit so that the seal moves as it does at that level"
             )
         least_hz, most_hz = (along(x, stiffness=way)[0] for way in (-1.0, 1.0))
         least, most = (along(x, damping=way)[1] for way in (1.0, -1.0))
@@ -163,5 +164,5 @@ def hits_as_levels(frf: FRF, *, band: tuple[float, float] | None = None) -> HitL
     return HitLevels(frf, trend, checks)
 
 
-def _with_error(line: Line) -> str:
+def _with_error(line: RegressionLine) -> str:
     return f"{100 * line.slope:+.2g} +- {100 * line.se:.1g} %"

@@ -14,6 +14,7 @@ from dashpot.base.checks import Check, Checked
 from dashpot.base.numbers import counted
 from dashpot.base.offered import Described
 from dashpot.base.provenance import Source, Step
+from dashpot.base.units import in_unit, written
 from dashpot.records.specimen import Specimen
 from dashpot.solids.friction import Jenkins
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -146,9 +147,9 @@ class LevelFit(ByValue, Described, Checked):
         return (
             f"{judged.use}: {judged.says}",
             (
-                f"one seal, {1e3 * low:.3g} to {1e3 * high:.3g} mm at {middle / 2 / np.pi:.4g} Hz: "
-                f"stiffness {1e-3 * ends[0].real:.4g} to {1e-3 * ends[1].real:.4g} N/mm, "
-                f"loss factor {factor[0]:.3g} to {factor[1]:.3g}"
+                f"one seal, {in_unit(low, 'mm'):.3g} to {written(high, 'mm', '.3g')} at "
+                f"{middle / 2 / np.pi:.4g} Hz: stiffness {in_unit(ends[0].real, 'N/mm'):.4g} to "
+                f"{written(ends[1].real, 'N/mm')}, loss factor {factor[0]:.3g} to {factor[1]:.3g}"
             ),
             (
                 f"{counted(self.solid.arms, 'arm')} and {counted(len(self.sliders), 'slider')} "
@@ -173,7 +174,7 @@ class LevelFit(ByValue, Described, Checked):
         return (
             (
                 f"it {way} as a cubic spring, k3 = {self.k3:.4g} N/m^3 ({low:.4g} to {high:.4g}): "
-                f"{1e-3 * share:+.3g} N/mm at the largest amplitude"
+                f"{written(share, 'N/mm', '+.3g')} at the largest amplitude"
             ),
         )
 

@@ -25,8 +25,8 @@ _PASSES = 3
 
 
 @dataclass(frozen=True, eq=False)
-class Cycle:
-    """One steady cycle of a loop, about its own middle.
+class HysteresisLoop:
+    """A closed loop: one steady cycle, about its own middle.
 
     Attributes
     ----------
@@ -75,7 +75,7 @@ def sweep_of_loops(test: RelaxationTest) -> AmplitudeSweep:
     )
 
 
-def steady_cycles(test: RelaxationTest) -> tuple[Cycle, ...]:
+def steady_cycles(test: RelaxationTest) -> tuple[HysteresisLoop, ...]:
     r"""Return every cycle of a harmonic motion whose loop has closed.
 
     Cycles are cut where the displacement, less its drift, rises through its middle. Over each,
@@ -113,7 +113,7 @@ def steady_cycles(test: RelaxationTest) -> tuple[Cycle, ...]:
         if abs(size / last - 1) <= _STEADY:
             K = complex(F1 / X1)
             sd = _scatter(F - K.real * x) * np.sqrt(2 / len(x)) / size
-            found.append(Cycle(float(tones[i]), size, K, sd, x, F))
+            found.append(HysteresisLoop(float(tones[i]), size, K, sd, x, F))
         last = size
     if not found:
         raise DataError(

@@ -8,6 +8,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
+from dashpot.base.units import in_unit
 from dashpot.io.columns import vocabulary
 from dashpot.io.columns.kinds import ONE_FREQUENCY, amplitude_named, groups
 from dashpot.io.columns.roles import Assigned, assign, list_columns
@@ -109,7 +110,7 @@ def _expect_one_temperature(
     f, X, T = frequency[order], amplitude[order], kelvin[order]
     same = (f[1:] == f[:-1]) & (X[1:] <= 1.02 * X[:-1])
     if np.count_nonzero(np.abs(np.diff(T)[same]) > _WARMER) > 2:
-        low, high = T.min() - 273.15, T.max() - 273.15
+        low, high = (in_unit(float(one), "degC") for one in (T.min(), T.max()))
         raise ReadError(
             f"the same amplitudes at temperatures from {low:.3g} to {high:.3g} degC; expected one "
             "temperature: write each to a file of its own"

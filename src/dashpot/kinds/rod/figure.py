@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from dashpot.base.units import in_unit
 from dashpot.kinds.rod.prepare import RodModulus
 from dashpot.plot.direct import FREQUENCY
-from dashpot.plot.picture import FIT, Area, Axis, Dots, Line, Mark, Panel, Picture, Span, around
+from dashpot.plot.picture import FIT, Area, Dots, Line, Mark, Panel, Picture, Scale, Span, around
 from dashpot.records.fit import Fit
 
 
@@ -29,7 +30,11 @@ def rod(found: RodModulus, *, fit: Fit | None = None, stamp: str = "") -> Pictur
     span = max(low / 1.3, float(f[0])), min(high * 1.3, float(f[-1]))
     drawn = (f >= span[0]) & (f <= span[1])
     rows = (
-        ("storage modulus E′, MPa", 1e-6 * found.storage, 1e-6 * found.storage_sd),
+        (
+            "storage modulus E′, MPa",
+            in_unit(found.storage, "MPa"),
+            in_unit(found.storage_sd, "MPa"),
+        ),
         ("loss factor E″/E′, 1", found.loss_factor, found.loss_factor_sd),
     )
     dense = np.geomspace(low, high, 150)
@@ -45,12 +50,14 @@ def rod(found: RodModulus, *, fit: Fit | None = None, stamp: str = "") -> Pictur
         marks.append(Area(x, y - e, y + e, "ref", "error (1 SD)", tint=0.25))
         if fit is not None:
             omega = 2 * np.pi * dense
-            solid = 1e-6 * fit.solid.storage(omega) if number == 0 else fit.solid.loss_factor(omega)
+            solid = (
+                fit.solid.loss_factor(omega) if number else in_unit(fit.solid.storage(omega), "MPa")
+            )
             marks.append(Line(dense, solid, FIT, "fit"))
         marks.append(Dots(x, y, "measured", "from the FRF"))
         shown = (value - error)[near], (value + error)[near]
         panels.append(
-            Panel(Axis(FREQUENCY, span, log=True), Axis(label, around(*shown)), tuple(marks),
+            Panel(Scale(FREQUENCY, span, log=True), Scale(label, around(*shown)), tuple(marks),
                   height=210)
         )  # fmt: skip
     caption = (

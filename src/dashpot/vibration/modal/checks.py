@@ -9,6 +9,7 @@ from statistics import NormalDist
 import numpy as np
 
 from dashpot.base.checks import Finding, criterion
+from dashpot.base.units import in_unit, written
 from dashpot.records.frf_set import ModeShape
 from dashpot.vibration.modal.stabilisation import Stabilisation
 
@@ -82,14 +83,15 @@ def _overlap(one: ModeShape, other: ModeShape) -> float:
 @criterion("distance, standard errors", "<=", source="chance exceeds it once in a hundred")
 def one_solid(distance: float, masses: Sequence[float], worst: tuple[float, str]) -> Finding:
     """One linear solid has the poles that were measured under all of the masses."""
-    listed = ", ".join(f"{1e3 * mass:.4g}" for mass in masses)
+    listed = ", ".join(f"{in_unit(mass, 'g'):.4g}" for mass in masses)
     kilogram, by = worst
     return Finding(
         f"one linear solid has the poles under {listed} g",
         distance,
         instead=f"no linear solid has the poles under {listed} g; the closest misses that under "
-        f"{1e3 * kilogram:.4g} g by {by}: the seals are compressed more by a larger mass, or move "
-        "farther under one of them, a mass is not what was weighed, or the temperature changed",
+        f"{written(kilogram, 'g')} by {by}: the seals are compressed more by a larger mass, or "
+        "move farther under one of them, a mass is not what was weighed, or the temperature "
+        "changed",
         limit=_by_chance(2 * len(masses)),
     )
 
