@@ -45,6 +45,15 @@ def shown(value: float, unit: str, error: float | None = None, *, digits: int = 
     return f"{rounded(in_unit(value, unit), known, digits=digits)} {unit.replace('*', ' ')}"
 
 
+def cell(value: float | None, unit: str, *, digits: int = 3) -> str:
+    """A value, SI, in a column of a unit of the table; empty where there is none.
+
+    >>> cell(0.0083, "mm"), cell(None, "mm"), cell(17432.1, "N/mm", digits=4)
+    ('8.30', '', '17.43')
+    """
+    return "" if value is None else rounded(in_unit(value, unit), digits=digits)
+
+
 def ascii_only(text: str) -> str:
     """A number as :func:`rounded` prints it in the alphabet that every terminal has."""
     return text.replace("·10", "e").translate(_ASCII)

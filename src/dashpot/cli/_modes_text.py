@@ -6,6 +6,7 @@ import cmath
 import math
 from typing import TYPE_CHECKING
 
+from dashpot.base.units import in_unit
 from dashpot.cli._terminal import Text, table
 from dashpot.cli._text import hertz, with_error
 
@@ -89,7 +90,7 @@ def modes_by_mass(found: ModesByMass) -> Text:
     at_poles = [["mass, g", "K', N/mm", "K'', N/mm", "solid K', %", "solid K'', %"]]
     each = zip(held.masses, held.modes, held.stiffness, held.spread, held.at_poles, strict=True)
     for mass, mode, k, se, solid in each:
-        name = f"{1e3 * mass:.5g}"
+        name = f"{in_unit(mass, 'g'):.5g}"
         modes.append([name, *(fact.cells.ascii.with_error for fact in mode.facts[:2])])
         at_poles.append(
             [

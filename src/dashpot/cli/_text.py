@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from dashpot.base import numbers
 from dashpot.base.facts import Fact
 from dashpot.base.numbers import ascii_only
-from dashpot.base.units import written
+from dashpot.base.units import in_unit, written
 from dashpot.cli._terminal import Text, facts, table
 from dashpot.records.temperature import celsius
 
@@ -30,6 +30,11 @@ if TYPE_CHECKING:
 def rounded(value: float, error: float | None = None, *, digits: int = 4) -> str:
     """Return `value` with no more digits than its error supports, as every terminal shows it."""
     return ascii_only(numbers.rounded(value, error, digits=digits))
+
+
+def cell(value: float | None, unit: str, *, digits: int = 4) -> str:
+    """Return a value, SI, in a column of a unit, so too; empty where there is none."""
+    return ascii_only(numbers.cell(value, unit, digits=digits))
 
 
 def with_error(value: float, error: float | None, unit: str = "") -> str:
@@ -232,7 +237,7 @@ def impact(found: ImpactResult) -> Text:
             hit.name,
             f"{hit.time:.3f}",
             f"{hit.peak:.3g}",
-            f"{hit.duration * 1e3:.3g}",
+            f"{in_unit(hit.duration, 'ms'):.3g}",
             "accepted" if hit.accepted else "REJECTED",
         ]
         for hit in frf.hits
@@ -255,7 +260,8 @@ def levels(found: Levels) -> Text:
     for one in found.at:
         peak, motion = (fact.cells.ascii for fact in one.facts)
         of_peak, of_motion = (peak.value, peak.interval), (motion.value, motion.interval)
-        rows.append([f"{one.level:.4g}", *of_peak, *of_motion, f"{1e3 * one.amplitude:.3g}"])
+        seal = f"{in_unit(one.amplitude, 'mm'):.3g}"
+        rows.append([f"{one.level:.4g}", *of_peak, *of_motion, seal])
     return Text([*lines, *(table(rows) if found.at else ()), *_read(found.source)])
 
 
@@ -283,7 +289,7 @@ def study(found: Study) -> Text:
     lines, details = [], []
     if found.mass is not None and found.comparison is not None:
         inferred = " (inferred from the FRF)" if found.mass_inferred else ""
-        lines.append(f"{found.mass * 1e3:.6g} g{inferred} on {found.seals:g} seals")
+        lines.append(f"{written(found.mass, 'g', '.6g')}{inferred} on {found.seals:g} seals")
         lines += comparison(found.comparison, found.joint_comparison)
         details += ["", "the prediction from the relaxation test alone", str(found.comparison)]
     if found.at_rest is not None and str(found.at_rest):
@@ -301,7 +307,7 @@ def study(found: Study) -> Text:
 def prediction(found: Prediction, *, mass: float, seals: float) -> Text:
     """Return a prediction's peak, modes and limits."""
     hz, height = found.peak
-    on = f"{mass * 1e3:.6g} g on {seals:g} seal{'s' * (seals != 1)}"
+    on = f"{written(mass, 'g', '.6g')} on {seals:g} seal{'s' * (seals != 1)}"
     does = "is largest" if found.at_edge else "peaks"
     kind = found.frf.kind.replace("_", " ")
     lines = [f"{on}: {kind} {does} at {hz:.5g} Hz with {height:.5g} {found.frf.unit}"]
@@ -333,9 +339,9 @@ def _at_levels(found: Prediction) -> list[str]:
         [f"level, {of.unit}", "peak, Hz", "between", found.frf.unit or "height", "between", "moved"]
     ]
     for one in found.levels:
-        moved = f"{1e3 * one.amplitude:.3g} mm"
+        moved = written(one.amplitude, "mm", ".3g")
         if one.strain is not None:
-            moved += f", {100 * one.strain:.3g} %"
+            moved += f", {written(one.strain, '%', '.3g')}"
         rows.append(
             [
                 f"{one.level:.4g}",
@@ -360,27 +366,27 @@ def _at_levels(found: Prediction) -> list[str]:
 
 def _shaken(found: Mapping[str, Any]) -> list[str]:
     """What a base that shakes at random does, and at most."""
-    band, stretch = found["band_hz"], 1e3 * found["stretch"]
+    band, stretch = found["band_hz"], written(found["stretch"], "mm")
     reach = "" if band is None else f" ({band[0]:.4g} to {band[1]:.4g} Hz)"
     does = (
         f"  shaken by {found['of']}{reach} the mass feels {found['acceleration']:.4g} m/s^2 rms "
-        f"and the seals move {stretch:.4g} mm rms, {found['crossings']:.4g} times a second"
+        f"and the seals move {stretch} rms, {found['crossings']:.4g} times a second"
     )
     lines = [does]
     if (limits := found.get("limits")) is not None:
-        felt, moved = _reach(limits["acceleration"]), _reach(limits["stretch"], 1e3)
+        felt, moved = _reach(limits["acceleration"]), _reach(limits["stretch"], "mm")
         low, high = limits["band_hz"]
         part = "" if band is not None else f", to the noise from {low:.4g} to {high:.4g} Hz"
         lines.append(f"  the relaxation test allows {felt} m/s^2 rms and {moved} mm rms{part}")
     return lines
 
 
-def _reach(ends: Sequence[float | None], unit: float = 1.0) -> str:
+def _reach(ends: Sequence[float | None], unit: str = "1") -> str:
     """Between which limits something lies; from the lower one on where nothing else limits it."""
     low, high = ends
-    if low is None or high is None:
-        return f"{unit * (low or 0.0):.4g} to unlimited"
-    return f"{unit * low:.4g} to {unit * high:.4g}"
+    least = f"{in_unit(low or 0.0, unit):.4g}"
+    most = "unlimited" if low is None or high is None else f"{in_unit(high, unit):.4g}"
+    return f"{least} to {most}"
 
 
 def _wider(modes: Iterable[Mode]) -> str:

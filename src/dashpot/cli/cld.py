@@ -12,13 +12,13 @@ import dashpot as dp
 from dashpot import workflow
 from dashpot.base.capability import Capability
 from dashpot.base.errors import ReadError
-from dashpot.base.units import in_unit, read_in
+from dashpot.base.units import in_unit, read_in, written
 from dashpot.cli import _options as options
 from dashpot.cli import _text
 from dashpot.cli._options import Range, WithUnit
 from dashpot.cli._shell import File, Outcome, printed, reports, write, write_figure
 from dashpot.cli._terminal import Text, table
-from dashpot.cli._text import rounded, with_error
+from dashpot.cli._text import cell, rounded, with_error
 from dashpot.kinds.cld.from_files import PieceStatistics
 
 
@@ -139,7 +139,7 @@ def _rate(rate: dp.RateLaw) -> list[str]:
         stiff, off = (float(k * each(knot)) for each in (law.factor, law.factor_se))
         rows.append(
             [
-                rounded(1e3 * knot),
+                cell(knot, "mm"),
                 rounded(float(law.force(knot))),
                 with_error(stiff, off, "N/m"),
                 with_error(c, error) if c > 2 * error else f"below {c + 2 * error:.2g}",
@@ -159,9 +159,9 @@ def _relaxed(found: dp.RelaxedLaw, one: dp.CLD) -> list[str]:
         tangent, error = (float(law.stiffness * each(mark)) for each in (law.factor, law.factor_se))
         rows.append(
             [
-                rounded(1e3 * mark),
+                cell(mark, "mm"),
                 with_error(float(law.force(mark)), found.force_se(mark)),
-                rounded(1e-3 * float(law.secant(mark))),
+                cell(float(law.secant(mark)), "N/mm"),
                 with_error(tangent, error, "N/m"),
             ]
         )
@@ -182,10 +182,10 @@ def _overview(found: workflow.Pieces) -> list[str]:
         rows.append(
             [
                 "" if one.source is None else one.source.file,
-                "" if one.cycle.speed is None else rounded(1e3 * one.cycle.speed),
+                cell(one.cycle.speed, "mm/s"),
                 with_error(one.per * one.nominal.loading, one.per * one.nominal.loading_se),
-                "" if lost is None else rounded(100 * lost, digits=3),
-                "" if one.set is None else rounded(1e3 * one.set, digits=3),
+                cell(lost, "%", digits=3),
+                cell(one.set, "mm", digits=3),
             ]
         )
     return table(rows)
@@ -199,24 +199,25 @@ def _piece(one: dp.CLD) -> list[str]:
         back = "" if mark.unloading is None else rounded(per * mark.unloading)
         rows.append(
             [
-                rounded(1e3 * mark.compression),
+                cell(mark.compression, "mm"),
                 with_error(per * mark.loading, per * mark.loading_se),
                 back,
                 with_error(per * mark.slope, per * mark.slope_se, "N/m"),
-                rounded(1e3 * per * mark.energy),
+                cell(per * mark.energy, "mJ"),
             ]
         )
     cycle, said = one.cycle, []
     if cycle.hysteresis is not None and cycle.returned is not None:
         said.append(
-            f"hysteresis {100 * cycle.hysteresis:.3g} % of {1e3 * per * cycle.energy:.4g} mJ{of}"
+            f"hysteresis {written(cycle.hysteresis, '%', '.3g')} of "
+            f"{written(per * cycle.energy, 'mJ')}{of}"
         )
     if len(one.cycles) > 1:
         said.append(f"softer than cycle 1 by {100 * one.softening:.3g} %")
     if one.set is not None:
-        said.append(f"set {1e3 * one.set:.3g} mm when it was next met")
+        said.append(f"set {written(one.set, 'mm', '.3g')} when it was next met")
     if cycle.speed is not None:
-        said.append(f"{1e3 * cycle.speed:.4g} mm/s")
+        said.append(written(cycle.speed, "mm/s"))
     return [*table(rows), f"  {'; '.join(said)}"] if said else table(rows)
 
 
@@ -227,12 +228,12 @@ def _cycles(one: dp.CLD) -> list[str]:
         rows.append(
             [
                 str(each.number),
-                rounded(1e3 * each.depth),
+                cell(each.depth, "mm"),
                 rounded(each.peak),
-                rounded(1e3 * each.energy),
-                "" if back is None else rounded(1e3 * back),
-                "" if lost is None else rounded(100 * lost),
-                "" if each.contact is None else rounded(1e3 * each.contact),
+                cell(each.energy, "mJ"),
+                cell(back, "mJ"),
+                cell(lost, "%"),
+                cell(each.contact, "mm"),
             ]
         )
     return table(rows)

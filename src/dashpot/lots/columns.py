@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, TypeAlias
 
 import dashpot as dp
-from dashpot.base.units import column
+from dashpot.base.units import column, in_unit
 from dashpot.lots.choices import BatchChoices
 from dashpot.lots.entries import LABELS, Entry
 
@@ -66,11 +66,12 @@ def asked_columns(choices: BatchChoices, unit: str) -> dict[Where, tuple[str, ..
     """
     deep = choices.compression if unit == "N/m" else ()
     found: dict[Where, tuple[str, ...]] = {
-        (None, one): (of_solid(f"end_at_{1e3 * one:g}mm", unit),) for one in deep
+        (None, one): (of_solid(f"end_at_{in_unit(one, 'mm'):g}mm", unit),) for one in deep
     }
     for frequency in choices.at:
         for about in deep or (None,):
-            where = f"at_{frequency:g}Hz{'' if about is None else f'_{1e3 * about:g}mm'}"
+            deeper = "" if about is None else f"_{in_unit(about, 'mm'):g}mm"
+            where = f"at_{frequency:g}Hz{deeper}"
             found[frequency, about] = (
                 column(f"storage_{where}", unit), column(f"loss_{where}", unit),
                 f"loss_factor_{where}",

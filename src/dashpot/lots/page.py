@@ -13,6 +13,7 @@ import numpy as np
 
 from dashpot.base.checks import verdict
 from dashpot.base.numbers import counted, rounded
+from dashpot.base.units import written
 from dashpot.base.version import byline
 from dashpot.lots.entries import LABELS
 from dashpot.lots.figures import capability_picture, control_picture, curves_picture
@@ -180,9 +181,9 @@ def _counts(lot: Lot, main: OfQuantity) -> str:
         counted(len(lots), "lot") if len(lots) > 1 else "",
     ]
     depth, hold = (lot.used[name].median() for name in ("depth_m", "hold_s"))
-    for value, scale, unit in ((depth, 1e3, "mm"), (hold, 1.0, "s")):
+    for value, unit in ((depth, "mm"), (hold, "s")):
         if isinstance(value, float):
-            told.append(f"{scale * value:.4g} {unit}")
+            told.append(written(value, unit))
     return ", ".join(filter(None, told))
 
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from dashpot.base.errors import DataError
 from dashpot.base.facts import Fact
-from dashpot.base.numbers import rounded
+from dashpot.base.numbers import cell
 from dashpot.base.units import Dimension, find, in_unit, of_column, read_in
 
 _WORDS = {
@@ -65,7 +65,7 @@ class Quantity(NamedTuple):
 
     def shown(self, value: float | None, *, digits: int = 4) -> str:
         """A value, SI, in that unit without its word; empty where there is none."""
-        return "" if value is None else rounded(self.scale * value, digits=digits)
+        return cell(value, self.unit or "1", digits=digits)
 
     def read(self, value: float, *, digits: int = 4) -> str:
         """A value, SI, with its unit."""

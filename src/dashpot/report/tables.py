@@ -13,6 +13,7 @@ from dashpot.base.checks import GRADES, Check
 from dashpot.base.errors import DashpotError
 from dashpot.base.facts import Fact
 from dashpot.base.numbers import (
+    cell,
     decibels,
     duration,
     percent,
@@ -21,6 +22,7 @@ from dashpot.base.numbers import (
     signed,
     words,
 )
+from dashpot.base.units import in_unit
 from dashpot.records.bounds import StiffnessBounds
 from dashpot.records.fit import Fit, Moved
 from dashpot.records.frf import FRF
@@ -108,22 +110,22 @@ def test_facts(prepared: RampHold) -> TextTable:
     even = float(np.ptp(steps)) < 0.01 / rate
     specimen = prepared.specimen
     rows = [
-        ("compression", rounded(1e3 * prepared.depth, digits=4), "mm"),
+        ("compression", cell(prepared.depth, "mm", digits=4), "mm"),
         ("ramp", rounded(prepared.ramp_time), "s"),
-        ("speed", rounded(1e3 * prepared.depth / prepared.ramp_time), "mm/s"),
+        ("speed", cell(prepared.depth / prepared.ramp_time, "mm/s"), "mm/s"),
         ("hold", rounded(prepared.hold_time), "s"),
         ("samples", f"{len(prepared.time)}", ""),
         ("sampling" if even else "sampling, uneven, median", rounded(rate), "Hz"),
-        ("force noise (standard deviation)", rounded(1e3 * prepared.force_noise, digits=2), "mN"),
+        ("force noise (standard deviation)", cell(prepared.force_noise, "mN", digits=2), "mN"),
     ]
     if prepared.preload:
         rows.append(("preload at the first sample", rounded(prepared.preload), "N"))
     if specimen.length:
-        rows.append(("length under the plate", rounded(1e3 * specimen.length, digits=4), "mm"))
+        rows.append(("length under the plate", cell(specimen.length, "mm", digits=4), "mm"))
     if specimen.height:
         strain = prepared.depth / specimen.height
-        rows.append(("free height", rounded(1e3 * specimen.height, digits=4), "mm"))
-        rows.append(("compression / height", rounded(100 * strain, digits=2), "%"))
+        rows.append(("free height", cell(specimen.height, "mm", digits=4), "mm"))
+        rows.append(("compression / height", cell(strain, "%", digits=2), "%"))
     if specimen.temperature:
         rows.append(("temperature", f"{specimen.temperature - 273.15:.1f}", "°C"))
     return TextTable(("", "value", "unit"), tuple(rows))
@@ -163,14 +165,14 @@ def orders(study: Study) -> TextTable:
         model, rms = shown[arms]
         chosen = arms == fit.model.arms and bool(own)
         listed = ", ".join(
-            f"{rounded(1e-3 * k)} at {rounded(tau)} s"
+            f"{cell(k, 'N/mm')} at {rounded(tau)} s"
             for k, tau in zip(model.k, model.tau, strict=True)
         )
         rows.append((
             f"{arms}{' (chosen)' * chosen}",
-            rounded(1e-3 * model.k_inf, digits=4),
+            cell(model.k_inf, "N/mm", digits=4),
             listed or "none",
-            rounded(1e3 * rms),
+            cell(rms, "mN"),
             *scores.get(arms, ("", "")),
         ))  # fmt: skip
         marks.append("chosen" * chosen)
@@ -220,12 +222,12 @@ def in_frequency(study: Study) -> TextTable:
         known = factor < 1.0001
         cells = [
             rounded(f),
-            rounded(1e-3 * stiffness.real),
-            rounded(1e-3 * stiffness.imag),
+            cell(stiffness.real, "N/mm"),
+            cell(stiffness.imag, "N/mm"),
             rounded(stiffness.imag / stiffness.real),
         ]
         if unseen is not None:
-            cells.append(_range_at(unseen, 1e-3 * unseen.storage, f))
+            cells.append(_range_at(unseen, in_unit(unseen.storage, "N/mm"), f))
             cells.append(_range_at(unseen, unseen.loss_factor, f))
         cells.append("identified" if known else f"extrapolated ×{rounded(factor, digits=2)}")
         rows.append(tuple(cells))
@@ -357,7 +359,7 @@ def hits(frf: FRF | None) -> TextTable | None:
             hit.name,
             rounded(hit.time, digits=4),
             rounded(hit.peak),
-            rounded(1e3 * hit.duration),
+            cell(hit.duration, "ms"),
             "accepted" if hit.accepted else "rejected",
             "; ".join(hit.reasons),
         )[:columns]

@@ -16,8 +16,8 @@ from dashpot.base import units
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Verdict
 from dashpot.base.facts import Fact
-from dashpot.base.numbers import rounded, symbol
-from dashpot.base.units import Dimension
+from dashpot.base.numbers import cell, rounded, symbol
+from dashpot.base.units import Dimension, in_unit, read_in
 from dashpot.io.columns.kinds import WANTED_BY
 from dashpot.plot import relaxation
 from dashpot.plot.layout import ROW
@@ -127,9 +127,9 @@ def _named(panel: Panel, fit: Fit) -> Panel:
     """The spectrum with the name of each arm at its tip."""
     if fit.family != "maxwell":
         return panel
-    scale = 1e-3 if fit.unit == "N/m" else 1e-6
-    arms = enumerate(zip(fit.model.tau, fit.model.k, strict=True), 1)
-    tags = [Tag(tau, scale * k, symbol(f"tau_{j}"), "fit", "filled") for j, (tau, k) in arms]
+    k = in_unit(np.array(fit.model.k), read_in(fit.unit)).tolist()
+    arms = enumerate(zip(fit.model.tau, k, strict=True), 1)
+    tags = [Tag(tau, tip, symbol(f"tau_{j}"), "fit", "filled") for j, (tau, tip) in arms]
     return replace(panel, marks=(*panel.marks, *tags))
 
 
@@ -397,7 +397,7 @@ def _told(found: InspectedFile) -> str:
     ready = found.preparation
     if ready is not None:
         ramp, hold = rounded(ready.ramp_time), rounded(ready.hold_time)
-        return f"{rounded(1e3 * ready.depth)} mm, {ramp} s, {hold} s"
+        return f"{cell(ready.depth, 'mm')} mm, {ramp} s, {hold} s"
     if found.questions:
         return "asks: " + ("a unit" if "--units" in found.questions[0].option else "a column")
     if found.kind in (*FITTED, *RESPONSES):
