@@ -19,6 +19,7 @@ from kit.fits import a_fit
 import dashpot
 from dashpot.base.capability import capability
 from dashpot.base.checks import REGISTER, Check, Finding, criterion, status_of
+from dashpot.base.facts import Fact
 from dashpot.base.status import Status
 from dashpot.door import checks as seals
 from dashpot.engine.inference.covariance import Noise, nearly_white, noise_of
@@ -52,7 +53,6 @@ from dashpot.records.creep import LoadHold
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.estimate import Nuisance
 from dashpot.records.fit import Explanation
-from dashpot.records.found import Found
 from dashpot.records.frf import FRF, Hit, Mode
 from dashpot.records.frf_set import ModeShape
 from dashpot.records.relaxation import RampHold
@@ -1089,7 +1089,7 @@ TEMPERATURE = [
 
 def contact_fit() -> IndentationFit:
     """A contact whose restitution is 1, beside nothing else."""
-    found = (Found("restitution", 1.0, 0.9, 1.1, ""),)
+    found = (Fact("restitution", 1.0, 0.9, 1.1, ""),)
     none = np.zeros(0)
     return IndentationFit(
         "hertz", ViscousContact(1.0), found, (), Indenter(1.0), "force", none, none, none, 0.0, 0.0,
@@ -1099,7 +1099,7 @@ def contact_fit() -> IndentationFit:
 
 def differs(part: float) -> Check:
     return indentation.laws_agree(
-        contact_fit(), [("hertz-maxwell", (Found("restitution", 1 + part, 0.9, 1.2, ""),))]
+        contact_fit(), [("hertz-maxwell", (Fact("restitution", 1 + part, 0.9, 1.2, ""),))]
     )
 
 

@@ -22,7 +22,12 @@ def test_a_fact_is_read_in_the_unit_of_the_field() -> None:
 
 @pytest.mark.parametrize(
     ("error", "said"),
-    [(0.0, "2.00, held"), (math.inf, "2.00, not identified"), (None, "2.00"), (0.1, "2.00 ± 0.10")],
+    [
+        (0.0, "2.000, held"),
+        (math.inf, "2.000, not identified"),
+        (None, "2.000"),
+        (0.1, "2.00 ± 0.10"),
+    ],
 )
 def test_what_is_known_of_a_value_is_said(error: float | None, said: str) -> None:
     assert Fact("tau_1", 2.0, unit="s", error=error).cells.with_error == said
@@ -30,7 +35,7 @@ def test_what_is_known_of_a_value_is_said(error: float | None, said: str) -> Non
 
 def test_a_bound_alone_says_no_value() -> None:
     found = Fact("viscous_time", 4e-4, 0.0, 2.2e-2, "s", read="ms")
-    assert found.says == "viscous_time below 22.0 ms"
+    assert found.says == "viscous time below 22.0 ms"
 
 
 @dataclass(frozen=True)

@@ -322,7 +322,9 @@ def test_page_and_terminal_tell_one_shift(whole):
     joint = altered(S.joint, moved=(down,))
     page = Page(html(replace(S, joint=joint))).text
     assert re.search(r"k∞, N/mm 0\.19750 ± \S+ 0\.19650 ± \S+ −0\.51 % −2\.0", page)
-    (line,) = [row for row in _text.fit(joint).lines if "k_inf" in row and "0.19650 N/mm" in row]
+    (line,) = [
+        row for row in _text.fit(joint).lines if "k_inf" in row and "0.19650 ± 0.00040 N/mm" in row
+    ]
     assert line.split()[-1] == "-2.0"
     assert Moved("k_1", None, None, 1.0, 0.1, "N/m").shift is None
     assert Moved("b", 1.0, None, 2.0, 0.1, "N s/m").shift is None

@@ -58,6 +58,19 @@ class Capability:
     normal: float | None
 
     @property
+    def cells(self) -> tuple[str, str, str]:
+        """Cpk and both ends of its interval; empty where it is not known."""
+        if self.cpk is None or self.cpk_interval is None:
+            return "", "", ""
+        return f"{self.cpk:.2f}", f"{self.cpk_interval[0]:.2f}", f"{self.cpk_interval[1]:.2f}"
+
+    @property
+    def says(self) -> str:
+        """Cpk with its interval."""
+        cpk, low, high = self.cells
+        return f"Cpk {cpk} ({low} to {high})"
+
+    @property
     def suspect(self) -> bool:
         """Whether the values are hardly normal, so that Cp and Cpk say little."""
         return self.normal is not None and self.normal < _SUSPECT

@@ -3,11 +3,22 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from dashpot.base.numbers import known_between, rounded, symbol
+from dashpot.base.checks import Checked
+from dashpot.base.documents import Documented
+from dashpot.base.numbers import ascii_only, known_between, rounded, symbol
 from dashpot.base.units import in_unit, read_in
+
+HELD, UNKNOWN = "held", "not identified"
+"""What stands in place of an error of 0, and of one without limit."""
+_WORD = re.compile(r"_(?=[a-z]{4})")
+NORMAL = 1.96
+"""Standard errors to either end of a 95 % interval."""
+LOPSIDED = 0.1
+"""An interval whose one end is that much nearer to the value than the other."""
 
 
 class Cells(NamedTuple):
@@ -20,15 +31,25 @@ class Cells(NamedTuple):
     unit: str
 
     @property
+    def ascii(self) -> Cells:
+        """In the alphabet that every terminal has."""
+        return Cells(*map(ascii_only, self))
+
+    @property
     def with_error(self) -> str:
         """Value and standard error in one cell."""
-        if self.error in {"", "held", "not identified"}:
+        if self.error in {"", HELD, UNKNOWN}:
             return ", ".join(filter(None, (self.value, self.error)))
         return f"{self.value} ± {self.error}"
 
+    @property
+    def with_unit(self) -> str:
+        """Value, standard error and unit in one cell."""
+        return f"{self.with_error} {self.unit}".rstrip()
+
 
 @dataclass(frozen=True)
-class Fact:
+class Fact(Documented):
     """A number that a test shows, and how well it is known.
 
     Attributes
@@ -46,7 +67,11 @@ class Fact:
         given or has an interval alone.
     read : str
         The unit in which people read it; by default as :func:`~dashpot.base.units.read_in`.
+    words : str
+        How a table calls it; by default its name, in words where it is not a symbol.
     """
+
+    keys = ("name", "value", "low", "high", "unit")
 
     name: str
     value: float
@@ -55,6 +80,16 @@ class Fact:
     unit: str = ""
     error: float | None = None
     read: str = ""
+    words: str = ""
+
+    @classmethod
+    def normal(
+        cls, name: str, value: float, error: float | None, unit: str = "", read: str = ""
+    ) -> Fact:
+        """A number whose error is normal; an error that is nan or None is not known."""
+        if error is None or math.isnan(error):
+            return cls(name, value, unit=unit, read=read)
+        return cls(name, value, value - NORMAL * error, value + NORMAL * error, unit, error, read)
 
     @property
     def reading(self) -> str:
@@ -72,13 +107,23 @@ class Fact:
         return self.low == 0 and self.error is None
 
     @property
+    def called(self) -> str:
+        """How a table calls it."""
+        return self.words or _WORD.sub(" ", self.name)
+
+    @property
     def symbol(self) -> str:
         """Its name as a page prints it."""
-        return symbol(self.name)
+        return symbol(self.called)
+
+    @property
+    def word(self) -> str:
+        """The unit in which people read it, as it is printed."""
+        return "" if self.reading == "1" else self.reading.replace("*", "·")
 
     def shown(self, value: float) -> float:
         """A value of this fact, SI, in the unit that people read."""
-        return in_unit(value, self.reading) if self.reading else value
+        return value if self.reading == self.unit else in_unit(value, self.reading)
 
     @property
     def scale(self) -> float:
@@ -86,33 +131,63 @@ class Fact:
         return self.shown(1.0) - self.shown(0.0)
 
     @property
+    def size(self) -> float:
+        """Its standard error in the unit that people read; else a quarter of its interval."""
+        if self.error is not None:
+            return self.error * self.scale
+        return (self.high - self.low) / 4 * self.scale
+
+    @property
     def cells(self) -> Cells:
         """The row that every table of it has: to two digits of its error, or of its interval."""
-        error = self.error
+        value, low, high = map(self.shown, (self.value, self.low, self.high))
         if self.bound_alone:
-            return Cells(self.name, "", "", f"below {rounded(self.shown(self.high))}", self.reading)
-        value, between = self.shown(self.value), ""
-        size = math.nan if error is None else error * self.scale
-        if self.bounded:
-            low, high = self.shown(self.low), self.shown(self.high)
-            usual = size if size > 0 and math.isfinite(size) else (high - low) / 4
-            between = known_between(value, low, high, usual)
-            size = usual if error is None else size
-        told = "" if error is None else _error(size)
-        return Cells(self.name, rounded(value, size), told, between, self.reading)
+            return Cells(self.called, "", "", f"below {rounded(high)}", self.word)
+        error = "" if self.error is None else _error(self.size)
+        between = ""
+        if self.bounded and error not in (HELD, UNKNOWN):
+            between = known_between(value, low, high, self.size)
+        told = rounded(value, self.size, digits=4)
+        return Cells(self.called, told, error, between, self.word)
+
+    @property
+    def ends(self) -> tuple[str, str, str]:
+        """Value and both ends of the interval, each in a cell, to two digits of half of it."""
+        value, low, high = map(self.shown, (self.value, self.low, self.high))
+        below, above = value - low, high - value
+        # of a lopsided interval each end has the digits of its own distance
+        if min(below, above) > LOPSIDED * max(below, above):
+            below = above = (high - low) / 2
+        else:
+            below, above = below or above, above or below
+        known = min(filter(math.isfinite, (below, above)), default=None)
+        return (
+            rounded(value, known),
+            rounded(low, below) if math.isfinite(low) else "unknown",
+            rounded(high, above) if math.isfinite(high) else "no limit",
+        )
 
     @property
     def says(self) -> str:
         """In words, with its interval."""
-        value, error, between, unit = self.cells[1:]
-        unit = unit.replace("*", " ")
+        cells = self.cells
         if self.bound_alone:
-            return f"{self.name} {between} {unit}".rstrip()
-        own = f"{self.name} {value}{f' ± {error}' if error else ''} {unit}".rstrip()
-        return f"{own}, 95 % {between}" if between else own
+            return f"{self.called} {cells.interval} {cells.unit}".rstrip()
+        own = f"{self.called} {cells.with_unit}"
+        return f"{own}, 95 % {cells.interval}" if cells.interval else own
+
+
+class Numbered(Checked):
+    """A result of named numbers, `found`, that was asked whether it can be trusted."""
+
+    found: tuple[Fact, ...]
+
+    def __getitem__(self, name: str) -> Fact:
+        """One of the numbers found, by its name."""
+        return next(one for one in self.found if one.name == name)
 
 
 def _error(size: float) -> str:
     if math.isinf(size):
-        return "not identified"
-    return "held" if size <= 0 else rounded(size, size)
+        return UNKNOWN
+    return HELD if size <= 0 else rounded(size, size)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-from types import MappingProxyType
 
 from dashpot.base.units import in_unit
 
@@ -19,16 +18,7 @@ _UNIT = re.compile(
 MINUS = "−"
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
-_ASCII = str.maketrans(f"{MINUS}–⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "---0123456789") | {ord("∞"): "inf"}
-
-
-READ_IN = MappingProxyType(
-    {
-        unit: (in_unit(1.0, word), word)
-        for unit, word in {"N/m": "N/mm", "m": "mm", "Pa": "MPa", "s": "ms"}.items()
-    }
-)
-"""Factor and unit in which people are shown what is in a unit of SI."""
+_ASCII = str.maketrans(f"{MINUS}–⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "---0123456789") | {ord("∞"): "inf", ord("·"): " "}
 
 
 def rounded(value: float, error: float | None = None, *, digits: int = 3) -> str:
@@ -53,6 +43,15 @@ def shown(value: float, unit: str, error: float | None = None, *, digits: int = 
     """
     known = None if error is None else in_unit(error, unit)
     return f"{rounded(in_unit(value, unit), known, digits=digits)} {unit.replace('*', ' ')}"
+
+
+def cell(value: float | None, unit: str, *, digits: int = 3) -> str:
+    """A value, SI, in a column of a unit of the table; empty where there is none.
+
+    >>> cell(0.0083, "mm"), cell(None, "mm"), cell(17432.1, "N/mm", digits=4)
+    ('8.30', '', '17.43')
+    """
+    return "" if value is None else rounded(in_unit(value, unit), digits=digits)
 
 
 def ascii_only(text: str) -> str:

@@ -270,8 +270,16 @@ _USUAL: dict[Dimension, str] = {
 _READ = MappingProxyType({
     "m": "mm", "kg": "g", "N/m": "N/mm", "N*s/m": "N*s/mm", "Pa": "MPa", "Pa*s": "MPa*s",
     "m/N": "mm/N", "1/Pa": "1/MPa", "J": "mJ", "J/mol": "kJ/mol", "m/s": "mm/s", "m^2": "mm^2",
+    "strain": "% strain",
 })  # fmt: skip
 """The unit in which people read what is in a unit of SI, where that is another one."""
+
+
+_FINE = MappingProxyType({"N": "mN", "N/s": "mN/s", "s": "ms"})
+"""That of what is small of its kind: a tare, a drift, a delay."""
+
+_OF_COLUMNS = ("N/m", "Hz", "Pa", "s", "m", "N", "kg")
+"""Those that a column may end in, the longer ones first."""
 
 
 def parse_quantity(text: str, dimension: Dimension) -> float:
@@ -312,14 +320,38 @@ def parse_quantity(text: str, dimension: Dimension) -> float:
     return scaled + unit.offset
 
 
-def read_in(unit: str) -> str:
-    """Return the unit in which people read what is in a unit of SI.
+def read_in(unit: str, *, fine: bool = False) -> str:
+    """Return the unit in which people read what is in a unit of SI; `fine`, what is small there.
 
-    >>> read_in("N/m"), read_in("N s/m"), read_in("Hz"), read_in("")
-    ('N/mm', 'N*s/mm', 'Hz', '')
+    >>> read_in("N/m"), read_in("N s/m"), read_in("Hz"), read_in(""), read_in("s", fine=True)
+    ('N/mm', 'N*s/mm', 'Hz', '', 'ms')
+    >>> read_in("N/m per 100 mm")
+    'N/mm per 100 mm'
     """
-    known = find(unit)
-    return unit if known is None else _READ.get(known.word, unit)
+    word, per, what = unit.partition(" per ")
+    known = find(word)
+    of = word if known is None else known.word
+    usual = _READ.get(of, word)
+    return (_FINE.get(of, usual) if fine else usual) + per + what
+
+
+def column(name: str, unit: str) -> str:
+    """Return the column of a table in SI units: its name ends in the unit.
+
+    >>> column("k_inf", "N/m"), column("tau_1", "s"), column("alpha", "")
+    ('k_inf_N_per_m', 'tau_1_s', 'alpha')
+    """
+    return f"{name}_{unit.replace('/', '_per_')}" if unit else name
+
+
+def of_column(title: str) -> tuple[str, str]:
+    """Return the name of a column of such a table, and its unit.
+
+    >>> of_column("k_inf_N_per_m"), of_column("tau_1_s"), of_column("damping_ratio")
+    (('k_inf', 'N/m'), ('tau_1', 's'), ('damping_ratio', ''))
+    """
+    unit = next((one for one in _OF_COLUMNS if title.endswith(column("", one))), "")
+    return (title.removesuffix(column("", unit)) if unit else title), unit
 
 
 @overload
@@ -337,7 +369,7 @@ def in_unit(value: float | FloatArray, unit: str) -> float | FloatArray:
     DataError
         If the unit is not in the table.
     """
-    known = find(unit)
+    known = find(re.split(" per | strain", unit)[0])
     if known is None:
         raise DataError(f"'{unit}' is not a known unit")
     if known.offset:

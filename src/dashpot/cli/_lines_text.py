@@ -7,7 +7,9 @@ from typing import Protocol
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
-from dashpot.cli._text import rounded, table, with_error
+from dashpot.base.units import read_in
+from dashpot.cli._terminal import table
+from dashpot.cli._text import rounded, with_error
 
 ERRORS = {
     "phase": ("1 deg", "1 degree of phase", float(np.pi / 180)),
@@ -35,9 +37,7 @@ class Measured(Protocol):
     def changes(self, of: str, by: float) -> tuple[FloatArray, FloatArray]: ...
 
 
-def sensitive(
-    of: Measured, *, errors: tuple[str, ...], unit: str, scale: float, shown: int
-) -> list[str]:
+def sensitive(of: Measured, *, errors: tuple[str, ...], unit: str, shown: int) -> list[str]:
     """Return `shown` lines of the usable band, or of all where none is usable, and the errors.
 
     Parameters
@@ -45,18 +45,18 @@ def sensitive(
     of : Measured
     errors : tuple of str
         Which of :data:`ERRORS` are told.
-    unit, scale
-        Of the storage as it is shown.
+    unit : str
+        Of SI, of the storage.
     shown : int
     """
     told = [(ERRORS[name], of.changes(name, ERRORS[name][2])) for name in errors]
-    rows = [["Hz", f"storage, {unit}", "loss factor"]]
+    rows = [["Hz", f"storage, {read_in(unit)}", "loss factor"]]
     for (heading, _, _), _ in told:
         rows[0] += [f"{heading}: %", "loss factor"]
     for i in _spread(of, shown):
         row = [
             rounded(float(of.frequency[i])),
-            with_error(scale * float(of.storage[i]), scale * float(of.storage_sd[i])),
+            with_error(float(of.storage[i]), float(of.storage_sd[i]), unit),
             with_error(float(of.loss_factor[i]), float(of.loss_factor_sd[i])),
         ]
         for _, (storage, loss) in told:

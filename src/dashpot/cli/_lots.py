@@ -195,7 +195,6 @@ def outcome(job: BatchJob, found: Summary) -> Outcome:
     lines = [
         *_told(lot),
         *found.lines,
-        *_shares(filled.components or ()),
         *_out(lot, quantity),
     ]
     return Outcome(filled, Text(lines, _others(lot)), found.checks)
@@ -220,18 +219,6 @@ def _others(lot: dp.Lot) -> list[str]:
     """Every file that was not fitted, with its sentence."""
     columns = lot.table.select("file", "outcome", "reason").iter_rows()
     return [f"  {file}: {reason}" for file, outcome, reason in columns if outcome != "fitted"]
-
-
-def _shares(scatter: tuple[Component, ...]) -> list[str]:
-    lines = []
-    for one in scatter:
-        low, high = one.interval or (one.variance, one.variance)
-        between = f" ({low**0.5:.3g} to {high**0.5:.3g})" if one.interval else ""
-        lines.append(
-            f"  {one.source:<9} {one.variance**0.5:.3g}{between} N/m, {100 * one.share:.3g} % of "
-            "the variance"
-        )
-    return ["scatter of k_inf, standard deviations:", *lines] if lines else []
 
 
 def _out(lot: dp.Lot, quantity: str) -> list[str]:

@@ -6,8 +6,9 @@ import cmath
 import math
 from typing import TYPE_CHECKING
 
-from dashpot.cli._terminal import Text
-from dashpot.cli._text import hertz, table, with_error
+from dashpot.base.units import in_unit
+from dashpot.cli._terminal import Text, table
+from dashpot.cli._text import hertz, with_error
 
 if TYPE_CHECKING:
     from dashpot.workflow.measured_modes import MeasuredModes
@@ -24,9 +25,7 @@ def modes(found: MeasuredModes) -> Text:
         rows.append(
             [
                 str(number),
-                with_error(mode.frequency_hz, mode.frequency_se_hz),
-                with_error(mode.damping_ratio, mode.damping_ratio_se, scale=100),
-                with_error(abs(complex(mode.residue_real, mode.residue_imag)), mode.residue_se),
+                *(fact.cells.ascii.with_error for fact in mode.mode.facts),
                 *(
                     [f"{mode.phase_collinearity:.3f}", f"{mode.phase_deviation_deg:.2g}"]
                     if several
@@ -91,19 +90,13 @@ def modes_by_mass(found: ModesByMass) -> Text:
     at_poles = [["mass, g", "K', N/mm", "K'', N/mm", "solid K', %", "solid K'', %"]]
     each = zip(held.masses, held.modes, held.stiffness, held.spread, held.at_poles, strict=True)
     for mass, mode, k, se, solid in each:
-        name = f"{1e3 * mass:.5g}"
-        modes.append(
-            [
-                name,
-                with_error(mode.frequency, mode.frequency_se),
-                with_error(mode.damping_ratio, mode.damping_ratio_se, scale=100),
-            ]
-        )
+        name = f"{in_unit(mass, 'g'):.5g}"
+        modes.append([name, *(fact.cells.ascii.with_error for fact in mode.facts[:2])])
         at_poles.append(
             [
                 name,
-                with_error(k.real, float(se[0]), scale=1e-3),
-                with_error(k.imag, float(se[1]), scale=1e-3),
+                with_error(k.real, float(se[0]), "N/m"),
+                with_error(k.imag, float(se[1]), "N/m"),
                 f"{100 * (solid.real / k.real - 1):+.2f}",
                 f"{100 * (solid.imag / k.imag - 1):+.2f}",
             ]

@@ -39,4 +39,4 @@ def rod(found: workflow.Rod) -> Text:
 
 
 def _lines(found: workflow.Rod, shown: int) -> list[str]:
-    return sensitive(found.modulus, errors=("phase", "gain"), unit="MPa", scale=1e-6, shown=shown)
+    return sensitive(found.modulus, errors=("phase", "gain"), unit="Pa", shown=shown)

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-import re
-from collections.abc import Iterable, Iterator, Sequence
-from typing import TYPE_CHECKING, TypeAlias
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
 
 from dashpot.base import numbers
-from dashpot.base.numbers import READ_IN, ascii_only
-from dashpot.base.units import celsius
-from dashpot.cli._terminal import Text
+from dashpot.base.facts import Fact
+from dashpot.base.numbers import ascii_only
+from dashpot.base.units import celsius, in_unit, written
+from dashpot.cli._terminal import Text, facts, table
 
 if TYPE_CHECKING:
     from dashpot import Comparison
@@ -31,10 +31,14 @@ def rounded(value: float, error: float | None = None, *, digits: int = 4) -> str
     return ascii_only(numbers.rounded(value, error, digits=digits))
 
 
-def with_error(value: float, error: float | None, *, scale: float = 1.0) -> str:
-    """Return a value and its error, so too; None is an error that is not known."""
-    error = math.nan if error is None else error
-    return ascii_only(numbers.with_error(value * scale, error * scale))
+def cell(value: float | None, unit: str, *, digits: int = 4) -> str:
+    """Return a value, SI, in a column of a unit, so too; empty where there is none."""
+    return ascii_only(numbers.cell(value, unit, digits=digits))
+
+
+def with_error(value: float, error: float | None, unit: str = "") -> str:
+    """Return a value of a unit of SI and its error as people read both; None is not known."""
+    return Fact.normal("", value, error, unit).cells.ascii.with_error
 
 
 def hertz(band: tuple[float, float]) -> str:
@@ -42,22 +46,8 @@ def hertz(band: tuple[float, float]) -> str:
     return ascii_only(numbers.hertz(band))
 
 
-def table(rows: Sequence[Sequence[str]], *, left: bool = False) -> list[str]:
-    """Return rows of cells as lines of aligned columns: the first, or all, to the left."""
-    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
-    lines = []
-    for row in rows:
-        cells = [
-            cell.ljust(width) if left or i == 0 else cell.rjust(width)
-            for i, (cell, width) in enumerate(zip(row, widths, strict=True))
-        ]
-        lines.append(("  " + "  ".join(cells)).rstrip())
-    return lines
-
-
-_RESIDUAL = {
-    "N": (1e3, "mN rms"), "m": (1e6, "um rms"), "1": (100.0, "% rms"), "sd": (1.0, "of the noise"),
-}  # fmt: skip
+_RESIDUAL = {"N": "mN", "m": "um", "1": "%"}
+"""In which unit people read what is left of a fit."""
 
 
 def fit(found: Fit, *, asked: int | str = "auto") -> Text:
@@ -70,13 +60,14 @@ def fit(found: Fit, *, asked: int | str = "auto") -> Text:
     if found.family == "fractional":
         arms = f"fractional Zener solid ({arms} stand for it)"
     residual = found.residual
-    scale, unit = _RESIDUAL.get(residual.unit, (1.0, residual.unit))
-    size = f"{scale * residual.rms:.3g} {unit}"
+    size = f"{residual.rms:.3g} of the noise"
+    if residual.unit != "sd":
+        size = f"{written(residual.rms, _RESIDUAL.get(residual.unit, residual.unit), '.3g')} rms"
     short = asked not in ("auto", found.model.arms) and found.family == "maxwell"
     kept = f", not the {asked} asked for: {found.status.value}" if short else ""
     lines = [
         f"{files}: {arms}, method {found.method}{kept}",
-        *_parameters(found),
+        *facts(found.known),
         "",
         f"  residual    {size} over {residual.n} samples (each worth 1/{residual.kappa:.3g})",
         f"  informed    {hertz(found.band)}; outside it the model is an extrapolation",
@@ -110,10 +101,8 @@ def _beside(found: Fit) -> list[str]:
 
 
 def _nuisance(found: Fit) -> list[str]:
-    listed = "; ".join(
-        f"{item.name} {with_error(item.value, item.standard_error)} {item.unit}"
-        for item in found.nuisance
-    )
+    each = (item.fact for item in found.nuisance)
+    listed = ascii_only("; ".join(f"{one.called} {one.cells.with_unit}" for one in each))
     return [f"  nuisance    {listed}"] if listed else []
 
 
@@ -131,75 +120,15 @@ def _creep(found: Fit) -> list[str]:
     creep = found.creep
     if creep is None:
         return []
-    unit, scale = ("mm/N", 1e3) if found.unit == "N/m" else ("1/MPa", 1e6)
-    known = creep.standard_error
-
-    def told(name: str, value: float) -> str:
-        return with_error(value, known(name), scale=scale)
-
-    parts = [f"at once {told('glass', creep.spectrum.glass)} {unit}"]
-    for i, (d, lam) in enumerate(zip(creep.spectrum.d, creep.spectrum.lam, strict=True), start=1):
-        parts.append(f"{told(f'd_{i}', d)} {unit} in {with_error(lam, known(f'lam_{i}'))} s")
-    if creep.spectrum.flow > 0:
-        parts.append(f"flow {told('flow', creep.spectrum.flow)} {unit} per s, without end")
+    known = creep.facts("m/N" if found.unit == "N/m" else "1/Pa")
+    told = {one.name: one.cells.ascii.with_unit for one in known}
+    parts = [f"at once {told['glass']}"]
+    parts += [
+        f"{told[f'd_{j}']} in {told[f'lam_{j}']}" for j in range(1, len(creep.spectrum.d) + 1)
+    ]
+    if "flow" in told:
+        parts.append(f"flow {told['flow']}, without end")
     return [f"  creep       {'; '.join(parts)}"]
-
-
-_SHOWN = {"N/m": ("N/mm", "N s/mm", 1e-3), "Pa": ("MPa", "MPa s", 1e-6)}
-
-
-def _parameters(found: Fit) -> list[str]:
-    stiffness, damping, size = _SHOWN.get(found.unit, (found.unit, f"{found.unit} s", 1.0))
-    rows = [["", "value", "± SE", "95 % interval", "unit"]]
-    end = found.end_of_hold
-    if end is not None:
-        held = rounded(size * float(found.model.relaxation(end.time)))
-        ends = ascii_only(numbers.interval(*(size * limit for limit in end.k_end)))
-        rows.append([f"k({rounded(end.time)} s)", held, "", ends, stiffness])
-    units = {"k": (stiffness, size), "b": (damping, size), "tau": ("s", 1.0), "alpha": ("", 1.0)}
-    for name, value, se, between in _known(found):
-        unit, scale = units[re.split("[_ ]", name)[0]]
-        rows.append([name, *_cells(value, se, between, scale), unit])
-    return table(rows)
-
-
-_Known: TypeAlias = tuple[str, float, float | None, tuple[float, float] | None]
-
-
-def _known(found: Fit) -> Iterator[_Known]:
-    """Name, value, standard error (None of what was given) and interval of each parameter, SI."""
-    model, error, interval = found.model, found.standard_error, found.intervals(level=0.95)
-    if found.family == "fractional":
-        known, between = found.solid_standard_error, found.solid_intervals()
-        for name in ("k_inf", "k_0", "tau", "alpha"):
-            yield name, getattr(found.solid, name), known[name], between[name]
-        return
-    yield "k_inf", model.k_inf, error["k_inf"], interval["k_inf"]
-    if not found.parameters:  # a dense spectrum, whose single arms mean nothing
-        yield "k_0", model.k_0, math.inf, None
-        if model.arms:  # a spectrum may find none
-            yield "tau from", model.tau[0], math.inf, None
-            yield "tau to", model.tau[-1], math.inf, None
-        return
-    for j in range(model.arms):
-        yield f"k_{j + 1}", model.k[j], error["k"][j], interval["k"][j]
-        yield f"tau_{j + 1}", model.tau[j], error["tau"][j], interval["tau"][j]
-        yield f"b_{j + 1}", model.arm_b[j], error["b"][j], None
-    if model.b > 0:
-        yield "b", model.b, None, None
-
-
-def _cells(
-    value: float, se: float | None, ends: tuple[float, float] | None, scale: float
-) -> tuple[str, str, str]:
-    """A value, its error and its interval."""
-    if se is None or not math.isfinite(se):
-        return rounded(value * scale), "" if se is None else "unknown", ""
-    between = ""
-    if ends:
-        low, high = (end * scale for end in ends)
-        between = ascii_only(numbers.known_between(value * scale, low, high, se * scale))
-    return rounded(value * scale, se * scale), rounded(se * scale, se * scale), between
 
 
 def _temperatures(found: Fit) -> list[str]:
@@ -208,15 +137,9 @@ def _temperatures(found: Fit) -> list[str]:
     if moved is None:
         return []
     rows = [["", "log10 a_T", "± SE", "b_T"]]
-    rows += [
-        [
-            celsius(one.temperature),
-            rounded(one.log10_a_t, one.se or None),
-            rounded(one.se, digits=2) if one.se else "",
-            rounded(one.b_t, one.b_t_se or None),
-        ]
-        for one in moved.shifts
-    ]
+    for one in moved.shifts:
+        along, across = (fact.cells.ascii for fact in one.facts)
+        rows.append([celsius(one.temperature), along.value, along.error, across.value])
     return [
         f"  reference   {celsius(moved.reference)}, of {len(moved.shifts)} temperatures; b_T "
         + ("free" if moved.vertical == "free" else f"= {moved.vertical}"),
@@ -232,33 +155,20 @@ def _temperatures(found: Fit) -> list[str]:
 
 def _shift_law(moved: TemperatureShifts) -> str:
     """The law of the shifts with its constants, where it has any."""
-    errors = moved.law_covariance.diagonal() ** 0.5
-    constants = ", ".join(
-        f"{_CONSTANTS[name][0]} {with_error(getattr(moved.law, name), error, scale=scale)}{unit}"
-        for name, error in zip(moved.law_parameters, errors, strict=True)
-        for scale, unit in [_CONSTANTS[name][1:]]
-    )
+    constants = ", ".join(f"{one.called} {one.cells.with_unit}" for one in moved.constants)
     law = {"wlf": "WLF", "arrhenius": "Arrhenius"}.get(moved.law.kind, "none, the shifts alone")
-    return ": ".join(filter(None, (law, constants)))
-
-
-# how a constant of a law is called, in which size and unit people read it
-_CONSTANTS = {"c1": ("C1", 1.0, ""), "c2": ("C2", 1.0, " K"), "energy": ("E_a", 1e-3, " kJ/mol")}
+    return ascii_only(": ".join(filter(None, (law, constants))))
 
 
 def _by_depth(found: Fit) -> list[str]:
     """Return the stiffnesses of each depth, where each has its own."""
     if not found.by_depth:
         return []
-    unit, _, scale = _SHOWN.get(found.unit, (found.unit, "", 1.0))
-    # an arm that is nothing at the deepest is no arm of the model
-    names = ["k_inf", *(f"k_{j + 1}" for j in range(len(found.by_depth[0].k)))]
-    rows = [[f"  by depth, {unit}", *names]]
-    for one in found.by_depth:
-        known = zip((one.k_inf, *one.k), (one.k_inf_se, *one.k_se), strict=True)
-        rows.append(
-            [f"  {1e3 * one.depth:.4g} mm", *(with_error(k, se, scale=scale) for k, se in known)]
-        )
+    each = [one.facts(found.unit) for one in found.by_depth]
+    rows = [[f"  by depth, {each[0][0].word}", *(one.called for one in each[0])]]
+    for at, known in zip(found.by_depth, each, strict=True):
+        cells = (one.cells.ascii.with_error for one in known)
+        rows.append([f"  {written(at.depth, 'mm')}", *cells])
     return table(rows)
 
 
@@ -268,13 +178,9 @@ def _moved(found: Fit) -> list[str]:
         return []
     rows = [["  moved", "before", "after", "by, in SE before"]]
     for item in found.moved:
-        unit, _, scale = _SHOWN.get(item.unit, (item.unit.replace("1", ""), "", 1.0))
-        after = f"{rounded(item.after * scale, item.after_se * scale)} {unit}".rstrip()
-        if item.before is None:
-            rows.append([f"  {item.name}", "-", after, "new"])
-            continue
-        before = f"{rounded(item.before * scale, (item.before_se or 0.0) * scale)} {unit}".rstrip()
-        rows.append([f"  {item.name}", before, after, ascii_only(numbers.signed(item.shift))])
+        before = "-" if item.was is None else item.was.cells.ascii.with_unit
+        by = "new" if item.was is None else ascii_only(numbers.signed(item.shift))
+        rows.append([f"  {item.name}", before, item.now.cells.ascii.with_unit, by])
     return table(rows)
 
 
@@ -311,9 +217,8 @@ def impact(found: ImpactResult) -> Text:
     frf = found.frf
     lines = []
     for mode in found.modes:
-        frequency = with_error(mode.frequency_hz, mode.frequency_se_hz)
-        ratio = with_error(mode.damping_ratio, mode.damping_ratio_se, scale=100)
-        lines.append(f"  mode  {frequency} Hz, damping ratio {ratio} % ({mode.method})")
+        frequency, ratio, _ = (fact.cells.ascii.with_unit for fact in mode.mode.facts)
+        lines.append(f"  mode  {frequency}, damping ratio {ratio} ({mode.method})")
     used = f"{frf.averages} of {len(frf.hits)} hit{'s' * (len(frf.hits) != 1)} averaged"
     spacing = frf.frequency[1] - frf.frequency[0]
     if frf.kind.over_base:
@@ -331,7 +236,7 @@ def impact(found: ImpactResult) -> Text:
             hit.name,
             f"{hit.time:.3f}",
             f"{hit.peak:.3g}",
-            f"{hit.duration * 1e3:.3g}",
+            f"{in_unit(hit.duration, 'ms'):.3g}",
             "accepted" if hit.accepted else "REJECTED",
         ]
         for hit in frf.hits
@@ -352,37 +257,20 @@ def levels(found: Levels) -> Text:
         )
     rows = [["level, N", "peak, Hz", "95 %", "motion, mm/N", "95 %", "seal, mm"]]
     for one in found.at:
-        low, high = one.frequency_interval
-        least, most = one.receptance_interval
-        rows.append(
-            [
-                f"{one.level:.4g}",
-                f"{one.frequency:.5g}",
-                f"{low:.5g} to {high:.5g}",
-                f"{1e3 * one.receptance:.4g}",
-                f"{1e3 * least:.4g} to {1e3 * most:.4g}",
-                f"{1e3 * one.amplitude:.3g}",
-            ]
-        )
+        peak, motion = (fact.cells.ascii for fact in one.facts)
+        of_peak, of_motion = (peak.value, peak.interval), (motion.value, motion.interval)
+        seal = f"{in_unit(one.amplitude, 'mm'):.3g}"
+        rows.append([f"{one.level:.4g}", *of_peak, *of_motion, seal])
     return Text([*lines, *(table(rows) if found.at else ()), *_read(found.source)])
 
 
 def indentation(found: Indentation) -> Text:
     """Return the law of a contact, its numbers with their intervals, and the laws tried."""
-    rows = [["", "", "95 %", ""]]
-    for one in found.fit.found:
-        scale, unit = READ_IN.get(one.unit, (1.0, one.unit))
-        low, high = scale * one.low, scale * one.high
-        value = scale * one.value
-        error = (high - low) / 4
-        rows.append(
-            [one.name.replace("_", " "), rounded(value, error), f"{low:.4g} to {high:.4g}", unit]
-            if one.low > 0
-            else [one.name.replace("_", " "), "", f"below {high:.3g}", unit]
-        )
     least = min(score for _, score in found.fit.orders)
     tried = ", ".join(f"{name} {score - least:.1f}" for name, score in found.fit.orders)
-    return Text([f"  law: {found.fit.law}", *table(rows), f"  BIC above the least: {tried}"])
+    return Text(
+        [f"  law: {found.fit.law}", *facts(found.fit.found), f"  BIC above the least: {tried}"]
+    )
 
 
 def comparison(found: Comparison, joint: Comparison | None = None) -> list[str]:
@@ -400,7 +288,7 @@ def study(found: Study) -> Text:
     lines, details = [], []
     if found.mass is not None and found.comparison is not None:
         inferred = " (inferred from the FRF)" if found.mass_inferred else ""
-        lines.append(f"{found.mass * 1e3:.6g} g{inferred} on {found.seals:g} seals")
+        lines.append(f"{written(found.mass, 'g', '.6g')}{inferred} on {found.seals:g} seals")
         lines += comparison(found.comparison, found.joint_comparison)
         details += ["", "the prediction from the relaxation test alone", str(found.comparison)]
     if found.at_rest is not None and str(found.at_rest):
@@ -418,7 +306,7 @@ def study(found: Study) -> Text:
 def prediction(found: Prediction, *, mass: float, seals: float) -> Text:
     """Return a prediction's peak, modes and limits."""
     hz, height = found.peak
-    on = f"{mass * 1e3:.6g} g on {seals:g} seal{'s' * (seals != 1)}"
+    on = f"{written(mass, 'g', '.6g')} on {seals:g} seal{'s' * (seals != 1)}"
     does = "is largest" if found.at_edge else "peaks"
     kind = found.frf.kind.replace("_", " ")
     lines = [f"{on}: {kind} {does} at {hz:.5g} Hz with {height:.5g} {found.frf.unit}"]
@@ -448,9 +336,9 @@ def _at_levels(found: Prediction) -> list[str]:
         [f"level, {of.unit}", "peak, Hz", "between", found.frf.unit or "height", "between", "moved"]
     ]
     for one in found.levels:
-        moved = f"{1e3 * one.amplitude:.3g} mm"
+        moved = written(one.amplitude, "mm", ".3g")
         if one.strain is not None:
-            moved += f", {100 * one.strain:.3g} %"
+            moved += f", {written(one.strain, '%', '.3g')}"
         rows.append(
             [
                 f"{one.level:.4g}",
@@ -478,23 +366,22 @@ def _shaken(found: ShakenMass) -> list[str]:
     reach = "" if band is None else f" ({band[0]:.4g} to {band[1]:.4g} Hz)"
     does = (
         f"  shaken by {found.of}{reach} the mass feels {response.acceleration:.4g} m/s^2 rms "
-        f"and the seals move {1e3 * response.stretch:.4g} mm rms, {response.crossings:.4g} times "
+        f"and the seals move {written(response.stretch, 'mm')} rms, {response.crossings:.4g} times "
         "a second"
     )
     lines = [does]
     if (limits := found.limits) is not None:
-        felt, moved = _reach(limits.acceleration), _reach(limits.stretch, 1e3)
+        felt, moved = _reach(limits.acceleration), _reach(limits.stretch, "mm")
         low, high = limits.band_hz
         part = "" if band is not None else f", to the noise from {low:.4g} to {high:.4g} Hz"
         lines.append(f"  the relaxation test allows {felt} m/s^2 rms and {moved} mm rms{part}")
     return lines
 
 
-def _reach(ends: tuple[float, float], unit: float = 1.0) -> str:
+def _reach(ends: tuple[float, float], unit: str = "1") -> str:
     """Between which limits something lies; from the lower one on where nothing else limits it."""
-    low, high = ends
-    most = f"{unit * high:.4g}" if math.isfinite(high) else "unlimited"
-    return f"{unit * low:.4g} to {most}"
+    low, high = (in_unit(end, unit) for end in ends)
+    return f"{low:.4g} to {f'{high:.4g}' if math.isfinite(high) else 'unlimited'}"
 
 
 def _wider(modes: Iterable[Mode]) -> str:
@@ -512,6 +399,7 @@ def _law(law: ElasticLaw) -> str:
     shown = law.knots[::step]
     each = zip(shown, law.tangent(shown), law.stiffness * law.factor_se(shown), strict=True)
     tangents = ", ".join(
-        f"{with_error(1e-3 * k, 1e-3 * se or None)} at {1e3 * x:.3g} mm" for x, k, se in each
+        f"{with_error(k, se or None, 'N/m')} at {written(x, 'mm', '.3g')}" for x, k, se in each
     )
-    return f"secant {1e-3 * law.stiffness:.4g} N/mm at {1e3 * law.depth:.3g} mm; tangent {tangents}"
+    secant = f"{written(law.stiffness, 'N/mm')} at {written(law.depth, 'mm', '.3g')}"
+    return f"secant {secant}; tangent {tangents}"

@@ -10,12 +10,13 @@ import click
 import dashpot as dp
 from dashpot import workflow
 from dashpot.base.errors import ReadError
+from dashpot.base.units import in_unit, read_in, written
 from dashpot.cli import _options as options
 from dashpot.cli import _text
 from dashpot.cli._options import Range, WithUnit
 from dashpot.cli._shell import File, Outcome, printed, reports, write, write_figure
-from dashpot.cli._terminal import Text
-from dashpot.cli._text import rounded, table, with_error
+from dashpot.cli._terminal import Text, table
+from dashpot.cli._text import cell, rounded, with_error
 
 if TYPE_CHECKING:
     from dashpot.base.capability import Capability
@@ -109,20 +110,17 @@ def _said(found: workflow.Pieces) -> Text:
 def _scatter(found: Sequence[PieceStatistics]) -> list[str]:
     rows = [["", "mean", "deviation", "cv, %", "unit"]]
     for each in found:
-        word, of, length = each.unit.partition(" per ")
-        unit, scale = _SHOWN.get(word, (word, 1.0))
+        unit = read_in(each.unit) or "%"
         cv = rounded(100 * each.deviation / each.mean) if each.mean else ""
-        mean, deviation = rounded(scale * each.mean), rounded(scale * each.deviation)
-        rows.append([each.name, mean, deviation, cv, unit + of + length])
+        told = (rounded(in_unit(one, unit)) for one in (each.mean, each.deviation))
+        rows.append([each.name, *told, cv, unit])
     return table(rows)
 
 
 def _capability(found: Capability | None) -> list[str]:
     if found is None or found.cpk is None:
         return []
-    low, high = found.cpk_interval or (0.0, 0.0)
-    outside = f"{found.outside} of {found.count} outside"
-    return [f"  Cpk {found.cpk:.2f} ({low:.2f} to {high:.2f}), {outside}"]
+    return [f"  {found.says}, {found.outside} of {found.count} outside"]
 
 
 def _choice(rate: dp.RateLaw) -> str:
@@ -137,18 +135,18 @@ def _rate(rate: dp.RateLaw) -> list[str]:
     rows = [["F_e + c(x) v, mm", "force, N", "tangent, N/mm", "c, N s/m"]]
     for knot in rate.knots[1:]:
         c, error = rate.c(knot)
-        stiff, off = (float(each(knot)) for each in (rate.law.factor, rate.law.factor_se))
-        scale = 1e-3 * rate.law.stiffness
+        law, k = rate.law, rate.law.stiffness
+        stiff, off = (float(k * each(knot)) for each in (law.factor, law.factor_se))
         rows.append(
             [
-                rounded(1e3 * knot),
-                rounded(float(rate.law.force(knot))),
-                with_error(scale * stiff, scale * off),
+                cell(knot, "mm"),
+                rounded(float(law.force(knot))),
+                with_error(stiff, off, "N/m"),
                 with_error(c, error) if c > 2 * error else f"below {c + 2 * error:.2g}",
             ]
         )
     arms = ", ".join(
-        f"{with_error(1e-3 * k, 1e-3 * se)} N/mm over {with_error(tau, tau * wide)} s"
+        f"{with_error(k, se, 'N/m')} N/mm over {with_error(tau, tau * wide)} s"
         for k, tau, se, wide in zip(rate.k, rate.tau, rate.k_se, rate.ln_tau_se, strict=True)
     )
     return [*table(rows), f"  arms beside it: {arms or 'none'}"]
@@ -161,10 +159,10 @@ def _relaxed(found: dp.RelaxedLaw, one: dp.CLD) -> list[str]:
         tangent, error = (float(law.stiffness * each(mark)) for each in (law.factor, law.factor_se))
         rows.append(
             [
-                rounded(1e3 * mark),
+                cell(mark, "mm"),
                 with_error(float(law.force(mark)), found.force_se(mark)),
-                rounded(1e-3 * float(law.secant(mark))),
-                with_error(1e-3 * tangent, 1e-3 * error),
+                cell(float(law.secant(mark)), "N/mm"),
+                with_error(tangent, error, "N/m"),
             ]
         )
     said = f"  softer than cycle 1 by {100 * found.softening:.3g} % without the memory"
@@ -175,7 +173,6 @@ def _relaxed(found: dp.RelaxedLaw, one: dp.CLD) -> list[str]:
 
 _BLOCKS = 2
 """Pieces that are shown one by one."""
-_SHOWN = {"N/m": ("N/mm", 1e-3), "J": ("mJ", 1e3), "m": ("mm", 1e3), "": ("%", 100.0)}
 
 
 def _overview(found: workflow.Pieces) -> list[str]:
@@ -185,10 +182,10 @@ def _overview(found: workflow.Pieces) -> list[str]:
         rows.append(
             [
                 "" if one.source is None else one.source.file,
-                "" if one.cycle.speed is None else rounded(1e3 * one.cycle.speed),
+                cell(one.cycle.speed, "mm/s"),
                 with_error(one.per * one.nominal.loading, one.per * one.nominal.loading_se),
-                "" if lost is None else rounded(100 * lost, digits=3),
-                "" if one.set is None else rounded(1e3 * one.set, digits=3),
+                cell(lost, "%", digits=3),
+                cell(one.set, "mm", digits=3),
             ]
         )
     return table(rows)
@@ -202,24 +199,25 @@ def _piece(one: dp.CLD) -> list[str]:
         back = "" if mark.unloading is None else rounded(per * mark.unloading)
         rows.append(
             [
-                rounded(1e3 * mark.compression),
+                cell(mark.compression, "mm"),
                 with_error(per * mark.loading, per * mark.loading_se),
                 back,
-                with_error(1e-3 * per * mark.slope, 1e-3 * per * mark.slope_se),
-                rounded(1e3 * per * mark.energy),
+                with_error(per * mark.slope, per * mark.slope_se, "N/m"),
+                cell(per * mark.energy, "mJ"),
             ]
         )
     cycle, said = one.cycle, []
     if cycle.hysteresis is not None and cycle.returned is not None:
         said.append(
-            f"hysteresis {100 * cycle.hysteresis:.3g} % of {1e3 * per * cycle.energy:.4g} mJ{of}"
+            f"hysteresis {written(cycle.hysteresis, '%', '.3g')} of "
+            f"{written(per * cycle.energy, 'mJ')}{of}"
         )
     if len(one.cycles) > 1:
         said.append(f"softer than cycle 1 by {100 * one.softening:.3g} %")
     if one.set is not None:
-        said.append(f"set {1e3 * one.set:.3g} mm when it was next met")
+        said.append(f"set {written(one.set, 'mm', '.3g')} when it was next met")
     if cycle.speed is not None:
-        said.append(f"{1e3 * cycle.speed:.4g} mm/s")
+        said.append(written(cycle.speed, "mm/s"))
     return [*table(rows), f"  {'; '.join(said)}"] if said else table(rows)
 
 
@@ -230,12 +228,12 @@ def _cycles(one: dp.CLD) -> list[str]:
         rows.append(
             [
                 str(each.number),
-                rounded(1e3 * each.depth),
+                cell(each.depth, "mm"),
                 rounded(each.peak),
-                rounded(1e3 * each.energy),
-                "" if back is None else rounded(1e3 * back),
-                "" if lost is None else rounded(100 * lost),
-                "" if each.contact is None else rounded(1e3 * each.contact),
+                cell(each.energy, "mJ"),
+                cell(back, "mJ"),
+                cell(lost, "%"),
+                cell(each.contact, "mm"),
             ]
         )
     return table(rows)

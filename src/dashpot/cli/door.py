@@ -16,8 +16,8 @@ from dashpot.cli import _options as options
 from dashpot.cli._closing import closing_text
 from dashpot.cli._options import WithUnit
 from dashpot.cli._shell import File, Outcome, printed, reports, write, write_figure
-from dashpot.cli._terminal import Text
-from dashpot.cli._text import hertz, rounded, table
+from dashpot.cli._terminal import Text, table
+from dashpot.cli._text import hertz, rounded
 from dashpot.workflow.job import Job
 
 _ROUNDING = 1e-9

@@ -11,8 +11,8 @@ from dashpot import workflow
 from dashpot.base.choices import ElasticKindAsked, words
 from dashpot.cli import _options as options
 from dashpot.cli._shell import File, Outcome, printed, reports, typed, write, write_figure
-from dashpot.cli._terminal import Text
-from dashpot.cli._text import rounded, table
+from dashpot.cli._terminal import Text, facts, table
+from dashpot.cli._text import rounded
 from dashpot.kinds.hyperelastic.read import MODES, Measures
 from dashpot.records.specimen import Specimen
 
@@ -93,12 +93,6 @@ def command(
 
 def _said(found: dp.HyperelasticFit) -> Text:
     """The law, its constants with their intervals, each curve, and where it is stable."""
-    rows = [["", "", "95 %", ""]]
-    for one in found.found:
-        scale, unit = (1e-6, "MPa") if one.unit == "Pa" else (1.0, "")
-        low, high, value = (scale * each for each in (one.low, one.high, one.value))
-        name = one.name.replace("_", " ")
-        rows.append([name, rounded(value, (high - low) / 4), f"{low:.4g} to {high:.4g}", unit])
     tests = [["", "stretch", "rows", "residual, %"]]
     for curve, left in zip(found.curves, found.residuals, strict=True):
         name = curve.mode if curve.source is None else f"{curve.mode}, {curve.source.file}"
@@ -111,7 +105,7 @@ def _said(found: dp.HyperelasticFit) -> Text:
     ]  # fmt: skip
     lines = [
         f"  law: {found.law.kind}",
-        *table(rows),
+        *facts(found.found),
         *table(tests),
         f"  BIC above the least: {tried}",
     ]

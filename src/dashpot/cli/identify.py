@@ -100,7 +100,7 @@ def command(
     first, straight = [named], found.direct.of
     if straight.over_base:
         errors = ("phase", "mass")
-        first += sensitive(straight, errors=errors, unit="N/mm", scale=1e-3, shown=_ROWS)
+        first += sensitive(straight, errors=errors, unit="N/m", shown=_ROWS)
     text = Text([*first, *lines, *([str(found.at_rest)] if str(found.at_rest) else [])], details)
     return Outcome(
         found,

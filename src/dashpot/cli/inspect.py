@@ -10,8 +10,7 @@ from dashpot import workflow
 from dashpot.base.units import written
 from dashpot.cli._options import given, overwrite, reading
 from dashpot.cli._shell import File, Outcome, Output, reports, typed, write
-from dashpot.cli._terminal import Text
-from dashpot.cli._text import table
+from dashpot.cli._terminal import Text, table
 from dashpot.io.options import ReadOptions
 from dashpot.kinds import KINDS
 

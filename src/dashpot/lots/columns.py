@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any, TypeAlias
 
 import dashpot as dp
+from dashpot.base.units import column, in_unit
 from dashpot.kinds import KINDS
 from dashpot.lots.choices import BatchChoices
 from dashpot.lots.entries import LABELS, Entry
@@ -27,7 +28,7 @@ _OF_THE_SOLID = ("0", "end", "end_low", "end_high", "inf", "inf_se", "inf_low", 
 
 def of_solid(what: str, unit: str) -> str:
     """Return the column of a stiffness: k of a part (`unit` N/m), E of a material (Pa)."""
-    return f"k_{what}_N_per_m" if unit == "N/m" else f"E_{what}_Pa"
+    return column(f"{'k' if unit == 'N/m' else 'E'}_{what}", unit)
 
 
 NUMBERS = (
@@ -48,7 +49,8 @@ def arm_columns(arms: int) -> tuple[str, ...]:
         name
         for j in range(1, arms + 1)
         for name in (
-            of_solid(f"{j}", "N/m"), of_solid(f"{j}_se", "N/m"), f"tau_{j}_s", f"tau_{j}_se_s",
+            of_solid(f"{j}", "N/m"), of_solid(f"{j}_se", "N/m"), column(f"tau_{j}", "s"),
+            column(f"tau_{j}_se", "s"),
             of_solid(f"{j}", "Pa"), of_solid(f"{j}_se", "Pa"),
         )
     )  # fmt: skip
@@ -60,17 +62,17 @@ def asked_columns(choices: BatchChoices, unit: str) -> dict[Where, tuple[str, ..
     Without a frequency, that of the stiffness at the end of the hold; without a compression, those
     at the depth of the test. A material (`unit` Pa) has no compression.
     """
-    part = unit == "N/m"
-    ending = "N_per_m" if part else "Pa"
-    deep = choices.compression if part else ()
+    deep = choices.compression if unit == "N/m" else ()
     found: dict[Where, tuple[str, ...]] = {
-        (None, one): (f"k_end_at_{1e3 * one:g}mm_{ending}",) for one in deep
+        (None, one): (of_solid(f"end_at_{in_unit(one, 'mm'):g}mm", unit),) for one in deep
     }
     for frequency in choices.at:
         for about in deep or (None,):
-            where = f"at_{frequency:g}Hz{'' if about is None else f'_{1e3 * about:g}mm'}"
+            deeper = "" if about is None else f"_{in_unit(about, 'mm'):g}mm"
+            where = f"at_{frequency:g}Hz{deeper}"
             found[frequency, about] = (
-                f"storage_{where}_{ending}", f"loss_{where}_{ending}", f"loss_factor_{where}",
+                column(f"storage_{where}", unit), column(f"loss_{where}", unit),
+                f"loss_factor_{where}",
             )  # fmt: skip
     return found
 

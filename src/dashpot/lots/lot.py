@@ -15,6 +15,7 @@ from dashpot.base.capability import Capability, capability
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.provenance import SIMULATED
+from dashpot.base.units import written
 from dashpot.base.version import byline
 from dashpot.io.write import neutral
 from dashpot.lots.checks import (
@@ -136,9 +137,9 @@ class Lot:
         """
         found: dict[str, str] = {}
         for rows in self._groups(self.fitted, "lot", "kind"):
-            for name, what, scale, unit in (
-                ("hold_s", "held for", 1.0, "s"), ("depth_m", "pressed to", 1e3, "mm"),
-                ("temperature_K", "tested at", 1.0, "K"),
+            for name, what, unit in (
+                ("hold_s", "held for", "s"), ("depth_m", "pressed to", "mm"),
+                ("temperature_K", "tested at", "K"),
             ):  # fmt: skip
                 if name not in rows.columns or rows[name].is_null().all():
                     continue
@@ -146,8 +147,8 @@ class Lot:
                 reach = DEGREES if unit == "K" else ALIKE * usual
                 for file, value in rows.drop_nulls(name).select("file", name).iter_rows():
                     if abs(value - usual) > reach * (1 + 1e-9):
-                        told = f"{what} {scale * value:.3g} {unit}, its lot {scale * usual:.3g}"
-                        found.setdefault(file, f"{told} {unit}")
+                        own, others = (written(one, unit, ".3g") for one in (value, usual))
+                        found.setdefault(file, f"{what} {own}, its lot {others}")
         return found
 
     @cached_property

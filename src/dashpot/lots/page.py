@@ -7,13 +7,13 @@ from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from importlib import resources
-from math import isfinite
 from typing import Any
 
 import numpy as np
 
 from dashpot.base.checks import verdict
 from dashpot.base.numbers import counted, rounded
+from dashpot.base.units import written
 from dashpot.base.version import byline
 from dashpot.lots.entries import LABELS
 from dashpot.lots.figures import capability_picture, control_picture, curves_picture
@@ -140,14 +140,14 @@ def _capability(main: OfQuantity) -> dict[str, Any] | None:
     if main.lowest is None or main.limits is None:
         return None
     worst, one = main.lowest
-    low, high = one.cpk_interval or (0.0, 0.0)
+    cpk, low, high = one.cells
     near, far = one.outside_interval
     return {
         "lot": worst,
         "several": len(main.known) > 1,
-        "cpk": f"{one.cpk:.2f}",
-        "from": f"{low:.2f}",
-        "to": f"{high:.2f}",
+        "cpk": cpk,
+        "from": low,
+        "to": high,
         "cp": "" if one.cp is None else f"{one.cp:.2f}",
         "count": one.count,
         "outside": one.outside,
@@ -181,29 +181,20 @@ def _counts(lot: Lot, main: OfQuantity) -> str:
         counted(len(lots), "lot") if len(lots) > 1 else "",
     ]
     depth, hold = (lot.used[name].median() for name in ("depth_m", "hold_s"))
-    for value, scale, unit in ((depth, 1e3, "mm"), (hold, 1.0, "s")):
+    for value, unit in ((depth, "mm"), (hold, "s")):
         if isinstance(value, float):
-            told.append(f"{scale * value:.4g} {unit}")
+            told.append(written(value, unit))
     return ", ".join(filter(None, told))
-
-
-def _ends(interval: tuple[float, float], scale: float) -> tuple[str, str]:
-    low, high = (
-        rounded(scale * end, digits=2) if isfinite(end) else "no limit" for end in interval
-    )
-    return low, high
 
 
 def _scatter(main: OfQuantity) -> list[dict[str, Any]]:
     """Source, share in per cent, standard deviation and its ends, and where its bar stands."""
     rows, at = [], 0.0
-    for one in main.components:
-        low, high = ("", "")
-        if one.interval is not None:
-            low, high = _ends((one.interval[0] ** 0.5, one.interval[1] ** 0.5), main.quantity.scale)
+    for one, (fact, share) in zip(main.components, main.sources, strict=True):
+        sd, low, high = fact.ends
         rows.append({
-            "source": one.source, "share": f"{100 * one.share:.1f}", "low": low, "high": high,
-            "sd": rounded(main.quantity.scale * one.variance**0.5, digits=2),
+            "source": one.source, "share": share, "sd": sd,
+            "low": low * fact.bounded, "high": high * fact.bounded,
             "at": f"{at:.3f}", "width": f"{100 * one.share:.3f}", "wide": one.share > 0.2,
         })  # fmt: skip
         at += 100 * one.share
@@ -211,31 +202,23 @@ def _scatter(main: OfQuantity) -> list[dict[str, Any]]:
 
 
 def _gauge(main: OfQuantity) -> dict[str, Any] | None:
-    study, scale = main.gauge, main.quantity.scale
+    study = main.gauge
     if study is None:
         return None
     rows = []
     for one in study.variations:
         shares = (f"{100 * end:.0f}" for end in one.share_interval)
-        rows.append((
-            _SOURCES[one.name], rounded(scale * one.deviation, digits=2),
-            *_ends(one.interval, scale), f"{100 * one.share:.1f}", *shares,
-        ))  # fmt: skip
+        fact = main.quantity.fact(_SOURCES[one.name], one.deviation, one.interval)
+        rows.append((fact.name, *fact.ends, f"{100 * one.share:.1f}", *shares))
     share = study["gauge"].share
-    low, high = map(_count, study.categories_interval)
     distance = None if main.limits is None else main.limits.distance
     return {
-        "rows": rows, "share": f"{100 * share:.1f}", "low": low, "high": high,
+        "rows": rows, "says": study.says,
         "mark": "good" if share <= TRUSTED else "care" if share <= LIMIT else "bad",
-        "categories": _count(np.floor(study.categories)),
         "operators": study.operators, "parts": study.parts, "tests": study.tests,
         "left_out": study.left_out, "pooled": study.pooled,
         "tolerance": distance and f"{100 * 6 * study['gauge'].deviation / distance:.1f}",
     }  # fmt: skip
-
-
-def _count(value: float) -> str:
-    return f"{value:.0f}" if isfinite(value) else "∞"
 
 
 def _signals(main: OfQuantity) -> Iterator[tuple[str, str, str]]:
@@ -261,10 +244,7 @@ def _lots(main: OfQuantity) -> list[tuple[str, ...]]:
         ends = ("", "")
         if charts is not None:
             ends = (shown(float(charts.means.lower[0])), shown(float(charts.means.upper[0])))
-        of_cpk = ("", "", "")
-        if able is not None and able.cpk is not None and able.cpk_interval is not None:
-            low, high = able.cpk_interval
-            of_cpk = f"{able.cpk:.2f}", f"{low:.2f}", f"{high:.2f}"
+        of_cpk = ("", "", "") if able is None else able.cells
         rows.append((name or "unnamed", f"{len(values)}", shown(float(np.mean(values))),
                      shown(spread, digits=2), *ends, *of_cpk))  # fmt: skip
     return rows

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Sequence
 from typing import NamedTuple
 
 from dashpot.base.errors import DataError
-from dashpot.base.numbers import rounded
-from dashpot.base.units import Dimension
+from dashpot.base.facts import Fact
+from dashpot.base.numbers import cell
+from dashpot.base.units import Dimension, find, in_unit, of_column, read_in
 
-_UNITS: dict[str, tuple[str, float, Dimension]] = {
-    "_N_per_m": ("N/mm", 1e-3, "stiffness"), "_Hz": ("Hz", 1.0, "frequency"),
-    "_Pa": ("MPa", 1e-6, "stress"), "_s": ("s", 1.0, "time"), "_m": ("mm", 1e3, "length"),
-    "_N": ("N", 1.0, "force"), "_kg": ("g", 1e3, "mass"),
-}  # fmt: skip
 _WORDS = {
     "k_end": "stiffness at the end of the hold", "k_0": "stiffness at once",
     "k_inf": "equilibrium stiffness", "frequency": "frequency of the mass",
@@ -38,26 +35,37 @@ class Quantity(NamedTuple):
     words : str
     unit : str
         In which it is shown; empty for a plain number.
-    scale : float
-        From SI to that unit.
-    dimension : str or None
     """
 
     name: str
     column: str
     words: str
     unit: str
-    scale: float
-    dimension: Dimension | None
+
+    @property
+    def scale(self) -> float:
+        """From SI to that unit."""
+        return in_unit(1.0, self.unit) if self.unit else 1.0
+
+    @property
+    def dimension(self) -> Dimension | None:
+        """What it measures; None of a plain number."""
+        known = find(self.unit)
+        return None if known is None else known.dimension
 
     @property
     def title(self) -> str:
         """Its words and its unit."""
         return f"{self.words}, {self.unit}" if self.unit else self.words
 
+    def fact(self, name: str, value: float, ends: tuple[float, float] | None = None) -> Fact:
+        """A number of this quantity, SI, and its 95 % interval."""
+        low, high = ends or (math.nan, math.nan)
+        return Fact(name, value, low, high, of_column(self.column)[1], read=self.unit)
+
     def shown(self, value: float | None, *, digits: int = 4) -> str:
         """A value, SI, in that unit without its word; empty where there is none."""
-        return "" if value is None else rounded(self.scale * value, digits=digits)
+        return cell(value, self.unit or "1", digits=digits)
 
     def read(self, value: float, *, digits: int = 4) -> str:
         """A value, SI, with its unit."""
@@ -81,10 +89,8 @@ def quantity(name: str, columns: Sequence[str]) -> Quantity:
 
 
 def _of(column: str) -> Quantity:
-    ending = next((one for one in _UNITS if column.endswith(one)), "")
-    name = column.removesuffix(ending)
-    unit, scale, dimension = _UNITS.get(ending, ("", 1.0, None))
-    return Quantity(name, column, _worded(name), unit, scale, dimension)
+    name, unit = of_column(column)
+    return Quantity(name, column, _worded(name), read_in(unit))
 
 
 def _worded(name: str) -> str:

@@ -13,7 +13,9 @@ import numpy as np
 
 from dashpot.base.checks import Check, Verdict
 from dashpot.base.errors import DashpotError
+from dashpot.base.facts import Fact
 from dashpot.base.provenance import SIMULATED
+from dashpot.base.units import column
 from dashpot.io.columns.kinds import MASTER, RECOGNISED
 from dashpot.kinds import FIT_FILES, KINDS, KindOfTest, Piece, load, row_of
 from dashpot.lots.choices import BatchChoices
@@ -200,33 +202,26 @@ def _of_fit(fit: Fit, hold: float | None, room: int) -> dict[str, Any]:
         "arms": model.arms,
         "band_low_Hz": fit.band[0],
         "band_high_Hz": fit.band[1],
-        of_solid("inf", unit): model.k_inf,
         of_solid("0", unit): model.k_0,
     }
     if hold is not None:
         found[of_solid("end", unit)] = float(model.relaxation(hold))
     if fit.residual.unit == "N":
         found["rms_N"] = fit.residual.rms
-    for j, (k, tau) in _arms(model.k, model.tau, room):
-        found |= {of_solid(f"{j}", unit): k, f"tau_{j}_s": tau}
-    return found
+    return found | {_column(one): one.value for one in _shown(fit, room)}
 
 
 def _judged(fit: Fit, room: int) -> dict[str, Any]:
     """Errors, intervals, checks and verdict."""
-    low, high = fit.intervals()["k_inf"]
-    error, unit = fit.standard_error, fit.unit
+    unit, shown = fit.unit, list(_shown(fit, room))
     found = _trusted(fit.verdict, fit.checks) | {
-        of_solid("inf_se", unit): error["k_inf"],
-        of_solid("inf_low", unit): low,
-        of_solid("inf_high", unit): high,
+        of_solid("inf_low", unit): shown[0].low,
+        of_solid("inf_high", unit): shown[0].high,
     }
     if fit.left_open is not None:
         low, high = fit.left_open["k_end"]
         found |= {of_solid("end_low", unit): low, of_solid("end_high", unit): high}
-    for j, (k, tau) in _arms(error["k"], error["tau"], room):
-        found |= {of_solid(f"{j}_se", unit): k, f"tau_{j}_se_s": tau}
-    return found
+    return found | {_column(one, "_se"): one.error for one in shown}
 
 
 def _trusted(verdict: Verdict, checks: Iterable[Check]) -> dict[str, Any]:
@@ -239,11 +234,18 @@ def _trusted(verdict: Verdict, checks: Iterable[Check]) -> dict[str, Any]:
     }
 
 
-def _arms(
-    k: Sequence[float], tau: Sequence[float], room: int
-) -> Iterator[tuple[int, tuple[float, float]]]:
-    """The arms from 1; a curve may have more than a row has room for."""
-    return enumerate(islice(zip(k, tau, strict=True), room), start=1)
+def _shown(fit: Fit, room: int) -> Iterator[Fact]:
+    """k_inf and the arms; a curve may have more than a row has room for."""
+    each = (one for one in fit.facts(arms=True) if not one.name.startswith("b"))
+    return islice(each, 1 + 2 * room)
+
+
+def _column(fact: Fact, what: str = "") -> str:
+    """The column of a number of a solid, or of what is known of it."""
+    kind, _, place = fact.name.partition("_")
+    if kind == "k":
+        return of_solid(f"{place}{what}", fact.unit)
+    return column(f"{fact.name}{what}", fact.unit)
 
 
 def _asked(fit: Fit, choices: BatchChoices, hold: float | None) -> dict[str, Any]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from math import isfinite
+from math import isfinite, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -13,6 +13,7 @@ from dashpot.base.capability import Capability
 from dashpot.base.checks import Check
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
+from dashpot.base.facts import Fact
 from dashpot.base.numbers import ascii_only, counted
 from dashpot.lots.checks import (
     asked_in_band,
@@ -129,6 +130,18 @@ class OfQuantity(Documented):
     def decided(self) -> tuple[Judged, ...] | None:
         """The judgement of each seal; None without limits."""
         return None if self.limits is None else self.judged
+
+    @property
+    def sources(self) -> tuple[tuple[Fact, str], ...]:
+        """The standard deviation of each source of scatter, and its share of the variance, %."""
+        return tuple(
+            (self._deviation(one.source, one.variance, one.interval), f"{100 * one.share:.1f}")
+            for one in self.components
+        )
+
+    def _deviation(self, name: str, variance: float, ends: tuple[float, float] | None) -> Fact:
+        within = None if ends is None else (sqrt(ends[0]), sqrt(ends[1]))
+        return self.quantity.fact(name, sqrt(variance), within)
 
     @property
     def known(self) -> dict[str, Capability]:
@@ -331,17 +344,15 @@ def _lines(one: OfQuantity) -> Iterator[str]:
         f"{counted(len(by_lot(one.seals)), 'lot')}, {signals} signals of control charts"
     )
     if one.gauge is not None:
-        share, (low, high) = one.gauge["gauge"].share, one.gauge.categories_interval
-        yield (
-            f"  gauge R&R   {100 * share:.3g} % of all scatter, ndc {one.gauge.categories:.0f} "
-            f"({low:.0f} to {high:.0f})"
-        )
+        yield f"  gauge R&R   {ascii_only(one.gauge.says)}"
     for name, able in one.known.items():
-        low, high = able.cpk_interval or (0.0, 0.0)
-        yield (
-            f"  Cpk         {able.cpk:.2f} ({low:.2f} to {high:.2f}, {able.count} seals)"
-            f"{f', lot {name}' if name else ''}"
-        )
+        yield f"  capability  {able.says}, {able.count} seals{f', lot {name}' if name else ''}"
+    if one.sources:
+        yield f"  scatter, standard deviations, {one.quantity.unit}:"
+    for fact, share in one.sources:
+        value, low, high = map(ascii_only, fact.ends)
+        between = f" ({low} to {high})" if fact.bounded else ""
+        yield f"    {fact.name:<9} {value}{between}, {share} % of the variance"
     yield from (_judged(judge, one.quantity) for judge in one.judged if judge.decision != "pass")
 
 

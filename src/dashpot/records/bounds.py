@@ -11,9 +11,11 @@ import numpy as np
 from dashpot.base.arrays import ByValue, FloatArray, frozen, increasing, samples
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
-from dashpot.base.numbers import interval, rounded
+from dashpot.base.facts import Fact
+from dashpot.base.numbers import duration, interval, rounded
 from dashpot.base.units import in_unit
 from dashpot.records.frf import Kind
+from dashpot.solids.maxwell import Solid
 
 
 @dataclass(frozen=True)
@@ -53,6 +55,11 @@ class EndOfHold(Documented):
             f"what it relaxes to is at most {most} N/mm, and no record sets a lower limit; a "
             "longer hold would tell more, and so would a known drift of the load cell"
         )
+
+    def fact(self, solid: Solid, unit: str) -> Fact:
+        """The stiffness of a solid at the end of the hold, between these limits."""
+        words = f"k({duration(self.time)})"
+        return Fact("k_end", float(solid.relaxation(self.time)), *self.k_end, unit, words=words)
 
     def __mul__(self, count: float) -> EndOfHold:
         """So many parts side by side."""

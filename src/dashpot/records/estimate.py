@@ -13,19 +13,22 @@ an end that the data leave open is open.
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from math import exp, inf, isfinite, sqrt
-from typing import TYPE_CHECKING, TypedDict
+from math import exp, inf, isfinite, nan, sqrt
+from typing import TYPE_CHECKING, Any, NamedTuple, TypedDict, cast
 
 import numpy as np
 
 from dashpot.base.arrays import ByValue, FloatArray, frozen
 from dashpot.base.errors import DataError
+from dashpot.base.facts import Fact
+from dashpot.base.units import read_in
+from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.interconversion import CreepSpectrum
 
 if TYPE_CHECKING:
-    from dashpot.solids.fractional import FractionalZener
-    from dashpot.solids.maxwell import GeneralizedMaxwell
+    from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
 Interval = tuple[float, float]
 
@@ -129,6 +132,26 @@ class Nuisance:
     unit: str
     prior_sd: float | None = None
 
+    @property
+    def fact(self) -> Fact:
+        """As every table of it has it."""
+        read = read_in(self.unit, fine=True)
+        return Fact.normal(self.name, self.value, self.standard_error, self.unit, read)
+
+
+class _Row(NamedTuple):
+    """A parameter of a solid and the standard error of what was fitted: itself, or its ln."""
+
+    name: str
+    value: float
+    error: float
+    log: bool = False
+    most: float = inf
+
+    @property
+    def standard_error(self) -> float:
+        return self.value * self.error if self.log else self.error
+
 
 @dataclass(frozen=True, eq=False)
 class ParameterEstimate(ByValue):
@@ -179,50 +202,68 @@ class ParameterEstimate(ByValue):
         names = parameter_names(len(gradient) // 2)
         return ParameterEstimate(names, covariance, self.dof, self.residual)
 
-    def element_errors(self, solid: FractionalZener) -> dict[str, float]:
-        """Standard errors of k_inf, k_0, tau and alpha, SI units."""
-        own = {name: self._error(name) for name in ELEMENT}
-        return {
-            "k_inf": own["k_inf"],
-            "k_0": own["k_0"],
-            "tau": solid.tau * own["ln_tau"],
-            "alpha": own["alpha"],
-        }
+    def facts(self, solid: Solid, unit: str, level: float = 0.95) -> tuple[Fact, ...]:
+        """Every parameter of a solid, its stiffnesses in `unit`, with error and interval.
 
-    def element_intervals(self, solid: FractionalZener, level: float) -> dict[str, Interval]:
-        """Student's intervals at `level` of k_inf, k_0, tau and alpha, SI units.
+        ``k_inf``, then ``k_1``, ``tau_1`` and ``b_1`` = k tau of each arm, and ``b`` of a dashpot
+        beside them; ``k_inf``, ``k_0``, ``tau`` and ``alpha`` of a fractional solid.
 
         Raises
         ------
         DataError
             If `level` is not between 0 and 1.
         """
-        quantile = self._quantile(level)
-        own = {name: self._error(name) for name in ELEMENT}
-        reach = {name: quantile * e if isfinite(e) else inf for name, e in own.items()}
-        log_tau = float(np.log(solid.tau))
-        return {
-            "k_inf": (max(solid.k_inf - reach["k_inf"], 0.0), solid.k_inf + reach["k_inf"]),
-            "k_0": (max(solid.k_0 - reach["k_0"], 0.0), solid.k_0 + reach["k_0"]),
-            "tau": (_exp(log_tau - reach["ln_tau"]), _exp(log_tau + reach["ln_tau"])),
-            "alpha": (
-                max(solid.alpha - reach["alpha"], 0.0),
-                min(solid.alpha + reach["alpha"], 1.0),
-            ),
-        }
+        units = {"k": unit, "tau": "s", "b": "N s/m" if unit == "N/m" else f"{unit} s"}
+        ends = self.ends(solid, level)
+        found = [
+            Fact(
+                row.name, float(row.value), *ends[row.name],
+                units.get(row.name.partition("_")[0], ""), row.standard_error,
+            )
+            for row in self._rows(solid)
+        ]  # fmt: skip
+        given = 0.0 if isinstance(solid, FractionalZener) else solid.maxwell.b
+        if given > 0:
+            error = self._error("b") if "b" in self.parameters else None
+            reach = nan if error is None else self._quantile(level) * error
+            low, high = max(given - reach, 0.0), given + reach
+            found.append(Fact("b", given, low, high, units["b"], error))
+        return tuple(found)
 
-    def standard_errors(self, model: GeneralizedMaxwell) -> StandardErrors:
-        """Standard errors of k_inf, and of k, tau and b = k tau of each arm of `model`."""
-        arms = range(1, model.arms + 1)
-        return StandardErrors(
-            k_inf=self._error("k_inf"),
-            k=tuple(self._error(f"k_{j}") for j in arms),
-            tau=tuple(t * self._error(f"ln_tau_{j}") for j, t in enumerate(model.tau, start=1)),
-            b=tuple(b * self._error_of_log_b(model, j) for j, b in enumerate(model.arm_b, start=1)),
-        )
+    def standard_errors(self, solid: Solid) -> StandardErrors:
+        """Standard errors of k_inf, and of k, tau and b = k tau of each arm of `solid`."""
+        return cast("StandardErrors", _by_kind(self.errors(solid).items()))
 
-    def intervals(self, model: GeneralizedMaxwell, level: float) -> Intervals:
-        """Intervals at `level` of the parameters of `model`, from the profile where there is one.
+    def intervals(self, solid: Solid, level: float) -> Intervals:
+        """Intervals at `level` of the same, from the profile where there is one.
+
+        Raises
+        ------
+        DataError
+            If `level` is not between 0 and 1.
+        """
+        return cast("Intervals", _by_kind(self.ends(solid, level).items()))
+
+    def errors(self, solid: Solid) -> dict[str, float]:
+        """Standard errors of the parameters of `solid` by their names, SI units."""
+        return {row.name: row.standard_error for row in self._rows(solid)}
+
+    def _rows(self, solid: Solid) -> Iterator[_Row]:
+        """The parameters of a solid, those of each arm together."""
+        yield _Row("k_inf", solid.k_inf, self._error("k_inf"))
+        if isinstance(solid, FractionalZener):
+            yield _Row("k_0", solid.k_0, self._error("k_0"))
+            yield _Row("tau", solid.tau, self._error("ln_tau"), log=True)
+            yield _Row("alpha", solid.alpha, self._error("alpha"), most=1.0)
+            return
+        model = solid.maxwell
+        for j, (k, tau, b) in enumerate(zip(model.k, model.tau, model.arm_b, strict=True), start=1):
+            yield _Row(f"k_{j}", k, self._error(f"k_{j}"))
+            yield _Row(f"tau_{j}", tau, self._error(f"ln_tau_{j}"), log=True)
+            yield _Row(f"b_{j}", b, self._error_of_log_b(model, j), log=True)
+
+    def ends(self, solid: Solid, level: float) -> dict[str, Interval]:
+        """Intervals at `level` of the parameters of `solid` by their names, SI units.
 
         Raises
         ------
@@ -231,32 +272,18 @@ class ParameterEstimate(ByValue):
         """
         quantile = self._quantile(level)
         profiles = {profile.parameter: profile for profile in self.profiles}
-
-        def of(name: str, value: float, error: float) -> Interval:
-            if name in profiles:
-                return profile_interval(profiles[name], deviance_limit=quantile**2)
-            reach = quantile * error if isfinite(error) else inf
-            return value - reach, value + reach
-
-        def stiffness(name: str, value: float) -> Interval:
-            low, high = of(name, value, self._error(name))
-            return max(low, 0.0), high
-
-        def exponential(name: str, value: float, error: float) -> Interval:
-            low, high = of(name, float(np.log(value)), error)
-            return _exp(low), _exp(high)
-
-        k, tau, b = (list(enumerate(each, start=1)) for each in (model.k, model.tau, model.arm_b))
-        return Intervals(
-            k_inf=stiffness("k_inf", model.k_inf),
-            k=tuple(stiffness(f"k_{j}", value) for j, value in k),
-            tau=tuple(
-                exponential(f"ln_tau_{j}", value, self._error(f"ln_tau_{j}")) for j, value in tau
-            ),
-            b=tuple(
-                exponential(f"ln_b_{j}", value, self._error_of_log_b(model, j)) for j, value in b
-            ),
-        )
+        found = {}
+        for row in self._rows(solid):
+            profile = profiles.get(f"ln_{row.name}" if row.log else row.name)
+            if profile is None:
+                reach = quantile * row.error if isfinite(row.error) else inf
+                at = float(np.log(row.value)) if row.log else row.value
+                low, high = at - reach, at + reach
+            else:
+                low, high = profile_interval(profile, deviance_limit=quantile**2)
+            ends = (_exp(low), _exp(high)) if row.log else (max(low, 0.0), min(high, row.most))
+            found[row.name] = ends
+        return found
 
     def _quantile(self, level: float) -> float:
         # Student's distribution costs an import that a fit alone does not pay
@@ -323,6 +350,31 @@ class CreepEstimate(ByValue):
             return 0.0
         at = self.parameters.index(row)
         return scale * sqrt(max(float(self.covariance[at, at]), 0.0))
+
+    def facts(self, unit: str) -> tuple[Fact, ...]:
+        """The compliances, in `unit`, and times of a solid, and its flow where it flows."""
+        of, numbers = self.spectrum, range(1, len(self.spectrum.d) + 1)
+        rows = [("glass", of.glass, unit)]
+        for j, d, lam in zip(numbers, of.d, of.lam, strict=True):
+            rows += [(f"d_{j}", d, unit), (f"lam_{j}", lam, "s")]
+        if of.flow > 0:
+            rows.append(("flow", of.flow, f"{unit} per s"))
+        return tuple(
+            Fact(name, value, unit=of_it, error=self.standard_error(name))
+            for name, value, of_it in rows
+        )
+
+
+def _by_kind(each: Iterable[tuple[str, Any]]) -> dict[str, Any]:
+    """What is told of k_inf, and of k, tau and b of every arm."""
+    found: dict[str, Any] = {"k_inf": None, "k": (), "tau": (), "b": ()}
+    for name, one in each:
+        kind, _, place = name.partition("_")
+        if place.isdecimal():
+            found[kind] = (*found[kind], one)
+        else:
+            found[name] = one
+    return found
 
 
 def profile_interval(profile: Profile, *, deviance_limit: float) -> Interval:

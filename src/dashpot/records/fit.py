@@ -15,6 +15,7 @@ from dashpot.base.choices import Family, PartMode
 from dashpot.base.demands import positive
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
+from dashpot.base.facts import Fact
 from dashpot.base.numbers import counted
 from dashpot.base.offered import Pictured
 from dashpot.base.provenance import Source, Step
@@ -115,6 +116,18 @@ class Moved:
     unit: str
 
     @property
+    def was(self) -> Fact | None:
+        """What it was, as a table has it; None for a new arm."""
+        if self.before is None:
+            return None
+        return Fact(self.name, self.before, unit=self.unit, error=self.before_se)
+
+    @property
+    def now(self) -> Fact:
+        """What it is, as a table has it."""
+        return Fact(self.name, self.after, unit=self.unit, error=self.after_se)
+
+    @property
     def shift(self) -> float | None:
         """By how many of its standard errors before; None where there is none."""
         if self.before is None or not self.before_se or not np.isfinite(self.before_se):
@@ -172,6 +185,12 @@ class AtDepth:
     k_inf_se: float
     k: tuple[float, ...]
     k_se: tuple[float, ...]
+
+    def facts(self, unit: str) -> tuple[Fact, ...]:
+        """Each stiffness with its error; an arm that is nothing here is one of other depths."""
+        names = ("k_inf", *(f"k_{j}" for j in range(1, len(self.k) + 1)))
+        each = zip(names, (self.k_inf, *self.k), (self.k_inf_se, *self.k_se), strict=True)
+        return tuple(Fact(name, value, unit=unit, error=error) for name, value, error in each)
 
 
 @dataclass(frozen=True)
@@ -483,10 +502,7 @@ class Fit(ByValue, Pictured, Documented):
         ``k_inf``, ``k_0``, ``tau`` and ``alpha`` of a fractional solid; ``k_inf``, ``k_1``,
         ``tau_1``... of one with arms.
         """
-        if isinstance(self.solid, FractionalZener):
-            return self.estimate.element_errors(self.solid)
-        error = self.standard_error
-        return _by_name(error["k_inf"], error["k"], error["tau"])
+        return _own(self.estimate.errors(self.solid))
 
     def solid_intervals(self, level: float = 0.95) -> dict[str, Interval]:
         """Confidence intervals at `level` of the solid's own parameters by their names, SI units.
@@ -498,10 +514,31 @@ class Fit(ByValue, Pictured, Documented):
         DataError
             If `level` is not between 0 and 1.
         """
-        if isinstance(self.solid, FractionalZener):
-            return self.estimate.element_intervals(self.solid, level)
-        ends = self.intervals(level)
-        return _by_name(ends["k_inf"], ends["k"], ends["tau"])
+        return _own(self.estimate.ends(self.solid, level))
+
+    def facts(self, *, arms: bool = False) -> tuple[Fact, ...]:
+        """Every parameter of the solid with its standard error and 95 % interval.
+
+        `arms` are those that stand for a fractional solid, in place of its own four.
+        """
+        if arms:
+            return self._of_arms.facts(self.model, self.unit)
+        return self.estimate.facts(self.solid, self.unit)
+
+    @property
+    def known(self) -> tuple[Fact, ...]:
+        """What a reader is told of the solid, by all tables alike.
+
+        The stiffness at the end of the hold, then every parameter; of a spectrum, whose single
+        arms mean nothing, its ends.
+        """
+        found, model, end = self.facts(), self.model, self.end_of_hold
+        if not self.parameters:
+            ends = [("k_inf", model.k_inf, self.unit), ("k_0", model.k_0, self.unit)]
+            if model.arms:
+                ends += [("tau from", model.tau[0], "s"), ("tau to", model.tau[-1], "s")]
+            found = tuple(Fact(name, value, unit=of, error=np.inf) for name, value, of in ends)
+        return found if end is None else (end.fact(model, self.unit), *found)
 
     @property
     def intervals_95(self) -> Intervals:
@@ -784,8 +821,6 @@ class Fit(ByValue, Pictured, Documented):
         )
 
 
-def _by_name(k_inf: _One, k: Sequence[_One], tau: Sequence[_One]) -> dict[str, _One]:
-    found = {"k_inf": k_inf}
-    for j, (one, other) in enumerate(zip(k, tau, strict=True), start=1):
-        found |= {f"k_{j}": one, f"tau_{j}": other}
-    return found
+def _own(found: dict[str, _One]) -> dict[str, _One]:
+    """Without the dashpots, of which k and tau say all."""
+    return {name: one for name, one in found.items() if not name.startswith("b")}

@@ -22,6 +22,7 @@ from dashpot.base.arrays import (
 from dashpot.base.checks import Check
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
+from dashpot.base.facts import Fact
 from dashpot.base.offered import Pictured, verb
 from dashpot.base.provenance import Source, Step
 
@@ -450,6 +451,15 @@ class Mode(Documented):
     damping_ratio_se: float = 0.0
     residue_se: float = 0.0
     method: str = "model"
+
+    @property
+    def facts(self) -> tuple[Fact, Fact, Fact]:
+        """Frequency, damping ratio and size of the residue, as tables have them."""
+        return (
+            Fact.normal("frequency", self.frequency, self.frequency_se, "Hz"),
+            Fact.normal("damping ratio", self.damping_ratio, self.damping_ratio_se, "1", "%"),
+            Fact.normal("residue", abs(self.residue), self.residue_se, "m/(N s)"),
+        )
 
     @property
     def pole(self) -> complex:

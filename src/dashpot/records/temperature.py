@@ -10,6 +10,7 @@ import numpy as np
 from dashpot.base.arrays import BoolArray, ByValue, FloatArray, frozen
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
+from dashpot.base.facts import Fact
 from dashpot.base.units import celsius, in_unit
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.temperature import WLF, Arrhenius, FreeShifts, TemperatureLaw
@@ -27,6 +28,8 @@ _LN10 = float(np.log(10.0))
 _BEND = 0.03
 # of a parameter, for a slope by differences
 _STEP = 1e-6
+# how the constant of a law is called, and its unit
+_CONSTANTS = {"c1": ("C1", ""), "c2": ("C2", "K"), "energy": ("E_a", "J/mol")}
 
 
 @dataclass(frozen=True)
@@ -48,6 +51,14 @@ class Shift:
     se: float
     b_t: float = 1.0
     b_t_se: float = 0.0
+
+    @property
+    def facts(self) -> tuple[Fact, Fact]:
+        """Both shifts as a table has them; what was held has no error."""
+        return (
+            Fact("log10 a_T", self.log10_a_t, error=self.se or None),
+            Fact("b_T", self.b_t, error=self.b_t_se or None),
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,6 +119,16 @@ class TemperatureShifts(ByValue, Documented):
     def reference(self) -> float:
         """T_r, K: the temperature of the fit's solid."""
         return self.law.reference
+
+    @property
+    def constants(self) -> tuple[Fact, ...]:
+        """Those of the law with their errors."""
+        errors = self.law_covariance.diagonal() ** 0.5
+        return tuple(
+            Fact(name, getattr(self.law, name), unit=unit, error=float(error), words=words)
+            for name, error in zip(self.law_parameters, errors, strict=True)
+            for words, unit in [_CONSTANTS[name]]
+        )
 
     @property
     def tested(self) -> tuple[float, float]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import shlex
 from collections.abc import Collection, Iterable
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
@@ -25,16 +24,7 @@ NOT_GIVEN, NBSP = "not given", "\N{NO-BREAK SPACE}"
 GRADES = {"stop": "bad", "limit": "care", "note": "note"}
 """How a failed check of each grade looks."""
 
-LOPSIDED = 0.1
-"""A range whose one end is that much nearer to the value than the other."""
-
 ORDER = ("good", "note", "care", "bad")
-
-# the unit that people read
-UNITS = {
-    "frequency": "Hz", "damping": "%", "end of hold": "N/mm", "dynamic stiffness": "N/mm",
-    "loss factor": "",
-}  # fmt: skip
 
 
 class Light(NamedTuple):
@@ -202,31 +192,8 @@ def rows(answers: Iterable[Answer]) -> tuple[Row, ...]:
 
 
 def _row(one: Answer) -> Row:
-    unit = UNITS[one.quantity]
-    value, low, high = (in_unit(v, unit or "1") for v in (one.value, one.low, one.high))
-    below, above = value - low, high - value
-    # of a lopsided range each end has the digits of its own distance
-    if not min(below, above) > LOPSIDED * max(below, above):
-        below, above = below or above, above or below
-    else:
-        below = above = (high - low) / 2
-    known = [size for size in (below, above) if math.isfinite(size)]
-    return Row(
-        _name(one),
-        rounded(value, min(known, default=None)),
-        "unknown" if math.isnan(low) else rounded(low, below),
-        "no limit" if math.isinf(high) else rounded(high, above),
-        unit,
-        _measured(one, unit),
-        one.bound,
-    )
-
-
-def _measured(one: Answer, unit: str) -> str:
-    if one.measured is None:
-        return ""
-    error = None if one.measured_se is None else in_unit(one.measured_se, unit or "1")
-    return rounded(in_unit(one.measured, unit or "1"), error, digits=4)
+    measured = "" if one.by_hammer is None else one.by_hammer.cells.value
+    return Row(_name(one), *one.fact.ends, one.fact.word, measured, one.bound)
 
 
 def _name(one: Answer) -> str:

@@ -11,31 +11,26 @@ import numpy as np
 
 from dashpot import plot
 from dashpot.base.arrays import FloatArray
+from dashpot.base.facts import Fact
 from dashpot.base.numbers import rounded
 from dashpot.kinds.level.hits import HitLevels
-from dashpot.kinds.level.levels import Elements, LevelFit, PeakAtLevel
+from dashpot.kinds.level.levels import Elements, LevelFit
 from dashpot.kinds.level.record import AmplitudeFit
 from dashpot.plot.picture import unit_of
 from dashpot.report.figures import drawn
 from dashpot.report.pages import COLOURS, frame, held
-from dashpot.report.tables import READ, ParameterRow, TextTable, checks
+from dashpot.report.tables import TextTable, checks
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.rate_independent import InParallel
 from dashpot.workflow.levels import Levels
 
-_95 = 1.96
-"""Standard errors to either end of a 95 % interval."""
 _FINEST = 1e-6
 """Part of a number to which it is known at best: no sweep has more digits."""
 
 
 def contents(found: Levels) -> dict[str, Any]:
     """What the page of a fit of several levels holds."""
-    rows = []
-    for one in numbers(found):
-        half = (one.ends[1] - one.ends[0]) / 2
-        value, low, high = (rounded(each, half) for each in (one.value, *one.ends))
-        rows.append((one.name, value, low, high, one.unit))
+    rows = [(one.called, *one.ends, one.word) for one in numbers(found)]
     picture = replace(plot.level(found.fit, found.records), name="level")
     names = dict.fromkeys(one.file for one in found.source)
     return {
@@ -58,13 +53,13 @@ def document(found: Levels) -> str:
     return json.dumps(found.document, indent=2, ensure_ascii=False, allow_nan=False)
 
 
-def numbers(found: Levels) -> list[ParameterRow]:
+def numbers(found: Levels) -> list[Fact]:
     """What moves with amplitude, and the resonance at every level that was asked for."""
     fit = found.fit
     if isinstance(fit, AmplitudeFit):
         return [*_of_law(fit)]
     rows = _of_hits(fit) if isinstance(fit, HitLevels) else _of_levels(fit)
-    return [*rows, *(row for one in found.at for row in _of_peak(one))]
+    return [*rows, *(row for one in found.at for row in one.facts)]
 
 
 def beyond(found: Levels) -> str:
@@ -95,41 +90,39 @@ def beyond(found: Levels) -> str:
     return f"{said}. Nothing is known beyond {low} to {high} {word}."
 
 
-def _of_law(fit: AmplitudeFit) -> Iterator[ParameterRow]:
+def _of_law(fit: AmplitudeFit) -> Iterator[Fact]:
     """Storage and loss at a vanishing amplitude, and the law's own numbers."""
-    unit, scale = READ[fit.unit]
     letter = "E" if fit.unit == "Pa" else "K"
-    for i, hz in enumerate(fit.frequency.tolist()):
-        value, error = scale * complex(fit.linear[i]), scale * complex(fit.linear_se[i])
+    for hz, value, error in zip(
+        fit.frequency.tolist(), fit.linear.tolist(), fit.linear_se.tolist(), strict=True
+    ):
         size = abs(value)
-        yield _known(f"{letter}′, {hz:.4g} Hz", value.real, error.real, unit, size)
-        yield _known(f"{letter}″, {hz:.4g} Hz", value.imag, error.imag, unit, size)
+        yield _known(f"{letter}′, {hz:.4g} Hz", value.real, error.real, fit.unit, size=size)
+        yield _known(f"{letter}″, {hz:.4g} Hz", value.imag, error.imag, fit.unit, size=size)
     error_of = dict(fit.se)
     word, stretch = _amplitude(fit)
     if fit.k3:
         # per square of an amplitude it is a number that nobody has seen: what it adds is
-        most = 0.75 * scale * fit.amplitudes[1] ** 2
+        most = 0.75 * fit.amplitudes[1] ** 2
         said = f"cubic spring, at {rounded(stretch * fit.amplitudes[1])} {word}"
-        yield _known(said, most * fit.k3, most * error_of["k3"], unit)
+        yield _known(said, most * fit.k3, most * error_of["k3"], fit.unit)
     if "lost" not in error_of:
         return
-    lost = ("%", 100.0) if fit.law.startswith("factor") else (unit, scale)
-    yield _known("lost", lost[1] * fit.lost, lost[1] * error_of["lost"], lost[0])
-    yield _known(
-        f"half lost, {'strain' if fit.of == 'strain' else 'amplitude'}",
-        stretch * fit.half_way, stretch * error_of["half_way"], word,
-    )  # fmt: skip
+    lost = ("1", "%") if fit.law.startswith("factor") else (fit.unit, "")
+    yield _known("lost", fit.lost, error_of["lost"], *lost)
+    said, si = ("strain", "1") if fit.of == "strain" else ("amplitude", "m")
+    yield _known(f"half lost, {said}", fit.half_way, error_of["half_way"], si, word)
     # one that was set is not known
     yield _known("exponent", fit.exponent, error_of["exponent"] or np.inf, "")
 
 
-def _of_hits(fit: HitLevels) -> Iterator[ParameterRow]:
+def _of_hits(fit: HitLevels) -> Iterator[Fact]:
     """How stiffness and damping change for twice the motion."""
     for name, line in (
         ("stiffness per doubling", fit.trend.stiffness_line),
         ("damping per doubling", fit.trend.damping_line),
     ):
-        yield _known(name, 100 * line.slope, 100 * line.se, "%")
+        yield _known(name, line.slope, line.se, "1", "%")
 
 
 def _amplitude(fit: AmplitudeFit) -> tuple[str, float]:
@@ -139,45 +132,32 @@ def _amplitude(fit: AmplitudeFit) -> tuple[str, float]:
     return unit_of(np.array(fit.amplitudes), "m")
 
 
-def _known(name: str, value: float, error: float, unit: str, size: float = 0.0) -> ParameterRow:
+def _known(
+    name: str, value: float, error: float, unit: str, read: str = "", *, size: float = 0.0
+) -> Fact:
     """A number with its error; `size` is what it is a part of."""
     error = max(error, _FINEST * max(abs(value), size))
-    return ParameterRow(name, value, error, (value - _95 * error, value + _95 * error), unit)
+    return Fact.normal(name, value, error, unit, read)
 
 
-def _of_levels(fit: LevelFit) -> Iterator[ParameterRow]:
+def _of_levels(fit: LevelFit) -> Iterator[Fact]:
     """Storage and loss factor of one seal at the ends of its amplitudes, mid-band."""
     omega = np.pi * (fit.band[0] + fit.band[1])
     X = np.array(fit.amplitudes)
 
     def read(solid: GeneralizedMaxwell, beside: Elements) -> FloatArray:
         K = InParallel((solid, *beside)).equivalent(omega, X)
-        return np.array((1e-3 * K.real, K.imag / K.real))
+        return np.array((K.real, K.imag / K.real))
 
     value, (low, high) = read(fit.solid, fit.beside), fit.interval(read)
-    for i, (name, unit) in enumerate((("K′", "N/mm"), ("loss factor", ""))):
+    for i, (name, unit) in enumerate((("K′", "N/m"), ("loss factor", ""))):
         for j, at in enumerate(X.tolist()):
-            ends = (float(low[i, j]), float(high[i, j]))
-            error = (ends[1] - ends[0]) / 2 / _95
             word, mm = unit_of(np.array(at), "m")
             said = f"{name}, {rounded(mm * at, digits=2)} {word}"
-            yield ParameterRow(said, float(value[i, j]), error, ends, unit)
+            yield Fact(said, float(value[i, j]), float(low[i, j]), float(high[i, j]), unit)
     if fit.k3:
         word, mm = unit_of(X[1], "m")
-        share = 0.75e-3 * X[1] ** 2
+        share = 0.75 * X[1] ** 2
+        said = f"cubic spring, {rounded(mm * X[1], digits=2)} {word}"
         low_end, high_end = (share * end for end in fit.k3_interval)
-        yield ParameterRow(
-            f"cubic spring, {rounded(mm * X[1], digits=2)} {word}", share * fit.k3,
-            (high_end - low_end) / 2 / _95, (low_end, high_end), "N/mm",
-        )  # fmt: skip
-
-
-def _of_peak(one: PeakAtLevel) -> Iterator[ParameterRow]:
-    """Where the motion of the mass is largest at a level, and how large it is per force."""
-    for name, value, (low, high), unit, scale in (
-        ("peak", one.frequency, one.frequency_interval, "Hz", 1.0),
-        ("motion", one.receptance, one.receptance_interval, "mm/N", 1e3),
-    ):
-        said = f"{name} at {one.level:.4g} N"
-        error = (high - low) / 2 / _95
-        yield ParameterRow(said, scale * value, scale * error, (scale * low, scale * high), unit)
+        yield Fact(said, share * fit.k3, low_end, high_end, "N/m")

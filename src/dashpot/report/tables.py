@@ -5,25 +5,24 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import GRADES, Check
 from dashpot.base.errors import DashpotError
+from dashpot.base.facts import Fact
 from dashpot.base.numbers import (
+    cell,
     decibels,
     duration,
-    interval,
     percent,
     readable,
     rounded,
     signed,
-    symbol,
-    with_error,
     words,
 )
+from dashpot.base.units import in_unit
 from dashpot.records.bounds import StiffnessBounds
 from dashpot.records.fit import Fit, Moved
 from dashpot.records.frf import FRF
@@ -39,15 +38,6 @@ STATES = {True: "passed", None: "not judged"}
 MEANS = {"stop": "failed: do not use", "limit": "failed: use with care", "note": "failed: a note"}
 MENDED = "failed: mended by the joint fit"
 VALUE = ("", "value ± standard error", "unit")
-
-# the unit that people read, and its size in the SI unit before it
-READ = {
-    "N/m": ("N/mm", 1e-3), "N s/m": ("N·s/mm", 1e-3),
-    "Pa": ("MPa", 1e-6), "Pa s": ("MPa·s", 1e-6),
-}  # fmt: skip
-READ_OF_NUISANCE = {
-    "N": ("mN", 1e3), "N/s": ("mN/s", 1e3), "kg": ("g", 1e3), "s": ("ms", 1e3), "1": ("–", 1.0),
-}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -113,46 +103,6 @@ def _mark(check: Check, weighed: Collection[Check]) -> str:
 # -- the relaxation test and its fits -------------------------------------------------------------
 
 
-class ParameterRow(NamedTuple):
-    """One parameter of a solid in the unit that is read."""
-
-    name: str
-    value: float
-    error: float
-    ends: tuple[float, float]
-    unit: str
-
-
-def parameters(fit: Fit) -> Iterator[ParameterRow]:
-    """k∞, then the stiffness, the dashpot and the relaxation time of every arm.
-
-    Of a fractional solid, its own four; of a material, moduli.
-    """
-    of_k = fit.unit
-    of_b = "N s/m" if of_k == "N/m" else f"{of_k} s"
-    if fit.family == "fractional":
-        known, limits = fit.solid_standard_error, fit.solid_intervals()
-        for name, si in (("k_inf", of_k), ("k_0", of_k), ("tau", "s"), ("alpha", "")):
-            unit, f = READ.get(si, (si, 1.0))
-            low, high = limits[name]
-            value = f * getattr(fit.solid, name)
-            yield ParameterRow(symbol(name), value, f * known[name], (f * low, f * high), unit)
-        return
-    model, error, between = fit.model, fit.standard_error, fit.intervals(level=0.95)
-    groups = (
-        ("k", of_k, model.k, error["k"], between["k"]),
-        ("b", of_b, model.arm_b, error["b"], between["b"]),
-        ("tau", "s", model.tau, error["tau"], between["tau"]),
-    )
-    every = [("k_inf", of_k, model.k_inf, error["k_inf"], between["k_inf"])]
-    for name, unit, *columns in groups:
-        for j, (value, se, ends) in enumerate(zip(*columns, strict=True), start=1):
-            every.append((f"{name}_{j}", unit, value, se, ends))
-    for name, si, value, se, (low, high) in every:
-        unit, f = READ.get(si, (si, 1.0))
-        yield ParameterRow(symbol(name), f * value, f * se, (f * low, f * high), unit)
-
-
 def test_facts(prepared: RampHold) -> TextTable:
     """What was done to the seal."""
     steps = np.diff(prepared.time)
@@ -160,22 +110,22 @@ def test_facts(prepared: RampHold) -> TextTable:
     even = float(np.ptp(steps)) < 0.01 / rate
     specimen = prepared.specimen
     rows = [
-        ("compression", rounded(1e3 * prepared.depth, digits=4), "mm"),
+        ("compression", cell(prepared.depth, "mm", digits=4), "mm"),
         ("ramp", rounded(prepared.ramp_time), "s"),
-        ("speed", rounded(1e3 * prepared.depth / prepared.ramp_time), "mm/s"),
+        ("speed", cell(prepared.depth / prepared.ramp_time, "mm/s"), "mm/s"),
         ("hold", rounded(prepared.hold_time), "s"),
         ("samples", f"{len(prepared.time)}", ""),
         ("sampling" if even else "sampling, uneven, median", rounded(rate), "Hz"),
-        ("force noise (standard deviation)", rounded(1e3 * prepared.force_noise, digits=2), "mN"),
+        ("force noise (standard deviation)", cell(prepared.force_noise, "mN", digits=2), "mN"),
     ]
     if prepared.preload:
         rows.append(("preload at the first sample", rounded(prepared.preload), "N"))
     if specimen.length:
-        rows.append(("length under the plate", rounded(1e3 * specimen.length, digits=4), "mm"))
+        rows.append(("length under the plate", cell(specimen.length, "mm", digits=4), "mm"))
     if specimen.height:
         strain = prepared.depth / specimen.height
-        rows.append(("free height", rounded(1e3 * specimen.height, digits=4), "mm"))
-        rows.append(("compression / height", rounded(100 * strain, digits=2), "%"))
+        rows.append(("free height", cell(specimen.height, "mm", digits=4), "mm"))
+        rows.append(("compression / height", cell(strain, "%", digits=2), "%"))
     if specimen.temperature:
         rows.append(("temperature", f"{specimen.temperature - 273.15:.1f}", "°C"))
     return TextTable(("", "value", "unit"), tuple(rows))
@@ -186,23 +136,15 @@ def coefficients(fit: Fit | None, length: float | None) -> TextTable | None:
     if fit is None:
         return None
     rows = []
-    if fit.end_of_hold is not None:
-        end = fit.end_of_hold
-        value = rounded(1e-3 * float(fit.model.relaxation(end.time)), digits=4)
-        ends = interval(*(1e-3 * limit for limit in end.k_end))
-        scaled = [] if length is None else [f"{rounded(0.1 / length * float(value))} N/mm"]
-        rows.append((f"k({duration(end.time)})", value, ends, "N/mm", *scaled))
-    for one in parameters(fit):
-        value = with_error(one.value, one.error)
-        cells = [one.name, value, interval(*one.ends), one.unit]
-        if length is not None:
+    for one in fit.known:
+        cells = one.cells
+        row = (one.symbol, cells.with_error, cells.interval, cells.unit)
+        each = ""
+        if length is not None and one.unit not in ("s", ""):
             scale = 0.1 / length
-            each = f"{rounded(one.value * scale, one.error * scale)} {one.unit}"
-            cells.append("" if one.unit == "s" else each)
-        rows.append(tuple(cells))
-    if fit.model.b > 0:
-        unit, f = READ["N s/m"]
-        rows.append(("b", rounded(f * fit.model.b), "", unit, *[""] * (length is not None)))
+            value = rounded(one.shown(one.value) * scale, one.size * scale)
+            each = f"{value} {cells.unit}"
+        rows.append(row if length is None else (*row, each))
     head = ("", "value ± standard error", "95 % interval", "unit", "per 100 mm")
     return TextTable(head if length is not None else head[:-1], tuple(rows))
 
@@ -223,14 +165,14 @@ def orders(study: Study) -> TextTable:
         model, rms = shown[arms]
         chosen = arms == fit.model.arms and bool(own)
         listed = ", ".join(
-            f"{rounded(1e-3 * k)} at {rounded(tau)} s"
+            f"{cell(k, 'N/mm')} at {rounded(tau)} s"
             for k, tau in zip(model.k, model.tau, strict=True)
         )
         rows.append((
             f"{arms}{' (chosen)' * chosen}",
-            rounded(1e-3 * model.k_inf, digits=4),
+            cell(model.k_inf, "N/mm", digits=4),
             listed or "none",
-            rounded(1e3 * rms),
+            cell(rms, "mN"),
             *scores.get(arms, ("", "")),
         ))  # fmt: skip
         marks.append("chosen" * chosen)
@@ -246,15 +188,16 @@ def two_routes(study: Study) -> TextTable | None:
     fit, hold = study.fit, study.hold_fit
     if hold is None or fit.model.arms != hold.model.arms:
         return None
+    there = {one.name: one for one in hold.known}
     rows = tuple(
         (
-            f"{a.name}, {a.unit}",
-            with_error(a.value, a.error),
-            with_error(b.value, b.error),
-            percent(b.value / a.value - 1),
+            f"{one.symbol}, {one.word}",
+            one.cells.with_error,
+            there[one.name].cells.with_error,
+            percent(there[one.name].value / one.value - 1),
         )
-        for a, b in zip(parameters(fit), parameters(hold), strict=True)
-        if a.value and a.unit != READ["N s/m"][0]
+        for one in fit.known
+        if one.name in there and one.error is not None and one.value and one.name[0] != "b"
     )
     return TextTable(("", "full history", "hold only, eq. (5)", "difference"), rows)
 
@@ -263,11 +206,9 @@ def nuisances(fit: Fit | None) -> TextTable | None:
     """What the fit needed and nobody asked for."""
     if fit is None or not fit.nuisance:
         return None
-    rows = []
-    for term in fit.nuisance:
-        unit, f = READ_OF_NUISANCE.get(term.unit, (term.unit, 1.0))
-        rows.append((words(term.name), with_error(f * term.value, f * term.standard_error), unit))
-    return TextTable(VALUE, tuple(rows))
+    each = (term.fact for term in fit.nuisance)
+    rows = tuple((one.symbol, one.cells.with_error, one.word or "–") for one in each)
+    return TextTable(VALUE, rows)
 
 
 def in_frequency(study: Study) -> TextTable:
@@ -281,12 +222,12 @@ def in_frequency(study: Study) -> TextTable:
         known = factor < 1.0001
         cells = [
             rounded(f),
-            rounded(1e-3 * stiffness.real),
-            rounded(1e-3 * stiffness.imag),
+            cell(stiffness.real, "N/mm"),
+            cell(stiffness.imag, "N/mm"),
             rounded(stiffness.imag / stiffness.real),
         ]
         if unseen is not None:
-            cells.append(_range_at(unseen, 1e-3 * unseen.storage, f))
+            cells.append(_range_at(unseen, in_unit(unseen.storage, "N/mm"), f))
             cells.append(_range_at(unseen, unseen.loss_factor, f))
         cells.append("identified" if known else f"extrapolated ×{rounded(factor, digits=2)}")
         rows.append(tuple(cells))
@@ -316,8 +257,8 @@ def peaks(study: Study) -> TextTable | None:
     columns = [
         ("peak frequency, Hz", "peak accelerance, (m/s²)/N", "damping ratio, %",
          "FRAC (1 is alike)", "rms difference, dB"),
-        (_known(c.measured_hz, c.measured_hz_se, digits=4), rounded(c.measured_peak),
-         _measured_damping(c), "", ""),
+        (Fact.normal("frequency", c.measured_hz, c.measured_hz_se or None, "Hz").cells.with_error,
+         rounded(c.measured_peak), _measured_damping(c), "", ""),
         *_predicted(c),
     ]  # fmt: skip
     if joint is not None:
@@ -340,13 +281,8 @@ def _predicted(c: Comparison) -> tuple[tuple[str, ...], tuple[str, ...]]:
 def _measured_damping(c: Comparison) -> str:
     if c.measured_damping is None:
         return "not supported by the record"
-    se = c.measured_damping_se
-    return _known(100 * c.measured_damping, None if se is None else 100 * se)
-
-
-def _known(value: float, se: float | None, *, digits: int = 3) -> str:
-    """With its standard error where there is one."""
-    return with_error(value, se) if se is not None and se > 0 else rounded(value, digits=digits)
+    se = c.measured_damping_se or None
+    return Fact.normal("damping ratio", c.measured_damping, se, "1", "%").cells.with_error
 
 
 def resonance(study: Study) -> TextTable | None:
@@ -392,10 +328,8 @@ def _mode_cells(measured: FRF, way: str, c: Comparison) -> tuple[str, str]:
         return "none found", ""
     # rocking and other modes beside it are not what the prediction is of
     mode = min(modes, key=lambda one: abs(one.frequency - c.measured_hz))
-    return (
-        with_error(mode.frequency, mode.frequency_se),
-        with_error(100 * mode.damping_ratio, 100 * mode.damping_ratio_se),
-    )
+    frequency, ratio, _ = (one.cells.with_error for one in mode.facts)
+    return frequency, ratio
 
 
 def arms_tested(comparison: Comparison | None) -> TextTable | None:
@@ -425,7 +359,7 @@ def hits(frf: FRF | None) -> TextTable | None:
             hit.name,
             rounded(hit.time, digits=4),
             rounded(hit.peak),
-            rounded(1e3 * hit.duration),
+            cell(hit.duration, "ms"),
             "accepted" if hit.accepted else "rejected",
             "; ".join(hit.reasons),
         )[:columns]
@@ -456,12 +390,9 @@ def moved(joint: Fit | None) -> TextTable | None:
 
 
 def _moved_row(m: Moved) -> tuple[str, ...]:
-    unit, f = READ.get(m.unit, (m.unit, 1.0))
-    name = f"{symbol(m.name)}, {unit}"
-    now = with_error(f * m.after, f * m.after_se)
-    if m.before is None:
-        return name, "", now, "", "new"
-    known = m.before_se is not None
-    then = with_error(f * m.before, f * (m.before_se or 0.0)) if known else rounded(f * m.before)
-    change = percent(m.after / m.before - 1) if m.before else ""
-    return name, then, now, change, signed(m.shift)
+    was, now = m.was, m.now
+    name, after = ", ".join(filter(None, (now.symbol, now.word))), now.cells.with_error
+    if was is None:
+        return name, "", after, "", "new"
+    change = percent(now.value / was.value - 1) if was.value else ""
+    return name, was.cells.with_error, after, change, signed(m.shift)

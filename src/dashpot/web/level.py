@@ -43,7 +43,7 @@ def level(request: Mapping[str, Any], folder: Path) -> bytes:
     """The fit of such files: verdict, numbers, checks, figures, and the command that gives it."""
     asked = _asked(request, folder)
     found, picture = _fitted(asked)
-    rows = [views.term(one.name, one.value, one.ends, one.unit) for one in numbers(found)]
+    rows = [views.term(one) for one in numbers(found)]
     return wire.packed(
         {
             "verdict": views.verdict(found.verdict),

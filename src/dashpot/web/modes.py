@@ -6,6 +6,7 @@ import cmath
 import json
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -15,9 +16,9 @@ import numpy as np
 from dashpot import plot
 from dashpot.base.checks import Check, verdict
 from dashpot.base.errors import DataError
-from dashpot.base.numbers import rounded, with_error
+from dashpot.base.numbers import rounded
 from dashpot.base.progress import doing
-from dashpot.base.units import in_unit, written
+from dashpot.base.units import written
 from dashpot.plot.picture import Picture
 from dashpot.records.frf import FRF, Mode
 from dashpot.report.pages import COLOURS
@@ -30,8 +31,6 @@ from dashpot.workflow.command_lines import line
 from dashpot.workflow.job import ModesJob
 from dashpot.workflow.measured_modes import MeasuredModes, modes_files
 from dashpot.workflow.under_masses import ModesByMass, modes_by_mass
-
-HALF = 1.96
 
 
 def _asked(request: Mapping[str, Any], folder: Path) -> ModesJob:
@@ -100,13 +99,11 @@ def take_modes(request: Mapping[str, Any], folder: Path) -> bytes:
 
 def _terms(named: list[tuple[str, Mode]]) -> list[views.Term]:
     """Frequency and damping of every mode, with the ends of their intervals."""
-    rows = []
-    for sign, unit, name in (("f", "Hz", "frequency"), ("ζ", "%", "damping_ratio")):
-        for which, mode in named:
-            value, se = (in_unit(getattr(mode, of), unit) for of in (name, f"{name}_se"))
-            half = HALF * se if np.isfinite(se) else np.inf
-            rows.append(views.term(f"{sign}, {which}", value, (value - half, value + half), unit))
-    return rows
+    return [
+        views.term(replace(mode.facts[i], words=f"{sign}, {which}"))
+        for i, sign in enumerate(("f", "ζ"))
+        for which, mode in named
+    ]
 
 
 def _tables(found: MeasuredModes) -> list[tuple[str, str]]:
@@ -119,7 +116,7 @@ def _tables(found: MeasuredModes) -> list[tuple[str, str]]:
         own = [f"{one.modal_mass:.4g}"]
         if found.points:
             own = [f"{one.phase_collinearity:.3f}", f"{one.phase_deviation_deg:.2g}"]
-        residue = with_error(abs(one.mode.residue), one.mode.residue_se)
+        residue = one.mode.facts[2].cells.with_error
         rows.append([str(i), rounded(one.frequency_hz, digits=4), residue, *own,
                      f"{one.orders} of {found.highest_order}"])  # fmt: skip
     head = ["mode", "Hz", "residue, m/(N s)", *last, "orders stable"]

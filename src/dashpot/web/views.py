@@ -15,8 +15,9 @@ from dashpot import plot
 from dashpot.base import units
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Verdict
-from dashpot.base.numbers import duration, rounded, symbol
-from dashpot.base.units import Dimension
+from dashpot.base.facts import Fact
+from dashpot.base.numbers import cell, rounded, symbol
+from dashpot.base.units import Dimension, in_unit, read_in
 from dashpot.io.columns.kinds import RECOGNISED
 from dashpot.kinds import KINDS
 from dashpot.plot import relaxation
@@ -43,7 +44,6 @@ from dashpot.report import answer
 from dashpot.report.answer import GRADES, Row
 from dashpot.report.figures import chart_of
 from dashpot.report.pages import COLOURS, environment
-from dashpot.report.tables import READ, parameters
 from dashpot.vibration.impact.hits import cut_hits
 from dashpot.workflow.inspections import InspectedFile
 from dashpot.workflow.predictions import Prediction
@@ -124,9 +124,9 @@ def _named(panel: Panel, fit: Fit) -> Panel:
     """The spectrum with the name of each arm at its tip."""
     if fit.family != "maxwell":
         return panel
-    scale = 1e-3 if fit.unit == "N/m" else 1e-6
-    arms = enumerate(zip(fit.model.tau, fit.model.k, strict=True), 1)
-    tags = [Tag(tau, scale * k, symbol(f"tau_{j}"), "fit", "filled") for j, (tau, k) in arms]
+    k = in_unit(np.array(fit.model.k), read_in(fit.unit)).tolist()
+    arms = enumerate(zip(fit.model.tau, k, strict=True), 1)
+    tags = [Tag(tau, tip, symbol(f"tau_{j}"), "fit", "filled") for j, (tau, tip) in arms]
     return replace(panel, marks=(*panel.marks, *tags))
 
 
@@ -248,11 +248,11 @@ def beside(fit: Fit, by_eq5: Fit | None) -> list[tuple[str, str, str, str]]:
     """Name, value of the fit, value of eq. (5) and unit, of every parameter."""
     there = {}
     if by_eq5 is not None and fit.family != "fractional":
-        there = {one.name: rounded(one.value, digits=4) for one in parameters(by_eq5)}
+        there = {one.name: one.cells.value for one in by_eq5.known}
     return [
-        (one.name, rounded(one.value, digits=4), there.get(one.name, ""), one.unit)
-        for one in parameters(fit)
-        if not one.name.startswith("b")
+        (one.symbol, one.cells.value, there.get(one.name, ""), one.word)
+        for one in fit.known
+        if one.name[0] != "b" and one.name != "k_end"
     ]
 
 
@@ -290,37 +290,16 @@ class Term(NamedTuple):
 
 def terms(fit: Fit) -> list[Term]:
     """Every parameter of the solid, the stiffness at the end of the hold first."""
-    rows = []
-    end = fit.end_of_hold
-    if end is not None:
-        unit, scale = READ[fit.unit]
-        value = scale * float(fit.solid.relaxation(end.time))
-        rows.append(term(f"k({duration(end.time)})", value, _scaled(end.k_end, scale), unit))
     # b = k tau says of an arm what k and tau say
-    shown = (one for one in parameters(fit) if not one.name.startswith("b"))
-    rows += [term(one.name, one.value, one.ends, one.unit) for one in shown]
-    return rows
+    return [term(one) for one in fit.known if not one.name.startswith("b_")]
 
 
-def _scaled(ends: tuple[float, float], factor: float) -> tuple[float, float]:
-    return factor * ends[0], factor * ends[1]
-
-
-def term(name: str, value: float, ends: tuple[float, float], unit: str) -> Term:
-    """A parameter in the unit it is shown in, with the ends of its interval there."""
-    low, high = ends
-    half = (high - low) / 2
-    known = half if np.isfinite(half) and half > 0 else None
+def term(fact: Fact) -> Term:
+    """A number with the ends of its interval, and whether it is determined."""
+    half = (fact.high - fact.low) / 2
     # known to half of itself is seen; beyond, it is not determined
-    mark = "good" if known is not None and half < 0.5 * abs(value) else "care"
-    return Term(
-        name,
-        rounded(value, known),
-        rounded(low, known) if np.isfinite(low) else "unknown",
-        rounded(high, known) if np.isfinite(high) else "no limit",
-        unit,
-        mark,
-    )
+    mark = "good" if 0 < half < 0.5 * abs(fact.value) else "care"
+    return Term(fact.symbol, *fact.ends, fact.word, mark)
 
 
 def solid_table(fit: Fit) -> str:
@@ -424,7 +403,7 @@ def _told(found: InspectedFile) -> str:
     ready = found.preparation
     if ready is not None:
         ramp, hold = rounded(ready.ramp_time), rounded(ready.hold_time)
-        return f"{rounded(1e3 * ready.depth)} mm, {ramp} s, {hold} s"
+        return f"{cell(ready.depth, 'mm')} mm, {ramp} s, {hold} s"
     if found.questions:
         return "asks: " + ("a unit" if "--units" in found.questions[0].option else "a column")
     if place_of(found) in _ALONE:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import singledispatch
 from importlib import import_module
 from typing import Any, NamedTuple
@@ -10,6 +11,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError
+from dashpot.base.facts import Fact
 from dashpot.base.offered import Described
 from dashpot.records.fit import Fit
 from dashpot.workflow.study import Study
@@ -84,31 +86,11 @@ def _frame(**columns: tuple[Any, str]) -> UnitFrame:
 @frame.register
 def _(noun: Fit) -> UnitFrame:
     """One row per parameter of the solid, with its standard error and 95 % interval."""
-    if noun.family == "fractional":
-        return _of_element(noun)
-    model, error, ends = noun.model, noun.standard_error, noun.intervals()
-    rows = [("k_inf", model.k_inf, error["k_inf"], *ends["k_inf"], noun.unit)]
-    for j in range(model.arms):
-        rows += [
-            (f"k_{j + 1}", model.k[j], error["k"][j], *ends["k"][j], noun.unit),
-            (f"tau_{j + 1}", model.tau[j], error["tau"][j], *ends["tau"][j], "s"),
-        ]
-    names, *numbers, units = zip(*rows, strict=True)
-    value, se, low, high = (_column(column) for column in numbers)
+    rows = [one for one in noun.facts() if not one.name.startswith("b")]
     return _frame(
-        parameter=(list(names), ""), value=(value, ""), standard_error=(se, ""), low=(low, ""),
-        high=(high, ""), unit=(list(units), ""),
-    )  # fmt: skip
-
-
-def _of_element(noun: Fit) -> UnitFrame:
-    own, ends = noun.solid_standard_error, noun.solid_intervals()
-    units = {"k_inf": noun.unit, "k_0": noun.unit, "tau": "s", "alpha": ""}
-    rows = [(getattr(noun.solid, name), own[name], *ends[name]) for name in units]
-    value, se, low, high = (_column(column) for column in zip(*rows, strict=True))
-    return _frame(
-        parameter=(list(units), ""), value=(value, ""), standard_error=(se, ""), low=(low, ""),
-        high=(high, ""), unit=(list(units.values()), ""),
+        parameter=([one.name for one in rows], ""), value=(_column(rows, "value"), ""),
+        standard_error=(_column(rows, "error"), ""), low=(_column(rows, "low"), ""),
+        high=(_column(rows, "high"), ""), unit=([one.unit for one in rows], ""),
     )  # fmt: skip
 
 
@@ -118,5 +100,5 @@ def _(noun: Study) -> UnitFrame:
     return frame(noun.fit if noun.joint is None else noun.joint)
 
 
-def _column(values: tuple[float, ...]) -> FloatArray:
-    return np.array(values, dtype=float)
+def _column(rows: Sequence[Fact], name: str) -> FloatArray:
+    return np.array([getattr(one, name) for one in rows], dtype=float)

@@ -48,6 +48,13 @@ class ImpactMode:
     damping_ratio_se: float | None
     method: str
 
+    @property
+    def mode(self) -> Mode:
+        """The pole with its errors: nan where a method cannot tell."""
+        known = (self.frequency_se_hz, self.damping_ratio_se)
+        frequency, ratio = (np.nan if se is None else se for se in known)
+        return Mode(self.frequency_hz, self.damping_ratio, 0j, frequency, ratio, 0.0, self.method)
+
 
 @dataclass(frozen=True)
 class ImpactResult(Documented):

@@ -69,12 +69,9 @@ class MeasuredMode(ImpactMode):
     @property
     def mode(self) -> Mode:
         """The pole with its residue and their errors: nan where a method cannot tell."""
-        known = (self.frequency_se_hz, self.damping_ratio_se, self.residue_se)
-        frequency, ratio, size = (float("nan") if se is None else se for se in known)
         residue = complex(self.residue_real, self.residue_imag)
-        return Mode(
-            self.frequency_hz, self.damping_ratio, residue, frequency, ratio, size, self.method
-        )
+        known = float("nan") if self.residue_se is None else self.residue_se
+        return replace(super().mode, residue=residue, residue_se=known)
 
 
 @dataclass(frozen=True)

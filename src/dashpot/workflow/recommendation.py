@@ -8,6 +8,7 @@ from typing import Literal
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.facts import Fact
 from dashpot.fitting.uncertainty.prediction_bounds import parameter_band
 from dashpot.records.bounds import StiffnessBounds
 from dashpot.records.fit import Fit
@@ -18,6 +19,12 @@ from dashpot.vibration.systems.prediction import model_modes, predict_frf
 from dashpot.workflow.study import Study
 
 Quantity = Literal["frequency", "damping", "end of hold", "dynamic stiffness", "loss factor"]
+
+_UNITS: dict[Quantity, tuple[str, str]] = {
+    "frequency": ("Hz", ""), "damping": ("1", "%"), "end of hold": ("N/m", ""),
+    "dynamic stiffness": ("N/m", ""), "loss factor": ("", ""),
+}  # fmt: skip
+"""Of SI, and the one in which people read it where that is not the usual one."""
 
 
 @dataclass(frozen=True)
@@ -46,6 +53,19 @@ class Answer:
     bound: bool = False
     measured: float | None = None
     measured_se: float | None = None
+
+    @property
+    def fact(self) -> Fact:
+        """As a table has it."""
+        unit, read = _UNITS[self.quantity]
+        return Fact(self.quantity, self.value, self.low, self.high, unit, read=read)
+
+    @property
+    def by_hammer(self) -> Fact | None:
+        """The same by the hammer."""
+        if self.measured is None:
+            return None
+        return Fact.normal(self.quantity, self.measured, self.measured_se, *_UNITS[self.quantity])
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.choices import ElasticKind, ElasticKindAsked
 from dashpot.base.errors import FitError
+from dashpot.base.facts import Fact
 from dashpot.engine.inference.estimate import estimate, score
 from dashpot.engine.least_squares.problem import ordinary
 from dashpot.kinds.hyperelastic import checks
@@ -25,7 +26,6 @@ from dashpot.kinds.hyperelastic.solving import (
     power_law,
     weighed,
 )
-from dashpot.records.found import Found
 from dashpot.solids.hyperelastic import POWERS, SHEARING, Hyperelastic, Mode, direction
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -194,21 +194,21 @@ def _chosen(
 # -- how well it is known ---------------------------------------------------------------------
 
 
-def _found(one: HyperelasticOptimum, values: FloatArray, half: FloatArray) -> tuple[Found, ...]:
+def _found(one: HyperelasticOptimum, values: FloatArray, half: FloatArray) -> tuple[Fact, ...]:
     """Constants, exponents and the shear modulus with their intervals."""
     law = one.law
     names = [*law.constant_names, *(f"alpha{k}" for k in range(1, len(law.exponents) + 1))]
     names += ["poisson"] * (len(names) < len(values) - 1)
     units = ["Pa"] * len(law.constants) + ["1"] * (len(names) - len(law.constants)) + ["Pa"]
     return tuple(
-        Found(name, value, value - wide, value + wide, unit)
+        Fact(name, value, value - wide, value + wide, unit)
         for name, value, wide, unit in zip(
             [*names, "shear_modulus"], values.tolist(), half.tolist(), units, strict=True
         )
     )
 
 
-def _bulk(volumetric: Sequence[ElasticCurve]) -> Found | None:
+def _bulk(volumetric: Sequence[ElasticCurve]) -> Fact | None:
     """The bulk modulus of a rubber."""
     if not volumetric:
         return None
@@ -217,7 +217,7 @@ def _bulk(volumetric: Sequence[ElasticCurve]) -> Found | None:
     best = ordinary(y, x[:, None])
     known = estimate(best, parts=[len(each.stretch) for each in volumetric])
     bulk, wide = float(best.beta[0]), known.quantile() * float(known.standard_error[0])
-    return Found("bulk_modulus", bulk, bulk - wide, bulk + wide, "Pa")
+    return Fact("bulk_modulus", bulk, bulk - wide, bulk + wide, "Pa")
 
 
 def _with_bulk(one: HyperelasticOptimum, bulk: float | None) -> Hyperelastic:

@@ -11,9 +11,9 @@ from dashpot.base.arrays import ByValue, FloatArray, hold_measured
 from dashpot.base.checks import Check
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
+from dashpot.base.facts import Fact, Numbered
 from dashpot.base.offered import Described
 from dashpot.base.provenance import Source, of_file, sources_of
-from dashpot.records.found import Found, Numbered
 from dashpot.solids.hyperelastic import Hyperelastic, Mode
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -128,7 +128,7 @@ class HyperelasticFit(ByValue, Described, Numbered, Documented):
     Attributes
     ----------
     law : Hyperelastic
-    found : tuple of Found
+    found : tuple of Fact
         Its constants and what follows of them, with their 95 % intervals.
     orders : tuple of (str, float)
         BIC of each law that was tried; the smallest is best.
@@ -150,7 +150,7 @@ class HyperelasticFit(ByValue, Described, Numbered, Documented):
     keys = ("verdict", "*")
 
     law: Hyperelastic
-    found: tuple[Found, ...]
+    found: tuple[Fact, ...]
     orders: tuple[tuple[str, float], ...]
     curves: tuple[ElasticCurve, ...]
     residuals: tuple[float, ...]

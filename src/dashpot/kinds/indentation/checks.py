@@ -7,11 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from dashpot.base.checks import Check, Finding, criterion
+from dashpot.base.facts import Fact
 from dashpot.base.units import GRAVITY
 from dashpot.kinds.indentation.collision import Collision
 from dashpot.kinds.indentation.prepare import ContactInterval
 from dashpot.kinds.indentation.record import IndentationFit, IndentationTest
-from dashpot.records.found import Found
 
 SAMPLED = 20
 FLIGHT = 0.1
@@ -34,7 +34,7 @@ def judge(
     *,
     contact: ContactInterval,
     clipped: int,
-    others: Sequence[tuple[str, Sequence[Found]]],
+    others: Sequence[tuple[str, Sequence[Fact]]],
 ) -> tuple[Check, ...]:
     """Every check of a contact."""
     since, T = fit.time, fit.duration
@@ -211,7 +211,7 @@ def parameters_known(name: str, factor: float, bounded: str = "") -> Finding:
 
 
 @criterion("largest difference between laws", "<=", ALIKE, "our choice: 5 %")
-def laws_agree(fit: IndentationFit, others: Sequence[tuple[str, Sequence[Found]]]) -> Finding:
+def laws_agree(fit: IndentationFit, others: Sequence[tuple[str, Sequence[Fact]]]) -> Finding:
     """Laws that explain the contact as well say the same of restitution, modulus and depth."""
     if not others:
         return Finding(f"no other law explains the contact as well as {fit.law}", 0.0)

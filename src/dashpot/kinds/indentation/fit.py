@@ -22,6 +22,8 @@ import numpy as np
 from dashpot.base.arrays import BoolArray, FloatArray
 from dashpot.base.choices import ImpactLawAsked, refuse_other
 from dashpot.base.errors import DataError, FitError
+from dashpot.base.facts import Fact
+from dashpot.base.units import read_in
 from dashpot.engine.inference.covariance import noise_of
 from dashpot.engine.inference.estimate import Estimate, Slice, estimate, score
 from dashpot.engine.least_squares.problem import Optimum, Parameter, Problem, Rows
@@ -36,7 +38,6 @@ from dashpot.kinds.indentation.contact_law import (
 from dashpot.kinds.indentation.laws import LAWS, STEP, Law, Recorded, recorded
 from dashpot.kinds.indentation.prepare import ContactInterval, largest_contact
 from dashpot.kinds.indentation.record import IndentationFit, IndentationTest
-from dashpot.records.found import Found
 
 _ABOUT = 1.0
 """How much of the flights is taken to either side, in times of the contact."""
@@ -335,7 +336,7 @@ def _in_contact(window: _Window, one: _LawOptimum) -> BoolArray:
     return np.asarray((since >= 0) & (since <= one.hit.duration))
 
 
-def _found(window: _Window, one: _LawOptimum) -> tuple[Found, ...]:
+def _found(window: _Window, one: _LawOptimum) -> tuple[Fact, ...]:
     """The law's parameters and what follows from them, each with its interval."""
     named = _follows(window, one.law, one.optimum.theta)
 
@@ -369,7 +370,10 @@ def _found(window: _Window, one: _LawOptimum) -> tuple[Found, ...]:
         named.items(), np.where(bounded, 0.0, low).tolist(), np.where(bounded, once, high).tolist(),
         strict=True,
     )  # fmt: skip
-    return tuple(Found(name, value, low, high, unit) for (name, (value, unit)), low, high in rows)
+    return tuple(
+        Fact(name, value, low, high, unit, read=read_in(unit, fine=unit == "s"))
+        for (name, (value, unit)), low, high in rows
+    )
 
 
 def _slices(one: _LawOptimum) -> list[Slice]:

@@ -12,12 +12,12 @@ from dashpot.base.arrays import ByValue, FloatArray, hold_measured, median
 from dashpot.base.checks import Check
 from dashpot.base.demands import positive
 from dashpot.base.errors import DataError
+from dashpot.base.facts import Fact, Numbered
 from dashpot.base.offered import Described
 from dashpot.base.options import option
 from dashpot.base.provenance import Source, of_file
 from dashpot.base.units import GRAVITY, si_fields
 from dashpot.kinds.indentation.contact_law import ContactLaw
-from dashpot.records.found import Found, Numbered
 
 Motion: TypeAlias = Literal["acceleration", "velocity", "displacement", "force"]
 UNITS: dict[str, str] = {
@@ -136,7 +136,7 @@ class IndentationFit(ByValue, Described, Numbered):
     law : str
         ``"kelvin-voigt"``, ``"hertz"``, ``"hertz-kelvin-voigt"`` or ``"hertz-maxwell"``.
     contact : ContactLaw
-    found : tuple of Found
+    found : tuple of Fact
         The law's parameters, then what follows: modulus, restitution, and what the body did.
     orders : tuple of (str, float)
         BIC of each law that was tried; the smallest is best.
@@ -158,7 +158,7 @@ class IndentationFit(ByValue, Described, Numbered):
 
     law: str
     contact: ContactLaw
-    found: tuple[Found, ...]
+    found: tuple[Fact, ...]
     orders: tuple[tuple[str, float], ...]
     indenter: Indenter
     of: str

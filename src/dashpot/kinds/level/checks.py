@@ -7,8 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from dashpot.base.checks import Finding, criterion
-from dashpot.base.units import in_unit
-from dashpot.kinds.level.record import moved_in
+from dashpot.base.units import in_unit, read_in
 
 MATTERS = 20.0
 FAR_ENOUGH = 2.0
@@ -168,12 +167,11 @@ def level_covered(
     amplitude: float, tested: tuple[float, float], *, at: str, of: str = "m"
 ) -> Finding:
     """At the level asked for the seal moves as far as it did in a test."""
-    unit, said = moved_in(of)
-    size, least, most = (f"{in_unit(one, unit):.3g}" for one in (amplitude, *tested))
-    low, high = tested
+    unit, (low, high) = read_in(of), tested
+    moves, least, most = (f"{in_unit(one, unit):.3g}" for one in (amplitude, low, high))
     factor = max(amplitude / high, low / amplitude)
-    says = f"at {at} the seal {'moves' if of == 'm' else 'is moved by'} {size} {said}"
-    range_ = f"{least} to {most} {said} of the tests"
+    says = f"at {at} the seal {'moves' if of == 'm' else 'is moved by'} {moves} {unit}"
+    range_ = f"{least} to {most} {unit} of the tests"
     return Finding(
         f"{says}, within the {range_}",
         factor,

@@ -12,6 +12,7 @@ import numpy.typing as npt
 from dashpot.base.arrays import BoolArray, ByValue, ComplexArray, FloatArray
 from dashpot.base.checks import Check, Checked
 from dashpot.base.documents import Documented
+from dashpot.base.facts import Fact
 from dashpot.base.numbers import counted
 from dashpot.base.offered import Described
 from dashpot.base.provenance import Source, Step
@@ -50,6 +51,15 @@ class PeakAtLevel:
     frequency_interval: tuple[float, float]
     receptance_interval: tuple[float, float]
     amplitude: float
+
+    @property
+    def facts(self) -> tuple[Fact, Fact]:
+        """Where the motion is largest, and how large it is per force."""
+        at = f"at {self.level:.4g} N"
+        return (
+            Fact(f"peak {at}", self.frequency, *self.frequency_interval, "Hz"),
+            Fact(f"motion {at}", self.receptance, *self.receptance_interval, "m/N"),
+        )
 
 
 class CubicFound(NamedTuple):

@@ -209,12 +209,12 @@ class AmplitudeFit(ByValue, Described, Checked, Documented):
         """The verdict, the law and its numbers."""
         judged = self.verdict
         lines, error = [f"{judged.use}: {judged.says}"], dict(self.se)
-        unit, (motion, of) = read_in(self.unit), moved_in(self.of)
-        low, high = (in_unit(one, motion) for one in self.amplitudes)
+        unit, of = read_in(self.unit), read_in(self.of)
+        low, high = (in_unit(one, of) for one in self.amplitudes)
         kraus = self.law.partition("+")[0]
         if kraus in {"factor", "additive"}:
             lost = written(self.lost, "%", ".3g") if kraus == "factor" else written(self.lost, unit)
-            half_way, doubt = (in_unit(one, motion) for one in (self.half_way, error["half_way"]))
+            half_way, doubt = (in_unit(one, of) for one in (self.half_way, error["half_way"]))
             lines.append(
                 f"{kraus} law: {lost} of the stiffness is lost with amplitude, half of it at "
                 f"{ascii_only(rounded(half_way, doubt))} +- {doubt:.2g} {of}; exponent "
@@ -223,10 +223,10 @@ class AmplitudeFit(ByValue, Described, Checked, Documented):
         if self.k3:
             per = f"{self.unit}" + ("" if self.of == "strain" else "/m^2")
             way = "stiffens" if self.k3 > 0 else "softens"
-            most = 0.75 * abs(self.k3) * self.amplitudes[1] ** 2
+            most = written(0.75 * abs(self.k3) * self.amplitudes[1] ** 2, unit, ".3g")
             lines.append(
                 f"cubic spring: k3 = {self.k3:.4g} +- {error['k3']:.2g} {per}, which {way} by "
-                f"{written(most, unit, '.3g')} at the largest amplitude"
+                f"{most} at the largest amplitude"
             )
         if self.k3_unseen:
             share = 0.75 * self.k3_unseen * self.amplitudes[1] ** 2
@@ -303,8 +303,3 @@ class AmplitudeFit(ByValue, Described, Checked, Documented):
         if not self.law.startswith("additive"):
             raise DataError(f"the law is '{self.law}'; only an additive law stands beside a solid")
         return Kraus(self.lost * scale, self.half_way * stretch, self.exponent)
-
-
-def moved_in(of: str) -> tuple[str, str]:
-    """The unit in which people read a motion, a displacement or a strain, and what they call it."""
-    return ("%", "% strain") if of == "strain" else (read_in(of), read_in(of))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
@@ -80,6 +81,15 @@ class Gauge:
     def __getitem__(self, name: str) -> Variation:
         """The source of a name."""
         return next(one for one in self.variations if one.name == name)
+
+    @property
+    def says(self) -> str:
+        """The share of the gauge, and ndc with its interval: whole categories, the rest cut off."""
+        told, low, high = (
+            f"{math.floor(one)}" if math.isfinite(one) else "∞"
+            for one in (self.categories, *self.categories_interval)
+        )
+        return f"{100 * self['gauge'].share:.1f} % of all, ndc {told} ({low} to {high})"
 
     @property
     def pooled(self) -> bool:

@@ -1,0 +1,398 @@
+"""Every number that a user sees is the same in every face: text, document, page, app, frame, lot.
+
+A face is read as its reader reads it: what is printed is taken apart, brought to SI from the unit
+that stands beside it, and held to the number itself by the digits that stand there.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from html import unescape
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from dashpot.lots.pressed import of_indentation
+from kit import handmade
+from kit.lots import lot_of, scattered
+
+from dashpot import workflow
+from dashpot.base.units import find, of_column
+from dashpot.cli import _text, main
+from dashpot.cli._terminal import facts
+from dashpot.io.options import ReadOptions
+from dashpot.kinds.indentation.record import Indenter
+from dashpot.lots import page, row
+from dashpot.lots.choices import BatchChoices
+from dashpot.lots.entries import Entry
+from dashpot.lots.limits import read_limits
+from dashpot.lots.summary import summary
+from dashpot.report import level, tables
+from dashpot.report.answer import rows as answer_rows
+from dashpot.web import modes, views
+from dashpot.workflow.archive import document
+from dashpot.workflow.frames import frame
+from dashpot.workflow.recommendation import recommendation
+
+ARMS = ("seal_8mm.csv",)
+TESTS = {
+    "arms": (ARMS, {}),
+    "fractional": (ARMS, {"family": "fractional"}),
+    "quick": (ARMS, {"intervals": False, "arms": 2}),
+    "material": (("sweep.csv",), {}),
+    "modulus": (("curve.csv",), {"options": ReadOptions(modulus="E(t)")}),
+    "creep": (("compliance.csv",), {}),
+    "spectrum": (("sweeps.csv",), {}),
+    "temperatures": (("at_23degC.csv", "at_10degC.csv", "at_0degC.csv"), {}),
+}
+
+
+@pytest.fixture(scope="module")
+def bench(tmp_path_factory):
+    """A folder with the files to learn on, a compliance and a sweep of strain."""
+    folder = tmp_path_factory.mktemp("bench")
+    assert CliRunner().invoke(main, ["example", "--all", "-o", str(folder)]).exit_code == 0
+    draw = np.random.default_rng(1).standard_normal
+    strain = np.geomspace(0.01, 20, 25)
+    softer = 1 / (1 + (strain / 1.2) ** 1.2)
+    stored, lost = 1.2 + 0.9 * softer, 0.12 + 0.5 * softer * (1 - softer)
+    noise = 1 + 0.003 * draw((2, 25))
+    write(
+        folder / "strain.csv", "frequency [Hz],strain [%],storage modulus [MPa],loss modulus [MPa]",
+        np.full(25, 10.0), strain, stored * noise[0], lost * noise[1],
+    )  # fmt: skip
+    t = np.geomspace(0.01, 1e3, 60)
+    crept = 0.25 + 0.15 * (1 - np.exp(-t / 0.8)) + 0.1 * (1 - np.exp(-t / 60))
+    crept *= 1 + 0.002 * draw(60)
+    write(folder / "compliance.csv", "time [s],creep compliance [1/MPa]", t, crept)
+    return folder
+
+
+def write(path, head, *columns):
+    rows = (",".join(f"{value:.8g}" for value in row) for row in zip(*columns, strict=True))
+    path.write_text("\n".join((head, *rows, "")), encoding="utf-8")
+
+
+@pytest.fixture(scope="module")
+def fits(bench):
+    return {
+        name: workflow.fit_files(tuple(str(bench / one) for one in files), **how)[0]
+        for name, (files, how) in TESTS.items()
+    }
+
+
+@pytest.fixture(params=TESTS)
+def fit(request, fits):
+    return fits[request.param]
+
+
+# -- what is printed, as a reader takes it -------------------------------------------------------
+
+DIGITS = str.maketrans("−⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "--0123456789")
+
+
+def number(printed):
+    """The number in a cell, and half of what its last digit stands for."""
+    text = re.sub(r"·10(.+)", r"e\1", printed.partition(" ")[0].partition(",")[0])
+    text = text.translate(DIGITS)
+    mantissa, _, power = text.partition("e")
+    # a whole number is rounded where its zeros begin
+    zeros = len(mantissa) - len(mantissa.rstrip("0")) if mantissa.isdecimal() else 0
+    last = zeros - len(mantissa.partition(".")[2]) + int(power or 0)
+    return float(text), 0.5000001 * 10.0**last
+
+
+def same(fact, printed, unit, value=None):
+    """Whether a cell, in a unit, is this fact to its last digit."""
+    shown, half = number(printed)
+    word = unit.replace(" ", "*").replace("·", "*")
+    known = find(word) if word not in {"", "–"} else None
+    factor = 1.0 if known is None else known.factor
+    expected = fact.value if value is None else value
+    if math.isinf(expected):
+        return False
+    return abs(shown * factor - expected) <= max(half * factor, 1e-12 * abs(expected))
+
+
+def table(lines):
+    """The cells of the rows of a table of the terminal, by their names."""
+    found = {}
+    for line in lines:
+        name, *cells = re.split(r" {2,}", line.strip())
+        found.setdefault(name, cells)
+    return found
+
+
+def held(facts_, rows, *, value=0, unit=-1, name=lambda fact: fact.called):
+    for fact in facts_:
+        assert name(fact) in rows, f"{fact.name} is missing"
+        cells = rows[name(fact)]
+        assert same(fact, cells[value], cells[unit] if fact.unit else ""), (fact, cells)
+
+
+# -- a fit, of each family -----------------------------------------------------------------------
+
+
+def test_a_fit_tells_every_parameter_and_the_end_of_its_hold(fit):
+    names = [fact.name for fact in fit.known]
+    assert len(set(names)) == len(names)
+    assert ("k_end" in names) == (fit.end_of_hold is not None)
+    if fit.family == "fractional":
+        assert names[-4:] == ["k_inf", "k_0", "tau", "alpha"]
+    elif fit.parameters:
+        assert {name for name in fit.parameters if name[:2] != "ln"} <= set(names)
+        assert sum(name[:2] == "b_" for name in names) == fit.model.arms
+    else:
+        assert names == ["k_inf", "k_0", "tau from", "tau to"]
+
+
+def test_the_text_has_every_fact(fit):
+    held(fit.known, table(_text.fit(fit).lines))
+
+
+def test_the_page_has_every_fact(fit):
+    rows = {name: cells for name, *cells in tables.coefficients(fit, None).rows}
+    held(fit.known, rows, name=lambda fact: fact.symbol)
+
+
+def test_page_and_terminal_print_the_same_cells(fit):
+    terminal = table(_text.fit(fit).lines)
+    for (_, value, between, unit), fact in zip(
+        tables.coefficients(fit, None).rows, fit.known, strict=True
+    ):
+        cells = terminal[fact.called]
+        assert fact.cells.ascii.value == cells[0]
+        assert value.startswith(fact.cells.value)
+        assert between == fact.cells.interval
+        assert unit == fact.cells.unit
+
+
+def test_the_app_has_every_fact_but_the_dashpots_of_arms(fit):
+    """b = k tau says of an arm what k and tau say."""
+    shown = [fact for fact in fit.known if fact.name[:2] != "b_"]
+    rows = {one.name: (one.value, one.unit) for one in views.terms(fit)}
+    assert len(rows) == len(shown)
+    held(shown, rows, name=lambda fact: fact.symbol)
+    beside = {name: (value, unit) for name, value, _, unit in views.beside(fit, None)}
+    held([one for one in shown if one.name not in {"b", "k_end"}], beside,
+         name=lambda fact: fact.symbol)  # fmt: skip
+
+
+def test_the_document_has_every_fact_in_si(fit):
+    whole = document(fit)
+    solid = whole["model"] if fit.family == "maxwell" else whole["solid"]
+    error, between = whole["standard_error"], whole["interval_95"]
+    if fit.family != "maxwell":
+        error, between = solid["standard_error"], solid["interval_95"]
+    for fact in fit.facts():
+        kind, _, place = fact.name.partition("_")
+        if place.isdecimal() and fit.family == "maxwell":
+            j = int(place) - 1
+            there = solid["arms"][j][kind], error["arms"][j][kind], between[kind][j]
+        elif fact.name == "b":
+            assert solid["b"] == fact.value
+            continue
+        else:
+            there = solid[fact.name], error[fact.name], between[fact.name]
+        ends = [one if math.isfinite(one) else None for one in (fact.low, fact.high)]
+        size = fact.error if math.isfinite(fact.error) else None
+        assert there == (fact.value, size, ends), fact
+    for fact in fit.known:
+        if fact.name == "k_end":
+            assert tuple(whole["left_open"]["k_end"]) == (fact.low, fact.high)
+    assert whole["unit"] == fit.known[0].unit
+
+
+def test_the_frame_has_every_fact_but_dashpots(fit):
+    rows = frame(fit).columns
+    found = {
+        name: cells
+        for name, *cells in zip(
+            *(rows[key] for key in ("parameter", "value", "standard_error", "low", "high", "unit")),
+            strict=True,
+        )
+    }
+    shown = [fact for fact in fit.facts() if fact.name[0] != "b"]
+    assert len(found) == len(shown)
+    for one in shown:
+        told = (one.value, one.error, one.low, one.high, one.unit)
+        assert tuple(found[one.name]) == told
+
+
+def test_a_row_of_a_lot_has_every_fact_of_the_arms(fit):
+    room = fit.model.arms
+    row_of = row._of_fit(fit, 40.0, room) | row._judged(fit, room)
+    for one in fit.facts(arms=True):
+        if one.name[0] == "b":
+            continue
+        column = row._column(one)
+        name, unit = of_column(column)
+        assert unit == one.unit
+        assert name.replace("E_", "k_") == one.name
+        assert row_of[column] == one.value
+        assert row_of[row._column(one, "_se")] == one.error
+    letter = "k" if fit.unit == "N/m" else "E"
+    ending = "N_per_m" if fit.unit == "N/m" else "Pa"
+    assert row_of[f"{letter}_end_{ending}"] == pytest.approx(float(fit.model.relaxation(40.0)))
+    assert row_of[f"{letter}_0_{ending}"] == fit.model.k_0
+
+
+def test_what_a_fit_needed_is_told_alike(fits, bench):
+    for fit in fits.values():
+        if not fit.nuisance:
+            continue
+        text = _text.fit(fit)
+        (line,) = [one for one in (*text.lines, *text.details) if "  nuisance  " in one]
+        parts = re.sub(r" +nuisance +", "", line).split("; ")
+        rows = tables.nuisances(fit).rows
+        for term, part, (name, value, unit) in zip(fit.nuisance, parts, rows, strict=True):
+            fact = term.fact
+            assert (name, value) == (fact.symbol, fact.cells.with_error)
+            assert part == f"{fact.called} {fact.cells.ascii.with_unit}"
+            assert same(fact, value, unit)
+    assert any(fit.nuisance for fit in fits.values())
+
+
+def test_compliances_and_shifts_are_told_as_they_are(fits):
+    found = fits["creep"]
+    (line,) = [one for one in _text.fit(found).lines if one.startswith("  creep ")]
+    for fact in found.creep.facts("1/Pa"):
+        assert fact.cells.ascii.with_unit in line
+        assert same(fact, fact.cells.value, fact.cells.unit)
+    moved = fits["temperatures"].temperatures
+    lines = _text.fit(fits["temperatures"]).lines
+    (law,) = [one for one in lines if one.startswith("  law ")]
+    assert all(f"{one.called} {one.cells.ascii.with_unit}" in law for one in moved.constants)
+    rows = table(lines)
+    for shift in moved.shifts:
+        along, across = shift.facts
+        cells = rows[f"{shift.temperature - 273.15:.4g} degC"]
+        assert same(along, cells[0], "")
+        assert same(across, cells[-1], "")
+
+
+# -- the other kinds -----------------------------------------------------------------------------
+
+
+def test_a_contact_says_the_same_in_text_document_and_lot(bench):
+    indenter = Indenter(mass=0.005, radius=0.005, drop_height=0.051)
+    ball = workflow.indent_file(bench / "hit.csv", indenter=indenter)
+    plain = ball.document
+    held(ball.fit.found, table(_text.indentation(ball).lines))
+    row_of = of_indentation(Entry(str(bench / "hit.csv")), BatchChoices(), indenter)
+    modulus = ball.fit["modulus"]
+    assert row_of["indent_depth_m"] == ball.fit["depth"].value
+    assert row_of["restitution"] == ball.fit["restitution"].value
+    ends = {"": modulus.value, "_low": modulus.low, "_high": modulus.high}
+    for end, value in ends.items():
+        assert row_of[f"indent_modulus{end}_Pa"] == value
+    for fact in ball.fit.found:
+        assert plain[fact.name] == fact.value
+        assert plain["intervals"][fact.name] == [fact.low, fact.high]
+        assert plain["units"][fact.name] == fact.unit
+
+
+def test_a_law_of_rubber_says_the_same_in_text_and_document(bench):
+    found = workflow.hyperelastic_files(
+        {"uniaxial": [str(bench / "tension.csv")], "biaxial": [str(bench / "biaxial.csv")]}
+    )
+    held(found.found, table(facts(found.found)))
+    kept = {one["name"]: one for one in document(found)["found"]}
+    for fact in found.found:
+        assert kept[fact.name] == {
+            key: getattr(fact, key) for key in ("name", "value", "low", "high", "unit")
+        }
+
+
+SHAKEN = {"levels": (0.02, 0.5), "mass": 0.1148, "seals": 2.0, "at": (0.1,)}
+
+
+@pytest.mark.parametrize(
+    ("files", "asked"),
+    [
+        (("strain.csv",), {}),
+        (("hammer.csv",), {}),
+        (("loops.csv",), {}),
+        (("shaker_20mN.csv", "shaker_500mN.csv"), SHAKEN),
+    ],
+)
+def test_levels_say_the_same_on_page_and_in_app(bench, files, asked):
+    found = workflow.level_files([str(bench / one) for one in files], **asked)
+    told = level.numbers(found)
+    assert told
+    rows = {name: cells for name, *cells in level.contents(found)["numbers"].rows}
+    app = {one.name: (one.value, one.unit) for one in map(views.term, told)}
+    held(told, rows)
+    held(told, app, name=lambda fact: fact.symbol)
+
+
+def test_a_peak_at_a_level_says_the_same_in_text_and_page(bench):
+    found = workflow.level_files([str(bench / "hammer.csv")], at=(0.05,))
+    told = {one.name: one for one in level.numbers(found)}
+    rows = table(_text.levels(found).lines)
+    for (peak, motion), one in zip((each.facts for each in found.at), found.at, strict=True):
+        cells = rows[f"{one.level:.4g}"]
+        assert same(peak, cells[0], "Hz")
+        assert same(motion, cells[2], "mm/N")
+        assert (peak, motion) == (told[peak.name], told[motion.name])
+
+
+def test_modes_say_the_same_in_text_and_app(bench):
+    made = CliRunner().invoke(
+        main,
+        ["impact", str(bench / "hammer.csv"), "--mass", "114.8g", "-o", str(bench / "frf.csv")],
+    )
+    line = next(one for one in made.output.splitlines() if one.startswith("  mode "))
+    found, _ = workflow.modes_files([str(bench / "frf.csv")], band=(5.0, 40.0))
+    assert found.modes
+    text = CliRunner().invoke(main, ["modes", str(bench / "frf.csv"), "--band", "5:40Hz"]).output
+    app = {one.name: one for one in modes._terms([("1", found.modes[0].mode)])}
+    frequency, ratio, residue = found.modes[0].mode.facts
+    assert "Hz, damping ratio" in line
+    for fact, name in ((frequency, "f, 1"), (ratio, "ζ, 1")):
+        assert fact.cells.ascii.with_error in text
+        assert same(fact, app[name].value, app[name].unit)
+        assert same(fact, fact.cells.value, fact.cells.unit)
+    assert residue.cells.ascii.with_error in text
+
+
+def test_the_answers_of_a_study_are_its_numbers():
+    study = handmade.study()
+    found = recommendation(study)
+    every = (*found.under_mass, *found.one_seal)
+    assert every
+    for one, printed in zip(every, answer_rows(every), strict=True):
+        assert same(one.fact, printed.value, printed.unit)
+        for end, cell in ((one.low, printed.low), (one.high, printed.high)):
+            if math.isfinite(end):
+                assert same(one.fact, cell, printed.unit, end)
+        if one.by_hammer is not None:
+            assert same(one.by_hammer, printed.measured, printed.unit)
+
+
+# -- a lot ---------------------------------------------------------------------------------------
+
+
+def test_the_page_and_the_shell_of_a_lot_print_the_same_numbers(tmp_path):
+    lot = lot_of(scattered(3, 6, 4, operators=("A", "B")))
+    path = tmp_path / "limits.toml"
+    path.write_text('[k_end]\nlower = "170 N/m"\nupper = "230 N/m"\n')
+    asked = read_limits(path, lot.table.columns)
+    found = summary(lot, limits=asked)
+    shell = "\n".join(found.lines)
+    text = unescape(re.sub(r"<[^>]+>", " ", page.html(lot, found=found)))
+    said = found.main.gauge.says
+    assert said in text
+    assert said in shell
+    ndc = int(re.search(r"ndc (\d+)", said)[1])
+    assert ndc == math.floor(found.main.gauge.categories)
+    for able in found.main.known.values():
+        cpk, low, high = able.cells
+        assert f"Cpk {cpk} ({low} to {high})" in shell
+        assert re.search(rf"{cpk}\s+{low}\s+{high}", text)
+    for fact, share in found.main.sources:
+        value, low, high = fact.ends
+        assert re.search(rf"{share}\s+{value}\s+{low}\s+{high}", text), fact
+        assert f"{value} ({low} to {high}), {share} %" in shell
+        assert same(fact, value, found.main.quantity.unit)
