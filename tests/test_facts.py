@@ -13,7 +13,6 @@ from html import unescape
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from dashpot.lots.pressed import of_indentation
 from kit import handmade
 from kit.lots import lot_of, scattered
 
@@ -22,10 +21,10 @@ from dashpot.base.units import find, of_column
 from dashpot.cli import _text, main
 from dashpot.cli._terminal import facts
 from dashpot.io.options import ReadOptions
+from dashpot.kinds import Piece
 from dashpot.kinds.indentation.record import Indenter
+from dashpot.kinds.indentation.row import row as indentation_row
 from dashpot.lots import page, row
-from dashpot.lots.choices import BatchChoices
-from dashpot.lots.entries import Entry
 from dashpot.lots.limits import read_limits
 from dashpot.lots.summary import summary
 from dashpot.report import level, tables
@@ -276,11 +275,12 @@ def test_compliances_and_shifts_are_told_as_they_are(fits):
 
 
 def test_a_contact_says_the_same_in_text_document_and_lot(bench):
-    indenter = Indenter(mass=0.005, radius=0.005, drop_height=0.051)
+    indenter = Indenter(mass=0.005, radius=0.005)
     ball = workflow.indent_file(bench / "hit.csv", indenter=indenter)
     plain = ball.document
     held(ball.fit.found, table(_text.indentation(ball).lines))
-    row_of = of_indentation(Entry(str(bench / "hit.csv")), BatchChoices(), indenter)
+    piece = Piece(ReadOptions(), mass=indenter.mass, radius=indenter.radius)
+    _, row_of = indentation_row(bench / "hit.csv", piece)
     modulus = ball.fit["modulus"]
     assert row_of["indent_depth_m"] == ball.fit["depth"].value
     assert row_of["restitution"] == ball.fit["restitution"].value

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dashpot import workflow
+from dashpot.base.units import written
 from dashpot.cli import _text
 from dashpot.cli._lines_text import sensitive
 from dashpot.cli._terminal import Text
@@ -19,7 +20,7 @@ def rod(found: workflow.Rod) -> Text:
     ends = f"bonded, so {stiffer:.4g} times as stiff as its material" if found.bonded else "sliding"
     lines = [
         (
-            f"a rod of {1e3 * found.own_mass:.4g} g under {1e3 * found.mass:.4g} g "
+            f"a rod of {written(found.own_mass, 'g')} under {written(found.mass, 'g')} "
             f"({found.mass / found.own_mass:.3g} times its own), shape factor "
             f"{found.part.shape_factor:.3g}: its ends are {ends}"
         )

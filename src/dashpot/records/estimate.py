@@ -139,7 +139,7 @@ class Nuisance:
         return Fact.normal(self.name, self.value, self.standard_error, self.unit, read)
 
 
-class _Row(NamedTuple):
+class _SolidParameter(NamedTuple):
     """A parameter of a solid and the standard error of what was fitted: itself, or its ln."""
 
     name: str
@@ -248,19 +248,19 @@ class ParameterEstimate(ByValue):
         """Standard errors of the parameters of `solid` by their names, SI units."""
         return {row.name: row.standard_error for row in self._rows(solid)}
 
-    def _rows(self, solid: Solid) -> Iterator[_Row]:
+    def _rows(self, solid: Solid) -> Iterator[_SolidParameter]:
         """The parameters of a solid, those of each arm together."""
-        yield _Row("k_inf", solid.k_inf, self._error("k_inf"))
+        yield _SolidParameter("k_inf", solid.k_inf, self._error("k_inf"))
         if isinstance(solid, FractionalZener):
-            yield _Row("k_0", solid.k_0, self._error("k_0"))
-            yield _Row("tau", solid.tau, self._error("ln_tau"), log=True)
-            yield _Row("alpha", solid.alpha, self._error("alpha"), most=1.0)
+            yield _SolidParameter("k_0", solid.k_0, self._error("k_0"))
+            yield _SolidParameter("tau", solid.tau, self._error("ln_tau"), log=True)
+            yield _SolidParameter("alpha", solid.alpha, self._error("alpha"), most=1.0)
             return
         model = solid.maxwell
         for j, (k, tau, b) in enumerate(zip(model.k, model.tau, model.arm_b, strict=True), start=1):
-            yield _Row(f"k_{j}", k, self._error(f"k_{j}"))
-            yield _Row(f"tau_{j}", tau, self._error(f"ln_tau_{j}"), log=True)
-            yield _Row(f"b_{j}", b, self._error_of_log_b(model, j), log=True)
+            yield _SolidParameter(f"k_{j}", k, self._error(f"k_{j}"))
+            yield _SolidParameter(f"tau_{j}", tau, self._error(f"ln_tau_{j}"), log=True)
+            yield _SolidParameter(f"b_{j}", b, self._error_of_log_b(model, j), log=True)
 
     def ends(self, solid: Solid, level: float) -> dict[str, Interval]:
         """Intervals at `level` of the parameters of `solid` by their names, SI units.
