@@ -25,10 +25,10 @@ def instruments(folder: Path) -> dict[str, bytes]:
     from kit import instruments as made
     from scipy.io import savemat
 
-    from dashpot.io.write import write_frf_uff
+    from dashpot.io.write import frf_uff
 
     made.tdms(folder / "tdms", hits=2)
-    write_frf_uff(made.frf(n=10), folder / "uff frf")
+    (folder / "uff frf").write_bytes(frf_uff(made.frf(n=10)))
     made.uff(folder / "uff", labels=("N", "g"), length=1000.0)
     made.workbook(folder / "xlsx", {"One": made.sheet()[:12], "Two": [["a", 1.0]]})
     made.ods(folder / "ods", made.ods_rows(made.sheet()[:12]))

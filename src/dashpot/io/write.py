@@ -167,11 +167,6 @@ def write_frf(frf: FRF, path: str | Path | None = None, *, comments: Sequence[st
     return _written(text, path)
 
 
-def write_frf_uff(frf: FRF, path: str | Path, *, title: str = "dashpot FRF") -> None:
-    """Write an FRF to `path` as UFF, see :func:`frf_uff`."""
-    write_whole(path, frf_uff(frf, title=title))
-
-
 def frf_uff(frf: FRF, *, title: str = "dashpot FRF") -> bytes:
     """Return an FRF as UFF: 151 (header), 164 (SI units), 58 (function type 4).
 

@@ -206,11 +206,6 @@ class GeneralizedMaxwell(Solid):
 
     __rmul__ = __mul__
 
-    def with_length(self, length: float, *, measured_length: float) -> GeneralizedMaxwell:
-        """The same section at another contact length, both in m: stiffness is per length."""
-        positive(length=length, measured_length=measured_length, unit=" m", expected="a length > 0")
-        return self * (length / measured_length)
-
     def shifted(self, a_t: float, b_t: float = 1.0) -> GeneralizedMaxwell:
         r"""The solid at another temperature: :math:`K^*(\omega) \to b_T K^*(a_T \omega)`.
 

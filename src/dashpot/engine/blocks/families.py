@@ -15,7 +15,7 @@ from dashpot.base.errors import DataError
 from dashpot.engine.blocks.block import Block, stiffnesses
 from dashpot.engine.blocks.compression import Compression, compression, projected, uniform_step
 from dashpot.engine.blocks.correlation import ROUNDING, Force, Response, response, upper_factor
-from dashpot.engine.blocks.hold import decay_block, hold_block, ramp_hold_block
+from dashpot.engine.blocks.hold import hold_block, ramp_hold_block
 from dashpot.engine.blocks.recorded import recorded_block
 
 #: samples compressed together
@@ -89,11 +89,6 @@ class Family(ABC):
         self, log_tau: FloatArray, reduced: Reduced
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Gram of [fixed, arms] at shared ln tau (G,), products with y: (R, q) and (R, G)."""
-
-
-def decay_family(time: FloatArray, *, constant: str | None = "k_inf") -> CompressedFamily:
-    """Plain decays from t = 0 (:func:`~dashpot.engine.blocks.hold.decay_block`)."""
-    return _compressed(time, (compression(time),), partial(decay_block, constant=constant))
 
 
 def hold_family(time: FloatArray, *, depth: float, ramp_time: float) -> CompressedFamily:

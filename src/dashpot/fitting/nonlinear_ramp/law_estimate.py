@@ -123,37 +123,6 @@ class RampLaw:
         """Residual of each hold over what the hold alone leaves."""
         return tuple(a / b for a, b in zip(self.followed.hold, self.hold.rms, strict=True))
 
-    def tangent_error(self, x: float) -> float:
-        """Standard error of the tangent stiffness at a compression x, m, N/m.
-
-        To that of the law's own stiffness and shape are added how far other laws lie that the
-        ramps support almost as well, and what a straight tangent between knots leaves of a bent
-        one: a sixth of its second difference there, by simulation.
-        """
-        shape, knots = np.asarray(self.law.ratio), np.asarray(self.law.knots)
-        parts = np.array([np.interp(x, knots, unit) for unit in np.eye(len(knots))])
-        gradient = np.zeros(len(self.law_covariance))
-        gradient[0] = parts @ shape
-        gradient[-len(knots) :] = self.model.k_inf * parts
-        own = next(score for score in self.scores if score.elastic_law.knots == self.law.knots)
-        apart = [
-            float(score.elastic_law.tangent(x) - own.elastic_law.tangent(x))
-            for score in self.scores
-            if score.bic < own.bic + LEAST_GAIN
-        ]
-        variance = gradient @ self.law_covariance @ gradient
-        left = self.model.k_inf * float(np.interp(x, knots, _bends(knots, shape))) / 6.0
-        return float(np.sqrt(variance + np.max(np.square(apart)) + left**2))
-
-
-def _bends(knots: FloatArray, shape: FloatArray) -> FloatArray:
-    """Second difference of a shape at its knots, that of the nearest at both ends."""
-    if len(knots) == 2:
-        return np.zeros(2)
-    width = np.diff(knots)
-    inner = np.abs(np.diff(np.diff(shape) / width)) * 0.5 * (width[1:] + width[:-1])
-    return np.concatenate((inner[:1], inner, inner[-1:]))
-
 
 def described(
     tests: Sequence[RampHold],
