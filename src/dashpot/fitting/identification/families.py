@@ -16,7 +16,7 @@ from dashpot.engine.inference.order import needed
 from dashpot.fitting.fractional.checks import element_explains, families_told_apart, slope_known
 from dashpot.fitting.fractional.choice import VERY_STRONG, beside
 from dashpot.fitting.identification.likelihood import Candidate
-from dashpot.fitting.identification.parametrisation import Element
+from dashpot.fitting.identification.parametrisation import Element, at_edge
 from dashpot.records.alternative import Alternative
 
 # what would tell families apart that explain a hammer alone, and with relaxation tests
@@ -83,7 +83,7 @@ def edged(candidate: Candidate) -> bool:
     """True if a relaxation time or a slope stands at an end of what is sought."""
     problem = candidate.problem
     numbers = candidate.theta[: problem.sought.size]
-    return problem.sought.at_edge(numbers, problem.log_tau_range)
+    return at_edge(problem.sought, numbers, problem.log_tau_range)
 
 
 def family_checks(best: Candidate, rival: Rival | None, other: Alternative | None) -> list[Check]:
