@@ -207,12 +207,12 @@ def _moved(
             )
         ]  # fmt: skip
     else:
-        was, now = before.model, solid.maxwell
-        rows = [("k_inf", "N/m", was.k_inf, "k_inf", now.k_inf, "k_inf")]
-        partner = _partners(was.tau, now.tau)
-        for j, (k, tau) in enumerate(zip(now.k, now.tau, strict=True)):
+        first, last = before.model, solid.maxwell
+        rows = [("k_inf", "N/m", first.k_inf, "k_inf", last.k_inf, "k_inf")]
+        partner = _partners(first.tau, last.tau)
+        for j, (k, tau) in enumerate(zip(last.k, last.tau, strict=True)):
             i = partner.get(j)
-            k0, tau0 = (None, None) if i is None else (was.k[i], was.tau[i])
+            k0, tau0 = (None, None) if i is None else (first.k[i], first.tau[i])
             of = 0 if i is None else i + 1
             rows.append((f"k_{j + 1}", "N/m", k0, f"k_{of}", k, f"k_{j + 1}"))
             rows.append((f"tau_{j + 1}", "s", tau0, f"ln_tau_{of}", tau, f"ln_tau_{j + 1}"))
