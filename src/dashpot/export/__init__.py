@@ -1,63 +1,34 @@
 """Decks: a solid as text for a solver, one target, one file.
 
-Every target is a function ``target(solid, *, units, specimen, allow, form, ...)`` of a
-bare :class:`~dashpot.solids.maxwell.Solid` or of a
+Every target is a function ``target(solid, *, units, specimen, allow, form, ...)``, made by
+:func:`~dashpot.export.opening.target`, of a bare :class:`~dashpot.solids.maxwell.Solid` or of a
 :class:`~dashpot.records.fit.Fit`, which brings its pedigree and must be worth exporting.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
 from dataclasses import replace
 from inspect import signature
-from types import MappingProxyType
+from typing import Any
 
 from dashpot.base.errors import ExportError
-from dashpot.export import abaqus as _abaqus
-from dashpot.export import adams as _adams
-from dashpot.export import ansys as _ansys
-from dashpot.export import calculix as _calculix
-from dashpot.export import csv as _csv
-from dashpot.export import lsdyna as _lsdyna
-from dashpot.export import nastran as _nastran
-from dashpot.export import opensees as _opensees
-from dashpot.export import radioss as _radioss
-from dashpot.export import statespace as _statespace
+from dashpot.export.abaqus import abaqus
+from dashpot.export.adams import adams
+from dashpot.export.ansys import ansys
+from dashpot.export.calculix import calculix
+from dashpot.export.csv import csv
 from dashpot.export.deck import DeckText
 from dashpot.export.hyperelastic import hyperelastic_card
+from dashpot.export.lsdyna import lsdyna
+from dashpot.export.nastran import nastran
 from dashpot.export.notation import UNIT_SYSTEMS
-from dashpot.export.opening import PROBLEMS
+from dashpot.export.opening import FORMS, PROBLEMS, TARGETS
+from dashpot.export.opensees import opensees
+from dashpot.export.radioss import radioss
+from dashpot.export.statespace import statespace
 from dashpot.records.fit import Fit
 from dashpot.records.hyperelastic import HyperelasticFit
 from dashpot.records.level import LevelFit
-
-_MODULES = {
-    module.__name__.rpartition(".")[2]: module
-    for module in (
-        _nastran, _abaqus, _ansys, _lsdyna, _calculix, _opensees, _adams, _csv, _radioss,
-        _statespace,
-    )
-}  # fmt: skip
-FORMS: Mapping[str, tuple[str, ...]] = MappingProxyType(
-    {name: module.FORMS for name, module in _MODULES.items()}
-)
-"""The forms each target can write; the first is what it writes if not told."""
-
-nastran = _nastran.nastran
-abaqus = _abaqus.abaqus
-ansys = _ansys.ansys
-lsdyna = _lsdyna.lsdyna
-calculix = _calculix.calculix
-opensees = _opensees.opensees
-adams = _adams.adams
-csv = _csv.csv
-radioss = _radioss.radioss
-statespace = _statespace.statespace
-
-TARGETS: Mapping[str, Callable[..., DeckText]] = MappingProxyType(
-    {name: getattr(module, name) for name, module in _MODULES.items()}
-)
-"""Every target by its name on the command line."""
 
 
 def deck_for(
@@ -67,7 +38,7 @@ def deck_for(
     seals: float = 1.0,
     compression: float | None = None,
     temperature: float | None = None,
-    **choices: object,
+    **choices: Any,
 ) -> DeckText:
     """Return the deck of a fit for one of :data:`TARGETS`: of so many seals, side by side.
 
@@ -102,7 +73,7 @@ def deck_for(
     if isinstance(found, HyperelasticFit):
         if seals != 1 or compression is not None:
             raise ExportError("a material card takes no --seals and no --compression")
-        return hyperelastic_card(target, found, temperature=temperature, **made)  # type: ignore[arg-type]
+        return hyperelastic_card(target, found, temperature=temperature, **made)
     if compression is not None:
         if isinstance(found, LevelFit):
             raise ExportError("FRFs at levels are of one compression; leave out --compression")
