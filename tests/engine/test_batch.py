@@ -9,7 +9,6 @@ from dashpot.base.errors import DataError, FitError
 from dashpot.engine.blocks.families import (
     Family,
     hold_family,
-    ramp_hold_family,
     recorded_family,
 )
 from dashpot.engine.blocks.recorded import recorded_block
@@ -21,7 +20,7 @@ X = 8e-3 * np.minimum(TIME, 1.0)
 FAMILIES = {
     "step": lambda: hold_family(TIME, depth=1.0, ramp_time=0.0),
     "hold": lambda: hold_family(TIME, depth=1.0, ramp_time=0.5),
-    "ramp and hold": lambda: ramp_hold_family(TIME, depth=8e-3, ramp_time=1.0),
+    "ramp and hold": lambda: hold_family(TIME, depth=8e-3, ramp_time=1.0, ramp=True),
     "recorded": lambda: recorded_family(TIME, X),
     "recorded hold": lambda: recorded_family(TIME, X, window=slice(100, None)),
 }

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from dashpot.base.arrays import ByValue, FloatArray, frozen, same_length, samples
 from dashpot.base.errors import DataError, FitError
-from dashpot.engine.blocks.hold import decay_block
+from dashpot.engine.blocks.hold import hold_block
 from dashpot.engine.solver.certificate import Optimality, certificate
 from dashpot.engine.solver.variable_projection import solve
 
@@ -120,7 +120,7 @@ def fit_exponential_sum(
         raise DataError(f"x = {twice:g} comes twice; average its values or shift one")
     origin = float(at[0])
     name = "constant" if constant else None
-    block = decay_block(at - origin, values, constant=name, weights=root)
+    block = hold_block(at - origin, values, k_inf=name, weights=root)
     found = solve([block], terms, signed=signed)
     proof = None if signed else certificate([block], found)
     rates, local = np.exp(-found.log_tau)[::-1], found.arms[0][::-1]

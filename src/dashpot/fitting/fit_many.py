@@ -18,11 +18,10 @@ from dashpot.engine.blocks.block import Block
 from dashpot.engine.blocks.families import (
     Family,
     hold_family,
-    ramp_hold_family,
     recorded_family,
     shares_correlation,
 )
-from dashpot.engine.blocks.hold import hold_block, ramp_hold_block
+from dashpot.engine.blocks.hold import hold_block
 from dashpot.engine.blocks.recorded import recorded_block
 from dashpot.engine.solver.many_records import ManySolutions, solve_each, solve_many
 from dashpot.fitting.uncertainty.many_errors import many_errors
@@ -217,8 +216,8 @@ def _ideal(clock: FloatArray, ramp: tuple[float, float], *, method: str) -> _His
             x,
             0,
             slice(None),
-            partial(ramp_hold_block, since, depth=depth, ramp_time=ramp_time),
-            partial(ramp_hold_family, since, depth=depth, ramp_time=ramp_time),
+            partial(hold_block, since, depth=depth, ramp_time=ramp_time, ramp=True),
+            partial(hold_family, since, depth=depth, ramp_time=ramp_time, ramp=True),
         )
     first = int(np.searchsorted(since, ramp_time))
     held = since[first:] - ramp_time

@@ -15,7 +15,7 @@ from dashpot.base.errors import DataError
 from dashpot.engine.blocks.block import Block, stiffnesses
 from dashpot.engine.blocks.compression import Compression, compression, projected, uniform_step
 from dashpot.engine.blocks.correlation import ROUNDING, Force, Response, response, upper_factor
-from dashpot.engine.blocks.hold import hold_block, ramp_hold_block
+from dashpot.engine.blocks.hold import hold_block
 from dashpot.engine.blocks.recorded import recorded_block
 
 #: samples compressed together
@@ -91,15 +91,13 @@ class Family(ABC):
         """Gram of [fixed, arms] at shared ln tau (G,), products with y: (R, q) and (R, G)."""
 
 
-def hold_family(time: FloatArray, *, depth: float, ramp_time: float) -> CompressedFamily:
-    """Holds after an ideal ramp (:func:`~dashpot.engine.blocks.hold.hold_block`)."""
-    make = partial(hold_block, depth=depth, ramp_time=ramp_time)
-    return _compressed(time, (compression(time),), make)
-
-
-def ramp_hold_family(time: FloatArray, *, depth: float, ramp_time: float) -> CompressedFamily:
-    """Ideal ramps and holds (:func:`~dashpot.engine.blocks.hold.ramp_hold_block`)."""
-    make = partial(ramp_hold_block, depth=depth, ramp_time=ramp_time)
+def hold_family(
+    time: FloatArray, *, depth: float, ramp_time: float, ramp: bool = False
+) -> CompressedFamily:
+    """Holds after an ideal ramp, or with it (:func:`~dashpot.engine.blocks.hold.hold_block`)."""
+    make = partial(hold_block, depth=depth, ramp_time=ramp_time, ramp=ramp)
+    if not ramp:
+        return _compressed(time, (compression(time),), make)
     first = int(np.searchsorted(time, ramp_time))
     plans = compression(time[:first]), compression(time[first:] - ramp_time)
     return _compressed(time, plans, make, second_from=ramp_time)
