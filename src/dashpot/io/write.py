@@ -11,6 +11,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.atomic import write_whole
 from dashpot.base.errors import DataError
+from dashpot.base.provenance import Source
 from dashpot.base.version import byline
 from dashpot.io.formats.uff import COHERENCE, FRF_
 from dashpot.io.source import extra
@@ -18,6 +19,7 @@ from dashpot.records.creep import CreepTest
 from dashpot.records.frf import FRF, Kind
 from dashpot.records.impact import ImpactTest
 from dashpot.records.relaxation import RelaxationTest
+from dashpot.records.specimen import Specimen
 from dashpot.records.temperature import TemperatureShifts
 from dashpot.records.trajectory import Trajectory
 
@@ -43,10 +45,9 @@ def write_relaxation(
     """
     head = ["time [s]", "displacement [mm]", "force [N]"]
     columns = [test.time, 1e3 * test.displacement, test.force]
-    stamp = ["simulated"] if test.source is not None and test.source.simulated else []
-    kelvin = test.specimen.temperature
-    stated = [] if kelvin is None else [temperature_line(kelvin)]
-    return _written(_text([*_stamped(stamp, comments), *comments, *stated], head, columns), path)
+    source = () if test.source is None else (test.source,)
+    above = [*_stamped(source, comments), *_stated(test.specimen)]
+    return _written(_text(above, head, columns), path)
 
 
 def write_gauges(
@@ -62,10 +63,8 @@ def write_gauges(
     `ReadOptions(calibration=)` makes the force.
     """
     head = ["time [s]", "displacement [mm]", *(f"G{i} [V]" for i in range(len(volts)))]
-    kelvin = test.specimen.temperature
-    stated = [] if kelvin is None else [temperature_line(kelvin)]
     columns = [test.time, 1e3 * test.displacement, *volts]
-    return _written(_text([*comments, *stated], head, columns), path)
+    return _written(_text([*comments, *_stated(test.specimen)], head, columns), path)
 
 
 def write_trajectory(
@@ -123,12 +122,9 @@ def write_impact(
     again before each further one.
     """
     head = ["time [s]", "hammer [N]", *(f"{_named(name)} [m/s^2]" for name in test.channels)]
-    stamp = ["simulated"] if any(source.simulated for source in test.source) else []
     parts = []
     for number, record in enumerate(test.records()):
-        above = (
-            [*_stamped(stamp, comments), *comments] if number == 0 else [f"record: {number + 1}"]
-        )
+        above = [f"record: {number + 1}"] if number else _stamped(test.source, comments)
         columns = [test.time[record], test.force[record], *test.acceleration[:, record]]
         parts.append(_text(above, head, columns))
     return _written("".join(parts), path)
@@ -141,11 +137,9 @@ def write_frf(frf: FRF, path: str | Path | None = None, *, comments: Sequence[st
     averages; the columns are frequency, real and imaginary part, magnitude, phase, and the
     coherence and standard deviation where the FRF has them.
     """
-    stamp = ["simulated"] if any(source.simulated for source in frf.source) else []
     above = [
         byline("frequency response function"),
-        *_stamped(stamp, comments),
-        *comments,
+        *_stamped(frf.source, comments),
         f"kind: {frf.kind.value}",
         f"shift [1/s]: {float(frf.shift)!r}",
         *([] if frf.record is None else [f"record [s]: {float(frf.record)!r}"]),
@@ -238,9 +232,16 @@ def _named(name: str) -> str:
     return neutral(name.translate(str.maketrans(',;\t"[]()', "        "))) or "acceleration"
 
 
-def _stamped(stamp: Iterable[str], comments: Sequence[str]) -> list[str]:
-    """The stamp, unless a comment carries it already."""
-    return [word for word in stamp if not any(word in comment.casefold() for comment in comments)]
+def _stamped(sources: Iterable[Source], comments: Sequence[str]) -> list[str]:
+    """The comments, under the stamp of what was simulated unless one carries it already."""
+    stamp = "simulated" if any(source.simulated for source in sources) else ""
+    said = any(stamp in comment.casefold() for comment in comments)
+    return [*([] if said or not stamp else [stamp]), *comments]
+
+
+def _stated(specimen: Specimen) -> list[str]:
+    """The line of the temperature of a test, if it is known."""
+    return [] if specimen.temperature is None else [temperature_line(specimen.temperature)]
 
 
 def _text(above: Sequence[str], head: Sequence[str], columns: Sequence[FloatArray]) -> str:
