@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from dashpot.base.arrays import ByValue, FloatArray, frozen, same_length, samples
+from dashpot.base.arrays import FloatArray, Frozen, same_length, samples
 from dashpot.base.errors import DataError, FitError
 from dashpot.engine.blocks.hold import hold_block
 from dashpot.engine.solver.certificate import Optimality, certificate
@@ -15,7 +15,7 @@ from dashpot.engine.solver.variable_projection import solve
 
 
 @dataclass(frozen=True, eq=False)
-class ExponentialSum(ByValue):
+class ExponentialSum(Frozen):
     r"""The least-squares :math:`y = c + \sum_j a_j e^{-r_j x}`.
 
     Attributes
@@ -44,10 +44,6 @@ class ExponentialSum(ByValue):
     constant_error: float
     converged: bool
     certificate: Optimality | None
-
-    def __post_init__(self) -> None:
-        for name in ("amplitudes", "rates", "amplitude_errors", "rate_errors"):
-            object.__setattr__(self, name, frozen(getattr(self, name)))
 
     def __call__(self, x: npt.ArrayLike) -> FloatArray:
         """The sum at x."""

@@ -10,7 +10,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from dashpot.base.arrays import ByValue, FloatArray, frozen, increasing, samples
+from dashpot.base.arrays import FloatArray, Frozen, increasing, samples
 from dashpot.base.checks import status_of
 from dashpot.base.errors import DataError
 from dashpot.base.status import Status
@@ -31,7 +31,7 @@ _STACK = 4
 
 
 @dataclass(frozen=True, eq=False)
-class ManyErrors(ByValue):
+class ManyErrors(Frozen):
     """Standard errors of many solids; NaN where there is no arm, infinite where nothing is known.
 
     Attributes
@@ -46,13 +46,9 @@ class ManyErrors(ByValue):
     k: FloatArray
     tau: FloatArray
 
-    def __post_init__(self) -> None:
-        for name in ("k_inf", "k", "tau"):
-            object.__setattr__(self, name, frozen(getattr(self, name)))
-
 
 @dataclass(frozen=True, eq=False)
-class Many(ByValue):
+class Many(Frozen):
     """One solid per record; a record that could not be fitted holds NaN and a status that says why.
 
     Attributes
@@ -74,10 +70,6 @@ class Many(ByValue):
     sse: FloatArray
     status: tuple[Status, ...]
     errors: ManyErrors | None = None
-
-    def __post_init__(self) -> None:
-        for name in ("k_inf", "k", "tau", "sse"):
-            object.__setattr__(self, name, frozen(getattr(self, name)))
 
     def __len__(self) -> int:
         """Number of records."""
