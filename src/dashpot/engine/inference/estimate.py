@@ -61,11 +61,14 @@ class Estimate:
         Zero for what rests at a bound, infinite for what the data do not determine.
     noises : tuple of Noise
         Of each record.
+    prior_variance : float or None
+        Of the rows of priors, where it is not the mean power of the noises.
     """
 
     optimum: Optimum
     covariance: FloatArray
     noises: tuple[Noise, ...]
+    prior_variance: float | None = None
 
     @property
     def effective(self) -> float:
@@ -149,7 +152,9 @@ class Estimate:
                 return None
 
         def slice_of(value: float, found: Optimum) -> Slice:
-            known = estimate(found, parts=count, noises=self.noises).covariance
+            known = estimate(
+                found, parts=count, noises=self.noises, prior_variance=self.prior_variance
+            ).covariance
             known = np.insert(np.insert(known, index, 0.0, axis=0), index, 0.0, axis=1)
             optimum = best.problem.at(np.insert(found.theta, index, value))
             root = float(np.sqrt(max(found.cost - best.cost, 0.0) / power))
@@ -250,7 +255,7 @@ def estimate(
         weights.append(Noise(count, np.array([variance]), 1.0, 2.0))
     covariance = np.zeros((len(free), len(free)))
     covariance[np.ix_(free, free)] = sandwich(known, weights)
-    return Estimate(optimum, covariance, noises)
+    return Estimate(optimum, covariance, noises, prior_variance)
 
 
 def white_noise(optimum: Optimum, variance: float | None = None) -> Noise:
