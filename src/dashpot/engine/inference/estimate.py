@@ -103,13 +103,7 @@ class Estimate:
             down, up = here.copy(), here.copy()
             down[i], up[i] = here[i] + np.array(steps[i])
             G[:, i] = (what(up) - what(down)) / (up[i] - down[i])
-        # what depends on anything that the data do not determine is none of theirs either
-        told = np.isfinite(np.diag(self.covariance))
-        covariance = G[:, told] @ self.covariance[np.ix_(told, told)] @ G[:, told].T
-        lost = (G[:, ~told] != 0).any(axis=1)
-        covariance[lost], covariance[:, lost] = 0.0, 0.0
-        covariance[lost, lost] = np.inf
-        return Derived(values, covariance, G)
+        return Derived(values, propagated(self.covariance, G), G)
 
     def moved(self, change: FloatArray) -> FloatArray:
         """By how much theta and beta follow a change of the model's rows, to first order."""
@@ -189,6 +183,19 @@ class Estimate:
 
         centre = slice_of(middle, best.problem.held(index, middle).at(rest))
         return [*side(-1.0, one.low)[::-1], centre, *side(1.0, one.high)]
+
+
+def propagated(covariance: FloatArray, gradient: FloatArray) -> FloatArray:
+    """Return the covariance of what moves with parameters by this gradient, shape (m, m).
+
+    What depends on anything that the data do not determine is none of theirs either.
+    """
+    told = np.isfinite(np.diag(covariance))
+    found = gradient[:, told] @ covariance[np.ix_(told, told)] @ gradient[:, told].T
+    lost = (gradient[:, ~told] != 0).any(axis=1)
+    found[lost], found[:, lost] = 0.0, 0.0
+    found[lost, lost] = np.inf
+    return np.asarray(found)
 
 
 class Slice(NamedTuple):

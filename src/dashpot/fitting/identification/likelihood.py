@@ -423,6 +423,11 @@ class Candidate:
         return self.optimum.theta
 
     @property
+    def arms(self) -> int:
+        """Of the solid, or of those that stand for it."""
+        return self.point.model.maxwell.arms
+
+    @property
     def cost(self) -> float:
         """What was minimised."""
         return self.optimum.cost

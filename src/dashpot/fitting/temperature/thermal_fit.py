@@ -16,12 +16,7 @@ from dashpot.engine.solver.variable_projection import Solution, solve
 from dashpot.fitting.assembly import Outcome, assembled
 from dashpot.fitting.checks.relaxation import hold_long_enough, same_specimen
 from dashpot.fitting.checks.solid import frequencies_informed, optimum_found, order_agreed
-from dashpot.fitting.checks.temperature import (
-    of_law,
-    overlap,
-    shift_monotone,
-    shifts_determined,
-)
+from dashpot.fitting.checks.temperature import of_shifts, overlap
 from dashpot.fitting.pipeline import certified
 from dashpot.fitting.questions import Residuals, Window, of_solid
 from dashpot.fitting.repeats import end_stiffnesses
@@ -237,7 +232,12 @@ def _of_shifts(found: Thermal, shifts: TemperatureShifts, laid: LawThroughShifts
     chance, excess = _misfit(found)
     return [
         overlap(shared, temperatures, checks.SHARED),
-        *_of_law(found, shifts, laid),
+        *of_shifts(
+            found.best.joint.temperatures,
+            [shift.log10_a_t for shift in shifts.shifts],
+            shifts.covariance,
+            laid,
+        ),
         checks.thermorheologically_simple(
             chance,
             excess,
@@ -248,19 +248,6 @@ def _of_shifts(found: Thermal, shifts: TemperatureShifts, laid: LawThroughShifts
         checks.temperature_steady(warming),
         checks.shifts_told_apart(len(temperatures)),
     ]
-
-
-def _of_law(found: Thermal, shifts: TemperatureShifts, laid: LawThroughShifts) -> tuple[Check, ...]:
-    """How each shift lies against that of the next temperature, and the law against all."""
-    t, count = found.best.joint.temperatures, len(shifts.shifts)
-    between = np.diff(np.eye(count), axis=0)
-    step = between @ [shift.log10_a_t for shift in shifts.shifts]
-    error = np.sqrt(np.diag(between @ shifts.covariance[:count, :count] @ between.T))
-    return (
-        shifts_determined(error, t),
-        shift_monotone(step, error, t),
-        *of_law(laid, float(t[0])),
-    )
 
 
 def _informed_at(found: Thermal, i: int) -> tuple[float, float]:
