@@ -20,29 +20,32 @@ import dashpot
 from dashpot.base.capability import capability
 from dashpot.base.checks import REGISTER, Check, Finding, criterion, status_of
 from dashpot.base.status import Status
+from dashpot.door import checks as seals
 from dashpot.engine.inference.covariance import Noise, nearly_white, noise_of
 from dashpot.engine.inference.order import DECISIVE, Choice, choose
 from dashpot.export import checks as export
 from dashpot.fitting.checks import creep, curves, relaxation, solid, temperature
-from dashpot.fitting.cld import checks as relaxed
 from dashpot.fitting.fractional import checks as fractional
-from dashpot.fitting.hyperelastic import checks as hyper
 from dashpot.fitting.identification import checks as identification
-from dashpot.fitting.indentation import checks as indentation
-from dashpot.fitting.level import checks as level
 from dashpot.fitting.nonlinear_ramp import checks as ramp
 from dashpot.fitting.repeats import EndStiffness
 from dashpot.fitting.shift_law import LawScore, OddOne
 from dashpot.fitting.temperature import checks as several
 from dashpot.io.readers import checks as reading
+from dashpot.kinds.cld import checks as cld
+from dashpot.kinds.hyperelastic import checks as hyper
+from dashpot.kinds.indentation import checks as indentation
+from dashpot.kinds.indentation.contact_law import ViscousContact
+from dashpot.kinds.indentation.record import IndentationFit, Indenter
+from dashpot.kinds.level import checks as level
+from dashpot.kinds.rod import checks as rod
 from dashpot.lots import checks as lots
 from dashpot.planning import checks as planning
 from dashpot.planning.expected import Pulse, RecordNeed
 from dashpot.preparation import checks as preparation
-from dashpot.preparation.cld import checks as cld
 from dashpot.preparation.contact import Baseline, Touch
 from dashpot.preparation.filters import parse_filter
-from dashpot.preparation.segments import Cycle, Segment
+from dashpot.preparation.segments import MotionSegment, RampHoldCycle
 from dashpot.records.alternative import Alternative
 from dashpot.records.bounds import EndOfHold
 from dashpot.records.creep import LoadHold
@@ -52,13 +55,10 @@ from dashpot.records.fit import Explanation
 from dashpot.records.found import Found
 from dashpot.records.frf import FRF, Hit, Mode
 from dashpot.records.frf_set import ModeShape
-from dashpot.records.indentation import IndentationFit, Indenter
 from dashpot.records.relaxation import RampHold
 from dashpot.records.shaken import ShakenTest
 from dashpot.records.specimen import Specimen
 from dashpot.records.temperature import Shift, TemperatureShifts
-from dashpot.seals import checks as seals
-from dashpot.solids.contact import ViscousContact
 from dashpot.solids.interconversion import CreepSpectrum
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.table_1 import PAPER
@@ -68,7 +68,7 @@ from dashpot.vibration.comparison import checks as comparison
 from dashpot.vibration.comparison.compare import compare
 from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.vibration.impact import checks as impact
-from dashpot.vibration.impact.amplitude import Line
+from dashpot.vibration.impact.amplitude import RegressionLine
 from dashpot.vibration.impact.estimators import Estimator, Spectra
 from dashpot.vibration.impact.rocking import Combination
 from dashpot.vibration.modal import checks as modal
@@ -189,10 +189,10 @@ def quantised() -> np.ndarray:
     return np.random.default_rng(0).integers(0, 8, 500).astype(float)
 
 
-def loadings(count: int) -> tuple[Cycle, ...]:
-    ramp = Segment("load", 0, 100, 0.0, 1.0, 0.0, DEPTH)
-    hold = Segment("hold", 100, 4100, 1.0, 41.0, DEPTH, DEPTH)
-    return count * (Cycle(None, (ramp, hold)),)
+def loadings(count: int) -> tuple[RampHoldCycle, ...]:
+    ramp = MotionSegment("load", 0, 100, 0.0, 1.0, 0.0, DEPTH)
+    hold = MotionSegment("hold", 100, 4100, 1.0, 41.0, DEPTH, DEPTH)
+    return count * (RampHoldCycle(None, (ramp, hold)),)
 
 
 def wandering(ratio: float) -> np.ndarray:
@@ -291,8 +291,10 @@ def trend(**changes: float) -> impact.Trend:
     stiffness = 0.02 if "stiffness_sure" in changes else 0.0
     values = {"stiffness": stiffness, "damping": 0.0} | changes
     stiffer, damped = (
-        Line(values[name], values.get(f"{name}_sure", 0.0), values.get(f"{name}_found", 0.0),
-             0.0, 0.0, 0.0, 1.0, 3)
+        RegressionLine(
+            values[name], values.get(f"{name}_sure", 0.0), values.get(f"{name}_found", 0.0),
+            0.0, 0.0, 0.0, 1.0, 3,
+        )
         for name in ("stiffness", "damping")
     )  # fmt: skip
     return impact.Trend(stiffer, damped, 0.1, 0.0, (1e-4, 4e-4), 4.0)
@@ -955,18 +957,21 @@ MODAL = [
         4.001,
     ),
     Case("points_share_modes", lambda x: modal.points_share_modes(sharing(x)), 0.2001, 0.1999),
-    Case("rod_usable", whole(lambda n: modal.rod_usable(n, (10.0, 20.0))), 8, 7),
-    Case("mass_beside_rod", modal.mass_beside_rod, 99.9, 100.1),
-    Case("waves_plane", lambda x: modal.waves_plane(x, 300.0), 0.0499, 0.0501),
-    Case(
-        "sensors_agree", lambda x: modal.sensors_agree(x / 100, 0.0, known=(0.01, 0.02)), 2.99, 3.01
-    ),
-    Case(
-        "sensors_agree", lambda x: modal.sensors_agree(0.0, -x / 50, known=(0.01, 0.02)), 2.99, 3.01
-    ),
     # of two masses four numbers, whose sum of squares exceeds 13.28 once in a hundred
     Case(
         "one_solid", lambda x: modal.one_solid(x, (0.1, 0.2), (0.1, "1 % of stiffness")), 3.63, 3.66
+    ),
+]
+
+ROD = [
+    Case("rod_usable", whole(lambda n: rod.rod_usable(n, (10.0, 20.0))), 8, 7),
+    Case("mass_beside_rod", rod.mass_beside_rod, 99.9, 100.1),
+    Case("waves_plane", lambda x: rod.waves_plane(x, 300.0), 0.0499, 0.0501),
+    Case(
+        "sensors_agree", lambda x: rod.sensors_agree(x / 100, 0.0, known=(0.01, 0.02)), 2.99, 3.01
+    ),
+    Case(
+        "sensors_agree", lambda x: rod.sensors_agree(0.0, -x / 50, known=(0.01, 0.02)), 2.99, 3.01
     ),
 ]
 
@@ -1160,6 +1165,18 @@ LEVEL = [
     Case("levels_as_struck", lambda x: level.levels_as_struck([2.0, x], [2.0, 1.0]), 1.99, 2.01),
     Case("levels_as_struck", lambda x: level.levels_as_struck([2.0, x], [2.0, 1.0]), 0.51, 0.49),
     Case("levels_held", lambda x: level.levels_held(["low.csv"] * int(x)), 0, 1),
+    Case(
+        "level_covered",
+        lambda x: level.level_covered(2e-3 * x, (1e-3, 2e-3), at="1 N"),
+        0.999,
+        1.001,
+    ),
+    Case(
+        "level_covered",
+        lambda x: level.level_covered(1e-3 / x, (1e-3, 2e-3), at="1 N"),
+        0.999,
+        1.001,
+    ),
 ]
 
 CLD = [
@@ -1181,31 +1198,35 @@ CLD = [
     Case("energy_lost", cld.energy_lost, -0.0199, -0.0201),
     Case("unloading_recorded", lambda x: cld.unloading_recorded(recorded=bool(x)), 1, 0),
     Case("length_given", lambda x: cld.length_given(given=bool(x)), 1, 0),
-]
-
-RELAXED = [
-    Case("memory_explains", lambda x: relaxed.memory_explains(0.2, x), 0.0299, 0.0301),
-    Case("memory_explains", lambda x: relaxed.memory_explains(0.2, -x), 0.0299, 0.0301),
+    Case("memory_explains", lambda x: cld.memory_explains(0.2, x), 0.0299, 0.0301),
+    Case("memory_explains", lambda x: cld.memory_explains(0.2, -x), 0.0299, 0.0301),
     Case(
         "stroke_within_memory",
-        lambda x: relaxed.stroke_within_memory(x * 5 / np.pi, (0.1, 1.0)),
+        lambda x: cld.stroke_within_memory(x * 5 / np.pi, (0.1, 1.0)),
         1.0,
         1.01,
     ),
     Case(
         "stroke_within_memory",
-        lambda x: relaxed.stroke_within_memory(0.5 / np.pi / x, (0.1, 1.0)),
+        lambda x: cld.stroke_within_memory(0.5 / np.pi / x, (0.1, 1.0)),
         1.0,
         1.01,
     ),
-    Case("relaxed_agrees", lambda x: relaxed.relaxed_agrees(x, 8e-3, 200.0), 0.0499, 0.0501),
-    Case("speeds_spread", relaxed.speeds_spread, 10.01, 9.99),
-    Case("speeds_followed", lambda x: relaxed.speeds_followed(x * 5e-3, 5e-3, 2.0), 1.99, 2.01),
-    Case("slowest_relaxed", lambda x: relaxed.slowest_relaxed(x * 80.0, 80.0), 0.999, 1.001),
-    Case("memory_told", relaxed.memory_told, 0.499, 0.501),
-    Case("memory_suffices", relaxed.memory_suffices, 9.9, 10.1),
-    Case("memories_agree", relaxed.memories_agree, 0.0499, 0.0501),
-    Case("relaxed_agrees", lambda x: relaxed.relaxed_agrees(-x, 8e-3, 200.0), 0.0499, 0.0501),
+    Case("relaxed_agrees", lambda x: cld.relaxed_agrees(x, 8e-3, 200.0), 0.0499, 0.0501),
+    Case("speeds_spread", cld.speeds_spread, 10.01, 9.99),
+    Case("speeds_followed", lambda x: cld.speeds_followed(x * 5e-3, 5e-3, 2.0), 1.99, 2.01),
+    Case("slowest_relaxed", lambda x: cld.slowest_relaxed(x * 80.0, 80.0), 0.999, 1.001),
+    Case("memory_told", cld.memory_told, 0.499, 0.501),
+    Case("memory_suffices", cld.memory_suffices, 9.9, 10.1),
+    Case("memories_agree", cld.memories_agree, 0.0499, 0.0501),
+    Case("relaxed_agrees", lambda x: cld.relaxed_agrees(-x, 8e-3, 200.0), 0.0499, 0.0501),
+    Case("pieces_tested_alike", lambda x: cld.pieces_tested_alike(["speed"] * int(x)), 0, 1),
+    Case(
+        "pieces_capable",
+        lambda x: cld.pieces_capable(capability(np.array([-1.0, 0.0, 1.0]), -9.0, 3 * x), "N"),
+        1.331,
+        1.329,
+    ),
 ]
 
 LOTS = [
@@ -1272,25 +1293,6 @@ WORKFLOW = [
         10.099,
         10.101,
     ),
-    Case(
-        "level_covered",
-        lambda x: workflow.level_covered(2e-3 * x, (1e-3, 2e-3), at="1 N"),
-        0.999,
-        1.001,
-    ),
-    Case(
-        "level_covered",
-        lambda x: workflow.level_covered(1e-3 / x, (1e-3, 2e-3), at="1 N"),
-        0.999,
-        1.001,
-    ),
-    Case("pieces_tested_alike", lambda x: workflow.pieces_tested_alike(["speed"] * int(x)), 0, 1),
-    Case(
-        "pieces_capable",
-        lambda x: workflow.pieces_capable(capability(np.array([-1.0, 0.0, 1.0]), -9.0, 3 * x), "N"),
-        1.331,
-        1.329,
-    ),
     Case("hold_fit_possible", lambda _: workflow.hold_fit_possible("two ramps"), None, 0),
     Case("history_present", workflow.history_present, 1, 0),
     Case("history_complete", lambda x: workflow.history_complete(1, torn=bool(x)), 0, 1),
@@ -1348,20 +1350,20 @@ STAGES = {
     "export": EXPORT,
     "io/readers": READING,
     "preparation": PREPARATION,
-    "preparation/cld": CLD,
+    "kinds/cld": CLD,
     "fitting": [*FITTING, *CREEP],
     "fitting/identification": IDENTIFICATION,
     "fitting/nonlinear_ramp": RAMP,
     "fitting/fractional": FRACTIONAL,
     "fitting/temperature": TEMPERATURE,
-    "fitting/hyperelastic": HYPERELASTIC,
-    "fitting/indentation": INDENTATION,
-    "fitting/level": LEVEL,
-    "fitting/cld": RELAXED,
+    "kinds/hyperelastic": HYPERELASTIC,
+    "kinds/indentation": INDENTATION,
+    "kinds/level": LEVEL,
+    "kinds/rod": ROD,
     "lots": LOTS,
     "planning": PLANNING,
     "vibration": VIBRATION,
-    "seals": SEALS,
+    "door": SEALS,
     "vibration/comparison": COMPARISON,
     "vibration/impact": IMPACT,
     "vibration/modal": MODAL,
@@ -1390,10 +1392,14 @@ LIMITS = {
         "depth_resolved": 0.005, "hold_is_still": 0.01, "hold_outlasts_ramp": 10,
         "ramp_sampled": 10, "strain_small": 0.2,
     },
-    "preparation/cld": {
+    "kinds/cld": {
         "zero_recorded": 0.05, "conditioned": 0.02, "depth_conditioned": 1.02,
         "compressions_reached": 1, "load_cell_steady": 0.02, "speed_even": 0.02,
         "energy_lost": -0.02, "released_freely": 0.01,
+        "memory_explains": 0.03, "stroke_within_memory": 1, "relaxed_agrees": 0.05,
+        "memories_agree": 0.05, "memory_suffices": 10,
+        "speeds_spread": 10, "speeds_followed": 2, "slowest_relaxed": 1, "memory_told": 0.5,
+        "pieces_tested_alike": 0, "pieces_capable": 1.33,
     },
     "fitting": {
         "same_specimen": 3,
@@ -1427,34 +1433,30 @@ LIMITS = {
         "gain_believable": 2.5, "delay_believable": 2.5, "stiffness_believable": 2.5,
         "earlier_fit_kept": 2.5, "dashpot_not_missed": 50, "arms_identified": 0.5,
     },
-    "fitting/hyperelastic": {
+    "kinds/hyperelastic": {
         "law_followed": 0.05, "no_law_closer": 2, "stable_in_use": 0, "modes_told": 0.1,
         "use_measured": 1, "constants_known": 0.25, "rows_enough": 4, "files_agree": 0.05,
         "loading_returned": 0.1, "conditioned": 0.05, "zero_known": 0.005, "labels_agree": 3,
         "measures_stated": 0.1,
     },
-    "fitting/indentation": {
+    "kinds/indentation": {
         "contact_sampled": 20, "flights_recorded": 0.1, "sensor_in_range": 0, "first_contact": 0,
         "law_followed": 1.5, "released_freely": -0.02, "parameters_known": 1.25, "laws_agree": 0.05,
         "velocity_agrees": 1.1, "gravity_known": 0.01, "force_agrees": 1.1,
         "indentation_shallow": 0.3, "sensor_fast_enough": 0.03,
     },
-    "fitting/level": {
+    "kinds/rod": {"rod_usable": 8, "waves_plane": 0.05, "sensors_agree": 3, "mass_beside_rod": 100},
+    "kinds/level": {
         "level_matters": 20, "amplitudes_spread": 3, "softening_seen": 2, "law_followed": 0.03,
         "levels_followed": 1.4, "loss_followed": 0.15, "spring_cubic": 20, "ways_agree": 0.03,
-        "levels_as_struck": 2, "levels_held": 0,
-    },
-    "fitting/cld": {
-        "memory_explains": 0.03, "stroke_within_memory": 1, "relaxed_agrees": 0.05,
-        "memories_agree": 0.05, "memory_suffices": 10,
-        "speeds_spread": 10, "speeds_followed": 2, "slowest_relaxed": 1, "memory_told": 0.5,
+        "levels_as_struck": 2, "levels_held": 0, "level_covered": 1,
     },
     "lots": {"files_fitted": 0, "fits_usable": 0, "hammers_compared": 0,
              "tests_alike": 0, "records_distinct": 0, "seals_within_limits": 0,
              "stands_out_of_lot": 0, "asked_in_band": 0, "lots_tested_alike": 0,
              "seals_named": 0},
     "planning": {"tip_excites": -10},
-    "seals": {
+    "door": {
         "door_modes_informed": 1, "seal_touches": 0, "stations_suffice": 1e-3,
         "modes_suffice": 5e-3, "shapes_known_there": 0.03, "masses_agree": 1.05, "door_held": 0,
         "closing_informed": 1.0,
@@ -1476,13 +1478,11 @@ LIMITS = {
     },
     "vibration/modal": {
         "modes_stable": 5, "modes_explain_lines": 4, "points_share_modes": 0.2,
-        "rod_usable": 8, "waves_plane": 0.05, "sensors_agree": 3,
-        "mass_beside_rod": 100,
     },
     "workflow": {
-        "result_recomputed": 1e-7, "prediction_informed": 1, "level_covered": 1,
+        "result_recomputed": 1e-7, "prediction_informed": 1,
         "base_band_informed": 1,
-        "history_present": 1, "pieces_tested_alike": 0, "pieces_capable": 1.33,
+        "history_present": 1,
         "families_predict_alike": 1.1,
         "files_listed": 0, "page_redrawn": 0, "history_whole": 0,
     },
@@ -1490,9 +1490,9 @@ LIMITS = {
 #: what a failure means; of every other check, that the result is to be used with care
 GRADES = {
     "note": {
-        "seals": {"line_closed", "faster_doors_close"},
+        "door": {"line_closed", "faster_doors_close"},
         "lots": {"stands_out_of_lot"},
-        "preparation/cld": {"unloading_recorded", "length_given"},
+        "kinds/cld": {"unloading_recorded", "length_given"},
         "preparation": {
             "baseline_recorded", "single_loading", "overshoot_small", "range_used",
             "hold_outlasts_ramp", "load_held",
@@ -1503,15 +1503,15 @@ GRADES = {
         },
         "fitting/identification": {"dashpot_not_missed"},
         "fitting/temperature": {"shifts_told_apart"},
-        "fitting/level": {"level_matters"},
-        "fitting/hyperelastic": {"volume_known"},
+        "kinds/level": {"level_matters"},
+        "kinds/hyperelastic": {"volume_known"},
         "fitting/nonlinear_ramp": {"clocks_agree", "offset_believable", "drift_believable"},
         "workflow": {
             "hold_fit_possible", "history_complete", "files_listed", "base_band_informed",
         },
     },
     "stop": {
-        "preparation/cld": {"energy_lost"},
+        "kinds/cld": {"energy_lost"},
         "preparation": {
             "columns_plausible", "force_not_clipped", "force_resolved", "force_relaxes",
             "ramp_recorded",
@@ -1528,7 +1528,7 @@ GRADES = {
             "frequencies_informed",
             "same_specimen",
         },
-        "fitting/hyperelastic": {"stable_in_use"},
+        "kinds/hyperelastic": {"stable_in_use"},
         "fitting/identification": {"tests_agree"},
         "vibration/comparison": {"no_unit_slip"},
         "vibration/impact": {
@@ -1563,7 +1563,7 @@ ENDS = {
         "mass_believable": Status.TESTS_DISAGREE,
         "arms_identified": Status.NOT_IDENTIFIED,
     },
-    "fitting/cld": {"memory_told": Status.NOT_IDENTIFIED},
+    "kinds/cld": {"memory_told": Status.NOT_IDENTIFIED},
 }
 #: the gravest first
 GRAVEST_FIRST = (

@@ -15,8 +15,6 @@ from click.testing import CliRunner
 import dashpot as dp
 from dashpot import workflow
 from dashpot.cli import COMMANDS, main
-from dashpot.cli.export import TARGETS as OFFERED
-from dashpot.export import TARGETS
 
 ROOT = Path(__file__).resolve().parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -193,10 +191,6 @@ def test_commands_options_and_files_are_completed():
         offered = completed(*words)
         assert offered
         assert {one.split(",")[0] for one in offered} <= {"file", "dir"}, words
-
-
-def test_the_command_line_offers_every_deck():
-    assert set(OFFERED) == set(TARGETS)
 
 
 def test_pictures_of_the_readme_exist():

@@ -4,6 +4,6 @@ The public names stand in ``__init__.pyi``; each is imported when it is first us
 ``import dashpot`` and ``dashpot --help`` cost next to nothing.
 """
 
-import lazy_loader
+from dashpot.base.lazy import names_of
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__, __dir__, __all__ = names_of(__name__, __file__)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from dashpot.base.documents import Documented, plain
+from dashpot.base.documents import DIGEST, Documented, digest_of, fields_of, plain
 from dashpot.base.facts import Fact
 
 
@@ -56,6 +56,39 @@ def test_a_document_is_a_list_of_attributes() -> None:
         "k": 2.0, "part": {"length": "Infinity", "inside": None},
     }  # fmt: skip
     assert list(found) == ["schema", "law", "length", "high", "k", "part"]
+
+
+@dataclass(frozen=True)
+class Whole(Documented):
+    keys = ("*", "high=part.length~", "*result", "gone=nothing.length", "left=nothing?")
+
+    part: Part
+    result: Result | None = None
+    nothing: Part | None = None
+
+    @property
+    def digested(self) -> bool:
+        return True
+
+
+def test_what_is_not_known_is_null_and_what_is_not_there_is_left_out() -> None:
+    found = Whole(Part(math.nan)).document
+    seal = found.pop(DIGEST)
+    assert found == {
+        "part": {"length": "NaN", "inside": None}, "result": None, "nothing": None, "high": None,
+        "gone": None,
+    }  # fmt: skip
+    assert seal == digest_of(found | {DIGEST: "any"})
+    assert seal != digest_of(found | {"high": 1})
+
+
+def test_the_fields_go_back_the_way_they_came() -> None:
+    laid = {"law": "linear", "high": 2.0, "k": 3.0, "strange": 4.0}
+    assert fields_of(Result, laid) == {
+        "law": "linear", "part": {"length": 2.0}, "more": laid,
+    }  # fmt: skip
+    whole = laid | {"part": {"length": 1.0, "inside": None}}
+    assert fields_of(Result, whole)["part"] == whole["part"]
 
 
 def test_arrays_and_complex_numbers_are_plain() -> None:

@@ -12,8 +12,8 @@ from kit.fits import a_fit
 
 import dashpot as dp
 from dashpot.cli import main
-from dashpot.io.readers.door_closing import closing_of
-from dashpot.records.closing import Between, Cabin, CheckStrap, Latch, Tolerances, Vents
+from dashpot.door.closing_record import Between, Cabin, CheckStrap, Latch, Tolerances, Vents
+from dashpot.door.read_closing import closing_of
 from dashpot.records.specimen import Specimen
 from dashpot.solids.maxwell import GeneralizedMaxwell
 

@@ -16,10 +16,8 @@ from hypothesis import strategies as st
 from dashpot import workflow
 from dashpot.base.escapes import escaped, escaped_json
 from dashpot.cli import COMMANDS, main
-from dashpot.cli._options import PICTURES
 from dashpot.cli._shell import Output
 from dashpot.io.write import write_relaxation
-from dashpot.plot.files import FORMATS
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.simulation.rig import Rig
 from dashpot.solids.table_1 import PAPER
@@ -155,10 +153,6 @@ def test_every_command_that_writes_can_be_told_to_replace(name):
     assert {"-o", "--plot", "--save-profile", "--direct"} & known <= {
         option for one in written for option in one.opts
     } | ({"-o"} if name in {"demo", "example", "batch", "watch"} else set())  # a folder
-
-
-def test_pictures_are_those_that_are_drawn():
-    assert sorted(PICTURES) == sorted(f".{kind}" for kind in FORMATS)
 
 
 def test_the_measurement_is_not_written_over(tmp_path):

@@ -12,9 +12,7 @@ from kit.rubber import FOAM, MEMORY, RUBBER, at_rate
 import dashpot as dp
 from dashpot import workflow
 from dashpot.cli import main
-from dashpot.cli.hyperelastic import _OF_MODE
 from dashpot.workflow.examples import EXAMPLES
-from dashpot.workflow.hyperelastic import MODES
 
 pytestmark = pytest.mark.once
 
@@ -35,10 +33,6 @@ X = np.linspace(1, 2, 50)
 
 def law_of(*words):
     return json.loads(ran("hyperelastic", *words, "--json").stdout)["law"]
-
-
-def test_the_modes_of_the_command_are_those_of_the_work():
-    assert tuple(_OF_MODE) == tuple(MODES)
 
 
 def test_the_examples_end_to_end(tmp_path):

@@ -10,8 +10,8 @@ from click.testing import CliRunner
 
 import dashpot as dp
 from dashpot.cli import main
+from dashpot.kinds.rod.prepare import RodErrors, rod_modulus
 from dashpot.solids.part import Disc
-from dashpot.vibration.modal.rod import RodErrors, rod_modulus
 from dashpot.workflow.examples import EXAMPLES
 
 pytestmark = pytest.mark.once

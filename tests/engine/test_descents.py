@@ -8,8 +8,8 @@ from scipy.optimize import least_squares
 
 from dashpot.engine.blocks.hold import hold_block
 from dashpot.engine.inference.descents import Descents, Solved
-from dashpot.engine.inference.profile_likelihood import Optimum, profiles
-from dashpot.engine.inference.profile_walks import Asked, Coordinate
+from dashpot.engine.inference.profile_likelihood import profiles
+from dashpot.engine.inference.profile_walks import Coordinate, Profiled
 from dashpot.engine.least_squares.descent import _trial
 from dashpot.engine.least_squares.problem import Parameter, Problem, Rows, solved
 from dashpot.engine.solver.descent import Stack
@@ -80,11 +80,10 @@ def test_profiles_of_one_arm_where_two_are_needed_are_the_brute_force_refit(
     values = 1.0 + 0.8 * np.exp(-time / 0.3) + 0.5 * np.exp(-time / 4.0)
     block = hold_block(time, values)
     found = solve([block], 1)
-    optimum = Optimum(np.concatenate((found.fixed, found.arms.ravel())), found.log_tau)
     scale = found.sse / 8.0
-    asked = Asked(coordinate, index, step=0.02, scale=scale)
-    ((value, deviance),) = profiles(Stack([block]), optimum, [asked], limit=20.0)
-    c, k, ln_tau = *optimum.beta, optimum.log_tau[0]
+    asked = Profiled(coordinate, index, step=0.02, scale=scale)
+    ((value, deviance),) = profiles(Stack([block]), found, [asked], limit=20.0)
+    c, k, ln_tau = *found.beta, found.log_tau[0]
 
     def refitted(at: float) -> float:
         def residual(q: np.ndarray) -> np.ndarray:

@@ -7,28 +7,26 @@ import pytest
 from scipy.optimize import least_squares
 
 from dashpot.engine.blocks.hold import hold_block
-from dashpot.engine.inference.profile_likelihood import Optimum, profiles
-from dashpot.engine.inference.profile_walks import Asked, Coordinate
+from dashpot.engine.inference.profile_likelihood import profiles
+from dashpot.engine.inference.profile_walks import Coordinate, Profiled
 from dashpot.engine.solver.descent import Stack
-from dashpot.engine.solver.variable_projection import solve
+from dashpot.engine.solver.variable_projection import Solution, solve
 
 TIME = np.linspace(0.0, 10.0, 400)
 NOISE = 0.02
 
 
 @pytest.fixture(scope="module")
-def problem() -> tuple[Stack, Optimum, np.ndarray]:
+def problem() -> tuple[Stack, Solution, np.ndarray]:
     """Two arms, the slow one nearly a constant: skewed likelihoods."""
     random = np.random.default_rng(4)
     values = 1.0 + 0.8 * np.exp(-TIME / 0.3) + 0.3 * np.exp(-TIME / 9.0)
     values = values + NOISE * random.standard_normal(len(TIME))
     block = hold_block(TIME, values)
-    found = solve([block], 2)
-    optimum = Optimum(np.concatenate((found.fixed, found.arms.ravel())), found.log_tau)
-    return Stack([block]), optimum, values
+    return Stack([block]), solve([block], 2), values
 
 
-def brute(values: np.ndarray, optimum: Optimum, held: str, at: float) -> float:
+def brute(values: np.ndarray, optimum: Solution, held: str, at: float) -> float:
     """SSE of the best fit, nothing negative, with one coordinate held, from several starts."""
     c, k1, k2 = optimum.beta
     a, b = optimum.log_tau
@@ -67,14 +65,14 @@ def brute(values: np.ndarray, optimum: Optimum, held: str, at: float) -> float:
     ],
 )
 def test_profile_is_the_brute_force_refit(
-    problem: tuple[Stack, Optimum, np.ndarray],
+    problem: tuple[Stack, Solution, np.ndarray],
     held: str,
     coordinate: Coordinate,
     index: int,
     step: float,
 ) -> None:
     stack, optimum, values = problem
-    asked = Asked(coordinate, index, step=step, scale=NOISE**2)
+    asked = Profiled(coordinate, index, step=step, scale=NOISE**2)
     ((value, deviance),) = profiles(stack, optimum, [asked], limit=11.0)
     assert np.all(np.diff(value) > 0)
     best = int(np.argmin(deviance))
@@ -88,17 +86,17 @@ def test_profile_is_the_brute_force_refit(
 
 
 def test_a_side_the_data_leave_open_ends_at_the_window(
-    problem: tuple[Stack, Optimum, np.ndarray],
+    problem: tuple[Stack, Solution, np.ndarray],
 ) -> None:
     stack, optimum, _ = problem
-    asked = Asked(Coordinate.LOG_TAU, 1, step=0.1, scale=1e3)
+    asked = Profiled(Coordinate.LOG_TAU, 1, step=0.1, scale=1e3)
     ((value, deviance),) = profiles(stack, optimum, [asked], limit=11.0)
     assert deviance.max() < 11.0
     assert (value[0], value[-1]) == pytest.approx(stack.bounds)
 
 
 def test_where_the_noise_is_louder_the_same_sse_means_less(
-    problem: tuple[Stack, Optimum, np.ndarray],
+    problem: tuple[Stack, Solution, np.ndarray],
 ) -> None:
     """A noise that grows with tau opens the upper side and leaves the lower one alone."""
     stack, optimum, _ = problem
@@ -107,7 +105,7 @@ def test_where_the_noise_is_louder_the_same_sse_means_less(
         return float(np.exp(2.0 * max(log_tau[1] - optimum.log_tau[1], 0.0)))
 
     asked = [
-        Asked(Coordinate.LOG_TAU, 1, step=0.1, scale=NOISE**2, relative_gain=noise)
+        Profiled(Coordinate.LOG_TAU, 1, step=0.1, scale=NOISE**2, relative_gain=noise)
         for noise in (None, relative_gain)
     ]
     plain, met = profiles(stack, optimum, asked, limit=11.0)
@@ -133,12 +131,11 @@ def test_an_arm_that_the_data_do_without_may_be_anything(seed: int) -> None:
     block = hold_block(TIME, values)
     found = solve([block], 2)
     assert found.order == 2
-    optimum = Optimum(np.concatenate((found.fixed, found.arms.ravel())), found.log_tau)
     arm = int(np.argmin(found.arms[0]))
     coordinates = (Coordinate.LINEAR, 0), (Coordinate.LINEAR, 1 + arm), (Coordinate.LOG_B, arm)
-    asked = [Asked(kind, index, step=0.02, scale=NOISE**2) for kind, index in coordinates]
-    asked.append(Asked(Coordinate.LOG_TAU, arm, step=0.2, scale=NOISE**2))
-    plateau, *own = profiles(Stack([block]), optimum, asked, limit=11.0)
+    asked = [Profiled(kind, index, step=0.02, scale=NOISE**2) for kind, index in coordinates]
+    asked.append(Profiled(Coordinate.LOG_TAU, arm, step=0.2, scale=NOISE**2))
+    plateau, *own = profiles(Stack([block]), found, asked, limit=11.0)
     without = (solve([block], 1).sse - found.sse) / NOISE**2
     assert without < 2.0
     for value, deviance in own:
@@ -165,9 +162,8 @@ def test_an_arm_that_is_needed_has_ends_though_another_is_spare() -> None:
     block = hold_block(TIME, 1.0 + 0.8 * np.exp(-TIME / 0.3) + 0.3 * np.exp(-TIME / 4.0) + noise)
     found = solve([block], 3)
     assert found.order == 3
-    optimum = Optimum(np.concatenate((found.fixed, found.arms.ravel())), found.log_tau)
     slow = int(np.argmin(np.abs(found.log_tau - np.log(4.0))))
-    asked = Asked(Coordinate.LINEAR, 1 + slow, step=0.02, scale=NOISE**2)
-    ((value, deviance),) = profiles(Stack([block]), optimum, [asked], limit=11.0)
+    asked = Profiled(Coordinate.LINEAR, 1 + slow, step=0.02, scale=NOISE**2)
+    ((value, deviance),) = profiles(Stack([block]), found, [asked], limit=11.0)
     assert deviance[0] > 11.0
     assert value[0] > 0.05

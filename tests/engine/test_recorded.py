@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from dashpot.base.errors import DataError, FitError
 from dashpot.engine.blocks.block import Evaluation
-from dashpot.engine.blocks.correlation import Force, response, upper_factor
+from dashpot.engine.blocks.correlation import Force, convolved, upper_factor
 from dashpot.engine.blocks.late_force import Late
 from dashpot.engine.blocks.recorded import arm_columns, recorded_block
 from dashpot.engine.solver.certificate import certificate
@@ -110,7 +110,7 @@ def test_gram_matrix_is_that_of_every_sample(
     scale = np.linalg.norm(dense, axis=0)
     # an arm that has died before the window is rounding beside the displacement
     scale = np.maximum(scale, 0.1 * scale[0] * (scale < scale[0]))
-    seen = response(TIME, x, rows.fixed, start=start, stop=stop)
+    seen = convolved(TIME, x, rows.fixed, start=start, stop=stop)
     gram = seen.gram(tau, Force.of(seen, rows.target), derivative=True)
     np.testing.assert_allclose(
         gram / scale / scale[:, None], dense.T @ dense / scale / scale[:, None], atol=1e-10

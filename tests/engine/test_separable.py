@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dashpot.base.errors import DataError, FitError
-from dashpot.engine.blocks.block import Block, design_block, frequency_block
+from dashpot.engine.blocks.block import DataBlock, design_block, frequency_block
 from dashpot.engine.blocks.hold import hold_block
 from dashpot.engine.least_squares.nnls import nonnegative, nonnegative_columns
 from dashpot.engine.solver.certificate import certificate
@@ -29,7 +29,7 @@ def noise(seed: int, sd: float = 1e-2) -> np.ndarray:
     return sd * np.random.default_rng(seed).standard_normal(len(TIME))
 
 
-def two_depths() -> list[Block]:
+def two_depths() -> list[DataBlock]:
     """Two tests that share relaxation times and a drift, with stiffnesses of their own."""
     blocks = [
         hold_block(

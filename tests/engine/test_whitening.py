@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.linalg import toeplitz
 
-from dashpot.engine.blocks.block import Block
+from dashpot.engine.blocks.block import DataBlock
 from dashpot.engine.blocks.hold import hold_block
 from dashpot.engine.blocks.recorded import recorded_block
 from dashpot.engine.inference.covariance import Noise
@@ -24,14 +24,14 @@ K = np.array([120.0, 40.0])
 DEPTH, RAMP = 8e-3, 1.0
 
 
-def held(noise: np.ndarray | float = 0.0) -> Block:
+def held(noise: np.ndarray | float = 0.0) -> DataBlock:
     """Eq. 5 on a hold of 12 s, every sample a row."""
     mean = TAU / RAMP * -np.expm1(-RAMP / TAU)
     force = DEPTH * (200.0 + np.exp(-TIME[:, None] / TAU) @ (K * mean))
     return hold_block(TIME, force + noise, depth=DEPTH, ramp_time=RAMP, compress=False)
 
 
-def moved(noise: np.ndarray | float = 0.0) -> Block:
+def moved(noise: np.ndarray | float = 0.0) -> DataBlock:
     """A ramp and hold by its recorded motion, with a tare and a drift."""
     x = DEPTH * np.clip(TIME / RAMP, 0.0, 1.0)
     columns = recorded_block(TIME, x, 0 * TIME).exact.evaluate(np.log(TAU))
@@ -52,7 +52,7 @@ def white(variance: float = 1e-4) -> Noise:
 
 @pytest.mark.parametrize("make", [held, moved])
 def test_in_the_metric_of_white_noise_the_fit_is_least_squares(
-    make: Callable[[np.ndarray], Block],
+    make: Callable[[np.ndarray], DataBlock],
 ) -> None:
     exact = make(1e-2 * np.random.default_rng(0).standard_normal(len(TIME)))
     block = whitened_block(exact, white())
@@ -80,7 +80,7 @@ def test_the_columns_are_those_of_the_record_at_any_relaxation_time() -> None:
 
 @pytest.mark.parametrize(("make", "better"), [(held, 1.5), (moved, 1.0)])
 def test_what_is_known_is_what_generalised_least_squares_knows(
-    make: Callable[[], Block], better: float
+    make: Callable[[], DataBlock], better: float
 ) -> None:
     """The dense inverse of Gamma: nothing is gained, and no more than a tenth is lost."""
     exact, noise = make(), slow(0.5)
@@ -121,7 +121,7 @@ def test_no_direction_is_trusted_better_than_under_white_noise(
 
 @pytest.mark.parametrize("make", [held, moved])
 def test_the_noise_that_meets_a_change_is_its_dense_quadratic_form(
-    make: Callable[[], Block],
+    make: Callable[[], DataBlock],
 ) -> None:
     exact, noise = make(), slow(0.5)
     solution = solve([exact], 2)
@@ -134,7 +134,7 @@ def test_the_noise_that_meets_a_change_is_its_dense_quadratic_form(
         assert noise_gain.towards(step) == pytest.approx(
             change @ dense @ change / (change @ change), rel=0.02
         )
-    beta, log_tau = np.concatenate((solution.fixed, solution.arms.ravel())), solution.log_tau
+    beta, log_tau = solution.beta, solution.log_tau
     before = exact.evaluate(log_tau)
     for shift in np.array([[0.0, 1.2], [0.4, 0.0], [-0.3, -0.5]]):
         moved_to = log_tau + shift
@@ -151,8 +151,7 @@ def test_white_noise_meets_every_change_alike() -> None:
     solution = solve([exact], 2)
     noise_gain = NoiseGain([exact], [white(0.3)], solution)
     assert noise_gain.towards(np.array([1.0, -2.0, 0.3, 0.1, 0.7])) == pytest.approx(0.3)
-    beta = np.concatenate((solution.fixed, solution.arms.ravel()))
-    assert noise_gain.at(1.1 * beta, solution.log_tau + 0.2) == pytest.approx(0.3)
+    assert noise_gain.at(1.1 * solution.beta, solution.log_tau + 0.2) == pytest.approx(0.3)
 
 
 def test_the_fall_of_the_deviance_under_slow_noise_is_chance() -> None:

@@ -13,7 +13,7 @@ from kit.rubber import MEMORY, loaded
 
 from dashpot import export
 from dashpot.base.errors import ExportError
-from dashpot.fitting.hyperelastic.fit import fit_hyperelastic
+from dashpot.kinds.hyperelastic.fit import fit_hyperelastic
 from dashpot.solids.hyperelastic import SHEARING, Hyperelastic
 
 pytestmark = pytest.mark.once

@@ -20,14 +20,13 @@ from dashpot.base.checks import Check
 from dashpot.base.errors import ExportError, ReadError
 from dashpot.export import UNIT_SYSTEMS
 from dashpot.export.beside import CARRIERS
-from dashpot.records.level import LevelFit
+from dashpot.kinds.level.levels import LevelFit
 from dashpot.solids.friction import Jenkins
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.networks import spring
 from dashpot.solids.rate_independent import InParallel
 from dashpot.solids.stiffening import Cubic
 from dashpot.workflow.archive import from_json, to_json
-from dashpot.workflow.level_document import LevelDocument
 
 pytestmark = pytest.mark.once
 STEP = 1e-4
@@ -360,7 +359,7 @@ def test_seals_in_parallel_are_so_many_of_each():
 
 
 def told(fit: LevelFit) -> str:
-    return to_json(LevelDocument.of(fit, fit.checks, ()))
+    return to_json(fit)
 
 
 def test_what_a_level_document_holds_makes_the_same_deck(tmp_path):

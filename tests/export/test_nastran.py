@@ -16,8 +16,8 @@ from kit.bulkdata import Bush, read_cards, real
 from dashpot import export
 from dashpot.base.errors import ExportError
 from dashpot.export import UNIT_SYSTEMS
+from dashpot.export.decks.nastran import bush_property
 from dashpot.export.frequency_tables import tabulate
-from dashpot.export.nastran import bush_property
 from dashpot.export.notation import packed
 from dashpot.records.seal_line import SealLine
 from dashpot.records.specimen import Specimen

@@ -15,7 +15,7 @@ from dashpot.base.provenance import Step
 from dashpot.base.status import Status
 from dashpot.fitting.assembly import (
     UNJUDGED,
-    Outcome,
+    FoundSolid,
     assembled,
     nuisances,
     point_estimate,
@@ -60,7 +60,7 @@ def test_nuisances_of_one_test_have_no_number_and_the_unit_of_what_was_measured(
 
 
 def test_a_point_estimate_knows_no_error_of_any_parameter():
-    found = assembled(Outcome(PAPER, POINT), UNJUDGED, Provenance("full"))
+    found = assembled(FoundSolid(PAPER, POINT), UNJUDGED, Provenance("full"))
     assert np.isinf(np.diag(found.covariance)).all()
     assert found.covariance.shape == (5, 5)
     assert (found.residual.n, found.residual.sse, found.residual.rms) == (100, 25.0, 0.5)
@@ -88,7 +88,7 @@ def test_a_fit_ends_as_its_optimum_and_its_checks_say(
         "lost": optimum_found(stationary=False),
     }
     evidence = Evidence((0.1, 1.0), checks=tuple(failed[name] for name in checks))
-    found = assembled(Outcome(PAPER, POINT, fewer, at_bound), evidence, Provenance("full"))
+    found = assembled(FoundSolid(PAPER, POINT, fewer, at_bound), evidence, Provenance("full"))
     assert found.status is status
 
 

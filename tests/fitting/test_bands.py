@@ -12,7 +12,7 @@ from kit.fits import altered
 from dashpot.base.errors import DataError
 from dashpot.fitting.relaxation import fit
 from dashpot.fitting.uncertainty import admissible_spectra
-from dashpot.fitting.uncertainty.admissible_spectra import Spectra
+from dashpot.fitting.uncertainty.admissible_spectra import AdmissibleSpectra
 from dashpot.fitting.uncertainty.prediction_bounds import (
     frf_band,
     parameter_band,
@@ -97,17 +97,17 @@ LINES = np.geomspace(0.004, 50, 61)
 
 
 @pytest.fixture(scope="module")
-def spectra(broad_fit: Fit, broad_test: RampHold) -> Spectra:
+def spectra(broad_fit: Fit, broad_test: RampHold) -> AdmissibleSpectra:
     data = [relaxation_data(broad_test, broad_fit)]
-    return Spectra(data, fastest=2 * np.pi * 50, limit=5.0, further=broad_fit.model.tau)
+    return AdmissibleSpectra(data, fastest=2 * np.pi * 50, limit=5.0, further=broad_fit.model.tau)
 
 
-def deviance(spectra: Spectra, s: np.ndarray) -> float:
+def deviance(spectra: AdmissibleSpectra, s: np.ndarray) -> float:
     misfit = spectra.columns @ (s * spectra.scale) - spectra.target
     return float(misfit @ misfit) - spectra.least
 
 
-def test_every_limit_lies_where_the_deviance_meets_the_cut(spectra: Spectra) -> None:
+def test_every_limit_lies_where_the_deviance_meets_the_cut(spectra: AdmissibleSpectra) -> None:
     for omega in 2 * np.pi * LINES[::6]:
         for v in spectra.stiffness_at(omega):
             for aim in (v, -v):
@@ -118,7 +118,7 @@ def test_every_limit_lies_where_the_deviance_meets_the_cut(spectra: Spectra) -> 
                     assert deviance(spectra, found) == pytest.approx(5.0, abs=1e-6)
 
 
-def test_no_spectrum_reaches_beyond_a_limit(spectra: Spectra) -> None:
+def test_no_spectrum_reaches_beyond_a_limit(spectra: AdmissibleSpectra) -> None:
     """Against a slow obvious form: hold the quantity at a target with one heavy row."""
     from scipy.optimize import nnls
 
@@ -150,7 +150,7 @@ def test_a_finer_grid_moves_no_limit(
     data = [relaxation_data(broad_test, broad_fit)]
 
     def limits() -> np.ndarray:
-        found = Spectra(data, fastest=320.0, limit=5.0, further=broad_fit.model.tau)
+        found = AdmissibleSpectra(data, fastest=320.0, limit=5.0, further=broad_fit.model.tau)
         at = [found.stiffness_at(2 * np.pi * f) for f in (0.01, 0.1, 1.0, 5.0, 12.7, 50.0)]
         return np.array([found.reach(v) for pair in at for v in pair])
 
@@ -181,7 +181,9 @@ def test_every_line_has_its_own_limits(broad_fit: Fit, broad_test: RampHold) -> 
     assert many.loss[:, ::10] == pytest.approx(few.loss, rel=1e-2)
 
 
-def test_the_limits_of_an_frf_are_those_of_the_set_of_stiffnesses(spectra: Spectra) -> None:
+def test_the_limits_of_an_frf_are_those_of_the_set_of_stiffnesses(
+    spectra: AdmissibleSpectra,
+) -> None:
     """Against the hull of the farthest points in 720 directions: within the 1 % claimed."""
     for f in (9.0, 12.7, 20.0):
         omega = 2 * np.pi * f
@@ -305,7 +307,7 @@ def test_a_spring_without_loss_bounds_its_peak_from_below_alone() -> None:
 @pytest.mark.once
 @pytest.mark.parametrize("f", [3.0, 12.7, 14.0, 40.0])
 def test_the_limits_over_a_base_are_those_of_the_set_of_stiffnesses(
-    spectra: Spectra, f: float
+    spectra: AdmissibleSpectra, f: float
 ) -> None:
     """Against the edge of the hull of the farthest points in 720 directions, within 1 %."""
     omega = 2 * np.pi * f

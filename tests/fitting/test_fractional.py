@@ -27,16 +27,16 @@ from dashpot.engine.blocks.recorded import recorded_block
 from dashpot.fitting.design import Design
 from dashpot.fitting.fit_data import FitData, data_of
 from dashpot.fitting.fractional.choice import element, parts_from
-from dashpot.fitting.fractional.projection import Columns
+from dashpot.fitting.fractional.projection import ArmColumns
 from dashpot.fitting.identification.frf_data import frf_data_of
 from dashpot.fitting.identification.likelihood import (
     Constraints,
+    IdentificationProblem,
     NuisancePriors,
     Parameters,
-    Prior,
-    Problem,
 )
 from dashpot.fitting.identification.parametrisation import Element
+from dashpot.fitting.nuisance import Prior
 from dashpot.fitting.uncertainty.prediction_bounds import parameter_band, unseen_arm_band
 from dashpot.fitting.weighed_relaxation import relaxation_data
 from dashpot.plot.picture import Tag
@@ -170,7 +170,9 @@ def test_noise_free_numbers_are_found_whatever_the_test() -> None:
 
 
 def test_a_trial_is_differentiated() -> None:
-    columns = Columns(data_of([pressed(Seal.fractional(*TRUTHS[0]))], Design("full")).bound().rows)
+    columns = ArmColumns(
+        data_of([pressed(Seal.fractional(*TRUTHS[0]))], Design("full")).bound().rows
+    )
     theta = np.array([np.log(0.07), 0.55])
     here = columns.problem.at(theta)
     hold_slopes(columns.problem, theta, here.beta)
@@ -480,7 +482,9 @@ def test_the_jacobian_of_an_element_is_the_slope_of_the_residual() -> None:
     lines = frf_data_of(hammered(), seals=2, band=None)
     priors = NuisancePriors(Prior(MASS, 1e-3), Prior(1.0, 0.01), Prior(0.0, 1e-4))
     element = Element.of([relaxation])
-    problem = Problem((relaxation,), lines, priors, Constraints(), element, dashpot=True)
+    problem = IdentificationProblem(
+        (relaxation,), lines, priors, Constraints(), element, dashpot=True
+    )
     solid = dp.FractionalZener(480.0, 210.0, 0.06, 0.45, b=0.02)
     theta = problem.pack(Parameters(solid, 0.11, 1.01, 1e-5))
     again = problem.unpack(theta).model

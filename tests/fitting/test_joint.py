@@ -18,12 +18,12 @@ from dashpot.fitting.identification.likelihood import (
     UNFELT,
     Candidate,
     Constraints,
+    IdentificationProblem,
     NuisancePriors,
     Parameters,
-    Prior,
-    Problem,
 )
 from dashpot.fitting.identification.parametrisation import Arms
+from dashpot.fitting.nuisance import Prior
 from dashpot.fitting.relaxation import fit
 from dashpot.fitting.weighed_relaxation import relaxation_data
 from dashpot.preparation.prepare import prepare
@@ -176,7 +176,7 @@ def test_the_jacobian_is_the_slope_of_the_residual(
     broad_frf: FRF, broad_test: RampHold, broad_fit: Fit
 ) -> None:
     relaxation = relaxation_data(broad_test, broad_fit)
-    problem = Problem(
+    problem = IdentificationProblem(
         (relaxation,),
         frf_data_of(broad_frf, seals=2, band=None),
         NuisancePriors(Prior(BROAD_MASS, 1e-3), Prior(1.0, 0.01), Prior(0.0, 1e-4)),
@@ -210,7 +210,7 @@ def test_the_slope_of_every_line_and_prior(
 ) -> None:
     over_base = predict_frf(2 * BROAD, mass=BROAD_MASS, frequency=broad_frf.frequency, kind=kind)
     lines = over_base if kind.over_base else broad_frf
-    problem = Problem(
+    problem = IdentificationProblem(
         (),
         frf_data_of(lines, seals=2, band=None, mass=BROAD_MASS),
         NuisancePriors(
@@ -234,7 +234,7 @@ def test_the_slope_of_every_line_and_prior(
 
 def test_arms_that_crossed_keep_their_own_errors(broad_frf: FRF) -> None:
     lines = frf_data_of(broad_frf, seals=2, band=None)
-    problem = Problem(
+    problem = IdentificationProblem(
         (),
         lines,
         NuisancePriors(Prior(BROAD_MASS, 1e-3), Prior(1.0, 0.01), Prior(0.0, 1e-4)),
@@ -253,7 +253,7 @@ def test_arms_that_crossed_keep_their_own_errors(broad_frf: FRF) -> None:
 def test_a_dashpot_that_has_faded_has_no_error(broad_frf: FRF) -> None:
     lines = frf_data_of(broad_frf, seals=2, band=None)
     priors = NuisancePriors(Prior(BROAD_MASS, 1e-3), Prior(1.0, 0.01), Prior(0.0, 1e-4))
-    problem = Problem((), lines, priors, Constraints(), Arms(1), dashpot=True)
+    problem = IdentificationProblem((), lines, priors, Constraints(), Arms(1), dashpot=True)
     start = problem.pack(
         Parameters(GeneralizedMaxwell(250.0, (60.0,), (0.02,), 1.0), 0.11, 1.0, 0.0)
     )

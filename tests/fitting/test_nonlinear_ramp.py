@@ -161,7 +161,7 @@ def test_a_linear_seal_passes_the_gate_and_keeps_its_errors() -> None:
     error = float(np.sqrt(found.estimate.covariance[0, 0]))
     assert abs(found.model.k_inf - 196.5) < 3 * error
     assert {n.name for n in found.estimate.nuisance} == {"offset", "drift", "delay"}
-    assert [score.law.knots for score in found.scores] == [2]
+    assert [score.spacing.knots for score in found.scores] == [2]
 
 
 def test_a_late_force_is_found_behind_the_gate() -> None:

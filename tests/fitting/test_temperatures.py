@@ -11,8 +11,9 @@ from kit import cold
 from kit.slopes import hold_slopes
 
 import dashpot as dp
-from dashpot.engine.blocks.block import Block, Evaluation
-from dashpot.fitting.temperature.joint import Joint, Point, Vertical
+from dashpot.base.choices import Vertical
+from dashpot.engine.blocks.block import DataBlock, Evaluation
+from dashpot.fitting.temperature.joint import JointTests, ShiftedSolid
 from dashpot.fitting.uncertainty.prediction_bounds import parameter_band
 from dashpot.records.bounds import StiffnessBounds
 from dashpot.simulation.relaxation import simulate_relaxation
@@ -134,12 +135,12 @@ def test_the_slopes_of_shifted_tests_are_those_of_their_rows(vertical: Vertical,
         column = np.cos(at[:, None] + log_tau)
         return Evaluation(at, np.ones((7, 1)), column, -np.sin(at[:, None] + log_tau))
 
-    block = Block(rows, ("k_inf",), (1e-3, 1e3), 7, floor=2.0)
+    block = DataBlock(rows, ("k_inf",), (1e-3, 1e3), 7, floor=2.0)
     warm = np.array([273.15, 283.15, 296.15])
-    joint = Joint([block] * 4, np.array([2, 0, 1, 0]), warm, 2, vertical, slope_sd=0.3)
+    joint = JointTests([block] * 4, np.array([2, 0, 1, 0]), warm, 2, vertical, slope_sd=0.3)
     log_a, log_b = np.array([1.5, 0.7, 0.0]), np.array([-0.1, 0.05, 0.0])
     tau = np.array([-1.0, 0.5, 2.0])[:arms]
-    point = Point(3.0, np.array([2.0, 1.0, 0.5])[:arms], tau, log_a, log_b, 0.1 * (arms > 1))
+    point = ShiftedSolid(3.0, np.array([2.0, 1.0, 0.5])[:arms], tau, log_a, log_b, 0.1 * (arms > 1))
     problem = joint.problem(point)
     theta = joint.theta(point)
     assert len(theta) == len(problem.parameters) == len(joint.names(arms)) - 1 - arms

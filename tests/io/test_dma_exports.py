@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from dashpot.io.readers.amplitude import read_amplitude
 from dashpot.io.readers.bench import read_bench
 from dashpot.io.readers.inspect import inspect_file
+from dashpot.kinds.level.read import read_amplitude
 from dashpot.records.dynamic import DynamicTest
 
 pytestmark = pytest.mark.once

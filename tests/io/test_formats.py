@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 import sys
 import zipfile
@@ -11,16 +12,19 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from kit.instruments import lvm, ods, ods_rows, sheet, tdms, uff, workbook, xls
+from kit.instruments import lvm, ods, ods_rows, one_of_each, sheet, tdms, uff, workbook, xls
 from kit.look_alikes import ROWS, table, truth
 from scipy.io import savemat
 
 from dashpot.base.errors import ReadError
+from dashpot.io import formats
+from dashpot.io.formats import format_of
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.dynamic import read_dynamic
 from dashpot.io.readers.impact import read_impact
 from dashpot.io.readers.inspect import inspect_file
 from dashpot.io.readers.relaxation import read_relaxation
+from dashpot.io.source import Raw
 
 
 def same(test) -> None:
@@ -359,6 +363,8 @@ def test_each_accelerometer_has_its_sensitivity(tmp_path: Path) -> None:
     np.testing.assert_allclose(test.force, np.arange(ROWS) / 2)
     np.testing.assert_allclose(test.acceleration[0], np.arange(ROWS) / 100 * 9.80665)
     np.testing.assert_allclose(test.acceleration[1], np.arange(ROWS) / 10)
+    shouted = read_impact(path, options=ReadOptions(units=units | {"force": "2MV/N"}))
+    np.testing.assert_array_equal(shouted.force, test.force)
 
 
 def test_text_loads_no_heavy_library(tmp_path: Path) -> None:
@@ -442,3 +448,21 @@ def test_what_unpacks_to_too_much_is_passed_over(tmp_path: Path) -> None:
         file.filelist[0].file_size = 1 << 32
     with pytest.raises(ReadError, match=r"unpacks to 4.3 GB"):
         read_relaxation(path)
+
+
+def test_every_format_is_found_by_its_bytes(tmp_path: Path) -> None:
+    """Of a file of each: one whose mark is never met would be read as text."""
+    made = one_of_each(tmp_path) | {
+        "trios": b'[{"Results": []}]',
+        "text": b"t [s],F [N]\n0,1\n1,2\n",
+    }
+    found = {format_of(Raw(name, None, content)) for name, content in made.items()}
+    modules = {
+        path.stem
+        for path in Path(formats.__file__).parent.glob("*.py")
+        if re.search(r"^def read\(", path.read_text("utf-8"), re.MULTILINE)
+    }
+    assert found == modules
+    heads = [content[:40].removeprefix(b"\xef\xbb\xbf") for content in made.values()]
+    rest = {mark for mark, _ in formats._MAGIC if not any(head.startswith(mark) for head in heads)}
+    assert rest == {b"MATLAB 7.3 MAT-file"}  # an HDF5 file under another head

@@ -6,51 +6,16 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
 
-import numpy as np
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 from kit.fuzzing import Fuzzer
+from kit.instruments import one_of_each
 from kit.look_alikes import DIALECTS
 from kit.mutants import altered, repacked, texts, tries, wounded
 
 pytestmark = pytest.mark.fuzz
-
-
-def instruments(folder: Path) -> dict[str, bytes]:
-    """One small file of each format that is not delimited text."""
-    import h5py
-    from kit import instruments as made
-    from scipy.io import savemat
-
-    from dashpot.io.write import frf_uff
-
-    made.tdms(folder / "tdms", hits=2)
-    (folder / "uff frf").write_bytes(frf_uff(made.frf(n=10)))
-    made.uff(folder / "uff", labels=("N", "g"), length=1000.0)
-    made.workbook(folder / "xlsx", {"One": made.sheet()[:12], "Two": [["a", 1.0]]})
-    made.ods(folder / "ods", made.ods_rows(made.sheet()[:12]))
-    made.xls(folder / "xls", made.sheet()[:12])
-    arrays = {"time_s": np.arange(9.0), "force_N": np.arange(9.0)}
-    savemat(folder / "mat", {**arrays, "s": {"data": np.eye(3), "unit": "mm"}, "c": [1j, "a"]})
-    savemat(folder / "mat packed", arrays, do_compression=True)
-    with h5py.File(folder / "hdf5", "w") as file:
-        for name, values in arrays.items():
-            file.create_dataset(f"run/{name}", data=values, compression=1).attrs["unit"] = "s"
-        file["run"].attrs["columns"] = ["a", "b"]
-    with h5py.File(folder / "hdf5 links", "w") as file:
-        file["run/data"] = np.eye(3)
-        file["run/data"].attrs["names"] = ["a", "b", "c"]
-        file["run/unit"] = "mm"
-        file["run/self"] = file
-        file["run/soft"] = h5py.SoftLink("/run/data")
-        file["run/other"] = h5py.ExternalLink("other.h5", "/a")
-        file["records"] = np.array([(1, 2.0)] * 3, [("a", "i4"), ("b", "f8")])
-    (folder / "lvm").write_text(made.lvm(segments=2))
-    (folder / "lvm clocks").write_text(made.lvm(x_columns="Multi", decimal=","))
-    return {path.name: path.read_bytes() for path in folder.iterdir()}
 
 
 FORMATS = (
@@ -64,7 +29,7 @@ TRIOS = {"Properties": {"Name": "a"}, "Results": [
 
 @pytest.fixture(scope="module")
 def good(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
-    found = instruments(tmp_path_factory.mktemp("good"))
+    found = one_of_each(tmp_path_factory.mktemp("good"))
     assert set(found) == set(FORMATS)
     return found
 

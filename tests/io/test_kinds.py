@@ -10,18 +10,18 @@ import pytest
 from dashpot.base.errors import ReadError
 from dashpot.io.columns.kinds import MASTER, ONE_FREQUENCY, WANTED_BY, kind_of
 from dashpot.io.options import ReadOptions
-from dashpot.io.readers.cld import read_cld
 from dashpot.io.readers.creep import read_creep
 from dashpot.io.readers.dynamic import read_dynamic
 from dashpot.io.readers.frf import read_frf
-from dashpot.io.readers.hyperelastic import read_stress_strain
 from dashpot.io.readers.impact import read_impact
-from dashpot.io.readers.indentation import read_indentation
 from dashpot.io.readers.inspect import inspect_file
 from dashpot.io.readers.relaxation import read_relaxation
-from dashpot.io.table import Column, Table, in_memory
+from dashpot.io.table import Column, FileTable, in_memory
+from dashpot.kinds.cld.read import read_cld
+from dashpot.kinds.hyperelastic.read import read_stress_strain
+from dashpot.kinds.hyperelastic.record import StressStrainTest
+from dashpot.kinds.indentation.read import read_indentation
 from dashpot.records.frf import Kind
-from dashpot.records.hyperelastic import StressStrainTest
 from dashpot.workflow.inspections import inspect_files
 from tests.kit.kinds import bench, csv, files, hammer, late, ramp_and_hold, response
 
@@ -105,7 +105,7 @@ def test_a_sweep_is_told_by_its_decades(decades: float, kind: str) -> None:
     frequency = 10 ** np.linspace(0, decades, 9)
     columns = tuple(Column(name, "MPa") for name in ("storage", "loss"))
     values = np.column_stack([frequency, frequency, frequency])
-    table = Table("", (Column("frequency", "Hz"), *columns), in_memory(values))
+    table = FileTable("", (Column("frequency", "Hz"), *columns), in_memory(values))
     assert kind_of(table, ReadOptions())[0] == kind
 
 

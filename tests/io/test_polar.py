@@ -9,9 +9,9 @@ import pytest
 
 from dashpot.base.errors import ReadError
 from dashpot.io.options import ReadOptions
-from dashpot.io.readers.amplitude import read_amplitude
 from dashpot.io.readers.dynamic import read_dynamic
 from dashpot.io.readers.inspect import inspect_file
+from dashpot.kinds.level.read import read_amplitude
 
 pytestmark = pytest.mark.once
 

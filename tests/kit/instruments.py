@@ -253,3 +253,36 @@ def frf(kind: Kind = Kind.ACCELERANCE, *, measured: bool = True, n: int = 40) ->
         record=8.0 if measured else None,
         averages=5 if measured else 0,
     )
+
+
+def one_of_each(folder: Path) -> dict[str, bytes]:
+    """One small file of each format that is not delimited text."""
+    import h5py
+    from scipy.io import savemat
+
+    from dashpot.io.write import frf_uff
+
+    tdms(folder / "tdms", hits=2)
+    (folder / "uff frf").write_bytes(frf_uff(frf(n=10)))
+    uff(folder / "uff", labels=("N", "g"), length=1000.0)
+    workbook(folder / "xlsx", {"One": sheet()[:12], "Two": [["a", 1.0]]})
+    ods(folder / "ods", ods_rows(sheet()[:12]))
+    xls(folder / "xls", sheet()[:12])
+    arrays = {"time_s": np.arange(9.0), "force_N": np.arange(9.0)}
+    savemat(folder / "mat", {**arrays, "s": {"data": np.eye(3), "unit": "mm"}, "c": [1j, "a"]})
+    savemat(folder / "mat packed", arrays, do_compression=True)
+    with h5py.File(folder / "hdf5", "w") as file:
+        for name, values in arrays.items():
+            file.create_dataset(f"run/{name}", data=values, compression=1).attrs["unit"] = "s"
+        file["run"].attrs["columns"] = ["a", "b"]
+    with h5py.File(folder / "hdf5 links", "w") as file:
+        file["run/data"] = np.eye(3)
+        file["run/data"].attrs["names"] = ["a", "b", "c"]
+        file["run/unit"] = "mm"
+        file["run/self"] = file
+        file["run/soft"] = h5py.SoftLink("/run/data")
+        file["run/other"] = h5py.ExternalLink("other.h5", "/a")
+        file["records"] = np.array([(1, 2.0)] * 3, [("a", "i4"), ("b", "f8")])
+    (folder / "lvm").write_text(lvm(segments=2))
+    (folder / "lvm clocks").write_text(lvm(x_columns="Multi", decimal=","))
+    return {path.name: path.read_bytes() for path in folder.iterdir()}

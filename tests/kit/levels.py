@@ -7,11 +7,11 @@ from functools import cache
 import numpy as np
 
 from dashpot.base.provenance import Source
-from dashpot.fitting.level.loops import sweep_of_loops
-from dashpot.fitting.level.sweep import fit_amplitude
-from dashpot.records.amplitude import AmplitudeSweep
+from dashpot.kinds.level.fit import fit_amplitude
+from dashpot.kinds.level.levels import LevelFit
+from dashpot.kinds.level.prepare import sweep_of_loops
+from dashpot.kinds.level.record import AmplitudeSweep
 from dashpot.records.frf import Kind
-from dashpot.records.level import LevelFit
 from dashpot.records.relaxation import RelaxationTest
 from dashpot.records.specimen import Specimen
 from dashpot.solids.friction import Jenkins, Kraus

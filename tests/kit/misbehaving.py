@@ -14,17 +14,17 @@ from dashpot.base.errors import DataError
 from dashpot.io.child import limits
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import Raw
-from dashpot.io.table import Column, Question, Table, in_memory
+from dashpot.io.table import Column, FileTable, Question, in_memory
 
 
 class Panic(BaseException):
     """As Rust's panics arrive in Python: no Exception."""
 
 
-def behaves(raw: Raw, options: ReadOptions) -> Table:
+def behaves(raw: Raw, options: ReadOptions) -> FileTable:
     """A table of the bytes of the file, with something in every field."""
     values = np.frombuffer(raw.head(raw.size), np.uint8).astype(float).reshape(-1, 2)
-    return Table(
+    return FileTable(
         "bytes",
         (Column("even", "N"), Column("odd \ud800\x1b", None, "clock")),
         in_memory(np.where(values == 0, np.nan, values), (0, 1), ("", "second")),
@@ -39,29 +39,29 @@ def prints(raw: Raw, options: ReadOptions) -> dict[str, bytes]:
     return {"a": b"1", "b": b"", "threads": os.environ["OPENBLAS_NUM_THREADS"].encode()}
 
 
-def refuses(raw: Raw, options: ReadOptions) -> Table:
+def refuses(raw: Raw, options: ReadOptions) -> FileTable:
     raise DataError("force \x1b[31mis missing")
 
 
-def panics(raw: Raw, options: ReadOptions) -> Table:
+def panics(raw: Raw, options: ReadOptions) -> FileTable:
     raise Panic("index out of bounds")
 
 
-def aborts(raw: Raw, options: ReadOptions) -> Table:
+def aborts(raw: Raw, options: ReadOptions) -> FileTable:
     os.abort()
 
 
-def is_killed(raw: Raw, options: ReadOptions) -> Table:
+def is_killed(raw: Raw, options: ReadOptions) -> FileTable:
     os.kill(os.getpid(), signal.SIGKILL)
     raise AssertionError
 
 
-def leaves(raw: Raw, options: ReadOptions) -> Table:
+def leaves(raw: Raw, options: ReadOptions) -> FileTable:
     sys.stdin.close()
     os._exit(3)
 
 
-def hangs(raw: Raw, options: ReadOptions) -> Table:
+def hangs(raw: Raw, options: ReadOptions) -> FileTable:
     """Hang, and say so in the file that the name of the sheet names."""
     if options.sheet:
         Path(options.sheet).write_text(str(os.getpid()))
@@ -69,7 +69,7 @@ def hangs(raw: Raw, options: ReadOptions) -> Table:
     raise AssertionError
 
 
-def eats(raw: Raw, options: ReadOptions) -> Table:
+def eats(raw: Raw, options: ReadOptions) -> FileTable:
     return {"much": bytes(2 * limits.MEMORY)}  # type: ignore[return-value]
 
 
@@ -87,7 +87,7 @@ def _sends(junk: bytes) -> None:
     os._exit(0)
 
 
-def lies(raw: Raw, options: ReadOptions) -> Table:
+def lies(raw: Raw, options: ReadOptions) -> FileTable:
     """Whatever bytes the file holds stand for the answer."""
     _sends(raw.head(raw.size))
     raise AssertionError

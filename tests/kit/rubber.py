@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from dashpot.records.hyperelastic import StressStrainTest
+from dashpot.kinds.hyperelastic.record import StressStrainTest
 from dashpot.solids.hyperelastic import Hyperelastic
 from dashpot.solids.table_1 import PAPER
 

@@ -320,7 +320,7 @@ def test_the_band_is_that_of_hold_and_ramp() -> None:
         ({"record": -2.0}, "record = -2.0"),
         ({"coherence": 1.0}, "coherence = 1.0"),
         ({"hits": 0}, "hits = 0"),
-        ({"method": "half"}, 'expected "full" or "hold"'),
+        ({"method": "half"}, "expected one of full, hold"),
     ],
 )
 def test_what_cannot_be_is_refused(changes: dict[str, object], words: str) -> None:

@@ -16,7 +16,7 @@ from kit import handmade
 from dashpot import plot
 from dashpot.base.errors import ExportError
 from dashpot.plot import tokens
-from dashpot.plot.picture import FIT, Axis, Line, Panel, Picture
+from dashpot.plot.picture import FIT, Line, Panel, Picture, Scale
 
 
 def draw():
@@ -77,7 +77,7 @@ def test_what_is_drawn_in_an_svg_are_the_numbers():
     """Read back from its path, by the axes that its group names, a curve is what was given."""
     x = np.geomspace(1.0, 100.0, 40)
     y = 3.0 + np.sin(x)
-    axes = Axis("f, Hz", (1.0, 100.0), log=True), Axis("y, 1", (0.0, 5.0))
+    axes = Scale("f, Hz", (1.0, 100.0), log=True), Scale("y, 1", (0.0, 5.0))
     text = plot.to_svg(Picture("one", "", ((Panel(*axes, (Line(x, y, FIT, "curve"),)),),)))
     (d,) = re.findall(r'data-name="curve" d="M([^"]*)"', text)
     (box,) = re.findall(r'data-box="([^"]*)"', text)
@@ -90,7 +90,7 @@ def test_what_is_drawn_in_an_svg_are_the_numbers():
 
 def test_a_gap_in_the_data_is_a_gap_in_the_curve():
     y = np.array([1.0, 2.0, np.nan, 2.0, 1.0, np.nan, 1.0])
-    axes = Axis("x, s", (0.0, 6.0)), Axis("y, N", (0.0, 3.0))
+    axes = Scale("x, s", (0.0, 6.0)), Scale("y, N", (0.0, 3.0))
     text = plot.to_svg(Picture("g", "", ((Panel(*axes, (Line(np.arange(7.0), y, FIT, "c"),)),),)))
     (d,) = re.findall(r'data-name="c" d="([^"]*)"', text)
     assert d.count("M") == 2  # a single point is no curve

@@ -10,7 +10,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from dashpot.plot.layout import STRAIGHT, lay_out, straightened, text_width
-from dashpot.plot.picture import FIT, Axis, Line, Panel, Tag
+from dashpot.plot.picture import FIT, Line, Panel, Scale, Tag
 from dashpot.plot.ticks import numbers, place, written
 
 LOW = st.floats(-1e6, 1e6)
@@ -46,7 +46,7 @@ def test_a_straight_line_keeps_few_points_and_a_spike_stays():
 @given(LOW, st.floats(1e-6, 1e6), st.floats(60, 900))
 def test_an_even_axis_has_two_round_numbers_or_more_inside_its_limits(low, span, length):
     assume(span > 1e-6 * abs(low))
-    axis = Axis("x, s", (low, low + span))
+    axis = Scale("x, s", (low, low + span))
     found = numbers(axis, length, 40.0)
     assert len(found) >= 2
     assert all(low - 1e-6 * span <= v <= low + span * (1 + 1e-6) for v in found)
@@ -59,7 +59,7 @@ def test_an_even_axis_has_two_round_numbers_or_more_inside_its_limits(low, span,
 
 @given(st.floats(-9, 6), st.floats(0.05, 12), st.floats(120, 900))
 def test_a_logarithmic_axis_has_numbers_inside_its_limits_and_apart(low, decades, length):
-    axis = Axis("f, Hz", (10**low, 10 ** (low + decades)), log=True)
+    axis = Scale("f, Hz", (10**low, 10 ** (low + decades)), log=True)
     found = numbers(axis, length, 46.0)
     assert all(axis.limits[0] * (1 - 1e-6) <= v <= axis.limits[1] * (1 + 1e-6) for v in found)
     assert len(found) >= 2
@@ -71,7 +71,7 @@ def test_words_at_two_peaks_side_by_side_are_clear_of_each_other_and_inside():
     x = np.geomspace(6.0, 30.0, 50)
     tags = [Tag(12.71, 155.0, "measured 12.71 Hz, 155 1/kg", "measured", "filled", bold=True),
             Tag(12.70, 157.0, "predicted 12.70 Hz, 157 1/kg", "fit", "hollow")]  # fmt: skip
-    axes = Axis("f, Hz", (6.0, 30.0), log=True), Axis("a, 1/kg", (2.0, 300.0), log=True)
+    axes = Scale("f, Hz", (6.0, 30.0), log=True), Scale("a, 1/kg", (2.0, 300.0), log=True)
     for width in (350.0, 728.0):
         (frame,) = lay_out((Panel(*axes, (Line(x, x, FIT), *tags)),), width).frames
         boxes = []

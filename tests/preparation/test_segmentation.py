@@ -12,7 +12,7 @@ from kit.trials import Bench, Seal, record, relaxation_test
 
 from dashpot.preparation.motion import ideal_ramp
 from dashpot.preparation.prepare import prepare
-from dashpot.preparation.segments import Segment, cycles_of, find_segments
+from dashpot.preparation.segments import MotionSegment, cycles_of, find_segments
 
 
 def kinds(time, x) -> list[str]:
@@ -124,7 +124,7 @@ def test_a_partial_unloading_stays_within_the_loading():
     x = path(T, (0, 0), (1, 0), (2, 8), (10, 8), (11, 5), (40, 5))
     (cycle,) = cycles_of(find_segments(T, x))
     assert cycle.moves == 2
-    assert isinstance(cycle.hold, Segment)
+    assert isinstance(cycle.hold, MotionSegment)
     assert cycle.hold.level == pytest.approx(5.0)
     assert "unloading 10 to 11 s by -3000 mm" in cycle.words()
 

@@ -33,7 +33,7 @@ from dashpot.records.specimen import Specimen
 from dashpot.report import answer, html
 from dashpot.report.figures import Drawn
 from dashpot.report.summary import MOST_WORDS
-from dashpot.report.tables import Table
+from dashpot.report.tables import TextTable
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.systems.prediction import model_modes
@@ -678,7 +678,7 @@ def test_whatever_came_from_a_file_is_escaped(sketch):
 
 
 def test_marks_default_to_none():
-    assert Table(("a",), (("1",), ("2",)), ("bad",)).mark(1) == ""
+    assert TextTable(("a",), (("1",), ("2",)), ("bad",)).mark(1) == ""
 
 
 # -- two tests that disagree, and a seal that hardens ---------------------------------------------

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from dashpot.base.errors import DataError
-from dashpot.simulation.impact import Oscillator, Pulse
+from dashpot.simulation.impact import HalfSine, Oscillator
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.table_1 import BROAD, BROAD_MASS, PAPER, PAPER_MASS
 
@@ -38,7 +38,7 @@ def test_the_broad_seal_bounces_and_rocks_where_the_reference_says():
 def test_the_response_agrees_with_an_ordinary_integrator():
     solid = GeneralizedMaxwell(300.0, k=(150.0, 80.0), tau=(0.4, 0.01), b=0.5)
     mass = 0.1
-    pulse = Pulse(start=0.0123, duration=0.015, peak=3.0)
+    pulse = HalfSine(start=0.0123, duration=0.015, peak=3.0)
 
     def slope(t: float, y: np.ndarray) -> np.ndarray:
         force = pulse.force(np.array([t]))[0]
@@ -64,7 +64,7 @@ def test_the_response_agrees_with_an_ordinary_integrator():
 def test_two_pulses_are_the_sum_of_each(start: float, duration: float, peak: float, later: float):
     oscillator = Oscillator.on(2 * BROAD, BROAD_MASS)
     time = np.arange(400) / 1000
-    one, two = Pulse(start, duration, peak), Pulse(start + later, 0.02, 1.0)
+    one, two = HalfSine(start, duration, peak), HalfSine(start + later, 0.02, 1.0)
     both, _ = oscillator.acceleration(time, (one, two))
     first, _ = oscillator.acceleration(time, (one,))
     second, _ = oscillator.acceleration(time, (two,))
@@ -74,9 +74,9 @@ def test_two_pulses_are_the_sum_of_each(start: float, duration: float, peak: flo
 def test_a_record_can_be_cut_and_carried_on():
     oscillator = Oscillator.on(2 * BROAD, BROAD_MASS)
     time = np.arange(1001) / 1000
-    whole, _ = oscillator.acceleration(time, (Pulse(0.05, 0.015, 3.0), Pulse(0.6, 0.02, 2.0)))
-    early, state = oscillator.acceleration(time[:501], (Pulse(0.05, 0.015, 3.0),))
-    late, _ = oscillator.acceleration(time[500:], (Pulse(0.6, 0.02, 2.0),), state)
+    whole, _ = oscillator.acceleration(time, (HalfSine(0.05, 0.015, 3.0), HalfSine(0.6, 0.02, 2.0)))
+    early, state = oscillator.acceleration(time[:501], (HalfSine(0.05, 0.015, 3.0),))
+    late, _ = oscillator.acceleration(time[500:], (HalfSine(0.6, 0.02, 2.0),), state)
     np.testing.assert_allclose(np.concatenate((early, late[1:])), whole, atol=1e-9)
 
 

@@ -13,10 +13,10 @@ from dashpot.base.errors import DataError, FitError
 from dashpot.records.frf import FRF, Kind, Mode
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.impact.frf_estimation import estimate_frf
-from dashpot.vibration.modal.lines import Lines, kernel
+from dashpot.vibration.modal.lines import FRFLines, kernel
 from dashpot.vibration.modal.modes import Method
 from dashpot.vibration.modal.peaks import mount_band
-from dashpot.vibration.modal.trial import Ground, Trial
+from dashpot.vibration.modal.trial import Ground, PoleTrial
 from dashpot.vibration.systems.prediction import model_modes, predict_frf
 
 MASS, BROAD_MASS = 0.1040426, 0.114829829
@@ -169,7 +169,7 @@ def test_a_predicted_block_has_the_mode_it_has(frequency, zeta, shift, lines):
 def _modal(frequency, modes, record=None, shift=0.0):
     """Accelerance of given modes, heard for `record` s after an impulse."""
     s = 2j * np.pi * frequency + shift
-    lines = Lines(s, s[None], s[None].real, record)
+    lines = FRFLines(s, s[None], s[None].real, record)
     total = np.zeros(len(s), dtype=complex)
     for mode in modes:
         for p, r in ((mode.pole, mode.residue), (mode.pole.conjugate(), mode.residue.conjugate())):
@@ -222,7 +222,7 @@ def test_the_kernel_is_the_transform_over_the_record():
     p, record = complex(-0.4, 80.0), 2.0
     s = np.array([1j * 70.0, 0.3 + 81j, 1j * 80.0])
     t = np.linspace(0, record, 400_001)
-    lines = Lines(s, s[None], s[None].real, record)
+    lines = FRFLines(s, s[None], s[None].real, record)
     numeric = [np.trapezoid(np.exp((p - x) * t), t) for x in s]
     np.testing.assert_allclose(kernel(lines, p), numeric, rtol=1e-6)
 
@@ -250,12 +250,12 @@ def test_a_band_beside_the_lines_is_told_where_they_are(paper_seal):
 def test_poles_on_trial_know_the_slope_of_their_sum_of_squares():
     f, rng = np.arange(5.0, 60.0, 0.5), np.random.default_rng(3)
     s, p = 2j * np.pi * f, np.array([[complex(-3.0, 80.0)], [complex(-9.0, 200.0)]])
-    lines = Lines(s, np.empty((2, len(f)), complex), np.full((2, len(f)), 0.01), 2.0, 0.002)
+    lines = FRFLines(s, np.empty((2, len(f)), complex), np.full((2, len(f)), 0.01), 2.0, 0.002)
     modes = kernel(lines, p) * 0.1
     scatter = 0.01 * rng.standard_normal((2, 2, len(f)))
     lines = replace(lines, value=np.array([[1.0, 0.4], [0.7, -1.0]]) @ modes + 1j * scatter[0])
     theta = np.log([4.0, 82.0, 7.0, 190.0])
-    trial = Trial(Ground.of(lines), theta)
+    trial = PoleTrial(Ground.of(lines), theta)
     for i in range(4):
         h = 1e-5 * np.eye(4)[i]
         rise = trial.ahead(h).sse - trial.ahead(-h).sse
@@ -264,7 +264,7 @@ def test_poles_on_trial_know_the_slope_of_their_sum_of_squares():
 
 def test_a_pole_on_trial_oscillates():
     s, ones = 2j * np.pi * np.arange(5.0, 60.0), np.ones((1, 55))
-    lines = Lines(s, ones.astype(complex), ones, None)
+    lines = FRFLines(s, ones.astype(complex), ones, None)
     for ratio, there in ((0.74, True), (0.76, False)):
-        trial = Trial(Ground.of(lines), np.log([ratio * 100.0, 100.0]))
+        trial = PoleTrial(Ground.of(lines), np.log([ratio * 100.0, 100.0]))
         assert np.isfinite(trial.sse) == there

@@ -12,7 +12,7 @@ from scipy.optimize import brentq, minimize_scalar
 import dashpot as dp
 from dashpot.base.errors import DataError
 from dashpot.cli import main
-from dashpot.records.amplitude import AmplitudeSweep
+from dashpot.kinds.level.record import AmplitudeSweep
 from dashpot.records.dynamic import DynamicTest
 from dashpot.solids.part import Block, Bulb, Bush, Disc
 from dashpot.solids.softening import Softening

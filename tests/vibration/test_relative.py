@@ -11,7 +11,7 @@ import dashpot as dp
 from dashpot.base.errors import DataError
 from dashpot.cli import main
 from dashpot.fitting.identification.frf_data import frf_data_of
-from dashpot.fitting.uncertainty.prediction_bounds import Answer
+from dashpot.fitting.uncertainty.prediction_bounds import PredictedFRF
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.frf import read_frf
 from dashpot.io.readers.shaken import read_shaken
@@ -167,8 +167,8 @@ def test_a_solid_is_identified_whatever_the_gain_and_delay_of_the_sensor():
 def test_its_limits_are_those_of_the_accelerance_times_the_mass(coupled):
     w = 2 * np.pi * np.array([5.0, 12.0, 20.0])
     K = PAPER.complex_stiffness(w)
-    one = Answer(PAPER_MASS, 2.0, Kind(RELATIVE), coupled).magnitude(K, w)
-    other = Answer(PAPER_MASS, 2.0, Kind.ACCELERANCE).magnitude(K, w)
+    one = PredictedFRF(PAPER_MASS, 2.0, Kind(RELATIVE), coupled).magnitude(K, w)
+    other = PredictedFRF(PAPER_MASS, 2.0, Kind.ACCELERANCE).magnitude(K, w)
     assert one == pytest.approx((PAPER_MASS + coupled) * other, rel=1e-12)
 
 

@@ -168,7 +168,8 @@ def test_a_page_names_no_file_of_the_machine(store, text):
         ask("inspect", store, file=test, options={"calibration": "/etc/passwd"})
     with pytest.raises(dp.DataError, match="no calibration"):
         job_of({"relaxation": test, "reading": {"calibration": "x.cal"}}, store.folder)
-    assert job_of({"relaxation": test, "logo": "/etc/passwd"}, store.folder).logo is None
+    with pytest.raises(dp.ReadError, match="no longer here"):
+        job_of({"relaxation": test, "logo": "/etc/passwd"}, store.folder)
 
 
 def test_the_list_of_folders_bears_what_happens_to_it(state, tmp_path):

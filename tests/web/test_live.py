@@ -80,7 +80,7 @@ def test_a_page_reads_no_file_through_it(live, tmp_path):
         ({"driver": "simulated", "folder": str(tmp_path / "none")}, DataError, "is no folder"),
         ({"driver": "simulated", "speed": "fast"}, DataError, "speed: 'fast' is no number"),
         ({"driver": "simulated", "speed": "-1"}, DataError, "expected a number > 0"),
-        ({"driver": "move"}, DataError, "'move' is no instrument"),
+        ({"driver": "move"}, DataError, "driver = 'move'; expected one of simulated"),
         ({}, DataError, "'' is no instrument"),
     ]:  # fmt: skip
         with pytest.raises(error, match=says):

@@ -18,7 +18,7 @@ from dashpot.web import results, wire
 from dashpot.web.requests import job_of
 from dashpot.web.store import Store
 from dashpot.web.verbs import VERBS
-from dashpot.workflow.command_lines import report_command
+from dashpot.workflow.command_lines import line
 
 pytestmark = pytest.mark.once
 
@@ -268,7 +268,7 @@ def test_a_job_and_its_command_say_the_same(store, asked):
         "compression": "2.6mm", "band": "5:40Hz", "machine": {"sync": "0.5ms"}, "law": "linear",
         "hammer": {"reject": ["3"], "polarity": [1, -1]}, "title": "A seal's title",
     }  # fmt: skip
-    words = shlex.split(report_command(job_of(asked | more, store.folder)))
+    words = shlex.split(line("report", job_of(asked | more, store.folder)))
     for one in ("--compression", "2.6mm", "5.0:40Hz", "0.0005s", "linear", "-1", "A seal's title"):
         assert one in words
 

@@ -193,9 +193,10 @@ def test_the_coherence_of_a_file_is_used_and_checked_in_the_band(foreign):
     (coherence,) = [check for check in found.noted if check.name == "coherence"]
     assert coherence.passed
     assert "(12.7 Hz)" in coherence.says
-    fit, straight, noted = identify_files(
+    found = identify_files(
         [foreign], hammer=HammerChoices(), options=SAID, mass=0.104, seals=2, band=(8, 40)
     )
+    fit, straight, noted = found.fit, found.direct.of, found.noted
     (lines,) = [check for check in fit.checks if check.name == "lines_explained"]
     assert "came with coherence" in lines.says
     assert lines.value < 0.1

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from copy import copy
 from dataclasses import fields
@@ -171,49 +170,6 @@ def same_length(**named: FloatArray | ComplexArray | None) -> int:
         listed = ", ".join(f"{name} has {size}" for name, size in sizes.items())
         raise DataError(f"every array must have one value per sample, but {listed}")
     return next(iter(sizes.values()))
-
-
-def positive(
-    of: str = "",
-    /,
-    *,
-    unit: str = "",
-    expected: str = "a number > 0",
-    optional: bool = False,
-    **named: float | None,
-) -> None:
-    """Refuse the first of the named numbers that is not finite and > 0.
-
-    Parameters
-    ----------
-    of : str
-        What is said before the name.
-    unit : str
-        What is said behind the number.
-    expected : str
-        What is asked for.
-    optional : bool
-        None is passed over.
-    named : float
-
-    >>> positive("axis ", rate=0.0, unit=" Hz")
-    Traceback (most recent call last):
-    dashpot.base.errors.DataError: axis rate = 0.0 Hz; expected a number > 0
-    """
-    for name, value in named.items():
-        given: Any = value
-        if not (optional and given is None) and not (math.isfinite(given) and given > 0):
-            raise DataError(f"{of}{name} = {given!r}{unit}; expected {expected}")
-
-
-def not_negative(of: str = "", /, *, expected: str = "a number >= 0", **named: Any) -> None:
-    """Refuse the first of the named numbers that is not finite and >= 0, as :func:`positive`."""
-    positive(of, expected=expected, **{name: one for name, one in named.items() if one != 0})
-
-
-def picked(noun: object, *names: str) -> dict[str, Any]:
-    """Return some of the fields of a record by name."""
-    return {name: getattr(noun, name) for name in names}
 
 
 def slices(starts: Sequence[int], count: int) -> tuple[slice, ...]:

@@ -6,9 +6,10 @@ import operator
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from types import EllipsisType
-from typing import Any, Generic, Literal, NamedTuple, ParamSpec, get_args
+from typing import Generic, Literal, NamedTuple, ParamSpec, get_args
 
-from dashpot.base.numbers import json_number, spelled
+from dashpot.base.documents import Documented
+from dashpot.base.numbers import spelled
 from dashpot.base.status import Status
 
 P = ParamSpec("P")
@@ -32,7 +33,7 @@ RULES: dict[str, Callable[[float, float], bool]] = {
 
 
 @dataclass(frozen=True)
-class Check:
+class Check(Documented):
     """One named question put to a record or a result, and its answer in words.
 
     Attributes
@@ -53,6 +54,8 @@ class Check:
         comparison of two checks.
     """
 
+    keys = ("name", "passed", "says", "value", "limit", "grade")
+
     name: str
     passed: bool | None
     says: str
@@ -62,24 +65,13 @@ class Check:
     ends: Status | None = field(default=None, repr=False, compare=False)
 
     @property
-    def document(self) -> dict[str, Any]:
-        """As every document says it."""
-        value, limit = (
-            None if one is None else json_number(one) for one in (self.value, self.limit)
-        )
-        return {
-            "name": self.name, "passed": self.passed, "says": self.says, "value": value,
-            "limit": limit, "grade": self.grade,
-        }  # fmt: skip
-
-    @property
     def failed(self) -> bool:
         """True if it was judged and did not pass."""
         return self.passed is False
 
 
 @dataclass(frozen=True)
-class Verdict:
+class Verdict(Documented):
     """What to make of a result.
 
     Attributes
@@ -92,15 +84,16 @@ class Verdict:
         The failed checks that decided, the gravest first.
     """
 
+    keys = ("use", "says", "because=reasons")
+
     use: Use
     says: str
     because: tuple[Check, ...] = ()
 
     @property
-    def document(self) -> dict[str, Any]:
-        """As every document of a result says it, the checks by their names."""
-        names = [check.name for check in self.because]
-        return {"use": self.use, "says": self.says, "because": names}
+    def reasons(self) -> tuple[str, ...]:
+        """The names of the checks that decided."""
+        return tuple(check.name for check in self.because)
 
 
 def _others(count: int) -> str:

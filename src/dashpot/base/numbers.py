@@ -6,6 +6,8 @@ import math
 import re
 from types import MappingProxyType
 
+from dashpot.base.units import in_unit
+
 _PARAMETER = re.compile(r"\bk_inf\b|\b(?:ln_)?(?:k|tau|b)_\d+\b|\btau\b|\b[ab]_T\b")
 # what a command line or Python alone can heed: (--band), (dashpot identify), (Python: arms=2)
 _COMMAND = re.compile(r"\s*\((?:--|dashpot |Python:)(?:[^()]|\([^()]*\))*\)")
@@ -20,10 +22,12 @@ SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 _ASCII = str.maketrans(f"{MINUS}–⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "---0123456789") | {ord("∞"): "inf"}
 
 
-READ_IN = MappingProxyType({
-    "N/m": (1e-3, "N/mm"), "m": (1e3, "mm"), "Pa": (1e-6, "MPa"), "s": (1e3, "ms"),
-    "strain": (100.0, "% strain"),
-})  # fmt: skip
+READ_IN = MappingProxyType(
+    {
+        unit: (in_unit(1.0, word), word)
+        for unit, word in {"N/m": "N/mm", "m": "mm", "Pa": "MPa", "s": "ms"}.items()
+    }
+)
 """Factor and unit in which people are shown what is in a unit of SI."""
 
 
@@ -39,6 +43,16 @@ def rounded(value: float, error: float | None = None, *, digits: int = 3) -> str
     if decimals > 9:
         return _plain(value, 10)
     return f"{round(value, decimals):.{max(decimals, 0)}f}".replace("-", MINUS)
+
+
+def shown(value: float, unit: str, error: float | None = None, *, digits: int = 3) -> str:
+    """Return an SI value as :func:`rounded` prints it, in a unit of the table, with its word.
+
+    >>> shown(0.00830, "mm"), shown(17432.1, "N/mm", 120.0), shown(0.104, "g", digits=4)
+    ('8.30 mm', '17.43 N/mm', '104.0 g')
+    """
+    known = None if error is None else in_unit(error, unit)
+    return f"{rounded(in_unit(value, unit), known, digits=digits)} {unit.replace('*', ' ')}"
 
 
 def ascii_only(text: str) -> str:
@@ -129,8 +143,8 @@ def hertz(band: tuple[float, float]) -> str:
 def duration(seconds: float) -> str:
     """A time in ms below one second, else in s."""
     if seconds < 0.9995:
-        return f"{rounded(1e3 * seconds)} ms"
-    return f"{rounded(seconds)} s"
+        return shown(seconds, "ms")
+    return shown(seconds, "s")
 
 
 def json_number(value: float) -> float | str:

@@ -42,7 +42,8 @@ class Unit:
 
 
 _POUND_FORCE = 4.4482216152605
-_G = 9.80665
+GRAVITY = 9.80665
+"""Standard gravity, m/s^2."""
 
 
 def _table() -> dict[str, Unit]:
@@ -53,10 +54,10 @@ def _table() -> dict[str, Unit]:
         },
         "force": {
             "N": 1.0, "mN": 1e-3, "uN": 1e-6, "nN": 1e-9, "pN": 1e-12, "kN": 1e3, "MN": 1e6,
-            "daN": 10.0, "lbf": _POUND_FORCE, "kgf": _G, "gf": _G * 1e-3, "kp": _G,
+            "daN": 10.0, "lbf": _POUND_FORCE, "kgf": GRAVITY, "gf": GRAVITY * 1e-3, "kp": GRAVITY,
         },
         "mass": {"kg": 1.0, "g": 1e-3, "mg": 1e-6, "t": 1e3, "lb": 0.45359237},
-        "acceleration": {"m/s^2": 1.0, "mm/s^2": 1e-3, "g": _G, "gn": _G},
+        "acceleration": {"m/s^2": 1.0, "mm/s^2": 1e-3, "g": GRAVITY, "gn": GRAVITY},
         "velocity": {"m/s": 1.0, "mm/s": 1e-3, "mm/min": 1e-3 / 60},
         "frequency": {"Hz": 1.0, "kHz": 1e3, "mHz": 1e-3, "rad/s": 0.5 / math.pi},
         "stiffness": {"N/m": 1.0, "N/mm": 1e3, "kN/m": 1e3, "kN/mm": 1e6},
@@ -353,6 +354,11 @@ def written(value: float, unit: str, form: str = ".4g") -> str:
     ('8.3 mm', '17.4 N/mm', '2.5 ms')
     """
     return f"{in_unit(value, unit):{form}} {unit.replace('*', ' ')}"
+
+
+def celsius(temperature: float) -> str:
+    """Return a temperature, K, as a sentence says it."""
+    return written(temperature, "degC")
 
 
 def typed(value: float, dimension: Dimension) -> str:

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
-from dashpot import Closing
+from dashpot.base.units import in_unit, written
 from dashpot.cli._terminal import Text
 from dashpot.cli._text import rounded, table
+
+if TYPE_CHECKING:
+    from dashpot import Closing
 
 
 def closing_text(found: Closing) -> Text:
@@ -22,8 +26,8 @@ def closing_text(found: Closing) -> Text:
     pressed = found.door.compression
     force = found.door.section.force(pressed)
     lines.append(
-        f"  closed, the seal is pressed {rounded(1e3 * float(pressed.min()), digits=3)} mm at "
-        f"least, with {rounded(float(force.min()), digits=3)} N/m when it has relaxed"
+        f"  closed, the seal is pressed {rounded(in_unit(float(pressed.min()), 'mm'), digits=3)} "
+        f"mm at least, with {rounded(float(force.min()), digits=3)} N/m when it has relaxed"
     )
     lines += _scatter(found)
     rows = [["term", "J", "% of what is taken", "would give back, J", "highest moment, N m"]]
@@ -50,12 +54,13 @@ def _outcome(found: Closing) -> str:
     if found.latched:
         return (
             f"  it closes in {rounded(found.seconds, digits=3)} s, "
-            f"{rounded(1e3 * found.sealing, digits=3)} ms of them for nine tenths of its seal, "
-            f"with {rounded(found.left, digits=3)} J left"
+            f"{rounded(in_unit(found.sealing, 'ms'), digits=3)} ms of them for nine tenths of its "
+            f"seal, with {rounded(found.left, digits=3)} J left"
         )
     return (
-        f"  it does not close: its edge stops {rounded(1e3 * (found.stopped or 0.0), digits=3)} mm "
-        f"short and comes back at {rounded(found.rebound, digits=3)} m/s"
+        "  it does not close: its edge stops "
+        f"{rounded(in_unit(found.stopped or 0.0, 'mm'), digits=3)} mm short and comes back at "
+        f"{rounded(found.rebound, digits=3)} m/s"
     )
 
 
@@ -86,8 +91,8 @@ def _scatter(found: Closing) -> list[str]:
     low, middle, high = (scatter.quantile(part) for part in (0.05, 0.5, 0.95))
     said = [
         (
-            f"  {one.count} doors, gap +-{1e3 * one.gap:.3g} mm {alike}, force of the seal "
-            f"+-{100 * one.load:.3g} % (three standard deviations, seed {one.seed}):"
+            f"  {one.count} doors, gap +-{written(one.gap, 'mm', '.3g')} {alike}, force of the "
+            f"seal +-{100 * one.load:.3g} % (three standard deviations, seed {one.seed}):"
         ),
         (
             f"  least speed {rounded(low, digits=3)}, {rounded(middle, digits=3)}, "

@@ -7,10 +7,11 @@ import json
 import sys
 import traceback
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple
+from dataclasses import dataclass, replace
 
 import click
 
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DashpotError
 from dashpot.base.escapes import escaped_json
 from dashpot.base.version import __version__
@@ -24,13 +25,18 @@ WHERE = "the maintainers of the repository that dashpot came from (SECURITY.md t
 """Where a fault is reported."""
 
 
-class Failure(NamedTuple):
-    """A kind of failure, its sentence, what people are shown of it, and its exit code."""
+@dataclass(frozen=True)
+class Failure(Documented):
+    """A kind of failure, its sentence, its exit code, what people are shown, and where it was."""
+
+    schema = "dashpot/error@1"
+    keys = ("kind", "says", "exit_code=code", "traceback?")
 
     kind: str
     says: str
     shown: str
     code: int
+    traceback: str | None = None
 
 
 def leave(error: BaseException, words: Sequence[str]) -> int:
@@ -43,13 +49,7 @@ def leave(error: BaseException, words: Sequence[str]) -> int:
     where = "".join(traceback.format_exception(error)) if _given("--traceback", words) else ""
     to_stderr(where + failure.shown)
     if _given("--json", words) and sys.stdout is not None:
-        document = {
-            "schema": "dashpot/error@1",
-            "kind": failure.kind,
-            "says": failure.says,
-            "exit_code": failure.code,
-            **({"traceback": where} if where else {}),
-        }
+        document = replace(failure, traceback=where or None).document
         to_stdout(escaped_json(json.dumps(document, indent=2, ensure_ascii=False)))
     return failure.code
 

@@ -4,22 +4,25 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
-from dataclasses import asdict
+from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import click
 
 import dashpot as dp
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.numbers import counted
+from dashpot.base.options import offered
 from dashpot.base.progress import doing
 from dashpot.cli import _options as options
 from dashpot.cli._options import over_profile
 from dashpot.cli._shell import File, Folder, Outcome, write
 from dashpot.cli._terminal import Text
 from dashpot.io.options import OF_HAMMER, OF_HAMMER_ALONE, ReadOptions
+from dashpot.lots.choices import BatchChoices
 
 if TYPE_CHECKING:
     from dashpot.lots.batches import BatchJob
@@ -30,33 +33,7 @@ T = TypeVar("T")
 
 _DECLARED: tuple[Callable[..., Any], ...] = (
     click.option("-o", "--output", type=Folder(), metavar="LOT", help="Folder to fill."),
-    options.arms,
-    options.method,
-    click.option("--quick", is_flag=True, help="The optimum alone; needs a number of --arms."),
-    click.option("--mass", type=options.Quantity("mass"), help="Block mass: adds its frequency."),
-    options.seals,
-    click.option(
-        "--at",
-        type=options.Quantity("frequency"),
-        multiple=True,
-        help="Adds stiffness and loss factor there, e.g. 12.7Hz; repeat it for more.",
-    ),
-    click.option(
-        "--compression",
-        type=options.Quantity("length"),
-        multiple=True,
-        help="Of the seals, for these [default: as tested]; repeat it for more.",
-    ),
-    click.option(
-        "--length",
-        type=options.Quantity("length"),
-        help="Contact length of each piece: load deflection per 100 mm.",
-    ),
-    click.option(
-        "--radius",
-        type=options.Quantity("length"),
-        help="Of an indenter's tip; its mass is --mass.",
-    ),
+    options.of(BatchChoices),
     click.option(
         "--by",
         metavar="REGEX",
@@ -74,7 +51,6 @@ _DECLARED: tuple[Callable[..., Any], ...] = (
         metavar="PATTERN",
         help="Hammer files of a test: '{stem}_hammer*.csv', '{seal}_*.uff'.",
     ),
-    click.option("--joint", is_flag=True, help="One solid for a ramp and hold and its hammer."),
     click.option(
         "--impact-profile", type=File(), metavar="FILE", help="Saved answers for the hammer files."
     ),
@@ -114,11 +90,10 @@ def of_many(function: Callable[..., T]) -> Callable[..., T]:
         options: ReadOptions,
         **given: Any,
     ) -> T:
-        own = {name: given.pop(name) for name in _CHOSEN}
+        own = {one.name: given.pop(one.name) for one in offered(BatchChoices)}
 
         def job(*paths: str) -> BatchJob:
             from dashpot.lots.batches import BatchJob  # polars and all are not needed for --help
-            from dashpot.lots.choices import BatchChoices
             from dashpot.lots.columns import number_columns
             from dashpot.lots.limits import read_limits
             from dashpot.lots.quantities import quantity
@@ -143,11 +118,6 @@ def of_many(function: Callable[..., T]) -> Callable[..., T]:
     return command
 
 
-_CHOSEN = (
-    "arms", "method", "quick", "mass", "seals", "at", "compression", "joint", "length", "radius",
-)  # fmt: skip
-
-
 def summarised(job: BatchJob, lot: dp.Lot) -> Summary:
     """Return what a lot says of what was asked for."""
     from dashpot.lots.summary import summary
@@ -166,48 +136,83 @@ def write_lot(job: BatchJob, found: Summary) -> None:
     write(f"{job.output}/lot.html", html(found.lot, title=job.output.resolve().name, found=found))
 
 
+@dataclass(frozen=True)
+class Filled(Documented):
+    """The folder of a lot, and what the lot says of a quantity.
+
+    Attributes
+    ----------
+    folder : str
+    found : Summary or None
+        None where no table was made.
+    quantity : str
+    """
+
+    schema = "dashpot/batch@1"
+    keys = (
+        "folder", "files", "found.lot.computed?", "found.lot.simulated?", "found.lot.outcomes?",
+        "found.lot.verdicts?", "found.lot.agreements?", "components?", "outliers?",
+        "found.lot.short_holds?", "*found",
+    )  # fmt: skip
+
+    folder: str
+    found: Summary | None = None
+    quantity: str = ""
+
+    @property
+    def files(self) -> int:
+        """How many."""
+        return 0 if self.found is None else self.found.lot.table.height
+
+    @property
+    def components(self) -> tuple[Component, ...] | None:
+        """The components of the relaxed stiffness, where lots or seals were named."""
+        try:
+            return None if self.found is None else self.found.lot.components()
+        except DataError:
+            return ()
+
+    @property
+    def outliers(self) -> tuple[Outlier, ...] | None:
+        """The tests that stand out."""
+        if self.found is None:
+            return None
+        away = self.found.lot.outliers(self.quantity)
+        return tuple(Outlier(file, one if isfinite(one) else None) for file, one in away)
+
+
+class Outlier(NamedTuple):
+    """A test, and by how much it stands out of its lot."""
+
+    file: str
+    robust_deviations: float | None
+
+
 def outcome(job: BatchJob, found: Summary) -> Outcome:
     """Return what is printed of a lot."""
-    lot = found.lot
-    scatter = _scatter(lot)
-    document = {
-        "schema": "dashpot/batch@1",
-        "folder": str(job.output),
-        "files": lot.table.height,
-        "computed": lot.computed,
-        "simulated": lot.simulated,
-        "outcomes": lot.outcomes,
-        "verdicts": lot.verdicts,
-        "agreements": lot.agreements,
-        "components": [asdict(one) for one in scatter],
-        "outliers": [
-            {"file": file, "robust_deviations": away if isfinite(away) else None}
-            for file, away in lot.outliers(job.quantity or lot.main)
-        ],
-        "short_holds": list(lot.short_holds),
-        **found.document,
-    }
+    lot, quantity = found.lot, job.quantity or found.lot.main
+    filled = Filled(str(job.output), found, quantity)
     lines = [
-        *_told(document),
+        *_told(lot),
         *found.lines,
-        *_shares(scatter),
-        *_out(lot, job.quantity or lot.main),
+        *_shares(filled.components or ()),
+        *_out(lot, quantity),
     ]
-    return Outcome(document, Text(lines, _others(lot)), found.checks)
+    return Outcome(filled, Text(lines, _others(lot)), found.checks)
 
 
-def _told(document: dict[str, Any]) -> list[str]:
+def _told(lot: dp.Lot) -> list[str]:
     def tallied(counts: dict[str, int]) -> str:
         return ", ".join(f"{count} {name}" for name, count in counts.items())
 
-    there = document["files"] - document["computed"]
+    files = lot.table.height
     lines = [
-        f"files       {document['files']}: {tallied(document['outcomes'])}",
-        f"computed    {document['computed']} now, {there} were there",
+        f"files       {files}: {tallied(lot.outcomes)}",
+        f"computed    {lot.computed} now, {files - lot.computed} were there",
     ]
-    judged = {"verdicts": document["verdicts"], "hammers": document["agreements"]}
-    if document["simulated"]:
-        lines.append(f"SIMULATED   {counted(document['simulated'], 'file')}, by the virtual rig")
+    judged = {"verdicts": lot.verdicts, "hammers": lot.agreements}
+    if lot.simulated:
+        lines.append(f"SIMULATED   {counted(lot.simulated, 'file')}, by the virtual rig")
     return [*lines, *(f"{name:<12}{tallied(found)}" for name, found in judged.items() if found)]
 
 
@@ -215,14 +220,6 @@ def _others(lot: dp.Lot) -> list[str]:
     """Every file that was not fitted, with its sentence."""
     columns = lot.table.select("file", "outcome", "reason").iter_rows()
     return [f"  {file}: {reason}" for file, outcome, reason in columns if outcome != "fitted"]
-
-
-def _scatter(lot: dp.Lot) -> tuple[Component, ...]:
-    """The components of the relaxed stiffness, where lots or seals were named."""
-    try:
-        return lot.components()
-    except DataError:
-        return ()
 
 
 def _shares(scatter: tuple[Component, ...]) -> list[str]:

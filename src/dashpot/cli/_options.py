@@ -13,13 +13,15 @@ import click
 from click.core import ParameterSource
 
 import dashpot as dp
+from dashpot.base.choices import Drawn, words
 from dashpot.base.errors import DashpotError, ReadError
-from dashpot.base.options import flag_of
+from dashpot.base.options import flag_of, names_files, offered
 from dashpot.base.units import Dimension, parse_quantity, parse_range
 from dashpot.cli._shell import File, Output, is_json, opens, reads
 from dashpot.io.options import ReadOptions
 from dashpot.records.machine import Machine
 from dashpot.records.specimen import Specimen
+from dashpot.workflow.job import Cuts, HammerChoices, Job
 
 T = TypeVar("T")
 
@@ -27,18 +29,22 @@ _TYPED = "dashpot.typed"
 """Where quantities are kept as they were typed."""
 
 
-class Quantity(click.ParamType[Any]):
-    """A number with its unit, such as ``104g``; the value passed on is in SI."""
+class WithUnit(click.ParamType[Any]):
+    """A number with its unit, such as ``104g``; the value passed on is in SI.
+
+    A `word` stands for no number, and is passed on as None.
+    """
 
     _parsed: Callable[[str, Dimension], Any] = staticmethod(parse_quantity)
 
-    def __init__(self, dimension: Dimension) -> None:
+    def __init__(self, dimension: Dimension, word: str = "") -> None:
         self.dimension: Dimension = dimension
-        self.name = dimension
+        self.word = word
+        self.name = f"{word}|{dimension}" if word else dimension
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        if not isinstance(value, str):
-            return value
+        if not isinstance(value, str) or value == self.word:
+            return None if value == self.word else value
         if ctx is not None and param is not None and param.name is not None:
             kept = ctx.meta.setdefault(_TYPED, {})
             kept[param.name] = (*kept.get(param.name, ()), value) if param.multiple else value
@@ -48,21 +54,10 @@ class Quantity(click.ParamType[Any]):
             self.fail(str(error), param, ctx)
 
 
-class Range(Quantity):
+class Range(WithUnit):
     """Two quantities, such as ``1:50Hz``, in SI."""
 
     _parsed = staticmethod(parse_range)
-
-
-class Compression(Quantity):
-    """A length, or ``weight`` for the compression of the mass's own weight; passed on as None."""
-
-    def __init__(self) -> None:
-        super().__init__("length")
-        self.name = "weight|length"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        return None if value == "weight" else super().convert(value, param, ctx)
 
 
 class Wlf(click.ParamType[Any]):
@@ -104,19 +99,16 @@ def _kelvin(text: str) -> float:
     return parse_quantity(text.strip(), "temperature")
 
 
-PICTURES = (".pdf", ".png", ".svg")  # written out, so that --help need not import matplotlib
-
-
-class Picture(Output):
+class Figure(Output):
     """A figure's file, refused before the work if its suffix is none that is drawn."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
-        if Path(value).suffix.lower() not in PICTURES:
+        if Path(value).suffix.lower().lstrip(".") not in words(Drawn):
             self.fail(f"'{value}': a figure is written as .pdf, .png or .svg", param, ctx)
         return super().convert(value, param, ctx)
 
 
-class Arms(click.ParamType[Any]):
+class ArmCount(click.ParamType[Any]):
     """A number of Maxwell arms, or ``auto``."""
 
     name = "auto|N"
@@ -138,23 +130,43 @@ def filled(
 
     A field is an option if :func:`~dashpot.base.options.option` made it, but for those to `leave`.
     """
-    asked = [one for one in fields(noun) if one.metadata and one.name not in leave]
+    asked = [one for one in offered(noun) if one.name not in leave]
+    # nouns may share the name of a field
+    return _declared(
+        asked, f"{receives}_", lambda own: {receives: noun(**own)}, show_default=show_default
+    )
 
+
+def of(noun: type, *names: str, **other: Any) -> Callable[[Callable[..., T]], Callable[..., T]]:
+    """Give a command the options that these fields of `noun` declare, or all; it receives each.
+
+    `other` is what these options say otherwise here: `help`, `default`, `required`.
+    """
+    every = {one.name: one for one in offered(noun)}
+    asked = [every[name] for name in names or every]
+    return _declared(asked, "", lambda own: own, show_default=True, **other)
+
+
+def _declared(
+    asked: Sequence[Field[Any]],
+    prefix: str,
+    made: Callable[[dict[str, Any]], dict[str, Any]],
+    *,
+    show_default: bool,
+    **other: Any,
+) -> Callable[[Callable[..., T]], Callable[..., T]]:
     def decorate(function: Callable[..., T]) -> Callable[..., T]:
         @functools.wraps(function)
         def command(**given: Any) -> T:
-            own = {one.name: _value(one, given.pop(f"{receives}_{one.name}")) for one in asked}
-            return function(**{receives: noun(**own)}, **given)
+            own = {one.name: _value(one, given.pop(prefix + one.name)) for one in asked}
+            return function(**made(own), **given)
 
         for one in reversed(asked):
             how = {key: one.metadata[key] for key in one.metadata if key in _PASSED}
+            how |= {"default": _usual(one), **other}
+            shown = show_default and bool(how["default"])
             named = click.option(
-                flag_of(one),
-                f"{receives}_{one.name}",  # nouns may share the name of a field
-                type=_type(one),
-                default=None if one.default is MISSING or "multiple" in how else one.default,
-                show_default=show_default,
-                **how,
+                flag_of(one), f"{prefix}{one.name}", type=_type(one), show_default=shown, **how
             )
             command = named(command)
         return command
@@ -165,16 +177,28 @@ def filled(
 _PASSED = ("help", "metavar", "multiple", "is_flag")
 
 
+def _usual(one: Field[Any]) -> Any:
+    """What click takes where nothing is typed."""
+    if "is_flag" in one.metadata:
+        return False
+    if one.default is MISSING or "multiple" in one.metadata:
+        return None
+    return one.metadata.get("word") if one.default is None else one.default
+
+
 def _type(one: Field[Any]) -> click.ParamType[Any] | None:
     asked = one.metadata
     if "unit" in asked:
-        return Quantity(asked["unit"])
+        kind = Range if "ends" in asked else WithUnit
+        return kind(asked["unit"], asked.get("word", ""))
     if "choices" in asked:
         return click.Choice(asked["choices"])
-    if asked.get("metavar") == "FILE":
+    if names_files(one):
         return File()
     if "above" in asked:
         return click.FloatRange(asked["above"], min_open=True)
+    if "word" in asked:
+        return ArmCount()
     return click.IntRange(asked["least"]) if "least" in asked else None
 
 
@@ -182,84 +206,15 @@ def _value(one: Field[Any], given: Any) -> Any:
     return one.metadata["parse"](given) if "parse" in one.metadata else given
 
 
-def specimen(function: Callable[..., T]) -> Callable[..., T]:
-    """Give a command the options that describe the specimen; it receives one ``specimen``."""
-    return filled(Specimen, "specimen")(function)
+specimen = filled(Specimen, "specimen")
+machine = filled(Machine, "machine")
+hammer = filled(HammerChoices, "hammer", show_default=True)
+cuts = filled(Cuts, "cuts")
 
 
 def specimens(function: Callable[..., T]) -> Callable[..., T]:
     """As :func:`specimen`, of several files that may each have a temperature: ``temperatures``."""
-    named = click.option(
-        "--temperature",
-        "temperatures",
-        type=Quantity("temperature"),
-        multiple=True,
-        help="Test temperature, e.g. 23degC; once for all files, or for each, in their order.",
-    )
-    return named(filled(Specimen, "specimen", leave=("temperature",))(function))
-
-
-def machine(function: Callable[..., T]) -> Callable[..., T]:
-    """Give a command the options that describe the testing machine, one ``machine``."""
-    return filled(Machine, "machine")(function)
-
-
-def shifting(function: Callable[..., T]) -> Callable[..., T]:
-    """Give a command the options of tests at several temperatures; it receives one ``shifting``."""
-    from dashpot.workflow.shifting import ShiftChoices
-
-    return filled(ShiftChoices, "shifting")(function)
-
-
-def hammer(function: Callable[..., T]) -> Callable[..., T]:
-    """Give a command the options of an impact test; it receives one ``hammer``."""
-    from dashpot.workflow.job import HammerChoices
-
-    return filled(HammerChoices, "hammer", show_default=True)(function)
-
-
-def cuts(function: Callable[..., T]) -> Callable[..., T]:
-    """Give a command the options that cut one relaxation test by hand; it receives ``cuts``."""
-    from dashpot.workflow.job import Cuts
-
-    return filled(Cuts, "cuts")(function)
-
-
-def part(function: Callable[..., T]) -> Callable[..., T]:
-    """Give a command the options of a part's geometry; it receives one ``part``."""
-    from dashpot.workflow.part import PartChoices
-
-    return filled(PartChoices, "part")(function)
-
-
-def at_level(function: Callable[..., T]) -> Callable[..., T]:
-    """Give a command the options of a level and its sweep; it receives one ``at_level``."""
-    from dashpot.workflow.at_level import LevelChoices
-
-    return filled(LevelChoices, "at_level")(function)
-
-
-method = click.option(
-    "--method",
-    type=click.Choice(["full", "hold"]),
-    default="full",
-    show_default=True,
-    help="full: the recorded motion, ramp and hold; hold: the paper's eq. 5.",
-)
-law = click.option(
-    "--law",
-    type=click.Choice(["auto", "linear", "nonlinear"]),
-    default="auto",
-    show_default=True,
-    help="Elastic law of the seal, from the ramp: straight unless the record says otherwise.",
-)
-family = click.option(
-    "--family",
-    type=click.Choice(["auto", "maxwell", "fractional"]),
-    default="maxwell",
-    show_default=True,
-    help="Of the solid: arms, a fractional Zener solid, or the one that the record prefers.",
-)
+    return of(Job, "temperatures")(filled(Specimen, "specimen", leave=("temperature",))(function))
 
 
 def reading(function: Callable[..., T]) -> Callable[..., T]:
@@ -304,37 +259,17 @@ def over_profile(options: ReadOptions, path: str | None) -> ReadOptions:
     return options.over(profile)
 
 
-arms = click.option("--arms", type=Arms(), default="auto", show_default=True, help="Maxwell arms.")
-mass = click.option("--mass", type=Quantity("mass"), required=True, help="Block mass, e.g. 104g.")
-mass_if_known = click.option(
-    "--mass", type=Quantity("mass"), help="Block mass; inferred, and said so, if missing."
-)
-seal_mass = click.option(
-    "--seal-mass",
-    type=Quantity("mass"),
-    help="Of one seal: a third moves along, a sixth couples mass and base.",
-)
-seals = click.option(
-    "--seals", type=float, default=1.0, show_default=True, help="Seals in parallel."
-)
-compression = click.option(
-    "--compression",
-    type=Compression(),
-    default="weight",
-    show_default=True,
-    help="Of the seals under the mass, e.g. 2.6mm.",
-)
-compared = click.option("--band", type=Range("frequency"), help="Lines compared, e.g. 5:40Hz.")
+weighed = of(Job, "mass", required=True, help="Block mass, e.g. 104g.")
+carried = of(Job, "seal_mass", "seals", "compression")
 wlf = click.option(
     "--wlf", type=Wlf(), help="How the seal follows temperature, e.g. 6.94,129.6K,23degC."
 )
-filtered = click.option("--filter", metavar="SPEC", help="E.g. lowpass:10Hz; off by default.")
 
 
 def picture(function: Callable[..., T]) -> Callable[..., T]:
     """Give a command ``--plot``; it receives the ``picture``'s file, and may open it."""
     saved = click.option(
-        "--plot", "picture", type=Picture(), metavar="FILE", help="Save the figure (png, svg, pdf)."
+        "--plot", "picture", type=Figure(), metavar="FILE", help="Save the figure (png, svg, pdf)."
     )
     return saved(opens(function))
 
@@ -354,7 +289,7 @@ def output(help: str, *suffixes: str, **how: Any) -> Callable[[Callable[..., T]]
 fit_output = output("Write the fit as JSON; - is stdout.", ".json")
 temperature = click.option(
     "--temperature",
-    type=Quantity("temperature"),
+    type=WithUnit("temperature"),
     help="Of the seals, where the fit knows how they follow it [default: that of its solid].",
 )
 
@@ -387,10 +322,3 @@ def _typed(one: click.Option, value: object) -> list[str]:
         return [flag]
     several = value if one.multiple and isinstance(value, tuple) else (value,)
     return [word for each in several for word in (flag, _as_typed(each))]
-
-
-impact_temperature = click.option(
-    "--impact-temperature",
-    type=Quantity("temperature"),
-    help="Of the seals under the hammer, where tests at several temperatures say how they move.",
-)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import shlex
 import sys
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
@@ -17,6 +17,7 @@ import dashpot as dp
 from dashpot import workflow
 from dashpot.base.errors import ReadError
 from dashpot.base.escapes import escaped_json
+from dashpot.base.units import in_unit
 from dashpot.cli._echo import to_stderr, to_stdout
 from dashpot.cli._terminal import Text, progress, shown
 from dashpot.io.source import like_json
@@ -24,6 +25,7 @@ from dashpot.workflow.outputs import Outputs
 
 if TYPE_CHECKING:
     from dashpot.base.checks import Check, Verdict
+    from dashpot.base.documents import Documented
     from dashpot.solids.temperature import TemperatureLaw
 
 T = TypeVar("T")
@@ -40,10 +42,7 @@ class Outcome(NamedTuple):
     Attributes
     ----------
     found
-        A noun of the archive, or a document. It is written when it is asked for: the archive
-        knows every noun, and importing all of them takes longer than a fit.
-    more
-        What only the command knows, beside the noun's document.
+        What it prints as a document.
     text
         It is printed unless stdout is taken by what was asked for there.
     must_pass
@@ -54,10 +53,9 @@ class Outcome(NamedTuple):
         The command that comes next, if it can be named.
     """
 
-    found: object
+    found: Documented
     text: Text
     checks: Sequence[Check] = ()
-    more: Mapping[str, Any] = {}
     must_pass: bool = False
     verdict: Verdict | None = None
     follow: str = ""
@@ -112,22 +110,17 @@ def reports(function: Callable[..., Outcome]) -> Callable[..., None]:
 
 def _printed(outcome: Outcome, *, as_json: bool, verbose: bool) -> str:
     if as_json:
-        return printed(outcome.found, outcome.more)
+        return printed(outcome.found)
     if click.get_current_context().meta.get(_TAKEN):
         return ""
     return "\n".join(shown(outcome.text, outcome.verdict, outcome.checks, verbose=verbose))
 
 
-def printed(found: object, more: Mapping[str, Any] | None = None) -> str:
-    """Return a noun or a document as the JSON that commands print and write."""
+def printed(found: Documented) -> str:
+    """Return a noun as the JSON that commands print and write."""
     import json
 
-    if not isinstance(found, dict):
-        from dashpot.workflow.archive import document
-
-        found = document(found)
-    whole = found | dict(more or {})
-    return escaped_json(json.dumps(whole, indent=2, ensure_ascii=False, allow_nan=False))
+    return escaped_json(json.dumps(found.document, indent=2, ensure_ascii=False, allow_nan=False))
 
 
 class File(click.ParamType[str]):
@@ -252,7 +245,7 @@ def typed(*words: object, why: str = "") -> str:
 
 def grams(mass: float) -> str:
     """Return a mass, kg, as it is typed."""
-    return f"{1e3 * mass:g}g"
+    return f"{in_unit(mass, 'g'):g}g"
 
 
 def read_model(path: str) -> tuple[dp.GeneralizedMaxwell, TemperatureLaw | None]:

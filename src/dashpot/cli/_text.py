@@ -4,25 +4,25 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, TypeAlias
+from collections.abc import Iterable, Iterator, Sequence
+from typing import TYPE_CHECKING, TypeAlias
 
 from dashpot.base import numbers
 from dashpot.base.numbers import READ_IN, ascii_only
+from dashpot.base.units import celsius
 from dashpot.cli._terminal import Text
-from dashpot.records.temperature import celsius
 
 if TYPE_CHECKING:
     from dashpot import Comparison
     from dashpot.base.provenance import Source
+    from dashpot.kinds.indentation.from_files import Indentation
     from dashpot.records.fit import Fit
     from dashpot.records.frf import Mode
     from dashpot.records.temperature import TemperatureShifts
     from dashpot.solids.elastic import ElasticLaw
     from dashpot.workflow.impacts import ImpactResult
-    from dashpot.workflow.indentations import Indentation
     from dashpot.workflow.levels import Levels
-    from dashpot.workflow.predictions import Prediction
+    from dashpot.workflow.predictions import Prediction, ShakenMass
     from dashpot.workflow.study import Study
 
 
@@ -422,12 +422,10 @@ def prediction(found: Prediction, *, mass: float, seals: float) -> Text:
     does = "is largest" if found.at_edge else "peaks"
     kind = found.frf.kind.replace("_", " ")
     lines = [f"{on}: {kind} {does} at {hz:.5g} Hz with {height:.5g} {found.frf.unit}"]
-    isolated = found.document.get("isolation_hz")
-    if isolated is not None:
-        lines.append(f"  above {isolated:.5g} Hz the mass moves less than its base")
-    shaken = found.document.get("random")
-    if shaken is not None:
-        lines += _shaken(shaken)
+    if found.isolation is not None:
+        lines.append(f"  above {found.isolation:.5g} Hz the mass moves less than its base")
+    if found.shaken is not None:
+        lines += _shaken(found.shaken)
     if found.at_edge:
         lines.append(f"  that is the end of the band, and no peak{_wider(found.modes)}")
     lines += _at_levels(found)
@@ -443,7 +441,7 @@ def prediction(found: Prediction, *, mass: float, seals: float) -> Text:
 
 def _at_levels(found: Prediction) -> list[str]:
     """The resonance at each level, and what the first and the last make of it."""
-    if not found.levels:
+    if found.swept is None or not found.levels:
         return []
     of = found.levels[0]
     rows = [
@@ -463,9 +461,8 @@ def _at_levels(found: Prediction) -> list[str]:
                 moved,
             ]
         )
-    swept = found.document["sweep"]
-    listed = " or ".join(f"{one:.3g}" for one in swept["strain_factors"])
-    says = f"  {' or '.join(swept['laws'])} law of the sweep"
+    listed = " or ".join(f"{one:.3g}" for one in found.swept.factors)
+    says = f"  {' or '.join(found.swept.names)} law of the sweep"
     if of.strain is not None:
         says += f", its strain {listed} of X/height"
     last = found.levels[-1]
@@ -475,29 +472,29 @@ def _at_levels(found: Prediction) -> list[str]:
     return [*table(rows), says]
 
 
-def _shaken(found: Mapping[str, Any]) -> list[str]:
+def _shaken(found: ShakenMass) -> list[str]:
     """What a base that shakes at random does, and at most."""
-    band, stretch = found["band_hz"], 1e3 * found["stretch"]
+    band, response = found.band, found.response
     reach = "" if band is None else f" ({band[0]:.4g} to {band[1]:.4g} Hz)"
     does = (
-        f"  shaken by {found['of']}{reach} the mass feels {found['acceleration']:.4g} m/s^2 rms "
-        f"and the seals move {stretch:.4g} mm rms, {found['crossings']:.4g} times a second"
+        f"  shaken by {found.of}{reach} the mass feels {response.acceleration:.4g} m/s^2 rms "
+        f"and the seals move {1e3 * response.stretch:.4g} mm rms, {response.crossings:.4g} times "
+        "a second"
     )
     lines = [does]
-    if (limits := found.get("limits")) is not None:
-        felt, moved = _reach(limits["acceleration"]), _reach(limits["stretch"], 1e3)
-        low, high = limits["band_hz"]
+    if (limits := found.limits) is not None:
+        felt, moved = _reach(limits.acceleration), _reach(limits.stretch, 1e3)
+        low, high = limits.band_hz
         part = "" if band is not None else f", to the noise from {low:.4g} to {high:.4g} Hz"
         lines.append(f"  the relaxation test allows {felt} m/s^2 rms and {moved} mm rms{part}")
     return lines
 
 
-def _reach(ends: Sequence[float | None], unit: float = 1.0) -> str:
+def _reach(ends: tuple[float, float], unit: float = 1.0) -> str:
     """Between which limits something lies; from the lower one on where nothing else limits it."""
     low, high = ends
-    if low is None or high is None:
-        return f"{unit * (low or 0.0):.4g} to unlimited"
-    return f"{unit * low:.4g} to {unit * high:.4g}"
+    most = f"{unit * high:.4g}" if math.isfinite(high) else "unlimited"
+    return f"{unit * low:.4g} to {most}"
 
 
 def _wider(modes: Iterable[Mode]) -> str:

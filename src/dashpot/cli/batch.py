@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import asdict
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from dashpot.cli._lots import of_many, outcome, summarised, write_lot
 from dashpot.cli._shell import File, Folder, Outcome, reports
 from dashpot.cli._terminal import Text
+
+if TYPE_CHECKING:
+    from dashpot.lots.batches import BatchPlan
 
 
 @click.command("batch")
@@ -54,8 +56,8 @@ def command(
     from dashpot.lots.batches import plan_batch, run_batch
 
     if dry_run:
-        planned = asdict(plan_batch(asked))
-        return Outcome({"schema": "dashpot/batch-plan@1", **planned}, Text(_planned(planned)))
+        planned = plan_batch(asked)
+        return Outcome(planned, Text(_planned(planned)))
     found = summarised(asked, run_batch(asked))
     write_lot(asked, found)
     return outcome(asked, found)
@@ -66,12 +68,12 @@ def _comparison(named: tuple[str, str], quantities: tuple[str, ...]) -> Outcome:
 
     first, second = opened_both(named)
     found = compared(first, second, quantities)
-    return Outcome(found.document, Text(str(found).splitlines()), found.checks)
+    return Outcome(found, Text(str(found).splitlines()), found.checks)
 
 
-def _planned(plan: dict[str, Any]) -> list[str]:
-    left, chunks, jobs = plan["files"] - plan["done"], plan["chunks"], plan["jobs"]
+def _planned(plan: BatchPlan) -> list[str]:
+    left, seconds = plan.files - plan.done, plan.seconds
     return [
-        f"files       {plan['files']}, {plan['done']} of them done",
-        f"to do       {left} in {chunks} chunks by {jobs} processes, {plan['seconds']:.3g} s",
+        f"files       {plan.files}, {plan.done} of them done",
+        f"to do       {left} in {plan.chunks} chunks by {plan.jobs} processes, {seconds:.3g} s",
     ]

@@ -2,29 +2,30 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 import dashpot as dp
 from dashpot import workflow
-from dashpot.base.capability import Capability
 from dashpot.base.errors import ReadError
 from dashpot.cli import _options as options
 from dashpot.cli import _text
-from dashpot.cli._options import Quantity, Range
+from dashpot.cli._options import Range, WithUnit
 from dashpot.cli._shell import File, Outcome, printed, reports, write, write_figure
 from dashpot.cli._terminal import Text
 from dashpot.cli._text import rounded, table, with_error
-from dashpot.workflow.cld import Scatter
+
+if TYPE_CHECKING:
+    from dashpot.base.capability import Capability
+    from dashpot.kinds.cld.from_files import PieceStatistics
 
 
 @click.command("cld")
 @click.argument("files", type=File(), nargs=-1, required=True, metavar="FILE...")
 @click.option(
-    "--at", type=Quantity("length"), help="Nominal compression, e.g. 6mm [default: the deepest]."
+    "--at", type=WithUnit("length"), help="Nominal compression, e.g. 6mm [default: the deepest]."
 )
 @click.option("--between", type=Range("length"), help="Its tolerance, e.g. 4:8mm.")
 @click.option(
@@ -68,17 +69,16 @@ def command(
     dashpot cld piece.csv --at 6mm --with fit.json -o fit_with_law.json
     """
     found = workflow.cld_files(files, memory=[workflow.read_fit(one) for one in memory], **choices)
-    if output and found.fit is None:
-        raise ReadError(
-            "-o writes a fit: that of a relaxation test (--with), with the elastic law of the load "
-            "deflection, or that of records at several speeds; here is neither"
-        )
     if output:
+        if found.fit is None:
+            raise ReadError(
+                "-o writes a fit: that of a relaxation test (--with), with the elastic law of the "
+                "load deflection, or that of records at several speeds; here is neither"
+            )
         write(output, printed(found.fit) + "\n")
     if picture:
         write_figure(picture, dp.plot.cld(found.pieces))
-    more = {} if found.fit is None else {"fit": json.loads(printed(found.fit))}
-    return Outcome(found.document, _said(found), found.checks, more, verdict=found.verdict)
+    return Outcome(found, _said(found), found.checks, verdict=found.verdict)
 
 
 def _said(found: workflow.Pieces) -> Text:
@@ -106,7 +106,7 @@ def _said(found: workflow.Pieces) -> Text:
     return Text(lines, details)
 
 
-def _scatter(found: Sequence[Scatter]) -> list[str]:
+def _scatter(found: Sequence[PieceStatistics]) -> list[str]:
     rows = [["", "mean", "deviation", "cv, %", "unit"]]
     for each in found:
         word, of, length = each.unit.partition(" per ")

@@ -8,12 +8,14 @@ import click
 
 import dashpot as dp
 from dashpot import workflow
+from dashpot.base.units import written
 from dashpot.cli import _options as options
 from dashpot.cli import _text
 from dashpot.cli._options import given
 from dashpot.cli._shell import File, Outcome, grams, reports, typed, write_figure
 from dashpot.cli._terminal import Text
 from dashpot.io.options import ReadOptions
+from dashpot.workflow.job import Job
 
 
 @click.command("compare")
@@ -27,11 +29,9 @@ from dashpot.io.options import ReadOptions
     multiple=True,
     help="The relaxation record(s) behind FIT, for the bound.",
 )
-@options.mass_if_known
-@options.seal_mass
-@options.seals
-@options.compression
-@options.compared
+@options.of(Job, "mass")
+@options.carried
+@options.of(Job, "band")
 @options.picture
 @options.overwrite
 @reports
@@ -78,7 +78,7 @@ def command(
     inferred = found.mass_inferred
     if inferred:
         lines.append(
-            f"  mass        {found.mass * 1e3:.5g} g, inferred from the measured FRF: the "
+            f"  mass        {written(found.mass, 'g', '.5g')}, inferred from the measured FRF: the "
             "agreement in frequency then proves nothing; give --mass to test it"
         )
     alone = fitted.method in ("full", "hold")
@@ -86,17 +86,9 @@ def command(
     if fitted.alternative is not None:
         with_tests += ["--family", "auto"]
     return Outcome(
-        found.comparison,
+        found,
         Text(lines, [f"  {arm}" for arm in found.comparison.arms]),
         found.checks,
-        {
-            "mass": found.mass,
-            "mass_inferred": inferred,
-            "seals": seals,
-            # of the measured FRF too, not of the agreement alone
-            "verdict": found.verdict.document,
-            **found.at_rest.document,
-        },
         verdict=found.verdict,
         follow=typed(
             "identify",

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 import dashpot as dp
-from dashpot import workflow
+from dashpot.base.documents import Documented
 from dashpot.base.progress import doing
 from dashpot.cli import _options as options
 from dashpot.cli import _text
@@ -35,6 +36,16 @@ ROOM, FRIDGE = 296.15, 273.15
 """Temperatures of its two tests, K."""
 COLD_HOLD = 20.0
 """How long the cold test is held, s: the arms that it is for relax in a tenth of that."""
+
+
+@dataclass(frozen=True)
+class Demo(Documented):
+    """The seed of the noise, and what was found of each seal."""
+
+    schema = "dashpot/demo@1"
+
+    seed: int
+    seals: dict[str, dict[str, Any]]
 
 
 @click.command("demo")
@@ -75,10 +86,9 @@ def command(*, output: str, seed: int) -> Outcome:
             *_text.comparison(cold),
             _loss(fit, bound, puzzle.joint),
         ]
-        seals[PUZZLE]["cold"] = {"fit": workflow.document(fit), "comparison": _agreement(cold)}
-    document = {"schema": "dashpot/demo@1", "seed": seed, "seals": seals}
+        seals[PUZZLE]["cold"] = {"fit": fit, "comparison": _agreement(cold)}
     follow = typed("example", why="two files to try by hand")
-    return Outcome(document, Text(lines, details), follow=follow)
+    return Outcome(Demo(seed, seals), Text(lines, details), follow=follow)
 
 
 def _files(name: str) -> tuple[str, ...]:
@@ -137,7 +147,7 @@ def _loss(fit: dp.Fit, bound: StiffnessBounds, both: dp.Fit | None) -> str:
 def _numbers(story: Study, folder: Path, name: str) -> dict[str, Any]:
     return {
         "report": str(folder / f"{name}.html"),
-        "fit": workflow.document(story.fit),
+        "fit": story.fit,
         "comparison": None if story.comparison is None else _agreement(story.comparison),
         "joint_comparison": (
             None if story.joint_comparison is None else _agreement(story.joint_comparison)
@@ -145,7 +155,7 @@ def _numbers(story: Study, folder: Path, name: str) -> dict[str, Any]:
     }
 
 
-def _agreement(comparison: Any) -> dict[str, Any]:
+def _agreement(comparison: dp.Comparison) -> dict[str, Any]:
     """Return a comparison's document without its two FRFs, line by line."""
-    whole = workflow.document(comparison)
-    return {key: value for key, value in whole.items() if key not in {"predicted", "measured"}}
+    whole = comparison.document.items()
+    return {key: value for key, value in whole if key not in {"predicted", "measured"}}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import click
@@ -9,12 +10,15 @@ import click
 import dashpot as dp
 from dashpot import workflow
 from dashpot.base.checks import verdict
+from dashpot.base.documents import Documented
+from dashpot.base.units import in_unit
 from dashpot.cli import _options as options
 from dashpot.cli._closing import closing_text
-from dashpot.cli._options import Quantity, Range
+from dashpot.cli._options import WithUnit
 from dashpot.cli._shell import File, Outcome, printed, reports, write, write_figure
 from dashpot.cli._terminal import Text
 from dashpot.cli._text import hertz, rounded, table
+from dashpot.workflow.job import Job
 
 _ROUNDING = 1e-9
 """Of a damping, %."""
@@ -23,12 +27,9 @@ _ROUNDING = 1e-9
 @click.command("door")
 @click.argument("door", type=File(), metavar="DOOR.toml")
 @click.option("--modes", "every", is_flag=True, help="The share of every part in every mode.")
+@options.of(Job, "band", default="1:200Hz", help="Of modes and FRFs.")
 @click.option(
-    "--band", type=Range("frequency"), default="1:200Hz", show_default=True,
-    help="Of modes and FRFs.",
-)  # fmt: skip
-@click.option(
-    "--close", "speed", type=Quantity("velocity"), metavar="SPEED",
+    "--close", "speed", type=WithUnit("velocity"), metavar="SPEED",
     help="Close it at this speed of its edge: energy by terms, the least speed, its scatter.",
 )  # fmt: skip
 @options.temperature
@@ -82,6 +83,16 @@ def _figure(
     return dp.plot.door(found)
 
 
+@dataclass(frozen=True)
+class Both(Documented):
+    """How a door vibrates, and how it closes."""
+
+    keys = ("*found", "closing")
+
+    found: workflow.DoorResult
+    closing: workflow.ClosingResult
+
+
 def _outcome(
     found: workflow.DoorResult | None, closed: workflow.ClosingResult | None, *, every: bool
 ) -> Outcome:
@@ -89,15 +100,14 @@ def _outcome(
     if closed is None:
         assert found is not None  # noqa: S101
         text = _said(found, every=every)
-        return Outcome(found.document, text, found.checks, verdict=found.verdict)
+        return Outcome(found, text, found.checks, verdict=found.verdict)
     shuts = closing_text(closed.closing)
     if found is None:
-        return Outcome(closed.document, shuts, closed.checks, verdict=closed.verdict)
+        return Outcome(closed, shuts, closed.checks, verdict=closed.verdict)
     said = _said(found, every=every)
     checks = tuple(dict.fromkeys((*found.checks, *closed.checks)))
-    document = found.document | {"closing": closed.document}
     text = Text([*said.lines, *shuts.lines], [*said.details, *shuts.details])
-    return Outcome(document, text, checks, verdict=verdict(checks))
+    return Outcome(Both(found, closed), text, checks, verdict=verdict(checks))
 
 
 def _said(found: workflow.DoorResult, *, every: bool) -> Text:
@@ -154,22 +164,20 @@ def _shares(found: workflow.DoorResult, parts: list[str], *, loss: bool) -> list
 
 
 def _line(found: workflow.DoorResult) -> list[str]:
-    seal = found.document["seal"]
+    seal = found.seal
     if seal is None:
         return ["  no seal"]
-    closed = "closed" if seal["closed"] else "open"
-    count, stiffness = seal["stations"], rounded(1e-3 * seal["stiffness"])
-    length = rounded(seal["length"])
+    closed = "closed" if seal.line.closed else "open"
+    count, stiffness = seal.stations, rounded(in_unit(seal.stiffness, "N/mm"))
+    length = rounded(seal.line.length)
     said = [f"  seal line {length} m, {closed}, {count} stations, k_inf {stiffness} N/mm in all"]
-    pressed = seal["compression"]
-    if pressed is not None:
-        least, mean, most = (rounded(1e3 * pressed[name], digits=3) for name in pressed)
+    if seal.compression is not None and seal.force is not None:
+        least, mean, most = (rounded(in_unit(one, "mm"), digits=3) for one in seal.compression)
         said.append(
-            f"  pressed {least} to {most} mm (mean {mean}), relaxed {rounded(seal['force'])} N in "
-            "all"
+            f"  pressed {least} to {most} mm (mean {mean}), relaxed {rounded(seal.force)} N in all"
         )
-    if seal["band_hz"] is not None:
-        said.append(f"  its test informs {hertz(tuple(seal['band_hz']))}")
+    if seal.fit is not None:
+        said.append(f"  its test informs {hertz(seal.fit.band)}")
     return said
 
 
@@ -183,9 +191,9 @@ def _shaken(found: workflow.DoorResult) -> list[str]:
             [
                 one.name,
                 rounded(one.sealed.acceleration),
-                rounded(1e3 * one.sealed.stretch),
+                rounded(in_unit(one.sealed.stretch, "mm")),
                 "not damped" if bare is None else rounded(bare.acceleration),
-                "" if bare is None else rounded(1e3 * bare.stretch),
+                "" if bare is None else rounded(in_unit(bare.stretch, "mm")),
             ]
         )
     return table(rows)

@@ -2,15 +2,26 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 
 import click
 
 from dashpot import workflow
+from dashpot.base.documents import Documented
 from dashpot.base.progress import doing
 from dashpot.cli import _options as options
 from dashpot.cli._shell import Folder, Outcome, claim, grams, reports, typed, write
 from dashpot.cli._terminal import Text
+
+
+@dataclass(frozen=True)
+class Examples(Documented):
+    """The files that were written."""
+
+    schema = "dashpot/example@1"
+
+    files: tuple[str, ...]
 
 
 @click.command("example")
@@ -35,5 +46,5 @@ def command(*, output: str, every: bool) -> Outcome:
     bench, hammer = paths[:2]
     lines = [f"{path}: {workflow.CAPTIONS[name]}" for name, path in zip(names, paths, strict=True)]
     words = ("report", bench, "--impact", hammer, "--mass", grams(workflow.MASS), "--seals", 2)
-    document = {"schema": "dashpot/example@1", "files": [str(path) for path in paths]}
-    return Outcome(document, Text(lines), follow=typed(*words, "-o", "report.html"))
+    found = Examples(tuple(map(str, paths)))
+    return Outcome(found, Text(lines), follow=typed(*words, "-o", "report.html"))

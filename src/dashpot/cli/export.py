@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import fields, replace
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -10,52 +10,62 @@ import click
 
 import dashpot as dp
 from dashpot import workflow
+from dashpot.base.choices import DECKS
+from dashpot.base.documents import Documented
 from dashpot.base.errors import ExportError
 from dashpot.cli import _options as options
 from dashpot.cli._echo import to_stderr
-from dashpot.cli._options import Quantity, Range
+from dashpot.cli._options import Range, WithUnit
 from dashpot.cli._shell import File, Outcome, reports, write
 from dashpot.cli._terminal import Text
-from dashpot.records.level import LevelFit
+from dashpot.kinds.level.levels import LevelFit
 from dashpot.records.seal_line import Stations
 from dashpot.records.specimen import Specimen
-
-# written out, so that --help need not import the decks; a test holds it to export.TARGETS
-TARGETS = (
-    "nastran", "abaqus", "ansys", "lsdyna", "radioss", "calculix", "opensees", "adams",
-    "statespace", "csv",
-)  # fmt: skip
-
+from dashpot.workflow.job import Job
 
 LONGEST_LINE = 100.0
 """m; no car has more of one seal."""
 
 
+@dataclass(frozen=True)
+class Exported(Documented):
+    """A deck: for what, in which units, which refusals were overridden, its file, or its text."""
+
+    schema = "dashpot/deck@1"
+    keys = ("target", "units", "file", "overrides", "deck?")
+
+    target: str
+    units: str | None
+    overrides: tuple[str, ...]
+    file: str | None
+    deck: str | None
+
+
 @click.command("export")
 @click.argument("fit", type=File())
-@click.option("--to", "target", type=click.Choice(TARGETS), required=True)
+@click.option("--to", "target", type=click.Choice(DECKS), required=True)
 @click.option("--units", metavar="SI|mm-t-s|mm-kg-ms", help="The deck's unit system; required.")
 @click.option("--form", help="E.g. arms, table, prony; each target has its own.")
 @click.option("--range", "frequency_range", type=Range("frequency"), help="Of a table, 1:100Hz.")
 @click.option("--tolerance", type=float, help="Largest relative FRF error of a table, e.g. 1e-3.")
-@click.option("--mass", type=Quantity("mass"), help="CalculiX: a complete deck with this mass.")
+@click.option("--mass", type=WithUnit("mass"), help="CalculiX: a complete deck with this mass.")
 @click.option(
     "--line",
     type=File(),
     metavar="FILE",
     help="Nastran: seal line, CSV with x, y, z columns in units; or DOOR.toml with [seal].",
 )
-@click.option("--pitch", type=Quantity("length"), help="Distance of elements along the line.")
+@click.option("--pitch", type=WithUnit("length"), help="Distance of elements along the line.")
 @click.option(
     "--normal", metavar="X,Y,Z", help="Direction of compression along it [default: 0,0,1]."
 )
-@click.option("--modulus", type=Quantity("stress"), help="Of the rubber, for material cards.")
-@click.option("--bulk-modulus", type=Quantity("stress"), help="Of the rubber, for material cards.")
+@click.option("--modulus", type=WithUnit("stress"), help="Of the rubber, for material cards.")
+@click.option("--bulk-modulus", type=WithUnit("stress"), help="Of the rubber, for material cards.")
 @click.option("--density", type=float, help="Of the rubber, kg/m^3, for material cards.")
-@options.seals
+@options.of(Job, "seals")
 @click.option(
     "--compression",
-    type=Quantity("length"),
+    type=WithUnit("length"),
     help="Small vibration about it: the tangent there, e.g. 2.6mm [default: the secant].",
 )
 @click.option("--allow", multiple=True, metavar="PROBLEM", help="Overlook one named problem.")
@@ -118,16 +128,10 @@ def command(
     write(output, deck)
     for mark in deck.overrides:
         to_stderr(f"OVERRIDE: {mark}")
-    document = {
-        "schema": "dashpot/deck@1",
-        "target": target,
-        "units": units,
-        "file": None if output == "-" else output,
-        "overrides": list(deck.overrides),
-    }
-    more = {"deck": deck} if output == "-" else {}
+    written = (None, deck) if output == "-" else (output, None)
     text = Text([f"{output}: {target} deck, {units}, {len(deck.splitlines())} lines"])
-    return Outcome(document, text, deck.checks, more, verdict=deck.verdict)
+    made = Exported(target, units, deck.overrides, *written)
+    return Outcome(made, text, deck.checks, verdict=deck.verdict)
 
 
 def _described(known: Specimen, given: Specimen) -> Specimen:

@@ -2,27 +2,27 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Any
 
 import click
 
 import dashpot as dp
 from dashpot import workflow
+from dashpot.base.choices import Method
 from dashpot.base.errors import FitError
 from dashpot.cli import _options as options
 from dashpot.cli import _text
 from dashpot.cli._shell import File, Outcome, Output, printed, reports, typed, write, write_figure
+from dashpot.workflow.job import Job
+from dashpot.workflow.shifting import ShiftChoices
 
 
 @click.command("fit")
 @click.argument("files", type=File(), nargs=-1, required=True, metavar="FILE...")
-@options.arms
-@options.method
-@options.law
-@options.family
+@options.of(Job, "arms", "method", "law", "family")
 @click.option("--depth-law", is_flag=True, help="Several depths: shared times, k for each depth.")
 @click.option("--thorough", is_flag=True, help="Add quasi-random starts.")
-@options.filtered
+@options.of(Job, "filter")
 @options.cuts
 @click.option(
     "--save-shifts",
@@ -36,7 +36,7 @@ from dashpot.cli._shell import File, Outcome, Output, printed, reports, typed, w
 @reports
 @options.machine
 @options.specimens
-@options.shifting
+@options.filled(ShiftChoices, "shifting")
 @options.reading
 def command(
     *,
@@ -105,6 +105,6 @@ def _follow(files: tuple[str, ...], output: str | None, found: dp.Fit) -> str:
 def _figure(found: dp.Fit, records: tuple[Any, ...]) -> dp.plot.Picture:
     others: list[dp.Fit] = []
     if len(records) == 1 and isinstance(records[0], dp.RampHold):
-        method: Literal["full", "hold"] = "hold" if found.method == "hold" else "full"
+        method: Method = "hold" if found.method == "hold" else "full"
         others = [dp.fit(records, arms=n, method=method, intervals=False) for n in (1, 2)]  # Fig. 4
     return dp.plot.bench(found, records, alternatives=others)

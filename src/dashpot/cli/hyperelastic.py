@@ -8,26 +8,18 @@ import click
 
 import dashpot as dp
 from dashpot import workflow
+from dashpot.base.choices import ElasticKindAsked, words
 from dashpot.cli import _options as options
 from dashpot.cli._shell import File, Outcome, printed, reports, typed, write, write_figure
 from dashpot.cli._terminal import Text
 from dashpot.cli._text import rounded, table
-from dashpot.io.readers.hyperelastic import Measures
+from dashpot.kinds.hyperelastic.read import MODES, Measures
 from dashpot.records.specimen import Specimen
-
-_OF_MODE = {
-    "uniaxial": "Uniaxial: stress over strain; tension > 0.",
-    "compression": "Uniaxial, pressed: whatever the signs.",
-    "biaxial": "Equibiaxial.",
-    "planar": "Planar tension (pure shear).",
-    "volumetric": "Pressure over volume ratio or volumetric strain.",
-}
-"""Written out, so that --help need not import the work; a test holds it to workflow.MODES."""
 
 
 def _modes(function: Any) -> Any:
-    for mode, says in reversed(_OF_MODE.items()):
-        named = click.option(f"--{mode}", type=File(), multiple=True, metavar="FILE", help=says)
+    for mode, of in [*MODES.items()][::-1]:
+        named = click.option(f"--{mode}", type=File(), multiple=True, metavar="FILE", help=of.says)
         function = named(function)
     return function
 
@@ -36,7 +28,7 @@ def _modes(function: Any) -> Any:
 @_modes
 @click.option(
     "--law",
-    type=click.Choice(["auto", "neo-hooke", "mooney-rivlin", "yeoh", "ogden", "hyperfoam"]),
+    type=click.Choice(words(ElasticKindAsked)),
     default="auto",
     show_default=True,
     help="auto takes the one that the tests prefer and that is stable in use.",
@@ -82,7 +74,7 @@ def command(
     dashpot hyperelastic --compression foam.csv --poisson 0 --stretches 0.5 1 --plot law.png
     dashpot export law.json --to abaqus --units mm-t-s --temperature 23degC --bulk-modulus 2000MPa
     """
-    files = {mode: choices.pop(mode) for mode in _OF_MODE}
+    files = {mode: choices.pop(mode) for mode in MODES}
     known = None if memory is None else workflow.read_fit(memory)
     found = workflow.hyperelastic_files(
         files, memory=known, terms=terms or "auto", specimen=specimen, **choices

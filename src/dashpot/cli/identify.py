@@ -8,11 +8,10 @@ import click
 
 import dashpot as dp
 from dashpot import workflow
-from dashpot.base.checks import verdict
 from dashpot.cli import _options as options
 from dashpot.cli import _text
 from dashpot.cli._lines_text import sensitive
-from dashpot.cli._options import Range, over_profile
+from dashpot.cli._options import over_profile
 from dashpot.cli._shell import (
     File,
     Outcome,
@@ -25,6 +24,7 @@ from dashpot.cli._shell import (
 )
 from dashpot.cli._terminal import Text
 from dashpot.io.options import ReadOptions
+from dashpot.workflow.job import Job
 
 _ROWS = 3
 """Lines of a transmissibility that are shown: both ends of its band, and between."""
@@ -39,16 +39,12 @@ _A_DECK = ("--to", "nastran", "--units", "mm-t-s", "-o", "seal.bdf")
 @click.option(
     "--with-profile", type=File(), metavar="FILE", help="Saved answers for the relaxation tests."
 )
-@options.mass
+@options.weighed
 @options.filled(dp.HammerRig, "rig", leave=("gain_sd", "delay_sd"))
-@options.seal_mass
-@options.seals
-@options.compression
-@options.impact_temperature
-@options.arms
-@options.family
+@options.carried
+@options.of(Job, "impact_temperature", "arms", "family")
 @options.filled(dp.KnownSolid, "known")
-@click.option("--band", type=Range("frequency"), help="Lines fitted, e.g. 5:40Hz.")
+@options.of(Job, "band", help="Lines fitted, e.g. 5:40Hz.")
 @click.option(
     "--direct",
     type=Output([".csv"]),
@@ -88,7 +84,7 @@ def command(
     dashpot identify hammer.csv --with warm.csv --with cold.csv --mass 104g --seals 2
     """
     fits = [path for path in together if is_json(path)]
-    found, straight, noted = workflow.identify_files(
+    found = workflow.identify_files(
         measured,
         fits=[workflow.read_fit(path) for path in fits],
         tests=[path for path in together if path not in fits],
@@ -97,29 +93,21 @@ def command(
         **choices,
     )
     if direct:
-        write(direct, workflow.direct_table(straight))
+        write(direct, found.direct.table)
     if output:
-        write(output, printed(found) + "\n")
-    rests = workflow.at_rest(
-        found,
-        mass=choices["mass"],
-        seals=choices["seals"],
-        compression=choices["compression"],
-    )
-    (named, *lines), details = _text.fit(found)
-    first = [named]
+        write(output, printed(found.fit) + "\n")
+    (named, *lines), details = _text.fit(found.fit)
+    first, straight = [named], found.direct.of
     if straight.over_base:
         errors = ("phase", "mass")
         first += sensitive(straight, errors=errors, unit="N/mm", scale=1e-3, shown=_ROWS)
-    text = Text([*first, *lines, *([str(rests)] if str(rests) else [])], details)
-    checks = (*found.checks, *noted)
+    text = Text([*first, *lines, *([str(found.at_rest)] if str(found.at_rest) else [])], details)
     return Outcome(
         found,
         text,
-        checks,
-        {"direct": workflow.direct_document(straight), **rests.document},
-        verdict=verdict(checks, sound=found.verdict.says),
-        follow=_follow(measured, output, found),
+        found.checks,
+        verdict=found.verdict,
+        follow=_follow(measured, output, found.fit),
     )
 
 

@@ -12,14 +12,14 @@ from dashpot.base.checks import verdict
 from dashpot.cli import _options as options
 from dashpot.cli import _text
 from dashpot.cli._echo import to_stderr
-from dashpot.cli._options import Quantity, Range
 from dashpot.cli._shell import File, Outcome, grams, reports, typed, write, write_figure
+from dashpot.workflow.job import Job
 
 
 @click.command("impact")
 @click.argument("files", type=File(), nargs=-1, required=True, metavar="FILE...")
-@click.option("--mass", type=Quantity("mass"), help="Block mass: checks the mass line.")
-@click.option("--band", type=Range("frequency"), help="Where to look for modes, e.g. 5:40Hz.")
+@options.of(Job, "mass", help="Block mass: checks the mass line.")
+@options.of(Job, "band", help="Where to look for modes, e.g. 5:40Hz.")
 @options.picture
 @options.output("Write the FRF: .csv, .uff, or - for stdout.", ".csv", ".uff", ".unv")
 @options.overwrite

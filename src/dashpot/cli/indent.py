@@ -8,10 +8,11 @@ import click
 
 import dashpot as dp
 from dashpot import workflow
+from dashpot.base.choices import ImpactLawAsked, words
 from dashpot.cli import _options as options
 from dashpot.cli import _text
 from dashpot.cli._shell import File, Outcome, reports, write_figure
-from dashpot.records.indentation import Indenter
+from dashpot.kinds.indentation.record import Indenter
 
 
 @click.command("indent")
@@ -19,7 +20,7 @@ from dashpot.records.indentation import Indenter
 @options.filled(Indenter, "indenter")
 @click.option(
     "--law",
-    type=click.Choice(["auto", "kelvin-voigt", "hertz", "hertz-kelvin-voigt", "hertz-maxwell"]),
+    type=click.Choice(words(ImpactLawAsked)),
     default="auto",
     show_default=True,
     help="Of the contact; auto takes the one that the record prefers.",
@@ -42,4 +43,4 @@ def command(*, hit: str, picture: str | None, **choices: Any) -> Outcome:
     found = workflow.indent_file(hit, **choices)
     if picture:
         write_figure(picture, dp.plot.indentation(found.fit))
-    return Outcome(found.document, _text.indentation(found), found.checks, verdict=found.verdict)
+    return Outcome(found, _text.indentation(found), found.checks, verdict=found.verdict)

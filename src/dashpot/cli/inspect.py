@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from dashpot import workflow
+from dashpot.base.units import written
 from dashpot.cli._options import given, overwrite, reading
 from dashpot.cli._shell import File, Outcome, Output, reports, typed, write
 from dashpot.cli._terminal import Text
@@ -80,12 +81,12 @@ def _answer(found: InspectedFile) -> list[str]:
         lines += [
             (
                 f"  ramp      {test.onset:.4g} to {test.ramp_end:.4g} s ({test.ramp_time:.4g} s), "
-                f"{test.depth * 1e3:.4g} mm"
+                f"{written(test.depth, 'mm')}"
             ),
             f"  hold      to {test.hold_end:.5g} s ({test.hold_time:.4g} s)",
             (
-                f"  noise     force {test.force_noise * 1e3:.3g} mN, "
-                f"displacement {test.displacement_noise * 1e6:.3g} um"
+                f"  noise     force {written(test.force_noise, 'mN', '.3g')}, "
+                f"displacement {written(test.displacement_noise, 'um', '.3g')}"
             ),
         ]
     return [*lines, *(f"  note      {warning}" for warning in found.warnings)]

@@ -10,44 +10,13 @@ import dashpot as dp
 from dashpot import workflow
 from dashpot.cli import _options as options
 from dashpot.cli import _text
-from dashpot.cli._options import Quantity
 from dashpot.cli._shell import File, Outcome, reports, write, write_figure
+from dashpot.workflow.job import LevelJob
 
 
 @click.command("level")
 @click.argument("files", type=File(), nargs=-1, required=True, metavar="SWEEP|LOOPS|HITS|FRF...")
-@click.option(
-    "--level",
-    "levels",
-    metavar="FORCE",
-    multiple=True,
-    help="Of each FRF, in order: amplitude of the force, e.g. 0.05N; of a transmissibility that "
-    "of the base's acceleration, e.g. 1m/s^2; of hits their peak force, held against them.",
-)
-@click.option("--mass", type=Quantity("mass"), help="Under those FRFs, or struck, e.g. 104g.")
-@options.seals
-@options.compared
-@click.option(
-    "--at",
-    type=Quantity("force"),
-    multiple=True,
-    help="Level at which the resonance of that mass, or of the one struck, is wanted, e.g. 0.2N.",
-)
-@click.option(
-    "--motion",
-    type=click.Choice(["absolute", "relative"]),
-    default="absolute",
-    show_default=True,
-    help="Of the mass over a base that moves: absolute, or relative to the base.",
-)
-@click.option(
-    "--law",
-    type=click.Choice(["auto", "factor", "additive", "cubic", "factor+cubic", "additive+cubic"]),
-    default="auto",
-    show_default=True,
-    help="Of a sweep or loops: a share of the stiffness is lost, or friction stands beside it; a "
-    "spring stiffens.",
-)
+@options.of(LevelJob)
 @options.picture
 @options.output("Write a page of it.", ".html", ".htm")
 @options.overwrite
@@ -74,4 +43,4 @@ def command(
         write_figure(picture, dp.plot.level(found.fit, found.records))
     if output:
         write(output, dp.report.html(found))
-    return Outcome(found.document, _text.levels(found), found.checks, verdict=found.verdict)
+    return Outcome(found, _text.levels(found), found.checks, verdict=found.verdict)

@@ -10,29 +10,14 @@ from dashpot.base.checks import verdict
 from dashpot.base.errors import ReadError
 from dashpot.cli import _modes_text as text
 from dashpot.cli import _options as options
-from dashpot.cli._options import Quantity, Range
 from dashpot.cli._shell import File, Outcome, reports, write_figure
 from dashpot.io.options import ReadOptions
+from dashpot.workflow.job import ModesJob
 
 
 @click.command("modes")
 @click.argument("frfs", type=File(), nargs=-1, required=True, metavar="FRF...")
-@click.option("--band", type=Range("frequency"), help="Where to look for modes, e.g. 5:50Hz.")
-@click.option(
-    "--against",
-    type=File(),
-    multiple=True,
-    metavar="FRF",
-    help="The same points in another test, whose modes are held against these; repeat for more.",
-)
-@click.option(
-    "--mass",
-    "masses",
-    type=Quantity("mass"),
-    multiple=True,
-    help="On the seals in each FRF, in order, e.g. 104g: is it one solid that carries them all?",
-)
-@options.seals
+@options.of(ModesJob)
 @options.picture
 @options.overwrite
 @reports
@@ -70,7 +55,7 @@ def command(
             under = [one.frf for one in held.tests]
             stamp = dp.plot.stamp([source for one in under for source in one.source], seals=seals)
             write_figure(picture, dp.plot.several_masses(held.together, under, stamp=stamp))
-        return Outcome(held.document, text.modes_by_mass(held), held.checks,
+        return Outcome(held, text.modes_by_mass(held), held.checks,
                        verdict=verdict(held.checks))  # fmt: skip
     found, chart = workflow.modes_files(frfs, options=options, band=band, against=against)
     if picture:

@@ -13,7 +13,7 @@ from dashpot.base.checks import verdict
 from dashpot.base.errors import DataError
 from dashpot.base.version import byline
 from dashpot.cli import _options as options
-from dashpot.cli._options import Direction, Quantity, given
+from dashpot.cli._options import Direction, WithUnit, given
 from dashpot.cli._shell import Outcome, Output, reports, typed, write
 from dashpot.cli._terminal import Text
 from dashpot.cli.simulate import seal as seal_named
@@ -24,19 +24,19 @@ if TYPE_CHECKING:
 
 
 @click.command("plan")
-@click.option("--at", type=Quantity("frequency"), required=True, help="Frequency that matters.")
+@click.option("--at", type=WithUnit("frequency"), required=True, help="Frequency that matters.")
 @options.filled(dp.Bench, "bench", show_default=True)
 @click.option(
     "--model", metavar="paper|broad|hidden|FIT", help="A guess at the seal; else Table 1."
 )
-@click.option("--arm-stiffness", type=Quantity("stiffness"), help="Of the arm that may hide.")
-@click.option("--arm-time", type=Quantity("time"), help="Its relaxation time; else 1/omega.")
+@click.option("--arm-stiffness", type=WithUnit("stiffness"), help="Of the arm that may hide.")
+@click.option("--arm-time", type=WithUnit("time"), help="Its relaxation time; else 1/omega.")
 @options.filled(dp.Machine, "machine", leave=("compliance", "force_filter"))
 @options.filled(dp.HammerPlan, "hammer", show_default=True)
 @click.option("--wanted", type=float, default=10.0, show_default=True, help="SD that would do, %.")
 @click.option(
     "--cold",
-    type=Quantity("temperature"),
+    type=WithUnit("temperature"),
     multiple=True,
     help="Repeated there too, e.g. 0degC; repeat it for more.",
 )
@@ -48,7 +48,7 @@ if TYPE_CHECKING:
     metavar="FILE",
     help="Write the planned motion for a controller, one set-point a row; - is stdout.",
 )
-@click.option("--interval", type=Quantity("time"), default="10ms", show_default=True)
+@click.option("--interval", type=WithUnit("time"), default="10ms", show_default=True)
 @click.option(
     "--along",
     type=Direction(),

@@ -10,24 +10,22 @@ import dashpot as dp
 from dashpot import workflow
 from dashpot.cli import _options as options
 from dashpot.cli import _text
-from dashpot.cli._options import Range
 from dashpot.cli._shell import File, Outcome, grams, reports, typed, write, write_figure
+from dashpot.records.frf import OF_FORCE
+from dashpot.workflow.job import HammerChoices, Job, LevelChoices
+from dashpot.workflow.part import PartChoices
 
 
 @click.command("predict")
 @click.argument("fit", type=File())
-@options.mass
-@options.seal_mass
-@options.seals
-@options.compression
+@options.weighed
+@options.carried
 @options.temperature
-@click.option(
-    "--band", type=Range("frequency"), default="1:50Hz", show_default=True, help="Frequencies."
-)
+@options.of(Job, "band", default="1:50Hz", help="Frequencies.")
 @click.option("--lines", type=click.IntRange(2), default=2001, show_default=True)
 @click.option(
     "--kind",
-    type=click.Choice(["accelerance", "mobility", "receptance", "dynamic_stiffness"]),
+    type=click.Choice(OF_FORCE),
     default="accelerance",
     show_default=True,
     help="Of the mass and a force on it.",
@@ -35,13 +33,7 @@ from dashpot.cli._shell import File, Outcome, grams, reports, typed, write, writ
 @click.option(
     "--base", is_flag=True, help="The base moves instead: the transmissibility to the mass."
 )
-@click.option(
-    "--motion",
-    type=click.Choice(["absolute", "relative"]),
-    default="absolute",
-    show_default=True,
-    help="Of the mass over that base.",
-)
+@options.of(HammerChoices, "motion", help="Of the mass over that base.")
 @click.option(
     "--base-psd",
     type=File(),
@@ -60,8 +52,8 @@ from dashpot.cli._shell import File, Outcome, grams, reports, typed, write, writ
 @options.output("Write the FRF as CSV; - is stdout.", ".csv")
 @options.overwrite
 @reports
-@options.part
-@options.at_level
+@options.filled(PartChoices, "part")
+@options.filled(LevelChoices, "at_level")
 @options.machine
 @options.reading
 def command(
@@ -108,7 +100,7 @@ def command(
         write(output, write_frf(found.levels[0].frf if found.levels else found.frf))
     text = _text.prediction(found, mass=choices["mass"], seals=choices["seals"])
     return Outcome(
-        found.document,
+        found,
         text,
         found.checks,
         verdict=found.verdict,

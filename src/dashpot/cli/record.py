@@ -6,24 +6,38 @@ import math
 import signal
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import click
 
 import dashpot as dp
+from dashpot.base.choices import Driver, words
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.progress import doing
 from dashpot.cli import _options as options
-from dashpot.cli._options import Quantity
+from dashpot.cli._options import WithUnit
 from dashpot.cli._shell import File, Outcome, note_written, reports, typed
 from dashpot.cli._terminal import Text
 from dashpot.cli.simulate import as_it_stands, seal
 
 
+@dataclass(frozen=True)
+class KeptRecord(Documented):
+    """A file, how many rows it has, and what is to be said of them."""
+
+    schema = "dashpot/recorded@1"
+
+    file: str
+    rows: int
+    notes: tuple[str, ...]
+
+
 @click.command("record")
 @click.option(
-    "--driver", type=click.Choice(["serial", "replay", "simulated"]), required=True,
+    "--driver", type=click.Choice(words(Driver)), required=True,
     help="A serial line, a record played again, or the virtual rig.",
 )  # fmt: skip
 @click.option("--port", metavar="PORT", help="Of the serial line, e.g. /dev/ttyUSB0.")
@@ -37,7 +51,7 @@ from dashpot.cli.simulate import as_it_stands, seal
 @click.option("--from", "played", type=File(), metavar="FILE", help="The record to replay.")
 @click.option("--model", default="paper", show_default=True, metavar="paper|broad|hidden|FIT")
 @click.option("--speed", type=float, default=1.0, show_default=True, help="Of what is played.")
-@click.option("--seconds", type=Quantity("time"), help="How long, e.g. 45s; else until Ctrl-C.")
+@click.option("--seconds", type=WithUnit("time"), help="How long, e.g. 45s; else until Ctrl-C.")
 @options.output("Text; it grows while the instrument is read.", ".csv", ".txt", required=True)
 @options.force
 @reports
@@ -66,9 +80,8 @@ def command(*, driver: str, output: str, seconds: float | None, **choices: Any) 
             replace=Path(output).exists(),  # what must not be written over was refused before
         )
     note_written(output)
-    found = {"schema": "dashpot/recorded@1", "file": output, "rows": rows, "notes": list(notes)}
     story = Text([f"{output}: {rows} samples; {device}", *(f"! {note}" for note in notes)])
-    return Outcome(found, story, follow=typed("inspect", output))
+    return Outcome(KeptRecord(output, rows, tuple(notes)), story, follow=typed("inspect", output))
 
 
 @contextmanager

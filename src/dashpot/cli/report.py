@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import click
 
 import dashpot as dp
 from dashpot import workflow
+from dashpot.base.documents import Documented
 from dashpot.base.errors import ReadError
 from dashpot.base.progress import doing
 from dashpot.cli import _options as options
@@ -34,34 +36,32 @@ if TYPE_CHECKING:
     from dashpot import Study
 
 
+@dataclass(frozen=True)
+class Reported(Documented):
+    """A study, the file of its report, and the hash of its project's history."""
+
+    keys = ("*study", "report", "history?")
+
+    study: Study
+    report: str
+    history: str | None
+
+
 @click.command("report")
 @click.argument("relaxation", type=File(), nargs=-1, required=True, metavar="RELAXATION...")
-@click.option(
-    "--impact", type=File(), multiple=True, metavar="FILE", help="Hits, or an FRF; repeat for more."
-)
-@options.mass_if_known
+@options.of(Job, "impact", "mass")
 @click.option(
     "--impact-profile", type=File(), metavar="FILE", help="Saved answers for the impact files."
 )
-@options.impact_temperature
-@options.seal_mass
-@options.seals
-@options.compression
-@options.arms
-@options.method
-@options.law
-@options.family
+@options.of(Job, "impact_temperature")
+@options.carried
+@options.of(Job, "arms", "method", "law", "family")
 @options.cuts
-@options.compared
-@options.filtered
-@click.option("--no-joint", is_flag=True, help="Leave out the joint fit.")
+@options.of(Job, "band", "filter", "joint")
 @click.option(
     "--project", type=Folder(), metavar="DIR", help="Keep raw files, results and history there."
 )
-@click.option("--title", metavar="TEXT", default="", help="Of the report [default: the specimen].")
-@click.option(
-    "--logo", type=File(), metavar="FILE", help="PNG, JPEG or SVG for its head, up to 100 kB."
-)
+@options.of(Job, "title", "logo")
 @options.output("The report [default: report.html].", ".html", ".htm")
 @options.overwrite
 @opens
@@ -74,7 +74,6 @@ def command(
     *,
     relaxation: tuple[str, ...],
     impact_profile: str | None,
-    no_joint: bool,
     project: str | None,
     output: str | None,
     options: ReadOptions,
@@ -97,7 +96,6 @@ def command(
     job = Job(
         first,
         further=tuple(further),
-        joint=not no_joint,
         reading=options.without(OF_HAMMER),
         reading_impact=over_profile(of_impact, impact_profile),
         **choices,
@@ -106,13 +104,13 @@ def command(
         output = "report.html"
         claim([output])
     written: list[str] = []
-    more: dict[str, str] = {}
+    history = None
     if project:
         home = workflow.create(project)
         with _hammer_named():
             study, place = workflow.record(home, job, page=dp.report.html)
         note_written(place)
-        more = {"history": home.head}
+        history = home.head
         written.append(str(place))
     else:
         with _hammer_named():
@@ -122,12 +120,11 @@ def command(
         written.append(output)
         write(written[-1], dp.report.html(study))
     return Outcome(
-        study,
+        Reported(study, written[-1], history),
         _text.study(study),
         study.every_check,
-        {"report": written[-1], **more},
         verdict=study.verdict,
-        follow=typed("verify", project, "--expect", more["history"], why="recomputes it")
+        follow=typed("verify", project, "--expect", history, why="recomputes it")
         if project
         else _follow(job, study),
     )

@@ -11,7 +11,6 @@ from dashpot import workflow
 from dashpot.base.errors import ReadError
 from dashpot.cli import _options as options
 from dashpot.cli import _rod_text as text
-from dashpot.cli._options import Range
 from dashpot.cli._shell import (
     File,
     Outcome,
@@ -23,6 +22,7 @@ from dashpot.cli._shell import (
     write_figure,
 )
 from dashpot.records.specimen import Specimen
+from dashpot.workflow.job import Job
 from dashpot.workflow.rods import RodChoices
 
 _OTHERS = ("length", "height", "notes", "name", "lot", "operator", "date")
@@ -31,11 +31,10 @@ _OTHERS = ("length", "height", "notes", "name", "lot", "operator", "date")
 @click.command("rod")
 @click.argument("files", type=File(), nargs=-1, required=True, metavar="FRF|RECORD...")
 @options.filled(RodChoices, "rod")
-@options.mass
+@options.weighed
 @click.option("--density", type=float, required=True, help="Of the rod, kg/m^3.")
-@click.option("--band", type=Range("frequency"), help="Lines to use, e.g. 50:400Hz.")
-@options.arms
-@options.family
+@options.of(Job, "band", help="Lines to use, e.g. 50:400Hz.")
+@options.of(Job, "arms", "family")
 @options.fit_output
 @options.picture
 @options.overwrite
@@ -60,28 +59,20 @@ def command(
     dashpot rod shaken.csv --base-acceleration ch1 --disc 20mm,20mm --density 1000 --mass 31.4g
     """
     found = workflow.rod_files(files, **choices)
-    if output and found.fit is None:
-        raise ReadError(f"-o writes a fit, and there is none: {found.reason}")
     if output:
+        if found.fit is None:
+            raise ReadError(f"-o writes a fit, and there is none: {found.reason}")
         write(output, printed(found.fit) + "\n")
     if picture:
         stamp = dp.plot.stamp(found.frf.source, mass=found.mass)
         write_figure(picture, dp.plot.rod(found.modulus, fit=found.fit, stamp=stamp))
-    more = {} if found.fit is None else {"fit": _document(found.fit)}
     return Outcome(
-        found.document,
+        found,
         text.rod(found),
         found.checks,
-        more,
         verdict=found.verdict,
         follow=_follow(found, output),
     )
-
-
-def _document(fit: dp.Fit) -> dict[str, Any]:
-    from dashpot.workflow.archive import document
-
-    return document(fit)
 
 
 def _follow(found: workflow.Rod, output: str | None) -> str:

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
 import dashpot as dp
+from dashpot.base.choices import Rehearsed, words
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError, ReadError
 from dashpot.cli import _options as options
-from dashpot.cli._options import Quantity
+from dashpot.cli._options import WithUnit
 from dashpot.cli._shell import File, Outcome, claim, read_model, reports, typed, write
 from dashpot.cli._terminal import Text
 
@@ -21,8 +23,21 @@ if TYPE_CHECKING:
     from dashpot.solids.temperature import TemperatureLaw
 
 
+@dataclass(frozen=True)
+class Simulated(Documented):
+    """What was simulated, its file, that of the truth, or its text where there are none."""
+
+    schema = "dashpot/simulated@1"
+    keys = ("what", "file", "truth", "text?")
+
+    what: str
+    file: str
+    truth: str | None
+    text: str | None = None
+
+
 @click.command("simulate")
-@click.argument("what", type=click.Choice(["relaxation", "creep", "impact", "motion"]))
+@click.argument("what", type=click.Choice(words(Rehearsed)))
 @click.option(
     "--model",
     default="paper",
@@ -32,30 +47,30 @@ if TYPE_CHECKING:
 )
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Of the noise.")
 @click.option("--noise-free", is_flag=True, help="No noise, drift, bias, hum or quantum.")
-@click.option("--depth", type=Quantity("length"), default="8mm", show_default=True)
-@click.option("--load", type=Quantity("force"), default="1N", show_default=True, help="Of creep.")
-@click.option("--ramp", type=Quantity("time"), default="1s", show_default=True)
-@click.option("--hold", type=Quantity("time"), default="40s", show_default=True)
+@click.option("--depth", type=WithUnit("length"), default="8mm", show_default=True)
+@click.option("--load", type=WithUnit("force"), default="1N", show_default=True, help="Of creep.")
+@click.option("--ramp", type=WithUnit("time"), default="1s", show_default=True)
+@click.option("--hold", type=WithUnit("time"), default="40s", show_default=True)
 @click.option(
-    "--rate", type=Quantity("frequency"), help="Sampling rate; else the instrument's own."
+    "--rate", type=WithUnit("frequency"), help="Sampling rate; else the instrument's own."
 )
 @click.option(
-    "--temperature", type=Quantity("temperature"), help="Of the test; the file will state it."
+    "--temperature", type=WithUnit("temperature"), help="Of the test; the file will state it."
 )
 @options.wlf
-@click.option("--mass", type=Quantity("mass"), help="Block mass; else what peaks at 12.71 Hz.")
+@click.option("--mass", type=WithUnit("mass"), help="Block mass; else what peaks at 12.71 Hz.")
 @click.option("--seals", type=float, default=2.0, show_default=True, help="Seals under the block.")
 @click.option("--hits", type=click.IntRange(1), default=5, show_default=True)
-@click.option("--record", type=Quantity("time"), help="Record after each hit.")
+@click.option("--record", type=WithUnit("time"), help="Record after each hit.")
 @click.option("--motion", type=File(), help="Recorded or planned: time and displacement.")
 @click.option("--softening", type=float, help="Share that Mullins' softening takes, e.g. 0.12.")
 @click.option(
-    "--warming", type=Quantity("force"), help="What the load cell's zero moves by in 10 min."
+    "--warming", type=WithUnit("force"), help="What the load cell's zero moves by in 10 min."
 )
 @click.option("--friction", type=float, help="Of the axis, in m/s^2: above 0 it sticks and slips.")
 @click.option("--gauges", is_flag=True, help="Six gauge voltages; the calibration lies beside.")
-@click.option("--misaligned", type=Quantity("angle"), help="Of the transducer, e.g. 2deg.")
-@click.option("--antialias", type=Quantity("frequency"), help="Corner of the card's filter.")
+@click.option("--misaligned", type=WithUnit("angle"), help="Of the transducer, e.g. 2deg.")
+@click.option("--antialias", type=WithUnit("frequency"), help="Corner of the card's filter.")
 @options.output("CSV; - is stdout.", ".csv", ".txt", required=True)
 @options.force
 @reports
@@ -75,11 +90,10 @@ def command(*, what: str, output: str, **choices: Any) -> Outcome:
     }  # fmt: skip
     made = tests[what]
     _refuse_senseless(what, output, choices)
-    document = {"schema": "dashpot/simulated@1", "what": what, "file": output, "truth": None}
     if output == "-":
         text, *_ = made(**choices)
         write(output, text)
-        return Outcome(document | {"text": text}, Text())
+        return Outcome(Simulated(what, output, None, text), Text())
     beside = str(Path(output).with_suffix(".truth.json"))
     known = str(Path(output).with_suffix(".cal"))
     gauges = [known] if choices["gauges"] else []
@@ -95,7 +109,7 @@ def command(*, what: str, output: str, **choices: Any) -> Outcome:
         says += [f"! {one}" for one in said]
         reading = ["fit", output, "--calibration", known]
     story = Text(says)
-    return Outcome(document | {"truth": beside}, story, follow=typed(*reading))
+    return Outcome(Simulated(what, output, beside), story, follow=typed(*reading))
 
 
 _RIG = ("softening", "warming", "friction", "gauges", "misaligned", "antialias")
@@ -118,7 +132,7 @@ def _refuse_senseless(what: str, output: str, choices: dict[str, Any]) -> None:
             raise DataError(f"--{name} is of the transducer and its card: add --gauges")
 
 
-class Seal(NamedTuple):
+class SimulatedSeal(NamedTuple):
     """A seal to simulate: its solid, the block on two of them, how it follows temperature."""
 
     solid: dp.GeneralizedMaxwell
@@ -126,14 +140,14 @@ class Seal(NamedTuple):
     law: TemperatureLaw
 
 
-def seal(name: str) -> Seal:
+def seal(name: str) -> SimulatedSeal:
     """Return a demonstration seal, or that of a fit's JSON file."""
     from dashpot.solids.table_1 import SEALS, SHIFT
 
     if name in SEALS:
-        return Seal(*SEALS[name], SHIFT)
+        return SimulatedSeal(*SEALS[name], SHIFT)
     solid, law = read_model(name)
-    return Seal(solid, None, law or SHIFT)
+    return SimulatedSeal(solid, None, law or SHIFT)
 
 
 def relaxation(
@@ -174,7 +188,7 @@ def as_it_stands(path: str) -> Iterator[None]:
         ) from error
 
 
-def _bench(model: str, choices: dict[str, Any]) -> tuple[Seal, Any, Any]:
+def _bench(model: str, choices: dict[str, Any]) -> tuple[SimulatedSeal, Any, Any]:
     """Return the seal, the rig and its climate that were asked for."""
     given = {name: choices.get(name) for name in ("rate", "softening", "warming")}
     rig = _chosen(dp.simulation.Rig(), noise_free=bool(choices.get("noise_free")), **given)
@@ -264,7 +278,7 @@ def impact(
     return write_impact(made.test, comments=comments), room.truth_json(made.truth)
 
 
-def _climate(known: Seal, temperature: float | None, law: TemperatureLaw | None) -> Any:
+def _climate(known: SimulatedSeal, temperature: float | None, law: TemperatureLaw | None) -> Any:
     """Return where the test is made, by the seal's own law unless another is given."""
     if temperature is None:
         if law is not None:

@@ -3,14 +3,33 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 
 import click
 
 import dashpot as dp
 from dashpot import workflow
 from dashpot.base.checks import Check, verdict
+from dashpot.base.documents import Documented
 from dashpot.cli._shell import Folder, Outcome, reports
 from dashpot.cli._terminal import Text
+
+
+@dataclass(frozen=True)
+class Verification(Documented):
+    """A project, the hash of its history, and what was found of every result."""
+
+    schema = "dashpot/verification@1"
+    keys = ("project", "ok", "head", "checks")
+
+    project: str
+    head: str
+    checks: tuple[Check, ...]
+
+    @property
+    def ok(self) -> bool:
+        """Whether nothing of weight failed."""
+        return not any(check.failed and check.grade != "note" for check in self.checks)
 
 
 @click.command("verify")
@@ -29,19 +48,11 @@ def command(*, project: str, expect: str | None) -> Outcome:
     """
     place = workflow.open_project(project)
     checks = workflow.verify(place, page=dp.report.html, expect=expect)
-    bad = [check for check in checks if check.failed and check.grade != "note"]
-    document = {
-        "schema": "dashpot/verification@1",
-        "project": project,
-        "ok": not bad,
-        "head": place.head,
-        "checks": [check.document for check in checks],
-    }
     every = [
         f"  {'ok' if check.passed else '--'}  {check.says}" for check in checks if not check.failed
     ]
     return Outcome(
-        document,
+        Verification(project, place.head, checks),
         Text([f"history {place.head}"], every),
         checks,
         must_pass=True,

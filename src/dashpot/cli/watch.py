@@ -9,7 +9,7 @@ from typing import Any
 
 import click
 
-from dashpot.cli._lots import of_many, outcome, summarised, write_lot
+from dashpot.cli._lots import Filled, of_many, outcome, summarised, write_lot
 from dashpot.cli._shell import Folder, Outcome, reports
 from dashpot.cli._terminal import Text
 
@@ -35,7 +35,6 @@ def command(*, folder: str, job: Callable[..., Any], **_: Any) -> Outcome:
         signal.signal(signal.SIGTERM, signal.default_int_handler)
     lot = watch_batch(asked, lambda found: write_lot(asked, summarised(asked, found)))
     if lot is None:
-        nothing = {"schema": "dashpot/batch@1", "folder": str(asked.output), "files": 0}
         told = "stopped before a table was made; the same command goes on from there"
-        return Outcome(nothing, Text([told]))
+        return Outcome(Filled(str(asked.output)), Text([told]))
     return outcome(asked, summarised(asked, lot))

@@ -1,34 +1,55 @@
 """Decks: a solid as text for a solver, one target, one file.
 
-Every target is a function ``target(solid, *, units, specimen, allow, form, ...)``, made by
-:func:`~dashpot.export.opening.target`, of a bare :class:`~dashpot.solids.maxwell.Solid` or of a
+Every target is a function ``target(solid, *, units, specimen, allow, form, ...)`` of a
+bare :class:`~dashpot.solids.maxwell.Solid` or of a
 :class:`~dashpot.records.fit.Fit`, which brings its pedigree and must be worth exporting.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import replace
+from importlib import import_module
 from inspect import signature
-from typing import Any
+from types import MappingProxyType
 
+from dashpot.base.choices import DECKS
 from dashpot.base.errors import ExportError
-from dashpot.export.abaqus import abaqus
-from dashpot.export.adams import adams
-from dashpot.export.ansys import ansys
-from dashpot.export.calculix import calculix
-from dashpot.export.csv import csv
 from dashpot.export.deck import DeckText
 from dashpot.export.hyperelastic import hyperelastic_card
-from dashpot.export.lsdyna import lsdyna
-from dashpot.export.nastran import nastran
 from dashpot.export.notation import UNIT_SYSTEMS
-from dashpot.export.opening import FORMS, PROBLEMS, TARGETS
-from dashpot.export.opensees import opensees
-from dashpot.export.radioss import radioss
-from dashpot.export.statespace import statespace
+from dashpot.export.opening import PROBLEMS
+from dashpot.kinds.hyperelastic.record import HyperelasticFit
+from dashpot.kinds.level.levels import LevelFit
 from dashpot.records.fit import Fit
-from dashpot.records.hyperelastic import HyperelasticFit
-from dashpot.records.level import LevelFit
+
+_MODULES = {name: import_module(f"dashpot.export.decks.{name}") for name in DECKS}
+FORMS: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {name: module.FORMS for name, module in _MODULES.items()}
+)
+"""The forms each target can write; the first is what it writes if not told."""
+
+SUFFIXES: Mapping[str, str] = MappingProxyType(
+    {name: module.SUFFIX for name, module in _MODULES.items()}
+)
+"""Of the file that each target's decks are kept in."""
+
+NEEDS: Mapping[str, Mapping[str, tuple[str, ...]]] = MappingProxyType(
+    {name: getattr(module, "NEEDS", {}) for name, module in _MODULES.items()}
+)
+"""Arguments that a form of a target cannot do without."""
+
+TARGETS: Mapping[str, Callable[..., DeckText]] = MappingProxyType(
+    {name: getattr(module, name) for name, module in _MODULES.items()}
+)
+"""Every target by its name on the command line."""
+
+
+def __getattr__(name: str) -> Callable[..., DeckText]:
+    """A target is an attribute, too: ``export.nastran``."""
+    if name not in TARGETS:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return TARGETS[name]
 
 
 def deck_for(
@@ -38,7 +59,7 @@ def deck_for(
     seals: float = 1.0,
     compression: float | None = None,
     temperature: float | None = None,
-    **choices: Any,
+    **choices: object,
 ) -> DeckText:
     """Return the deck of a fit for one of :data:`TARGETS`: of so many seals, side by side.
 
@@ -73,7 +94,7 @@ def deck_for(
     if isinstance(found, HyperelasticFit):
         if seals != 1 or compression is not None:
             raise ExportError("a material card takes no --seals and no --compression")
-        return hyperelastic_card(target, found, temperature=temperature, **made)
+        return hyperelastic_card(target, found, temperature=temperature, **made)  # type: ignore[arg-type]
     if compression is not None:
         if isinstance(found, LevelFit):
             raise ExportError("FRFs at levels are of one compression; leave out --compression")
@@ -86,21 +107,6 @@ def deck_for(
 
 
 __all__ = [
-    "FORMS",
-    "PROBLEMS",
-    "TARGETS",
-    "UNIT_SYSTEMS",
-    "DeckText",
-    "abaqus",
-    "adams",
-    "ansys",
-    "calculix",
-    "csv",
-    "deck_for",
+    "FORMS", "NEEDS", "PROBLEMS", "SUFFIXES", "TARGETS", "UNIT_SYSTEMS", "DeckText", "deck_for",
     "hyperelastic_card",
-    "lsdyna",
-    "nastran",
-    "opensees",
-    "radioss",
-    "statespace",
-]
+]  # fmt: skip

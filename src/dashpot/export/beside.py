@@ -9,7 +9,7 @@ import numpy as np
 
 from dashpot.base.errors import ExportError
 from dashpot.export.notation import UnitSystem, text
-from dashpot.records.level import LevelFit
+from dashpot.kinds.level.levels import Elements, LevelFit
 from dashpot.solids.friction import Jenkins
 from dashpot.solids.stiffening import Cubic
 
@@ -45,7 +45,7 @@ class Beside:
     """
 
     units: UnitSystem
-    parts: tuple[Jenkins | Cubic, ...] = ()
+    parts: Elements = ()
     amplitudes: tuple[float, float] = (0.0, 0.0)
 
     @classmethod

@@ -10,14 +10,15 @@ from typing import TypeAlias
 
 from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.errors import ExportError
+from dashpot.base.units import written
 from dashpot.base.version import byline
 from dashpot.export.beside import Beside
 from dashpot.export.checks import rows_informed
 from dashpot.export.frequency_tables import Damping, Table, tabulate
 from dashpot.export.notation import UnitSystem, one_line, text
 from dashpot.export.shift import law_lines
+from dashpot.kinds.level.levels import LevelFit
 from dashpot.records.fit import Fit
-from dashpot.records.level import LevelFit
 from dashpot.records.specimen import Specimen
 from dashpot.records.temperature import TemperatureShifts
 from dashpot.solids.elastic import ElasticLaw
@@ -251,7 +252,7 @@ class Deck:
             *described,
             *self.beside.described,
             "temperature: "
-            + ("not stated" if kelvin is None else f"{kelvin:.6g} K ({kelvin - 273.15:.4g} degC)"),
+            + ("not stated" if kelvin is None else f"{kelvin:.6g} K ({written(kelvin, 'degC')})"),
             "contact length: "
             + ("not stated" if metres is None else f"{metres / units.length:.6g} {length}"),
             *(law_lines(self.temperatures) if self.temperatures else ()),

@@ -7,14 +7,14 @@ from types import MappingProxyType
 from typing import NamedTuple
 
 from dashpot.base.errors import ExportError
-from dashpot.base.units import Quantity, si
+from dashpot.base.units import Quantity, si, written
 from dashpot.base.version import byline
-from dashpot.export.ansys import tbdata
 from dashpot.export.deck import NOT_VERIFIED, DeckText
-from dashpot.export.lsdyna import fields
+from dashpot.export.decks.ansys import tbdata
+from dashpot.export.decks.lsdyna import fields
 from dashpot.export.notation import UnitSystem, one_line, text, unit_system
 from dashpot.export.opening import overlooked
-from dashpot.records.hyperelastic import HyperelasticFit
+from dashpot.kinds.hyperelastic.record import HyperelasticFit
 from dashpot.solids.hyperelastic import POWERS, Hyperelastic
 
 VERIFIED = (
@@ -160,7 +160,7 @@ def _overlooked(
 def _described(card: _Card, kelvin: float | None, measured: str) -> list[str]:
     law, units, fit = card.fit.law, card.units, card.fit
     stress = units.words[4]
-    stated = "not stated" if kelvin is None else f"{kelvin:.6g} K ({kelvin - 273.15:.4g} degC)"
+    stated = "not stated" if kelvin is None else f"{kelvin:.6g} K ({written(kelvin, 'degC')})"
     spans = ", ".join(
         f"{one.mode} {one.stretch.min():.4g} to {one.stretch.max():.4g}" for one in fit.curves
     )

@@ -10,29 +10,40 @@ from typing import TypeVar
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ExportError
+from dashpot.base.units import parse_unit
 
 _Values = TypeVar("_Values", float, FloatArray)
 
 
 @dataclass(frozen=True)
 class UnitSystem:
-    """A consistent unit system: the SI size of one unit of each base quantity.
+    """A consistent unit system.
 
     Attributes
     ----------
     name : str
         ``"SI"``, ``"mm-t-s"`` or ``"mm-kg-ms"``.
-    length, mass, time : float
-        Size of the unit in m, kg, s.
     words : tuple of str
         Names of the units of length, mass, time, force and stress.
     """
 
     name: str
-    length: float
-    mass: float
-    time: float
     words: tuple[str, str, str, str, str]
+
+    @property
+    def length(self) -> float:
+        """Size of the unit of length, m."""
+        return parse_unit(self.words[0], "length").factor
+
+    @property
+    def mass(self) -> float:
+        """Size of the unit of mass, kg."""
+        return parse_unit(self.words[1], "mass").factor
+
+    @property
+    def time(self) -> float:
+        """Size of the unit of time, s."""
+        return parse_unit(self.words[2], "time").factor
 
     @property
     def force(self) -> float:
@@ -77,9 +88,9 @@ class UnitSystem:
 
 UNIT_SYSTEMS = MappingProxyType(
     {
-        "SI": UnitSystem("SI", 1.0, 1.0, 1.0, ("m", "kg", "s", "N", "Pa")),
-        "mm-t-s": UnitSystem("mm-t-s", 1e-3, 1e3, 1.0, ("mm", "t", "s", "N", "MPa")),
-        "mm-kg-ms": UnitSystem("mm-kg-ms", 1e-3, 1.0, 1e-3, ("mm", "kg", "ms", "kN", "GPa")),
+        "SI": UnitSystem("SI", ("m", "kg", "s", "N", "Pa")),
+        "mm-t-s": UnitSystem("mm-t-s", ("mm", "t", "s", "N", "MPa")),
+        "mm-kg-ms": UnitSystem("mm-kg-ms", ("mm", "kg", "ms", "kN", "GPa")),
     }
 )
 """The unit systems a deck can be written in."""

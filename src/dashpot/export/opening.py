@@ -15,8 +15,8 @@ from dashpot.base.status import Status
 from dashpot.export.deck import Deck, DeckText, Exportable
 from dashpot.export.notation import unit_system
 from dashpot.fitting.temperature.checks import temperature_tested
+from dashpot.kinds.level.levels import LevelFit
 from dashpot.records.fit import Fit
-from dashpot.records.level import LevelFit
 from dashpot.records.specimen import Specimen
 
 PROBLEMS = MappingProxyType(
@@ -54,11 +54,6 @@ class Target(Protocol):
         ...
 
 
-#: every target whose file has been imported, and the forms of each, the first its default
-TARGETS: dict[str, Target] = {}
-FORMS: dict[str, tuple[str, ...]] = {}
-
-
 def target(*forms: str) -> Callable[[Callable[..., DeckText]], Target]:
     """Make what writes the cards of an opened deck a target of its name, as a decorator.
 
@@ -83,7 +78,6 @@ def target(*forms: str) -> Callable[[Callable[..., DeckText]], Target]:
         asked = signature(write)
         common = list(asked.parameters.values())[:-1]
         update_wrapper(write, cards).__signature__ = asked.replace(parameters=[*common, *own])  # type: ignore[attr-defined]
-        TARGETS[name], FORMS[name] = write, forms
         return write
 
     return enter

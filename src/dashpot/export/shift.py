@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from dashpot.base.units import celsius
 from dashpot.export.notation import text
-from dashpot.records.temperature import TemperatureShifts, celsius
+from dashpot.records.temperature import TemperatureShifts
 from dashpot.solids.temperature import GAS, WLF, Arrhenius
 
 _SAME = 1e-3

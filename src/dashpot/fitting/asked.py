@@ -6,13 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+from dashpot.base.choices import FamilyAsked, Method, RampLawAsked, ShiftLaw, Vertical, refuse_other
 from dashpot.base.errors import FitError
 from dashpot.base.units import Quantity
-from dashpot.fitting.design import NUISANCE, Design, Method, eq5_obstacle
+from dashpot.fitting.design import NUISANCE, Design, eq5_obstacle
 from dashpot.fitting.fractional.choice import checked_family
-from dashpot.fitting.nonlinear_ramp.ladder import LawName
-from dashpot.fitting.shift_law import ShiftLaw
-from dashpot.fitting.temperature.joint import Vertical
 from dashpot.records.relaxation import RampHold
 
 
@@ -32,8 +30,8 @@ class Asked:
 
     arms: int | Literal["auto"]
     max_arms: int
-    law: LawName = "auto"
-    family: Literal["maxwell", "fractional", "auto"] = "maxwell"
+    law: RampLawAsked = "auto"
+    family: FamilyAsked = "maxwell"
     intervals: bool = True
     thorough: bool = False
 
@@ -101,10 +99,7 @@ def refuse_for_creep(method: str, law: str, family: str) -> None:
 
 
 def _refuse_method(records: Sequence[RampHold], method: str) -> None:
-    if method not in ("full", "hold"):
-        raise FitError(
-            f'method = {method!r}; expected "full" (the recorded motion) or "hold" (eq. 5)'
-        )
+    refuse_other("method", method, Method, FitError)
     if method == "full":
         return
     for number, record in enumerate(records, start=1):
@@ -116,8 +111,7 @@ def _refuse_method(records: Sequence[RampHold], method: str) -> None:
 
 def _refuse_law(asked: Asked, method: str) -> None:
     law = asked.law
-    if law not in ("auto", "linear", "nonlinear"):
-        raise FitError(f'law = {law!r}; expected "auto", "linear" or "nonlinear"')
+    refuse_other("law", law, RampLawAsked, FitError)
     if law == "nonlinear" and method == "hold":
         raise FitError(
             "a nonlinear law bends the ramp of the recorded motion, and the hold alone has none: "

@@ -22,7 +22,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 UNJUDGED = Evidence((0.0, 0.0), checks=(uncertainty_estimated(made=False),))
 
 
-class Outcome(NamedTuple):
+class FoundSolid(NamedTuple):
     """What a search for a solid found.
 
     Attributes
@@ -43,7 +43,7 @@ class Outcome(NamedTuple):
 
 
 def assembled(
-    found: Outcome,
+    found: FoundSolid,
     evidence: Evidence,
     provenance: Provenance,
     *,
@@ -55,7 +55,7 @@ def assembled(
 
     Parameters
     ----------
-    found : Outcome
+    found : FoundSolid
     evidence : Evidence
         Its checks in the order in which they are told, those of the records first.
     provenance : Provenance

@@ -22,7 +22,7 @@ from dashpot.base.arrays import FloatArray, median
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.provenance import Step, sources_of
-from dashpot.engine.blocks.block import Block, retarding
+from dashpot.engine.blocks.block import DataBlock, retarding
 from dashpot.engine.blocks.hold import hold_block
 from dashpot.engine.blocks.recorded import recorded_block
 from dashpot.engine.inference.order import MIN_K_OVER_SE, bic, significant
@@ -45,7 +45,7 @@ from dashpot.fitting.pipeline import Chosen, asked_arms, chosen_arms
 from dashpot.fitting.retardation import FLOW, GLASS, Retarded, spectrum_of
 from dashpot.fitting.spectrum import shared_where_few_fall_short
 from dashpot.fitting.superposition.superpose import superpose
-from dashpot.fitting.uncertainty.estimate import Estimate, estimated, rounding
+from dashpot.fitting.uncertainty.estimate import SolutionEstimate, estimated, rounding
 from dashpot.fitting.uncertainty.informed_band import informed_band
 from dashpot.fitting.uncertainty.load_error import load_rows
 from dashpot.preparation.checks import of_temperature
@@ -166,7 +166,7 @@ def _data(record: LoadHold, *, flows: bool) -> FitData:
     )  # fmt: skip
 
 
-class _Known(NamedTuple):
+class _BeforeLoad(NamedTuple):
     """What the samples before the load say, SI units; the first sample that the fit may use."""
 
     offset: Prior
@@ -186,7 +186,7 @@ class _Known(NamedTuple):
         return Terms(each, -self.at, self.least)
 
 
-def known_before(record: LoadHold) -> _Known:
+def known_before(record: LoadHold) -> _BeforeLoad:
     """Return what the samples before the load say of its zero, its drift and its clock."""
     time, x = record.time - record.time[0], record.displacement
     first = int(np.searchsorted(record.time, record.onset))
@@ -209,12 +209,14 @@ def known_before(record: LoadHold) -> _Known:
         loaded = abs(record.load[0]) > 0.5 * record.level
         offset, at, first = Prior(0.0 if loaded else float(x[0]), noise), 0.0, 0
     delay = Prior(0.0, median(np.diff(record.time)))
-    return _Known(offset, at, drift, delay, first, noise, _ROUNDING * travel, usual, told_drift)
+    return _BeforeLoad(
+        offset, at, drift, delay, first, noise, _ROUNDING * travel, usual, told_drift
+    )
 
 
 def _bound(
-    block: Block, known: _Known, spreads: Sequence[float] | None = None
-) -> tuple[Block, ...]:
+    block: DataBlock, known: _BeforeLoad, spreads: Sequence[float] | None = None
+) -> tuple[DataBlock, ...]:
     """Rows that bind the nuisance terms of a block."""
     return (known.terms.rows(block, known.noise if spreads is None else spreads[0]),)
 
@@ -225,14 +227,14 @@ def _impulse(time: FloatArray, load: FloatArray) -> FloatArray:
     return np.concatenate(([0.0], np.cumsum(steps)))
 
 
-def _answer(block: Block, solution: Solution) -> FloatArray:
+def _answer(block: DataBlock, solution: Solution) -> FloatArray:
     """The displacement that a solution gives at every sample, without its nuisance terms."""
     rows = block.exact.evaluate(solution.log_tau, False)
     fixed = [0.0 if name in _NUISANCE else solution.coefficient(name) for name in block.fixed_names]
     return np.asarray(rows.fixed @ fixed + rows.arms @ solution.arms[0])
 
 
-def _velocity(block: Block, rough: Solution, time: FloatArray) -> FloatArray:
+def _velocity(block: DataBlock, rough: Solution, time: FloatArray) -> FloatArray:
     """The column of a force that is recorded late: the velocity of the answer, m/s."""
     return np.gradient(_answer(block, rough), time)
 
@@ -330,7 +332,7 @@ def _beyond_load_error(record: LoadHold, found: Chosen) -> Chosen:
     return replace(found, estimate=estimate, choice=choice)
 
 
-def _stand_out(found: Chosen, estimate: Estimate) -> bool:
+def _stand_out(found: Chosen, estimate: SolutionEstimate) -> bool:
     """True if every retardation is significant, and every arm that they make."""
     numbers, known = range(1, estimate.solution.order + 1), estimate.standard_error
     if not significant(
@@ -498,7 +500,7 @@ def _curve_block(
     window: tuple[float, float],
     *,
     flows: bool,
-) -> Block:
+) -> DataBlock:
     block = hold_block(t, values, k_inf=GLASS, weights=weight, compress=False)
     block = retarding(replace(block, window=(window[0], 10 * window[1])), GLASS)
     return block.with_column(FLOW, weight * t) if flows else block

@@ -21,6 +21,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.errors import FitError
+from dashpot.base.units import written
 from dashpot.engine.inference.estimate import Estimate
 from dashpot.fitting.checks.relaxation import separable
 from dashpot.fitting.nonlinear_ramp.assembly import ramp_fit
@@ -28,7 +29,7 @@ from dashpot.fitting.nonlinear_ramp.hold_first import MAX_ARMS, follow
 from dashpot.fitting.nonlinear_ramp.ladder import ramp_law
 from dashpot.fitting.nonlinear_ramp.law_estimate import RampLaw
 from dashpot.fitting.pipeline import asked_arms
-from dashpot.fitting.temperature.optimum import checked_temperatures
+from dashpot.fitting.temperature.of_tests import checked_temperatures
 from dashpot.preparation.ramp_holds import Tests, ramp_holds
 from dashpot.records.fit import AtDepth, Fit
 from dashpot.solids.elastic import ElasticLaw
@@ -83,8 +84,8 @@ def fit_depths(
     depths = [test.depth for test in ordered]
     if len(set(depths)) < len(depths):
         raise FitError(
-            f"depths {', '.join(f'{1e3 * value:.4g} mm' for value in depths)}; expected different "
-            "compressions > 0: fit equal depths together without depth_law"
+            f"depths {', '.join(written(value, 'mm') for value in depths)}; expected "
+            "different compressions > 0: fit equal depths together without depth_law"
         )
     checked_temperatures(records, shared=False)
     most = asked_arms(arms, max_arms)
@@ -95,7 +96,7 @@ def fit_depths(
     for at in by_depth:
         if at.k_inf <= 0:
             raise FitError(
-                f"the test at {1e3 * at.depth:.4g} mm has no equilibrium stiffness; hold it "
+                f"the test at {written(at.depth, 'mm')} has no equilibrium stiffness; hold it "
                 "longer, or leave it out"
             )
     check = _separable(each)

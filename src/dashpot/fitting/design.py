@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
-from typing import Literal, NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.engine.blocks.block import Block
+from dashpot.base.choices import Method
+from dashpot.engine.blocks.block import DataBlock
 from dashpot.engine.blocks.compression import uniform_step
 from dashpot.engine.blocks.hold import hold_block
 from dashpot.engine.blocks.late_force import Late
@@ -21,8 +22,6 @@ from dashpot.preparation.denoising import true_motion
 from dashpot.records.relaxation import MAX_CREEP, RampHold
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
-
-Method: TypeAlias = Literal["full", "hold"]
 
 NUISANCE = ("offset", "drift", "delay")
 
@@ -54,7 +53,7 @@ def block_of(
     columns: Mapping[str, FloatArray] = MappingProxyType({}),
     weights: FloatArray | None = None,
     reach: tuple[float, float] | None = None,
-) -> Block:
+) -> DataBlock:
     """Return the rows of one record: what a solid and its rig give, and the force.
 
     A few hundred rows on which a fit is that to every sample.
@@ -99,7 +98,7 @@ def block_of(
     )  # fmt: skip
 
 
-def compressed(tests: Sequence[RampHold], design: Design) -> tuple[Block, ...]:
+def compressed(tests: Sequence[RampHold], design: Design) -> tuple[DataBlock, ...]:
     """Return one block per test, a few hundred rows each, on which the fit is the full fit."""
     terms = design.nuisance if design.method == "full" else ()
     return tuple(
@@ -107,7 +106,7 @@ def compressed(tests: Sequence[RampHold], design: Design) -> tuple[Block, ...]:
     )
 
 
-def nuisanced(tests: Sequence[RampHold], design: Design) -> tuple[Block, ...]:
+def nuisanced(tests: Sequence[RampHold], design: Design) -> tuple[DataBlock, ...]:
     r"""Return the blocks of :func:`compressed` with the column of a force that comes late.
 
     .. math:: -\dot F = \sum_j (k_j/\tau_j)\,q_j - k_g\,\dot x, \qquad k_g = k_\infty + \sum_j k_j
@@ -128,10 +127,10 @@ def nuisanced(tests: Sequence[RampHold], design: Design) -> tuple[Block, ...]:
 
 def bound(
     tests: Sequence[RampHold],
-    blocks: Sequence[Block],
+    blocks: Sequence[DataBlock],
     design: Design,
     spreads: Sequence[float] | None = None,
-) -> tuple[Block, ...]:
+) -> tuple[DataBlock, ...]:
     """Return what is known of each load cell and its clock before the fit, a block per test.
 
     `spreads` holds the standard deviation of one independent residual of each test, N; that of
@@ -144,7 +143,7 @@ def bound(
     return tuple(terms_of(test).rows(block, spread) for test, block, spread in every)
 
 
-def _late(test: RampHold, block: Block, rough: Solution) -> Late:
+def _late(test: RampHold, block: DataBlock, rough: Solution) -> Late:
     """The force of the first solution as one that comes late, N/s."""
     time, x, _ = motion(test)
     k = rough.arms[rough.groups.index(block.arm_group)]

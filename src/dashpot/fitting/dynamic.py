@@ -10,10 +10,11 @@ import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.checks import Check
+from dashpot.base.choices import FamilyAsked
 from dashpot.base.errors import FitError
 from dashpot.base.provenance import Step, sources_of, steps_of
 from dashpot.base.units import Quantity, si
-from dashpot.engine.blocks.block import Block, frequency_block
+from dashpot.engine.blocks.block import DataBlock, frequency_block
 from dashpot.fitting.assembly import assembled
 from dashpot.fitting.checks.curves import (
     bands_meet,
@@ -76,7 +77,7 @@ def fit_dynamic(
     temperature: Quantity | None = None,
     thorough: bool = False,
     max_arms: int = 6,
-    family: Literal["maxwell", "fractional", "auto"] = "maxwell",
+    family: FamilyAsked = "maxwell",
 ) -> Fit:
     r"""Fit a generalized Maxwell solid to storage and loss, and to relaxation tests with them.
 
@@ -202,8 +203,8 @@ def _left(error: FloatArray, weighted: Residual) -> Residual:
 class _Set(NamedTuple):
     """One data set in units of its scatter: the block to solve, and one block per record."""
 
-    block: Block
-    rows: tuple[Block, ...]
+    block: DataBlock
+    rows: tuple[DataBlock, ...]
 
 
 def _at_one_temperature(
@@ -273,7 +274,7 @@ def _sweep(data: DynamicTest, weights: str, *, dashpot: bool, most: int) -> _Set
 
 def _sweep_block(
     data: DynamicTest, scale: tuple[FloatArray, FloatArray], *, dashpot: bool
-) -> Block:
+) -> DataBlock:
     return frequency_block(
         data.omega,
         data.value,  # type: ignore[arg-type]
@@ -308,7 +309,7 @@ def _scale(
     )
 
 
-def _halves(block: Block, n: int) -> tuple[Block, Block]:
+def _halves(block: DataBlock, n: int) -> tuple[DataBlock, DataBlock]:
     """The storage and the loss of a sweep as records of their own, in order of frequency."""
     first, second = slice(0, n), slice(n, 2 * n)
     return (

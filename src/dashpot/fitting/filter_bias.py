@@ -7,10 +7,11 @@ from dataclasses import replace
 import numpy as np
 
 from dashpot.base.checks import Check
+from dashpot.base.choices import Method
 from dashpot.base.errors import DashpotError, FitError
 from dashpot.engine.solver.variable_projection import solve
 from dashpot.fitting.checks import relaxation as checks
-from dashpot.fitting.design import Design, Method, compressed, eq5_obstacle, solid_of
+from dashpot.fitting.design import Design, compressed, eq5_obstacle, solid_of
 from dashpot.fitting.fit_data import data_of
 from dashpot.fitting.pipeline import chosen_arms
 from dashpot.preparation.filters import Filter, filter_of, filtered

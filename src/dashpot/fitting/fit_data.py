@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.engine.blocks.block import Block
+from dashpot.engine.blocks.block import DataBlock
 from dashpot.engine.inference.covariance import Noise, Series, noise_of
 from dashpot.engine.solver.descent import Stack
 from dashpot.engine.solver.variable_projection import Solution, solve, solve_orders
@@ -34,7 +34,7 @@ class FitData:
 
     Attributes
     ----------
-    blocks, samples : sequences of Block
+    blocks, samples : sequences of DataBlock
         The data to solve, and the same with a row per sample, one block per record.
     in_time : bool
         The samples are records in time: no more arms are tried than could gain what BIC asks for
@@ -45,24 +45,24 @@ class FitData:
     bind : callable, optional
         Makes the priors of nuisance terms from the standard deviation of one independent residual
         of each record, N; from None by what the records show before a fit.
-    priors : tuple of Block
+    priors : tuple of DataBlock
         What was known of fixed coefficients before the data.
     """
 
-    blocks: Sequence[Block]
-    samples: Sequence[Block]
+    blocks: Sequence[DataBlock]
+    samples: Sequence[DataBlock]
     in_time: bool = False
     encoders: Sequence[Encoder] | None = None
-    bind: Callable[[Sequence[float] | None], tuple[Block, ...]] | None = None
-    priors: tuple[Block, ...] = ()
+    bind: Callable[[Sequence[float] | None], tuple[DataBlock, ...]] | None = None
+    priors: tuple[DataBlock, ...] = ()
 
     @property
-    def rows(self) -> tuple[Block, ...]:
+    def rows(self) -> tuple[DataBlock, ...]:
         """The data to solve, and what was known before them."""
         return (*self.blocks, *self.priors)
 
     @property
-    def every(self) -> tuple[Block, ...]:
+    def every(self) -> tuple[DataBlock, ...]:
         """A row per sample, and what was known before them."""
         return (*self.samples, *self.priors)
 
@@ -150,13 +150,13 @@ def weighed(
     return First(data, solved(), series, noises, solutions[-1])
 
 
-def one_more(blocks: Sequence[Block]) -> float:
+def one_more(blocks: Sequence[DataBlock]) -> float:
     """Return what BIC asks one more arm to gain, in noise variances."""
     stack = Stack(blocks)
     return (1 + len(stack.groups)) * float(np.log(stack.samples))
 
 
-def determinable_arms(blocks: Sequence[Block]) -> int:
+def determinable_arms(blocks: Sequence[DataBlock]) -> int:
     """Return how many arms the samples could determine at all, with two to spare."""
     stack = Stack(blocks)
     return max(0, (stack.samples - len(stack.names) - 2) // (1 + len(stack.groups)))
@@ -180,7 +180,7 @@ class Alone(NamedTuple):
     scatter: tuple[float, ...]
 
 
-def alone(blocks: Sequence[Block], samples: Sequence[Block], most: int) -> Alone:
+def alone(blocks: Sequence[DataBlock], samples: Sequence[DataBlock], most: int) -> Alone:
     """Fit one test with as many arms as it bears, up to `most`."""
     most = min(most, determinable_arms(blocks))
     best = solve_orders(blocks, most)[-1]
@@ -196,5 +196,5 @@ def alone(blocks: Sequence[Block], samples: Sequence[Block], most: int) -> Alone
     )
 
 
-def _largest(block: Block) -> float:
+def _largest(block: DataBlock) -> float:
     return float(np.abs(block.target).max())

@@ -5,16 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import FloatArray, Frozen, increasing, samples
 from dashpot.base.checks import status_of
+from dashpot.base.choices import Method
 from dashpot.base.errors import DataError
 from dashpot.base.status import Status
-from dashpot.engine.blocks.block import Block
+from dashpot.engine.blocks.block import DataBlock
 from dashpot.engine.blocks.families import (
     Family,
     hold_family,
@@ -83,7 +84,7 @@ def fit_many(
     displacement: npt.ArrayLike | None = None,
     ramp: tuple[float, float] | None = None,
     arms: int = 2,
-    method: Literal["full", "hold"] = "full",
+    method: Method = "full",
     errors: bool = False,
 ) -> Many:
     r"""Fit every record of a stack that was taken on one clock under one displacement.
@@ -186,7 +187,7 @@ class _History(NamedTuple):
     x: FloatArray
     first: int
     given: slice
-    block: Callable[[FloatArray], Block]
+    block: Callable[[FloatArray], DataBlock]
     family: Callable[[], Family] | None
 
     def solved(self, records: FloatArray, arms: int) -> ManySolutions:

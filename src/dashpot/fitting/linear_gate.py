@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.engine.blocks.block import Block
+from dashpot.engine.blocks.block import DataBlock
 from dashpot.engine.solver.variable_projection import solve
 from dashpot.fitting.asked import Asked
 from dashpot.fitting.design import (
@@ -60,7 +60,7 @@ class Holds:
         self.records = records
 
     @cached_property
-    def blocks(self) -> tuple[Block, ...]:
+    def blocks(self) -> tuple[DataBlock, ...]:
         """By eq. 5, or, where the plate creeps, as the answer to the recorded motion."""
         return tuple(
             compressed([record], Design("hold"))[0]

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.provenance import Source, Step, sources_of
-from dashpot.engine.blocks.block import Block
+from dashpot.engine.blocks.block import DataBlock
 from dashpot.engine.blocks.hold import hold_block
 from dashpot.fitting.assembly import assembled
 from dashpot.fitting.checks.curves import modulus_falls, plateau_seen
@@ -162,7 +162,7 @@ def _at_one_temperature(
 
 def _weighed(
     t: FloatArray, values: FloatArray, weights: str, window: tuple[float, float], most: int
-) -> Block:
+) -> DataBlock:
     """The curve as rows, relative to what the best of up to `most` arms expects, or all alike."""
     first = _block(t, values, _weights(values, weights), window)
     if weights == "uniform":
@@ -174,7 +174,7 @@ def _weighed(
 
 def _block(
     t: FloatArray, values: FloatArray, weight: FloatArray, window: tuple[float, float]
-) -> Block:
+) -> DataBlock:
     block = hold_block(t, values, weights=weight, compress=False)
     return replace(block, window=(window[0], 10 * window[1]))
 

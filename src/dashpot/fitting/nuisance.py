@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import FloatArray, kept, median
-from dashpot.engine.blocks.block import Block, prior_block
+from dashpot.engine.blocks.block import DataBlock, prior_block
 from dashpot.engine.inference.covariance import noise_of
 from dashpot.preparation.noise import scatter
 from dashpot.records.relaxation import RampHold
@@ -34,15 +34,25 @@ _UNSEEN = 0.02
 _ROUNDING = 1e-9
 # standard deviation of a prior, in those of a row, that is as good as zero
 _TIGHTEST = 1e-5
+# an equality is a prior of this relative width
+_EXACT = 1e-6
 # a force off by this part of itself at the end of the hold takes the stiffness off by as much
 MATERIAL = 0.01
 
 
 class Prior(NamedTuple):
-    """Mean and standard deviation of a nuisance term before the fit, SI units."""
+    """What is known of a quantity before the fit, SI units: mean, standard deviation; 0 exactly."""
 
     mean: float
-    sd: float
+    sd: float = 0.0
+
+    def off(self, found: float, slope: FloatArray) -> tuple[float, FloatArray]:
+        """How far `found` is from it, in standard deviations; an equality has a narrow one.
+
+        With the derivative, `slope` being that of `found`.
+        """
+        sd = max(self.sd, _EXACT * abs(self.mean))
+        return (found - self.mean) / sd, slope / sd
 
 
 @dataclass(frozen=True)
@@ -68,7 +78,7 @@ class Terms:
         """The terms and further ones."""
         return replace(self, known={**self.known, **more})
 
-    def rows(self, block: Block, spread: float) -> Block:
+    def rows(self, block: DataBlock, spread: float) -> DataBlock:
         """Rows beside those of a block, of which one independent one has this `spread`."""
         names = tuple(name for name in block.fixed_names if kind_of(name) in self.known)
         kinds = [kind_of(name) for name in names]
@@ -172,7 +182,7 @@ def terms_of(record: RampHold) -> Terms:
     return Terms(each, -known.at, least)
 
 
-class AtRest(NamedTuple):
+class ChannelZero(NamedTuple):
     """What samples before a test say of a channel: its zero, when that is known, and its drift."""
 
     offset: Prior
@@ -180,7 +190,7 @@ class AtRest(NamedTuple):
     slope: Prior
 
 
-def at_rest(time: FloatArray, values: FloatArray, noise: float) -> AtRest:
+def at_rest(time: FloatArray, values: FloatArray, noise: float) -> ChannelZero:
     r"""Return the mean and the slope of a channel at rest, for correlated noise.
 
     `noise` is the least that its scatter can be.
@@ -191,7 +201,7 @@ def at_rest(time: FloatArray, values: FloatArray, noise: float) -> AtRest:
     noises = noise_of(residual - line * (time - time.mean()))
     error = float(np.sqrt(noises.autocovariance[0] * noises.kappa / len(values)))
     offset = Prior(float(values.mean()), max(error, noise / float(np.sqrt(len(values)))))
-    return AtRest(offset, float(time.mean()), _slope(time, residual, noises.kappa))
+    return ChannelZero(offset, float(time.mean()), _slope(time, residual, noises.kappa))
 
 
 def _first_motion(record: RampHold) -> int:

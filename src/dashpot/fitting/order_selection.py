@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from dashpot.engine.blocks.block import Block
+from dashpot.engine.blocks.block import DataBlock
 from dashpot.engine.inference.order import bic_of_deviance, needed
 from dashpot.engine.inference.whitening import whitened_block
 from dashpot.engine.solver.variable_projection import Jacobian, Solution, solve_orders
@@ -16,12 +16,12 @@ from dashpot.fitting.uncertainty.estimate import Score, by_record, noises_of, ro
 
 def in_noise_metric(
     scores: Sequence[Score],
-    every_sample: Sequence[Block],
+    every_sample: Sequence[DataBlock],
     largest: Jacobian,
     *,
     peak: float,
     thorough: bool,
-    priors: Sequence[Block] = (),
+    priors: Sequence[DataBlock] = (),
 ) -> tuple[Score, ...] | None:
     """Return every number of arms judged anew, or None if a record has no noise.
 
@@ -29,7 +29,7 @@ def in_noise_metric(
     ----------
     scores : sequence of Score
         By plain least squares, no arm first.
-    every_sample : sequence of Block
+    every_sample : sequence of DataBlock
         One per record, a row per sample.
     largest : Jacobian
         Residual and Jacobian of every sample for the most arms: they tell the noise.
@@ -37,7 +37,7 @@ def in_noise_metric(
         The largest force, N: it sets what rounding alone leaves.
     thorough : bool
         Add quasi-random starts.
-    priors : sequence of Block
+    priors : sequence of DataBlock
         What was known before the data.
     """
     solutions = [score.solution for score in scores]

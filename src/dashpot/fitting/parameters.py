@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.errors import FitError
 from dashpot.records.estimate import ELEMENT, parameter_names
 from dashpot.records.fit import Fit
 from dashpot.solids.fractional import FractionalZener
@@ -16,7 +17,7 @@ _LEAST = 0.02
 """Part of a stiffness that is left of it, however far it is moved."""
 
 
-class Own(NamedTuple):
+class SolidParameters(NamedTuple):
     """The parameters of a fit's solid by their names, and their covariance.
 
     The covariance is zero for what the fit holds.
@@ -27,7 +28,7 @@ class Own(NamedTuple):
     covariance: FloatArray
 
 
-def own(fit: Fit) -> Own:
+def own(fit: Fit) -> SolidParameters:
     """Return the parameters of the solid, in the order of a covariance that is of them alone."""
     solid = fit.solid
     names: tuple[str, ...] = ELEMENT
@@ -41,7 +42,7 @@ def own(fit: Fit) -> Own:
     rows = [fit.parameters.index(names[i]) for i in here]
     covariance = np.zeros((len(names), len(names)))
     covariance[np.ix_(here, here)] = fit.covariance[np.ix_(rows, rows)]
-    return Own(names, np.array(found), covariance)
+    return SolidParameters(names, np.array(found), covariance)
 
 
 def values(fit: Fit) -> FloatArray | None:
@@ -79,3 +80,19 @@ def _solid(fit: Fit, here: FloatArray, there: FloatArray) -> Solid:
     return GeneralizedMaxwell(
         k[0], tuple(k[1 + i] for i in order), tuple(tau[order].tolist()), fit.model.b
     )
+
+
+def memory_of(solid: GeneralizedMaxwell) -> GeneralizedMaxwell:
+    """Return the arms of a solid over its stiffness at rest: a solid whose k_inf is 1.
+
+    Raises
+    ------
+    FitError
+        If it has no stiffness at rest.
+    """
+    if not solid.k_inf > 0:
+        raise FitError(
+            "the relaxation test found no stiffness at rest, so that its memory has no scale; "
+            "hold it longer"
+        )
+    return solid * (1 / solid.k_inf)

@@ -12,7 +12,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.errors import FitError
-from dashpot.engine.blocks.block import Block
+from dashpot.engine.blocks.block import DataBlock
 from dashpot.engine.inference.covariance import Noise, nearly_white, noise_gain_differs
 from dashpot.engine.inference.order import DECISIVE, Choice, choose
 from dashpot.engine.solver.certificate import certificate
@@ -21,13 +21,13 @@ from dashpot.engine.solver.variable_projection import (
     Solution,
     full_jacobian,
 )
-from dashpot.fitting.assembly import Outcome, nuisances
+from dashpot.fitting.assembly import FoundSolid, nuisances
 from dashpot.fitting.checks.solid import optimum_found
 from dashpot.fitting.design import solid_of
 from dashpot.fitting.fit_data import First, FitData, determinable_arms, weighed
 from dashpot.fitting.uncertainty.estimate import (
-    Estimate,
     Score,
+    SolutionEstimate,
     by_record,
     estimated,
     scored,
@@ -50,7 +50,7 @@ class Chosen:
     Attributes
     ----------
     data : FitData
-    estimate : Estimate
+    estimate : SolutionEstimate
         Of the number of arms taken.
     scores : tuple of Score
         Every number tried, from none up.
@@ -61,7 +61,7 @@ class Chosen:
     """
 
     data: FitData
-    estimate: Estimate
+    estimate: SolutionEstimate
     scores: tuple[Score, ...]
     choice: Choice | None
     asked: int | None
@@ -166,7 +166,7 @@ class Chosen:
         value, error = self.solution.coefficient, self.estimate.standard_error
         return nuisances(self.solution.fixed_names, value, error, of=of, known=known)
 
-    def outcome(self, residual: Residual, nuisance: tuple[Nuisance, ...] = ()) -> Outcome:
+    def outcome(self, residual: Residual, nuisance: tuple[Nuisance, ...] = ()) -> FoundSolid:
         """The solid and what is known of it, as every fit is made of."""
         steady = self.data.in_time and self.certificate.gap < _MISFIT
         estimate = ParameterEstimate(
@@ -178,7 +178,7 @@ class Chosen:
             nuisance,
         )
         fewer = self.asked is not None and self.solution.order < self.asked
-        return Outcome(self.solid, estimate, fewer, bool(self.solution.at_bound.any()))
+        return FoundSolid(self.solid, estimate, fewer, bool(self.solution.at_bound.any()))
 
 
 def asked_arms(arms: object, max_arms: object) -> int:
@@ -308,7 +308,7 @@ def _whole(number: object) -> bool:
 # -- parts of a fit -------------------------------------------------------------------------------
 
 
-def certified(blocks: Sequence[Block], solution: Solution) -> Certificate:
+def certified(blocks: Sequence[DataBlock], solution: Solution) -> Certificate:
     """Return how far the optimum can be from the best positive spectrum."""
     found = certificate(blocks, solution)
     if found.optimal:

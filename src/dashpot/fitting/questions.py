@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, worst
+from dashpot.base.choices import Method
 from dashpot.fitting.checks.relaxation import (
     arms_where_force_relaxes,
     fast_arm_visible,
@@ -25,7 +26,6 @@ from dashpot.fitting.checks.solid import (
     residuals_random,
     tau_inside_window,
 )
-from dashpot.fitting.design import Method
 from dashpot.fitting.repeats import end_stiffnesses
 from dashpot.preparation.checks import of_records
 from dashpot.records.bounds import EndOfHold

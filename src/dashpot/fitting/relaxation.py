@@ -5,18 +5,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from dashpot.base.checks import Check
+from dashpot.base.choices import FamilyAsked, Method, RampLawAsked, ShiftLaw, Vertical
 from dashpot.base.errors import FitError
 from dashpot.base.provenance import Step
-from dashpot.base.units import Quantity, si
+from dashpot.base.units import Quantity, si, written
 from dashpot.fitting.asked import Asked, checked_design, refuse_for_creep, refuse_shifts
 from dashpot.fitting.assembly import (
     UNJUDGED,
-    Outcome,
+    FoundSolid,
     assembled,
     nuisances,
     point_estimate,
@@ -24,31 +25,24 @@ from dashpot.fitting.assembly import (
 )
 from dashpot.fitting.checks import relaxation as checks
 from dashpot.fitting.checks.solid import frequencies_informed, order_agreed
-from dashpot.fitting.design import NUISANCE, Design, Method, block_of, bound, solid_of
+from dashpot.fitting.design import NUISANCE, Design, block_of, bound, solid_of
 from dashpot.fitting.filter_bias import filter_bias
 from dashpot.fitting.fit_data import First, FitData, data_of, weighed
-from dashpot.fitting.fractional.choice import Choice as FamilyChoice
 from dashpot.fitting.fractional.choice import (
     ChosenElement,
+    FamilyChoice,
     beside_bent,
     chosen_family,
     named,
 )
 from dashpot.fitting.linear_gate import Holds, gated
 from dashpot.fitting.nonlinear_ramp import checks as ramp_checks
-from dashpot.fitting.nonlinear_ramp.assembly import ramp_fit
-from dashpot.fitting.nonlinear_ramp.ladder import LawName, ramp_law
-from dashpot.fitting.nonlinear_ramp.law_estimate import RampLaw
 from dashpot.fitting.nuisance import delay_prior, material, priors
 from dashpot.fitting.pipeline import Chosen, asked_arms, chosen_arms
 from dashpot.fitting.questions import Residuals, solid_checks
 from dashpot.fitting.repeats import refuse_copies
-from dashpot.fitting.shift_law import ShiftLaw
-from dashpot.fitting.temperature.joint import Vertical
-from dashpot.fitting.temperature.optimum import checked_temperatures, reference_of
-from dashpot.fitting.temperature.reduced import Own
-from dashpot.fitting.temperature.thermal_fit import fit_thermal
-from dashpot.fitting.uncertainty.estimate import Estimate
+from dashpot.fitting.temperature.of_tests import checked_temperatures, reference_of
+from dashpot.fitting.uncertainty.estimate import SolutionEstimate
 from dashpot.fitting.uncertainty.informed_band import informed_band
 from dashpot.fitting.uncertainty.left_open import end_of_hold
 from dashpot.fitting.weighed_relaxation import fitted_data, held_data
@@ -58,6 +52,10 @@ from dashpot.records.creep import Creep
 from dashpot.records.fit import Evidence, Fit
 from dashpot.records.relaxation import RampHold
 from dashpot.solids.elastic import ElasticLaw
+
+if TYPE_CHECKING:
+    from dashpot.fitting.nonlinear_ramp.law_estimate import RampLaw
+    from dashpot.fitting.temperature.reduced import Own
 
 # arms that a test may have by itself, where it is one of several temperatures
 _OWN_ARMS = 6
@@ -71,8 +69,8 @@ def fit(
     thorough: bool = False,
     nuisance: Sequence[str] = NUISANCE,
     max_arms: int = 6,
-    law: LawName = "auto",
-    family: Literal["maxwell", "fractional", "auto"] = "maxwell",
+    law: RampLawAsked = "auto",
+    family: FamilyAsked = "maxwell",
     intervals: bool = True,
     vertical: Vertical = "free",
     shift_law: ShiftLaw = "auto",
@@ -167,7 +165,7 @@ def fit(
     here = len(temperatures) == 1 and reference in {None, *temperatures.tolist()}
     refuse_shifts("the tests are", vertical, shift_law, None if here else reference)
     if law == "nonlinear":
-        return _by_ramp(records, ramp_law(records, law=law, arms=asked.count), asked.count)
+        return _by_ramp(records, _law_of(records, law, asked.count), asked.count)
     return _of_one_temperature(records, design, asked)
 
 
@@ -180,6 +178,8 @@ def _of_temperatures(
             "tests at several temperatures share arms that move together: leave the family to "
             "be maxwell, or fit the tests of one temperature"
         )
+    from dashpot.fitting.temperature.thermal_fit import fit_thermal  # few need it
+
     return fit_thermal(
         [_own(record, asked.law, thorough=asked.thorough) for record in records],
         arms=asked.count,
@@ -197,7 +197,7 @@ def _of_one_temperature(records: Sequence[RampHold], design: Design, asked: Aske
     data, holds, first, one = data_of(records, design), Holds(records), None, None
     if design == Design("full"):
         first, one, sound = gated(holds, data, asked)
-        bent = None if sound else ramp_law(records, law=asked.law, arms=asked.count)
+        bent = None if sound else _law_of(records, asked.law, asked.count)
         if bent is not None and not bent.sound:
             found = _by_ramp(records, bent, asked.count)
             return found if one is None else beside_bent(found, bent.residuals, one)
@@ -218,15 +218,17 @@ def _of_one_temperature(records: Sequence[RampHold], design: Design, asked: Aske
     return _assembled(holds, both, design, thorough=asked.thorough)
 
 
-def _own(record: RampHold, law: LawName, *, thorough: bool) -> Own:
+def _own(record: RampHold, law: RampLawAsked, *, thorough: bool) -> Own:
     """Return one test of several temperatures with its own free fit; a bent ramp with its law."""
+    from dashpot.fitting.temperature.reduced import Own
+
     kelvin = record.specimen.temperature or 0.0
     data = data_of([record], Design("full"))
     asked = Asked("auto", _OWN_ARMS, thorough=thorough)
     first, _, sound = gated(Holds([record]), data, asked)
     if sound or law == "linear":
         return Own.of(record, kelvin, first, None)
-    bent = ramp_law([record], law=law)
+    bent = _law_of([record], law)
     if bent.sound:
         return Own.of(record, kelvin, first, None)
     block = block_of(
@@ -238,13 +240,20 @@ def _own(record: RampHold, law: LawName, *, thorough: bool) -> Own:
     return Own.of(record, kelvin, weighed(held, _OWN_ARMS), bent.law)
 
 
+def _law_of(records: Sequence[RampHold], law: RampLawAsked, arms: int | None = None) -> RampLaw:
+    """Return the elastic law that the ramps support."""
+    from dashpot.fitting.nonlinear_ramp.ladder import ramp_law  # a sound linear fit needs none
+
+    return ramp_law(records, law=law, arms=arms)
+
+
 def _point(records: Sequence[RampHold], first: First, design: Design, arms: int) -> Fit:
     """Return the optimum alone, as a fit of which nothing more is known."""
     solution = first.solutions[: arms + 1][-1]
     model = solid_of(solution)
     own = nuisances(solution.fixed_names, solution.coefficient, lambda _: np.inf)
     return assembled(
-        Outcome(
+        FoundSolid(
             model,
             point_estimate(model, solution.samples, solution.sse, own),
             fewer=solution.order < arms,
@@ -313,6 +322,8 @@ def _by_ramp(records: Sequence[RampHold], found: RampLaw, arms: int | None) -> F
         tau=found.model.tau,
         dof=max(found.estimate.dof, 1.0),
     )
+    from dashpot.fitting.nonlinear_ramp.assembly import ramp_fit
+
     return ramp_fit(records, found, asked=arms, end=end)
 
 
@@ -395,7 +406,7 @@ def _load_cells(records: Sequence[RampHold], found: Chosen) -> list[Check]:
     return [*answers, ramp_checks.clocks_agree(late)]
 
 
-def _drift_correlation(estimate: Estimate) -> float | None:
+def _drift_correlation(estimate: SolutionEstimate) -> float | None:
     """Return the largest correlation between the slowest arm and a drift, None without either."""
     drifts = [i for i, name in enumerate(estimate.names) if name.startswith("drift@")]
     if not drifts or not estimate.solution.order:
@@ -435,8 +446,9 @@ def _motion_steps(records: Sequence[RampHold], design: Design) -> tuple[Step, ..
         count, noise = record.encoder_step, record.displacement_noise
         if count > 0 or noise > 0:
             says = (
-                f"read the displacement between counts of {1e6 * count:.3g} um and averaged its "
-                f"scatter of {1e6 * noise:.3g} um where the motion allows; the force is as recorded"
+                f"read the displacement between counts of {written(count, 'um', '.3g')} and "
+                f"averaged its scatter of {written(noise, 'um', '.3g')} where the motion allows; "
+                "the force is as recorded"
             )
             parameters = (("count", f"{count:.6g} m"), ("noise", f"{noise:.6g} m"))
             steps.append(Step("motion", parameters, says))

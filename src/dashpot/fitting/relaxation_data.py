@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.engine.blocks.block import Block
+from dashpot.engine.blocks.block import DataBlock
 from dashpot.engine.inference.whitening import marginal
 from dashpot.fitting.nuisance import Terms, kind_of
 from dashpot.records.temperature import decades, shifted_log_tau
@@ -32,7 +32,7 @@ SOLID = ("k_inf", "b")
 LN_10 = float(np.log(10.0))
 
 
-class Moved(NamedTuple):
+class ThermalShift(NamedTuple):
     r"""How a solid lies at the temperature of a test: relaxation times and stiffnesses.
 
     Attributes
@@ -77,7 +77,7 @@ class Moved(NamedTuple):
         )
 
 
-class Rows(NamedTuple):
+class RelaxationRows(NamedTuple):
     """A relaxation test at some relaxation times, each row worth one sample of unit noise.
 
     Target, the columns of k_inf and of b, of the arms, and their derivatives by ln tau. The
@@ -97,7 +97,7 @@ class RelaxationData:
 
     Attributes
     ----------
-    block : Block
+    block : DataBlock
         Fixed columns other than those of the solid are private to the test.
     weight : float
         :math:`1/\sqrt S`, 1/N, with S the power of the residuals where arms are told apart.
@@ -109,21 +109,21 @@ class RelaxationData:
         The solid whose force is late, and whose size the depth decides.
     delay, size : float
         Standard deviations of the delay, s, and of the relative size of the force.
-    certain : Block
+    certain : DataBlock
         The test without the columns that only doubt the motion.
-    moved : Moved or None
+    moved : ThermalShift or None
         How the solid that is asked about lies at the temperature of the test.
     """
 
-    block: Block
+    block: DataBlock
     weight: float
     kappa: float
     terms: Terms
     answer: GeneralizedMaxwell
     delay: float
     size: float
-    certain: Block
-    moved: Moved | None = None
+    certain: DataBlock
+    moved: ThermalShift | None = None
 
     @property
     def window(self) -> tuple[float, float]:
@@ -142,7 +142,7 @@ class RelaxationData:
         """Effective number of samples."""
         return self.block.samples / self.kappa
 
-    def weighted(self, index: int) -> Block:
+    def weighted(self, index: int) -> DataBlock:
         """The certain block in rows of unit noise; `index` tells private columns of tests apart."""
         names = (n if n in SOLID else f"{n}@{index}" for n in self.certain.fixed_names)
         made = self.certain.weighted(self.weight, tuple(names))
@@ -153,11 +153,11 @@ class RelaxationData:
             where.log_tau, float(np.exp(where.log_b)), stretch=where.stretch, window=self.window
         )
 
-    def rows(self, log_tau: FloatArray, *, slopes: bool = True) -> Rows:
+    def rows(self, log_tau: FloatArray, *, slopes: bool = True) -> RelaxationRows:
         """Everything that depends on the solid, whitened for all that the rig adds."""
         count, kinds = len(log_tau), [kind_of(name) for name in self.block.fixed_names]
         shortest = np.log(DASHPOT * self.block.window[0])
-        moved = self.moved or Moved()
+        moved = self.moved or ThermalShift()
         doubtful = moved.shift_sd > 0
         found = self.block.evaluate(
             np.concatenate((moved.log_tau(log_tau), np.log(self.answer.tau), [shortest])),
@@ -175,7 +175,7 @@ class RelaxationData:
         every = np.column_stack((doubts, of_shift, of_answer * (self.delay, self.size)))
         white = marginal(found.fixed[:, free], self.weight * every)
         dashpot = found.fixed[:, kinds.index("b")] if "b" in kinds else fast
-        return Rows(
+        return RelaxationRows(
             target=white(self.weight * (found.target - mean)),
             spring=white(self.weight * b_t * spring),
             dashpot=white(self.weight * moved.a_t * b_t * dashpot),

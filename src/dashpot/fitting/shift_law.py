@@ -12,20 +12,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Literal, NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import FloatArray, samples
+from dashpot.base.choices import ShiftLaw, refuse_other
 from dashpot.base.errors import FitError
 from dashpot.engine.inference.estimate import estimate, white_noise
 from dashpot.engine.inference.order import bic_of_deviance, needed
 from dashpot.engine.least_squares.problem import Optimum, Parameter, Problem, Rows, solved
 from dashpot.solids.temperature import GAS, WLF, Arrhenius, FreeShifts, TemperatureLaw
-
-ShiftLaw: TypeAlias = Literal["auto", "wlf", "arrhenius", "free"]
-LAWS: tuple[ShiftLaw, ...] = ("auto", "wlf", "arrhenius", "free")
 
 MAX_MISSED = 0.15
 """Decades by which a law may miss a shift: a factor 1.4 in time."""
@@ -172,8 +170,7 @@ def law_through(
     FitError
         If the law asked for cannot follow the shifts.
     """
-    if law not in LAWS:
-        raise FitError(f"law = {law!r}; expected one of {', '.join(map(repr, LAWS))}")
+    refuse_other("law", law, ShiftLaw, FitError)
     t, s = samples("temperature", temperature), samples("log10_shift", log10_shift)
     free = FreeShifts(tuple(t), tuple(s), reference)
     away = t != reference

@@ -14,7 +14,7 @@ from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.provenance import Source
 from dashpot.engine.least_squares.nnls import linear
-from dashpot.fitting.assembly import Outcome, assembled
+from dashpot.fitting.assembly import FoundSolid, assembled
 from dashpot.fitting.checks.curves import FOLLOWED, few_arms_suffice
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.estimate import ParameterEstimate, Residual
@@ -322,7 +322,7 @@ def _dense(
     residual = Residual(values, values * dense.rms**2, dense.rms, unit="1")
     estimate = ParameterEstimate((), np.zeros((0, 0)), np.inf, residual, nuisance=few.nuisance)
     return assembled(
-        Outcome(dense.model, estimate),
+        FoundSolid(dense.model, estimate),
         replace(few.evidence, certificate=None, checks=(*of_data, check)),
         few.provenance,
         unit=few.unit,

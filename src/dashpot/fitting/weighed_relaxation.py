@@ -10,17 +10,18 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray, median, slow_periodogram
 from dashpot.base.errors import DataError
-from dashpot.engine.blocks.block import Block
+from dashpot.base.units import celsius
+from dashpot.engine.blocks.block import DataBlock
 from dashpot.engine.blocks.compression import uniform_step
 from dashpot.engine.blocks.hold import window_of
 from dashpot.engine.blocks.recorded import FARTHEST
 from dashpot.fitting.design import block_of, motion
 from dashpot.fitting.nuisance import Prior, kind_of, terms_of, warmed, warming
-from dashpot.fitting.relaxation_data import DASHPOT, LN_10, Moved, RelaxationData
+from dashpot.fitting.relaxation_data import DASHPOT, LN_10, RelaxationData, ThermalShift
 from dashpot.preparation.denoising import rests, true_motion
 from dashpot.records.fit import Fit
 from dashpot.records.relaxation import RampHold
-from dashpot.records.temperature import SAME_TEMPERATURE, celsius
+from dashpot.records.temperature import SAME_TEMPERATURE
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -50,7 +51,7 @@ def relaxation_data(
     fit: Fit,
     *,
     alone: Fit | None = None,
-    moved: Moved | None = None,
+    moved: ThermalShift | None = None,
     warms: tuple[float, float] = (0.0, 0.0),
 ) -> RelaxationData:
     r"""Weigh a test by its own residual, and doubt all that its rig adds to the force.
@@ -67,7 +68,7 @@ def relaxation_data(
         The solid whose response to a small motion stands for the doubt; its method is kept.
     alone : Fit, optional
         Of this test alone, where `fit` is of more than this test: its solid leaves the noise.
-    moved : Moved, optional
+    moved : ThermalShift, optional
         How the solid that is asked about lies at the temperature of the test and of `fit`: the
         seal may then have warmed while it was recorded.
     warms : (float, float)
@@ -140,7 +141,7 @@ def _at_its_temperature(test: RampHold, fit: Fit, alone: Fit | None) -> Relaxati
     here = replace(fit.at_temperature(shift.temperature), temperatures=None)
     rates, at_reference = moved.rates(shift.temperature), shift.temperature == moved.reference
     slope_sd = float(np.sqrt(moved.cross[-1, -1])) if len(moved.cross) else 0.0
-    where = Moved(
+    where = ThermalShift(
         shift.log10_a_t * LN_10,
         float(np.log(shift.b_t)),
         # arms that shift apart by no more than chance are laid out together, and doubted
@@ -165,7 +166,7 @@ def held_data(
 
 
 def fitted_data(
-    test: RampHold, block: Block, answer: GeneralizedMaxwell, residual: FloatArray
+    test: RampHold, block: DataBlock, answer: GeneralizedMaxwell, residual: FloatArray
 ) -> RelaxationData:
     """As :func:`relaxation_data`, from the block of a recorded motion that a fit has at hand.
 
@@ -200,8 +201,8 @@ def _without_lines(power: FloatArray) -> FloatArray:
 
 def _weighed(
     test: RampHold,
-    block: Block,
-    certain: Block,
+    block: DataBlock,
+    certain: DataBlock,
     answer: GeneralizedMaxwell,
     residual: FloatArray,
     *,
@@ -228,7 +229,7 @@ def _weighed(
     )
 
 
-def _left_by(model: GeneralizedMaxwell, block: Block) -> FloatArray:
+def _left_by(model: GeneralizedMaxwell, block: DataBlock) -> FloatArray:
     """What the arms of a solid leave of a record, their stiffnesses free."""
     rows = block.exact.evaluate(np.log(model.tau), derivative=False)
     columns = np.concatenate((rows.fixed, rows.arms), axis=1)

@@ -43,6 +43,10 @@ def all_units(texts: Sequence[str]) -> dict[str, str]:
     return {name: unit for text in texts for name, unit in parse_units(text).items()}
 
 
+def _unit_words(units: Sequence[tuple[str, str]]) -> list[str]:
+    return [f"{name}={unit}" for name, unit in units]
+
+
 def _column(says: str, **how: Any) -> Any:
     """Return the field that names the column of a role, an option of the same name."""
     return option(
@@ -122,7 +126,7 @@ class ReadOptions:
     coherence: str | None = _column("Column of its coherence.")
     units: Mapping[str, str] | tuple[tuple[str, str], ...] = option(
         (), 'E.g. "force=N,time=s".', metavar="ROLE=UNIT", section="units", multiple=True,
-        parse=all_units,
+        parse=all_units, typed=_unit_words,
     )  # fmt: skip
     rate: float | None = option(
         None, "Sampling rate, if there is no time.", section="", unit="frequency"

@@ -89,7 +89,7 @@ class Loaded:
 
 
 @dataclass(frozen=True, eq=False)
-class Table:
+class FileTable:
     """A table found in a file; `load` reads the numbers of the columns asked for, by index."""
 
     format: str

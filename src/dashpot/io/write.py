@@ -12,6 +12,7 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.atomic import write_whole
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source
+from dashpot.base.units import in_unit, written
 from dashpot.base.version import byline
 from dashpot.io.formats.uff import COHERENCE, FRF_
 from dashpot.io.source import extra
@@ -44,7 +45,7 @@ def write_relaxation(
     temperature of the specimen, if it is known.
     """
     head = ["time [s]", "displacement [mm]", "force [N]"]
-    columns = [test.time, 1e3 * test.displacement, test.force]
+    columns = [test.time, in_unit(test.displacement, "mm"), test.force]
     source = () if test.source is None else (test.source,)
     above = [*_stamped(source, comments), *_stated(test.specimen)]
     return _written(_text(above, head, columns), path)
@@ -63,7 +64,7 @@ def write_gauges(
     `ReadOptions(calibration=)` makes the force.
     """
     head = ["time [s]", "displacement [mm]", *(f"G{i} [V]" for i in range(len(volts)))]
-    columns = [test.time, 1e3 * test.displacement, *volts]
+    columns = [test.time, in_unit(test.displacement, "mm"), *volts]
     return _written(_text([*comments, *_stated(test.specimen)], head, columns), path)
 
 
@@ -79,7 +80,7 @@ def write_trajectory(
     if motion.position is not None:
         head += ["x [mm]", "y [mm]", "z [mm]"]
         columns += list(motion.position.T)
-    moved = [np.round(1e3 * column, 9) + 0.0 for column in columns]  # no zero is negative
+    moved = [np.round(in_unit(column, "mm"), 9) + 0.0 for column in columns]  # no zero is negative
     return _written(_text(comments, head, [motion.time, *moved]), path)
 
 
@@ -89,7 +90,7 @@ def temperature_line(kelvin: float) -> str:
     >>> temperature_line(273.15)
     'temperature: 0 degC'
     """
-    return f"temperature: {round(kelvin - 273.15, 9):.12g} degC"
+    return f"temperature: {round(in_unit(kelvin, 'degC'), 9):.12g} degC"
 
 
 def write_shifts(
@@ -102,12 +103,12 @@ def write_shifts(
     each = shifts.shifts
     head = ["temperature [degC]", "log10_a_t [1]", "se [1]", "b_t [1]"]
     columns = [
-        np.array([round(one.temperature - 273.15, 9) for one in each]),
+        np.array([round(in_unit(one.temperature, "degC"), 9) for one in each]),
         np.array([one.log10_a_t for one in each]),
         np.array([one.se for one in each]),
         np.array([one.b_t for one in each]),
     ]
-    reference = f"reference {shifts.reference - 273.15:.9g} degC"
+    reference = f"reference {written(shifts.reference, 'degC', '.9g')}"
     above = [byline("shift factors"), *comments, f"{reference}, law {shifts.law.kind}"]
     return _written(_text(above, head, columns), path)
 

@@ -12,6 +12,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
+from dashpot.base.choices import Method
+from dashpot.base.documents import Documented
 from dashpot.base.errors import ExportError
 from dashpot.base.lock import alone
 from dashpot.base.progress import doing
@@ -80,7 +82,7 @@ class BatchJob:
 
 
 @dataclass(frozen=True)
-class BatchPlan:
+class BatchPlan(Documented):
     """What a batch would do.
 
     Attributes
@@ -95,6 +97,8 @@ class BatchPlan:
         Processes side by side.
     """
 
+    schema = "dashpot/batch-plan@1"
+
     files: int
     done: int
     chunks: int
@@ -107,7 +111,7 @@ def batch(
     *,
     output: str | Path | None = None,
     arms: int | Literal["auto"] = "auto",
-    method: Literal["full", "hold"] = "full",
+    method: Method = "full",
     quick: bool = False,
     mass: Quantity | None = None,
     seals: float = 1.0,

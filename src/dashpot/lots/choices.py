@@ -5,14 +5,17 @@ from __future__ import annotations
 import hashlib
 import math
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Literal
 
+from dashpot.base.choices import Method
 from dashpot.base.errors import DataError
+from dashpot.base.options import like, option, part
 from dashpot.base.units import Dimension, Quantity, si, si_fields
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import open_raw
+from dashpot.workflow.job import Job
 
 MOST_ARMS = 6
 """The most that are tried where their number is left to choose."""
@@ -58,18 +61,28 @@ class BatchChoices:
         Of an indenter's tip, m: a hit then has a modulus.
     """
 
-    arms: int | Literal["auto"] = "auto"
-    method: Literal["full", "hold"] = "full"
-    quick: bool = False
-    mass: float | None = field(default=None, metadata={"unit": "mass"})
-    seals: float = 1.0
-    reading: ReadOptions = field(default_factory=ReadOptions)
-    reading_impact: ReadOptions = field(default_factory=ReadOptions)
-    joint: bool = False
-    at: tuple[float, ...] = ()
-    compression: tuple[float, ...] = ()
-    length: float | None = field(default=None, metadata={"unit": "length"})
-    radius: float | None = field(default=None, metadata={"unit": "length"})
+    arms: int | Literal["auto"] = like(Job, "arms")
+    method: Method = like(Job, "method")
+    quick: bool = option(False, "The optimum alone; needs a number of --arms.", is_flag=True)
+    mass: float | None = like(Job, "mass", help="Block mass: adds its frequency.")
+    seals: float = like(Job, "seals")
+    reading: ReadOptions = part(ReadOptions)
+    reading_impact: ReadOptions = part(ReadOptions)
+    joint: bool = option(False, "One solid for a ramp and hold and its hammer.", is_flag=True)
+    at: tuple[float, ...] = option(
+        (),
+        "Adds stiffness and loss factor there, e.g. 12.7Hz; repeat it for more.",
+        unit="frequency", multiple=True,
+    )  # fmt: skip
+    compression: tuple[float, ...] = option(
+        (),
+        "Of the seals, for these [default: as tested]; repeat it for more.",
+        unit="length", multiple=True,
+    )  # fmt: skip
+    length: float | None = option(
+        None, "Contact length of each piece: load deflection per 100 mm.", unit="length"
+    )
+    radius: float | None = option(None, "Of an indenter's tip; its mass is --mass.", unit="length")
 
     def __post_init__(self) -> None:
         si_fields(self)

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 from dashpot.base.checks import Check
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.numbers import ascii_only, counted
 from dashpot.lots.checks import lots_tested_alike, records_distinct, seals_named
@@ -20,7 +20,7 @@ _CONDITIONS = ("hold_s", "depth_m", "temperature_K", "ramp_s")
 
 
 @dataclass(frozen=True)
-class Compared:
+class Compared(Documented):
     """One quantity of two lots.
 
     Attributes
@@ -33,6 +33,11 @@ class Compared:
     shared : int
         Records that both lots hold: the test wants lots that know nothing of each other.
     """
+
+    keys = (
+        "quantity=quantity.name", "quantity.column", "different", "p_value_adjusted=p_value",
+        "*difference",
+    )  # fmt: skip
 
     quantity: Quantity
     difference: Difference
@@ -54,7 +59,7 @@ class Compared:
 
 
 @dataclass(frozen=True)
-class LotComparison:
+class LotComparison(Documented):
     """Whether two lots differ.
 
     Attributes
@@ -64,24 +69,12 @@ class LotComparison:
     checks : tuple of Check
     """
 
+    schema = "dashpot/lot-comparison@1"
+    keys = ("lots=names", "differences=each", "checks")
+
     names: tuple[str, str]
     each: tuple[Compared, ...]
     checks: tuple[Check, ...]
-
-    @property
-    def document(self) -> dict[str, Any]:
-        """For programs: SI, full precision."""
-        return {
-            "schema": "dashpot/lot-comparison@1",
-            "lots": list(self.names),
-            "differences": [
-                {"quantity": one.quantity.name, "column": one.quantity.column,
-                 "different": one.different, "p_value_adjusted": one.p_value}
-                | asdict(one.difference)
-                for one in self.each
-            ],
-            "checks": [one.document for one in self.checks],
-        }  # fmt: skip
 
     def __str__(self) -> str:
         first, second = self.names

@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.units import in_unit
 from dashpot.lots.quantities import Quantity
 from dashpot.lots.seals import Charts, Seal, seal_means
 from dashpot.lots.statistics.control import Chart
 from dashpot.plot.picture import (
     Area,
-    Axis,
     Dots,
     Line,
     Mark,
@@ -21,6 +21,7 @@ from dashpot.plot.picture import (
     Pen,
     Picture,
     Rule,
+    Scale,
     Tag,
     around,
     around_log,
@@ -51,7 +52,7 @@ def control_picture(
     twice, the moving ranges of neighbours. Limits that are `asked`, SI, are drawn across.
     """
     place = {(one.lot, one.name): i + 1.0 for i, one in enumerate(seals)}
-    axis = Axis("seal, in the order of lot and name", (0.5, max(len(seals), 1) + 0.5))
+    scale = Scale("seal, in the order of lot and name", (0.5, max(len(seals), 1) + 0.5))
     x = np.arange(1.0, len(seals) + 1)
     y = quantity.scale * seal_means(seals)
     areas: list[Mark] = []
@@ -78,13 +79,13 @@ def control_picture(
     # the names of the lots stand above all that is drawn
     marks += [Tag(at, high, text, "soft") for at, text in titles]
     reach = (low, high + 0.12 * (high - low) * bool(titles))
-    upper = Panel(axis, Axis(quantity.title, reach), (*areas, *marks), height=190)
-    panels = (upper, *_scatter(axis, quantity, spans))
+    upper = Panel(scale, Scale(quantity.title, reach), (*areas, *marks), height=190)
+    panels = (upper, *_scatter(scale, quantity, spans))
     return Picture("chart", f"{quantity.title}: seals of each lot", (panels,))
 
 
 def _scatter(
-    axis: Axis, quantity: Quantity, spans: Sequence[tuple[Charts, FloatArray]]
+    scale: Scale, quantity: Quantity, spans: Sequence[tuple[Charts, FloatArray]]
 ) -> Iterator[Panel]:
     """The panel of repeats or neighbours, unless there are none; each lot with its places."""
     repeated = any(one.repeats is not None for one, _ in spans)
@@ -105,7 +106,7 @@ def _scatter(
     if marks:
         top = 1.15 * max(float(np.nanmax(one, initial=0.0)) for one in heights) or 1.0
         title = f"{what}, {quantity.unit}".rstrip(", ")
-        yield Panel(axis, Axis(title, (0.0, top)), tuple(marks), height=70)
+        yield Panel(scale, Scale(title, (0.0, top)), tuple(marks), height=70)
 
 
 def _ends(at: FloatArray) -> FloatArray:
@@ -147,7 +148,7 @@ def capability_picture(
         shape *= len(tests) * width
         marks.append(Line(x, shape, _SHAPE, "normal, from the means of the seals"))
         top = max(top, float(shape.max()))
-    axes = Axis(quantity.title, span), Axis("tests", (0.0, 1.12 * top))
+    axes = Scale(quantity.title, span), Scale("tests", (0.0, 1.12 * top))
     caption = f"{quantity.title}: tests of a lot and the limits asked"
     return Picture("capability", caption, ((Panel(*axes, tuple(marks), height=150),),))
 
@@ -163,8 +164,8 @@ def curves_picture(rows: Sequence[Mapping[str, Any]], odd: Sequence[str] = ()) -
         for one, k in zip(rows, drawn, strict=True)
     )  # fmt: skip
     axes = (
-        Axis("time after a step, s", (float(time[0]), float(time[-1])), log=True),
-        Axis("stiffness k(t), N/mm", around_log(*drawn, margin=1.05), log=True),
+        Scale("time after a step, s", (float(time[0]), float(time[-1])), log=True),
+        Scale("stiffness k(t), N/mm", around_log(*drawn, margin=1.05), log=True),
     )
     return Picture("curves", "relaxation of every solid", ((Panel(*axes, marks, height=170),),))
 
@@ -173,4 +174,4 @@ def _relaxation(row: Mapping[str, Any], time: FloatArray) -> FloatArray:
     k = np.full(len(time), float(row["k_inf_N_per_m"]))
     for j in range(1, int(row["arms"]) + 1):
         k += row[f"k_{j}_N_per_m"] * np.exp(-time / row[f"tau_{j}_s"])
-    return np.asarray(1e-3 * k)
+    return in_unit(k, "N/mm")

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DashpotError, DataError, ReadError
 from dashpot.base.units import parse_quantity
 from dashpot.io.toml import Section
@@ -19,7 +20,7 @@ _KNOWN = ("lower", "upper", "cpk")
 
 
 @dataclass(frozen=True)
-class Limits:
+class Limits(Documented):
     """What is asked of one quantity.
 
     Attributes
@@ -30,6 +31,8 @@ class Limits:
     cpk : float or None
         The least that is asked.
     """
+
+    keys = ("lower", "upper", "cpk")
 
     quantity: Quantity
     lower: float | None = None

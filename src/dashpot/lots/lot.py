@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -55,6 +55,14 @@ def _levels(seals: Sequence[Seal]) -> list[tuple[str, list[str]]]:
     if len(tests) > len(seals) > len(lots):
         levels.append(("seal", [one.name for one in tests]))
     return levels
+
+
+class LotCharts(NamedTuple):
+    """Lots, and the X-bar and s charts whose groups are the seals of each."""
+
+    names: tuple[str, ...]
+    mean: Chart
+    sd: Chart
 
 
 @dataclass(frozen=True, eq=False)
@@ -260,7 +268,7 @@ class Lot:
         lots = by_lot(self.seals(name))
         return {lot: charted(seals) for lot, seals in lots.items() if len(seals) > 1}
 
-    def lot_chart(self, name: str = "k_end") -> tuple[tuple[str, ...], Chart, Chart] | None:
+    def lot_chart(self, name: str = "k_end") -> LotCharts | None:
         """Return lots, and the X-bar and s charts whose groups are the seals of each.
 
         None of one lot, or where no lot has two seals.
@@ -269,7 +277,7 @@ class Lot:
         if len(lots) < 2 or max(map(len, lots.values())) < 2:
             return None
         charts = means_and_deviations([seal_means(seals) for seals in lots.values()])
-        return tuple(lots), *charts
+        return LotCharts(tuple(lots), *charts)
 
     def capability(
         self, name: str, lower: float | None = None, upper: float | None = None

@@ -8,9 +8,9 @@ from typing import Any
 import dashpot as dp
 from dashpot.base.checks import Check, Verdict
 from dashpot.base.errors import DashpotError
+from dashpot.kinds.indentation.record import Indenter
 from dashpot.lots.choices import BatchChoices
 from dashpot.lots.entries import Entry
-from dashpot.records.indentation import Indenter
 from dashpot.records.specimen import Specimen
 
 

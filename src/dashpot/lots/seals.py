@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.documents import Documented
 from dashpot.lots.statistics.control import Chart, individuals, means_and_deviations
 
 
-class Seal(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Seal(Documented):
     """The tests of one seal; a test whose seal nobody named stands for itself.
 
     Attributes
@@ -23,10 +26,17 @@ class Seal(NamedTuple):
         Of a quantity, SI.
     """
 
+    keys = ("lot", "seal=name", "tests", "mean", "repeats_sd=deviation")
+
     lot: str
     name: str
     files: tuple[str, ...]
     values: FloatArray
+
+    @property
+    def tests(self) -> int:
+        """How many."""
+        return len(self.files)
 
     @property
     def mean(self) -> float:

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from math import isfinite
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from dashpot.base.capability import Capability
 from dashpot.base.checks import Check
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.numbers import ascii_only, counted
 from dashpot.lots.checks import (
@@ -21,7 +22,7 @@ from dashpot.lots.checks import (
 )
 from dashpot.lots.judgement import Judged, judged
 from dashpot.lots.limits import Limits
-from dashpot.lots.lot import Lot
+from dashpot.lots.lot import Lot, LotCharts
 from dashpot.lots.quantities import Quantity
 from dashpot.lots.seals import Charts, Seal, by_lot, seal_means
 from dashpot.lots.statistics.control import BEYOND, Chart
@@ -48,8 +49,34 @@ class Flag(NamedTuple):
     weighty: bool = True
 
 
+class Unlike(NamedTuple):
+    """A file that is no test like the others, and why."""
+
+    file: str
+    says: str
+
+
+class ChartsOfLot(NamedTuple):
+    """The charts of one lot: its seals, the ranges of neighbours, and repeats."""
+
+    lot: str
+    seals: Chart
+    moving_range: Chart
+    repeats: Chart | None
+
+
 @dataclass(frozen=True)
-class OfQuantity:
+class CapabilityOfLot(Documented):
+    """The capability of one lot."""
+
+    keys = ("lot", "*capability")
+
+    lot: str
+    capability: Capability
+
+
+@dataclass(frozen=True)
+class OfQuantity(Documented):
     """The statistics of one quantity.
 
     Attributes
@@ -58,7 +85,7 @@ class OfQuantity:
     seals : tuple of Seal
     charts : dict
         Of each lot with two seals.
-    lots : (names, means, deviations) or None
+    lots : LotCharts or None
         The X-bar and s charts of the lots.
     components : tuple of Component
         Empty where nothing repeats.
@@ -71,15 +98,37 @@ class OfQuantity:
         Of each seal, where there are limits.
     """
 
+    keys = (
+        "quantity=quantity.name", "quantity.column", "seals", "charts=by_lot", "lots", "components",
+        "gauge", "limits?", "capability=capable?", "judged=decided?",
+    )  # fmt: skip
+
     quantity: Quantity
     seals: tuple[Seal, ...]
     charts: dict[str, Charts]
-    lots: tuple[tuple[str, ...], Chart, Chart] | None
+    lots: LotCharts | None
     components: tuple[Component, ...]
     gauge: Gauge | None
     limits: Limits | None
     capability: dict[str, Capability]
     judged: tuple[Judged, ...]
+
+    @property
+    def by_lot(self) -> tuple[ChartsOfLot, ...]:
+        """The charts of each lot."""
+        each = self.charts.items()
+        return tuple(ChartsOfLot(lot, of.means, of.moving, of.repeats) for lot, of in each)
+
+    @property
+    def capable(self) -> tuple[CapabilityOfLot, ...] | None:
+        """The capability of each lot; None without limits."""
+        each = tuple(CapabilityOfLot(*one) for one in self.capability.items())
+        return None if self.limits is None else each
+
+    @property
+    def decided(self) -> tuple[Judged, ...] | None:
+        """The judgement of each seal; None without limits."""
+        return None if self.limits is None else self.judged
 
     @property
     def known(self) -> dict[str, Capability]:
@@ -93,7 +142,7 @@ class OfQuantity:
 
 
 @dataclass(frozen=True, eq=False)
-class Summary:
+class Summary(Documented):
     """What a lot says.
 
     Attributes
@@ -106,6 +155,8 @@ class Summary:
     flags : tuple of Flag
     checks : tuple of Check
     """
+
+    keys = ("statistics=each~", "flags", "unlike", "checks")
 
     lot: Lot
     main: OfQuantity
@@ -124,14 +175,9 @@ class Summary:
         return [line for one in self.each for line in _lines(one)]
 
     @property
-    def document(self) -> dict[str, Any]:
-        """For programs: SI, full precision."""
-        return {
-            "statistics": [_plain(one) for one in self.each],
-            "flags": [one._asdict() for one in self.flags],
-            "unlike": [{"file": file, "says": says} for file, says in self.lot.unlike.items()],
-            "checks": [one.document for one in self.checks],
-        }
+    def unlike(self) -> tuple[Unlike, ...]:
+        """The files that are no test like the others."""
+        return tuple(Unlike(*one) for one in self.lot.unlike.items())
 
 
 def summary(lot: Lot, *, quantity: str = "k_end", limits: Sequence[Limits] = ()) -> Summary:
@@ -303,48 +349,3 @@ def _judged(judge: Judged, quantity: Quantity) -> str:
     value = "" if judge.value is None else f", {ascii_only(quantity.read(judge.value))}"
     where = f"{judge.lot} " if judge.lot else ""
     return f"  {judge.decision:<11} {where}seal {judge.seal}{value}"
-
-
-def _plain(one: OfQuantity) -> dict[str, Any]:
-    limits = one.limits
-    found: dict[str, Any] = {
-        "quantity": one.quantity.name,
-        "column": one.quantity.column,
-        "seals": [
-            {"lot": seal.lot, "seal": seal.name, "tests": len(seal.files), "mean": seal.mean,
-             "repeats_sd": seal.deviation}
-            for seal in one.seals
-        ],
-        "charts": [
-            {"lot": name, "seals": _chart(of.means), "moving_range": _chart(of.moving),
-             "repeats": None if of.repeats is None else _chart(of.repeats)}
-            for name, of in one.charts.items()
-        ],
-        "lots": None if one.lots is None else {
-            "names": list(one.lots[0]), "mean": _chart(one.lots[1]), "sd": _chart(one.lots[2]),
-        },
-        "components": [asdict(part) for part in one.components],
-        "gauge": None if one.gauge is None else asdict(one.gauge),
-    }  # fmt: skip
-    if limits is not None:
-        found |= {
-            "limits": {"lower": limits.lower, "upper": limits.upper, "cpk": limits.cpk},
-            "capability": [{"lot": name} | asdict(of) for name, of in one.capability.items()],
-            "judged": [judge._asdict() for judge in one.judged],
-        }
-    plain: dict[str, Any] = finite(found)
-    return plain
-
-
-def _chart(one: Chart) -> dict[str, Any]:
-    arrays = {name: getattr(one, name).tolist() for name in ("values", "lower", "upper")}
-    return arrays | {"centre": one.centre, "signals": [signal._asdict() for signal in one.signals]}
-
-
-def finite(value: Any) -> Any:
-    """Return a document in which no number is infinite or none: JSON has no word for it."""
-    if isinstance(value, dict):
-        return {name: finite(one) for name, one in value.items()}
-    if isinstance(value, list | tuple):
-        return [finite(one) for one in value]
-    return None if isinstance(value, float) and not isfinite(value) else value

@@ -6,13 +6,12 @@ from collections.abc import Sequence
 from typing import TypeAlias
 
 from dashpot.base.checks import Check
+from dashpot.base.units import in_unit, written
 from dashpot.planning.checks import percent
 from dashpot.planning.expected import ExpectedError, Pulse, RecordNeed, half_sine
 
 WORTH = 0.9
 """A repeat is worth its day if it brings the standard deviation below this part of it."""
-ZERO = 273.15
-"""0 degC, K."""
 
 
 def advice(
@@ -46,8 +45,8 @@ def advice(
         )
     if tip is not None and "tip_excites" in failed:
         words.append(
-            f"Use a harder tip: the pulse must be shorter than {1e3 * _pulse_for(at):.3g} ms to "
-            f"lose less than 10 dB at {at:g} Hz."
+            "Use a harder tip: the pulse must be shorter than "
+            f"{written(_pulse_for(at), 'ms', '.3g')} to lose less than 10 dB at {at:g} Hz."
         )
     if not words:
         words.append(f"This test will do: it knows the loss factor at {at:g} Hz well enough.")
@@ -80,7 +79,7 @@ def _cold_advice(
     )
     words = [says]
     if len(expected.repeated) == 1:
-        between = 5 * round((room + expected.repeated[0] - 2 * ZERO) / 10)
+        between = 5 * round(sum(in_unit(one, "degC") for one in (room, expected.repeated[0])) / 10)
         words.append(
             "Two temperatures cannot see arms that shift apart, three can: test at a third one, "
             f"such as {between:g} degC, too."
@@ -143,7 +142,7 @@ def listed(temperatures: Sequence[float]) -> str:
     >>> listed((273.15,)), listed((283.15, 273.15, 253.15))
     ('0 degC', '10, 0 and -20 degC')
     """
-    *others, last = (f"{kelvin - ZERO:.4g}" for kelvin in temperatures)
+    *others, last = (f"{in_unit(kelvin, 'degC'):.4g}" for kelvin in temperatures)
     return f"{', '.join(others)}{' and ' * bool(others)}{last} degC"
 
 

@@ -6,8 +6,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray, positive, sample_count
-from dashpot.base.errors import DataError
+from dashpot.base.arrays import FloatArray, sample_count
+from dashpot.base.choices import Method, refuse_other
+from dashpot.base.demands import positive
 from dashpot.base.options import option
 from dashpot.base.units import si_fields
 from dashpot.records.machine import Machine
@@ -50,7 +51,7 @@ class Bench:
     hold_time: float = option("40s", unit="time", flag="hold")
     rate: float = option("1kHz", unit="frequency")
     noise: float = option("5mN", "Per sample, one SD.", unit="force")
-    method: str = option("full", choices=("full", "hold"))
+    method: Method = option("full", choices=Method)
     baseline: float = option("1s", "Before the ramp.", unit="time")
     machine: Machine | None = field(default=Machine())
 
@@ -66,8 +67,7 @@ class Bench:
             expected=IN_SI,
             optional=True,
         )
-        if self.method not in {"full", "hold"}:
-            raise DataError(f'method = {self.method!r}; expected "full" or "hold"')
+        refuse_other("method", self.method, Method)
 
     def time(self) -> FloatArray:
         """The samples that the method fits, s from the start of the ramp, shape (n,)."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dashpot.base.checks import Finding, criterion
+from dashpot.base.units import written
 from dashpot.planning.expected import Pulse, RecordNeed
 
 
@@ -46,8 +47,8 @@ def record_long_enough(need: RecordNeed) -> Finding:
 def tip_excites(tip: Pulse, at: float) -> Finding:
     """The hammer's tip excites the frequency that matters."""
     return Finding(
-        f"a {1e3 * tip.duration:g} ms pulse is {tip.level_db:.3f} dB down at {at:g} Hz and "
-        f"useful to {tip.band_10db:.3g} Hz (-10 dB)",
+        f"a {written(tip.duration, 'ms', 'g')} pulse is {tip.level_db:.3f} dB down at {at:g} Hz "
+        f"and useful to {tip.band_10db:.3g} Hz (-10 dB)",
         tip.level_db,
     )
 

@@ -20,8 +20,9 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError
+from dashpot.base.units import celsius
 from dashpot.planning.bench import Bench
-from dashpot.records.temperature import ABOVE_GLASS, SAME_TEMPERATURE, celsius
+from dashpot.records.temperature import ABOVE_GLASS, SAME_TEMPERATURE
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.temperature import WLF, TemperatureLaw
 

@@ -7,8 +7,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray, positive, sample_count
+from dashpot.base.arrays import FloatArray, sample_count
 from dashpot.base.checks import Check
+from dashpot.base.demands import positive
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, si
 from dashpot.planning import checks
@@ -42,7 +44,7 @@ COLDER = 10.0
 
 
 @dataclass(frozen=True)
-class Plan:
+class Plan(Documented):
     """What a test can and cannot tell at a frequency, and what to change.
 
     Attributes
@@ -70,6 +72,8 @@ class Plan:
     repeats : tuple of Elsewhere
         Where it is repeated, as asked.
     """
+
+    schema = "dashpot/plan@1"
 
     at: float
     model: GeneralizedMaxwell

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dashpot.base.arrays import positive
+from dashpot.base.demands import positive
 from dashpot.base.errors import DataError
 from dashpot.base.options import option
 from dashpot.base.units import Quantity, si, si_fields

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.plot.layout import Disc, Fill, Frame, Stroke, Word, arranged
+from dashpot.plot.layout import Fill, Frame, Markers, Polyline, Word, arranged
 from dashpot.plot.picture import Dots, Keyed, Line, Pen, Picture, Rule
 from dashpot.plot.tokens import LIGHT
 
@@ -69,9 +69,9 @@ class _Canvas:
         for word in (*frame.ticks, *frame.words):
             self.word(word, x, y)
 
-    def inner(self, one: Stroke | Fill | Disc, corner: FloatArray, clip: Any) -> None:
+    def inner(self, one: Polyline | Fill | Markers, corner: FloatArray, clip: Any) -> None:
         """What is inside the axes, cut at them."""
-        if isinstance(one, Stroke):
+        if isinstance(one, Polyline):
             for part in one.parts:
                 self.line(part + corner, one.pen, clip)
         elif isinstance(one, Fill):

@@ -7,16 +7,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from dashpot.base.arrays import FloatArray, IndexArray
+from dashpot.base.units import in_unit
 from dashpot.plot.picture import (
     FIT,
     Area,
-    Axis,
     Dots,
     Line,
     Mark,
     Panel,
     Pen,
     Picture,
+    Scale,
     Span,
     joint_pen,
 )
@@ -33,8 +34,8 @@ LABELS = {
 
 
 @dataclass(frozen=True, eq=False)
-class Quantity:
-    """One panel: what it shows, in the unit that is read, and the three errors of it."""
+class DrawnQuantity:
+    """A quantity as it is drawn: in the unit that is read, and the three errors of it."""
 
     name: str
     value: FloatArray
@@ -53,7 +54,7 @@ class Quantity:
         """The same quantity as a solid has it, at `f`, Hz."""
         omega = 2 * np.pi * f
         if self.name == "storage":
-            return 1e-3 * solid.storage(omega)
+            return in_unit(solid.storage(omega), "N/mm")
         return solid.loss(omega) / omega if self.name == "damping" else solid.loss_factor(omega)
 
 
@@ -103,7 +104,7 @@ def dynamic_stiffness(
                           "range of the lines"))  # fmt: skip
         marks += [Line(dense, line.of(one.solid, dense), pen, who) for one, pen, who in solids]
         marks.append(Dots(f, one.value, "measured", "from the FRF"))
-        axes = Axis(FREQUENCY, span, log=True), Axis(LABELS[line.name], _view(one, f))
+        axes = Scale(FREQUENCY, span, log=True), Scale(LABELS[line.name], _view(one, f))
         panels.append(Panel(*axes, tuple(marks), height=210))
     caption = (
         "One seal straight from the measured FRF, without a model: the mean of each twelfth of an "
@@ -113,7 +114,7 @@ def dynamic_stiffness(
     return Picture("direct", caption, strips, 3, stamp, width=900.0)
 
 
-def quantities(measured: DynamicStiffness) -> tuple[Quantity, Quantity, Quantity]:
+def quantities(measured: DynamicStiffness) -> tuple[DrawnQuantity, DrawnQuantity, DrawnQuantity]:
     """Storage stiffness, damping and loss factor with their errors."""
     m, omega = measured, 2 * np.pi * measured.frequency
     none = np.zeros(len(omega))
@@ -121,18 +122,23 @@ def quantities(measured: DynamicStiffness) -> tuple[Quantity, Quantity, Quantity
     def of_factor(loss: FloatArray, storage: FloatArray) -> FloatArray:
         return np.asarray(np.abs(m.loss_factor) * np.hypot(loss / m.loss, storage / m.storage))
 
+    storage, random, phase, mass = (
+        in_unit(one, "N/mm")
+        for one in (m.storage, m.storage_random, m.storage_phase, m.storage_mass)
+    )
     return (
-        Quantity("storage", 1e-3 * m.storage, 1e-3 * m.storage_random, 1e-3 * m.storage_phase,
-                 1e-3 * m.storage_mass, m.storage_band),
-        Quantity("damping", m.damping, m.loss_random / omega, m.loss_phase / omega, none,
+        DrawnQuantity("storage", storage, random, phase, mass, m.storage_band),
+        DrawnQuantity("damping", m.damping, m.loss_random / omega, m.loss_phase / omega, none,
                  m.loss_band),
-        Quantity("loss_factor", m.loss_factor, of_factor(m.loss_random, m.storage_random),
+        DrawnQuantity("loss_factor", m.loss_factor, of_factor(m.loss_random, m.storage_random),
                  of_factor(m.loss_phase, m.storage_phase), of_factor(none, m.storage_mass),
                  m.loss_band),
     )  # fmt: skip
 
 
-def averaged(f: FloatArray, line: Quantity, *, per_octave: int = 12) -> tuple[FloatArray, Quantity]:
+def averaged(
+    f: FloatArray, line: DrawnQuantity, *, per_octave: int = 12
+) -> tuple[FloatArray, DrawnQuantity]:
     """The mean over every part of an octave, lines weighted by their scatter.
 
     Scatter shrinks with the number of lines; the errors of phase and mass, alike in all, stay.
@@ -145,7 +151,7 @@ def averaged(f: FloatArray, line: Quantity, *, per_octave: int = 12) -> tuple[Fl
         return np.asarray(np.add.reduceat(weight * values, starts) / total)
 
     scatter = np.sqrt(np.add.reduceat((weight * line.random) ** 2, starts)) / total
-    return mean(f), Quantity(
+    return mean(f), DrawnQuantity(
         line.name, mean(line.value), scatter, mean(line.phase), mean(line.mass), line.good
     )
 
@@ -173,7 +179,7 @@ def _span(measured: DynamicStiffness) -> tuple[float, float]:
     return max(low / 1.3, float(f[0])), min(high * 1.3, float(f[-1]))
 
 
-def _view(one: Quantity, f: FloatArray) -> tuple[float, float]:
+def _view(one: DrawnQuantity, f: FloatArray) -> tuple[float, float]:
     """Limits that show the usable part with its errors, not the excesses beside it."""
     usable = (f >= one.good[0]) & (f <= one.good[1])
     near = usable if usable.any() else np.ones(len(f), dtype=bool)

@@ -6,13 +6,12 @@ import io
 from pathlib import Path
 
 from dashpot.base.atomic import write_whole
+from dashpot.base.choices import Drawn, words
 from dashpot.base.errors import ExportError
 from dashpot.base.version import byline
 from dashpot.plot.bitmap import to_figure
 from dashpot.plot.picture import Picture
-from dashpot.plot.svg import whole
-
-FORMATS = ("pdf", "png", "svg")
+from dashpot.plot.svg import to_svg
 
 
 def save(picture: Picture, path: str | Path, *, dpi: float = 300.0) -> None:
@@ -45,12 +44,12 @@ def rendered(picture: Picture, suffix: str, *, dpi: float = 300.0) -> bytes:
         If the suffix names none of these.
     """
     kind = suffix.lower().lstrip(".")
-    if kind not in FORMATS:
+    if kind not in words(Drawn):
         raise ExportError(
             f"a figure is written as .pdf, .png or .svg, found '{suffix or 'no suffix'}'"
         )
     if kind == "svg":
-        return f"<!-- {byline('figure')} -->\n{whole(picture)}\n".encode()
+        return f"<!-- {byline('figure')} -->\n{to_svg(picture)}\n".encode()
     from matplotlib import rc_context
 
     by: dict[str, str | None] = {"Software": byline("figure")}

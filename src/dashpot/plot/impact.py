@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.plot.picture import REF, REJECTED, Axis, Line, Mark, Panel, Pen, Picture, Rule, Span
+from dashpot.base.units import in_unit
+from dashpot.plot.picture import REF, REJECTED, Line, Mark, Panel, Pen, Picture, Rule, Scale, Span
 from dashpot.plot.picture import around as about
 from dashpot.plot.stamps import of_frf
 from dashpot.plot.thinning import extremes
@@ -21,7 +22,7 @@ USABLE = 20.0
 """The hammer excites the part where its force is within so many dB of that at 0 Hz."""
 
 
-class Judged(NamedTuple):
+class DrawnHit(NamedTuple):
     """A hit as it is drawn: with its clock, s after the hit, and the verdict on it."""
 
     block: HitBlock
@@ -59,7 +60,7 @@ def hits(impact: ImpactTest, frf: FRF, *, stamp: str = "") -> Picture:
     """
     verdicts = {hit.name: hit for hit in frf.hits}
     judged = [
-        Judged(one, (np.arange(len(one.force)) - one.onset) / one.rate, verdicts.get(one.name))
+        DrawnHit(one, (np.arange(len(one.force)) - one.onset) / one.rate, verdicts.get(one.name))
         for one in cut_hits([impact])
     ]
     # rejected ones over the others, to be seen
@@ -85,27 +86,28 @@ def force_spectrum(hit: HitBlock) -> tuple[FloatArray, FloatArray]:
     return frequency, np.asarray(20 * np.log10(level / level[0]), dtype=float)
 
 
-def _key(one: Judged) -> str:
+def _key(one: DrawnHit) -> str:
     return "hit, accepted" if one.accepted else f"hit {one.block.name}, rejected"
 
 
-def _pulses(judged: Sequence[Judged]) -> Panel:
+def _pulses(judged: Sequence[DrawnHit]) -> Panel:
     width = max(max(one.block.width(0.1), 8 / one.block.rate) for one in judged)
     # a double hit shows its second
     end = max(one.last(one.block.force, 0.1) for one in judged) + 0.6 * width
     lines = []
     for one in judged:
         near = (one.time > -0.6 * width) & (one.time < end)
-        x, y = extremes(1e3 * one.time[near], one.block.force[near], bins=250)
+        x, y = extremes(in_unit(one.time[near], "ms"), one.block.force[near], bins=250)
         lines.append(Line(x, y, one.pen, _key(one)))
     accepted = sum(one.accepted for one in judged)
-    axes = (Axis("time after the hit, ms", (-600 * width, 1e3 * end)),
-            Axis("hammer force, N", about(*(line.y for line in lines))))  # fmt: skip
+    span = in_unit(-0.6 * width, "ms"), in_unit(end, "ms")
+    axes = (Scale("time after the hit, ms", span),
+            Scale("hammer force, N", about(*(line.y for line in lines))))  # fmt: skip
     title = f"{accepted} of {len(judged)} hits accepted"
     return Panel(*axes, tuple(lines), title=title, height=150)
 
 
-def _spectra(judged: Sequence[Judged]) -> Panel:
+def _spectra(judged: Sequence[DrawnHit]) -> Panel:
     ends, lines = [], []
     for one in judged:
         frequency, level = force_spectrum(one.block)
@@ -122,11 +124,11 @@ def _spectra(judged: Sequence[Judged]) -> Panel:
     for frequency, level, pen in lines:
         seen = frequency <= top
         marks.append(Line(*extremes(frequency[seen], level[seen], bins=200), pen))
-    axes = Axis("frequency, Hz", (0.0, float(top))), Axis("force, dB re 0 Hz", (-50.0, 5.0))
+    axes = Scale("frequency, Hz", (0.0, float(top))), Scale("force, dB re 0 Hz", (-50.0, 5.0))
     return Panel(*axes, tuple(marks), title="Force spectra", height=150, note=note)
 
 
-def _answers(impact: ImpactTest, judged: Sequence[Judged]) -> list[Panel]:
+def _answers(impact: ImpactTest, judged: Sequence[DrawnHit]) -> list[Panel]:
     """Acceleration after each hit, one panel for each of the first channels."""
     channels = min(len(impact.channels), 3)
     # the acceleration falls below 1 % of its peak for good
@@ -148,8 +150,8 @@ def _answers(impact: ImpactTest, judged: Sequence[Judged]) -> list[Panel]:
         span = max(float(np.max(np.abs(line.y))) for line in lines) * 1.08
         last = min(shown, float(max(line.x[-1] for line in lines)))
         axes = (
-            Axis("time after the hit, s", (start, last)),
-            Axis("acceleration, m/s²", (-span, span)),
+            Scale("time after the hit, s", (start, last)),
+            Scale("acceleration, m/s²", (-span, span)),
         )
         note = "" if i else decay
         panels.append(Panel(*axes, tuple(lines), title=impact.channels[i], height=150, note=note))

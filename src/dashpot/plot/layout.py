@@ -14,7 +14,6 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.plot.picture import (
     Area,
-    Axis,
     Dots,
     Keyed,
     Line,
@@ -23,6 +22,7 @@ from dashpot.plot.picture import (
     Pen,
     Picture,
     Rule,
+    Scale,
     Span,
     Tag,
 )
@@ -82,7 +82,7 @@ class Hair(NamedTuple):
     width: float = 1.0
 
 
-class Stroke(NamedTuple):
+class Polyline(NamedTuple):
     """Curves inside the axes, from their upper left corner, px; one array for each unbroken part.
 
     `name` and `edge` say what is read off them.
@@ -103,7 +103,7 @@ class Fill(NamedTuple):
     hatched: bool = False
 
 
-class Disc(NamedTuple):
+class Markers(NamedTuple):
     """Dots inside the axes."""
 
     centres: FloatArray
@@ -118,7 +118,7 @@ class Frame(NamedTuple):
 
     panel: Panel
     box: Box
-    inner: tuple[Stroke | Fill | Disc, ...]
+    inner: tuple[Polyline | Fill | Markers, ...]
     hairs: tuple[Hair, ...]
     ticks: tuple[Word, ...]
     words: tuple[Word, ...]
@@ -254,13 +254,13 @@ def _above(panel: Panel, box: Box) -> list[Word]:
     return said
 
 
-def _numbered(axis: Axis, box: Box) -> list[Word]:
+def _numbered(scale: Scale, box: Box) -> list[Word]:
     """The numbers below the horizontal axis."""
-    at = numbers(axis, box.width, 46)
-    places = box.x + box.width * place(axis, at)
+    at = numbers(scale, box.width, 46)
+    places = box.x + box.width * place(scale, at)
     return [
         Word(x, box.y + box.height + 18, word, anchor="middle")
-        for x, word in zip(places, written(axis, at), strict=True)
+        for x, word in zip(places, written(scale, at), strict=True)
     ]
 
 
@@ -306,10 +306,10 @@ def straightened(points: FloatArray) -> FloatArray:
     return points
 
 
-def _inner(mark: Mark, panel: Panel, box: Box) -> list[Stroke | Fill | Disc]:
+def _inner(mark: Mark, panel: Panel, box: Box) -> list[Polyline | Fill | Markers]:
     if isinstance(mark, Line):
         points = _points(panel, box, *_in_sight(panel, mark.x, mark.y))
-        return [Stroke(_parts(points), mark.pen, mark.label)]
+        return [Polyline(_parts(points), mark.pen, mark.label)]
     if isinstance(mark, Dots):
         return _dots(mark, panel, box)
     if isinstance(mark, Area):
@@ -325,39 +325,39 @@ def _inner(mark: Mark, panel: Panel, box: Box) -> list[Stroke | Fill | Disc]:
             return []
         w, h = box.width, box.height
         ends = [(0, h * (1 - at)), (w, h * (1 - at))] if mark.across else [(w * at, 0), (w * at, h)]
-        return [Stroke((np.array(ends, dtype=float),), mark.pen)]
-    return [Disc(_points(panel, box, *_at(mark)), 9.0, mark.colour, mark.dot == "hollow")] * bool(
-        mark.dot
-    )
+        return [Polyline((np.array(ends, dtype=float),), mark.pen)]
+    return [
+        Markers(_points(panel, box, *_at(mark)), 9.0, mark.colour, mark.dot == "hollow")
+    ] * bool(mark.dot)
 
 
 def _at(tag: Tag) -> tuple[FloatArray, FloatArray]:
     return np.array([tag.x]), np.array([tag.y])
 
 
-def _dots(mark: Dots, panel: Panel, box: Box) -> list[Stroke | Fill | Disc]:
+def _dots(mark: Dots, panel: Panel, box: Box) -> list[Polyline | Fill | Markers]:
     centres = _points(panel, box, mark.x, mark.y)
     known = np.isfinite(centres).all(axis=1)
-    made: list[Stroke | Fill | Disc] = []
+    made: list[Polyline | Fill | Markers] = []
     if mark.error is not None:
         low, high = (_points(panel, box, mark.x, mark.y + s * mark.error) for s in (-1, 1))
         bars = tuple(np.array(pair) for pair in zip(low[known], high[known], strict=True))
-        made.append(Stroke(bars, Pen(mark.colour, 1.0)))
-    return [*made, Disc(centres[known], mark.size, mark.colour, mark.hollow, mark.label)]
+        made.append(Polyline(bars, Pen(mark.colour, 1.0)))
+    return [*made, Markers(centres[known], mark.size, mark.colour, mark.hollow, mark.label)]
 
 
-def _area(mark: Area, panel: Panel, box: Box) -> list[Stroke | Fill | Disc]:
+def _area(mark: Area, panel: Panel, box: Box) -> list[Polyline | Fill | Markers]:
     x, *edges = _in_sight(panel, mark.x, mark.low, mark.high)
     places = [_points(panel, box, x, edge) for edge in edges]
     known = np.isfinite(places).all(axis=(0, 2))
     low, high = (straightened(edge[known]) for edge in places)
     ring = np.concatenate([low, high[::-1]])
     tint = TINT_OF_HATCH if mark.hatched else mark.tint
-    made: list[Stroke | Fill | Disc] = [Fill((ring,), mark.colour, tint, mark.hatched)]
+    made: list[Polyline | Fill | Markers] = [Fill((ring,), mark.colour, tint, mark.hatched)]
     if mark.label:
         thin = Pen(mark.colour, 0.8 if mark.hatched else 0.4)
         made += [
-            Stroke((edge,), thin, mark.label, which)
+            Polyline((edge,), thin, mark.label, which)
             for edge, which in ((low, "low"), (high, "high"))
         ]
     return made
@@ -422,6 +422,6 @@ def _meet(one: Box, other: Box) -> bool:
     return not apart
 
 
-def limits(axis: Axis) -> str:
+def limits(scale: Scale) -> str:
     """An axis as a page's script reads it: its kind and its limits."""
-    return f"{'log' if axis.log else 'lin'} {axis.limits[0]:.8g} {axis.limits[1]:.8g}"
+    return f"{'log' if scale.log else 'lin'} {scale.limits[0]:.8g} {scale.limits[1]:.8g}"

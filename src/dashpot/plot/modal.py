@@ -6,10 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from dashpot.base.numbers import rounded
+from dashpot.base.numbers import rounded, shown
+from dashpot.base.units import in_unit
 from dashpot.plot.picture import (
     MEASURED,
-    Axis,
     Dots,
     Line,
     Mark,
@@ -17,6 +17,7 @@ from dashpot.plot.picture import (
     Pen,
     Picture,
     Rule,
+    Scale,
     Tag,
     around,
     around_log,
@@ -54,7 +55,7 @@ def stabilisation(chart: Stabilisation, modes: Sequence[Mode] = (), *, stamp: st
     stamp : str
         What the figure says of its origin.
     """
-    x = Axis("frequency, Hz", (float(chart.lines[0]), float(chart.lines[-1])))
+    x = Scale("frequency, Hz", (float(chart.lines[0]), float(chart.lines[-1])))
     rules = [Rule(mode.frequency, FOUND, "mode found") for mode in modes]
     limits = around_log(chart.height, margin=2.0)
     upper: list[Mark] = [*rules, Line(chart.lines, chart.height, MEASURED, "measured")]
@@ -82,8 +83,8 @@ def stabilisation(chart: Stabilisation, modes: Sequence[Mode] = (), *, stamp: st
         "structure does stays where it is; dashed, the modes that were found without the chart."
     )
     strip = (
-        Panel(x, Axis(what, limits, log=True), tuple(upper), height=150),
-        Panel(x, Axis("order", (0.0, chart.highest + 1.0)), tuple(lower), height=230),
+        Panel(x, Scale(what, limits, log=True), tuple(upper), height=150),
+        Panel(x, Scale("order", (0.0, chart.highest + 1.0)), tuple(lower), height=230),
     )
     return Picture("stabilisation", caption, (strip,), 1, stamp)
 
@@ -111,20 +112,20 @@ def several_masses(found: SeveralMasses, frfs: Sequence[FRF], *, stamp: str = ""
         near = (one.frequency >= low) & (one.frequency <= high)
         f, height = one.frequency[near], np.abs(one.value[near])
         heights.append(height)
-        curves.append(Line(f, height, Pen(colour, 1.6), f"{rounded(1e3 * mass, digits=4)} g"))
+        curves.append(Line(f, height, Pen(colour, 1.6), shown(mass, "g", digits=4)))
         top = float(np.interp(mode.frequency, f, height))
         text = f"{rounded(mode.frequency, digits=4)} Hz, {rounded(100 * mode.damping_ratio)} %"
         curves.append(Tag(mode.frequency, top, text, colour, "filled"))
-    x = Axis("frequency, Hz", around_log(np.array([low, high]), margin=1.0), log=True)
+    x = Scale("frequency, Hz", around_log(np.array([low, high]), margin=1.0), log=True)
     limits = around_log(*heights, margin=2.0)
-    panels = [Panel(x, Axis("accelerance, 1/kg", limits, log=True), tuple(curves))]
+    panels = [Panel(x, Scale("accelerance, 1/kg", limits, log=True), tuple(curves))]
     order = np.argsort(hertz)
     for i, name in enumerate(("storage stiffness, N/mm", "loss stiffness, N/mm")):
         measured, solid = (
-            1e-3 * (each.imag if i else each.real)[order]
+            in_unit((each.imag if i else each.real)[order], "N/mm")
             for each in (found.stiffness, found.at_poles)
         )
-        error = 1.96e-3 * found.spread[order, i]
+        error = 1.96 * in_unit(found.spread[order, i], "N/mm")
         marks = (
             Line(hertz[order], solid, FOUND),
             Dots(hertz[order], solid, "fit", "the linear solid nearest to all", hollow=True,
@@ -132,7 +133,7 @@ def several_masses(found: SeveralMasses, frfs: Sequence[FRF], *, stamp: str = ""
             Dots(hertz[order], measured, "measured", "at each pole, 95 %", error=error),
         )  # fmt: skip
         panels.append(
-            Panel(x, Axis(name, around(measured - error, measured + error, solid)), marks)
+            Panel(x, Scale(name, around(measured - error, measured + error, solid)), marks)
         )
     caption = (
         "Modes under several masses, and the stiffness and loss of one seal that their poles have, "

@@ -13,6 +13,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.offered import verb
+from dashpot.base.units import in_unit, read_in
 
 
 @dataclass(frozen=True)
@@ -123,8 +124,8 @@ Mark: TypeAlias = Keyed | Tag
 
 
 @dataclass(frozen=True)
-class Axis:
-    """A quantity with its unit, and from where to where it is shown."""
+class Scale:
+    """The scale of an axis: a quantity with its unit, and from where to where it is shown."""
 
     label: str
     limits: tuple[float, float]
@@ -138,7 +139,7 @@ class Panel:
 
     Attributes
     ----------
-    x, y : Axis
+    x, y : Scale
     marks : tuple of Mark
     title : str
     height : float
@@ -149,8 +150,8 @@ class Panel:
         A unit of x is as long as one of y.
     """
 
-    x: Axis
-    y: Axis
+    x: Scale
+    y: Scale
     marks: tuple[Mark, ...]
     title: str = ""
     height: float = 190.0
@@ -203,7 +204,7 @@ class Picture:
 
     def _repr_html_(self) -> str:
         """Show itself in a notebook."""
-        text: str = verb("plot.svg", "whole")(self)
+        text: str = verb("plot.svg", "to_svg")(self)
         return text
 
 
@@ -214,13 +215,18 @@ def unit_of(values: FloatArray, unit: Literal["N", "m"]) -> tuple[str, float]:
     """
     size = float(np.max(np.abs(values), initial=0.0))
     choices = {
-        "N": (("N", 1.0), ("mN", 1e3), ("µN", 1e6), ("nN", 1e9), ("pN", 1e12)),
-        "m": (("mm", 1e3), ("µm", 1e6), ("nm", 1e9)),
+        "N": ("N", "mN", "µN", "nN", "pN"),
+        "m": ("mm", "µm", "nm"),
     }[unit]
-    for word, factor in choices:
-        if size * factor >= 0.1:
-            return word, factor
-    return choices[0] if size == 0 else choices[-1]
+    large = (word for word in choices if in_unit(size, word) >= 0.1)
+    word = next(large, choices[0] if size == 0 else choices[-1])
+    return word, in_unit(1.0, word)
+
+
+def read_as(unit: str) -> tuple[str, float]:
+    """The word and the factor in which people read what is in a unit of SI."""
+    word = read_in(unit)
+    return word, in_unit(1.0, word)
 
 
 def around(*arrays: FloatArray, margin: float = 0.06) -> tuple[float, float]:

@@ -15,13 +15,13 @@ from dashpot.plot.picture import (
     REF,
     SIMPLER,
     Area,
-    Axis,
     Line,
     Mark,
     Panel,
     Pen,
     Picture,
     Rule,
+    Scale,
     Span,
     around,
     unit_of,
@@ -64,7 +64,7 @@ def segments(prepared: RampHold, *, stamp: str = "") -> Picture:
             x, y = extremes(t[inside], values[inside], bins=400, log=log)
             marks: list[Mark] = [*_segments(prepared, limits)]
             marks.append(Line(x, y, MEASURED, "measured"))
-            axes = (Axis(SINCE, limits, log), Axis(label, around(y)))
+            axes = (Scale(SINCE, limits, log), Scale(label, around(y)))
             strip.append(Panel(*axes, tuple(marks), title=title * (not strip), height=130))
         strips.append(tuple(strip))
     caption = (
@@ -104,7 +104,7 @@ def fit(
     return Picture("fit", caption, (strip,), 1, stamp or of_fit(fit))
 
 
-class Fitted(NamedTuple):
+class DrawnFit(NamedTuple):
     """A fit as it is drawn: its pen, time from first contact, s, and the force it says there, N."""
 
     fit: Fit
@@ -125,10 +125,10 @@ class Fitted(NamedTuple):
         return self.time[inside], measured - self.force[inside]
 
 
-def fitted(chosen: Fit, alternatives: Sequence[Fit], prepared: RampHold) -> list[Fitted]:
+def fitted(chosen: Fit, alternatives: Sequence[Fit], prepared: RampHold) -> list[DrawnFit]:
     """The curves of all fits that are shown."""
     return [
-        Fitted(one, FIT if one is chosen else SIMPLER[one.model.arms % 2],
+        DrawnFit(one, FIT if one is chosen else SIMPLER[one.model.arms % 2],
                *fitted_force(one, prepared))
         for one in fits_to_show(chosen, alternatives)
     ]  # fmt: skip
@@ -141,7 +141,7 @@ def fits_to_show(fit: Fit, alternatives: Sequence[Fit]) -> list[Fit]:
 
 
 def force_panel(
-    shown: Sequence[Fitted], prepared: RampHold, *, title: str = "", height: float = 210.0
+    shown: Sequence[DrawnFit], prepared: RampHold, *, title: str = "", height: float = 210.0
 ) -> Panel:
     """Force with the fitted curves over it, on log time."""
     start, end = _log_start(prepared), _end(prepared)
@@ -157,12 +157,12 @@ def force_panel(
     curves = [line(one.time, one.force, one.pen, one.label)
               for one in sorted(shown, key=lambda one: one.pen is FIT)]  # fmt: skip
     marks: list[Mark] = [*_segments(prepared, (start, end)), data, *curves]
-    axes = (Axis(SINCE, (start, end), log=True), Axis(f"force, {unit}", around(data.y)))
+    axes = (Scale(SINCE, (start, end), log=True), Scale(f"force, {unit}", around(data.y)))
     return Panel(*axes, tuple(marks), title=title, height=height)
 
 
 def ramp_panel(
-    shown: Sequence[Fitted], prepared: RampHold, *, title: str = "", height: float = 150.0
+    shown: Sequence[DrawnFit], prepared: RampHold, *, title: str = "", height: float = 150.0
 ) -> Panel:
     """Force with the fitted curves over the ramp, on the clock of the record, and the motion.
 
@@ -181,11 +181,11 @@ def ramp_panel(
         drawn = (at >= limits[0]) & (at <= limits[1])
         curve = extremes(at[drawn], scale * one.force[drawn], bins=150)
         marks.append(Line(*curve, one.pen, one.label))
-    axes = (Axis("time on the record's clock, s", limits), Axis(f"force, {unit}", around(data.y)))
+    axes = (Scale("time on the record's clock, s", limits), Scale(f"force, {unit}", around(data.y)))
     return Panel(*axes, tuple(marks), title=title, height=height)
 
 
-def residual_panel(one: Fitted, prepared: RampHold) -> Panel:
+def residual_panel(one: DrawnFit, prepared: RampHold) -> Panel:
     """Measured less fitted force against log time, and the noise it should be."""
     when, left = one.residual(prepared)
     unit, scale = unit_of(left, "N")
@@ -202,7 +202,7 @@ def residual_panel(one: Fitted, prepared: RampHold) -> Panel:
     label = f"residual of {one.fit.called}, {unit}"
     rms = f"rms {rounded(factor * one.fit.residual.rms)} {word}"
     limits = (_log_start(prepared), _end(prepared))
-    axes = (Axis(SINCE, limits, log=True), Axis(label, around(low, high, margin=0.08)))
+    axes = (Scale(SINCE, limits, log=True), Scale(label, around(low, high, margin=0.08)))
     return Panel(*axes, tuple(marks), height=90, note=rms)
 
 

@@ -8,11 +8,11 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError
+from dashpot.base.units import in_unit, written
 from dashpot.plot.direct import FREQUENCY, LABELS, averaged, quantities
 from dashpot.plot.picture import (
     FIT,
     Area,
-    Axis,
     Dots,
     Line,
     Mark,
@@ -20,10 +20,12 @@ from dashpot.plot.picture import (
     Pen,
     Picture,
     Rule,
+    Scale,
     Span,
     around_log,
     inside,
     joint_pen,
+    read_as,
 )
 from dashpot.plot.stamps import of_fit
 from dashpot.plot.vibration import BOUND, INTERVAL
@@ -56,7 +58,7 @@ def spectrum(fit: Fit, *, joint: Fit | None = None, stamp: str = "") -> Picture:
         marks += _stems(joint, *joint_pen(failed=joint.verdict.use == "do not use"))
     marks += _stems(fit, FIT, words.fit)
     tallest = max([k_inf, *(words.scale * k for one in (fit, joint) if one for k in one.model.k)])
-    axes = Axis("relaxation time τ, s", limits, log=True), Axis(words.arm, (0.0, 1.2 * tallest))
+    axes = Scale("relaxation time τ, s", limits, log=True), Scale(words.arm, (0.0, 1.2 * tallest))
     caption = "Relaxation spectrum: one stem per Maxwell arm, 95 % intervals of k and τ."
     panel = Panel(*axes, tuple(marks), height=220)
     return Picture("spectrum", caption, ((panel,),), 1, stamp or of_fit(fit), width=420.0)
@@ -77,13 +79,16 @@ def elastic_law(fit: Fit, *, compression: float | None = None, stamp: str = "") 
     if law is None:
         raise DataError("the fit has no elastic law: it is not of a relaxation test")
     x = np.linspace(0.0, law.depth, 201)
-    knots, at = np.asarray(law.knots), 1e3 * x
-    tangent, error = 1e-3 * law.tangent(x), 2e-3 * law.stiffness * law.factor_se(x)
-    secant = f"secant at {1e3 * law.depth:.3g} mm"
+    knots, at = np.asarray(law.knots), in_unit(x, "mm")
+    straight = np.full(len(x), law.stiffness)
+    tangent, error = (
+        in_unit(one, "N/mm") for one in (law.tangent(x), 2 * law.stiffness * law.factor_se(x))
+    )
+    secant = f"secant at {written(law.depth, 'mm', '.3g')}"
     rest: tuple[Mark, ...] = ()
     if compression is not None:
-        where = f"the mass rests at {1e3 * compression:.3g} mm"
-        rest = (Rule(1e3 * compression, RESONANCE, where),)
+        where = f"the mass rests at {written(compression, 'mm', '.3g')}"
+        rest = (Rule(in_unit(compression, "mm"), RESONANCE, where),)
     force = (
         *rest,
         Line(at, law.stiffness * x, SECANT, secant),
@@ -92,16 +97,16 @@ def elastic_law(fit: Fit, *, compression: float | None = None, stamp: str = "") 
     stiffness = (
         *rest,
         Area(at, tangent - error, tangent + error, "fit", "± 2 standard errors"),
-        Line(at, np.full(len(x), 1e-3 * law.stiffness), SECANT, secant),
+        Line(at, in_unit(straight, "N/mm"), SECANT, secant),
         Line(at, tangent, FIT, "elastic law"),
-        Dots(1e3 * knots, 1e-3 * law.tangent(knots), "fit", size=5),
+        Dots(in_unit(knots, "mm"), in_unit(law.tangent(knots), "N/mm"), "fit", size=5),
     )
-    below = Axis("compression, mm", (0.0, float(at[-1])))
+    below = Scale("compression, mm", (0.0, float(at[-1])))
     highest = float(np.max([law.force(x), law.stiffness * x]))
     steepest = float(np.max(tangent + error))
     panels = (
-        Panel(below, Axis("relaxed force, N", (0.0, 1.08 * highest)), force),
-        Panel(below, Axis("tangent stiffness k∞, N/mm", (0.0, 1.08 * steepest)), stiffness),
+        Panel(below, Scale("relaxed force, N", (0.0, 1.08 * highest)), force),
+        Panel(below, Scale("tangent stiffness k∞, N/mm", (0.0, 1.08 * steepest)), stiffness),
     )
     caption = (
         "Elastic law from the ramp: relaxed force and tangent stiffness against compression. "
@@ -163,7 +168,7 @@ def stiffness(
         if mark is not None:
             marks.append(Rule(mark, RESONANCE, f"resonance, {mark:.4g} Hz"))
         axes = (
-            Axis(FREQUENCY, (float(f[0]), float(f[-1])), log=True),
+            Scale(FREQUENCY, (float(f[0]), float(f[-1])), log=True),
             _scale(name, label, curve, marks),
         )
         panels.append(Panel(*axes, tuple(marks), height=210))
@@ -175,17 +180,17 @@ def stiffness(
     return Picture("stiffness", caption, strips, 3, stamp or of_fit(fit), width=900.0)
 
 
-def _scale(name: str, label: str, curve: FloatArray, marks: list[Mark]) -> Axis:
+def _scale(name: str, label: str, curve: FloatArray, marks: list[Mark]) -> Scale:
     """The upright axis: logarithmic for a loss, unless it is a spring's, which has none."""
     points = [m.y for m in marks if isinstance(m, (Line, Dots))]
     tops = [m.high for m in marks if isinstance(m, Area)]
     highest = max(float(np.nanmax(top)) for top in (*points, *tops))
     if name == "storage" or not curve.max() > 0:
         lowest = min(0.0, float(np.nanmin(curve)))
-        return Axis(label, (lowest, 1.08 * highest if highest > 0 else 1.0))
+        return Scale(label, (lowest, 1.08 * highest if highest > 0 else 1.0))
     # a lower limit that touches zero must not make the axis dive after it
     low, high = around_log(*points, margin=1.4)
-    return Axis(label, (max(low, 1e-4 * high), max(high, min(1.2 * highest, 30 * high))), log=True)
+    return Scale(label, (max(low, 1e-4 * high), max(high, min(1.2 * highest, 30 * high))), log=True)
 
 
 class _Words(NamedTuple):
@@ -203,11 +208,12 @@ def _words(fit: Fit) -> _Words:
     of_force = fit.method in {"full", "hold"}
     band = "band of the relaxation test" if of_force else "band of the test"
     name = "relaxation fit" if of_force else "fit"
+    _, scale = read_as(fit.unit)
     if fit.unit == "Pa":
         axes = ("storage modulus E′, MPa", "loss modulus E″, MPa", "loss factor E″/E′, 1")
-        return _Words(1e-6, "modulus E, MPa", "E∞", axes, band, name)
+        return _Words(scale, "modulus E, MPa", "E∞", axes, band, name)
     axes = (LABELS["storage"], "loss stiffness K″, N/mm", LABELS["loss_factor"])
-    return _Words(1e-3, "stiffness k, N/mm", "k∞", axes, band, name)
+    return _Words(scale, "stiffness k, N/mm", "k∞", axes, band, name)
 
 
 def _stems(one: Fit, pen: Pen, label: str) -> list[Mark]:
@@ -267,7 +273,7 @@ def _points(measured: DynamicStiffness | None, name: str) -> list[Dots]:
     line = lines["damping" if name == "loss" else name]
     f, one = averaged(measured.frequency, line, per_octave=3)
     good = (f >= one.good[0]) & (f <= one.good[1])
-    factor = 2e-3 * np.pi * f if name == "loss" else np.ones(len(f))
+    factor = in_unit(2 * np.pi * f, "N/mm") if name == "loss" else np.ones(len(f))
     value, error = factor * one.value, factor * one.nested[0]
     points = Dots(f[good], value[good], "measured", "straight from the FRF", error=error[good])
     return [points] * bool(good.any())  # an FRF may be good nowhere

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from dashpot.base.numbers import rounded
+from dashpot.base.numbers import shown
 from dashpot.base.provenance import Source, sources_of
-from dashpot.records.amplitude import AmplitudeSweep
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF
 from dashpot.records.relaxation import RampHold, RelaxationTest
@@ -42,7 +41,7 @@ def stamp(
         said += [specimen.name, f"lot {specimen.lot}" * bool(specimen.lot), specimen.date]
     if mass is not None:
         on = "" if seals is None else f" on {seals:g} seal{'' if seals == 1 else 's'}"
-        said.append(f"{rounded(1e3 * mass, digits=4)} g{on}")
+        said.append(f"{shown(mass, 'g', digits=4)}{on}")
     return "  ·  ".join(part for part in said if part)
 
 
@@ -51,7 +50,7 @@ def _simulated(specimen: Specimen | None) -> bool:
     return specimen is not None and "simulated" in specimen.notes.lower()
 
 
-def of_test(test: RampHold | RelaxationTest | AmplitudeSweep) -> str:
+def of_test(test: RampHold | RelaxationTest) -> str:
     """Of one test of a specimen."""
     return stamp(sources_of([test]), test.specimen)
 

@@ -18,11 +18,11 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ExportError
 from dashpot.plot import tokens
 from dashpot.plot.layout import (
-    Disc,
     Fill,
     Frame,
     Hair,
-    Stroke,
+    Markers,
+    Polyline,
     Word,
     arranged,
     lay_out,
@@ -52,7 +52,7 @@ def swatch(mark: Keyed, *, name: str) -> str:
     )
 
 
-def whole(picture: Picture) -> str:
+def to_svg(picture: Picture) -> str:
     """The picture as an SVG file: every strip, the key, the stamp."""
     name, sheet = checked(picture.name), arranged(picture)
     body = [_patterns([f for one in sheet.strips for f in one.laid.frames], name)]
@@ -146,8 +146,8 @@ def _pen(pen: Pen) -> str:
 STEADY = 'vector-effect="non-scaling-stroke"'
 
 
-def _inner(one: Stroke | Fill | Disc, name: str) -> str:
-    if isinstance(one, Stroke):
+def _inner(one: Polyline | Fill | Markers, name: str) -> str:
+    if isinstance(one, Polyline):
         if not one.parts:
             return ""
         read = f' data-name="{_text(one.name)}"' if one.name else ""

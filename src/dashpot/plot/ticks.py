@@ -9,7 +9,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.numbers import MINUS, SUPERSCRIPTS
-from dashpot.plot.picture import Axis
+from dashpot.plot.picture import Scale
 
 # numbers of a decade, ever more of them
 SUBS = ((1,), (1, 3), (1, 2, 5), (1, 1.5, 2, 3, 5, 7), (1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8))
@@ -17,25 +17,25 @@ SUBS = ((1,), (1, 3), (1, 2, 5), (1, 1.5, 2, 3, 5, 7), (1, 1.2, 1.5, 2, 2.5, 3, 
 PLAIN = (1e-4, 1e5)
 
 
-def place(axis: Axis, values: FloatArray | Sequence[float] | float) -> FloatArray:
+def place(scale: Scale, values: FloatArray | Sequence[float] | float) -> FloatArray:
     """Where values lie between the limits of an axis, 0 to 1."""
-    low, high = axis.limits
+    low, high = scale.limits
     v = np.asarray(values, dtype=float)
-    if axis.log:
+    if scale.log:
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.asarray(np.log(np.maximum(v, 1e-300) / low) / math.log(high / low))
     return (v - low) / (high - low)
 
 
-def numbers(axis: Axis, length: float, apart: float) -> tuple[float, ...]:
+def numbers(scale: Scale, length: float, apart: float) -> tuple[float, ...]:
     """Values that bear a number: as many round ones as stand `apart` px on `length` px."""
-    if axis.ticks:
-        return axis.ticks
-    if not axis.log:
-        return _even(axis.limits, max(int(length / apart), 2))
+    if scale.ticks:
+        return scale.ticks
+    if not scale.log:
+        return _even(scale.limits, max(int(length / apart), 2))
     best: tuple[float, ...] = ()
-    for found in (*_decades(axis.limits), _even(axis.limits, max(int(length / apart), 2))):
-        near = len(found) > 1 and np.diff(length * place(axis, found)).min() < apart
+    for found in (*_decades(scale.limits), _even(scale.limits, max(int(length / apart), 2))):
+        near = len(found) > 1 and np.diff(length * place(scale, found)).min() < apart
         if near and len(best) > 1:
             break
         # two numbers at least, if need be the outer ones
@@ -75,18 +75,18 @@ def _decades(limits: tuple[float, float]) -> list[tuple[float, ...]]:
     ]
 
 
-def between(axis: Axis) -> tuple[float, ...]:
+def between(scale: Scale) -> tuple[float, ...]:
     """Values of a logarithmic axis with a small tick: the whole numbers of every decade."""
-    low, high = axis.limits
-    if not axis.log or not 3 < high / low < 1e6:
+    low, high = scale.limits
+    if not scale.log or not 3 < high / low < 1e6:
         return ()
     decades = range(math.floor(math.log10(low)), math.floor(math.log10(high)) + 1)
     return tuple(v for d in decades for m in range(1, 10) if low <= (v := m * 10.0**d) <= high)
 
 
-def written(axis: Axis, values: Sequence[float]) -> list[str]:
+def written(scale: Scale, values: Sequence[float]) -> list[str]:
     """Tick values as text: as many decimals as the axis needs, the same for all if it is even."""
-    if axis.log:
+    if scale.log:
         plain = all(PLAIN[0] <= v <= PLAIN[1] for v in values)
         return [f"{v:.6g}" if plain else _power(v) for v in values]
     if not values:

@@ -10,6 +10,7 @@ import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.numbers import rounded
+from dashpot.base.units import in_unit
 from dashpot.plot.lines import half_power, phase_axis, smooth, unwrapped
 from dashpot.plot.picture import (
     JOINT,
@@ -19,7 +20,6 @@ from dashpot.plot.picture import (
     REJECTED,
     SIMPLER,
     Area,
-    Axis,
     Dots,
     Line,
     Mark,
@@ -27,6 +27,7 @@ from dashpot.plot.picture import (
     Pen,
     Picture,
     Rule,
+    Scale,
     Tag,
     around,
     joint_pen,
@@ -41,12 +42,12 @@ from dashpot.vibration.modal.peaks import find_peak
 FREQUENCY = "frequency, Hz"
 PENS = (MEASURED, PREDICTED, JOINT, *SIMPLER)
 
-# what people read: the unit, and its size in SI
+# what people read: the unit, and the factor from SI
 SHOWN = {
-    Kind.RECEPTANCE: ("mm/N", 1e3),
-    Kind.MOBILITY: ("(mm/s)/N", 1e3),
+    Kind.RECEPTANCE: ("mm/N", in_unit(1.0, "mm/N")),
+    Kind.MOBILITY: ("(mm/s)/N", in_unit(1.0, "mm/s")),
     Kind.ACCELERANCE: ("1/kg", 1.0),
-    Kind.DYNAMIC_STIFFNESS: ("N/mm", 1e-3),
+    Kind.DYNAMIC_STIFFNESS: ("N/mm", in_unit(1.0, "N/mm")),
     Kind.TRANSMISSIBILITY: ("m/m", 1.0),
     Kind.RELATIVE_TRANSMISSIBILITY: ("m/m", 1.0),
 }
@@ -266,8 +267,8 @@ def nyquist(
     every = np.concatenate(ranges)
     what = measured.kind.value.replace("_", " ")
     panel = Panel(
-        Axis(f"real part of {what}, {unit}", around(every.real, margin=0.08)),
-        Axis(f"imaginary part of {what}, {unit}", around(every.imag, margin=0.08)),
+        Scale(f"real part of {what}, {unit}", around(every.real, margin=0.08)),
+        Scale(f"imaginary part of {what}, {unit}", around(every.imag, margin=0.08)),
         (Rule(0.0, REF, across=True), Rule(0.0, REF), *marks),
         height=300,
         square=True,
@@ -337,7 +338,7 @@ def magnitude_panel(
     if tagged:
         marks += [replace(one, y=min(one.y, limits[1])) for one in _peaks(curves, unit)]
     label = f"{kind.value.replace('_', ' ')}, {unit}"
-    axes = (Axis(FREQUENCY, view, log=True), Axis(label, (limits[0], limits[1]), log=True))
+    axes = (Scale(FREQUENCY, view, log=True), Scale(label, (limits[0], limits[1]), log=True))
     return Panel(*axes, tuple(marks), height=height)
 
 
@@ -349,8 +350,8 @@ def phase_panel(curves: Sequence[Curve], view: tuple[float, float]) -> Panel:
         f, value = smooth(one.frf)
         x, y = unwrapped(f, value, lowest)
         marks.append(Line(x, y, one.pen))
-    axes = (Axis(FREQUENCY, view, log=True),
-            Axis("phase, °", (ticks[0] - 15, ticks[-1] + 15), ticks=ticks))  # fmt: skip
+    axes = (Scale(FREQUENCY, view, log=True),
+            Scale("phase, °", (ticks[0] - 15, ticks[-1] + 15), ticks=ticks))  # fmt: skip
     return Panel(*axes, tuple(marks), height=90)
 
 
@@ -365,7 +366,7 @@ def _bode(curves: Sequence[Curve], spread: Sequence[Spread]) -> tuple[Panel, ...
     strip = [upper, phase_panel(curves, upper.x.limits)]
     measured = curves[0].frf
     if measured.coherence is not None:
-        axes = (upper.x, Axis("coherence, 1", (0.0, 1.08), ticks=(0.0, 0.5, 1.0)))
+        axes = (upper.x, Scale("coherence, 1", (0.0, 1.08), ticks=(0.0, 0.5, 1.0)))
         # 0.9 is what ISO 7626-5 asks for
         marks = (Rule(0.9, REF, across=True),
                  Line(measured.frequency, measured.coherence, MEASURED))  # fmt: skip

@@ -12,14 +12,14 @@ from dashpot.base.checks import Check, Finding, criterion, worst
 from dashpot.base.errors import DataError
 from dashpot.base.numbers import rounded
 from dashpot.base.status import Status
+from dashpot.base.units import celsius, written
 from dashpot.preparation.contact import MIN_BASELINE, Baseline, Touch
 from dashpot.preparation.denoising import true_motion
 from dashpot.preparation.noise import median_of_three, spikes, usual_scatter
-from dashpot.preparation.segments import Cycle, listed
+from dashpot.preparation.segments import RampHoldCycle, listed
 from dashpot.records.creep import LoadHold
 from dashpot.records.relaxation import MAX_CREEP, RampHold, quantum
 from dashpot.records.specimen import Specimen
-from dashpot.records.temperature import celsius
 
 LAW = "by law; a tenth for noise and drift"
 MIN_QUANTA = 20.0
@@ -88,7 +88,7 @@ def baseline_recorded(before: Baseline) -> Finding:
     count = f"{before.samples} sample{'s' * (before.samples != 1)}"
     return Finding(
         f"{before.samples} samples ({before.duration:.3g} s) before contact give the tare to "
-        f"{1e3 * before.noise / max(before.samples, 1) ** 0.5:.2g} mN",
+        f"{written(before.noise / max(before.samples, 1) ** 0.5, 'mN', '.2g')}",
         float(before.samples),
         instead=f"only {count} before contact, expected at least {MIN_BASELINE:.0f}: the zero of "
         "the force rests on the fit's offset alone; start the record a second before the ramp",
@@ -99,14 +99,16 @@ def baseline_recorded(before: Baseline) -> Finding:
 def contact_found(touch: Touch, depth: float, *, given: bool) -> Finding:
     """First contact is known well enough."""
     if given:
-        return Finding(f"contact was given, {1e3 * touch.gap:.3g} mm after the start of the motion")
+        return Finding(
+            f"contact was given, {written(touch.gap, 'mm', '.3g')} after the start of the motion"
+        )
     if touch.gap == 0:
         return Finding("the seal is in contact where the motion begins: no air gap shows")
     doubt = touch.standard_error / depth
     return Finding(
-        f"the plate crosses an air gap of {1e3 * touch.gap:.3g} mm "
-        f"(+- {1e3 * touch.standard_error:.1g} mm) before the force rises; the depth counts from "
-        "there",
+        f"the plate crosses an air gap of {written(touch.gap, 'mm', '.3g')} "
+        f"(+- {written(touch.standard_error, 'mm', '.1g')}) before the force rises; the depth "
+        "counts from there",
         doubt,
         f"; that leaves the depth uncertain by {100 * doubt:.2g} %, and every stiffness with "
         "it: start in light contact",
@@ -148,10 +150,10 @@ def ramp_recorded(rise: float, change: float) -> Finding:
     return Finding(
         "the force that relaxes is raised by the ramp",
         abs(change) / max(abs(rise), 1e-300),
-        instead=f"the force changes by {1e3 * rise:.3g} mN in what looks like the ramp and by "
-        f"{1e3 * change:.3g} mN in the hold, and no solid relaxes more than it was loaded: the "
-        "record begins after its ramp, or within it. The whole ramp and the force before it are "
-        "needed: start recording a second before the ramp",
+        instead=f"the force changes by {written(rise, 'mN', '.3g')} in what looks like the ramp "
+        f"and by {written(change, 'mN', '.3g')} in the hold, and no solid relaxes more than it was "
+        "loaded: the record begins after its ramp, or within it. The whole ramp and the force "
+        "before it are needed: start recording a second before the ramp",
     )
 
 
@@ -163,7 +165,7 @@ def refuse_late_start(where: str, rise: float, change: float) -> None:
 
 
 @criterion("loadings in the record", "<=", 1.0, "by definition; or `--cycle` chooses", grade="note")
-def single_loading(index: int, cycles: tuple[Cycle, ...], *, asked: bool) -> Finding:
+def single_loading(index: int, cycles: tuple[RampHoldCycle, ...], *, asked: bool) -> Finding:
     """The record leaves no choice of loadings that the user has not made."""
     cycle = cycles[index]
     says = f"used: {cycle.words()}"
@@ -252,7 +254,7 @@ def motion_resolved(test: RampHold) -> Finding:
     value = worst / max(test.force_noise, 1e-3 * float(force.max()))
     needed = np.sqrt(value / MAX_UNRESOLVED) / median(steps)
     return Finding(
-        f"between two samples the motion bends by what would be {1e3 * worst:.2g} mN",
+        f"between two samples the motion bends by what would be {written(worst, 'mN', '.2g')}",
         value,
         f", {value:.2g} of the noise at each of many samples: it is finer than the sampling, and "
         f"fast arms follow what is missed; sample at {rounded(needed, digits=2)} Hz or faster",
@@ -270,12 +272,12 @@ def motion_measured(test: RampHold) -> Finding:
     fall = float(force[middle : middle + part].mean() - force[-part:].mean())
     creep = 1e-3 * float(force[-part:].mean())
     share = f", {100 * creep / fall:.2g} % of its fall" if fall > creep else ""
-    step = f", or hides less than a count of {1e6 * test.encoder_step:.3g} um"
+    step = f", or hides less than a count of {written(test.encoder_step, 'um', '.3g')}"
     return Finding(
         "the displacement stands perfectly still in the hold: it is the commanded one"
         f"{step if test.encoder_step else ''}. A crosshead that crept on by 0.1 % of the depth, "
-        f"unseen, would move the force by {1e3 * creep:.2g} mN{share} over the last half of the "
-        "hold, and the slowest arm with it: a gauge at the seal would show it"
+        f"unseen, would move the force by {written(creep, 'mN', '.2g')}{share} over the last half "
+        "of the hold, and the slowest arm with it: a gauge at the seal would show it"
     )
 
 
@@ -363,7 +365,8 @@ def force_resolved(force: FloatArray, rise: float | None = None) -> Finding:
         return Finding("the force shows no quantisation")
     quanta = (float(np.ptp(force)) if rise is None else rise) / step
     return Finding(
-        f"the peak force is {quanta:.0f} steps of the sensor's resolution, {1e3 * step:.3g} mN",
+        f"the peak force is {quanta:.0f} steps of the sensor's resolution, "
+        f"{written(step, 'mN', '.3g')}",
         quanta,
         f"; fewer than {MIN_QUANTA:.0f} cannot show a decay: press deeper, take a longer "
         "piece, or use a smaller sensor",
@@ -375,9 +378,10 @@ def refuse_unresolved(where: str, rise: float, force: FloatArray) -> None:
     if force_resolved(force, rise).failed:
         step = quantum(force)
         raise DataError(
-            f"{where}: the force rises by {1e3 * rise:.3g} mN, {rise / step:.0f} steps of the "
-            f"sensor's {1e3 * step:.3g} mN: the signal is below resolution; expected at least "
-            f"{MIN_QUANTA:.0f} steps: press deeper, take a longer piece, or use a smaller sensor"
+            f"{where}: the force rises by {written(rise, 'mN', '.3g')}, {rise / step:.0f} steps of "
+            f"the sensor's {written(step, 'mN', '.3g')}: the signal is below resolution; expected "
+            f"at least {MIN_QUANTA:.0f} steps: press deeper, take a longer piece, or use a smaller "
+            "sensor"
         )
 
 
@@ -411,7 +415,7 @@ def depth_resolved(test: RampHold) -> Finding:
     """The depth is known well enough to divide a force by it."""
     doubt = test.depth_doubt
     return Finding(
-        f"the encoder tells the depth of {1e3 * test.depth:.4g} mm to {100 * doubt:.2g} % (one "
+        f"the encoder tells the depth of {written(test.depth, 'mm')} to {100 * doubt:.2g} % (one "
         "standard deviation); every stiffness shares this scale error and its standard error "
         "includes it",
         doubt,
@@ -477,9 +481,10 @@ def force_relaxes(test: RampHold) -> Finding:
     return Finding(
         "the force does not rise during the hold",
         rise,
-        instead=f"the force rises by {1e3 * rise:.3g} mN during the hold, more than noise explains "
-        f"({1e3 * limit:.3g} mN): no relaxing solid does that; look for swelling, warming, a "
-        "plate that creeps on, or a drifting sensor, and do not use these arms",
+        instead=f"the force rises by {written(rise, 'mN', '.3g')} during the hold, more than noise "
+        f"explains ({written(limit, 'mN', '.3g')}): no relaxing solid does that; look for "
+        "swelling, warming, a plate that creeps on, or a drifting sensor, and do not use these "
+        "arms",
         limit=limit,
     )
 

@@ -9,6 +9,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, IndexArray
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Step
+from dashpot.base.units import in_unit, written
 from dashpot.engine.inference.covariance import white
 
 # samples: fewer have no scatter to speak of
@@ -79,16 +80,16 @@ def zeroed(
     rate = found.slope if drift == "baseline" else float(drift or 0.0)
     tare = found.level if found.long_enough else 0.0
     says = (
-        f"tare of {1e3 * tare:.4g} mN from {found.samples} samples before contact"
+        f"tare of {written(tare, 'mN')} from {found.samples} samples before contact"
         if found.long_enough
         else "no tare: the record starts on the ramp"
     )
     if np.isfinite(found.slope_error):
         says += (
-            f"; the baseline drifts by {1e3 * found.slope:.2g} +- {1e3 * found.slope_error:.1g} "
-            "mN/s"
+            f"; the baseline drifts by {in_unit(found.slope, 'mN/s'):.2g} +- "
+            f"{in_unit(found.slope_error, 'mN/s'):.1g} mN/s"
         )
-    says += f"; {1e3 * rate:.3g} mN/s taken off" if rate else "; no drift taken off"
+    says += f"; {written(rate, 'mN/s', '.3g')} taken off" if rate else "; no drift taken off"
     parameters = (("tare_n", repr(tare)), ("drift_n_per_s", repr(rate)))
     return force - tare - rate * (time - found.middle), Step("tare", parameters, says)
 

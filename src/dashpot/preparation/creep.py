@@ -33,7 +33,7 @@ _EXACT = 1e-7
 _SINGULAR = 1e-12
 
 
-class _Held(NamedTuple):
+class _HeldLoad(NamedTuple):
     """Times of a load, s, its level, the force before it, and the sign that makes it rise."""
 
     onset: float
@@ -95,7 +95,7 @@ def load_hold(test: CreepTest) -> LoadHold:
     return replace(record, checks=answers)
 
 
-def _held(time: FloatArray, force: FloatArray, where: str) -> _Held:
+def _held(time: FloatArray, force: FloatArray, where: str) -> _HeldLoad:
     """The load with the longest hold."""
     found = [_cycle(time, turn * force, turn) for turn in (1, -1)]
     loads = [one for one in found if one is not None]
@@ -108,10 +108,10 @@ def _held(time: FloatArray, force: FloatArray, where: str) -> _Held:
             f"{where}: no force is held: expected a load that rises and then stays, or stays from "
             "the first sample on; check which column is the force (--force, --stress)"
         )
-    return _Held(float(time[0]), float(time[0]), float(time[-1]), abs(level), 0.0, turn)
+    return _HeldLoad(float(time[0]), float(time[0]), float(time[-1]), abs(level), 0.0, turn)
 
 
-def _cycle(time: FloatArray, force: FloatArray, turn: int) -> _Held | None:
+def _cycle(time: FloatArray, force: FloatArray, turn: int) -> _HeldLoad | None:
     """The longest hold of a force that rises, and when its load began."""
     cycles = cycles_of(find_segments(time, force))
     holds = [(cycle, one) for cycle in cycles for one in cycle.segments if one.kind == "hold"]
@@ -126,10 +126,12 @@ def _cycle(time: FloatArray, force: FloatArray, turn: int) -> _Held | None:
         return None
     at = cycle.segments.index(hold)
     ramp = cycle.segments[at - 1]
-    return _Held(float(cycle.ramp.start), float(ramp.end), float(hold.end), level, preload, turn)
+    return _HeldLoad(
+        float(cycle.ramp.start), float(ramp.end), float(hold.end), level, preload, turn
+    )
 
 
-def _turn(test: CreepTest, held: _Held, where: str) -> int:
+def _turn(test: CreepTest, held: _HeldLoad, where: str) -> int:
     """The sign that makes the displacement rise under the load."""
     time, x = test.time, test.displacement
     hold = (time >= held.ramp_end) & (time <= held.hold_end)
@@ -143,7 +145,7 @@ def _turn(test: CreepTest, held: _Held, where: str) -> int:
     return 1 if moved > 0 else -1
 
 
-def _noise_held(time: FloatArray, force: FloatArray, held: _Held) -> float:
+def _noise_held(time: FloatArray, force: FloatArray, held: _HeldLoad) -> float:
     """The scatter of the force late in its hold, where no curve of the load looks like one."""
     late = (time >= (held.ramp_end + held.hold_end) / 2) & (time <= held.hold_end)
     return scatter(time[late], force[late])
@@ -304,7 +306,7 @@ def _is_noise(left: FloatArray, noise: float, chance: float) -> bool:
     return True
 
 
-def _step(held: _Held, turn: int, unit: str) -> Step:
+def _step(held: _HeldLoad, turn: int, unit: str) -> Step:
     word = "N" if unit == "N/m" else "Pa"
     begun = f"the load of {held.level:.4g} {word} rises from {held.onset:.5g} s and is held from "
     says = (

@@ -15,6 +15,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray, fast_length, phasor
 from dashpot.base.provenance import Step
+from dashpot.base.units import written
 from dashpot.records.relaxation import Hum
 
 # a line stands out of its neighbourhood by this factor in power: white noise does so once in 1e8
@@ -77,7 +78,7 @@ def hum_step(lines: tuple[Hum, ...]) -> tuple[Step, ...]:
     if not lines:
         return ()
     listed = ", ".join(
-        f"{1e3 * line.amplitude:.3g} mN at {line.frequency:.5g} Hz" for line in lines
+        f"{written(line.amplitude, 'mN', '.3g')} at {line.frequency:.5g} Hz" for line in lines
     )
     parameters = tuple((f"{line.frequency:.6g} Hz", f"{line.amplitude:.6g} N") for line in lines)
     return (Step("hum", parameters, f"hum taken off the force: {listed}"),)

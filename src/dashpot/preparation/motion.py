@@ -11,9 +11,9 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, kept, median
 from dashpot.base.errors import DataError
 from dashpot.preparation.segments import (
-    Cycle,
     Loading,
-    Segment,
+    MotionSegment,
+    RampHoldCycle,
     choose_cycle,
     cycles_of,
     find_segments,
@@ -65,7 +65,7 @@ class IdealRamp(NamedTuple):
 
 
 def ideal_ramp(
-    time: FloatArray, displacement: FloatArray, ramp: Segment, *, origin: float, level: float
+    time: FloatArray, displacement: FloatArray, ramp: MotionSegment, *, origin: float, level: float
 ) -> IdealRamp:
     """The straight line through the middle of a ramp, from `origin` to `level`, m.
 
@@ -107,14 +107,14 @@ def _crossing(t: FloatArray, x: FloatArray, i: int, level: float) -> float:
 
 
 @dataclass(frozen=True)
-class Motion:
+class PlateMotion:
     """The motion of the plate, rising with compression.
 
     Attributes
     ----------
     sign : int
         -1 if the record counted compression downwards.
-    cycles : tuple of Cycle
+    cycles : tuple of RampHoldCycle
         Every loading found.
     index : int
         Which of them is used.
@@ -127,7 +127,7 @@ class Motion:
     """
 
     sign: int
-    cycles: tuple[Cycle, ...]
+    cycles: tuple[RampHoldCycle, ...]
     index: int
     line: IdealRamp
     rest: float
@@ -137,7 +137,7 @@ class Motion:
     stop: int
 
     @property
-    def cycle(self) -> Cycle:
+    def cycle(self) -> RampHoldCycle:
         """The loading used."""
         return self.cycles[self.index]
 
@@ -148,7 +148,7 @@ def find_motion(
     where: str,
     sign: int | None,
     number: int | None,
-) -> Motion:
+) -> PlateMotion:
     """Find the loadings in a record, and the samples of the one to be used.
 
     Parameters
@@ -198,7 +198,7 @@ def loading_in(test: RelaxationTest) -> Loading:
     return loading_of(segments)
 
 
-def _at_one_speed(time: FloatArray, x: FloatArray, segments: Sequence[Segment]) -> bool:
+def _at_one_speed(time: FloatArray, x: FloatArray, segments: Sequence[MotionSegment]) -> bool:
     """Whether a compression goes in and back at one speed, and is never held."""
     moves = [part for part in segments if part.kind != "hold"]
     to_and_fro = {part.kind for part in moves} == {"load", "unload"}
@@ -206,20 +206,20 @@ def _at_one_speed(time: FloatArray, x: FloatArray, segments: Sequence[Segment]) 
     return to_and_fro and not held and all(_straight(time, x, part) for part in moves)
 
 
-def _straight(time: FloatArray, x: FloatArray, part: Segment) -> bool:
+def _straight(time: FloatArray, x: FloatArray, part: MotionSegment) -> bool:
     """Whether a move is at a quarter of its way after a quarter of its time; a sine lags by 0.1."""
     quarter = float(np.interp(part.start + 0.25 * part.duration, time, x))
     return abs((quarter - part.origin) / (part.level - part.origin) - 0.25) < EVEN
 
 
 @kept
-def _turned(test: RelaxationTest) -> tuple[int, tuple[Segment, ...]]:
+def _turned(test: RelaxationTest) -> tuple[int, tuple[MotionSegment, ...]]:
     """The sign that makes the first ramp rise, and what then is found."""
     segments = _segments(test, 1)
     return (-1, _segments(test, -1)) if _falls_first(segments) else (1, segments)
 
 
-def _segments(test: RelaxationTest, sign: int) -> tuple[Segment, ...]:
+def _segments(test: RelaxationTest, sign: int) -> tuple[MotionSegment, ...]:
     return find_segments(test.time, sign * test.displacement)
 
 
@@ -231,7 +231,7 @@ def given_motion(
     ramp_end: float,
     hold_end: float,
     sign: int | None,
-) -> Motion:
+) -> PlateMotion:
     """The motion between times that the user gave, s.
 
     Raises
@@ -261,16 +261,16 @@ def given_motion(
     rest = None
     if first >= 1:
         before = median(x[: first + 1])
-        rest = Segment("hold", 0, first, float(time[0]), onset, before, before)
-    ramp = Segment("load", first, corner, onset, ramp_end, float(x[first]), level)
-    hold = Segment("hold", corner, last, ramp_end, hold_end, level, level)
-    motion = _of_cycle(time, x, turn, (Cycle(rest, (ramp, hold)),), 0)
+        rest = MotionSegment("hold", 0, first, float(time[0]), onset, before, before)
+    ramp = MotionSegment("load", first, corner, onset, ramp_end, float(x[first]), level)
+    hold = MotionSegment("hold", corner, last, ramp_end, hold_end, level, level)
+    motion = _of_cycle(time, x, turn, (RampHoldCycle(rest, (ramp, hold)),), 0)
     return replace(motion, stop=last)
 
 
 def from_contact(
-    time: FloatArray, displacement: FloatArray, motion: Motion, contact: float, *, doubt: float
-) -> Motion:
+    time: FloatArray, displacement: FloatArray, motion: PlateMotion, contact: float, *, doubt: float
+) -> PlateMotion:
     """The motion without the ramps that end in air, before `contact` less `doubt`, m."""
     x = motion.sign * displacement
     segments = motion.cycle.segments
@@ -282,14 +282,14 @@ def from_contact(
     if not flown or segments[flown[-1] + 1].kind != "hold":
         return motion
     first = flown[-1] + 2
-    cycle = Cycle(segments[first - 1], segments[first:])
+    cycle = RampHoldCycle(segments[first - 1], segments[first:])
     cycles = (*motion.cycles[: motion.index], cycle, *motion.cycles[motion.index + 1 :])
     return replace(_of_cycle(time, x, motion.sign, cycles, motion.index), stop=motion.stop)
 
 
 def _of_cycle(
-    time: FloatArray, x: FloatArray, turn: int, cycles: tuple[Cycle, ...], index: int
-) -> Motion:
+    time: FloatArray, x: FloatArray, turn: int, cycles: tuple[RampHoldCycle, ...], index: int
+) -> PlateMotion:
     cycle = cycles[index]
     resolution = resolution_of(time, x)
     ramp = cycle.ramp
@@ -299,13 +299,13 @@ def _of_cycle(
     line = ideal_ramp(time, x, ramp, origin=rest, level=level)
     still = np.flatnonzero(np.abs(x[start : line.first] - rest) <= resolution)
     departure = start + int(still[-1]) if cycle.rest is not None and still.size else ramp.first
-    return Motion(
+    return PlateMotion(
         sign=turn, cycles=cycles, index=index, line=line, rest=rest, level=level, start=start,
         departure=departure, stop=_last_held(x, cycle.hold, resolution),
     )  # fmt: skip
 
 
-def _falls_first(segments: Sequence[Segment]) -> bool:
+def _falls_first(segments: Sequence[MotionSegment]) -> bool:
     moves = [part.kind for part in segments if part.kind != "hold"]
     return moves[:1] == ["unload"]
 
@@ -327,20 +327,22 @@ def _held_by_plate(time: FloatArray, force: FloatArray) -> bool:
     return any(_stands(force, cycle) for cycle in cycles_of(find_segments(time, force)))
 
 
-def _stands(values: FloatArray, cycle: Cycle) -> bool:
+def _stands(values: FloatArray, cycle: RampHoldCycle) -> bool:
     """Whether a signal stays where it was ramped to, whatever the displacement does."""
     rise = cycle.hold.level - cycle.ramp.origin
     return abs(_change(values, cycle.hold)) < STEADY * rise
 
 
-def _change(values: FloatArray, hold: Segment) -> float:
+def _change(values: FloatArray, hold: MotionSegment) -> float:
     """How far a signal goes from the first tenth of a hold to the last."""
     held = values[hold.first : hold.last + 1]
     tenth = max(len(held) // 10, 1)
     return float(held[-tenth:].mean() - held[:tenth].mean())
 
 
-def _creeps(time: FloatArray, x: FloatArray, force: FloatArray, held: Sequence[Cycle]) -> bool:
+def _creeps(
+    time: FloatArray, x: FloatArray, force: FloatArray, held: Sequence[RampHoldCycle]
+) -> bool:
     """True if it is the force that is ramped and held, while the displacement goes on.
 
     Only a displacement that is not `held` is worth the search.
@@ -370,14 +372,14 @@ def _relaxes(force: FloatArray) -> bool:
     return fell > max(STEADY * abs(float(first.mean())), 4 * float(last.std()))
 
 
-def _resting(x: FloatArray, rest: Segment | None, ramp: Segment) -> float:
+def _resting(x: FloatArray, rest: MotionSegment | None, ramp: MotionSegment) -> float:
     if rest is None:
         return float(x[ramp.first])
     late = rest.first + (rest.last - rest.first) // 2
     return median(x[late : rest.last + 1])
 
 
-def _held(time: FloatArray, x: FloatArray, cycle: Cycle) -> float:
+def _held(time: FloatArray, x: FloatArray, cycle: RampHoldCycle) -> float:
     """Where the plate is held after its first ramp, once it has settled and before it creeps."""
     ramp, hold = cycle.segments[0], cycle.segments[1]
     if hold.kind != "hold":
@@ -389,7 +391,7 @@ def _held(time: FloatArray, x: FloatArray, cycle: Cycle) -> float:
     return median(values[settled] if np.count_nonzero(settled) >= 5 else values[1:7])
 
 
-def _last_held(x: FloatArray, hold: Segment, resolution: float) -> int:
+def _last_held(x: FloatArray, hold: MotionSegment, resolution: float) -> int:
     """The last sample before the plate leaves the hold."""
     if hold.last == len(x) - 1:
         return hold.last

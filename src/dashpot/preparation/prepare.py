@@ -9,7 +9,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, median, noted
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Step
-from dashpot.base.units import Quantity, si
+from dashpot.base.units import Quantity, si, written
 from dashpot.preparation import checks
 from dashpot.preparation.averaging import averaged
 from dashpot.preparation.contact import (
@@ -22,7 +22,7 @@ from dashpot.preparation.contact import (
 )
 from dashpot.preparation.filters import filtered, parse_filter
 from dashpot.preparation.hum import hum_lines, hum_step
-from dashpot.preparation.motion import Motion, find_motion, from_contact, given_motion
+from dashpot.preparation.motion import PlateMotion, find_motion, from_contact, given_motion
 from dashpot.preparation.noise import evenly_sampled, median_of_three, scatter, without_spikes
 from dashpot.records.machine import Machine
 from dashpot.records.relaxation import RampHold, RelaxationTest, quantum
@@ -158,7 +158,7 @@ def _motion(
     sign: int | None,
     cycle: int | None,
     times: tuple[float | None, float | None, float | None],
-) -> Motion:
+) -> PlateMotion:
     onset, ramp_end, hold_end = times
     if onset is not None and ramp_end is not None and hold_end is not None:
         return given_motion(
@@ -174,7 +174,7 @@ def _motion(
     return find_motion(test, where=where, sign=sign, number=cycle)
 
 
-def _loaded_and_relaxed(force: FloatArray, motion: Motion) -> tuple[float, float]:
+def _loaded_and_relaxed(force: FloatArray, motion: PlateMotion) -> tuple[float, float]:
     """How far the force goes from its first value in the ramps, and on from there in the hold."""
     loaded, held = force[motion.start : motion.cycle.hold.first + 1], force[: motion.stop + 1]
     first = median(force[motion.start : motion.departure + 1])
@@ -183,7 +183,7 @@ def _loaded_and_relaxed(force: FloatArray, motion: Motion) -> tuple[float, float
     return furthest - first, last - furthest
 
 
-def _force_sign(force: FloatArray, motion: Motion) -> int:
+def _force_sign(force: FloatArray, motion: PlateMotion) -> int:
     """1 if the force rises as the plate presses, else -1."""
     before = median(force[motion.start : motion.departure + 1][-50:])
     after = force[motion.line.last : motion.stop + 1]
@@ -195,7 +195,7 @@ def _touch(
     time: FloatArray,
     x: FloatArray,
     force: FloatArray,
-    motion: Motion,
+    motion: PlateMotion,
     *,
     given: float | None,
     least_gap: float,
@@ -235,13 +235,13 @@ def _touch(
     return before, touch
 
 
-def _least_gap(count: float, motion: Motion) -> float:
+def _least_gap(count: float, motion: PlateMotion) -> float:
     """The smallest air gap worth telling from none, m."""
     return max(2 * count, 0.005 * (motion.cycle.hold.level - motion.rest))
 
 
 def _times(
-    motion: Motion,
+    motion: PlateMotion,
     touch: Touch,
     time: FloatArray,
     given: tuple[float | None, float | None, float | None],
@@ -266,7 +266,7 @@ def _record(
     test: RelaxationTest,
     x: FloatArray,
     force: FloatArray,
-    motion: Motion,
+    motion: PlateMotion,
     touch: Touch,
     *,
     times: tuple[float, float, float],
@@ -338,9 +338,10 @@ def _risen(record: RampHold, before: Baseline, where: str) -> float:
     peak, least = float(loaded.max()) - start, float(loaded.min()) - start
     if peak <= 8 * record.force_noise:
         raise DataError(
-            f"{where}: the force does not rise while the plate presses (by {1e3 * peak:.3g} mN, "
-            f"with a scatter of {1e3 * record.force_noise:.3g} mN); check the force column, its "
-            "unit and the sign"
+            f"{where}: the force does not rise while the plate presses (by "
+            f"{written(peak, 'mN', '.3g')}, with a scatter of "
+            f"{written(record.force_noise, 'mN', '.3g')}); check the force column, its unit and "
+            "the sign"
         )
     if before.long_enough and least < -max(8 * record.force_noise, 0.1 * peak):
         raise DataError(
@@ -370,9 +371,9 @@ def _on_the_machine(record: RampHold, preload: float, machine: Machine) -> RampH
     sank = _mean(record.time[record.hold], given[record.hold])
     if not sank < record.depth:
         raise DataError(
-            f"a machine of {1e6 * machine.compliance:.4g} um/N gives {1e3 * sank:.4g} mm under the "
-            f"force of the hold, and the plate moved {1e3 * record.depth:.4g} mm; check the unit "
-            "of the compliance"
+            f"a machine of {written(machine.compliance, 'um/N')} gives {written(sank, 'mm')} under "
+            f"the force of the hold, and the plate moved {written(record.depth, 'mm')}; check the "
+            "unit of the compliance"
         )
     return replace(
         record, displacement=x, depth=record.depth - sank, preload=preload, machine=machine
@@ -407,7 +408,7 @@ def _turned(displacement: int, force: int) -> Step:
     return Step("orientation", parameters, words[displacement, force])
 
 
-def _kept(motion: Motion, record: RampHold) -> Step:
+def _kept(motion: PlateMotion, record: RampHold) -> Step:
     says = (
         f"{motion.cycle.words()}; the {len(record.time)} samples from {record.time[0]:.6g} s to "
         f"{record.time[-1]:.6g} s are kept"
@@ -417,18 +418,18 @@ def _kept(motion: Motion, record: RampHold) -> Step:
 
 def _met(touch: Touch) -> Step:
     says = (
-        f"an air gap of {1e3 * touch.gap:.4g} mm is taken off the displacement"
+        f"an air gap of {written(touch.gap, 'mm')} is taken off the displacement"
         if touch.gap > 0
         else "contact where the motion begins"
     )
     return Step("contact", (("displacement_m", repr(touch.displacement)),), says)
 
 
-def _ramped(record: RampHold, motion: Motion) -> Step:
+def _ramped(record: RampHold, motion: PlateMotion) -> Step:
     says = (
-        f"the ramp runs at {1e3 * motion.line.speed:.4g} mm/s from {record.onset:.6g} s to "
+        f"the ramp runs at {written(motion.line.speed, 'mm/s')} from {record.onset:.6g} s to "
         f"{record.ramp_end:.6g} s ({record.ramp_time:.5g} s), the hold to {record.hold_end:.6g} s "
-        f"({record.hold_time:.5g} s), at {1e3 * record.depth:.5g} mm"
+        f"({record.hold_time:.5g} s), at {written(record.depth, 'mm', '.5g')}"
     )
     parameters = (
         ("onset_s", repr(record.onset)),

@@ -11,6 +11,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray, median
 from dashpot.base.errors import DataError
+from dashpot.base.units import written
 from dashpot.preparation.noise import median_of_three, usual_scatter
 from dashpot.records.relaxation import quantum
 
@@ -26,7 +27,7 @@ _Kind: TypeAlias = Literal["hold", "load", "unload"]
 _Side: TypeAlias = tuple[_Kind, int, int]
 
 
-class Segment(NamedTuple):
+class MotionSegment(NamedTuple):
     """A stretch of one motion.
 
     Attributes
@@ -55,7 +56,7 @@ class Segment(NamedTuple):
         return self.end - self.start
 
 
-def find_segments(time: FloatArray, displacement: FloatArray) -> tuple[Segment, ...]:
+def find_segments(time: FloatArray, displacement: FloatArray) -> tuple[MotionSegment, ...]:
     """Split a record into loading, unloading and holding.
 
     A polygon is laid through the record, with a corner wherever a straight line would miss it
@@ -92,11 +93,11 @@ def _segment(
     x: FloatArray,
     first: int,
     last: int,
-) -> Segment:
+) -> MotionSegment:
     origin, level = float(x[first]), float(x[last])
     if kind == "hold":
         origin = level = median(x[first : last + 1])
-    return Segment(kind, first, last, float(time[first]), float(time[last]), origin, level)
+    return MotionSegment(kind, first, last, float(time[first]), float(time[last]), origin, level)
 
 
 def _polygon(time: FloatArray, x: FloatArray, tolerance: float) -> list[int]:
@@ -182,27 +183,27 @@ _LEAST_HOLD = 0.2
 """A stop shorter than this part of the ramp before it is a turning point, not a hold."""
 
 
-class Cycle(NamedTuple):
+class RampHoldCycle(NamedTuple):
     """One loading of the seal: a rest, at least one ramp, at least one hold.
 
     Attributes
     ----------
-    rest : Segment or None
+    rest : MotionSegment or None
         The stand before the first ramp; None if the record starts on the ramp.
-    segments : tuple of Segment
+    segments : tuple of MotionSegment
         From the first ramp to the last hold.
     """
 
-    rest: Segment | None
-    segments: tuple[Segment, ...]
+    rest: MotionSegment | None
+    segments: tuple[MotionSegment, ...]
 
     @property
-    def ramp(self) -> Segment:
+    def ramp(self) -> MotionSegment:
         """The first ramp."""
         return self.segments[0]
 
     @property
-    def hold(self) -> Segment:
+    def hold(self) -> MotionSegment:
         """The last hold."""
         return self.segments[-1]
 
@@ -216,15 +217,15 @@ class Cycle(NamedTuple):
         return ", ".join(_in_words(segment) for segment in self.segments)
 
 
-def cycles_of(segments: tuple[Segment, ...]) -> tuple[Cycle, ...]:
+def cycles_of(segments: tuple[MotionSegment, ...]) -> tuple[RampHoldCycle, ...]:
     """Return the loadings that hold, in order; whatever follows the last hold is left out.
 
     A loading ends where the displacement comes back to within 10 % of where it began: there the
     plate may leave the seal, and no linear solid describes what follows.
     """
-    found: list[Cycle] = []
-    rest: Segment | None = None
-    current: list[Segment] = []
+    found: list[RampHoldCycle] = []
+    rest: MotionSegment | None = None
+    current: list[MotionSegment] = []
     for segment in segments:
         if not current:
             if segment.kind == "load":
@@ -242,13 +243,13 @@ def cycles_of(segments: tuple[Segment, ...]) -> tuple[Cycle, ...]:
 
 
 def choose_cycle(
-    segments: tuple[Segment, ...], number: int | None, *, where: str
-) -> tuple[int, tuple[Cycle, ...]]:
+    segments: tuple[MotionSegment, ...], number: int | None, *, where: str
+) -> tuple[int, tuple[RampHoldCycle, ...]]:
     """Return the index of the loading to be used, and all of them; there is at least one.
 
     Parameters
     ----------
-    segments : tuple of Segment
+    segments : tuple of MotionSegment
     number : int or None
         Counted from 1; None takes the longest hold.
     where : str
@@ -269,7 +270,7 @@ def choose_cycle(
     return number - 1, found
 
 
-def listed(cycles: tuple[Cycle, ...]) -> str:
+def listed(cycles: tuple[RampHoldCycle, ...]) -> str:
     """The choices, in words."""
     parts = [f"cycle {i}: {cycle.words()}" for i, cycle in enumerate(cycles, start=1)]
     if len(parts) > _LISTED:
@@ -278,7 +279,7 @@ def listed(cycles: tuple[Cycle, ...]) -> str:
     return f"{count} ({'; '.join(parts)})"
 
 
-def nothing_held(segments: tuple[Segment, ...], where: str, advice: str) -> str:
+def nothing_held(segments: tuple[MotionSegment, ...], where: str, advice: str) -> str:
     """The sentence for a record without a ramp and a hold."""
     found = loading_of(segments)
     if found == "still":
@@ -300,7 +301,7 @@ def nothing_held(segments: tuple[Segment, ...], where: str, advice: str) -> str:
 Loading: TypeAlias = Literal["relaxation", "creep", "cld", "cyclic", "still", "other"]
 
 
-def loading_of(segments: tuple[Segment, ...]) -> Loading:
+def loading_of(segments: tuple[MotionSegment, ...]) -> Loading:
     """What a displacement does: a ramp and a hold, one triangle, cycles, nothing, or else."""
     if cycles_of(segments):
         return "relaxation"
@@ -312,19 +313,19 @@ def loading_of(segments: tuple[Segment, ...]) -> Loading:
     return "other"
 
 
-def _closed(rest: Segment | None, parts: list[Segment]) -> list[Cycle]:
+def _closed(rest: MotionSegment | None, parts: list[MotionSegment]) -> list[RampHoldCycle]:
     """A loading up to its last hold, if it has one."""
     for stop in range(len(parts), 1, -1):
         hold, before = parts[stop - 1], parts[stop - 2]
         enough = hold.last - hold.first >= 3 and hold.duration >= _LEAST_HOLD * before.duration
         if hold.kind == "hold" and enough:
-            return [Cycle(rest, tuple(parts[:stop]))]
+            return [RampHoldCycle(rest, tuple(parts[:stop]))]
     return []
 
 
-def _in_words(segment: Segment) -> str:
+def _in_words(segment: MotionSegment) -> str:
     if segment.kind == "hold":
         return f"hold {segment.start:.5g} to {segment.end:.5g} s"
     verb = "ramp" if segment.kind == "load" else "unloading"
-    moved = 1e3 * (segment.level - segment.origin)
-    return f"{verb} {segment.start:.5g} to {segment.end:.5g} s by {moved:+.4g} mm"
+    moved = written(segment.level - segment.origin, "mm", "+.4g")
+    return f"{verb} {segment.start:.5g} to {segment.end:.5g} s by {moved}"

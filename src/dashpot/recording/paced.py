@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from dashpot.base.errors import DataError
+from dashpot.base.units import in_unit
 from dashpot.recording.recorder import COLUMNS, Block, Description
 from dashpot.records.relaxation import RelaxationTest
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -34,7 +35,7 @@ class Paced:
         if not speed > 0:
             raise DataError(f"speed = {speed!r}; expected a number > 0, such as 10")
         self._time = test.time
-        self._values = np.column_stack([1e3 * test.displacement, test.force])
+        self._values = np.column_stack([in_unit(test.displacement, "mm"), test.force])
         self._device, self._speed, self._over = device, speed, threading.Event()
 
     def describe(self) -> Description:

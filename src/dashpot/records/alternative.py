@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
 
+from dashpot.base.choices import Family
+from dashpot.base.documents import Documented
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import Solid
-
-Family: TypeAlias = Literal["maxwell", "fractional"]
 
 
 def family_of(solid: Solid) -> Family:
@@ -17,7 +16,7 @@ def family_of(solid: Solid) -> Family:
 
 
 @dataclass(frozen=True)
-class Alternative:
+class Alternative(Documented):
     """The best solid of another family, fitted to the same data.
 
     Attributes
@@ -33,6 +32,8 @@ class Alternative:
     says : str
         What the two predict there, and what would tell them apart.
     """
+
+    keys = ("family", "*")
 
     solid: Solid
     bic: float

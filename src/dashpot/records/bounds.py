@@ -9,13 +9,15 @@ from typing import TypedDict
 import numpy as np
 
 from dashpot.base.arrays import ByValue, FloatArray, Frozen, frozen, increasing, samples
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.numbers import interval, rounded
+from dashpot.base.units import in_unit
 from dashpot.records.frf import Kind
 
 
 @dataclass(frozen=True)
-class EndOfHold:
+class EndOfHold(Documented):
     r"""What a relaxation test knows of the stiffness when it ends, and what it leaves open.
 
     Limits over every non-negative spectrum that the test does not reject, of the relaxation
@@ -33,6 +35,8 @@ class EndOfHold:
         The steepest :math:`-dk/d\ln t` at T, N/m.
     """
 
+    keys = ("k_inf", "k_end", "k_3end", "time", "falling")
+
     time: float
     k_end: tuple[float, float]
     k_3end: tuple[float, float]
@@ -42,8 +46,8 @@ class EndOfHold:
     @property
     def says(self) -> str:
         """What is known at the end of the hold, what is not, and what would tell more."""
-        low, high = (1e-3 * end for end in self.k_end)
-        most = rounded(1e-3 * self.k_inf[1], (high - low) / 4)
+        low, high = (in_unit(end, "N/mm") for end in self.k_end)
+        most = rounded(in_unit(self.k_inf[1], "N/mm"), (high - low) / 4)
         return (
             f"after {rounded(self.time)} s of hold the stiffness is {interval(low, high)} N/mm; "
             f"what it relaxes to is at most {most} N/mm, and no record sets a lower limit; a "

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from dashpot.base.errors import DataError
+from dashpot.base.units import written
 from dashpot.solids.elastic import ElasticLaw
 
 FARTHEST = 10.0
@@ -38,13 +39,13 @@ def refuse_far(
     if not math.isfinite(compression):
         return
     if height is not None and compression >= height:
-        known = f"it is {1e3 * height:.4g} mm high"
+        known = f"it is {written(height, 'mm')} high"
     elif law is not None and compression > FARTHEST * law.depth:
-        known = f"it was tested to {1e3 * law.depth:.3g} mm"
+        known = f"it was tested to {written(law.depth, 'mm', '.3g')}"
     else:
         return
     pressed, asked = "the compression given presses", "check its unit"
     if carried is not None:
         pressed = f"a mass of {carried:.4g} kg on each presses"
         asked = "check the mass and its unit (is it g?), and the number of seals"
-    raise DataError(f"{pressed} the seal by {1e3 * compression:.4g} mm, but {known}: {asked}")
+    raise DataError(f"{pressed} the seal by {written(compression, 'mm')}, but {known}: {asked}")

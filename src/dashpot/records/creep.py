@@ -8,12 +8,14 @@ from typing import TypeAlias
 
 import numpy as np
 
-from dashpot.base.arrays import ByValue, FloatArray, hold_measured, positive
+from dashpot.base.arrays import ByValue, FloatArray, hold_measured
 from dashpot.base.checks import Check
+from dashpot.base.demands import positive
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.offered import Described
 from dashpot.base.provenance import Source, Step, of_file
-from dashpot.base.units import Quantity, si
+from dashpot.base.units import Quantity, si, written
 from dashpot.records.after_step import curve_at, described_curve, since_a_step
 from dashpot.records.specimen import Specimen
 from dashpot.records.temperature import several
@@ -25,7 +27,7 @@ COMPLIANCES = {"N/m": "m/N", "Pa": "1/Pa"}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class CreepTest(ByValue, Described):
+class CreepTest(ByValue, Described, Documented):
     """A creep test as the machine wrote it, in SI units: a force held, and what it moves.
 
     Attributes
@@ -47,6 +49,8 @@ class CreepTest(ByValue, Described):
     DataError
         If the arrays differ in length, hold fewer than 8 samples, are not finite, or time stalls.
     """
+
+    schema = "dashpot/creep-test@1"
 
     time: FloatArray
     displacement: FloatArray
@@ -70,7 +74,7 @@ class CreepTest(ByValue, Described):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class CreepCompliance(ByValue, Described):
+class CreepCompliance(ByValue, Described, Documented):
     r"""A curve :math:`J(t)`, measured or shifted together, after a step of the force at t = 0.
 
     Attributes
@@ -91,6 +95,8 @@ class CreepCompliance(ByValue, Described):
     DataError
         If the arrays differ in length, are not finite, or time falls or starts below 0.
     """
+
+    schema = "dashpot/creep-compliance@1"
 
     time: FloatArray
     compliance: FloatArray
@@ -130,7 +136,7 @@ class CreepCompliance(ByValue, Described):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class LoadHold(ByValue, Described):
+class LoadHold(ByValue, Described, Documented):
     """A creep test prepared: both signals rise under the load, from the state before it.
 
     Attributes
@@ -161,6 +167,8 @@ class LoadHold(ByValue, Described):
     corners : tuple of float
         Times, s, between which `load` is straight, both ends included; none if it is not.
     """
+
+    schema = "dashpot/load-hold@1"
 
     time: FloatArray
     displacement: FloatArray
@@ -244,4 +252,4 @@ def _known_unit(unit: str, known: Iterable[str]) -> None:
 def _spans(moved: float, pressed: float, unit: str) -> str:
     if unit == "Pa":
         return f"strain spans {moved:.4g}, stress {pressed:.4g} Pa"
-    return f"displacement spans {1e3 * moved:.4g} mm, force {pressed:.4g} N"
+    return f"displacement spans {written(moved, 'mm')}, force {pressed:.4g} N"

@@ -14,6 +14,7 @@ from dashpot.base.arrays import (
     IndexArray,
     hold_measured,
 )
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.offered import Described
 from dashpot.base.provenance import Source, of_file
@@ -23,7 +24,7 @@ from dashpot.records.temperature import near, several, span
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class DynamicTest(ByValue, Described):
+class DynamicTest(ByValue, Described, Documented):
     r"""Storage and loss as a machine measured them under a harmonic motion.
 
     :math:`K^*(\omega) = K'(\omega) + j K''(\omega)` with x(t) = Re X e^{+j omega t}: a positive
@@ -47,6 +48,8 @@ class DynamicTest(ByValue, Described):
     DataError
         If the arrays differ in length, are not finite, or a frequency is not above 0.
     """
+
+    schema = "dashpot/dynamic-test@1"
 
     frequency: FloatArray
     storage: FloatArray

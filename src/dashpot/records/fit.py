@@ -4,20 +4,23 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
-from typing import TypeVar
+from dataclasses import dataclass, field, fields, replace
+from typing import Any, TypeVar
 
 import numpy as np
 
-from dashpot.base.arrays import ByValue, FloatArray, positive
+from dashpot.base.arrays import ByValue, FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
+from dashpot.base.choices import Family
+from dashpot.base.demands import positive
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.numbers import counted
 from dashpot.base.offered import Pictured
 from dashpot.base.provenance import Source, Step
 from dashpot.base.status import Status
-from dashpot.base.units import Quantity, si
-from dashpot.records.alternative import Alternative, Family, family_of
+from dashpot.base.units import Quantity, celsius, si, written
+from dashpot.records.alternative import Alternative, family_of
 from dashpot.records.bounds import EndOfHold, LeftOpen
 from dashpot.records.compression import refuse_far
 from dashpot.records.estimate import (
@@ -32,10 +35,10 @@ from dashpot.records.estimate import (
     StandardErrors,
 )
 from dashpot.records.specimen import Specimen
-from dashpot.records.temperature import SAME_TEMPERATURE, Shift, TemperatureShifts, celsius
+from dashpot.records.temperature import SAME_TEMPERATURE, Shift, TemperatureShifts
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.fractional import FractionalZener
-from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
+from dashpot.solids.maxwell import GeneralizedMaxwell, MaxwellArm, Solid
 from dashpot.solids.part import Geometry, Mode
 from dashpot.solids.temperature import TemperatureLaw
 
@@ -232,7 +235,7 @@ class Provenance:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Fit(ByValue, Pictured):
+class Fit(ByValue, Pictured, Documented):
     """A fitted solid, how well each parameter is known, and what the test cannot tell.
 
     Attributes
@@ -253,6 +256,18 @@ class Fit(ByValue, Pictured):
         of their reference.
     """
 
+    schema = "dashpot/fit@1"
+    keys = (
+        "id=identity", "status", "ok", "says=status.value", "verdict", "model", "solid=own_solid~",
+        "standard_error=errors_by_arm~", "interval_95=intervals_95~", "estimate.residual",
+        "band_hz=evidence.band", "elastic_law", "left_open=evidence.end_of_hold",
+        "temperature=temperatures", "mass=mass_found?", "evidence.creep?", "provenance.method",
+        "estimate.parameters", "estimate.covariance", "estimate.dof", "evidence.orders",
+        "evidence.certificate", "estimate.profiles", "estimate.nuisance", "evidence.checks",
+        "provenance.source", "provenance.steps", "evidence.by_depth", "provenance.specimen",
+        "evidence.moved", "evidence.explanations", "evidence.alternative", "unit",
+    )  # fmt: skip
+
     solid: Solid
     status: Status
     estimate: ParameterEstimate
@@ -261,6 +276,11 @@ class Fit(ByValue, Pictured):
     unit: str = "N/m"
     elastic_law: ElasticLaw | None = None
     temperatures: TemperatureShifts | None = None
+
+    @property
+    def digested(self) -> bool:
+        """Its document shows whether it was edited."""
+        return True
 
     @property
     def ok(self) -> bool:
@@ -484,6 +504,35 @@ class Fit(ByValue, Pictured):
         return _by_name(ends["k_inf"], ends["k"], ends["tau"])
 
     @property
+    def intervals_95(self) -> Intervals:
+        """95 % intervals, as :meth:`intervals`."""
+        return self.intervals(level=0.95)
+
+    @property
+    def errors_by_arm(self) -> dict[str, Any]:
+        """Standard errors laid out as the document of a model is."""
+        error = self.standard_error
+        arms = zip(error["k"], error["tau"], error["b"], strict=True)
+        return {"k_inf": error["k_inf"], "arms": tuple(MaxwellArm(*one) for one in arms)}
+
+    @property
+    def own_solid(self) -> dict[str, Any]:
+        """The family of the solid; of another than arms its parameters and how they are known."""
+        if self.family == "maxwell":
+            return {"family": self.family}
+        return {
+            "family": self.family,
+            **{one.name: getattr(self.solid, one.name) for one in fields(self.solid)},  # type: ignore[arg-type]
+            "standard_error": self.solid_standard_error,
+            "interval_95": self.solid_intervals(level=0.95),
+        }
+
+    @property
+    def mass_found(self) -> float | None:
+        """The mass that was fitted too, kg."""
+        return next((one.value for one in self.nuisance if one.name == "mass"), None)
+
+    @property
     def _of_arms(self) -> ParameterEstimate:
         """What is known of the arms of the solid."""
         if isinstance(self.solid, FractionalZener) and self.parameters:
@@ -638,7 +687,7 @@ class Fit(ByValue, Pictured):
         step = Step(
             "compression",
             (("compression_m", repr(compression)), ("of", self.identity)),
-            f"tangent at {1e3 * compression:.4g} mm, {factor:.4g} times the secant of fit "
+            f"tangent at {written(compression, 'mm')}, {factor:.4g} times the secant of fit "
             f"{self.identity}",
         )
         return replace(self._scaled(factor, step), solid=tangent, elastic_law=None)
@@ -659,15 +708,15 @@ class Fit(ByValue, Pictured):
         held = self.elastic_law.depth
         if law.depth < 0.99 * held:
             raise DataError(
-                f"the law ends at {1e3 * law.depth:.4g} mm, and the test was held at "
-                f"{1e3 * held:.4g} mm: expected a cycle at least as deep"
+                f"the law ends at {written(law.depth, 'mm')}, and the test was held at "
+                f"{written(held, 'mm')}: expected a cycle at least as deep"
             )
         factor = held / float(law.path(held))
         step = Step(
             "elastic law",
             (("depth_m", repr(law.depth)), ("of", self.identity)),
-            f"elastic law of compression load deflection to {1e3 * law.depth:.4g} mm: stiffnesses "
-            f"there {factor:.4g} times the secant of fit {self.identity}",
+            f"elastic law of compression load deflection to {written(law.depth, 'mm')}: "
+            f"stiffnesses there {factor:.4g} times the secant of fit {self.identity}",
         )
         scaled = self._scaled(factor, step)
         return replace(

@@ -18,6 +18,7 @@ from dashpot.base.arrays import (
     samples,
 )
 from dashpot.base.checks import Check
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.offered import Pictured, verb
 from dashpot.base.provenance import Source, Step
@@ -40,6 +41,8 @@ class Kind(StrEnum):
 
 
 _OVER_BASE = (Kind.TRANSMISSIBILITY, Kind.RELATIVE_TRANSMISSIBILITY)
+OF_FORCE = tuple(one.value for one in Kind if not one.over_base)
+"""Words for what a force on the mass makes of it."""
 
 
 UNITS = {
@@ -97,7 +100,7 @@ class Hit:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class FRF(ByValue, Pictured):
+class FRF(ByValue, Pictured, Documented):
     r"""A frequency response function, measured or predicted.
 
     Sign convention: x(t) = Re X e^{+j omega t}; the receptance of a passive system has a
@@ -129,6 +132,8 @@ class FRF(ByValue, Pictured):
     checks, source, steps
         As in a fit.
     """
+
+    schema = "dashpot/frf@1"
 
     frequency: FloatArray
     value: ComplexArray
@@ -382,7 +387,7 @@ def _as_kind(receptance: ComplexArray, s: ComplexArray, kind: Kind) -> ComplexAr
 
 
 @dataclass(frozen=True)
-class Mode:
+class Mode(Documented):
     r"""One mode: a pole pair :math:`p = \omega_n(-\zeta \pm j\sqrt{1-\zeta^2})` and its residue.
 
     Attributes
@@ -398,6 +403,8 @@ class Mode:
     method : str
         How it was found.
     """
+
+    keys = ("frequency_hz=frequency", "damping_ratio")
 
     frequency: float
     damping_ratio: float

@@ -8,13 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from dashpot.base.arrays import ByValue, FloatArray, frozen, measured, same_length, slices
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.offered import Described
 from dashpot.base.provenance import Source, of_file
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ImpactTest(ByValue, Described):
+class ImpactTest(ByValue, Described, Documented):
     """Hammer force and one or more accelerations, sampled together, in SI units.
 
     Attributes
@@ -34,6 +35,8 @@ class ImpactTest(ByValue, Described):
     source : tuple of Source
         One per file read.
     """
+
+    schema = "dashpot/impact-test@1"
 
     time: FloatArray
     force: FloatArray

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from dashpot.base.arrays import not_negative, picked, positive
+from dashpot.base.demands import not_negative, picked, positive
 from dashpot.base.options import option
 from dashpot.base.units import si_fields
 

@@ -8,11 +8,14 @@ from itertools import pairwise
 
 import numpy as np
 
-from dashpot.base.arrays import ByValue, FloatArray, hold_measured, phasor, positive
+from dashpot.base.arrays import ByValue, FloatArray, hold_measured, phasor
 from dashpot.base.checks import Check
+from dashpot.base.demands import positive
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.offered import Described, Pictured
 from dashpot.base.provenance import Source, Step, of_file
+from dashpot.base.units import written
 from dashpot.engine.blocks.compression import uniform_step
 from dashpot.records.machine import Machine
 from dashpot.records.specimen import Specimen
@@ -25,7 +28,7 @@ MAX_CREEP = 0.01
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class RelaxationTest(ByValue, Described):
+class RelaxationTest(ByValue, Described, Documented):
     """A relaxation test as the machine wrote it, in SI units.
 
     Attributes
@@ -46,6 +49,8 @@ class RelaxationTest(ByValue, Described):
         If the arrays differ in length, hold fewer than 8 samples, are not finite, or time stalls.
     """
 
+    schema = "dashpot/relaxation-test@1"
+
     time: FloatArray
     displacement: FloatArray
     force: FloatArray
@@ -62,7 +67,7 @@ class RelaxationTest(ByValue, Described):
             of_file(self.source, len(self.time)),
             (
                 f"{np.ptp(self.time):.5g} s; displacement spans "
-                f"{1e3 * np.ptp(self.displacement):.4g} mm, force {np.ptp(self.force):.4g} N"
+                f"{written(np.ptp(self.displacement), 'mm')}, force {np.ptp(self.force):.4g} N"
             ),
         )
 
@@ -103,7 +108,7 @@ class Hum:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class RampHold(ByValue, Pictured):
+class RampHold(ByValue, Pictured, Documented):
     """A prepared relaxation test: the ramp and the hold known, compression positive, tared.
 
     Made by :func:`dashpot.preparation.prepare.prepare`; what every fit works on.
@@ -144,6 +149,8 @@ class RampHold(ByValue, Pictured):
         Lines found in the force and taken off it.
     """
 
+    schema = "dashpot/ramp-hold@1"
+
     time: FloatArray
     displacement: FloatArray
     force: FloatArray
@@ -179,10 +186,13 @@ class RampHold(ByValue, Pictured):
         return (
             of_file(self.source, len(self.time)),
             (
-                f"ramp of {1e3 * self.depth:.4g} mm in {self.ramp_time:.4g} s from "
+                f"ramp of {written(self.depth, 'mm')} in {self.ramp_time:.4g} s from "
                 f"{self.onset:.5g} s, held {self.hold_time:.5g} s"
             ),
-            f"noise {1e3 * self.force_noise:.3g} mN and {1e6 * self.displacement_noise:.3g} um",
+            (
+                f"noise {written(self.force_noise, 'mN', '.3g')} and "
+                f"{written(self.displacement_noise, 'um', '.3g')}"
+            ),
             *failed,
         )
 

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from dashpot.base.arrays import ByValue, FloatArray, frozen, not_negative
+from dashpot.base.arrays import ByValue, FloatArray, frozen
+from dashpot.base.demands import not_negative
 from dashpot.base.errors import DataError
 from dashpot.base.offered import verb
 from dashpot.base.units import Quantity, si
@@ -248,9 +249,9 @@ class SealLine(ByValue):
     def mounts(self, body: str, pitch: Quantity, *, ground: str = "ground") -> Any:
         """Return its :class:`~dashpot.vibration.systems.bodies.Mount` elements, one a station.
 
-        As :func:`dashpot.seals.mounts.line_mounts`.
+        As :func:`dashpot.door.mounts.line_mounts`.
         """
-        return verb("seals.mounts", "line_mounts")(self, body, pitch, ground=ground)
+        return verb("door.mounts", "line_mounts")(self, body, pitch, ground=ground)
 
     def _factor(self, middles: FloatArray, piece: float) -> FloatArray:
         """Mean factor of the joints over each piece."""

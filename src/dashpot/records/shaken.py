@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from dashpot.base.arrays import ByValue, FloatArray, hold_measured, positive, slices
+from dashpot.base.arrays import ByValue, FloatArray, hold_measured, slices
+from dashpot.base.demands import positive
 from dashpot.base.errors import DataError
 from dashpot.base.offered import Described
 from dashpot.base.provenance import Source, of_file

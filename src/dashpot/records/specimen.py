@@ -5,10 +5,10 @@ from __future__ import annotations
 import datetime as dt
 from dataclasses import dataclass, fields, replace
 
-from dashpot.base.arrays import picked, positive
+from dashpot.base.demands import picked, positive
 from dashpot.base.errors import DataError
 from dashpot.base.options import option
-from dashpot.base.units import si_fields
+from dashpot.base.units import in_unit, si_fields, written
 
 # m; around all doors of a car, and across the widest profile
 _LARGEST = {"length": 50.0, "height": 1.0}
@@ -89,11 +89,10 @@ def tested_at(name: str, *temperatures: float) -> None:
     """
     for kelvin in temperatures:
         if not _COLDEST <= kelvin <= _HOTTEST:
-            celsius = kelvin - 273.15
             below = ", below absolute zero" if kelvin < 0 else ""
             raise DataError(
-                f"{name} = {kelvin:g} K, or {celsius:g} degC{below}; "
+                f"{name} = {kelvin:g} K, or {written(kelvin, 'degC', 'g')}{below}; "
                 f"expected one that rubber is tested at, {_COLDEST:g} to {_HOTTEST:g} K, or "
-                f"{_COLDEST - 273.15:.0f} to {_HOTTEST - 273.15:.0f} degC: is the unit "
-                "degC or K, the sign right?"
+                f"{in_unit(_COLDEST, 'degC'):.0f} to {written(_HOTTEST, 'degC', '.0f')}: is the "
+                "unit degC or K, the sign right?"
             )

@@ -9,10 +9,11 @@ from dashpot.base.arrays import ByValue, FloatArray, same_length, samples
 from dashpot.base.checks import Check
 from dashpot.base.offered import Pictured
 from dashpot.base.provenance import Source, Step
+from dashpot.base.units import celsius
 from dashpot.records.creep import CreepCompliance
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.modulus import RelaxationModulus
-from dashpot.records.temperature import TemperatureShifts, celsius
+from dashpot.records.temperature import TemperatureShifts
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 

@@ -8,7 +8,9 @@ from typing import Any
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, ByValue, FloatArray, frozen
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
+from dashpot.base.units import celsius, in_unit
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.temperature import WLF, Arrhenius, FreeShifts, TemperatureLaw
 
@@ -58,7 +60,7 @@ def shifts_with(
 
 
 @dataclass(frozen=True, eq=False)
-class TemperatureShifts(ByValue):
+class TemperatureShifts(ByValue, Documented):
     """The shifts of several temperatures, and the law laid through them.
 
     Attributes
@@ -81,6 +83,8 @@ class TemperatureShifts(ByValue):
         Covariance of the p parameters of the fit's solid and of `slope` with what `covariance` is
         of and with `slope`; empty where nothing is known of it.
     """
+
+    keys = ("reference", "*")
 
     law: TemperatureLaw
     shifts: tuple[Shift, ...]
@@ -360,7 +364,7 @@ def near(temperature: FloatArray | None, asked: float) -> BoolArray:
     within = np.abs(temperature - asked) <= ONE_TEMPERATURE / 2
     if not within.any():
         listed = ", ".join(
-            f"{value:.0f} degC" for value in np.unique(np.round(temperature - 273.15))
+            f"{value:.0f} degC" for value in np.unique(np.round(in_unit(temperature, "degC")))
         )
         raise DataError(
             f"no sample within {ONE_TEMPERATURE / 2:g} K of {celsius(asked)}; the test has {listed}"
@@ -398,8 +402,3 @@ def shifted_log_tau(log_tau: FloatArray, log_a: float, slope: float) -> FloatArr
 def decades(log_tau: FloatArray) -> FloatArray:
     """Decades of tau above the one that is shifted by a_T, whatever the slope."""
     return np.asarray((log_tau - np.log(CENTRE)) / _LN10)
-
-
-def celsius(temperature: float) -> str:
-    """A temperature, K, in words for people."""
-    return f"{temperature - 273.15:.4g} degC"

@@ -11,7 +11,8 @@ from typing import NamedTuple
 from dashpot import export
 from dashpot.base.checks import Check
 from dashpot.base.errors import ExportError
-from dashpot.base.numbers import counted, decibels, duration, hertz, percent, rounded
+from dashpot.base.numbers import counted, decibels, duration, hertz, percent, rounded, shown
+from dashpot.base.units import in_unit, written
 from dashpot.export import DeckText
 from dashpot.report.pages import held
 from dashpot.vibration.comparison.comparison import Comparison
@@ -29,10 +30,10 @@ LOPSIDED = 0.1
 
 ORDER = ("good", "note", "care", "bad")
 
-# the unit that people read, and its size in SI
+# the unit that people read
 UNITS = {
-    "frequency": ("Hz", 1.0), "damping": ("%", 100.0), "end of hold": ("N/mm", 1e-3),
-    "dynamic stiffness": ("N/mm", 1e-3), "loss factor": ("", 1.0),
+    "frequency": "Hz", "damping": "%", "end of hold": "N/mm", "dynamic stiffness": "N/mm",
+    "loss factor": "",
 }  # fmt: skip
 
 
@@ -56,7 +57,7 @@ class Row(NamedTuple):
     bound: bool
 
 
-class File(NamedTuple):
+class Attachment(NamedTuple):
     """A file inside the page.
 
     Attributes
@@ -80,20 +81,20 @@ class File(NamedTuple):
 def header(study: Study) -> tuple[tuple[str, str], ...]:
     """What was tested, where it comes from, by whom, when, and under what."""
     specimen = study.prepared.specimen
-    length = "" if specimen.length is None else f"{rounded(1e3 * specimen.length)} mm long"
+    length = "" if specimen.length is None else f"{shown(specimen.length, 'mm')} long"
     what = ", ".join(part for part in (specimen.name, length) if part)
     kelvin = specimen.temperature
-    mass = "" if study.mass is None else f"{rounded(1e3 * study.mass, digits=4)} g"
+    mass = "" if study.mass is None else shown(study.mass, "g", digits=4)
     inferred = " (inferred)" if study.mass_inferred else ""
     rows = (
         ("Specimen", what),
         ("Lot", specimen.lot),
         ("Operator", specimen.operator),
         ("Date", specimen.date),
-        ("Temperature", "" if kelvin is None else f"{kelvin - 273.15:.1f} °C"),
+        ("Temperature", "" if kelvin is None else written(kelvin, "°C", ".1f")),
         ("Mass", mass + inferred),
         ("Seals", "" if study.mass is None else f"{study.seals:g}"),
-        ("Test depth", f"{rounded(1e3 * study.prepared.depth)} mm"),
+        ("Test depth", shown(study.prepared.depth, "mm")),
     )
     return tuple((name, value or NOT_GIVEN) for name, value in rows)
 
@@ -186,8 +187,8 @@ def under_mass(study: Study, found: Recommendation) -> tuple[str, tuple[Row, ...
     """What the mass does on its seals; nothing without a mass."""
     if study.mass is None or not found.under_mass:
         return "", ()
-    grams, seals = rounded(1e3 * study.mass, digits=4), study.seals
-    said = f"{grams} g on {seals:g} seal{'' if seals == 1 else 's'}"
+    weight, seals = shown(study.mass, "g", digits=4), study.seals
+    said = f"{weight} on {seals:g} seal{'' if seals == 1 else 's'}"
     if study.mass_inferred:
         said += ", the mass inferred from the FRF"
     elif not found.recommended:
@@ -201,8 +202,8 @@ def rows(answers: Iterable[Answer]) -> tuple[Row, ...]:
 
 
 def _row(one: Answer) -> Row:
-    unit, factor = UNITS[one.quantity]
-    value, low, high = (factor * v for v in (one.value, one.low, one.high))
+    unit = UNITS[one.quantity]
+    value, low, high = (in_unit(v, unit or "1") for v in (one.value, one.low, one.high))
     below, above = value - low, high - value
     # of a lopsided range each end has the digits of its own distance
     if not min(below, above) > LOPSIDED * max(below, above):
@@ -216,16 +217,16 @@ def _row(one: Answer) -> Row:
         "unknown" if math.isnan(low) else rounded(low, below),
         "no limit" if math.isinf(high) else rounded(high, above),
         unit,
-        _measured(one, factor),
+        _measured(one, unit),
         one.bound,
     )
 
 
-def _measured(one: Answer, factor: float) -> str:
+def _measured(one: Answer, unit: str) -> str:
     if one.measured is None:
         return ""
-    error = None if one.measured_se is None else factor * one.measured_se
-    return rounded(factor * one.measured, error, digits=4)
+    error = None if one.measured_se is None else in_unit(one.measured_se, unit or "1")
+    return rounded(in_unit(one.measured, unit or "1"), error, digits=4)
 
 
 def _name(one: Answer) -> str:
@@ -246,7 +247,7 @@ def _held(seconds: float) -> str:
 # -- files ----------------------------------------------------------------------------------------
 
 
-def files(study: Study, found: Recommendation) -> tuple[File, ...]:
+def files(study: Study, found: Recommendation) -> tuple[Attachment, ...]:
     """What can be taken along, the recommended solid and its decks first."""
     fits = {"fit.json": (study.fit, "the fit of the relaxation test")}
     if study.joint is not None:
@@ -270,7 +271,7 @@ UNSTATED = {"temperature": "temperature", "length": "contact length"}
 """What a deck should say of its specimen, and does without, marked."""
 
 
-class Deck(NamedTuple):
+class AttachedDeck(NamedTuple):
     """A deck as the page holds it, and the words that make the same of the solid's JSON file.
 
     Attributes
@@ -287,7 +288,7 @@ class Deck(NamedTuple):
     options: tuple[str, ...]
 
 
-def decks(found: Recommendation) -> tuple[Deck, ...]:
+def decks(found: Recommendation) -> tuple[AttachedDeck, ...]:
     """Decks of one recommended seal, over the band that its tests inform and no further.
 
     What is not known of the specimen is allowed by name, so each deck marks it in its header. A
@@ -297,7 +298,7 @@ def decks(found: Recommendation) -> tuple[Deck, ...]:
         return ()
     fit, options = found.solid, ["--units", "mm-t-s"]
     if found.point is not None and not found.point.linear:
-        depth = round(1e3 * found.point.compression, 4)
+        depth = round(in_unit(found.point.compression, "mm"), 4)
         fit = fit.at_compression(f"{depth}mm")
         options += ["--compression", f"{depth}mm"]
     low, high = _inside(fit.band)
@@ -312,7 +313,7 @@ def decks(found: Recommendation) -> tuple[Deck, ...]:
             )
         except ExportError:
             return ()
-        made.append(Deck(text, label, suffix, ("--to", target, *options)))
+        made.append(AttachedDeck(text, label, suffix, ("--to", target, *options)))
     return tuple(made)
 
 
@@ -337,7 +338,7 @@ def about_decks(found: Recommendation) -> str:
     return f"Decks hold from {hertz(found.solid.band)}{marked}."
 
 
-def _decks(found: Recommendation, solid: str) -> list[File]:
+def _decks(found: Recommendation, solid: str) -> list[Attachment]:
     made = []
     for i, (text, label, suffix, options) in enumerate(decks(found)):
         command = shlex.join(("dashpot", "export", solid, *options))
@@ -348,14 +349,14 @@ def _decks(found: Recommendation, solid: str) -> list[File]:
     return made
 
 
-def _json(name: str, label: str, about: str, noun: object) -> File:
+def _json(name: str, label: str, about: str, noun: object) -> Attachment:
     about += ", SI units, full precision"
     return _file(name, label, about, "application/json", to_json(noun))
 
 
-def _file(name: str, label: str, about: str, kind: str, text: str) -> File:
+def _file(name: str, label: str, about: str, kind: str, text: str) -> Attachment:
     link = held(kind, text)
-    return File(name, label, about, link)
+    return Attachment(name, label, about, link)
 
 
 def _lines(c: Comparison, joint: Comparison | None) -> str:

@@ -12,18 +12,15 @@ import numpy as np
 from dashpot import plot
 from dashpot.base.arrays import FloatArray
 from dashpot.base.numbers import rounded
-from dashpot.fitting.level.hits import HitLevels
+from dashpot.kinds.level.hits import HitLevels
+from dashpot.kinds.level.levels import Elements, LevelFit, PeakAtLevel
+from dashpot.kinds.level.record import AmplitudeFit
 from dashpot.plot.picture import unit_of
-from dashpot.records.amplitude import AmplitudeFit
-from dashpot.records.level import LevelFit
 from dashpot.report.figures import drawn
 from dashpot.report.pages import COLOURS, frame, held
-from dashpot.report.tables import READ, Parameter, Table, checks
-from dashpot.solids.friction import Jenkins
+from dashpot.report.tables import READ, ParameterRow, TextTable, checks
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.rate_independent import InParallel
-from dashpot.solids.stiffening import Cubic
-from dashpot.workflow.level_document import PeakAtLevel
 from dashpot.workflow.levels import Levels
 
 _95 = 1.96
@@ -47,7 +44,7 @@ def contents(found: Levels) -> dict[str, Any]:
         "verdict": found.verdict,
         "colour": COLOURS[found.verdict.use],
         "figures": {"level": drawn(picture)},
-        "numbers": Table(("", "value", "95 % from", "to", "unit"), tuple(rows)),
+        "numbers": TextTable(("", "value", "95 % from", "to", "unit"), tuple(rows)),
         "beyond": beyond(found),
         "checks": checks([("levels", found.checks)], found.checks),
         "sources": tuple(dict.fromkeys(found.source)),
@@ -61,7 +58,7 @@ def document(found: Levels) -> str:
     return json.dumps(found.document, indent=2, ensure_ascii=False, allow_nan=False)
 
 
-def numbers(found: Levels) -> list[Parameter]:
+def numbers(found: Levels) -> list[ParameterRow]:
     """What moves with amplitude, and the resonance at every level that was asked for."""
     fit = found.fit
     if isinstance(fit, AmplitudeFit):
@@ -98,7 +95,7 @@ def beyond(found: Levels) -> str:
     return f"{said}. Nothing is known beyond {low} to {high} {word}."
 
 
-def _of_law(fit: AmplitudeFit) -> Iterator[Parameter]:
+def _of_law(fit: AmplitudeFit) -> Iterator[ParameterRow]:
     """Storage and loss at a vanishing amplitude, and the law's own numbers."""
     unit, scale = READ[fit.unit]
     letter = "E" if fit.unit == "Pa" else "K"
@@ -126,7 +123,7 @@ def _of_law(fit: AmplitudeFit) -> Iterator[Parameter]:
     yield _known("exponent", fit.exponent, error_of["exponent"] or np.inf, "")
 
 
-def _of_hits(fit: HitLevels) -> Iterator[Parameter]:
+def _of_hits(fit: HitLevels) -> Iterator[ParameterRow]:
     """How stiffness and damping change for twice the motion."""
     for name, line in (
         ("stiffness per doubling", fit.trend.stiffness_line),
@@ -142,18 +139,18 @@ def _amplitude(fit: AmplitudeFit) -> tuple[str, float]:
     return unit_of(np.array(fit.amplitudes), "m")
 
 
-def _known(name: str, value: float, error: float, unit: str, size: float = 0.0) -> Parameter:
+def _known(name: str, value: float, error: float, unit: str, size: float = 0.0) -> ParameterRow:
     """A number with its error; `size` is what it is a part of."""
     error = max(error, _FINEST * max(abs(value), size))
-    return Parameter(name, value, error, (value - _95 * error, value + _95 * error), unit)
+    return ParameterRow(name, value, error, (value - _95 * error, value + _95 * error), unit)
 
 
-def _of_levels(fit: LevelFit) -> Iterator[Parameter]:
+def _of_levels(fit: LevelFit) -> Iterator[ParameterRow]:
     """Storage and loss factor of one seal at the ends of its amplitudes, mid-band."""
     omega = np.pi * (fit.band[0] + fit.band[1])
     X = np.array(fit.amplitudes)
 
-    def read(solid: GeneralizedMaxwell, beside: tuple[Jenkins | Cubic, ...]) -> FloatArray:
+    def read(solid: GeneralizedMaxwell, beside: Elements) -> FloatArray:
         K = InParallel((solid, *beside)).equivalent(omega, X)
         return np.array((1e-3 * K.real, K.imag / K.real))
 
@@ -164,18 +161,18 @@ def _of_levels(fit: LevelFit) -> Iterator[Parameter]:
             error = (ends[1] - ends[0]) / 2 / _95
             word, mm = unit_of(np.array(at), "m")
             said = f"{name}, {rounded(mm * at, digits=2)} {word}"
-            yield Parameter(said, float(value[i, j]), error, ends, unit)
+            yield ParameterRow(said, float(value[i, j]), error, ends, unit)
     if fit.k3:
         word, mm = unit_of(X[1], "m")
         share = 0.75e-3 * X[1] ** 2
         low_end, high_end = (share * end for end in fit.k3_interval)
-        yield Parameter(
+        yield ParameterRow(
             f"cubic spring, {rounded(mm * X[1], digits=2)} {word}", share * fit.k3,
             (high_end - low_end) / 2 / _95, (low_end, high_end), "N/mm",
         )  # fmt: skip
 
 
-def _of_peak(one: PeakAtLevel) -> Iterator[Parameter]:
+def _of_peak(one: PeakAtLevel) -> Iterator[ParameterRow]:
     """Where the motion of the mass is largest at a level, and how large it is per force."""
     for name, value, (low, high), unit, scale in (
         ("peak", one.frequency, one.frequency_interval, "Hz", 1.0),
@@ -183,4 +180,4 @@ def _of_peak(one: PeakAtLevel) -> Iterator[Parameter]:
     ):
         said = f"{name} at {one.level:.4g} N"
         error = (high - low) / 2 / _95
-        yield Parameter(said, scale * value, scale * error, (scale * low, scale * high), unit)
+        yield ParameterRow(said, scale * value, scale * error, (scale * low, scale * high), unit)

@@ -9,8 +9,8 @@ from html import escape
 
 from dashpot import plot
 from dashpot.io.readers.inspect import Inspection
+from dashpot.kinds.cld.record import CLD
 from dashpot.plot import Picture
-from dashpot.records.cld import CLD
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF
 from dashpot.records.relaxation import RampHold

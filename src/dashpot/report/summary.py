@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.checks import GRADES, Check
-from dashpot.base.numbers import counted, hertz, readable, rounded
+from dashpot.base.numbers import counted, hertz, readable, rounded, shown
 from dashpot.base.provenance import Source
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF
@@ -47,8 +47,8 @@ def _solid(found: Recommendation) -> str:
     if isinstance(fit.solid, FractionalZener):
         arms = f"a springpot of slope {rounded(fit.solid.alpha)} beside it"
     return (
-        f"One seal behaves as a spring of {rounded(1e-3 * fit.model.k_inf)} N/mm with "
-        f"{arms}, {rounded(1e-3 * fit.model.k_0)} N/mm at once; "
+        f"One seal behaves as a spring of {shown(fit.model.k_inf, 'N/mm')} with "
+        f"{arms}, {shown(fit.model.k_0, 'N/mm')} at once; "
         f"{tests} its stiffness and damping from {hertz(fit.band)}."
     )
 
@@ -65,10 +65,9 @@ def _resting(study: Study) -> str:
     )
     beyond = ", beyond what was tested" if rests.point.beyond else ""
     return (
-        f"The mass rests at {rounded(1e3 * rests.point.compression)} mm{beyond}; what vibrates "
-        f"there is the tangent, {rounded(1e-3 * tangent.stiffness, 1e-3 * tangent.stiffness_se)} "
-        f"N/mm{here}, not the secant of {rounded(1e-3 * secant.stiffness)} N/mm at "
-        f"{rounded(1e3 * depth)} mm{there}."
+        f"The mass rests at {shown(rests.point.compression, 'mm')}{beyond}; what vibrates "
+        f"there is the tangent, {shown(tangent.stiffness, 'N/mm', tangent.stiffness_se)}{here}, "
+        f"not the secant of {shown(secant.stiffness, 'N/mm')} at {shown(depth, 'mm')}{there}."
     )
 
 
@@ -137,7 +136,7 @@ def inferred_mass(study: Study) -> str:
     if not (study.mass_inferred and study.mass is not None):
         return ""
     return (
-        f"The mass of {rounded(1e3 * study.mass, digits=4)} g was inferred from the measured FRF, "
+        f"The mass of {shown(study.mass, 'g', digits=4)} was inferred from the measured FRF, "
         "so the agreement in frequency proves nothing. Weigh the block."
     )
 

@@ -51,8 +51,8 @@ READ_OF_NUISANCE = {
 
 
 @dataclass(frozen=True)
-class Table:
-    """Head and rows; `marks` names a style for a row: "good", "bad", "doubt" or ""."""
+class TextTable:
+    """Head and rows as text; `marks` names a style for a row: "good", "bad", "doubt" or ""."""
 
     head: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
@@ -63,7 +63,7 @@ class Table:
         return self.marks[row] if row < len(self.marks) else ""
 
 
-def assumptions(study: Study) -> Table:
+def assumptions(study: Study) -> TextTable:
     """What the results suppose, what the checks of this study say of it, and what lifts it."""
     checks = (*study.prepared.checks, *study.every_check)
     told = [(one, one.state(checks)) for one in ASSUMPTIONS]
@@ -72,10 +72,10 @@ def assumptions(study: Study) -> Table:
         for one, state in told
     )
     head = ("assumed", "what that means", "here", "option that lifts it", "on the bench")
-    return Table(head, rows, tuple("bad" if state == "doubted" else "" for _, state in told))
+    return TextTable(head, rows, tuple("bad" if state == "doubted" else "" for _, state in told))
 
 
-def checks(groups: Sequence[tuple[str, Sequence[Check]]], weighed: Collection[Check]) -> Table:
+def checks(groups: Sequence[tuple[str, Sequence[Check]]], weighed: Collection[Check]) -> TextTable:
     """Every check in words, failed ones first; a sentence that two stages share stands once.
 
     One that the verdict does not weigh, such as what a joint fit has mended, says so.
@@ -88,7 +88,7 @@ def checks(groups: Sequence[tuple[str, Sequence[Check]]], weighed: Collection[Ch
     rows = tuple((_state(check, weighed), stage, words(check.name), readable(check.says))
                  for stage, check in ordered)  # fmt: skip
     marks = tuple(_mark(check, weighed) for _, check in ordered)
-    return Table(("", "stage", "question", "answer"), rows, marks)
+    return TextTable(("", "stage", "question", "answer"), rows, marks)
 
 
 def _gravity(check: Check, weighed: Collection[Check]) -> int:
@@ -113,7 +113,7 @@ def _mark(check: Check, weighed: Collection[Check]) -> str:
 # -- the relaxation test and its fits -------------------------------------------------------------
 
 
-class Parameter(NamedTuple):
+class ParameterRow(NamedTuple):
     """One parameter of a solid in the unit that is read."""
 
     name: str
@@ -123,7 +123,7 @@ class Parameter(NamedTuple):
     unit: str
 
 
-def parameters(fit: Fit) -> Iterator[Parameter]:
+def parameters(fit: Fit) -> Iterator[ParameterRow]:
     """k∞, then the stiffness, the dashpot and the relaxation time of every arm.
 
     Of a fractional solid, its own four; of a material, moduli.
@@ -136,7 +136,7 @@ def parameters(fit: Fit) -> Iterator[Parameter]:
             unit, f = READ.get(si, (si, 1.0))
             low, high = limits[name]
             value = f * getattr(fit.solid, name)
-            yield Parameter(symbol(name), value, f * known[name], (f * low, f * high), unit)
+            yield ParameterRow(symbol(name), value, f * known[name], (f * low, f * high), unit)
         return
     model, error, between = fit.model, fit.standard_error, fit.intervals(level=0.95)
     groups = (
@@ -150,10 +150,10 @@ def parameters(fit: Fit) -> Iterator[Parameter]:
             every.append((f"{name}_{j}", unit, value, se, ends))
     for name, si, value, se, (low, high) in every:
         unit, f = READ.get(si, (si, 1.0))
-        yield Parameter(symbol(name), f * value, f * se, (f * low, f * high), unit)
+        yield ParameterRow(symbol(name), f * value, f * se, (f * low, f * high), unit)
 
 
-def test_facts(prepared: RampHold) -> Table:
+def test_facts(prepared: RampHold) -> TextTable:
     """What was done to the seal."""
     steps = np.diff(prepared.time)
     rate = 1 / float(np.median(steps))
@@ -178,10 +178,10 @@ def test_facts(prepared: RampHold) -> Table:
         rows.append(("compression / height", rounded(100 * strain, digits=2), "%"))
     if specimen.temperature:
         rows.append(("temperature", f"{specimen.temperature - 273.15:.1f}", "°C"))
-    return Table(("", "value", "unit"), tuple(rows))
+    return TextTable(("", "value", "unit"), tuple(rows))
 
 
-def coefficients(fit: Fit | None, length: float | None) -> Table | None:
+def coefficients(fit: Fit | None, length: float | None) -> TextTable | None:
     """Table 1 of the paper, with intervals, and per 100 mm of seal if the length is known."""
     if fit is None:
         return None
@@ -204,10 +204,10 @@ def coefficients(fit: Fit | None, length: float | None) -> Table | None:
         unit, f = READ["N s/m"]
         rows.append(("b", rounded(f * fit.model.b), "", unit, *[""] * (length is not None)))
     head = ("", "value ± standard error", "95 % interval", "unit", "per 100 mm")
-    return Table(head if length is not None else head[:-1], tuple(rows))
+    return TextTable(head if length is not None else head[:-1], tuple(rows))
 
 
-def orders(study: Study) -> Table:
+def orders(study: Study) -> TextTable:
     """One, two and more arms side by side."""
     fit = study.fit
     best = min((one.bic for one in fit.orders), default=math.nan)
@@ -238,10 +238,10 @@ def orders(study: Study) -> Table:
             "every arm significant")  # fmt: skip
     # a ramp that no linear solid follows is fitted hold first, and its orders are not compared
     columns = len(head) if scores else 4
-    return Table(head[:columns], tuple(row[:columns] for row in rows), tuple(marks))
+    return TextTable(head[:columns], tuple(row[:columns] for row in rows), tuple(marks))
 
 
-def two_routes(study: Study) -> Table | None:
+def two_routes(study: Study) -> TextTable | None:
     """The full history against the paper's eq. (5) on the hold; None if their arms differ."""
     fit, hold = study.fit, study.hold_fit
     if hold is None or fit.model.arms != hold.model.arms:
@@ -256,10 +256,10 @@ def two_routes(study: Study) -> Table | None:
         for a, b in zip(parameters(fit), parameters(hold), strict=True)
         if a.value and a.unit != READ["N s/m"][0]
     )
-    return Table(("", "full history", "hold only, eq. (5)", "difference"), rows)
+    return TextTable(("", "full history", "hold only, eq. (5)", "difference"), rows)
 
 
-def nuisances(fit: Fit | None) -> Table | None:
+def nuisances(fit: Fit | None) -> TextTable | None:
     """What the fit needed and nobody asked for."""
     if fit is None or not fit.nuisance:
         return None
@@ -267,10 +267,10 @@ def nuisances(fit: Fit | None) -> Table | None:
     for term in fit.nuisance:
         unit, f = READ_OF_NUISANCE.get(term.unit, (term.unit, 1.0))
         rows.append((words(term.name), with_error(f * term.value, f * term.standard_error), unit))
-    return Table(VALUE, tuple(rows))
+    return TextTable(VALUE, tuple(rows))
 
 
-def in_frequency(study: Study) -> Table:
+def in_frequency(study: Study) -> TextTable:
     """Stiffness and loss factor of one seal at some frequencies, and whether they are known."""
     (low, high), unseen = study.fit.band, study.unseen
     marked = () if study.comparison is None else (study.comparison.measured_hz,)
@@ -294,7 +294,7 @@ def in_frequency(study: Study) -> Table:
     head = ["frequency, Hz", "storage K′, N/mm", "loss K″, N/mm", "loss factor"]
     if unseen is not None:
         head += ["K′ left open, N/mm", "loss factor left open"]
-    return Table((*head, "this test"), tuple(rows), tuple(marks))
+    return TextTable((*head, "this test"), tuple(rows), tuple(marks))
 
 
 def _range_at(band: StiffnessBounds, limits: FloatArray, f: float) -> str:
@@ -307,7 +307,7 @@ def _range_at(band: StiffnessBounds, limits: FloatArray, f: float) -> str:
 # -- the hammer test ------------------------------------------------------------------------------
 
 
-def peaks(study: Study) -> Table | None:
+def peaks(study: Study) -> TextTable | None:
     """Predicted, measured and joint: frequency, height and damping of the peak."""
     c, joint = study.comparison, study.joint_comparison
     if c is None:
@@ -323,7 +323,7 @@ def peaks(study: Study) -> Table | None:
     if joint is not None:
         head += ["after the joint fit", "difference"]
         columns += _predicted(joint)
-    return Table(tuple(head), tuple(zip(*columns, strict=True)))
+    return TextTable(tuple(head), tuple(zip(*columns, strict=True)))
 
 
 def _predicted(c: Comparison) -> tuple[tuple[str, ...], tuple[str, ...]]:
@@ -349,7 +349,7 @@ def _known(value: float, se: float | None, *, digits: int = 3) -> str:
     return with_error(value, se) if se is not None and se > 0 else rounded(value, digits=digits)
 
 
-def resonance(study: Study) -> Table | None:
+def resonance(study: Study) -> TextTable | None:
     """Natural frequency and damping of the resonance, read in every way the record supports."""
     c, measured = study.comparison, study.measured
     if c is None or measured is None or study.mass is None:
@@ -369,7 +369,7 @@ def resonance(study: Study) -> Table | None:
         for mode in model_modes(study.seals * point.solid(one), mass)[:1]:
             rows.append((f"{says}: exact pole", rounded(mode.frequency, digits=5),
                          rounded(100 * mode.damping_ratio)))  # fmt: skip
-    return Table(("", "natural frequency, Hz", "damping ratio, %"), tuple(rows))
+    return TextTable(("", "natural frequency, Hz", "damping ratio, %"), tuple(rows))
 
 
 def _solids(study: Study, mass: float) -> Iterator[tuple[str, Fit, float]]:
@@ -398,7 +398,7 @@ def _mode_cells(measured: FRF, way: str, c: Comparison) -> tuple[str, str]:
     )
 
 
-def arms_tested(comparison: Comparison | None) -> Table | None:
+def arms_tested(comparison: Comparison | None) -> TextTable | None:
     """Which arms carried the loss at the measured peak, and which the relaxation test resolved."""
     if comparison is None or not comparison.arms:
         return None
@@ -411,10 +411,10 @@ def arms_tested(comparison: Comparison | None) -> Table | None:
         marks.append("bad" if tested and not resolved else "")
     head = ("arm's τ", "share of the loss at the peak, %", "tested by this FRF",
             "resolved by the relaxation test")  # fmt: skip
-    return Table(head, tuple(rows), tuple(marks))
+    return TextTable(head, tuple(rows), tuple(marks))
 
 
-def hits(frf: FRF | None) -> Table | None:
+def hits(frf: FRF | None) -> TextTable | None:
     """Every hit and the verdict on it, with the reasons if there are any."""
     if frf is None or not frf.hits:
         return None
@@ -431,10 +431,10 @@ def hits(frf: FRF | None) -> Table | None:
         )[:columns]
         for hit in frf.hits
     )
-    return Table(head[:columns], rows, tuple("" if hit.accepted else "bad" for hit in frf.hits))
+    return TextTable(head[:columns], rows, tuple("" if hit.accepted else "bad" for hit in frf.hits))
 
 
-def explanations(joint: Fit | None) -> Table | None:
+def explanations(joint: Fit | None) -> TextTable | None:
     """What would explain two tests that disagree, or None if they agree."""
     if joint is None or not joint.explanations:
         return None
@@ -442,17 +442,17 @@ def explanations(joint: Fit | None) -> Table | None:
         (readable(one.says), rounded(one.fall, digits=4), "yes" if one.explains else "no")
         for one in joint.explanations
     )
-    return Table(("if", "chi-square falls by", "explains both tests"), rows)
+    return TextTable(("if", "chi-square falls by", "explains both tests"), rows)
 
 
-def moved(joint: Fit | None) -> Table | None:
+def moved(joint: Fit | None) -> TextTable | None:
     """What the hammer changed in the solid."""
     if joint is None or not joint.moved:
         return None
     rows = tuple(_moved_row(one) for one in joint.moved)
     marks = tuple("doubt" if row[-1] == "new" else "" for row in rows)
     head = ("", "relaxation alone", "both tests", "change", "in SE of relaxation alone")
-    return Table(head, rows, marks)
+    return TextTable(head, rows, marks)
 
 
 def _moved_row(m: Moved) -> tuple[str, ...]:

@@ -1,5 +1,5 @@
 """The virtual rig and the virtual hammer: records whose truth is known."""
 
-import lazy_loader
+from dashpot.base.lazy import names_of
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__, __dir__, __all__ = names_of(__name__, __file__)

@@ -8,7 +8,8 @@ from math import exp, pi
 import numpy as np
 import numpy.typing as npt
 
-from dashpot.base.arrays import FloatArray, not_negative, picked, positive
+from dashpot.base.arrays import FloatArray
+from dashpot.base.demands import not_negative, picked, positive
 from dashpot.base.errors import DataError
 
 

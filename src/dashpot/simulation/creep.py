@@ -7,7 +7,8 @@ from math import cos, exp, sin, sqrt
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray, not_negative, positive, sample_count
+from dashpot.base.arrays import FloatArray, sample_count
+from dashpot.base.demands import not_negative, positive
 from dashpot.base.units import Quantity, si
 from dashpot.records.creep import CreepTest
 from dashpot.simulation.rig import Climate, Rig, RigTruth, in_steps, piece

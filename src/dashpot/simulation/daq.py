@@ -7,8 +7,10 @@ from math import sqrt
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray, not_negative, picked, positive
+from dashpot.base.arrays import FloatArray
+from dashpot.base.demands import not_negative, picked, positive
 from dashpot.base.errors import DataError
+from dashpot.base.units import in_unit, written
 
 
 @dataclass(frozen=True)
@@ -46,9 +48,10 @@ class Daq:
         asked = self.channels * self.rate
         if asked > self.fastest:
             raise DataError(
-                f"{self.channels} channels at {self.rate / 1e3:g} kHz are {asked / 1e3:g} kS/s; "
-                f"the card converts {self.fastest / 1e3:g} kS/s in all: take "
-                f"{self.fastest / self.channels / 1e3:.4g} kHz at most, or fewer channels"
+                f"{self.channels} channels at {written(self.rate, 'kHz', 'g')} are "
+                f"{in_unit(asked, 'kHz'):g} kS/s; the card converts "
+                f"{in_unit(self.fastest, 'kHz'):g} kS/s in all: take "
+                f"{written(self.fastest / self.channels, 'kHz')} at most, or fewer channels"
             )
 
     @property

@@ -7,7 +7,8 @@ from math import pi
 
 import numpy as np
 
-from dashpot.base.arrays import ComplexArray, FloatArray, positive, sample_count
+from dashpot.base.arrays import ComplexArray, FloatArray, sample_count
+from dashpot.base.demands import positive
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, si
 from dashpot.records.impact import ImpactTest
@@ -18,7 +19,7 @@ _OVERSAMPLING = 4
 
 
 @dataclass(frozen=True)
-class Pulse:
+class HalfSine:
     """A half-sine push: start, s; duration, s; peak, N (or N m about the centre)."""
 
     start: float
@@ -85,7 +86,7 @@ class Oscillator:
         return cls(inertia, poles, (matrix[1] @ vectors) * np.linalg.solve(vectors, push))
 
     def acceleration(
-        self, time: FloatArray, pulses: tuple[Pulse, ...], rest: ComplexArray | None = None
+        self, time: FloatArray, pulses: tuple[HalfSine, ...], rest: ComplexArray | None = None
     ) -> tuple[FloatArray, ComplexArray]:
         r"""Acceleration at `time`, and the modal state at its end.
 
@@ -99,7 +100,7 @@ class Oscillator:
         ----------
         time : array, shape (n,)
             Evenly spaced, s.
-        pulses : tuple of Pulse
+        pulses : tuple of HalfSine
         rest : array, shape (modes,), optional
             Modal state at ``time[0]``; at rest if not given.
         """
@@ -122,7 +123,7 @@ class Oscillator:
 
 
 def _mode_under(
-    pulse: Pulse, pole: complex, time: FloatArray, free: FloatArray | ComplexArray
+    pulse: HalfSine, pole: complex, time: FloatArray, free: FloatArray | ComplexArray
 ) -> FloatArray | ComplexArray:
     """The motion of one mode under one pulse; `free` is its decay since ``time[0]``."""
     omega = np.pi / pulse.duration
@@ -244,7 +245,7 @@ class ImpactTruth:
     seals : float
     hammer : Hammer
     seed : int
-    hits : tuple of Pulse
+    hits : tuple of HalfSine
         Each first pulse: start within its record, s; duration, s; peak, N.
     eccentricities : tuple of float
         Where each hit landed, m from the middle.
@@ -261,7 +262,7 @@ class ImpactTruth:
     seals: float
     hammer: Hammer
     seed: int
-    hits: tuple[Pulse, ...]
+    hits: tuple[HalfSine, ...]
     eccentricities: tuple[float, ...]
     gains: tuple[float, float]
     bounce_poles: tuple[complex, ...]
@@ -359,10 +360,10 @@ def simulate_impact(
     return SimulatedImpact(test=test, truth=truth)
 
 
-def _pulse(rig: Hammer, random: np.random.Generator) -> Pulse:
+def _pulse(rig: Hammer, random: np.random.Generator) -> HalfSine:
     # nobody strikes on a sample
     start = rig.pretrigger + random.uniform(0, 1) / rig.rate
-    return Pulse(
+    return HalfSine(
         float(start), float(random.uniform(*rig.duration)), float(random.uniform(*rig.peak))
     )
 
@@ -371,7 +372,7 @@ def _motion(
     rig: Hammer,
     bounce: Oscillator,
     rock: Oscillator,
-    pulses: tuple[Pulse, ...],
+    pulses: tuple[HalfSine, ...],
     eccentricities: tuple[float, ...],
 ) -> list[FloatArray]:
     """Force and the two accelerations at the record's rate, every hit one after another."""
@@ -381,7 +382,7 @@ def _motion(
     parts: list[list[FloatArray]] = [[], [], []]
     lifted = tilted = None
     for i, (pulse, offset) in enumerate(zip(pulses, eccentricities, strict=True)):
-        train: tuple[Pulse, ...] = (pulse,)
+        train: tuple[HalfSine, ...] = (pulse,)
         if i in rig.double_hits:
             train += (replace(pulse, start=pulse.start + 0.06, peak=0.4 * pulse.peak),)
         turns = tuple(replace(push, peak=push.peak * offset) for push in train)

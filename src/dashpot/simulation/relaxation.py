@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray, positive
+from dashpot.base.arrays import FloatArray
+from dashpot.base.demands import positive
 from dashpot.base.units import Quantity, si
 from dashpot.records.relaxation import RelaxationTest
 from dashpot.simulation.motion import simulate_path

@@ -7,7 +7,8 @@ from math import pi, tan
 
 import numpy as np
 
-from dashpot.base.arrays import ByValue, FloatArray, not_negative, picked, samples
+from dashpot.base.arrays import ByValue, FloatArray, samples
+from dashpot.base.demands import not_negative, picked
 from dashpot.base.errors import DataError
 from dashpot.records.specimen import Specimen
 from dashpot.simulation.axis import Axis

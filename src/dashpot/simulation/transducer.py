@@ -10,6 +10,7 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray
 from dashpot.base.errors import DataError
+from dashpot.base.units import written
 from dashpot.base.version import byline
 from dashpot.simulation.daq import Daq
 from dashpot.simulation.frames import tilted
@@ -152,10 +153,11 @@ class Instrument:
         for name in ("hum", "vibration"):
             size, line = getattr(rig, name), getattr(rig, f"{name}_frequency")
             seen = self.daq.alias(line)
-            left = 1e3 * size * self.daq.passed(line)
+            left = size * self.daq.passed(line)
             if seen is not None and size:
                 found.append(
-                    f"{name} of {line:g} Hz shows at {seen:g} Hz, {left:.3g} mN: {self.daq.rate:g} "
-                    "samples a second are too few for it, and the filter lets it through"
+                    f"{name} of {line:g} Hz shows at {seen:g} Hz, {written(left, 'mN', '.3g')}: "
+                    f"{self.daq.rate:g} samples a second are too few for it, and the filter lets "
+                    "it through"
                 )
         return tuple(found)

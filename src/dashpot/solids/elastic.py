@@ -9,16 +9,27 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import FloatArray, increasing, same_length, samples
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
+from dashpot.base.units import in_unit, written
+
+
+class BareLaw(NamedTuple):
+    """The kind of an elastic law, compressions, m, and the tangent stiffness there, N/m."""
+
+    kind: str
+    knots: tuple[float, ...]
+    tangent: FloatArray
 
 
 @dataclass(frozen=True)
-class ElasticLaw:
+class ElasticLaw(Documented):
     r"""Relaxed force against compression, its tangent linear between knots.
 
     .. math:: F_e(x) = k \int_0^x t(u)\,du, \qquad \frac1h \int_0^h t(u)\,du = 1
@@ -40,6 +51,8 @@ class ElasticLaw:
     ratio_se : tuple of float
         Standard error of :math:`t` at the knots; empty where nothing is known of it.
     """
+
+    keys = ("kind", "knots", "tangent=tangents", "ratio", "ratio_se", "stiffness")
 
     knots: tuple[float, ...]
     ratio: tuple[float, ...]
@@ -101,6 +114,16 @@ class ElasticLaw:
         """Tangent stiffness dF_e/dx, N/m."""
         return self.stiffness * self.factor(x)
 
+    @property
+    def bare(self) -> BareLaw:
+        """What follows of it alone."""
+        return BareLaw(self.kind, self.knots, self.tangents)
+
+    @property
+    def tangents(self) -> FloatArray:
+        """Tangent stiffness at the knots, N/m."""
+        return self.tangent(self.knots)
+
     def factor(self, x: npt.ArrayLike) -> FloatArray:
         """Tangent stiffness over `stiffness`: what small vibration about x does to every arm."""
         return np.asarray(np.interp(np.asarray(x, dtype=float), self.knots, self.ratio))
@@ -122,7 +145,7 @@ class ElasticLaw:
         deepest, last = float(self.path(self.depth)), self.ratio[-1]
         if not 0 <= target < np.inf or (target > deepest and last <= 0):
             raise DataError(
-                f"no compression carries {force:.4g} N: at {1e3 * self.depth:.4g} mm the relaxed "
+                f"no compression carries {force:.4g} N: at {written(self.depth, 'mm')} the relaxed "
                 f"force is {self.stiffness * deepest:.4g} N, its tangent "
                 f"{self.stiffness * last:.4g} N/m"
             )
@@ -196,8 +219,9 @@ def compare_with_curve(
     for depth in depths:
         if not x[0] <= depth <= x[-1]:
             raise DataError(
-                f"the compression curve runs from {1e3 * x[0]:.4g} to {1e3 * x[-1]:.4g} mm and "
-                f"does not reach the depth of {1e3 * depth:.4g} mm; measure it deeper"
+                f"the compression curve runs from {in_unit(x[0], 'mm'):.4g} to "
+                f"{written(x[-1], 'mm')} and does not reach the depth of {written(depth, 'mm')}; "
+                "measure it deeper"
             )
         relaxed, curve = float(law.force(depth)), float(np.interp(depth, x, y))
         ratio = 100 * (curve / relaxed - 1.0)
@@ -206,7 +230,7 @@ def compare_with_curve(
                 depth,
                 relaxed,
                 curve,
-                f"at {1e3 * depth:.4g} mm the compression curve reads {curve:.4g} N, "
+                f"at {written(depth, 'mm')} the compression curve reads {curve:.4g} N, "
                 f"{ratio:+.2g} % of the relaxed {relaxed:.4g} N; a curve driven at a finite "
                 "speed lies above by what has not relaxed yet",
             )

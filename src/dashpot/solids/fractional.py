@@ -28,7 +28,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from dashpot.base.arrays import ComplexArray, FloatArray, increasing, positive, same_length, samples
+from dashpot.base.arrays import ComplexArray, FloatArray, increasing, same_length, samples
+from dashpot.base.demands import positive
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 from dashpot.solids.parallel import Parallel
@@ -140,7 +142,7 @@ def _beyond(u: float, alpha: float) -> tuple[float, float]:
 
 
 @dataclass(frozen=True)
-class FractionalZener(Solid):
+class FractionalZener(Solid, Documented):
     r"""A spring beside a spring and a springpot in series; with a dashpot beside them, if given.
 
     .. math:: K(s) = \frac{k_\infty + k_0 (s\tau)^\alpha}{1 + (s\tau)^\alpha} + b s, \qquad
@@ -169,6 +171,8 @@ class FractionalZener(Solid):
     >>> round(seal.loss_factor(2 * np.pi * 12.71), 6)
     np.float64(0.133066)
     """
+
+    schema = "dashpot/fractional@1"
 
     k_0: float
     k_inf: float

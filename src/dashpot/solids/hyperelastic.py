@@ -27,20 +27,19 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import Literal, NamedTuple, TypeAlias, get_args
+from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.choices import ElasticKind, refuse_other
 from dashpot.base.errors import DataError
 
-Kind: TypeAlias = Literal["neo-hooke", "mooney-rivlin", "yeoh", "ogden", "hyperfoam"]
 Mode: TypeAlias = Literal["uniaxial", "equibiaxial", "planar", "volumetric"]
-KINDS: tuple[Kind, ...] = get_args(Kind)
 SHEARING: tuple[Mode, ...] = ("uniaxial", "equibiaxial", "planar")
 """The modes that change the shape."""
-POWERS: MappingProxyType[str, tuple[tuple[int, int], ...]] = MappingProxyType({
+POWERS: MappingProxyType[ElasticKind, tuple[tuple[int, int], ...]] = MappingProxyType({
     "neo-hooke": ((1, 0),), "mooney-rivlin": ((1, 0), (0, 1)), "yeoh": ((1, 0), (2, 0), (3, 0)),
 })  # fmt: skip
 """Of I1 - 3 and I2 - 3 with each constant of a law of the invariants."""
@@ -131,15 +130,14 @@ class Hyperelastic:
     (np.float64(612500.0), np.float64(1378125.0))
     """
 
-    kind: Kind
+    kind: ElasticKind
     constants: tuple[float, ...]
     exponents: tuple[float, ...] = ()
     poisson: float = 0.5
     bulk: float | None = None
 
     def __post_init__(self) -> None:
-        if self.kind not in KINDS:
-            raise DataError(f"'{self.kind}' is no law; expected one of {', '.join(KINDS)}")
+        refuse_other("law", self.kind, ElasticKind)
         powers = self.kind not in POWERS
         expected = len(self.exponents) if powers else len(POWERS[self.kind])
         if len(self.constants) != expected or expected < 1 or (self.exponents and not powers):

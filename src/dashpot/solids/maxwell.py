@@ -5,12 +5,14 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from dashpot.base.arrays import ComplexArray, FloatArray, increasing, positive, same_length, samples
+from dashpot.base.arrays import ComplexArray, FloatArray, increasing, same_length, samples
+from dashpot.base.demands import positive
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 
 if TYPE_CHECKING:
@@ -96,8 +98,16 @@ class Solid(ABC):
         return self.maxwell.displacement(t, force)
 
 
+class MaxwellArm(NamedTuple):
+    """A spring, N/m, its relaxation time, s, and the dashpot behind it, N s/m."""
+
+    k: float
+    tau: float
+    b: float
+
+
 @dataclass(frozen=True)
-class GeneralizedMaxwell(Solid):
+class GeneralizedMaxwell(Solid, Documented):
     r"""A spring, a dashpot and any number of Maxwell arms in parallel.
 
     .. math::
@@ -130,6 +140,9 @@ class GeneralizedMaxwell(Solid):
     >>> round(seal.loss_factor(2 * np.pi * 12.71), 5)
     np.float64(0.00887)
     """
+
+    schema = "dashpot/model@1"
+    keys = ("k_inf", "b", "arms=each_arm")
 
     k_inf: float
     k: tuple[float, ...] = ()
@@ -172,6 +185,11 @@ class GeneralizedMaxwell(Solid):
     def arm_b(self) -> tuple[float, ...]:
         r"""Arm dashpots :math:`b_j = k_j \tau_j`, N s/m."""
         return tuple(k * tau for k, tau in zip(self.k, self.tau, strict=True))
+
+    @property
+    def each_arm(self) -> tuple[MaxwellArm, ...]:
+        """The arms one by one."""
+        return tuple(map(MaxwellArm, self.k, self.tau, self.arm_b))
 
     @property
     def k_0(self) -> float:  # type: ignore[override]  # others keep it as a field

@@ -10,12 +10,13 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import ComplexArray, FloatArray
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
 
 @dataclass(frozen=True)
-class Parallel(Solid):
+class Parallel(Solid, Documented):
     """Solids that share one displacement: their forces add.
 
     Attributes
@@ -23,6 +24,8 @@ class Parallel(Solid):
     parts : tuple of Solid
         At least one; parts that are themselves in parallel are laid out side by side.
     """
+
+    schema = "dashpot/parallel@1"
 
     parts: tuple[Solid, ...]
 

@@ -19,15 +19,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from dashpot.base.arrays import (
-    ComplexArray,
-    FloatArray,
-    increasing,
-    picked,
-    positive,
-    same_length,
-    samples,
-)
+from dashpot.base.arrays import ComplexArray, FloatArray, increasing, same_length, samples
+from dashpot.base.demands import picked, positive
 from dashpot.base.errors import DataError
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 

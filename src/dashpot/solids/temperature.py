@@ -16,7 +16,9 @@ from math import log
 import numpy as np
 import numpy.typing as npt
 
-from dashpot.base.arrays import FloatArray, increasing, positive, same_length, samples
+from dashpot.base.arrays import FloatArray, increasing, same_length, samples
+from dashpot.base.demands import positive
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -27,7 +29,7 @@ _LN10 = log(10.0)
 _UNIVERSAL = 17.44, 51.6
 
 
-class TemperatureLaw(ABC):
+class TemperatureLaw(ABC, Documented):
     """Shift factor against temperature: 1 at the reference.
 
     Attributes
@@ -85,6 +87,8 @@ class WLF(TemperatureLaw):
     >>> WLF.universal(glass=218.15, reference=296.15).log10_a_t(273.15).round(6)
     np.float64(1.498172)
     """
+
+    keys = ("kind", "c1", "c2")
 
     c1: float
     c2: float
@@ -156,6 +160,8 @@ class Arrhenius(TemperatureLaw):
         T_r, K.
     """
 
+    keys = ("kind", "energy")
+
     energy: float
     reference: float
 
@@ -190,6 +196,8 @@ class FreeShifts(TemperatureLaw):
     reference : float
         T_r, K.
     """
+
+    keys = ("kind", "temperatures", "log10_shifts")
 
     temperatures: tuple[float, ...]
     log10_shifts: tuple[float, ...]

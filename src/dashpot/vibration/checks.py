@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from dashpot.base.checks import Finding, criterion
+from dashpot.base.units import written
 
-GRAVITY = 9.80665
 CAUSAL_LIMIT = 0.5
 MOST_BEYOND = 3.0
 # above this part of the block's mass the seals' own inertia shifts the peak by a third of a percent
@@ -25,7 +25,7 @@ def seal_mass_negligible(part: float) -> Finding:
 def mass_of_a_block(mass: float) -> Finding:
     """The mass is one that a hammer test has."""
     return Finding(
-        f"the mass is {1e3 * mass:.4g} g",
+        f"the mass is {written(mass, 'g')}",
         mass,
         ", less than an accelerometer weighs: is the unit kg?",
     )
@@ -36,15 +36,15 @@ def mass_of_a_block(mass: float) -> Finding:
 )
 def compression_tested(compression: float, depth: float | None) -> Finding:
     """The seals are pressed no deeper than they were tested."""
-    says = f"the seals are pressed by {1e3 * compression:.4g} mm"
+    says = f"the seals are pressed by {written(compression, 'mm')}"
     if depth is None:
         return Finding(says + "; how deep they were tested is not known")
     part = compression / depth
     return Finding(
-        f"{says}, within the {1e3 * depth:.3g} mm tested",
+        f"{says}, within the {written(depth, 'mm', '.3g')} tested",
         part,
-        instead=f"{says}, {part:.3g} times the {1e3 * depth:.3g} mm tested: test as deep, or check "
-        "what presses them, and its unit",
+        instead=f"{says}, {part:.3g} times the {written(depth, 'mm', '.3g')} tested: test as deep, "
+        "or check what presses them, and its unit",
         grade="stop" if part > MOST_BEYOND else "limit",
     )
 

@@ -6,22 +6,20 @@ from collections.abc import Mapping
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 from dashpot import plot
 from dashpot.base.progress import doing
-from dashpot.base.units import si
-from dashpot.io.options import ReadOptions
 from dashpot.io.readers.inspect import inspect_file
 from dashpot.plot.picture import Picture
 from dashpot.records.fit import Fit
 from dashpot.report.pages import COLOURS
 from dashpot.web import views, wire
-from dashpot.web.requests import arms_of, part, sizes_of
-from dashpot.web.store import path_in
+from dashpot.web.requests import noun_of, sizes_of
 from dashpot.workflow.archive import to_json
-from dashpot.workflow.command_lines import fit_command
+from dashpot.workflow.command_lines import line
 from dashpot.workflow.fits import fit_files
+from dashpot.workflow.job import Job
 
 WIDE = (800.0, 0.0)
 """Room for the figures where the page says nothing, px."""
@@ -30,33 +28,38 @@ KEPT = 4
 
 
 @lru_cache(KEPT)
-def _fitted(
-    path: str, options: ReadOptions, arms: int | Literal["auto"], temperature: float | None
-) -> tuple[Fit, Picture]:
+def _fitted(job: Job) -> tuple[Fit, Picture]:
     """The fit of a file, and its figure."""
-    doing(f"fitting {Path(path).name}")
-    known = () if temperature is None else (temperature,)
-    found, records = fit_files([path], arms=arms, temperatures=known, options=options)
+    doing(f"fitting {Path(job.relaxation).name}")
+    found, records = fit_files(
+        [job.relaxation], arms=job.arms, temperatures=job.temperatures, options=job.reading
+    )
     return found, plot.bench(found, records)
 
 
-def _asked(request: Mapping[str, Any], folder: Path) -> tuple[Any, ...]:
+def _asked(request: Mapping[str, Any], folder: Path) -> Job:
     """File, options, arms and temperature of a request; a modulus is the column that holds one."""
-    path = str(path_in(folder, request.get("file")))
-    options = part(ReadOptions, request.get("options", {}), "options")
-    if options.modulus is None:
-        found = inspect_file(path, options=options)
+    warmth = request.get("temperature")
+    asked = {
+        "relaxation": request.get("file"),
+        "reading": request.get("options", {}),
+        "arms": request.get("arms"),
+        "temperatures": [warmth] if warmth else [],
+    }
+    job = noun_of(Job, asked, folder)
+    if job.reading.modulus is None:
+        found = inspect_file(job.relaxation, options=job.reading)
         moduli = [one for one in found.columns if one.role == "modulus"]
         if found.kind == "modulus" and moduli:
-            options = replace(options, modulus=moduli[0].name or str(moduli[0].number))
-    warmth = request.get("temperature") or None
-    return path, options, arms_of(request.get("arms", "auto")), si(warmth, "temperature")
+            column = moduli[0].name or str(moduli[0].number)
+            return replace(job, reading=replace(job.reading, modulus=column))
+    return job
 
 
 def bench(request: Mapping[str, Any], folder: Path) -> bytes:
     """The fit of one such file: verdict, solid, checks, figures, and the command that gives it."""
-    path, options, arms, temperature = asked = _asked(request, folder)
-    found, picture = _fitted(*asked)
+    job = _asked(request, folder)
+    found, picture = _fitted(job)
     return wire.packed(
         {
             "verdict": views.verdict(found.verdict),
@@ -66,12 +69,12 @@ def bench(request: Mapping[str, Any], folder: Path) -> bytes:
             "checks": views.check_list(found.checks),
             "figures": views.bench_panels(picture, sizes_of(request).get("bench", WIDE)[0]),
             "simulated": any(source.simulated for source in found.source),
-            "command": fit_command(Path(path).name, options, arms=arms, temperature=temperature),
+            "command": line("fit", job),
         }
     )
 
 
 def take_bench(request: Mapping[str, Any], folder: Path) -> bytes:
     """The fit as its JSON, as ``dashpot fit --json`` prints it."""
-    found, _ = _fitted(*_asked(request, folder))
+    found, _ = _fitted(_asked(request, folder))
     return wire.packed({"name": "fit.json", "kind": "application/json", "text": to_json(found)})

@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 
 from dashpot.base.arrays import FloatArray, IndexArray
+from dashpot.base.choices import Driver, refuse_other
 from dashpot.base.errors import DashpotError, DataError
-from dashpot.plot.picture import Axis, Line, Panel, Pen, around
+from dashpot.plot.picture import Line, Panel, Pen, Scale, around
 from dashpot.plot.svg import strip
 from dashpot.recording.keep import record
 from dashpot.recording.lines import SerialLine
@@ -200,8 +201,7 @@ class Live:
                 speed=_number(asked, "speed", 1.0, float),
             ),
         }
-        if driver not in made:
-            raise DataError(f"'{driver}' is no instrument; expected one of {', '.join(made)}")
+        refuse_other("driver", driver, Driver)
         return made[driver]()
 
 
@@ -234,6 +234,6 @@ def _drawn(
 ) -> str:
     """A channel as the page has it."""
     label = name.replace(" [", ", ").removesuffix("]")
-    mark, upright = Line(*curve, Pen("measured", 1.2)), Axis(label, around(curve[1]))
-    panel = Panel(Axis("time, s", span), upright, (mark,), height=size[1] - _AXES)
+    mark, upright = Line(*curve, Pen("measured", 1.2)), Scale(label, around(curve[1]))
+    panel = Panel(Scale("time, s", span), upright, (mark,), height=size[1] - _AXES)
     return strip((panel,), name=f"live{number}", width=size[0], kind="figure")

@@ -8,7 +8,7 @@ import math
 from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -17,51 +17,33 @@ from dashpot.base.checks import Check, verdict
 from dashpot.base.errors import DataError
 from dashpot.base.numbers import rounded, with_error
 from dashpot.base.progress import doing
-from dashpot.base.units import si, si_range
-from dashpot.io.options import ReadOptions
+from dashpot.base.units import in_unit, written
 from dashpot.plot.picture import Picture
 from dashpot.records.frf import FRF, Mode
 from dashpot.report.pages import COLOURS
 from dashpot.web import views, wire
 from dashpot.web.bench import KEPT, WIDE
-from dashpot.web.requests import listed, number, part, sizes_of
+from dashpot.web.requests import listed, noun_of, sizes_of
 from dashpot.web.store import path_in
 from dashpot.workflow.archive import to_json
-from dashpot.workflow.command_lines import modes_command
+from dashpot.workflow.command_lines import line
+from dashpot.workflow.job import ModesJob
 from dashpot.workflow.measured_modes import MeasuredModes, modes_files
 from dashpot.workflow.under_masses import ModesByMass, modes_by_mass
 
 HALF = 1.96
 
 
-class _Asked(NamedTuple):
-    """What decides the modes: what `modes_files` or `modes_by_mass` takes."""
-
-    files: tuple[str, ...]
-    options: ReadOptions
-    masses: tuple[float, ...]
-    seals: float
-    band: tuple[float, float] | None
-
-
-def _asked(request: Mapping[str, Any], folder: Path) -> _Asked:
-    files = tuple(str(path_in(folder, one)) for one in listed(request, "files"))
-    given = listed(request, "masses")
-    for file, mass in zip(files, given, strict=False):
+def _asked(request: Mapping[str, Any], folder: Path) -> ModesJob:
+    for file, mass in zip(listed(request, "files"), listed(request, "masses"), strict=False):
         if not mass:
-            raise DataError(f"{Path(file).name}: say which mass was on the seals, such as 104 g")
-    band = str(request.get("band") or "")
-    return _Asked(
-        files,
-        part(ReadOptions, request.get("options", {}), "options"),
-        tuple(si(str(one), "mass") for one in given),
-        number(request.get("seals", 1.0), "seals") if given else 1.0,
-        si_range(band, "frequency") if band else None,
-    )
+            name = path_in(folder, file).name
+            raise DataError(f"{name}: say which mass was on the seals, such as 104 g")
+    return noun_of(ModesJob, request, folder)
 
 
 @lru_cache(KEPT)
-def _found(asked: _Asked) -> tuple[MeasuredModes | ModesByMass, Picture]:
+def _found(asked: ModesJob) -> tuple[MeasuredModes | ModesByMass, Picture]:
     """The modes, and their figure."""
     doing(f"seeking the modes of {', '.join(Path(path).name for path in asked.files)}")
     options, band = asked.options, asked.band
@@ -89,9 +71,8 @@ def modes(request: Mapping[str, Any], folder: Path) -> bytes:
     else:
         checks, frfs = found.checks, [one.frf for one in found.tests]
         held = zip(found.together.masses, found.together.modes, strict=True)
-        named = [(f"{1e3 * mass:.4g} g", mode) for mass, mode in held]
+        named = [(written(mass, "g"), mode) for mass, mode in held]
     said = verdict(checks)
-    names = [Path(path).name for path in asked.files]
     return wire.packed(
         {
             "verdict": views.verdict(said),
@@ -101,7 +82,7 @@ def modes(request: Mapping[str, Any], folder: Path) -> bytes:
             "checks": views.check_list(checks),
             "figures": drawn,
             "simulated": any(source.simulated for one in frfs for source in one.source),
-            "command": modes_command(**(asked._asdict() | {"files": names})),
+            "command": line("modes", asked),
         }
     )
 
@@ -120,12 +101,9 @@ def take_modes(request: Mapping[str, Any], folder: Path) -> bytes:
 def _terms(named: list[tuple[str, Mode]]) -> list[views.Term]:
     """Frequency and damping of every mode, with the ends of their intervals."""
     rows = []
-    for sign, unit, scale, name in (
-        ("f", "Hz", 1.0, "frequency"),
-        ("ζ", "%", 1e2, "damping_ratio"),
-    ):
+    for sign, unit, name in (("f", "Hz", "frequency"), ("ζ", "%", "damping_ratio")):
         for which, mode in named:
-            value, se = scale * getattr(mode, name), scale * getattr(mode, f"{name}_se")
+            value, se = (in_unit(getattr(mode, of), unit) for of in (name, f"{name}_se"))
             half = HALF * se if np.isfinite(se) else np.inf
             rows.append(views.term(f"{sign}, {which}", value, (value - half, value + half), unit))
     return rows

@@ -2,30 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import MISSING, fields
+from collections.abc import Callable, Mapping
+from dataclasses import Field, fields
 from pathlib import Path
 from typing import Any, TypeVar
 
+from dashpot.base.choices import refuse_other
 from dashpot.base.errors import DashpotError, DataError
-from dashpot.base.units import si, si_range, typed
-from dashpot.io.options import ReadOptions
-from dashpot.records.machine import Machine
+from dashpot.base.options import names_files, texts_of
+from dashpot.base.units import si, si_range
 from dashpot.records.specimen import Specimen
 from dashpot.web.store import path_in
-from dashpot.workflow.job import Cuts, HammerChoices, Job
+from dashpot.workflow.job import Job
 
 T = TypeVar("T")
 
-_PARTS: dict[str, type] = {
-    "cuts": Cuts, "specimen": Specimen, "machine": Machine, "hammer": HammerChoices,
-    "reading": ReadOptions, "reading_impact": ReadOptions,
-}  # fmt: skip
-_CHOICES = {
-    "method": ("full", "hold"), "law": ("auto", "linear", "nonlinear"),
-    "family": ("maxwell", "fractional", "auto"),
-}  # fmt: skip
-_TEXTS = ("title", "filter")
 LARGEST = 8000.0
 """Of a drawing, px: no screen has more."""
 
@@ -46,62 +37,96 @@ def job_of(given: object, folder: Path) -> Job:
         raise DataError(f"a job has no '{min(strange)}'")
     if not asked.get("relaxation"):
         raise DataError("no relaxation test is open: open one first")
-    made: dict[str, Any] = {
-        "relaxation": str(path_in(folder, asked["relaxation"])),
-        **{
-            name: tuple(str(path_in(folder, one)) for one in listed(asked, name))
-            for name in ("impact", "further")
-        },
-        "temperatures": _temperatures(listed(asked, "temperatures")),
-        "mass": quantity(asked, "mass", "mass"),
-        "seal_mass": quantity(asked, "seal_mass", "mass"),
-        "compression": quantity(asked, "compression", "length"),
-        "seals": number(asked.get("seals", 1.0), "seals"),
-        "arms": arms_of(asked.get("arms", "auto")),
-        "joint": asked.get("joint", True) is True,
-        "band": _made(lambda text: si_range(text, "frequency"), asked.get("band") or None, "band"),
-    }
-    for name, kind in _PARTS.items():
-        made[name] = part(kind, asked.get(name, {}), name)
-    for name, choices in _CHOICES.items():
-        made[name] = choice(asked, name, choices)
-    made |= {name: text for name in _TEXTS if (text := word(asked, name))}
-    return Job(**made)
+    warmth = listed(asked, "temperatures")
+    if "" in warmth:
+        raise DataError(
+            f"{warmth.count('')} of {len(warmth)} tests that are fitted together has no "
+            "temperature: give every one its own, or none"
+        )
+    return noun_of(Job, asked, folder)
+
+
+def noun_of(kind: type[T], asked: Mapping[str, Any], folder: Path) -> T:
+    """Return a noun whose fields are declared options, of what a page says of them.
+
+    Raises
+    ------
+    DataError
+        If a value is of the wrong kind.
+    ReadError
+        If a file is no longer there.
+    """
+    said = [one for one in _fields(kind) if one.name in asked]
+    return kind(**{one.name: _value(one, asked, folder) for one in said})
+
+
+def _value(one: Field[Any], asked: Mapping[str, Any], folder: Path) -> Any:
+    """What a field is, by what a page says: nothing, or an empty text, is the default."""
+    how, name, given = one.metadata, one.name, asked[one.name]
+    if "part" in how:
+        return part(how["part"], given, name)
+    if isinstance(one.default, tuple):
+        return tuple(_single(one, each, folder) for each in listed(asked, name))
+    if isinstance(one.default, bool):
+        return given is True
+    return one.default if given in (None, "") else _single(one, given, folder)
+
+
+def _single(one: Field[Any], given: Any, folder: Path) -> Any:
+    how, name = one.metadata, one.name
+    if names_files(one):
+        return str(path_in(folder, given))
+    if "ends" in how:
+        return _made(lambda text: si_range(text, how["unit"]), given, name)
+    if "unit" in how:
+        return quantity({name: given}, name, how["unit"])
+    if "choices" in how:
+        refuse_other(name, given, how["choices"])
+        return given
+    if "least" in how:
+        return arms_of(given)
+    return number(given, name) if isinstance(one.default, float) else word({name: given}, name)
 
 
 def page_of(job: Job) -> dict[str, Any]:
     """Return the choices of a job as a page says them: what :func:`job_of` takes back exactly."""
-    quantities = (("mass", "mass"), ("seal_mass", "mass"), ("compression", "length"))
-    said: dict[str, Any] = {
-        name: typed(value, dimension)  # type: ignore[arg-type]
-        for name, dimension in quantities
-        if (value := getattr(job, name)) is not None
-    }
-    said |= {name: getattr(job, name) for name in ("seals", "arms", *_CHOICES)}
-    said |= {name: getattr(job, name) for name in _TEXTS if getattr(job, name)}
-    if job.band is not None:
-        said["band"] = f"{job.band[0]!r}:{typed(job.band[1], 'frequency')}"
-    said |= {name: _stated(getattr(job, name)) for name in ("cuts", "machine", "hammer")}
-    specimen = _stated(job.specimen)
-    warmth = [typed(one, "temperature") for one in job.temperatures]
+    said = said_of(job)
+    specimen = said["specimen"]
     if "temperature" in specimen:
-        warmth = [specimen.pop("temperature")]
-    return {
-        "job": said | {"specimen": specimen}, "joint": job.joint, "temperatures": warmth,
-        "reading": _stated(job.reading), "reading_impact": _stated(job.reading_impact),
-    }  # fmt: skip
+        said["temperatures"] = [specimen.pop("temperature")]
+    beside = ("joint", "temperatures", "reading", "reading_impact")
+    return {name: said.pop(name) for name in beside} | {"job": said}
+
+
+def said_of(noun: Any) -> dict[str, Any]:
+    """Return what a noun says as a page says it, but for its files; of its parts no default."""
+    said = {}
+    for one in _fields(noun):
+        value = getattr(noun, one.name)
+        if "part" in one.metadata:
+            said[one.name] = _stated(value)
+        elif not names_files(one) and value not in (None, ""):
+            said[one.name] = _said(one, value)
+    return said
+
+
+def _said(one: Field[Any], value: Any) -> Any:
+    if "unit" not in one.metadata:
+        return value
+    texts = texts_of(one, value)
+    return texts if isinstance(value, tuple) and "ends" not in one.metadata else texts[0]
 
 
 def _stated(noun: Any) -> dict[str, Any]:
-    """What a part of a job says that is not the default, as a page says it."""
+    """What a part of a job says that is not the default."""
     said = {}
     for one in fields(noun):
         value = getattr(noun, one.name)
-        if value == one.default or (one.default_factory is not MISSING and not value):
+        if value == one.default:
             continue
-        if isinstance(noun, Specimen) and "unit" in one.metadata:
-            value = typed(value, one.metadata["unit"])
         said[one.name] = dict(value) if one.name == "units" else value
+        if isinstance(noun, Specimen):
+            said[one.name] = _said(one, value)
     return said
 
 
@@ -127,8 +152,12 @@ def part(kind: type[T], given: object, name: str) -> T:
     return _made(lambda them: kind(**them), stated, name)
 
 
+def _fields(noun: Any) -> tuple[Field[Any], ...]:
+    return fields(noun)
+
+
 def _names(kind: Any) -> set[str]:
-    return {one.name for one in fields(kind)}
+    return {one.name for one in _fields(kind)}
 
 
 def sizes_of(request: Mapping[str, Any]) -> dict[str, tuple[float, float]]:
@@ -199,15 +228,6 @@ def listed(asked: Mapping[str, Any], name: str) -> list[Any]:
     return given
 
 
-def _temperatures(given: list[Any]) -> tuple[float, ...]:
-    if "" in given:
-        raise DataError(
-            f"{given.count('')} of {len(given)} tests that are fitted together has no "
-            "temperature: give every one its own, or none"
-        )
-    return tuple(_made(lambda text: si(text, "temperature"), one, "temperature") for one in given)
-
-
 def quantity(asked: Mapping[str, Any], name: str, dimension: Any) -> float | None:
     """Return a quantity that is typed with its unit, in SI; nothing is None."""
     given = asked.get(name)
@@ -231,14 +251,6 @@ def word(asked: Mapping[str, Any], name: str) -> str:
     if given is not None and not isinstance(given, str):
         raise DataError(f"{name} = {given!r}; expected a text")
     return given or ""
-
-
-def choice(asked: Mapping[str, Any], name: str, choices: Sequence[str]) -> Any:
-    """Return what must be one of a few words; nothing is the first."""
-    given = asked.get(name, choices[0])
-    if given not in choices:
-        raise DataError(f"{name} = {given!r}; expected one of {', '.join(choices)}")
-    return given
 
 
 def arms_of(given: object) -> Any:

@@ -12,7 +12,7 @@ from dashpot.records.fit import Fit
 from dashpot.records.relaxation import RampHold, RelaxationTest
 from dashpot.vibration.systems.prediction import highest_peak
 from dashpot.web import records
-from dashpot.workflow.job import Job
+from dashpot.workflow.job import Job, deciding
 from dashpot.workflow.predictions import Prediction, predict_files
 from dashpot.workflow.shifting import each_specimen
 from dashpot.workflow.study import Study, of_solid, run
@@ -131,18 +131,9 @@ def base_motion(job: Job) -> Prediction:
 
 def of_test(job: Job) -> Job:
     """What of a job decides the prepared test."""
-    return Job(
-        job.relaxation,
-        further=job.further,
-        temperatures=job.temperatures,
-        filter=job.filter,
-        cuts=job.cuts,
-        specimen=job.specimen,
-        machine=job.machine,
-        reading=job.reading,
-    )
+    return deciding(job, "test")
 
 
 def of_fit(job: Job) -> Job:
     """What of a job decides the fit of the relaxation test."""
-    return replace(of_test(job), arms=job.arms, method=job.method, law=job.law, family=job.family)
+    return deciding(job, "test", "fit")

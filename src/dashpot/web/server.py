@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 from dashpot.base.errors import DashpotError, DataError
 from dashpot.plot import tokens
+from dashpot.web.form import filled
 from dashpot.web.guard import Guard
 from dashpot.web.lanes import FaultError, Lane, StoppedError
 from dashpot.web.live import Live
@@ -265,7 +266,7 @@ def _static(name: str) -> str:
     text = _HOUSE.joinpath("web", "static", name).read_text("utf-8")
     if name == "index.html":
         icons = _HOUSE.joinpath("report", "templates", "icons.html").read_text("utf-8")
-        return text.replace("<!-- icons -->", icons)
+        return filled(text.replace("<!-- icons -->", icons))
     return f"{tokens.css()}\n{text}" if name == "app.css" else text
 
 

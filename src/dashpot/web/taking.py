@@ -21,9 +21,6 @@ from dashpot.workflow.archive import to_json
 from dashpot.workflow.job import Job
 from dashpot.workflow.study import Study
 
-ENDS = {"nastran": "bdf", "abaqus": "inp", "calculix": "inp", "csv": "csv"}
-"""What the name of a deck ends in."""
-
 
 def take(request: Mapping[str, Any], folder: Path) -> bytes:
     """A file to take away: a head with its name and kind, then its bytes."""
@@ -90,7 +87,7 @@ def _deck(request: Mapping[str, Any], job: Job) -> tuple[str, str, str]:
         allow=("all",) if request.get("anyway") is True else (),
         **deck_choices(request),
     )
-    return f"{target}.{ENDS.get(target, 'txt')}", "text/plain", str(text)
+    return f"{target}.{export.SUFFIXES[target]}", "text/plain", str(text)
 
 
 def _picture(job: Job) -> tuple[str, str, str]:

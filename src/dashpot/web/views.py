@@ -190,9 +190,10 @@ def base_panel(found: Prediction, joint: bool, sizes: Sizes) -> str:
     """The transmissibility to the mass, its peak, and from where on the mass is isolated."""
     pen, name = joint_pen(failed=False) if joint else (PREDICTED, "predicted from relaxation")
     panel = magnitude_panel([Curve(found.frf, name, pen, found.peak)], tagged=True)
-    hz = found.document["isolation_hz"]
-    isolated = Rule(hz, REF, label=f"less than its base above {rounded(hz, digits=4)} Hz")
-    return drawn("frf", replace(panel, marks=(*panel.marks, isolated)), sizes)
+    if found.isolation is not None:
+        said = f"less than its base above {rounded(found.isolation, digits=4)} Hz"
+        panel = replace(panel, marks=(*panel.marks, Rule(found.isolation, REF, label=said)))
+    return drawn("frf", panel, sizes)
 
 
 def hit_panels(study: Study, sizes: Sizes) -> dict[str, str]:
@@ -221,14 +222,14 @@ def hammer_line(study: Study) -> str:
 # -- curves while a handle is held ----------------------------------------------------------------
 
 
-class Live(NamedTuple):
+class LiveCurves(NamedTuple):
     """Curves by panel and name, in the units of their axes, and words beside them."""
 
     arrays: dict[str, FloatArray]
     words: str
 
 
-def live_test(fit: Fit, prepared: RampHold, by_eq5: Fit | None) -> Live:
+def live_test(fit: Fit, prepared: RampHold, by_eq5: Fit | None) -> LiveCurves:
     """What a fit says while a handle is held: its curves, its residual, its numbers."""
     chosen = relaxation.fitted(fit, (), prepared)[0]
     ramp, hold = (
@@ -243,7 +244,7 @@ def live_test(fit: Fit, prepared: RampHold, by_eq5: Fit | None) -> Live:
         if isinstance(mark, Line):
             keep = np.unique(np.linspace(0, len(mark.x) - 1, LIVE_POINTS).astype(int))
             arrays[f"{name}/x"], arrays[f"{name}/y"] = mark.x[keep], mark.y[keep]
-    return Live(arrays, piece("beside", rows=beside(fit, by_eq5)))
+    return LiveCurves(arrays, piece("beside", rows=beside(fit, by_eq5)))
 
 
 def beside(fit: Fit, by_eq5: Fit | None) -> list[tuple[str, str, str, str]]:
@@ -258,7 +259,7 @@ def beside(fit: Fit, by_eq5: Fit | None) -> list[tuple[str, str, str, str]]:
     ]
 
 
-def live_response(predicted: FRF) -> Live:
+def live_response(predicted: FRF) -> LiveCurves:
     """The predicted response while the mass moves."""
     size = np.abs(predicted.value)
     top = int(size.argmax())
@@ -266,7 +267,7 @@ def live_response(predicted: FRF) -> Live:
         f"{rounded(float(predicted.frequency[top]), digits=4)} Hz, {rounded(float(size[top]))} "
         f"{SHOWN[predicted.kind][0]}"
     )
-    return Live({"frf/predicted/x": predicted.frequency, "frf/predicted/y": size}, words)
+    return LiveCurves({"frf/predicted/x": predicted.frequency, "frf/predicted/y": size}, words)
 
 
 # -- pieces of the page ---------------------------------------------------------------------------

@@ -15,6 +15,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DashpotError, DataError
+from dashpot.base.units import in_unit
 from dashpot.fitting.relaxation import fit
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.relaxation import read_relaxation, relaxation_in
@@ -29,10 +30,9 @@ from dashpot.vibration.systems.prediction import highest_peak, predict_frf
 from dashpot.web import records, results, views, wire
 from dashpot.web.requests import job_of, part, sizes_of
 from dashpot.web.store import path_in
-from dashpot.workflow.command_lines import FIT, predict_command, report_command
+from dashpot.workflow.command_lines import FIT, line, predict_command
 from dashpot.workflow.inspections import InspectedFile, inspect_files
 from dashpot.workflow.job import Job
-from dashpot.workflow.project import with_paths
 from dashpot.workflow.resting import at_rest, family_checks
 
 HINT = (
@@ -82,7 +82,7 @@ def _consequences(
                 solid = fit(test, arms=1, intervals=False).model
             except DashpotError:
                 continue
-            stiffness = 1e-3 * float(solid.relaxation(test.hold_time))
+            stiffness = in_unit(float(solid.relaxation(test.hold_time)), "N/mm")
             told.append(
                 views.Consequence(word, f"{float(test.force.max()):.3g}", f"{stiffness:.3g}")
             )
@@ -129,7 +129,7 @@ def settle(request: Mapping[str, Any], folder: Path) -> bytes:
             "step": float(np.median(np.diff(test.time))),
             "arms": found.model.arms if found.family == "maxwell" else "",
             "simulated": test.source is not None and test.source.simulated,
-            "command": command(job),
+            "command": line("report", job),
         }
     )
 
@@ -161,7 +161,7 @@ def predict(request: Mapping[str, Any], folder: Path) -> bytes:
     job = job_of(request.get("job"), folder)
     found = results.fitted(results.of_fit(job), job.arms == "auto", None)
     shown = views.live_response(_predicted(found, job, _kind(request), LIVE_LINES))
-    return wire.packed({"peak": shown.words, "command": command(job)}, shown.arrays)
+    return wire.packed({"peak": shown.words, "command": line("report", job)}, shown.arrays)
 
 
 def study(request: Mapping[str, Any], folder: Path) -> bytes:
@@ -184,7 +184,7 @@ def study(request: Mapping[str, Any], folder: Path) -> bytes:
         "hammer": views.hammer_line(found),
         "joint": None if found.joint is None else views.solid_table(found.joint),
         "simulated": bool(simulated(found)),
-        "command": command(job),
+        "command": line("report", job),
     }
     if request.get("base") is True and found.mass is not None:
         moved, joint = results.base_motion(job), found.joint is not None
@@ -192,8 +192,3 @@ def study(request: Mapping[str, Any], folder: Path) -> bytes:
         of = replace(job, mass=found.mass)
         head["command"] += "\n" + predict_command(of, moved.frf, "joint.json" if joint else FIT)
     return wire.packed(head)
-
-
-def command(job: Job) -> str:
-    """The command that gives the page's numbers, with the names of its files."""
-    return report_command(with_paths(job, lambda path: Path(path).name))

@@ -2,70 +2,54 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import fields, is_dataclass
-from enum import Enum
-from functools import singledispatch
-from typing import Any
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import is_dataclass
+from functools import cache
+from itertools import zip_longest
+from types import UnionType
+from typing import Any, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
 
-from dashpot.base.checks import Check
+from dashpot.base.documents import NOT_FINITE, Documented, fields_of
 from dashpot.base.errors import DataError, ReadError
-from dashpot.base.numbers import json_number
 from dashpot.base.status import Status
+from dashpot.kinds.hyperelastic.record import HyperelasticFit
+from dashpot.kinds.level.levels import LevelFit
 from dashpot.planning.plan import Plan
-from dashpot.records.alternative import Alternative
+from dashpot.records.bounds import EndOfHold
 from dashpot.records.creep import CreepCompliance, CreepTest, LoadHold
 from dashpot.records.dynamic import DynamicTest
-from dashpot.records.estimate import ParameterEstimate
-from dashpot.records.fit import Evidence, Fit, Provenance
+from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF
-from dashpot.records.hyperelastic import HyperelasticFit
 from dashpot.records.impact import ImpactTest
 from dashpot.records.relaxation import RampHold, RelaxationTest
+from dashpot.records.temperature import TemperatureShifts
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.fractional import FractionalZener
+from dashpot.solids.friction import Jenkins
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 from dashpot.solids.parallel import Parallel
+from dashpot.solids.rate_independent import RateIndependent
+from dashpot.solids.stiffening import Cubic
 from dashpot.solids.temperature import WLF, Arrhenius, FreeShifts, TemperatureLaw
 from dashpot.vibration.comparison.comparison import Comparison
-from dashpot.workflow.documents import DIGEST, digest_of, edited, mistyped, once, strange
+from dashpot.workflow.documents import edited, mistyped, once, strange
 from dashpot.workflow.impacts import ImpactResult
 from dashpot.workflow.inspections import InspectedFile, Inspections
 from dashpot.workflow.job import Job
-from dashpot.workflow.level_document import LevelDocument
 from dashpot.workflow.measured_modes import MeasuredModes
 from dashpot.workflow.study import Study
 
-SCHEMAS: dict[str, type] = {
-    "dashpot/model@1": GeneralizedMaxwell,
-    "dashpot/fractional@1": FractionalZener,
-    "dashpot/parallel@1": Parallel,
-    "dashpot/relaxation-test@1": RelaxationTest,
-    "dashpot/ramp-hold@1": RampHold,
-    "dashpot/dynamic-test@1": DynamicTest,
-    "dashpot/creep-test@1": CreepTest,
-    "dashpot/load-hold@1": LoadHold,
-    "dashpot/creep-compliance@1": CreepCompliance,
-    "dashpot/fit@1": Fit,
-    "dashpot/hyperelastic@1": HyperelasticFit,
-    "dashpot/levels@1": LevelDocument,
-    "dashpot/impact-test@1": ImpactTest,
-    "dashpot/frf@1": FRF,
-    "dashpot/impact@1": ImpactResult,
-    "dashpot/modes@1": MeasuredModes,
-    "dashpot/inspection@1": Inspections,
-    "dashpot/comparison@1": Comparison,
-    "dashpot/plan@1": Plan,
-    "dashpot/job@1": Job,
-    "dashpot/study@1": Study,
-}
+SCHEMAS: dict[str, type[Documented]] = {
+    noun.schema: noun
+    for noun in (
+        GeneralizedMaxwell, FractionalZener, Parallel, RelaxationTest, RampHold, DynamicTest,
+        CreepTest, LoadHold, CreepCompliance, Fit, HyperelasticFit, LevelFit, ImpactTest, FRF,
+        ImpactResult, MeasuredModes, Inspections, Comparison, Plan, Job, Study,
+    )
+}  # fmt: skip
 """What each versioned schema name holds."""
-
-_NAMES = {noun: name for name, noun in SCHEMAS.items()}
-# JSON has no such numbers; a string that no measurement can be mistaken for stands in
-_NOT_FINITE = {"Infinity": np.inf, "-Infinity": -np.inf, "NaN": np.nan}
 
 
 def to_json(noun: object, *, indent: int | None = 2) -> str:
@@ -80,13 +64,12 @@ def to_json(noun: object, *, indent: int | None = 2) -> str:
 
 def document(noun: object) -> dict[str, Any]:
     """Return what :func:`to_json` writes, as plain dictionaries, lists, strings and numbers."""
-    if type(noun) not in _NAMES:
+    if not isinstance(noun, Documented) or type(noun) not in SCHEMAS.values():
         raise DataError(
             f"a {type(noun).__name__} has no archive form; expected one of "
-            f"{', '.join(sorted(kind.__name__ for kind in _NAMES))}"
+            f"{', '.join(sorted(kind.__name__ for kind in SCHEMAS.values()))}"
         )
-    plain: dict[str, Any] = _plain(noun)
-    return plain
+    return noun.document
 
 
 def from_json(text: str | bytes) -> Any:
@@ -103,7 +86,7 @@ def from_json(text: str | bytes) -> Any:
     name, found = _opened(text)
     try:
         with np.errstate(divide="raise", over="raise", invalid="raise"):
-            noun: Any = msgspec.convert(_restored(found), type=SCHEMAS[name], dec_hook=_decoded)
+            noun = _converted(SCHEMAS[name], _laid_out(SCHEMAS[name], found))
             unknown = strange(found, document(noun))
             changed = edited(found)
     except (*_WRONG, msgspec.ValidationError) as error:
@@ -147,7 +130,7 @@ def _opened(text: str | bytes) -> tuple[str, dict[str, Any]]:
             f'the document\'s "schema" is {name!r}; this version of dashpot reads '
             f"{', '.join(sorted(SCHEMAS))}"
         )
-    if name == "dashpot/levels@1" and "model" not in found:
+    if name == LevelFit.schema and "model" not in found:
         what = "a law of stiffness and loss" if "law" in found else "hits of different height"
         raise ReadError(
             f"the {name} document holds {what}, which has no force along a path: arms and sliders "
@@ -156,297 +139,124 @@ def _opened(text: str | bytes) -> tuple[str, dict[str, Any]]:
     return name, found
 
 
-# -- nouns to plain values -----------------------------------------------------------------------
-
-
-# msgspec encodes a dataclass without asking: the schema and the layout of an inner noun would be
-# lost, so this walk stays; cattrs would take a hook per noun and a dependency more
-@singledispatch
-def _plain(value: Any) -> Any:
-    if not is_dataclass(value):
-        return value
-    plain = {one.name: _plain(getattr(value, one.name)) for one in fields(value)}
-    name = _NAMES.get(type(value))
-    if type(value) in _CONTRACTS:
-        plain = _CONTRACTS[type(value)](value, plain)
-    whole = {"schema": name, **plain} if name else plain
-    sealed = isinstance(value, Fit | LevelDocument)
-    return {**whole, DIGEST: digest_of(whole)} if sealed else whole
-
-
-@_plain.register(np.ndarray)
-@_plain.register(np.generic)
-def _(value: Any) -> Any:
-    if np.iscomplexobj(value):
-        return {"real": _plain(value.real), "imag": _plain(value.imag)}
-    return _plain(value.tolist())
-
-
-_plain.register(float, json_number)
-_plain.register(Check, lambda check: check.document)
-_plain.register(Enum, lambda value: value.value)
-_plain.register(Status, lambda value: value.name.lower())
-_plain.register(tuple, lambda value: [_plain(item) for item in value])
-_plain.register(list, lambda value: [_plain(item) for item in value])
-_plain.register(dict, lambda value: {str(key): _plain(item) for key, item in value.items()})
-
-
-def _model_contract(model: GeneralizedMaxwell, _plain_model: dict[str, Any]) -> dict[str, Any]:
-    arms = zip(model.k, model.tau, model.arm_b, strict=True)
-    return {
-        "k_inf": model.k_inf,
-        "b": model.b,
-        "arms": [{"k": k, "tau": tau, "b": _plain(b)} for k, tau, b in arms],
-    }
-
-
-# a fit's document is flat: its parts are laid out side by side, in this order
-_FIT_PARTS: dict[str, type] = {
-    "estimate": ParameterEstimate,
-    "evidence": Evidence,
-    "provenance": Provenance,
-}
-_END_OF_HOLD = ("k_inf", "k_end", "k_3end", "time", "falling")
-_FIT_ORDER = (
-    "method", "parameters", "covariance", "dof", "orders", "certificate", "profiles", "nuisance",
-    "checks", "source", "steps", "by_depth", "specimen", "moved", "explanations", "alternative",
-    "unit",
-)  # fmt: skip
-
-
-def _fit_contract(fit: Fit, plain: dict[str, Any]) -> dict[str, Any]:
-    for part in _FIT_PARTS:
-        plain |= plain.pop(part)
-    mass = next((item.value for item in fit.nuisance if item.name == "mass"), None)
-    return {
-        "id": fit.identity,
-        "status": plain["status"],
-        "ok": fit.ok,
-        "says": fit.status.value,
-        "verdict": fit.verdict.document,
-        "model": _plain(fit.model),
-        "solid": _solid(fit),
-        "standard_error": _standard_error(fit),
-        "interval_95": _numbers_or_null(dict(fit.intervals(level=0.95))),
-        "residual": plain["residual"],
-        "band_hz": plain["band"],
-        "elastic_law": _law(fit.elastic_law),
-        "left_open": _left_open(plain.pop("end_of_hold")),
-        "temperature": _temperature(fit, plain.pop("temperatures")),
-        **({} if mass is None else {"mass": mass}),
-        **({} if fit.creep is None else {"creep": plain["creep"]}),
-        **{key: plain[key] for key in _FIT_ORDER},
-    }
-
-
-def _solid(fit: Fit) -> dict[str, Any]:
-    """What was fitted: of another family than arms with its own parameters and their errors."""
-    if fit.family == "maxwell":
-        return {"family": fit.family}
-    ends, error = fit.solid_intervals(level=0.95), fit.solid_standard_error
-    return {
-        "family": fit.family,
-        **{one.name: getattr(fit.solid, one.name) for one in fields(type(fit.solid))},  # type: ignore[arg-type]
-        "standard_error": _numbers_or_null(error),
-        "interval_95": _numbers_or_null(ends),
-    }
-
-
-def _law(law: ElasticLaw | None) -> dict[str, Any] | None:
-    if law is None:
-        return None
-    knots = list(law.knots)
-    return {"kind": law.kind, "knots": knots, "tangent": law.tangent(knots).tolist(),
-            "ratio": list(law.ratio), "ratio_se": list(law.ratio_se),
-            "stiffness": law.stiffness}  # fmt: skip
-
-
-def _temperature(fit: Fit, plain: dict[str, Any] | None) -> dict[str, Any] | None:
-    """The reference, the law by its kind, and a shift for every tested temperature."""
-    if fit.temperatures is None or plain is None:
-        return None
-    law = {"kind": fit.temperatures.law.kind, **plain.pop("law")}
-    law.pop("reference")
-    return {"reference": fit.temperatures.reference, "law": law, **plain}
-
-
-def _left_open(end: dict[str, Any] | None) -> dict[str, Any] | None:
-    """What a record leaves open of one stiffness, N/m, and the time T of k(T), s."""
-    return None if end is None else {key: end[key] for key in _END_OF_HOLD}
-
-
-def _standard_error(fit: Fit) -> dict[str, Any]:
-    error = fit.standard_error
-    arms = [
-        {"k": k, "tau": tau, "b": b}
-        for k, tau, b in zip(error["k"], error["tau"], error["b"], strict=True)
-    ]
-    whole: dict[str, Any] = _numbers_or_null({"k_inf": error["k_inf"], "arms": arms})
-    return whole
-
-
-def _judged_contract(found: HyperelasticFit, plain: dict[str, Any]) -> dict[str, Any]:
-    return {"verdict": found.verdict.document, **plain}
-
-
-def _comparison_contract(comparison: Comparison, plain: dict[str, Any]) -> dict[str, Any]:
-    decibels = 20 * np.log10(comparison.predicted_peak / comparison.measured_peak)
-    predicted, measured = comparison.predicted_damping, comparison.measured_damping
-    found = {
-        "peak": {
-            "predicted_hz": comparison.predicted_hz,
-            "measured_hz": comparison.measured_hz,
-            "difference_percent": 100 * (comparison.predicted_hz / comparison.measured_hz - 1),
-            "predicted": comparison.predicted_peak,
-            "measured": comparison.measured_peak,
-            "ratio": comparison.predicted_peak / comparison.measured_peak,
-            "ratio_db": float(decibels),
-        },
-        "damping": {
-            "predicted": predicted,
-            "measured": measured,
-            "ratio": predicted / measured if predicted and measured else None,
-        },
-    }
-    return {**_plain(found), "verdict": comparison.verdict.document, **plain}
-
-
-def _study_contract(study: Study, plain: dict[str, Any]) -> dict[str, Any]:
-    return {"verdict": study.verdict.document, **plain}
-
-
-def _impact_contract(result: ImpactResult, plain: dict[str, Any]) -> dict[str, Any]:
-    frf = plain["frf"]
-    return {
-        "estimator": result.estimator,
-        "window": result.window,
-        "averages": result.frf.averages,
-        "modes": plain["modes"],
-        "peak": result.peak,
-        **{key: frf[key] for key in ("hits", "checks", "source")},
-        "file": result.file,
-        "frf": frf,
-    }
-
-
-def _modes_contract(_found: MeasuredModes, plain: dict[str, Any]) -> dict[str, Any]:
-    return {**{key: plain["frf"][key] for key in ("checks", "source")}, **plain}
-
-
-def _inspected_contract(_file: InspectedFile, plain: dict[str, Any]) -> dict[str, Any]:
-    refusal, ready = plain.pop("refusal"), plain.pop("preparation")
-    account = {"error": refusal} if refusal else ready
-    return {**plain, "preparation": account} if account else plain
-
-
-_CONTRACTS: dict[type, Callable[[Any, dict[str, Any]], dict[str, Any]]] = {
-    Alternative: lambda found, plain: {"family": found.family, **plain},
-    GeneralizedMaxwell: _model_contract,
-    Fit: _fit_contract,
-    Comparison: _comparison_contract,
-    Study: _study_contract,
-    ImpactResult: _impact_contract,
-    HyperelasticFit: _judged_contract,
-    MeasuredModes: _modes_contract,
-    InspectedFile: _inspected_contract,
-}
-
-
-def _numbers_or_null(value: Any) -> Any:
-    """Plain values with null for what is not known, as the contract's readers expect."""
-    if isinstance(value, dict):
-        return {key: _numbers_or_null(item) for key, item in value.items()}
-    if isinstance(value, tuple | list):
-        return [_numbers_or_null(item) for item in value]
-    return float(value) if np.isfinite(value) else None
-
-
 # -- plain values to nouns -----------------------------------------------------------------------
 
 
-def _restored(value: Any) -> Any:
-    """Undo what the contract layouts and JSON itself did to the fields."""
-    if isinstance(value, list):
-        return [_restored(item) for item in value]
+def _laid_out(kind: Any, value: Any) -> Any:
+    """What a document has of a value of this kind, every noun in it by its fields."""
     if isinstance(value, str):
-        return _NOT_FINITE.get(value, value)
-    return _restored_object(value) if isinstance(value, dict) else value
+        return NOT_FINITE.get(value, value)
+    kinds = tuple(_kinds(kind))
+    if isinstance(value, list):
+        of = next((get_args(one) for one in kinds if get_origin(one) is tuple), (Any, ...))
+        each = of[:1] * len(value) if ... in of else of
+        return [_laid_out(*pair) for pair in zip_longest(each, value)][: len(value)]
+    if not isinstance(value, dict):
+        return value
+    noun = _noun_in(kinds, value)
+    if noun is None:
+        return {key: _laid_out(Any, item) for key, item in value.items()}
+    hints, found = _hints(noun), fields_of(noun, _FILLED.get(noun, dict)(value))
+    laid = {name: _laid_out(hints[name], item) for name, item in found.items()}
+    # the decoder knows no noun of which there are several kinds
+    return _converted(noun, laid) if _CHOSEN.keys() & kinds else laid
 
 
-def _restored_object(value: dict[str, Any]) -> dict[str, Any]:
-    schema = value.get("schema")
-    _refuse_without_arms(value if schema == "dashpot/model@1" else value.get("model"))
-    if "arms" in value and "k_inf" in value:
-        return _restored_model(value)
-    restored = {key: _restored(item) for key, item in value.items()}
-    if schema == "dashpot/fit@1":
-        return _restored_fit(restored)
-    if "preparation" in restored and "error" in restored["preparation"]:
-        restored["refusal"] = restored.pop("preparation")["error"]
-    return restored
+def _converted(noun: type, laid: dict[str, Any]) -> Any:
+    import msgspec
+
+    return msgspec.convert(laid, type=noun, dec_hook=_decoded)
 
 
-def _refuse_without_arms(model: Any) -> None:
-    if isinstance(model, dict) and "arms" not in model:
-        raise ValueError('a model has no "arms"; that of a spring alone is []')
+def _decoded(kind: type, value: Any) -> Any:
+    """Return what the decoder does not know: an array, or a noun that was chosen already."""
+    if isinstance(value, dict) and set(value) == {"real", "imag"}:
+        return np.asarray(value["real"], dtype=float) + 1j * np.asarray(value["imag"], dtype=float)
+    if isinstance(value, list):
+        array = np.asarray(value, dtype=float)
+        return array.reshape(0, 0) if array.size == 0 and array.ndim == 1 else array
+    if isinstance(value, tuple(_CHOSEN)):
+        return value
+    raise TypeError(f"expected an array, found {type(value).__name__} for {kind}")
 
 
-def _restored_model(value: dict[str, Any]) -> dict[str, Any]:
-    """The fields of a model, or of its errors, from a list of arms."""
-    k, tau = ([arm[name] for arm in value["arms"]] for name in ("k", "tau"))
-    return {"k_inf": _restored(value["k_inf"]), "b": value.get("b", 0.0), "k": k, "tau": tau}
+def _kinds(kind: Any) -> Iterator[Any]:
+    """The members of a union, one by one."""
+    if get_origin(kind) in {Union, UnionType}:
+        yield from get_args(kind)
+    else:
+        yield kind
 
 
-def _restored_fit(found: dict[str, Any]) -> dict[str, Any]:
-    names = {status.name.lower(): status.value for status in Status}
-    status = found.get("status", "converged")
-    if status not in names:
-        raise ValueError(f"status {status!r} is none of {', '.join(names)}")
-    # a fit typed by hand may hold no more than a model: nothing else is then claimed
-    defaults: dict[str, Any] = {
-        "method": "full",
-        "residual": {"n": 0, "sse": 0.0, "rms": 0.0},
-        **_diagonal_covariance(found),
-    }
-    found = defaults | found | {"status": names[status]}
-    found["residual"] = defaults["residual"] | found["residual"]
-    found["band"] = found.pop("band_hz", [0.0, 0.0])
-    # the bare contract lists neither a candidate's significance nor its solid
-    found["orders"] = [order for order in found.get("orders", []) if "model" in order]
-    model, own = found.pop("model"), found.get("solid", {})
-    found["solid"] = own if own.get("family") == "fractional" else model
-    found["elastic_law"] = _restored_law(found.get("elastic_law"))
-    found["temperatures"] = _restored_temperature(found.pop("temperature", None))
-    left = found.pop("left_open", None)
-    # the bare contract does not say how long the seal was held, nor how the force still falls
-    found["end_of_hold"] = left and {"time": np.nan, "falling": np.nan} | left
-    for part, kind in _FIT_PARTS.items():
-        found[part] = {one.name: found[one.name] for one in fields(kind) if one.name in found}
-    return found
+def _noun_in(kinds: Sequence[Any], value: dict[str, Any]) -> type | None:
+    """The noun that an object of a document is of; None of one that holds any keys."""
+    for kind in kinds:
+        if kind in _CHOSEN:
+            return _CHOSEN[kind](value)
+        if isinstance(kind, type) and is_dataclass(kind):
+            return kind
+    return None
 
 
-def _restored_law(found: dict[str, Any] | None) -> dict[str, Any] | None:
-    """An elastic law, with the shape that a bare one leaves to its tangents."""
-    if not found or "ratio" in found:
-        return found
-    tangent = np.asarray(found["tangent"], dtype=float)
-    stiffness = float(np.trapezoid(tangent, found["knots"]) / found["knots"][-1])
-    return found | {"stiffness": stiffness, "ratio": (tangent / stiffness).tolist()}
+@cache
+def _hints(noun: type) -> dict[str, Any]:
+    return get_type_hints(noun)
 
 
 _LAWS: dict[str, type] = {"wlf": WLF, "arrhenius": Arrhenius, "free": FreeShifts}
 
 
-def _restored_temperature(found: dict[str, Any] | None) -> dict[str, Any] | None:
-    if found is None:
-        return None
-    reference, count = found["reference"], 2 * len(found["shifts"])
-    law = {**found["law"], "reference": reference}
-    if law["kind"] not in _LAWS:
-        raise ValueError(f"law {law['kind']!r} is none of {', '.join(_LAWS)}")
-    # the bare contract holds the errors alone
-    bare = {"covariance": np.zeros((count, count)).tolist()}
-    return {**bare, **{key: found[key] for key in found if key != "reference"}, "law": law}
+def _law_of(found: dict[str, Any]) -> type:
+    if found["kind"] not in _LAWS:
+        raise ValueError(f"law {found['kind']!r} is none of {', '.join(_LAWS)}")
+    return _LAWS[found["kind"]]
+
+
+def _solid_of(found: dict[str, Any]) -> type:
+    if found.get("schema") == Parallel.schema:
+        return Parallel
+    return FractionalZener if "alpha" in found else GeneralizedMaxwell
+
+
+_CHOSEN: dict[type, Callable[[dict[str, Any]], type]] = {
+    Solid: _solid_of,
+    TemperatureLaw: _law_of,
+    RateIndependent: lambda found: Cubic if "k3" in found else Jenkins,
+}
+"""Nouns of which there are several kinds, and which of them an object of a document is."""
+
+
+# -- what the bare contract leaves out, and what no key says -------------------------------------
+
+
+def _model(found: dict[str, Any]) -> dict[str, Any]:
+    """The fields of a model from its list of arms."""
+    if "arms" not in found:
+        raise ValueError('a model has no "arms"; that of a spring alone is []')
+    rest = {name: found[name] for name in ("k_inf", "b") if name in found}
+    return rest | {name: [arm[name] for arm in found["arms"]] for name in ("k", "tau")}
+
+
+def _fit(found: dict[str, Any]) -> dict[str, Any]:
+    names = {status.name.lower(): status.value for status in Status}
+    status = found.get("status", "converged")
+    if status not in names:
+        raise ValueError(f"status {status!r} is none of {', '.join(names)}")
+    own, model = found.get("solid", {}), found["model"]
+    # a fit typed by hand may hold no more than a model: nothing else is then claimed
+    nothing = {"n": 0, "sse": 0.0, "rms": 0.0}
+    defaults = {"method": "full", "band_hz": [0.0, 0.0], **_diagonal_covariance(found)}
+    return (
+        defaults
+        | found
+        | {
+            "status": names[status],
+            "solid": own if own.get("family") == "fractional" else model,
+            "residual": nothing | found.get("residual", nothing),
+            # the bare contract lists neither a candidate's significance nor its solid
+            "orders": [order for order in found.get("orders", []) if "model" in order],
+        }
+    )
 
 
 def _diagonal_covariance(found: dict[str, Any]) -> dict[str, Any]:
@@ -454,9 +264,10 @@ def _diagonal_covariance(found: dict[str, Any]) -> dict[str, Any]:
     errors = found.get("standard_error")
     if not errors:
         return {"parameters": [], "covariance": [], "dof": 0.0}
-    taus = found["model"]["tau"]
-    # standard errors are laid out as the model is, and so were restored like one
-    k, tau = ([*errors[name], *(None for _ in taus)][: len(taus)] for name in ("k", "tau"))
+    taus, arms = _model(found["model"])["tau"], errors["arms"]
+    k, tau = (
+        [*(arm[name] for arm in arms), *(None for _ in taus)][: len(taus)] for name in ("k", "tau")
+    )
     numbers = range(1, len(taus) + 1)
     variances = [
         _square(errors["k_inf"]),
@@ -474,21 +285,45 @@ def _square(error: float | None) -> float:
     return np.inf if error is None else float(error) ** 2
 
 
-def _decoded(kind: type, value: Any) -> Any:
-    """Return a solid, a law or an array, which the decoder does not know."""
-    if kind is TemperatureLaw:
-        import msgspec
+def _elastic(found: dict[str, Any]) -> dict[str, Any]:
+    """An elastic law, with the shape that a bare one leaves to its tangents."""
+    if "ratio" in found:
+        return found
+    tangent = np.asarray(found["tangent"], dtype=float)
+    stiffness = float(np.trapezoid(tangent, found["knots"]) / found["knots"][-1])
+    return found | {"stiffness": stiffness, "ratio": (tangent / stiffness).tolist()}
 
-        law = dict(value)
-        return msgspec.convert(law, _LAWS[law.pop("kind")])
-    if kind is Solid:
-        import msgspec
 
-        kind = FractionalZener if "alpha" in value else GeneralizedMaxwell
-        return msgspec.convert(value, kind)
-    if isinstance(value, dict) and set(value) == {"real", "imag"}:
-        return np.asarray(value["real"], dtype=float) + 1j * np.asarray(value["imag"], dtype=float)
-    if isinstance(value, list):
-        array = np.asarray(value, dtype=float)
-        return array.reshape(0, 0) if array.size == 0 and array.ndim == 1 else array
-    raise TypeError(f"expected an array, found {type(value).__name__} for {kind}")
+def _shifts(found: dict[str, Any]) -> dict[str, Any]:
+    """Shifts whose law has their reference; the bare contract holds the errors alone."""
+    count = 2 * len(found["shifts"])
+    law = {**found["law"], "reference": found["reference"]}
+    return {"covariance": np.zeros((count, count)).tolist(), **found, "law": law}
+
+
+def _inspected(found: dict[str, Any]) -> dict[str, Any]:
+    account = found.get("preparation", {})
+    if "error" not in account:
+        return found
+    rest = {key: item for key, item in found.items() if key != "preparation"}
+    return rest | {"refusal": account["error"]}
+
+
+def _levels(found: dict[str, Any]) -> dict[str, Any]:
+    """A fit of levels; chance is not in the file."""
+    cubic = found["cubic"]
+    beside = [*found["sliders"], *([] if cubic is None else [{"k3": cubic["k3"]}])]
+    return found | {"beside": beside, "draws": [], "orders": list(found["orders"].items())}
+
+
+_FILLED: dict[type, Callable[[dict[str, Any]], dict[str, Any]]] = {
+    GeneralizedMaxwell: _model,
+    Fit: _fit,
+    ElasticLaw: _elastic,
+    TemperatureShifts: _shifts,
+    # the bare contract does not say how long the seal was held, nor how the force still falls
+    EndOfHold: lambda found: {"time": np.nan, "falling": np.nan} | found,
+    InspectedFile: _inspected,
+    LevelFit: _levels,
+}
+"""What is more of a noun than its keys turned back."""

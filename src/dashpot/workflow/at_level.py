@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -12,24 +12,25 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
-from dashpot.base.options import option
 from dashpot.base.provenance import Source
 from dashpot.base.units import Dimension, si
-from dashpot.fitting.level.loops import sweep_of_loops
-from dashpot.fitting.level.sweep import fit_amplitude
 from dashpot.io.options import ReadOptions
-from dashpot.io.readers.amplitude import read_amplitude
 from dashpot.io.readers.inspect import inspect_file
 from dashpot.io.readers.relaxation import read_relaxation
 from dashpot.io.source import about
-from dashpot.records.amplitude import AmplitudeFit, AmplitudeSweep
+from dashpot.kinds.level.checks import level_covered
+from dashpot.kinds.level.fit import fit_amplitude
+from dashpot.kinds.level.prepare import sweep_of_loops
+from dashpot.kinds.level.read import read_amplitude
+from dashpot.kinds.level.record import AmplitudeFit, AmplitudeSweep
 from dashpot.records.frf import FRF, Kind
 from dashpot.records.relaxation import RelaxationTest
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.systems.level import mass_at_level
 from dashpot.vibration.systems.mounts import on_heavy_mounts
-from dashpot.workflow.checks import level_covered
+from dashpot.workflow.job import LevelChoices
 from dashpot.workflow.part import PartChoices
 
 STRAIN_FACTORS = (1.0, 1 / np.sqrt(3))
@@ -48,42 +49,7 @@ _COARSE, _FINE, _REACH = 241, 61, (0.25, 2.5)
 
 
 @dataclass(frozen=True)
-class LevelChoices:
-    """How far a part is moved, and the sweep that tells what this does to it."""
-
-    levels: tuple[str, ...] = option(
-        (),
-        "Amplitude of the force, e.g. 0.5N; with --base of its acceleration, e.g. 5m/s^2. "
-        "Needs --sweep.",
-        multiple=True,
-        metavar="LEVEL",
-        flag="level",
-    )
-    sweep: str | None = option(
-        None,
-        "Storage and loss over strain or displacement, or recorded loops: what a level does.",
-        metavar="FILE",
-    )
-    height: float | None = option(
-        None, "Of the part, for its strain; of a --disc or --block it is known.", unit="length"
-    )
-    strain_factor: float | None = option(
-        None,
-        "Strain of the sweep over X/height of the part: 1 where both are loaded alike, 0.577 for a "
-        "part in shear beside a sweep in tension, 1.73 the other way [default: 1, and what the "
-        "other would make of it].",
-        above=0.0,
-    )
-    fitted_at: str | None = option(
-        None, "Strain at which FIT's own test was made, e.g. 0.1% [default: a vanishing one]."
-    )
-    resonance_level: str | None = option(
-        None, "At which --resonance was measured [default: a vanishing one]."
-    )
-
-
-@dataclass(frozen=True)
-class AtLevel:
+class AtLevel(Documented):
     """The resonance of a mass at a level.
 
     Attributes
@@ -102,6 +68,16 @@ class AtLevel:
     frf : FRF
     """
 
+    keys = (
+        "level",
+        "unit",
+        "peak",
+        "frequency_between_hz=frequency_between",
+        "value_between",
+        "amplitude",
+        "strain",
+    )
+
     level: float
     unit: str
     frequency: float
@@ -113,21 +89,13 @@ class AtLevel:
     frf: FRF
 
     @property
-    def document(self) -> dict[str, Any]:
-        """In ``dashpot/prediction@1``."""
-        return {
-            "level": self.level,
-            "unit": self.unit,
-            "peak": {"frequency_hz": self.frequency, "value": self.value},
-            "frequency_between_hz": list(self.frequency_between),
-            "value_between": list(self.value_between),
-            "amplitude": self.amplitude,
-            "strain": self.strain,
-        }
+    def peak(self) -> dict[str, float]:
+        """Its numbers by their names."""
+        return {"frequency_hz": self.frequency, "value": self.value}
 
 
 @dataclass(frozen=True)
-class SweptPart:
+class SweptPart(Documented):
     """What amplitude does to parts of a material, by a sweep of it.
 
     Attributes
@@ -143,6 +111,11 @@ class SweptPart:
         Amplitude of the test behind the solid, in the unit of the sweep; 0 for a vanishing one.
     sweep : Source or None
     """
+
+    keys = (
+        "sweep.file", "law.law", "laws=names", "*law.constants", "height",
+        "strain_factors=factors", "fitted_at",
+    )  # fmt: skip
 
     laws: tuple[AmplitudeFit, ...]
     factors: tuple[float, ...]
@@ -161,19 +134,9 @@ class SweptPart:
         return self.law.checks
 
     @property
-    def document(self) -> dict[str, Any]:
-        """In ``dashpot/prediction@1``."""
-        law = self.law
-        numbers = {name: getattr(law, name) for name, _ in law.se}
-        return {
-            "file": None if self.sweep is None else asdict(self.sweep)["file"],
-            "law": law.law,
-            "laws": [one.law for one in self.laws],
-            **numbers,
-            "height": self.height,
-            "strain_factors": list(self.factors),
-            "fitted_at": self.fitted_at,
-        }
+    def names(self) -> tuple[str, ...]:
+        """Of the laws."""
+        return tuple(one.law for one in self.laws)
 
     def stretch(self, factor: float) -> float:
         """Displacement of the part, m, for each of the sweep's amplitude."""

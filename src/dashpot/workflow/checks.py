@@ -5,9 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from dashpot.base.capability import Capability
 from dashpot.base.checks import Finding, criterion
-from dashpot.base.numbers import READ_IN
 from dashpot.records.frf import Mode
 
 LISTED = 20
@@ -73,26 +71,6 @@ def families_predict_alike(own: Mode | None, other: Mode | None) -> Finding:
         ": the test does not tell the two apart, a hammer does, and so does a colder test or a "
         "faster ramp",
         faulted=abs(shift) > 0.01,
-    )
-
-
-@criterion("distance from the range, a factor", "<=", 1.0, "the amplitudes of the tests")
-def level_covered(
-    amplitude: float, tested: tuple[float, float], *, at: str, of: str = "m"
-) -> Finding:
-    """At the level asked for the seal moves as far as it did in a test."""
-    scale, unit = READ_IN[of]
-    low, high = tested
-    factor = max(amplitude / high, low / amplitude)
-    says = (
-        f"at {at} the seal {'moves' if of == 'm' else 'is moved by'} {scale * amplitude:.3g} {unit}"
-    )
-    range_ = f"{scale * low:.3g} to {scale * high:.3g} {unit} of the tests"
-    return Finding(
-        f"{says}, within the {range_}",
-        factor,
-        instead=f"{says}, {factor:.3g} times beyond the {range_}: what slips there nobody has "
-        "measured; test at that level",
     )
 
 
@@ -214,28 +192,4 @@ def page_redrawn(number: int, *, same: bool, alike: bool) -> Finding:
         f"{page}, drawn again, is the same",
         0 if same else 1,
         instead=f"{page} does not say what its result does: it was changed",
-    )
-
-
-@criterion("conditions that differ", "<=", 0, "by definition")
-def pieces_tested_alike(otherwise: Sequence[str]) -> Finding:
-    """Pieces were pressed alike: speed, depth, cycle and temperature, so that they may scatter."""
-    return Finding(
-        "the pieces were tested alike",
-        len(otherwise),
-        instead=f"the pieces were not tested alike ({'; '.join(otherwise)}): part of their "
-        "scatter is the testing's",
-    )
-
-
-@criterion("Cpk", ">=", 1.33, "AIAG's usual demand of a process that is known")
-def pieces_capable(of: Capability, unit: str) -> Finding:
-    """The force at the nominal compression keeps to its limits by a margin."""
-    low, high = of.cpk_interval or (0.0, 0.0)
-    return Finding(
-        f"Cpk of the force at the nominal compression is "
-        f"{'unknown' if of.cpk is None else f'{of.cpk:.2f}'} ({low:.2f} to {high:.2f}, "
-        f"{of.count} pieces, {of.lower:g} to {of.upper:g} {unit})",
-        of.cpk,
-        ": test more pieces" if high >= 1.33 else ": they scatter too much, or lie off centre",
     )

@@ -2,31 +2,13 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 import re
 from typing import Any
 
-DIGEST = "digest"
-"""The key of a fit's document that shows whether the rest was edited."""
-_SEALED = {"dashpot/fit@1", "dashpot/levels@1"}
+from dashpot.base.documents import DIGEST, digest_of
+
 _NUMERIC = {"k_inf", "k", "tau", "b"}
 """Keys of a solid, whose values are numbers."""
-
-
-def digest_of(plain: dict[str, Any]) -> str:
-    """Return 16 hexadecimal digits of what a fit's document says, however it is laid out."""
-
-    def even(value: Any) -> Any:
-        if isinstance(value, dict):
-            return {key: even(item) for key, item in value.items() if key != DIGEST}
-        if isinstance(value, list):
-            return [even(item) for item in value]
-        # other programs print 1.0 as 1
-        return float(value) if isinstance(value, int) and not isinstance(value, bool) else value
-
-    text = json.dumps(even(plain), sort_keys=True)
-    return hashlib.sha256(text.encode("utf-8", "backslashreplace")).hexdigest()[:16]
 
 
 def edited(value: Any) -> bool:
@@ -35,7 +17,7 @@ def edited(value: Any) -> bool:
         return any(map(edited, value))
     if not isinstance(value, dict):
         return False
-    sealed = value.get("schema") in _SEALED and DIGEST in value
+    sealed = "schema" in value and DIGEST in value
     return (sealed and value[DIGEST] != digest_of(value)) or any(map(edited, value.values()))
 
 

@@ -13,24 +13,24 @@ from types import MappingProxyType
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray
+from dashpot.base.units import GRAVITY, in_unit, written
 from dashpot.base.version import byline
 from dashpot.io.write import write_impact, write_relaxation
-from dashpot.records.indentation import GRAVITY
+from dashpot.kinds.indentation.collision import collide
+from dashpot.kinds.indentation.contact_law import ViscousContact, sphere_stiffness
+from dashpot.kinds.rod.prepare import rod_transmissibility
 from dashpot.simulation.impact import Hammer, simulate_impact
 from dashpot.simulation.plate import free_plate
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.simulation.rig import Climate, Rig
 from dashpot.simulation.truth import stamp
-from dashpot.solids.contact import ViscousContact, sphere_stiffness
 from dashpot.solids.friction import Iwan
 from dashpot.solids.hyperelastic import Hyperelastic, Mode
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.part import Disc
 from dashpot.solids.table_1 import BROAD
 from dashpot.solids.temperature import WLF
-from dashpot.vibration.modal.rod import rod_transmissibility
 from dashpot.vibration.systems.bodies import Mount, point_mass
-from dashpot.vibration.systems.contact import collide
 from dashpot.vibration.systems.level import response_at_level
 from dashpot.vibration.systems.system import System
 
@@ -82,9 +82,10 @@ def _hammer() -> str:
 def _sweep() -> str:
     """Storage and loss of one seal as a dynamic testing machine writes them, 0.5 % noisy."""
     frequency = np.geomspace(0.01, 100.0, 41)
-    stiffness = BROAD.complex_stiffness(2 * np.pi * frequency) * 1e-3
+    stiffness = BROAD.complex_stiffness(2 * np.pi * frequency)
+    storage, loss = (in_unit(part, "N/mm") for part in (stiffness.real, stiffness.imag))
     noise = 1 + 0.005 * np.random.default_rng(1).standard_normal((2, len(frequency)))
-    rows = zip(frequency, stiffness.real * noise[0], stiffness.imag * noise[1], strict=True)
+    rows = zip(frequency, storage * noise[0], loss * noise[1], strict=True)
     head = "frequency [Hz],storage stiffness [N/mm],loss stiffness [N/mm]"
     lines = [f"# {byline('simulated dynamic test')}", "# simulated", head]
     return "\n".join([*lines, *(",".join(f"{value:.6g}" for value in row) for row in rows), ""])
@@ -154,7 +155,7 @@ def _pressed(stiffness: float, seed: int, *, speed: float = 50e-3 / 60) -> Calla
         path = softer * (0.7 * x + 0.3 * x**3 / depth**2)
         force = stiffness * _pushed(path, plate > 0, float(time[1]))
         noise = 4e-3 * np.random.default_rng(seed).standard_normal(len(time))
-        lines = zip(time, 1e3 * plate, force + 0.03 + noise, strict=True)
+        lines = zip(time, in_unit(plate, "mm"), force + 0.03 + noise, strict=True)
         head = [f"# {byline('simulated compression load deflection test')}", "# simulated"]
         rows = (",".join(f"{value:.6g}" for value in row) for row in lines)
         return "\n".join([*head, "time [s],displacement [mm],force [N]", *rows, ""])
@@ -201,7 +202,7 @@ def _stretched(mode: Mode, most: float, seed: int) -> Callable[[], str]:
 
     def made() -> str:
         x = np.linspace(1.0, most, 80)
-        stress = 1e-6 * _RUBBER.nominal(mode, x)
+        stress = in_unit(_RUBBER.nominal(mode, x), "MPa")
         stress += 0.005 * stress.max() * np.random.default_rng(seed).standard_normal(len(x))
         rows = (f"{100 * (a - 1):.5g},{b:.5g}" for a, b in zip(x, stress, strict=True))
         head = [f"# {byline(f'simulated {mode} test')}", "# simulated"]
@@ -223,7 +224,10 @@ def _loops() -> str:
     x = size * np.sin(2 * np.pi * hz * time)
     noise = 3e-4 * np.random.default_rng(1).standard_normal(len(time))
     force = (BROAD + _RUBBING).path_force(time, x) + 1.2 + noise
-    rows = (f"{t:.6g},{d:.6g},{f:.6g}" for t, d, f in zip(time, 1e3 * x + 4, force, strict=True))
+    rows = (
+        f"{t:.6g},{d:.6g},{f:.6g}"
+        for t, d, f in zip(time, in_unit(x + 4e-3, "mm"), force, strict=True)
+    )
     head = [f"# {byline('simulated loops')}", "# simulated", "time [s],displacement [mm],force [N]"]
     return "\n".join([*head, *rows, ""])
 
@@ -275,7 +279,10 @@ def _around() -> tuple[FloatArray, FloatArray]:
 
 def _door_line() -> str:
     place, gap = _around()
-    rows = (",".join(f"{1e3 * v:.3f}" for v in (*p, g)) for p, g in zip(place, gap, strict=True))
+    rows = (
+        ",".join(f"{in_unit(v, 'mm'):.3f}" for v in (*p, g))
+        for p, g in zip(place, gap, strict=True)
+    )
     head = [f"# {byline('simulated seal line')}", "# simulated", "x [mm],y [mm],z [mm],gap [mm]"]
     return "\n".join([*head, *rows, ""])
 
@@ -285,7 +292,7 @@ def _door_modes() -> str:
     place = np.concatenate((_around()[0][:-1], (*_HINGES, _LATCH, _MIRROR)))
     modes = free_plate(place, width=1.1, height=1.2, mass=25.0, rigidity=3e4, elastic=24)
     rows = (
-        ",".join(f"{v:.7g}" for v in (r + 1, f, *(1e3 * place[p]), modes.shapes[r, p, 2]))
+        ",".join(f"{v:.7g}" for v in (r + 1, f, *in_unit(place[p], "mm"), modes.shapes[r, p, 2]))
         for r, f in enumerate(modes.frequency)
         for p in range(len(place))
     )
@@ -384,7 +391,7 @@ limit = "0.75m/s"
 CAPTIONS: Mapping[str, str] = MappingProxyType(
     {
         "seal_8mm.csv": "a seal pressed 8 mm in 1 s and held 40 s",
-        "hammer.csv": f"a block of {1e3 * MASS:g} g on two such seals, struck five times",
+        "hammer.csv": f"a block of {written(MASS, 'g', 'g')} on two such seals, struck five times",
         "depth_4mm.csv": "a seal that stiffens as it is pressed, to 4 mm",
         "depth_6mm.csv": "the same to 6 mm",
         "depth_8mm.csv": "the same to 8 mm: dashpot fit --depth-law takes the three",

@@ -8,7 +8,9 @@ from pathlib import Path
 from typing import Any, Literal, TypeAlias, TypeVar
 
 import dashpot as dp
+from dashpot.base.choices import FamilyAsked, Method, RampLawAsked
 from dashpot.base.errors import FitError
+from dashpot.base.options import offered
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import about
 from dashpot.preparation.creep import load_hold
@@ -21,7 +23,7 @@ from dashpot.records.modulus import RelaxationModulus
 from dashpot.records.relaxation import RampHold, RelaxationTest
 from dashpot.records.specimen import Specimen
 from dashpot.records.superposition import Superposition
-from dashpot.workflow.job import Cuts, known_of_a_test
+from dashpot.workflow.job import Cuts, Job, known_of_a_test
 from dashpot.workflow.shifting import ShiftChoices, each_specimen, one_temperature, shifted_ramps
 
 Record: TypeAlias = (
@@ -30,15 +32,15 @@ Record: TypeAlias = (
 
 
 @dataclass(frozen=True)
-class _Asked:
+class _FitRequest:
     """What the user asked for, whatever the records turn out to be."""
 
     arms: int | Literal["auto"]
-    method: Literal["full", "hold"]
+    method: Method
     depth_law: bool
     thorough: bool
-    law: Literal["auto", "linear", "nonlinear"]
-    family: Literal["maxwell", "fractional", "auto"]
+    law: RampLawAsked
+    family: FamilyAsked
     intervals: bool
     filter: str | None
     cuts: Cuts
@@ -49,7 +51,7 @@ class _Asked:
 
     def nothing_of(self, *names: str) -> bool:
         """Whether each of these is left at what it is where nothing is said."""
-        usual = {"method": "full", "depth_law": False, "law": "auto", "family": "maxwell"}
+        usual = {one.name: one.default for one in offered(Job)} | {"depth_law": False}
         return all(getattr(self, name) == usual[name] for name in names)
 
     def refuse_for_a_modulus(self) -> None:
@@ -109,11 +111,11 @@ def fit_files(
     files: Sequence[str | Path],
     *,
     arms: int | Literal["auto"] = "auto",
-    method: Literal["full", "hold"] = "full",
+    method: Method = "full",
     depth_law: bool = False,
     thorough: bool = False,
-    law: Literal["auto", "linear", "nonlinear"] = "auto",
-    family: Literal["maxwell", "fractional", "auto"] = "maxwell",
+    law: RampLawAsked = "auto",
+    family: FamilyAsked = "maxwell",
     intervals: bool = True,
     filter: str | None = None,
     cuts: Cuts | None = None,
@@ -164,7 +166,7 @@ def fit_files(
     """
     options = options or ReadOptions()
     each = each_specimen(specimen, temperatures, len(files))
-    asked = _Asked(
+    asked = _FitRequest(
         arms, method, depth_law, thorough, law, family, intervals, filter, cuts or Cuts(), machine,
         options.cycle, shifting, each[0],
     )  # fmt: skip
@@ -203,7 +205,7 @@ def _read(
 
 
 def _crept(
-    tests: Sequence[CreepTest | CreepCompliance], asked: _Asked, name: str
+    tests: Sequence[CreepTest | CreepCompliance], asked: _FitRequest, name: str
 ) -> tuple[Fit, tuple[Record, ...]]:
     """Fit one creep test, or the master curve of several; `name` is the first file's."""
     # a load that is not held says itself of which file it is
@@ -221,7 +223,7 @@ def _crept(
         return asked.fit(record, **further), (record,)
 
 
-def _pressed(tests: tuple[RampHold, ...], asked: _Asked) -> Fit:
+def _pressed(tests: tuple[RampHold, ...], asked: _FitRequest) -> Fit:
     """Fit ramps and holds together, or, where a law of the depth is asked for, each by itself."""
     if not asked.depth_law:
         return asked.fit(tests, **shifted_ramps(asked.shifting))
@@ -236,7 +238,7 @@ def _pressed(tests: tuple[RampHold, ...], asked: _Asked) -> Fit:
 
 
 def _swept(
-    read: Sequence[object], tests: tuple[RampHold, ...], asked: _Asked
+    read: Sequence[object], tests: tuple[RampHold, ...], asked: _FitRequest
 ) -> tuple[Fit, tuple[Record, ...]]:
     """Fit the sweep read, or a master curve, with the ramps and holds of the same part."""
     sweeps = [one for one in read if isinstance(one, DynamicTest)]

@@ -12,7 +12,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError
 from dashpot.io.readers.inspect import Inspection
-from dashpot.records.cld import CLD, CompressionTest
+from dashpot.kinds.cld.record import CLD, CompressionTest
 from dashpot.records.creep import CreepCompliance, CreepTest
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.fit import Fit
@@ -25,7 +25,7 @@ from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.workflow.study import Study
 
 
-class Frame(NamedTuple):
+class UnitFrame(NamedTuple):
     """Columns of one length, the first their index, each with its SI unit ("" if it has none)."""
 
     columns: dict[str, Any]
@@ -75,15 +75,15 @@ def library(name: str) -> Any:
 
 
 @singledispatch
-def frame(noun: object) -> Frame:
+def frame(noun: object) -> UnitFrame:
     """Return the numbers of a noun as columns."""
     raise DataError(f"a {type(noun).__name__} is no table")
 
 
-def _frame(**columns: tuple[Any, str]) -> Frame:
+def _frame(**columns: tuple[Any, str]) -> UnitFrame:
     """Return a frame of columns that are there, each given with its unit."""
     known = {name: pair for name, pair in columns.items() if pair[0] is not None}
-    return Frame(
+    return UnitFrame(
         {name: values for name, (values, _) in known.items()},
         {name: unit for name, (_, unit) in known.items()},
     )
@@ -91,28 +91,28 @@ def _frame(**columns: tuple[Any, str]) -> Frame:
 
 @frame.register(RelaxationTest)
 @frame.register(RampHold)
-def _(noun: RelaxationTest | RampHold) -> Frame:
+def _(noun: RelaxationTest | RampHold) -> UnitFrame:
     return _frame(
         time=(noun.time, "s"), displacement=(noun.displacement, "m"), force=(noun.force, "N")
     )
 
 
 @frame.register
-def _(noun: CompressionTest) -> Frame:
+def _(noun: CompressionTest) -> UnitFrame:
     return _frame(
         displacement=(noun.displacement, "m"), force=(noun.force, "N"), time=(noun.time, "s")
     )
 
 
 @frame.register
-def _(noun: CLD) -> Frame:
+def _(noun: CLD) -> UnitFrame:
     return _frame(
         compression=(noun.compression, "m"), force=(noun.force, "N"), time=(noun.time, "s")
     )
 
 
 @frame.register
-def _(noun: ImpactTest) -> Frame:
+def _(noun: ImpactTest) -> UnitFrame:
     record = np.repeat(np.arange(1, len(noun.starts) + 1), np.diff((*noun.starts, len(noun.time))))
     accelerations = {
         name: (row, "m/s^2") for name, row in zip(noun.channels, noun.acceleration, strict=True)
@@ -122,7 +122,7 @@ def _(noun: ImpactTest) -> Frame:
 
 
 @frame.register
-def _(noun: DynamicTest) -> Frame:
+def _(noun: DynamicTest) -> UnitFrame:
     return _frame(
         frequency=(noun.frequency, "Hz"),
         storage=(noun.storage, noun.unit),
@@ -132,7 +132,7 @@ def _(noun: DynamicTest) -> Frame:
 
 
 @frame.register
-def _(noun: CreepTest) -> Frame:
+def _(noun: CreepTest) -> UnitFrame:
     moved, pushed = ("m", "N") if noun.unit == "N/m" else ("1", "Pa")
     return _frame(
         time=(noun.time, "s"),
@@ -142,12 +142,12 @@ def _(noun: CreepTest) -> Frame:
 
 
 @frame.register
-def _(noun: CreepCompliance) -> Frame:
+def _(noun: CreepCompliance) -> UnitFrame:
     return _frame(time=(noun.time, "s"), compliance=(noun.compliance, noun.unit))
 
 
 @frame.register
-def _(noun: RelaxationModulus) -> Frame:
+def _(noun: RelaxationModulus) -> UnitFrame:
     return _frame(
         time=(noun.time, "s"),
         modulus=(noun.modulus, noun.unit),
@@ -156,16 +156,16 @@ def _(noun: RelaxationModulus) -> Frame:
 
 
 @frame.register
-def _(noun: Superposition) -> Frame:
+def _(noun: Superposition) -> UnitFrame:
     """The master curve, and the temperature that each of its samples was measured at."""
     made = frame(replace(noun.curve, temperature=None))
-    return Frame(
+    return UnitFrame(
         {**made.columns, "temperature": noun.temperature}, {**made.units, "temperature": "K"}
     )
 
 
 @frame.register
-def _(noun: FRF) -> Frame:
+def _(noun: FRF) -> UnitFrame:
     return _frame(
         frequency=(noun.frequency, "Hz"),
         value=(noun.value, noun.unit),
@@ -175,7 +175,7 @@ def _(noun: FRF) -> Frame:
 
 
 @frame.register
-def _(noun: Comparison) -> Frame:
+def _(noun: Comparison) -> UnitFrame:
     return _frame(
         frequency=(noun.measured.frequency, "Hz"),
         measured=(noun.measured.value, noun.measured.unit),
@@ -185,7 +185,7 @@ def _(noun: Comparison) -> Frame:
 
 
 @frame.register
-def _(noun: Fit) -> Frame:
+def _(noun: Fit) -> UnitFrame:
     """One row per parameter of the solid, with its standard error and 95 % interval."""
     if noun.family == "fractional":
         return _of_element(noun)
@@ -204,7 +204,7 @@ def _(noun: Fit) -> Frame:
     )  # fmt: skip
 
 
-def _of_element(noun: Fit) -> Frame:
+def _of_element(noun: Fit) -> UnitFrame:
     own, ends = noun.solid_standard_error, noun.solid_intervals()
     units = {"k_inf": noun.unit, "k_0": noun.unit, "tau": "s", "alpha": ""}
     rows = [(getattr(noun.solid, name), own[name], *ends[name]) for name in units]
@@ -216,13 +216,13 @@ def _of_element(noun: Fit) -> Frame:
 
 
 @frame.register
-def _(noun: Study) -> Frame:
+def _(noun: Study) -> UnitFrame:
     """The parameters of the solid that the study ends with."""
     return frame(noun.fit if noun.joint is None else noun.joint)
 
 
 @frame.register
-def _(noun: Inspection) -> Frame:
+def _(noun: Inspection) -> UnitFrame:
     return _frame(
         number=([one.number for one in noun.columns], ""),
         name=([one.name for one in noun.columns], ""),

@@ -33,8 +33,8 @@ class Listed:
 
 
 @dataclass(frozen=True)
-class Line:
-    """One operation.
+class HistoryLine:
+    """A line of the history: one operation.
 
     Attributes
     ----------
@@ -69,7 +69,7 @@ class History:
 
     Attributes
     ----------
-    lines : tuple of Line
+    lines : tuple of HistoryLine
         The whole ones.
     intact : tuple of bool
         Whether each is as it was written, in its place.
@@ -81,7 +81,7 @@ class History:
         The hash of the last line there was, by ``history.head``; empty if it says nothing.
     """
 
-    lines: tuple[Line, ...] = ()
+    lines: tuple[HistoryLine, ...] = ()
     intact: tuple[bool, ...] = ()
     torn: bytes = b""
     written: int = 0
@@ -202,13 +202,13 @@ def _is_whole(text: bytes, before: list[bytes]) -> bool:
         return False
 
 
-def _line(text: bytes, number: int) -> Line:
+def _line(text: bytes, number: int) -> HistoryLine:
     import msgspec
 
     try:
         entry = json.loads(text)
-        line = msgspec.convert(entry, type=Line)
-        strange = entry.keys() - {one.name for one in fields(Line)}
+        line = msgspec.convert(entry, type=HistoryLine)
+        strange = entry.keys() - {one.name for one in fields(HistoryLine)}
         if strange:
             raise ValueError(f"it has {min(strange)!r}")
         return line

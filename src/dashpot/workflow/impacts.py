@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 import dashpot as dp
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.version import byline
 from dashpot.io.options import OF_BENCH, ReadOptions
@@ -49,7 +50,7 @@ class ImpactMode:
 
 
 @dataclass(frozen=True)
-class ImpactResult:
+class ImpactResult(Documented):
     """What ``dashpot impact`` found.
 
     Attributes
@@ -62,6 +63,12 @@ class ImpactResult:
     file : str or None
         Where the FRF was written.
     """
+
+    schema = "dashpot/impact@1"
+    keys = (
+        "estimator", "window", "frf.averages", "modes", "peak", "frf.hits", "frf.checks",
+        "frf.source", "file", "frf",
+    )  # fmt: skip
 
     frf: FRF
     modes: tuple[ImpactMode, ...]
@@ -184,7 +191,7 @@ def held_against(
 
 
 @dataclass(frozen=True)
-class Agreement:
+class Agreement(Documented):
     """What ``dashpot compare`` found.
 
     Attributes
@@ -202,7 +209,12 @@ class Agreement:
         Lines, Hz, and limits of the predicted accelerance by standard errors alone, 1/kg.
     limits : FRFBounds or None
         By both kinds of ignorance, if the relaxation record is at hand.
+    seals : float
+        How many carry the block.
     """
+
+    # the verdict is of the measured FRF too, not of the comparison alone
+    keys = ("*comparison", "mass", "mass_inferred", "seals", "verdict", "*at_rest.told")
 
     comparison: Comparison
     mass: float
@@ -211,6 +223,7 @@ class Agreement:
     at_rest: AtRest
     interval: tuple[FloatArray, FloatArray] = field(compare=False)
     limits: FRFBounds | None = None
+    seals: float = 1.0
 
     @property
     def checks(self) -> tuple[Check, ...]:
@@ -281,7 +294,7 @@ def compare_files(
         about = np.linspace(lines[0], lines[-1], min(len(lines), LIMIT_LINES))
         limits = frf_limits(found, tests, rests.point, mass=known, frequency=about, seals=seals)
     noted = (*frf.checks, *noted)
-    return Agreement(comparison, known, mass is None, noted, rests, (lines, formal), limits)
+    return Agreement(comparison, known, mass is None, noted, rests, (lines, formal), limits, seals)
 
 
 def _refuse_unmatched(
@@ -295,6 +308,81 @@ def _refuse_unmatched(
             f"{len(temperatures)} temperatures and no relaxation test (--with); expected one, that "
             "of the seals under the hammer"
         )
+
+
+class Changes(NamedTuple):
+    """Of the stiffness, relative, and of the loss factor."""
+
+    stiffness_relative: FloatArray
+    loss_factor: FloatArray
+
+
+@dataclass(frozen=True)
+class Direct(Documented):
+    """Stiffness and damping of a seal straight from the FRF, each with all its errors."""
+
+    keys = (
+        "frequency_hz=of.frequency", "stiffness=of.storage", "stiffness_sd=of.storage_sd",
+        "of.damping", "of.loss_factor", "of.loss_factor_sd", "stiffness_band_hz=of.storage_band~",
+        "loss_band_hz=of.loss_band~", "sensitivity",
+    )  # fmt: skip
+
+    of: DynamicStiffness
+
+    @property
+    def sensitivity(self) -> dict[str, Changes]:
+        """What a degree of phase, and a per cent of mass, change."""
+        phase, mass = self.of.changes("phase", DEGREE), self.of.changes("mass", 0.01)
+        return {"phase_1_degree": Changes(*phase), "mass_1_percent": Changes(*mass)}
+
+    @property
+    def table(self) -> str:
+        """They as CSV, with the bands where they are good in the head."""
+        of = self.of
+        head = (
+            f"# {byline('stiffness from the FRF')}\n"
+            f"# stiffness good to 10 % from {of.storage_band[0]:.4g} to {of.storage_band[1]:.4g} "
+            f"Hz, loss to 30 % from {of.loss_band[0]:.4g} to {of.loss_band[1]:.4g} Hz\n"
+            "frequency [Hz],stiffness [N/m],sd of stiffness [N/m],damping [N*s/m],loss factor [1],"
+            "sd of loss factor [1]\n"
+        )
+        columns = (
+            of.frequency, of.storage, of.storage_sd, of.damping, of.loss_factor, of.loss_factor_sd,
+        )  # fmt: skip
+        rows = zip(*(one.tolist() for one in columns), strict=True)
+        return head + "".join(",".join(map(repr, row)) + "\n" for row in rows)
+
+
+@dataclass(frozen=True)
+class Identified(Documented):
+    """What ``dashpot identify`` found.
+
+    Attributes
+    ----------
+    fit : Fit
+    direct : Direct
+    noted : tuple of Check
+        What the FRF and the mass of the seals say beside the fit's own.
+    at_rest : AtRest
+        Where the mass rests on it.
+    """
+
+    keys = ("*fit", "direct", "*at_rest.told")
+
+    fit: Fit
+    direct: Direct
+    noted: tuple[Check, ...]
+    at_rest: AtRest
+
+    @property
+    def checks(self) -> tuple[Check, ...]:
+        """Those of the fit, and what was noted."""
+        return (*self.fit.checks, *self.noted)
+
+    @property
+    def verdict(self) -> Verdict:
+        """What to make of the fit."""
+        return verdict(self.checks, sound=self.fit.verdict.says)
 
 
 def identify_files(
@@ -315,7 +403,7 @@ def identify_files(
     impact_temperature: float | None = None,
     options_with: ReadOptions | None = None,
     **choices: Any,
-) -> tuple[Fit, DynamicStiffness, tuple[Check, ...]]:
+) -> Identified:
     """Identify the solid under a mass from hits or an FRF, alone or with the relaxation test.
 
     Parameters
@@ -383,49 +471,14 @@ def identify_files(
     # an FRF that is none comes before what a solid makes of it
     evidence = replace(found.evidence, checks=(*useless, *found.checks))
     others = tuple(check for check in frf.checks if check not in useless)
-    return replace(found, evidence=evidence), straight, (*others, *noted)
+    found = replace(found, evidence=evidence)
+    rests = at_rest(found, mass=mass, seals=seals, compression=compression)
+    return Identified(found, Direct(straight), (*others, *noted), rests)
 
 
 def _useless(frf: FRF) -> tuple[Check, ...]:
     """What forbids the use of an FRF by itself."""
     return tuple(check for check in frf.checks if check.failed and check.grade == "stop")
-
-
-def direct_document(straight: DynamicStiffness) -> dict[str, Any]:
-    """Return stiffness and damping straight from the FRF, each with all its errors."""
-    return {
-        "frequency_hz": straight.frequency.tolist(),
-        "stiffness": straight.storage.tolist(),
-        "stiffness_sd": straight.storage_sd.tolist(),
-        "damping": straight.damping.tolist(),
-        "loss_factor": straight.loss_factor.tolist(),
-        "loss_factor_sd": straight.loss_factor_sd.tolist(),
-        "stiffness_band_hz": [finite(end) for end in straight.storage_band],
-        "loss_band_hz": [finite(end) for end in straight.loss_band],
-        "sensitivity": {
-            "phase_1_degree": _changes(straight, "phase", DEGREE),
-            "mass_1_percent": _changes(straight, "mass", 0.01),
-        },
-    }
-
-
-def _changes(straight: DynamicStiffness, of: str, by: float) -> dict[str, list[float]]:
-    stiffness, loss_factor = straight.changes(of, by)
-    return {"stiffness_relative": stiffness.tolist(), "loss_factor": loss_factor.tolist()}
-
-
-def direct_table(straight: DynamicStiffness) -> str:
-    """Return them as CSV, with the bands where they are good in the head."""
-    head = (
-        f"# {byline('stiffness from the FRF')}\n"
-        f"# stiffness good to 10 % from {straight.storage_band[0]:.4g} to "
-        f"{straight.storage_band[1]:.4g} Hz, loss to 30 % from {straight.loss_band[0]:.4g} to "
-        f"{straight.loss_band[1]:.4g} Hz\n"
-        "frequency [Hz],stiffness [N/m],sd of stiffness [N/m],damping [N*s/m],loss factor [1],"
-        "sd of loss factor [1]\n"
-    )
-    columns = list(direct_document(straight).values())[:6]
-    return head + "".join(",".join(map(repr, row)) + "\n" for row in zip(*columns, strict=True))
 
 
 def finite(value: float) -> float | None:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TypeAlias
 
 from dashpot.base.checks import Check
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DashpotError
 from dashpot.base.provenance import Step
 from dashpot.io.columns.kinds import WANTED_BY
@@ -43,7 +44,7 @@ class Preparation:
 
 
 @dataclass(frozen=True)
-class InspectedFile(Inspection):
+class InspectedFile(Inspection, Documented):
     """An inspection, and the preparation of what is a relaxation test.
 
     Attributes
@@ -53,13 +54,22 @@ class InspectedFile(Inspection):
         Why a relaxation test cannot be prepared.
     """
 
+    keys = (*(one.name for one in fields(Inspection)), "preparation=account?")
+
     preparation: Preparation | None = None
     refusal: str = ""
 
+    @property
+    def account(self) -> Preparation | dict[str, str] | None:
+        """The preparation, or why there is none."""
+        return {"error": self.refusal} if self.refusal else self.preparation
+
 
 @dataclass(frozen=True)
-class Inspections:
+class Inspections(Documented):
     """What ``dashpot inspect`` found, file by file."""
+
+    schema = "dashpot/inspection@1"
 
     files: tuple[InspectedFile, ...]
 

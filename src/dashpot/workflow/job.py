@@ -2,20 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
-from typing import Literal
+from collections.abc import Callable, Sequence
+from dataclasses import MISSING, dataclass, fields, replace
+from operator import not_
+from typing import Any, Literal, TypeVar
 
+from dashpot.base.choices import (
+    AmplitudeLawAsked,
+    Estimate,
+    FamilyAsked,
+    Method,
+    OverBase,
+    RampLawAsked,
+)
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
-from dashpot.base.options import option
+from dashpot.base.options import flags_of, like, names_files, option, part
 from dashpot.io.options import ReadOptions
 from dashpot.records.machine import Machine
 from dashpot.records.specimen import Specimen
 
+J = TypeVar("J", bound=Any)
 
-def signs(given: Sequence[str]) -> tuple[int, ...] | None:
-    """Return signs typed by a user as numbers, None if there are none."""
-    return tuple(int(sign) for sign in given) or None
+
+def _signs(typed: Sequence[str]) -> tuple[int, ...] | None:
+    return tuple(int(sign) for sign in typed) or None
+
+
+def _typed_signs(signs: Sequence[int]) -> list[str]:
+    return [f"{sign:+d}" for sign in signs]
 
 
 def known_of_a_test(machine: Machine | None, *, tests: int, add: str) -> None:
@@ -28,8 +43,8 @@ def known_of_a_test(machine: Machine | None, *, tests: int, add: str) -> None:
     """
     if machine is not None and machine != Machine() and not tests:
         raise DataError(
-            "--sync, --drift, --compliance and --force-filter describe the machine of a "
-            f"relaxation test, and there is none here: add {add}, or leave them out"
+            f"{flags_of(Machine)} describe the machine of a relaxation test, and there is none "
+            f"here: add {add}, or leave them out"
         )
 
 
@@ -41,7 +56,7 @@ class HammerChoices:
     and how the mass over a base that moves was measured.
     """
 
-    estimator: str = option("H1", choices=("H1", "H2", "Hv", "Hs"))
+    estimator: Estimate = option("H1", "Where the noise is taken to be.", choices=Estimate)
     window: str = option(
         "none", "none, exponential, or exponential:0.01 (what is left at the end)."
     )
@@ -55,12 +70,13 @@ class HammerChoices:
         "Sign of each accelerometer, in order; repeat for each.",
         choices=("+1", "-1"),
         multiple=True,
-        parse=signs,
+        parse=_signs,
+        typed=_typed_signs,
     )
-    motion: str = option(
+    motion: OverBase = option(
         "absolute",
         "Of the mass over a base that moves: absolute, or relative to the base.",
-        choices=("absolute", "relative"),
+        choices=OverBase,
     )
 
 
@@ -85,13 +101,13 @@ class Cuts:
         """
         if self != Cuts() and tests != 1:
             raise DataError(
-                "--onset, --ramp-end and --hold-end cut one relaxation test, and there are "
-                f"{tests} here: leave them out, or fit that test alone"
+                f"{flags_of(Cuts)} cut one relaxation test, and there are {tests} here: leave "
+                "them out, or fit that test alone"
             )
 
 
 @dataclass(frozen=True)
-class Job:
+class Job(Documented):
     """Everything that decides the result of ``dashpot report``.
 
     Attributes
@@ -133,27 +149,177 @@ class Job:
         File of an image for its head.
     """
 
-    relaxation: str
-    impact: tuple[str, ...] = ()
-    mass: float | None = None
-    seal_mass: float | None = None
-    seals: float = 1.0
-    arms: int | Literal["auto"] = "auto"
-    method: Literal["full", "hold"] = "full"
-    law: Literal["auto", "linear", "nonlinear"] = "auto"
-    family: Literal["maxwell", "fractional", "auto"] = "maxwell"
-    cuts: Cuts = field(default_factory=Cuts)
-    band: tuple[float, float] | None = None
-    filter: str | None = None
-    joint: bool = True
-    compression: float | None = None
-    specimen: Specimen = field(default_factory=Specimen)
-    machine: Machine = field(default_factory=Machine)
-    reading: ReadOptions = field(default_factory=ReadOptions)
-    reading_impact: ReadOptions = field(default_factory=ReadOptions)
-    hammer: HammerChoices = field(default_factory=HammerChoices)
-    title: str = ""
-    logo: str | None = None
-    further: tuple[str, ...] = ()
-    temperatures: tuple[float, ...] = ()
-    impact_temperature: float | None = None
+    schema = "dashpot/job@1"
+
+    relaxation: str = option(MISSING, metavar="FILE", argument=True, decides="test")
+    impact: tuple[str, ...] = option(
+        (), "Hits, or an FRF; repeat for more.", metavar="FILE", multiple=True
+    )
+    mass: float | None = option(None, "Block mass; inferred, and said so, if missing.", unit="mass")
+    seal_mass: float | None = option(
+        None, "Of one seal: a third moves along, a sixth couples mass and base.", unit="mass"
+    )
+    seals: float = option(1.0, "Seals in parallel.")
+    arms: int | Literal["auto"] = option(
+        "auto", "Maxwell arms.", word="auto", least=0, decides="fit"
+    )
+    method: Method = option(
+        "full",
+        "full: the recorded motion, ramp and hold; hold: the paper's eq. 5.",
+        choices=Method,
+        decides="fit",
+    )
+    law: RampLawAsked = option(
+        "auto",
+        "Elastic law of the seal, from the ramp: straight unless the record says otherwise.",
+        choices=RampLawAsked,
+        decides="fit",
+    )
+    family: FamilyAsked = option(
+        "maxwell",
+        "Of the solid: arms, a fractional Zener solid, or the one that the record prefers.",
+        choices=FamilyAsked,
+        decides="fit",
+    )
+    cuts: Cuts = part(Cuts, decides="test")
+    band: tuple[float, float] | None = option(
+        None, "Lines compared, e.g. 5:40Hz.", unit="frequency", ends=True
+    )
+    filter: str | None = option(
+        None, "E.g. lowpass:10Hz; off by default.", metavar="SPEC", decides="test"
+    )
+    joint: bool = option(
+        True, "Leave out the joint fit.", flag="no-joint", is_flag=True, parse=not_
+    )
+    compression: float | None = option(
+        None, "Of the seals under the mass, e.g. 2.6mm.", unit="length", word="weight"
+    )
+    specimen: Specimen = part(Specimen, decides="test")
+    machine: Machine = part(Machine, decides="test")
+    reading: ReadOptions = part(ReadOptions, decides="test")
+    reading_impact: ReadOptions = part(ReadOptions)
+    hammer: HammerChoices = part(HammerChoices)
+    title: str = option("", "Of the report [default: the specimen].", metavar="TEXT")
+    logo: str | None = option(None, "PNG, JPEG or SVG for its head, up to 100 kB.", metavar="FILE")
+    further: tuple[str, ...] = option((), metavar="FILE", argument=True, decides="test")
+    temperatures: tuple[float, ...] = option(
+        (),
+        "Test temperature, e.g. 23degC; once for all files, or for each, in their order.",
+        unit="temperature", multiple=True, flag="temperature", decides="test",
+    )  # fmt: skip
+    impact_temperature: float | None = option(
+        None,
+        "Of the seals under the hammer, where tests at several temperatures say how they move.",
+        unit="temperature",
+    )
+
+
+@dataclass(frozen=True)
+class LevelJob:
+    """Everything that decides the result of ``dashpot level``.
+
+    The fields are the arguments of :func:`~dashpot.workflow.levels.level_files`.
+    """
+
+    files: tuple[str, ...] = option((), metavar="FILE", argument=True)
+    levels: tuple[str, ...] = option(
+        (),
+        "Of each FRF, in order: amplitude of the force, e.g. 0.05N; of a transmissibility that of "
+        "the base's acceleration, e.g. 1m/s^2; of hits their peak force, held against them.",
+        metavar="FORCE", multiple=True, flag="level",
+    )  # fmt: skip
+    mass: float | None = like(Job, "mass", help="Under those FRFs, or struck, e.g. 104g.")
+    seals: float = like(Job, "seals")
+    band: tuple[float, float] | None = like(Job, "band")
+    at: tuple[float, ...] = option(
+        (),
+        "Level at which the resonance of that mass, or of the one struck, is wanted, e.g. 0.2N.",
+        unit="force", multiple=True,
+    )  # fmt: skip
+    motion: OverBase = like(HammerChoices, "motion")
+    law: AmplitudeLawAsked = option(
+        "auto",
+        "Of a sweep or loops: a share of the stiffness is lost, or friction stands beside it; a "
+        "spring stiffens.",
+        choices=AmplitudeLawAsked,
+    )
+    options: ReadOptions = part(ReadOptions)
+
+
+@dataclass(frozen=True)
+class LevelChoices:
+    """How far a part is moved, and the sweep that tells what this does to it."""
+
+    levels: tuple[str, ...] = option(
+        (),
+        "Amplitude of the force, e.g. 0.5N; with --base of its acceleration, e.g. 5m/s^2. "
+        "Needs --sweep.",
+        multiple=True,
+        metavar="LEVEL",
+        flag="level",
+    )
+    sweep: str | None = option(
+        None,
+        "Storage and loss over strain or displacement, or recorded loops: what a level does.",
+        metavar="FILE",
+    )
+    height: float | None = option(
+        None, "Of the part, for its strain; of a --disc or --block it is known.", unit="length"
+    )
+    strain_factor: float | None = option(
+        None,
+        "Strain of the sweep over X/height of the part: 1 where both are loaded alike, 0.577 for a "
+        "part in shear beside a sweep in tension, 1.73 the other way [default: 1, and what the "
+        "other would make of it].",
+        above=0.0,
+    )
+    fitted_at: str | None = option(
+        None, "Strain at which FIT's own test was made, e.g. 0.1% [default: a vanishing one]."
+    )
+    resonance_level: str | None = option(
+        None, "At which --resonance was measured [default: a vanishing one]."
+    )
+
+
+@dataclass(frozen=True)
+class ModesJob:
+    """Everything that decides the result of ``dashpot modes``.
+
+    The fields are the arguments of :func:`~dashpot.workflow.measured_modes.modes_files`, and of
+    :func:`~dashpot.workflow.under_masses.modes_by_mass` where there are masses.
+    """
+
+    files: tuple[str, ...] = option((), metavar="FILE", argument=True)
+    band: tuple[float, float] | None = like(
+        Job, "band", help="Where to look for modes, e.g. 5:50Hz."
+    )
+    against: tuple[str, ...] = option(
+        (),
+        "The same points in another test, whose modes are held against these; repeat for more.",
+        metavar="FRF", multiple=True,
+    )  # fmt: skip
+    masses: tuple[float, ...] = option(
+        (),
+        "On the seals in each FRF, in order, e.g. 104g: is it one solid that carries them all?",
+        unit="mass", multiple=True, flag="mass",
+    )  # fmt: skip
+    seals: float = like(Job, "seals")
+    options: ReadOptions = part(ReadOptions)
+
+
+def deciding(job: Job, *what: str) -> Job:
+    """Return what of a job decides its ``"test"`` as prepared, or the ``"fit"`` of that."""
+    said = [one.name for one in fields(job) if one.metadata.get("decides") in what]
+    return Job(**{name: getattr(job, name) for name in said})
+
+
+def with_paths(job: J, found: Callable[[str], str]) -> J:
+    """Return a job with every path in it replaced: those of its parts, then its own."""
+    changed: dict[str, Any] = {}
+    for one in sorted(fields(job), key=lambda one: "part" not in one.metadata):
+        value = getattr(job, one.name)
+        if "part" in one.metadata:
+            changed[one.name] = with_paths(value, found)
+        elif names_files(one) and value:
+            changed[one.name] = found(value) if isinstance(value, str) else (*map(found, value),)
+    return replace(job, **changed)

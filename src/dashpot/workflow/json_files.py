@@ -6,11 +6,10 @@ from pathlib import Path
 
 from dashpot.base.errors import ReadError
 from dashpot.io.source import like_json, open_raw
+from dashpot.kinds.hyperelastic.record import HyperelasticFit
+from dashpot.kinds.level.levels import LevelFit
 from dashpot.records.fit import Fit
-from dashpot.records.hyperelastic import HyperelasticFit
-from dashpot.records.level import LevelFit
 from dashpot.workflow.archive import from_json
-from dashpot.workflow.level_document import LevelDocument
 
 A_FIT = "a fit, as 'dashpot fit FILE -o fit.json' writes it"
 
@@ -54,9 +53,7 @@ def read_exported(path: str | Path) -> Fit | LevelFit | HyperelasticFit:
         If it holds something else.
     """
     found = stored(path, hint=f"; expected {A_FIT}, or of FRFs at several levels")
-    if isinstance(found, LevelDocument):
-        return found.fit
-    return found if isinstance(found, HyperelasticFit) else _a_fit(path, found)
+    return found if isinstance(found, LevelFit | HyperelasticFit) else _a_fit(path, found)
 
 
 def _a_fit(path: str | Path, found: object) -> Fit:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -11,36 +11,32 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray, median
 from dashpot.base.checks import Check, Verdict, verdict
+from dashpot.base.documents import Documented
 from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Source
 from dashpot.base.units import Quantity, si
-from dashpot.fitting.level.checks import levels_as_struck
-from dashpot.fitting.level.frfs import fit_levels
-from dashpot.fitting.level.hits import HitLevels, hits_as_levels
-from dashpot.fitting.level.response import resonance_at_level
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.frf import read_frf
 from dashpot.io.readers.impact import read_impacts
 from dashpot.io.readers.inspect import inspect_file
 from dashpot.io.source import about
-from dashpot.records.amplitude import AmplitudeFit, AmplitudeSweep
+from dashpot.kinds.level.checks import level_covered, levels_as_struck
+from dashpot.kinds.level.fit_frfs import fit_levels
+from dashpot.kinds.level.hits import HitLevels, hits_as_levels
+from dashpot.kinds.level.levels import Elements, LevelFit, PeakAtLevel
+from dashpot.kinds.level.record import AmplitudeFit, AmplitudeSweep
+from dashpot.kinds.level.response import resonance_at_level
 from dashpot.records.frf import FRF
-from dashpot.records.level import LevelFit
 from dashpot.records.relaxation import RelaxationTest
-from dashpot.solids.friction import Jenkins
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.solids.stiffening import Cubic
 from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.vibration.impact.hits import cut_hits
-from dashpot.workflow.archive import document
 from dashpot.workflow.at_level import HITS, RESPONSES, amplitude_file
-from dashpot.workflow.checks import level_covered
-from dashpot.workflow.level_document import LevelDocument, PeakAtLevel
 from dashpot.workflow.measured import as_measured
 
 
 @dataclass(frozen=True)
-class Levels:
+class Levels(Documented):
     """What ``dashpot level`` found.
 
     Attributes
@@ -52,6 +48,9 @@ class Levels:
     records : tuple of AmplitudeSweep, RelaxationTest or FRF
         What it was found from: one sweep, one record of loops, or the FRF of each level.
     """
+
+    schema = "dashpot/levels@1"
+    keys = ("fit.amplitudes", "verdict", "checks", "*fit", "at=asked?")
 
     fit: AmplitudeFit | LevelFit | HitLevels
     at: tuple[PeakAtLevel, ...]
@@ -73,54 +72,20 @@ class Levels:
 
     @property
     def loss_per_lag(self) -> float | None:
-        """What a second between the channels of recorded loops makes of the loss factor, 1/s.
+        """As of the fit of recorded loops."""
+        return self.fit.loss_per_lag if isinstance(self.fit, AmplitudeFit) else None
 
-        It does so at every amplitude alike, so loops of one frequency do not tell it from loss.
-        """
-        fit = self.fit
-        if not isinstance(fit, AmplitudeFit) or not isinstance(self.records[0], RelaxationTest):
-            return None
-        return float(2 * np.pi * fit.frequency.max())
+    @property
+    def asked(self) -> tuple[PeakAtLevel, ...] | None:
+        """The levels that were asked for; None where none can be."""
+        return None if isinstance(self.fit, AmplitudeFit) else self.at
 
     @property
     def document(self) -> dict[str, Any]:
-        """``dashpot/levels@1``."""
-        fit = self.fit
-        known: dict[str, Any] = {
-            "schema": "dashpot/levels@1",
-            "amplitudes": list(fit.amplitudes),
-            "verdict": self.verdict.document,
-            "checks": [check.document for check in self.checks],
-        }
-        if isinstance(fit, HitLevels):
-            return known | fit.document | {"at": [asdict(one) for one in self.at]}
-        known["residual"] = fit.residual
-        if isinstance(fit, AmplitudeFit):
-            return known | {
-                "law": fit.law,
-                "unit": fit.unit,
-                "of": fit.of,
-                "loss_factor_per_lag": self.loss_per_lag,
-                "linear": [
-                    {
-                        "frequency_hz": hz,
-                        "storage": one.real,
-                        "loss": one.imag,
-                        "storage_se": se.real,
-                        "loss_se": se.imag,
-                    }
-                    for hz, one, se in zip(
-                        fit.frequency.tolist(),
-                        fit.linear.tolist(),
-                        fit.linear_se.tolist(),
-                        strict=True,
-                    )
-                ],
-                **_numbers(fit),
-                "k3_unseen": fit.k3_unseen,
-                "orders": dict(fit.orders),
-            }
-        return document(LevelDocument.of(fit, self.checks, self.at))
+        """``dashpot/levels@1``; of FRFs as their fit writes it, which is read again."""
+        if isinstance(self.fit, LevelFit):
+            return replace(self.fit, checks=self.checks, at=self.at).document
+        return super().document
 
 
 def level_files(
@@ -178,6 +143,8 @@ def level_files(
     if len(files) > 1:
         raise ReadError("one amplitude sweep at a time; only FRFs of several levels go together")
     found, _, record = amplitude_file(files[0], kinds[0], law=law, options=options)
+    if isinstance(record, RelaxationTest):
+        found = replace(found, loss_per_lag=float(2 * np.pi * found.frequency.max()))
     return Levels(found, (), found.checks, (record,))
 
 
@@ -258,12 +225,6 @@ def _of_hits(
     return Levels(found, tuple(peaks), (*found.checks, *covered), (frf,))
 
 
-def _numbers(fit: AmplitudeFit) -> dict[str, Any]:
-    """The numbers of a law, each with its standard error."""
-    found = {name: getattr(fit, name) for name, _ in fit.se}
-    return found | {f"{name}_se": error for name, error in fit.se}
-
-
 def _of_frfs(
     frfs: Sequence[FRF],
     levels: Sequence[Quantity],
@@ -290,7 +251,7 @@ def _of_frfs(
 def _peak(found: LevelFit, level: float) -> PeakAtLevel:
     """The largest motion of the mass at a level, and what the draws say of it."""
 
-    def largest(solid: GeneralizedMaxwell, beside: tuple[Jenkins | Cubic, ...]) -> FloatArray:
+    def largest(solid: GeneralizedMaxwell, beside: Elements) -> FloatArray:
         hz, X = resonance_at_level(found, level, of=(solid, beside))
         return np.array((hz, X / level))
 

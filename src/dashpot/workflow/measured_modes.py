@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.frf_set import read_frfs
@@ -88,7 +89,7 @@ class SameMode:
 
 
 @dataclass(frozen=True)
-class MeasuredModes:
+class MeasuredModes(Documented):
     """What ``dashpot modes`` found.
 
     Attributes
@@ -108,6 +109,9 @@ class MeasuredModes:
     against : tuple of SameMode
         The modes of another set that these are found in again.
     """
+
+    schema = "dashpot/modes@1"
+    keys = ("frf.checks", "frf.source", "*")
 
     frf: FRF
     modes: tuple[MeasuredMode, ...]

@@ -28,7 +28,7 @@ class PartChoices:
     bulb: str | None = option(
         None, "Outer diameter, wall and length of a hollow seal, e.g. 22mm,2mm,100mm."
     )
-    mode: str | None = option(None, "How the shape is loaded.", choices=get_args(Mode))
+    mode: str | None = option(None, "How the shape is loaded.", choices=Mode)
     lubricated: bool = option(False, "The plates are lubricated, not bonded.", is_flag=True)
     resonance: float | None = option(
         None,

@@ -2,44 +2,49 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import asdict, dataclass
-from functools import partial
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property, partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
+from dashpot.base.choices import Family
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.fitting.temperature.checks import temperature_tested
 from dashpot.io.options import ReadOptions
-from dashpot.io.readers.psd import BasePSD, read_psd
+from dashpot.io.readers.psd import read_psd
 from dashpot.records.bounds import FRFBounds
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF, Kind, Mode
 from dashpot.records.machine import Machine
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.systems.mounts import entrained, on_heavy_mounts
-from dashpot.vibration.systems.operating_point import OperatingPoint
 from dashpot.vibration.systems.prediction import (
     isolation_frequency,
     model_modes,
     moving_mass,
     predict_frf,
 )
-from dashpot.vibration.systems.random_base import random_base, random_limits
+from dashpot.vibration.systems.random_base import (
+    RandomLimits,
+    RandomResponse,
+    random_base,
+    random_limits,
+)
 from dashpot.workflow.at_level import (
     VANISHING,
     AtLevel,
-    LevelChoices,
     SweptPart,
     level_of,
     swept_part,
 )
 from dashpot.workflow.checks import base_band_informed, prediction_informed
-from dashpot.workflow.job import known_of_a_test
+from dashpot.workflow.job import LevelChoices, known_of_a_test
 from dashpot.workflow.part import PartChoices
 from dashpot.workflow.prepared import at_their_temperatures, prepared_files, refuse_others
 from dashpot.workflow.resting import (
@@ -55,19 +60,85 @@ from dashpot.workflow.resting import (
 
 
 @dataclass(frozen=True)
-class Prediction:
+class Limited(Documented):
+    """Limits of the accelerance, 1/kg, or of T, over frequencies, Hz.
+
+    Attributes
+    ----------
+    kind : Kind
+        Of a force on the mass the accelerance, from which the others follow.
+    frequency : array, shape (n,)
+    parameter : array, shape (2, n)
+        By standard errors alone.
+    bounds : FRFBounds or None
+        By both kinds of ignorance, if the relaxation record is at hand.
+    """
+
+    keys = ("kind", "frequency_hz=frequency", "parameter", "*by_tests~")
+
+    kind: Kind
+    frequency: FloatArray
+    parameter: FloatArray
+    bounds: FRFBounds | None
+
+    @property
+    def by_tests(self) -> dict[str, Any] | None:
+        """What the tests that were fitted do not reject."""
+        bounds = self.bounds
+        if bounds is None:
+            return None
+        where, height = bounds.peak_frequency, bounds.peak_height
+        return {"unseen": bounds.unseen, "peak_frequency_hz": where, "peak_height": height}
+
+
+@dataclass(frozen=True)
+class ShakenMass(Documented):
+    """Standard deviations over a base that shakes at random.
+
+    Attributes
+    ----------
+    response : RandomResponse
+    of : str
+        The file that says how it shakes, or white noise.
+    band : (float, float) or None
+        Of that file, Hz.
+    limits : RandomLimits or None
+        If the relaxation record is at hand.
+    """
+
+    keys = ("*response", "of", "band_hz=band", "limits~?")
+
+    response: RandomResponse
+    of: str
+    band: tuple[float, float] | None
+    limits: RandomLimits | None
+
+
+class RivalModes(NamedTuple):
+    """Another family of solids that explains the test, and the modes of the mass on it."""
+
+    family: Family
+    modes: tuple[Mode, ...]
+
+
+@dataclass(frozen=True)
+class Prediction(Documented):
     """The FRF of a mass on `seals` seals, and what is known of it.
 
     Attributes
     ----------
+    fit : Fit
+        Of one seal, at its temperature and of its shape.
+    mass, moving_mass : float
+        Of the block, and with the seals' share, kg.
+    seals : float
     frf : FRF
     modes : tuple of Mode
     peak : (float, float)
         Frequency, Hz, and height of the largest magnitude, between the lines of the grid too.
     at_edge : bool
         That magnitude stands at an end of the band: it is no peak.
-    limits : FRFBounds or None
-        By both kinds of ignorance, if the relaxation record is at hand.
+    limited : Limited
     checks : tuple of Check
         Where the mass rests, whether the peak is informed, those of the fit, and what the mass
         of the seals does.
@@ -75,31 +146,72 @@ class Prediction:
         What to make of it.
     at_rest : AtRest
         Where the mass rests, and what secant and tangent make of it.
-    document : dict
-        ``dashpot/prediction@1``.
+    rival : RivalModes or None
     of_part : bool
         Of a part of a material, not of the fit itself.
     levels : tuple of AtLevel
         The resonance at each level that was asked for; all else is of a vanishing one.
+    swept : SweptPart or None
+        The sweep behind them.
+    shaken : ShakenMass or None
+        Over a base that shakes at random.
+    isolation : float or None
+        Above it the mass moves less than its base, Hz.
     """
 
+    schema = "dashpot/prediction@1"
+    keys = (
+        "mass", "moving_mass", "seals", "temperature=fit.specimen.temperature", "frf.kind",
+        "frf.unit", "*at_rest.told", "peak=largest", "modes", "alternative=rival",
+        "band_hz=fit.band", "extrapolated", "frequency_hz=frf.frequency", "frf.value.real",
+        "frf.value.imag", "limits=limited", "levels=by_level?", "sweep=swept?", "random=shaken?",
+        "isolation_hz=isolation?", "verdict",
+    )  # fmt: skip
+
+    fit: Fit
+    mass: float
+    moving_mass: float
+    seals: float
     frf: FRF
     modes: tuple[Mode, ...]
     peak: tuple[float, float]
     at_edge: bool
-    limits: FRFBounds | None
+    limited: Limited
     checks: tuple[Check, ...]
     verdict: Verdict
     at_rest: AtRest
-    document: dict[str, Any]
+    rival: RivalModes | None = None
     of_part: bool = False
     levels: tuple[AtLevel, ...] = ()
+    swept: SweptPart | None = None
+    shaken: ShakenMass | None = None
+    isolation: float | None = None
+
+    @property
+    def limits(self) -> FRFBounds | None:
+        """By both kinds of ignorance, if the relaxation record is at hand."""
+        return self.limited.bounds
 
     @property
     def interval(self) -> tuple[FloatArray, FloatArray]:
         """Lines, Hz, and limits by standard errors alone, of the accelerance, 1/kg, or of T."""
-        limits = self.document["limits"]
-        return np.asarray(limits["frequency_hz"]), np.asarray(limits["parameter"])
+        return self.limited.frequency, self.limited.parameter
+
+    @property
+    def largest(self) -> dict[str, float | bool]:
+        """The largest magnitude by the names of its numbers."""
+        return {"frequency_hz": self.peak[0], "value": self.peak[1], "at_edge": self.at_edge}
+
+    @property
+    def extrapolated(self) -> bool:
+        """Whether a mode lies outside the band that the test informs."""
+        low, high = self.fit.band
+        return any(not low <= mode.frequency <= high for mode in self.modes)
+
+    @property
+    def by_level(self) -> tuple[AtLevel, ...] | None:
+        """`levels`, where a sweep was given."""
+        return None if self.swept is None else self.levels
 
 
 def predict_files(
@@ -156,79 +268,63 @@ def predict_files(
         If a machine is described and no test was made on it, or a record is not what was fitted.
     """
     known_of_a_test(machine, tests=len(records), add="the record (--with)")
+    asked, choices = Kind(kind), at_level or LevelChoices()
     moving, noted = moving_mass(mass, seal=seal_mass or 0.0, seals=seals)
     here = found if temperature is None else found.at_temperature(temperature)
-    of_part, asked, scale = part is not None and part != PartChoices(), Kind(kind), seals
-    swept = swept_part(at_level or LevelChoices(), unit=found.unit, part=part, options=options)
+    swept = swept_part(choices, unit=found.unit, part=part, options=options)
+    stiffer, of_part = 1.0, part is not None and part != PartChoices()
     if part is not None and of_part:
-        if records:
-            raise DataError(
-                "a record (--with) bounds the part that was tested, not another of its material: "
-                "leave it or the geometry out"
-            )
-        material = here.solid
-        here = found = part.applied(
-            here, seals=seals, base=asked.over_base, peak=_measured_at(swept, at_level, asked)
-        )
-        scale *= float(abs(here.solid.complex_stiffness(1.0) / material.complex_stiffness(1.0)))
+        _refuse_records(records)
+        material, measured = here.solid, _measured_at(swept, choices, asked)
+        here = found = part.applied(here, seals=seals, base=asked.over_base, peak=measured)
+        stiffer = float(abs(here.solid.complex_stiffness(1.0) / material.complex_stiffness(1.0)))
     rests = at_rest(here, mass=moving, seals=seals, compression=compression)
     # over a base, mounts that weigh something couple the mass to it
     coupled = entrained(seal_mass, seals) if asked.over_base else 0.0
     on = _OnSeals(here, rests, moving, seals, coupled, asked)
     frf = on.frf(np.linspace(*band, lines))
-    modes = model_modes(on.solid, moving)
     bounded = _bounds(on, found, records, temperature=temperature, machine=machine, options=options)
-    limits = None
-    if bounded is not None:
-        few = np.linspace(max(frf.frequency[0], 1e-3), frf.frequency[-1], LIMIT_LINES)
-        limits = bounded(frequency=few, kind=_bounded(frf))
+    limited = on.limited(frf, bounded)
     peak, at_edge = on.peak(frf)
-    # what the test must inform is the resonance, inside the band or not
-    felt = modes[0].frequency if modes and at_edge else peak[0]
-    levels: tuple[AtLevel, ...] = ()
-    moved: tuple[Check, ...] = ()
-    if swept is not None and at_level is not None:
-        about = modes[0].frequency if modes else peak[0]
-        levels = on.at(swept, at_level.levels, frf, scale=scale, about=about)
-        moved = (*swept.covered(levels), *swept.checks)
+    about = on.modes[0].frequency if on.modes else peak[0]
+    levels = on.at(swept, choices.levels, frf, scale=seals * stiffer, about=about)
     checks = (
-        *_led_by(on, mass=mass, band=band, felt=felt),
-        *moved,
+        # what the test must inform is the resonance, inside the band or not
+        *_led_by(on, mass=mass, band=band, felt=about if at_edge else peak[0]),
+        *(() if swept is None else (*swept.covered(levels), *swept.checks)),
         *found.checks,
         *_asked_of(found, temperature),
         noted,
         *family_checks(here, rests.point, mass=moving, seals=seals),
     )
-    judged = verdict(checks, sound=found.verdict.says)
-    document = {
-        "schema": "dashpot/prediction@1",
-        "mass": mass,
-        "moving_mass": moving,
-        "seals": seals,
-        "temperature": here.specimen.temperature,
-        "kind": str(frf.kind),
-        "unit": frf.unit,
-        **rests.document,
-        "peak": {"frequency_hz": peak[0], "value": peak[1], "at_edge": at_edge},
-        "modes": _listed(modes),
-        "alternative": _rival(here, rival_modes(here, rests.point, mass=moving, seals=seals)),
-        "band_hz": list(here.band),
-        "extrapolated": any(not here.band[0] <= mode.frequency <= here.band[1] for mode in modes),
-        "frequency_hz": frf.frequency.tolist(),
-        "real": frf.value.real.tolist(),
-        "imag": frf.value.imag.tolist(),
-        "limits": _plain(
-            here, limits, rests.point, mass=moving, seals=seals, frf=frf, coupled=coupled
-        ),
-    }
-    if swept is not None:
-        document |= {"levels": [one.document for one in levels], "sweep": swept.document}
-    if frf.kind is Kind.TRANSMISSIBILITY:
-        document |= _over_base(on, base_psd, bounded)
-    document["verdict"] = judged.document
     return Prediction(
-        frf, modes, peak, at_edge, limits, checks, judged, rests, document, of_part, levels
+        here,
+        mass,
+        moving,
+        seals,
+        frf,
+        on.modes,
+        peak,
+        at_edge,
+        limited,
+        checks,
+        verdict(checks, sound=found.verdict.says),
+        rests,
+        on.rival,
+        of_part,
+        levels,
+        swept,
+        on.shaken(base_psd, bounded),
+        on.isolation,
     )
+
+
+def _refuse_records(records: Sequence[str | Path]) -> None:
+    if records:
+        raise DataError(
+            "a record (--with) bounds the part that was tested, not another of its material: "
+            "leave it or the geometry out"
+        )
 
 
 @dataclass(frozen=True)
@@ -247,6 +343,17 @@ class _OnSeals:
         """All the seals, as small vibration feels them."""
         return self.seals * self.rests.point.solid(self.fit)
 
+    @cached_property
+    def modes(self) -> tuple[Mode, ...]:
+        return model_modes(self.solid, self.mass)
+
+    @property
+    def isolation(self) -> float | None:
+        """Above it the mass moves less than its base, Hz."""
+        if self.kind is not Kind.TRANSMISSIBILITY:
+            return None
+        return isolation_frequency(self.solid, self.mass - self.coupled)
+
     def frf(self, frequency: FloatArray) -> FRF:
         frf = predict_frf(self.solid, mass=self.mass, frequency=frequency, kind=self.kind)
         if self.coupled > 0:
@@ -262,10 +369,68 @@ class _OnSeals:
         peak = float(fine.frequency[height.argmax()]), float(height.max())
         return peak, top in {0, last} and peak[0] in {low, high}
 
+    @property
+    def rival(self) -> RivalModes | None:
+        """What the other family of solids that explains the test makes of the resonance."""
+        other = self.fit.alternative
+        if other is None or not other.explains:
+            return None
+        how = {"mass": self.mass, "seals": self.seals}
+        return RivalModes(other.family, rival_modes(self.fit, self.rests.point, **how))
+
+    def limited(self, frf: FRF, bounded: Callable[..., FRFBounds] | None) -> Limited:
+        """The limits of the response, over fewer lines."""
+        kind = self.kind if self.kind.over_base else Kind.ACCELERANCE
+        lines, bounds = frf.frequency[frf.frequency > 0], None
+        few = np.linspace(lines[0], lines[-1], LIMIT_LINES)
+        if bounded is not None:
+            few = np.linspace(max(frf.frequency[0], 1e-3), frf.frequency[-1], LIMIT_LINES)
+            bounds = bounded(frequency=few, kind=kind)
+            few = bounds.frequency
+        formal = formal_limits(
+            self.fit,
+            self.rests.point,
+            mass=self.mass,
+            frequency=few,
+            seals=self.seals,
+            kind=kind,
+            coupled=self.coupled,
+        )
+        return Limited(kind, few, formal, bounds)
+
+    def shaken(
+        self, base_psd: str | None, bounded: Callable[..., FRFBounds] | None
+    ) -> ShakenMass | None:
+        """What a base that shakes at random does, and between which limits."""
+        if base_psd is None or self.kind is not Kind.TRANSMISSIBILITY:
+            return None
+        base = read_psd(base_psd)
+        f, mass, coupled = base.frequency, self.mass, self.coupled
+        how: dict[str, Any] = {"psd": base.density, "frequency": f, "coupled": coupled}
+        response, limits = random_base(self.solid, mass=mass, **how), None
+        if bounded is not None:
+            limits = random_limits(
+                self.solid,
+                lambda at, kind: bounded(frequency=at, kind=kind).unseen,
+                mass=mass,
+                **how,
+            )
+        if f is None:
+            return ShakenMass(response, "white noise", None, limits)
+        return ShakenMass(response, base.source[0].file, (float(f[0]), float(f[-1])), limits)
+
     def at(
-        self, swept: SweptPart, levels: Sequence[str], frf: FRF, *, scale: float, about: float
+        self,
+        swept: SweptPart | None,
+        levels: Sequence[str],
+        frf: FRF,
+        *,
+        scale: float,
+        about: float,
     ) -> tuple[AtLevel, ...]:
-        """The resonance at each level."""
+        """The resonance at each level; of no sweep at none."""
+        if swept is None:
+            return ()
         return swept.at(
             self.solid,
             [level_of(word, self.kind) for word in levels],
@@ -304,18 +469,6 @@ def _bounds(
     )
 
 
-def _over_base(
-    on: _OnSeals, base_psd: str | None, bounded: Callable[..., FRFBounds] | None
-) -> dict[str, Any]:
-    """From where the mass moves less than its base, and what one that shakes at random does."""
-    found: dict[str, Any] = {}
-    if base_psd is not None:
-        found["random"] = _shaken(
-            on.solid, read_psd(base_psd), bounded, mass=on.mass, coupled=on.coupled
-        )
-    return found | {"isolation_hz": isolation_frequency(on.solid, on.mass - on.coupled)}
-
-
 def _led_by(
     on: _OnSeals, *, mass: float, band: tuple[float, float], felt: float
 ) -> tuple[Check, ...]:
@@ -334,13 +487,13 @@ def _asked_of(found: Fit, temperature: float | None) -> tuple[Check, ...]:
 
 
 def _measured_at(
-    swept: SweptPart | None, choices: LevelChoices | None, kind: Kind
+    swept: SweptPart | None, choices: LevelChoices, kind: Kind
 ) -> Callable[[Solid, float, float], float] | None:
     """The resonance of a mass at the level at which that of the user was measured.
 
     None where the solid was measured as the resonance was: by a vanishing motion.
     """
-    if choices is None or swept is None or not (choices.resonance_level or swept.fitted_at):
+    if swept is None or not (choices.resonance_level or swept.fitted_at):
         return None
     level = level_of(choices.resonance_level, kind) if choices.resonance_level else VANISHING
 
@@ -350,80 +503,3 @@ def _measured_at(
         return swept.peak(solid, swept.law, swept.factors[0], about=about, **how)[0]
 
     return peak
-
-
-def _shaken(
-    solid: Solid,
-    base: BasePSD,
-    bounded: Callable[..., FRFBounds] | None,
-    *,
-    mass: float,
-    coupled: float,
-) -> dict[str, Any]:
-    """Standard deviations over a base that shakes at random, of what, and between which limits."""
-    f = base.frequency
-    shaken: dict[str, Any] = {"mass": mass, "psd": base.density, "frequency": f, "coupled": coupled}
-    document = {
-        **asdict(random_base(solid, **shaken)),
-        "of": "white noise" if f is None else base.source[0].file,
-        "band_hz": None if f is None else [float(f[0]), float(f[-1])],
-    }
-    if bounded is not None:
-        limits = random_limits(
-            solid, lambda at, kind: bounded(frequency=at, kind=kind).unseen, **shaken
-        )
-        document["limits"] = {name: _or_null(ends) for name, ends in asdict(limits).items()}
-    return document
-
-
-def _listed(modes: Iterable[Mode]) -> list[dict[str, float]]:
-    return [{"frequency_hz": mode.frequency, "damping_ratio": mode.damping_ratio} for mode in modes]
-
-
-def _rival(found: Fit, modes: Sequence[Mode]) -> dict[str, Any] | None:
-    """What the other family of solids that explains the test makes of the resonance."""
-    other = found.alternative
-    if other is None or not other.explains:
-        return None
-    return {"family": other.family, "modes": _listed(modes)}
-
-
-def _plain(
-    found: Fit,
-    limits: FRFBounds | None,
-    point: OperatingPoint,
-    *,
-    mass: float,
-    seals: float,
-    frf: FRF,
-    coupled: float,
-) -> dict[str, Any]:
-    """Return the limits of the accelerance, 1/kg, or of T; null where nothing limits it."""
-    lines = frf.frequency[frf.frequency > 0]
-    f = np.linspace(lines[0], lines[-1], LIMIT_LINES) if limits is None else limits.frequency
-    of = _bounded(frf)
-    formal = formal_limits(
-        found, point, mass=mass, frequency=f, seals=seals, kind=of, coupled=coupled
-    )
-    plain: dict[str, Any] = {
-        "kind": str(of),
-        "frequency_hz": f.tolist(),
-        "parameter": formal.tolist(),
-    }
-    if limits is not None:
-        plain["unseen"] = [_or_null(row) for row in limits.unseen]
-        plain["peak_frequency_hz"] = _or_null(limits.peak_frequency)
-        plain["peak_height"] = _or_null(limits.peak_height)
-    return plain
-
-
-def _bounded(frf: FRF) -> Kind:
-    """What is bounded: of a force on the mass the accelerance, from which the others follow."""
-    return frf.kind if frf.kind.over_base else Kind.ACCELERANCE
-
-
-def _or_null(values: Iterable[float] | None) -> list[float | None] | None:
-    """Numbers with null where nothing limits them."""
-    if values is None:
-        return None
-    return [float(value) if np.isfinite(value) else None for value in values]

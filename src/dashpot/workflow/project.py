@@ -22,18 +22,19 @@ from __future__ import annotations
 import json
 import tomllib
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from dashpot.base.atomic import PART, write_whole
+from dashpot.base.documents import Documented, plain
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.lock import alone
 from dashpot.io.options import ReadOptions, dump_profile
 from dashpot.io.source import open_raw
-from dashpot.workflow.archive import document, to_json
+from dashpot.workflow.archive import to_json
 from dashpot.workflow.history import Listed, append, file_of, read_history, sha256
-from dashpot.workflow.job import Job
+from dashpot.workflow.job import Job, with_paths
 from dashpot.workflow.study import Study, run
 
 SCHEMA = "dashpot/project@1"
@@ -140,12 +141,14 @@ def record(project: Project, job: Job, *, page: Callable[[Study], str]) -> tuple
         inputs |= {place: sha256(content) for place, content in stated.items()}
         append(
             project.folder,
-            {
-                "operation": "report",
-                "job": document(kept),
-                "inputs": [asdict(Listed(*one)) for one in inputs.items()],
-                "outputs": [asdict(Listed(f, sha256(c))) for f, c in outputs.items()],
-            },
+            plain(
+                {
+                    "operation": "report",
+                    "job": kept,
+                    "inputs": [Listed(*one) for one in inputs.items()],
+                    "outputs": [Listed(f, sha256(c)) for f, c in outputs.items()],
+                }
+            ),
         )
     return study, project.folder / f"reports/{name}.html"
 
@@ -154,7 +157,9 @@ def contents(study: Study, page: Callable[[Study], str]) -> dict[str, bytes]:
     """Return what a project keeps of a study, by place without the name of the result."""
     fits = {"fit": study.fit, "joint": study.joint}
     return {
-        "records/.json": json.dumps(results(study), indent=2, ensure_ascii=False).encode(),
+        "records/.json": json.dumps(
+            ResultNumbers(study).document, indent=2, ensure_ascii=False
+        ).encode(),
         "reports/.html": page(study).encode(),
         **{
             f"records/.{what}.json": to_json(fit).encode()
@@ -164,20 +169,31 @@ def contents(study: Study, page: Callable[[Study], str]) -> dict[str, bytes]:
     }
 
 
-def results(study: Study) -> dict[str, Any]:
-    """Return the numbers of a study that verification recomputes and compares."""
-    parts: dict[str, Any] = {"schema": "dashpot/result@1", "mass": study.mass}
-    parts["fit"] = numbers(_plain(study.fit))
-    parts["alternatives"] = [numbers(_plain(fit)) for fit in study.alternatives]
-    for name in ("joint", "comparison", "joint_comparison"):
-        value = getattr(study, name)
-        parts[name] = None if value is None else numbers(_plain(value))
-    return parts
+@dataclass(frozen=True)
+class ResultNumbers(Documented):
+    """The numbers of a study, which verification recomputes and compares."""
 
+    schema = "dashpot/result@1"
+    keys = ("study.mass", "fit", "alternatives", "*others")
 
-def _plain(noun: object) -> dict[str, Any]:
-    plain: dict[str, Any] = json.loads(to_json(noun))
-    return plain
+    study: Study
+
+    @property
+    def fit(self) -> dict[str, Any]:
+        """Of the chosen solid."""
+        return numbers(self.study.fit.document)
+
+    @property
+    def alternatives(self) -> list[dict[str, Any]]:
+        """Of the solids with one and with two arms."""
+        return [numbers(fit.document) for fit in self.study.alternatives]
+
+    @property
+    def others(self) -> dict[str, Any]:
+        """Of what there is where a hammer was used."""
+        names = ("joint", "comparison", "joint_comparison")
+        found = {name: getattr(self.study, name) for name in names}
+        return {name: None if one is None else numbers(one.document) for name, one in found.items()}
 
 
 def numbers(whole: dict[str, Any]) -> dict[str, Any]:
@@ -194,21 +210,6 @@ def profiles(job: Job) -> dict[str, bytes]:
 
 
 # -- the files that a job names -------------------------------------------------------------------
-
-
-def with_paths(job: Job, found: Callable[[str], str]) -> Job:
-    """Return the job with every path in it replaced: raw files, calibrations, the logo."""
-    calibrated = {
-        name: replace(options, calibration=found(options.calibration))
-        for name in ("reading", "reading_impact")
-        if (options := getattr(job, name)).calibration is not None
-    }
-    relaxation, impact = found(job.relaxation), tuple(map(found, job.impact))
-    logo = None if job.logo is None else found(job.logo)
-    further = tuple(map(found, job.further))
-    return replace(
-        job, relaxation=relaxation, further=further, impact=impact, logo=logo, **calibrated
-    )
 
 
 def paths_of(job: Job) -> tuple[str, ...]:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -12,7 +12,8 @@ import numpy.typing as npt
 import dashpot as dp
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
-from dashpot.fitting.uncertainty.prediction_bounds import Answer, formal_frf_band
+from dashpot.base.units import in_unit, written
+from dashpot.fitting.uncertainty.prediction_bounds import PredictedFRF, formal_frf_band
 from dashpot.records.bounds import FRFBounds
 from dashpot.records.fit import Fit
 from dashpot.records.frf import Kind, Mode
@@ -49,6 +50,16 @@ class StiffnessAt:
     damping_ratio: float | None
 
 
+class Rests(NamedTuple):
+    """Compression and depth tested, m; whether its law is extrapolated; both stiffnesses."""
+
+    compression: float | None
+    depth: float | None
+    extrapolated_law: bool
+    secant: StiffnessAt
+    tangent: StiffnessAt
+
+
 @dataclass(frozen=True)
 class AtRest:
     """Where a mass rests, and both linear solids that could be meant.
@@ -67,28 +78,24 @@ class AtRest:
     tangent: StiffnessAt
 
     @property
-    def document(self) -> dict[str, Any]:
-        """Compression, m, and both; without what is not known."""
-        at, depth = self.point.compression, self.point.depth
-        return {
-            "compression": at if np.isfinite(at) else None,
-            "depth": depth,
-            "extrapolated_law": self.point.beyond and not self.point.linear,
-            "secant": asdict(self.secant),
-            "tangent": asdict(self.tangent),
-        }
+    def told(self) -> Rests:
+        """As the document of what stands on it tells it."""
+        point = self.point
+        at = point.compression if np.isfinite(point.compression) else None
+        law = point.beyond and not point.linear
+        return Rests(at, point.depth, law, self.secant, self.tangent)
 
     def __str__(self) -> str:
         point, secant, tangent = self.point, self.secant, self.tangent
         if point.linear:
             return ""
         where = "as given" if point.given else "under its weight"
-        here, depth = f"{1e3 * point.compression:.3g} mm", f"{1e3 * (point.depth or 0.0):.3g} mm"
+        here, depth = (written(one or 0.0, "mm", ".3g") for one in (point.compression, point.depth))
         lines = [f"the seals are compressed by {here} {where}, and were tested to {depth}"]
         for name, one in ((f"secant at {depth}", secant), (f"tangent at {here}", tangent)):
             peak = "no resonance" if one.frequency is None else f"{one.frequency:.5g} Hz"
-            error = f" +- {1e-3 * one.stiffness_se:.2g}" if one.stiffness_se > 0 else ""
-            lines.append(f"  {name}  {1e-3 * one.stiffness:.4g}{error} N/mm, {peak}")
+            error = f" +- {in_unit(one.stiffness_se, 'N/mm'):.2g}" if one.stiffness_se > 0 else ""
+            lines.append(f"  {name}  {in_unit(one.stiffness, 'N/mm'):.4g}{error} N/mm, {peak}")
         if point.beyond:
             lines.append("  ! deeper than tested: the last tangent was taken on")
         return "\n".join(lines)
@@ -180,7 +187,7 @@ def frf_limits(
     else:
         omega = 2 * np.pi * f
         K = point.solid(here).complex_stiffness(omega)
-        own = Answer(mass, seals, kind, coupled).magnitude(K, omega)
+        own = PredictedFRF(mass, seals, kind, coupled).magnitude(K, omega)
         formal = formal_frf_band(
             here,
             mass=mass / point.factor,

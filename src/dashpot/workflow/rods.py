@@ -3,23 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
 
-from dashpot.base.arrays import ComplexArray
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
+from dashpot.base.choices import FamilyAsked
+from dashpot.base.documents import Documented, plain
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.options import option
 from dashpot.base.provenance import Step
-from dashpot.base.units import si_fields
-from dashpot.fitting.rod import fit_rod
+from dashpot.base.units import si_fields, written
 from dashpot.io.options import ReadOptions
+from dashpot.kinds.rod.fit import fit_rod
+from dashpot.kinds.rod.prepare import RodErrors, RodModulus, rod_modulus
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF
 from dashpot.records.specimen import Specimen
 from dashpot.solids.part import Block, Disc
-from dashpot.vibration.modal.rod import RodErrors, RodModulus, rod_modulus
 from dashpot.workflow.job import HammerChoices
 from dashpot.workflow.measured import read_measured
 from dashpot.workflow.part import pad
@@ -67,7 +71,7 @@ class RodChoices:
 
 
 @dataclass(frozen=True)
-class Rod:
+class Rod(Documented):
     """What ``dashpot rod`` found.
 
     Attributes
@@ -86,6 +90,13 @@ class Rod:
     reason : str
         Why there is none.
     """
+
+    schema = "dashpot/rod@1"
+    keys = (
+        "shape", "part.shape_factor", "bonded", "mass", "own_mass", "errors", "modulus.frequency",
+        "modulus.storage", "modulus.loss_factor", "modulus.storage_sd", "modulus.loss_factor_sd",
+        "sensitivity", "band", "verdict", "checks", "fit?",
+    )  # fmt: skip
 
     frf: FRF
     modulus: RodModulus
@@ -112,31 +123,21 @@ class Rod:
         )
 
     @property
-    def document(self) -> dict[str, Any]:
-        """``dashpot/rod@1``: SI units; each sensitivity as [real, imaginary] of d ln E*."""
+    def shape(self) -> dict[str, Any]:
+        """Which shape, and its lengths."""
+        return {"kind": type(self.part).__name__.lower(), **plain(self.part)}
+
+    @property
+    def sensitivity(self) -> dict[str, FloatArray]:
+        """Each as rows of the real and the imaginary part of d ln E*."""
         of = self.modulus
-        return {
-            "schema": "dashpot/rod@1",
-            "shape": {"kind": type(self.part).__name__.lower(), **asdict(self.part)},
-            "shape_factor": self.part.shape_factor,
-            "bonded": self.bonded,
-            "mass": self.mass,
-            "own_mass": self.own_mass,
-            "errors": asdict(self.errors),
-            "frequency": of.frequency.tolist(),
-            "storage": of.storage.tolist(),
-            "loss_factor": of.loss_factor.tolist(),
-            "storage_sd": of.storage_sd.tolist(),
-            "loss_factor_sd": of.loss_factor_sd.tolist(),
-            "sensitivity": {name: _pairs(getattr(of, f"by_{name}")) for name in _ERRORS},
-            "band": list(of.band) if of.usable.any() else None,
-            "verdict": self.verdict.document,
-            "checks": [check.document for check in self.checks],
-        }
+        every = {name: getattr(of, f"by_{name}") for name in _ERRORS}
+        return {name: np.column_stack([one.real, one.imag]) for name, one in every.items()}
 
-
-def _pairs(values: ComplexArray) -> list[list[float]]:
-    return [[float(one.real), float(one.imag)] for one in values]
+    @property
+    def band(self) -> tuple[float, float] | None:
+        """Where the modulus is known; None if nowhere."""
+        return self.modulus.band if self.modulus.usable.any() else None
 
 
 def rod_files(
@@ -146,7 +147,7 @@ def rod_files(
     density: float,
     rod: RodChoices,
     arms: int | Literal["auto"] = "auto",
-    family: Literal["maxwell", "fractional", "auto"] = "maxwell",
+    family: FamilyAsked = "maxwell",
     band: tuple[float, float] | None = None,
     hammer: HammerChoices | None = None,
     specimen: Specimen | None = None,
@@ -194,7 +195,7 @@ def rod_files(
         "rod_modulus",
         (("mass", f"{mass:.6g} kg"), ("density", f"{density:.6g} kg/m^3"), ("shape", str(part)),
          ("bonded", str(bonded).lower())),
-        f"inverted the wave equation of a rod of {1e3 * own:.4g} g under {1e3 * mass:.4g} g",
+        f"inverted the wave equation of a rod of {written(own, 'g')} under {written(mass, 'g')}",
     )  # fmt: skip
     provenance = replace(
         fit.provenance, source=frf.source, steps=(*frf.steps, step, *fit.provenance.steps)

@@ -4,20 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import dashpot as dp
+from dashpot.base.choices import ShiftLaw, VerticalAsked, words
 from dashpot.base.errors import FitError
 from dashpot.base.options import option
-from dashpot.fitting.superposition.isotherms import Measured
 from dashpot.records.specimen import Specimen
-from dashpot.records.superposition import Superposition
 
-_VERTICAL = {"T": "T/T_r"}
+if TYPE_CHECKING:
+    from dashpot.fitting.superposition.isotherms import Measured
+    from dashpot.records.superposition import Superposition
 
-
-def _vertical(word: str) -> str:
-    return _VERTICAL.get(word, word)
+_TYPED = {one.removesuffix("/T_r"): one for one in words(VerticalAsked)}
+"""Shifts of the moduli, by the words that are typed."""
 
 
 @dataclass(frozen=True)
@@ -37,14 +37,12 @@ class ShiftChoices:
         "Of several, the one to shift to, e.g. 25degC [default: nearest to 23degC].",
         unit="temperature",
     )
-    law: str = option(
-        "auto", "Of its shift factors.", flag="shift", choices=("auto", "wlf", "arrhenius", "free")
-    )
-    vertical: str = option(
+    law: ShiftLaw = option("auto", "Of its shift factors.", flag="shift", choices=ShiftLaw)
+    vertical: VerticalAsked = option(
         "auto",
         "Of its moduli: 1, none; T, that of an ideal rubber; free, a diagnostic.",
-        choices=("auto", "1", "T", "free"),
-        parse=_vertical,
+        choices=_TYPED,
+        parse=_TYPED.__getitem__,
     )
     shifts: str | None = option(None, "Table of known shift factors.", metavar="FILE")
 
@@ -120,7 +118,7 @@ def one_temperature(
     return dp.superpose(
         tests,
         reference=choices.reference,
-        law=choices.law,  # type: ignore[arg-type]
-        vertical=choices.vertical,  # type: ignore[arg-type]
+        law=choices.law,
+        vertical=choices.vertical,
         shifts=known,
     )

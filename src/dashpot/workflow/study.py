@@ -10,14 +10,14 @@ from typing import Literal, NamedTuple, TypeAlias
 import numpy as np
 
 from dashpot.base.checks import Check, Verdict, verdict
+from dashpot.base.choices import FamilyAsked, Method, RampLawAsked
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.numbers import hertz
 from dashpot.base.offered import Pictured
 from dashpot.base.progress import doing
-from dashpot.base.units import Quantity, Range, si, si_range
-from dashpot.fitting.design import Method
+from dashpot.base.units import Quantity, Range, si, si_range, written
 from dashpot.fitting.identification.identify import identify
-from dashpot.fitting.nonlinear_ramp.ladder import LawName
 from dashpot.fitting.relaxation import fit
 from dashpot.fitting.uncertainty.prediction_bounds import parameter_band, unseen_arm_band
 from dashpot.io.logo import read_logo
@@ -65,7 +65,7 @@ BAND_LINES, PEAK_LINES = 61, 121
 
 
 @dataclass(frozen=True, repr=False)
-class Study(Pictured):
+class Study(Pictured, Documented):
     """Everything the main job found, as values: what the report shows.
 
     Attributes
@@ -112,6 +112,9 @@ class Study(Pictured):
         What heads its report: words, and an image as a data URI.
     """
 
+    schema = "dashpot/study@1"
+    keys = ("verdict", "*")
+
     test: RelaxationTest
     prepared: RampHold
     fit: Fit
@@ -142,7 +145,7 @@ class Study(Pictured):
         """The verdict, the mass, the solid, and the peaks."""
         solid = self.fit if self.joint is None else self.joint
         agreed = self.comparison if self.joint is None else self.joint_comparison
-        mass = "no mass" if self.mass is None else f"{1e3 * self.mass:.6g} g"
+        mass = "no mass" if self.mass is None else written(self.mass, "g", ".6g")
         return (
             f"{self.verdict.use}: {self.verdict.says}",
             f"{mass} on {self.seals:g} seals; {solid.model} ({solid.unit}, s), {solid.method}",
@@ -218,8 +221,8 @@ def characterise(
     seals: float = 1.0,
     arms: int | Literal["auto"] = "auto",
     method: Method = "full",
-    law: LawName = "auto",
-    family: Literal["maxwell", "fractional", "auto"] = "maxwell",
+    law: RampLawAsked = "auto",
+    family: FamilyAsked = "maxwell",
     cuts: Cuts | None = None,
     band: Range | None = None,
     filter: str | None = None,

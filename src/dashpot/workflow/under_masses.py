@@ -3,23 +3,43 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from itertools import combinations
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from dashpot.base.checks import Check
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
+from dashpot.base.units import in_unit, written
 from dashpot.io.options import ReadOptions
 from dashpot.vibration.modal.checks import one_solid
 from dashpot.vibration.modal.several_masses import SeveralMasses, several_masses
-from dashpot.workflow.measured_modes import MeasuredModes, modes_files
+from dashpot.workflow.measured_modes import MeasuredMode, MeasuredModes, modes_files
+
+
+class UnderMass(NamedTuple):
+    """A mass, kg, where its modes were sought, Hz, and those modes."""
+
+    mass: float
+    band: tuple[float, float]
+    modes: tuple[MeasuredMode, ...]
+
+
+class StiffnessAtMode(NamedTuple):
+    """A stiffness, N/m, at a frequency, with the standard errors of its parts."""
+
+    frequency_hz: float
+    storage: float
+    loss: float
+    storage_se: float
+    loss_se: float
 
 
 @dataclass(frozen=True)
-class ModesByMass:
+class ModesByMass(Documented):
     """What ``dashpot modes`` found under several masses.
 
     Attributes
@@ -31,35 +51,32 @@ class ModesByMass:
         Of every test, with its mass, and whether one solid has all poles.
     """
 
+    schema = "dashpot/modes-by-mass@1"
+    keys = ("tests=each", "stiffness", "model", "together.distance", "checks")
+
     tests: tuple[MeasuredModes, ...]
     together: SeveralMasses
     checks: tuple[Check, ...]
 
     @property
-    def document(self) -> dict[str, Any]:
-        """``dashpot/modes-by-mass@1``."""
-        found = self.together
-        solid = found.solid
-        arms = zip(solid.k, solid.tau, strict=True)
-        return {
-            "schema": "dashpot/modes-by-mass@1",
-            "tests": [
-                {"mass": mass, "band": list(one.band), "modes": [asdict(m) for m in one.modes]}
-                for mass, one in zip(found.masses, self.tests, strict=True)
-            ],
-            "stiffness": [
-                {"frequency_hz": mode.frequency, "storage": k.real, "loss": k.imag,
-                 "storage_se": float(se[0]), "loss_se": float(se[1])}
-                for mode, k, se in zip(found.modes, found.stiffness, found.spread, strict=True)
-            ],
-            "model": {
-                "k_inf": solid.k_inf,
-                "b": solid.b,
-                "arms": [{"k": float(k), "tau": float(tau)} for k, tau in arms],
-            },
-            "distance": found.distance,
-            "checks": [check.document for check in self.checks],
-        }  # fmt: skip
+    def each(self) -> tuple[UnderMass, ...]:
+        """The modes under each mass."""
+        masses = zip(self.together.masses, self.tests, strict=True)
+        return tuple(UnderMass(mass, one.band, one.modes) for mass, one in masses)
+
+    @property
+    def stiffness(self) -> tuple[StiffnessAtMode, ...]:
+        """Of the seals, at every mode."""
+        of = self.together
+        rows = zip(of.modes, of.stiffness, of.spread, strict=True)
+        return tuple(StiffnessAtMode(mode.frequency, k.real, k.imag, *se) for mode, k, se in rows)
+
+    @property
+    def model(self) -> dict[str, Any]:
+        """The solid that has all poles, if one has."""
+        solid = self.together.solid
+        arms = [{"k": k, "tau": tau} for k, tau in zip(solid.k, solid.tau, strict=True)]
+        return {"k_inf": solid.k_inf, "b": solid.b, "arms": arms}
 
 
 def modes_by_mass(
@@ -99,7 +116,7 @@ def modes_by_mass(
     silent = [mass for mass, one in zip(masses, tests, strict=True) if not one.modes]
     if silent:
         raise DataError(
-            f"nothing rings under the mass of {1e3 * silent[0]:.4g} g; give the band of its "
+            f"nothing rings under the mass of {written(silent[0], 'g')}; give the band of its "
             "resonance (--band), or leave its file out"
         )
     modes = [one.modes[0].mode for one in tests]
@@ -107,7 +124,7 @@ def modes_by_mass(
     missed = found.missed
     by = f"{100 * missed.real:+.2g} % of stiffness and {100 * missed.imag:+.2g} % of damping"
     own = [
-        replace(check, says=f"{1e3 * mass:.4g} g: {check.says}")
+        replace(check, says=f"{written(mass, 'g')}: {check.says}")
         for mass, one in zip(masses, tests, strict=True)
         for check in one.frf.checks
     ]
@@ -124,6 +141,6 @@ def _refuse_same(
         if np.array_equal(one.frf.value, two.frf.value):
             names = dict.fromkeys((Path(file).name, Path(other).name))
             raise DataError(
-                f"{' and '.join(names)}: the same FRF is given under {1e3 * mass:.4g} and under "
-                f"{1e3 * its:.4g} g; expected what was measured under each mass"
+                f"{' and '.join(names)}: the same FRF is given under {in_unit(mass, 'g'):.4g} and "
+                f"under {written(its, 'g')}; expected what was measured under each mass"
             )

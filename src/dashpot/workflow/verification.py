@@ -10,11 +10,12 @@ from typing import Any
 
 from dashpot.base.atomic import PART
 from dashpot.base.checks import Check
+from dashpot.base.documents import DIGEST
 from dashpot.base.errors import ReadError
 from dashpot.workflow import checks
 from dashpot.workflow.archive import from_json
-from dashpot.workflow.documents import DIGEST, parts_of
-from dashpot.workflow.history import History, Line, Listed, read_history, sha256, software
+from dashpot.workflow.documents import parts_of
+from dashpot.workflow.history import History, HistoryLine, Listed, read_history, sha256, software
 from dashpot.workflow.job import Job
 from dashpot.workflow.project import (
     NAME,
@@ -97,7 +98,7 @@ def _added(project: Project, history: History) -> list[str]:
 # -- the work, done again -------------------------------------------------------------------------
 
 
-def _again(project: Project, line: Line, page: Callable[[Study], str]) -> list[Check]:
+def _again(project: Project, line: HistoryLine, page: Callable[[Study], str]) -> list[Check]:
     job = from_json(json.dumps(line.job))
     if not isinstance(job, Job):
         raise ReadError(f"line {line.line} of history.jsonl holds no job: it was changed")

@@ -60,7 +60,7 @@ Rows: TypeAlias = Callable[[FloatArray, bool], Evaluation]
 
 
 @dataclass(frozen=True, eq=False)
-class Block:
+class DataBlock:
     """One data set in a separable stack: rows, the names of their fixed columns, a window.
 
     Attributes
@@ -107,9 +107,9 @@ class Block:
     accuracy: float = 1e-15
     rotated_basis: bool = False
     sampling: Hashable = None
-    full: Callable[[], Block] | None = None
-    widen: Callable[[str, FloatArray], Block] | None = None
-    delayed: Callable[[str, Late], Block] | None = None
+    full: Callable[[], DataBlock] | None = None
+    widen: Callable[[str, FloatArray], DataBlock] | None = None
+    delayed: Callable[[str, Late], DataBlock] | None = None
     variance: float | None = None
 
     def evaluate(self, log_tau: FloatArray, derivative: bool = True) -> Evaluation:
@@ -117,21 +117,21 @@ class Block:
         return self.rows(log_tau, derivative)
 
     @property
-    def exact(self) -> Block:
+    def exact(self) -> DataBlock:
         """The same data with every sample as a row; itself if nothing was compressed."""
         return self if self.full is None else self.full()
 
-    def with_column(self, name: str, column: FloatArray) -> Block:
+    def with_column(self, name: str, column: FloatArray) -> DataBlock:
         """The block with one more fixed column, given at every sample."""
         return self.widen(name, column) if self.widen else self.beside(name, column)
 
-    def with_delay(self, name: str, late: Late) -> Block:
+    def with_delay(self, name: str, late: Late) -> DataBlock:
         """The block with the column of a force that comes late."""
         return self.delayed(name, late) if self.delayed else self.with_column(name, late.column)
 
     def beside(
-        self, name: str, column: FloatArray, *, full: Callable[[], Block] | None = None
-    ) -> Block:
+        self, name: str, column: FloatArray, *, full: Callable[[], DataBlock] | None = None
+    ) -> DataBlock:
         """The block with one more fixed column in its own coordinates, which are steady."""
         fixed = self.rows(np.zeros(0), False).fixed
         wider = np.concatenate((fixed.T, column[None])).T
@@ -164,7 +164,7 @@ class Block:
         low, high = np.log(self.window)
         return float(low), float(high)
 
-    def changed(self, change: Callable[[FloatArray], FloatArray], **facts: Any) -> Block:
+    def changed(self, change: Callable[[FloatArray], FloatArray], **facts: Any) -> DataBlock:
         """The block with the same linear change made to target and columns; `facts` as new."""
 
         def rows(log_tau: FloatArray, derivative: bool) -> Evaluation:
@@ -179,7 +179,7 @@ class Block:
         *,
         stretch: float = 1.0,
         window: tuple[float, float],
-    ) -> Block:
+    ) -> DataBlock:
         """The same data of a solid whose relaxation times and stiffnesses were others.
 
         Rows at ``log_tau(...)`` of the times asked for, springs and arms times `factor`; `stretch`
@@ -195,7 +195,7 @@ class Block:
 
         return replace(self, rows=rows, window=window, sampling=None, full=None, widen=None)
 
-    def weighted(self, factor: float, fixed_names: tuple[str, ...] | None = None) -> Block:
+    def weighted(self, factor: float, fixed_names: tuple[str, ...] | None = None) -> DataBlock:
         """Every row times one factor, 1/sd; with other names, if they are given."""
         full, names = self.full, fixed_names or self.fixed_names
         return self.changed(
@@ -229,8 +229,8 @@ def design_block(
     fixed_names: tuple[str, ...],
     columns: Columns,
     window: tuple[float, float],
-) -> Block:
-    """A block of every sample as a row; see :class:`Block` and :func:`design_rows`."""
+) -> DataBlock:
+    """A block of every sample as a row; see :class:`DataBlock` and :func:`design_rows`."""
     rows = len(target)
     if fixed.shape != (rows, len(fixed_names)):
         raise DataError(
@@ -238,10 +238,10 @@ def design_block(
             f"{(rows, len(fixed_names))}: one row per target value, one column per name"
         )
     made = design_rows(target, fixed, columns)
-    return Block(made, fixed_names, window, rows)
+    return DataBlock(made, fixed_names, window, rows)
 
 
-def retarding(block: Block, whole: str) -> Block:
+def retarding(block: DataBlock, whole: str) -> DataBlock:
     r"""The block with each arm turned into a retardation: what a force has yet to move.
 
     An arm's column q of the input F is :math:`\int e^{-(t-u)/\lambda}\,dF`, so
@@ -250,7 +250,7 @@ def retarding(block: Block, whole: str) -> Block:
 
     Parameters
     ----------
-    block : Block
+    block : DataBlock
         Of arms under the input F.
     whole : str
         Name of the fixed column that is F.
@@ -273,21 +273,21 @@ def retarding(block: Block, whole: str) -> Block:
 
 
 def prior_block(
-    like: Block,
+    like: DataBlock,
     names: tuple[str, ...],
     rows: FloatArray,
     mean: FloatArray,
     sd: FloatArray,
     *,
     unit: float,
-) -> Block:
+) -> DataBlock:
     r"""What is known of fixed coefficients before the data, as rows beside those of a block.
 
     .. math:: \frac{s}{\sigma_i} \sum_n C_{in} c_n = \frac{s}{\sigma_i} m_i
 
     Parameters
     ----------
-    like : Block
+    like : DataBlock
         Whose coefficients they are.
     names : tuple of str
     rows : array, shape (p, q)
@@ -304,7 +304,7 @@ def prior_block(
         arms = np.zeros((len(mean), len(log_tau))) if len(log_tau) else none
         return Evaluation(target, fixed, arms, arms)
 
-    return Block(at, names, like.window, len(mean), like.arm_group, variance=unit**2)
+    return DataBlock(at, names, like.window, len(mean), like.arm_group, variance=unit**2)
 
 
 def stiffnesses(names: Sequence[str]) -> BoolArray:
@@ -318,7 +318,7 @@ def frequency_block(
     *,
     weights: tuple[FloatArray, FloatArray] | None = None,
     dashpot: bool = False,
-) -> Block:
+) -> DataBlock:
     r"""Storage and loss stiffness at given frequencies as one block of real rows.
 
     .. math:: K' + jK'' = k_\infty + \sum_j k_j \frac{j\omega\tau_j}{1 + j\omega\tau_j}

@@ -26,7 +26,7 @@ import numpy as np
 
 from dashpot.base.arrays import ByValue, ComplexArray, FloatArray, fast_length
 from dashpot.base.errors import FitError
-from dashpot.engine.blocks.block import Block, Evaluation, Rows
+from dashpot.engine.blocks.block import DataBlock, Evaluation, Rows
 from dashpot.engine.blocks.compression import Compression, counted, uniform_step
 from dashpot.engine.blocks.late_force import Late, Steps, late_lags, turned_back
 
@@ -40,8 +40,8 @@ MANY = 24
 
 
 @dataclass(frozen=True, eq=False)
-class Response(ByValue):
-    """All that a displacement says about its arms, for any force recorded with it.
+class ConvolvedMotion(ByValue):
+    """A displacement convolved with decays: all it says of its arms, whatever force goes with it.
 
     Attributes
     ----------
@@ -74,8 +74,8 @@ class Response(ByValue):
     step: float
     steps: Steps | None = None
 
-    def with_fixed(self, column: FloatArray, own: FloatArray | None = None) -> Response:
-        """The response with one more fixed column, shape (n,), `own` its correlation if known."""
+    def with_fixed(self, column: FloatArray, own: FloatArray | None = None) -> ConvolvedMotion:
+        """The same with one more fixed column, shape (n,), `own` its correlation if known."""
         fixed = np.concatenate((self.fixed.T, column[None])).T
         crossed = column @ fixed
         size = len(crossed)
@@ -166,20 +166,20 @@ def _own_lag(d: FloatArray, start: int, moving: int) -> FloatArray:
 
 
 class Force(NamedTuple):
-    """One force, or a stack of them, correlated with a response: y of the Gram matrix."""
+    """One force, or a stack of them, correlated with a motion: y of the Gram matrix."""
 
     sequence: FloatArray  # (..., m) compressed correlation with the displacement
     fixed: FloatArray  # (..., q) inner products with the fixed columns
     energy: FloatArray  # (...) y'y
 
     @classmethod
-    def of(cls, response: Response, values: FloatArray) -> Force:
+    def of(cls, motion: ConvolvedMotion, values: FloatArray) -> Force:
         """Correlate window values of shape (..., n)."""
         energy = np.asarray(np.vecdot(values, values))
-        return cls(response.correlate(values), values @ response.fixed, energy)
+        return cls(motion.correlate(values), values @ motion.fixed, energy)
 
 
-def correlation_rows(shared: Response, force: Force) -> Rows:
+def correlation_rows(shared: ConvolvedMotion, force: Force) -> Rows:
     """Rows whose inner products are closed forms in tau, in the coordinates of their factor."""
     q = shared.fixed.shape[1]
 
@@ -289,9 +289,9 @@ def upper_factor(gram: FloatArray) -> FloatArray:
             return np.asarray(np.swapaxes(lower, -1, -2) * scale[..., None, :])
 
 
-def response(
+def convolved(
     time: FloatArray, x: FloatArray, fixed: FloatArray, *, start: int, stop: int
-) -> Response:
+) -> ConvolvedMotion:
     """Correlate a displacement on a uniform grid, at rest at zero before its first sample.
 
     Parameters
@@ -310,7 +310,7 @@ def response(
     if start:
         before = lags.nodes_of(turned_back(d, start))
     lagged = np.fft.rfft(d, size)
-    bare = Response(
+    bare = ConvolvedMotion(
         fixed=fixed,
         fixed_gram=fixed.T @ fixed,
         sequences=before[None],
@@ -342,7 +342,7 @@ def _steps(x: FloatArray) -> tuple[FloatArray, int]:
 
 
 def _lagged(
-    bare: Response, column: FloatArray, x: FloatArray, d: FloatArray, own: FloatArray
+    bare: ConvolvedMotion, column: FloatArray, x: FloatArray, d: FloatArray, own: FloatArray
 ) -> FloatArray:
     r"""Correlation of a fixed column with the steps, in closed form where there is one.
 
@@ -374,25 +374,27 @@ def _lagged(
 
 
 def correlation_block(
-    exact: Block, time: FloatArray, x: FloatArray, *, start: int, stop: int
-) -> Block:
+    exact: DataBlock, time: FloatArray, x: FloatArray, *, start: int, stop: int
+) -> DataBlock:
     """The block of one force: its record correlated, every sample kept in `exact`.
 
     Its Gram matrix resolves an SSE to 1e-14 of the data's own sum of squares.
     """
     target, fixed, *_ = exact.evaluate(np.zeros(0), False)
-    shared = response(time, x, fixed, start=start, stop=stop)
+    shared = convolved(time, x, fixed, start=start, stop=stop)
     return _of_force(exact, shared, Force.of(shared, target), target)
 
 
-def _of_force(exact: Block, shared: Response, force: Force, target: FloatArray) -> Block:
-    def delayed(name: str, late: Late) -> Block:
+def _of_force(
+    exact: DataBlock, shared: ConvolvedMotion, force: Force, target: FloatArray
+) -> DataBlock:
+    def delayed(name: str, late: Late) -> DataBlock:
         lags = None
         if shared.steps is not None:
             lags = late_lags(shared.steps, late, start=shared.start, interval=shared.step)
         return widen(name, late.column, lags)
 
-    def widen(name: str, column: FloatArray, lags: FloatArray | None = None) -> Block:
+    def widen(name: str, column: FloatArray, lags: FloatArray | None = None) -> DataBlock:
         wider = shared.with_fixed(column, lags)
         more = force._replace(fixed=np.append(force.fixed, target @ column))
         return _of_force(exact.with_column(name, column), wider, more, target)

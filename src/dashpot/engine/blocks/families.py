@@ -12,9 +12,15 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
 from dashpot.base.errors import DataError
-from dashpot.engine.blocks.block import Block, stiffnesses
+from dashpot.engine.blocks.block import DataBlock, stiffnesses
 from dashpot.engine.blocks.compression import Compression, compression, projected, uniform_step
-from dashpot.engine.blocks.correlation import ROUNDING, Force, Response, response, upper_factor
+from dashpot.engine.blocks.correlation import (
+    ROUNDING,
+    ConvolvedMotion,
+    Force,
+    convolved,
+    upper_factor,
+)
 from dashpot.engine.blocks.hold import hold_block
 from dashpot.engine.blocks.recorded import recorded_block
 
@@ -46,14 +52,14 @@ class Family(ABC):
     ----------
     block : callable
         Makes the block of one record, shape (M,).
-    template : Block
+    template : DataBlock
         That of a record of zeros.
     rounding_floor : float
         Relative sum of squares that is rounding.
     """
 
-    block: Callable[[FloatArray], Block]
-    template: Block
+    block: Callable[[FloatArray], DataBlock]
+    template: DataBlock
     rounding_floor: ClassVar[float] = ROUNDING
 
     @property
@@ -118,7 +124,7 @@ def recorded_family(
     if not shares_correlation(time, x):
         raise DataError("records share a correlation only on a uniform grid and from x = 0")
     make = partial(recorded_block, time, x, window=slice(start, stop))
-    shared = response(time, x, x[start:stop, None], start=start, stop=stop)
+    shared = convolved(time, x, x[start:stop, None], start=start, stop=stop)
     return RecordedFamily(make, make(np.zeros(len(time))), shared)
 
 
@@ -142,17 +148,17 @@ class ColumnSpace(NamedTuple):
         F.
     inverse : array, shape (q + r, q + r)
         The inverse of B_S.
-    chosen : Block
+    chosen : DataBlock
         The columns at the nodes S alone.
     """
 
     basis: FloatArray
     triangle: FloatArray
     inverse: FloatArray
-    chosen: Block
+    chosen: DataBlock
 
 
-def column_space(template: Block, at_nodes: Callable[[IndexArray], Block]) -> ColumnSpace:
+def column_space(template: DataBlock, at_nodes: Callable[[IndexArray], DataBlock]) -> ColumnSpace:
     """Return the space of a block's columns; `at_nodes` makes the block at some of its rows."""
     low, high = template.bounds
     log_tau = np.linspace(low, high, round(TIMES_PER_FOLD * (high - low)))
@@ -180,7 +186,7 @@ def _independent(basis: FloatArray) -> IndexArray:
 def _compressed(
     time: FloatArray,
     plans: tuple[Compression, ...],
-    make: Callable[..., Block],
+    make: Callable[..., DataBlock],
     *,
     second_from: float = 0.0,
 ) -> CompressedFamily:
@@ -188,7 +194,7 @@ def _compressed(
     nodes = np.concatenate([plan.nodes + at for plan, at in zip(plans, origins, strict=False)])
     root = np.concatenate([plan.root_weight for plan in plans])
 
-    def at_nodes(chosen: IndexArray) -> Block:
+    def at_nodes(chosen: IndexArray) -> DataBlock:
         zeros = np.zeros(len(chosen))
         return make(nodes[chosen], zeros, weights=root[chosen], compress=False)
 
@@ -252,17 +258,17 @@ class CompressedFamily(Family):
 class RecordedFamily(Family):
     """Records under one recorded displacement on a uniform grid."""
 
-    response: Response
+    motion: ConvolvedMotion
     rounding_floor: ClassVar[float] = 100 * ROUNDING
 
     def _reduced(self, values: FloatArray) -> Reduced:
-        force = Force.of(self.response, values[:, self.response.start : self.response.count])
+        force = Force.of(self.motion, values[:, self.motion.start : self.motion.count])
         return Reduced(force, np.zeros(len(values)), force.energy)
 
     def factor(self, log_tau: FloatArray, reduced: Reduced, *, exact: bool) -> FloatArray:  # noqa: ARG002
         """Triangular factors by a Gram matrix: it is all that there is."""
         return upper_factor(
-            self.response.gram(np.exp(log_tau), Force(*reduced.data), derivative=True)
+            self.motion.gram(np.exp(log_tau), Force(*reduced.data), derivative=True)
         )
 
     def moments(
@@ -271,5 +277,5 @@ class RecordedFamily(Family):
         """By the correlations."""
         tau, force = np.exp(log_tau), Force(*reduced.data)
         first = Force(force.sequence[0], force.fixed[0], force.energy[0])
-        gram = self.response.gram(tau, first, derivative=False)[:-1, :-1]
-        return gram, force.fixed, self.response.products(tau, force.sequence)
+        gram = self.motion.gram(tau, first, derivative=False)[:-1, :-1]
+        return gram, force.fixed, self.motion.products(tau, force.sequence)

@@ -10,7 +10,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError
-from dashpot.engine.blocks.block import Block, Columns, design_rows
+from dashpot.engine.blocks.block import Columns, DataBlock, design_rows
 from dashpot.engine.blocks.compression import (
     ACCURACY,
     Compression,
@@ -44,7 +44,7 @@ def hold_block(
     drift: str | None = None,
     weights: FloatArray | None = None,
     compress: bool = True,
-) -> Block:
+) -> DataBlock:
     r"""The hold after an ideal ramp (paper eq. 5, in a form that cannot overflow).
 
     .. math:: F = x_h \Bigl[k_\infty + \sum_j k_j\, g(c/\tau_j)\, e^{-s/\tau_j}\Bigr],
@@ -93,14 +93,14 @@ def hold_block(
     rows = design_rows(target, matrix, _columns(plans, ideal))
     window = window_of(time, plans[-1].step)
     if len(target) == len(time):
-        return Block(rows, names, window, len(time))
+        return DataBlock(rows, names, window, len(time))
     full = partial(
         hold_block, time, force, depth=depth, ramp_time=ramp_time, ramp=ramp, k_inf=k_inf,
         offset=offset, drift=drift, weights=weights, compress=False,
     )  # fmt: skip
     # the columns follow from the clock and all but the data
     known = weights is None and step is not None
-    block = Block(
+    block = DataBlock(
         rows,
         names,
         window,
@@ -125,10 +125,10 @@ def window_of(time: FloatArray, step: float | None = None) -> tuple[float, float
     return 2 * fine, 10 * float(time[-1] - time[0])
 
 
-def _widening(block: Block, plans: tuple[Compression, ...]) -> Block:
+def _widening(block: DataBlock, plans: tuple[Compression, ...]) -> DataBlock:
     """The block, able to take a fixed column that is smooth as its arms are."""
 
-    def widen(name: str, column: FloatArray) -> Block:
+    def widen(name: str, column: FloatArray) -> DataBlock:
         at_nodes, _ = projected(plans, column)
         whole = partial(block.exact.with_column, name, column)
         return _widening(block.beside(name, at_nodes, full=whole), plans)

@@ -24,7 +24,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.engine.blocks.block import Block, Columns, Rows, design_rows
+from dashpot.engine.blocks.block import Columns, DataBlock, Rows, design_rows
 from dashpot.engine.blocks.compression import ACCURACY
 
 LAGS = 300
@@ -69,7 +69,7 @@ class Kernels(NamedTuple):
         tau, lags, right, left = _from_one(folds, per_fold, rank)
         return cls(tau * shortest, lags * shortest, right, left)
 
-    def space(self, exact: Block) -> FloatArray:
+    def space(self, exact: DataBlock) -> FloatArray:
         r"""The space :math:`\Phi V` of a block that has every sample as a row, shape (n, r)."""
         out = np.zeros((exact.samples, self.right.shape[1]))
         for first in range(0, len(self.tau), AT_ONCE):
@@ -105,7 +105,7 @@ def _from_one(folds: float, per_fold: float, rank: float) -> Kernels:
     return Kernels(tau, lags, vt[keep].T, u[:, keep].T / s[keep, None])
 
 
-def reduced_block(exact: Block, *, reach: tuple[float, float] | None = None) -> Block:
+def reduced_block(exact: DataBlock, *, reach: tuple[float, float] | None = None) -> DataBlock:
     r"""The same data in orthogonal coordinates, one row per dimension of the kernels' space.
 
     One triangular factor of :math:`[\Phi V, G, y]` turns every later trial into a product of small
@@ -113,7 +113,7 @@ def reduced_block(exact: Block, *, reach: tuple[float, float] | None = None) -> 
 
     Parameters
     ----------
-    exact : Block
+    exact : DataBlock
         Every sample as a row; its window's upper end is at least the record's span.
     reach : (float, float), optional
         Relaxation times to be evaluated, s; those of the window, if left out.
@@ -142,7 +142,7 @@ def _to_its_floor(factor: FloatArray) -> FloatArray:
     return np.concatenate((factor, np.zeros((1, columns)))) if rows < columns else factor
 
 
-def compact_block(block: Block, *, beyond: float) -> Block:
+def compact_block(block: DataBlock, *, beyond: float) -> DataBlock:
     r"""A block in as few rows as its kernels span, for many trials that need few digits.
 
     The columns at fixed relaxation times come from the block itself, whatever its form, and all
@@ -150,7 +150,7 @@ def compact_block(block: Block, *, beyond: float) -> Block:
 
     Parameters
     ----------
-    block : Block
+    block : DataBlock
         Of any rows, compressed or not.
     beyond : float
         Relaxation times up to this factor outside the window are to be evaluated.

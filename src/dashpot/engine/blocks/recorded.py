@@ -21,7 +21,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError
-from dashpot.engine.blocks.block import Block, Evaluation, design_block
+from dashpot.engine.blocks.block import DataBlock, Evaluation, design_block
 from dashpot.engine.blocks.compression import SMALL, uniform_step
 from dashpot.engine.blocks.correlation import correlation_block
 from dashpot.engine.blocks.hold import window_of
@@ -46,7 +46,7 @@ def recorded_block(
     columns: Mapping[str, FloatArray] = MappingProxyType({}),
     weights: FloatArray | None = None,
     reach: tuple[float, float] | None = None,
-) -> Block:
+) -> DataBlock:
     r"""Force under a recorded displacement that is straight between its samples.
 
     .. math:: F_i = k_\infty x_i + \sum_j k_j q_j(t_i) + F_0 + \dot F (t_i - t_0)
@@ -89,7 +89,7 @@ def recorded_block(
     fixed |= columns
     step = uniform_step(time)
 
-    def exact(first: int, last: int, weights: FloatArray | None = None) -> Block:
+    def exact(first: int, last: int, weights: FloatArray | None = None) -> DataBlock:
         return recursion_block(
             time[:last], x[:last], y[:last], window=slice(first, last), step=step,
             fixed={name: column[first:last] for name, column in fixed.items()},
@@ -114,7 +114,7 @@ def recorded_block(
     )
 
 
-def _stacked(one: Block, two: Block) -> Block:
+def _stacked(one: DataBlock, two: DataBlock) -> DataBlock:
     """Two stretches of one record as one block."""
     cut = one.samples
 
@@ -145,7 +145,7 @@ def recursion_block(
     fixed: dict[str, FloatArray],
     step: float | None = None,
     weights: FloatArray | None = None,
-) -> Block:
+) -> DataBlock:
     """The full record, every sample a row, arms by recursion: any grid, any weights.
 
     `step` is the interval of a grid known to be uniform.

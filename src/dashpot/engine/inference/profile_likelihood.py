@@ -29,14 +29,14 @@ and a walk that has met :math:`D_0` is at its end: beyond, any value will do.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray, IndexArray
 from dashpot.engine.inference.descents import Descents, Solved
-from dashpot.engine.inference.profile_walks import Asked, Coordinate, Walk
+from dashpot.engine.inference.profile_walks import Coordinate, Profiled, Walk
 from dashpot.engine.solver.descent import Stack
+from dashpot.engine.solver.variable_projection import Solution
 
 #: a relaxation time is walked so far, as a factor, out of the window
 BEYOND = 20.0
@@ -52,15 +52,8 @@ _POWERS = np.arange(4.0)
 _DERIVED = np.array([np.eye(4), np.diag(_POWERS[1:], 1), np.diag([2.0, 6.0], 2)]).swapaxes(0, 1)
 
 
-class Optimum(NamedTuple):
-    """Where a profile starts: the linear parameters (p,) and ln tau (N,) of the best fit."""
-
-    beta: FloatArray
-    log_tau: FloatArray
-
-
 def profiles(
-    stack: Stack, optimum: Optimum, asked: Sequence[Asked], *, limit: float
+    stack: Stack, optimum: Solution, asked: Sequence[Profiled], *, limit: float
 ) -> list[tuple[FloatArray, FloatArray]]:
     """Return of each profile the trial values, ascending, the optimum among them, and deviances.
 
@@ -68,8 +61,8 @@ def profiles(
     ----------
     stack : Stack
         The data of the fit, in rows that do not depend on tau.
-    optimum : Optimum
-    asked : sequence of Asked
+    optimum : Solution
+    asked : sequence of Profiled
     limit : float
         A walk ends where the deviance exceeds this, or where the data say no more: at the edge
         of their window, or where a stiffness has grown out of all proportion.
@@ -92,7 +85,7 @@ def profiles(
 class _Together:
     """The least-squares problems of many profiles, each with one coordinate held."""
 
-    def __init__(self, stack: Stack, optimum: Optimum) -> None:
+    def __init__(self, stack: Stack, optimum: Solution) -> None:
         self.optimum, self.fixed = optimum, len(stack.names)
         self.arms, self.groups = len(optimum.log_tau), len(stack.groups)
         outside = float(np.log(BEYOND))
@@ -120,9 +113,9 @@ class _Together:
         start = self._phi(optimum.log_tau[None])[0][0]
         self.best = float(np.square(self.target - optimum.beta @ start).sum())
 
-    def value(self, asked: Asked) -> float:
+    def value(self, asked: Profiled) -> float:
         """The held coordinate at the optimum."""
-        beta, log_tau = self.optimum
+        beta, log_tau = self.optimum.beta, self.optimum.log_tau
         if asked.coordinate is Coordinate.LINEAR:
             return float(beta[asked.index])
         arm = asked.index % self.arms
@@ -130,7 +123,7 @@ class _Together:
             return float(log_tau[arm])
         return float(log_tau[arm] + np.log(beta[self.fixed + asked.index]))
 
-    def range(self, asked: Asked) -> tuple[float, float]:
+    def range(self, asked: Profiled) -> tuple[float, float]:
         """How far the held coordinate goes."""
         if asked.coordinate is Coordinate.LOG_TAU:
             return self.window
@@ -141,7 +134,7 @@ class _Together:
 
     def walk(self, walks: Sequence[Walk]) -> None:
         """Walk every side to its end."""
-        held = _Held([walk.asked for walk in walks], self.fixed, self.arms)
+        held = _Sides([walk.asked for walk in walks], self.fixed, self.arms)
         self._spare(walks, held)
         left = np.tile(self.optimum.log_tau, (len(walks), 1))
         goal = np.array([walk.goal for walk in walks])
@@ -158,7 +151,7 @@ class _Together:
                 descents.start(i, left[i] + min(1.0, _FORETOLD / max(far, _FORETOLD)) * foretold)
                 goal[i] = walk.goal
 
-    def _spare(self, walks: Sequence[Walk], held: _Held) -> None:
+    def _spare(self, walks: Sequence[Walk], held: _Sides) -> None:
         """Let each arm's walks know what it costs to do without the arm."""
         if self.groups > 1:  # without its part in one group an arm is still there
             return
@@ -166,8 +159,8 @@ class _Together:
         if not of_arm:
             return
         first = [walks[i] for i in of_arm.values()]
-        none = _Held(
-            [Asked(Coordinate.LINEAR, self.fixed + arm, 0.0, 0.0) for arm in of_arm],
+        none = _Sides(
+            [Profiled(Coordinate.LINEAR, self.fixed + arm, 0.0, 0.0) for arm in of_arm],
             self.fixed,
             self.arms,
         )
@@ -198,7 +191,7 @@ class _Together:
         self,
         descents: Descents,
         goal: FloatArray,
-        held: _Held,
+        held: _Sides,
         on: IndexArray,
         within: tuple[FloatArray, FloatArray] | None = None,
     ) -> IndexArray:
@@ -227,7 +220,9 @@ class _Together:
         phi[:, self.fixed :] = found[..., 0, :].reshape(trials, -1, rows)
         return phi, found
 
-    def _solved(self, log_tau: FloatArray, goal: FloatArray, held: _Held, on: IndexArray) -> Solved:
+    def _solved(
+        self, log_tau: FloatArray, goal: FloatArray, held: _Sides, on: IndexArray
+    ) -> Solved:
         phi, found = self._phi(log_tau)
         each, arm, column = np.arange(len(on)), held.arm[on], held.column[on]
         amount, own = held.amount(log_tau, goal, on), phi[each, column]
@@ -303,10 +298,10 @@ class _Normal:
         return np.asarray(np.linalg.solve(self.gram, scaled) / self.length)
 
 
-class _Held:
-    """Which coordinate each side holds."""
+class _Sides:
+    """The sides of the profiles: which coordinate each holds."""
 
-    def __init__(self, asked: Sequence[Asked], fixed: int, arms: int) -> None:
+    def __init__(self, asked: Sequence[Profiled], fixed: int, arms: int) -> None:
         kinds = [one.coordinate for one in asked]
         index = np.array([one.index for one in asked])
         self.log_tau = np.array([kind is Coordinate.LOG_TAU for kind in kinds])

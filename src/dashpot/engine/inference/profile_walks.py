@@ -27,8 +27,8 @@ class Coordinate(Enum):
 
 
 @dataclass(frozen=True)
-class Asked:
-    """Whose profile is asked for.
+class Profiled:
+    """A parameter whose profile is asked for.
 
     Attributes
     ----------
@@ -55,7 +55,7 @@ class Walk:
     """One side of one profile: where it stands and where it goes next."""
 
     def __init__(
-        self, asked: Asked, start: float, sign: float, limit: float, ends: tuple[float, float]
+        self, asked: Profiled, start: float, sign: float, limit: float, ends: tuple[float, float]
     ) -> None:
         self.asked, self.start, self.limit, self.ends = asked, start, limit, ends
         self.sign = sign

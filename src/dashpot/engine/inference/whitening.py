@@ -26,19 +26,19 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.engine.blocks.block import Block, design_rows
+from dashpot.engine.blocks.block import DataBlock, design_rows
 from dashpot.engine.blocks.kernels import FEW_DIGITS, FEW_RANK, FEW_TIMES_PER_FOLD, Kernels
 from dashpot.engine.inference.covariance import Columns, Noise, toeplitz_form
 from dashpot.engine.solver.descent import Stack
 from dashpot.engine.solver.variable_projection import Solution, full_jacobian
 
 
-def whitened_block(exact: Block, noise: Noise) -> Block:
+def whitened_block(exact: DataBlock, noise: Noise) -> DataBlock:
     """Return the data in coordinates whose noise is independent, of variance one at most.
 
     Parameters
     ----------
-    exact : Block
+    exact : DataBlock
         Every sample a row, in the order of time.
     noise : Noise
         Of its residuals, with a positive variance.
@@ -78,15 +78,15 @@ class ReducedBasis(NamedTuple):
     ----------
     basis : array, shape (n, r)
         Q, orthonormal columns, one row per sample.
-    block : Block
+    block : DataBlock
         Q'y, Q'G and Q' phi, r rows.
     """
 
     basis: FloatArray
-    block: Block
+    block: DataBlock
 
 
-def reduced_basis(exact: Block) -> ReducedBasis:
+def reduced_basis(exact: DataBlock) -> ReducedBasis:
     """Return the span of a block that has every sample as a row, in the order of time."""
     kernels = Kernels.over(exact.window, per_fold=FEW_TIMES_PER_FOLD, rank=FEW_RANK)
     target, fixed, *_ = exact.evaluate(np.zeros(0), False)
@@ -101,7 +101,7 @@ class NoiseGain:
 
     Parameters
     ----------
-    every_sample : sequence of Block
+    every_sample : sequence of DataBlock
         One per record, every sample a row.
     noises : sequence of Noise
     solution : Solution
@@ -109,7 +109,7 @@ class NoiseGain:
     """
 
     def __init__(
-        self, every_sample: Sequence[Block], noises: Sequence[Noise], solution: Solution
+        self, every_sample: Sequence[DataBlock], noises: Sequence[Noise], solution: Solution
     ) -> None:
         spans = [reduced_basis(block) for block in every_sample]
         blocks = [basis.block for basis in spans]
@@ -117,9 +117,7 @@ class NoiseGain:
         self._cuts = np.cumsum([len(block.target) for block in blocks])[:-1]
         self._principal = [_principal(*pair) for pair in zip(spans, noises, strict=True)]
         self._jacobian = full_jacobian(blocks, solution).matrix
-        self._model = self._at(
-            np.concatenate((solution.fixed, solution.arms.ravel())), solution.log_tau
-        )
+        self._model = self._at(solution.beta, solution.log_tau)
 
     def towards(self, step: FloatArray) -> float:
         """Return it for a small step of the parameters, in the order of the Jacobian."""

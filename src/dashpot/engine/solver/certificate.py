@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.engine.blocks.block import Block
+from dashpot.engine.blocks.block import DataBlock
 from dashpot.engine.solver.descent import Stack, descend
 from dashpot.engine.solver.starts import Grid
 from dashpot.engine.solver.variable_projection import Solution
@@ -42,7 +42,7 @@ class Optimality:
     tau: float | None
 
 
-def certificate(blocks: Sequence[Block], solution: Solution) -> Optimality:
+def certificate(blocks: Sequence[DataBlock], solution: Solution) -> Optimality:
     r"""Compare a solution with the best spectrum of non-negative arms of any number.
 
     If :math:`D(\tau) = \hat\varphi(\tau)' r \le 0` for all tau, the residual r satisfies the

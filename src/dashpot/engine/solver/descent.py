@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
-from dashpot.engine.blocks.block import Block, stiffnesses
+from dashpot.engine.blocks.block import DataBlock, stiffnesses
 from dashpot.engine.least_squares.descent import (
     FINISHED,
     LINEAR,
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from dashpot.engine.blocks.families import Family, Reduced
 
 
-class Rows(NamedTuple):
+class StackRows(NamedTuple):
     """A whole stack at one ln tau: y (n,), Phi (n, p), and dPhi/d ln tau of the arms' columns."""
 
     target: FloatArray
@@ -43,7 +43,7 @@ class Stack:
     second, and so on: p = q + G N.
     """
 
-    def __init__(self, blocks: Sequence[Block]) -> None:
+    def __init__(self, blocks: Sequence[DataBlock]) -> None:
         self.blocks = tuple(blocks)
         self.names = tuple(dict.fromkeys(n for block in blocks for n in block.fixed_names))
         self.groups = tuple(dict.fromkeys(block.arm_group for block in blocks))
@@ -85,12 +85,12 @@ class Stack:
         every[: len(self.names)] = stiffnesses(self.names)
         return every & (not signed)
 
-    def evaluate(self, log_tau: FloatArray, *, derivative: bool = True) -> Rows:
+    def evaluate(self, log_tau: FloatArray, *, derivative: bool = True) -> StackRows:
         """Return the stacked target, design matrix and slopes."""
         # columns stand as contiguous rows, turned: that is how they are made and factored
         if len(self.blocks) == 1:
             one = self.blocks[0].evaluate(log_tau, derivative)
-            return Rows(one.target, np.concatenate((one.fixed.T, one.arms.T)).T, one.d_arms)
+            return StackRows(one.target, np.concatenate((one.fixed.T, one.arms.T)).T, one.d_arms)
         parts = [block.evaluate(log_tau, derivative) for block in self.blocks]
         rows = sum(len(part.target) for part in parts)
         arms, q = len(log_tau), len(self.names)
@@ -106,10 +106,10 @@ class Stack:
             if derivative:
                 slope[group : group + arms, here] = part.d_arms.T
             first = here.stop
-        return Rows(np.concatenate([part.target for part in parts]), phi.T, slope.T)
+        return StackRows(np.concatenate([part.target for part in parts]), phi.T, slope.T)
 
 
-class Point(NamedTuple):
+class StackTrial(NamedTuple):
     r"""One trial of ln tau with everything linear solved; of each record, if axes lead.
 
     `gradient` is J'r and `curvature` J'J of the reduced residual, both per ln tau, `turn`
@@ -132,7 +132,7 @@ class Point(NamedTuple):
     @classmethod
     def of(
         cls, log_tau: FloatArray, factor: FloatArray, fixed: int, active: BoolArray | None = None
-    ) -> Point:
+    ) -> StackTrial:
         r"""From the triangular factor of the `active` columns, the slopes and the target.
 
         With Phi = QR, r = (I - QQ')y and beta = R^{-1}Q'y, the derivative of r by ln tau_j is
@@ -177,22 +177,24 @@ class Point(NamedTuple):
         sse = np.vecdot(residual, residual) if residual.ndim > 1 else float(residual @ residual)
         return cls(log_tau, beta, sse, gradient, curvature, towards @ turned - along)
 
-    def ahead(self, step: FloatArray) -> Point:
+    def ahead(self, step: FloatArray) -> StackTrial:
         """The point a short step away, where beta is linear and the SSE is flat."""
         turned = (self.turn @ step[..., None])[..., 0]
         return self._replace(log_tau=self.log_tau + step, beta=self.beta + turned)
 
-    def take(self, index: IndexArray | BoolArray) -> Point:
+    def take(self, index: IndexArray | BoolArray) -> StackTrial:
         """Copies of some records."""
-        return Point(*(part[index] for part in self))
+        return StackTrial(*(part[index] for part in self))
 
-    def put(self, index: IndexArray, new: Point) -> None:
+    def put(self, index: IndexArray, new: StackTrial) -> None:
         """Write some records anew."""
         for old, fresh in zip(self, new, strict=True):
             old[index] = fresh
 
 
-def point_at(stack: Stack, log_tau: FloatArray, *, restricted: BoolArray | None = None) -> Point:
+def point_at(
+    stack: Stack, log_tau: FloatArray, *, restricted: BoolArray | None = None
+) -> StackTrial:
     r"""Solve the linear parameters at ln tau and differentiate the residual left over.
 
     With `restricted`, those coefficients are kept >= 0; an arm at zero has no derivative.
@@ -207,7 +209,7 @@ def point_at(stack: Stack, log_tau: FloatArray, *, restricted: BoolArray | None 
     return _point(log_tau, rows, nonnegative_columns(rows.phi, rows.target, restricted))
 
 
-def _point(log_tau: FloatArray, rows: Rows, active: BoolArray | None = None) -> Point:
+def _point(log_tau: FloatArray, rows: StackRows, active: BoolArray | None = None) -> StackTrial:
     """The point of some columns, all by default; an infinite SSE if they are dependent."""
     target, phi, slope = rows
     fixed = phi.shape[1] - slope.shape[1]
@@ -218,12 +220,12 @@ def _point(log_tau: FloatArray, rows: Rows, active: BoolArray | None = None) -> 
     pivot = r.diagonal()
     if len(factor) < p or (pivot * pivot <= 1e-26 * np.vecdot(r.T, r.T)).any():
         return _nowhere(log_tau, phi.shape[1])
-    return Point.of(log_tau, factor, fixed, active)
+    return StackTrial.of(log_tau, factor, fixed, active)
 
 
-def _nowhere(log_tau: FloatArray, p: int) -> Point:
+def _nowhere(log_tau: FloatArray, p: int) -> StackTrial:
     n = len(log_tau)
-    return Point(log_tau, np.zeros(p), np.inf, np.zeros(n), np.zeros((n, n)), np.zeros((p, n)))
+    return StackTrial(log_tau, np.zeros(p), np.inf, np.zeros(n), np.zeros((n, n)), np.zeros((p, n)))
 
 
 def _spread(active: BoolArray, values: FloatArray) -> FloatArray:
@@ -243,7 +245,7 @@ def descend(
     finished: float = FINISHED,
     flat: float = 0.0,
     damping: float = 1e-3,
-) -> Local[Point] | None:
+) -> Local[StackTrial] | None:
     """As :func:`dashpot.engine.least_squares.descent.descend`, in ln tau, inside the window.
 
     Returns None when it runs into one of the `rivals` (optima already known) or when the
@@ -275,7 +277,7 @@ def _met(log_tau: FloatArray, rivals: Sequence[FloatArray]) -> bool:
     return bool(np.abs(np.sort(log_tau) - rivals).max(axis=1).min() < 1e-2)
 
 
-def relative_offset(point: Point, sse: float) -> float:
+def relative_offset(point: StackTrial, sse: float) -> float:
     r"""The length of the residual that a Gauss-Newton step would still remove, over |r|.
 
     The criterion of D. M. Bates and D. G. Watts, *Technometrics* 23 (1981).
@@ -294,7 +296,7 @@ def relative_offset(point: Point, sse: float) -> float:
 
 def points_at(
     family: Family, log_tau: FloatArray, reduced: Reduced, *, exact: bool = False
-) -> Point:
+) -> StackTrial:
     """As :func:`point_at`, one trial of each record, ln tau (R, N)."""
     q = family.fixed_count
     p = q + log_tau.shape[1]
@@ -303,14 +305,14 @@ def points_at(
     pivot, length = np.diagonal(r, axis1=1, axis2=2) ** 2, (r * r).sum(axis=1)
     dependent = (pivot <= 1e-13 * length).any(axis=1)
     r[dependent] = np.eye(p)
-    point = Point.of(log_tau, factor, q)
+    point = StackTrial.of(log_tau, factor, q)
     point.sse[dependent] = np.inf
     return point
 
 
 def descend_together(
     family: Family, start: FloatArray, started: BoolArray, reduced: Reduced, limit: int = 40
-) -> tuple[Point, BoolArray]:
+) -> tuple[StackTrial, BoolArray]:
     """As :func:`descend`, all records at once; where each ended, and whether at an optimum."""
     low, high = family.template.bounds
     here = points_at(family, start.copy(), reduced)
@@ -350,7 +352,7 @@ def descend_together(
     return here, done
 
 
-def _steps(point: Point, damping: FloatArray) -> FloatArray:
+def _steps(point: StackTrial, damping: FloatArray) -> FloatArray:
     scale = np.maximum(np.diagonal(point.curvature, axis1=1, axis2=2), 1e-300)
     unit = point.curvature / np.sqrt(scale[:, :, None] * scale[:, None, :])
     unit = unit + (np.maximum(damping, 1e-14)[:, None, None]) * np.eye(scale.shape[1])

@@ -11,7 +11,7 @@ import numpy as np
 from dashpot.base.arrays import BoolArray, FloatArray
 from dashpot.base.errors import FitError
 from dashpot.engine.least_squares.descent import FINISHED, Local
-from dashpot.engine.solver.descent import Point, Stack, between, descend, point_at
+from dashpot.engine.solver.descent import Stack, StackTrial, between, descend, point_at
 from dashpot.engine.solver.starts import (
     Grid,
     inserted,
@@ -46,8 +46,8 @@ class Chain:
 
     def __init__(self, stack: Stack, *, thorough: bool, signed: bool, seed: int) -> None:
         self.stack, self.signed, self.thorough, self.seed = stack, signed, thorough, seed
-        self.best: list[Local[Point]] = []
-        self._attempts: dict[int, Local[Point] | None] = {}
+        self.best: list[Local[StackTrial]] = []
+        self._attempts: dict[int, Local[StackTrial] | None] = {}
         self._starts_found: dict[int, FloatArray | None] = {}
 
     @property
@@ -72,7 +72,7 @@ class Chain:
             self.best.append(found)
         return found is not None
 
-    def _undoubted(self, arms: int) -> Local[Point] | None:
+    def _undoubted(self, arms: int) -> Local[StackTrial] | None:
         """The optimum next to the best of the whole grid, if nothing about it is in doubt.
 
         Doubt is a relaxation time that is not known to 10 %, or that sits at the edge of the
@@ -104,7 +104,7 @@ class Chain:
             return None
         return local
 
-    def _attempt(self, arms: int) -> Local[Point] | None:
+    def _attempt(self, arms: int) -> Local[StackTrial] | None:
         """The optimum next to the best set of grid points, or next to the spectrum's peaks."""
         if arms not in self._attempts:
             start = self._first_start(arms)
@@ -180,7 +180,7 @@ class Chain:
 
     def _best_with(
         self, arms: int, *, starts: list[FloatArray] | None = None
-    ) -> Local[Point] | None:
+    ) -> Local[StackTrial] | None:
         """The best of the optima next to all starts, finished; None if no arms carry as many."""
         restricted = self._wanted(arms)
         if starts is None:
@@ -218,8 +218,8 @@ class Chain:
         return inserted(self.grid, self.best[-1].point, signed=self.signed, count=count)
 
     def _optima(
-        self, starts: Sequence[FloatArray], first: Local[Point] | None, restricted: BoolArray
-    ) -> list[Local[Point]]:
+        self, starts: Sequence[FloatArray], first: Local[StackTrial] | None, restricted: BoolArray
+    ) -> list[Local[StackTrial]]:
         """The optima without a coefficient below zero that the starts lead to."""
         found = [] if first is None else [first]
         for start in starts:
@@ -236,7 +236,9 @@ class Chain:
         pushed = [local.point.log_tau for local in compress(found, better)]
         return allowed + self._pushed([*pushed, *([] if allowed else starts[-2:])], restricted)
 
-    def _pushed(self, starts: Sequence[FloatArray], restricted: BoolArray) -> list[Local[Point]]:
+    def _pushed(
+        self, starts: Sequence[FloatArray], restricted: BoolArray
+    ) -> list[Local[StackTrial]]:
         """The optima next to the starts with no restricted coefficient below zero."""
         found = [self._descend(start, (), restricted=restricted) for start in starts]
         return [one for one in found if one and one.point.beta[-len(one.point.log_tau) :].any()]
@@ -249,7 +251,7 @@ class Chain:
         restricted: BoolArray | None = None,
         wanted: BoolArray | None = None,
         finished: float = LOOSE,
-    ) -> Local[Point] | None:
+    ) -> Local[StackTrial] | None:
         return descend(
             self.stack,
             start,
@@ -261,19 +263,19 @@ class Chain:
         )
 
 
-def _carries(point: Point, stack: Stack) -> bool:
+def _carries(point: StackTrial, stack: Stack) -> bool:
     """True if every arm carries something in some group."""
     arms = len(point.log_tau)
     k = point.beta[len(stack.names) :].reshape(len(stack.groups), arms)
     return bool((k != 0).any(axis=0).all())
 
 
-def _without_arms(stack: Stack, *, signed: bool) -> Point:
+def _without_arms(stack: Stack, *, signed: bool) -> StackTrial:
     nothing = np.zeros(0)
     if not stack.names:
         target = stack.evaluate(nothing, derivative=False).target
         none = np.zeros((0, 0))
-        return Point(nothing, nothing, float(target @ target), nothing, none, none)
+        return StackTrial(nothing, nothing, float(target @ target), nothing, none, none)
     restricted = None if signed else stack.restricted(0, signed=False)
     point = point_at(stack, nothing, restricted=restricted)
     if point.sse == np.inf:

@@ -18,10 +18,10 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, ByValue, FloatArray, IndexArray
 from dashpot.base.errors import FitError
-from dashpot.engine.blocks.block import Block
+from dashpot.engine.blocks.block import DataBlock
 from dashpot.engine.blocks.compression import PLAIN
 from dashpot.engine.blocks.families import Family, Reduced
-from dashpot.engine.solver.descent import Point, descend_together, points_at
+from dashpot.engine.solver.descent import StackTrial, descend_together, points_at
 from dashpot.engine.solver.insertion import DOUBT
 from dashpot.engine.solver.starts import POINTS, GridSearch
 from dashpot.engine.solver.variable_projection import Solution, solve
@@ -88,7 +88,7 @@ def solve_many(family: Family, records: FloatArray, arms: int) -> ManySolutions:
 
 
 def solve_each(
-    make: Callable[[FloatArray], Block], records: FloatArray, arms: int, *, fixed_count: int
+    make: Callable[[FloatArray], DataBlock], records: FloatArray, arms: int, *, fixed_count: int
 ) -> ManySolutions:
     """Fit every row by itself, where nothing can be shared: `make` turns a row into a block."""
     _refuse(records.shape[1], fixed_count, arms)
@@ -130,7 +130,7 @@ def _empty(count: int, arms: int, fixed: int) -> ManySolutions:
 
 
 def _alone(
-    make: Callable[[FloatArray], Block],
+    make: Callable[[FloatArray], DataBlock],
     values: FloatArray,
     arms: int,
     row: int,
@@ -181,7 +181,7 @@ def _together(
     return sure
 
 
-def _proper(family: Family, point: Point, reduced: Reduced) -> BoolArray:
+def _proper(family: Family, point: StackTrial, reduced: Reduced) -> BoolArray:
     """Which points lie inside the window, all coefficients positive."""
     low, high = family.template.bounds
     q, beta = family.fixed_count, point.beta
@@ -191,7 +191,7 @@ def _proper(family: Family, point: Point, reduced: Reduced) -> BoolArray:
     return proper
 
 
-def _known(family: Family, point: Point, reduced: Reduced) -> BoolArray:
+def _known(family: Family, point: StackTrial, reduced: Reduced) -> BoolArray:
     """Which records know every relaxation time so well that no other optimum can be better."""
     count, arms = point.log_tau.shape
     spare = family.template.samples - family.fixed_count - 2 * arms
@@ -207,8 +207,8 @@ def _known(family: Family, point: Point, reduced: Reduced) -> BoolArray:
 
 
 def _compared(
-    family: Family, search: GridSearch, gain: FloatArray, found: Point, reduced: Reduced
-) -> tuple[Point, BoolArray]:
+    family: Family, search: GridSearch, gain: FloatArray, found: StackTrial, reduced: Reduced
+) -> tuple[StackTrial, BoolArray]:
     """The best of what was found and of descents from other peaks, and where it is proper."""
     proper = np.ones(len(found.sse), dtype=bool)
     for start, started in search.peaks(gain, RIVALS):

@@ -12,7 +12,7 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
 from dashpot.engine.least_squares.nnls import nonnegative
-from dashpot.engine.solver.descent import Point, Stack
+from dashpot.engine.solver.descent import Stack, StackTrial
 
 if TYPE_CHECKING:
     from dashpot.engine.blocks.families import Family, Reduced
@@ -72,7 +72,7 @@ class Lattice(NamedTuple):
         return cls(log_tau, rows, length, rows @ rows.T, basis), target
 
 
-class _Known(OrderedDict[Hashable, Lattice]):
+class _KeptLattices(OrderedDict[Hashable, Lattice]):
     """The lattices of the last few samplings."""
 
     def of(self, stack: Stack, size: int) -> tuple[Lattice, FloatArray]:
@@ -88,7 +88,7 @@ class _Known(OrderedDict[Hashable, Lattice]):
         return found, target
 
 
-_KNOWN = _Known()
+_KEPT_LATTICES = _KeptLattices()
 
 
 class Grid:
@@ -114,7 +114,7 @@ class Grid:
         near: BoolArray | None = None,
     ) -> None:
         if log_tau is None:
-            lattice, target = _KNOWN.of(stack, size)
+            lattice, target = _KEPT_LATTICES.of(stack, size)
         else:
             lattice, target = Lattice.of(stack, log_tau, loose)
         self.stack, self.near = stack, near
@@ -142,7 +142,7 @@ class Grid:
         rest = self.aim - self.columns @ self.spectrum.ravel()
         return float(rest @ rest)
 
-    def dual_gradient(self, point: Point, *, signed: bool) -> FloatArray:
+    def dual_gradient(self, point: StackTrial, *, signed: bool) -> FloatArray:
         r"""How much of the residual one more arm at each grid point would remove, shape (m,).
 
         :math:`D(\tau) = \hat\varphi_\perp' r`, with the columns of the point swept out of
@@ -168,7 +168,7 @@ class Grid:
             )
         )
 
-    def _beside(self, point: Point) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def _beside(self, point: StackTrial) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Grid columns, the point's residual and its columns, in common coordinates."""
         if not self.stack.rotated_basis:
             rows = self.stack.evaluate(point.log_tau, derivative=False)
@@ -273,7 +273,7 @@ def _triples(size: int) -> IndexArray:
     return COARSE * np.array(np.nonzero((i[:, None, None] < i[:, None]) & (i[:, None] < i)))
 
 
-def inserted(grid: Grid, point: Point, *, signed: bool, count: int) -> list[FloatArray]:
+def inserted(grid: Grid, point: StackTrial, *, signed: bool, count: int) -> list[FloatArray]:
     """Starts with one arm more than the point, at the highest maxima of its dual gradient."""
     dual_gradient = grid.dual_gradient(point, signed=signed)
     padded = np.concatenate(([-np.inf], dual_gradient, [-np.inf]))

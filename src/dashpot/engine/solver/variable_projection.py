@@ -9,9 +9,9 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, ByValue, FloatArray, Frozen
 from dashpot.base.errors import FitError
-from dashpot.engine.blocks.block import Block
+from dashpot.engine.blocks.block import DataBlock
 from dashpot.engine.least_squares.descent import Local
-from dashpot.engine.solver.descent import Point, Stack, descend, relative_offset
+from dashpot.engine.solver.descent import Stack, StackTrial, descend, relative_offset
 from dashpot.engine.solver.insertion import Chain
 
 RESOLVED = 1e-9
@@ -73,6 +73,11 @@ class Solution(Frozen):
         return len(self.log_tau)
 
     @property
+    def beta(self) -> FloatArray:
+        """The linear parameters as a stack has them: the fixed ones, then the arms by group."""
+        return np.concatenate((self.fixed, self.arms.ravel()))
+
+    @property
     def tau(self) -> FloatArray:
         """Relaxation times, s, ascending."""
         return np.asarray(np.exp(self.log_tau))
@@ -103,7 +108,7 @@ class Jacobian(ByValue):
 
 
 def solve(
-    blocks: Sequence[Block],
+    blocks: Sequence[DataBlock],
     arms: int,
     *,
     log_tau_start: FloatArray | None = None,
@@ -116,7 +121,7 @@ def solve(
 
     Parameters
     ----------
-    blocks : sequence of Block
+    blocks : sequence of DataBlock
         The data sets, stacked.
     arms : int
         How many relaxation times, >= 0.
@@ -152,7 +157,7 @@ def solve(
 
 
 def solve_orders(
-    blocks: Sequence[Block],
+    blocks: Sequence[DataBlock],
     max_arms: int,
     *,
     negligible: float = 0.0,
@@ -174,7 +179,7 @@ def solve_orders(
     return tuple(_of(chain, n, requested=n) for n in range(chain.reached + 1))
 
 
-def full_jacobian(blocks: Sequence[Block], solution: Solution) -> Jacobian:
+def full_jacobian(blocks: Sequence[DataBlock], solution: Solution) -> Jacobian:
     r"""Residual and derivative of the model by all parameters, linear ones and ln tau.
 
     The inverse of J'J times the noise variance is the covariance for white noise.
@@ -193,16 +198,15 @@ def full_jacobian(blocks: Sequence[Block], solution: Solution) -> Jacobian:
         matrix[q + own * arms : q + (own + 1) * arms, here] = part.arms.T
         np.multiply(solution.arms[own][:, None], part.d_arms.T, out=matrix[by_tau:, here])
         first = here.stop
-    beta = np.concatenate((solution.fixed, solution.arms.ravel()))
     names = list(solution.fixed_names)
     for group in solution.groups:
         kind, at, where = group.partition("@")
         names += [f"{kind}_{j}{at}{where}" for j in range(1, solution.order + 1)]
     names += [f"ln_tau_{j}" for j in range(1, solution.order + 1)]
-    return Jacobian(tuple(names), matrix.T, target - beta @ matrix[:by_tau])
+    return Jacobian(tuple(names), matrix.T, target - solution.beta @ matrix[:by_tau])
 
 
-def _checked(blocks: Sequence[Block], arms: int) -> Stack:
+def _checked(blocks: Sequence[DataBlock], arms: int) -> Stack:
     if arms < 0:
         raise FitError(f"arms = {arms}; expected a number >= 0")
     if not blocks:
@@ -242,7 +246,7 @@ def _from_start(stack: Stack, start: FloatArray, arms: int, *, signed: bool) -> 
     return _solution(stack, local, requested=arms, evaluations=stack.trials, signed=signed)
 
 
-def _resolved(stack: Stack, local: Local[Point]) -> tuple[Stack, Local[Point]]:
+def _resolved(stack: Stack, local: Local[StackTrial]) -> tuple[Stack, Local[StackTrial]]:
     """Finish on every sample if the residual is too small for the compressed form to hold it."""
     if stack.floor + local.point.sse > RESOLVED * (stack.floor + stack.energy):
         return stack, local
@@ -255,7 +259,7 @@ def _resolved(stack: Stack, local: Local[Point]) -> tuple[Stack, Local[Point]]:
 
 
 def _solution(
-    stack: Stack, local: Local[Point], *, requested: int, evaluations: int, signed: bool
+    stack: Stack, local: Local[StackTrial], *, requested: int, evaluations: int, signed: bool
 ) -> Solution:
     stack, local = _resolved(stack, local)
     point = local.point

@@ -10,6 +10,7 @@ import numpy as np
 from dashpot.base.arrays import BoolArray, FloatArray, slow_periodogram
 from dashpot.base.checks import Finding, criterion
 from dashpot.base.status import Status
+from dashpot.base.units import in_unit, written
 from dashpot.fitting.checks.solid import ROUNDING, arms_said
 from dashpot.fitting.repeats import SAME_DEPTH, EndStiffness
 from dashpot.preparation.filters import Filter
@@ -57,7 +58,9 @@ def same_specimen(stiffnesses: Sequence[EndStiffness]) -> Finding:
         return Finding("no two tests are of one depth and temperature, so lots are not compared")
     apart, i, j = max(pairs)
     first, second = stiffnesses[i], stiffnesses[j]
-    each = ", ".join(f"{1e-3 * one.value:.4g} +- {1e-3 * one.sd:.1g}" for one in stiffnesses)
+    each = ", ".join(
+        f"{in_unit(one.value, 'N/mm'):.4g} +- {in_unit(one.sd, 'N/mm'):.1g}" for one in stiffnesses
+    )
     return Finding(
         f"at the end of the hold the tests find {each} N/mm",
         apart,
@@ -126,7 +129,8 @@ def hold_long_enough(end: EndOfHold | None) -> Finding:
 def k_inf_positive(model: GeneralizedMaxwell, se: float) -> Finding:
     """There is an equilibrium stiffness left."""
     return Finding(
-        f"k_inf = {1e-3 * model.k_inf:.4g} N/mm with a standard error of {1e-3 * se:.2g}",
+        f"k_inf = {written(model.k_inf, 'N/mm')} with a standard error of "
+        f"{in_unit(se, 'N/mm'):.2g}",
         model.k_inf,
         "; it is not told from zero: the hold ended before the force levelled off, or the "
         "seal flows; hold longer",
@@ -148,8 +152,8 @@ def k_inf_known(model: GeneralizedMaxwell, se: float, tests: Sequence[RampHold])
         says = "the record does not bound k_inf"
         return Finding(says + ": hold longer", np.inf, faulted=True, grade="stop")
     return Finding(
-        f"k_inf lies between {1e-3 * low:.3g} and {1e-3 * high:.3g} N/mm, {1e-3 * end:.3g} N/mm "
-        "are left at the end of the hold",
+        f"k_inf lies between {in_unit(low, 'N/mm'):.3g} and {written(high, 'N/mm', '.3g')}, "
+        f"{written(end, 'N/mm', '.3g')} are left at the end of the hold",
         (high - low) / end,
         "; the record does not tell it: hold longer, and record a baseline before contact",
         grade="stop" if high - low > end else None,
@@ -263,8 +267,8 @@ def force_followed(test: RampHold, residual: FloatArray) -> Finding:
     noise = max(noise_of_force(test), FINE_ENOUGH * float(np.abs(test.force).max()))
     ratio = misfit / noise if noise > 0 else 1.0
     return Finding(
-        f"the solid misses the force by {1e3 * misfit:.3g} mN rms {where}, where it follows worst; "
-        f"{1e3 * noise:.3g} mN are noise or too little to matter",
+        f"the solid misses the force by {written(misfit, 'mN', '.3g')} rms {where}, where it "
+        f"follows worst; {written(noise, 'mN', '.3g')} are noise or too little to matter",
         ratio,
         ": the seal is not such a solid, or another motion pressed it (stiffening, friction, slip, "
         "a late force); do not read arms off it",

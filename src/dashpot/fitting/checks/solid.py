@@ -7,6 +7,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Finding, criterion
 from dashpot.base.status import Status
+from dashpot.base.units import read_in, written
 from dashpot.engine.inference.order import MAX_SE_LN_TAU, MIN_K_OVER_SE, Choice
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -145,7 +146,7 @@ def residuals_random(kappa: float, rms: float, noise: float | None = None) -> Fi
     cause = "the model misses part of the curve (a broad spectrum has no few arms: see the dense "
     cause += "spectrum)"
     if noise is not None:
-        size = f"residuals are {1e3 * rms:.3g} mN rms"
+        size = f"residuals are {written(rms, 'mN', '.3g')} rms"
         cause = "the record was filtered or drifts"
         if rms > 1.3 * noise:
             cause = "the model misses part of the curve (try another arm, or look at the residuals)"
@@ -198,8 +199,7 @@ def frequencies_informed(band: tuple[float, float]) -> Finding:
 
 def amount(value: float, unit: str) -> str:
     """Return a stiffness as people read it: N/mm of a part, MPa of a material."""
-    shown, factor = ("MPa", 1e-6) if unit == "Pa" else ("N/mm", 1e-3)
-    return f"{factor * value:.3g} {shown}"
+    return written(value, read_in(unit), ".3g")
 
 
 def arms_said(count: int) -> str:

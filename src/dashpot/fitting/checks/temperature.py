@@ -9,9 +9,10 @@ import numpy.typing as npt
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Finding, criterion
+from dashpot.base.units import celsius
 from dashpot.engine.inference.order import needed
 from dashpot.fitting.shift_law import MAX_MISSED, LawScore, LawThroughShifts, OddOne
-from dashpot.records.temperature import ABOVE_GLASS, celsius
+from dashpot.records.temperature import ABOVE_GLASS
 from dashpot.solids.temperature import WLF, TemperatureLaw
 
 OVERLAP = 0.5

@@ -18,6 +18,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
+from dashpot.base.choices import FamilyAsked, refuse_other
 from dashpot.base.errors import FitError
 from dashpot.engine.inference.order import bic, deviance, needed
 from dashpot.engine.least_squares.problem import Optimum
@@ -31,7 +32,7 @@ from dashpot.fitting.fractional.checks import (
     families_told_apart,
     slope_known,
 )
-from dashpot.fitting.fractional.projection import Columns, element_jacobian
+from dashpot.fitting.fractional.projection import ArmColumns, element_jacobian
 from dashpot.fitting.pipeline import Chosen
 from dashpot.fitting.uncertainty.estimate import estimated, rounding
 from dashpot.records.alternative import Alternative
@@ -40,7 +41,6 @@ from dashpot.records.fit import Fit, OrderScore
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
-FAMILIES = ("maxwell", "fractional", "auto")
 # fall of BIC below which arms keep their place
 VERY_STRONG = 10.0
 #: what tells two families apart that explain ramps and holds, and sweeps
@@ -131,8 +131,7 @@ def checked_family(family: str, arms: int | str = "auto") -> None:
     ------
     FitError
     """
-    if family not in FAMILIES:
-        raise FitError(f'family = {family!r}; expected "maxwell", "fractional" or "auto"')
+    refuse_other("family", family, FamilyAsked, FitError)
     if family == "fractional" and arms != "auto":
         raise FitError(
             f"arms = {arms}, but a fractional solid has no number of arms: leave out --arms, or "
@@ -148,7 +147,7 @@ def element(data: FitData) -> ChosenElement:
     FitError
         If the data have fewer samples than parameters.
     """
-    columns = Columns(data.rows)
+    columns = ArmColumns(data.rows)
     unknown = len(columns.stack.names) + 3
     if columns.stack.samples + columns.stack.known <= unknown:
         raise FitError(
@@ -192,7 +191,7 @@ class Other(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Choice:
+class FamilyChoice:
     """One family taken, and the other.
 
     Attributes
@@ -239,13 +238,13 @@ class _Candidate(NamedTuple):
     parameters: int
 
 
-def chosen_family(arms: Chosen, family: str, one: ChosenElement | None = None) -> Choice:
+def chosen_family(arms: Chosen, family: str, one: ChosenElement | None = None) -> FamilyChoice:
     """Return the family asked for, or with ``"auto"`` the one that BIC prefers, and the other.
 
     `one` is the fractional solid of the same data, where it is known already.
     """
     if family == "maxwell":
-        return Choice(arms, arms)
+        return FamilyChoice(arms, arms)
     one = one or element(arms.data)
     fewest = min(arms, one, key=lambda found: found.solution.sse)
     effective = fewest.estimate.effective
@@ -269,7 +268,7 @@ def chosen_family(arms: Chosen, family: str, one: ChosenElement | None = None) -
     least = criterion(best) + VERY_STRONG
     explain = [other for other in others if criterion(other) < least or explained(other, best)]
     other = (explain or others)[0]
-    return Choice(
+    return FamilyChoice(
         best.family,
         arms,
         Other(

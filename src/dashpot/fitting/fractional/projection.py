@@ -16,7 +16,7 @@ from functools import cached_property
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.engine.blocks.block import Block
+from dashpot.engine.blocks.block import DataBlock
 from dashpot.engine.least_squares.descent import triangle
 from dashpot.engine.least_squares.problem import Optimum, Parameter, Problem, Rows, solved
 from dashpot.engine.solver.descent import Stack
@@ -38,10 +38,10 @@ _SIZES = (1.0, 0.13)
 _AT_ONCE = 16
 
 
-class Columns:
+class ArmColumns:
     """The rows of a stack, reduced, with columns of arms at fixed relaxation times."""
 
-    def __init__(self, blocks: Sequence[Block]) -> None:
+    def __init__(self, blocks: Sequence[DataBlock]) -> None:
         self.stack = stack = Stack(blocks)
         low, high = stack.bounds
         count = int(np.ceil((high - low + 2 * BEYOND) / STEP))
@@ -112,7 +112,7 @@ class Columns:
         )
 
 
-def element_jacobian(blocks: Sequence[Block], columns: Columns, best: Optimum) -> Jacobian:
+def element_jacobian(blocks: Sequence[DataBlock], columns: ArmColumns, best: Optimum) -> Jacobian:
     """Residual and derivative by fixed coefficients, k, ln tau and alpha, in the blocks' rows."""
     stack, weights = Stack(blocks), columns.weights(best.theta)
     matrix = np.stack(weights, axis=1)

@@ -23,12 +23,13 @@ import numpy as np
 
 from dashpot.base.checks import Check
 from dashpot.base.numbers import with_error
+from dashpot.base.units import in_unit, written
 from dashpot.engine.inference.order import DECISIVE
 from dashpot.fitting.identification import checks
 from dashpot.fitting.identification.likelihood import (
     UNCHANGED,
     Candidate,
-    Problem,
+    IdentificationProblem,
     descend,
 )
 from dashpot.fitting.relaxation_data import RelaxationData
@@ -85,7 +86,7 @@ class Disagreement:
 
 def disagreement(
     plain: Candidate,
-    refit: Callable[[Problem], Candidate],
+    refit: Callable[[IdentificationProblem], Candidate],
     *,
     law: ElasticLaw | None = None,
     compression: float | None = None,
@@ -191,22 +192,27 @@ def _of_rig(candidate: Candidate, why: str) -> list[Check]:
     mass = priors.mass
     known = [
         (checks.gain_believable, f"{point.gain:.4g}", float(np.log(point.gain)), priors.gain.sd),
-        (checks.delay_believable, f"{1e3 * point.delay:.3g} ms", point.delay, priors.delay.sd),
+        (
+            checks.delay_believable,
+            written(point.delay, "ms", ".3g"),
+            point.delay,
+            priors.delay.sd,
+        ),
         (
             checks.stiffness_believable,
             f"{point.factor:.4g} times that of the relaxation test",
-            point.factor - priors.factor.value,
+            point.factor - priors.factor.mean,
             priors.factor.sd,
         ),
     ]
     if mass is not None:
-        off = point.mass - mass.value
-        known.insert(0, (checks.mass_believable, f"{1e3 * point.mass:.4g} g", off, mass.sd))
+        off = point.mass - mass.mean
+        known.insert(0, (checks.mass_believable, written(point.mass, "g"), off, mass.sd))
     return [judge(found, off, sd, why=why) for judge, found, off, sd in known if 0 < sd < np.inf]
 
 
-def _freed(problem: Problem, cause: Cause) -> Problem:
-    free = replace(problem.priors.each[cause.quantity] or UNCHANGED, sd=np.inf)
+def _freed(problem: IdentificationProblem, cause: Cause) -> IdentificationProblem:
+    free = (problem.priors.each[cause.quantity] or UNCHANGED)._replace(sd=np.inf)
     return replace(problem, priors=replace(problem.priors, **{cause.quantity: free}))
 
 
@@ -225,7 +231,7 @@ def _told(
     place = found.problem.at[cause.quantity]
     value = float(getattr(found.point, cause.quantity))
     error = value * float(np.sqrt(found.covariance[place, place]))
-    supposed = float(getattr(before.problem.priors, cause.quantity).value)
+    supposed = float(getattr(before.problem.priors, cause.quantity).mean)
     return Explanation(
         name=cause.name,
         value=value,
@@ -235,7 +241,7 @@ def _told(
         fall=before.cost - found.cost,
         explains=not in_conflict(found),
         says=_SENTENCES[cause.name](value, error)
-        + (f", not {1e3 * supposed:.5g} g" if cause.name == "mass" else "")
+        + (f", not {written(supposed, 'g', '.5g')}" if cause.name == "mass" else "")
         + _elsewhere(cause, value, law, compression),
     )
 
@@ -263,7 +269,9 @@ _SENTENCES: dict[str, Callable[[float, float], str]] = {
         f"at rest alone (k_inf) the seals under the hammer are {_percent(value, error)} than in "
         "the relaxation test"
     ),
-    "mass": lambda value, error: f"the mass is {with_error(1e3 * value, 1e3 * error)} g",
+    "mass": lambda value, error: (
+        f"the mass is {with_error(in_unit(value, 'g'), in_unit(error, 'g'))} g"
+    ),
     "gain": lambda value, error: (
         f"acceleration over force reads {with_error(value, error)} times what it is"
     ),
@@ -281,5 +289,5 @@ def _elsewhere(
         return ", which its elastic law has at no compression tested"
     x = np.linspace(0.0, law.depth, 2001)
     at = float(x[np.argmin(np.abs(law.factor(x) - value))])
-    supposed = "" if compression is None else f", not {1e3 * compression:.3g} mm"
-    return f", as its elastic law is at a compression of {1e3 * at:.3g} mm{supposed}"
+    supposed = "" if compression is None else f", not {written(compression, 'mm', '.3g')}"
+    return f", as its elastic law is at a compression of {written(at, 'mm', '.3g')}{supposed}"

@@ -10,7 +10,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.provenance import Step, sources_of, steps_of
-from dashpot.fitting.assembly import Outcome, assembled
+from dashpot.fitting.assembly import FoundSolid, assembled
 from dashpot.fitting.checks.solid import optimum_found
 from dashpot.fitting.identification import checks
 from dashpot.fitting.identification.explanations import Disagreement, agreement
@@ -74,7 +74,7 @@ def identified(
     )
     law = None if before is None else before.elastic_law
     return assembled(
-        Outcome(
+        FoundSolid(
             point.model,
             estimate,
             fewer=asked != "auto" and most > point.model.maxwell.arms,

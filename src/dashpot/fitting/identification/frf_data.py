@@ -8,7 +8,7 @@ import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.errors import DataError
-from dashpot.engine.blocks.block import Block, design_block
+from dashpot.engine.blocks.block import DataBlock, design_block
 from dashpot.engine.least_squares.problem import stacked
 from dashpot.records.frf import FRF, Kind
 from dashpot.solids.maxwell import Solid
@@ -95,7 +95,7 @@ class FRFData:
         """Weighted differences, real then imaginary, shape (2n,)."""
         return stacked((predicted - self.lines.value) / self.sd)
 
-    def stiffness_block(self, mass: float | None, *, dashpot: bool) -> Block:
+    def stiffness_block(self, mass: float | None, *, dashpot: bool) -> DataBlock:
         r"""The same lines as a linear problem in the stiffnesses of one seal, for starts.
 
         .. math:: s^2/A - m s^2 = n\left[k_\infty + \sum_j k_j \frac{s\tau_j}{1+s\tau_j}

@@ -13,11 +13,11 @@ from dashpot.fitting.identification.likelihood import (
     UNCHANGED,
     Constraints,
     NuisancePriors,
-    Prior,
 )
+from dashpot.fitting.nuisance import Prior
 from dashpot.fitting.relaxation import fit as fit_tests
 from dashpot.fitting.relaxation_data import RelaxationData
-from dashpot.fitting.temperature.optimum import temperatures_of
+from dashpot.fitting.temperature.of_tests import temperatures_of
 from dashpot.fitting.weighed_relaxation import relaxation_data
 from dashpot.records.fit import Fit
 from dashpot.records.relaxation import RampHold

@@ -9,13 +9,14 @@ from typing import Literal
 import numpy as np
 
 from dashpot.base.checks import Check
+from dashpot.base.choices import FamilyAsked
 from dashpot.base.errors import FitError
 from dashpot.base.units import Quantity, Range, si, si_range
-from dashpot.engine.blocks.block import Block
+from dashpot.engine.blocks.block import DataBlock
 from dashpot.engine.inference.order import DECISIVE, choose
 from dashpot.engine.solver.variable_projection import solve_orders
 from dashpot.fitting.fractional.choice import checked_family
-from dashpot.fitting.fractional.projection import Columns
+from dashpot.fitting.fractional.projection import ArmColumns
 from dashpot.fitting.identification.asked import HammerRig, KnownSolid
 from dashpot.fitting.identification.checks import dashpot_not_missed
 from dashpot.fitting.identification.explanations import disagreement, freed
@@ -33,8 +34,8 @@ from dashpot.fitting.identification.given import (
 )
 from dashpot.fitting.identification.likelihood import (
     Candidate,
+    IdentificationProblem,
     Parameters,
-    Problem,
     descend,
 )
 from dashpot.fitting.identification.parametrisation import GONE, Arms, Element, with_dashpot
@@ -68,7 +69,7 @@ def identify(
     temperature: Quantity | None = None,
     band: Range | None = None,
     arms: int | Literal["auto"] = "auto",
-    family: Literal["maxwell", "fractional", "auto"] = "maxwell",
+    family: FamilyAsked = "maxwell",
     rig: HammerRig = HammerRig(),  # noqa: B008
     known: KnownSolid = KnownSolid(),  # noqa: B008
 ) -> Fit:
@@ -134,7 +135,7 @@ def identify(
     before = before_hammer(records, fit, si(temperature, "temperature"), family)
     point = point_of(before.known, mass, seals, compression)
     priors, constraints = priors_of(mass, rig, point), constraints_of(known, before)
-    whole = Problem(before.relaxations, frf_data, priors, constraints)
+    whole = IdentificationProblem(before.relaxations, frf_data, priors, constraints)
     asked = known.parallel_dashpot
     dashpots = (False, True) if asked == "auto" else (bool(asked),)
     problems = [replace(whole, dashpot=dashpot) for dashpot in dashpots]
@@ -172,7 +173,7 @@ def identify(
 
 
 def _best(
-    problems: Sequence[Problem], numbers: Sequence[int], before: Before, family: str
+    problems: Sequence[IdentificationProblem], numbers: Sequence[int], before: Before, family: str
 ) -> tuple[Candidate, list[Candidate], Rival | None]:
     """The candidate to take, every number of arms tried beside it, and the other family's."""
     one = None if family == "maxwell" else _element(problems, before)
@@ -187,12 +188,12 @@ def _best(
     return rival.best, found if rival.best is best else [], rival
 
 
-def _element(problems: Sequence[Problem], before: Before) -> Candidate:
+def _element(problems: Sequence[IdentificationProblem], before: Before) -> Candidate:
     """The best fractional element, from the linear start of dynamic stiffness."""
     sought, tries = Element.of(before.relaxations), []
     for problem in (replace(one, sought=sought) for one in problems):
         starts = []
-        columns = Columns(_stiffness_blocks(problem))
+        columns = ArmColumns(_stiffness_blocks(problem))
         for near in (columns.best(), *columns.starts(ELEMENT_STARTS)):
             *rest, k = near.beta.tolist()
             fixed = dict(zip(columns.stack.names, rest, strict=True))
@@ -218,7 +219,7 @@ def _element(problems: Sequence[Problem], before: Before) -> Candidate:
 
 
 def _every(
-    problems: Sequence[Problem], numbers: Sequence[int], before: Fit | None
+    problems: Sequence[IdentificationProblem], numbers: Sequence[int], before: Fit | None
 ) -> list[Candidate]:
     """The optimum for every number of arms, or for fewer where the data reject so many."""
     found = [best for problem in problems for best in _candidates(problem, numbers, before)]
@@ -232,7 +233,7 @@ def _every(
 
 
 def _candidates(
-    whole: Problem,
+    whole: IdentificationProblem,
     numbers: Sequence[int],
     before: Fit | None,
     *,
@@ -261,7 +262,7 @@ def _candidates(
 
 
 def _again(
-    problem: Problem, start: Parameters, numbers: Sequence[int], before: Fit | None
+    problem: IdentificationProblem, start: Parameters, numbers: Sequence[int], before: Fit | None
 ) -> Candidate:
     """The best of a problem with no more arms than a start has, from there."""
     if isinstance(problem.sought, Element):
@@ -307,21 +308,21 @@ def _dashpot_missed(best: Candidate, before: Fit | None) -> Check:
     return dashpot_not_missed(best.bic - other.bic, other.problem.sought.counted(), b, sure=sure)
 
 
-def _stiffness_blocks(problem: Problem) -> list[Block]:
+def _stiffness_blocks(problem: IdentificationProblem) -> list[DataBlock]:
     """Every test as a linear problem in the stiffnesses of the solid."""
     blocks = [relaxation.weighted(i) for i, relaxation in enumerate(problem.relaxations)]
-    felt = replace(problem.frf_data, seals=problem.frf_data.seals * problem.priors.factor.value)
-    known = None if problem.priors.mass is None else problem.priors.mass.value
+    felt = replace(problem.frf_data, seals=problem.frf_data.seals * problem.priors.factor.mean)
+    known = None if problem.priors.mass is None else problem.priors.mass.mean
     return [*blocks, felt.stiffness_block(known, dashpot=problem.dashpot)]
 
 
-def _mass(problem: Problem, fixed: Mapping[str, float]) -> float:
+def _mass(problem: IdentificationProblem, fixed: Mapping[str, float]) -> float:
     """The mass that is known, or that a linear solution found."""
     known = problem.priors.mass
-    return fixed["mass@frf"] if known is None else known.value
+    return fixed["mass@frf"] if known is None else known.mean
 
 
-def _linear(problem: Problem, most: int) -> list[Parameters]:
+def _linear(problem: IdentificationProblem, most: int) -> list[Parameters]:
     """Starts from the engine: dynamic stiffness is linear in the stiffnesses of the solid."""
     starts = []
     for solution in solve_orders(_stiffness_blocks(problem), most):
@@ -339,13 +340,13 @@ def _linear(problem: Problem, most: int) -> list[Parameters]:
     return starts
 
 
-def _spread(problem: Problem, before: Fit | None) -> list[Parameters]:
+def _spread(problem: IdentificationProblem, before: Fit | None) -> list[Parameters]:
     """Starts from the earlier fit, or from nothing, with arms spread over the lines."""
     omega = 2 * np.pi * problem.frf_data.peak_hz
     prior = problem.priors.mass
-    mass = 1.0 if prior is None else prior.value
+    mass = 1.0 if prior is None else prior.mean
     # at the peak the mass holds the storage stiffness in balance
-    level = mass * omega**2 / (problem.frf_data.seals * problem.priors.factor.value)
+    level = mass * omega**2 / (problem.frf_data.seals * problem.priors.factor.mean)
     base, part = GeneralizedMaxwell(level * 0.8), 0.2
     if before is not None:
         level = level if prior is None else before.model.k_0
@@ -366,11 +367,11 @@ def _spread(problem: Problem, before: Fit | None) -> list[Parameters]:
     return starts
 
 
-def _start(problem: Problem, model: Solid, mass: float) -> Parameters:
-    return Parameters(_damped(problem, model), mass, 1.0, 0.0, problem.priors.factor.value)
+def _start(problem: IdentificationProblem, model: Solid, mass: float) -> Parameters:
+    return Parameters(_damped(problem, model), mass, 1.0, 0.0, problem.priors.factor.mean)
 
 
-def _damped(problem: Problem, model: Solid) -> Solid:
+def _damped(problem: IdentificationProblem, model: Solid) -> Solid:
     """The solid with a dashpot beside it, where one is sought."""
     if not problem.dashpot or model.maxwell.b > 0:
         return model

@@ -33,12 +33,13 @@ from dashpot.engine.least_squares import problem as least_squares
 from dashpot.engine.least_squares.problem import Optimum, Parameter, Rows, solved, stacked
 from dashpot.fitting.identification.frf_data import FRFData
 from dashpot.fitting.identification.parametrisation import (
-    Answer,
     Arms,
     Parametrisation,
+    RelaxationResiduals,
     at_poles,
     on_another_spring,
 )
+from dashpot.fitting.nuisance import Prior
 from dashpot.fitting.relaxation_data import RelaxationData
 from dashpot.records.fit import Fit
 from dashpot.solids.fractional import FractionalZener
@@ -47,8 +48,6 @@ from dashpot.vibration.systems.prediction import Lost, Response, residues, ringi
 
 # one unit of the delay parameter, s: of the order of what channels differ by
 DELAY_UNIT = 1e-4
-# an equality is a prior of this relative width
-EXACT = 1e-6
 # arms are sought this far, as a factor in time, beyond what the lines and tests could tell
 BEYOND = 3.0
 SMALLEST_SCATTER = 1e-9
@@ -57,22 +56,6 @@ SHORT = 1e-10
 # what moves the rows by less, as a part of what anything does, has left the solid
 UNFELT = 1e-7
 SPRING = Arms(0)
-
-
-@dataclass(frozen=True)
-class Prior:
-    """A quantity known before the fit: its value and standard deviation, 0 for exactly."""
-
-    value: float
-    sd: float = 0.0
-
-    def off(self, found: float, slope: FloatArray) -> tuple[float, FloatArray]:
-        """How far `found` is from it, in standard deviations; an equality has a narrow one.
-
-        With the derivative, `slope` being that of `found`.
-        """
-        sd = max(self.sd, EXACT * abs(self.value))
-        return (found - self.value) / sd, slope / sd
 
 
 UNCHANGED = Prior(1.0)
@@ -151,7 +134,7 @@ class Parameters:
 
 
 @dataclass(frozen=True, eq=False)
-class Problem:
+class IdentificationProblem:
     """What one kind of solid is held against, as a function of a flat parameter vector.
 
     The vector holds the numbers of the solid, ln b if there is a dashpot, then those of ln m,
@@ -212,7 +195,7 @@ class Problem:
             for name, i in self.at.items()
         }
         model = self.sought.unpack(theta[: self.sought.size], found.pop("b", 0.0))
-        known = {name: prior.value for name, prior in self.priors.each.items() if prior is not None}
+        known = {name: prior.mean for name, prior in self.priors.each.items() if prior is not None}
         return Parameters(model, **known | found)
 
     # -- what is known beforehand ---------------------------------------------------------------
@@ -223,7 +206,7 @@ class Problem:
         known = {
             name: (0.0, prior.sd / DELAY_UNIT)
             if name == "delay"
-            else (float(np.log(prior.value)), prior.sd / prior.value)
+            else (float(np.log(prior.mean)), prior.sd / prior.mean)
             for name, prior in self.priors.each.items()
             if prior is not None and name in self.at
         }
@@ -266,7 +249,7 @@ class Problem:
 class Modelled:
     """What the solid and the rig of one vector make of every test, with the slope by the vector."""
 
-    problem: Problem
+    problem: IdentificationProblem
     theta: FloatArray
 
     @cached_property
@@ -283,7 +266,7 @@ class Modelled:
     @cached_property
     def tests(self) -> list[FloatArray]:
         """Residuals of the relaxation tests."""
-        return [each.residual + self._b * each.dashpot for each in self._answers]
+        return [each.residual + self._b * each.dashpot for each in self._of_relaxations]
 
     @cached_property
     def lines(self) -> FloatArray:
@@ -316,8 +299,8 @@ class Modelled:
     def slope(self) -> FloatArray:
         """Derivative of every row."""
         size = len(self._numbers)
-        tests = [np.zeros((len(each.residual), len(self.theta))) for each in self._answers]
-        for columns, each in zip(tests, self._answers, strict=True):
+        tests = [np.zeros((len(each.residual), len(self.theta))) for each in self._of_relaxations]
+        for columns, each in zip(tests, self._of_relaxations, strict=True):
             columns[:, :size] = each.jacobian
             if self.problem.dashpot:
                 columns[:, self.problem.at["b"]] = self._b * each.dashpot
@@ -334,9 +317,9 @@ class Modelled:
         return float(np.exp(self.theta[self.problem.at["b"]])) if self.problem.dashpot else 0.0
 
     @cached_property
-    def _answers(self) -> list[Answer]:
+    def _of_relaxations(self) -> list[RelaxationResiduals]:
         problem = self.problem
-        return [problem.sought.answer(each, self._numbers) for each in problem.relaxations]
+        return [problem.sought.residuals(each, self._numbers) for each in problem.relaxations]
 
     @cached_property
     def _response(self) -> Response:
@@ -414,7 +397,7 @@ class Modelled:
 class Candidate:
     """The optimum for one number of arms, or an element, with or without a parallel dashpot."""
 
-    problem: Problem
+    problem: IdentificationProblem
     optimum: Optimum
 
     @property
@@ -515,7 +498,9 @@ class Candidate:
         return Candidate(problem, problem.about(self.theta).at(self.theta))
 
 
-def descend(problem: Problem, start: FloatArray, *, tolerance: float, most: int = 200) -> Candidate:
+def descend(
+    problem: IdentificationProblem, start: FloatArray, *, tolerance: float, most: int = 200
+) -> Candidate:
     """To the nearest optimum, in at most so many steps.
 
     Until a step promises to lower chi-square by less than that part of it.

@@ -19,7 +19,7 @@ from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.engine.inference.order import significant
 from dashpot.fitting.fractional.checks import slope_known
 from dashpot.fitting.fractional.projection import ALPHA, BEYOND, SOUGHT, STEP
-from dashpot.fitting.relaxation_data import RelaxationData, Rows
+from dashpot.fitting.relaxation_data import RelaxationData, RelaxationRows
 from dashpot.records.estimate import ELEMENT, parameter_names
 from dashpot.records.fit import Fit
 from dashpot.solids.fractional import FractionalZener, weights_at
@@ -32,7 +32,7 @@ GONE = 1e-6
 _AT_EDGE = 1e-3
 
 
-class Answer(NamedTuple):
+class RelaxationResiduals(NamedTuple):
     """What a solid makes of a relaxation test: its rows of unit noise, and their derivative.
 
     Attributes
@@ -74,14 +74,14 @@ class Arms:
             float(solid[0]), tuple(solid[1 : 1 + N]), tuple(solid[1 + N :]), b
         )
 
-    def answer(self, relaxation: RelaxationData, numbers: FloatArray) -> Answer:
+    def residuals(self, relaxation: RelaxationData, numbers: FloatArray) -> RelaxationResiduals:
         """What it makes of a relaxation test."""
         N = self.count
         rows = relaxation.rows(numbers[1 + N :])
         k_inf, k = np.exp(numbers[0]), np.exp(numbers[1 : 1 + N])
         parts = (k_inf * rows.spring[:, None], rows.arms * k, rows.slopes * k)
         force = parts[0][:, 0] + rows.arms @ k
-        return Answer(force - rows.target, np.concatenate(parts, axis=1), rows.dashpot)
+        return RelaxationResiduals(force - rows.target, np.concatenate(parts, axis=1), rows.dashpot)
 
     def ends(self, log_tau: tuple[float, float]) -> FloatArray:
         """Between which its last numbers are sought, those of relaxation times."""
@@ -141,7 +141,7 @@ class Element:
     """
 
     size: ClassVar[int] = 4
-    grids: Mapping[RelaxationData, tuple[FloatArray, Rows]] = field(
+    grids: Mapping[RelaxationData, tuple[FloatArray, RelaxationRows]] = field(
         default_factory=lambda: MappingProxyType({})
     )
 
@@ -168,7 +168,7 @@ class Element:
         k_inf, own, tau = np.exp(numbers[:3]).tolist()
         return FractionalZener(k_inf + own, k_inf, tau, float(numbers[3]), b)
 
-    def answer(self, relaxation: RelaxationData, numbers: FloatArray) -> Answer:
+    def residuals(self, relaxation: RelaxationData, numbers: FloatArray) -> RelaxationResiduals:
         """What it makes of a relaxation test."""
         log_tau, rows = self.grids[relaxation]
         k_inf, own = np.exp(numbers[:2])
@@ -176,7 +176,7 @@ class Element:
         column, by_tau, by_alpha = (own * (rows.arms @ part) for part in weights)
         spring = k_inf * rows.spring
         slopes = np.column_stack((spring, column, by_tau, by_alpha))
-        return Answer(spring + column - rows.target, slopes, rows.dashpot)
+        return RelaxationResiduals(spring + column - rows.target, slopes, rows.dashpot)
 
     def ends(self, log_tau: tuple[float, float]) -> FloatArray:
         """Between which ln tau and alpha are sought: its flank alone may be in sight."""

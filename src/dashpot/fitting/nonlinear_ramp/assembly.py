@@ -9,7 +9,7 @@ import numpy as np
 
 from dashpot.base.checks import Check
 from dashpot.base.provenance import Step
-from dashpot.fitting.assembly import Outcome, assembled, provenance_of
+from dashpot.fitting.assembly import FoundSolid, assembled, provenance_of
 from dashpot.fitting.checks.solid import frequencies_informed
 from dashpot.fitting.design import Design, compressed
 from dashpot.fitting.nonlinear_ramp import checks
@@ -58,7 +58,7 @@ def ramp_fit(
     noticed = [check for test in tests for check in test.checks]
     answers = (*law_checks(tests, found, end), *further, frequencies_informed(band))
     return assembled(
-        Outcome(model, estimate, fewer=asked is not None and model.arms < asked),
+        FoundSolid(model, estimate, fewer=asked is not None and model.arms < asked),
         Evidence(band, checks=(*noticed, *answers), by_depth=by_depth, end_of_hold=end),
         provenance_of("full", tests, _step(tests, found)),
         elastic_law=replace(found.law, ratio_se=_shape_error(found)),

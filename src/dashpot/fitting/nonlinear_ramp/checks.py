@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from dashpot.base.checks import Finding, criterion
+from dashpot.base.units import in_unit, written
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 # a hold that leaves so many times more beside others than alone is not of the same seal
@@ -90,8 +91,8 @@ def k_inf_believable(model: GeneralizedMaxwell, se: float, end: float, hold: flo
     # a plateau that is not told from zero claims nothing
     wrong = share > _BEYOND_BELIEF and model.k_inf > 3.0 * se
     return Finding(
-        f"k_inf = {1e-3 * model.k_inf:.4g} N/mm and the arms' rest of {1e-3 * left:.2g} meet the "
-        f"{1e-3 * end:.4g} N/mm at the end of the hold within {100 * share:.2g} %",
+        f"k_inf = {written(model.k_inf, 'N/mm')} and the arms' rest of {in_unit(left, 'N/mm'):.2g} "
+        f"meet the {written(end, 'N/mm')} at the end of the hold within {100 * share:.2g} %",
         share,
         ": offset or drift of the load cell took what is stiffness, or the other way round; "
         "record a baseline before contact, or name the drift of the cell",
@@ -148,7 +149,8 @@ def clocks_agree(found: Sequence[tuple[float, float, float]]) -> Finding:
     value, error, prior = found[worst]
     of = f" of test {worst + 1}" if len(found) > 1 else ""
     return Finding(
-        f"the force{of} lags the displacement by {1e3 * value:.3g} +- {1e3 * error:.2g} ms",
+        f"the force{of} lags the displacement by {in_unit(value, 'ms'):.3g} +- "
+        f"{written(error, 'ms', '.2g')}",
         late[worst],
         "; the fit takes that into account, but a late force looks like less damping: read both "
         "channels at one time, name a filter of the force (--force-filter), or allow for more "

@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import FloatArray
-from dashpot.engine.blocks.block import Block, design_block
+from dashpot.engine.blocks.block import DataBlock, design_block
 from dashpot.engine.inference.covariance import directions, noise_of, white
 from dashpot.engine.inference.estimate import Estimate, estimate, white_noise
 from dashpot.engine.inference.order import deviance
@@ -30,7 +30,7 @@ from dashpot.engine.solver.variable_projection import (
 )
 from dashpot.fitting.nonlinear_ramp.projection import Bounds, Nuisances, Weighted, tau_bounds
 from dashpot.fitting.nonlinear_ramp.quasi_linear import QuasiLinear
-from dashpot.fitting.nonlinear_ramp.thinning import Rows
+from dashpot.fitting.nonlinear_ramp.thinning import ThinnedRows
 from dashpot.fitting.nuisance import Prior
 
 MAX_ARMS = 5
@@ -133,7 +133,7 @@ class Followed:
 # -- the hold alone -------------------------------------------------------------------------------
 
 
-def hold_alone(rows: Rows, arms: int | None = None, max_arms: int = MAX_ARMS) -> Hold:
+def hold_alone(rows: ThinnedRows, arms: int | None = None, max_arms: int = MAX_ARMS) -> Hold:
     """Fit the holds without their ramps: as many arms as BIC supports, or `arms`."""
     bounds = tau_bounds(rows)
     blocks = [_hold_block(rows, i, bounds) for i in range(len(rows.depths))]
@@ -145,7 +145,7 @@ def hold_alone(rows: Rows, arms: int | None = None, max_arms: int = MAX_ARMS) ->
     return _described(rows, blocks, chosen)
 
 
-def _hold_block(rows: Rows, i: int, bounds: Bounds) -> Block:
+def _hold_block(rows: ThinnedRows, i: int, bounds: Bounds) -> DataBlock:
     r"""What relaxes, and what answers at once to a plate that has not settled.
 
     .. math:: F - F_0 = k_\infty + \sum_j A_j e^{-t/\tau_j} + k_g\,(x - x_h)
@@ -173,7 +173,9 @@ def _hold_block(rows: Rows, i: int, bounds: Bounds) -> Block:
     return replace(block, arm_group=f"k@{i}")
 
 
-def _supported(rows: Rows, blocks: Sequence[Block], solutions: Sequence[Solution]) -> Solution:
+def _supported(
+    rows: ThinnedRows, blocks: Sequence[DataBlock], solutions: Sequence[Solution]
+) -> Solution:
     """Return the number of arms with the least BIC: rows that say something new, all samples."""
     sizes = [block.samples for block in blocks]
     largest = np.split(full_jacobian(blocks, solutions[-1]).residual, np.cumsum(sizes)[:-1])
@@ -187,7 +189,7 @@ def _supported(rows: Rows, blocks: Sequence[Block], solutions: Sequence[Solution
     )
 
 
-def _described(rows: Rows, blocks: Sequence[Block], solution: Solution) -> Hold:
+def _described(rows: ThinnedRows, blocks: Sequence[DataBlock], solution: Solution) -> Hold:
     found = full_jacobian(blocks, solution)
     cuts = np.cumsum([block.samples for block in blocks])[:-1]
     scatter, correlation, rms, plateau, error = [], [], [], [], []
@@ -214,7 +216,7 @@ def _described(rows: Rows, blocks: Sequence[Block], solution: Solution) -> Hold:
     )
 
 
-def rounding(rows: Rows, i: int) -> float:
+def rounding(rows: ThinnedRows, i: int) -> float:
     """Return the residual that block means and rounding leave of record i, N."""
     return ROUNDING * rows.peak(i)
 
@@ -222,7 +224,7 @@ def rounding(rows: Rows, i: int) -> float:
 # -- and its ramp ---------------------------------------------------------------------------------
 
 
-def nuisances(rows: Rows, delay: FloatArray | None = None) -> Nuisances:
+def nuisances(rows: ThinnedRows, delay: FloatArray | None = None) -> Nuisances:
     r"""Return offset and drift of each record; with :math:`-dF/dt` given, its delay too."""
     names, columns, known = [], [], []
     for i, prior in enumerate(rows.known):
@@ -253,7 +255,7 @@ def lag(weighted: Weighted, best: Optimum) -> FloatArray:
     return found
 
 
-def spread(rows: Rows, ramp: npt.ArrayLike, hold: npt.ArrayLike) -> FloatArray:
+def spread(rows: ThinnedRows, ramp: npt.ArrayLike, hold: npt.ArrayLike) -> FloatArray:
     """Return the standard deviation of each row's samples, N, from those of ramps and holds."""
     return np.where(rows.ramp, np.asarray(ramp)[rows.record], np.asarray(hold)[rows.record])
 
@@ -263,7 +265,7 @@ def independent(hold: Hold) -> FloatArray:
     return np.asarray(hold.scatter * np.sqrt(hold.correlation))
 
 
-def recorded_hold(rows: Rows, hold: Hold) -> Followed:
+def recorded_hold(rows: ThinnedRows, hold: Hold) -> Followed:
     """Fit the hold rows alone as what follows the recorded history of a linear seal."""
     unseen = spread(rows, np.full(len(rows.depths), np.inf), independent(hold))
     weighted = Weighted(QuasiLinear(rows, np.array([0.0, rows.depth])), unseen, nuisances(rows))

@@ -9,10 +9,11 @@ the one that BIC prefers if it also matters.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Literal, TypeAlias
 
 import numpy as np
 
+from dashpot.base.arrays import FloatArray
+from dashpot.base.choices import RampLawAsked, refuse_other
 from dashpot.base.errors import FitError
 from dashpot.engine.inference.order import bic_of_deviance, deviance
 from dashpot.fitting.nonlinear_ramp.hold_first import (
@@ -21,25 +22,26 @@ from dashpot.fitting.nonlinear_ramp.hold_first import (
     Hold,
     follow,
     hold_alone,
+    independent,
     lag,
+    measured,
     nuisances,
     recorded_hold,
+    spread,
 )
 from dashpot.fitting.nonlinear_ramp.law_estimate import (
     LEAST_GAIN,
-    Law,
-    LawScore,
+    ElasticLawScore,
+    KnotSpacing,
     RampLaw,
     described,
     elastic_law_of,
 )
-from dashpot.fitting.nonlinear_ramp.projection import tau_bounds
+from dashpot.fitting.nonlinear_ramp.projection import Weighted, tau_bounds
 from dashpot.fitting.nonlinear_ramp.quasi_linear import QuasiLinear
-from dashpot.fitting.nonlinear_ramp.soundness import gate, sample_noise
-from dashpot.fitting.nonlinear_ramp.thinning import Rows, thinned
+from dashpot.fitting.nonlinear_ramp.soundness import Soundness, sample_noise, soundness
+from dashpot.fitting.nonlinear_ramp.thinning import ThinnedRows, thinned
 from dashpot.records.relaxation import RampHold
-
-LawName: TypeAlias = Literal["auto", "linear", "nonlinear"]
 
 # a law that moves the path by less than this part of the depth is not worth having
 LEAST_GAP = 0.01
@@ -49,16 +51,16 @@ _ROWS_PER_KNOT = 2
 # so many depths bear finer laws
 _SEVERAL = 3
 
-LINEAR = Law(2)
-LADDER = (Law(3), Law(5), Law(9), Law(7, 2), Law(9, 2))
+LINEAR = KnotSpacing(2)
+LADDER = (KnotSpacing(3), KnotSpacing(5), KnotSpacing(9), KnotSpacing(7, 2), KnotSpacing(9, 2))
 # several depths show the law's integral at each, to the noise of a hold
-DEPTHS_LADDER = (Law(17), Law(17, 2))
+DEPTHS_LADDER = (KnotSpacing(17), KnotSpacing(17, 2))
 
 
 def ramp_law(
     tests: Sequence[RampHold],
     *,
-    law: LawName = "auto",
+    law: RampLawAsked = "auto",
     arms: int | None = None,
     max_arms: int = MAX_ARMS,
 ) -> RampLaw:
@@ -83,14 +85,13 @@ def ramp_law(
     FitError
         If a record has no samples on its ramp or in its hold to speak of.
     """
-    if law not in ("auto", "linear", "nonlinear"):
-        raise FitError(f'law = {law!r}; expected "auto", "linear" or "nonlinear"')
+    refuse_other("law", law, RampLawAsked, FitError)
     rows = thinned(tests)
     hold = hold_alone(rows, arms, max_arms)
     noise = [sample_noise(*pair) for pair in zip(rows.noise, hold.rms, strict=True)]
     soundness, sound = gate(rows, hold, noise, arms)
     if law != "nonlinear" and all(one.sound for one in soundness):
-        score = LawScore(LINEAR, elastic_law_of(sound), 0.0, sound.ramp, sound.hold)
+        score = ElasticLawScore(LINEAR, elastic_law_of(sound), 0.0, sound.ramp, sound.hold)
         return described(tests, hold, soundness, sound, (score,))
     shown = int(rows.ramp.sum()) // _ROWS_PER_KNOT
     finer = DEPTHS_LADDER if len(set(rows.depths)) >= _SEVERAL else ()
@@ -100,29 +101,29 @@ def ramp_law(
     tried = {one: _followed(rows, one, hold, start) for one in laws}
     scores = _scores(tried, hold)
     taken = _taken(scores) if law == "auto" else min(scores, key=lambda score: score.bic)
-    found = _with_delay(tried[taken.law], hold)
+    found = _with_delay(tried[taken.spacing], hold)
     if arms is None and len(hold.log_tau) < max_arms:
         found = _with_faster_arm(found, hold)
     return described(tests, hold, soundness, found, scores)
 
 
-def _followed(rows: Rows, law: Law, hold: Hold, start: Followed) -> Followed:
-    solid = QuasiLinear(rows, law.at(rows.depth))
-    return follow(solid, hold, start, solid.theta(start.log_tau, np.ones(law.knots)))
+def _followed(rows: ThinnedRows, spacing: KnotSpacing, hold: Hold, start: Followed) -> Followed:
+    solid = QuasiLinear(rows, spacing.at(rows.depth))
+    return follow(solid, hold, start, solid.theta(start.log_tau, np.ones(spacing.knots)))
 
 
-def _scores(tried: dict[Law, Followed], hold: Hold) -> tuple[LawScore, ...]:
+def _scores(tried: dict[KnotSpacing, Followed], hold: Hold) -> tuple[ElasticLawScore, ...]:
     """Return BIC of each law; ramp rows count as the closest of them leaves them correlated."""
     best = min(tried.values(), key=lambda found: float(np.sum(np.log(found.ramp))))
     return tuple(
-        LawScore(
-            law,
+        ElasticLawScore(
+            spacing,
             elastic_law_of(found),
             _bic(found, hold, best.ramp_correlation),
             found.ramp,
             found.hold,
         )
-        for law, found in tried.items()
+        for spacing, found in tried.items()
     )
 
 
@@ -144,7 +145,7 @@ def _bic(found: Followed, hold: Hold, correlation: Sequence[float]) -> float:
     return bic_of_deviance(total, effective=max(effective, 2.0), parameters=free)
 
 
-def _taken(scores: Sequence[LawScore]) -> LawScore:
+def _taken(scores: Sequence[ElasticLawScore]) -> ElasticLawScore:
     """Return the law of the least BIC if it gains and matters, else the linear one."""
     best = min(scores, key=lambda score: score.bic)
     linear = scores[0]
@@ -178,3 +179,42 @@ def _with_faster_arm(found: Followed, hold: Hold) -> Followed:
     faster = float(more.log_tau.min()) < fastest - np.log(2.0)
     gain = _bic(found, hold, more.ramp_correlation) - _bic(more, hold, more.ramp_correlation)
     return more if faster and bool((more.k[0, 1:] > 0).all()) and gain > LEAST_GAIN else found
+
+
+def gate(
+    rows: ThinnedRows, hold: Hold, noise: Sequence[float], arms: int | None
+) -> tuple[tuple[Soundness, ...], Followed]:
+    """Return how sound the linear law is, the best of the numbers of arms tried."""
+    count = len(hold.log_tau)
+    tried = []
+    for one in (count, count - 1) if arms is None and count > 1 else (count,):
+        start = hold if one == count else hold_alone(rows, one)
+        found = _joint(rows, hold, start.log_tau, noise)
+        judged = tuple(
+            soundness(
+                found.ramp[i],
+                found.hold[i],
+                hold.rms[i],
+                noise=noise[i],
+                discrepancy=found.ramp_scatter[i] / float(independent(hold)[i]),
+                samples=float(np.sum(rows.ramp & (rows.record == i))) / hold.correlation[i],
+                peak=rows.peak(i),
+            )
+            for i in range(len(noise))
+        )
+        tried.append((judged, found))
+        if all(at.sound for at in judged):
+            break
+    sound = [pair for pair in tried if all(at.sound for at in pair[0])]
+    return (sound or tried)[0]
+
+
+def _joint(rows: ThinnedRows, hold: Hold, log_tau: FloatArray, noise: Sequence[float]) -> Followed:
+    """Fit the linear law to ramp and hold at equal weight, first without, then with a delay."""
+    even = np.array(noise) * np.sqrt(hold.correlation)
+    solid = QuasiLinear(rows, np.array([0.0, rows.depth]))
+    sd = spread(rows, even, even)
+    first = Weighted(solid, sd, nuisances(rows))
+    best = first.descend(log_tau)
+    late = Weighted(solid, sd, nuisances(rows, lag(first, best)))
+    return measured(late, late.descend(best.theta), independent(hold))

@@ -25,8 +25,8 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 LEAST_GAIN = 10.0
 
 
-class Law(NamedTuple):
-    """A step of the ladder: how many knots, and the power of their spacing."""
+class KnotSpacing(NamedTuple):
+    """A step of the ladder of laws: how many knots, and the power of their spacing."""
 
     knots: int
     power: int = 1
@@ -37,12 +37,12 @@ class Law(NamedTuple):
 
 
 @dataclass(frozen=True)
-class LawScore:
+class ElasticLawScore:
     """One law of the ladder, fitted.
 
     Attributes
     ----------
-    law : Law
+    spacing : KnotSpacing
     elastic_law : ElasticLaw
     bic : float
         Differences count.
@@ -50,7 +50,7 @@ class LawScore:
         Root mean square residual of each record, N.
     """
 
-    law: Law
+    spacing: KnotSpacing
     elastic_law: ElasticLaw
     bic: float
     ramp: tuple[float, ...]
@@ -82,7 +82,7 @@ class RampLaw:
         Of each record under the linear law with the full weight of its ramp.
     followed : Followed
         The optimum of the law, and what it leaves.
-    scores : tuple of LawScore
+    scores : tuple of ElasticLawScore
         The laws tried, the linear one first.
     residuals : tuple of array
         Of every sample from contact to the end of the hold, N.
@@ -95,7 +95,7 @@ class RampLaw:
     hold: Hold
     soundness: tuple[Soundness, ...]
     followed: Followed
-    scores: tuple[LawScore, ...]
+    scores: tuple[ElasticLawScore, ...]
     residuals: tuple[FloatArray, ...]
 
     @property
@@ -128,7 +128,7 @@ def described(
     hold: Hold,
     soundness: tuple[Soundness, ...],
     found: Followed,
-    scores: tuple[LawScore, ...],
+    scores: tuple[ElasticLawScore, ...],
 ) -> RampLaw:
     """Return the value of an optimum, with its covariance and its residuals."""
     k, log_tau, solid = found.k[0], found.log_tau, found.weighted.solid

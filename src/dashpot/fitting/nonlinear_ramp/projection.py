@@ -14,10 +14,9 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.engine.least_squares.problem import Optimum, Parameter, Problem, solved
-from dashpot.engine.least_squares.problem import Rows as ProblemRows
+from dashpot.engine.least_squares.problem import Optimum, Parameter, Problem, Rows, solved
 from dashpot.fitting.nonlinear_ramp.quasi_linear import QuasiLinear
-from dashpot.fitting.nonlinear_ramp.thinning import Rows
+from dashpot.fitting.nonlinear_ramp.thinning import ThinnedRows
 from dashpot.fitting.nuisance import Prior
 
 _STEPS = 40
@@ -40,7 +39,7 @@ class Bounds(NamedTuple):
     high: float
 
 
-def tau_bounds(rows: Rows) -> Bounds:
+def tau_bounds(rows: ThinnedRows) -> Bounds:
     """Return the relaxation times that ramp and hold could show, ln s."""
     shortest = min(float(rows.step[rows.record == i].min()) for i in range(len(rows.depths)))
     holds = [rows.time[rows.record == i][-1] - end for i, end in enumerate(rows.ends)]
@@ -96,7 +95,7 @@ class Weighted:
         solid, stiff = self.solid, self.sets * (1 + arms)
         bends = solid.weights[solid.bends]
 
-        def model(theta: FloatArray) -> ProblemRows:
+        def model(theta: FloatArray) -> Rows:
             log_tau, shape = solid.parted(theta)
             mean = float(solid.weights @ shape)
             hats, shape = solid.columns(log_tau), shape / mean
@@ -116,7 +115,7 @@ class Weighted:
 
             y = self.target.copy()
             y[-1] = self._size * (1.0 - mean)
-            return ProblemRows(y, A, slope)
+            return Rows(y, A, slope)
 
         return Problem(
             model,

@@ -16,7 +16,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.engine.blocks.recorded import recursion
-from dashpot.fitting.nonlinear_ramp.thinning import Rows
+from dashpot.fitting.nonlinear_ramp.thinning import ThinnedRows
 
 
 class QuasiLinear:
@@ -24,14 +24,14 @@ class QuasiLinear:
 
     Attributes
     ----------
-    rows : Rows
+    rows : ThinnedRows
     knots : array, shape (P,)
         m, from 0 to the deepest compression.
     weights : array, shape (P,)
         Of each hat in the mean of the tangent: :math:`w \cdot s = 1`.
     """
 
-    def __init__(self, rows: Rows, knots: FloatArray) -> None:
+    def __init__(self, rows: ThinnedRows, knots: FloatArray) -> None:
         self.rows, self.knots = rows, knots
         self.hats = hat_integrals(rows.displacement, knots)
         width = np.diff(knots)

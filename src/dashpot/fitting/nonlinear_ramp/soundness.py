@@ -2,26 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.engine.inference.covariance import noise_of
-from dashpot.fitting.nonlinear_ramp.hold_first import (
-    Followed,
-    Hold,
-    hold_alone,
-    independent,
-    lag,
-    measured,
-    nuisances,
-    spread,
-)
-from dashpot.fitting.nonlinear_ramp.projection import Weighted
-from dashpot.fitting.nonlinear_ramp.quasi_linear import QuasiLinear
-from dashpot.fitting.nonlinear_ramp.thinning import Rows, relaxes_from
+from dashpot.fitting.nonlinear_ramp.thinning import relaxes_from
 from dashpot.preparation.denoising import true_motion
 from dashpot.records.relaxation import RampHold
 
@@ -134,42 +121,3 @@ def sample_noise(scatter: float, rms: float) -> float:
     What a hold leaves may be a solid that does not fit: it is noise up to twice the scatter.
     """
     return max(scatter, min(rms, 2.0 * scatter)) if scatter > 0 else rms
-
-
-def gate(
-    rows: Rows, hold: Hold, noise: Sequence[float], arms: int | None
-) -> tuple[tuple[Soundness, ...], Followed]:
-    """Return how sound the linear law is, the best of the numbers of arms tried."""
-    count = len(hold.log_tau)
-    tried = []
-    for one in (count, count - 1) if arms is None and count > 1 else (count,):
-        start = hold if one == count else hold_alone(rows, one)
-        found = _joint(rows, hold, start.log_tau, noise)
-        judged = tuple(
-            soundness(
-                found.ramp[i],
-                found.hold[i],
-                hold.rms[i],
-                noise=noise[i],
-                discrepancy=found.ramp_scatter[i] / float(independent(hold)[i]),
-                samples=float(np.sum(rows.ramp & (rows.record == i))) / hold.correlation[i],
-                peak=rows.peak(i),
-            )
-            for i in range(len(noise))
-        )
-        tried.append((judged, found))
-        if all(at.sound for at in judged):
-            break
-    sound = [pair for pair in tried if all(at.sound for at in pair[0])]
-    return (sound or tried)[0]
-
-
-def _joint(rows: Rows, hold: Hold, log_tau: FloatArray, noise: Sequence[float]) -> Followed:
-    """Fit the linear law to ramp and hold at equal weight, first without, then with a delay."""
-    even = np.array(noise) * np.sqrt(hold.correlation)
-    solid = QuasiLinear(rows, np.array([0.0, rows.depth]))
-    sd = spread(rows, even, even)
-    first = Weighted(solid, sd, nuisances(rows))
-    best = first.descend(log_tau)
-    late = Weighted(solid, sd, nuisances(rows, lag(first, best)))
-    return measured(late, late.descend(best.theta), independent(hold))

@@ -33,7 +33,7 @@ _SOON, _CLEAR, _RISEN = 0.1, 6.0, 0.005
 
 
 @dataclass(frozen=True, eq=False)
-class Rows:
+class ThinnedRows:
     """Several records as rows on top of each other.
 
     Attributes
@@ -91,7 +91,7 @@ class Rows:
         return np.asarray((self.record == record) & ~self.ramp)
 
 
-def thinned(tests: Sequence[RampHold]) -> Rows:
+def thinned(tests: Sequence[RampHold]) -> ThinnedRows:
     """Return the rows of prepared tests, from contact to the end of the hold.
 
     Raises
@@ -105,7 +105,7 @@ def thinned(tests: Sequence[RampHold]) -> Rows:
         parts.append(_rows(test, number, known[-1].first))
     columns = [np.concatenate(column) for column in zip(*parts, strict=True)]
     time, step, x, force, count, record, ramp = columns
-    return Rows(
+    return ThinnedRows(
         time,
         step,
         x,

@@ -24,10 +24,11 @@ import numpy as np
 from dashpot.base.arrays import ComplexArray, FloatArray, IndexArray, median
 from dashpot.base.errors import FitError
 from dashpot.base.provenance import Source, sources_of
+from dashpot.base.units import celsius
 from dashpot.records.creep import CreepCompliance
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.modulus import RelaxationModulus
-from dashpot.records.temperature import ONE_TEMPERATURE, celsius
+from dashpot.records.temperature import ONE_TEMPERATURE
 
 Measured: TypeAlias = DynamicTest | RelaxationModulus | CreepCompliance
 Domain: TypeAlias = Literal["frequency", "time", "creep"]

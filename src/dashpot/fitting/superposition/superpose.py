@@ -5,15 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
-from typing import Literal, NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
+from dashpot.base.choices import ShiftLaw, VerticalAsked, refuse_other
 from dashpot.base.errors import FitError
 from dashpot.base.provenance import Step
-from dashpot.base.units import Quantity, si
+from dashpot.base.units import Quantity, celsius, si
 from dashpot.fitting.checks.temperature import (
     MIN_BIC_MARGIN,
     of_shifts,
@@ -22,7 +23,7 @@ from dashpot.fitting.checks.temperature import (
     vertical_rule_holds,
     vertical_shift_known,
 )
-from dashpot.fitting.shift_law import LawThroughShifts, ShiftLaw, law_through
+from dashpot.fitting.shift_law import LawThroughShifts, law_through
 from dashpot.fitting.superposition.isotherms import Isotherm, Measured, isotherms_of, joined
 from dashpot.fitting.superposition.joint_spectrum import (
     Shifted,
@@ -36,18 +37,9 @@ from dashpot.fitting.superposition.neighbours import chained_starts
 from dashpot.records.creep import CreepCompliance
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.superposition import Superposition
-from dashpot.records.temperature import (
-    ONE_TEMPERATURE,
-    Shift,
-    TemperatureShifts,
-    celsius,
-    shifts_with,
-)
+from dashpot.records.temperature import ONE_TEMPERATURE, Shift, TemperatureShifts, shifts_with
 from dashpot.solids.interconversion import CreepSpectrum, relaxation_spectrum
 from dashpot.solids.maxwell import GeneralizedMaxwell
-
-Vertical: TypeAlias = Literal["auto", "1", "T/T_r", "free"]
-VERTICALS: tuple[Vertical, ...] = ("auto", "1", "T/T_r", "free")
 
 ROOM = 296.15
 """The reference where nobody gives one: the temperature tested that is nearest to 23 degC, K."""
@@ -65,7 +57,7 @@ def superpose(
     *,
     reference: Quantity | None = None,
     law: ShiftLaw = "auto",
-    vertical: Vertical = "auto",
+    vertical: VerticalAsked = "auto",
     shifts: Sequence[Shift] = (),
 ) -> Superposition:
     r"""Shift sweeps, moduli or creep at several temperatures onto one positive spectrum.
@@ -100,8 +92,7 @@ def superpose(
         If there are no several temperatures, none is near the reference, or a modulus is not
         above 0.
     """
-    if vertical not in VERTICALS:
-        raise FitError(f"vertical = {vertical!r}; expected one of {', '.join(VERTICALS)}")
+    refuse_other("vertical", vertical, VerticalAsked, FitError)
     test, sources = joined(data)
     isotherms = isotherms_of(test)
     t = np.array([one.temperature for one in isotherms])
@@ -179,7 +170,7 @@ def _reference(t: FloatArray, asked: float | None) -> int:
 
 
 def _searched(
-    isotherms: Sequence[Isotherm], at: int, vertical: Vertical, noise: float
+    isotherms: Sequence[Isotherm], at: int, vertical: VerticalAsked, noise: float
 ) -> tuple[Shifted, str, tuple[Check, ...]]:
     """Return the shifts by the vertical rule that was asked for, or that BIC takes."""
     t = np.array([one.temperature for one in isotherms])

@@ -8,8 +8,9 @@ import numpy as np
 
 from dashpot.base.checks import Finding, criterion
 from dashpot.base.status import Status
+from dashpot.base.units import celsius
 from dashpot.records.estimate import Nuisance
-from dashpot.records.temperature import TemperatureShifts, celsius
+from dashpot.records.temperature import TemperatureShifts
 
 # decades of time that neighbours both inform: pairs of simulated tests that shared 1.9 found their
 # shift within its error, of those that shared 0.8 to 1.4 some missed it by five

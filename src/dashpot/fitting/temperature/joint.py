@@ -15,19 +15,19 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Literal, NamedTuple, TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
-from dashpot.engine.blocks.block import Block
+from dashpot.base.choices import Vertical
+from dashpot.engine.blocks.block import DataBlock
 from dashpot.engine.inference.covariance import white
 from dashpot.engine.inference.order import significant
 from dashpot.engine.least_squares.problem import Parameter, Problem, Rows, solved
 from dashpot.records.temperature import decades, shifted_log_tau
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
-Vertical: TypeAlias = Literal["free", "T/T_r", "1"]
 # target, columns of k_inf and k, and the derivative by theta
 _Rows: TypeAlias = tuple[FloatArray, FloatArray, Callable[[FloatArray], FloatArray]]
 
@@ -40,7 +40,7 @@ _STEPS, _STATIONARY = 80, 1e-10
 
 
 @dataclass(frozen=True, eq=False)
-class Point:
+class ShiftedSolid:
     """One solid at the reference, and where every temperature lies.
 
     Attributes
@@ -108,12 +108,12 @@ class Part(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Joint:
+class JointTests:
     """Tests at several temperatures.
 
     Attributes
     ----------
-    blocks : sequence of Block
+    blocks : sequence of DataBlock
         Rows of unit noise, one fixed column, k_inf.
     at : array, shape (n,)
         Which temperature each is of.
@@ -127,7 +127,7 @@ class Joint:
         What is known of g.
     """
 
-    blocks: Sequence[Block]
+    blocks: Sequence[DataBlock]
     at: IndexArray
     temperatures: FloatArray
     reference: int
@@ -170,26 +170,26 @@ class Joint:
                 turn[count + i, names.index(f"ln_b_{i}")] = 1.0
         return turn
 
-    def part(self, block: Block, i: int, point: Point) -> Part:
+    def part(self, block: DataBlock, i: int, point: ShiftedSolid) -> Part:
         """One test of temperature i, in the rows of its block."""
         return _part(self._test(block, i, point), point)
 
-    def descend(self, point: Point) -> Point:
+    def descend(self, point: ShiftedSolid) -> ShiftedSolid:
         """Return the nearest optimum."""
         best = solved(self.problem(point), [self.theta(point)], most=_STEPS, flat=_STATIONARY)
         k_inf, k = float(best.beta[0]), best.beta[1:]
         return replace(self._placed(point, best.theta), k_inf=k_inf, k=k, chi_square=best.cost)
 
-    def clear(self, point: Point) -> bool:
+    def clear(self, point: ShiftedSolid) -> bool:
         """Whether every arm is significant."""
         n, error = point.order, np.sqrt(np.diag(self.covariance(point)))
         return significant(point.k, error[1 : 1 + n], error[1 + n : 1 + 2 * n])
 
-    def covariance(self, point: Point) -> FloatArray:
+    def covariance(self, point: ShiftedSolid) -> FloatArray:
         """Covariance of what is shared under white noise of unit variance."""
         return white(_part(self._every(point), point).by, 1.0)
 
-    def problem(self, start: Point) -> Problem:
+    def problem(self, start: ShiftedSolid) -> Problem:
         """All tests at once, with as many arms."""
         n, (low, high) = start.order, np.array([block.bounds for block in self.blocks]).T
 
@@ -208,13 +208,13 @@ class Joint:
             gauge=shown,
         )
 
-    def _known(self, point: Point) -> FloatArray:
+    def _known(self, point: ShiftedSolid) -> FloatArray:
         """Rows by theta of what is known of g, below one of what no model of the tests removes."""
         known = np.zeros((1 + (point.order > 1), len(self.theta(point))))
         known[1:, -1:] = 1 / self.slope_sd
         return known
 
-    def _every(self, point: Point) -> _Rows:
+    def _every(self, point: ShiftedSolid) -> _Rows:
         """Every test, and what is known beside them."""
         tests = zip(self.blocks, self.at.tolist(), strict=True)
         y, A, slopes = zip(*(self._test(block, i, point) for block, i in tests), strict=True)
@@ -227,7 +227,7 @@ class Joint:
             lambda k: np.concatenate((*(slope(k) for slope in slopes), known)),
         )
 
-    def _test(self, block: Block, i: int, point: Point) -> _Rows:
+    def _test(self, block: DataBlock, i: int, point: ShiftedSolid) -> _Rows:
         """One test of temperature i."""
         n, found = point.order, block.evaluate(point.moved_log_tau(i))
         b, spring = float(np.exp(point.log_b[i])), list(block.fixed_names).index("k_inf")
@@ -247,13 +247,13 @@ class Joint:
 
         return found.target, A, slope
 
-    def theta(self, point: Point) -> FloatArray:
+    def theta(self, point: ShiftedSolid) -> FloatArray:
         """Ln tau, the shifts that are sought, and g."""
         log_b = point.log_b[self.further] if self.vertical == "free" else ()
         slope = [point.slope] * (point.order > 1)
         return np.concatenate((point.log_tau, point.log_a[self.further], log_b, slope))
 
-    def _placed(self, point: Point, theta: FloatArray) -> Point:
+    def _placed(self, point: ShiftedSolid, theta: FloatArray) -> ShiftedSolid:
         """The point with its ln tau, shifts and g."""
         n, m = point.order, len(self.further)
         log_a, log_b = point.log_a.copy(), point.log_b.copy()
@@ -264,6 +264,6 @@ class Joint:
         return replace(point, log_tau=theta[:n], log_a=log_a, log_b=log_b, slope=slope)
 
 
-def _part(rows: _Rows, point: Point) -> Part:
+def _part(rows: _Rows, point: ShiftedSolid) -> Part:
     (y, A, slope), k = rows, point.stiffnesses
     return Part(y - A @ k, np.concatenate((A, slope(k)), axis=1))

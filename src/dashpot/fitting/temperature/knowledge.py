@@ -12,7 +12,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.engine.inference.covariance import Noise, noise_of, sandwich
 from dashpot.fitting.assembly import nuisances
-from dashpot.fitting.temperature.joint import Joint, Part, Point
+from dashpot.fitting.temperature.joint import JointTests, Part, ShiftedSolid
 from dashpot.fitting.temperature.reduced import Own
 from dashpot.fitting.uncertainty.encoder import Encoder, Kernel, encoder_rows
 from dashpot.fitting.uncertainty.estimate import Known, rounding
@@ -26,16 +26,16 @@ class Knowledge(Known):
 
     Attributes
     ----------
-    joint : Joint
-    point : Point
+    joint : JointTests
+    point : ShiftedSolid
         Relaxation times ascending.
     own : array
         Coefficients of the columns of each test, ``"offset@0"``; in `names` they stand behind what
         is shared, stiffnesses in N/m.
     """
 
-    joint: Joint
-    point: Point
+    joint: JointTests
+    point: ShiftedSolid
     own: FloatArray
 
     @property
@@ -73,7 +73,7 @@ class Knowledge(Known):
 
 
 def of_tests(
-    names: Sequence[str], own: FloatArray, point: Point, error: Callable[[str], float]
+    names: Sequence[str], own: FloatArray, point: ShiftedSolid, error: Callable[[str], float]
 ) -> tuple[Nuisance, ...]:
     """Return the columns of each test, ``"offset@0"``, and how arms shift apart, in words."""
     values = dict(zip(names, own.tolist(), strict=True))
@@ -101,7 +101,7 @@ class Left(NamedTuple):
     columns: FloatArray
 
 
-def left_of(joint: Joint, test: Own, i: int, point: Point) -> Left:
+def left_of(joint: JointTests, test: Own, i: int, point: ShiftedSolid) -> Left:
     """Return what a point leaves of every sample of test i."""
     weight, exact = 1 / test.spread, test.block.exact
     part = joint.part(exact, int(joint.at[i]), point)
@@ -120,7 +120,7 @@ def own_names(tests: Sequence[Own]) -> tuple[str, ...]:
     return tuple(f"{kind}@{i}" for i, test in enumerate(tests) for kind in test.kinds)
 
 
-def known(joint: Joint, tests: Sequence[Own], point: Point) -> Knowledge:
+def known(joint: JointTests, tests: Sequence[Own], point: ShiftedSolid) -> Knowledge:
     """Return what all samples say of a point, the columns of every test fitted beside it."""
     shared = joint.names(point.order)
     names = (*shared, *own_names(tests))

@@ -7,19 +7,20 @@ from dataclasses import replace
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.choices import ShiftLaw, Vertical
 from dashpot.base.provenance import Step, sources_of, steps_of
-from dashpot.fitting.assembly import UNJUDGED, Outcome, assembled, point_estimate
-from dashpot.fitting.shift_law import LawThroughShifts, ShiftLaw, law_through
-from dashpot.fitting.temperature.joint import Vertical
+from dashpot.base.units import celsius
+from dashpot.fitting.assembly import UNJUDGED, FoundSolid, assembled, point_estimate
+from dashpot.fitting.shift_law import LawThroughShifts, law_through
 from dashpot.fitting.temperature.knowledge import left_of, of_tests, own_names
-from dashpot.fitting.temperature.optimum import Optimum
+from dashpot.fitting.temperature.optimum import ThermalOptimum
 from dashpot.fitting.temperature.reduced import Own
 from dashpot.records.fit import Fit, Provenance
-from dashpot.records.temperature import TemperatureShifts, celsius, shifts_with
+from dashpot.records.temperature import TemperatureShifts, shifts_with
 from dashpot.solids.elastic import ElasticLaw
 
 
-def law_of(best: Optimum, covariance: FloatArray, law: ShiftLaw) -> LawThroughShifts:
+def law_of(best: ThermalOptimum, covariance: FloatArray, law: ShiftLaw) -> LawThroughShifts:
     """Return the law through the shifts, whose covariance begins with that of log10 a_T."""
     joint, point, count = best.joint, best.point, len(best.joint.temperatures)
     return law_through(
@@ -32,7 +33,7 @@ def law_of(best: Optimum, covariance: FloatArray, law: ShiftLaw) -> LawThroughSh
 
 
 def shifts_of(
-    best: Optimum,
+    best: ThermalOptimum,
     vertical: Vertical,
     laid: LawThroughShifts,
     covariance: FloatArray,
@@ -53,14 +54,14 @@ def shifts_of(
     )
 
 
-def _deepest(best: Optimum) -> Own:
+def _deepest(best: ThermalOptimum) -> Own:
     """The test at the reference whose elastic law and specimen are those of the solid."""
     joint = best.joint
     there = [test for test, i in zip(best.tests, joint.at, strict=True) if i == joint.reference]
     return max(there, key=lambda test: test.record.depth)
 
 
-def elastic_law(best: Optimum) -> ElasticLaw:
+def elastic_law(best: ThermalOptimum) -> ElasticLaw:
     """Return the elastic law at the reference."""
     deepest, k_inf = _deepest(best), best.point.k_inf
     if deepest.law is None:
@@ -68,7 +69,7 @@ def elastic_law(best: Optimum) -> ElasticLaw:
     return replace(deepest.law, stiffness=k_inf)
 
 
-def provenance(best: Optimum, shifts: TemperatureShifts) -> Provenance:
+def provenance(best: ThermalOptimum, shifts: TemperatureShifts) -> Provenance:
     """Return which records were fitted, and how."""
     records = [test.record for test in best.tests]
     return Provenance(
@@ -79,7 +80,7 @@ def provenance(best: Optimum, shifts: TemperatureShifts) -> Provenance:
     )
 
 
-def _step(best: Optimum, shifts: TemperatureShifts) -> Step:
+def _step(best: ThermalOptimum, shifts: TemperatureShifts) -> Step:
     arms = best.point.order
     listed = ", ".join(celsius(shift.temperature) for shift in shifts.shifts)
     says = (
@@ -98,7 +99,7 @@ def _step(best: Optimum, shifts: TemperatureShifts) -> Step:
     return Step("fit", parameters, says)
 
 
-def point_alone(best: Optimum, vertical: Vertical, law: ShiftLaw, *, asked: int) -> Fit:
+def point_alone(best: ThermalOptimum, vertical: Vertical, law: ShiftLaw, *, asked: int) -> Fit:
     """Return the optimum as a fit of which nothing more is known.
 
     The law is laid through the shifts as white noise would leave them.
@@ -113,7 +114,7 @@ def point_alone(best: Optimum, vertical: Vertical, law: ShiftLaw, *, asked: int)
     nuisance = of_tests(own_names(best.tests), own, point, lambda _: np.inf)
     estimate = point_estimate(point.solid, len(left), float(left @ left), nuisance)
     return assembled(
-        Outcome(point.solid, estimate, fewer=point.order < asked),
+        FoundSolid(point.solid, estimate, fewer=point.order < asked),
         UNJUDGED,
         provenance(best, shifts),
         elastic_law=elastic_law(best),

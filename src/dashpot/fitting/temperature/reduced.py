@@ -21,7 +21,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.engine.blocks.block import Block, Evaluation
+from dashpot.engine.blocks.block import DataBlock, Evaluation
 from dashpot.engine.blocks.kernels import compact_block
 from dashpot.engine.inference.whitening import marginal
 from dashpot.fitting.design import first_sample, motion
@@ -48,7 +48,7 @@ class Own:
     record : RampHold
     temperature : float
         K.
-    bare : Block
+    bare : DataBlock
         The data, with the columns of its load cell and of its clock.
     spread : float
         Standard deviation of one independent residual, N.
@@ -66,7 +66,7 @@ class Own:
 
     record: RampHold
     temperature: float
-    bare: Block
+    bare: DataBlock
     spread: float
     effective: float
     chi_square: float
@@ -93,7 +93,7 @@ class Own:
         )
 
     @cached_property
-    def block(self) -> Block:
+    def block(self) -> DataBlock:
         """The data with every column that is the test's own."""
         if self.warming is None:
             return self.bare
@@ -122,7 +122,7 @@ class Own:
         return found.fixed / unit, found.target / unit
 
     @cached_property
-    def marginal(self) -> Block:
+    def marginal(self) -> DataBlock:
         """The data in a few rows of unit noise, its own columns projected out."""
         return _marginal(self)
 
@@ -170,7 +170,7 @@ class _Basis(NamedTuple):
     floor: float
 
 
-def _basis(compact: Block, spread: float) -> _Basis:
+def _basis(compact: DataBlock, spread: float) -> _Basis:
     low, high = compact.bounds
     every = np.linspace(low - np.log(BEYOND), high + np.log(BEYOND), _COLUMNS)
     found = compact.evaluate(every, False)
@@ -183,7 +183,7 @@ def _basis(compact: Block, spread: float) -> _Basis:
     return _Basis(turn, target, turn @ found.fixed, max(aside, 0.0))
 
 
-def _marginal(test: Own) -> Block:
+def _marginal(test: Own) -> DataBlock:
     compact = compact_block(test.block, beyond=BEYOND)
     basis, names = _basis(compact, test.spread), compact.fixed_names
     doubts, mean = test.terms.doubts(basis.fixed, names)
@@ -199,7 +199,7 @@ def _marginal(test: Own) -> Block:
     return replace(compact, rows=at, fixed_names=("k_inf",), floor=basis.floor, arm_group="k")
 
 
-def moved(block: Block, log_a: float, log_b: float, slope: float = 0.0) -> Block:
+def moved(block: DataBlock, log_a: float, log_b: float, slope: float = 0.0) -> DataBlock:
     """The data of another temperature as those of the reference: at other times, other sizes.
 
     `slope` is how much further each decade of tau shifts.

@@ -9,12 +9,12 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.engine.blocks.block import Block
+from dashpot.engine.blocks.block import DataBlock
 from dashpot.engine.inference.order import bic_of_deviance
 from dashpot.engine.least_squares.problem import Parameter, Problem, Rows
 from dashpot.engine.solver.variable_projection import solve_orders
 from dashpot.fitting.superposition.neighbours import chained
-from dashpot.fitting.temperature.joint import Joint, Point
+from dashpot.fitting.temperature.joint import JointTests, ShiftedSolid
 from dashpot.fitting.temperature.reduced import moved
 
 # decades that a colder test may lie away from its warmer neighbour, and a wrong order of them
@@ -24,31 +24,31 @@ _PER_DECADE = 8
 _ROUNDS = 2
 
 
-class Candidate(NamedTuple):
+class OrderCandidate(NamedTuple):
     """One number of arms.
 
     Attributes
     ----------
-    point : Point
+    point : ShiftedSolid
     bic : float
     """
 
-    point: Point
+    point: ShiftedSolid
     bic: float
 
 
-def first_shifts(joint: Joint) -> FloatArray:
+def first_shifts(joint: JointTests) -> FloatArray:
     """Return ln a_T of every temperature, each on its neighbour, 0 at the reference."""
     falls = np.arange(-_BACK, _FARTHEST + _STEP / 2, _STEP) * np.log(10.0)
     pairs = range(len(joint.temperatures) - 1)
     return chained(((_pair(joint, i, falls), falls) for i in pairs), joint.reference)
 
 
-def _pair(joint: Joint, i: int, falls: FloatArray) -> Problem:
+def _pair(joint: JointTests, i: int, falls: FloatArray) -> Problem:
     """One positive spectrum for temperature i and the next warmer one, over how far ln a falls."""
     log_b = joint.held_log_b
 
-    def of(at: int, fall: float) -> list[Block]:
+    def of(at: int, fall: float) -> list[DataBlock]:
         every = zip(joint.blocks, joint.at, strict=True)
         return [moved(one, fall, log_b[at] - log_b[i + 1]) for one, here in every if here == at]
 
@@ -66,13 +66,13 @@ def _pair(joint: Joint, i: int, falls: FloatArray) -> Problem:
 
 
 def candidates(
-    joint: Joint, start: FloatArray, most: int, *, effective: float, thorough: bool
-) -> tuple[Candidate, ...]:
+    joint: JointTests, start: FloatArray, most: int, *, effective: float, thorough: bool
+) -> tuple[OrderCandidate, ...]:
     """Return the best point of every number of arms, from none up to `most`.
 
     Parameters
     ----------
-    joint : Joint
+    joint : JointTests
     start : array, shape (T,)
         Ln a_T.
     most : int
@@ -81,7 +81,7 @@ def candidates(
     thorough : bool
         Add quasi-random starts.
     """
-    best: dict[int, Candidate] = {}
+    best: dict[int, OrderCandidate] = {}
     log_a, log_b = start, joint.held_log_b
     for _ in range(_ROUNDS):
         blocks = [
@@ -92,7 +92,7 @@ def candidates(
             k = np.maximum(solution.arms[0], 0.0) if solution.order else np.zeros(0)
             there = k > 0
             point = joint.descend(
-                Point(
+                ShiftedSolid(
                     max(solution.coefficient("k_inf"), 0.0),
                     k[there],
                     solution.log_tau[there],
@@ -106,15 +106,19 @@ def candidates(
     return tuple(best[n] for n in sorted(best))
 
 
-def again(joint: Joint, found: Sequence[Candidate], effective: float) -> tuple[Candidate, ...]:
+def again(
+    joint: JointTests, found: Sequence[OrderCandidate], effective: float
+) -> tuple[OrderCandidate, ...]:
     """Return candidates descended anew, from where they were, on data that changed a little."""
-    best: dict[int, Candidate] = {}
+    best: dict[int, OrderCandidate] = {}
     for one in found:
         _keep(best, joint, joint.descend(one.point), effective)
     return tuple(best[n] for n in sorted(best))
 
 
-def _keep(best: dict[int, Candidate], joint: Joint, point: Point, effective: float) -> None:
+def _keep(
+    best: dict[int, OrderCandidate], joint: JointTests, point: ShiftedSolid, effective: float
+) -> None:
     there = point.alive
     if not there.all():
         point = replace(point, k=point.k[there], log_tau=point.log_tau[there])
@@ -123,4 +127,4 @@ def _keep(best: dict[int, Candidate], joint: Joint, point: Point, effective: flo
     score = bic_of_deviance(point.chi_square, effective=effective, parameters=parameters)
     before = best.get(point.order)
     if before is None or score < before.bic:
-        best[point.order] = Candidate(point, score)
+        best[point.order] = OrderCandidate(point, score)

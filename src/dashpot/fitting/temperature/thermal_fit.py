@@ -10,21 +10,21 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.checks import Check
-from dashpot.engine.blocks.block import Block
+from dashpot.base.choices import ShiftLaw, Vertical
+from dashpot.engine.blocks.block import DataBlock
 from dashpot.engine.inference.order import chance_beyond
 from dashpot.engine.solver.variable_projection import Solution, solve
-from dashpot.fitting.assembly import Outcome, assembled
+from dashpot.fitting.assembly import FoundSolid, assembled
 from dashpot.fitting.checks.relaxation import hold_long_enough, same_specimen
 from dashpot.fitting.checks.solid import frequencies_informed, optimum_found, order_agreed
 from dashpot.fitting.checks.temperature import of_shifts, overlap
 from dashpot.fitting.pipeline import certified
 from dashpot.fitting.questions import Residuals, Window, of_solid
 from dashpot.fitting.repeats import end_stiffnesses
-from dashpot.fitting.shift_law import LawThroughShifts, ShiftLaw
+from dashpot.fitting.shift_law import LawThroughShifts
 from dashpot.fitting.temperature import checks
-from dashpot.fitting.temperature.joint import Vertical
 from dashpot.fitting.temperature.knowledge import Knowledge, known
-from dashpot.fitting.temperature.optimum import Optimum, optimum
+from dashpot.fitting.temperature.optimum import ThermalOptimum, optimum
 from dashpot.fitting.temperature.outcome import (
     elastic_law,
     law_of,
@@ -48,11 +48,11 @@ class Thermal(NamedTuple):
 
     Attributes
     ----------
-    best : Optimum
+    best : ThermalOptimum
     knowledge : Knowledge
     """
 
-    best: Optimum
+    best: ThermalOptimum
     knowledge: Knowledge
 
 
@@ -149,7 +149,7 @@ def _assembled(
     fewer = asked is not None and model.arms < asked
     noticed = [check for record in records for check in record.checks]
     return assembled(
-        Outcome(model, estimate, fewer, bool(solution.at_bound.any())),
+        FoundSolid(model, estimate, fewer, bool(solution.at_bound.any())),
         Evidence(
             band,
             orders=_orders(found),
@@ -162,7 +162,7 @@ def _assembled(
     )
 
 
-def _reduced(found: Thermal) -> list[Block]:
+def _reduced(found: Thermal) -> list[DataBlock]:
     """Every test in the time of the reference."""
     point = found.best.point
     return [

@@ -63,7 +63,7 @@ def deviance_limit(level: float, dof: float) -> float:
     return CALIBRATION * t_quantile(level, dof) ** 2
 
 
-class Spectra:
+class AdmissibleSpectra:
     """The non-negative spectra of some relaxation tests, at a deviance limit.
 
     Columns are k_inf, b, then arms at `tau`.

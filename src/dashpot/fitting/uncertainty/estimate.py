@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.engine.blocks.block import Block
+from dashpot.engine.blocks.block import DataBlock
 from dashpot.engine.inference.covariance import (
     Columns,
     Noise,
@@ -91,7 +91,7 @@ class Known:
 
 
 @dataclass(frozen=True, eq=False)
-class Estimate(Known):
+class SolutionEstimate(Known):
     """A solution with its uncertainty.
 
     Attributes
@@ -112,7 +112,7 @@ class Estimate(Known):
 
     def with_depth_doubt(
         self, doubts: Sequence[float], stiffnesses: Mapping[str, float]
-    ) -> Estimate:
+    ) -> SolutionEstimate:
         r"""Return the estimate with what the encoder's step leaves unknown of each depth.
 
         A relative error :math:`\epsilon` of a depth scales every stiffness of its test, so that n
@@ -134,26 +134,26 @@ class Score(NamedTuple):
 
 def estimated(
     solution: Solution,
-    every_sample: Sequence[Block],
+    every_sample: Sequence[DataBlock],
     *,
     peak: float,
-    priors: Sequence[Block] = (),
+    priors: Sequence[DataBlock] = (),
     encoders: Sequence[Encoder] | None = None,
     further: Sequence[Callable[[FloatArray], FloatArray]] = (),
     whole: Jacobian | None = None,
     left: Sequence[Series] = (),
-) -> Estimate:
+) -> SolutionEstimate:
     """Return the solution's uncertainty from one block per record with a row per sample.
 
     Parameters
     ----------
     solution : Solution
-    every_sample : sequence of Block
+    every_sample : sequence of DataBlock
     peak : float
         The largest force, N: it sets what rounding alone leaves.
     encoders : sequence of Encoder, optional
         Of each record, where the recorded motion is fitted.
-    priors : sequence of Block
+    priors : sequence of DataBlock
         What was known before the data.
     further : sequence of callable, optional
         Of each record that has no encoder, as :func:`~dashpot.engine.inference.covariance.sandwich`
@@ -175,11 +175,11 @@ def estimated(
     known = [Noise(block.samples, np.array([block.variance]), 1.0, 2.0) for block in priors]
     covariance = sandwich(known_by, [*noises, *known], further=further)
     residuals = tuple(one.values for one in left)
-    return Estimate(whole.names, covariance, residuals, noises, solution, known_by.turn)
+    return SolutionEstimate(whole.names, covariance, residuals, noises, solution, known_by.turn)
 
 
 def by_record(
-    whole: Jacobian, every_sample: Sequence[Block]
+    whole: Jacobian, every_sample: Sequence[DataBlock]
 ) -> tuple[tuple[FloatArray, ...], list[FloatArray]]:
     """Return residuals and Jacobians, one of each per record."""
     cuts = np.cumsum([block.samples for block in every_sample])[:-1]
@@ -204,7 +204,7 @@ def rounding(peak: float) -> float:
     return _ROUNDING * peak
 
 
-def _kernel(solution: Solution, block: Block) -> Kernel:
+def _kernel(solution: Solution, block: DataBlock) -> Kernel:
     """Return the relaxation of the solid that one record sees."""
     spring = [name for name in block.fixed_names if name.partition("@")[0] == "k_inf"]
     return Kernel(
@@ -214,7 +214,7 @@ def _kernel(solution: Solution, block: Block) -> Kernel:
     )
 
 
-def residual_of(solution: Solution, block: Block) -> FloatArray:
+def residual_of(solution: Solution, block: DataBlock) -> FloatArray:
     """Return what a solution leaves of one record, a row per sample."""
     rows = block.evaluate(solution.log_tau, False)
     fixed = np.array([solution.coefficient(name) for name in block.fixed_names])
@@ -224,25 +224,25 @@ def residual_of(solution: Solution, block: Block) -> FloatArray:
 
 def scored(
     solution: Solution,
-    blocks: Sequence[Block],
-    every_sample: Sequence[Block],
+    blocks: Sequence[DataBlock],
+    every_sample: Sequence[DataBlock],
     *,
     effective: float,
     peak: float,
-    priors: Sequence[Block] = (),
+    priors: Sequence[DataBlock] = (),
 ) -> Score:
     """Judge one number of arms by BIC and by the significance of its arms.
 
     Parameters
     ----------
     solution : Solution
-    blocks, every_sample : sequences of Block
+    blocks, every_sample : sequences of DataBlock
         The compressed data, and all of it.
     effective : float
         Effective number of residuals, from the largest model tried.
     peak : float
         Largest force, N; sets what rounding alone leaves.
-    priors : sequence of Block
+    priors : sequence of DataBlock
         What was known before the data.
     """
     floor = max(solution.samples * rounding(peak) ** 2, Stack(blocks).rounding_floor)

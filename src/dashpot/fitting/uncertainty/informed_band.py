@@ -20,7 +20,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from dashpot.base.arrays import FloatArray, runs
-from dashpot.engine.blocks.block import Block
+from dashpot.engine.blocks.block import DataBlock
 from dashpot.engine.solver.descent import Stack
 from dashpot.records.creep import LoadHold
 from dashpot.records.relaxation import RampHold
@@ -33,7 +33,7 @@ _FREQUENCIES_PER_DECADE = 20
 
 def informed_band(
     tests: Sequence[RampHold | LoadHold],
-    blocks: Sequence[Block],
+    blocks: Sequence[DataBlock],
     *,
     stiffness: float,
     noise: float,
@@ -61,14 +61,14 @@ def informed_band(
     return _widest(frequency, left, slowest, fastest)
 
 
-def informed_alone(block: Block, *, stiffness: float, noise: float) -> tuple[float, float]:
+def informed_alone(block: DataBlock, *, stiffness: float, noise: float) -> tuple[float, float]:
     """Return the band of one test by its noise alone, Hz, whatever its motion holds."""
     frequency, left = spread_left([block], stiffness=stiffness, noise=noise)
     return _widest(frequency, left, float(frequency[0]), float(frequency[-1]))
 
 
 def spread_left(
-    blocks: Sequence[Block], *, stiffness: float, noise: float
+    blocks: Sequence[DataBlock], *, stiffness: float, noise: float
 ) -> tuple[FloatArray, FloatArray]:
     """Return frequencies, Hz, and the part of the prior spread of K'' that the test leaves."""
     stack = Stack(blocks)

@@ -16,7 +16,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from dashpot.fitting.relaxation_data import RelaxationData
-from dashpot.fitting.uncertainty.admissible_spectra import Spectra, deviance_limit
+from dashpot.fitting.uncertainty.admissible_spectra import AdmissibleSpectra, deviance_limit
 from dashpot.records.bounds import EndOfHold
 from dashpot.records.estimate import Interval
 
@@ -43,7 +43,9 @@ def end_of_hold(
     level : float
         Coverage of each limit, nearly.
     """
-    spectra = Spectra(relaxations, fastest=1 / time, limit=deviance_limit(level, dof), further=tau)
+    spectra = AdmissibleSpectra(
+        relaxations, fastest=1 / time, limit=deviance_limit(level, dof), further=tau
+    )
     at_once = spectra.relaxed_to(np.inf)
     k_end, k_3end = (_above_zero(spectra.reach(spectra.relaxed_to(n * time))) for n in (1, 3))
     falling = spectra.falling_at(time)

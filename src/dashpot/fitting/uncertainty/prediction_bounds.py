@@ -13,7 +13,7 @@ from dashpot.base.arrays import ComplexArray, FloatArray, samples
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, si
 from dashpot.fitting.parameters import axes, own
-from dashpot.fitting.uncertainty.admissible_spectra import Spectra, deviance_limit
+from dashpot.fitting.uncertainty.admissible_spectra import AdmissibleSpectra, deviance_limit
 from dashpot.fitting.uncertainty.stiffness_set import distances, ratios
 from dashpot.fitting.weighed_relaxation import relaxation_data
 from dashpot.preparation.ramp_holds import Tests, ramp_holds
@@ -152,16 +152,16 @@ def frf_band(
             "relative or not"
         )
     f = _frequencies(frequency)
-    answer = Answer(mass, seals, kind, coupled)
-    own, formal = _formal(fit, 2 * np.pi * f, answer, level=level)
+    predicted = PredictedFRF(mass, seals, kind, coupled)
+    own, formal = _formal(fit, 2 * np.pi * f, predicted, level=level)
     resonance = np.sqrt(seals * fit.model.k_0 / mass) / (2 * np.pi)
     fastest = 2 * np.pi * max(float(f[-1]), SOUGHT * resonance)
     spectra = _spectra(fit, tests, fastest=fastest, level=level)
 
     def limits(at: FloatArray) -> FloatArray:
         omega = 2 * np.pi * at
-        reach = np.transpose([answer.reach(spectra, one) for one in omega])
-        return _holding(reach, answer.magnitude(fit.solid.complex_stiffness(omega), omega))
+        reach = np.transpose([predicted.reach(spectra, one) for one in omega])
+        return _holding(reach, predicted.magnitude(fit.solid.complex_stiffness(omega), omega))
 
     unseen = limits(f)
     peak = _resonance(spectra, mass / seals, 2 * np.pi * resonance)
@@ -201,11 +201,11 @@ def formal_frf_band(
     are not in it.
     """
     omega = 2 * np.pi * _frequencies(frequency)
-    return _formal(fit, omega, Answer(mass, seals, kind, coupled), level=level)[1]
+    return _formal(fit, omega, PredictedFRF(mass, seals, kind, coupled), level=level)[1]
 
 
 @dataclass(frozen=True)
-class Answer:
+class PredictedFRF:
     """What is predicted of a mass, kg, on seals: see :func:`frf_band`."""
 
     mass: float
@@ -231,7 +231,7 @@ class Answer:
                 return np.asarray(np.abs(self.seals * stiffness + self.coupled * omega**2) / away)
             return np.asarray(self._pulled * omega**2 / away)
 
-    def reach(self, spectra: Spectra, omega: float) -> tuple[float, float]:
+    def reach(self, spectra: AdmissibleSpectra, omega: float) -> tuple[float, float]:
         """Lowest and highest magnitude over all spectra that the tests do not reject."""
         felt = omega**2 / self.seals
         if self.kind is Kind.TRANSMISSIBILITY:
@@ -243,11 +243,11 @@ class Answer:
 
 
 def _formal(
-    fit: Fit, omega: FloatArray, answer: Answer, *, level: float
+    fit: Fit, omega: FloatArray, predicted: PredictedFRF, *, level: float
 ) -> tuple[FloatArray, FloatArray]:
     """The fit's own magnitude, shape (n,), and its limits by the draws, shape (2, n)."""
-    own = answer.magnitude(fit.solid.complex_stiffness(omega), omega)
-    return own, _quantiles(answer.magnitude(_drawn(fit, omega), omega), own, level)
+    own = predicted.magnitude(fit.solid.complex_stiffness(omega), omega)
+    return own, _quantiles(predicted.magnitude(_drawn(fit, omega), omega), own, level)
 
 
 # -- draws ------------------------------------------------------------------------------------
@@ -292,7 +292,7 @@ def _quantiles(values: FloatArray, own: FloatArray, level: float) -> FloatArray:
 # -- spectra ----------------------------------------------------------------------------------
 
 
-def _spectra(fit: Fit, tests: Tests, *, fastest: float, level: float) -> Spectra:
+def _spectra(fit: Fit, tests: Tests, *, fastest: float, level: float) -> AdmissibleSpectra:
     _level(level)
     records = ramp_holds(tests)
     if not records:
@@ -302,7 +302,7 @@ def _spectra(fit: Fit, tests: Tests, *, fastest: float, level: float) -> Spectra
             f"the fit's method is {fit.method!r}: the unseen arms are bounded by the noise of the "
             "relaxation test alone; give the fit of that test"
         )
-    return Spectra(
+    return AdmissibleSpectra(
         [relaxation_data(record, fit) for record in records],
         fastest=fastest,
         limit=deviance_limit(level, fit.dof),
@@ -310,7 +310,7 @@ def _spectra(fit: Fit, tests: Tests, *, fastest: float, level: float) -> Spectra
     )
 
 
-def _limits(spectra: Spectra, omega: float) -> list[tuple[float, float]]:
+def _limits(spectra: AdmissibleSpectra, omega: float) -> list[tuple[float, float]]:
     storage, loss = spectra.stiffness_at(omega)
     return [spectra.reach(storage), spectra.reach(loss), spectra.ratio_reach(loss, storage)]
 
@@ -320,7 +320,7 @@ def _holding(limits: FloatArray, own: FloatArray) -> FloatArray:
     return np.array([np.minimum(limits[0], own), np.maximum(limits[1], own)])
 
 
-def _resonance(spectra: Spectra, share: float, own: float) -> tuple[float, float] | None:
+def _resonance(spectra: AdmissibleSpectra, share: float, own: float) -> tuple[float, float] | None:
     r"""Frequencies, Hz, at which :math:`K' = m\omega^2/n` for some spectrum; `share` is m/n.
 
     None if every spectrum is softer or stiffer than that wherever it was sought, an upper end of

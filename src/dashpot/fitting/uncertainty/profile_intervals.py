@@ -9,15 +9,15 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.student_t import t_quantile
-from dashpot.engine.blocks.block import Block
+from dashpot.engine.blocks.block import DataBlock
 from dashpot.engine.blocks.kernels import compact_block
 from dashpot.engine.inference.covariance import nearly_white, noise_gain_differs
-from dashpot.engine.inference.profile_likelihood import BEYOND, Optimum
+from dashpot.engine.inference.profile_likelihood import BEYOND
 from dashpot.engine.inference.profile_likelihood import profiles as walked
-from dashpot.engine.inference.profile_walks import Asked, Coordinate
+from dashpot.engine.inference.profile_walks import Coordinate, Profiled
 from dashpot.engine.solver.descent import Stack
 from dashpot.engine.solver.variable_projection import full_jacobian
-from dashpot.fitting.uncertainty.estimate import Estimate, by_record
+from dashpot.fitting.uncertainty.estimate import SolutionEstimate, by_record
 from dashpot.records.estimate import Profile
 
 if TYPE_CHECKING:
@@ -31,19 +31,19 @@ _WIDEST_LEVEL, _USUAL_LEVEL, _MEASURE = 0.999, 0.95, 30.0
 
 
 def profiles(
-    blocks: Sequence[Block],
-    estimate: Estimate,
+    blocks: Sequence[DataBlock],
+    estimate: SolutionEstimate,
     *,
-    every_sample: Sequence[Block] | None = None,
+    every_sample: Sequence[DataBlock] | None = None,
 ) -> tuple[Profile, ...]:
     """Return the profiles of tau, k and b of every arm with SE(ln tau) >= 0.05, and of k_inf.
 
     Parameters
     ----------
-    blocks : sequence of Block
+    blocks : sequence of DataBlock
         The compressed data.
-    estimate : Estimate
-    every_sample : sequence of Block, optional
+    estimate : SolutionEstimate
+    every_sample : sequence of DataBlock, optional
         The data with a row per sample, in the order of time: noise as slow as the arms is then
         counted as each profile meets it.
     """
@@ -76,14 +76,13 @@ def profiles(
             for block in blocks
         ]
     )
-    optimum = Optimum(np.concatenate((solution.fixed, solution.arms.ravel())), solution.log_tau)
     widest, usual = (t_quantile(one, estimate.dof) ** 2 for one in (_WIDEST_LEVEL, _USUAL_LEVEL))
     limit = min(widest, max(1.1 * usual, _MEASURE))
-    found = walked(stack, optimum, list(asked.values()), limit=limit)
+    found = walked(stack, solution, list(asked.values()), limit=limit)
     return tuple(Profile(name, *one) for name, one in zip(asked, found, strict=True))
 
 
-def _noise_gain(every_sample: Sequence[Block], estimate: Estimate) -> NoiseGain | None:
+def _noise_gain(every_sample: Sequence[DataBlock], estimate: SolutionEstimate) -> NoiseGain | None:
     """Return the noise gain of each change of the model, None if it is about the same."""
     if nearly_white(estimate.noises):
         return None
@@ -98,19 +97,19 @@ def _noise_gain(every_sample: Sequence[Block], estimate: Estimate) -> NoiseGain 
 class _Scaling:
     """Steps and scales of profiles, so that each begins as its own covariance says."""
 
-    def __init__(self, estimate: Estimate, noise_gain: NoiseGain | None) -> None:
+    def __init__(self, estimate: SolutionEstimate, noise_gain: NoiseGain | None) -> None:
         self.estimate = estimate
         self.noise_gain = noise_gain
 
-    def linear(self, row: str) -> Asked:
+    def linear(self, row: str) -> Profiled:
         index = self.estimate.names.index(row)
         return self._along(Coordinate.LINEAR, index, self._unit(index))
 
-    def log_tau(self, arm: int) -> Asked:
+    def log_tau(self, arm: int) -> Profiled:
         index = self.estimate.names.index(f"ln_tau_{arm + 1}")
         return self._along(Coordinate.LOG_TAU, arm, self._unit(index))
 
-    def log_b(self, arm: int, row: str, k: float, *, fixed: int) -> Asked:
+    def log_b(self, arm: int, row: str, k: float, *, fixed: int) -> Profiled:
         gradient = self._unit(self.estimate.names.index(f"ln_tau_{arm + 1}"))
         index = self.estimate.names.index(row)
         gradient[index] = 1.0 / k
@@ -122,7 +121,7 @@ class _Scaling:
         unit[index] = 1.0
         return unit
 
-    def _along(self, coordinate: Coordinate, index: int, gradient: FloatArray) -> Asked:
+    def _along(self, coordinate: Coordinate, index: int, gradient: FloatArray) -> Profiled:
         used = gradient != 0.0
         block = self.estimate.covariance[np.ix_(used, used)]
         known = self.estimate.directions
@@ -137,7 +136,7 @@ class _Scaling:
         step = 0.7 * error
         if coordinate is not Coordinate.LINEAR:
             step = min(step, 0.5)
-        return Asked(
+        return Profiled(
             coordinate,
             index,
             step=max(step, 1e-9),

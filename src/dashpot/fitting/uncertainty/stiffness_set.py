@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from dashpot.base.arrays import FloatArray, IndexArray
-from dashpot.fitting.uncertainty.admissible_spectra import Spectra
+from dashpot.fitting.uncertainty.admissible_spectra import AdmissibleSpectra
 
 # what the points met and the lines that enclose them allow differs by less, relatively
 CLOSE = 0.01
@@ -19,7 +19,7 @@ DIRECTIONS = 40
 FAR = 1e9
 
 
-def distances(spectra: Spectra, omega: float, inertia: float) -> tuple[float, float]:
+def distances(spectra: AdmissibleSpectra, omega: float, inertia: float) -> tuple[float, float]:
     """Nearest and farthest distance of the convex set of (K', K'') from (inertia, 0), outer."""
     felt = StiffnessSet(spectra, omega, inertia)
     while len(felt.directions) < DIRECTIONS:
@@ -37,7 +37,7 @@ def distances(spectra: Spectra, omega: float, inertia: float) -> tuple[float, fl
 
 
 def ratios(
-    spectra: Spectra, omega: float, inertia: float, coupled: float = 0.0
+    spectra: AdmissibleSpectra, omega: float, inertia: float, coupled: float = 0.0
 ) -> tuple[float, float]:
     r"""Lowest and highest transmissibility :math:`|K| / |K - m\omega^2/n|` over the set, outer.
 
@@ -69,7 +69,7 @@ def ratios(
 class StiffnessSet:
     """What supports in some directions say of that set, seen from the stiffness of a mass."""
 
-    def __init__(self, spectra: Spectra, omega: float, inertia: float) -> None:
+    def __init__(self, spectra: AdmissibleSpectra, omega: float, inertia: float) -> None:
         self.columns, self.spectra = np.array(spectra.stiffness_at(omega)), spectra
         self.point = np.array([inertia, 0.0])
         self.directions: list[FloatArray] = []

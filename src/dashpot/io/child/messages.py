@@ -12,9 +12,9 @@ from collections.abc import Iterable
 from typing import Any, BinaryIO, TypeAlias, get_args
 
 from dashpot.io.child.limits import LARGEST, within
-from dashpot.io.table import Column, Content, Question, Table, in_memory
+from dashpot.io.table import Column, Content, FileTable, Question, in_memory
 
-Answer: TypeAlias = Table | dict[str, bytes]
+Answer: TypeAlias = FileTable | dict[str, bytes]
 """A table whose numbers are in memory, or the texts of a file by name."""
 
 _HEAD = 1 << 22
@@ -107,7 +107,7 @@ def receive_answer(stream: BinaryIO, head: dict[str, Any]) -> Answer:
         raise Garbled from None
 
 
-def _table(stream: BinaryIO, head: dict[str, Any]) -> Table:
+def _table(stream: BinaryIO, head: dict[str, Any]) -> FileTable:
     import numpy as np
 
     rows, starts = _count(head["rows"]), tuple(_count(start) for start in head["starts"])
@@ -122,7 +122,7 @@ def _table(stream: BinaryIO, head: dict[str, Any]) -> Table:
     values = np.empty((rows, len(columns)))
     for i in range(len(columns)):
         values[:, i] = np.frombuffer(exactly(stream, 8 * rows))
-    return Table(
+    return FileTable(
         format=_typed(head["format"], str),
         columns=columns,
         load=in_memory(values, starts, segments),

@@ -20,7 +20,7 @@ from dashpot.io.columns.ratios import ratio
 from dashpot.io.columns.roles import accelerations, find_column, option_of, score
 from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions, flag
-from dashpot.io.table import Table
+from dashpot.io.table import FileTable
 
 FileKind: TypeAlias = Literal[
     "relaxation", "impact", "frf", "transmissibility", "dma", "master-curve", "strain-sweep",
@@ -68,7 +68,7 @@ _SIGNALS = {"force", "displacement", "stress", "strain"}
 class _NamedColumns:
     """What the names and units of a table's columns say."""
 
-    table: Table
+    table: FileTable
     options: ReadOptions
 
     def has(self, *roles: Role, least: float = 1.5) -> bool:
@@ -208,7 +208,7 @@ _RULES: tuple[tuple[FileKind, str, Callable[[_NamedColumns], bool]], ...] = (
 """The kinds, their reasons and what shows them; the first that holds is taken."""
 
 
-def kind_of(table: Table, options: ReadOptions) -> tuple[FileKind, str]:
+def kind_of(table: FileTable, options: ReadOptions) -> tuple[FileKind, str]:
     """Return the kind of record and why, from names and units, and of a sweep from its range."""
     named = _NamedColumns(table, options)
     peaks = None if named.swept() else cycle_peaks(table)
@@ -223,7 +223,7 @@ def kind_of(table: Table, options: ReadOptions) -> tuple[FileKind, str]:
     return kind, reason
 
 
-def of_motions(table: Table) -> bool:
+def of_motions(table: FileTable) -> bool:
     """Whether a response is of a motion to another, as under base excitation."""
     said = any("transmissib" in line.casefold() for line in table.header)
     return said or any(
@@ -232,7 +232,7 @@ def of_motions(table: Table) -> bool:
     )
 
 
-def said_relative(table: Table) -> bool:
+def said_relative(table: FileTable) -> bool:
     """Whether a name or the header says a relative transmissibility."""
     said = (*table.header, *(column.name for column in table.columns))
     return any("relative transmissib" in one.casefold().replace("_", " ") for one in said)
@@ -250,14 +250,14 @@ def _over_motion(unit: str) -> bool:
     return found is not None and found.kind.over_base
 
 
-def _numbers(table: Table, role: Role, options: ReadOptions) -> FloatArray:
+def _numbers(table: FileTable, role: Role, options: ReadOptions) -> FloatArray:
     """The numbers of the column likeliest in a role; none if there is no such column."""
     indexes = _columns(table, (role,), options)
     values = table.load(indexes).values[:, 0] if indexes else np.empty(0)
     return values[np.isfinite(values)]
 
 
-def _columns(table: Table, roles: Sequence[Role], options: ReadOptions) -> list[int]:
+def _columns(table: FileTable, roles: Sequence[Role], options: ReadOptions) -> list[int]:
     """The index of the column likeliest in each role; of a role without such a column none."""
     found = []
     for role in roles:
@@ -271,19 +271,19 @@ def _columns(table: Table, roles: Sequence[Role], options: ReadOptions) -> list[
     return found
 
 
-def _decades(table: Table, role: Role, options: ReadOptions) -> float:
+def _decades(table: FileTable, role: Role, options: ReadOptions) -> float:
     """Over how many decades a column runs; NaN without three values above zero."""
     values = _numbers(table, role, options)
     values = values[values > 0]
     return float(np.ptp(np.log10(values))) if len(values) > 2 else math.nan
 
 
-def _varies(table: Table, role: Role, options: ReadOptions) -> bool:
+def _varies(table: FileTable, role: Role, options: ReadOptions) -> bool:
     values = _numbers(table, role, options)
     return bool(len(values) and np.ptp(values) > 0.05 * np.abs(values).max())
 
 
-def _swept(table: Table, options: ReadOptions, reason: str) -> tuple[FileKind, str]:
+def _swept(table: FileTable, options: ReadOptions, reason: str) -> tuple[FileKind, str]:
     """What a table of storage and loss was swept over."""
     decades = _decades(table, "frequency", options)
     if decades >= MASTER:
@@ -307,7 +307,7 @@ _SAME_WARMTH = 3.0
 """K within which rows are of one temperature."""
 
 
-def amplitude_named(table: Table, options: ReadOptions) -> ReadOptions:
+def amplitude_named(table: FileTable, options: ReadOptions) -> ReadOptions:
     """The options, with a length that is called an amplitude and nothing else as displacement."""
     if any(
         getattr(options, role) or any(score(c, role, options) >= 1.0 for c in table.columns)
@@ -332,7 +332,7 @@ def groups(values: FloatArray, width: float) -> npt.NDArray[np.intp]:
     return found
 
 
-def _crossed(table: Table, options: ReadOptions) -> bool:
+def _crossed(table: FileTable, options: ReadOptions) -> bool:
     """Whether most frequencies were met at several amplitudes at one temperature."""
     amplitudes = _columns(table, ("strain", "displacement"), options)
     if not amplitudes:
@@ -356,7 +356,7 @@ def _crossed(table: Table, options: ReadOptions) -> bool:
 
 
 def refuse_kind(
-    table: Table, options: ReadOptions, accepted: Sequence[FileKind], want: str
+    table: FileTable, options: ReadOptions, accepted: Sequence[FileKind], want: str
 ) -> None:
     """Refuse a table that is surely not what `want` says, with the command that takes it.
 
@@ -376,7 +376,7 @@ def refuse_kind(
         raise ReadError(f"this is {what} ({reason}), where {want} expected: {command}")
 
 
-def cycle_peaks(table: Table) -> str | None:
+def cycle_peaks(table: FileTable) -> str | None:
     """Return why a table is one row per cycle (trends, peaks), or None."""
     names = [column.name for column in table.columns]
     extremes = list(filter(_is_extreme, names))

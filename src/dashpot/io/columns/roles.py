@@ -15,7 +15,7 @@ from dashpot.io.columns import vocabulary
 from dashpot.io.columns.ratios import ratio
 from dashpot.io.columns.vocabulary import DIMENSION, Role
 from dashpot.io.options import ReadOptions, flag
-from dashpot.io.table import Column, Question, Table
+from dashpot.io.table import Column, FileTable, Question
 
 EXAMPLE = {
     "time": "s", "displacement": "mm", "force": "N", "acceleration": "m/s^2", "frequency": "Hz",
@@ -67,7 +67,7 @@ def option_of(role: Role) -> str:
     return {"complex_modulus": "magnitude", "loss_angle": "phase"}.get(role, role)
 
 
-def assign(table: Table, role: Role, options: ReadOptions) -> Assigned | Question:
+def assign(table: FileTable, role: Role, options: ReadOptions) -> Assigned | Question:
     """Return the column that plays a role, or the question to ask.
 
     Raises
@@ -109,7 +109,9 @@ def _word(role: Role) -> str:
     return {"hammer": "hammer force"}.get(role, role.replace("_", " "))
 
 
-def _same_numbers(table: Table, indexes: Sequence[int], role: Role, options: ReadOptions) -> bool:
+def _same_numbers(
+    table: FileTable, indexes: Sequence[int], role: Role, options: ReadOptions
+) -> bool:
     """Whether columns hold one signal, in SI: written twice, or in two units."""
     dimension = DIMENSION.get(role)
     columns = [table.columns[i] for i in indexes]
@@ -128,13 +130,13 @@ def _same_numbers(table: Table, indexes: Sequence[int], role: Role, options: Rea
     return bool((apart <= _ROUNDED * np.ptp(whole[:, 0])).all())
 
 
-def _suited(table: Table, role: Role, options: ReadOptions) -> list[tuple[float, int]]:
+def _suited(table: FileTable, role: Role, options: ReadOptions) -> list[tuple[float, int]]:
     """The columns that could play a role with their scores, the best first."""
     scored = ((score(column, role, options), -i) for i, column in enumerate(table.columns))
     return [(value, -i) for value, i in sorted(scored, reverse=True) if value >= 1.0]
 
 
-def accelerations(table: Table, taken: Sequence[int], options: ReadOptions) -> tuple[int, ...]:
+def accelerations(table: FileTable, taken: Sequence[int], options: ReadOptions) -> tuple[int, ...]:
     """Return every acceleration column, as named or as found."""
     if options.acceleration:
         return tuple(find_column(table.columns, n, "--acceleration") for n in options.acceleration)
@@ -234,7 +236,7 @@ def _reason(column: Column, role: Role) -> str:
     return f"the only column in a unit of {dimension} ({column.unit})"
 
 
-def acceleration_question(table: Table) -> Question:
+def acceleration_question(table: FileTable) -> Question:
     """Ask for the accelerations where no column shows itself as one."""
     numbers = [i for i, c in enumerate(table.columns) if c.content == "number"]
     named = [f'--acceleration "{handle(table.columns, i)}"' for i in numbers[2:4] or numbers[-1:]]
@@ -251,7 +253,7 @@ def _says(column: Column) -> bool:
     return max(vocabulary.matches(column.name).values(), default=0.0) >= 2.0
 
 
-def _nothing(table: Table, role: Role) -> Question:
+def _nothing(table: FileTable, role: Role) -> Question:
     """Ask for the column of a role that none was found for: a wrong label is worth naming."""
     option = flag(option_of(role))
     answer = f"{option} NAME"
@@ -274,7 +276,7 @@ def _nothing(table: Table, role: Role) -> Question:
     return Question(says, answer, role=_word(role), example=example)
 
 
-def ask(table: Table, questions: Sequence[Question]) -> str:
+def ask(table: FileTable, questions: Sequence[Question]) -> str:
     """All questions in one sentence each; what no column was found for, in one for all."""
     lacking = [one for one in questions if one.role]
     if len(lacking) < 2:
@@ -296,7 +298,7 @@ def _is_mislabelled(column: Column, role: Role) -> bool:
     return meant and not fits and units.find(word) is not None
 
 
-def _example(table: Table, role: Role) -> str:
+def _example(table: FileTable, role: Role) -> str:
     """A column that could be meant: one whose name says nothing else."""
     numbers = [i for i, c in enumerate(table.columns) if c.content == "number"] or [0]
     free = [i for i in numbers if not _says(table.columns[i])]
@@ -412,7 +414,7 @@ def _clock_unit(label: str, stated: str | None) -> Unit:
     )
 
 
-def no_units(table: Table, lacking: Sequence[Assigned]) -> str:
+def no_units(table: FileTable, lacking: Sequence[Assigned]) -> str:
     """Ask for the units of several columns that have none, in one sentence."""
     columns = [table.columns[one.index] for one in lacking]
     each = list(zip(columns, lacking, strict=True))
@@ -436,9 +438,9 @@ def sensitivity(word: str, dimension: Dimension, column_unit: str | None) -> Uni
     measured = units.find(match[3], dimension)
     if measured is None or float(match[1]) <= 0:
         return None
-    prefix = {"m": 1e-3, "u": 1e-6, "µ": 1e-6}.get(match[2] or "", 1.0)
+    volt = units.parse_unit(f"{match[2] or ''}V", "voltage").factor
     volts = units.find(column_unit, "voltage") if column_unit else None
-    factor = (volts.factor if volts else 1.0) * measured.factor / (float(match[1]) * prefix)
+    factor = (volts.factor if volts else 1.0) * measured.factor / (float(match[1]) * volt)
     return Unit(word, dimension, factor)
 
 

@@ -9,7 +9,7 @@ from importlib import import_module
 from dashpot.base.errors import ReadError
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import Raw, about
-from dashpot.io.table import Table
+from dashpot.io.table import FileTable
 
 _FOREIGN = {"hdf5", "matlab", "tdms", "trios", "uff"}
 """Formats whose whole reading is left to a child; a workbook's is left to it up to the text."""
@@ -38,7 +38,7 @@ def format_of(raw: Raw) -> str:
     return "trios" if bare.lstrip().startswith((b"{", b"[{")) else "text"
 
 
-def read_table(raw: Raw, options: ReadOptions) -> Table:
+def read_table(raw: Raw, options: ReadOptions) -> FileTable:
     """Return the table in a file of any known format.
 
     Raises
@@ -56,11 +56,12 @@ def read_table(raw: Raw, options: ReadOptions) -> Table:
     return calibrated(table, raw, options)
 
 
-def _table(raw: Raw, options: ReadOptions) -> Table:
+def _table(raw: Raw, options: ReadOptions) -> FileTable:
     name = format_of(raw)
     if options.sheet is not None and name not in _SHEETED:
         raise ReadError(f"--sheet {options.sheet}: this file has no sheets or groups; leave it out")
-    reader: Callable[[Raw, ReadOptions], Table] = import_module(f"dashpot.io.formats.{name}").read
+    reads = import_module(f"dashpot.io.formats.{name}")
+    reader: Callable[[Raw, ReadOptions], FileTable] = reads.read
     try:
         if name not in _FOREIGN:
             return reader(raw, options)

@@ -15,7 +15,7 @@ from dashpot.base.arrays import ByValue, FloatArray, frozen
 from dashpot.base.errors import ReadError
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import Raw, about, open_raw
-from dashpot.io.table import Column, Loaded, Table
+from dashpot.io.table import Column, FileTable, Loaded
 
 AXES = ("Fx", "Fy", "Fz", "Tx", "Ty", "Tz")
 _NEAR = 0.9
@@ -170,7 +170,7 @@ def _moved(sensor: ET.Element, matrix: FloatArray) -> FloatArray:
     return moved
 
 
-def calibrated(table: Table, raw: Raw, options: ReadOptions) -> Table:
+def calibrated(table: FileTable, raw: Raw, options: ReadOptions) -> FileTable:
     """Return the table with the axis of the calibrated transducer as one more column, the force.
 
     The bias is the median of the first rows, subtracted in volts.
@@ -219,7 +219,7 @@ def _loads(calibration: Calibration, volts: FloatArray, axis: str) -> tuple[Floa
     return loads, [says, *calibration.overload(whole), *calibration.small(whole, axis)]
 
 
-def _gauges(table: Table) -> tuple[list[int], float]:
+def _gauges(table: FileTable) -> tuple[list[int], float]:
     """The six gauge columns in the order of their numbers, and the factor to volts."""
     found = [units.find(column.unit or "", "voltage") for column in table.columns]
     volts = {i: unit.factor for i, unit in enumerate(found) if unit is not None}
@@ -237,7 +237,7 @@ def _gauges(table: Table) -> tuple[list[int], float]:
     return gauges, factors.pop()
 
 
-def _numbered(table: Table) -> list[int]:
+def _numbered(table: FileTable) -> list[int]:
     """The six columns that are called gauges by number, in that order; none if not six."""
     found: dict[int, int] = {}
     for i, column in enumerate(table.columns):

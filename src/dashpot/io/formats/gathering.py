@@ -12,7 +12,7 @@ import numpy as np
 from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.errors import ReadError
 from dashpot.io.columns.names import part_unit
-from dashpot.io.table import Column, Table, in_memory
+from dashpot.io.table import Column, FileTable, in_memory
 
 _RATES = {"fs", "rate", "samplerate", "samplingrate", "samplefrequency", "samplingfrequency", "sr"}
 _STEPS = {"dt", "ts", "deltat", "timestep", "sampletime", "deltax", "increment"}
@@ -27,7 +27,7 @@ class Named:
     unit: str | None = None
 
 
-def gather(arrays: Sequence[Named], *, format_: str, notes: Sequence[str] = ()) -> Table:
+def gather(arrays: Sequence[Named], *, format_: str, notes: Sequence[str] = ()) -> FileTable:
     """Return the arrays of the commonest length as one table; single numbers become hints.
 
     A complex array becomes two columns, named after it: its real and its imaginary part.
@@ -47,7 +47,7 @@ def gather(arrays: Sequence[Named], *, format_: str, notes: Sequence[str] = ()) 
     passed = f"{len(left)} arrays of another length than {length} were passed over: " + ", ".join(
         left[:5]
     )
-    return Table(
+    return FileTable(
         format=format_,
         columns=tuple(map(_column, kept)),
         load=in_memory(np.column_stack([array.values for array in kept])),

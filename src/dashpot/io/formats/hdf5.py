@@ -14,7 +14,7 @@ from dashpot.io.child import limits
 from dashpot.io.formats.gathering import Named, gather, numbers
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import Raw, extra
-from dashpot.io.table import Table
+from dashpot.io.table import FileTable
 
 _UNIT = ("unit", "units", "Unit", "Units", "unit_string", "UNIT")
 _NAMES = ("columns", "names", "channels", "column_names", "fields")
@@ -28,7 +28,7 @@ _FOREIGN = "it is data of another file, which this file's hash does not cover; s
 
 
 @dataclass
-class _Found:
+class _Walked:
     """What a walk has found, and the objects it has been to: links may lead in circles."""
 
     datasets: list[tuple[Any, str]] = field(default_factory=list)
@@ -37,7 +37,7 @@ class _Found:
     numbers: int = 0
 
 
-def read(raw: Raw, options: ReadOptions) -> Table:
+def read(raw: Raw, options: ReadOptions) -> FileTable:
     """Return the datasets of an HDF5 file, or of the group ``options.sheet``, as a table.
 
     Units are read from the attribute ``unit`` or ``units``, or from a text dataset of that name
@@ -50,7 +50,7 @@ def read(raw: Raw, options: ReadOptions) -> Table:
         virtual datasets).
     """
     h5py = extra("h5py", "h5py", "HDF5 or MAT 7.3 files")
-    found = _Found()
+    found = _Walked()
     with raw.open() as stream, h5py.File(stream, "r") as file:
         group: Any = file
         for key in (options.sheet or "").strip("/").split("/"):
@@ -77,7 +77,7 @@ def _linked(group: Any, key: str) -> Any:
     return group[key] if isinstance(link, h5py.HardLink) else None
 
 
-def _walk(node: Any, name: str, found: _Found) -> None:
+def _walk(node: Any, name: str, found: _Walked) -> None:
     from h5py import Dataset, Group, h5o
 
     info = h5o.get_info(node.id)
@@ -94,7 +94,7 @@ def _walk(node: Any, name: str, found: _Found) -> None:
                     _walk(inner, f"{name}.{key}".strip("."), found)
 
 
-def _take(node: Any, name: str, found: _Found) -> None:
+def _take(node: Any, name: str, found: _Walked) -> None:
     """Keep a dataset that holds numbers of its own, no more than may be read."""
     if node.is_virtual or node.external:
         raise ReadError(f"'{name}' is a virtual or external dataset: {_FOREIGN}")

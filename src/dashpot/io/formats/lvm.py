@@ -15,7 +15,7 @@ from dashpot.base.errors import ReadError
 from dashpot.io.columns.names import part_unit
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import Raw
-from dashpot.io.table import Column, Content, Loaded, Question, Table
+from dashpot.io.table import Column, Content, FileTable, Loaded, Question
 from dashpot.io.text import cells as cell
 from dashpot.io.text.cells import Mark
 from dashpot.io.text.dialect import Dialect
@@ -73,7 +73,7 @@ class _Rows:
         return replace(loaded, values=np.column_stack([column[i] for i in indexes]))
 
 
-def read(raw: Raw, options: ReadOptions) -> Table:
+def read(raw: Raw, options: ReadOptions) -> FileTable:
     """Return the channels of an LVM file; each segment, and each record stacked in one, parts.
 
     Where the file holds no column of time it is counted from ``X0`` and ``Delta_X``. Records of
@@ -105,7 +105,7 @@ def read(raw: Raw, options: ReadOptions) -> Table:
     def load(indexes: Sequence[int]) -> Loaded:
         return rows.load(lambda: decoded(raw.blocks(), encoding, found=found), indexes)
 
-    return Table(
+    return FileTable(
         format="LVM",
         columns=tuple(columns),
         load=load,

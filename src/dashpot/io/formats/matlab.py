@@ -21,7 +21,7 @@ from dashpot.io.child import limits
 from dashpot.io.formats.gathering import Named, gather, numbers
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import Raw
-from dashpot.io.table import Table
+from dashpot.io.table import FileTable
 
 _DATA = ("data", "values", "value", "y", "signal")
 _UNITS = ("unit", "units", "unit_string", "label_unit")
@@ -40,7 +40,7 @@ _AT_ONCE = 1 << 16
 Take = Callable[[int], bytes]
 
 
-def read(raw: Raw, options: ReadOptions) -> Table:
+def read(raw: Raw, options: ReadOptions) -> FileTable:
     """Return the vectors of a MAT file as a table; a struct's fields are named ``struct.field``."""
     from scipy.io import loadmat
 

@@ -12,7 +12,7 @@ from dashpot.base.errors import ReadError
 from dashpot.io.child import limits
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import Raw, extra
-from dashpot.io.table import Column, Table, in_memory
+from dashpot.io.table import Column, FileTable, in_memory
 
 _UNITS = ("unit_string", "NI_UnitDescription", "Unit", "unit", "Units")
 _WHOLE = 0.01
@@ -28,7 +28,7 @@ class _Channel:
     offset: float
 
 
-def read(raw: Raw, options: ReadOptions) -> Table:
+def read(raw: Raw, options: ReadOptions) -> FileTable:
     """Return the channels of a TDMS file, one segment for each group.
 
     Raises
@@ -53,7 +53,7 @@ def read(raw: Raw, options: ReadOptions) -> Table:
     if blocks[0].shape[1] > len(first):
         columns.insert(0, Column("time", "s"))
     starts = np.cumsum([0, *(len(block) for block in blocks[:-1])])
-    return Table(
+    return FileTable(
         format="TDMS",
         columns=tuple(columns),
         load=in_memory(np.concatenate(blocks), tuple(map(int, starts)), tuple(groups)),

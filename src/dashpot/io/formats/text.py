@@ -10,7 +10,7 @@ from dashpot.base.errors import ReadError
 from dashpot.io.columns.vocabulary import clock_order
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import Raw
-from dashpot.io.table import Loaded, Question, Table
+from dashpot.io.table import FileTable, Loaded, Question
 from dashpot.io.text import cells
 from dashpot.io.text.dialect import Dialect, decimals, find_dialect
 from dashpot.io.text.encoding import decoded, find_encoding
@@ -25,7 +25,7 @@ _NAMES = {"\t": "tab", ";": "semicolon", ",": "comma", " ": "blanks", "|": "pipe
 _MARKS = {".": "point", ",": "comma", ".,": "point and comma, mixed"}
 
 
-def read(raw: Raw, options: ReadOptions) -> Table:
+def read(raw: Raw, options: ReadOptions) -> FileTable:
     """Return the table that a text file holds.
 
     Raises
@@ -77,7 +77,7 @@ def _partial(head: bytes, encoding: str, *, found: bool) -> list[str]:
 
 def _table(
     raw: Raw, encoding: str, lines: list[str], dialect: Dialect, options: ReadOptions
-) -> Table:
+) -> FileTable:
     above = lines[: dialect.first]
     header = [line for line in above if line.strip()]
     found = read_header(above, dialect)
@@ -103,7 +103,7 @@ def _table(
             sure=options.decimal is not None,
         )
 
-    return Table(
+    return FileTable(
         format="text",
         columns=found.columns,
         load=load,

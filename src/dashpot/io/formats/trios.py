@@ -12,14 +12,14 @@ from dashpot.base.errors import ReadError
 from dashpot.io.child import limits
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import Raw
-from dashpot.io.table import Column, Table, in_memory
+from dashpot.io.table import Column, FileTable, in_memory
 
 _LARGEST = 1 << 28
 _DEEPEST = 20
 _Set: TypeAlias = tuple[str, tuple[tuple[str, str], ...], list[list[float]]]
 
 
-def read(raw: Raw, options: ReadOptions) -> Table:
+def read(raw: Raw, options: ReadOptions) -> FileTable:
     """Return the data sets of a TRIOS JSON file, joined as segments where their columns agree.
 
     Raises
@@ -37,7 +37,7 @@ def read(raw: Raw, options: ReadOptions) -> Table:
         raise ReadError(f"results {listed} have different columns; choose one with --sheet")
     rows = [np.asarray(part, dtype=float).reshape(-1, len(columns)) for part in values]
     starts = np.cumsum([0, *map(len, rows[:-1])])
-    return Table(
+    return FileTable(
         format="TRIOS JSON",
         columns=tuple(Column(name, unit or None) for name, unit in columns),
         load=in_memory(np.concatenate(rows), tuple(map(int, starts)), names),

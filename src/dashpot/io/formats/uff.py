@@ -11,9 +11,10 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
+from dashpot.base.units import in_unit
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import Raw, extra
-from dashpot.io.table import Column, Question, Table, in_memory
+from dashpot.io.table import Column, FileTable, Question, in_memory
 
 TIME, FRF_, COHERENCE = 1, 4, 6
 """Function types of dataset 58."""
@@ -31,7 +32,7 @@ SEGMENT = "--segment NUMBER"
 _Set: TypeAlias = dict[str, Any]
 
 
-def read(raw: Raw, options: ReadOptions) -> Table:
+def read(raw: Raw, options: ReadOptions) -> FileTable:
     """Return the FRFs of a file, else its time records, as a table.
 
     Of several FRFs one is chosen by ``--segment``; without it those on the same lines are columns
@@ -88,7 +89,7 @@ def _frf(
     *,
     segment: int | None,
     notes: list[str],
-) -> Table:
+) -> FileTable:
     doubts = _which(frfs) if segment is None else ()
     number = segment or 1
     if number > len(frfs):
@@ -156,7 +157,7 @@ def _per(above: str | None, below: str | None) -> str | None:
     return f"({above})/{below}"
 
 
-def _timed(timed: Sequence[_Set], units: _Set | None, notes: list[str]) -> Table:
+def _timed(timed: Sequence[_Set], units: _Set | None, notes: list[str]) -> FileTable:
     first = timed[0]
     grids = {
         (len(e["x"]), round(float(e["x"][0]), 12), round(float(e["x"][-1]), 12)) for e in timed
@@ -184,9 +185,9 @@ def _table(
     entry: _Set,
     notes: Sequence[str],
     doubts: tuple[Question, ...] = (),
-) -> Table:
+) -> FileTable:
     comments = tuple(f"# {entry[key]}" for key in ("id1", "id2", "id3", "id4", "id5"))
-    return Table(
+    return FileTable(
         format="UFF 58",
         doubts=doubts,
         columns=tuple(columns),
@@ -197,7 +198,7 @@ def _table(
     )
 
 
-def _modes(sets: Sequence[_Set], units: _Set | None) -> Table:
+def _modes(sets: Sequence[_Set], units: _Set | None) -> FileTable:
     """A row for each node of each mode: places in m, and modal masses in kg, by dataset 164."""
     shapes = _shapes(sets)
     length, force = (1.0 if units is None else float(units[key]) for key in ("length", "force"))
@@ -287,7 +288,7 @@ def _unit(entry: _Set, axis: str, units: _Set | None) -> str | None:
     word = _QUANTITY.get(int(entry.get(f"{axis}_spec_data_type", 0) or 0), "")
     length, force = float(units.get("length", 1.0)), float(units.get("force", 1.0))
     if word == "N":
-        return {1.0: "N", 1000.0: "mN", 1e-3: "kN"}.get(force)
+        return next((name for name in ("N", "mN", "kN") if in_unit(1.0, name) == force), None)
     if word.startswith("m"):
         prefix = {1.0: "", 1000.0: "m"}.get(length)
         return None if prefix is None else prefix + word

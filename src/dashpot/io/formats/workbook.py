@@ -12,12 +12,12 @@ from dashpot.io.formats import text
 from dashpot.io.formats.sheets import listed, sheets
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import Raw
-from dashpot.io.table import Table
+from dashpot.io.table import FileTable
 
 _NO_TEST = {"unclear", "not-a-test"}
 
 
-def read(raw: Raw, options: ReadOptions) -> Table:
+def read(raw: Raw, options: ReadOptions) -> FileTable:
     """Return the table of the one sheet that holds a test, or of the sheet named.
 
     Raises
@@ -43,7 +43,7 @@ def read(raw: Raw, options: ReadOptions) -> Table:
     return tables[likely[0]]
 
 
-def _sheet(content: bytes, raw: Raw, options: ReadOptions) -> Table:
+def _sheet(content: bytes, raw: Raw, options: ReadOptions) -> FileTable:
     if not content.strip():
         raise ReadError("an empty sheet")
     shown = replace(options, delimiter="\t", encoding="utf-8", sheet=None)

@@ -31,7 +31,7 @@ from dashpot.io.columns.vocabulary import Role
 from dashpot.io.formats import read_table
 from dashpot.io.options import ReadOptions, flag
 from dashpot.io.source import Raw, about, open_raw
-from dashpot.io.table import Loaded, Question, Table
+from dashpot.io.table import FileTable, Loaded, Question
 
 _OVERLOAD = 9.9e37
 """What SCPI instruments send for an infinite or an invalid reading."""
@@ -48,7 +48,7 @@ class Opened:
     """A file, the table found in it, and what the user says of it."""
 
     raw: Raw
-    table: Table
+    table: FileTable
     options: ReadOptions
 
     def column(self, role: Role) -> Assigned | None:
@@ -307,7 +307,9 @@ def timed(file: Opened, *roles: Role) -> list[Role]:
     return list(roles) if file.options.rate else ["time", *roles]
 
 
-def load(table: Table, indexes: Sequence[int], segment: int | None, *, sure: bool = True) -> Loaded:
+def load(
+    table: FileTable, indexes: Sequence[int], segment: int | None, *, sure: bool = True
+) -> Loaded:
     """Return the numbers of some columns: of the segment asked for, overload marks left out.
 
     Raises

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dashpot.base.checks import Criterion, Finding, criterion
+from dashpot.base.units import in_unit
 
 LEAST_TRAVEL = 2e-5
 LEAST_FORCE = 1e-2
@@ -190,7 +191,7 @@ def stress_of_a_rubber(stress: float, unit: str) -> Finding:
     says = f"the stress reaches {_short(stress, 'Pa')}"
     likely = {"Pa": "MPa", "kPa": "MPa"} if stress < 1e6 else {"GPa": "MPa", "MPa": "Pa"}
     doubted = _doubted(says, "stress", unit, likely)
-    return Finding(says, stress / 1e6, instead=doubted)
+    return Finding(says, in_unit(stress, "MPa"), instead=doubted)
 
 
 def _doubted(says: str, role: str, unit: str, likely: dict[str, str]) -> str:

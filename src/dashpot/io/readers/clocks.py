@@ -11,10 +11,10 @@ from dashpot.io.columns.roles import Assigned, assign, score
 from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers import channels
-from dashpot.io.table import Loaded, Question, Table
+from dashpot.io.table import FileTable, Loaded, Question
 
 
-def own_clocks(table: Table, options: ReadOptions) -> tuple[Assigned, ...]:
+def own_clocks(table: FileTable, options: ReadOptions) -> tuple[Assigned, ...]:
     """Return the clock of the displacement and that of the force, if each has its own; else none.
 
     A signal's own clock is the column of time right before it, where no one column is the time.

@@ -12,6 +12,7 @@ import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.errors import ReadError
+from dashpot.base.units import written
 from dashpot.io.columns.kinds import of_motions, said_relative
 from dashpot.io.columns.ratios import Ratio, bare_ratio, ratio, undecibel
 from dashpot.io.columns.roles import Assigned, assign, list_columns
@@ -19,7 +20,7 @@ from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions, flag
 from dashpot.io.readers import channels
 from dashpot.io.readers.channels import Opened
-from dashpot.io.table import Table
+from dashpot.io.table import FileTable
 from dashpot.records.frf import FRF, Kind
 
 PAIRS: tuple[tuple[Role, Role], ...] = (("real", "imaginary"), ("magnitude", "phase"))
@@ -196,7 +197,7 @@ def _kind(file: Opened, role: Role, index: int) -> Ratio:
     )
 
 
-def _stated(table: Table, *, over_base: bool) -> Kind | None:
+def _stated(table: FileTable, *, over_base: bool) -> Kind | None:
     """The kind that a comment says; of a motion over a base a name may say that it is relative."""
     words = [match[1] for line in table.header if (match := _STATED.match(line))]
     said = next((Kind(word) for word in words if word in set(Kind)), None)
@@ -237,7 +238,7 @@ def _refuse_high(file: Opened, index: int, top: float) -> None:
     """Ask for the unit of a frequency, Hz, at which no seal is struck, unless it was said."""
     if top > _HIGHEST and not file.options.unit_of("frequency", file.table.columns[index].name):
         raise ReadError(
-            f"the FRF goes to {1e-3 * top:.4g} kHz, where no seal is struck: is the unit of "
+            f"the FRF goes to {written(top, 'kHz')}, where no seal is struck: is the unit of "
             'frequency Hz? Then add --units "frequency=Hz"; if it is meant so, say it: '
             '--units "frequency=kHz"'
         )

@@ -23,7 +23,7 @@ from dashpot.io.readers.clocks import own_clocks
 from dashpot.io.readers.dynamic import sweep_columns
 from dashpot.io.readers.frf import settled
 from dashpot.io.readers.shaken import of_mass
-from dashpot.io.table import Loaded, Question, Table
+from dashpot.io.table import FileTable, Loaded, Question
 
 _RESPONSE: tuple[Role, ...] = ("frequency", "real", "imaginary", "magnitude", "phase", "coherence")
 _ROLES: dict[str, tuple[Role, ...]] = {
@@ -204,7 +204,7 @@ def _course(columns: int, by_index: dict[int, FloatArray]) -> FloatArray:
 
 
 def _columns(
-    table: Table, by_index: dict[int, FloatArray], roles: dict[int, tuple[Role, str]]
+    table: FileTable, by_index: dict[int, FloatArray], roles: dict[int, tuple[Role, str]]
 ) -> tuple[InspectedColumn, ...]:
     columns = []
     for i, column in enumerate(table.columns):

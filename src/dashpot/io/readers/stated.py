@@ -12,6 +12,7 @@ import numpy as np
 from dashpot.base import units
 from dashpot.base.arrays import FloatArray, median
 from dashpot.base.errors import DataError, ReadError
+from dashpot.base.units import written
 from dashpot.io.columns import vocabulary
 from dashpot.io.columns.names import part_unit
 from dashpot.io.readers import channels
@@ -45,7 +46,7 @@ def stated_specimen(
     if recorded is not None:
         where = "the file"
         middle = round(median(recorded), 2)
-        found = {middle: f"{middle - 273.15:.4g} degC in its column of temperature"}
+        found = {middle: f"{written(middle, 'degC')} in its column of temperature"}
         specimen = replace(specimen, warmed=_rise(recorded))
     if not found:
         return specimen, []
@@ -54,7 +55,7 @@ def stated_specimen(
         others = [one for one in found if abs(one - specimen.temperature) >= SAME_TEMPERATURE]
         if not others:
             return specimen, []
-        given = f"{specimen.temperature - 273.15:.4g} degC"
+        given = written(specimen.temperature, "degC")
         return (
             replace(specimen, stated_temperature=others[0]),
             [f"{said}; the temperature is {given}, as given"],
@@ -66,7 +67,7 @@ def stated_specimen(
         known = replace(specimen, temperature=kelvin)
     except DataError as error:
         return replace(specimen, warmed=None), [f"{said}, which is not taken: {error}"]
-    return known, [f"temperature {kelvin - 273.15:.4g} degC: {said}"]
+    return known, [f"temperature {written(kelvin, 'degC')}: {said}"]
 
 
 def recorded_temperature(file: Opened, taken: Sequence[Channel]) -> FloatArray | None:

@@ -10,6 +10,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 
 D2 = 1.128
@@ -31,7 +32,7 @@ class Signal(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Chart:
+class Chart(Documented):
     """Points in their order, and what they should keep to.
 
     Attributes
@@ -45,6 +46,8 @@ class Chart:
         Control limits, three standard deviations away.
     signals : tuple of Signal
     """
+
+    keys = ("values", "lower", "upper", "centre", "signals")
 
     kind: Kind
     values: FloatArray

@@ -10,8 +10,8 @@ import numpy as np
 
 from dashpot.base import numbers
 from dashpot.base.checks import Check, Finding, Grade, criterion
+from dashpot.base.units import GRAVITY, written
 from dashpot.records.fit import Fit
-from dashpot.vibration.checks import GRAVITY
 from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.vibration.modal.peaks import Peak
 from dashpot.vibration.systems.operating_point import OperatingPoint
@@ -238,9 +238,9 @@ def operating_point(point: OperatingPoint, *, borne_out: bool = False) -> Findin
     """The prediction is for the compression that the mass gives the seals."""
     at, depth = point.compression, point.depth
     says = (
-        f"the seals are compressed by {1e3 * at:.2f} mm, as given"
+        f"the seals are compressed by {written(at, 'mm', '.2f')}, as given"
         if point.given
-        else f"under its own weight the mass sinks {1e3 * at:.2f} mm into the seals"
+        else f"under its own weight the mass sinks {written(at, 'mm', '.2f')} into the seals"
     )
     if depth is None:
         return Finding(says + "; at what depth the seals were tested is not known")
@@ -248,23 +248,23 @@ def operating_point(point: OperatingPoint, *, borne_out: bool = False) -> Findin
         return Finding(
             f"{says}; the prediction takes the tangent stiffness there, "
             f"{numbers.with_error(point.factor, point.factor_se or np.nan)} times the secant at "
-            f"{1e3 * depth:.3g} mm",
+            f"{written(depth, 'mm', '.3g')}",
             at,
-            f": the relaxation test went to {1e3 * depth:.3g} mm only, and the last tangent was "
-            "taken on from there; test deeper",
+            f": the relaxation test went to {written(depth, 'mm', '.3g')} only, and the last "
+            "tangent was taken on from there; test deeper",
             limit=depth,
             faulted=point.beyond,
         )
     near = abs(at - depth) <= DEPTH_LIMIT * depth
-    tested = f"the {1e3 * depth:.3g} mm of the relaxation test"
+    tested = f"the {written(depth, 'mm', '.3g')} of the relaxation test"
     return Finding(
         f"{says}, close to {tested}"
         if near
         else f"{says}, not to {tested}; the frequency agrees all the same",
         at,
-        instead=f"{says}, but the relaxation test was at {1e3 * depth:.3g} mm: unless the seals "
-        "were pre-compressed the two tests are at different operating points, and a stiffness that "
-        "depends on depth makes them differ",
+        instead=f"{says}, but the relaxation test was at {written(depth, 'mm', '.3g')}: unless the "
+        "seals were pre-compressed the two tests are at different operating points, and a "
+        "stiffness that depends on depth makes them differ",
         limit=depth,
         faulted=not (near or borne_out),
         # a ramp that a straight law follows went through every lesser compression
@@ -291,4 +291,4 @@ def conclusion(c: Comparison) -> str:
 
 
 def _time(value: float) -> str:
-    return f"{1e3 * value:.3g} ms" if value < 1 else f"{value:.3g} s"
+    return written(value, "ms", ".3g") if value < 1 else f"{value:.3g} s"

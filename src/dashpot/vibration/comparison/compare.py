@@ -8,12 +8,11 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, ComplexArray, kept
 from dashpot.base.errors import DashpotError, DataError
-from dashpot.base.units import Quantity, Range, si, si_range
+from dashpot.base.units import GRAVITY, Quantity, Range, si, si_range
 from dashpot.engine.inference.order import significant
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF, Kind, Mode
 from dashpot.solids.maxwell import Solid
-from dashpot.vibration.checks import GRAVITY
 from dashpot.vibration.comparison.checks import checks, conclusion
 from dashpot.vibration.comparison.comparison import ArmEvidence, Comparison
 from dashpot.vibration.modal.peaks import Peak, find_peak

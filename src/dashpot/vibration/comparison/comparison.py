@@ -8,6 +8,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
+from dashpot.base.documents import Documented
 from dashpot.base.offered import Pictured
 from dashpot.records.frf import FRF
 
@@ -39,7 +40,7 @@ class ArmEvidence:
 
 
 @dataclass(frozen=True, repr=False)
-class Comparison(Pictured):
+class Comparison(Pictured, Documented):
     """A predicted FRF held against a measured one, on the measured lines.
 
     Attributes
@@ -67,6 +68,9 @@ class Comparison(Pictured):
     measured_hz_se, measured_damping_se : float or None
         Random standard errors of the measured peak frequency, Hz, and damping ratio.
     """
+
+    schema = "dashpot/comparison@1"
+    keys = ("peak", "damping", "verdict", "*")
 
     predicted: FRF
     measured: FRF
@@ -108,6 +112,26 @@ class Comparison(Pictured):
         if self.predicted_damping is None or not self.measured_damping:
             return None
         return self.predicted_damping / self.measured_damping - 1
+
+    @property
+    def peak(self) -> dict[str, float]:
+        """Both peaks, Hz and 1/kg, and their difference."""
+        return {
+            "predicted_hz": self.predicted_hz,
+            "measured_hz": self.measured_hz,
+            "difference_percent": 100 * self.frequency_error,
+            "predicted": self.predicted_peak,
+            "measured": self.measured_peak,
+            "ratio": self.predicted_peak / self.measured_peak,
+            "ratio_db": self.ratio_db,
+        }
+
+    @property
+    def damping(self) -> dict[str, float | None]:
+        """Both damping ratios, and the predicted over the measured one; None if unknown."""
+        predicted, measured = self.predicted_damping, self.measured_damping
+        ratio = predicted / measured if predicted and measured else None
+        return {"predicted": predicted, "measured": measured, "ratio": ratio}
 
     @property
     def z(self) -> FloatArray | None:

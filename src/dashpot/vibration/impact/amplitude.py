@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.documents import Documented
 from dashpot.base.student_t import t_quantile
 from dashpot.records.frf import FRF, Hit, Mode
 from dashpot.vibration.impact.estimators import Spectra
@@ -25,7 +26,7 @@ DECAYED = 0.55
 
 
 @dataclass(frozen=True)
-class Line:
+class RegressionLine(Documented):
     """A straight line over the binary logarithm of an amplitude.
 
     Attributes
@@ -42,6 +43,8 @@ class Line:
         Standard error of the slope, and root of the sum of squares of the logarithms.
     dof : int
     """
+
+    keys = ("change=slope", "se", "found")
 
     slope: float
     sure: float
@@ -65,7 +68,7 @@ class Trend:
 
     Attributes
     ----------
-    stiffness_line, damping_line : Line
+    stiffness_line, damping_line : RegressionLine
         Of the logarithms of the squared frequency and of the damping ratio.
     mass, mass_se : float
         Modal mass, kg: the median over the hits, and the standard error of its logarithm.
@@ -75,8 +78,8 @@ class Trend:
         Highest over lowest.
     """
 
-    stiffness_line: Line
-    damping_line: Line
+    stiffness_line: RegressionLine
+    damping_line: RegressionLine
     mass: float
     mass_se: float
     amplitudes: tuple[float, float]
@@ -195,7 +198,7 @@ def trend_of_hits(hits: Sequence[Hit]) -> Trend | None:
     )
 
 
-def _line(x: FloatArray, y: FloatArray) -> Line:
+def _line(x: FloatArray, y: FloatArray) -> RegressionLine:
     middle, value = float(x.mean()), float(y.mean())
     x, y = x - middle, y - value
     spread = float(np.sqrt(x @ x))
@@ -203,4 +206,4 @@ def _line(x: FloatArray, y: FloatArray) -> Line:
     rest, dof = y - slope * x, len(x) - 2
     se = float(np.sqrt(rest @ rest / dof)) / spread
     found = (t_quantile(KNOWN, dof) + t_quantile(POWER, dof)) * se
-    return Line(slope, t_quantile(SURE, dof) * se, found, middle, value, se, spread, dof)
+    return RegressionLine(slope, t_quantile(SURE, dof) * se, found, middle, value, se, spread, dof)

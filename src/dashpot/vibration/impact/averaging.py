@@ -13,17 +13,17 @@ from dashpot.base.errors import DataError
 from dashpot.records.frf import FRF
 from dashpot.vibration.impact.checks import agreement
 from dashpot.vibration.impact.estimators import (
+    ChannelSpectra,
     Estimator,
     Spectra,
-    Stack,
     coherence,
     estimate,
     random_error,
 )
 from dashpot.vibration.impact.hits import HitBlock
-from dashpot.vibration.impact.quality import Verdict, judge, remaining
+from dashpot.vibration.impact.quality import HitQuality, judge, remaining
 from dashpot.vibration.impact.rocking import Combination, null_rocking
-from dashpot.vibration.modal.lines import Lines
+from dashpot.vibration.modal.lines import FRFLines
 from dashpot.vibration.modal.peaks import mount_band
 
 FORCE_LEFT = 0.1  # -20 dB: where the force has fallen this far, the FRF ends
@@ -112,12 +112,12 @@ class Choices:
 
 @dataclass(frozen=True, eq=False)
 class Average:
-    """All hits and their verdicts; the transforms, weights and FRF of those taken."""
+    """All hits and their qualities; the transforms, weights and FRF of those taken."""
 
     hits: tuple[HitBlock, ...]
-    verdicts: tuple[Verdict, ...]
+    qualities: tuple[HitQuality, ...]
     taken: BoolArray
-    stack: Stack
+    transforms: ChannelSpectra
     weights: FloatArray
     rocking: Combination | None
     spectra: Spectra
@@ -126,48 +126,48 @@ class Average:
     @cached_property
     def frf(self) -> FRF:
         """The numbers of the average: FRF, coherence and random error."""
-        stack, value = self.stack, estimate(self.spectra, self.estimator)
+        transforms, value = self.transforms, estimate(self.spectra, self.estimator)
         return FRF(
-            frequency=stack.frequency,
+            frequency=transforms.frequency,
             value=value,
             coherence=coherence(self.spectra),
             sd=random_error(self.spectra, value),
-            shift=stack.shift,
-            record=stack.record,
-            pulse=stack.pulse,
+            shift=transforms.shift,
+            record=transforms.record,
+            pulse=transforms.pulse,
             averages=self.spectra.averages,
         )
 
 
 def average_hits(hits: Sequence[HitBlock], taken: BoolArray, choices: Choices) -> Average:
     """Transform, turn, weight and average the hits taken, and judge them all."""
-    verdicts = [judge(hit, windowed=choices.window.exponential) for hit in hits]
+    qualities = [judge(hit, windowed=choices.window.exponential) for hit in hits]
     good = [hit for hit, t in zip(hits, taken, strict=True) if t]
-    stack = _transform(hits, choices, choices.window.decay(good)).band(
+    transforms = _transform(hits, choices, choices.window.decay(good)).band(
         *(choices.band or _excited(good))
     )
-    stack = stack.turned(_signs(stack.only(taken), choices.polarity))
-    weights, rocking = _combine(stack.only(taken), choices)
-    verdicts, taken = agreement(stack.weighted(weights), verdicts, taken, choices.accept)
-    stack = stack.only(taken)
+    transforms = transforms.turned(_signs(transforms.only(taken), choices.polarity))
+    weights, rocking = _combine(transforms.only(taken), choices)
+    qualities, taken = agreement(transforms.weighted(weights), qualities, taken, choices.accept)
+    transforms = transforms.only(taken)
     return Average(
         hits=tuple(hits),
-        verdicts=tuple(verdicts),
+        qualities=tuple(qualities),
         taken=taken,
-        stack=stack,
+        transforms=transforms,
         weights=weights,
         rocking=rocking,
-        spectra=stack.weighted(weights),
+        spectra=transforms.weighted(weights),
         estimator=choices.estimator,
     )
 
 
-def _transform(hits: Sequence[HitBlock], choices: Choices, decay: float) -> Stack:
+def _transform(hits: Sequence[HitBlock], choices: Choices, decay: float) -> ChannelSpectra:
     rate = hits[0].rate
     fade = np.exp(-decay * np.arange(len(hits[0].force)) / rate)
     force = [b.force * fade * (_force_window(b) if choices.window.force else 1.0) for b in hits]
     response = np.array([b.acceleration * fade for b in hits]).swapaxes(0, 1)
-    return Stack(
+    return ChannelSpectra(
         frequency=np.asarray(np.fft.rfftfreq(len(fade), 1 / rate), dtype=np.float64),
         force=np.fft.rfft(force, axis=-1) / rate,
         response=np.fft.rfft(response, axis=-1) / rate,
@@ -187,25 +187,25 @@ def _excited(hits: Sequence[HitBlock]) -> tuple[float, float]:
     return 0.5 * rate / n, min(max(top - 0.5, 8.5), ALIAS_FREE * n) * rate / n
 
 
-def _signs(stack: Stack, polarity: Sequence[int] | None) -> FloatArray:
+def _signs(transforms: ChannelSpectra, polarity: Sequence[int] | None) -> FloatArray:
     """Sign of each accelerometer: a hit sets a block moving in its own direction."""
-    count = len(stack.channels)
+    count = len(transforms.channels)
     if polarity is not None:
         given = np.array(polarity, dtype=float)
         if len(given) != count or (np.abs(given) != 1).any():
             raise DataError(
                 f"polarity = {tuple(polarity)}; expected +1 or -1 for each of the {count} "
-                f"accelerometers ({', '.join(stack.channels)})"
+                f"accelerometers ({', '.join(transforms.channels)})"
             )
         return given
-    near = stack.band(*_mounts(stack))
+    near = transforms.band(*_mounts(transforms))
     h = np.array([estimate(spectra) for spectra in near.each()])
     # the real part of the mobility, summed, is the velocity just after the hit
     mobility = (h / near.s).real
     kick = mobility.sum(axis=1) / np.abs(mobility).sum(axis=1)
     if kick.min() < -CLEAR and kick.max() > CLEAR:
         along, against = (
-            ", ".join(np.array(stack.channels)[side]) for side in (kick > 0, kick <= 0)
+            ", ".join(np.array(transforms.channels)[side]) for side in (kick > 0, kick <= 0)
         )
         raise DataError(
             f"accelerometers of opposite polarity: a hit moves {along} along with it but {against} "
@@ -215,21 +215,21 @@ def _signs(stack: Stack, polarity: Sequence[int] | None) -> FloatArray:
     return np.full(count, -1.0 if kick.min() < -CLEAR else 1.0)
 
 
-def _combine(stack: Stack, choices: Choices) -> tuple[FloatArray, Combination | None]:
+def _combine(transforms: ChannelSpectra, choices: Choices) -> tuple[FloatArray, Combination | None]:
     """Weights of the accelerometers, and what is known of rocking."""
-    count = len(stack.channels)
+    count = len(transforms.channels)
     mean = np.full(count, 1 / count)
-    if choices.combine in stack.channels:
-        return np.array([float(name == choices.combine) for name in stack.channels]), None
+    if choices.combine in transforms.channels:
+        return np.array([float(name == choices.combine) for name in transforms.channels]), None
     if count < 2:
         return mean, None
-    near = stack.band(*_mounts(stack))
+    near = transforms.band(*_mounts(transforms))
     values = np.array([estimate(spectra) for spectra in near.each()])
     errors = [
         random_error(spectra, value) for spectra, value in zip(near.each(), values, strict=True)
     ]
     found = null_rocking(
-        Lines.measured(
+        FRFLines.measured(
             near.s,
             values,
             None if near.averages < 2 else np.array(errors),
@@ -244,8 +244,8 @@ def _combine(stack: Stack, choices: Choices) -> tuple[FloatArray, Combination | 
     return np.array(found.weights), found
 
 
-def _mounts(stack: Stack) -> tuple[float, float]:
+def _mounts(transforms: ChannelSpectra) -> tuple[float, float]:
     """The band in which the block moves on its mounts, from the accelerometer that moves most."""
-    found = [(estimate(spectra), spectra) for spectra in stack.each()]
+    found = [(estimate(spectra), spectra) for spectra in transforms.each()]
     value, spectra = max(found, key=lambda pair: float((np.abs(pair[0]) ** 2).sum()))
-    return mount_band(stack.frequency, value, random_error(spectra, value))
+    return mount_band(transforms.frequency, value, random_error(spectra, value))

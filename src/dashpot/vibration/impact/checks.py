@@ -9,15 +9,15 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
 from dashpot.base.checks import Check, Finding, criterion
+from dashpot.base.units import GRAVITY, in_unit, written
 from dashpot.engine.inference.estimate import estimate as knowledge
 from dashpot.engine.inference.estimate import white_noise
 from dashpot.engine.least_squares.problem import ordinary
 from dashpot.records.frf import FRF, Kind, Mode
 from dashpot.records.shaken import ShakenTest
-from dashpot.vibration.checks import GRAVITY
 from dashpot.vibration.impact.amplitude import Trend, trend_of_hits
 from dashpot.vibration.impact.estimators import Estimator, Spectra, estimate, leave_one_out
-from dashpot.vibration.impact.quality import Verdict
+from dashpot.vibration.impact.quality import HitQuality
 from dashpot.vibration.impact.rocking import Combination
 
 NO_TURN = 0.95
@@ -37,18 +37,18 @@ SOFTENING, NARROW = 0.01, 0.2  # of the stiffness; of the half-power band
 
 def agreement(
     spectra: Spectra,
-    verdicts: Sequence[Verdict],
+    qualities: Sequence[HitQuality],
     taken: BoolArray,
     accept: Sequence[str],
-) -> tuple[list[Verdict], BoolArray]:
+) -> tuple[list[HitQuality], BoolArray]:
     """Hold each hit against the others; leave out one that the others contradict.
 
     With fewer than four hits nobody can say who is wrong, so none is left out.
     """
-    verdicts, taken = list(verdicts), taken.copy()
+    qualities, taken = list(qualities), taken.copy()
     apart = disagreement(spectra.only(taken))
     if apart is None:
-        return verdicts, taken
+        return qualities, taken
     usual = float(np.median(apart))
     for i, value in zip(np.flatnonzero(taken), apart, strict=True):
         if value < max(OUTLIER * usual, DISAGREES):
@@ -58,11 +58,11 @@ def agreement(
             f"predict, where {100 * usual:.1f} % is usual"
         )
         if np.count_nonzero(taken) > ENOUGH:
-            verdicts[i] = replace(verdicts[i], faults=(*verdicts[i].faults, says))
+            qualities[i] = replace(qualities[i], faults=(*qualities[i].faults, says))
             taken[i] = str(i + 1) in accept
         else:
-            verdicts[i] = replace(verdicts[i], doubts=(*verdicts[i].doubts, says))
-    return verdicts, taken
+            qualities[i] = replace(qualities[i], doubts=(*qualities[i].doubts, says))
+    return qualities, taken
 
 
 def disagreement(spectra: Spectra) -> FloatArray | None:
@@ -474,8 +474,8 @@ def hits_centred(frf: FRF, found: Combination) -> Finding:
         reach = found.reach
         # a slender block as long as the accelerometers are apart: rho^2 = x^2 / 3
         says += (
-            f", as hits some {1000 * value * reach / 3:.1f} mm off centre would on a slender block "
-            f"{2000 * reach:.0f} mm long"
+            f", as hits some {written(value * reach / 3, 'mm', '.1f')} off centre would on a "
+            f"slender block {written(2 * reach, 'mm', '.0f')} long"
         )
     return Finding(says, value, "; strike closer to the centre")
 
@@ -528,8 +528,8 @@ def mass_line(apparent: tuple[float, float] | None, mass: float) -> Finding:
     shown, se = apparent
     factor = shown / mass
     says = (
-        f"above resonance the block shows {1000 * shown:.4g} ± {1000 * se:.2g} g where "
-        f"{1000 * mass:.4g} g were weighed"
+        f"above resonance the block shows {in_unit(shown, 'g'):.4g} ± {written(se, 'g', '.2g')} "
+        f"where {written(mass, 'g')} were weighed"
     )
     return Finding(
         f"{says}: calibrated within {100 * (factor - 1):+.1f} %",

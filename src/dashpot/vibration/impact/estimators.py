@@ -52,7 +52,7 @@ class Spectra:
 
 
 @dataclass(frozen=True, eq=False)
-class Stack:
+class ChannelSpectra:
     """Transforms of one force and several accelerations, hit by hit.
 
     Attributes
@@ -97,7 +97,7 @@ class Stack:
         """Rms width of the hit, s, as averages count it."""
         return self._moments()[1]
 
-    def band(self, low: float, high: float) -> Stack:
+    def band(self, low: float, high: float) -> ChannelSpectra:
         """The lines from `low` to `high`, Hz, without 0 Hz."""
         keep = (self.frequency >= low) & (self.frequency <= high) & (self.frequency > 0)
         if np.count_nonzero(keep) < 8:
@@ -112,7 +112,7 @@ class Stack:
             response=self.response[:, :, keep],
         )
 
-    def only(self, taken: BoolArray) -> Stack:
+    def only(self, taken: BoolArray) -> ChannelSpectra:
         """The chosen hits."""
         return replace(
             self,
@@ -121,7 +121,7 @@ class Stack:
             hits=tuple(b for b, t in zip(self.hits, taken, strict=True) if t),
         )
 
-    def turned(self, signs: FloatArray) -> Stack:
+    def turned(self, signs: FloatArray) -> ChannelSpectra:
         """The accelerations times +1 or -1 each."""
         return replace(
             self, response=self.response * signs[:, None, None], signs=self.signs * signs

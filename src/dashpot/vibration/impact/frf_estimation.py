@@ -7,10 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from dashpot.base.arrays import BoolArray, positive
+from dashpot.base.arrays import BoolArray
+from dashpot.base.demands import positive
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Step
-from dashpot.base.units import Quantity, Range, si, si_range
+from dashpot.base.units import Quantity, Range, si, si_range, written
 from dashpot.records.frf import FRF, Hit
 from dashpot.records.impact import ImpactTest
 from dashpot.vibration.impact.amplitude import with_resonances
@@ -201,11 +202,11 @@ def _hits(average: Average) -> tuple[Hit, ...]:
             name=hit.name,
             time=hit.time,
             accepted=bool(good),
-            reasons=verdict.reasons,
+            reasons=quality.reasons,
             peak=hit.peak,
             duration=hit.width(0.1),
         )
-        for hit, verdict, good in zip(average.hits, average.verdicts, average.taken, strict=True)
+        for hit, quality, good in zip(average.hits, average.qualities, average.taken, strict=True)
     )
 
 
@@ -214,7 +215,7 @@ def _steps(average: Average, choices: Choices) -> tuple[Step, ...]:
     return (
         _cut_step(average.hits),
         *_calm_steps(average.hits),
-        *_window_steps(average.stack.shift, choices.window),
+        *_window_steps(average.transforms.shift, choices.window),
         *_sign_steps(average),
         *_combine_steps(average, choices),
         Step("estimate", (("estimator", name),), f"{name}, linear averages"),
@@ -230,8 +231,8 @@ def _cut_step(hits: Sequence[HitBlock]) -> Step:
             ("record", f"{length:.9g} s"),
             ("pretrigger", f"{before:.9g} s"),
         ),
-        f"{len(hits)} hits in blocks of {length:.4g} s, {1000 * before:.3g} ms of each before "
-        "the hit, from where the offsets were taken",
+        f"{len(hits)} hits in blocks of {length:.4g} s, {written(before, 'ms', '.3g')} of each "
+        "before the hit, from where the offsets were taken",
     )
 
 
@@ -257,11 +258,11 @@ def _window_steps(decay: float, window: Window) -> Iterator[Step]:
 
 
 def _sign_steps(average: Average) -> Iterator[Step]:
-    stack = average.stack
+    transforms = average.transforms
     if any(hit.turned for hit in average.hits):
         says = "the hammer was recorded negative; now pushing is positive"
         yield Step("hammer_sign", (), says)
-    signs = zip(stack.channels, stack.signs, strict=True)
+    signs = zip(transforms.channels, transforms.signs, strict=True)
     turned = ", ".join(name for name, sign in signs if sign < 0)
     if turned:
         yield Step("polarity", (("turned", turned),), f"{turned}: sign turned")

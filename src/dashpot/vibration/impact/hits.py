@@ -7,7 +7,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from dashpot.base.arrays import ComplexArray, FloatArray, not_negative, sample_count
+from dashpot.base.arrays import ComplexArray, FloatArray, sample_count
+from dashpot.base.demands import not_negative
 from dashpot.base.errors import DataError
 from dashpot.records.impact import ImpactTest
 from dashpot.vibration.modal.peaks import run_about
@@ -115,7 +116,7 @@ def width_at(values: FloatArray, level: float, ends: tuple[int, int]) -> float:
 
 
 @dataclass(frozen=True)
-class _Found:
+class _PulseOnset:
     """Where a pulse begins in its continuous record, and where its neighbours do."""
 
     test: ImpactTest
@@ -180,14 +181,14 @@ def _belong_together(tests: Sequence[ImpactTest]) -> None:
             )
 
 
-def _find(test: ImpactTest) -> list[_Found]:
+def _find(test: ImpactTest) -> list[_PulseOnset]:
     """Find where the pulses begin in each continuous record of a test."""
     records = test.records()
     quiet = [test.force[r] - np.median(test.force[r]) for r in records]
     loudest = max(quiet, key=lambda f: float(np.abs(f).max()))
     sign = 1.0 if loudest.max() >= -loudest.min() else -1.0
     peak = float((sign * loudest).max())
-    found: list[_Found] = []
+    found: list[_PulseOnset] = []
     for record, force in zip(records, quiet, strict=True):
         noise = 1.4826 * float(np.median(np.abs(force)))
         hot = np.flatnonzero(sign * force > max(TRIGGER * peak, 8 * noise))
@@ -196,7 +197,9 @@ def _find(test: ImpactTest) -> list[_Found]:
         firsts = hot[np.concatenate(([True], np.diff(hot) > APART * test.rate))]
         onsets = [_onset(sign * force, int(i), noise) for i in firsts]
         neighbours = zip([None, *onsets], onsets, [*onsets[1:], None], strict=False)
-        found += [_Found(test, sign, record, at, last, after) for last, at, after in neighbours]
+        found += [
+            _PulseOnset(test, sign, record, at, last, after) for last, at, after in neighbours
+        ]
     if not found:
         raise DataError(
             f"no hammer hit found: the force stays within {float(np.ptp(loudest)):.3g} N, without "
@@ -213,7 +216,7 @@ def _onset(force: FloatArray, crossing: int, noise: float) -> int:
     return int(below[-1]) + 1 if below.size else 0
 
 
-def _pretrigger(found: Sequence[_Found], rate: float, pretrigger: float | None) -> int:
+def _pretrigger(found: Sequence[_PulseOnset], rate: float, pretrigger: float | None) -> int:
     if pretrigger is not None:
         not_negative(pretrigger=pretrigger, unit=" s", expected="a time >= 0")
         return round(pretrigger * rate)
@@ -222,7 +225,7 @@ def _pretrigger(found: Sequence[_Found], rate: float, pretrigger: float | None) 
     return min([most, *(hit.onset for hit in found if hit.onset >= min(8, most))])
 
 
-def _length(found: Sequence[_Found], rate: float, before: int, record: float | None) -> int:
+def _length(found: Sequence[_PulseOnset], rate: float, before: int, record: float | None) -> int:
     if record is not None:
         length = sample_count(record, rate) if np.isfinite(record) else 0
         if length < before + 8:
@@ -239,7 +242,7 @@ def _length(found: Sequence[_Found], rate: float, before: int, record: float | N
     return max(before + 8, min(r for r in room if r >= 0.5 * usual))
 
 
-def _cut(hit: _Found, name: str, before: int, length: int) -> HitBlock:
+def _cut(hit: _PulseOnset, name: str, before: int, length: int) -> HitBlock:
     test, size = hit.test, hit.record.stop - hit.record.start
     onset = min(before, hit.onset)
     start = hit.record.start + hit.onset - onset
@@ -271,7 +274,7 @@ def _cut(hit: _Found, name: str, before: int, length: int) -> HitBlock:
     )
 
 
-def _past(hit: _Found) -> FloatArray:
+def _past(hit: _PulseOnset) -> FloatArray:
     """Accelerations before a hit, well after the one before."""
     rate, record = hit.test.rate, hit.record
     since = 0 if hit.previous is None else (hit.previous + hit.onset) // 2

@@ -1,4 +1,4 @@
-"""The verdict on each hammer hit, after the practice of ISO 7626-5."""
+"""The quality of each hammer hit, after the practice of ISO 7626-5."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.units import written
 from dashpot.vibration.impact.hits import HitBlock, width_at
 from dashpot.vibration.modal.peaks import run_about
 
@@ -22,7 +23,7 @@ UNDERSHOOT = 0.05  # of the pulse's impulse given back after it
 
 
 @dataclass(frozen=True)
-class Verdict:
+class HitQuality:
     """What makes a hit useless and what makes it doubtful, one sentence each."""
 
     faults: tuple[str, ...] = ()
@@ -34,12 +35,12 @@ class Verdict:
         return self.faults + self.doubts
 
 
-def judge(hit: HitBlock, *, windowed: bool = False) -> Verdict:
+def judge(hit: HitBlock, *, windowed: bool = False) -> HitQuality:
     """Judge one hit by itself.
 
     A fault makes the FRF wrong and rejects the hit; a doubt costs accuracy and is only said.
     """
-    return Verdict(tuple(_faults(hit)), tuple(_doubts(hit, windowed)))
+    return HitQuality(tuple(_faults(hit)), tuple(_doubts(hit, windowed)))
 
 
 def remaining(hit: HitBlock) -> float:
@@ -105,7 +106,7 @@ def _faults(hit: HitBlock) -> Iterator[str]:
     if second >= REBOUND and second * hit.peak >= 8 * hit.noise[0]:
         yield (
             f"double hit: a second pulse of {100 * second:.0f} % of the peak "
-            f"{1000 * abs(after):.0f} ms {'after' if after > 0 else 'before'} it"
+            f"{written(abs(after), 'ms', '.0f')} {'after' if after > 0 else 'before'} it"
         )
     yield from _overloads(hit)
 

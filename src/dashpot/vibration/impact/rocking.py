@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray
-from dashpot.vibration.modal.lines import FLOOR, Lines, kernel
+from dashpot.vibration.modal.lines import FLOOR, FRFLines, kernel
 from dashpot.vibration.modal.rational_fraction import find_poles, residues_at
 
 ABOUT = 1.2  # times their frequencies lie the lines that decide about two modes
@@ -51,13 +51,13 @@ class Combination:
 
 
 def null_rocking(
-    lines: Lines, hits: ComplexArray, reach: float | None = None
+    lines: FRFLines, hits: ComplexArray, reach: float | None = None
 ) -> Combination | None:
     """Weights that null the rocking mode.
 
     Parameters
     ----------
-    lines : Lines
+    lines : FRFLines
         A row for each accelerometer, averaged over the hits, of the band that holds bounce and
         rocking.
     hits : complex array, shape (channels, hits, n)
@@ -101,7 +101,7 @@ def null_rocking(
     )
 
 
-def _poles(lines: Lines, hits: ComplexArray) -> ComplexArray | None:
+def _poles(lines: FRFLines, hits: ComplexArray) -> ComplexArray | None:
     """Poles: first what accelerometers do together, then what they do against each other, others.
 
     Hits to either side of the centre rock the block in opposite senses, so an average hides it;
@@ -131,7 +131,7 @@ def _poles(lines: Lines, hits: ComplexArray) -> ComplexArray | None:
     return np.asarray(fit.poles[order])
 
 
-def _eccentricity(lines: Lines, hits: ComplexArray, poles: ComplexArray) -> tuple[float, ...]:
+def _eccentricity(lines: FRFLines, hits: ComplexArray, poles: ComplexArray) -> tuple[float, ...]:
     """Velocity that each hit gives to rocking over that to bounce, at the accelerometers."""
     channels, count, n = hits.shape
     rows = replace(lines, value=hits.reshape(-1, n), sd=np.repeat(lines.sd, count, axis=0))

@@ -6,8 +6,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dashpot.base.arrays import BoolArray, ByValue, ComplexArray, FloatArray, frozen, positive
+from dashpot.base.arrays import BoolArray, ByValue, ComplexArray, FloatArray, frozen
 from dashpot.base.checks import Check
+from dashpot.base.demands import positive
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, Range, si, si_range
 from dashpot.records.frf import FRF, Kind

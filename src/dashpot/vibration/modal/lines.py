@@ -13,7 +13,7 @@ FLOOR_OF_TOP = 3e-4  # and of the highest line: leakage is modelled that well
 
 
 @dataclass(frozen=True, eq=False)
-class Lines:
+class FRFLines:
     """FRF lines to be fitted: one row of `value` and `sd` per channel.
 
     Attributes
@@ -43,7 +43,7 @@ class Lines:
         *,
         record: float | None,
         pulse: float = 0.0,
-    ) -> Lines:
+    ) -> FRFLines:
         """Lines as an FRF holds them; `value` and `sd` of shape (channels, n)."""
         size = np.abs(value)
         top = size.max(axis=1, keepdims=True)
@@ -52,12 +52,12 @@ class Lines:
             error = np.sqrt(sd**2 + (FLOOR * size) ** 2 + (FLOOR_OF_TOP * top) ** 2)
         return cls(s, value, error, record, pulse)
 
-    def only(self, keep: BoolArray) -> Lines:
+    def only(self, keep: BoolArray) -> FRFLines:
         """The chosen lines."""
         return replace(self, s=self.s[keep], value=self.value[:, keep], sd=self.sd[:, keep])
 
 
-def kernel(lines: Lines, p: complex | ComplexArray) -> ComplexArray:
+def kernel(lines: FRFLines, p: complex | ComplexArray) -> ComplexArray:
     r"""Transform of :math:`e^{pt}` over the record (:mod:`.rational_fraction`), shape (n,).
 
     Of poles of shape (k, 1) it is a row for each.
@@ -68,13 +68,13 @@ def kernel(lines: Lines, p: complex | ComplexArray) -> ComplexArray:
     return np.asarray(-np.expm1(_lost(lines, p)) / (s - p))
 
 
-def _lost(lines: Lines, p: complex | ComplexArray) -> ComplexArray:
+def _lost(lines: FRFLines, p: complex | ComplexArray) -> ComplexArray:
     """Logarithm of the part that the end of the record takes."""
     T = lines.record or 0.0
     return np.asarray((p - lines.s) * T + 0.5 * lines.pulse**2 * (p**2 - lines.s**2))
 
 
-def kernel_slope(lines: Lines, p: complex | ComplexArray) -> ComplexArray:
+def kernel_slope(lines: FRFLines, p: complex | ComplexArray) -> ComplexArray:
     """Derivative of :func:`kernel` by the pole."""
     k = kernel(lines, p)
     if lines.record is None:

@@ -20,9 +20,9 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
 from dashpot.engine.least_squares.descent import Objective, descend
-from dashpot.vibration.modal.lines import Lines, kernel
+from dashpot.vibration.modal.lines import FRFLines, kernel
 from dashpot.vibration.modal.shapes import mac
-from dashpot.vibration.modal.trial import MOST_DAMPED, RATIOS, Ground, Scan, Trial, scans
+from dashpot.vibration.modal.trial import MOST_DAMPED, RATIOS, Ground, PoleTrial, Scan, scans
 
 STEPS = 60
 ENOUGH = 0.2  # variances: what a last step may explain while modes are sought
@@ -58,12 +58,12 @@ class PoleFit:
     misfit: FloatArray
 
 
-def find_poles(lines: Lines, *, most: int, count: int | None = None) -> PoleFit | None:
+def find_poles(lines: FRFLines, *, most: int, count: int | None = None) -> PoleFit | None:
     """Add modes, each where the others leave most, until none is left that matters.
 
     Parameters
     ----------
-    lines : Lines
+    lines : FRFLines
     most : int
         Largest number of modes.
     count : int, optional
@@ -74,7 +74,7 @@ def find_poles(lines: Lines, *, most: int, count: int | None = None) -> PoleFit 
     PoleFit or None
         None if there is no mode in the lines.
     """
-    trial = kept = Trial(Ground.of(lines), np.empty(0))
+    trial = kept = PoleTrial(Ground.of(lines), np.empty(0))
     failures = 0
     for _ in range(count or most):
         last, trial = trial, _refine(_with_next_pole(trial), ENOUGH)
@@ -91,13 +91,13 @@ def find_poles(lines: Lines, *, most: int, count: int | None = None) -> PoleFit 
     return _finish(_with_outer_poles(kept), modes) if modes else None
 
 
-def residues_at(lines: Lines, poles: ComplexArray) -> ComplexArray:
+def residues_at(lines: FRFLines, poles: ComplexArray) -> ComplexArray:
     """Best residues of each row at given poles, shape (channels, modes)."""
     theta = np.log(np.ravel(np.column_stack((-poles.real, poles.imag))))
-    return Trial(Ground.of(lines), theta).residues
+    return PoleTrial(Ground.of(lines), theta).residues
 
 
-def _prune(trial: Trial) -> Trial:
+def _prune(trial: PoleTrial) -> PoleTrial:
     """Drop what is no mode until all are."""
     while trial.theta.size:
         good = [i for i in range(len(trial.poles)) if _is_mode(trial, i)]
@@ -108,14 +108,14 @@ def _prune(trial: Trial) -> Trial:
     return trial
 
 
-def _near(lines: Lines, p: complex) -> BoolArray:
+def _near(lines: FRFLines, p: complex) -> BoolArray:
     """The lines that decide about a mode: ten to either side, or three half-power widths."""
     omega = lines.s.imag
     reach = max(10.5 * float(np.median(np.diff(omega))), -6 * p.real)
     return np.asarray(np.abs(omega - p.imag) <= reach)
 
 
-def _refine(trial: Trial, enough: float = 0.0) -> Trial:
+def _refine(trial: PoleTrial, enough: float = 0.0) -> PoleTrial:
     """To the nearest optimum of the poles, the residues projected out.
 
     Ends where a step promises no more than `enough` variances, as one for each row of the lines.
@@ -127,7 +127,7 @@ def _refine(trial: Trial, enough: float = 0.0) -> Trial:
     return trial if ended is None else ended.point
 
 
-def _with_next_pole(trial: Trial) -> Trial:
+def _with_next_pole(trial: PoleTrial) -> PoleTrial:
     """Scan frequency and damping about the line that the poles so far miss by most."""
     lines, omega = trial.ground.lines, trial.ground.lines.s.imag
     missed = (trial.misfit * lines.sd**2).sum(axis=0)
@@ -137,7 +137,7 @@ def _with_next_pole(trial: Trial) -> Trial:
     return _with_best(trial, scans(lines, starts) + trial.ground.broad)[0]
 
 
-def _with_best(trial: Trial, tried: list[Scan]) -> tuple[Trial, float]:
+def _with_best(trial: PoleTrial, tried: list[Scan]) -> tuple[PoleTrial, float]:
     """Add the pole, of several, that explains most, and say how much that is."""
     gains = np.concatenate([_gains(trial, scan) for scan in tried])
     best = int(np.argmax(gains))
@@ -146,7 +146,7 @@ def _with_best(trial: Trial, tried: list[Scan]) -> tuple[Trial, float]:
     return replace(trial, theta=theta), float(gains[best])
 
 
-def _gains(trial: Trial, scan: Scan) -> FloatArray:
+def _gains(trial: PoleTrial, scan: Scan) -> FloatArray:
     """What each of these poles, none of them refined, takes off the squared residuals."""
     ground, count = trial.ground, len(scan.poles)
     gains = np.zeros(count)
@@ -164,7 +164,7 @@ def _gains(trial: Trial, scan: Scan) -> FloatArray:
     return gains
 
 
-def _with_outer_poles(trial: Trial) -> Trial:
+def _with_outer_poles(trial: PoleTrial) -> PoleTrial:
     """Add poles beyond either end of the band, as background, where they explain what is missed."""
     omega, size = trial.ground.lines.s.imag, trial.ground.rest.size
     low, high = float(omega[0]), float(omega[-1])
@@ -185,12 +185,12 @@ def _with_outer_poles(trial: Trial) -> Trial:
     return trial
 
 
-def _worth(trial: Trial) -> float:
+def _worth(trial: PoleTrial) -> float:
     """What a pole must explain, in variances, to be there."""
     return float(3 * _parameters(trial.misfit) * np.log(trial.ground.rest.size))
 
 
-def _finish(trial: Trial, modes: int) -> PoleFit:
+def _finish(trial: PoleTrial, modes: int) -> PoleFit:
     """Residues of the first poles, and all errors: every channel tells the poles."""
     solved = trial.solution
     by = 1 / np.ravel(np.column_stack((-trial.poles.real, trial.poles.imag)))  # not by logarithms
@@ -213,7 +213,7 @@ def _finish(trial: Trial, modes: int) -> PoleFit:
     )
 
 
-def _chi2(trial: Trial, p: complex) -> float:
+def _chi2(trial: PoleTrial, p: complex) -> float:
     """Misfit per degree of freedom of the lines about a mode."""
     near = trial.misfit[:, _near(trial.ground.lines, p)]
     return float(near.sum()) / max(2 * near.size - _parameters(near), 1)
@@ -224,7 +224,7 @@ def _parameters(channels: FloatArray) -> int:
     return 2 + 2 * len(channels)
 
 
-def _matters(trial: Trial, before: Trial) -> bool:
+def _matters(trial: PoleTrial, before: PoleTrial) -> bool:
     """Tell whether the last mode added is one, and explains more than chance would."""
     if not _is_mode(trial, len(trial.poles) - 1):
         return False
@@ -234,7 +234,7 @@ def _matters(trial: Trial, before: Trial) -> bool:
     return bool(gain > _worth(trial))
 
 
-def _is_mode(trial: Trial, i: int) -> bool:
+def _is_mode(trial: PoleTrial, i: int) -> bool:
     """Tell whether pole i lies in the band, oscillates, decays, is distinct and tall."""
     lines, p = trial.ground.lines, trial.poles[i]
     omega, record = lines.s.imag, lines.record

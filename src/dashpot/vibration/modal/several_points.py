@@ -9,7 +9,7 @@ import numpy as np
 from dashpot.base.errors import DataError
 from dashpot.records.frf import FRF, Kind, Mode
 from dashpot.records.frf_set import FRFSet, ModeShape
-from dashpot.vibration.modal.lines import Lines
+from dashpot.vibration.modal.lines import FRFLines
 from dashpot.vibration.modal.peaks import mount_band
 from dashpot.vibration.modal.rational_fraction import find_poles
 
@@ -32,10 +32,10 @@ def together(points: FRFSet) -> FRF:
     return FRF(first.frequency, whole.astype(complex), sd=sd)
 
 
-def lines_of(points: FRFSet) -> Lines:
+def lines_of(points: FRFSet) -> FRFLines:
     """The accelerances of a set as lines to be fitted, a row for each point."""
     first = points.frfs[0].to(Kind.ACCELERANCE)
-    return Lines.measured(
+    return FRFLines.measured(
         first.s, points.accelerance, points.sd, record=first.record, pulse=first.pulse
     )
 

@@ -21,7 +21,7 @@ import numpy as np
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray, IndexArray
 from dashpot.records.frf import Mode
 from dashpot.records.frf_set import FRFSet
-from dashpot.vibration.modal.lines import Lines
+from dashpot.vibration.modal.lines import FRFLines
 from dashpot.vibration.modal.several_points import lines_of, together, within
 from dashpot.vibration.modal.shapes import mac
 from dashpot.vibration.modal.trial import MOST_DAMPED
@@ -112,7 +112,7 @@ def stabilisation(
 
 
 def _fractions(
-    lines: Lines, height: FloatArray, highest: int
+    lines: FRFLines, height: FloatArray, highest: int
 ) -> list[tuple[int, ComplexArray, ComplexArray]]:
     """Order, poles in the band and their residues, shape (points, poles), for each order."""
     omega = lines.s.imag

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray
-from dashpot.vibration.modal.lines import Lines, kernel, kernel_slope
+from dashpot.vibration.modal.lines import FRFLines, kernel, kernel_slope
 
 SLOW_POLES = (1e-3, 0.3, 1.5, 7.0)  # of the background, times the middle of the band
 RATIOS = np.geomspace(3e-4, 0.4, 9)  # of damping, at which a pole is tried
@@ -29,19 +29,19 @@ class Ground:
 
     Attributes
     ----------
-    lines : Lines
+    lines : FRFLines
     basis : array, shape (channels, 2n, background)
         Orthonormal.
     rest : array, shape (channels, 2n)
         The values without it.
     """
 
-    lines: Lines
+    lines: FRFLines
     basis: FloatArray
     rest: FloatArray
 
     @classmethod
-    def of(cls, lines: Lines) -> Ground:
+    def of(cls, lines: FRFLines) -> Ground:
         """Mass line, modes above the band and, as slow real poles, what is below it."""
         s = lines.s
         rates = np.array(SLOW_POLES) * float(np.sqrt(s.imag[0] * s.imag[-1]))
@@ -70,7 +70,7 @@ class Ground:
         return _without(self.basis[part], _rows(columns, self.lines.sd[part]))
 
 
-class _Solved(NamedTuple):
+class _Residues(NamedTuple):
     """Best residues of each channel, and what the poles' slopes say besides."""
 
     residues: ComplexArray  # (channels, modes)
@@ -82,7 +82,7 @@ class _Solved(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Trial:
+class PoleTrial:
     """Poles, as ln sigma and ln omega of each, with the best residues and background there.
 
     Modes, two real coefficients each, are solved for channel by channel, so that it is no problem
@@ -118,12 +118,12 @@ class Trial:
         return rows, q, np.linalg.pinv(triangle, rcond=1e-12) / scale[:, :, None]
 
     @cached_property
-    def solution(self) -> _Solved:
+    def solution(self) -> _Residues:
         """The linear problem at these poles."""
         found = [self._solved(part) for part in self.ground.parts(len(self.theta))]
-        return _Solved(*(np.concatenate(each) for each in zip(*found, strict=True)))
+        return _Residues(*(np.concatenate(each) for each in zip(*found, strict=True)))
 
-    def _solved(self, part: slice) -> _Solved:
+    def _solved(self, part: slice) -> _Residues:
         rows, q, inverse = self.basis(part)
         y = self.ground.rest[part]
         c = _times(inverse, _times(q.swapaxes(1, 2), y))
@@ -142,7 +142,7 @@ class Trial:
         crossing = q.swapaxes(1, 2) @ jacobian
         jacobian -= q @ crossing
         turned = jacobian.swapaxes(1, 2)
-        return _Solved(
+        return _Residues(
             residues, residual, inverse, crossing, turned @ jacobian, _times(turned, residual)
         )
 
@@ -163,7 +163,7 @@ class Trial:
         """Of Gauss and Newton."""
         return np.asarray(self.solution.normal.sum(axis=0))
 
-    def ahead(self, step: FloatArray) -> Trial:
+    def ahead(self, step: FloatArray) -> PoleTrial:
         """The trial a short step away."""
         return replace(self, theta=self.theta + step)
 
@@ -183,7 +183,7 @@ class Trial:
         """The residues' real and imaginary parts in turn, shape (channels * 2 modes,)."""
         return self.residues.view(float).ravel()
 
-    def only(self, modes: list[int]) -> Trial:
+    def only(self, modes: list[int]) -> PoleTrial:
         """The chosen modes."""
         return replace(self, theta=self.theta.reshape(-1, 2)[modes].ravel())
 
@@ -196,7 +196,7 @@ class Scan(NamedTuple):
     squares: FloatArray  # (3, channels, poles): of each pair of weighted rows, and their product
 
 
-def scans(lines: Lines, starts: list[tuple[float, float]]) -> list[Scan]:
+def scans(lines: FRFLines, starts: list[tuple[float, float]]) -> list[Scan]:
     """Several (sigma, omega), as many in each as there is room for."""
     weights = 1 / np.repeat(lines.sd, 2, axis=1) ** 2
     each = max(1, ROOM // weights.shape[1])
@@ -210,7 +210,7 @@ def scans(lines: Lines, starts: list[tuple[float, float]]) -> list[Scan]:
     return found
 
 
-def _pairs(lines: Lines, poles: ComplexArray) -> ComplexArray:
+def _pairs(lines: FRFLines, poles: ComplexArray) -> ComplexArray:
     """What a residue of 1 and of j of each pole looks like, shape (2 poles, n)."""
     p = poles[:, None]
     up, down = kernel(lines, p), kernel(lines, p.conj())

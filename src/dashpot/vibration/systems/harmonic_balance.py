@@ -83,7 +83,7 @@ class Rest:
         """Stretch of the mounts with friction per force of theirs, m/N, shape (p, p)."""
         return np.asarray(self.E @ self.linear.receptance(1j * omega) @ self.E.T)
 
-    def line(self, omega: float, level: float) -> Line:
+    def line(self, omega: float, level: float) -> BalanceEquation:
         """The problem of one frequency and level."""
         R = self.linear.receptance(1j * omega)
         if self.push is not None:
@@ -93,11 +93,13 @@ class Rest:
             drive, moved = -(K * self.G) @ self.linear.stretch, self.ground
         without, spread = level * (R @ drive), R @ self.E.T
         stretch = self.E @ without + level * moved
-        return Line(self.friction, omega, stretch, np.asarray(self.E @ spread), without, spread)
+        return BalanceEquation(
+            self.friction, omega, stretch, np.asarray(self.E @ spread), without, spread
+        )
 
 
 @dataclass(frozen=True)
-class Line:
+class BalanceEquation:
     """e + C f(e) = e_0 at one frequency and level."""
 
     friction: list[AmplitudeDependent]
@@ -211,7 +213,7 @@ class Line:
 
 
 def several_harmonics(
-    rest: Rest, line: Line, first: ComplexArray, harmonics: tuple[int, ...]
+    rest: Rest, line: BalanceEquation, first: ComplexArray, harmonics: tuple[int, ...]
 ) -> tuple[ComplexArray, ComplexArray, float]:
     """First harmonics of stretch and pull, and the largest higher one over the first (AFT)."""
     from scipy.optimize import root  # costs an import that few need

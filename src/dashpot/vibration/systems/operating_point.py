@@ -11,12 +11,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dashpot.base.arrays import positive
+from dashpot.base.demands import positive
 from dashpot.base.errors import DataError
+from dashpot.base.units import GRAVITY
 from dashpot.records.compression import refuse_far
 from dashpot.records.fit import Fit
 from dashpot.solids.maxwell import Solid
-from dashpot.vibration.checks import GRAVITY
 
 
 @dataclass(frozen=True)

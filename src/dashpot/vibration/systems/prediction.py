@@ -10,10 +10,11 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from dashpot.base.arrays import ComplexArray, FloatArray, not_negative, positive, samples
+from dashpot.base.arrays import ComplexArray, FloatArray, samples
 from dashpot.base.checks import Check
+from dashpot.base.demands import not_negative, positive
 from dashpot.base.errors import DataError
-from dashpot.base.units import Quantity, si
+from dashpot.base.units import Quantity, si, written
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF, Kind, Mode
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
@@ -495,7 +496,7 @@ def moving_mass(block: float, *, seal: float, seals: float = 1.0) -> tuple[float
     not_negative("seal ", mass=seal, unit=" kg")
     if seals * seal > block:
         raise DataError(
-            f"the seals would weigh {1e3 * seals * seal:.4g} g on a block of {1e3 * block:.4g} g: "
-            "check the mass of one seal and its unit"
+            f"the seals would weigh {written(seals * seal, 'g')} on a block of "
+            f"{written(block, 'g')}: check the mass of one seal and its unit"
         )
     return block + seals * seal / 3, seal_mass_negligible(seals * seal / block)

@@ -65,11 +65,14 @@ function back() {
   settle();
 }
 
-function arms(/** @type {string} */ said) {
-  state.job.arms = said === "auto" ? "auto" : +said;
-  // a fractional solid has no number of arms
-  if (said !== "auto" && state.job.family === "fractional") state.job.family = "maxwell";
+function choose(/** @type {Partial<import("./job.js").Choices>} */ said) {
+  Object.assign(state.job, said);
   settle();
+}
+
+function arms(/** @type {string} */ said) {
+  if (said === "auto") choose({ arms: said });
+  else choose({ arms: +said, ...(state.job.family === "fractional" && { family: "maxwell" }) });
 }
 
 function deck(/** @type {string} */ target) {
@@ -138,19 +141,10 @@ const buttons = {
     fileList();
     settle();
   },
-  method: (name) => {
-    state.job.method = name;
-    settle();
-  },
-  law: (name) => {
-    state.job.law = name;
-    settle();
-  },
-  family: (name) => {
-    state.job.family = name;
-    if (name === "fractional") state.job.arms = "auto";
-    settle();
-  },
+  method: (method) => choose({ method }),
+  law: (law) => choose({ law }),
+  // a fractional solid has no number of arms
+  family: (family) => choose(family === "fractional" ? { family, arms: "auto" } : { family }),
 };
 
 document.addEventListener("click", (event) => {

@@ -1,5 +1,5 @@
 // What is asked: the open files and the choices, a job for the server, and the way back.
-import { all } from "./dom.js";
+import { $, all } from "./dom.js";
 import { call } from "./wire.js";
 
 /** @typedef {Record<string, any>} Options Of reading a file: roles, units */
@@ -45,6 +45,9 @@ const HAMMERS = ["impact", "frf"];
 const STEPS_BACK = 100;
 const KEY = 18;
 
+/** What a job is of which nothing was said: declared where commands have it from. */
+const usual = JSON.parse($("usual").textContent || "");
+
 /** @returns {State} */
 const fresh = () => ({
   files: [],
@@ -55,18 +58,7 @@ const fresh = () => ({
   mass: 0,
   levels: { at: "", law: "auto" },
   frfs: { of: "points", band: "" },
-  job: {
-    mass: "",
-    seals: 1,
-    compression: "",
-    arms: "auto",
-    method: "full",
-    law: "auto",
-    family: "maxwell",
-    cuts: {},
-    specimen: {},
-    hammer: { accept: [], reject: [] },
-  },
+  job: { ...usual, cuts: {}, specimen: {}, hammer: { accept: [], reject: [] } },
 });
 
 export let state = fresh();
@@ -118,9 +110,8 @@ export function job() {
     relaxation: of ? of.id : "",
     reading: of ? of.options : {},
     joint: state.joint,
-    specimen: several ? state.job.specimen : { ...state.job.specimen, temperature: warmth[0] },
     further: also.map((one) => one.id),
-    temperatures: several && warmth.some(Boolean) ? warmth : [],
+    temperatures: warmth.some(Boolean) ? warmth : [],
     cuts: several ? {} : state.job.cuts,
     impact: by.map((one) => one.id),
     reading_impact: by.length ? by[0].options : {},

@@ -160,8 +160,8 @@ export function bench() {
   if (isModes(one)) {
     const every = state.files.filter(isModes), { of, band } = state.frfs;
     const files = every.map((each) => each.id);
-    const masses = of === "masses" ? every.map((each) => each.mass || "") : [];
-    return { verb: "modes", request: { files, masses, seals, options: one.options, band, sizes } };
+    const by = of === "masses" ? { masses: every.map((each) => each.mass || ""), seals } : {};
+    return { verb: "modes", request: { files, ...by, options: one.options, band, sizes } };
   }
   if (!isLevel(one)) return { verb: "bench", request: { file, options, temperature, arms, sizes } };
   const { at, law } = state.levels;

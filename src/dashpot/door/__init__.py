@@ -1,0 +1,1 @@
+"""The seal in the car: a door on its seals, and its closing."""

@@ -1,0 +1,259 @@
+"""From the file of a door to its modes, FRFs and response to a base that shakes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.checks import Check
+from dashpot.base.errors import DataError, ReadError
+from dashpot.door import checks as asked
+from dashpot.door.assembly import BODY, DOOR, Assembly, implied_mass
+from dashpot.door.modes import (
+    DoorMode,
+    basis_error,
+    door_modes,
+    farthest,
+    loose_motions,
+    oscillations,
+    station_error,
+)
+from dashpot.door.mounts import SEAL
+from dashpot.door.read import read_door
+from dashpot.door.read_modes import read_modes
+from dashpot.door.record import Door, DoorPoint
+from dashpot.door.result import DoorResult, Shaken
+from dashpot.fitting.temperature.checks import temperature_tested
+from dashpot.io.readers.psd import read_psd
+from dashpot.io.source import about
+from dashpot.records.compression import refuse_far
+from dashpot.records.fit import Fit
+from dashpot.records.free_modes import FreeModes
+from dashpot.records.seal_line import SealLine, SealSection
+from dashpot.solids.maxwell import Solid
+from dashpot.vibration.checks import compression_tested
+from dashpot.vibration.systems.bodies import Point
+from dashpot.vibration.systems.random_base import RandomResponse, random_response
+from dashpot.workflow.json_files import read_fit, stored
+
+__all__ = ["DoorResult", "door_file", "open_door"]
+
+LINES = 2001
+"""Of an FRF."""
+
+
+def open_door(path: str | Path, *, temperature: float | None = None) -> tuple[Assembly, Fit | None]:
+    """Return the door of a file with its seal, parts and modes, and the fit of its seal.
+
+    Parameters
+    ----------
+    path : path
+        TOML, as :func:`~dashpot.door.read.read_door` reads it.
+    temperature : float, optional
+        Of the seal, K, instead of what the file says.
+
+    Raises
+    ------
+    ReadError
+        If a file cannot be read, or what it says cannot be.
+    """
+    door = read_door(path)
+    modes = None
+    if door.modes is not None:
+        choice = door.modes
+        modes = read_modes(
+            choice.path, unit=choice.unit, modal_mass=choice.modal_mass, damping=choice.damping
+        )
+        kept = modes.frequency <= choice.most
+        if not kept.any():
+            raise ReadError(f"{choice.path}: no mode lies below {choice.most:g} Hz (most)")
+        modes = modes.only(kept)
+    with about(Path(path).name):
+        fit = None
+        if door.seal is not None and door.line is not None:
+            choice_of_seal = door.seal
+            fit = read_fit(choice_of_seal.fit)
+            kelvin = choice_of_seal.temperature if temperature is None else temperature
+            section = SealSection.of(fit, length=choice_of_seal.length, temperature=kelvin)
+            fit = fit if kelvin is None else fit.at_temperature(kelvin)
+            if door.line.compression is not None:
+                most = float(door.line.compression.max())
+                refuse_far(most, fit.elastic_law, fit.specimen.height)
+            door = replace(door, line=replace(door.line, section=section))
+        return Assembly(door, modes, dict(_parts_of(door))), fit
+
+
+def _parts_of(door: Door) -> Iterator[tuple[str, Solid]]:
+    """Hinges, latch and bumpers that a fit describes, at their compression."""
+    for support in (*door.hinges, *((door.latch,) if door.latch else ()), *door.bumpers):
+        if not support.fit:
+            continue
+        found = stored(support.fit)
+        if isinstance(found, Fit):
+            here = found.at_compression(support.compression) if support.compression else found
+            yield support.fit, here.solid
+        elif isinstance(found, Solid):
+            yield support.fit, found
+        else:
+            raise ReadError(f"{support.fit} holds a {type(found).__name__}; expected a fit")
+
+
+def door_file(
+    path: str | Path,
+    *,
+    band: tuple[float, float] = (1.0, 200.0),
+    temperature: float | None = None,
+) -> DoorResult:
+    """Find the modes of a door on its seal, its FRFs, and how it follows a base that shakes.
+
+    Parameters
+    ----------
+    path : path
+        TOML, as :func:`~dashpot.door.read.read_door` reads it.
+    band : (float, float)
+        Of the FRFs and modes, Hz.
+    temperature : float, optional
+        Of the seal, K, instead of what the file says.
+
+    Raises
+    ------
+    ReadError
+        If a file cannot be read, or what it says cannot be.
+    """
+    assembly, fit = open_door(path, temperature=temperature)
+    with about(Path(path).name):
+        system, bare = assembly.system(), assembly.system(sealed=False)
+        modes = door_modes(assembly, band[1])
+        points = _points(assembly)
+        driven = next(one for one in points if one.on == DOOR)
+        lines = np.linspace(*band, LINES)
+        frfs = []
+        for one in points:
+            sealed, loose = (
+                each.frf(response=_place(one), force=_place(driven), frequency=lines)
+                for each in (system, bare)
+            )
+            frfs.append((one.name, sealed, loose))
+        shaken = tuple(_shaken(assembly, points)) if assembly.door.base else ()
+        return DoorResult(
+            assembly,
+            fit,
+            band,
+            modes,
+            tuple(mode.frequency for mode in oscillations(bare, band[1])),
+            driven,
+            tuple(frfs),
+            shaken,
+            (*(fit.checks if fit else ()), *_asked(assembly, fit, modes, band[1])),
+        )
+
+
+def _points(assembly: Assembly) -> tuple[DoorPoint, ...]:
+    """Those of the file, the first on the door being driven; else the corner farthest away."""
+    door = assembly.door
+    if any(one.on == BODY for one in door.points) and door.body is None:
+        raise DataError(
+            "a point is on the body, which stands still: give [body] a mass, inertia and centre"
+        )
+    if any(one.on == DOOR for one in door.points):
+        return door.points
+    return (_corner(assembly), *door.points)
+
+
+def _corner(assembly: Assembly) -> DoorPoint:
+    """The point of the door that is farthest from its hinges."""
+    door, modes = assembly.door, assembly.modes
+    held = np.array([one.at for one in door.hinges] or [assembly.body().at])
+    places = door.line.points if door.line else modes.place if modes else held
+    away = np.linalg.norm(places[:, None] - held, axis=2).min(axis=1)
+    x, y, z = places[int(away.argmax())].tolist()
+    along = door.line.normal[int(away.argmax())].tolist() if door.line else [0.0, 0.0, 1.0]
+    return DoorPoint("farthest from the hinges", (x, y, z), tuple(along))
+
+
+def _place(one: DoorPoint) -> Point:
+    return Point(one.on, one.at, one.along)
+
+
+def _shaken(assembly: Assembly, points: tuple[DoorPoint, ...]) -> Iterator[Shaken]:
+    door = assembly.door
+    if door.body is not None:
+        raise DataError(
+            "[base] shakes a body that [body] lets move by itself: leave one of both out"
+        )
+    base = read_psd(door.base)
+    for one in points:
+        found: list[RandomResponse | None] = []
+        for sealed in (True, False):
+            try:
+                response = random_response(
+                    assembly.system(sealed=sealed),
+                    response=_place(one),
+                    psd=base.density,
+                    frequency=base.frequency,
+                    base=BODY,
+                    along=door.base_along,
+                )
+            except DataError:
+                if sealed:
+                    raise
+                response = None
+            found.append(response)
+        if found[0] is not None:
+            yield Shaken(one.name, found[0], found[1])
+
+
+def _asked(
+    assembly: Assembly, fit: Fit | None, modes: tuple[DoorMode, ...], below: float
+) -> Iterator[Check]:
+    """Every check of a door."""
+    door = assembly.door
+    yield asked.door_held(loose_motions(assembly.system()))
+    if fit is not None and door.line is not None:
+        felt = [(one.mode.frequency, max(one.share(SEAL), one.loss_share(SEAL))) for one in modes]
+        yield asked.door_modes_informed(felt, fit.band)
+        yield from _asked_of_line(door.line, assembly, fit, below)
+        if fit.temperatures is not None and fit.specimen.temperature is not None:
+            yield temperature_tested(fit.temperatures, fit.specimen.temperature)
+    if assembly.modes is not None:
+        yield from _asked_of_modes(assembly.modes, assembly, below)
+
+
+def _asked_of_line(line: SealLine, assembly: Assembly, fit: Fit, below: float) -> Iterator[Check]:
+    """Whether the seal is all there, finely enough, and pressed as it was tested."""
+    apart = float(np.linalg.norm(line.points[0] - line.points[-1]))
+    yield asked.line_closed(line.length, 0.0 if line.closed else apart)
+    yield asked.stations_suffice(station_error(assembly, below), assembly.door.pitch)
+    stations = line.stations(assembly.door.pitch)
+    pressed = stations.compression
+    if pressed is not None:
+        yield touches_along(pressed, stations.along, line.length)
+        law = fit.elastic_law
+        yield compression_tested(float(pressed.max()), None if law is None else law.depth)
+
+
+def touches_along(pressed: FloatArray, along: FloatArray, length: float) -> Check:
+    """Return whether the seal touches at all stations, by their compressions and places, m."""
+    worst = int(pressed.argmin())
+    return asked.seal_touches(
+        float((pressed < 0).mean()),
+        length=length,
+        least=float(pressed[worst]),
+        where=float(along[worst]),
+    )
+
+
+def _asked_of_modes(modes: FreeModes, assembly: Assembly, below: float) -> Iterator[Check]:
+    """Whether the shapes are known where they are held, and enough of them."""
+    yield asked.shapes_known_there(*farthest(assembly, modes))
+    elastic = modes.frequency[~modes.rigid]
+    highest = float(elastic.max(initial=0.0))
+    yield asked.modes_suffice(basis_error(assembly, below), len(elastic), highest)
+    rigid = assembly.door.rigid
+    implied = None if rigid is None else implied_mass(modes, rigid)
+    if rigid is not None and implied is not None:
+        yield asked.masses_agree(rigid.mass, implied)

@@ -1,0 +1,187 @@
+"""What was found of a door on its seal."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from dashpot.base.checks import Check, Checked
+from dashpot.base.documents import Documented
+from dashpot.base.provenance import Source
+from dashpot.door.assembly import Assembly
+from dashpot.door.modes import DoorMode
+from dashpot.door.record import Door, DoorPoint
+from dashpot.records.fit import Fit
+from dashpot.records.frf import FRF
+from dashpot.records.seal_line import SealLine, SealSection, Stations
+from dashpot.vibration.systems.random_base import RandomResponse
+
+
+@dataclass(frozen=True)
+class Shaken(Documented):
+    """A place over a base that shakes at random, with the seal and without.
+
+    Attributes
+    ----------
+    name : str
+    sealed : RandomResponse
+    bare : RandomResponse or None
+        None where nothing else damps what the base shakes.
+    """
+
+    keys = ("point=name", "sealed", "bare")
+
+    name: str
+    sealed: RandomResponse
+    bare: RandomResponse | None
+
+
+class AlongLine(NamedTuple):
+    """Of values along a line."""
+
+    least: float
+    mean: float
+    most: float
+
+
+@dataclass(frozen=True)
+class SealOfDoor(Documented):
+    """What lies along the line of a door.
+
+    Attributes
+    ----------
+    line : SealLine
+    section : SealSection
+    along : Stations
+    fit : Fit or None
+        Of the seal, at its temperature.
+    """
+
+    keys = (
+        "line.length", "line.closed", "stations", "pitch", "compression", "touching", "stiffness",
+        "stiffness_per_metre=section.solid.k_inf", "force", "line.joints",
+        "fit.specimen.temperature", "band_hz=fit.band", "fit=fit.identity",
+    )  # fmt: skip
+
+    line: SealLine
+    section: SealSection
+    along: Stations
+    fit: Fit | None
+
+    @property
+    def stations(self) -> int:
+        """How many."""
+        return len(self.along.length)
+
+    @property
+    def pitch(self) -> float:
+        """Their distance, m."""
+        return float(self.along.length[0])
+
+    @property
+    def compression(self) -> AlongLine | None:
+        """m; None where it is not known."""
+        x = self.along.compression
+        return None if x is None else AlongLine(x.min(), x.mean(), x.max())
+
+    @property
+    def touching(self) -> float | None:
+        """Part of the line that touches."""
+        x = self.along.compression
+        return None if x is None else float((x >= 0).mean())
+
+    @property
+    def stiffness(self) -> float:
+        """At rest, of all of it, N/m."""
+        share, x = self.along.length * self.along.factor, self.along.compression
+        factor = np.ones_like(share) if x is None else self.section.factor(x)
+        return float(self.section.solid.k_inf * (share @ factor))
+
+    @property
+    def force(self) -> float | None:
+        """Relaxed, of all of it, N."""
+        x = self.along.compression
+        if x is None:
+            return None
+        return float((self.along.length * self.along.factor) @ self.section.force(x))
+
+
+@dataclass(frozen=True)
+class DoorResult(Checked, Documented):
+    """What ``dashpot door`` found.
+
+    Attributes
+    ----------
+    assembly : Assembly
+    fit : Fit or None
+        Of the seal, at its temperature.
+    band : (float, float)
+        Hz.
+    modes : tuple of DoorMode
+        Up to the end of the band.
+    bare : tuple of float
+        Natural frequencies without the seal, Hz.
+    driven : DoorPoint
+        Where the force acts.
+    frfs : tuple of (str, FRF, FRF)
+        The name of a point, its FRF with the seal and without.
+    shaken : tuple of Shaken
+    checks : tuple of Check
+    """
+
+    schema = "dashpot/door@1"
+    keys = (
+        "seal", "modes", "without_seal_hz=bare", "frf=responses", "random=shaken", "verdict",
+        "checks", "source=sources",
+    )  # fmt: skip
+
+    assembly: Assembly
+    fit: Fit | None
+    band: tuple[float, float]
+    modes: tuple[DoorMode, ...]
+    bare: tuple[float, ...]
+    driven: DoorPoint
+    frfs: tuple[tuple[str, FRF, FRF], ...]
+    shaken: tuple[Shaken, ...]
+    checks: tuple[Check, ...]
+
+    @property
+    def door(self) -> Door:
+        """As its file describes it, with the seal."""
+        return self.assembly.door
+
+    @property
+    def stations(self) -> Stations | None:
+        """Of the seal line."""
+        line = self.door.line
+        return None if line is None else line.stations(self.assembly.door.pitch)
+
+    @property
+    def sources(self) -> tuple[Source, ...]:
+        """The files behind it."""
+        modes = self.assembly.modes
+        known = (self.door.source, None if modes is None else modes.source)
+        return (*(one for one in known if one is not None), *(self.fit.source if self.fit else ()))
+
+    @property
+    def responses(self) -> dict[str, Any]:
+        """The FRF of every point, by their names."""
+        points = {
+            name: {"sealed": sealed.value, "bare": bare.value} for name, sealed, bare in self.frfs
+        }
+        return {
+            "force": self.driven.name,
+            "kind": "accelerance",
+            "frequency_hz": self.frfs[0][1].frequency if self.frfs else (),
+            "points": points,
+        }
+
+    @property
+    def seal(self) -> SealOfDoor | None:
+        """What lies along the line; None without a seal."""
+        line, stations = self.door.line, self.stations
+        if line is None or stations is None or line.section is None:
+            return None
+        return SealOfDoor(line, line.section, stations, self.fit)

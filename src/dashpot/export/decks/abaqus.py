@@ -1,0 +1,188 @@
+"""Abaqus input."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dashpot.base.units import Range, si_range
+from dashpot.export.deck import NOT_VERIFIED, Deck, DeckText
+from dashpot.export.notation import text
+from dashpot.export.opening import target
+from dashpot.export.shift import abaqus_shift
+
+FORMS = ("arms", "connector", "prony")
+SUFFIX = "inp"
+READ = (
+    "not solver-verified: no Abaqus runs in dashpot's tests; CalculiX reads these cards there, and "
+    "runs its own deck of the same ones"
+)
+_BLOCKS = 7000
+"""Nodes and elements of sliders come after it."""
+_SHAKES = 1e-5
+"""s: a slider's lid on its own spring takes 2 pi of it for a cycle, so small is its mass."""
+
+
+@target(*FORMS)
+def abaqus(
+    deck: Deck,
+    *,
+    frequency_range: Range = (1.0, 100.0),
+    tolerance: float = 1e-3,
+) -> DeckText:
+    r"""Abaqus keywords of a solid.
+
+    ``"arms"`` writes the exact network of SPRINGA and DASHPOTA elements, for any procedure, a
+    cubic spring as one with a curve, and each slider as a block of a perfectly plastic material in
+    simple shear, for ``*STATIC`` and ``*DYNAMIC``;
+    ``"connector"`` a connector behavior whose stiffness and structural damping depend on
+    frequency, for direct and subspace steady-state dynamics; ``"prony"`` a material card
+    ``*VISCOELASTIC, TIME=PRONY`` with g_j = k_j/k_0 on the instantaneous modulus, and ``*TRS``
+    where the fit has a temperature law.
+
+    Parameters are those of :func:`dashpot.export.nastran`.
+    """
+    frequency_range = si_range(frequency_range, "frequency")
+    if deck.form == "arms":
+        return _arms(deck)
+    if deck.form == "prony":
+        return _prony(deck)
+    return _connector(deck, frequency_range, tolerance)
+
+
+def spring_dashpot_network(deck: Deck) -> list[str]:
+    """The springs, dashpots and sliders along x from node 1 to node 2; a node in each arm."""
+    elements = []  # kind, from, to, name, value
+    if deck.k_inf > 0:
+        elements.append(("SPRING", 1, 2, "K_INF", deck.k_inf))
+    if deck.b > 0:
+        elements.append(("DASHPOT", 1, 2, "B", deck.b))
+    for j, (k, _, b) in enumerate(deck.arms):
+        elements.append(("SPRING", 2, 11 + j, f"K_{j + 1}", k))
+        elements.append(("DASHPOT", 11 + j, 1, f"B_{j + 1}", b))
+    span = deck.beside.span
+    cards = ["*NODE", "1, 0., 0., 0.", f"2, {text(span)}, 0., 0."]
+    cards += [f"{11 + j}, {text(span / 2)}, 0., 0." for j in range(deck.model.arms)]
+    for number, (kind, a, b_end, name, value) in enumerate(elements, start=1):
+        cards += [
+            f"*ELEMENT, TYPE={kind}A, ELSET=SEAL_{name}",
+            f"{number}, {a}, {b_end}",
+            f"*{kind}, ELSET=SEAL_{name}",
+            "",
+            text(value),
+        ]
+    if deck.beside.k3:
+        cards += [
+            "*ELEMENT, TYPE=SPRINGA, ELSET=SEAL_CUBIC",
+            f"{1 + len(elements)}, 1, 2",
+            "*SPRING, ELSET=SEAL_CUBIC, NONLINEAR",
+            "",
+            *(f"{text(F)}, {text(x)}" for x, F in deck.beside.both_ways()),
+        ]
+    for number, (k, F, _) in enumerate(deck.beside.sliders, start=1):
+        cards += _slider(number, k, F, span, k * (_SHAKES / deck.units.time) ** 2)
+    return cards
+
+
+def _slider(number: int, k: float, slip: float, height: float, mass: float) -> list[str]:
+    r"""A block in simple shear, whose lid follows node 2: :math:`k = GA/h`, :math:`F = \tau A`.
+
+    Its section is such that it flows at a Mises stress of 1, for ccx takes a stress of 1e-10 for
+    none. All that is across is held: nothing bends, and nothing is free where it flows.
+    """
+    name, first = f"SEAL_SLIDER_{number}", _BLOCKS + 10 * number
+    area = np.sqrt(3) * slip
+    edge, ids = float(np.sqrt(area)), [first + i for i in range(1, 9)]
+    foot, lid = ids[:4], ids[4:]
+    sides = ((0.0, 0.0), (edge, 0.0), (edge, edge), (0.0, edge))
+    corners = [(x, y, z) for z in (0.0, height) for x, y in sides]
+    cards = [
+        "*NODE",
+        *(f"{n}, {', '.join(map(text, at))}" for n, at in zip(ids, corners, strict=True)),
+        f"*ELEMENT, TYPE=C3D8, ELSET={name}",
+        f"{first}, {', '.join(map(str, ids))}",
+        f"*MATERIAL, NAME={name}",
+        "*ELASTIC",
+        f"{text(2 * k * height / area)}, 0.",
+        "*PLASTIC",
+        "1., 0.",
+        "*DENSITY",
+        text(mass / (area * height)),
+        f"*SOLID SECTION, ELSET={name}, MATERIAL={name}",
+    ]
+    for n in lid:
+        cards += ["*EQUATION", "2", f"{n}, 1, 1., 2, 1, -1."]
+    return [*cards, "*BOUNDARY", *(f"{n}, 1, 3" for n in foot), *(f"{n}, 2, 3" for n in lid)]
+
+
+def slider_remarks(deck: Deck) -> list[str]:
+    """What the header says of the two nodes and the blocks."""
+    if not deck.beside.sliders:
+        return deck.beside.apart
+    return [
+        *deck.beside.apart,
+        "a slider is a block of perfectly plastic material in simple shear, which turns by less",
+        "than 0.001 rad at the amplitudes tested; a linear step sees its stiffness, no friction",
+    ]
+
+
+def _arms(deck: Deck) -> DeckText:
+    free = not deck.beside.parts
+    length = " and only the direction of the axis matters, not its length" * free
+    hold = [f"{11 + j}, 2, 3" for j in range(deck.model.arms)]
+    return deck.written(
+        "**",
+        "network of springs and dashpots for Abaqus",
+        [*spring_dashpot_network(deck), *(["*BOUNDARY", *hold] if hold else [])],
+        verified=READ if deck.beside.parts else NOT_VERIFIED,
+        remarks=[
+            "node 1 is the ground side, node 2 the moving side, one inner node in each arm; all",
+            f"act along x{length}",
+            "inner nodes are massless: for Abaqus/Explicit give each a small *MASS",
+            *slider_remarks(deck),
+        ],
+    )
+
+
+def _prony(deck: Deck) -> DeckText:
+    rows = [f"{text(g)}, {text(g)}, {text(tau)}" for g, tau in deck.prony]
+    shift, says = abaqus_shift(deck.temperatures)
+    return deck.written(
+        "**",
+        "material of relative moduli for Abaqus",
+        ["*MATERIAL, NAME=SEAL", "*VISCOELASTIC, TIME=PRONY", *rows, *shift],
+        remarks=[
+            "g_j = k_j / k_0 refers to the instantaneous modulus: put MODULI=INSTANTANEOUS on the",
+            "*ELASTIC, *HYPERELASTIC or *HYPERFOAM card beside it",
+            "bulk ratios repeat the shear ratios: a sponge keeps its Poisson ratio as it relaxes;",
+            "set the second column to 0 for a nearly incompressible rubber",
+            *says,
+        ],
+    )
+
+
+def _connector(deck: Deck, frequency_range: tuple[float, float], tolerance: float) -> DeckText:
+    table = deck.table(frequency_range, tolerance)
+    columns = {
+        "*CONNECTOR ELASTICITY, COMPONENT=1": deck.units.stiffness(table.storage),
+        "*CONNECTOR DAMPING, COMPONENT=1, TYPE=STRUCTURAL": table.damping,
+    }
+    cards = ["*CONNECTOR BEHAVIOR, NAME=SEAL"]
+    for card, values in columns.items():
+        cards.append(card)
+        outside = False
+        for f, value in zip(table.frequency.tolist(), values.tolist(), strict=True):
+            if deck.extrapolated(f) is not outside:
+                outside = not outside
+                cards.append("** EXTRAPOLATED" if outside else "** identified")
+            cards.append(f"{text(value)}, {text(deck.units.frequency(f))}")
+    return deck.written(
+        "**",
+        "frequency-dependent connector behavior for Abaqus",
+        cards,
+        remarks=[
+            "acts along component 1 of an AXIAL or CARTESIAN connector, in direct",
+            "or subspace-based steady-state dynamics; rows after EXTRAPOLATED lie outside",
+            "the identified band",
+        ],
+        table=table,
+    )

@@ -1,0 +1,144 @@
+"""LS-DYNA keyword input."""
+
+from __future__ import annotations
+
+from dashpot.base.errors import ExportError
+from dashpot.base.units import Quantity, si
+from dashpot.export.deck import Deck, DeckText
+from dashpot.export.notation import packed
+from dashpot.export.opening import target
+
+FORMS = ("arms", "prony")
+SUFFIX = "k"
+NEEDS = {"prony": ("modulus", "bulk_modulus", "density")}
+_MOST_TERMS = 18  # of *MAT_GENERAL_VISCOELASTIC
+
+
+@target(*FORMS)
+def lsdyna(
+    deck: Deck,
+    *,
+    modulus: Quantity | None = None,
+    bulk_modulus: Quantity | None = None,
+    density: float | None = None,
+) -> DeckText:
+    r"""LS-DYNA keywords of a solid.
+
+    ``"arms"`` writes discrete elements in parallel between two nodes: one ``*MAT_SPRING_ELASTIC``,
+    and for each arm one ``*MAT_SPRING_MAXWELL``, whose stiffness decays from k_j to 0 at
+    beta_j = 1/tau_j: the exact network without inner nodes. Sliders are
+    ``*MAT_SPRING_ELASTOPLASTIC`` without hardening, a cubic spring is
+    ``*MAT_SPRING_NONLINEAR_ELASTIC``. ``"prony"`` writes
+    ``*MAT_GENERAL_VISCOELASTIC`` (076) with absolute shear moduli.
+
+    Parameters
+    ----------
+    solid, units, specimen, allow
+        As in :func:`dashpot.export.nastran`.
+    form : str
+    modulus, bulk_modulus : float, optional
+        Instantaneous shear modulus and elastic bulk modulus of the rubber, Pa; only and always
+        for ``"prony"``.
+    density : float, optional
+        kg/m^3; only and always for ``"prony"``.
+    """
+    modulus, bulk_modulus = si(modulus, "stress"), si(bulk_modulus, "stress")
+    if deck.form == "prony":
+        return _prony(deck, modulus, bulk_modulus, density)
+    if (modulus, bulk_modulus, density) != (None, None, None):
+        raise ExportError(
+            "modulus, bulk_modulus and density belong to the material card; add --form prony "
+            "(Python: form='prony'), or leave them out"
+        )
+    return _arms(deck)
+
+
+def _arms(deck: Deck) -> DeckText:
+    materials: list[tuple[str, list[float | int]]] = []
+    if deck.k_inf > 0:
+        materials.append(("*MAT_SPRING_ELASTIC", [deck.k_inf]))
+    if deck.b > 0:
+        materials.append(("*MAT_DAMPER_VISCOUS", [deck.b]))
+    for k, tau, _ in deck.arms:
+        # k0, ki, beta, cut-off time and force, incremental in time
+        materials.append(("*MAT_SPRING_MAXWELL", [k, 0.0, 1 / tau, 1e20, 0.0, 0.0]))
+    # k, kt, fy: no hardening
+    materials += [("*MAT_SPRING_ELASTOPLASTIC", [k, 0.0, F]) for k, F, _ in deck.beside.sliders]
+    curve = []
+    if deck.beside.k3:
+        materials.append(("*MAT_SPRING_NONLINEAR_ELASTIC", [1]))
+        rows = (f"{packed(x, 20):>20}{packed(F, 20):>20}" for x, F in deck.beside.both_ways())
+        curve = ["*DEFINE_CURVE", fields(1), *rows]
+    cards = [
+        "*KEYWORD",
+        "*NODE",
+        f"{1:>8}{'0.':>16}{'0.':>16}{'0.':>16}",
+        f"{2:>8}{packed(deck.beside.span, 16):>16}{'0.':>16}{'0.':>16}",
+        "*SECTION_DISCRETE",
+        "$#   secid       dro        kd        v0        cl        fd",
+        fields(1, 0, 0.0, 0.0, 0.0, 0.0),
+        "$#     cdl       tdl",
+        fields(0.0, 0.0),
+    ]
+    for number, (keyword, values) in enumerate(materials, start=1):
+        cards += [
+            keyword,
+            fields(number, *values),
+            "*PART",
+            f"seal {keyword[5:].lower().replace('_', ' ')} {number}",
+            fields(number, 1, number),
+            "*ELEMENT_DISCRETE",
+            f"{number:>8}{number:>8}{1:>8}{2:>8}",
+        ]
+    return deck.written(
+        "$",
+        "discrete springs and dampers for LS-DYNA",
+        [*cards, *curve, "*END"],
+        remarks=[
+            "fields of nine columns hold five digits or more; each Maxwell arm is one discrete",
+            "element, all between nodes 1 (ground side) and 2 (moving side)",
+            *deck.beside.apart,
+        ],
+    )
+
+
+def _prony(
+    deck: Deck, modulus: float | None, bulk_modulus: float | None, density: float | None
+) -> DeckText:
+    long_term, terms = deck.shear(modulus, "LS-DYNA")
+    if bulk_modulus is None or density is None or not (bulk_modulus > 0 and density > 0):
+        raise ExportError(
+            "*MAT_GENERAL_VISCOELASTIC needs --bulk-modulus, such as 2000MPa, and --density, such "
+            "as 1200 (Python: bulk_modulus= in Pa, density= in kg/m^3); found "
+            f"{bulk_modulus!r} and {density!r}"
+        )
+    if deck.k_inf > 0:
+        # a term that does not decay carries the equilibrium modulus
+        terms = [(long_term, 0.0), *terms]
+    if len(terms) > _MOST_TERMS:
+        raise ExportError(
+            f"*MAT_GENERAL_VISCOELASTIC holds {_MOST_TERMS} terms, found {len(terms)}; fit fewer "
+            "arms"
+        )
+    return deck.written(
+        "$",
+        "solid material for LS-DYNA",
+        [
+            "*KEYWORD",
+            "*MAT_GENERAL_VISCOELASTIC",
+            "$#     mid        ro      bulk       pcf        ef      tref         a         b",
+            fields(1, deck.units.density(density), deck.units.stress(bulk_modulus)),
+            "$#    lcid        nt    bstart     tramp     lcidk       ntk   bstartk    trampk",
+            fields(0),
+            "$#      gi     betai",
+            *(fields(G, beta) for G, beta in terms),
+            "*END",
+        ],
+        remarks=["the first term has beta = 0: the equilibrium modulus"],
+    )
+
+
+def fields(*values: object) -> str:
+    """A line of a card: fields of ten columns."""
+    words = (packed(value, 9) if isinstance(value, float) else str(value) for value in values)
+    return "".join(f"{word:>10}" for word in words)

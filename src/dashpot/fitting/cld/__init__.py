@@ -1,1 +1,0 @@
-"""From compression load deflection to the elastic law, and to the memory of several speeds."""

@@ -1,1 +1,0 @@
-"""From stress over stretch in one mode or several to a hyperelastic law."""

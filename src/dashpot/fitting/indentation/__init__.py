@@ -1,1 +1,0 @@
-"""A contact's motion to the law of the surface."""

@@ -1,0 +1,1 @@
+"""Compression load deflection: cycles of a plate, and the elastic law under them."""

@@ -1,0 +1,265 @@
+"""From files of compression load deflection to the figures of pieces, and how they scatter."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+import dashpot as dp
+from dashpot.base.capability import Capability, capability
+from dashpot.base.checks import Check, Checked, worst
+from dashpot.base.documents import Documented
+from dashpot.base.errors import ReadError
+from dashpot.base.units import Quantity, Range
+from dashpot.io.options import ReadOptions
+from dashpot.io.source import about
+from dashpot.kinds.cld.checks import pieces_capable, pieces_tested_alike
+from dashpot.kinds.cld.record import CLD, AtCompression, CompressionTest, RateLaw, RelaxedLaw
+from dashpot.kinds.cld.relaxed import nearest
+from dashpot.kinds.cld.speeds import SAME_SPEED
+from dashpot.records.fit import Fit
+from dashpot.records.specimen import Specimen
+
+_ALIKE = 0.05
+"""Relative difference of depths and speeds that are one."""
+_AS_WARM = 3.0
+"""Difference of temperatures that are one, K."""
+
+
+@dataclass(frozen=True)
+class PieceStatistics:
+    """Mean and deviation of one figure over the pieces.
+
+    Attributes
+    ----------
+    name : str
+    unit : str
+    count : int
+        Of the pieces that have it.
+    mean, deviation : float
+        In SI units; a force of 100 mm where the lengths are known.
+    """
+
+    name: str
+    unit: str
+    count: int
+    mean: float
+    deviation: float
+
+
+@dataclass(frozen=True)
+class Pieces(Checked, Documented):
+    """What ``dashpot cld`` found.
+
+    Attributes
+    ----------
+    pieces : tuple of CLD
+        One a file.
+    scatter : tuple of PieceStatistics
+        Of two or more pieces.
+    capability : Capability or None
+        Of the force at the nominal compression between its limits.
+    checks : tuple of Check
+        Those of every piece, each at its worst, and of the pieces together.
+    relaxed : RelaxedLaw or None
+        The elastic law under the first piece, where a relaxation test told its memory.
+    fit : Fit or None
+        That of the relaxation test with this law; or, of records at several speeds, theirs.
+    rate : RateLaw or None
+        Of records at several speeds: a spring and a dashpot that depend on compression.
+    """
+
+    schema = "dashpot/cld@1"
+    keys = (
+        "unit", "pieces", "scatter", "capability", "relaxed?", "rate?", "verdict", "checks", "fit?",
+    )  # fmt: skip
+
+    pieces: tuple[CLD, ...]
+    scatter: tuple[PieceStatistics, ...]
+    capability: Capability | None
+    checks: tuple[Check, ...]
+    relaxed: RelaxedLaw | None = None
+    fit: Fit | None = None
+    rate: RateLaw | None = None
+
+    @property
+    def unit(self) -> str:
+        """Of a force."""
+        return self.pieces[0].unit
+
+
+def cld_files(
+    files: Sequence[str | Path],
+    *,
+    at: Quantity | None = None,
+    between: Range | None = None,
+    limits: tuple[float, float] | None = None,
+    memory: Sequence[Fit] = (),
+    specimen: Specimen | None = None,
+    options: ReadOptions | None = None,
+) -> Pieces:
+    """Find the figures of compression load deflection of pieces, and how they scatter.
+
+    Records at speeds that differ by half or more are taken for one seal, whose elastic law and
+    memory are fitted, unless there are limits, or a memory.
+
+    Parameters
+    ----------
+    files : sequence of path
+        A piece each.
+    at, between
+        As in :func:`~dashpot.kinds.cld.prepare.cld`; without `at` the least depth of all.
+    limits : (float, float), optional
+        Of the force at the nominal compression, N, of 100 mm where the length is known.
+    memory : sequence of Fit
+        Of relaxation tests: the memory of the one held nearest to the nominal compression is taken
+        off the first piece, which leaves the elastic law; all are held against it.
+    specimen : Specimen, optional
+        What is the same of every piece, such as its length.
+    options : ReadOptions, optional
+        What the user said of the files; `cycle` is the cycle that the figures are of.
+
+    Raises
+    ------
+    ReadError, DataError
+        If a file cannot be read or shows no loading, or limits are given for one piece.
+    """
+    options = options or ReadOptions()
+    if limits is not None and len(files) < 2:
+        raise ReadError("--limits are of several pieces; name a file for each, or leave them out")
+    pieces = _figures(files, options, specimen, at=at, between=between)
+    found = Pieces(pieces, (), None, _worst(pieces))
+    if not memory and limits is None and _several_speeds(pieces):
+        return _of_speeds(found)
+    if len(pieces) > 1:
+        found = _scattered(found, limits)
+    return _with_memory(found, memory) if memory else found
+
+
+def _figures(
+    files: Sequence[str | Path],
+    options: ReadOptions,
+    specimen: Specimen | None,
+    *,
+    at: Quantity | None,
+    between: Range | None,
+) -> tuple[CLD, ...]:
+    """Each piece, all at one nominal compression."""
+    tests = [dp.read_cld(path, options=options, specimen=specimen) for path in files]
+    _refuse_twice(tests)
+
+    def figures(test: CompressionTest, nominal: Quantity | None) -> CLD:
+        return dp.cld(test, at=nominal, between=between, cycle=options.cycle)
+
+    pieces = []
+    for path, test in zip(files, tests, strict=True):
+        with about(Path(path).name):
+            pieces.append(figures(test, at))
+    if at is not None or len(pieces) == 1:
+        return tuple(pieces)
+    least = min(one.cycle.depth for one in pieces)
+    return tuple(figures(test, least) for test in tests)
+
+
+def _worst(pieces: Sequence[CLD]) -> tuple[Check, ...]:
+    """The checks of every piece, each at its worst."""
+    return tuple(worst(each) for each in zip(*(one.checks for one in pieces), strict=True))
+
+
+def _of_speeds(found: Pieces) -> Pieces:
+    """With the elastic law and the memory of one seal at several speeds."""
+    fit = dp.fit_speeds(found.pieces)
+    rate = dp.fit_rate(found.pieces, fit)
+    told = next(check for check in rate.checks if check.name == "memory_suffices")
+    fit = replace(fit, evidence=replace(fit.evidence, checks=(*fit.checks, told)))
+    return replace(found, checks=(*found.checks, *fit.checks), fit=fit, rate=rate)
+
+
+def _scattered(found: Pieces, limits: tuple[float, float] | None) -> Pieces:
+    """With how several pieces scatter, and whether their forces keep within limits."""
+    pieces, within = found.pieces, None
+    asked = [pieces_tested_alike(_otherwise(pieces))]
+    if limits is not None:
+        within = capability(np.array([one.per * one.nominal.loading for one in pieces]), *limits)
+        asked.append(pieces_capable(within, found.unit))
+    scatter = tuple(_scatter(pieces))
+    return replace(found, scatter=scatter, capability=within, checks=(*found.checks, *asked))
+
+
+def _with_memory(found: Pieces, memory: Sequence[Fit]) -> Pieces:
+    """With the elastic law under the first piece."""
+    relaxed = dp.relaxed_law(found.pieces[0], memory)
+    fed = nearest(found.pieces[0], memory).with_elastic_law(relaxed.law, checks=relaxed.checks)
+    return replace(found, checks=(*found.checks, *relaxed.checks), relaxed=relaxed, fit=fed)
+
+
+def _refuse_twice(tests: Sequence[CompressionTest]) -> None:
+    seen: dict[str, str] = {}
+    for source in (test.source for test in tests if test.source is not None):
+        if source.sha256 in seen:
+            raise ReadError(
+                f"{source.file} is the same record as {seen[source.sha256]}; each piece once"
+            )
+        seen[source.sha256] = source.file
+
+
+def _several_speeds(pieces: Sequence[CLD]) -> bool:
+    speeds = [one.cycle.speed for one in pieces if one.cycle.speed is not None]
+    return len(speeds) == len(pieces) and max(speeds) >= SAME_SPEED * min(speeds)
+
+
+def _scatter(pieces: Sequence[CLD]) -> list[PieceStatistics]:
+    unit = pieces[0].unit
+    each_mm = "N/m" + unit.removeprefix("N")
+    figures: tuple[tuple[str, str, Callable[[CLD], float | None]], ...] = (
+        ("force at least", unit, lambda one: _force(one, one.least)),
+        ("force at nominal", unit, lambda one: _force(one, one.nominal)),
+        ("force at most", unit, lambda one: _force(one, one.most)),
+        ("slope at nominal", each_mm, lambda one: one.per * one.nominal.slope),
+        ("energy", "J" + unit.removeprefix("N"), lambda one: one.per * one.cycle.energy),
+        ("hysteresis", "", lambda one: one.cycle.hysteresis),
+        ("softening", "", lambda one: one.softening if len(one.cycles) > 1 else None),
+        ("set", "m", lambda one: one.set),
+    )
+    found = []
+    for name, of, figure in figures:
+        known = [value for value in map(figure, pieces) if value is not None]
+        if len(known) > 1:
+            found.append(
+                PieceStatistics(
+                    name, of, len(known), float(np.mean(known)), float(np.std(known, ddof=1))
+                )
+            )
+    return found
+
+
+def _force(one: CLD, at: AtCompression | None) -> float | None:
+    return None if at is None else one.per * at.loading
+
+
+def _otherwise(pieces: Sequence[CLD]) -> list[str]:
+    """What differs between the tests of pieces that should scatter by themselves alone."""
+    speeds, depths, numbers, temperatures = (
+        sorted(value for value in map(figure, pieces) if value is not None) or [0.0]
+        for figure in _CONDITIONS
+    )
+    differs = {
+        "speed": speeds[-1] > (1 + _ALIKE) * speeds[0],
+        "depth": depths[-1] > (1 + _ALIKE) * depths[0],
+        "number of the cycle": numbers[-1] > (1 + _ALIKE) * numbers[0],
+        "length, known of some alone": len({one.specimen.length is None for one in pieces}) > 1,
+        "temperature": temperatures[-1] - temperatures[0] > _AS_WARM,
+    }
+    return [name for name, apart in differs.items() if apart]
+
+
+_CONDITIONS: tuple[Callable[[CLD], float | None], ...] = (
+    lambda one: one.cycle.speed,
+    lambda one: one.cycle.depth,
+    lambda one: one.cycle.number,
+    lambda one: one.specimen.temperature,
+)
+"""Speed, depth, number of the cycle and temperature, K, of a test."""

@@ -1,0 +1,242 @@
+"""From a compression load deflection record to cycles, and the figures of one of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.checks import Check
+from dashpot.base.errors import DataError
+from dashpot.base.units import Quantity, Range, si, si_range, written
+from dashpot.kinds.cld import checks
+from dashpot.kinds.cld.read_off import WINDOW, at_compression, local, unevenness
+from dashpot.kinds.cld.record import CLD, AtCompression, Branch, CompressionTest, Cycle
+from dashpot.preparation.segments import resolution_of
+from dashpot.preparation.strokes import Stroke, inward, strokes_of
+from dashpot.preparation.zero import Zero, met_again, zero_of
+
+_SMOOTHED, _RARE = 5, 4.0
+"""Samples of a mean in which a pull is sought, and standard deviations that chance may make."""
+_COMMON = 0.95
+"""Part of the least depth at which cycles are compared."""
+_BEYOND = 5e-3
+"""Part of the depth by which a compression asked for may lie beyond the last reading."""
+_UNFINISHED = 0.9
+"""A last loading that ends before this part of the depth, and is not unloaded, is left out."""
+
+
+class _RecordCycles(NamedTuple):
+    """The cycles of a record, before one is chosen; a compression may lie so far `beyond` them."""
+
+    cycles: tuple[Cycle, ...]
+    zero: Zero
+    beyond: float
+    common: float
+    uneven: tuple[float | None, ...]
+    compression: FloatArray
+    force: FloatArray
+
+
+def cld(
+    test: CompressionTest,
+    *,
+    at: Quantity | None = None,
+    between: Range | None = None,
+    cycle: int | None = None,
+) -> CLD:
+    """Find the cycles of a compression load deflection test, and the figures of one of them.
+
+    Compression is counted from first contact of the first cycle; the load cell's zero is what it
+    reads in air, wherever the plate is there.
+
+    Parameters
+    ----------
+    test : CompressionTest
+    at : float or str, optional
+        Nominal compression, m or with its unit; by default the depth of the cycle.
+    between : (float, float) or str, optional
+        Least and greatest compression of the tolerance, m or as ``"4:8mm"``.
+    cycle : int, optional
+        Which cycle, from 1; by default the last that was unloaded and reaches `at`.
+
+    Returns
+    -------
+    CLD
+
+    Raises
+    ------
+    DataError
+        If nothing was pressed, there is no such cycle, or none reaches `at`.
+    """
+    found = _cycles(test)
+    nominal = None if at is None else si(at, "length")
+    index = _chosen(found, cycle, nominal)
+    used = found.cycles[index]
+    nominal = used.depth if nominal is None else nominal
+    ends = (None, None) if between is None else si_range(between, "length")
+    least, middle, most = (_at(found, used, one) for one in (ends[0], nominal, ends[1]))
+    if middle is None:
+        deepest = max(one.depth for one in found.cycles)
+        raise DataError(
+            f"{written(nominal, 'mm')} was asked for; expected a compression > 0 that the seal was "
+            f"pressed to, at most {written(deepest, 'mm')}: --at gives it, --cycle another cycle"
+        )
+    zero, specimen = found.zero, test.specimen
+    return CLD(
+        found.cycles,
+        index,
+        zero.contact,
+        zero.contact_se,
+        zero.preload,
+        zero.drift,
+        zero.noise,
+        found.common,
+        middle,
+        least,
+        most,
+        test.time,
+        found.compression,
+        found.force,
+        _checks(found, index, max(one for one in (nominal, *ends) if one is not None), test),
+        specimen,
+        test.source,
+    )
+
+
+def _at(found: _RecordCycles, cycle: Cycle, at: float | None) -> AtCompression | None:
+    if at is None or not at > 0:
+        return None
+    return at_compression(
+        cycle,
+        at,
+        beyond=found.beyond,
+        contact_se=found.zero.contact_se,
+        force_se=found.zero.force_se,
+    )
+
+
+def _cycles(test: CompressionTest) -> _RecordCycles:
+    turn, push = inward(test.displacement, test.force)
+    x, force = turn * test.displacement, push * test.force
+    clock = np.arange(float(len(x))) if test.time is None else test.time
+    resolution = resolution_of(clock, x)
+    strokes = strokes_of(x, resolution=resolution)
+    pairs = _pairs(strokes)
+    zero = zero_of(clock, x, force, pairs[0][0], resolution=resolution)
+    x, force = x - zero.contact, force - zero.force
+    depths = [float(x[one.last]) for one, _ in pairs]
+    beyond = max(resolution, 3 * zero.contact_se, _BEYOND * max(depths))
+    if len(pairs) > 1 and pairs[-1][1] is None and depths[-1] < _UNFINISHED * max(depths):
+        pairs, depths = pairs[:-1], depths[:-1]
+    common = _COMMON * min(depths)
+    cycles, uneven = [], []
+    for number, (loading, unloading) in enumerate(pairs, start=1):
+        speed = departure = None
+        if test.time is not None:
+            speed, departure = unevenness(clock[loading.samples], x[loading.samples])
+        cycles.append(
+            _cycle(x, force, number, loading, unloading, zero=zero, common=common,
+                   beyond=beyond, speed=speed)
+        )  # fmt: skip
+        uneven.append(departure)
+    return _RecordCycles(tuple(cycles), zero, beyond, common, tuple(uneven), x, force)
+
+
+def _pairs(strokes: Sequence[Stroke]) -> list[tuple[Stroke, Stroke | None]]:
+    """Every way in, with the way back after it where it was recorded."""
+    ways = zip(strokes, [*strokes[1:], None], strict=True)
+    pairs = [(one, after) for one, after in ways if one.inward]
+    if not pairs:
+        raise DataError(
+            "no loading was found: the compression only falls, or never moves by more than its "
+            "scatter; expected a seal that is pressed, and then released"
+        )
+    return pairs
+
+
+def _cycle(
+    x: FloatArray,
+    force: FloatArray,
+    number: int,
+    loading: Stroke,
+    unloading: Stroke | None,
+    *,
+    zero: Zero,
+    common: float,
+    beyond: float,
+    speed: float | None,
+) -> Cycle:
+    way_in = _branch(x, force, loading)
+    back = None if unloading is None else _branch(x, force, unloading)
+    contact = 0.0
+    if number > 1:
+        met = met_again(way_in.compression, way_in.force, noise=zero.noise)
+        contact = np.nan if met is None else met
+    depth = float(x[loading.last])
+    here = local(way_in, common, half=WINDOW * depth, beyond=beyond)
+    peak = local(way_in, depth, half=WINDOW * depth, beyond=beyond)
+    if here is None or peak is None:
+        raise DataError(
+            f"cycle {number}: {len(way_in.force)} samples of loading; expected 4 or more"
+        )
+    return Cycle(
+        number, depth, speed, None if np.isnan(contact) else contact, peak.force, here.force,
+        way_in, back,
+    )  # fmt: skip
+
+
+def _branch(x: FloatArray, force: FloatArray, stroke: Stroke) -> Branch:
+    return Branch(x[stroke.samples], force[stroke.samples], stroke.first)
+
+
+def _chosen(found: _RecordCycles, asked: int | None, at: float | None) -> int:
+    cycles = found.cycles
+    if asked is not None:
+        if not 1 <= asked <= len(cycles):
+            plural = "s" * (len(cycles) != 1)
+            raise DataError(
+                f"cycle {asked} was asked for, but the record holds {len(cycles)} cycle{plural}"
+            )
+        return asked - 1
+    reach = [i for i, one in enumerate(cycles) if at is None or one.depth >= at - found.beyond]
+    whole = [i for i in reach if cycles[i].unloading is not None]
+    return (whole or reach or [len(cycles) - 1])[-1]
+
+
+def _pull(cycle: Cycle, zero: Zero) -> float | None:
+    """The greatest pull of a release, over the greatest force; less than noise makes is none."""
+    back = cycle.unloading
+    if back is None or not zero.air or len(back.force) < _SMOOTHED:
+        return None
+    means = np.convolve(back.force, np.full(_SMOOTHED, 1 / _SMOOTHED), "valid")
+    chance = _RARE * zero.noise / _SMOOTHED**0.5 + 2 * zero.force_se
+    return float(max(-means.min() - chance, 0.0) / cycle.peak)
+
+
+def _checks(
+    found: _RecordCycles, index: int, most: float, test: CompressionTest
+) -> tuple[Check, ...]:
+    cycles, zero = found.cycles, found.zero
+    used, before = cycles[index], cycles[:index]
+    drift = zero.drift / used.peak if zero.drift else None
+    return (
+        checks.zero_recorded(zero.begins, air=zero.air),
+        checks.conditioned(
+            used.common / before[-1].common - 1 if before else None,
+            cycle=used.number,
+            softening=cycles[0].common / cycles[-1].common - 1,
+        ),
+        checks.depth_conditioned(
+            used.depth / max(one.depth for one in before) if before else None, used.number
+        ),
+        checks.compressions_reached(most, used.depth + found.beyond),
+        checks.load_cell_steady(drift),
+        checks.speed_even(found.uneven[index]),
+        checks.energy_lost(used.hysteresis),
+        checks.released_freely(_pull(used, zero)),
+        checks.unloading_recorded(recorded=used.unloading is not None),
+        checks.length_given(given=test.specimen.length is not None),
+    )

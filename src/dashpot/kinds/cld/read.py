@@ -1,0 +1,81 @@
+"""From a file to a compression load deflection test: displacement and force, a clock or none."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.io.columns.vocabulary import Role
+from dashpot.io.options import ReadOptions
+from dashpot.io.readers import channels, checks
+from dashpot.io.readers.channels import Channel, Opened
+from dashpot.io.readers.relaxation import signals
+from dashpot.io.readers.stated import recorded_temperature, stated_specimen
+from dashpot.kinds.cld.record import CompressionTest
+from dashpot.records.specimen import Specimen
+
+_SIGNALS: tuple[Role, Role] = ("displacement", "force")
+
+
+def read_cld(
+    path: str | Path, *, options: ReadOptions | None = None, specimen: Specimen | None = None
+) -> CompressionTest:
+    """Return the compression load deflection test in a file, in SI units; ``-`` is stdin.
+
+    Parameters
+    ----------
+    path : path
+        Displacement and force of a seal that is pressed and released, once or in cycles; with a
+        column of time, or evenly sampled at ``options.rate``, or without a clock.
+    options : ReadOptions
+        Answers to what the file leaves open.
+    specimen : Specimen or None
+        What was tested; its length makes forces those of 100 mm.
+
+    Raises
+    ------
+    ReadError
+        If the file cannot be read, or leaves open which column is what or in which unit.
+    """
+    with channels.opened(path, options) as file:
+        return cld_in(file, specimen or Specimen())
+
+
+def cld_in(file: Opened, specimen: Specimen) -> CompressionTest:
+    """Return the compression load deflection test in an opened file."""
+    channels.refuse_summary(file)
+    channels.expect(
+        file,
+        ["relaxation", "cld"],
+        "a compression load deflection (CLD) record is",
+        named=_SIGNALS,
+    )
+    chosen, values, notes = signals(file, *_SIGNALS)
+    if "time" not in values:
+        notes.append("the file has no clock: nothing is known of the speed")
+    _refuse_sizes(file, chosen, values)
+    specimen, said = stated_specimen(file, specimen, recorded_temperature(file, chosen))
+    source = channels.source(file, [one.says for one in chosen], [*notes, *said])
+    return CompressionTest(
+        values["displacement"], values["force"], values.get("time"), specimen, source
+    )
+
+
+def _refuse_sizes(file: Opened, chosen: list[Channel], values: dict[Role, FloatArray]) -> None:
+    """Ask for the units again that make a size no test of a seal has."""
+    travel, rise = (float(np.ptp(values[role])) for role in _SIGNALS)
+    unit = {one.role: one.unit.word for one in chosen}
+    asked = {
+        "displacement": lambda word: [
+            checks.travel_of_a_seal(travel, word),
+            checks.travel_of_a_bench(travel, word, force=rise),
+        ],
+        "force": lambda word: [
+            checks.force_of_a_seal(rise, word),
+            checks.force_of_a_bench(rise, word, travel=travel),
+        ],
+        "time": lambda word: [checks.time_of_a_test(float(np.ptp(values["time"])), word)],
+    }
+    channels.refuse_sizes(file, [(one, asked[one.role](unit[one.role])) for one in chosen])

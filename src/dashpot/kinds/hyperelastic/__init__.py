@@ -1,0 +1,1 @@
+"""Stress and strain of a rubber: the energy of its deformation."""

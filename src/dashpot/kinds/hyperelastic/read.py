@@ -1,0 +1,188 @@
+"""From a file to nominal stress over stretch of a material."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base import units
+from dashpot.base.arrays import FloatArray
+from dashpot.base.choices import Measure, refuse_other
+from dashpot.base.errors import ReadError
+from dashpot.base.options import option
+from dashpot.io.columns import vocabulary
+from dashpot.io.columns.roles import quoted, score
+from dashpot.io.columns.vocabulary import Role
+from dashpot.io.options import ReadOptions
+from dashpot.io.readers import channels, checks
+from dashpot.io.readers.channels import Channel, Opened
+from dashpot.io.readers.relaxation import signals
+from dashpot.kinds.hyperelastic.record import StressStrainTest
+from dashpot.solids.hyperelastic import Mode
+
+
+class FilesOfMode(NamedTuple):
+    """Files of one mode of test: what users are told, and whether their specimen was pressed."""
+
+    says: str
+    mode: Mode
+    pressed: bool = False
+
+
+MODES = MappingProxyType({
+    "uniaxial": FilesOfMode("Uniaxial: stress over strain; tension > 0.", "uniaxial"),
+    "compression": FilesOfMode("Uniaxial, pressed: whatever the signs.", "uniaxial", pressed=True),
+    "biaxial": FilesOfMode("Equibiaxial.", "equibiaxial"),
+    "planar": FilesOfMode("Planar tension (pure shear).", "planar"),
+    "volumetric": FilesOfMode(
+        "Pressure over volume ratio or volumetric strain.", "volumetric", pressed=True
+    ),
+})  # fmt: skip
+"""By the option that names them."""
+_MIXED = 0.05
+"""Part of the largest stress that may have the wrong sign: noise about zero."""
+
+
+@dataclass(frozen=True)
+class Measures:
+    """What stress and strain of a file are over: as at rest, or as they are.
+
+    Attributes
+    ----------
+    stress_is : str
+        ``"nominal"`` (force over area at rest), ``"true"`` (over the area as it is, of a material
+        that keeps its volume), or ``"auto"``: as its column is named, or nominal.
+    strain_is : str
+        ``"nominal"`` (elongation over length at rest), ``"true"`` (logarithmic) or ``"auto"``.
+    """
+
+    stress_is: str = option("auto", "Over the area at rest, or as it is.", choices=Measure)
+    strain_is: str = option("auto", "Over the length at rest, or its log.", choices=Measure)
+
+    def __post_init__(self) -> None:
+        for name, one in vars(self).items():
+            refuse_other(name, one, Measure)
+
+
+def read_stress_strain(
+    path: str | Path,
+    mode: Mode,
+    *,
+    pressed: bool = False,
+    measures: Measures | None = None,
+    options: ReadOptions | None = None,
+) -> StressStrainTest:
+    """Return the stress over stretch of a material in a file, in SI units.
+
+    Parameters
+    ----------
+    path : path
+        With columns of stress, and of stretch or strain; a column of time is kept.
+    mode : str
+        ``"uniaxial"``, ``"equibiaxial"``, ``"planar"`` or ``"volumetric"``.
+    pressed : bool
+        The specimen was pressed: strain and stress are sizes whatever their sign. Always so of a
+        volumetric test, whose stress is a pressure.
+    measures : Measures, optional
+    options : ReadOptions, optional
+
+    Raises
+    ------
+    ReadError
+        If the file cannot be read, or leaves open which column is what, in which unit or sense.
+    """
+    measures, pressed = measures or Measures(), pressed or mode == "volumetric"
+    with channels.opened(path, options) as file:
+        elongated = _elongated(file)
+        _expected(file, elongated)
+        chosen, values, notes = signals(file, elongated, "stress", least=4)
+        strain, stress = values[elongated], values["stress"]
+        _refuse_sizes(file, chosen, strain - (elongated == "stretch"), stress)
+        stated = True
+        if elongated == "strain":
+            true, stated, said = _is_true(file, chosen[-2], measures.strain_is)
+            notes.append(said)
+            strain = -np.abs(strain) if pressed else strain
+            strain = np.exp(strain) if true else 1 + strain
+        strain, stress, turned = _signed(strain, stress, pressed=pressed)
+        notes += turned
+        if mode != "volumetric":
+            true, said_so, said = _is_true(file, chosen[-1], measures.stress_is)
+            notes.append(said)
+            stated = stated and said_so
+            # in each mode the area across is the volume over the length
+            stress = stress / strain if true else stress
+        source = channels.source(file, [one.says for one in chosen], notes)
+        return StressStrainTest(mode, strain, stress, values.get("time"), stated, source)
+
+
+def _refuse_sizes(
+    file: Opened, chosen: list[Channel], strain: FloatArray, stress: FloatArray
+) -> None:
+    """Ask for the units again that make a size no test of a rubber has."""
+    far, most = (float(np.abs(x).max()) for x in (strain, stress))
+    answers = [
+        (chosen[-2], [checks.strain_of_a_rubber(far, chosen[-2].unit.word)]),
+        (chosen[-1], [checks.stress_of_a_rubber(most, chosen[-1].unit.word)]),
+    ]
+    channels.refuse_sizes(file, answers)
+
+
+def _expected(file: Opened, elongated: Role) -> None:
+    """Refuse another kind of file, unless both columns stand there."""
+    if not (file.column(elongated) and file.column("stress")):
+        named = ("stress", *_ELONGATED)
+        channels.expect(file, ["stress-strain"], "stress over strain is", named=named)
+
+
+def _elongated(file: Opened) -> Role:
+    """Whether the file has a stretch or a strain."""
+    options = file.options
+    if options.stretch or options.strain:
+        return "stretch" if options.stretch else "strain"
+    best = {
+        role: max(score(one, role, options) for one in file.table.columns)
+        for role in _ELONGATED
+    }  # fmt: skip
+    return max(_ELONGATED, key=lambda role: best[role])
+
+
+_ELONGATED: tuple[Role, Role] = ("strain", "stretch")
+
+
+def _is_true(file: Opened, one: Channel, given: str) -> tuple[bool, bool, str]:
+    """Whether a column is over what is, not what was at rest; whether that was said; and why."""
+    column = file.table.columns[one.index]
+    name = quoted(file.table.columns, one.index)
+    if given != "auto":
+        return given == "true", True, f"{name} is {given}, as given"
+    if vocabulary.has_word(column.name, vocabulary.OF_ACTUAL):
+        return True, True, f"{name} is true, as its name says"
+    if vocabulary.has_word(column.name, vocabulary.OF_REST):
+        return False, True, f"{name} is nominal, as its name says"
+    if column.unit and units.same(column.unit, "%"):
+        return False, True, f"{name} is nominal: a logarithm is not written in per cent"
+    return False, False, f"{name} is taken to be nominal (--{one.role}-is)"
+
+
+def _signed(
+    stretch: FloatArray, stress: FloatArray, *, pressed: bool
+) -> tuple[FloatArray, FloatArray, list[str]]:
+    """Stretch, and stress with the sign of its strain, tension > 0; of a `pressed` one < 0."""
+    if pressed:
+        return np.where(stretch > 1, 2 - stretch, stretch), -np.abs(stress), []
+    strain = stretch - 1
+    together = float(strain @ stress)
+    if together >= 0:
+        return stretch, stress, []
+    if float(strain.max()) <= _MIXED * float(np.abs(strain).max()):
+        turned = ["the specimen was pressed, and its stress is counted > 0: sign changed"]
+        return stretch, -stress, turned
+    raise ReadError(
+        "the stress falls where the strain grows: one of them has the other sign; if the specimen "
+        "was pressed, give the file as --compression (Python: pressed=True)"
+    )

@@ -1,0 +1,176 @@
+"""Stress over stretch of a material, and the hyperelastic law behind it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+
+from dashpot.base.arrays import ByValue, FloatArray, hold_measured
+from dashpot.base.checks import Check
+from dashpot.base.documents import Documented
+from dashpot.base.errors import DataError
+from dashpot.base.offered import Described
+from dashpot.base.provenance import Source, of_file, sources_of
+from dashpot.records.found import Found, Numbered
+from dashpot.solids.hyperelastic import Hyperelastic, Mode
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+LEAST_ROWS = 4
+MOST_STRETCH = 20.0
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class StressStrainTest(ByValue, Described):
+    """Nominal stress over stretch in one mode, in SI units.
+
+    Attributes
+    ----------
+    mode : str
+        ``"uniaxial"`` (tension and compression), ``"equibiaxial"``, ``"planar"`` or
+        ``"volumetric"``.
+    stretch : array, shape (n,)
+        Length over length at rest in the direction of the force; the volume over that at rest
+        where the mode is volumetric.
+    stress : array, shape (n,)
+        Force over area at rest, Pa, tension > 0; minus the pressure where it is volumetric.
+    time : array, shape (n,), or None
+        s.
+    stated : bool
+        Whether it was said what stress and strain are over; else both were taken to be nominal.
+    source : Source or None
+
+    Raises
+    ------
+    DataError
+        If the arrays differ in length, hold fewer than four samples or no stretch other than 1,
+        or stretch and stress cannot be those of a test.
+    """
+
+    mode: Mode
+    stretch: FloatArray
+    stress: FloatArray
+    time: FloatArray | None = None
+    stated: bool = True
+    source: Source | None = None
+
+    def __post_init__(self) -> None:
+        hold_measured(self, "stretch", "stress", "time", minimum=LEAST_ROWS)
+        low, high = float(self.stretch.min()), float(self.stretch.max())
+        if not (low > 1 / MOST_STRETCH and high < MOST_STRETCH):
+            raise DataError(
+                f"the stretch runs from {low:.4g} to {high:.4g}; expected lengths over the length "
+                "at rest, above 0 and 1 at rest: is it a strain, in per cent, or the other sign?"
+            )
+        if not (high > low and np.ptp(self.stress) > 0):
+            still = "stretch" if high == low else "stress"
+            raise DataError(f"the {still} never changes: nothing was deformed")
+
+    @property
+    def described(self) -> tuple[str, ...]:
+        """Which record it is, and what was done."""
+        return (
+            of_file(self.source, len(self.stretch)),
+            f"{self.mode}, stretch {self.stretch.min():.4g} to {self.stretch.max():.4g}",
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class ElasticCurve(ByValue):
+    """The part of a test that a law is fitted to.
+
+    Attributes
+    ----------
+    mode : str
+    stretch, stress : array, shape (n,)
+        Of the chosen loading, means over neighbours where there are many; without the memory where
+        one is known.
+    rows : int
+        Behind them.
+    lost : float or None
+        Part of the energy of the loading that the unloading does not give back; None without one.
+    softer : float or None
+        1 - stress of the last loading over that of the first; None for a single one.
+    duration : float or None
+        Of the loading, s.
+    stated : bool
+        As of the test.
+    source : Source or None
+    """
+
+    mode: Mode
+    stretch: FloatArray
+    stress: FloatArray
+    rows: int
+    lost: float | None = None
+    softer: float | None = None
+    duration: float | None = None
+    stated: bool = True
+    source: Source | None = None
+
+    @property
+    def size(self) -> float:
+        """Rms of the stress, Pa."""
+        return float(np.sqrt(np.mean(self.stress**2)))
+
+
+Span: TypeAlias = tuple[float, float]
+"""From a stretch to a stretch."""
+Limits: TypeAlias = tuple[float | None, float | None]
+"""Stretches below and above 1; None where there is none."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class HyperelasticFit(ByValue, Described, Numbered, Documented):
+    """A hyperelastic law, and how well the tests tell it.
+
+    Attributes
+    ----------
+    law : Hyperelastic
+    found : tuple of Found
+        Its constants and what follows of them, with their 95 % intervals.
+    orders : tuple of (str, float)
+        BIC of each law that was tried; the smallest is best.
+    curves : tuple of ElasticCurve
+    residuals : tuple of float
+        Of each curve, rms over the rms of its stress.
+    reach : tuple of (str, (float, float))
+        Stretches of use in every mode: those measured, or as large in the other modes.
+    stable : tuple of (str, (float or None, float or None))
+        The first stretches below and above 1 at which the law is not stable (Drucker).
+    memory : GeneralizedMaxwell or None
+        Taken off the tests; its k_inf is 1.
+    checks : tuple of Check
+    temperature : float or None
+        Of the tests, K.
+    """
+
+    schema = "dashpot/hyperelastic@1"
+    keys = ("verdict", "*")
+
+    law: Hyperelastic
+    found: tuple[Found, ...]
+    orders: tuple[tuple[str, float], ...]
+    curves: tuple[ElasticCurve, ...]
+    residuals: tuple[float, ...]
+    reach: tuple[tuple[Mode, Span], ...]
+    stable: tuple[tuple[Mode, Limits], ...]
+    memory: GeneralizedMaxwell | None = None
+    checks: tuple[Check, ...] = ()
+    temperature: float | None = None
+
+    @property
+    def sources(self) -> tuple[Source, ...]:
+        """The files behind it."""
+        return sources_of(self.curves)
+
+    @property
+    def described(self) -> tuple[str, ...]:
+        """The verdict, the law and its numbers."""
+        judged = self.verdict
+        return (
+            f"{judged.use}: {judged.says}",
+            f"law: {self.law.kind}",
+            *(one.says for one in self.found),
+        )

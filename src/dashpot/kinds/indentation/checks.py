@@ -1,0 +1,308 @@
+"""What a contact can be trusted with, as criteria."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from dashpot.base.checks import Check, Finding, criterion
+from dashpot.base.units import GRAVITY
+from dashpot.kinds.indentation.collision import Collision
+from dashpot.kinds.indentation.prepare import ContactInterval
+from dashpot.kinds.indentation.record import IndentationFit, IndentationTest
+from dashpot.records.found import Found
+
+SAMPLED = 20
+FLIGHT = 0.1
+ALIKE = 0.05
+FOLLOWED = 1.5
+LOST = 0.02
+SMALL = 2e-3
+"""Part of the push that may be left of a record without noise."""
+_NOISELESS = 1e-4
+"""Part of the push below which what is left in flight is no noise."""
+_UNKNOWN = 100.0
+"""A factor beyond which not even the size of a number is known."""
+_COMPARED = ("restitution", "modulus", "depth")
+
+
+def judge(
+    fit: IndentationFit,
+    hit: Collision,
+    test: IndentationTest,
+    *,
+    contact: ContactInterval,
+    clipped: int,
+    others: Sequence[tuple[str, Sequence[Found]]],
+) -> tuple[Check, ...]:
+    """Every check of a contact."""
+    since, T = fit.time, fit.duration
+    before, after = float(-since[0] / T), float(since[-1] / T - 1)
+    size = float(np.ptp(fit.modelled)) or 1.0
+    scarce = fit.noise < _NOISELESS * size
+    relative = fit.residual * size / fit.noise if not scarce else None
+    stated = test.indenter.stated_velocity
+    names = [one for one in fit.found if one.name in {"k", "c", "viscous_time", "g", "tau"}]
+    known = [one for one in names if one.low > 0] or names
+    worst = max(known, key=lambda one: one.high / one.value)
+    bounded = ", ".join(
+        f"{one.name.replace('_', ' ')} is below {one.high:.3g} {one.unit}".strip()
+        for one in names
+        if one.low == 0
+    )
+    return (
+        contact_sampled(T / test.step),
+        flights_recorded(before, after),
+        sensor_in_range(clipped),
+        first_contact(contact.before, contact.after),
+        law_followed(relative, fit.residual),
+        released_freely(*_undershoot(fit, size)),
+        parameters_known(worst.name, worst.high / worst.value, bounded),
+        laws_agree(fit, others),
+        velocity_agrees(fit["impact_velocity"].value, stated),
+        gravity_known(GRAVITY * T / hit.approach, stated),
+        force_agrees(_force_ratio(fit, test)),
+        indentation_shallow(hit.depth, test.indenter.radius),
+        sensor_fast_enough(_memory(fit, test.step)),
+    )
+
+
+def _undershoot(fit: IndentationFit, size: float) -> tuple[float | None, float]:
+    """The mean record just after release, over the push, and its noise; None where it ends."""
+    if fit.of not in {"acceleration", "force"}:
+        return None, 0.0
+    after = (fit.time > 1.02 * fit.duration) & (fit.time < 1.25 * fit.duration)
+    count = int(np.count_nonzero(after))
+    if count < 4:
+        return None, 0.0
+    return float(np.mean(fit.measured[after])) / size, 4 * fit.noise / size / np.sqrt(count)
+
+
+def _force_ratio(fit: IndentationFit, test: IndentationTest) -> float | None:
+    """Impulse of a force that was recorded too, over mass times the change of speed."""
+    if test.force is None or test.of == "force" or test.indenter.mass is None:
+        return None
+    since = test.time - fit.touch
+    inside = (since > -0.05 * fit.duration) & (since < 1.05 * fit.duration)
+    about = (since > -0.5 * fit.duration) & (since < 1.5 * fit.duration)
+    rest = float(np.median(test.force[about & ~inside])) if (about & ~inside).any() else 0.0
+    impulse = abs(float(np.sum(test.force[inside] - rest))) * test.step
+    speed = fit["impact_velocity"].value
+    change = speed * (1 + fit["restitution"].value) + test.indenter.pull * fit.duration
+    return impulse / (test.indenter.mass * change)
+
+
+def _memory(fit: IndentationFit, step: float) -> float | None:
+    """Time over which the noise in flight remembers itself, over the contact's."""
+    left = (fit.measured - fit.modelled)[fit.time < 0]
+    if len(left) < 24 or fit.noise < _NOISELESS * float(np.ptp(fit.modelled)):
+        return None
+    left = left - left.mean()
+    rough = float(np.sum(np.diff(left) ** 2) / np.sum(left**2))  # 2 where it is white
+    near = min(max(1 - rough / 2, 0.0), 0.999)
+    return -step / np.log(near) / fit.duration if near > 0 else 0.0
+
+
+@criterion("samples in contact", ">=", SAMPLED, "below it the touch and the damping trade")
+def contact_sampled(samples: float) -> Finding:
+    """The contact is sampled densely enough to show its shape."""
+    return Finding(
+        f"the contact lasts {samples:.0f} samples",
+        samples,
+        ", too few for its shape; sample faster",
+    )
+
+
+@criterion(
+    "shorter flight / contact",
+    ">=",
+    FLIGHT,
+    "our choice: a tenth of the contact shows offset and touch",
+    otherwise="stop where a third of the contact is missing",
+)
+def flights_recorded(before: float, after: float) -> Finding:
+    """The record begins before the touch and ends after the release."""
+    short = min(before, after)
+    side = "begins" if before <= after else "ends"
+    where = "before the touch" if before <= after else "after the release"
+    says = f"the record {side} {abs(short):.2g} contact times {where}"
+    but = (
+        "; offset, touch and damping cannot be told apart: trigger earlier and record longer"
+        if short >= 0
+        else ""
+    )
+    instead = (
+        f"the record {side} in the contact, of which {100 * -short:.0f} % is missing: stiffness "
+        "and damping of a part of a contact are not known; trigger earlier and record longer"
+        if short < 0
+        else ""
+    )
+    return Finding(says, short, but, instead, grade="stop" if short < -1 / 3 else "limit")
+
+
+@criterion("samples at the limit", "<=", 0.0, "a sensor at its limit repeats one number")
+def sensor_in_range(clipped: int) -> Finding:
+    """The sensor was not at its limit."""
+    return Finding(
+        f"{clipped} samples stand at one and the same largest value",
+        float(clipped),
+        ": the sensor or its amplifier was at its limit; they were left out, and what it did then "
+        "is not known",
+    )
+
+
+@criterion("contacts before the largest", "<=", 0.0, "later contacts are slower bounces")
+def first_contact(before: int, after: int) -> Finding:
+    """The contact that is fitted is the first of the record."""
+    more = f"; {after} later contacts were left out" if after else ""
+    return Finding(
+        f"{before} contacts come before the one fitted{more}",
+        float(before),
+        ": the body did not meet the surface at rest, or something else touched it; cut the record",
+    )
+
+
+@criterion(
+    "residual in contact / in flight",
+    "<=",
+    FOLLOWED,
+    "sound records: 0.8 to 1.3",
+    otherwise="stop where a fiftieth of the push is left",
+)
+def law_followed(ratio: float | None, residual: float) -> Finding:
+    """The law follows the contact down to the noise."""
+    return Finding(
+        f"what is left in contact is {100 * residual:.2g} % of the push"
+        + (f", {ratio:.2g} times what is left in flight" if ratio is not None else ""),
+        ratio,
+        ": none of the laws is this contact's (yielding, adhesion, a double contact, a thin layer, "
+        "ringing of the indenter, a filter); its numbers only describe this hit",
+        excused=ratio is not None and residual <= SMALL,
+        grade="stop" if residual > LOST else "limit",
+    )
+
+
+@criterion("pull after release / push", ">=", -0.02, "our choice: a fiftieth of the push")
+def released_freely(pull: float | None, noise: float) -> Finding:
+    """Nothing holds the body back as it leaves."""
+    if pull is None:
+        return Finding("the release was not recorded by an acceleration or a force", None)
+    return Finding(
+        f"after the release {100 * pull:.2g} % of the push is recorded",
+        min(pull + noise, 0.0) if pull < 0 else pull,
+        ": the surface is sticky, or the sensor does not pass low frequencies and swings below "
+        "zero; neither is in the laws",
+    )
+
+
+@criterion("worst interval, a factor", "<=", 1.25, "our choice: a quarter")
+def parameters_known(name: str, factor: float, bounded: str = "") -> Finding:
+    """Each parameter of the law is known to a quarter, or a loss is bounded from above."""
+    word = name.replace("_", " ")
+    within = f"{word} is known within a factor {factor:.4g}"
+    return Finding(
+        (within if factor < _UNKNOWN else f"{word} is not known, not even in its size")
+        + f"; {bounded}" * bool(bounded),
+        factor,
+        f": this contact does not show {word} by itself; other numbers may be known better, see "
+        "their intervals",
+    )
+
+
+@criterion("largest difference between laws", "<=", ALIKE, "our choice: 5 %")
+def laws_agree(fit: IndentationFit, others: Sequence[tuple[str, Sequence[Found]]]) -> Finding:
+    """Laws that explain the contact as well say the same of restitution, modulus and depth."""
+    if not others:
+        return Finding(f"no other law explains the contact as well as {fit.law}", 0.0)
+    apart = []
+    for law, found in others:
+        theirs = {one.name: one.value for one in found}
+        for one in fit.found:
+            if one.name in _COMPARED and one.name in theirs:
+                apart.append((abs(theirs[one.name] / one.value - 1), law, one.name))
+    most, law, name = max(apart)
+    return Finding(
+        f"{law} explains the contact as well; its {name} differs by {100 * most:.2g} %",
+        most,
+        ": this contact cannot tell which law is the surface's; hit at another speed or with "
+        "another mass, or name the law (--law)",
+    )
+
+
+@criterion("recorded speed / stated", "x/", 1.1, "our choice: a sensor's 5 % and a height's")
+def velocity_agrees(speed: float, stated: float | None) -> Finding:
+    """The speed that the record shows is the one that was stated."""
+    if stated is None:
+        return Finding("no height of fall or speed was stated to hold the record to", None)
+    ratio = speed / stated
+    unit = next(
+        (
+            f"; the factor is that between {word}: is the unit right?"
+            for factor, word in ((GRAVITY, "g and m/s^2"), (1e3, "units a thousandfold apart"))
+            if 0.85 < ratio / factor < 1.18 or 0.85 < ratio * factor < 1.18
+        ),
+        "",
+    )
+    return Finding(
+        f"the record shows an approach at {speed:.4g} m/s, stated are {stated:.4g}",
+        ratio,
+        f"{unit or '; check the sensitivity, the mass and the height'}: depth, k and modulus scale "
+        "with it",
+    )
+
+
+@criterion(
+    "gravity x contact / speed",
+    "<=",
+    0.01,
+    "a fall not stated: k, depth and e are about as much off",
+)
+def gravity_known(part: float, stated: float | None) -> Finding:
+    """Whether gravity pulls the indenter on is stated, or does not matter."""
+    says = f"over the contact gravity changes a speed by {100 * part:.2g} % of that of approach"
+    return Finding(
+        says if stated is None else "whether the indenter falls was stated",
+        part if stated is None else None,
+        ", and whether the indenter falls is not said: give the height of fall (--drop-height), "
+        "or, if it moves across, its speed (--impact-velocity)",
+    )
+
+
+@criterion("impulse / change of momentum", "x/", 1.1, "our choice: two sensors' 5 %")
+def force_agrees(ratio: float | None) -> Finding:
+    """A force that was recorded too changes the momentum as much as the motion says."""
+    if ratio is None:
+        return Finding("no force was recorded beside the motion", None)
+    return Finding(
+        f"the recorded force makes {ratio:.4g} times the change of momentum",
+        ratio,
+        ": the mass, or one of the sensitivities, is wrong",
+    )
+
+
+@criterion(
+    "depth / radius", "<=", 0.3, "I. N. Sneddon, Int. J. Eng. Sci. 3 (1965) 47: 3.5 % in the force"
+)
+def indentation_shallow(depth: float, radius: float | None) -> Finding:
+    """The indentation is shallow beside the radius, as Hertz has it."""
+    if radius is None:
+        return Finding("no radius is known, and so no modulus (--radius 2.5mm)", None)
+    return Finding(
+        f"the depth is {depth / radius:.2g} of the radius",
+        depth / radius,
+        ": a sphere is no paraboloid so deep, and the modulus is too low",
+    )
+
+
+@criterion("memory of the noise / contact", "<=", 0.03, "our choice: a filter bends such a pulse")
+def sensor_fast_enough(memory: float | None) -> Finding:
+    """Sensor and filter are fast beside the contact."""
+    if memory is None:
+        return Finding("too little flight is recorded to see a filter in its noise", None)
+    return Finding(
+        f"the noise remembers itself for {100 * memory:.2g} % of the contact",
+        memory,
+        ": a filter, a slow sensor or hum widens the pulse, and part of the damping is theirs; "
+        "record without a filter",
+    )

@@ -1,0 +1,1 @@
+"""Tests at several amplitudes: what they do to stiffness and loss."""

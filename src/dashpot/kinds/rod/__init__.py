@@ -1,0 +1,1 @@
+"""A mass on a rod, shaken: the modulus of its material at each frequency."""

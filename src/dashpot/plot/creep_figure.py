@@ -1,0 +1,103 @@
+"""The figure of a creep test, or of its curve: what was measured, the fit, what that leaves."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.base.numbers import rounded
+from dashpot.fitting.compliance import fitted_displacement
+from dashpot.plot.picture import (
+    FIT,
+    MEASURED,
+    REF,
+    Dots,
+    Line,
+    Panel,
+    Picture,
+    Rule,
+    Scale,
+    around,
+    around_log,
+    read_as,
+    unit_of,
+)
+from dashpot.plot.stamps import of_fit
+from dashpot.plot.thinning import extremes
+from dashpot.records.creep import CreepCompliance, LoadHold
+from dashpot.records.fit import Fit
+
+SINCE = "time since the load began, s"
+
+
+def creep(fit: Fit, data: LoadHold | CreepCompliance, *, stamp: str = "") -> Picture:
+    """Creep over log time with the fit to it, and the residual.
+
+    Parameters
+    ----------
+    fit : Fit
+    data : LoadHold or CreepCompliance
+        What it was fitted to.
+    stamp : str
+        What the figure says of its origin; by default the fit's files, specimen and date.
+    """
+    panels = _curve(fit, data) if isinstance(data, CreepCompliance) else _test(fit, data)
+    caption = "Creep: measured, the fit to it, and what that leaves."
+    return Picture("creep", caption, (panels,), 1, stamp or of_fit(fit))
+
+
+def _test(fit: Fit, data: LoadHold) -> tuple[Panel, Panel]:
+    since = data.time - data.onset
+    first = max(float(np.diff(data.time).min()), 1e-3 * data.hold_time)
+    shown = since >= first
+    t, measured, said = (
+        since[shown],
+        data.displacement[shown],
+        fitted_displacement(fit, data)[shown],
+    )
+    if data.unit == "N/m":
+        word, scale = unit_of(measured, "m")
+        label = f"displacement, {word}"
+    else:
+        scale, label = 100.0, "strain, %"
+    across = Scale(SINCE, (first, float(t[-1])), log=True)
+
+    def line(values: FloatArray) -> tuple[FloatArray, FloatArray]:
+        return extremes(t, scale * values, bins=350, log=True)
+
+    upper = Panel(
+        across, Scale(label, around(scale * measured)),
+        (Line(*line(measured), MEASURED, "measured"), Line(*line(said), FIT, "fit")),
+        height=240,
+    )  # fmt: skip
+    left = measured - said
+    word, small = unit_of(left, "m") if data.unit == "N/m" else ("%", 100.0)
+    x, y = extremes(t, small * left, bins=350, log=True)
+    rms = rounded(small * fit.residual.rms)
+    lower = Panel(
+        across, Scale(f"residual, {word}", around(y, np.zeros(1), margin=0.1)),
+        (Rule(0.0, REF, across=True), Line(x, y, FIT)),
+        height=90, note=f"rms {rms} {word}",
+    )  # fmt: skip
+    return upper, lower
+
+
+def _curve(fit: Fit, data: CreepCompliance) -> tuple[Panel, Panel]:
+    word, scale = read_as(data.unit)
+    known = data.time > 0
+    t, measured = data.time[known], scale * data.compliance[known]
+    dense = np.geomspace(t[0], t[-1], 300)
+    curve = scale * fit.solid.creep(dense)
+    left = 100 * (measured / (scale * fit.solid.creep(t)) - 1)
+    across = Scale("time since the step, s", (float(t[0]), float(t[-1])), log=True)
+    upper = Panel(
+        across, Scale(f"creep compliance, {word}", around_log(measured, curve), log=True),
+        (Dots(t, measured, "measured", "measured"), Line(dense, curve, FIT, "fit")),
+        height=240,
+    )  # fmt: skip
+    lower = Panel(
+        across, Scale("residual, %", around(left, np.zeros(1), margin=0.1)),
+        (Rule(0.0, REF, across=True), Dots(t, left, "fit")),
+        height=90, note=f"rms {rounded(float(np.sqrt(np.mean(left**2))))} %",
+    )  # fmt: skip
+    return upper, lower

@@ -1,0 +1,58 @@
+"""The figure of a relaxation modulus: what was measured, the fit, and what that leaves."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dashpot.base.numbers import rounded
+from dashpot.plot.picture import (
+    FIT,
+    REF,
+    Dots,
+    Line,
+    Panel,
+    Picture,
+    Rule,
+    Scale,
+    around,
+    around_log,
+    read_as,
+)
+from dashpot.plot.stamps import of_fit
+from dashpot.records.fit import Fit
+from dashpot.records.modulus import RelaxationModulus
+
+TIME = "time, s"
+
+
+def modulus(fit: Fit, data: RelaxationModulus, *, stamp: str = "") -> Picture:
+    """A relaxation modulus over log time with the fit to it, and the residual in per cent.
+
+    Parameters
+    ----------
+    fit : Fit
+    data : RelaxationModulus
+        What it was fitted to.
+    stamp : str
+        What the figure says of its origin; by default the fit's files, specimen and date.
+    """
+    word, scale = read_as(data.unit)
+    known = data.time > 0
+    t, measured = data.time[known], scale * data.modulus[known]
+    dense = np.geomspace(t[0], t[-1], 300)
+    curve = scale * fit.solid.relaxation(dense)
+    left = 100 * (measured / (scale * fit.solid.relaxation(t)) - 1)
+    across = Scale(TIME, (float(t[0]), float(t[-1])), log=True)
+    up = Scale(f"relaxation modulus, {word}", around_log(measured, curve), log=True)
+    upper = Panel(
+        across, up,
+        (Dots(t, measured, "measured", "measured"), Line(dense, curve, FIT, "fit")),
+        height=240,
+    )  # fmt: skip
+    lower = Panel(
+        across, Scale("residual, %", around(left, np.zeros(1), margin=0.1)),
+        (Rule(0.0, REF, across=True), Dots(t, left, "fit")),
+        height=90, note=f"rms {rounded(float(np.sqrt(np.mean(left**2))))} %",
+    )  # fmt: skip
+    caption = "Relaxation modulus: measured, the fit to it, and what that leaves."
+    return Picture("modulus", caption, ((upper, lower),), 1, stamp or of_fit(fit))

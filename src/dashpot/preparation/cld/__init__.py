@@ -1,1 +1,0 @@
-"""Compression load deflection: from a record to cycles and their figures."""

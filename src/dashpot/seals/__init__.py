@@ -1,1 +1,0 @@
-"""The seal in the car."""

@@ -1,0 +1,379 @@
+"""What a user is asked for is declared once: every face of it is held to the declaration."""
+
+from __future__ import annotations
+
+import inspect
+import re
+import shlex
+import string
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import MISSING, Field, fields, replace
+from pathlib import Path
+from typing import Any
+from unittest.mock import patch
+
+import click
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import dashpot as dp
+from dashpot import workflow
+from dashpot.base.choices import Driver, words
+from dashpot.base.options import flag_of, names_files, offered, words_of
+from dashpot.cli import COMMANDS, main
+from dashpot.io.options import OF_HAMMER, OF_HAMMER_ALONE, ReadOptions
+from dashpot.lots import batches
+from dashpot.lots.choices import BatchChoices
+from dashpot.records.machine import Machine
+from dashpot.records.specimen import Specimen
+from dashpot.web.form import filled, usual
+from dashpot.web.requests import job_of, noun_of, page_of, said_of
+from dashpot.web.store import Store
+from dashpot.workflow.command_lines import line
+from dashpot.workflow.job import Cuts, HammerChoices, Job, LevelJob, ModesJob
+
+RIG = ("seal_mass", "seals", "compression")
+TESTED = tuple(one.name for one in offered(Specimen) if one.name != "temperature")
+"""Of several tests each has a temperature of its own: a job's, not the specimen's."""
+FACES: dict[str, dict[type, tuple[str, ...]]] = {
+    "report": {
+        Job: (), Cuts: (), Machine: (), HammerChoices: (), ReadOptions: (), Specimen: TESTED,
+    },
+    "fit": {
+        Job: ("arms", "method", "law", "family", "filter", "temperatures"), Cuts: (),
+        Machine: (), ReadOptions: (), Specimen: TESTED,
+    },
+    "identify": {
+        Job: (*RIG, "arms", "family", "band", "mass", "temperatures", "impact_temperature"),
+        Machine: (), HammerChoices: (), ReadOptions: (), Specimen: TESTED,
+    },
+    "predict": {Job: (*RIG, "mass"), HammerChoices: ("motion",), Machine: (), ReadOptions: ()},
+    "compare": {Job: (*RIG, "mass", "band"), HammerChoices: (), ReadOptions: ()},
+    "impact": {Job: ("mass", "band"), HammerChoices: (), ReadOptions: ()},
+    "rod": {Job: ("mass", "band", "arms", "family"), HammerChoices: (), ReadOptions: ()},
+    "level": {LevelJob: (), ReadOptions: ()},
+    "modes": {ModesJob: (), ReadOptions: ()},
+    "batch": {BatchChoices: (), ReadOptions: ()},
+    "watch": {BatchChoices: (), ReadOptions: ()},
+    "export": {Job: ("seals",), Specimen: ()},
+    "door": {Job: ("band",)},
+}  # fmt: skip
+"""Which commands ask for what; () is all that the noun declares."""
+NUMPY = {"predict", "hyperelastic", "indent", "rod", "identify", "export", "plan"}
+"""Commands whose help still loads it, for a noun whose room is of arrays."""
+ASKED_OTHERWISE = {
+    "seal_mass": "of a seal that weighs something", "band": "the page compares every line",
+    "filter": "nothing is filtered here", "title": "of a report", "logo": "of a report",
+    "impact_temperature": "of several tests", "joint": "a button that fits both",
+    "temperatures": "of each file, in the field of the one that is shown",
+    "impact": "dropped", "machine": "of the command line", "reading": "asked of each file",
+    "reading_impact": "asked of each file",
+}  # fmt: skip
+"""What of a job stands in no field of the page, and why."""
+
+
+def declared(noun: type, names: tuple[str, ...]) -> list[Field[Any]]:
+    return [one for one in offered(noun) if not names or one.name in names]
+
+
+@pytest.mark.parametrize(
+    ("command", "noun", "one"),
+    [
+        pytest.param(command, noun, one, id=f"{command}{flag_of(one)}")
+        for command, nouns in FACES.items()
+        for noun, names in nouns.items()
+        for one in declared(noun, names)
+    ],
+)
+def test_an_input_is_an_option_of_its_commands(command: str, noun: type, one: Field[Any]) -> None:
+    found = main.get_command(click.Context(main), command)
+    assert found is not None
+    (asked,) = [each for each in found.params if flag_of(one) in each.opts]
+    assert isinstance(asked, click.Option)
+    how = one.metadata
+    assert asked.multiple is ("multiple" in how)
+    assert bool(asked.is_flag) is ("is_flag" in how)
+    assert getattr(asked.type, "dimension", None) == how.get("unit")
+    if "choices" in how:
+        assert isinstance(asked.type, click.Choice)
+        assert tuple(asked.type.choices) == tuple(how["choices"])
+    # a command may say of a shared input what it does with it
+    assert asked.help
+    if one.default not in (None, MISSING) and not {"multiple", "is_flag"} & how.keys():
+        assert asked.default == one.default
+
+
+def test_no_command_lists_the_words_of_a_choice_by_hand() -> None:
+    for path in Path(dp.__file__).parent.glob("cli/*.py"):
+        assert 'click.Choice(["' not in path.read_text(encoding="utf-8"), path.name
+
+
+@pytest.mark.parametrize(
+    ("noun", "function"),
+    [
+        (Job, workflow.fit_files), (LevelJob, workflow.level_files),
+        (ModesJob, workflow.modes_files), (ModesJob, workflow.modes_by_mass),
+        (BatchChoices, dp.batch), (Job, dp.characterise),
+    ],
+)  # fmt: skip
+def test_what_python_takes_where_nothing_is_said_is_the_same(
+    noun: type, function: Callable[..., Any]
+) -> None:
+    usually = {one.name: one.default for one in offered(noun) if not names_files(one)}
+    shared = inspect.signature(function).parameters.items()
+    wrong = [
+        name for name, one in shared
+        if name in usually and one.default not in (inspect.Parameter.empty, usually[name])
+    ]  # fmt: skip
+    assert not wrong
+
+
+@pytest.mark.once
+def test_most_help_pages_need_no_numpy() -> None:
+    light = sorted(COMMANDS.keys() - NUMPY)
+    asked = f"import sys\nfor one in {light}: __import__('dashpot.cli.' + one)\n"
+    done = subprocess.run(
+        [sys.executable, "-c", asked + "assert 'numpy' not in sys.modules"], check=False
+    )
+    assert done.returncode == 0
+
+
+# -- the app --------------------------------------------------------------------------------------
+
+
+def page() -> str:
+    static = Path(dp.__file__).parent / "web/static/index.html"
+    return filled(static.read_text(encoding="utf-8"))
+
+
+def test_a_job_stands_in_the_form_or_it_is_said_why_not() -> None:
+    text = page()
+    names = {one.name for one in fields(Job) if "argument" not in one.metadata}
+    in_form = {name for name in names if f'id="{name}"' in text or f"data-{name}=" in text}
+    in_form |= {"specimen"} if 'id="specimen-name"' in text else set()
+    # a table of hits, which the server draws
+    assert names - in_form - {"hammer"} == set(ASKED_OTHERWISE)
+
+
+@pytest.mark.parametrize("name", ["method", "law", "family"])
+def test_the_buttons_of_a_choice_are_its_words(name: str) -> None:
+    (one,) = [each for each in fields(Job) if each.name == name]
+    assert tuple(re.findall(f'data-{name}="([^"]*)"', page())) == one.metadata["choices"]
+    assert f'data-{name}="{one.default}" aria-pressed="true"' in page()
+
+
+def test_the_laws_of_amplitude_are_those_of_the_command() -> None:
+    (one,) = [each for each in fields(LevelJob) if each.name == "law"]
+    listed = re.search(r'id="amplitude-law">(.*?)</select>', page())
+    assert listed is not None
+    assert tuple(re.findall("<option>(.*?)<", listed[1])) == one.metadata["choices"]
+
+
+def test_the_instruments_of_the_page_are_those_of_the_command() -> None:
+    text = (Path(dp.__file__).parent / "web/static/record.html").read_text(encoding="utf-8")
+    listed = re.search('id="driver">(.*?)</select>', text)
+    assert listed is not None
+    assert tuple(re.findall('value="(.*?)"', listed[1])) == words(Driver)
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"), [("mass", "g"), ("compression", "mm"), ("specimen-length", "mm")]
+)
+def test_a_field_says_the_unit_that_a_command_line_would(name: str, unit: str) -> None:
+    (one,) = [each for noun in (Job, Specimen) for each in offered(noun)
+              if each.name == name.removeprefix("specimen-")]  # fmt: skip
+    assert words_of(replace(Job("x"), mass=0.1))[1].endswith("g")
+    assert one.metadata["unit"] in {"mass", "length"}
+    assert re.search(rf'id="{name}"[^>]*><i>{unit}</i>', page())
+
+
+def test_the_form_begins_as_a_job_of_which_nothing_was_said(tmp_path: Path) -> None:
+    store = Store()
+    try:
+        file = store.put("a.csv", b"")
+        found = job_of(_listed(usual()) | {"relaxation": file}, store.folder)
+        assert replace(found, relaxation="a.csv") == Job("a.csv")
+    finally:
+        store.remove()
+
+
+def _listed(said: dict[str, Any]) -> dict[str, Any]:
+    """As JSON brings it."""
+    return {key: list(one) if isinstance(one, tuple) else one for key, one in said.items()}
+
+
+# -- any job --------------------------------------------------------------------------------------
+
+TEXT = st.text(string.ascii_letters + string.digits + " -,'\"é", min_size=1).filter(str.strip)
+NAMES = st.text(string.ascii_lowercase, min_size=1, max_size=5).map(lambda name: f"{name}.csv")
+SOUND = st.floats(1e-6, 1e6)
+OWN: dict[tuple[str, str], st.SearchStrategy[Any]] = {
+    ("Specimen", "length"): st.floats(1e-6, 50), ("Specimen", "height"): st.floats(1e-6, 1),
+    ("Specimen", "temperature"): st.none(),  # a job says it for each of its tests
+    ("Specimen", "date"): st.dates().map(lambda day: day.isoformat()),
+    ("ReadOptions", "delimiter"): st.sampled_from([";", ",", "\t", "fixed"]),
+    ("ReadOptions", "decimal"): st.sampled_from([".", ","]),
+    ("ReadOptions", "encoding"): st.sampled_from(["utf-8", "cp1252"]),
+    ("ReadOptions", "units"): st.dictionaries(
+        st.sampled_from(["force", "time", "my column"]), st.sampled_from(["N", "s", "m/s^2"])
+    ).map(lambda units: tuple(units.items())),
+    ("HammerChoices", "polarity"): st.lists(st.sampled_from([1, -1]), min_size=1).map(tuple),
+    ("ShiftChoices", "vertical"): st.sampled_from(["auto", "1", "T/T_r", "free"]),
+}  # fmt: skip
+"""What a noun holds to more than its declaration says."""
+
+
+def values(noun: type, one: Field[Any]) -> st.SearchStrategy[Any]:
+    """Any value of a declared field, by its declaration."""
+    how = one.metadata
+    if "part" in how:
+        return nouns(how["part"])
+    if (noun.__name__, one.name) in OWN:
+        return OWN[noun.__name__, one.name]
+    if "choices" in how:
+        return st.sampled_from(how["choices"])
+    if "is_flag" in how:
+        return st.booleans()
+    if "ends" in how:
+        return st.tuples(st.just(0.0) | st.floats(1e-6, 10), st.floats(11, 1e3))
+    if "least" in how:
+        return st.integers(how["least"], 9)
+    single = NAMES if names_files(one) else TEXT
+    if "unit" in how:
+        single = st.floats(100, 550) if how["unit"] == "temperature" else SOUND
+    elif isinstance(one.default, float):
+        single = SOUND
+    return st.lists(single, max_size=3).map(tuple) if isinstance(one.default, tuple) else single
+
+
+def nouns(noun: Any, *names: str) -> st.SearchStrategy[Any]:
+    """A noun that says something of any of its declared fields, or of these."""
+    asked = {
+        one.name: values(noun, one)
+        for one in fields(noun)
+        if ({"help", "part"} & one.metadata.keys()) and (not names or one.name in names)
+    }
+    must = {name for name in asked if noun is Job and name == "relaxation"}
+    given = {name: asked[name] for name in must}
+    rest = {name: one for name, one in asked.items() if name not in must}
+    return st.fixed_dictionaries(given, optional=rest).map(lambda said: noun(**said))
+
+
+def of_one_reading(job: Any) -> Any:
+    """A command has one set of reading options: what is said of the hammer's files by theirs."""
+    alone = OF_HAMMER_ALONE if isinstance(job, BatchChoices) else OF_HAMMER
+    bench = job.reading.without(alone)
+    impact = job.reading_impact.only(OF_HAMMER)
+    if isinstance(job, BatchChoices):
+        impact = replace(impact, frequency=bench.frequency)
+    return replace(job, reading=bench, reading_impact=replace(impact, units=dict(bench.units)))
+
+
+class _HeardError(Exception):
+    """Raised in place of the work, with what it was asked for."""
+
+    def __init__(self, *heard: Any, **named: Any) -> None:
+        self.heard, self.named = heard, named
+
+
+def heard(place: Any, name: str, typed: str) -> _HeardError:
+    """Return what the work is asked for where a line is typed."""
+
+    def work(*told: Any, **named: Any) -> None:
+        raise _HeardError(*told, **named)
+
+    with patch.object(place, name, work), pytest.raises(_HeardError) as found:
+        main.main(shlex.split(typed)[1:], standalone_mode=False)
+    return found.value
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _in_an_empty_folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    with pytest.MonkeyPatch.context() as at:
+        at.chdir(tmp_path_factory.mktemp("lines"))
+        yield
+
+
+@settings(max_examples=60, deadline=None)
+@given(nouns(Job).map(of_one_reading))
+def test_a_report_is_typed_as_the_job_that_it_is(job: Job) -> None:
+    told = heard(workflow, "run", line("report", job))
+    assert told.heard == (job,)
+
+
+OF_FIT = tuple(one.name for one in fields(Job) if "decides" in one.metadata)
+
+
+@settings(max_examples=40, deadline=None)
+@given(nouns(Job, *OF_FIT))
+def test_a_fit_is_typed_as_the_job_that_it_is(job: Job) -> None:
+    told = heard(workflow, "fit_files", line("fit", job))
+    (files,), said = told.heard, told.named
+    first, *further = files
+    named = {name: said[name] for name in OF_FIT if name in said}
+    assert Job(first, further=(*further,), reading=said["options"], **named) == job
+
+
+@settings(max_examples=40, deadline=None)
+@given(nouns(LevelJob).filter(lambda job: job.files))
+def test_levels_are_typed_as_the_job_that_they_are(job: LevelJob) -> None:
+    told = heard(workflow, "level_files", line("level", job))
+    assert LevelJob(*told.heard, **told.named) == job
+
+
+@settings(max_examples=40, deadline=None)
+@given(nouns(ModesJob).filter(lambda job: job.files and not (job.masses and job.against)))
+def test_modes_are_typed_as_the_job_that_they_are(job: ModesJob) -> None:
+    told = heard(workflow, "modes_by_mass" if job.masses else "modes_files", line("modes", job))
+    files, *masses = told.heard
+    found = ModesJob(files, masses=(*masses,)[0] if masses else (), **told.named)
+    # the number of seals is of masses
+    assert found == (job if job.masses else replace(job, seals=1.0))
+
+
+@st.composite
+def batch_choices(draw: st.DrawFn) -> BatchChoices:
+    quick = draw(st.booleans())
+    arms = draw(st.integers(0, 6)) if quick else draw(st.just("auto") | st.integers(0, 6))
+    rest = [one.name for one in fields(BatchChoices) if one.name not in ("quick", "arms", "joint")]
+    said = draw(nouns(BatchChoices, *rest))
+    return of_one_reading(replace(said, quick=quick, arms=arms))
+
+
+@settings(max_examples=40, deadline=None)
+@given(batch_choices())
+def test_a_batch_is_typed_as_the_choices_that_it_has(said: BatchChoices) -> None:
+    beside = said.reading_impact.only([name for name in OF_HAMMER if name != "frequency"])
+    typed = ["-o", "lot", *words_of(replace(said, reading_impact=beside))]
+    told = heard(batches, "run_batch", shlex.join(["dashpot", "batch", "tests", *typed]))
+    assert told.heard[0].choices == said
+
+
+@settings(max_examples=60, deadline=None)
+@given(nouns(Job))
+def test_a_page_says_a_job_back(job: Job) -> None:
+    store = Store()
+    try:
+        file = store.put("a.csv", b"")
+        at_hand = replace(
+            job, relaxation=file, impact=(), further=(), logo=None,
+            reading=replace(job.reading, calibration=None),
+            reading_impact=replace(job.reading_impact, calibration=None),
+        )  # fmt: skip
+        head = page_of(at_hand)
+        said = head.pop("job") | head | {"relaxation": file}
+        found = job_of(_listed(said), store.folder)
+        assert replace(found, relaxation=file) == at_hand
+    finally:
+        store.remove()
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.sampled_from([LevelJob, ModesJob]).flatmap(nouns))
+def test_a_page_says_levels_and_modes_back(job: Any) -> None:
+    changed = {"against": ()} if isinstance(job, ModesJob) else {}
+    asked = replace(job, files=(), options=replace(job.options, calibration=None), **changed)
+    assert noun_of(type(job), _listed(said_of(asked)), Path()) == asked
