@@ -8,9 +8,7 @@ import pytest
 from dashpot.base.errors import DataError, FitError
 from dashpot.engine.blocks.families import (
     Family,
-    decay_family,
     hold_family,
-    ramp_hold_family,
     recorded_family,
 )
 from dashpot.engine.blocks.recorded import recorded_block
@@ -20,9 +18,9 @@ from dashpot.engine.solver.variable_projection import solve
 TIME = np.arange(3001) / 100
 X = 8e-3 * np.minimum(TIME, 1.0)
 FAMILIES = {
-    "decay": lambda: decay_family(TIME),
+    "step": lambda: hold_family(TIME, depth=1.0, ramp_time=0.0),
     "hold": lambda: hold_family(TIME, depth=1.0, ramp_time=0.5),
-    "ramp and hold": lambda: ramp_hold_family(TIME, depth=8e-3, ramp_time=1.0),
+    "ramp and hold": lambda: hold_family(TIME, depth=8e-3, ramp_time=1.0, ramp=True),
     "recorded": lambda: recorded_family(TIME, X),
     "recorded hold": lambda: recorded_family(TIME, X, window=slice(100, None)),
 }
@@ -60,7 +58,7 @@ def test_each_record_has_the_optimum_of_its_own_fit(name: str, arms: int) -> Non
         np.testing.assert_allclose(many.fixed[row], one.fixed, rtol=1e-7)
 
 
-@pytest.mark.parametrize("name", ["decay", "ramp and hold", "recorded"])
+@pytest.mark.parametrize("name", ["step", "ramp and hold", "recorded"])
 @pytest.mark.parametrize(("seen", "arms", "noise"), [(2, 2, 0.1), (1, 2, 0.01), (3, 3, 0.03)])
 def test_doubtful_records_have_the_optimum_of_their_own_fit(
     name: str, seen: int, arms: int, noise: float
@@ -74,7 +72,7 @@ def test_doubtful_records_have_the_optimum_of_their_own_fit(
         assert many.sse[row] == pytest.approx(one.sse, rel=1e-8)
 
 
-@pytest.mark.parametrize("name", ["decay", "hold", "ramp and hold"])
+@pytest.mark.parametrize("name", ["step", "hold", "ramp and hold"])
 @pytest.mark.parametrize("tau", [0.03, 0.5, 7.0, 250.0])
 def test_columns_in_the_space_of_a_sampling_are_those_at_its_nodes(name: str, tau: float) -> None:
     family = FAMILIES[name]()
@@ -107,7 +105,7 @@ def test_quiet_and_noisy_records_have_the_sse_of_every_sample(name: str, relativ
 
 
 def test_one_bad_record_spoils_no_other() -> None:
-    family = decay_family(TIME)
+    family = hold_family(TIME, depth=1.0, ramp_time=0.0)
     data = records(family, 2, 6, seed=3)
     good = solve_many(family, data, 2)
     data = data.copy()
@@ -128,7 +126,7 @@ def test_one_bad_record_spoils_no_other() -> None:
 
 
 def test_clean_records_with_fewer_arms_return_fewer() -> None:
-    family = decay_family(TIME)
+    family = hold_family(TIME, depth=1.0, ramp_time=0.0)
     data = 1 + 2 * np.exp(-TIME / np.array([[3.0], [0.7]]))
     many = solve_many(family, data, 2)
     assert many.order.tolist() == [1, 1]
@@ -141,10 +139,10 @@ def test_more_records_than_a_chunk_and_more_arms_than_the_first_look() -> None:
     generator = np.random.default_rng(0)
     data = 1 + np.exp(-time / generator.uniform(0.5, 3, (600, 1)))
     data += 1e-3 * generator.standard_normal(data.shape)
-    many = solve_many(decay_family(time), data, 1)
+    many = solve_many(hold_family(time, depth=1.0, ramp_time=0.0), data, 1)
     assert many.converged.all()
     assert (many.order == 1).all()
-    five = solve_many(decay_family(time), data[:2], 5)
+    five = solve_many(hold_family(time, depth=1.0, ramp_time=0.0), data[:2], 5)
     assert (five.order >= 1).all()
 
 
@@ -162,6 +160,6 @@ def test_records_that_share_nothing_go_one_by_one() -> None:
 
 def test_refusals_say_what_was_expected() -> None:
     with pytest.raises(FitError, match="at least one"):
-        solve_many(decay_family(TIME), np.zeros((1, len(TIME))), 0)
+        solve_many(hold_family(TIME, depth=1.0, ramp_time=0.0), np.zeros((1, len(TIME))), 0)
     with pytest.raises(FitError, match="use fewer arms or longer records"):
-        solve_many(decay_family(TIME[:4]), np.zeros((1, 4)), 3)
+        solve_many(hold_family(TIME[:4], depth=1.0, ramp_time=0.0), np.zeros((1, 4)), 3)

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from dashpot.base.errors import DataError
 from dashpot.engine.blocks.compression import compression, uniform_step
-from dashpot.engine.blocks.hold import decay_block, hold_block, ramp_hold_block
+from dashpot.engine.blocks.hold import hold_block
 from dashpot.engine.solver.variable_projection import solve
 
 DEPTH, RAMP = 8e-3, 1.0
@@ -116,7 +116,7 @@ def test_ramp_and_hold(grid: str) -> None:
     shape = (tau * -np.expm1(-rising / tau) * np.exp(-falling / tau)) @ k
     clean = DEPTH / RAMP * (196.5 * rising[:, 0] + shape)
     force = clean + 0.3 + 0.01 * GENERATOR.standard_normal(len(time))
-    block = ramp_hold_block(time, force, depth=DEPTH, ramp_time=RAMP, offset="offset")
+    block = hold_block(time, force, depth=DEPTH, ramp_time=RAMP, ramp=True, offset="offset")
     found = solve([block], 2)
     full = solve([block.exact], 2, log_tau_start=found.log_tau)
     assert len(block.target) < 400
@@ -177,7 +177,7 @@ def test_small_records_stay_raw() -> None:
     z, floor = plan.project(values)
     np.testing.assert_array_equal(z, values)
     assert floor == 0
-    block = decay_block(time, values)
+    block = hold_block(time, values)
     assert block.exact is block
 
 
@@ -200,15 +200,15 @@ BadCall = Callable[[], object]
 @pytest.mark.parametrize(
     ("call", "sentence"),
     [
-        (lambda: decay_block(np.array([0.0, 1, 1, 2]), np.zeros(4)), "strictly increasing"),
-        (lambda: decay_block(np.array([-1.0, 0, 1]), np.zeros(3)), "from 0 on"),
-        (lambda: decay_block(np.arange(4.0), np.zeros(3)), "time has"),
+        (lambda: hold_block(np.array([0.0, 1, 1, 2]), np.zeros(4)), "strictly increasing"),
+        (lambda: hold_block(np.array([-1.0, 0, 1]), np.zeros(3)), "from 0 on"),
+        (lambda: hold_block(np.arange(4.0), np.zeros(3)), "time has"),
         (
-            lambda: decay_block(np.arange(4.0), np.zeros(4), weights=np.array([1.0, 0, 1, 1])),
+            lambda: hold_block(np.arange(4.0), np.zeros(4), weights=np.array([1.0, 0, 1, 1])),
             "must be > 0",
         ),
         (
-            lambda: ramp_hold_block(np.arange(4.0), np.zeros(4), depth=1.0, ramp_time=9.0),
+            lambda: hold_block(np.arange(4.0), np.zeros(4), depth=1.0, ramp_time=9.0, ramp=True),
             "some on the ramp and some on the hold",
         ),
     ],

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from dashpot.engine.blocks.hold import decay_block
+from dashpot.engine.blocks.hold import hold_block
 from dashpot.engine.inference.descents import Descents, Solved
 from dashpot.engine.inference.profile_likelihood import profiles
 from dashpot.engine.inference.profile_walks import Coordinate, Profiled
@@ -78,7 +78,7 @@ def test_profiles_of_one_arm_where_two_are_needed_are_the_brute_force_refit(
 ) -> None:
     time = np.linspace(0.0, 10.0, 400)
     values = 1.0 + 0.8 * np.exp(-time / 0.3) + 0.5 * np.exp(-time / 4.0)
-    block = decay_block(time, values)
+    block = hold_block(time, values)
     found = solve([block], 1)
     scale = found.sse / 8.0
     asked = Profiled(coordinate, index, step=0.02, scale=scale)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from dashpot.engine.blocks.hold import decay_block
+from dashpot.engine.blocks.hold import hold_block
 from dashpot.engine.inference.profile_likelihood import profiles
 from dashpot.engine.inference.profile_walks import Coordinate, Profiled
 from dashpot.engine.solver.descent import Stack
@@ -22,7 +22,7 @@ def problem() -> tuple[Stack, Solution, np.ndarray]:
     random = np.random.default_rng(4)
     values = 1.0 + 0.8 * np.exp(-TIME / 0.3) + 0.3 * np.exp(-TIME / 9.0)
     values = values + NOISE * random.standard_normal(len(TIME))
-    block = decay_block(TIME, values)
+    block = hold_block(TIME, values)
     return Stack([block]), solve([block], 2), values
 
 
@@ -128,7 +128,7 @@ def test_an_arm_that_the_data_do_without_may_be_anything(seed: int) -> None:
     """Of two arms fitted to one, the spare one has no ends, nor the plateau a lower one."""
     noise = NOISE * np.random.default_rng(seed).standard_normal(len(TIME))
     values = 1.0 + 0.8 * np.exp(-TIME / 0.3) + noise
-    block = decay_block(TIME, values)
+    block = hold_block(TIME, values)
     found = solve([block], 2)
     assert found.order == 2
     arm = int(np.argmin(found.arms[0]))
@@ -159,7 +159,7 @@ def test_an_arm_that_the_data_do_without_may_be_anything(seed: int) -> None:
 def test_an_arm_that_is_needed_has_ends_though_another_is_spare() -> None:
     """A spare arm does not take the place of a slow one whose tau is known to a fifth."""
     noise = NOISE * np.random.default_rng(3).standard_normal(len(TIME))
-    block = decay_block(TIME, 1.0 + 0.8 * np.exp(-TIME / 0.3) + 0.3 * np.exp(-TIME / 4.0) + noise)
+    block = hold_block(TIME, 1.0 + 0.8 * np.exp(-TIME / 0.3) + 0.3 * np.exp(-TIME / 4.0) + noise)
     found = solve([block], 3)
     assert found.order == 3
     slow = int(np.argmin(np.abs(found.log_tau - np.log(4.0))))

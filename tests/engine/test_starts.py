@@ -8,7 +8,7 @@ from itertools import combinations, product
 import numpy as np
 import pytest
 
-from dashpot.engine.blocks.hold import decay_block, hold_block, ramp_hold_block
+from dashpot.engine.blocks.hold import hold_block
 from dashpot.engine.solver.descent import Stack
 from dashpot.engine.solver.starts import Grid, Lattice, paired, single, tripled
 from dashpot.engine.solver.variable_projection import solve
@@ -27,7 +27,7 @@ def record(arms: int) -> np.ndarray:
 @pytest.mark.parametrize("arms", SETS)
 @pytest.mark.parametrize("seen", [1, 2, 3])
 def test_the_best_set_of_grid_points_is_that_of_brute_force(arms: int, seen: int) -> None:
-    stack = Stack([decay_block(TIME, record(seen))])
+    stack = Stack([hold_block(TIME, record(seen))])
     grid = Grid(stack, 16)
     target, phi, _ = stack.evaluate(grid.log_tau, derivative=False)
 
@@ -60,7 +60,7 @@ def test_the_best_set_of_grid_points_is_that_of_brute_force(arms: int, seen: int
 def test_a_pair_is_started_from_between_the_grid_points() -> None:
     from_start, from_points = 0.0, 0.0
     for _ in range(12):
-        stack = Stack([decay_block(TIME, record(2))])
+        stack = Stack([hold_block(TIME, record(2))])
         grid = Grid(stack, 48)
         start, found = paired(grid), solve(stack.blocks, 2).log_tau
         assert start is not None
@@ -70,20 +70,20 @@ def test_a_pair_is_started_from_between_the_grid_points() -> None:
 
 
 def test_rising_data_have_no_set_of_positive_arms() -> None:
-    grid = Grid(Stack([decay_block(TIME, 1 - np.exp(-TIME / 3))]), 12)
+    grid = Grid(Stack([hold_block(TIME, 1 - np.exp(-TIME / 3))]), 12)
     assert all(best_set(grid) is None for best_set in SETS.values())
 
 
 def test_a_kept_lattice_is_the_one_made_anew() -> None:
     records = [record(2) for _ in range(3)]
     blocks = [
-        *(decay_block(TIME, y) for y in records),
-        *(decay_block(TIME, y, constant=None) for y in records[:2]),
-        *(decay_block(2 * TIME, y) for y in records[:2]),
+        *(hold_block(TIME, y) for y in records),
+        *(hold_block(TIME, y, k_inf=None) for y in records[:2]),
+        *(hold_block(2 * TIME, y) for y in records[:2]),
         *(hold_block(TIME, y, depth=2.0, ramp_time=c) for y in records[:2] for c in (0.5, 1.0)),
         *(hold_block(TIME, y, depth=2.0, ramp_time=1.0, drift="d") for y in records[:2]),
-        *(ramp_hold_block(TIME, y, depth=2.0, ramp_time=1.0) for y in records[:2]),
-        *(decay_block(TIME, y) for y in records),
+        *(hold_block(TIME, y, depth=2.0, ramp_time=1.0, ramp=True) for y in records[:2]),
+        *(hold_block(TIME, y) for y in records),
     ]
     for block in blocks:
         stack = Stack([block])
@@ -97,10 +97,10 @@ def test_a_kept_lattice_is_the_one_made_anew() -> None:
 def test_weights_and_uneven_clocks_are_never_taken_for_a_known_sampling() -> None:
     y = record(2)
     weights = 1 + np.exp(-TIME)
-    assert decay_block(TIME, y).sampling is not None
-    assert decay_block(TIME, y, weights=weights).sampling is None
-    assert decay_block(TIME**1.1, y).sampling is None
+    assert hold_block(TIME, y).sampling is not None
+    assert hold_block(TIME, y, weights=weights).sampling is None
+    assert hold_block(TIME**1.1, y).sampling is None
     # the second of two such fits is its own
-    first = solve([decay_block(TIME**1.1, y)], 2)
-    again = solve([decay_block(TIME**1.2, y)], 2)
+    first = solve([hold_block(TIME**1.1, y)], 2)
+    again = solve([hold_block(TIME**1.2, y)], 2)
     assert np.abs(first.log_tau - again.log_tau).max() > 0.01

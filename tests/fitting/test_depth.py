@@ -48,9 +48,9 @@ def test_a_quasi_linear_seal_is_recovered_and_called_separable(
     assert found.separable.passed
     assert found.fit.by_depth == found.by_depth
     assert replace(found.fit.elastic_law, ratio_se=()) == found.law
-    vibrating = found.tangent_model(8e-3)
+    vibrating = found.fit.model_at(8e-3)
     assert vibrating.k_inf == pytest.approx(289.5, rel=0.02)
-    assert found.tangent_model(2.6e-3).k_inf == pytest.approx(164.7, rel=0.005)
+    assert found.fit.model_at(2.6e-3).k_inf == pytest.approx(164.7, rel=0.005)
     np.testing.assert_allclose(vibrating.tau, paper_seal.tau, rtol=3e-3)
     np.testing.assert_allclose(
         np.divide(vibrating.k, vibrating.k_inf),
@@ -58,7 +58,7 @@ def test_a_quasi_linear_seal_is_recovered_and_called_separable(
         rtol=3e-3,
     )
     relaxed = float(cubic(np.array(4e-3))) / 4e-3
-    assert found.secant_model(4e-3).k_inf == pytest.approx(relaxed, rel=1e-3)
+    assert found.fit.model_at(4e-3, secant=True).k_inf == pytest.approx(relaxed, rel=1e-3)
 
 
 def test_a_linear_seal_stays_linear_at_every_depth(paper_seal: GeneralizedMaxwell) -> None:

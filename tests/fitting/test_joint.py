@@ -179,7 +179,7 @@ def test_the_jacobian_is_the_slope_of_the_residual(
     problem = IdentificationProblem(
         (relaxation,),
         frf_data_of(broad_frf, seals=2, band=None),
-        NuisancePriors(Prior(BROAD_MASS, 1e-3), 0.01, 1e-4),
+        NuisancePriors(Prior(BROAD_MASS, 1e-3), Prior(1.0, 0.01), Prior(0.0, 1e-4)),
         Constraints(static_stiffness=Prior(196.0, 1.0), natural_frequency=Prior(12.7, 0.1)),
         sought=Arms(2),
         dashpot=True,
@@ -213,7 +213,13 @@ def test_the_slope_of_every_line_and_prior(
     problem = IdentificationProblem(
         (),
         frf_data_of(lines, seals=2, band=None, mass=BROAD_MASS),
-        NuisancePriors(Prior(BROAD_MASS, 1e-3), 0.01, 1e-4, Prior(1.1, 0.1), Prior(0.9, 0.1)),
+        NuisancePriors(
+            Prior(BROAD_MASS, 1e-3),
+            Prior(1.0, 0.01),
+            Prior(0.0, 1e-4),
+            Prior(1.1, 0.1),
+            Prior(0.9, 0.1),
+        ),
         Constraints(
             Prior(196.0, 1.0), Prior(12.7, 0.1), Prior(0.03, 1e-3), broad_fit if earlier else None
         ),
@@ -229,7 +235,10 @@ def test_the_slope_of_every_line_and_prior(
 def test_arms_that_crossed_keep_their_own_errors(broad_frf: FRF) -> None:
     lines = frf_data_of(broad_frf, seals=2, band=None)
     problem = IdentificationProblem(
-        (), lines, NuisancePriors(Prior(BROAD_MASS, 1e-3), 0.01, 1e-4), Constraints()
+        (),
+        lines,
+        NuisancePriors(Prior(BROAD_MASS, 1e-3), Prior(1.0, 0.01), Prior(0.0, 1e-4)),
+        Constraints(),
     )
     told = []
     for order in ([0, 1, 2, 3, 4], [0, 2, 1, 4, 3]):
@@ -243,12 +252,12 @@ def test_arms_that_crossed_keep_their_own_errors(broad_frf: FRF) -> None:
 
 def test_a_dashpot_that_has_faded_has_no_error(broad_frf: FRF) -> None:
     lines = frf_data_of(broad_frf, seals=2, band=None)
-    priors = NuisancePriors(Prior(BROAD_MASS, 1e-3), 0.01, 1e-4)
+    priors = NuisancePriors(Prior(BROAD_MASS, 1e-3), Prior(1.0, 0.01), Prior(0.0, 1e-4))
     problem = IdentificationProblem((), lines, priors, Constraints(), Arms(1), dashpot=True)
     start = problem.pack(
         Parameters(GeneralizedMaxwell(250.0, (60.0,), (0.02,), 1.0), 0.11, 1.0, 0.0)
     )
-    at = problem.at["ln_b"]
+    at = problem.at["b"]
 
     def error(b: float) -> float:
         theta = start.copy()

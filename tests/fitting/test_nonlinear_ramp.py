@@ -139,9 +139,6 @@ def test_the_cubic_seal_gives_its_secant_and_its_tangents(baseline: float) -> No
     assert abs(off(found)) < 0.5
     for x in (8e-3, 2.6e-3):
         assert float(found.law.tangent(x)) == pytest.approx(tangent(cubic, x), rel=0.02)
-        error = found.tangent_error(x)
-        assert abs(float(found.law.tangent(x)) - tangent(cubic, x)) < 2 * error
-        assert error < 0.02 * tangent(cubic, x)
     assert found.discrepancy[0] < 2
     assert found.rho[0] < 1.1
     np.testing.assert_allclose(found.model.tau, PAPER.tau, rtol=0.02)

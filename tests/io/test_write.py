@@ -19,7 +19,7 @@ from dashpot.io.readers.frf import read_frf
 from dashpot.io.readers.impact import read_impact
 from dashpot.io.readers.inspect import inspect_file
 from dashpot.io.readers.relaxation import read_relaxation
-from dashpot.io.write import neutral, write_frf, write_frf_uff, write_impact, write_relaxation
+from dashpot.io.write import frf_uff, neutral, write_frf, write_impact, write_relaxation
 from dashpot.records.frf import Kind
 from dashpot.records.impact import ImpactTest
 from dashpot.records.relaxation import RelaxationTest
@@ -155,7 +155,7 @@ def test_frf_of_another_origin(tmp_path: Path) -> None:
 @pytest.mark.parametrize("kind", [Kind.RECEPTANCE, Kind.MOBILITY, Kind.ACCELERANCE])
 def test_uff_round_trip(tmp_path: Path, kind: Kind) -> None:
     written = frf(kind)
-    write_frf_uff(written, tmp_path / "a.uff")
+    (tmp_path / "a.uff").write_bytes(frf_uff(written))
     found = read_frf(tmp_path / "a.uff")
     assert (found.kind, found.shift, found.record, found.averages) == (kind, 0.25, 8.0, 5)
     np.testing.assert_allclose(found.frequency, written.frequency, rtol=1e-6)
@@ -168,7 +168,7 @@ def test_uff_round_trip(tmp_path: Path, kind: Kind) -> None:
 def test_uff_keeps_what_pyuff_reads(tmp_path: Path) -> None:
     import pyuff
 
-    write_frf_uff(frf(Kind.DYNAMIC_STIFFNESS), tmp_path / "a.uff")
+    (tmp_path / "a.uff").write_bytes(frf_uff(frf(Kind.DYNAMIC_STIFFNESS)))
     sets = pyuff.UFF(str(tmp_path / "a.uff")).read_sets()
     assert [entry["type"] for entry in sets] == [151, 164, 58, 58]
     assert sets[1]["units_code"] == 1
@@ -179,14 +179,14 @@ def test_uff_keeps_what_pyuff_reads(tmp_path: Path) -> None:
 
 def test_uneven_uff(tmp_path: Path) -> None:
     written = replace(frf(measured=False), frequency=np.geomspace(1, 40, 40))
-    write_frf_uff(written, tmp_path / "a.uff")
+    (tmp_path / "a.uff").write_bytes(frf_uff(written))
     np.testing.assert_allclose(read_frf(tmp_path / "a.uff").frequency, written.frequency, rtol=1e-5)
 
 
 def test_several_frfs_are_asked(tmp_path: Path) -> None:
     import pyuff
 
-    write_frf_uff(frf(), tmp_path / "a.uff")
+    (tmp_path / "a.uff").write_bytes(frf_uff(frf()))
     file = pyuff.UFF(str(tmp_path / "a.uff"))
     file.write_sets([file.read_sets(2)], mode="add")
     with pytest.raises(ReadError, match="2 FRFs in the file"):
@@ -203,7 +203,7 @@ def test_the_stamp_stays(tmp_path: Path) -> None:
     assert stamped.count("simulated") == 1
     (tmp_path / "a.csv").write_text(stamped)
     assert read_relaxation(tmp_path / "a.csv").source.simulated
-    write_frf_uff(replace(frf(), source=(source,)), tmp_path / "a.uff")
+    (tmp_path / "a.uff").write_bytes(frf_uff(replace(frf(), source=(source,))))
     assert read_frf(tmp_path / "a.uff").source[0].simulated
 
 

@@ -260,10 +260,10 @@ def one_of_each(folder: Path) -> dict[str, bytes]:
     import h5py
     from scipy.io import savemat
 
-    from dashpot.io.write import write_frf_uff
+    from dashpot.io.write import frf_uff
 
     tdms(folder / "tdms", hits=2)
-    write_frf_uff(frf(n=10), folder / "uff frf")
+    (folder / "uff frf").write_bytes(frf_uff(frf(n=10)))
     uff(folder / "uff", labels=("N", "g"), length=1000.0)
     workbook(folder / "xlsx", {"One": sheet()[:12], "Two": [["a", 1.0]]})
     ods(folder / "ods", ods_rows(sheet()[:12]))

@@ -53,10 +53,8 @@ def test_the_filter_delays_what_is_slow_by_root_2_over_omega():
     read = card.read(clock, np.array([2.0 + 0.5 * clock]), at)[0]
     # a ramp comes out later by the group delay, once the start is over
     late = (2.0 + 0.5 * at - read)[500:] / 0.5
-    assert card.group_delay == pytest.approx(np.sqrt(2) / (2 * np.pi * 100))
-    np.testing.assert_allclose(late, card.group_delay, rtol=1e-3)
+    np.testing.assert_allclose(late, np.sqrt(2) / (2 * np.pi * 100), rtol=1e-3)
     assert read[0] == pytest.approx(2.0, abs=1e-9)
-    assert Daq().group_delay == 0.0
 
 
 @pytest.mark.parametrize("corner", [0.0, 30.0])

@@ -44,7 +44,7 @@ def test_stress_is_the_slope_of_energy_and_tangent_that_of_stress(law, mode):
 
 @pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
 def test_small_strains_are_linear_to_the_last_digits(law):
-    e, v, E = 1e-7, law.poisson, law.young_modulus
+    e, v, E = 1e-7, law.poisson, 2 * (1 + law.poisson) * law.shear_modulus
     expected = {"uniaxial": E, "equibiaxial": E / (1 - v), "planar": E / (1 - v**2)}
     for mode, modulus in expected.items():
         assert law.nominal(mode, 1 + e) == pytest.approx(modulus * e, rel=1e-5)
@@ -99,7 +99,7 @@ def test_secant_and_tangent_of_a_foam(stretch, secant, tangent):
     stress = float(FOAM.nominal("uniaxial", stretch))
     assert stress / (stretch - 1) == pytest.approx(secant * 1e6, abs=0.5)
     assert FOAM.tangent("uniaxial", stretch) == pytest.approx(tangent * 1e6, abs=0.5)
-    assert FOAM.young_modulus == pytest.approx(0.4e6)
+    assert 2 * (1 + FOAM.poisson) * FOAM.shear_modulus == pytest.approx(0.4e6)
     if stretch == 0.6:
         assert stress == pytest.approx(-0.0819337e6, rel=1e-6)
 

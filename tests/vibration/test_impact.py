@@ -317,28 +317,6 @@ def test_the_random_error_is_the_scatter(strike, paper_seal):
     assert np.median(ratio) == pytest.approx(1.0, abs=0.2)
 
 
-def test_the_error_band_holds_the_truth_as_often_as_it_says(strike, paper_seal):
-    inside = []
-    for seed in range(12):
-        frf = estimate_frf(
-            strike(record=16.0, rate=512, hits=5, noise=(0.0, 0.1), seed=seed),
-            window="exponential:0.01",
-            band=(4, 40),
-        )
-        true = predict_frf(2 * paper_seal, mass=MASS, frequency=frf.frequency, shift=frf.shift)
-        low, high, phase = frf.error_band(0.9)
-        inside.append((low < np.abs(true.value)) & (np.abs(true.value) < high))
-        inside.append(np.abs(np.angle(true.value / frf.value)) < phase)
-    assert np.mean(inside) == pytest.approx(0.9, abs=0.04)
-
-
-def test_there_is_no_error_band_without_an_error(strike):
-    with pytest.raises(DataError, match="rests on a single hit"):
-        estimate_frf(strike()).error_band()
-    with pytest.raises(DataError, match="level = 95; expected a number between 0 and 1"):
-        estimate_frf(strike(hits=3, noise=NOISE)).error_band(95)
-
-
 def test_a_mode_lies_within_its_error(strike):
     true = 12.70975, 0.00443503
     z = []

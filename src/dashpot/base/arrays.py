@@ -43,6 +43,19 @@ class ByValue:
     __hash__ = None  # type: ignore[assignment]
 
 
+class Frozen(ByValue):
+    """Such a dataclass whose arrays become read-only, of the kind that they are declared to be."""
+
+    def __post_init__(self) -> None:
+        for field in fields(self):  # type: ignore[arg-type]
+            if (kind := _KINDS.get(str(field.type))) is not None:
+                values: npt.NDArray[Any] = np.asarray(getattr(self, field.name), dtype=kind)
+                object.__setattr__(self, field.name, frozen(values))
+
+
+_KINDS = {"FloatArray": float, "ComplexArray": complex, "BoolArray": bool}
+
+
 def _equal(a: object, b: object) -> bool:
     if isinstance(a, np.ndarray) and isinstance(b, np.ndarray):
         return a.dtype == b.dtype and bool(np.array_equal(a, b, equal_nan=True))

@@ -23,11 +23,6 @@ _WEIGHTS = 2.0 * _VECTORS[0] ** 2
 _SHORT = 1e-12
 
 
-def central_probability(x: float, dof: float) -> float:
-    """Return P(abs(t) < x) for `dof` > 0 degrees of freedom, x >= 0."""
-    return _central(atan(x / sqrt(dof)), dof)
-
-
 def t_quantile(level: float, dof: float) -> float:
     """Return x with P(abs(t) < x) = `level`: the half-width of a two-sided interval, in SE.
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from collections.abc import Callable
+from functools import partial
+from typing import Any, TypeVar
 
 from dashpot.base.errors import ReadError
 from dashpot.base.units import Dimension
@@ -21,6 +23,7 @@ from dashpot.door.closing_record import (
 )
 from dashpot.io.toml import Section
 
+T = TypeVar("T")
 _AIR = ("discharge", "process")
 
 
@@ -49,9 +52,12 @@ def closing_of(
          "between", "cabin", "variation"),
     )  # fmt: skip
 
-    def sub(name: str, *known: str) -> Section | None:
+    def sub(made: Callable[[Section], T], name: str, *known: str) -> T | None:
+        """What a table within makes, if it stands there."""
         table = section.entries.get(name)
-        return None if table is None else Section(f"{where[:-1]}.{name}]", table, known)
+        return None if table is None else made(Section(f"{where[:-1]}.{name}]", table, known))
+
+    area = width * height if width and height else None
 
     return ClosingSetup(
         section.quantity("edge", "length"),
@@ -60,27 +66,23 @@ def closing_of(
         section.quantity("start", "angle"),
         section.quantity("friction", "torque") or 0.0,
         section.direction("gravity"),
-        _check(sub("check", "angle", "moment")),
-        _latch(sub("latch", "travel", "force", "lever", "beyond"), width),
-        _vents(sub("vents", "width", "hollow", "hole", "spacing", *_AIR)),
-        _between(sub("between", "width", "depth", "leak", *_AIR)),
-        _cabin(sub("cabin", "volume", "area", "lever", "opening", *_AIR), width, height),
-        _variation(sub("variation", "gap", "force", "correlation", "doors", "seed", "limit")),
+        sub(_check, "check", "angle", "moment"),
+        sub(partial(_latch, width), "latch", "travel", "force", "lever", "beyond"),
+        sub(_vents, "vents", "width", "hollow", "hole", "spacing", *_AIR),
+        sub(_between, "between", "width", "depth", "leak", *_AIR),
+        sub(partial(_cabin, width, area), "cabin", "volume", "area", "lever", "opening", *_AIR),
+        sub(_variation, "variation", "gap", "force", "correlation", "doors", "seed", "limit"),
     )
 
 
-def _check(table: Section | None) -> CheckStrap | None:
-    if table is None:
-        return None
+def _check(table: Section) -> CheckStrap:
     table.needs("angle", "moment")
     return CheckStrap(
         table.quantities("angle", "angle") or (), table.quantities("moment", "torque") or ()
     )
 
 
-def _latch(table: Section | None, width: float | None) -> Latch | None:
-    if table is None:
-        return None
+def _latch(width: float | None, table: Section) -> Latch:
     table.needs("travel", "force")
     return Latch(
         table.quantities("travel", "length") or (),
@@ -90,9 +92,7 @@ def _latch(table: Section | None, width: float | None) -> Latch | None:
     )
 
 
-def _vents(table: Section | None) -> Vents | None:
-    if table is None:
-        return None
+def _vents(table: Section) -> Vents:
     table.needs("width", "hollow", "hole", "spacing")
     width, hollow, hole, spacing = (
         table.quantity(name, "length") or 0.0 for name in ("width", "hollow", "hole", "spacing")
@@ -102,9 +102,7 @@ def _vents(table: Section | None) -> Vents | None:
     return Vents(*_air(table), width, width * hollow, math.pi / 4 * hole * abs(hole) / spacing)
 
 
-def _between(table: Section | None) -> Between | None:
-    if table is None:
-        return None
+def _between(table: Section) -> Between:
     table.needs("width", "depth")
     width, depth, leak = (
         table.quantity(name, "length") or 0.0 for name in ("width", "depth", "leak")
@@ -112,11 +110,8 @@ def _between(table: Section | None) -> Between | None:
     return Between(*_air(table), width, depth, leak)
 
 
-def _cabin(table: Section | None, width: float | None, height: float | None) -> Cabin | None:
-    if table is None:
-        return None
+def _cabin(width: float | None, area: float | None, table: Section) -> Cabin:
     table.needs("volume", "opening")
-    area = width * height if width and height else None
     return Cabin(
         *_air(table),
         table.quantity("volume", "volume") or 0.0,
@@ -126,9 +121,7 @@ def _cabin(table: Section | None, width: float | None, height: float | None) -> 
     )
 
 
-def _variation(table: Section | None) -> Tolerances | None:
-    if table is None:
-        return None
+def _variation(table: Section) -> Tolerances:
     doors, seed = table.number("doors"), table.number("seed") or 0.0
     for name, value in (("doors", doors or 0.0), ("seed", seed)):
         if value != int(value) or value < 0:

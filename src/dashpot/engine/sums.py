@@ -7,15 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from dashpot.base.arrays import ByValue, FloatArray, frozen, same_length, samples
+from dashpot.base.arrays import FloatArray, Frozen, same_length, samples
 from dashpot.base.errors import DataError, FitError
-from dashpot.engine.blocks.hold import decay_block
+from dashpot.engine.blocks.hold import hold_block
 from dashpot.engine.solver.certificate import Optimality, certificate
 from dashpot.engine.solver.variable_projection import solve
 
 
 @dataclass(frozen=True, eq=False)
-class ExponentialSum(ByValue):
+class ExponentialSum(Frozen):
     r"""The least-squares :math:`y = c + \sum_j a_j e^{-r_j x}`.
 
     Attributes
@@ -44,10 +44,6 @@ class ExponentialSum(ByValue):
     constant_error: float
     converged: bool
     certificate: Optimality | None
-
-    def __post_init__(self) -> None:
-        for name in ("amplitudes", "rates", "amplitude_errors", "rate_errors"):
-            object.__setattr__(self, name, frozen(getattr(self, name)))
 
     def __call__(self, x: npt.ArrayLike) -> FloatArray:
         """The sum at x."""
@@ -120,7 +116,7 @@ def fit_exponential_sum(
         raise DataError(f"x = {twice:g} comes twice; average its values or shift one")
     origin = float(at[0])
     name = "constant" if constant else None
-    block = decay_block(at - origin, values, constant=name, weights=root)
+    block = hold_block(at - origin, values, k_inf=name, weights=root)
     found = solve([block], terms, signed=signed)
     proof = None if signed else certificate([block], found)
     rates, local = np.exp(-found.log_tau)[::-1], found.arms[0][::-1]

@@ -61,6 +61,8 @@ class Deck:
         SI.
     units : UnitSystem
     specimen : Specimen
+    form : str
+        ``"prony"`` is a material card of relative moduli; every other form is of a part.
     fit : Fit or LevelFit or None
         Where the solid comes from; None for a bare one.
     overrides : tuple of str
@@ -70,6 +72,7 @@ class Deck:
     solid: Solid
     units: UnitSystem
     specimen: Specimen
+    form: str = ""
     fit: Fit | LevelFit | None = None
     overrides: tuple[str, ...] = ()
 

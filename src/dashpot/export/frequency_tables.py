@@ -8,7 +8,7 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from dashpot.base.arrays import ByValue, FloatArray, frozen
+from dashpot.base.arrays import FloatArray, Frozen
 from dashpot.base.errors import ExportError
 from dashpot.solids.maxwell import Solid
 
@@ -20,7 +20,7 @@ _WITHIN = (np.arange(16) + 0.5) / 16  # where each interval is checked
 
 
 @dataclass(frozen=True, eq=False)
-class Table(ByValue):
+class Table(Frozen):
     """Storage stiffness and damping at frequencies between which a solver draws straight lines.
 
     Attributes
@@ -42,10 +42,6 @@ class Table(ByValue):
     damping: FloatArray
     error: float
     tolerance: float
-
-    def __post_init__(self) -> None:
-        for name in ("frequency", "storage", "damping"):
-            object.__setattr__(self, name, frozen(np.asarray(getattr(self, name), dtype=float)))
 
     @property
     def sentence(self) -> str:

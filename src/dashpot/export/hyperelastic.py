@@ -10,7 +10,10 @@ from dashpot.base.errors import ExportError
 from dashpot.base.units import Quantity, si, written
 from dashpot.base.version import byline
 from dashpot.export.deck import NOT_VERIFIED, DeckText
-from dashpot.export.notation import UNIT_SYSTEMS, UnitSystem, one_line, packed, text
+from dashpot.export.decks.ansys import tbdata
+from dashpot.export.decks.lsdyna import fields
+from dashpot.export.notation import UnitSystem, one_line, text, unit_system
+from dashpot.export.opening import overlooked
 from dashpot.kinds.hyperelastic.record import HyperelasticFit
 from dashpot.solids.hyperelastic import POWERS, Hyperelastic
 
@@ -100,7 +103,7 @@ def hyperelastic_card(
         raise ExportError(
             f"{target} takes no hyperelastic law here; expected one of {', '.join(TARGETS)}"
         )
-    system, law = _system(units), fit.law
+    system, law = unit_system(units), fit.law
     kelvin = fit.temperature if temperature is None else temperature
     overrides = _overlooked(fit, kelvin, allow)
     bulk, measured = _bulk(law, si(bulk_modulus, "stress"))
@@ -123,14 +126,6 @@ def hyperelastic_card(
     made = DeckText("\n".join([*(f"{comment} {one_line(line)}" for line in header), *body, ""]))
     made.verdict, made.checks, made.overrides = fit.verdict, fit.checks, overrides
     return made
-
-
-def _system(units: str | None) -> UnitSystem:
-    if units is None or units not in UNIT_SYSTEMS:
-        raise ExportError(
-            f"no unit system '{units}'; add --units, one of {', '.join(UNIT_SYSTEMS)}"
-        )
-    return UNIT_SYSTEMS[units]
 
 
 def _bulk(law: Hyperelastic, stated: float | None) -> tuple[float, str]:
@@ -159,14 +154,7 @@ def _overlooked(
         )  # fmt: skip
     if fit.verdict.use == "do not use":
         problems["not_identified"] = fit.verdict.says, "see dashpot hyperelastic"
-    refused = [name for name in problems if not {name, "all"} & set(allow)]
-    if refused:
-        found = "; ".join(f"{problems[name][0]} ({problems[name][1]})" for name in refused)
-        raise ExportError(
-            f"{found}. To write the card all the same, with a mark in its header: "
-            f"{' '.join(f'--allow {name}' for name in refused)}, or --force for all"
-        )
-    return tuple(says for says, _ in problems.values())
+    return overlooked(problems, allow, "card")
 
 
 def _described(card: _Card, kelvin: float | None, measured: str) -> list[str]:
@@ -286,24 +274,17 @@ def _ansys(card: _Card) -> Body:
     law = card.fit.law
     name, values, said = (_ansys_invariants if law.kind in POWERS else _ansys_powers)(card)
     says = ["d = 2 / K", *said]
-    body = [f"TB,HYPER,1,1,{name}", *_table(values)]
+    body = [f"TB,HYPER,1,1,{name}", *tbdata(values)]
     if card.prony:
         body += [
             f"TB,PRONY,1,1,{len(card.prony)},SHEAR",
-            *_table([v for p in card.prony for v in p]),
+            *tbdata([v for p in card.prony for v in p]),
         ]
         times = f"{card.ratio:.6g} times those at rest"
         says.append(f"the constants are the instantaneous ones, {times}")
         if law.kind == "hyperfoam":
             says.append("repeat TB,PRONY with BULK: a foam keeps its Poisson's ratio as it relaxes")
     return body, says
-
-
-def _table(values: Sequence[float]) -> list[str]:
-    return [
-        f"TBDATA,{start + 1}," + ",".join(map(text, values[start : start + 6]))
-        for start in range(0, len(values), 6)
-    ]
 
 
 def _lsdyna(card: _Card) -> Body:
@@ -317,13 +298,13 @@ def _lsdyna(card: _Card) -> Body:
         return _hill_foam(card, density)
     K = card.bulk
     poisson = (3 * K - 2 * G) / (6 * K + 2 * G)
-    head = _fields(1, density, poisson, 0, 0, 0.0, 0.0, 0.0)
+    head = fields(1, density, poisson, 0, 0, 0.0, 0.0, 0.0)
     says = [f"PR is that of K and G: (3 K - 2 G) / (6 K + 2 G) = {poisson:.6g}"]
     if law.kind in POWERS:
         known = dict(zip(law.constant_names, card.constants, strict=True))
         order = ("C10", "C01", "C11", "C20", "C02", "C30")
         constants = (known.get(name, 0.0) for name in order)
-        body = ["*MAT_HYPERELASTIC_RUBBER", head, _fields(*constants, 0.0)]
+        body = ["*MAT_HYPERELASTIC_RUBBER", head, fields(*constants, 0.0)]
     else:
         body = ["*MAT_OGDEN_RUBBER", head, *_eight_terms(card)]
         says.append(_OTHER_MU)
@@ -331,7 +312,7 @@ def _lsdyna(card: _Card) -> Body:
         says.append(
             "G_j is that of small strain: LS-DYNA adds the memory linearly to the law at rest"
         )
-    return ["*KEYWORD", *body, *(_fields(*pair) for pair in shear), "*END"], says
+    return ["*KEYWORD", *body, *(fields(*pair) for pair in shear), "*END"], says
 
 
 def _hill_foam(card: _Card, density: float) -> Body:
@@ -346,9 +327,9 @@ def _hill_foam(card: _Card, density: float) -> Body:
     return [
         "*KEYWORD",
         "*MAT_HILL_FOAM",
-        _fields(1, density, bulk, beta or _NO_SWELLING, 0.0, 0, 0, 0),
+        fields(1, density, bulk, beta or _NO_SWELLING, 0.0, 0, 0, 0),
         *_eight_terms(card),
-        _fields(0.0, 0.0),
+        fields(0.0, 0.0),
         "*END",
     ], says
 
@@ -357,14 +338,9 @@ def _eight_terms(card: _Card) -> list[str]:
     """2 mu / alpha of each term, then each alpha; 0 where there are fewer than eight."""
     filled = card.pairs + [(0.0, 0.0)] * (8 - len(card.pairs))
     return [
-        _fields(*(2 * mu / a if a else 0.0 for mu, a in filled)),
-        _fields(*(a for _, a in filled)),
+        fields(*(2 * mu / a if a else 0.0 for mu, a in filled)),
+        fields(*(a for _, a in filled)),
     ]
-
-
-def _fields(*values: object) -> str:
-    words = (packed(value, 9) if isinstance(value, float) else str(value) for value in values)
-    return "".join(f"{word:>10}" for word in words)
 
 
 TARGETS: Mapping[str, Callable[[_Card], Body]] = MappingProxyType(

@@ -96,6 +96,20 @@ UNIT_SYSTEMS = MappingProxyType(
 """The unit systems a deck can be written in."""
 
 
+def unit_system(name: str | None) -> UnitSystem:
+    """Return the unit system of a name.
+
+    Raises
+    ------
+    ExportError
+        If it is missing or unknown.
+    """
+    if name is None or name not in UNIT_SYSTEMS:
+        found = "no unit system is given" if name is None else f"'{name}' is no unit system"
+        raise ExportError(f"{found}; add --units, one of {', '.join(UNIT_SYSTEMS)}")
+    return UNIT_SYSTEMS[name]
+
+
 def text(value: float) -> str:
     """A number as decks print it: ten digits and always a point, without which it is an integer.
 

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
+from functools import update_wrapper
+from inspect import signature
 from types import MappingProxyType
+from typing import Any, Protocol
 
 from dashpot.base.arrays import LEAST, MOST
 from dashpot.base.errors import DataError, ExportError
 from dashpot.base.status import Status
-from dashpot.export.deck import Deck, Exportable
-from dashpot.export.notation import UNIT_SYSTEMS
+from dashpot.export.deck import Deck, DeckText, Exportable
+from dashpot.export.notation import unit_system
 from dashpot.fitting.temperature.checks import temperature_tested
 from dashpot.kinds.level.levels import LevelFit
 from dashpot.records.fit import Fit
@@ -32,6 +35,52 @@ _REMEDIES = {
     "not_identified": "fit fewer arms, or test for longer and faster",
     "prony_sum": "export the arms, or fit with k_inf > 0",
 }
+
+
+class Target(Protocol):
+    """What writes the decks of one solver: of a solid, by :func:`open_deck`."""
+
+    def __call__(
+        self,
+        solid: Exportable,
+        *,
+        units: str | None = None,
+        specimen: Specimen | None = None,
+        allow: Collection[str] = (),
+        form: str = "",
+        **own: Any,
+    ) -> DeckText:
+        """Return the deck; `own` are the solver's own options."""
+        ...
+
+
+def target(*forms: str) -> Callable[[Callable[..., DeckText]], Target]:
+    """Make what writes the cards of an opened deck a target of its name, as a decorator.
+
+    The target takes the solid and all that :func:`open_deck` asks for in place of the deck.
+    """
+
+    def enter(cards: Callable[..., DeckText]) -> Target:
+        name, (_, *own) = cards.__name__, signature(cards).parameters.values()
+
+        def write(
+            solid: Exportable,
+            *,
+            units: str | None = None,
+            specimen: Specimen | None = None,
+            allow: Collection[str] = (),
+            form: str = forms[0],
+            **own: Any,
+        ) -> DeckText:
+            deck = open_deck(solid, name, form, forms, units=units, specimen=specimen, allow=allow)
+            return cards(deck, **own)
+
+        asked = signature(write)
+        common = list(asked.parameters.values())[:-1]
+        update_wrapper(write, cards).__signature__ = asked.replace(parameters=[*common, *own])  # type: ignore[attr-defined]
+        return write
+
+    return enter
 
 
 def open_deck(
@@ -74,17 +123,22 @@ def open_deck(
     """
     if form not in forms:
         raise ExportError(f"{target} has no form '{form}'; expected one of {', '.join(forms)}")
-    if units is None or units not in UNIT_SYSTEMS:
-        found = "no unit system is given" if units is None else f"'{units}' is no unit system"
-        raise ExportError(f"{found}; add --units, one of {', '.join(UNIT_SYSTEMS)}")
+    system = unit_system(units)
     if isinstance(solid, Fit):
         solid = _at(solid, specimen)
     if isinstance(solid, Fit | LevelFit):
-        deck = Deck(solid.solid, UNIT_SYSTEMS[units], specimen or solid.specimen, solid)
+        deck = Deck(solid.solid, system, specimen or solid.specimen, form, solid)
     else:
-        deck = Deck(solid, UNIT_SYSTEMS[units], specimen or Specimen())
+        deck = Deck(solid, system, specimen or Specimen(), form)
     deck.beside.refuse_unless_held(target, form)
-    return replace(deck, overrides=_overlooked(deck, allow, prony=form == "prony"))
+    unknown = sorted(set(allow) - set(PROBLEMS) - {"all"})
+    if unknown:
+        raise ExportError(
+            f"'{unknown[0]}' is nothing that could be allowed; known: {', '.join(PROBLEMS)}, all"
+        )
+    _refuse_impossible(deck)
+    problems = {name: (says, _REMEDIES[name]) for name, says in _problems(deck).items()}
+    return replace(deck, overrides=overlooked(problems, allow, "deck"))
 
 
 def _at(fit: Fit, specimen: Specimen | None) -> Fit:
@@ -105,34 +159,37 @@ def _at(fit: Fit, specimen: Specimen | None) -> Fit:
     return replace(moved, evidence=replace(moved.evidence, checks=checks))
 
 
-def _overlooked(deck: Deck, allow: Collection[str], *, prony: bool) -> tuple[str, ...]:
-    """What is wrong with a deck and allowed; raises where anything is not."""
-    unknown = sorted(set(allow) - set(PROBLEMS) - {"all"})
-    if unknown:
-        raise ExportError(
-            f"'{unknown[0]}' is nothing that could be allowed; known: {', '.join(PROBLEMS)}, all"
-        )
-    _refuse_impossible(deck, prony=prony)
-    problems = _problems(deck, prony=prony)
-    refused = {name: says for name, says in problems.items() if not {name, "all"} & set(allow)}
+def overlooked(
+    problems: Mapping[str, tuple[str, str]], allow: Collection[str], what: str
+) -> tuple[str, ...]:
+    """Return what is wrong and allowed; each problem comes with its remedy.
+
+    Raises
+    ------
+    ExportError
+        If anything is not allowed.
+    """
+    refused = {name: both for name, both in problems.items() if not {name, "all"} & set(allow)}
     if refused:
-        found = "; ".join(f"{says} ({_REMEDIES[name]})" for name, says in refused.items())
+        found = "; ".join(
+            f"{says} ({remedy})" for says, remedy in (problems[name] for name in refused)
+        )
         names = ", ".join(f"'{name}'" for name in refused)
         raise ExportError(
-            f"{found}. To write the deck all the same, with a mark in its header, allow {names}: "
+            f"{found}. To write the {what} all the same, with a mark in its header, allow {names}: "
             "--allow NAME for each, or --force for all"
         )
-    return tuple(problems.values())
+    return tuple(says for says, _ in problems.values())
 
 
-def _refuse_impossible(deck: Deck, *, prony: bool) -> None:
+def _refuse_impossible(deck: Deck) -> None:
     """Raise where nothing can be overlooked: there is no right number to write."""
     model = deck.model
     if model.k_0 == 0 and model.b == 0 and not deck.beside.parts:
         raise ExportError("the solid has neither stiffness nor damping; there is nothing to write")
     _refuse_extreme(deck)
     fit = deck.linear_fit
-    if prony:
+    if deck.form == "prony":
         if model.b > 0:
             raise ExportError(
                 f"b = {model.b:g} N s/m: a Prony series cannot hold a parallel dashpot; "
@@ -162,7 +219,7 @@ def _refuse_extreme(deck: Deck) -> None:
             )
 
 
-def _problems(deck: Deck, *, prony: bool) -> dict[str, str]:
+def _problems(deck: Deck) -> dict[str, str]:
     found = {}
     if deck.fit:
         # a material has no contact length
@@ -173,7 +230,7 @@ def _problems(deck: Deck, *, prony: bool) -> dict[str, str]:
         doubt = _doubt(deck.fit)
         if doubt:
             found["not_identified"] = f"{PROBLEMS['not_identified']}: {doubt}"
-    if prony and sum(round(g, 10) for g, _ in deck.prony) >= 1:
+    if deck.form == "prony" and sum(round(g, 10) for g, _ in deck.prony) >= 1:
         found["prony_sum"] = f"{PROBLEMS['prony_sum']} (k_inf = {deck.model.k_inf:.4g})"
     return found
 

@@ -23,7 +23,7 @@ from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.provenance import Step, sources_of
 from dashpot.engine.blocks.block import DataBlock, retarding
-from dashpot.engine.blocks.hold import decay_block
+from dashpot.engine.blocks.hold import hold_block
 from dashpot.engine.blocks.recorded import recorded_block
 from dashpot.engine.inference.order import MIN_K_OVER_SE, bic, significant
 from dashpot.engine.solver.variable_projection import Solution, solve
@@ -501,6 +501,6 @@ def _curve_block(
     *,
     flows: bool,
 ) -> DataBlock:
-    block = decay_block(t, values, constant=GLASS, weights=weight, compress=False)
+    block = hold_block(t, values, k_inf=GLASS, weights=weight, compress=False)
     block = retarding(replace(block, window=(window[0], 10 * window[1])), GLASS)
     return block.with_column(FLOW, weight * t) if flows else block

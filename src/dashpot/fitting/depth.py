@@ -33,7 +33,6 @@ from dashpot.fitting.temperature.of_tests import checked_temperatures
 from dashpot.preparation.ramp_holds import Tests, ramp_holds
 from dashpot.records.fit import AtDepth, Fit
 from dashpot.solids.elastic import ElasticLaw
-from dashpot.solids.maxwell import GeneralizedMaxwell
 
 
 @dataclass(frozen=True)
@@ -58,14 +57,6 @@ class DepthLaw:
     by_depth: tuple[AtDepth, ...]
     separable: Check
     fit: Fit
-
-    def secant_model(self, depth: float) -> GeneralizedMaxwell:
-        """The linear solid that gives the relaxed force at this depth, m."""
-        return self.fit.model_at(depth, secant=True)
-
-    def tangent_model(self, depth: float) -> GeneralizedMaxwell:
-        """The linear solid that small vibration about this compression, m, feels."""
-        return self.fit.model_at(depth)
 
 
 def fit_depths(

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from dashpot.base.arrays import ByValue, FloatArray, frozen, increasing, samples
+from dashpot.base.arrays import FloatArray, Frozen, increasing, samples
 from dashpot.base.checks import status_of
 from dashpot.base.choices import Method
 from dashpot.base.errors import DataError
@@ -19,11 +19,10 @@ from dashpot.engine.blocks.block import DataBlock
 from dashpot.engine.blocks.families import (
     Family,
     hold_family,
-    ramp_hold_family,
     recorded_family,
     shares_correlation,
 )
-from dashpot.engine.blocks.hold import hold_block, ramp_hold_block
+from dashpot.engine.blocks.hold import hold_block
 from dashpot.engine.blocks.recorded import recorded_block
 from dashpot.engine.solver.many_records import ManySolutions, solve_each, solve_many
 from dashpot.fitting.uncertainty.many_errors import many_errors
@@ -33,7 +32,7 @@ _STACK = 4
 
 
 @dataclass(frozen=True, eq=False)
-class ManyErrors(ByValue):
+class ManyErrors(Frozen):
     """Standard errors of many solids; NaN where there is no arm, infinite where nothing is known.
 
     Attributes
@@ -48,13 +47,9 @@ class ManyErrors(ByValue):
     k: FloatArray
     tau: FloatArray
 
-    def __post_init__(self) -> None:
-        for name in ("k_inf", "k", "tau"):
-            object.__setattr__(self, name, frozen(getattr(self, name)))
-
 
 @dataclass(frozen=True, eq=False)
-class Many(ByValue):
+class Many(Frozen):
     """One solid per record; a record that could not be fitted holds NaN and a status that says why.
 
     Attributes
@@ -76,10 +71,6 @@ class Many(ByValue):
     sse: FloatArray
     status: tuple[Status, ...]
     errors: ManyErrors | None = None
-
-    def __post_init__(self) -> None:
-        for name in ("k_inf", "k", "tau", "sse"):
-            object.__setattr__(self, name, frozen(getattr(self, name)))
 
     def __len__(self) -> int:
         """Number of records."""
@@ -218,8 +209,8 @@ def _ideal(clock: FloatArray, ramp: tuple[float, float], *, method: str) -> _His
             x,
             0,
             slice(None),
-            partial(ramp_hold_block, since, depth=depth, ramp_time=ramp_time),
-            partial(ramp_hold_family, since, depth=depth, ramp_time=ramp_time),
+            partial(hold_block, since, depth=depth, ramp_time=ramp_time, ramp=True),
+            partial(hold_family, since, depth=depth, ramp_time=ramp_time, ramp=True),
         )
     first = int(np.searchsorted(since, ramp_time))
     held = since[first:] - ramp_time

@@ -12,7 +12,7 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.provenance import Source, Step, sources_of
 from dashpot.engine.blocks.block import DataBlock
-from dashpot.engine.blocks.hold import decay_block
+from dashpot.engine.blocks.hold import hold_block
 from dashpot.fitting.assembly import assembled
 from dashpot.fitting.checks.curves import modulus_falls, plateau_seen
 from dashpot.fitting.checks.solid import (
@@ -175,7 +175,7 @@ def _weighed(
 def _block(
     t: FloatArray, values: FloatArray, weight: FloatArray, window: tuple[float, float]
 ) -> DataBlock:
-    block = decay_block(t, values, weights=weight, compress=False)
+    block = hold_block(t, values, weights=weight, compress=False)
     return replace(block, window=(window[0], 10 * window[1]))
 
 

@@ -81,38 +81,67 @@ def solid_checks(
     in_arms : bool
         The solid was fitted by its arms: each is asked for.
     """
-    peak = max(float(abs(record.force).max()) for record in records)
+    window = RelaxationWindow(
+        record_window(records), "the record", (" (two samples)", " (the hold)")
+    )
     answers = [
         *of_records(records, method=method),
         hold_long_enough(end),
-        *(_of_arms(records, model, error, needed=needed) if in_arms else ()),
-        k_inf_positive(model, float(error[0])),
-        k_inf_known(model, float(error[0]), records),
-        worst(arms_where_force_relaxes(model, record) for record in records),
-        worst(
-            force_followed(record, residual)
-            for record, residual in zip(records, left.every, strict=True)
-        ),
-        residuals_random(left.kappa, left.rms, max(record.force_noise for record in records)),
-        *(_of_fast_arms(records, model, error) if in_arms else ()),
-        residuals_steady(left.every, rounding=_ROUNDING * peak),
+        *of_solid(records, model, error, left, window, needed=needed, in_arms=in_arms),
     ]
     if len(records) > 1:
         answers.append(same_specimen(end_stiffnesses(records)))
     return answers
 
 
+class RelaxationWindow(NamedTuple):
+    """The relaxation times that some records show: s, of what, and what stands at the two ends."""
+
+    span: tuple[float, float]
+    of: str
+    ends: tuple[str, str] = ("", "")
+
+
+def of_solid(
+    records: Sequence[RampHold],
+    model: GeneralizedMaxwell,
+    error: FloatArray,
+    left: Residuals,
+    window: RelaxationWindow,
+    *,
+    solids: Sequence[GeneralizedMaxwell] = (),
+    needed: bool = False,
+    in_arms: bool = True,
+) -> list[Check]:
+    """Return the checks of a solid, as :func:`solid_checks`; `solids` at each record's temperature.
+
+    Of several temperatures no arm is fast or slow by itself.
+    """
+    peak = max(float(abs(record.force).max()) for record in records)
+    each = zip(solids or [model] * len(records), records, strict=True)
+    return [
+        *(_of_arms(model, error, window, needed=needed) if in_arms else ()),
+        k_inf_positive(model, float(error[0])),
+        k_inf_known(model, float(error[0]), records),
+        worst(arms_where_force_relaxes(one, record) for one, record in each),
+        worst(map(force_followed, records, left.every)),
+        residuals_random(left.kappa, left.rms, max(record.force_noise for record in records)),
+        *(_of_fast_arms(records, model, error) if in_arms and not solids else ()),
+        residuals_steady(left.every, rounding=_ROUNDING * peak),
+    ]
+
+
 def _of_arms(
-    records: Sequence[RampHold], model: GeneralizedMaxwell, error: FloatArray, *, needed: bool
+    model: GeneralizedMaxwell, error: FloatArray, window: RelaxationWindow, *, needed: bool
 ) -> tuple[Check, ...]:
     return (
         arms_distinct(model),
         arms_supported(model, error, needed=needed),
         tau_inside_window(
             model,
-            record_window(records),
-            "the record",
-            ends=(" (two samples)", " (the hold)"),
+            window.span,
+            window.of,
+            ends=window.ends,
             within=True,
             advice="; do not use this arm: fit fewer arms, hold longer or sample faster",
         ),

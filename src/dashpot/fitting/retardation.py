@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.engine.inference.estimate import propagated
 from dashpot.engine.solver.variable_projection import Solution
 from dashpot.fitting.pipeline import Chosen
 from dashpot.records.estimate import CreepEstimate, Profile
@@ -96,15 +97,7 @@ class Retarded(Chosen):
     @cached_property
     def covariance(self) -> FloatArray:
         """Of the solid's parameters, by the derivative of the interconversion."""
-        moved, of_creep = np.array(list(self._gradient.values())), self.creep.covariance
-        known = np.isfinite(np.diag(of_creep))
-        moved_known = moved[:, known]
-        covariance = np.asarray(moved_known @ of_creep[np.ix_(known, known)] @ moved_known.T)
-        # what moves with a compliance that the data do not determine is not determined either
-        open_ = (moved[:, ~known] != 0).any(axis=1)
-        covariance[open_], covariance[:, open_] = 0.0, 0.0
-        covariance[open_, open_] = np.inf
-        return covariance
+        return propagated(self.creep.covariance, np.array(list(self._gradient.values())))
 
     @property
     def every_error(self) -> FloatArray:

@@ -11,6 +11,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.atomic import write_whole
 from dashpot.base.errors import DataError
+from dashpot.base.provenance import Source
 from dashpot.base.units import in_unit, written
 from dashpot.base.version import byline
 from dashpot.io.formats.uff import COHERENCE, FRF_
@@ -19,6 +20,7 @@ from dashpot.records.creep import CreepTest
 from dashpot.records.frf import FRF, Kind
 from dashpot.records.impact import ImpactTest
 from dashpot.records.relaxation import RelaxationTest
+from dashpot.records.specimen import Specimen
 from dashpot.records.temperature import TemperatureShifts
 from dashpot.records.trajectory import Trajectory
 
@@ -44,10 +46,9 @@ def write_relaxation(
     """
     head = ["time [s]", "displacement [mm]", "force [N]"]
     columns = [test.time, in_unit(test.displacement, "mm"), test.force]
-    stamp = ["simulated"] if test.source is not None and test.source.simulated else []
-    kelvin = test.specimen.temperature
-    stated = [] if kelvin is None else [temperature_line(kelvin)]
-    return _written(_text([*_stamped(stamp, comments), *comments, *stated], head, columns), path)
+    source = () if test.source is None else (test.source,)
+    above = [*_stamped(source, comments), *_stated(test.specimen)]
+    return _written(_text(above, head, columns), path)
 
 
 def write_gauges(
@@ -63,10 +64,8 @@ def write_gauges(
     `ReadOptions(calibration=)` makes the force.
     """
     head = ["time [s]", "displacement [mm]", *(f"G{i} [V]" for i in range(len(volts)))]
-    kelvin = test.specimen.temperature
-    stated = [] if kelvin is None else [temperature_line(kelvin)]
     columns = [test.time, in_unit(test.displacement, "mm"), *volts]
-    return _written(_text([*comments, *stated], head, columns), path)
+    return _written(_text([*comments, *_stated(test.specimen)], head, columns), path)
 
 
 def write_trajectory(
@@ -124,12 +123,9 @@ def write_impact(
     again before each further one.
     """
     head = ["time [s]", "hammer [N]", *(f"{_named(name)} [m/s^2]" for name in test.channels)]
-    stamp = ["simulated"] if any(source.simulated for source in test.source) else []
     parts = []
     for number, record in enumerate(test.records()):
-        above = (
-            [*_stamped(stamp, comments), *comments] if number == 0 else [f"record: {number + 1}"]
-        )
+        above = [f"record: {number + 1}"] if number else _stamped(test.source, comments)
         columns = [test.time[record], test.force[record], *test.acceleration[:, record]]
         parts.append(_text(above, head, columns))
     return _written("".join(parts), path)
@@ -142,11 +138,9 @@ def write_frf(frf: FRF, path: str | Path | None = None, *, comments: Sequence[st
     averages; the columns are frequency, real and imaginary part, magnitude, phase, and the
     coherence and standard deviation where the FRF has them.
     """
-    stamp = ["simulated"] if any(source.simulated for source in frf.source) else []
     above = [
         byline("frequency response function"),
-        *_stamped(stamp, comments),
-        *comments,
+        *_stamped(frf.source, comments),
         f"kind: {frf.kind.value}",
         f"shift [1/s]: {float(frf.shift)!r}",
         *([] if frf.record is None else [f"record [s]: {float(frf.record)!r}"]),
@@ -166,11 +160,6 @@ def write_frf(frf: FRF, path: str | Path | None = None, *, comments: Sequence[st
         named.append((f"sd [{unit}]", frf.sd))
     text = _text(above, [name for name, _ in named], [values for _, values in named])
     return _written(text, path)
-
-
-def write_frf_uff(frf: FRF, path: str | Path, *, title: str = "dashpot FRF") -> None:
-    """Write an FRF to `path` as UFF, see :func:`frf_uff`."""
-    write_whole(path, frf_uff(frf, title=title))
 
 
 def frf_uff(frf: FRF, *, title: str = "dashpot FRF") -> bytes:
@@ -244,9 +233,16 @@ def _named(name: str) -> str:
     return neutral(name.translate(str.maketrans(',;\t"[]()', "        "))) or "acceleration"
 
 
-def _stamped(stamp: Iterable[str], comments: Sequence[str]) -> list[str]:
-    """The stamp, unless a comment carries it already."""
-    return [word for word in stamp if not any(word in comment.casefold() for comment in comments)]
+def _stamped(sources: Iterable[Source], comments: Sequence[str]) -> list[str]:
+    """The comments, under the stamp of what was simulated unless one carries it already."""
+    stamp = "simulated" if any(source.simulated for source in sources) else ""
+    said = any(stamp in comment.casefold() for comment in comments)
+    return [*([] if said or not stamp else [stamp]), *comments]
+
+
+def _stated(specimen: Specimen) -> list[str]:
+    """The line of the temperature of a test, if it is known."""
+    return [] if specimen.temperature is None else [temperature_line(specimen.temperature)]
 
 
 def _text(above: Sequence[str], head: Sequence[str], columns: Sequence[FloatArray]) -> str:

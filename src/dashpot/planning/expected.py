@@ -113,12 +113,8 @@ def _covariance(rows: FloatArray) -> FloatArray:
 
 def _gradients(model: GeneralizedMaxwell, at: float) -> tuple[float, float, FloatArray]:
     r"""Storage stiffness, loss factor, and their gradients in (k_inf, k, ln tau), shape (2, p)."""
-    x = 2 * np.pi * at * np.asarray(model.tau)
-    k = np.asarray(model.k)
-    unit = 1j * x / (1 + 1j * x)
-    slope = k * 1j * x / (1 + 1j * x) ** 2
-    stiffness = complex(model.k_inf + unit @ k)
-    complex_gradient = np.concatenate(([1.0], unit, slope))
+    s = np.array([2j * np.pi * at])
+    stiffness, complex_gradient = complex(model.stiffness_at(s)[0]), model.arm_slopes(s)[0][0]
     loss_factor = stiffness.imag / stiffness.real
     storage = complex_gradient.real
     ratio = (complex_gradient.imag - loss_factor * complex_gradient.real) / stiffness.real
@@ -216,11 +212,8 @@ def hammer_rows(
     imaginary part of each line.
     """
     s = 2j * np.pi * lines
-    x = s[:, None] * np.asarray(model.tau)
-    k = np.asarray(model.k)
-    slope = np.column_stack((np.ones_like(s), x / (1 + x), k * x / (1 + x) ** 2))
     inverse = 1 / (mass * s**2 + seals * model.stiffness_at(s))
-    columns = -np.column_stack((seals * slope, mass * s**2)) * inverse[:, None]
+    columns = -np.column_stack((seals * model.arm_slopes(s)[0], mass * s**2)) * inverse[:, None]
     return np.concatenate((columns.real, columns.imag)) / relative_sd
 
 

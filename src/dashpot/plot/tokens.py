@@ -56,8 +56,6 @@ LIGHT = {name: light for name, (light, _) in COLOURS.items()}
 """Of whatever is printed or leaves as a file."""
 
 SANS = '-apple-system, "Segoe UI", Roboto, Arial, "Liberation Sans", system-ui, sans-serif'
-MONO = 'ui-monospace, "Cascadia Mono", Menlo, Consolas, monospace'
-
 SMALL, BOLD = 12.0, 13.0
 """Sizes of the letters in a figure, px: nothing is smaller."""
 

@@ -8,7 +8,7 @@ from typing import TypedDict
 
 import numpy as np
 
-from dashpot.base.arrays import ByValue, FloatArray, frozen, increasing, samples
+from dashpot.base.arrays import ByValue, FloatArray, Frozen, frozen, increasing, samples
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.facts import Fact
@@ -122,7 +122,7 @@ class StiffnessBounds(ByValue):
 
 
 @dataclass(frozen=True, eq=False)
-class FRFBounds(ByValue):
+class FRFBounds(Frozen):
     """Between which limits the response of a mass on a seal is predicted.
 
     Attributes
@@ -169,7 +169,3 @@ class FRFBounds(ByValue):
         unit = " 1/kg" if self.kind is Kind.ACCELERANCE else " m/m"
         most = "unlimited" if math.isinf(high) else f"{rounded(high)}{unit}"
         return f"{where}, {rounded(low)}{unit} to {most} high"
-
-    def __post_init__(self) -> None:
-        for name in ("frequency", "magnitude", "parameter", "unseen"):
-            object.__setattr__(self, name, frozen(np.asarray(getattr(self, name), dtype=float)))

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypedDict, cast
 
 import numpy as np
 
-from dashpot.base.arrays import ByValue, FloatArray, frozen
+from dashpot.base.arrays import ByValue, FloatArray, Frozen, frozen
 from dashpot.base.errors import DataError
 from dashpot.base.facts import Fact
 from dashpot.base.units import read_in
@@ -93,7 +93,7 @@ class Residual:
 
 
 @dataclass(frozen=True, eq=False)
-class Profile(ByValue):
+class Profile(Frozen):
     """Profile likelihood of one parameter: deviance against its value.
 
     Attributes
@@ -115,8 +115,7 @@ class Profile(ByValue):
                 f"the profile of {self.parameter} has {len(self.value)} values and "
                 f"{len(self.deviance)} deviances; expected one of each, or more"
             )
-        object.__setattr__(self, "value", frozen(np.asarray(self.value, dtype=float)))
-        object.__setattr__(self, "deviance", frozen(np.asarray(self.deviance, dtype=float)))
+        super().__post_init__()
 
 
 @dataclass(frozen=True)
@@ -320,7 +319,7 @@ class ParameterEstimate(ByValue):
 
 
 @dataclass(frozen=True, eq=False)
-class CreepEstimate(ByValue):
+class CreepEstimate(Frozen):
     r"""The compliances behind a solid that was fitted to creep, and how well they are known.
 
     Attributes
@@ -337,9 +336,6 @@ class CreepEstimate(ByValue):
     spectrum: CreepSpectrum
     parameters: tuple[str, ...]
     covariance: FloatArray
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "covariance", frozen(np.asarray(self.covariance, dtype=float)))
 
     def standard_error(self, name: str) -> float:
         """Standard error of one parameter; of ``"lam_1"`` in s. 0 for one that was not fitted."""

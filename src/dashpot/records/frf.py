@@ -340,33 +340,6 @@ class FRF(ByValue, Pictured, Documented):
             sd=None if self.sd is None else self.sd[keep],
         )
 
-    def error_band(self, level: float = 0.95) -> tuple[FloatArray, FloatArray, FloatArray]:
-        r"""Random error as a band: lowest and highest magnitude, and plus-minus of the phase.
-
-        .. math:: |H| \pm z s, \qquad \pm \arcsin\frac{z s}{|H|}
-
-        with s the `sd` and z the normal quantile of the two-sided `level`. Magnitudes in the unit
-        of `value` and never below 0, phase in rad and at most pi. It holds no error of calibration.
-
-        Raises
-        ------
-        DataError
-            If the FRF carries no `sd`, or `level` is not between 0 and 1.
-        """
-        from statistics import NormalDist
-
-        if self.sd is None:
-            raise DataError(
-                "this FRF carries no random error: it was predicted, or rests on a single hit"
-            )
-        if not 0 < level < 1:
-            raise DataError(f"level = {level!r}; expected a number between 0 and 1")
-        reach = NormalDist().inv_cdf(0.5 + level / 2) * self.sd
-        size = np.abs(self.value)
-        sine = np.divide(reach, size, out=np.full(len(size), np.inf), where=size > 0)
-        phase = np.where(sine < 1, np.arcsin(np.minimum(sine, 1.0)), np.pi)
-        return np.maximum(size - reach, 0.0), size + reach, phase
-
     def band(self, low: float, high: float) -> FRF:
         """The lines from `low` to `high`, Hz, both included."""
         keep = (self.frequency >= low) & (self.frequency <= high)

@@ -61,6 +61,15 @@ class Shift:
         )
 
 
+def shifts_with(
+    temperature: FloatArray, log10_a_t: FloatArray, b_t: FloatArray, covariance: FloatArray
+) -> tuple[Shift, ...]:
+    """Return shifts with their errors; `covariance` is of log10 a_T, then of ln b_T."""
+    error, b_error = np.split(np.sqrt(np.maximum(np.diag(covariance), 0.0)), 2)
+    rows = zip(temperature, log10_a_t, error, b_t, b_t * b_error, strict=True)
+    return tuple(Shift(*map(float, row)) for row in rows)
+
+
 @dataclass(frozen=True, eq=False)
 class TemperatureShifts(ByValue, Documented):
     """The shifts of several temperatures, and the law laid through them.

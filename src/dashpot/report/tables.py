@@ -127,7 +127,7 @@ def test_facts(prepared: RampHold) -> TextTable:
         rows.append(("free height", cell(specimen.height, "mm", digits=4), "mm"))
         rows.append(("compression / height", cell(strain, "%", digits=2), "%"))
     if specimen.temperature:
-        rows.append(("temperature", f"{specimen.temperature - 273.15:.1f}", "°C"))
+        rows.append(("temperature", f"{in_unit(specimen.temperature, 'degC'):.1f}", "°C"))
     return TextTable(("", "value", "unit"), tuple(rows))
 
 

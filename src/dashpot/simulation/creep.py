@@ -11,8 +11,7 @@ from dashpot.base.arrays import FloatArray, sample_count
 from dashpot.base.demands import not_negative, positive
 from dashpot.base.units import Quantity, si
 from dashpot.records.creep import CreepTest
-from dashpot.records.specimen import Specimen
-from dashpot.simulation.rig import AtSamples, Climate, Rig, in_steps
+from dashpot.simulation.rig import Climate, Rig, RigTruth, in_steps, piece
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 # a loop of more damping does not swing, and follows about as this one
@@ -20,36 +19,21 @@ _LARGEST_DAMPING = 0.999
 
 
 @dataclass(frozen=True, eq=False)
-class CreepTruth(AtSamples):
+class CreepTruth(RigTruth):
     """What really happened on the virtual rig under force control.
 
     Attributes
     ----------
-    model : GeneralizedMaxwell
-        The seal at the temperature of the test.
     load : float
         As commanded, N.
     ramp_time, hold_time, recovery_time : float
         As commanded, s.
-    rig : Rig
-    seed : int
-    displacement, force : array, shape (n,)
-        Plate position, m, and seal force, N, at the samples of the record, before encoder
-        and load cell.
-    climate : Climate or None
-        What made `model` of the seal at the reference; None if no temperature was stated.
     """
 
-    model: GeneralizedMaxwell
     load: float
     ramp_time: float
     hold_time: float
     recovery_time: float
-    rig: Rig
-    seed: int
-    displacement: FloatArray
-    force: FloatArray
-    climate: Climate | None = None
 
 
 @dataclass(frozen=True)
@@ -102,8 +86,7 @@ def simulate_creep(
     recovery_time, rig = si(recovery_time, "time"), Rig() if rig is None else rig
     positive(load=load, ramp_time=ramp_time, hold_time=hold_time)
     not_negative(recovery_time=recovery_time)
-    if climate is not None:
-        model = climate.felt(model)
+    model, specimen = piece(model, rig, climate)
     held = ramp_time + hold_time
     corners, heights = [0.0, ramp_time, held], [0.0, load, load]
     if recovery_time:
@@ -116,19 +99,12 @@ def simulate_creep(
     position = rig.gap + model.displacement(time, force)
     random = np.random.default_rng(seed)
     measured = position + rig.position_noise * random.standard_normal(len(time))
-    test = CreepTest(
-        time,
-        in_steps(measured, rig.encoder),
-        rig.read(time, force, random),
-        specimen=Specimen(
-            length=rig.length,
-            temperature=None if climate is None else climate.temperature,
-            notes="simulated",
-        ),
-    )
+    displacement, read = in_steps(measured, rig.encoder), rig.read(time, force, random)
+    test = CreepTest(time, displacement, read, specimen=specimen)
     truth = CreepTruth(
-        model, load, ramp_time, hold_time, recovery_time, rig, seed, position, force, climate
-    )
+        load, ramp_time, hold_time, recovery_time, model=model, rig=rig, seed=seed,
+        displacement=position, force=force, climate=climate,
+    )  # fmt: skip
     return SimulatedCreep(test, truth)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import pi, sqrt
+from math import sqrt
 
 import numpy as np
 
@@ -58,11 +58,6 @@ class Daq:
     def lsb(self) -> float:
         """One count, V."""
         return self.span / float(1 << (self.bits - 1))
-
-    @property
-    def group_delay(self) -> float:
-        """By how much the filter delays what is far below its corner, s."""
-        return sqrt(2) / (2 * pi * self.filter) if self.filter else 0.0
 
     def skew(self, channel: int) -> float:
         """How long after the first channel another is sampled, s; counted from 1."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from dashpot.records.relaxation import RelaxationTest
 from dashpot.records.specimen import Specimen
 from dashpot.records.trajectory import Trajectory
 from dashpot.simulation.frames import setpoints
-from dashpot.simulation.rig import AtSamples, Climate, Rig, in_steps
+from dashpot.simulation.rig import Climate, Rig, RigTruth, in_steps, piece
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 _CYCLES = 1.5
@@ -20,29 +20,8 @@ _PRESSED, _RELEASED = 0.5, 0.05
 """Parts of the most so far between which a cycle goes."""
 
 
-@dataclass(frozen=True, eq=False)
-class MotionTruth(AtSamples):
-    """What really happened on the virtual rig under a motion.
-
-    Attributes
-    ----------
-    model : GeneralizedMaxwell
-        The seal at the temperature of the test, before any softening.
-    rig : Rig
-    seed : int
-    displacement, force : array, shape (n,)
-        Plate position, m, and seal force, N, at the samples of the record, before encoder
-        and load cell.
-    climate : Climate or None
-        What made `model` of the seal at the reference; None if no temperature was stated.
-    """
-
-    model: GeneralizedMaxwell
-    rig: Rig
-    seed: int
-    displacement: FloatArray
-    force: FloatArray
-    climate: Climate | None = None
+class MotionTruth(RigTruth):
+    """What really happened on the virtual rig under a motion."""
 
 
 @dataclass(frozen=True)
@@ -59,6 +38,7 @@ def simulate_path(
     path: tuple[tuple[float, float], ...],
     rig: Rig | None = None,
     seed: int = 0,
+    specimen: Specimen | None = None,
 ) -> tuple[RelaxationTest, FloatArray, FloatArray]:
     """Any path of a plate that is glued to the seal: staircases, cycles, unloading.
 
@@ -66,6 +46,8 @@ def simulate_path(
     ----------
     path : pair of array
         Corners that the plate is sent through, s after the baseline and m; it starts at (0, 0).
+    specimen : Specimen, optional
+        What the record says of the piece.
 
     Returns
     -------
@@ -80,8 +62,9 @@ def simulate_path(
     clock = np.arange(round(end * rig.axis.rate) + 1) / rig.axis.rate
     reference = _staircase(clock, path, rig)
     return _recorded(
-        model, clock, rig.axis.follow(reference), rig=rig, seed=seed, end=end, glued=True
-    )
+        model, clock, rig.axis.follow(reference), rig=rig, seed=seed, end=end, glued=True,
+        specimen=specimen or piece(model, rig, None)[1],
+    )  # fmt: skip
 
 
 def simulate_motion(
@@ -110,8 +93,7 @@ def simulate_motion(
         Makes the seal that of its temperature, which the record's specimen then states.
     """
     rig = Rig() if rig is None else rig
-    if climate is not None:
-        model = climate.felt(model)
+    model, specimen = piece(model, rig, climate)
     since = motion.time - motion.time[0]
     sample_count(since[-1], max(rig.axis.rate, rig.rate))
     clock = np.arange(round(since[-1] * rig.axis.rate) + 1) / rig.axis.rate
@@ -125,10 +107,11 @@ def simulate_motion(
         seed=seed,
         end=float(since[-1]),
         glued=False,
+        specimen=specimen,
     )
-    truth = MotionTruth(model, rig, seed, position, force, climate)
-    if climate is not None:
-        test = replace(test, specimen=replace(test.specimen, temperature=climate.temperature))
+    truth = MotionTruth(
+        model=model, rig=rig, seed=seed, displacement=position, force=force, climate=climate
+    )
     return SimulatedMotion(test, truth)
 
 
@@ -141,6 +124,7 @@ def _recorded(
     seed: int,
     end: float,
     glued: bool,
+    specimen: Specimen,
 ) -> tuple[RelaxationTest, FloatArray, FloatArray]:
     """The record of a true motion at the control instants, and the truth at its samples."""
     random = np.random.default_rng(seed)
@@ -162,7 +146,7 @@ def _recorded(
         time=time,
         displacement=in_steps(measured, rig.encoder),
         force=rig.read(time, force, random),
-        specimen=Specimen(length=rig.length, notes="simulated"),
+        specimen=specimen,
     )
     return test, position, force
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -11,18 +11,16 @@ from dashpot.base.demands import positive
 from dashpot.base.units import Quantity, si
 from dashpot.records.relaxation import RelaxationTest
 from dashpot.simulation.motion import simulate_path
-from dashpot.simulation.rig import AtSamples, Climate, Rig
+from dashpot.simulation.rig import Climate, Rig, RigTruth, piece
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 
 @dataclass(frozen=True, eq=False)
-class RelaxationTruth(AtSamples):
+class RelaxationTruth(RigTruth):
     """What really happened on the virtual rig.
 
     Attributes
     ----------
-    model : GeneralizedMaxwell
-        The seal at the temperature of the test.
     depth, ramp_time, hold_time : float
         As commanded from first contact, m and s.
     onset, ramp_end : float
@@ -30,27 +28,14 @@ class RelaxationTruth(AtSamples):
         on the clock of the record: the ideal ramp that the robot made.
     contact : float
         Plate position at first contact, m.
-    rig : Rig
-    seed : int
-    displacement, force : array, shape (n,)
-        Plate position, m, and seal force, N, at the samples of the record, before encoder
-        and load cell.
-    climate : Climate or None
-        What made `model` of the seal at the reference; None if no temperature was stated.
     """
 
-    model: GeneralizedMaxwell
     depth: float
     ramp_time: float
     hold_time: float
     onset: float
     ramp_end: float
     contact: float
-    rig: Rig
-    seed: int
-    displacement: FloatArray
-    force: FloatArray
-    climate: Climate | None = None
 
 
 @dataclass(frozen=True)
@@ -97,15 +82,16 @@ def simulate_relaxation(
     depth, ramp_time, hold_time = si(depth, "length"), si(ramp_time, "time"), si(hold_time, "time")
     rig = Rig() if rig is None else rig
     positive(depth=depth, ramp_time=ramp_time, hold_time=hold_time)
-    if climate is not None:
-        model = climate.felt(model)
+    model, specimen = piece(model, rig, climate)
     travel = rig.gap + depth
     duration = ramp_time * travel / depth
     test, position, force = simulate_path(
-        model, path=((duration, travel), (duration + hold_time, travel)), rig=rig, seed=seed
+        model,
+        path=((duration, travel), (duration + hold_time, travel)),
+        rig=rig,
+        seed=seed,
+        specimen=specimen,
     )
-    if climate is not None:
-        test = replace(test, specimen=replace(test.specimen, temperature=climate.temperature))
     onset, ramp_end = _ideal_ramp(test.time, position, contact=rig.gap, travel=travel)
     truth = RelaxationTruth(
         model=model, depth=depth, ramp_time=ramp_time, hold_time=hold_time, onset=onset,

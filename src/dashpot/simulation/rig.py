@@ -10,6 +10,7 @@ import numpy as np
 from dashpot.base.arrays import ByValue, FloatArray, samples
 from dashpot.base.demands import not_negative, picked
 from dashpot.base.errors import DataError
+from dashpot.records.specimen import Specimen
 from dashpot.simulation.axis import Axis
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.table_1 import SHIFT
@@ -136,14 +137,6 @@ class Rig:
         return np.asarray(signal + self.vibration * shaking)
 
 
-class AtSamples(ByValue):
-    """A truth that holds plate position and seal force at the samples of its record."""
-
-    def __post_init__(self) -> None:
-        for name in ("displacement", "force"):
-            object.__setattr__(self, name, samples(name, getattr(self, name)))
-
-
 @dataclass(frozen=True)
 class Climate:
     r"""The temperature of a simulated test, and the law by which the seal follows it.
@@ -165,6 +158,45 @@ class Climate:
     def felt(self, seal: GeneralizedMaxwell) -> GeneralizedMaxwell:
         """The seal of the law's reference as it is in this climate."""
         return at_temperature(seal, self.temperature, self.law)
+
+
+def piece(
+    seal: GeneralizedMaxwell, rig: Rig, climate: Climate | None
+) -> tuple[GeneralizedMaxwell, Specimen]:
+    """Return the seal as it is in a climate, and what a record on the rig says of it."""
+    if climate is None:
+        return seal, Specimen(length=rig.length, notes="simulated")
+    said = Specimen(length=rig.length, temperature=climate.temperature, notes="simulated")
+    return climate.felt(seal), said
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class RigTruth(ByValue):
+    """What really happened on the virtual rig.
+
+    Attributes
+    ----------
+    model : GeneralizedMaxwell
+        The seal at the temperature of the test, before any softening.
+    rig : Rig
+    seed : int
+    displacement, force : array, shape (n,)
+        Plate position, m, and seal force, N, at the samples of the record, before encoder
+        and load cell.
+    climate : Climate or None
+        What made `model` of the seal at the reference; None if no temperature was stated.
+    """
+
+    model: GeneralizedMaxwell
+    rig: Rig
+    seed: int
+    displacement: FloatArray
+    force: FloatArray
+    climate: Climate | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("displacement", "force"):
+            object.__setattr__(self, name, samples(name, getattr(self, name)))
 
 
 def in_steps(values: FloatArray, quantum: float) -> FloatArray:

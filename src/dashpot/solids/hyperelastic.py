@@ -178,11 +178,6 @@ class Hyperelastic:
         return 2 * sum(c for c, (i, j) in first if i + j == 1)
 
     @property
-    def young_modulus(self) -> float:
-        """At rest, Pa: 2 (1 + nu) G."""
-        return 2 * (1 + self.poisson) * self.shear_modulus
-
-    @property
     def bulk_modulus(self) -> float | None:
         """At rest, Pa; None for a rubber of which it is not known."""
         if self.kind != "hyperfoam":

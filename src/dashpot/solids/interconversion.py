@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from dashpot.base.arrays import ComplexArray, FloatArray
+from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError
 
 _TWINS = 1e-8
@@ -57,13 +57,6 @@ class CreepSpectrum:
         t = np.asarray(t, dtype=float)
         rise = -np.expm1(-t[..., None] / np.array(self.lam, dtype=float))
         return np.asarray(self.glass + self.flow * t + rise @ np.array(self.d, dtype=float))
-
-    def compliance_at(self, s: npt.ArrayLike) -> ComplexArray:
-        """Compliance on the Laplace plane X/F, m/N, `s` in 1/s: the inverse of K(s)."""
-        s = np.asarray(s, dtype=complex)
-        retarded = (1 / (1 + s[..., None] * np.array(self.lam, dtype=float))) @ np.array(self.d)
-        flow = self.flow / s if self.flow > 0 else 0.0
-        return np.asarray(self.glass + flow + retarded)
 
 
 def creep_spectrum(

@@ -143,7 +143,7 @@ def _in_short(panel: Panel) -> Panel:
 
 def _scale(panel: Panel) -> float:
     """From N to the unit of a panel of forces."""
-    return {"N": 1.0, "mN": 1e3, "µN": 1e6, "nN": 1e9, "pN": 1e12}[panel.y.label.split(", ")[-1]]
+    return in_unit(1.0, panel.y.label.split(", ")[-1])
 
 
 def response_panel(predicted: FRF, sizes: Sizes) -> str:

@@ -6,7 +6,7 @@ next question, by the job that asked for it.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -34,8 +34,6 @@ from dashpot.workflow.command_lines import FIT, line, predict_command
 from dashpot.workflow.inspections import InspectedFile, inspect_files
 from dashpot.workflow.job import Job
 from dashpot.workflow.resting import at_rest, family_checks
-
-Verb = Callable[[Mapping[str, Any], Path], bytes]
 
 HINT = (
     "Give the mass of the block and the number of seals: the hammer is then held against what the "

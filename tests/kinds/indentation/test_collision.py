@@ -11,7 +11,6 @@ from dashpot.kinds.indentation.collision import collide
 from dashpot.kinds.indentation.contact_law import (
     RelaxingContact,
     ViscousContact,
-    kelvin_voigt,
     reduced_modulus,
     sphere_stiffness,
 )
@@ -33,7 +32,7 @@ class TestNumbers:
 
     def test_kelvin_voigt(self):
         m, k, c = 0.01, 1e4, 2.0
-        e, duration, depth, _ = numbers(kelvin_voigt(k, c), mass=m)
+        e, duration, depth, _ = numbers(ViscousContact(k, c / k, 1.0), mass=m)
         zeta = c / (2 * np.sqrt(k * m))
         root = np.sqrt(1 - zeta**2)
         angle = np.arctan2(2 * zeta * root, 2 * zeta**2 - 1)
@@ -86,7 +85,11 @@ class TestLaws:
         assert slow / fast == pytest.approx(32**0.2, rel=1e-6)
 
     def test_the_energy_lost_is_the_work_of_the_loop(self):
-        for law in (ViscousContact(K, 1e-4), RelaxingContact(K, 0.7, 1e-3), kelvin_voigt(8e3, 2)):
+        for law in (
+            ViscousContact(K, 1e-4),
+            RelaxingContact(K, 0.7, 1e-3),
+            ViscousContact(8e3, 2.5e-4, 1.0),
+        ):
             one = collide(law, mass=MASS, velocity=1.0, pull=9.81)
             work = np.trapezoid(one.force, one.displacement)
             lost = MASS / 2 * (1 - one.restitution**2) + MASS * 9.81 * one.displacement[-1]
@@ -105,7 +108,7 @@ class TestMarch:
     @pytest.mark.parametrize(
         ("law", "force"),
         [
-            (kelvin_voigt(1e4, 2.0), contacts.kelvin_voigt(1e4, 2.0)),
+            (ViscousContact(1e4, 2e-4, 1.0), contacts.kelvin_voigt(1e4, 2.0)),
             (ViscousContact(K, 1e-4), contacts.kuwabara(K, 1e-4)),
         ],
     )
@@ -131,7 +134,7 @@ def test_what_is_no_collision():
         with pytest.raises(DataError, match="above 0"):
             collide(ViscousContact(K), **bad)
     with pytest.raises(DataError, match="not let go"):
-        collide(kelvin_voigt(1e4, 1e3), mass=0.01, velocity=1e-3, pull=9.81)
+        collide(ViscousContact(1e4, 0.1, 1.0), mass=0.01, velocity=1e-3, pull=9.81)
     for made in (lambda: ViscousContact(-1.0), lambda: RelaxingContact(K, -0.1, 1.0)):
         with pytest.raises(DataError):
             made()

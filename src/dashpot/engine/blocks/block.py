@@ -229,8 +229,6 @@ def design_block(
     fixed_names: tuple[str, ...],
     columns: Columns,
     window: tuple[float, float],
-    *,
-    arm_group: str = "k",
 ) -> DataBlock:
     """A block of every sample as a row; see :class:`DataBlock` and :func:`design_rows`."""
     rows = len(target)
@@ -240,7 +238,7 @@ def design_block(
             f"{(rows, len(fixed_names))}: one row per target value, one column per name"
         )
     made = design_rows(target, fixed, columns)
-    return DataBlock(made, fixed_names, window, rows, arm_group)
+    return DataBlock(made, fixed_names, window, rows)
 
 
 def retarding(block: DataBlock, whole: str) -> DataBlock:
@@ -320,7 +318,6 @@ def frequency_block(
     *,
     weights: tuple[FloatArray, FloatArray] | None = None,
     dashpot: bool = False,
-    arm_group: str = "k",
 ) -> DataBlock:
     r"""Storage and loss stiffness at given frequencies as one block of real rows.
 
@@ -362,5 +359,4 @@ def frequency_block(
         fixed_names=names,
         columns=columns,
         window=(0.1 / float(omega.max()), 10 / float(omega.min())),
-        arm_group=arm_group,
     )

@@ -21,7 +21,7 @@ from dashpot.engine.blocks.correlation import (
     convolved,
     upper_factor,
 )
-from dashpot.engine.blocks.hold import decay_block, hold_block, ramp_hold_block
+from dashpot.engine.blocks.hold import hold_block
 from dashpot.engine.blocks.recorded import recorded_block
 
 #: samples compressed together
@@ -97,20 +97,13 @@ class Family(ABC):
         """Gram of [fixed, arms] at shared ln tau (G,), products with y: (R, q) and (R, G)."""
 
 
-def decay_family(time: FloatArray, *, constant: str | None = "k_inf") -> CompressedFamily:
-    """Plain decays from t = 0 (:func:`~dashpot.engine.blocks.hold.decay_block`)."""
-    return _compressed(time, (compression(time),), partial(decay_block, constant=constant))
-
-
-def hold_family(time: FloatArray, *, depth: float, ramp_time: float) -> CompressedFamily:
-    """Holds after an ideal ramp (:func:`~dashpot.engine.blocks.hold.hold_block`)."""
-    make = partial(hold_block, depth=depth, ramp_time=ramp_time)
-    return _compressed(time, (compression(time),), make)
-
-
-def ramp_hold_family(time: FloatArray, *, depth: float, ramp_time: float) -> CompressedFamily:
-    """Ideal ramps and holds (:func:`~dashpot.engine.blocks.hold.ramp_hold_block`)."""
-    make = partial(ramp_hold_block, depth=depth, ramp_time=ramp_time)
+def hold_family(
+    time: FloatArray, *, depth: float, ramp_time: float, ramp: bool = False
+) -> CompressedFamily:
+    """Holds after an ideal ramp, or with it (:func:`~dashpot.engine.blocks.hold.hold_block`)."""
+    make = partial(hold_block, depth=depth, ramp_time=ramp_time, ramp=ramp)
+    if not ramp:
+        return _compressed(time, (compression(time),), make)
     first = int(np.searchsorted(time, ramp_time))
     plans = compression(time[:first]), compression(time[first:] - ramp_time)
     return _compressed(time, plans, make, second_from=ramp_time)

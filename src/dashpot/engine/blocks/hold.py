@@ -28,48 +28,21 @@ class _Ideal(NamedTuple):
     ramp_time: float
     ramp: bool
     spring: str | None
-    offset: str | None = None
-    drift: str | None = None
-
-
-def decay_block(
-    time: FloatArray,
-    values: FloatArray,
-    *,
-    constant: str | None = "k_inf",
-    weights: FloatArray | None = None,
-    arm_group: str = "k",
-    compress: bool = True,
-) -> DataBlock:
-    r"""A plain sum of exponentials :math:`y = y_\infty + \sum_j k_j e^{-t/\tau_j}` from t = 0.
-
-    Parameters
-    ----------
-    time, values : array, shape (M,)
-        Strictly increasing times >= 0 and the data.
-    constant : str or None
-        Name of the constant; None leaves it out.
-    weights : array, shape (M,), optional
-        1/sd of each sample.
-    compress : bool
-        False keeps every sample as a row.
-    """
-    # a step of one, held
-    ideal = _Ideal(1.0, 0.0, False, constant)
-    return _block(time, values, weights, ideal, arm_group=arm_group, compress=compress)
+    offset: str | None
+    drift: str | None
 
 
 def hold_block(
     time: FloatArray,
     force: FloatArray,
     *,
-    depth: float,
-    ramp_time: float,
-    k_inf: str = "k_inf",
+    depth: float = 1.0,
+    ramp_time: float = 0.0,
+    ramp: bool = False,
+    k_inf: str | None = "k_inf",
     offset: str | None = None,
     drift: str | None = None,
     weights: FloatArray | None = None,
-    arm_group: str = "k",
     compress: bool = True,
 ) -> DataBlock:
     r"""The hold after an ideal ramp (paper eq. 5, in a form that cannot overflow).
@@ -77,14 +50,22 @@ def hold_block(
     .. math:: F = x_h \Bigl[k_\infty + \sum_j k_j\, g(c/\tau_j)\, e^{-s/\tau_j}\Bigr],
         \qquad g(x) = (1 - e^{-x})/x
 
+    After a step of one, the default, a plain sum of exponentials. With its `ramp`, where t counts
+    from its start and A = depth/ramp_time,
+
+    .. math:: F = A \Bigl[k_\infty t + \sum_j k_j \tau_j (1 - e^{-t/\tau_j})\Bigr]
+
     Parameters
     ----------
     time : array, shape (M,)
-        s, since the end of the ramp, >= 0, strictly increasing, any spacing.
+        s, since the end of the ramp, or since its start with the `ramp`: >= 0, strictly increasing,
+        any spacing.
     force : array, shape (M,)
     depth, ramp_time : float
         x_h and c > 0; c = 0 is a step.
-    k_inf, offset, drift : str
+    ramp : bool
+        The record has the ramp, too.
+    k_inf, offset, drift : str or None
         Names of the fixed columns; an offset is a constant force, N, which on a hold alone only a
         prior tells from k_inf, a drift a straight line of force in time, N/s. Both are left out
         unless named.
@@ -93,58 +74,8 @@ def hold_block(
     compress : bool
         False keeps every sample as a row.
     """
-    ideal = _Ideal(depth, ramp_time, False, k_inf, offset, drift)
-    return _block(time, force, weights, ideal, arm_group=arm_group, compress=compress)
-
-
-def ramp_hold_block(
-    time: FloatArray,
-    force: FloatArray,
-    *,
-    depth: float,
-    ramp_time: float,
-    k_inf: str = "k_inf",
-    offset: str | None = None,
-    drift: str | None = None,
-    weights: FloatArray | None = None,
-    arm_group: str = "k",
-    compress: bool = True,
-) -> DataBlock:
-    r"""An ideal ramp and its hold.
-
-    On the ramp, with t since its start and A = depth/ramp_time,
-
-    .. math:: F = A \Bigl[k_\infty t + \sum_j k_j \tau_j (1 - e^{-t/\tau_j})\Bigr]
-
-    and on the hold as in :func:`hold_block`. Parameters as there, with `time` since the start
-    of the ramp; `offset` names a constant force.
-    """
-    ideal = _Ideal(depth, ramp_time, True, k_inf, offset, drift)
-    return _block(time, force, weights, ideal, arm_group=arm_group, compress=compress)
-
-
-def window_of(time: FloatArray, step: float | None = None) -> tuple[float, float]:
-    """Relaxation times that a sampling could tell: twice its finest step to ten times its span.
-
-    The finest step is the 2 % quantile of all steps: one jittered pair says nothing.
-    """
-    if step is not None:
-        return 2 * step, 10 * float(time[-1] - time[0])
-    steps = np.diff(time)
-    fine = float(np.partition(steps, len(steps) // 50)[len(steps) // 50])
-    return 2 * fine, 10 * float(time[-1] - time[0])
-
-
-def _block(
-    time: FloatArray,
-    values: FloatArray,
-    weights: FloatArray | None,
-    ideal: _Ideal,
-    *,
-    arm_group: str,
-    compress: bool,
-) -> DataBlock:
-    time, step = _checked(time, values, weights)
+    ideal = _Ideal(depth, ramp_time, ramp, k_inf, offset, drift)
+    time, step = _checked(time, force, weights)
     plans = _plans(time, weights, ideal, step, compress=compress)
     starts = (0.0, ideal.ramp_time)
     at = np.concatenate([plan.nodes + start for plan, start in zip(plans, starts, strict=False)])
@@ -158,11 +89,15 @@ def _block(
     for i, column in enumerate(fixed.values()):
         matrix[:, i] = root * column
     names = tuple(filter(None, fixed))
-    target, floor = projected(plans, values if weights is None else values * weights)
+    target, floor = projected(plans, force if weights is None else force * weights)
     rows = design_rows(target, matrix, _columns(plans, ideal))
     window = window_of(time, plans[-1].step)
     if len(target) == len(time):
-        return DataBlock(rows, names, window, len(time), arm_group)
+        return DataBlock(rows, names, window, len(time))
+    full = partial(
+        hold_block, time, force, depth=depth, ramp_time=ramp_time, ramp=ramp, k_inf=k_inf,
+        offset=offset, drift=drift, weights=weights, compress=False,
+    )  # fmt: skip
     # the columns follow from the clock and all but the data
     known = weights is None and step is not None
     block = DataBlock(
@@ -170,13 +105,24 @@ def _block(
         names,
         window,
         len(time),
-        arm_group,
-        float(floor),
-        ACCURACY,
+        floor=float(floor),
+        accuracy=ACCURACY,
         sampling=(len(time), float(time[0]), step, ideal) if known else None,
-        full=partial(_block, time, values, weights, ideal, arm_group=arm_group, compress=False),
+        full=full,
     )
     return _widening(block, plans)
+
+
+def window_of(time: FloatArray, step: float | None = None) -> tuple[float, float]:
+    """Relaxation times that a sampling could tell: twice its finest step to ten times its span.
+
+    The finest step is the 2 % quantile of all steps: one jittered pair says nothing.
+    """
+    if step is not None:
+        return 2 * step, 10 * float(time[-1] - time[0])
+    steps = np.diff(time)
+    fine = float(np.partition(steps, len(steps) // 50)[len(steps) // 50])
+    return 2 * fine, 10 * float(time[-1] - time[0])
 
 
 def _widening(block: DataBlock, plans: tuple[Compression, ...]) -> DataBlock:

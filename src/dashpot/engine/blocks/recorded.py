@@ -46,7 +46,6 @@ def recorded_block(
     columns: Mapping[str, FloatArray] = MappingProxyType({}),
     weights: FloatArray | None = None,
     reach: tuple[float, float] | None = None,
-    arm_group: str = "k",
 ) -> DataBlock:
     r"""Force under a recorded displacement that is straight between its samples.
 
@@ -94,7 +93,7 @@ def recorded_block(
         return recursion_block(
             time[:last], x[:last], y[:last], window=slice(first, last), step=step,
             fixed={name: column[first:last] for name, column in fixed.items()},
-            weights=None if weights is None else weights[:last], arm_group=arm_group,
+            weights=None if weights is None else weights[:last],
         )  # fmt: skip
 
     limits = window_of(time, step)
@@ -146,7 +145,6 @@ def recursion_block(
     fixed: dict[str, FloatArray],
     step: float | None = None,
     weights: FloatArray | None = None,
-    arm_group: str = "k",
 ) -> DataBlock:
     """The full record, every sample a row, arms by recursion: any grid, any weights.
 
@@ -167,7 +165,6 @@ def recursion_block(
         fixed_names=tuple(fixed),
         columns=columns,
         window=window_of(time, step),
-        arm_group=arm_group,
     )
 
 

@@ -61,11 +61,14 @@ class Estimate:
         Zero for what rests at a bound, infinite for what the data do not determine.
     noises : tuple of Noise
         Of each record.
+    prior_variance : float or None
+        Of the rows of priors, where it is not the mean power of the noises.
     """
 
     optimum: Optimum
     covariance: FloatArray
     noises: tuple[Noise, ...]
+    prior_variance: float | None = None
 
     @property
     def effective(self) -> float:
@@ -100,13 +103,7 @@ class Estimate:
             down, up = here.copy(), here.copy()
             down[i], up[i] = here[i] + np.array(steps[i])
             G[:, i] = (what(up) - what(down)) / (up[i] - down[i])
-        # what depends on anything that the data do not determine is none of theirs either
-        told = np.isfinite(np.diag(self.covariance))
-        covariance = G[:, told] @ self.covariance[np.ix_(told, told)] @ G[:, told].T
-        lost = (G[:, ~told] != 0).any(axis=1)
-        covariance[lost], covariance[:, lost] = 0.0, 0.0
-        covariance[lost, lost] = np.inf
-        return Derived(values, covariance, G)
+        return Derived(values, propagated(self.covariance, G), G)
 
     def moved(self, change: FloatArray) -> FloatArray:
         """By how much theta and beta follow a change of the model's rows, to first order."""
@@ -149,7 +146,9 @@ class Estimate:
                 return None
 
         def slice_of(value: float, found: Optimum) -> Slice:
-            known = estimate(found, parts=count, noises=self.noises).covariance
+            known = estimate(
+                found, parts=count, noises=self.noises, prior_variance=self.prior_variance
+            ).covariance
             known = np.insert(np.insert(known, index, 0.0, axis=0), index, 0.0, axis=1)
             optimum = best.problem.at(np.insert(found.theta, index, value))
             root = float(np.sqrt(max(found.cost - best.cost, 0.0) / power))
@@ -184,6 +183,19 @@ class Estimate:
 
         centre = slice_of(middle, best.problem.held(index, middle).at(rest))
         return [*side(-1.0, one.low)[::-1], centre, *side(1.0, one.high)]
+
+
+def propagated(covariance: FloatArray, gradient: FloatArray) -> FloatArray:
+    """Return the covariance of what moves with parameters by this gradient, shape (m, m).
+
+    What depends on anything that the data do not determine is none of theirs either.
+    """
+    told = np.isfinite(np.diag(covariance))
+    found = gradient[:, told] @ covariance[np.ix_(told, told)] @ gradient[:, told].T
+    lost = (gradient[:, ~told] != 0).any(axis=1)
+    found[lost], found[:, lost] = 0.0, 0.0
+    found[lost, lost] = np.inf
+    return np.asarray(found)
 
 
 class Slice(NamedTuple):
@@ -250,7 +262,7 @@ def estimate(
         weights.append(Noise(count, np.array([variance]), 1.0, 2.0))
     covariance = np.zeros((len(free), len(free)))
     covariance[np.ix_(free, free)] = sandwich(known, weights)
-    return Estimate(optimum, covariance, noises)
+    return Estimate(optimum, covariance, noises, prior_variance)
 
 
 def white_noise(optimum: Optimum, variance: float | None = None) -> Noise:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dashpot.base.arrays import BoolArray, ByValue, FloatArray, frozen
+from dashpot.base.arrays import BoolArray, ByValue, FloatArray, Frozen
 from dashpot.base.errors import FitError
 from dashpot.engine.blocks.block import DataBlock
 from dashpot.engine.least_squares.descent import Local
@@ -18,7 +18,7 @@ RESOLVED = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class Solution(ByValue):
+class Solution(Frozen):
     """The optimum of a stack for one number of arms.
 
     Attributes
@@ -66,10 +66,6 @@ class Solution(ByValue):
     at_bound: BoolArray
     bounds: tuple[float, float]
     signed: bool = False
-
-    def __post_init__(self) -> None:
-        for name in ("log_tau", "arms", "fixed", "at_bound"):
-            object.__setattr__(self, name, frozen(getattr(self, name)))
 
     @property
     def order(self) -> int:

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
-
 import numpy as np
 
 from dashpot.base.units import Range, si_range
-from dashpot.export.deck import NOT_VERIFIED, Deck, DeckText, Exportable
+from dashpot.export.deck import NOT_VERIFIED, Deck, DeckText
 from dashpot.export.notation import text
-from dashpot.export.opening import open_deck
+from dashpot.export.opening import target
 from dashpot.export.shift import abaqus_shift
-from dashpot.records.specimen import Specimen
 
 FORMS = ("arms", "connector", "prony")
 SUFFIX = "inp"
@@ -25,13 +22,10 @@ _SHAKES = 1e-5
 """s: a slider's lid on its own spring takes 2 pi of it for a cycle, so small is its mass."""
 
 
+@target(*FORMS)
 def abaqus(
-    solid: Exportable,
+    deck: Deck,
     *,
-    units: str | None = None,
-    specimen: Specimen | None = None,
-    allow: Collection[str] = (),
-    form: str = "arms",
     frequency_range: Range = (1.0, 100.0),
     tolerance: float = 1e-3,
 ) -> DeckText:
@@ -48,10 +42,9 @@ def abaqus(
     Parameters are those of :func:`dashpot.export.nastran`.
     """
     frequency_range = si_range(frequency_range, "frequency")
-    deck = open_deck(solid, "abaqus", form, FORMS, units=units, specimen=specimen, allow=allow)
-    if form == "arms":
+    if deck.form == "arms":
         return _arms(deck)
-    if form == "prony":
+    if deck.form == "prony":
         return _prony(deck)
     return _connector(deck, frequency_range, tolerance)
 

@@ -2,28 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
-
 import numpy as np
 
 from dashpot.base.errors import ExportError
-from dashpot.export.deck import DeckText, Exportable
+from dashpot.export.deck import Deck, DeckText
 from dashpot.export.notation import text
-from dashpot.export.opening import open_deck
-from dashpot.records.specimen import Specimen
+from dashpot.export.opening import target
 from dashpot.solids.networks import creep_of, parallel
 
 FORMS = ("transfer-function",)
 SUFFIX = "txt"
 
 
+@target(*FORMS)
 def adams(
-    solid: Exportable,
-    *,
-    units: str | None = None,
-    specimen: Specimen | None = None,
-    allow: Collection[str] = (),
-    form: str = "transfer-function",
+    deck: Deck,
 ) -> DeckText:
     r"""K(s)/k_inf as a transfer function, for frequency-dependent bushings.
 
@@ -46,7 +39,6 @@ def adams(
     ExportError
         If k_inf = 0: there is no static stiffness to factor out.
     """
-    deck = open_deck(solid, "adams", form, FORMS, units=units, specimen=specimen, allow=allow)
     if not deck.model.k_inf > 0:
         raise ExportError(
             "k_inf = 0: a bushing of stiffness times transfer function needs a static stiffness; "

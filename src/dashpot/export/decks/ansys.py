@@ -2,28 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Sequence
 
 from dashpot.base.errors import ExportError
 from dashpot.export.beside import CARRIERS
-from dashpot.export.deck import Deck, DeckText, Exportable
+from dashpot.export.deck import Deck, DeckText
 from dashpot.export.notation import text
-from dashpot.export.opening import open_deck
+from dashpot.export.opening import target
 from dashpot.export.shift import ansys_shift
-from dashpot.records.specimen import Specimen
 
 FORMS = ("arms", "prony")
 SUFFIX = "mac"
 _MOST_POINTS = 20
 
 
+@target(*FORMS)
 def ansys(
-    solid: Exportable,
-    *,
-    units: str | None = None,
-    specimen: Specimen | None = None,
-    allow: Collection[str] = (),
-    form: str = "arms",
+    deck: Deck,
 ) -> DeckText:
     r"""Mechanical APDL commands of a solid.
 
@@ -34,8 +29,7 @@ def ansys(
 
     Parameters are those of :func:`dashpot.export.nastran`.
     """
-    deck = open_deck(solid, "ansys", form, FORMS, units=units, specimen=specimen, allow=allow)
-    return _prony(deck) if form == "prony" else _arms(deck)
+    return _prony(deck) if deck.form == "prony" else _arms(deck)
 
 
 def _arms(deck: Deck) -> DeckText:
@@ -89,11 +83,7 @@ def _beside(deck: Deck, number: int) -> list[str]:
 
 
 def _prony(deck: Deck) -> DeckText:
-    values = [text(value) for pair in deck.prony for value in pair]
-    rows = [
-        f"TBDATA,{start + 1}," + ",".join(values[start : start + 6])
-        for start in range(0, len(values), 6)
-    ]
+    rows = tbdata([value for pair in deck.prony for value in pair])
     shift, says = ansys_shift(deck.temperatures)
     return deck.written(
         "!",
@@ -107,3 +97,11 @@ def _prony(deck: Deck) -> DeckText:
             *says,
         ],
     )
+
+
+def tbdata(values: Sequence[float]) -> list[str]:
+    """The rows of a table, six numbers a row."""
+    return [
+        f"TBDATA,{start + 1}," + ",".join(map(text, values[start : start + 6]))
+        for start in range(0, len(values), 6)
+    ]

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
-
 import numpy as np
 
 from dashpot.base.errors import ExportError
 from dashpot.base.units import Quantity, Range, si, si_range
-from dashpot.export.deck import Deck, DeckText, Exportable
+from dashpot.export.deck import Deck, DeckText
 from dashpot.export.decks.abaqus import slider_remarks, spring_dashpot_network
 from dashpot.export.notation import text
-from dashpot.export.opening import open_deck
-from dashpot.records.specimen import Specimen
+from dashpot.export.opening import target
 
 FORMS = ("arms",)
 SUFFIX = "inp"
@@ -28,13 +25,10 @@ _PADDING = 100
 _INNER_MASS = 2e-5
 
 
+@target(*FORMS)
 def calculix(
-    solid: Exportable,
+    deck: Deck,
     *,
-    units: str | None = None,
-    specimen: Specimen | None = None,
-    allow: Collection[str] = (),
-    form: str = "arms",
     mass: Quantity | None = None,
     frequency_range: Range = (1.0, 100.0),
     points: int = 400,
@@ -68,7 +62,6 @@ def calculix(
         Frequencies in it, evenly spaced.
     """
     mass, frequency_range = si(mass, "mass"), si_range(frequency_range, "frequency")
-    deck = open_deck(solid, "calculix", form, FORMS, units=units, specimen=specimen, allow=allow)
     low, high = frequency_range
     if not 0 < low < high:
         raise ExportError(f"frequency_range = {low:g}:{high:g} Hz; expected 0 < low < high")

@@ -2,28 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
-
 import numpy as np
 
 from dashpot.base.units import Range, si_range
-from dashpot.export.deck import Deck, DeckText, Exportable
+from dashpot.export.deck import Deck, DeckText
 from dashpot.export.notation import text
-from dashpot.export.opening import open_deck
-from dashpot.records.specimen import Specimen
+from dashpot.export.opening import target
 
 FORMS = ("frequency", "arms")
 SUFFIX = "csv"
 _VERIFIED = "verified: read back in dashpot's tests"
 
 
+@target(*FORMS)
 def csv(
-    solid: Exportable,
+    deck: Deck,
     *,
-    units: str | None = None,
-    specimen: Specimen | None = None,
-    allow: Collection[str] = (),
-    form: str = "frequency",
     frequency_range: Range = (1.0, 100.0),
     tolerance: float = 1e-3,
 ) -> DeckText:
@@ -36,8 +30,7 @@ def csv(
     Parameters are those of :func:`dashpot.export.nastran`.
     """
     frequency_range = si_range(frequency_range, "frequency")
-    deck = open_deck(solid, "csv", form, FORMS, units=units, specimen=specimen, allow=allow)
-    return _arms(deck) if form == "arms" else _frequency(deck, frequency_range, tolerance)
+    return _arms(deck) if deck.form == "arms" else _frequency(deck, frequency_range, tolerance)
 
 
 def _arms(deck: Deck) -> DeckText:

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
-
 from dashpot.base.errors import ExportError
 from dashpot.base.units import Quantity, si
-from dashpot.export.deck import Deck, DeckText, Exportable
+from dashpot.export.deck import Deck, DeckText
 from dashpot.export.notation import packed
-from dashpot.export.opening import open_deck
-from dashpot.records.specimen import Specimen
+from dashpot.export.opening import target
 
 FORMS = ("arms", "prony")
 SUFFIX = "k"
@@ -17,13 +14,10 @@ NEEDS = {"prony": ("modulus", "bulk_modulus", "density")}
 _MOST_TERMS = 18  # of *MAT_GENERAL_VISCOELASTIC
 
 
+@target(*FORMS)
 def lsdyna(
-    solid: Exportable,
+    deck: Deck,
     *,
-    units: str | None = None,
-    specimen: Specimen | None = None,
-    allow: Collection[str] = (),
-    form: str = "arms",
     modulus: Quantity | None = None,
     bulk_modulus: Quantity | None = None,
     density: float | None = None,
@@ -49,8 +43,7 @@ def lsdyna(
         kg/m^3; only and always for ``"prony"``.
     """
     modulus, bulk_modulus = si(modulus, "stress"), si(bulk_modulus, "stress")
-    deck = open_deck(solid, "lsdyna", form, FORMS, units=units, specimen=specimen, allow=allow)
-    if form == "prony":
+    if deck.form == "prony":
         return _prony(deck, modulus, bulk_modulus, density)
     if (modulus, bulk_modulus, density) != (None, None, None):
         raise ExportError(
@@ -75,7 +68,7 @@ def _arms(deck: Deck) -> DeckText:
     if deck.beside.k3:
         materials.append(("*MAT_SPRING_NONLINEAR_ELASTIC", [1]))
         rows = (f"{packed(x, 20):>20}{packed(F, 20):>20}" for x, F in deck.beside.both_ways())
-        curve = ["*DEFINE_CURVE", _fields(1), *rows]
+        curve = ["*DEFINE_CURVE", fields(1), *rows]
     cards = [
         "*KEYWORD",
         "*NODE",
@@ -83,17 +76,17 @@ def _arms(deck: Deck) -> DeckText:
         f"{2:>8}{packed(deck.beside.span, 16):>16}{'0.':>16}{'0.':>16}",
         "*SECTION_DISCRETE",
         "$#   secid       dro        kd        v0        cl        fd",
-        _fields(1, 0, 0.0, 0.0, 0.0, 0.0),
+        fields(1, 0, 0.0, 0.0, 0.0, 0.0),
         "$#     cdl       tdl",
-        _fields(0.0, 0.0),
+        fields(0.0, 0.0),
     ]
     for number, (keyword, values) in enumerate(materials, start=1):
         cards += [
             keyword,
-            _fields(number, *values),
+            fields(number, *values),
             "*PART",
             f"seal {keyword[5:].lower().replace('_', ' ')} {number}",
-            _fields(number, 1, number),
+            fields(number, 1, number),
             "*ELEMENT_DISCRETE",
             f"{number:>8}{number:>8}{1:>8}{2:>8}",
         ]
@@ -134,17 +127,18 @@ def _prony(
             "*KEYWORD",
             "*MAT_GENERAL_VISCOELASTIC",
             "$#     mid        ro      bulk       pcf        ef      tref         a         b",
-            _fields(1, deck.units.density(density), deck.units.stress(bulk_modulus)),
+            fields(1, deck.units.density(density), deck.units.stress(bulk_modulus)),
             "$#    lcid        nt    bstart     tramp     lcidk       ntk   bstartk    trampk",
-            _fields(0),
+            fields(0),
             "$#      gi     betai",
-            *(_fields(G, beta) for G, beta in terms),
+            *(fields(G, beta) for G, beta in terms),
             "*END",
         ],
         remarks=["the first term has beta = 0: the equilibrium modulus"],
     )
 
 
-def _fields(*values: object) -> str:
+def fields(*values: object) -> str:
+    """A line of a card: fields of ten columns."""
     words = (packed(value, 9) if isinstance(value, float) else str(value) for value in values)
     return "".join(f"{word:>10}" for word in words)

@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from dashpot.base.errors import ExportError
 from dashpot.base.units import Quantity, Range, si, si_range
-from dashpot.export.deck import Deck, DeckText, Exportable
+from dashpot.export.deck import Deck, DeckText
 from dashpot.export.frequency_tables import Damping, Table
 from dashpot.export.notation import packed
-from dashpot.export.opening import open_deck
+from dashpot.export.opening import target
 from dashpot.records.seal_line import SealSection, Stations
-from dashpot.records.specimen import Specimen
 
 FORMS = ("table", "viscous-table", "arms")
 SUFFIX = "bdf"
@@ -25,13 +24,10 @@ _VERIFIED = (
 )
 
 
+@target(*FORMS)
 def nastran(
-    solid: Exportable,
+    deck: Deck,
     *,
-    units: str | None = None,
-    specimen: Specimen | None = None,
-    allow: Collection[str] = (),
-    form: str = "table",
     frequency_range: Range = (1.0, 100.0),
     tolerance: float = 1e-3,
     nominal: Quantity | None = None,
@@ -73,11 +69,10 @@ def nastran(
         If the deck must not be written.
     """
     frequency_range, nominal = si_range(frequency_range, "frequency"), si(nominal, "frequency")
-    deck = open_deck(solid, "nastran", form, FORMS, units=units, specimen=specimen, allow=allow)
     row = _row_of(deck, line)
-    if form == "arms":
+    if deck.form == "arms":
         return _arms(deck, row, first_id)
-    damping: Damping = "loss_factor" if form == "table" else "damping"
+    damping: Damping = "loss_factor" if deck.form == "table" else "damping"
     at, asked = nominal or float(np.sqrt(np.prod(frequency_range))), (frequency_range, tolerance)
     return _table(deck, row, asked=asked, damping=damping, nominal=at, first_id=first_id)
 

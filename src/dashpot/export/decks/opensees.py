@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
-
-from dashpot.export.deck import DeckText, Exportable
+from dashpot.export.deck import Deck, DeckText
 from dashpot.export.notation import text
-from dashpot.export.opening import open_deck
-from dashpot.records.specimen import Specimen
+from dashpot.export.opening import target
 
 FORMS = ("python", "tcl")
 SUFFIX = "txt"
@@ -21,13 +18,10 @@ CYCLED = (
 )
 
 
+@target(*FORMS)
 def opensees(
-    solid: Exportable,
+    deck: Deck,
     *,
-    units: str | None = None,
-    specimen: Specimen | None = None,
-    allow: Collection[str] = (),
-    form: str = "python",
     first_tag: int = 1,
 ) -> DeckText:
     r"""OpenSees uniaxial materials: Elastic, Maxwell and Viscous, joined by Parallel.
@@ -46,7 +40,6 @@ def opensees(
     first_tag : int
         Tag of the first material; the others follow.
     """
-    deck = open_deck(solid, "opensees", form, FORMS, units=units, specimen=specimen, allow=allow)
     materials = []
     if deck.k_inf > 0:
         materials.append(["Elastic", text(deck.k_inf)])
@@ -62,7 +55,7 @@ def opensees(
         )
     tags = [str(first_tag + i) for i in range(len(materials) + 1)]
     materials.append(["Parallel", *tags[:-1]])
-    head, command = _WRITTEN[form]
+    head, command = _WRITTEN[deck.form]
     commands = [
         *head,
         *(command(kind, tag, values) for tag, (kind, *values) in zip(tags, materials, strict=True)),

@@ -2,26 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
-
 from dashpot.base.units import Quantity, si
-from dashpot.export.deck import DeckText, Exportable
+from dashpot.export.deck import Deck, DeckText
 from dashpot.export.notation import text
-from dashpot.export.opening import open_deck
-from dashpot.records.specimen import Specimen
+from dashpot.export.opening import target
 
 FORMS = ("prony",)
 SUFFIX = "rad"
 NEEDS = {"prony": ("modulus",)}
 
 
+@target(*FORMS)
 def radioss(
-    solid: Exportable,
+    deck: Deck,
     *,
-    units: str | None = None,
-    specimen: Specimen | None = None,
-    allow: Collection[str] = (),
-    form: str = "prony",
     modulus: Quantity | None = None,
 ) -> DeckText:
     r"""Radioss ``/VISC/PRONY`` card: G_j = G_0 k_j/k_0 and beta_j = 1/tau_j.
@@ -36,7 +30,6 @@ def radioss(
         Instantaneous shear modulus G_0 of the rubber, Pa: a part's stiffness does not tell it.
     """
     modulus = si(modulus, "stress")
-    deck = open_deck(solid, "radioss", form, FORMS, units=units, specimen=specimen, allow=allow)
     long_term, terms = deck.shear(modulus, "Radioss")
     return deck.written(
         "#",

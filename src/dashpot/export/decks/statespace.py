@@ -2,24 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
-
-from dashpot.export.deck import DeckText, Exportable
+from dashpot.export.deck import Deck, DeckText
 from dashpot.export.notation import text
-from dashpot.export.opening import open_deck
-from dashpot.records.specimen import Specimen
+from dashpot.export.opening import target
 
 FORMS = ("octave",)
 SUFFIX = "m"
 
 
+@target(*FORMS)
 def statespace(
-    solid: Exportable,
-    *,
-    units: str | None = None,
-    specimen: Specimen | None = None,
-    allow: Collection[str] = (),
-    form: str = "octave",
+    deck: Deck,
 ) -> DeckText:
     r"""State-space matrices of a solid, displacement in, force out.
 
@@ -32,7 +25,6 @@ def statespace(
 
     Parameters are those of :func:`dashpot.export.nastran`.
     """
-    deck = open_deck(solid, "statespace", form, FORMS, units=units, specimen=specimen, allow=allow)
     rates = [text(1 / tau) for _, tau, _ in deck.arms]
     return deck.written(
         "%",

@@ -10,6 +10,7 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Finding, criterion
 from dashpot.base.numbers import rounded
 from dashpot.fitting.checks.curves import FOLLOWED
+from dashpot.fitting.checks.relaxation import largest_rms
 from dashpot.fitting.checks.solid import amount, arms_said
 
 if TYPE_CHECKING:
@@ -178,9 +179,4 @@ def _worst(test: LoadHold, residual: FloatArray) -> tuple[float, str]:
         ("in the hold", (time > settled) & (time <= test.hold_end)),
         ("after the hold", time > test.hold_end),
     )
-    found = [
-        (float(np.sqrt(np.mean(residual[part] ** 2))), where)
-        for where, part in parts
-        if np.count_nonzero(part) >= 5
-    ]
-    return max(found, default=(0.0, "in the record"))
+    return largest_rms(residual, parts)

@@ -7,7 +7,7 @@ from itertools import combinations
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray, slow_periodogram
+from dashpot.base.arrays import BoolArray, FloatArray, slow_periodogram
 from dashpot.base.checks import Finding, criterion
 from dashpot.base.status import Status
 from dashpot.base.units import in_unit, written
@@ -419,6 +419,11 @@ def worst_misfit(test: RampHold, residual: FloatArray) -> tuple[float, str]:
         ("after the ramp", (time > test.ramp_end) & (time <= test.ramp_end + test.ramp_time)),
         ("in the hold", time > test.ramp_end + test.ramp_time),
     )
+    return largest_rms(residual, parts)
+
+
+def largest_rms(residual: FloatArray, parts: Sequence[tuple[str, BoolArray]]) -> tuple[float, str]:
+    """Return the largest rms of some parts of a residual, and the words for that part."""
     found = [
         (float(np.sqrt(np.mean(residual[part] ** 2))), where)
         for where, part in parts

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+import numpy.typing as npt
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Finding, criterion
@@ -244,4 +245,28 @@ def vertical_rule_holds(step: FloatArray, score: float, temperature: FloatArray)
         "look for a changed grip, length or strain, machine compliance, or a glass transition, "
         "for such a factor moves the shift too",
         excused=not needed(score, max(len(step) - 1, 1)),
+    )
+
+
+def of_shifts(
+    temperature: FloatArray,
+    log10_a_t: npt.ArrayLike,
+    covariance: FloatArray,
+    laid: LawThroughShifts,
+    *,
+    asked: bool = False,
+) -> tuple[Check, ...]:
+    """How each shift lies against that of the next temperature, and the law against all.
+
+    `covariance` begins with that of the shifts; `asked` if none but they were asked for.
+    """
+    n = len(temperature)
+    between = np.diff(np.eye(n), axis=0)
+    step = between @ np.asarray(log10_a_t)
+    spread = np.diag(between @ covariance[:n, :n] @ between.T)
+    error = np.sqrt(np.maximum(spread, 0.0))
+    return (
+        shifts_determined(error, temperature),
+        shift_monotone(step, error, temperature),
+        *of_law(laid, float(temperature[0]), asked=asked),
     )

@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -26,10 +27,9 @@ from dashpot.base.units import in_unit, written
 from dashpot.engine.inference.order import DECISIVE
 from dashpot.fitting.identification import checks
 from dashpot.fitting.identification.likelihood import (
+    UNCHANGED,
     Candidate,
     IdentificationProblem,
-    NuisancePriors,
-    Parameters,
     descend,
 )
 from dashpot.fitting.relaxation_data import RelaxationData
@@ -44,66 +44,27 @@ TOLERANCE = 1e-11
 _LIKE_A_COUNT = 0.1
 
 
-@dataclass(frozen=True)
-class Cause:
+class Cause(NamedTuple):
     """A quantity that may differ between two tests.
 
     Attributes
     ----------
     name : str
-    parameter : str
-        Its place in the vector, a logarithm.
-    free : callable
-        The priors with this quantity free.
-    value : callable
-        Its value at a point.
-    supposed : callable
-        What it was supposed to be.
+    quantity : str
+        What it is called among the priors, at a point, and in the vector, a logarithm there.
     unit : str
     """
 
     name: str
-    parameter: str
-    free: Callable[[NuisancePriors], NuisancePriors]
-    value: Callable[[Parameters], float]
-    supposed: Callable[[NuisancePriors], float]
-    unit: str
-
-
-def _mass_free(priors: NuisancePriors) -> NuisancePriors:
-    return priors if priors.mass is None else replace(priors, mass=priors.mass._replace(sd=np.inf))
-
-
-def _mass_supposed(priors: NuisancePriors) -> float:
-    return float("nan") if priors.mass is None else priors.mass.mean
+    quantity: str
+    unit: str = "1"
 
 
 CAUSES = (
-    Cause(
-        "stiffness",
-        "ln_factor",
-        lambda known: replace(known, factor=known.factor._replace(sd=np.inf)),
-        lambda point: point.factor,
-        lambda known: known.factor.mean,
-        "1",
-    ),
-    Cause(
-        "k_inf",
-        "ln_spring",
-        lambda known: replace(known, spring=known.spring._replace(sd=np.inf)),
-        lambda point: point.spring,
-        lambda known: known.spring.mean,
-        "1",
-    ),
-    Cause("mass", "ln_mass", _mass_free, lambda point: point.mass, _mass_supposed, "kg"),
-    Cause(
-        "gain",
-        "ln_gain",
-        lambda known: replace(known, gain_sd=np.inf),
-        lambda point: point.gain,
-        lambda _: 1.0,
-        "1",
-    ),
+    Cause("stiffness", "factor"),
+    Cause("k_inf", "spring"),
+    Cause("mass", "mass", "kg"),
+    Cause("gain", "gain"),
 )
 
 
@@ -147,7 +108,7 @@ def disagreement(
     alone = not problem.relaxations and problem.constraints.before is None
     if alone or not in_conflict(plain):
         return None
-    free = [cause for cause in CAUSES if _applies(cause, problem.priors)]
+    free = [cause for cause in CAUSES if problem.priors.each[cause.quantity] is not None]
     found = [refit(_freed(problem, cause)) for cause in free]
     scale = min(candidate.line_scale for candidate in found)
     found = [_again(candidate, scale) for candidate in found]
@@ -230,12 +191,12 @@ def _of_rig(candidate: Candidate, why: str) -> list[Check]:
     point, priors = candidate.point, candidate.problem.priors
     mass = priors.mass
     known = [
-        (checks.gain_believable, f"{point.gain:.4g}", float(np.log(point.gain)), priors.gain_sd),
+        (checks.gain_believable, f"{point.gain:.4g}", float(np.log(point.gain)), priors.gain.sd),
         (
             checks.delay_believable,
             written(point.delay, "ms", ".3g"),
             point.delay,
-            priors.delay_sd,
+            priors.delay.sd,
         ),
         (
             checks.stiffness_believable,
@@ -250,12 +211,9 @@ def _of_rig(candidate: Candidate, why: str) -> list[Check]:
     return [judge(found, off, sd, why=why) for judge, found, off, sd in known if 0 < sd < np.inf]
 
 
-def _applies(cause: Cause, priors: NuisancePriors) -> bool:
-    return cause.name != "mass" or priors.mass is not None
-
-
 def _freed(problem: IdentificationProblem, cause: Cause) -> IdentificationProblem:
-    return replace(problem, priors=cause.free(problem.priors))
+    free = (problem.priors.each[cause.quantity] or UNCHANGED)._replace(sd=np.inf)
+    return replace(problem, priors=replace(problem.priors, **{cause.quantity: free}))
 
 
 def _again(candidate: Candidate, scale: float) -> Candidate:
@@ -270,10 +228,10 @@ def _told(
     law: ElasticLaw | None,
     compression: float | None,
 ) -> Explanation:
-    place = found.problem.at[cause.parameter]
-    value = cause.value(found.point)
+    place = found.problem.at[cause.quantity]
+    value = float(getattr(found.point, cause.quantity))
     error = value * float(np.sqrt(found.covariance[place, place]))
-    supposed = cause.supposed(before.problem.priors)
+    supposed = float(getattr(before.problem.priors, cause.quantity).mean)
     return Explanation(
         name=cause.name,
         value=value,

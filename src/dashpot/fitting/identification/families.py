@@ -16,7 +16,7 @@ from dashpot.engine.inference.order import needed
 from dashpot.fitting.fractional.checks import element_explains, families_told_apart, slope_known
 from dashpot.fitting.fractional.choice import VERY_STRONG, beside
 from dashpot.fitting.identification.likelihood import Candidate
-from dashpot.fitting.identification.parametrisation import Element
+from dashpot.fitting.identification.parametrisation import Element, at_edge
 from dashpot.records.alternative import Alternative
 
 # what would tell families apart that explain a hammer alone, and with relaxation tests
@@ -66,7 +66,7 @@ def chosen_rival(arms: Candidate, tried: Sequence[Candidate], one: Candidate, fa
         The best element.
     family : "fractional" or "auto"
     """
-    several = [arms, *(other for other in tried if other.point.model.maxwell.arms > _arms(arms))]
+    several = [arms, *(other for other in tried if other.arms > arms.arms)]
     better = one.bic + VERY_STRONG < arms.bic and not edged(one)
     best, others = (one, several) if family == "fractional" or better else (arms, [one])
     explain = [other for other in others if _explains(other, best)]
@@ -83,7 +83,7 @@ def edged(candidate: Candidate) -> bool:
     """True if a relaxation time or a slope stands at an end of what is sought."""
     problem = candidate.problem
     numbers = candidate.theta[: problem.sought.size]
-    return problem.sought.at_edge(numbers, problem.log_tau_range)
+    return at_edge(problem.sought, numbers, problem.log_tau_range)
 
 
 def family_checks(best: Candidate, rival: Rival | None, other: Alternative | None) -> list[Check]:
@@ -92,12 +92,8 @@ def family_checks(best: Candidate, rival: Rival | None, other: Alternative | Non
     if isinstance(best.problem.sought, Element):
         answers.append(slope_known(float(np.sqrt(best.covariance[3, 3])), edge=edged(best)))
         if rival is not None:
-            answers.append(element_explains(rival.worst, _arms(rival.other)))
+            answers.append(element_explains(rival.worst, rival.other.arms))
     return answers if rival is None else [*answers, families_told_apart(other)]
-
-
-def _arms(candidate: Candidate) -> int:
-    return candidate.point.model.maxwell.arms
 
 
 def _left(candidate: Candidate) -> np.ndarray:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -121,7 +121,7 @@ def _physical(
     problem, sought = best.problem, best.problem.sought
 
     def physical(theta: FloatArray) -> FloatArray:
-        b = [np.exp(theta[problem.at["ln_b"]])] if problem.dashpot else []
+        b = [np.exp(theta[problem.at["b"]])] if problem.dashpot else []
         return np.append(sought.physical(theta[: sought.size])[1], b)
 
     names = sought.physical(best.theta[: sought.size])[0] + ("b",) * problem.dashpot
@@ -160,24 +160,17 @@ def _band(best: Candidate, before: Fit | None) -> tuple[float, float]:
 
 
 def _nuisance(best: Candidate, covariance: FloatArray) -> tuple[Nuisance, ...]:
-    problem, point = best.problem, best.point
-
-    def se(name: str, scale: float) -> float:
-        if name not in problem.at:
-            return 0.0
-        i = problem.at[name]
-        return float(np.sqrt(covariance[i, i])) * scale
-
-    return (
-        Nuisance("mass", point.mass, se("ln_mass", point.mass), "kg"),
-        Nuisance("gain", point.gain, se("ln_gain", point.gain), "1"),
-        Nuisance("delay", point.delay, se("delay", DELAY_UNIT), "s"),
-        *(
-            [Nuisance("stiffness_factor", point.factor, se("ln_factor", point.factor), "1")]
-            if problem.priors.factor != UNCHANGED
-            else []
-        ),
-    )
+    at, point = best.problem.at, best.point
+    told = [("mass", "mass", "kg"), ("gain", "gain", "1"), ("delay", "delay", "s")]
+    if best.problem.priors.factor != UNCHANGED:
+        told.append(("stiffness_factor", "factor", "1"))
+    found = []
+    for title, name, unit in told:
+        value = float(getattr(point, name))
+        number = covariance[at[name], at[name]] if name in at else 0.0
+        scale = DELAY_UNIT if name == "delay" else value
+        found.append(Nuisance(title, value, float(np.sqrt(number)) * scale, unit))
+    return tuple(found)
 
 
 def _step(best: Candidate) -> Step:
@@ -200,49 +193,40 @@ def _moved(
     before: Fit, solid: Solid, names: tuple[str, ...], covariance: FloatArray
 ) -> tuple[Moved, ...]:
     """Each parameter before and after; arms are matched by their relaxation times."""
-    se = dict(zip(names, np.sqrt(np.diag(covariance)).tolist(), strict=True))
-    old = dict(zip(before.parameters, np.sqrt(np.diag(before.covariance)), strict=True))
+    old, new = (
+        dict(zip(rows, np.sqrt(np.diag(matrix)).tolist(), strict=True))
+        for rows, matrix in ((before.parameters, before.covariance), (names, covariance))
+    )
+    # title and unit, then value and row before and after
     if isinstance(solid, FractionalZener):
-        return tuple(_moved_element(before, solid, se, old))
-    model = solid.maxwell
-    rows = [
-        Moved("k_inf", before.model.k_inf, _known(old, "k_inf"), model.k_inf, se["k_inf"], "N/m")
-    ]
-    partner = _partners(before.model.tau, model.tau)
-    for j, (k, tau) in enumerate(zip(model.k, model.tau, strict=True), start=1):
-        i = partner.get(j - 1)
-        k0 = None if i is None else before.model.k[i]
-        tau0 = None if i is None else before.model.tau[i]
-        k_se = None if i is None else _known(old, f"k_{i + 1}")
-        log_se = None if i is None else _known(old, f"ln_tau_{i + 1}")
-        tau_se = None if tau0 is None or log_se is None else tau0 * log_se
-        rows.append(Moved(f"k_{j}", k0, k_se, k, se[f"k_{j}"], "N/m"))
-        rows.append(Moved(f"tau_{j}", tau0, tau_se, tau, tau * se[f"ln_tau_{j}"], "s"))
-    if model.b > 0:
-        rows.append(Moved("b", before.model.b, None, model.b, se["b"], "N s/m"))
-    return tuple(rows)
+        rows: list[tuple[str, str, float | None, str, float, str]] = [
+            (name, unit, getattr(before.solid, name), row, getattr(solid, name), row)
+            for name, unit, row in (
+                ("k_inf", "N/m", "k_inf"), ("k_0", "N/m", "k_0"), ("tau", "s", "ln_tau"),
+                ("alpha", "1", "alpha"),
+            )
+        ]  # fmt: skip
+    else:
+        first, last = before.model, solid.maxwell
+        rows = [("k_inf", "N/m", first.k_inf, "k_inf", last.k_inf, "k_inf")]
+        partner = _partners(first.tau, last.tau)
+        for j, (k, tau) in enumerate(zip(last.k, last.tau, strict=True)):
+            i = partner.get(j)
+            k0, tau0 = (None, None) if i is None else (first.k[i], first.tau[i])
+            of = 0 if i is None else i + 1
+            rows.append((f"k_{j + 1}", "N/m", k0, f"k_{of}", k, f"k_{j + 1}"))
+            rows.append((f"tau_{j + 1}", "s", tau0, f"ln_tau_{of}", tau, f"ln_tau_{j + 1}"))
+    if solid.maxwell.b > 0:
+        rows.append(("b", "N s/m", before.model.b, "", solid.maxwell.b, "b"))
 
+    def error(errors: dict[str, float], row: str, value: float) -> float:
+        return errors[row] * (value if row.startswith("ln_") else 1.0)
 
-def _moved_element(
-    before: Fit, solid: FractionalZener, se: dict[str, float], old: dict[str, float]
-) -> Iterator[Moved]:
-    """So too of a fractional solid, whose parameters have one name each."""
-    for name, row, unit in (
-        ("k_inf", "k_inf", "N/m"), ("k_0", "k_0", "N/m"), ("tau", "ln_tau", "s"),
-        ("alpha", "alpha", "1"),
-    ):  # fmt: skip
-        was, now = getattr(before.solid, name), getattr(solid, name)
-        scales = (was, now) if row == "ln_tau" else (1.0, 1.0)
-        known = _known(old, row)
-        yield Moved(
-            name, was, None if known is None else scales[0] * known, now, scales[1] * se[row], unit
-        )
-    if solid.b > 0:
-        yield Moved("b", before.model.b, None, solid.b, se["b"], "N s/m")
-
-
-def _known(errors: dict[str, float], name: str) -> float | None:
-    return None if name not in errors else float(errors[name])
+    found = []
+    for title, unit, was, there, now, here in rows:
+        known = None if was is None or there not in old else error(old, there, was)
+        found.append(Moved(title, was, known, now, error(new, here, now), unit))
+    return tuple(found)
 
 
 def _partners(old: tuple[float, ...], new: tuple[float, ...]) -> dict[int, int]:

@@ -141,7 +141,9 @@ def seals_of(seals: float) -> float:
 def priors_of(mass: float | None, rig: HammerRig, point: OperatingPoint | None) -> NuisancePriors:
     """What is known of mass, rig and seals before the hammer."""
     factor = UNCHANGED if point is None else Prior(point.factor, point.factor_se)
-    return NuisancePriors(_mass_of(mass, rig.mass_sd), rig.gain_sd, rig.delay_sd, factor=factor)
+    return NuisancePriors(
+        _mass_of(mass, rig.mass_sd), Prior(1.0, rig.gain_sd), Prior(0.0, rig.delay_sd), factor
+    )
 
 
 def constraints_of(known: KnownSolid, before: Before) -> Constraints:

@@ -279,7 +279,7 @@ def _chosen(found: Sequence[Candidate]) -> Candidate:
     scale = min(found, key=lambda candidate: candidate.bic).line_scale
     best = []
     for dashpot in (False, True):
-        ladder = {_arms(one): one for one in found if one.problem.dashpot == dashpot}
+        ladder = {one.arms: one for one in found if one.problem.dashpot == dashpot}
         if ladder:
             sure = [one.scaled(scale).significant for one in ladder.values()]
             bics = [one.bic for one in ladder.values()]
@@ -306,10 +306,6 @@ def _dashpot_missed(best: Candidate, before: Fit | None) -> Check:
     sure = best.scaled(best.line_scale).significant
     b = other.point.model.maxwell.b
     return dashpot_not_missed(best.bic - other.bic, other.problem.sought.counted(), b, sure=sure)
-
-
-def _arms(candidate: Candidate) -> int:
-    return candidate.point.model.maxwell.arms
 
 
 def _stiffness_blocks(problem: IdentificationProblem) -> list[DataBlock]:

@@ -20,7 +20,7 @@ static stiffness, enter as priors too narrow to bend. Source: J. Zhang and C. M.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 
 import numpy as np
@@ -36,6 +36,7 @@ from dashpot.fitting.identification.parametrisation import (
     Arms,
     Parametrisation,
     RelaxationResiduals,
+    at_poles,
     on_another_spring,
 )
 from dashpot.fitting.nuisance import Prior
@@ -70,10 +71,10 @@ class NuisancePriors:
     ----------
     mass : Prior or None
         kg; None if nothing is known.
-    gain_sd : float
-        Relative; 0 if the gain is exactly one.
-    delay_sd : float
-        s; 0 if there is no delay.
+    gain : Prior
+        1 where acceleration over force reads what it is.
+    delay : Prior
+        s.
     factor : Prior
         Stiffness of a seal under the hammer over that of the solid, every arm alike.
     spring : Prior
@@ -81,10 +82,15 @@ class NuisancePriors:
     """
 
     mass: Prior | None
-    gain_sd: float
-    delay_sd: float
+    gain: Prior
+    delay: Prior
     factor: Prior = UNCHANGED
     spring: Prior = UNCHANGED
+
+    @property
+    def each(self) -> dict[str, Prior | None]:
+        """By name, in the order of the vector."""
+        return {one.name: getattr(self, one.name) for one in fields(self)}
 
 
 @dataclass(frozen=True)
@@ -156,17 +162,9 @@ class IdentificationProblem:
 
     @cached_property
     def at(self) -> dict[str, int]:
-        """Place of each nuisance, and of ln b, in the vector."""
-        mass = self.priors.mass
-        there = {
-            "ln_b": self.dashpot,
-            "ln_mass": mass is None or mass.sd > 0,
-            "ln_gain": self.priors.gain_sd > 0,
-            "delay": self.priors.delay_sd > 0,
-            "ln_factor": self.priors.factor.sd > 0,
-            "ln_spring": self.priors.spring.sd > 0,
-        }
-        names = [name for name, present in there.items() if present]
+        """Place of b, and of each nuisance, in the vector."""
+        free = [name for name, prior in self.priors.each.items() if prior is None or prior.sd > 0]
+        names = ["b"] * self.dashpot + free
         return {name: place for place, name in enumerate(names, start=self.sought.size)}
 
     @property
@@ -186,51 +184,34 @@ class IdentificationProblem:
 
     def pack(self, point: Parameters) -> FloatArray:
         """The vector of a point."""
-        model = point.model
-        nuisances = {
-            "ln_b": np.log(max(model.maxwell.b, 1e-300)),
-            "ln_mass": np.log(point.mass),
-            "ln_gain": np.log(point.gain),
-            "delay": point.delay / DELAY_UNIT,
-            "ln_factor": np.log(point.factor),
-            "ln_spring": np.log(point.spring),
-        }
-        return np.append(self.sought.pack(model), [nuisances[name] for name in self.at])
+        of = {"b": max(point.model.maxwell.b, 1e-300), **vars(point)}
+        rest = [of[name] / DELAY_UNIT if name == "delay" else np.log(of[name]) for name in self.at]
+        return np.append(self.sought.pack(point.model), rest)
 
     def unpack(self, theta: FloatArray) -> Parameters:
         """The point of a vector."""
-        rest = {name: float(theta[place]) for name, place in self.at.items()}
-        priors = self.priors
-        known = 1.0 if priors.mass is None else priors.mass.mean
-
-        def exp(name: str, otherwise: float) -> float:
-            return float(np.exp(rest[name])) if name in rest else otherwise
-
-        return Parameters(
-            model=self.sought.unpack(theta[: self.sought.size], exp("ln_b", 0.0)),
-            mass=exp("ln_mass", known),
-            gain=exp("ln_gain", 1.0),
-            delay=rest.get("delay", 0.0) * DELAY_UNIT,
-            factor=exp("ln_factor", priors.factor.mean),
-            spring=exp("ln_spring", priors.spring.mean),
-        )
+        found = {
+            name: float(theta[i] * DELAY_UNIT if name == "delay" else np.exp(theta[i]))
+            for name, i in self.at.items()
+        }
+        model = self.sought.unpack(theta[: self.sought.size], found.pop("b", 0.0))
+        known = {name: prior.mean for name, prior in self.priors.each.items() if prior is not None}
+        return Parameters(model, **known | found)
 
     # -- what is known beforehand ---------------------------------------------------------------
 
     @cached_property
     def rig(self) -> tuple[list[int], FloatArray, FloatArray]:
         """Which of the vector is known of the rig, its mean and its standard deviation."""
-        priors = self.priors
-        logs = {"ln_mass": priors.mass, "ln_factor": priors.factor, "ln_spring": priors.spring}
         known = {
-            name: (float(np.log(prior.mean)), prior.sd / prior.mean)
-            for name, prior in logs.items()
-            if prior is not None
+            name: (0.0, prior.sd / DELAY_UNIT)
+            if name == "delay"
+            else (float(np.log(prior.mean)), prior.sd / prior.mean)
+            for name, prior in self.priors.each.items()
+            if prior is not None and name in self.at
         }
-        known |= {"ln_gain": (0.0, priors.gain_sd), "delay": (0.0, priors.delay_sd / DELAY_UNIT)}
-        names = [name for name in self.at if name in known]
-        mean, sd = np.array([known[name] for name in names]).reshape(-1, 2).T
-        return [self.at[name] for name in names], mean, sd
+        mean, sd = np.array([*known.values()]).reshape(-1, 2).T
+        return [self.at[name] for name in known], mean, sd
 
     @cached_property
     def earlier(self) -> tuple[list[int], FloatArray, FloatArray] | None:
@@ -252,8 +233,9 @@ class IdentificationProblem:
     def about(self, start: FloatArray) -> least_squares.Problem:
         """It as least squares, about a start: every logarithm kept where doubles can follow."""
         low, high = start - 25.0, start + 12.0
-        size = self.sought.size
-        low[:size], high[:size] = self.sought.bounded(low[:size], high[:size], self.log_tau_range)
+        ends = self.sought.ends(self.log_tau_range)
+        sought = slice(self.sought.size - len(ends), self.sought.size)
+        low[sought], high[sought] = ends.T
         if "delay" in self.at:
             low[self.at["delay"]], high[self.at["delay"]] = -1e3, 1e3
         return least_squares.Problem(
@@ -321,7 +303,7 @@ class Modelled:
         for columns, each in zip(tests, self._of_relaxations, strict=True):
             columns[:, :size] = each.jacobian
             if self.problem.dashpot:
-                columns[:, self.problem.at["ln_b"]] = self._b * each.dashpot
+                columns[:, self.problem.at["b"]] = self._b * each.dashpot
         return np.concatenate([*tests, self._by_lines(), self.known[1]])
 
     # -- private ------------------------------------------------------------------------------
@@ -332,7 +314,7 @@ class Modelled:
 
     @property
     def _b(self) -> float:
-        return float(np.exp(self.theta[self.problem.at["ln_b"]])) if self.problem.dashpot else 0.0
+        return float(np.exp(self.theta[self.problem.at["b"]])) if self.problem.dashpot else 0.0
 
     @cached_property
     def _of_relaxations(self) -> list[RelaxationResiduals]:
@@ -349,16 +331,16 @@ class Modelled:
         own = problem.sought.at_lines(self._numbers, s)
         felt = 1 / response.receptance - p.mass * s**2
 
-        def at_poles(lost: Lost) -> tuple[ComplexArray, ComplexArray]:
-            mass, own = p.mass, problem.sought.at_poles(self._numbers, lost.p)
+        def by_poles(lost: Lost) -> tuple[ComplexArray, ComplexArray]:
+            mass, own = p.mass, at_poles(problem.sought, self._numbers, lost.p)
             return (
                 self._by_impedance(lost.p, own[0], -mass * lost.p**2),
                 self._by_impedance(lost.p, own[1], 1 / lost.residue - 2 * mass * lost.p, order=1),
             )
 
-        by = response.slope(self._by_impedance(s, own, felt), at_poles)
+        by = response.slope(self._by_impedance(s, own, felt), by_poles)
         by, *rest = data.slopes(response, p.gain, p.delay, by)
-        units = {"ln_mass": 1.0, "ln_gain": 1.0, "delay": DELAY_UNIT}
+        units = {"mass": 1.0, "gain": 1.0, "delay": DELAY_UNIT}
         for (name, unit), column in zip(units.items(), rest, strict=True):
             if name in problem.at:
                 by[:, problem.at[name]] += unit * column
@@ -378,10 +360,10 @@ class Modelled:
         by[:, : own.shape[1]] = count * own
         by[:, 0] += (p.spring - 1) * spring
         rest = {
-            "ln_b": count * self._b * s ** (1 - order),
-            "ln_mass": p.mass * s ** (2 - order) * (1 + order),
-            "ln_factor": felt,
-            "ln_spring": p.spring * spring,
+            "b": count * self._b * s ** (1 - order),
+            "mass": p.mass * s ** (2 - order) * (1 + order),
+            "factor": felt,
+            "spring": p.spring * spring,
         }
         for name in rest.keys() & problem.at.keys():
             by[:, problem.at[name]] = rest[name]
@@ -397,7 +379,7 @@ class Modelled:
         solid = self.problem.frf_data.seals * p.felt
         pole = ringing_pole(solid, p.mass)
         at, size = np.array([pole]), abs(pole)
-        own = self.problem.sought.at_poles(self._numbers, at)[0]
+        own = at_poles(self.problem.sought, self._numbers, at)[0]
         by = self._by_impedance(at, own, -p.mass * at**2)[0]
         moved = -by * complex(residues(solid.maxwell, p.mass, at)[0])
         longer = (pole.conjugate() * moved).real / size
@@ -422,6 +404,11 @@ class Candidate:
     def theta(self) -> FloatArray:
         """The flat parameter vector."""
         return self.optimum.theta
+
+    @property
+    def arms(self) -> int:
+        """Of the solid, or of those that stand for it."""
+        return self.point.model.maxwell.arms
 
     @property
     def cost(self) -> float:

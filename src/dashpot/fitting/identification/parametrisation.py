@@ -8,11 +8,10 @@ gain, delay and a parallel dashpot stand beside it
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -51,73 +50,8 @@ class RelaxationResiduals(NamedTuple):
     dashpot: FloatArray
 
 
-class Parametrisation(ABC):
-    """How a solid is written as `size` free numbers."""
-
-    @property
-    @abstractmethod
-    def size(self) -> int:
-        """How many numbers there are."""
-
-    @abstractmethod
-    def pack(self, solid: Solid) -> FloatArray:
-        """The numbers of a solid."""
-
-    @abstractmethod
-    def unpack(self, numbers: FloatArray, b: float) -> Solid:
-        """The solid of the numbers, beside a dashpot b."""
-
-    @abstractmethod
-    def residuals(self, relaxation: RelaxationData, numbers: FloatArray) -> RelaxationResiduals:
-        """What the solid makes of a relaxation test."""
-
-    @abstractmethod
-    def bounded(
-        self, low: FloatArray, high: FloatArray, log_tau: tuple[float, float]
-    ) -> tuple[FloatArray, FloatArray]:
-        """Bounds of the numbers, those of relaxation times and slopes put in their places."""
-
-    @abstractmethod
-    def physical(self, numbers: FloatArray) -> tuple[tuple[str, ...], FloatArray, FloatArray]:
-        """Names and values of a fit's parameters, and their derivative by the numbers."""
-
-    @abstractmethod
-    def arm_gradient(self, numbers: FloatArray) -> FloatArray:
-        """Derivative of k_inf, every k and every ln tau of the solid's arms by the numbers."""
-
-    def at_poles(self, numbers: FloatArray, p: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
-        """Derivative of the stiffness of its arms, and of its slope, by the numbers: (n, size)."""
-        gradient = self.arm_gradient(numbers)
-        by_arms, slope_by_arms = self.unpack(numbers, 0.0).maxwell.arm_slopes(p)
-        return by_arms @ gradient, slope_by_arms @ gradient
-
-    def at_lines(self, numbers: FloatArray, s: ComplexArray) -> ComplexArray:
-        """Derivative of the stiffness by the numbers, shape (n, size)."""
-        return self.at_poles(numbers, s)[0]
-
-    @abstractmethod
-    def kept(self, before: Fit) -> tuple[dict[str, float], list[int]]:
-        """What an earlier fit found, by name, and which of the physical parameters those are."""
-
-    @abstractmethod
-    def identified(self, error: FloatArray) -> bool:
-        """True if standard errors of the numbers leave none unknown."""
-
-    @abstractmethod
-    def whole(self, solid: Solid) -> bool:
-        """True if no part of the solid has left it."""
-
-    @abstractmethod
-    def at_edge(self, numbers: FloatArray, log_tau: tuple[float, float]) -> bool:
-        """True if a relaxation time or a slope stands at an end of what is sought."""
-
-    @abstractmethod
-    def counted(self) -> str:
-        """What is sought, in words."""
-
-
 @dataclass(frozen=True)
-class Arms(Parametrisation):
+class Arms:
     """Maxwell arms: ln k_inf, ln k_j, ln tau_j."""
 
     count: int = 0
@@ -149,15 +83,12 @@ class Arms(Parametrisation):
         force = parts[0][:, 0] + rows.arms @ k
         return RelaxationResiduals(force - rows.target, np.concatenate(parts, axis=1), rows.dashpot)
 
-    def bounded(
-        self, low: FloatArray, high: FloatArray, log_tau: tuple[float, float]
-    ) -> tuple[FloatArray, FloatArray]:
-        """Bounds with those of relaxation times and slopes in their places."""
-        low[1 + self.count :], high[1 + self.count :] = log_tau
-        return low, high
+    def ends(self, log_tau: tuple[float, float]) -> FloatArray:
+        """Between which its last numbers are sought, those of relaxation times."""
+        return np.tile(log_tau, (self.count, 1))
 
     def physical(self, numbers: FloatArray) -> tuple[tuple[str, ...], FloatArray, FloatArray]:
-        """Names, values and derivatives of a fit's parameters."""
+        """Names and values of a fit's parameters, and their derivative by the numbers."""
         N = self.count
         order = np.argsort(numbers[1 + N :], kind="stable")
         rows = np.array([0, *(1 + order), *(1 + N + order)])
@@ -166,11 +97,15 @@ class Arms(Parametrisation):
         return parameter_names(N), values, scale[:, None] * np.eye(self.size)[rows]
 
     def arm_gradient(self, numbers: FloatArray) -> FloatArray:
-        """Of its arms."""
+        """Derivative of k_inf, every k and every ln tau of the solid's arms by the numbers."""
         return self.physical(numbers)[2]
 
+    def at_lines(self, numbers: FloatArray, s: ComplexArray) -> ComplexArray:
+        """Derivative of the stiffness by the numbers, shape (n, size)."""
+        return at_poles(self, numbers, s)[0]
+
     def kept(self, before: Fit) -> tuple[dict[str, float], list[int]]:
-        """What an earlier fit found."""
+        """What an earlier fit found, by name, and which of the physical parameters those are."""
         old = Arms(before.model.arms)
         names, values, _ = old.physical(old.pack(before.model))
         # faster arms than the earlier fit has are new: it says nothing about them
@@ -179,41 +114,36 @@ class Arms(Parametrisation):
         return dict(zip(names, values.tolist(), strict=True)), places
 
     def identified(self, error: FloatArray) -> bool:
-        """True if no number is unknown."""
+        """True if standard errors of the numbers leave none unknown."""
         N = self.count
         return significant(np.ones(N), error[1 : 1 + N], error[1 + N :])
 
     def whole(self, solid: Solid) -> bool:
-        """True if no part has left it."""
+        """True if no part of the solid has left it."""
         return all(k > GONE * solid.k_0 for k in solid.maxwell.k)
 
-    def at_edge(self, numbers: FloatArray, log_tau: tuple[float, float]) -> bool:
-        """True if it stands at an end of what is sought."""
-        low, high = log_tau
-        times = numbers[1 + self.count :]
-        return bool(np.any((times < low + _AT_EDGE) | (times > high - _AT_EDGE)))
-
     def counted(self) -> str:
-        """In words."""
+        """What is sought, in words."""
         return f"{self.count} arm{'s' * (self.count != 1)}"
 
 
-class _Grid(NamedTuple):
-    """A relaxation test at fixed relaxation times, even in ln tau."""
-
-    log_tau: FloatArray
-    rows: RelaxationRows
-
-
 @dataclass(frozen=True, eq=False)
-class Element(Parametrisation):
+class Element:
     """A fractional element: ln k_inf, ln of its own k, ln tau, alpha.
 
     At fixed relaxation times its column is a weighted sum of columns of arms, so each relaxation
     test is asked once (:mod:`dashpot.fitting.fractional.projection`).
+
+    Attributes
+    ----------
+    grids : mapping
+        Ln tau and rows of each test.
     """
 
-    grids: Mapping[RelaxationData, _Grid] = field(default_factory=lambda: MappingProxyType({}))
+    size: ClassVar[int] = 4
+    grids: Mapping[RelaxationData, tuple[FloatArray, RelaxationRows]] = field(
+        default_factory=lambda: MappingProxyType({})
+    )
 
     @classmethod
     def of(cls, relaxations: Sequence[RelaxationData]) -> Element:
@@ -223,13 +153,8 @@ class Element(Parametrisation):
             low, high = np.log(relaxation.window)
             count = int(np.ceil((high - low + 2 * BEYOND) / STEP))
             log_tau = low - BEYOND + STEP * np.arange(count + 1.0)
-            grids[relaxation] = _Grid(log_tau, relaxation.rows(log_tau, slopes=False))
+            grids[relaxation] = log_tau, relaxation.rows(log_tau, slopes=False)
         return cls(MappingProxyType(grids))
-
-    @property
-    def size(self) -> int:
-        """How many numbers there are."""
-        return 4
 
     def pack(self, solid: Solid) -> FloatArray:
         """The numbers of a solid."""
@@ -253,12 +178,9 @@ class Element(Parametrisation):
         slopes = np.column_stack((spring, column, by_tau, by_alpha))
         return RelaxationResiduals(spring + column - rows.target, slopes, rows.dashpot)
 
-    def bounded(
-        self, low: FloatArray, high: FloatArray, log_tau: tuple[float, float]
-    ) -> tuple[FloatArray, FloatArray]:
-        """Bounds with those of relaxation times and slopes in their places."""
-        (low[2], high[2]), (low[3], high[3]) = _element_ends(log_tau)
-        return low, high
+    def ends(self, log_tau: tuple[float, float]) -> FloatArray:
+        """Between which ln tau and alpha are sought: its flank alone may be in sight."""
+        return np.array([(log_tau[0] - SOUGHT, log_tau[1] + SOUGHT), ALPHA])
 
     def physical(self, numbers: FloatArray) -> tuple[tuple[str, ...], FloatArray, FloatArray]:
         """Names, values and derivatives of a fit's parameters."""
@@ -293,22 +215,29 @@ class Element(Parametrisation):
         """True if no part has left it."""
         return solid.k_0 - solid.k_inf > GONE * solid.k_0
 
-    def at_edge(self, numbers: FloatArray, log_tau: tuple[float, float]) -> bool:
-        """True if it stands at an end of what is sought."""
-        ends = _element_ends(log_tau)
-        return any(
-            not low + _AT_EDGE < number < high - _AT_EDGE
-            for number, (low, high) in zip(numbers[2:], ends, strict=True)
-        )
-
     def counted(self) -> str:
         """In words."""
         return "a fractional element"
 
 
-def _element_ends(log_tau: tuple[float, float]) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Between which an element's ln tau and alpha are sought: its flank alone may be in sight."""
-    return (log_tau[0] - SOUGHT, log_tau[1] + SOUGHT), ALPHA
+Parametrisation: TypeAlias = Arms | Element
+"""How a solid is written as `size` free numbers."""
+
+
+def at_poles(
+    sought: Parametrisation, numbers: FloatArray, p: ComplexArray
+) -> tuple[ComplexArray, ComplexArray]:
+    """Derivative of the stiffness of its arms, and of its slope, by the numbers: (n, size)."""
+    gradient = sought.arm_gradient(numbers)
+    by_arms, slope_by_arms = sought.unpack(numbers, 0.0).maxwell.arm_slopes(p)
+    return by_arms @ gradient, slope_by_arms @ gradient
+
+
+def at_edge(sought: Parametrisation, numbers: FloatArray, log_tau: tuple[float, float]) -> bool:
+    """True if a relaxation time or a slope stands at an end of what is sought."""
+    low, high = (ends := sought.ends(log_tau)).T
+    last = numbers[len(numbers) - len(ends) :]
+    return bool(np.any((last < low + _AT_EDGE) | (last > high - _AT_EDGE)))
 
 
 def on_another_spring(solid: Solid, times: float) -> Solid:

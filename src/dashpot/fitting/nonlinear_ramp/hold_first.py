@@ -12,7 +12,7 @@ so that no law, however wrong, can bend what the hold says.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -163,14 +163,14 @@ def _hold_block(rows: ThinnedRows, i: int, bounds: Bounds) -> DataBlock:
         decay = root[:, None] * np.exp(-age)
         return (decay, age * decay) if derivative else (decay, decay)
 
-    return design_block(
+    block = design_block(
         target=root * (rows.force[here] - rows.known[i].offset.mean),
         fixed=root[:, None] * np.column_stack(list(fixed.values())),
         fixed_names=tuple(fixed),
         columns=columns,
         window=(float(np.exp(bounds.low)), float(np.exp(bounds.high))),
-        arm_group=f"k@{i}",
     )
+    return replace(block, arm_group=f"k@{i}")
 
 
 def _supported(

@@ -11,19 +11,18 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.engine.blocks.recorded import arm_columns
 from dashpot.engine.inference.covariance import noise_of
-from dashpot.engine.inference.estimate import Estimate
+from dashpot.fitting.assembly import nuisances
 from dashpot.fitting.nonlinear_ramp.hold_first import Followed, Hold, independent
 from dashpot.fitting.nonlinear_ramp.soundness import Soundness
+from dashpot.fitting.uncertainty.estimate import Known
 from dashpot.preparation.denoising import true_motion
-from dashpot.records.estimate import Nuisance, ParameterEstimate, Residual, parameter_names
+from dashpot.records.estimate import ParameterEstimate, parameter_names
 from dashpot.records.relaxation import RampHold
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 # a law that lowers BIC by less is as good
 LEAST_GAIN = 10.0
-
-_UNITS = {"offset": "N", "drift": "N/s", "delay": "s"}
 
 
 class KnotSpacing(NamedTuple):
@@ -123,37 +122,6 @@ class RampLaw:
         """Residual of each hold over what the hold alone leaves."""
         return tuple(a / b for a, b in zip(self.followed.hold, self.hold.rms, strict=True))
 
-    def tangent_error(self, x: float) -> float:
-        """Standard error of the tangent stiffness at a compression x, m, N/m.
-
-        To that of the law's own stiffness and shape are added how far other laws lie that the
-        ramps support almost as well, and what a straight tangent between knots leaves of a bent
-        one: a sixth of its second difference there, by simulation.
-        """
-        shape, knots = np.asarray(self.law.ratio), np.asarray(self.law.knots)
-        parts = np.array([np.interp(x, knots, unit) for unit in np.eye(len(knots))])
-        gradient = np.zeros(len(self.law_covariance))
-        gradient[0] = parts @ shape
-        gradient[-len(knots) :] = self.model.k_inf * parts
-        own = next(score for score in self.scores if score.elastic_law.knots == self.law.knots)
-        apart = [
-            float(score.elastic_law.tangent(x) - own.elastic_law.tangent(x))
-            for score in self.scores
-            if score.bic < own.bic + LEAST_GAIN
-        ]
-        variance = gradient @ self.law_covariance @ gradient
-        left = self.model.k_inf * float(np.interp(x, knots, _bends(knots, shape))) / 6.0
-        return float(np.sqrt(variance + np.max(np.square(apart)) + left**2))
-
-
-def _bends(knots: FloatArray, shape: FloatArray) -> FloatArray:
-    """Second difference of a shape at its knots, that of the nearest at both ends."""
-    if len(knots) == 2:
-        return np.zeros(2)
-    width = np.diff(knots)
-    inner = np.abs(np.diff(np.diff(shape) / width)) * 0.5 * (width[1:] + width[:-1])
-    return np.concatenate((inner[:1], inner, inner[-1:]))
-
 
 def described(
     tests: Sequence[RampHold],
@@ -184,26 +152,20 @@ def described(
     scaled = np.zeros(len(found.optimum.values))
     scaled[first : first + len(k)] = doubt * k
     known = found.estimate(hold).widened(scaled)
-    covariance, own = known.derived(seal).covariance, 1 + 2 * len(there)
+    covariance, names = known.derived(seal).covariance, parameter_names(len(there))
+    own = found.nuisance
+    errors = dict(zip(own, known.standard_error[-len(own) :].tolist(), strict=True))
     residuals = tuple(_residual(test, i, model, found) for i, test in enumerate(tests))
-    noises = [noise_of(one) for one in residuals]
-    effective = sum(one.effective for one in noises)
-    sse, count = sum(float(one @ one) for one in residuals), sum(len(one) for one in residuals)
+    left = Known((), covariance, residuals, tuple(map(noise_of, residuals)))
     return RampLaw(
         law=elastic_law_of(found),
         model=model,
         estimate=ParameterEstimate(
-            parameter_names(len(there)),
-            covariance[:own, :own],
-            dof=max(effective - len(scaled), 1.0),
-            residual=Residual(
-                count,
-                sse,
-                float(np.sqrt(sse / count)),
-                count / effective,
-                float(np.mean([one.durbin_watson for one in noises])),
-            ),
-            nuisance=_nuisances(found, known, len(tests)),
+            names,
+            covariance[: len(names), : len(names)],
+            dof=max(left.effective - len(scaled), 1.0),
+            residual=left.statistics([1.0] * len(tests)),
+            nuisance=nuisances([*own], own.__getitem__, errors.__getitem__),
         ),
         law_covariance=covariance,
         hold=hold,
@@ -226,16 +188,6 @@ def _residual(test: RampHold, i: int, model: GeneralizedMaxwell, found: Followed
     if f"delay@{i}" in values:
         force -= values[f"delay@{i}"] * np.gradient(force, time)
     return np.asarray((test.force[: len(path)] - force)[known.first :])
-
-
-def _nuisances(found: Followed, known: Estimate, tests: int) -> tuple[Nuisance, ...]:
-    error = known.standard_error[-len(found.nuisance) :].tolist()
-    listed = []
-    for (name, value), se in zip(found.nuisance.items(), error, strict=True):
-        kind, _, test = name.partition("@")
-        of = f"{kind} of test {int(test) + 1}" if tests > 1 else kind
-        listed.append(Nuisance(of, value, se, _UNITS[kind]))
-    return tuple(listed)
 
 
 def elastic_law_of(found: Followed) -> ElasticLaw:

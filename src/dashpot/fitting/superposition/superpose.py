@@ -17,10 +17,8 @@ from dashpot.base.provenance import Step
 from dashpot.base.units import Quantity, celsius, si
 from dashpot.fitting.checks.temperature import (
     MIN_BIC_MARGIN,
-    of_law,
+    of_shifts,
     overlap,
-    shift_monotone,
-    shifts_determined,
     thermorheologically_simple,
     vertical_rule_holds,
     vertical_shift_known,
@@ -39,7 +37,7 @@ from dashpot.fitting.superposition.neighbours import chained_starts
 from dashpot.records.creep import CreepCompliance
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.superposition import Superposition
-from dashpot.records.temperature import ONE_TEMPERATURE, Shift, TemperatureShifts
+from dashpot.records.temperature import ONE_TEMPERATURE, Shift, TemperatureShifts, shifts_with
 from dashpot.solids.interconversion import CreepSpectrum, relaxation_spectrum
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -109,7 +107,8 @@ def superpose(
         best, how, known = _as_given(isotherms, shifts, at)
     else:
         best, how, known = _searched(isotherms, at, vertical, np.sqrt(alone.variance))
-    table, covariance = _shifts(best, t, at), _decadic(best, at)
+    covariance = _decadic(best, at)
+    table = shifts_with(t, best.ln_a / _LN10, np.exp(best.ln_b), covariance)
     doubt = covariance[: len(t), : len(t)] if covariance.any() else _BY_EYE**2 * np.eye(len(t))
     laid = law_through(
         t, [one.log10_a_t for one in table], doubt, reference=float(t[at]), law=law
@@ -234,19 +233,6 @@ def _decadic(best: Shifted, at: int) -> FloatArray:
     return full
 
 
-def _shifts(best: Shifted, t: FloatArray, at: int) -> tuple[Shift, ...]:
-    n = len(t)
-    error = np.sqrt(np.maximum(np.diag(_decadic(best, at)), 0.0))
-    b = np.exp(best.ln_b)
-    return tuple(
-        Shift(
-            float(t[i]), float(best.ln_a[i] / _LN10), float(error[i]), float(b[i]),
-            float(b[i] * error[n + i]),
-        )
-        for i in range(n)
-    )  # fmt: skip
-
-
 def _judged(
     isotherms: Sequence[Isotherm],
     best: Shifted,
@@ -255,16 +241,10 @@ def _judged(
     law: ShiftLaw,
 ) -> tuple[Check, ...]:
     t = np.array([one.temperature for one in isotherms])
-    n = len(t)
-    differences = np.diff(np.eye(n), axis=0)
-    step = differences @ best.ln_a / _LN10
-    spread = differences @ _decadic(best, at)[:n, :n] @ differences.T
-    error = np.sqrt(np.maximum(np.diag(spread), 0.0))
+    known, asked = _decadic(best, at), law == "free"
     return (
         overlap(_shared(isotherms, best), t),
-        shifts_determined(error, t),
-        shift_monotone(step, error, t),
-        *of_law(laid, float(t[0]), asked=law == "free"),
+        *of_shifts(t, best.ln_a / _LN10, known, laid, asked=asked),
     )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -16,6 +17,7 @@ from dashpot.fitting.temperature.reduced import Own
 from dashpot.fitting.uncertainty.encoder import Encoder, Kernel, encoder_rows
 from dashpot.fitting.uncertainty.estimate import Known, rounding
 from dashpot.records.estimate import Nuisance, Residual, parameter_names
+from dashpot.solids.maxwell import GeneralizedMaxwell
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,76 +120,34 @@ def own_names(tests: Sequence[Own]) -> tuple[str, ...]:
     return tuple(f"{kind}@{i}" for i, test in enumerate(tests) for kind in test.kinds)
 
 
-class _Test(NamedTuple):
-    """One test at a point, weighted by its noise, with every parameter's derivative.
-
-    Attributes
-    ----------
-    left : array, shape (n,)
-        Residual, N.
-    own : array
-        Coefficients of its own columns.
-    jacobian : array, shape (n, p)
-    before : array, shape (m, p)
-        What was known of those coefficients.
-    noise : Noise
-    further : callable
-        What errors of its encoder make of columns of the Jacobian.
-    """
-
-    left: FloatArray
-    own: FloatArray
-    jacobian: FloatArray
-    before: FloatArray
-    noise: Noise
-    further: Callable[[FloatArray], FloatArray]
-
-
 def known(joint: JointTests, tests: Sequence[Own], point: ShiftedSolid) -> Knowledge:
     """Return what all samples say of a point, the columns of every test fitted beside it."""
     shared = joint.names(point.order)
     names = (*shared, *own_names(tests))
-    parts = [_of(joint, test, i, point, names) for i, test in enumerate(tests)]
-    before = np.concatenate([part.before for part in parts])
+    each = [left_of(joint, test, i, point) for i, test in enumerate(tests)]
+    jacobians, before, noises, further = [], [], [], []
+    for i, (test, found) in enumerate(zip(tests, each, strict=True)):
+        weight, rows = 1 / test.spread, test.prior_rows[0]
+        here = [names.index(f"{kind}@{i}") for kind in test.kinds]
+        jacobian, known = np.zeros((len(found.left), len(names))), np.zeros((len(rows), len(names)))
+        jacobian[:, : len(shared)] = weight * found.part.by
+        jacobian[:, here], known[:, here] = weight * found.columns, rows
+        least = weight * rounding(float(np.abs(test.record.force).max()))
+        jacobians.append(jacobian)
+        before.append(known)
+        noises.append(noise_of(weight * found.left, jacobian, rounding=least))
+        further.append(partial(_encoder_rows, test, point.solid_at(int(joint.at[i]))))
     if "slope" in names:
-        about = np.zeros((1, len(names)))
-        about[0, names.index("slope")] = 1 / joint.slope_sd
-        before = np.concatenate((before, about))
+        before.append(np.eye(len(names))[[names.index("slope")]] / joint.slope_sd)
+    beside = np.concatenate(before)
     covariance = sandwich(
-        [*(part.jacobian for part in parts), before],
-        [*(part.noise for part in parts), Noise(len(before), np.ones(1), 1.0, 2.0)],
-        further=[part.further for part in parts],
+        [*jacobians, beside], [*noises, Noise(len(beside), np.ones(1), 1.0, 2.0)], further=further
     )
-    return Knowledge(
-        names,
-        covariance,
-        tuple(part.left for part in parts),
-        tuple(part.noise for part in parts),
-        joint,
-        point,
-        np.concatenate([part.own for part in parts]),
-    )
+    left, own = tuple(one.left for one in each), np.concatenate([one.own for one in each])
+    return Knowledge(names, covariance, left, tuple(noises), joint, point, own)
 
 
-def _of(joint: JointTests, test: Own, i: int, point: ShiftedSolid, names: tuple[str, ...]) -> _Test:
-    at, weight, shared = int(joint.at[i]), 1 / test.spread, len(joint.names(point.order))
-    left, own, part, columns = left_of(joint, test, i, point)
-    rows = test.prior_rows[0]
-    here = [names.index(f"{kind}@{i}") for kind in test.kinds]
-    jacobian, before = np.zeros((len(left), len(names))), np.zeros((len(rows), len(names)))
-    jacobian[:, :shared], jacobian[:, here] = weight * part.by, weight * columns
-    before[:, here] = rows
-    least = weight * rounding(float(np.abs(test.record.force).max()))
-    solid = point.solid_at(at)
-    encoder, kernel = (
-        Encoder.of(test.record),
-        Kernel(solid.k_inf, np.asarray(solid.k), np.asarray(solid.tau)),
-    )
-    return _Test(
-        left,
-        own,
-        jacobian,
-        before,
-        noise_of(weight * left, jacobian, rounding=least),
-        lambda columns: weight * encoder_rows(columns, encoder, kernel),
-    )
+def _encoder_rows(test: Own, solid: GeneralizedMaxwell, columns: FloatArray) -> FloatArray:
+    """What errors of a test's encoder make of columns of its Jacobian."""
+    kernel = Kernel(solid.k_inf, np.asarray(solid.k), np.asarray(solid.tau))
+    return encoder_rows(columns, Encoder.of(test.record), kernel) / test.spread

@@ -16,7 +16,7 @@ from dashpot.fitting.temperature.knowledge import left_of, of_tests, own_names
 from dashpot.fitting.temperature.optimum import ThermalOptimum
 from dashpot.fitting.temperature.reduced import Own
 from dashpot.records.fit import Fit, Provenance
-from dashpot.records.temperature import Shift, TemperatureShifts
+from dashpot.records.temperature import TemperatureShifts, shifts_with
 from dashpot.solids.elastic import ElasticLaw
 
 
@@ -41,19 +41,10 @@ def shifts_of(
 ) -> TemperatureShifts:
     """Return the shifts, with what is known of them."""
     joint, point = best.joint, best.point
-    count, b = len(joint.temperatures), np.exp(point.log_b)
-    error = np.sqrt(np.diag(covariance))
-    rows = zip(
-        joint.temperatures,
-        point.log_a / np.log(10.0),
-        error[:count],
-        b,
-        b * error[count:],
-        strict=True,
-    )
+    log10_a, b = point.log_a / np.log(10.0), np.exp(point.log_b)
     return TemperatureShifts(
         laid.law,
-        tuple(Shift(*(float(one) for one in row)) for row in rows),
+        shifts_with(joint.temperatures, log10_a, b, covariance),
         covariance,
         laid.parameters,
         laid.covariance,

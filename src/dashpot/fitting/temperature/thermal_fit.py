@@ -9,30 +9,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dashpot.base.checks import Check, worst
+from dashpot.base.checks import Check
 from dashpot.base.choices import ShiftLaw, Vertical
 from dashpot.engine.blocks.block import DataBlock
 from dashpot.engine.inference.order import chance_beyond
 from dashpot.engine.solver.variable_projection import Solution, solve
 from dashpot.fitting.assembly import FoundSolid, assembled
-from dashpot.fitting.checks import relaxation as solid_questions
-from dashpot.fitting.checks.relaxation import hold_long_enough
-from dashpot.fitting.checks.solid import (
-    arms_distinct,
-    arms_supported,
-    frequencies_informed,
-    optimum_found,
-    order_agreed,
-    residuals_random,
-    tau_inside_window,
-)
-from dashpot.fitting.checks.temperature import (
-    of_law,
-    overlap,
-    shift_monotone,
-    shifts_determined,
-)
+from dashpot.fitting.checks.relaxation import hold_long_enough, same_specimen
+from dashpot.fitting.checks.solid import frequencies_informed, optimum_found, order_agreed
+from dashpot.fitting.checks.temperature import of_shifts, overlap
 from dashpot.fitting.pipeline import certified
+from dashpot.fitting.questions import RelaxationWindow, Residuals, of_solid
 from dashpot.fitting.repeats import end_stiffnesses
 from dashpot.fitting.shift_law import LawThroughShifts
 from dashpot.fitting.temperature import checks
@@ -54,8 +41,6 @@ from dashpot.records.bounds import EndOfHold
 from dashpot.records.estimate import ParameterEstimate, parameter_names
 from dashpot.records.fit import Evidence, Fit, OrderScore
 from dashpot.records.temperature import TemperatureShifts
-
-_ROUNDING = 1e-9
 
 
 class Thermal(NamedTuple):
@@ -209,40 +194,28 @@ def _checks(
     band: tuple[float, float],
 ) -> tuple[Check, ...]:
     """Return every check of the records, of the solid and of its shifts."""
-    tests, point, knowledge = found.best.tests, found.best.point, found.knowledge
-    records, model = [test.record for test in tests], point.solid
-    error = np.sqrt(np.diag(knowledge.of_solid))
-    solids = [point.solid_at(int(i)) for i in found.best.joint.at]
-    residual, each = knowledge.residual, list(zip(records, solids, strict=True))
-    left = list(zip(records, knowledge.residuals, strict=True))
-    k_inf = float(error[0])
+    point, knowledge = found.best.point, found.knowledge
+    records, residual = [test.record for test in found.best.tests], knowledge.residual
     low, high = zip(*(block.window for block in _reduced(found)), strict=True)
-    peak = max(float(np.abs(record.force).max()) for record in records)
     answers = [
         optimum_found(stationary=True),
         *of_records(records, method="full"),
-        arms_distinct(model),
-        arms_supported(model, error, needed=found.best.choice is not None),
-        tau_inside_window(
-            model,
-            (min(low), max(high)),
-            "the tests together",
-            within=True,
-            advice="; do not use this arm: fit fewer arms, hold longer or sample faster",
+        *of_solid(
+            records,
+            point.solid,
+            np.sqrt(np.diag(knowledge.of_solid)),
+            Residuals(knowledge.residuals, residual.rms, residual.kappa),
+            RelaxationWindow((min(low), max(high)), "the tests together"),
+            solids=[point.solid_at(int(i)) for i in found.best.joint.at],
+            needed=found.best.choice is not None,
         ),
-        solid_questions.k_inf_positive(model, k_inf),
-        solid_questions.k_inf_known(model, k_inf, records),
-        worst(solid_questions.arms_where_force_relaxes(one, record) for record, one in each),
-        worst(solid_questions.force_followed(record, rest) for record, rest in left),
-        residuals_random(residual.kappa, residual.rms, max(one.force_noise for one in records)),
-        solid_questions.residuals_steady(knowledge.residuals, rounding=_ROUNDING * peak),
         *_of_shifts(found, shifts, laid),
         frequencies_informed(band),
     ]
     if found.best.choice is not None:
         answers.append(order_agreed(found.best.choice))
     if len(records) > len(shifts.shifts):
-        answers.append(solid_questions.same_specimen(end_stiffnesses(records)))
+        answers.append(same_specimen(end_stiffnesses(records)))
     return tuple(answers)
 
 
@@ -259,7 +232,12 @@ def _of_shifts(found: Thermal, shifts: TemperatureShifts, laid: LawThroughShifts
     chance, excess = _misfit(found)
     return [
         overlap(shared, temperatures, checks.SHARED),
-        *_of_law(found, shifts, laid),
+        *of_shifts(
+            found.best.joint.temperatures,
+            [shift.log10_a_t for shift in shifts.shifts],
+            shifts.covariance,
+            laid,
+        ),
         checks.thermorheologically_simple(
             chance,
             excess,
@@ -270,19 +248,6 @@ def _of_shifts(found: Thermal, shifts: TemperatureShifts, laid: LawThroughShifts
         checks.temperature_steady(warming),
         checks.shifts_told_apart(len(temperatures)),
     ]
-
-
-def _of_law(found: Thermal, shifts: TemperatureShifts, laid: LawThroughShifts) -> tuple[Check, ...]:
-    """How each shift lies against that of the next temperature, and the law against all."""
-    t, count = found.best.joint.temperatures, len(shifts.shifts)
-    between = np.diff(np.eye(count), axis=0)
-    step = between @ [shift.log10_a_t for shift in shifts.shifts]
-    error = np.sqrt(np.diag(between @ shifts.covariance[:count, :count] @ between.T))
-    return (
-        shifts_determined(error, t),
-        shift_monotone(step, error, t),
-        *of_law(laid, float(t[0])),
-    )
 
 
 def _informed_at(found: Thermal, i: int) -> tuple[float, float]:

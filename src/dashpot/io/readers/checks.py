@@ -2,25 +2,13 @@
 
 from __future__ import annotations
 
-from dashpot.base.checks import Finding, criterion
+from dashpot.base.checks import Criterion, Finding, criterion
 from dashpot.base.units import in_unit
 
-MOST_TRAVEL = 0.2
 LEAST_TRAVEL = 2e-5
-MOST_FORCE = 1e3
 LEAST_FORCE = 1e-2
-LEAST_TIME = 0.1
-LONGEST_RAMP = 200.0
-FASTEST_RAMP = 0.3
-MOST_ACCELERATION = 1e4
-LEAST_BLOW = 5e-2
-MOST_SHOCK = 1e6
 LEAST_STRAIN = 0.01
 MOST_STRESS_FACTOR = 1e4
-MOST_SPEED = 100.0
-LEAST_CONTACT_RATE = 500.0
-LEAST_RATE = 50.0
-MOST_RATE = 2.5e5
 
 _SMALLER = {
     "m": "mm", "cm": "mm", "ft": "mm", "in": "mm", "mm": "um", "MN": "kN", "kN": "N", "N": "mN",
@@ -37,13 +25,35 @@ _COARSE = {"mm", "cm", "in", "ft"}
 """Units of length in which no one writes a few micrometres."""
 
 
-@criterion(
-    "travel, m", "<=", MOST_TRAVEL, "our choice: no bench presses a seal so far", grade="stop"
-)
-def travel_of_a_seal(travel: float, unit: str) -> Finding:
-    """The displacement goes no farther than a bench presses a seal."""
-    says = f"the displacement goes over {_short(travel, 'm')}"
-    return Finding(says, travel, instead=_doubted(says, "displacement", unit, _SMALLER))
+def _of_size(
+    name: str, question: str, measure: str, because: str, *, says: str, role: str
+) -> Criterion[[float, str]]:
+    """A question to one size, whose unit is that of a role; `says` is how the size is told.
+
+    `measure` is the size with its rule, limit and unit, such as ``"travel <= 0.2 m"``.
+    """
+    what, rule, limit, symbol = measure.rsplit(maxsplit=3)
+    # what goes with one over time is too large where time is too small
+    large = (rule == "<=") != (role == "time" and symbol != "s")
+    likely = _SMALLER if large else _LARGER
+
+    @criterion(
+        f"{what}, {symbol}", rule, float(limit), f"our choice: {because}",
+        grade="stop", name=name, question=question,
+    )  # fmt: skip
+    def judge(size: float, unit: str) -> Finding:
+        told = f"{says} {_short(size, symbol)}"
+        return Finding(told, size, instead=_doubted(told, role, unit, likely))
+
+    return judge
+
+
+travel_of_a_seal = _of_size(
+    "travel_of_a_seal",
+    "The displacement goes no farther than a bench presses a seal.",
+    "travel <= 0.2 m", "no bench presses a seal so far",
+    says="the displacement goes over", role="displacement",
+)  # fmt: skip
 
 
 @criterion(
@@ -66,17 +76,12 @@ def travel_of_a_bench(travel: float, unit: str, *, force: float) -> Finding:
     )
 
 
-@criterion(
-    "rise of the force, N",
-    "<=",
-    MOST_FORCE,
-    "our choice: ten times what a seal carries",
-    grade="stop",
-)
-def force_of_a_seal(force: float, unit: str) -> Finding:
-    """The force is no greater than a seal carries."""
-    says = f"the force goes over {_short(force, 'N')}"
-    return Finding(says, force, instead=_doubted(says, "force", unit, _SMALLER))
+force_of_a_seal = _of_size(
+    "force_of_a_seal",
+    "The force is no greater than a seal carries.",
+    "rise of the force <= 1e3 N", "ten times what a seal carries",
+    says="the force goes over", role="force",
+)  # fmt: skip
 
 
 @criterion(
@@ -98,123 +103,71 @@ def force_of_a_bench(force: float, unit: str, *, travel: float) -> Finding:
     )
 
 
-@criterion(
-    "length of the record, s",
-    ">=",
-    LEAST_TIME,
-    "our choice: a ramp alone takes longer",
-    grade="stop",
-)
-def time_of_a_test(duration: float, unit: str) -> Finding:
-    """The record is as long as a ramp and a hold take."""
-    says = f"the record lasts {_short(duration, 's')}"
-    return Finding(says, duration, instead=_doubted(says, "time", unit, _LARGER))
-
-
-@criterion(
-    "length of the ramp, s",
-    "<=",
-    LONGEST_RAMP,
-    "our choice: the seal relaxes as it is pressed",
-    grade="stop",
-)
-def ramp_not_slow(duration: float, unit: str) -> Finding:
-    """The ramp is over before most of the relaxation is."""
-    says = f"the ramp takes {_short(duration, 's')}"
-    return Finding(says, duration, instead=_doubted(says, "time", unit, _SMALLER))
-
-
-@criterion(
-    "speed of the ramp, m/s",
-    "<=",
-    FASTEST_RAMP,
-    "our choice: no crosshead or screw is faster",
-    grade="stop",
-)
-def ramp_not_fast(speed: float, unit: str) -> Finding:
-    """The ramp is no faster than a bench drives."""
-    says = f"the ramp goes at {_short(speed, 'm/s')}"
-    return Finding(says, speed, instead=_doubted(says, "time", unit, _LARGER))
-
-
-@criterion("greatest force, N", "<=", MOST_FORCE, "our choice: a sledge hammer's", grade="stop")
-def hammer_not_heavy(force: float, unit: str) -> Finding:
-    """The hammer hits no harder than a block on seals bears."""
-    says = f"the hammer's force reaches {_short(force, 'N')}"
-    return Finding(says, force, instead=_doubted(says, "hammer", unit, _SMALLER))
-
-
-@criterion("greatest force, N", ">=", LEAST_BLOW, "our choice: a touch", grade="stop")
-def hammer_felt(force: float, unit: str) -> Finding:
-    """The hammer hits hard enough for a load cell."""
-    says = f"the hammer's force reaches {_short(force, 'N')}"
-    return Finding(says, force, instead=_doubted(says, "hammer", unit, _LARGER))
-
-
-@criterion(
-    "greatest acceleration, m/s^2",
-    "<=",
-    MOST_ACCELERATION,
-    "our choice: a thousand g, twice a modal accelerometer's range",
-    grade="stop",
-)
-def acceleration_not_large(acceleration: float, unit: str) -> Finding:
-    """The acceleration is one that a modal accelerometer measures."""
-    says = f"the acceleration reaches {_short(acceleration, 'm/s^2')}"
-    return Finding(says, acceleration, instead=_doubted(says, "acceleration", unit, _SMALLER))
-
-
-@criterion(
-    "sampling rate, Hz", ">=", LEAST_RATE, "our choice: a pulse lasts 20 ms at most", grade="stop"
-)
-def hammer_sampled(rate: float, unit: str) -> Finding:
-    """The record is sampled as fast as a hammer needs."""
-    says = f"the record is sampled at {_short(rate, 'Hz')}"
-    return Finding(says, rate, instead=_doubted(says, "time", unit, _SMALLER))
-
-
-@criterion(
-    "sampling rate, Hz", "<=", MOST_RATE, "our choice: no recorder of vibration", grade="stop"
-)
-def hammer_not_oversampled(rate: float, unit: str) -> Finding:
-    """The record is sampled no faster than recorders of vibration do."""
-    says = f"the record is sampled at {_short(rate, 'Hz')}"
-    return Finding(says, rate, instead=_doubted(says, "time", unit, _LARGER))
-
-
-@criterion(
-    "greatest acceleration, m/s^2",
-    "<=",
-    MOST_SHOCK,
-    "our choice: a hundred thousand g, the range of shock accelerometers",
-    grade="stop",
-)
-def shock_not_large(acceleration: float, unit: str) -> Finding:
-    """The acceleration of the indenter is one that a shock accelerometer measures."""
-    says = f"the acceleration reaches {_short(acceleration, 'm/s^2')}"
-    return Finding(says, acceleration, instead=_doubted(says, "acceleration", unit, _SMALLER))
-
-
-@criterion(
-    "greatest speed, m/s", "<=", MOST_SPEED, "our choice: rubber is hit more slowly", grade="stop"
-)
-def indenter_not_fast(speed: float, unit: str) -> Finding:
-    """The indenter is no faster than a test of rubber drives it."""
-    says = f"the velocity reaches {_short(speed, 'm/s')}"
-    return Finding(says, speed, instead=_doubted(says, "velocity", unit, _SMALLER))
-
-
-@criterion(
-    "sampling rate, Hz",
-    ">=",
-    LEAST_CONTACT_RATE,
-    "our choice: a contact lasts 40 ms at most",
-    grade="stop",
-)
-def contact_rate(rate: float, unit: str) -> Finding:
-    """The record is sampled as fast as a contact needs."""
-    says = f"the record is sampled at {_short(rate, 'Hz')}"
-    return Finding(says, rate, instead=_doubted(says, "time", unit, _SMALLER))
+time_of_a_test = _of_size(
+    "time_of_a_test",
+    "The record is as long as a ramp and a hold take.",
+    "length of the record >= 0.1 s", "a ramp alone takes longer",
+    says="the record lasts", role="time",
+)  # fmt: skip
+ramp_not_slow = _of_size(
+    "ramp_not_slow",
+    "The ramp is over before most of the relaxation is.",
+    "length of the ramp <= 200.0 s", "the seal relaxes as it is pressed",
+    says="the ramp takes", role="time",
+)  # fmt: skip
+ramp_not_fast = _of_size(
+    "ramp_not_fast",
+    "The ramp is no faster than a bench drives.",
+    "speed of the ramp <= 0.3 m/s", "no crosshead or screw is faster",
+    says="the ramp goes at", role="time",
+)  # fmt: skip
+hammer_not_heavy = _of_size(
+    "hammer_not_heavy",
+    "The hammer hits no harder than a block on seals bears.",
+    "greatest force <= 1e3 N", "a sledge hammer's",
+    says="the hammer's force reaches", role="hammer",
+)  # fmt: skip
+hammer_felt = _of_size(
+    "hammer_felt",
+    "The hammer hits hard enough for a load cell.",
+    "greatest force >= 5e-2 N", "a touch", says="the hammer's force reaches", role="hammer",
+)  # fmt: skip
+acceleration_not_large = _of_size(
+    "acceleration_not_large",
+    "The acceleration is one that a modal accelerometer measures.",
+    "greatest acceleration <= 1e4 m/s^2", "a thousand g, twice a modal accelerometer's range",
+    says="the acceleration reaches", role="acceleration",
+)  # fmt: skip
+hammer_sampled = _of_size(
+    "hammer_sampled",
+    "The record is sampled as fast as a hammer needs.",
+    "sampling rate >= 50.0 Hz", "a pulse lasts 20 ms at most",
+    says="the record is sampled at", role="time",
+)  # fmt: skip
+hammer_not_oversampled = _of_size(
+    "hammer_not_oversampled",
+    "The record is sampled no faster than recorders of vibration do.",
+    "sampling rate <= 2.5e5 Hz", "no recorder of vibration",
+    says="the record is sampled at", role="time",
+)  # fmt: skip
+shock_not_large = _of_size(
+    "shock_not_large",
+    "The acceleration of the indenter is one that a shock accelerometer measures.",
+    "greatest acceleration <= 1e6 m/s^2", "a hundred thousand g, the range of shock accelerometers",
+    says="the acceleration reaches", role="acceleration",
+)  # fmt: skip
+indenter_not_fast = _of_size(
+    "indenter_not_fast",
+    "The indenter is no faster than a test of rubber drives it.",
+    "greatest speed <= 100.0 m/s", "rubber is hit more slowly",
+    says="the velocity reaches", role="velocity",
+)  # fmt: skip
+contact_rate = _of_size(
+    "contact_rate",
+    "The record is sampled as fast as a contact needs.",
+    "sampling rate >= 500.0 Hz", "a contact lasts 40 ms at most",
+    says="the record is sampled at", role="time",
+)  # fmt: skip
 
 
 @criterion(

@@ -124,22 +124,19 @@ def _one(path: str | Path, options: ReadOptions, want: str) -> ImpactTest:
     with channels.opened(path, options) as file:
         channels.refuse_summary(file)
         channels.expect(file, ["impact"], want, named=["acceleration", "hammer"])
-        chosen = _channels(file)
-        channels.refuse_other_rate(file)
-        loaded = channels.load_test(file, chosen)
-        if file.options.rate is None:
-            loaded = cleaning.without_padding(loaded)
-        whole(loaded)
-        columns = [channels.si(loaded.values[:, j], c.unit) for j, c in enumerate(chosen)]
+        chosen, rate = _channels(file), file.options.rate
+        loaded, columns = loaded_whole(file, chosen)
         notes = [*file.table.notes, *channels.rivals(file, chosen[:-1]), *loaded.notes]
-        starts, rate = loaded.starts, file.options.rate
         if rate is None:
             time, *signals = columns
             starts, remarks = starts_of(time, loaded)
-            notes += remarks
         else:
             time, signals = np.arange(len(loaded.values)) / rate, columns
-            notes.append(f"time counted from the rows at {rate:g} Hz, as given")
+            starts, remarks = (
+                loaded.starts,
+                [f"time counted from the rows at {rate:g} Hz, as given"],
+            )
+        notes += remarks
         source = channels.source(file, [c.says for c in chosen], notes)
         try:
             test = ImpactTest(
@@ -229,8 +226,12 @@ def _refuse_swapped(file: Opened, chosen: Sequence[Channel], signals: Sequence[F
     )
 
 
-def whole(loaded: Loaded) -> None:
-    """Refuse a record in which a sample is missing."""
+def loaded_whole(file: Opened, chosen: Sequence[Channel]) -> tuple[Loaded, list[FloatArray]]:
+    """Return the rows of some channels, and each in SI units; refuse one where a sample lacks."""
+    channels.refuse_other_rate(file)
+    loaded = channels.load_test(file, chosen)
+    if file.options.rate is None:
+        loaded = cleaning.without_padding(loaded)
     holes = np.flatnonzero(~np.isfinite(loaded.values).all(axis=1))
     if holes.size:
         raise ReadError(
@@ -238,6 +239,7 @@ def whole(loaded: Loaded) -> None:
             f"row{'s' * (holes.size > 1)}); an impact record needs every sample: cut the record "
             "there or export it again"
         )
+    return loaded, [channels.si(loaded.values[:, j], c.unit) for j, c in enumerate(chosen)]
 
 
 def starts_of(time: FloatArray, loaded: Loaded) -> tuple[tuple[int, ...], list[str]]:

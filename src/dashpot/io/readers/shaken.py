@@ -13,7 +13,7 @@ from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions, flag
 from dashpot.io.readers import channels
 from dashpot.io.readers.channels import Channel, Opened
-from dashpot.io.readers.impact import joined_starts, refuse_same, starts_of, whole
+from dashpot.io.readers.impact import joined_starts, loaded_whole, refuse_same, starts_of
 from dashpot.records.shaken import ShakenTest
 
 _ORDERS: dict[Role, int] = {"displacement": 0, "velocity": 1, "acceleration": 2}
@@ -60,10 +60,7 @@ def _one(path: str | Path, options: ReadOptions) -> ShakenTest:
     with channels.opened(path, options) as file:
         channels.refuse_summary(file)
         chosen = _channels(file)
-        channels.refuse_other_rate(file)
-        loaded = channels.load_test(file, chosen)
-        whole(loaded)
-        columns = [channels.si(loaded.values[:, j], c.unit) for j, c in enumerate(chosen)]
+        loaded, columns = loaded_whole(file, chosen)
         base, mass = columns[-2:]
         refuse_same(file, chosen, [base, mass])
         starts, notes, rate = loaded.starts, [*file.table.notes, *loaded.notes], options.rate

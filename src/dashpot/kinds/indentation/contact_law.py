@@ -99,12 +99,6 @@ class RelaxingContact:
 ContactLaw: TypeAlias = ViscousContact | RelaxingContact
 
 
-def kelvin_voigt(k: float, c: float = 0.0) -> ViscousContact:
-    """Return a linear contact, k in N/m, c in N s/m."""
-    positive(k=k, expected="a finite number above 0")
-    return ViscousContact(k, c / k, 1.0)
-
-
 def sphere_stiffness(modulus: float, radius: float) -> float:
     r"""Return k, N/m^1.5, of a rigid sphere: :math:`\tfrac43 E^* \sqrt R`, Pa and m."""
     return 4 / 3 * modulus * float(np.sqrt(radius))

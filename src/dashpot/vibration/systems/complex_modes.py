@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dashpot.base.arrays import ByValue, ComplexArray, frozen
+from dashpot.base.arrays import ComplexArray, Frozen
 from dashpot.vibration.systems.state_space import state_space
 from dashpot.vibration.systems.system import System
 
@@ -16,7 +16,7 @@ of rounding."""
 
 
 @dataclass(frozen=True, eq=False)
-class ComplexMode(ByValue):
+class ComplexMode(Frozen):
     r"""One pole of a system and how it moves there.
 
     Scaled so that :math:`\phi^T D'(s) \phi = 1` with the dynamic stiffness D(s): then
@@ -38,9 +38,6 @@ class ComplexMode(ByValue):
     pole: complex
     shape: ComplexArray
     converged: bool = True
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "shape", frozen(np.asarray(self.shape, dtype=complex)))
 
     @property
     def frequency(self) -> float:

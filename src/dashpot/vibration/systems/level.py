@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from dashpot.base.arrays import BoolArray, ByValue, ComplexArray, FloatArray, frozen, samples
+from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray, Frozen, samples
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, si
 from dashpot.records.frf import FRF, Kind
@@ -29,7 +29,7 @@ from dashpot.vibration.systems.system import System
 
 
 @dataclass(frozen=True, eq=False)
-class LevelResponse(ByValue):
+class LevelResponse(Frozen):
     r"""A steady answer to a harmonic excitation, one row an answer.
 
     Attributes
@@ -55,12 +55,6 @@ class LevelResponse(ByValue):
     stretch: FloatArray
     stable: BoolArray
     harmonic: FloatArray
-
-    def __post_init__(self) -> None:
-        for name in ("frequency", "level", "stretch", "harmonic"):
-            object.__setattr__(self, name, frozen(np.asarray(getattr(self, name), dtype=float)))
-        object.__setattr__(self, "motion", frozen(np.asarray(self.motion, dtype=complex)))
-        object.__setattr__(self, "stable", frozen(np.asarray(self.stable, dtype=bool)))
 
     @property
     def amplitude(self) -> FloatArray:
@@ -261,7 +255,7 @@ def responses_at(
 
 
 @dataclass(frozen=True, eq=False)
-class Backbone(ByValue):
+class Backbone(Frozen):
     """How a mode moves with its amplitude.
 
     Attributes
@@ -276,10 +270,6 @@ class Backbone(ByValue):
     amplitude: FloatArray
     frequency: FloatArray
     damping_ratio: FloatArray
-
-    def __post_init__(self) -> None:
-        for name in ("amplitude", "frequency", "damping_ratio"):
-            object.__setattr__(self, name, frozen(np.asarray(getattr(self, name), dtype=float)))
 
 
 def backbone(

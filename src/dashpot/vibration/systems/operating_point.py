@@ -83,21 +83,15 @@ def operating_point(
             f"the fit is of a material's modulus, in {fit.unit}: a mass rests on a part, in N/m"
         )
     law, given = fit.elastic_law, compression is not None
-    depth = None if law is None else law.depth
-    if law is None or law.kind == "linear":
-        if compression is None:
-            k_inf = fit.model.k_inf
-            compression = mass * GRAVITY / (seals * k_inf) if k_inf > 0 else np.inf
-        refuse_far(compression, law, fit.specimen.height, carried=None if given else mass / seals)
-        return OperatingPoint(float(compression), depth, given=given)
+    bent = law is not None and law.kind != "linear"
     if compression is None:
-        compression = law.compression(mass * GRAVITY / seals)
+        k_inf = fit.model.k_inf
+        compression = mass * GRAVITY / (seals * k_inf) if k_inf > 0 else np.inf
+        if law is not None and bent:
+            compression = law.compression(mass * GRAVITY / seals)
     refuse_far(compression, law, fit.specimen.height, carried=None if given else mass / seals)
-    return OperatingPoint(
-        float(compression),
-        depth,
-        float(law.factor(compression)),
-        float(law.factor_se(compression)),
-        linear=False,
-        given=given,
-    )
+    if law is None or not bent:
+        depth = None if law is None else law.depth
+        return OperatingPoint(float(compression), depth, given=given)
+    factor, error = float(law.factor(compression)), float(law.factor_se(compression))
+    return OperatingPoint(float(compression), law.depth, factor, error, linear=False, given=given)

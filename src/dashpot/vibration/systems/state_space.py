@@ -9,10 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import (
-    ByValue,
     FloatArray,
+    Frozen,
     IndexArray,
-    frozen,
     increasing,
     same_length,
     samples,
@@ -124,7 +123,7 @@ def _shared(stretch: FloatArray, tau: FloatArray) -> tuple[FloatArray, FloatArra
 
 
 @dataclass(frozen=True, eq=False)
-class Motion(ByValue):
+class Motion(Frozen):
     """The response of a system.
 
     Attributes
@@ -144,10 +143,6 @@ class Motion(ByValue):
     velocity: FloatArray
     acceleration: FloatArray
     mount_force: FloatArray
-
-    def __post_init__(self) -> None:
-        for name in ("time", "displacement", "velocity", "acceleration", "mount_force"):
-            object.__setattr__(self, name, frozen(np.asarray(getattr(self, name), dtype=float)))
 
 
 def respond(
