@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from dashpot.base.errors import DataError
@@ -106,6 +106,7 @@ def test_a_count_and_the_loop_and_its_area(element):
 
 @settings(max_examples=40)
 @given(st.lists(st.floats(-1, 1), min_size=2, max_size=30), st.floats(0.1, 3))
+@example([-1.0, 0.0, -2.5741363750046265e-167, 0.0], 1.0)  # the product of two ways is 0
 def test_an_iwan_element_is_its_many_jenkins(turns, scale):
     """Any path: nested loops, wiped-out loops, beyond the first loading."""
     iwan, n = Iwan(1.0, 0.5), 800  # yields to 1

@@ -6,7 +6,7 @@ import itertools
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from dashpot.base.errors import DataError
@@ -47,7 +47,25 @@ def chain(masses, mounts) -> System:
 # -- laws ------------------------------------------------------------------------------------------
 
 
+# two masses as stiff as heavy: one search begins at the pole of the other, or is drawn to it
+NEAR = (
+    GeneralizedMaxwell(115.47819846894582, (310.98987853130944,), (0.1,), 1.0),
+    GeneralizedMaxwell(
+        237.13737056616552, (1409.2766450119475, 57.328589249113215, 305.4455165154546),
+        (0.01, 0.1, 1.0), 0.27384196342643613,
+    ),
+    GeneralizedMaxwell(7383.358316936518, (300.0,) * 3, (0.1, 0.316227766016838, 1.0)),
+)  # fmt: skip
+
+
 @given(chains)
+@example(chain((1.0, 10**-0.84375, 1.0, 1.0), (GeneralizedMaxwell(1e3, (300.0,), (0.1,)), *NEAR)))
+@example(
+    chain(
+        (1.0, 10**-0.84375, 1.0, 1.0),
+        (GeneralizedMaxwell(1e3, (300.0,), (0.047149440258693004,)), *NEAR),
+    )
+)
 def test_two_ways_to_the_same_modes(system):
     newton = newton_modes(system)
     for mode in complex_modes(system):

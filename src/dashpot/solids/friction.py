@@ -50,17 +50,22 @@ class Masing(RateIndependent):
         way = x - here[0]
         if way == 0:
             return here[1], state
-        if way * (here[0] - turns[-1][0]) < 0:
+        if _opposed(way, here[0] - turns[-1][0]):
             turns.append(here)
-        while len(turns) > 2 and (x - turns[-2][0]) * way >= 0:
+        while len(turns) > 2 and not _opposed(x - turns[-2][0], way):
             del turns[-2:]
-        if len(turns) == 2 and abs(x) >= abs(turns[1][0]) and x * turns[1][0] < 0:
+        if len(turns) == 2 and abs(x) >= abs(turns[1][0]) and _opposed(x, turns[1][0]):
             del turns[1]  # past the mirror of its end the first loading goes on
         x_r, f_r = turns[-1]
         share = 1 if len(turns) == 1 else 2
         rise = share * float(self.backbone(abs(x - x_r) / share))
         force = f_r + float(np.copysign(rise, x - x_r))
         return force, (*turns, (x, force))
+
+
+def _opposed(one: float, other: float) -> bool:
+    """Whether two motions go opposite ways; their product may be too small to have a sign."""
+    return one < 0 < other or other < 0 < one
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,10 @@ _RIGID = 1e-6
 of rounding."""
 
 
+_THERE, _ASIDE = 1e-9, 1e-3
+"""Part of a pole found already within which a search stands on it, and by which it steps aside."""
+
+
 @dataclass(frozen=True, eq=False)
 class ComplexMode(Frozen):
     r"""One pole of a system and how it moves there.
@@ -90,7 +94,7 @@ def newton_modes(system: System, *, iterations: int = 100) -> tuple[ComplexMode,
     modes = []
     for start in _starts(system):
         s, near = _newton(system, start, found, iterations, 1e-6)
-        s, there = _newton(system, s, [], iterations, 1e-14)
+        s, there = _newton(system, s, found, iterations, 1e-14)
         s = s if s.imag >= 0 else s.conjugate()
         found.append(s)
         vector = np.linalg.svd(system.dynamic_stiffness(s))[2][-1].conj()
@@ -123,6 +127,8 @@ def _newton(
 ) -> tuple[complex, bool]:
     best = np.inf
     for _ in range(iterations):
+        if any(min(abs(s - p), abs(s - p.conjugate())) < _THERE * abs(s) for p in found):
+            s += _ASIDE * abs(s)
         try:
             derivative = _derivative(system, s, system.spring_slope(s))
             change = np.linalg.solve(system.dynamic_stiffness(s), derivative)
