@@ -1,0 +1,476 @@
+"""How often a verdict is right, judged on truths and rigs that share no line with dashpot.
+
+    python benchmarks/verdicts.py OUT.jsonl [--per 10] [--only REGEX] [--kinds 20] [--seed 0]
+    python benchmarks/verdicts.py --table OUT.jsonl
+
+The relaxation records of `tests/kit/foreign`: its 42 truths on its 40 rigs, `--per` truths of each,
+and its other kinds of test, sound and spoilt by turns. Each record is one line of OUT.jsonl; those
+that stand there are not run again, and the same seed gives the same records.
+
+A relaxation record misses if one of its 95 % limits does: of the accelerance of two seals under
+the mass that they bring to resonance at 12.7 Hz (there, its peak's height and frequency), of k(T)
+and k(3T), T the hold as the record was understood, or the most that k_inf may be. A sheet of
+another kind misses if what is asked of it (`SHEETS`) errs by more than 5 %. A refusal gives no
+limits and no "use", and counts as neither held nor missed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import re
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from zlib import crc32
+
+import numpy as np
+from scipy.stats import beta
+
+import dashpot as dp
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
+
+from kit.foreign.catalogue import verdict_records
+from kit.foreign.kinds import Sheet, nominal, sheets
+from kit.foreign.rigs import RIGS, Record
+from kit.foreign.truths import TRUTHS
+
+HERTZ, SEALS = 12.7, 2
+MISSED, HELD, SURE = 0.06, 0.93, 0.15
+"""Goals: misses of all "use" at most, limits that hold at least, misses of one disturbance's."""
+DOUBTED = 0.20
+"""A disturbance of which no more are called "use" is doubted."""
+USED, USED_EACH = 0.80, 0.70
+WIDTHS = {"k_end": 0.035, "k_3end": 0.11, "frf": 1.75}
+"""Largest median half widths of a sound rig: of k(T), k(3T) over the truth; of ln |a/F|."""
+
+
+# -- one record ------------------------------------------------------------------------------------
+
+
+def limits_of(one: Record) -> tuple[dp.Fit, dict[str, tuple[float, float, float]]]:
+    """The fit, and by name the lower limit, the truth and the upper limit of what it claims."""
+    test = dp.RelaxationTest(one.time, one.displacement, one.force)
+    record = dp.prepare(test, machine=dp.Machine(**one.told))
+    found = dp.fit(record)
+    mass = one.seal.mass_at(HERTZ, SEALS)
+    bound = dp.frf_band(found, record, mass=mass, frequency=[HERTZ], seals=SEALS)
+    there = abs(one.seal.accelerance(HERTZ, mass, SEALS))
+    limits = {"frf": (bound.unseen[0, 0], there, bound.unseen[1, 0])}
+    # the bound's resonance is where K' = m w^2/n: where the mass was chosen to have it
+    for name, truth, pair in (
+        ("peak_frequency", HERTZ, bound.peak_frequency),
+        ("peak_height", one.seal.peak(mass, SEALS)[1], bound.peak_height),
+    ):
+        limits[name] = (np.nan, truth, np.nan) if pair is None else (pair[0], truth, pair[1])
+    opened = found.left_open
+    for name, times in (("k_end", 1), ("k_3end", 3), ("k_inf", np.inf)):
+        low, high = (np.nan, np.nan) if opened is None else opened[name]
+        truth = float(one.seal.secant(times * record.hold_time))
+        limits[name] = (0.0 if name == "k_inf" else low, truth, high)
+    return found, limits
+
+
+def judged(one: Record) -> dict[str, object]:
+    """One line of a relaxation record."""
+    start = time.process_time()
+    try:
+        found, limits = limits_of(one)
+    except dp.DashpotError as error:
+        said: dict[str, object] = {"use": "refused", "because": [str(error)]}
+    else:
+        said = {
+            "use": found.verdict.use,
+            "because": [check.name for check in found.verdict.because],
+            "limits": {name: [float(v) for v in three] for name, three in limits.items()},
+        }
+    return {**said, "cpu": round(time.process_time() - start, 3)}
+
+
+def held(line: Mapping) -> bool:
+    """Whether every limit holds its truth; one that is not stated holds nothing."""
+    if "limits" in line:
+        return all(low <= truth <= high for low, truth, high in line["limits"].values())
+    return bool(line["error"] <= line["allowed"])
+
+
+def half_width(line: Mapping, name: str) -> float:
+    """Of a stiffness over its truth; of the logarithm of the response."""
+    low, truth, high = line["limits"][name]
+    if name == "frf":
+        return float(np.log(high / low) / 2) if low > 0 else np.inf
+    return (high - low) / 2 / truth
+
+
+# -- the table -------------------------------------------------------------------------------------
+
+
+def least(count: int, of: int) -> float:
+    """Lower 95 % limit of a rate (Clopper and Pearson 1934), one-sided."""
+    return float(beta.ppf(0.05, count, of - count + 1)) if count else 0.0
+
+
+def most(count: int, of: int) -> float:
+    """Upper 95 % limit of a rate, one-sided."""
+    return float(beta.ppf(0.95, count + 1, of - count)) if count < of else 1.0
+
+
+def _part(count: int, of: int) -> float:
+    return count / of if of else np.nan
+
+
+@dataclass(frozen=True)
+class Row:
+    """The counts of some records; refused ones are counted apart."""
+
+    name: str
+    refused: int
+    answered: int
+    held: int
+    used: int
+    used_held: int
+    widths: Mapping[str, float]
+
+    @classmethod
+    def of(cls, name: str, lines: Iterable[Mapping]) -> Row:
+        lines = list(lines)
+        answered = [line for line in lines if line["use"] != "refused"]
+        right = [line for line in answered if held(line)]
+        widths = {}
+        if answered and "limits" in answered[0]:
+            widths = {w: float(np.median([half_width(o, w) for o in answered])) for w in WIDTHS}
+        return cls(
+            name, len(lines) - len(answered), len(answered), len(right),
+            sum(line["use"] == "use" for line in answered),
+            sum(line["use"] == "use" for line in right), widths,
+        )  # fmt: skip
+
+    @property
+    def missed(self) -> int:
+        """Called "use", and a limit misses."""
+        return self.used - self.used_held
+
+    @property
+    def doubted(self) -> bool:
+        return self.used <= DOUBTED * (self.answered + self.refused)
+
+    @property
+    def faults(self) -> list[str]:
+        """Goals of one disturbance that it does not meet."""
+        found = []
+        if not self.doubted and least(self.missed, self.used) > SURE:
+            found.append("misses")
+        if not self.doubted and most(self.held, self.answered) < HELD:
+            found.append("held")
+        if not self.doubted and self.held and self.used_held < USED_EACH * self.held:
+            found.append("used")
+        return found
+
+
+def rows_of(lines: Iterable[Mapping]) -> list[Row]:
+    """One row to a disturbance, in the order in which they first stand."""
+    groups: dict[str, list[Mapping]] = {}
+    for line in lines:
+        groups.setdefault(line["group"], []).append(line)
+    return [Row.of(name, some) for name, some in groups.items()]
+
+
+def shown(rows: Iterable[Row], whole: Row) -> Iterator[str]:
+    """As a table of Markdown: rates of the answered, and widths where they were asked."""
+    wide = tuple(whole.widths)
+    yield (
+        '| | n | refused | held | "use" | misses called "use" | sound called "use" |'
+        + (" k(T), % | k(3T), % | ln a/F | not met |" if wide else "")
+    )
+    yield "|---|" + (9 if wide else 6) * "---:|" + ("---|" if wide else "")
+    for row in (*rows, whole):
+        cells = [
+            row.name, f"{row.answered + row.refused}", f"{row.refused}",
+            f"{_part(row.held, row.answered):.2f}", f"{_part(row.used, row.answered):.2f}",
+            f"{row.missed}/{row.answered - row.held}", f"{row.used_held}/{row.held}",
+        ]  # fmt: skip
+        if wide:
+            k, k_3, frf = (row.widths.get(name, np.nan) for name in WIDTHS)
+            cells += [f"{100 * k:.1f}", f"{100 * k_3:.1f}", f"{frf:.2f}"]
+            cells.append("" if row is whole else ", ".join(row.faults))
+        yield "| " + " | ".join(cells).replace("nan", "-") + " |"
+
+
+def goals(rows: list[Row], whole: Row) -> Iterator[tuple[str, bool]]:
+    """Each goal with its figure, and whether it is met."""
+    rate, sound = _part(whole.missed, whole.used), _part(whole.used_held, whole.held)
+    says = f'of {whole.used} called "use" {whole.missed} miss: {100 * rate:.1f} %'
+    yield f"{says} (goal <= {100 * MISSED:g} %)", rate <= MISSED
+    says = f'of {whole.held} sound ones {whole.used_held} are called "use": {100 * sound:.0f} %'
+    yield f"{says} (goal >= {100 * USED:g} %)", sound >= USED
+    for fault, says in (
+        ("misses", f'misses among "use": lower limit above {100 * SURE:g} %'),
+        ("held", f"held: upper limit below {HELD:g}"),
+        ("used", f'sound ones called "use" below {100 * USED_EACH:g} %'),
+    ):
+        names = [row.name for row in rows if fault in row.faults]
+        yield f"{says}, in {len(names)} disturbances (goal 0): {'; '.join(names)}", not names
+    none = next((row for row in rows if row.name == "none"), None)
+    for name, goal in WIDTHS.items() if none is not None and none.widths else ():
+        value = none.widths[name]
+        yield (
+            f"median half width, no disturbance, {name}: {value:.3g} (goal <= {goal:g})",
+            (value <= goal),
+        )
+
+
+def report(lines: Iterable[Mapping]) -> Iterator[str]:
+    """Tables of relaxation records and of other kinds, each with its totals and goals."""
+    lines = list(lines)
+    parts = (
+        ("relaxation", [line for line in lines if line["rig"]]),
+        ("other kinds", [line for line in lines if not line["rig"]]),
+    )
+    for title, some in parts:
+        if not some:
+            continue
+        rows, whole = rows_of(some), Row.of("all", some)
+        yield f"\n{title}: {len(some)} records, {sum(line['cpu'] for line in some):.0f} CPU s\n"
+        yield from shown(rows, whole)
+        yield ""
+        if title == "relaxation":
+            needless = [r.name for r in rows if r.doubted and most(r.held, r.answered) >= HELD]
+            for says, met in goals(rows, whole):
+                yield f"{'met    ' if met else 'NOT met'} {says}"
+            yield f"        doubted, though its limits may well hold: {'; '.join(needless)}"
+        else:
+            rate = _part(whole.missed, whole.used)
+            yield f'of {whole.used} called "use" {whole.missed} miss: {100 * rate:.1f} %'
+
+
+# -- other kinds -----------------------------------------------------------------------------------
+Answer = tuple[str, float]
+"""The verdict, and the largest relative error of what was asked."""
+ALLOWED = 0.05
+"""More than this is a miss: dashpot's own limit for a stiffness that is called right."""
+
+
+def _error(found, truth) -> float:
+    return float(np.max(np.abs(np.asarray(found) / np.asarray(truth) - 1)))
+
+
+def _of_hits(one: Sheet, path: Path) -> Answer:
+    """K at the resonance, by the mass."""
+    return _on_mass(one, dp.estimate_frf(dp.read_impact(path)), one.truth["mass"])
+
+
+def _of_frf(one: Sheet, path: Path) -> Answer:
+    """K at the resonance, by the mass that the lab names."""
+    return _on_mass(one, dp.read_frf(path), one.truth["stated"])
+
+
+def _on_mass(one: Sheet, frf: dp.FRF, mass: float) -> Answer:
+    found = dp.identify(frf, mass=mass, seals=one.truth["seals"])
+    seal = one.truth["seal"]
+    there = 2 * np.pi * seal.peak(one.truth["mass"], one.truth["seals"])[0]
+    error = _error(found.solid.complex_stiffness(there), seal.stiffness(there))
+    return found.verdict.use, error
+
+
+def _of_creep(one: Sheet, path: Path) -> Answer:
+    """k(t) at .1 s to the end of the record."""
+    found = dp.fit_creep(dp.read_creep(path))
+    t = np.geomspace(0.1, one["time"][-1] - 1, 20)
+    return found.verdict.use, _error(found.solid.relaxation(t), one.truth["solid"].relaxation(t))
+
+
+def _of_modulus(one: Sheet, path: Path) -> Answer:
+    """E(t) from the first row to three times the last."""
+    found = dp.fit_modulus(dp.read_modulus(path))
+    t = np.geomspace(0.01, 3 * one.truth["end"], 40)
+    return found.verdict.use, _error(found.solid.relaxation(t), one.truth["solid"].relaxation(t))
+
+
+def _of_dma(one: Sheet, path: Path) -> Answer:
+    """E* over the lines, at 20 degC."""
+    found = dp.fit_dynamic(dp.read_dynamic(path))
+    if one.kind == "dma temperatures":
+        found = found.at_temperature(293.15)
+    omega = 2 * np.pi * np.geomspace(0.1, 30.0, 40)
+    truth = one.truth["solid"].stiffness(omega)
+    return found.verdict.use, _error(found.solid.complex_stiffness(omega), truth)
+
+
+def _of_amplitude(one: Sheet, _: Path) -> Answer:
+    """G* over the amplitudes, at the first frequency, of what was tested, spoilt or not."""
+    f, X = one["frequency"], one["strain"] / 100
+    storage, loss = 1e6 * one["storage"], 1e6 * one["loss"]
+    found = dp.fit_amplitude(dp.AmplitudeSweep(f, X, storage, loss))
+    first = f == f[0]
+    return found.verdict.use, _error(found.stiffness(X[first]), one.truth["pure"][first])
+
+
+def _command(*words: str | Path) -> dict:
+    """What a command prints as JSON; a refusal is one here, too."""
+    done = subprocess.run(
+        [sys.executable, "-m", "dashpot", *map(str, words), "--json"],
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    document = json.loads(done.stdout)
+    if document["schema"].startswith("dashpot/error"):
+        raise dp.DashpotError(document["says"])
+    return document
+
+
+def _of_loops(one: Sheet, path: Path) -> Answer:
+    """K of a vanishing loop: of the solid and of sliders that stick."""
+    document = _command("level", path)
+    seal, hertz = one.truth["seal"], one.truth["frequency"]
+    sticks = sum(seal.friction / 5 / seal.reach / times for times in 2.0 ** np.arange(5))
+    first = document["linear"][0]
+    truth = seal.stiffness(2 * np.pi * hertz) + sticks
+    return document["verdict"]["use"], _error(first["storage"] + 1j * first["loss"], truth)
+
+
+def _of_cld(one: Sheet, path: Path) -> Answer:
+    """Force of the pressing at .6 of the depth in the cycle that is told, read as it was."""
+    at = 0.6 * one.truth["seal"].depth
+    found = dp.cld(dp.read_cld(path), at=at)
+    plate = 1e-3 * one["displacement"]
+    rows = np.arange(len(plate)) * one.truth["cycles"] * 2 // len(plate)
+    told = rows == 2 * (found.cycle.number - 1)
+    slack = plate.max() - one.truth["seal"].depth
+    truth = np.interp(at, plate[told] - slack, one.truth["pure"][told])
+    return found.verdict.use, _error(found.nominal.loading, truth)
+
+
+def _of_rod(one: Sheet, path: Path) -> Answer:
+    """E* at the line of the largest response: ends slide, for it is a rod's theory."""
+    size = f"{one.truth['diameter']}m,{one.truth['length']}m"
+    document = _command(
+        "rod", path, "--disc", size, "--lubricated", "--density", str(one.truth["density"]),
+        "--mass", f"{one.truth['mass']!r}kg",
+    )  # fmt: skip
+    lines = np.asarray(document["frequency"])
+    highest = one["frequency"][np.argmax(np.hypot(one["real"], one["imaginary"]))]
+    line = np.argmin(np.abs(lines - highest))
+    found = document["storage"][line] * (1 + 1j * document["loss_factor"][line])
+    return document["verdict"]["use"], _error(
+        found, one.truth["solid"].stiffness(2 * np.pi * lines[line])
+    )
+
+
+def _of_stretch(one: Sheet, _: Path) -> Answer:
+    """Stress in the three modes over what was stretched, in the largest of each."""
+    law, constants = one.truth["law"], one.truth["constants"]
+    modes, stretch = ("uniaxial", "equibiaxial", "planar"), 1 + one["strain"]
+    tests = [dp.StressStrainTest(mode, stretch, 1e6 * one[mode]) for mode in modes]
+    found = dp.fit_hyperelastic(tests, poisson=0.0 if law == "hyperfoam" else None)
+    worst = 0.0
+    for mode in modes:
+        truth = nominal(law, mode, stretch, constants)
+        off = np.abs(found.law.nominal(mode, stretch) - truth)
+        worst = max(worst, float(off.max() / np.abs(truth).max()))
+    return found.verdict.use, worst
+
+
+def _of_indentation(one: Sheet, path: Path) -> Answer:
+    """The deepest point: of the ball's path, which Hertz and one arm give."""
+    indenter = dp.Indenter(mass=one.truth["mass"])
+    found = dp.fit_indentation(dp.read_indentation(path, indenter=indenter))
+    depth = next(fact.value for fact in found.found if fact.name == "depth")
+    return found.verdict.use, _error(depth, one.truth["depth"])
+
+
+SHEETS: Mapping[str, Callable[[Sheet, Path], Answer]] = {
+    "impact": _of_hits,
+    "frf": _of_frf,
+    "rod": _of_rod,
+    "creep": _of_creep,
+    "modulus": _of_modulus,
+    "dma": _of_dma,
+    "dma temperatures": _of_dma,
+    "amplitude": _of_amplitude,
+    "loops": _of_loops,
+    "cld": _of_cld,
+    "stress strain": _of_stretch,
+    "indentation": _of_indentation,
+}
+
+
+def judged_sheet(one: Sheet) -> dict[str, object]:
+    """One line of a sheet, by its file."""
+    start = time.process_time()
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "one.csv"
+        path.write_text(one.text(), "utf-8")
+        try:
+            use, error = SHEETS[one.kind](one, path)
+        except dp.DashpotError as refusal:
+            said: dict[str, object] = {"use": "refused", "because": [str(refusal)]}
+        else:
+            said = {"use": use, "error": error, "allowed": ALLOWED}
+    return {**said, "cpu": round(time.process_time() - start, 3)}
+
+
+# -- all of them -----------------------------------------------------------------------------------
+
+
+def chosen(per: int, seed: int) -> Iterator[tuple[int, str]]:
+    """Truths, by number, and rigs: round by round, in each every rig with a truth of its own."""
+    orders = {
+        rig: np.random.default_rng([seed, crc32(rig.encode())]).permutation(len(TRUTHS))
+        for rig in RIGS
+    }
+    for turn in range(min(per, len(TRUTHS))):
+        for rig, order in orders.items():
+            yield int(order[turn]), rig
+
+
+def lines_of(path: Path) -> list[dict]:
+    return [json.loads(line) for line in path.read_text("utf-8").splitlines() if line]
+
+
+def work(options: argparse.Namespace) -> Iterator[tuple[dict, Callable[[], dict]]]:
+    """What names each record, and what judges it."""
+    wanted = re.compile(options.only)
+    for number, rig in chosen(options.per, options.seed):
+        if wanted.search(rig):
+            name = {"group": rig, "rig": True, "name": TRUTHS[number].name, "seed": options.seed}
+            yield (
+                name,
+                lambda number=number, rig=rig: judged(
+                    next(verdict_records([TRUTHS[number]], [rig], options.seed))
+                ),
+            )
+    for kind in SHEETS:
+        for one in sheets(kind, options.kinds, options.seed) if wanted.search(kind) else ():
+            group = f"{kind}, {one.spoilt or 'sound'}"
+            name = {"group": group, "rig": False, "name": one.name, "seed": options.seed}
+            yield name, lambda one=one: judged_sheet(one)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("out", type=Path, nargs="?", help="one line to a record; is added to")
+    parser.add_argument("--per", type=int, default=10, help="truths to a disturbance, up to 42")
+    parser.add_argument("--kinds", type=int, default=20, help="sheets of each other kind")
+    parser.add_argument("--only", default="", help="disturbances and kinds, a regular expression")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--table", type=Path, help="print a kept file and run nothing")
+    options = parser.parse_args()
+    if options.table is None:
+        if options.out is None:
+            parser.error("name the file that keeps the lines, or --table FILE")
+        known = lines_of(options.out) if options.out.exists() else []
+        done = {(o["group"], o["name"], o["seed"]) for o in known}
+        with options.out.open("a", encoding="utf-8") as out:
+            for name, judge in work(options):
+                if (name["group"], name["name"], name["seed"]) not in done:
+                    out.write(json.dumps({**name, **judge()}) + "\n")
+                    out.flush()
+    print("\n".join(report(lines_of(options.table or options.out))))
+
+
+if __name__ == "__main__":
+    main()
