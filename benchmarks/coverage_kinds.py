@@ -150,7 +150,7 @@ STUDIES = {
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("study", choices=STUDIES)
+    parser.add_argument("study", choices=STUDIES, nargs="?", default="figures")
     parser.add_argument("--seeds", type=int, default=200)
     parser.add_argument("--first", type=int, default=7000)
     options = parser.parse_args()

@@ -452,7 +452,7 @@ def work(options: argparse.Namespace) -> Iterator[tuple[dict, Callable[[], dict]
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("out", type=Path, nargs="?", help="one line to a record; is added to")
+    parser.add_argument("out", type=Path, nargs="?", help="a line to a record; added to")
     parser.add_argument("--per", type=int, default=10, help="truths to a disturbance, up to 42")
     parser.add_argument("--kinds", type=int, default=20, help="sheets of each other kind")
     parser.add_argument("--only", default="", help="disturbances and kinds, a regular expression")
@@ -461,7 +461,7 @@ def main() -> None:
     options = parser.parse_args()
     if options.table is None:
         if options.out is None:
-            parser.error("name the file that keeps the lines, or --table FILE")
+            options.out = Path(tempfile.mkdtemp()) / "verdicts.jsonl"
         known = lines_of(options.out) if options.out.exists() else []
         done = {(o["group"], o["name"], o["seed"]) for o in known}
         with options.out.open("a", encoding="utf-8") as out:
