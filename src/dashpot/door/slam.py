@@ -9,6 +9,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, IndexArray
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
+from dashpot.base.facts import NORMAL
 from dashpot.base.units import GRAVITY, Quantity, si
 from dashpot.door.closing import ELASTIC, STEPS, ClosingDoor, March, march
 from dashpot.door.closing_record import ClosingSetup, Tolerances
@@ -25,7 +26,6 @@ _COARSE, _FEW, _ROUGH = 60, 24, 1e-3
 _NOTHING = 1e-9
 """Of the energy at 1 m/s: a door that closes with so little closes by itself."""
 _TRIES = 60
-_95 = 1.96
 _FASTER = (1.02, 1.1, 1.25, 1.5, 2.0, 3.0)
 
 
@@ -138,12 +138,12 @@ class SealDoubt:
         law = fit.elastic_law
         straight = law is not None and law.kind == "linear"
         leads = [
-            max(_95 * float(np.hypot(one.standard_error, one.prior_sd)) - one.value, 0.0)
+            max(NORMAL * float(np.hypot(one.standard_error, one.prior_sd)) - one.value, 0.0)
             for one in fit.nuisance
             if straight and one.name.startswith("delay") and one.prior_sd is not None
         ]
         return cls(
-            _95 * float(np.sqrt(max(variance, 0.0))) / k_0 if k_0 > 0 else 0.0,
+            NORMAL * float(np.sqrt(max(variance, 0.0))) / k_0 if k_0 > 0 else 0.0,
             # every test is of the same arms
             min((one for one in leads if np.isfinite(one)), default=float("inf")),
             fit.band[1],

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from dashpot.base.facts import NORMAL
 from dashpot.base.numbers import rounded, shown
 from dashpot.base.units import in_unit
 from dashpot.plot.picture import (
@@ -125,7 +126,7 @@ def several_masses(found: SeveralMasses, frfs: Sequence[FRF], *, stamp: str = ""
             in_unit((each.imag if i else each.real)[order], "N/mm")
             for each in (found.stiffness, found.at_poles)
         )
-        error = 1.96 * in_unit(found.spread[order, i], "N/mm")
+        error = NORMAL * in_unit(found.spread[order, i], "N/mm")
         marks = (
             Line(hertz[order], solid, FOUND),
             Dots(hertz[order], solid, "fit", "the linear solid nearest to all", hollow=True,

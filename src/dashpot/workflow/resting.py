@@ -12,6 +12,7 @@ import numpy.typing as npt
 import dashpot as dp
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
+from dashpot.base.facts import NORMAL
 from dashpot.base.units import in_unit, written
 from dashpot.fitting.uncertainty.prediction_bounds import PredictedFRF, formal_frf_band
 from dashpot.records.bounds import FRFBounds
@@ -24,8 +25,6 @@ from dashpot.vibration.systems.operating_point import OperatingPoint, operating_
 from dashpot.vibration.systems.prediction import model_modes
 from dashpot.workflow.checks import families_predict_alike
 
-# standard errors to either side of a tangent
-REACH = 1.96
 # lines of the limits over a band
 LIMIT_LINES = 401
 # what a tangent in doubt keeps at least of its value
@@ -166,7 +165,7 @@ def frf_limits(
     if temperature is not None and moved is not None and temperature != moved.reference:
         here, b_t = found.at_temperature(temperature), moved.b_t(temperature)
         doubt_a, doubt_b = moved.error(temperature)
-        reach = REACH * doubt_a
+        reach = NORMAL * doubt_a
         ends = list(float(moved.law.a_t(temperature)) * np.exp([-reach, reach]))
     s = point.factor * b_t
     each = []
@@ -295,7 +294,7 @@ def _slid(frequency: FloatArray, limits: FloatArray, point: OperatingPoint) -> F
     A stiffness that hardly changes over a few per cent of frequency, times s, answers at f as the
     old one at :math:`f/\sqrt s`.
     """
-    part = REACH * point.factor_se / point.factor
+    part = NORMAL * point.factor_se / point.factor
     if part <= 0:
         return limits
     first, last = frequency / np.sqrt(1 + part), frequency / np.sqrt(max(1 - part, SOFTEST))

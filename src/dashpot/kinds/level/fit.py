@@ -7,6 +7,7 @@ import numpy as np
 from dashpot.base.arrays import BoolArray, ComplexArray, median
 from dashpot.base.checks import Check
 from dashpot.base.errors import FitError
+from dashpot.base.facts import NORMAL
 from dashpot.kinds.level.checks import (
     FAR_ENOUGH,
     MATTERS,
@@ -32,7 +33,6 @@ _WORDS = {
 }
 _PARTED = 2.0
 """Difference of BIC below which two laws are not told apart (Kass and Raftery 1995)."""
-_95 = 1.96
 _STRAY = 5.0
 """A leading sample so many robust SD off is of an instrument that is not yet in its range."""
 
@@ -127,7 +127,7 @@ def _unseen(sweep: AmplitudeSweep, best: Fitted) -> float:
     law = "cubic" if best.law == "none" else f"{best.law}+cubic"
     held = best.numbers.get("exponent") if best.se.get("exponent") == 0 else None
     beside = fitted(sweep, law, held)
-    return abs(beside.numbers["k3"]) + _95 * beside.se["k3"]
+    return abs(beside.numbers["k3"]) + NORMAL * beside.se["k3"]
 
 
 def _ranked(sweep: AmplitudeSweep, law: str) -> list[Fitted]:
