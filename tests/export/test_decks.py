@@ -357,6 +357,15 @@ def test_lsdyna_arms(solid):
     assert len(arms) == solid.arms
 
 
+def test_lsdyna_pulls_along_a_vector_that_does_not_turn(paper_seal):
+    """As the manual lays it out: IOP 0 and a vector; VID in the fifth field of eight columns."""
+    lines = export.lsdyna(paper_seal, units="SI").splitlines()
+    vector = lines[lines.index("*DEFINE_SD_ORIENTATION") + 2]
+    assert [float(vector[i : i + 10]) for i in range(0, 70, 10)] == [1, 0, 1, 0, 0, 0, 0]
+    elements = [lines[i + 1] for i, line in enumerate(lines) if line == "*ELEMENT_DISCRETE"]
+    assert [int(each[32:40]) for each in elements] == [1] * (1 + paper_seal.arms)
+
+
 @given(solids)
 def test_ansys_arms(solid):
     """Each real constant set is an element; arms are two of them through a node of their own."""
