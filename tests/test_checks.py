@@ -46,7 +46,6 @@ from dashpot.planning.expected import Pulse, RecordNeed
 from dashpot.preparation import checks as preparation
 from dashpot.preparation.contact import Baseline, Touch
 from dashpot.preparation.filters import parse_filter
-from dashpot.preparation.segments import MotionSegment, RampHoldCycle
 from dashpot.records.alternative import Alternative
 from dashpot.records.bounds import EndOfHold
 from dashpot.records.creep import LoadHold
@@ -59,6 +58,7 @@ from dashpot.records.relaxation import RampHold
 from dashpot.records.shaken import ShakenTest
 from dashpot.records.specimen import Specimen
 from dashpot.records.temperature import Shift, TemperatureShifts
+from dashpot.signals.segments import MotionSegment, RampHoldCycle
 from dashpot.solids.interconversion import CreepSpectrum
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.table_1 import PAPER

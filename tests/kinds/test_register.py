@@ -57,7 +57,7 @@ NAMED = {
     "io/readers/": "which files a reader takes",
     "kinds/": "the register, and the rooms",
     "lots/row.py": "a sweep as wide as no machine makes one is a master curve",
-    "preparation/": "what the moves of a record show",
+    "signals/": "what the moves of a record show",
     "workflow/examples.py": "what an example is",
 }
 """Where a kind of file is named, and why; everybody else asks the register."""

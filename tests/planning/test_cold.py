@@ -28,7 +28,7 @@ def loss_factor_sd(solid: GeneralizedMaxwell, rows: np.ndarray) -> float:
 
     def loss_factor(q: np.ndarray) -> float:
         one = GeneralizedMaxwell(q[0], tuple(q[1 : 1 + n]), tuple(np.exp(q[1 + n :])))
-        return float(one.loss_factor(2 * np.pi * AT))
+        return float(one.loss_factor(omega=2 * np.pi * AT))
 
     slope = np.zeros(rows.shape[1])
     for i in range(len(p)):

@@ -15,11 +15,11 @@ from dashpot.base.status import Status
 from dashpot.base.units import celsius, written
 from dashpot.preparation.contact import MIN_BASELINE, Baseline, Touch
 from dashpot.preparation.denoising import true_motion
-from dashpot.preparation.noise import median_of_three, spikes, usual_scatter
-from dashpot.preparation.segments import RampHoldCycle, listed
 from dashpot.records.creep import LoadHold
 from dashpot.records.relaxation import MAX_CREEP, RampHold, quantum
 from dashpot.records.specimen import Specimen
+from dashpot.signals.noise import median_of_three, spikes, usual_scatter
+from dashpot.signals.segments import RampHoldCycle, listed
 
 LAW = "by law; a tenth for noise and drift"
 MIN_QUANTA = 20.0

@@ -13,10 +13,10 @@ from dashpot.base.arrays import FloatArray, IndexArray, median
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Step
 from dashpot.preparation import checks
-from dashpot.preparation.noise import scatter, without_spikes
-from dashpot.preparation.segments import cycles_of, find_segments
 from dashpot.records.creep import STRAIGHT, CreepTest, LoadHold
 from dashpot.records.relaxation import quantum
+from dashpot.signals.noise import scatter, without_spikes
+from dashpot.signals.segments import cycles_of, find_segments
 
 _FEWEST = 8
 # steps and tolerance of the search for the times of corners

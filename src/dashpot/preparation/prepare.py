@@ -23,9 +23,9 @@ from dashpot.preparation.contact import (
 from dashpot.preparation.filters import filtered, parse_filter
 from dashpot.preparation.hum import hum_lines, hum_step
 from dashpot.preparation.motion import PlateMotion, find_motion, from_contact, given_motion
-from dashpot.preparation.noise import evenly_sampled, median_of_three, scatter, without_spikes
 from dashpot.records.machine import Machine
 from dashpot.records.relaxation import RampHold, RelaxationTest, quantum
+from dashpot.signals.noise import evenly_sampled, median_of_three, scatter, without_spikes
 
 
 def prepare(

@@ -27,9 +27,9 @@ from dashpot.kinds.level.fit import fit_amplitude
 from dashpot.kinds.level.prepare import sweep_of_loops
 from dashpot.kinds.level.read import read_amplitude
 from dashpot.kinds.level.record import AmplitudeFit, AmplitudeSweep
-from dashpot.preparation.segments import Loading
 from dashpot.records.frf import FRF, Kind
 from dashpot.records.relaxation import RelaxationTest
+from dashpot.signals.segments import Loading
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.systems.level import mass_at_level
 from dashpot.vibration.systems.mounts import on_heavy_mounts

@@ -14,7 +14,6 @@ from dashpot.base.options import offered
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import about
 from dashpot.preparation.creep import load_hold
-from dashpot.preparation.motion import loading_in
 from dashpot.records.creep import Creep, CreepCompliance, CreepTest, LoadHold
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.fit import Fit
@@ -23,6 +22,7 @@ from dashpot.records.modulus import RelaxationModulus
 from dashpot.records.relaxation import RampHold, RelaxationTest
 from dashpot.records.specimen import Specimen
 from dashpot.records.superposition import Superposition
+from dashpot.signals.loading import loading_in
 from dashpot.workflow.job import Cuts, Job, known_of_a_test
 from dashpot.workflow.shifting import ShiftChoices, each_specimen, one_temperature, shifted_ramps
 
@@ -271,7 +271,10 @@ def _as_creep(
     for test in tests:
         if isinstance(test, CreepTest | CreepCompliance):
             found.append(test)
-        elif isinstance(test, RelaxationTest) and loading_in(test) == "creep":
+        elif (
+            isinstance(test, RelaxationTest)
+            and loading_in(test.time, test.displacement, test.force) == "creep"
+        ):
             signals = test.time, test.displacement, test.force
             found.append(CreepTest(*signals, specimen=test.specimen, source=test.source))
     return found

@@ -18,10 +18,10 @@ from dashpot.io.readers.inspect import Inspection, inspect_opened
 from dashpot.io.readers.relaxation import relaxation_in
 from dashpot.io.source import about
 from dashpot.kinds import KINDS
-from dashpot.preparation.motion import loading_in
 from dashpot.preparation.prepare import prepare
 from dashpot.records.relaxation import RampHold, RelaxationTest
 from dashpot.records.specimen import Specimen
+from dashpot.signals.loading import loading_in
 
 Reader: TypeAlias = Callable[[Opened], RelaxationTest]
 Preparer: TypeAlias = Callable[[RelaxationTest, ReadOptions], RampHold]
@@ -119,7 +119,7 @@ def _inspected(
     try:
         with about(file.raw.name):
             record = read(file)
-        loading = loading_in(record)
+        loading = loading_in(record.time, record.displacement, record.force)
         if loading in RECOGNISED and loading != "relaxation":
             plain |= {"kind": loading, "reason": f"it is {RECOGNISED[loading].what}"}
         if loading in KINDS and KINDS[loading].reader != KINDS["relaxation"].reader:

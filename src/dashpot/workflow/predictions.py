@@ -278,7 +278,9 @@ def predict_files(
         _refuse_records(records)
         material, measured = here.solid, _measured_at(swept, choices, asked)
         here = found = applied(part, here, seals=seals, base=asked.over_base, peak=measured)
-        stiffer = float(abs(here.solid.complex_stiffness(1.0) / material.complex_stiffness(1.0)))
+        stiffer = float(
+            abs(here.solid.complex_stiffness(omega=1.0) / material.complex_stiffness(omega=1.0))
+        )
     rests = at_rest(here, mass=moving, seals=seals, compression=compression)
     # over a base, mounts that weigh something couple the mass to it
     coupled = entrained(seal_mass, seals) if asked.over_base else 0.0

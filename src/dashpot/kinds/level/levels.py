@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -16,10 +16,10 @@ from dashpot.base.facts import Fact
 from dashpot.base.numbers import counted
 from dashpot.base.offered import Described
 from dashpot.base.provenance import Source, Step
-from dashpot.base.units import in_unit, written
+from dashpot.base.units import Quantity, in_unit, written
 from dashpot.records.specimen import Specimen
 from dashpot.solids.friction import Jenkins
-from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.solids.maxwell import GeneralizedMaxwell, angular
 from dashpot.solids.rate_independent import InParallel, RateIndependent
 from dashpot.solids.stiffening import Cubic
 
@@ -162,9 +162,18 @@ class LevelFit(ByValue, Described, Checked, Documented):
         """`orders` by their names."""
         return dict(self.orders)
 
-    def stiffness(self, omega: npt.ArrayLike, amplitude: npt.ArrayLike) -> ComplexArray:
-        """Complex stiffness of one seal, N/m, at rad/s and amplitudes, m."""
-        return InParallel((self.solid, *self.beside)).equivalent(omega, amplitude)
+    @overload
+    def stiffness(
+        self, *, amplitude: npt.ArrayLike, frequency: Quantity | npt.ArrayLike
+    ) -> ComplexArray: ...
+    @overload
+    def stiffness(self, *, amplitude: npt.ArrayLike, omega: npt.ArrayLike) -> ComplexArray: ...
+    def stiffness(
+        self, *bare: object, amplitude: Any = None, frequency: Any = None, omega: Any = None
+    ) -> ComplexArray:
+        """Complex stiffness of one seal, N/m, at amplitudes, m, and Hz or rad/s."""
+        at = angular(*bare, frequency=frequency, omega=omega)
+        return InParallel((self.solid, *self.beside)).equivalent(at, amplitude)
 
     def interval(
         self, follows: Callable[[GeneralizedMaxwell, Elements], npt.ArrayLike]
@@ -222,7 +231,7 @@ class LevelFit(ByValue, Described, Checked, Documented):
         """The verdict, and what moves with amplitude by how much."""
         low, high = self.amplitudes
         middle = np.pi * (self.band[0] + self.band[1])
-        ends = self.stiffness(middle, [low, high])
+        ends = self.stiffness(omega=middle, amplitude=[low, high])
         factor = ends.imag / ends.real
         return (
             str(self.verdict),

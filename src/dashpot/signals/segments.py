@@ -12,8 +12,8 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, median
 from dashpot.base.errors import DataError
 from dashpot.base.units import written
-from dashpot.preparation.noise import median_of_three, usual_scatter
 from dashpot.records.relaxation import quantum
+from dashpot.signals.noise import median_of_three, usual_scatter
 
 _LEAST_MOVE = 0.05
 """A move smaller than this part of the whole travel is settling, not a ramp."""
