@@ -218,7 +218,9 @@ class LevelFit(ByValue, Described, Checked, Documented):
     def sound(self) -> str:
         """By how much the stiffness changes with amplitude, and where the lines cover it."""
         low, high = self.amplitudes
-        ends = self.stiffness(np.pi * (self.band[0] + self.band[1]), [low, high]).real
+        ends = self.stiffness(
+            amplitude=[low, high], omega=np.pi * (self.band[0] + self.band[1])
+        ).real
         way = "falls" if ends[1] < ends[0] else "rises"
         return (
             f"from {in_unit(low, 'mm'):.3g} to {written(high, 'mm', '.3g')} the stiffness of one "
