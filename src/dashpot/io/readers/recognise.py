@@ -73,17 +73,26 @@ class Recognised:
     @property
     def what(self) -> str:
         """What such a file is called."""
-        if not self.stored and self.kind in RECOGNISED:
-            return RECOGNISED[self.kind].what
-        if self.kind in OWN:
-            return OWN[self.kind].what
-        return "no test that is known" if not self.stored else f"a stored '{self.kind}'"
+        return called(self.kind)
 
     @property
     def use(self) -> str:
         """Which command wants it, or why none does; empty where that is not known."""
         known = OWN if self.stored or self.kind in OWN else RECOGNISED
         return known[self.kind].use if self.kind in known else ""
+
+
+def called(kind: str) -> str:
+    """Return what a file of a kind is called, such as "a relaxation test".
+
+    >>> called("cyclic"), called("fit"), called("comparison")
+    ('a cyclic run without a hold', 'a fit', 'a stored comparison')
+    """
+    known = RECOGNISED if kind in RECOGNISED else OWN
+    if kind in known:
+        return known[kind].what
+    test = {"unclear": "no test that is known", "not-a-test": "no test"}
+    return test.get(kind, f"a stored {kind.replace('-', ' ')}")
 
 
 def recognise(
