@@ -273,7 +273,7 @@ def _on_mass(one: Sheet, frf: dp.FRF, mass: float) -> Answer:
     found = dp.identify(frf, mass=mass, seals=one.truth["seals"])
     seal = one.truth["seal"]
     there = 2 * np.pi * seal.peak(one.truth["mass"], one.truth["seals"])[0]
-    error = _error(found.solid.complex_stiffness(there), seal.stiffness(there))
+    error = _error(found.solid.complex_stiffness(omega=there), seal.stiffness(there))
     return found.verdict.use, error
 
 
@@ -298,7 +298,7 @@ def _of_dma(one: Sheet, path: Path) -> Answer:
         found = found.at_temperature(293.15)
     omega = 2 * np.pi * np.geomspace(0.1, 30.0, 40)
     truth = one.truth["solid"].stiffness(omega)
-    return found.verdict.use, _error(found.solid.complex_stiffness(omega), truth)
+    return found.verdict.use, _error(found.solid.complex_stiffness(omega=omega), truth)
 
 
 def _of_amplitude(one: Sheet, _: Path) -> Answer:

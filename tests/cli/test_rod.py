@@ -86,7 +86,7 @@ def test_from_a_file_to_a_part(tmp_path):
     fit = dp.from_json((tmp_path / "fit.json").read_text())
     assert fit.unit == "Pa"
     inside = np.linspace(low, high, 9)
-    stiffness = fit.model.complex_stiffness(2 * np.pi * inside)
+    stiffness = fit.model.complex_stiffness(omega=2 * np.pi * inside)
     assert np.abs(stiffness / rubber(inside) - 1).max() < 2e-3
     assert fit.steps[0].name == "rod_modulus"
     assert "storage modulus" in picture.read_text("utf-8")

@@ -41,7 +41,7 @@ def fitted():
 def test_a_fit_of_several_temperatures_is_that_of_their_reference(fitted):
     omega = 2 * np.pi * np.geomspace(0.01, 1e4, 30)
     true = modulus(omega / (2 * np.pi), REFERENCE)
-    found = fitted.model.complex_stiffness(omega)
+    found = fitted.model.complex_stiffness(omega=omega)
     assert np.abs(found / true - 1).max() < 0.02
     assert fitted.specimen.temperature == pytest.approx(REFERENCE)
     assert fitted.temperature_law.kind == "wlf"
@@ -52,7 +52,7 @@ def test_a_fit_of_several_temperatures_is_that_of_their_reference(fitted):
 def test_it_foretells_a_temperature_that_was_not_tested(fitted):
     kelvin = 298.15
     frequency = np.geomspace(0.1, 10, 9)
-    found = fitted.at(kelvin).complex_stiffness(2 * np.pi * frequency)
+    found = fitted.at(kelvin).complex_stiffness(omega=2 * np.pi * frequency)
     assert np.abs(found / modulus(frequency, kelvin) - 1).max() < 0.02
     assert fitted.at_temperature(kelvin).specimen.temperature == kelvin
 
@@ -67,7 +67,7 @@ def test_few_arms_stay_where_they_follow_as_closely():
     frequency = np.geomspace(0.05, 5, 12)
     draw = np.random.default_rng(2).standard_normal((2, 36))
     value = np.concatenate(
-        [ZENER.shifted(a).complex_stiffness(2 * np.pi * frequency) for a in (6.0, 1.0, 0.2)]
+        [ZENER.shifted(a).complex_stiffness(omega=2 * np.pi * frequency) for a in (6.0, 1.0, 0.2)]
     )
     value = value + 0.005 * np.abs(value) * (draw[0] + 1j * draw[1])
     data = dp.DynamicTest(

@@ -25,7 +25,7 @@ LIQUID = GeneralizedMaxwell(0.0, k=(1.0, 1.0, 1.0, 1.0), tau=(0.05, 0.5, 5.0, 50
 
 
 def sweep(model: GeneralizedMaxwell, frequency: np.ndarray) -> DynamicTest:
-    value = model.complex_stiffness(2 * np.pi * frequency)
+    value = model.complex_stiffness(omega=2 * np.pi * frequency)
     return DynamicTest(frequency, value.real, value.imag)
 
 
@@ -128,8 +128,8 @@ def test_the_told_misfit_is_that_of_the_told_model() -> None:
     data = DynamicTest(f, exact.storage * noise[:80], exact.loss * noise[20:])
     both = dynamic_master_curve(data)
     for misfit, fitted, measured in (
-        (both.misfit[0], both.model.storage(data.omega), data.storage),
-        (both.misfit[1], both.model.loss(data.omega), data.loss),
+        (both.misfit[0], both.model.storage(omega=data.omega), data.storage),
+        (both.misfit[1], both.model.loss(omega=data.omega), data.loss),
     ):
         assert misfit.rms == pytest.approx(np.sqrt(np.mean((fitted / measured - 1) ** 2)), rel=1e-9)
 
@@ -265,7 +265,7 @@ def test_a_dynamic_master_curve_over_26_decades(shared_data: Path) -> None:
     assert loss.largest < 0.31
     assert storage.largest < 0.55
     assert found.rms < 0.18
-    assert found.model.storage(data.omega[0]) > 40e6
+    assert found.model.storage(omega=data.omega[0]) > 40e6
     terms = ansys_terms(
         shared_data / "pyvisco-master-curves" / "ansys-reference" / "freq_master.prony_terms.MPL"
     )

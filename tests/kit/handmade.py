@@ -174,7 +174,7 @@ def unseen_band() -> StiffnessBounds:
     omega = 2 * np.pi * frequency
     model = two_arms().model
     reach = 1 / (1 + (0.5 / frequency) ** 2)
-    storage, loss = model.storage(omega), model.loss(omega)
+    storage, loss = model.storage(omega=omega), model.loss(omega=omega)
     return StiffnessBounds(
         frequency=frequency,
         storage=np.array([storage - 0.5 * reach, storage + 90 * reach]),

@@ -110,7 +110,7 @@ def test_stiffness_and_loss_are_those_of_the_fit_where_they_were_asked_for(folde
     fit = dp.fit(test, arms=2)
     solid = fit.model_at(2.6e-3)
     for name, frequency in (("12.7Hz", 12.7), ("0.1Hz", 0.1)):
-        value = solid.complex_stiffness(2 * np.pi * frequency)
+        value = solid.complex_stiffness(omega=2 * np.pi * frequency)
         assert row[f"storage_at_{name}_2.6mm_N_per_m"] == value.real
         assert row[f"loss_at_{name}_2.6mm_N_per_m"] == value.imag
         assert row[f"loss_factor_at_{name}_2.6mm"] == value.imag / value.real

@@ -12,10 +12,10 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 
 def test_a_solid_measured_is_the_solid(paper_seal: GeneralizedMaxwell) -> None:
     frequency = np.geomspace(0.01, 10, 20)
-    value = paper_seal.complex_stiffness(2 * np.pi * frequency)
+    value = paper_seal.complex_stiffness(omega=2 * np.pi * frequency)
     test = DynamicTest(frequency, value.real, value.imag, unit="N/m")
     np.testing.assert_array_equal(test.value, value)
-    np.testing.assert_allclose(test.loss_factor, paper_seal.loss_factor(test.omega))
+    np.testing.assert_allclose(test.loss_factor, paper_seal.loss_factor(omega=test.omega))
     assert (test.loss > 0).all()
 
 

@@ -25,7 +25,7 @@ def nouns(tmp_path_factory):
     path.write_text(write_relaxation(handmade.raw_test()))
     study = handmade.study()
     f = np.geomspace(1.0, 100.0, 9)
-    K = PAPER.complex_stiffness(2 * np.pi * f)
+    K = PAPER.complex_stiffness(omega=2 * np.pi * f)
     return {
         "Fit": study.fit,
         "FRF": study.measured,

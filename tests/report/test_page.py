@@ -629,7 +629,7 @@ def test_a_spring_without_arms_and_a_seal_without_source_are_reported():
 
 def test_a_solid_that_is_no_sum_of_arms_is_reported_by_its_own_stiffness(sketch):
     text = sketch(replace(handmade.bench_only(), fit=a_fit(SEAL, band=handmade.BAND)))
-    K = complex(SEAL.complex_stiffness(2 * np.pi))
+    K = complex(SEAL.complex_stiffness(omega=2 * np.pi))
     at_1_hz = " ".join(rounded(v) for v in (1e-3 * K.real, 1e-3 * K.imag, K.imag / K.real))
     assert f"1.00 {at_1_hz} extrapolated" in text
     assert "with a springpot of slope 0.600 beside it" in text

@@ -39,8 +39,8 @@ BROAD_AT = (
 @pytest.mark.parametrize(("celsius", "storage", "loss_factor", "peak", "height"), BROAD_AT)
 def test_the_broad_seal_follows_temperature(celsius, storage, loss_factor, peak, height):
     felt = Climate(celsius + 273.15).felt(BROAD)
-    assert 1e-3 * felt.storage(OMEGA) == pytest.approx(storage, rel=3e-6)
-    assert felt.loss_factor(OMEGA) == pytest.approx(loss_factor, rel=6e-6)
+    assert 1e-3 * felt.storage(omega=OMEGA) == pytest.approx(storage, rel=3e-6)
+    assert felt.loss_factor(omega=OMEGA) == pytest.approx(loss_factor, rel=6e-6)
     lines = peak + np.linspace(-2e-3, 2e-3, 4001)
     found = np.abs(accelerance(2 * felt, BROAD_MASS, 2j * np.pi * lines))
     assert lines[np.argmax(found)] == pytest.approx(peak, abs=6e-6)
@@ -48,7 +48,7 @@ def test_the_broad_seal_follows_temperature(celsius, storage, loss_factor, peak,
 
 
 def test_the_hidden_seal_is_the_papers_with_the_arm_it_supposes():
-    assert HIDDEN.loss_factor(OMEGA) == pytest.approx(0.0783383, rel=1e-5)
+    assert HIDDEN.loss_factor(omega=OMEGA) == pytest.approx(0.0783383, rel=1e-5)
     assert mass_for_peak(2 * HIDDEN, 12.71) == pytest.approx(HIDDEN_MASS, rel=1e-8)
 
 

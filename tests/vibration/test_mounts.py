@@ -23,7 +23,7 @@ AT = np.array([6.0, 12.71, 25.0, 40.0])
 def rod(frequency, mass=MASS, mounts=HEAVY):
     r"""T = 1 / (cos q - (m w^2 / (K q)) sin q), q^2 = w^2 m_r / K: waves and all."""
     w = 2 * np.pi * np.asarray(frequency)
-    K = SOLID.complex_stiffness(w)
+    K = SOLID.complex_stiffness(omega=w)
     q = np.sqrt(w**2 * mounts / K)
     return dp.FRF(
         frequency, 1 / (np.cos(q) - mass * w**2 / (K * q) * np.sin(q)), "transmissibility"
@@ -34,7 +34,7 @@ def missed(frf, mass):
     """By how much the storage stiffness is off, per cent."""
     w = 2 * np.pi * frf.frequency
     K = mass * w**2 * frf.value / (frf.value - 1)
-    return 100 * (K.real / SOLID.storage(w) - 1)
+    return 100 * (K.real / SOLID.storage(omega=w) - 1)
 
 
 def test_what_each_share_of_the_mounts_mass_leaves():
@@ -54,7 +54,7 @@ def test_there_and_back():
     back = on_light_mounts(heavy, mass=0.11, coupled=0.002)
     assert back.value == pytest.approx(light.value, rel=1e-12)
     w2 = (2 * np.pi * f) ** 2
-    K = SOLID.complex_stiffness(np.sqrt(w2))
+    K = SOLID.complex_stiffness(omega=np.sqrt(w2))
     assert heavy.value == pytest.approx((K + 0.002 * w2) / (K - 0.11 * w2), rel=1e-12)
     with pytest.raises(DataError, match="expected a transmissibility"):
         on_heavy_mounts(light.to("accelerance", mass=0.11), mass=0.11, coupled=0.002)
@@ -77,7 +77,7 @@ def test_the_mass_of_the_seals_is_told_once_to_each_command(tmp_path):
     assert peaks[1] > 0.999 > peaks[0]
     direct = ran("identify", str(path), *mass, *seal, "--arms", "1")["direct"]
     near = np.interp([8.0, 20.0], direct["frequency_hz"], direct["stiffness"])
-    assert near == pytest.approx(PAPER.storage(2 * np.pi * np.array([8.0, 20.0])), rel=2e-3)
+    assert near == pytest.approx(PAPER.storage(omega=2 * np.pi * np.array([8.0, 20.0])), rel=2e-3)
     lines = ["--band", "5:25Hz", "--lines", "401"]
     base = ran("predict", str(fit), *mass, *seal, "--base", *lines)
     size = np.hypot(base["real"], base["imag"])

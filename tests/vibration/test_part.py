@@ -163,7 +163,7 @@ def sweeps(seed=0, noise=0.01):
     for celsius in (-15, 0, 12, 23, 45):
         T = celsius + 273.15
         a = 10 ** (-6.94 * (T - 296.15) / (129.6 + T - 296.15))
-        E = RUBBER.complex_stiffness(2 * np.pi * f * a)
+        E = RUBBER.complex_stiffness(omega=2 * np.pi * f * a)
         E = E * (1 + noise * (rng.normal(size=len(f)) + 1j * rng.normal(size=len(f))) / np.sqrt(2))
         rows.append((f, E.real, E.imag, np.full(len(f), T)))
     return DynamicTest(*(np.concatenate(each) for each in zip(*rows, strict=True)))
@@ -191,7 +191,7 @@ def test_from_sweeps_to_two_discs_on_a_shaker():
 
     # an amplitude sweep of the material at 10 Hz tells the softening, in displacement of the part
     X = np.geomspace(1e-6, 1e-3, 16)
-    E = RUBBER.complex_stiffness(2 * np.pi * 10) * phi(X)
+    E = RUBBER.complex_stiffness(omega=2 * np.pi * 10) * phi(X)
     law = dp.fit_amplitude(
         AmplitudeSweep(np.full(16, 10.0), X, E.real, E.imag, of="m"), law="factor"
     )
@@ -218,7 +218,7 @@ def test_from_sweeps_to_two_discs_on_a_shaker():
         want = []
         for hz in f:
             w = 2 * np.pi * hz
-            K = true.complex_stiffness(w)
+            K = true.complex_stiffness(omega=w)
 
             def over(u, w=w, K=K):
                 X = np.exp(u)
@@ -241,7 +241,7 @@ class TestCommand:
     @pytest.fixture
     def dma(self, tmp_path):
         f = np.geomspace(0.01, 1000, 40)
-        E = RUBBER.complex_stiffness(2 * np.pi * f)
+        E = RUBBER.complex_stiffness(omega=2 * np.pi * f)
         path = tmp_path / "dma.csv"
         np.savetxt(
             path,

@@ -157,7 +157,7 @@ def test_a_solid_is_identified_whatever_the_gain_and_delay_of_the_sensor():
     seen = gain * np.exp(-known.s * delay) * known.value
     found = dp.identify(replace(known, value=seen + noise, sd=sd), mass=BROAD_MASS, seals=2, arms=2)
     w = 2 * np.pi * np.array([9.0, 12.71, 18.0])
-    assert found.model.storage(w) == pytest.approx(BROAD.storage(w), rel=0.01)
+    assert found.model.storage(omega=w) == pytest.approx(BROAD.storage(omega=w), rel=0.01)
     told = {one.name: one for one in found.nuisance}
     assert told["gain"].value == pytest.approx(gain, abs=3e-3)
     assert told["delay"].value == pytest.approx(delay, abs=2e-5)
@@ -166,7 +166,7 @@ def test_a_solid_is_identified_whatever_the_gain_and_delay_of_the_sensor():
 @pytest.mark.parametrize("coupled", [0.0, 3e-3])
 def test_its_limits_are_those_of_the_accelerance_times_the_mass(coupled):
     w = 2 * np.pi * np.array([5.0, 12.0, 20.0])
-    K = PAPER.complex_stiffness(w)
+    K = PAPER.complex_stiffness(omega=w)
     one = PredictedFRF(PAPER_MASS, 2.0, Kind(RELATIVE), coupled).magnitude(K, w)
     other = PredictedFRF(PAPER_MASS, 2.0, Kind.ACCELERANCE).magnitude(K, w)
     assert one == pytest.approx((PAPER_MASS + coupled) * other, rel=1e-12)
@@ -182,7 +182,7 @@ def recorded():
     f = np.fft.rfftfreq(2 * n, 1 / RATE)
     lines = np.fft.rfft(rng.normal(size=2 * n)) * ((f > 1) & (f < 80))
     w = 2 * np.pi * np.maximum(f, 1e-9)
-    K = (2 * BROAD).complex_stiffness(w)
+    K = (2 * BROAD).complex_stiffness(omega=w)
     stretch = -BROAD_MASS / (K - BROAD_MASS * w**2)
     base, gap = np.fft.irfft(lines)[n:], np.fft.irfft(lines * stretch)[n:]
     gap += 3e-3 * gap.std() * rng.normal(size=n)
@@ -247,7 +247,7 @@ def test_the_command_line_takes_it(recorded, tmp_path):
     assert told.output.startswith("use with care: ")
     found = json.loads(ran("identify", out, *mass, "--seals", 2, "--arms", 2, "--json").stdout)
     near = np.interp([9.0, 18.0], found["direct"]["frequency_hz"], found["direct"]["stiffness"])
-    assert near == pytest.approx(BROAD.storage(2 * np.pi * np.array([9.0, 18.0])), rel=0.03)
+    assert near == pytest.approx(BROAD.storage(omega=2 * np.pi * np.array([9.0, 18.0])), rel=0.03)
     turned = written(tmp_path / "turned.csv", recorded, sign=-1)
     said = " ".join(ran("impact", turned, *words).output.split())
     assert said.startswith("do not use: ")

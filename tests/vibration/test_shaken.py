@@ -23,7 +23,7 @@ RATE, SOLID = 256.0, 2 * BROAD
 
 def truth(f):
     w = 2 * np.pi * np.maximum(f, 1e-9)
-    K = SOLID.complex_stiffness(w)
+    K = SOLID.complex_stiffness(omega=w)
     return K / (K - BROAD_MASS * w**2)
 
 
@@ -135,7 +135,7 @@ def test_the_file_is_read_like_a_hammers(path, tmp_path):
     assert ": transmissibility (" in ran("inspect", out).output
     direct = json.loads(ran("identify", path, *base, *mass, "--seals", 2, "--json").stdout)
     near = np.interp([9.0, 18.0], direct["direct"]["frequency_hz"], direct["direct"]["stiffness"])
-    assert near == pytest.approx(BROAD.storage(2 * np.pi * np.array([9.0, 18.0])), rel=0.02)
+    assert near == pytest.approx(BROAD.storage(omega=2 * np.pi * np.array([9.0, 18.0])), rel=0.02)
     names = [one["name"] for one in json.loads(ran("impact", path, *base, *mass, "--json").stdout)[
         "frf"]["checks"]]  # fmt: skip
     assert {"mass_over_base", "coherence", "segments_resolve"} <= set(names)

@@ -70,7 +70,7 @@ def test_the_stiffness_comes_back_and_its_errors_are_those_of_the_ratio():
     f = np.arange(4.0, 32.0, 0.01)
     known = over_base(frequency=f)
     found = dp.dynamic_stiffness(known, mass)
-    K = (2 * seal).complex_stiffness(2 * np.pi * f)
+    K = (2 * seal).complex_stiffness(omega=2 * np.pi * f)
     assert found.storage == pytest.approx(K.real, rel=1e-12, abs=1e-12 * abs(K).max())
     assert found.loss == pytest.approx(K.imag, abs=1e-12 * abs(K).max())
     turn = 1e-6
@@ -127,7 +127,7 @@ def test_the_first_lines_say_what_a_degree_and_a_percent_do(tmp_path):
 def test_one_degree_hides_the_loss_away_from_the_peak():
     mass = PAPER_MASS
     known = over_base("paper", np.array([5.0, 12.71, 30.0]))
-    K = 2 * PAPER.complex_stiffness(2 * np.pi * known.frequency)
+    K = 2 * PAPER.complex_stiffness(omega=2 * np.pi * known.frequency)
     w2 = mass * (2 * np.pi * known.frequency) ** 2
     assert (K.imag / K.real) == pytest.approx([0.0225, 0.00887, 0.00376], rel=5e-3)
     turned = known.value * np.exp(1j * np.pi / 180)
@@ -187,7 +187,7 @@ def test_what_is_written_is_known_as_a_transmissibility(tmp_path):
 def noisy(solid, mass, f, *, gain=1.0, delay=0.0, seed=0, scatter=0.005):
     """A shaker's table under a mass: two accelerometers that are not alike."""
     w = 2 * np.pi * f
-    K = solid.complex_stiffness(w)
+    K = solid.complex_stiffness(omega=w)
     T = gain * np.exp(-1j * w * delay) * K / (K - mass * w**2)
     rng = np.random.default_rng(seed)
     sd = scatter * np.abs(T) / np.sqrt(2)
@@ -209,10 +209,10 @@ def test_a_solid_is_identified_on_a_base_whatever_its_sensors_gain_and_delay(sol
     for seed, gain, delay in ((0, 1.012, -1e-4), (1, 0.99, 1.5e-4)):
         frf = noisy(2 * solid, mass, f, gain=gain, delay=delay, seed=seed)
         found = dp.identify(frf, mass=mass, seals=2)
-        K = found.model.complex_stiffness(w)
-        assert np.abs(K.real / solid.storage(w) - 1).max() < 0.01
+        K = found.model.complex_stiffness(omega=w)
+        assert np.abs(K.real / solid.storage(omega=w) - 1).max() < 0.01
         # beside the resonance a delay is a loss; at it, it is not
-        assert abs(K[1].imag / solid.loss(w[1]) - 1) < 0.03
+        assert abs(K[1].imag / solid.loss(omega=w[1]) - 1) < 0.03
         seen = {one.name: one for one in found.nuisance}
         assert abs(seen["gain"].value - gain) < 4 * seen["gain"].standard_error
 
@@ -325,7 +325,7 @@ def test_a_file_of_another_lab_is_compared_and_identified(tmp_path, header, unit
     assert found.exit_code == 0, found.output
     direct = json.loads(found.stdout)["direct"]
     at = np.interp(14.0, direct["frequency_hz"], direct["stiffness"])
-    assert at == pytest.approx(PAPER.storage(2 * np.pi * 14), rel=0.05)
+    assert at == pytest.approx(PAPER.storage(omega=2 * np.pi * 14), rel=0.05)
 
 
 def test_the_command_line_predicts_over_a_base(tmp_path):
@@ -395,8 +395,8 @@ def test_bench_and_shaker_together_tell_one_solid(bench, tmp_path):
         model["k_inf"], [a["k"] for a in model["arms"]], [a["tau"] for a in model["arms"]]
     )
     w = 2 * np.pi * np.array([0.01, 0.1, 9.0, 12.71, 18.0])
-    assert np.abs(solid.storage(w) / PAPER.storage(w) - 1).max() < 0.01
-    assert np.abs(solid.loss(w) / PAPER.loss(w) - 1).max() < 0.1
+    assert np.abs(solid.storage(omega=w) / PAPER.storage(omega=w) - 1).max() < 0.01
+    assert np.abs(solid.loss(omega=w) / PAPER.loss(omega=w) - 1).max() < 0.1
     known = json.loads(run(main, ["predict", str(joint), *on, "--base", "--json"]).stdout)
     limits = np.array(known["limits"]["parameter"])
     at = np.argmin(np.abs(np.array(known["limits"]["frequency_hz"]) - 12.0))
@@ -489,7 +489,7 @@ class TestRandomBase:
 
         def carried(f):
             w2 = (2 * np.pi * f) ** 2
-            K = complex((2 * BROAD).complex_stiffness(np.array([2 * np.pi * f]))[0])
+            K = complex((2 * BROAD).complex_stiffness(omega=np.array([2 * np.pi * f]))[0])
             T = (K + w2 * mounts / 6) / (K - w2 * moving)
             return abs(T) ** 2 * (f / 4) ** -2
 
@@ -570,7 +570,7 @@ class TestRandomBase:
 
         def known(f, kind):
             w = 2 * np.pi * f
-            K = 2 * BROAD.complex_stiffness(w)
+            K = 2 * BROAD.complex_stiffness(omega=w)
             top = K + coupled * w**2 if kind == "transmissibility" else w**2
             return np.abs(np.array([top, top]) / (K - BROAD_MASS * w**2))
 
@@ -624,7 +624,7 @@ class TestErrorsOfTheRatio:
         """Relative error of the stiffness, of values off by a factor each."""
         wrong = replace(known, value=known.value * turned).to("receptance", mass=PAPER_MASS)
         K = 1 / wrong.value + PAPER_MASS * wrong.omega**2
-        return np.abs(K / (2 * PAPER.complex_stiffness(wrong.omega)) - 1)
+        return np.abs(K / (2 * PAPER.complex_stiffness(omega=wrong.omega)) - 1)
 
     def test_of_an_absolute_and_of_a_relative_sensor(self):
         e, T = 1e-4, self.KNOWN.value
@@ -657,4 +657,6 @@ class TestErrorsOfTheRatio:
     def test_a_mass_off_is_as_much_stiffness(self):
         K = self.KNOWN.to("dynamic_stiffness", mass=1.01 * PAPER_MASS)
         K = K.value + 1.01 * PAPER_MASS * K.omega**2
-        assert pytest.approx(1.01 * 2 * PAPER.complex_stiffness(self.KNOWN.omega), rel=1e-9) == K
+        assert (
+            pytest.approx(1.01 * 2 * PAPER.complex_stiffness(omega=self.KNOWN.omega), rel=1e-9) == K
+        )

@@ -142,7 +142,7 @@ def test_a_hammer_joins_tests_at_several_temperatures():
     assert abs(study.comparison.predicted_hz / study.comparison.measured_hz - 1) < 2e-3
     assert study.joint is not None
     assert study.joint.verdict.use == "use"
-    found = study.joint.model.complex_stiffness(2 * np.pi * cold.RESONANCE)
+    found = study.joint.model.complex_stiffness(omega=2 * np.pi * cold.RESONANCE)
     true = cold.complex_stiffness("hidden")
     assert found.imag == pytest.approx(true.imag, rel=0.02)
     assert study.joint.at("0degC").k_inf < study.joint.model.k_inf
@@ -163,10 +163,10 @@ def test_a_hammer_of_another_temperature_has_its_own_shift():
     )
     assert abs(study.comparison.predicted_hz / study.comparison.measured_hz - 1) < 3e-3
     true = cold.complex_stiffness("hidden", celsius=10.0)
-    found = study.joint.model.complex_stiffness(2 * np.pi * cold.RESONANCE)
+    found = study.joint.model.complex_stiffness(omega=2 * np.pi * cold.RESONANCE)
     assert found.real == pytest.approx(true.real, rel=3e-3)
     assert found.imag == pytest.approx(true.imag, rel=0.04)
-    room = study.joint.at("23degC").complex_stiffness(2 * np.pi * cold.RESONANCE)
+    room = study.joint.at("23degC").complex_stiffness(omega=2 * np.pi * cold.RESONANCE)
     assert room.imag == pytest.approx(cold.complex_stiffness("hidden").imag, rel=0.08)
 
 

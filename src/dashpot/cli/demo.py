@@ -138,7 +138,9 @@ def _loss(fit: dp.Fit, bound: StiffnessBounds, both: dp.Fit | None) -> str:
     at = float(bound.frequency[0])
     low, high = (float(limit[0]) for limit in bound.loss_factor)
     own, *other = (
-        float(one.model.loss_factor(2 * math.pi * at)) for one in (fit, both) if one is not None
+        float(one.model.loss_factor(omega=2 * math.pi * at))
+        for one in (fit, both)
+        if one is not None
     )
     said = f"  loss factor at {at:.4g} Hz {own:.4f}, over every rubber {low:.4f} to {high:.4f}"
     return f"{said}; with the hammer {other[0]:.4f}" if other else said

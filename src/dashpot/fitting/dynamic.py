@@ -187,7 +187,7 @@ def fit_dynamic(
 
 def _relative_error(solid: Solid, data: DynamicTest, weights: str) -> FloatArray:
     """Errors of storage, then of loss, relative to each, or both to the complex modulus."""
-    K = solid.complex_stiffness(data.omega)
+    K = solid.complex_stiffness(omega=data.omega)
     storage, loss = relative_scale(data)
     if weights == "modulus":
         storage = loss = np.abs(data.value)
@@ -266,7 +266,7 @@ def _sweep(data: DynamicTest, weights: str, *, dashpot: bool, most: int) -> _Set
     first = _sweep_block(data, _scale(data, data.value, weights), dashpot=dashpot)
     best = alone([first], _halves(first, n), most)
     # the size of noisy data is a biased weight: low values would speak loudest
-    storage, loss = _scale(data, best.model.complex_stiffness(data.omega), weights)
+    storage, loss = _scale(data, best.model.complex_stiffness(omega=data.omega), weights)
     scale = (storage * best.scatter[0], loss * best.scatter[1])
     known = _sweep_block(data, scale, dashpot=dashpot)
     return _Set(known, _halves(known, n))

@@ -257,7 +257,7 @@ def _asked(fit: Fit, choices: BatchChoices, hold: float | None) -> dict[str, Any
             refuse_far(compression, fit.elastic_law, fit.specimen.height)
             solid = fit.model_at(compression)
         if frequency is not None:
-            value = complex(solid.complex_stiffness(2 * math.pi * frequency))
+            value = complex(solid.complex_stiffness(omega=2 * math.pi * frequency))
             numbers = value.real, value.imag, value.imag / value.real
             found |= dict(zip(columns, numbers, strict=True))
         elif hold is not None:

@@ -74,7 +74,7 @@ def _hammer() -> str:
 def _sweep() -> str:
     """Storage and loss of one seal as a dynamic testing machine writes them, 0.5 % noisy."""
     frequency = np.geomspace(0.01, 100.0, 41)
-    stiffness = BROAD.complex_stiffness(2 * np.pi * frequency)
+    stiffness = BROAD.complex_stiffness(omega=2 * np.pi * frequency)
     storage, loss = (in_unit(part, "N/mm") for part in (stiffness.real, stiffness.imag))
     noise = 1 + 0.005 * np.random.default_rng(1).standard_normal((2, len(frequency)))
     rows = zip(frequency, storage * noise[0], loss * noise[1], strict=True)
@@ -104,7 +104,7 @@ def _sweeps() -> str:
     for celsius in range(-25, 56, 10):
         kelvin = celsius + 273.15
         solid = rubber.shifted(float(law.a_t(kelvin)), kelvin / law.reference)
-        value = solid.complex_stiffness(2 * np.pi * frequency)
+        value = solid.complex_stiffness(omega=2 * np.pi * frequency)
         value = value + 0.005 * np.abs(value) * (draw(12) + 1j * draw(12))
         rows += [
             f"{f:.6g},{v.real:.6g},{v.imag:.6g},{celsius + 0.05 * draw():.2f}"

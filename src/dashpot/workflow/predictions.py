@@ -15,6 +15,7 @@ from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.choices import Family
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
+from dashpot.base.numbers import hertz
 from dashpot.fitting.temperature.checks import temperature_tested
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.psd import read_psd
@@ -277,7 +278,9 @@ def predict_files(
         _refuse_records(records)
         material, measured = here.solid, _measured_at(swept, choices, asked)
         here = found = applied(part, here, seals=seals, base=asked.over_base, peak=measured)
-        stiffer = float(abs(here.solid.complex_stiffness(1.0) / material.complex_stiffness(1.0)))
+        stiffer = float(
+            abs(here.solid.complex_stiffness(omega=1.0) / material.complex_stiffness(omega=1.0))
+        )
     rests = at_rest(here, mass=moving, seals=seals, compression=compression)
     # over a base, mounts that weigh something couple the mass to it
     coupled = entrained(seal_mass, seals) if asked.over_base else 0.0
@@ -308,7 +311,7 @@ def predict_files(
         at_edge,
         limited,
         checks,
-        verdict(checks, sound=found.verdict.says),
+        verdict(checks, sound=_sound(frf, peak, found)),
         rests,
         on.rival,
         of_part,
@@ -316,6 +319,16 @@ def predict_files(
         swept,
         on.shaken(base_psd, bounded),
         on.isolation,
+    )
+
+
+def _sound(frf: FRF, peak: tuple[float, float], found: Fit) -> str:
+    """Return where the predicted peak lies, how high it is, and where the model is valid."""
+    hz, height = peak
+    name, unit = frf.kind.replace("_", " "), frf.unit
+    return (
+        f"peak of the {name}: {height:.4g}{f' {unit}' if unit != '1' else ''} at {hz:.4g} Hz. "
+        f"The model is valid from {hertz(found.band)}"
     )
 
 

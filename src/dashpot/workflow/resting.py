@@ -185,7 +185,7 @@ def frf_limits(
         joined = each[0]
     else:
         omega = 2 * np.pi * f
-        K = point.solid(here).complex_stiffness(omega)
+        K = point.solid(here).complex_stiffness(omega=omega)
         own = PredictedFRF(mass, seals, kind, coupled).magnitude(K, omega)
         formal = formal_frf_band(
             here,

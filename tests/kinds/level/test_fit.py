@@ -313,7 +313,7 @@ def three(friction=jenkins, seed=0, levels=LEVELS, **words):
 def worst(found, friction=jenkins, at=(2e-4, 1e-3, 4e-3)):
     w = 2 * np.pi * 13.0
     return max(
-        abs(complex(found.stiffness(w, X)) / (arms(w) + friction(X)) - 1)
+        abs(complex(found.stiffness(omega=w, amplitude=X)) / (arms(w) + friction(X)) - 1)
         for X in at
         if found.covers(X)
     )
@@ -332,7 +332,9 @@ class TestLevels:
     def test_several_seals_are_one_seal_so_many_times(self):
         one = fit_levels(three(), LEVELS, mass=MASS)
         two = fit_levels(three(), LEVELS, mass=MASS, seals=2)
-        assert 2 * two.stiffness(80.0, 1e-3) == pytest.approx(one.stiffness(80.0, 1e-3), rel=1e-6)
+        assert 2 * two.stiffness(omega=80.0, amplitude=1e-3) == pytest.approx(
+            one.stiffness(omega=80.0, amplitude=1e-3), rel=1e-6
+        )
 
     def test_a_mass_said_wrong_moves_another_mass_and_no_level(self):
         one, other = (fit_levels(three(), LEVELS, mass=part * MASS) for part in (1, 1.01))
@@ -387,7 +389,7 @@ class TestLevels:
         ]
         found = fit_levels(base, [level / MASS for level in LEVELS], mass=MASS)
         assert worst(found) < 0.01
-        assert found.stiffness(w0, 1e-3).shape == ()
+        assert found.stiffness(omega=w0, amplitude=1e-3).shape == ()
 
     @pytest.mark.parametrize(
         ("wrong", "use"),
@@ -460,7 +462,7 @@ class TestLevels:
                 for part in (np.real, np.imag):
 
                     def follows(solid, sliders, X=X, part=part):
-                        K = solid.complex_stiffness(w) + sum(s.stiffness(X) for s in sliders)
+                        K = solid.complex_stiffness(omega=w) + sum(s.stiffness(X) for s in sliders)
                         return float(part(K))
 
                     low, high = found.interval(follows)

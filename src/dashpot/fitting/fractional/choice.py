@@ -354,7 +354,7 @@ def parts_from(one: Solid, other: Solid, band: tuple[float, float]) -> float | N
 
 def _apart(one: Solid, other: Solid, f: FloatArray) -> FloatArray:
     """Where two solids differ by more than is worth telling."""
-    a, b = (solid.complex_stiffness(2 * np.pi * f) for solid in (one, other))
+    a, b = (solid.complex_stiffness(omega=2 * np.pi * f) for solid in (one, other))
     loss = np.array([a.imag / a.real, b.imag / b.real])
     # the damping of anything that is mounted is hardly ever below a hundredth
     of_loss = np.abs(np.diff(loss, axis=0)[0]) / np.maximum(loss.max(axis=0), 2e-2)
@@ -397,7 +397,7 @@ def beside(
         says = f"{both}, and predicts the same up to {HEARD:g} Hz"
     else:
         at = max(10.0, 10.0 ** np.ceil(np.log10(apart)))
-        a, b = (complex(solid.complex_stiffness(2 * np.pi * at)) for solid in (mine, other))
+        a, b = (complex(solid.complex_stiffness(omega=2 * np.pi * at)) for solid in (mine, other))
         says = (
             f"{both}, but from {apart:.2g} Hz on the two part: at {at:g} Hz the loss factor is "
             f"{a.imag / a.real:.3g} by this solid and {b.imag / b.real:.3g} by that, its stiffness "
