@@ -38,7 +38,8 @@ def read(raw: Raw, options: ReadOptions) -> FileTable:
     Of several FRFs one is chosen by ``--part segment``; without it those on the same
     lines are columns side by side, named after their points, for a reader that takes them all.
     Units are those of the axis labels; where a label is blank, dataset 164 and the specific data
-    type give them. A file without any, but with normal modes at nodes, is a row for each node of each mode.
+    type give them. A file without any, but with normal modes at nodes, is a row for each node of
+    each mode.
 
     Raises
     ------
