@@ -37,7 +37,8 @@ from dashpot.kinds.cld import checks as cld
 from dashpot.kinds.hyperelastic import checks as hyper
 from dashpot.kinds.indentation import checks as indentation
 from dashpot.kinds.indentation.contact_law import ViscousContact
-from dashpot.kinds.indentation.record import IndentationFit, Indenter
+from dashpot.kinds.indentation.indenter import Indenter
+from dashpot.kinds.indentation.record import IndentationFit
 from dashpot.kinds.level import checks as level
 from dashpot.kinds.rod import checks as rod
 from dashpot.lots import checks as lots

@@ -17,7 +17,7 @@ from dashpot.base.errors import DataError, ReadError
 from dashpot.base.numbers import counted
 from dashpot.base.units import written
 from dashpot.base.version import byline
-from dashpot.io.options import OF_BENCH, ReadOptions
+from dashpot.io.options import ReadOptions
 from dashpot.io.readers.impact import read_impact
 from dashpot.records.bounds import FRFBounds
 from dashpot.records.fit import Fit
@@ -30,7 +30,7 @@ from dashpot.vibration.systems.operating_point import operating_point
 from dashpot.vibration.systems.prediction import predict_frf
 from dashpot.workflow.job import HammerChoices, known_of_a_test
 from dashpot.workflow.measured import average, read_measured, relieved, shaken, total_mass
-from dashpot.workflow.prepared import answered_in, prepared_files, refuse_others
+from dashpot.workflow.prepared import prepared_files, refuse_others
 from dashpot.workflow.resting import LIMIT_LINES, AtRest, at_rest, formal_limits, frf_limits
 
 # rounds in which a mass and the stiffness under it find each other
@@ -134,17 +134,26 @@ def impact_files(
         Why no mode was found, else empty.
     """
     hammer = hammer or HammerChoices()
-    modes: tuple[Mode, ...] = ()
-    reason = ""
-    if options is not None and options.base_acceleration is not None:
+    if options is not None and options.of(files[0]).base_acceleration is not None:
         frf, modes, reason = shaken(files, choices=hammer, options=options, mass=mass, band=band)
     else:
         tests = read_impact(list(files), options=options)
         frf = average(tests, choices=hammer, mass=mass, band=band)
-        try:
-            modes = frf.modes(band=band)
-        except DataError as error:
-            reason = str(error)
+        modes, reason = _modes(frf, band)
+    return _vibration(frf, modes, hammer, file), reason
+
+
+def _modes(frf: FRF, band: tuple[float, float] | None) -> tuple[tuple[Mode, ...], str]:
+    """The modes of an FRF, or why there is none."""
+    try:
+        return frf.modes(band=band), ""
+    except DataError as error:
+        return (), str(error)
+
+
+def _vibration(
+    frf: FRF, modes: Sequence[Mode], hammer: HammerChoices, file: str | None = None
+) -> ImpactResult:
     shown = tuple(
         ImpactMode(
             mode.frequency,
@@ -155,7 +164,7 @@ def impact_files(
         )
         for mode in modes
     )
-    return ImpactResult(frf, shown, hammer.estimator, hammer.window, file), reason
+    return ImpactResult(frf, shown, hammer.estimator, hammer.window, file)
 
 
 def weighed(
@@ -328,7 +337,7 @@ def _refuse_unmatched(
 ) -> None:
     """Refuse fits, tests and temperatures that do not go together."""
     if len(fits) > 1 or (fits and tests):
-        raise ReadError("--with takes relaxation tests or one fit, not both: leave the fit out")
+        raise ReadError("tests are fitted together, or one fit with vibration: leave the fit out")
     if not tests and len(temperatures) > 1:
         raise ReadError(
             f"{len(temperatures)} temperatures and no relaxation test (--with); expected one, that "
@@ -391,14 +400,17 @@ class Identified(Documented):
         What the FRF and the mass of the seals say beside the fit's own.
     at_rest : AtRest
         Where the mass rests on it.
+    vibration : ImpactResult or None
+        The modes of what was measured, where nothing else was fitted.
     """
 
-    keys = ("*fit", "direct", "*at_rest.told")
+    keys = ("*fit", "vibration.modes?", "vibration.frf.hits?", "direct", "*at_rest.told")
 
     fit: Fit
     direct: Direct
     noted: tuple[Check, ...]
     at_rest: AtRest
+    vibration: ImpactResult | None = None
 
     @property
     def checks(self) -> tuple[Check, ...]:
@@ -466,15 +478,17 @@ def identify_files(
     checks : tuple of Check
         What the FRF and the mass of the seals say.
     """
-    known_of_a_test(machine, tests=len(tests), add="a relaxation test (--with)")
+    known_of_a_test(machine, tests=len(tests), add="a relaxation test")
     _refuse_unmatched(fits, tests, temperatures)
     _, frf = read_measured(measured, choices=hammer, options=options, mass=mass, band=band)
+    vibration = None
+    if not (tests or fits):
+        vibration = _vibration(frf, _modes(frf, band)[0], hammer)
     total, noted = total_mass(mass, seal=seal_mass, seals=seals)
     frf = relieved(frf, total, seal_mass, seals)
-    with answered_in("--with-profile", besides=("units", *OF_BENCH)):
-        prepared = prepared_files(
-            tests, machine=machine, options=options_with, temperatures=temperatures
-        )
+    prepared = prepared_files(
+        tests, machine=machine, options=options_with, temperatures=temperatures
+    )
     mass = total or mass
     straight = dp.dynamic_stiffness(frf, mass, seals=seals, band=band)
     found = dp.identify(
@@ -499,7 +513,7 @@ def identify_files(
     others = tuple(check for check in frf.checks if check not in useless)
     found = replace(found, evidence=evidence)
     rests = at_rest(found, mass=mass, seals=seals, compression=compression)
-    return Identified(found, Direct(straight), (*others, *noted), rests)
+    return Identified(found, Direct(straight), (*others, *noted), rests, vibration)
 
 
 def _useless(frf: FRF) -> tuple[Check, ...]:
