@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Literal, TypeAlias, TypeVar
 
-import dashpot as dp
 from dashpot.base.choices import FamilyAsked, Method, RampLawAsked
 from dashpot.base.errors import FitError
 from dashpot.base.options import offered
+from dashpot.fitting.relaxation import fit as fit_relaxation
 from dashpot.io.options import ReadOptions
+from dashpot.io.readers.bench import read_bench
 from dashpot.io.source import about
 from dashpot.preparation.creep import load_hold
+from dashpot.preparation.prepare import prepare
 from dashpot.records.creep import Creep, CreepCompliance, CreepTest, LoadHold
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.fit import Fit
@@ -26,6 +29,10 @@ from dashpot.signals.loading import loading_in
 from dashpot.workflow.job import Cuts, Job, known_of_a_test
 from dashpot.workflow.shifting import ShiftChoices, each_specimen, one_temperature, shifted_ramps
 
+Bench: TypeAlias = (
+    RelaxationTest | RampHold | DynamicTest | RelaxationModulus | CreepTest | LoadHold
+    | CreepCompliance
+)  # fmt: skip
 Record: TypeAlias = (
     RampHold | DynamicTest | RelaxationModulus | LoadHold | CreepCompliance | Superposition
 )
@@ -78,11 +85,27 @@ class _FitRequest:
                 "--filter and --depth-law"
             )
 
-    def prepared(self, tests: Sequence[RelaxationTest], *, judged: bool) -> tuple[RampHold, ...]:
-        """Prepare ramps and holds."""
+    def prepared(
+        self, tests: Sequence[RelaxationTest | RampHold], *, judged: bool
+    ) -> tuple[RampHold, ...]:
+        """Prepare ramps and holds; what is prepared already stays as it is.
+
+        Raises
+        ------
+        FitError
+            If it is said how to prepare them, and one is prepared.
+        """
         self.cuts.refuse_several(len(tests))
+        ready = any(isinstance(test, RampHold) for test in tests)
+        if ready and (self.filter or self.machine or self.cuts != Cuts()):
+            raise FitError(
+                "a test that is prepared already is fitted as it is: say filter, machine and cuts "
+                "in test.prepare(...)"
+            )
         return tuple(
-            dp.prepare(
+            test
+            if isinstance(test, RampHold)
+            else prepare(
                 test,
                 filter=self.filter,
                 machine=self.machine,
@@ -95,7 +118,7 @@ class _FitRequest:
 
     def fit(self, tests: Sequence[RampHold] | Creep, **further: Any) -> Fit:
         """Fit ramps and holds, or one creep test."""
-        return dp.fit(
+        return fit_relaxation(
             tests,
             arms=self.arms,
             method=self.method,
@@ -166,28 +189,80 @@ def fit_files(
     """
     options = options or ReadOptions()
     each = each_specimen(specimen, temperatures, len(files))
+    reader: Callable[..., Bench] = read_bench
+    if options.modulus is not None:
+        from dashpot.io.readers.modulus import read_modulus as reader
+    return fit_records(
+        _read(reader, files, each, options),
+        arms=arms, method=method, depth_law=depth_law, thorough=thorough, law=law, family=family,
+        intervals=intervals, filter=filter, cuts=cuts, specimen=each[0], machine=machine,
+        cycle=options.cycle, shifting=shifting, name=Path(files[0]).name,
+    )  # fmt: skip
+
+
+def fit_records(
+    tests: Sequence[Bench],
+    *,
+    arms: int | Literal["auto"] = "auto",
+    method: Method = "full",
+    depth_law: bool = False,
+    thorough: bool = False,
+    law: RampLawAsked = "auto",
+    family: FamilyAsked = "maxwell",
+    intervals: bool = True,
+    filter: str | None = None,
+    cuts: Cuts | None = None,
+    specimen: Specimen | None = None,
+    machine: Machine | None = None,
+    cycle: int | None = None,
+    shifting: ShiftChoices = ShiftChoices(),  # noqa: B008
+    name: str = "",
+) -> tuple[Fit, tuple[Record, ...]]:
+    """Fit one solid to the records of a bench, as :func:`fit_files` does to those in files.
+
+    Parameters
+    ----------
+    tests : sequence of RelaxationTest, RampHold, DynamicTest, RelaxationModulus or creep
+        A ramp and hold may be prepared already.
+    specimen : Specimen, optional
+        What was said of the first: a temperature of its own refuses sweeps at several.
+    cycle : int, optional
+        The loading to use, where a relaxation test has several.
+    name : str
+        Of the first file, put before what is wrong with a curve.
+    """
     asked = _FitRequest(
         arms, method, depth_law, thorough, law, family, intervals, filter, cuts or Cuts(), machine,
-        options.cycle, shifting, each[0],
+        cycle, shifting, specimen,
     )  # fmt: skip
-    if options.modulus is not None:
+    curves = [test for test in tests if isinstance(test, RelaxationModulus)]
+    if curves:
+        if len(curves) < len(tests):
+            raise FitError(
+                "a relaxation modulus is fitted alone, or with others at other temperatures: fit "
+                "the other records by themselves"
+            )
         asked.refuse_for_a_modulus()
         asked.refuse_a_machine()
-        curves = _read(dp.read_modulus, files, each, options)
-        with about(Path(files[0]).name):
-            curve = one_temperature(curves, shifting, each[0])
-            return dp.fit_modulus(curve, arms=arms, thorough=thorough), (curve,)  # type: ignore[arg-type]
-    tests = _read(dp.read_bench, files, each, options)
+        from dashpot.fitting.modulus import fit_modulus
+
+        with _named(name):
+            curve = one_temperature(curves, shifting, specimen)
+            return fit_modulus(curve, arms=arms, thorough=thorough), (curve,)  # type: ignore[arg-type]
     crept = _as_creep(tests)
     if crept:
         asked.refuse_beside_creep(others=len(tests) - len(crept))
-        return _crept(crept, asked, Path(files[0]).name)
-    pressed = [test for test in tests if isinstance(test, RelaxationTest)]
+        return _crept(crept, asked, name)
+    pressed = [test for test in tests if isinstance(test, RelaxationTest | RampHold)]
     prepared = asked.prepared(pressed, judged=intervals or len(pressed) < len(tests))
     known_of_a_test(machine, tests=len(prepared), add="a ramp and hold")
     if len(pressed) == len(tests):
         return _pressed(prepared, asked), prepared
     return _swept(tests, prepared, asked)
+
+
+def _named(name: str) -> AbstractContextManager[None]:
+    return about(name) if name else nullcontext()
 
 
 _Test = TypeVar("_Test")
@@ -205,12 +280,12 @@ def _read(
 
 
 def _crept(
-    tests: Sequence[CreepTest | CreepCompliance], asked: _FitRequest, name: str
+    tests: Sequence[CreepTest | LoadHold | CreepCompliance], asked: _FitRequest, name: str
 ) -> tuple[Fit, tuple[Record, ...]]:
     """Fit one creep test, or the master curve of several; `name` is the first file's."""
     # a load that is not held says itself of which file it is
     held = [load_hold(one) if isinstance(one, CreepTest) else one for one in tests]
-    with about(name):
+    with _named(name):
         record = _creep(held, asked.shifting, asked.specimen)
         if isinstance(record, Superposition):
             if not asked.nothing_of("method", "law", "family"):
@@ -218,7 +293,9 @@ def _crept(
                     "creep at several temperatures has a linear solid with arms: leave out "
                     "--method, --law and --family"
                 )
-            return dp.fit_creep(record, arms=asked.arms, thorough=asked.thorough), (record,)
+            from dashpot.fitting.creep import fit_creep
+
+            return fit_creep(record, arms=asked.arms, thorough=asked.thorough), (record,)
         further = {} if asked.shifting.at is not None else shifted_ramps(asked.shifting)
         return asked.fit(record, **further), (record,)
 
@@ -234,7 +311,9 @@ def _pressed(tests: tuple[RampHold, ...], asked: _FitRequest) -> Fit:
             "starts of its own: leave out --method, --law, --family, --thorough, --reference, "
             "--shift, --vertical, --at and --shifts"
         )
-    return dp.fit_depths(tests, arms=asked.arms).fit
+    from dashpot.fitting.depth import fit_depths
+
+    return fit_depths(tests, arms=asked.arms).fit
 
 
 def _swept(
@@ -252,8 +331,10 @@ def _swept(
             "a dynamic sweep is of a linear solid, and nothing of it is filtered: leave out --law "
             "and --filter, which are for ramps and holds"
         )
+    from dashpot.fitting.dynamic import fit_dynamic
+
     sweep = one_temperature(sweeps, asked.shifting, asked.specimen)
-    found = dp.fit_dynamic(
+    found = fit_dynamic(
         sweep,  # type: ignore[arg-type]
         arms=asked.arms,
         tests=tests,
@@ -264,19 +345,21 @@ def _swept(
 
 
 def _as_creep(
-    tests: Sequence[RelaxationTest | DynamicTest | CreepTest | CreepCompliance],
-) -> list[CreepTest | CreepCompliance]:
+    tests: Sequence[Bench],
+) -> list[CreepTest | LoadHold | CreepCompliance]:
     """The tests of creep, by their files or by what force and displacement do."""
-    found: list[CreepTest | CreepCompliance] = []
+    found: list[CreepTest | LoadHold | CreepCompliance] = []
     for test in tests:
-        if isinstance(test, CreepTest | CreepCompliance):
+        if isinstance(test, CreepTest | LoadHold | CreepCompliance):
             found.append(test)
         elif (
             isinstance(test, RelaxationTest)
             and loading_in(test.time, test.displacement, test.force) == "creep"
         ):
             signals = test.time, test.displacement, test.force
-            found.append(CreepTest(*signals, specimen=test.specimen, source=test.source))
+            found.append(
+                CreepTest(*signals, specimen=test.specimen, source=test.source, units="SI")
+            )
     return found
 
 
@@ -286,5 +369,7 @@ def _creep(
     """One record of creep as it is fitted, or the compliances of several, shifted together."""
     if len(tests) == 1 and isinstance(tests[0], LoadHold):
         return tests[0]
-    curves = [dp.measured_compliance(one) if isinstance(one, LoadHold) else one for one in tests]
+    from dashpot.fitting.compliance import measured_compliance
+
+    curves = [measured_compliance(one) if isinstance(one, LoadHold) else one for one in tests]
     return one_temperature(curves, shifting, specimen)  # type: ignore[return-value]
