@@ -189,15 +189,16 @@ def fit_files(
     """
     options = options or ReadOptions()
     each = each_specimen(specimen, temperatures, len(files))
+    asked = _FitRequest(
+        arms, method, depth_law, thorough, law, family, intervals, filter, cuts or Cuts(), machine,
+        options.cycle, shifting, each[0],
+    )  # fmt: skip
     reader: Callable[..., Bench] = read_bench
     if options.modulus is not None:
         from dashpot.io.readers.modulus import read_modulus as reader
-    return fit_records(
-        _read(reader, files, each, options),
-        arms=arms, method=method, depth_law=depth_law, thorough=thorough, law=law, family=family,
-        intervals=intervals, filter=filter, cuts=cuts, specimen=each[0], machine=machine,
-        cycle=options.cycle, shifting=shifting, name=Path(files[0]).name,
-    )  # fmt: skip
+
+        asked.refuse_for_a_modulus()
+    return _fitted(_read(reader, files, each, options), asked, Path(files[0]).name)
 
 
 def fit_records(
@@ -216,7 +217,6 @@ def fit_records(
     machine: Machine | None = None,
     cycle: int | None = None,
     shifting: ShiftChoices = ShiftChoices(),  # noqa: B008
-    name: str = "",
 ) -> tuple[Fit, tuple[Record, ...]]:
     """Fit one solid to the records of a bench, as :func:`fit_files` does to those in files.
 
@@ -228,13 +228,18 @@ def fit_records(
         What was said of the first: a temperature of its own refuses sweeps at several.
     cycle : int, optional
         The loading to use, where a relaxation test has several.
-    name : str
-        Of the first file, put before what is wrong with a curve.
     """
     asked = _FitRequest(
         arms, method, depth_law, thorough, law, family, intervals, filter, cuts or Cuts(), machine,
         cycle, shifting, specimen,
     )  # fmt: skip
+    return _fitted(tests, asked, "")
+
+
+def _fitted(
+    tests: Sequence[Bench], asked: _FitRequest, name: str
+) -> tuple[Fit, tuple[Record, ...]]:
+    """Fit records as it was asked; `name`, of the first file, stands before what is wrong."""
     curves = [test for test in tests if isinstance(test, RelaxationModulus)]
     if curves:
         if len(curves) < len(tests):
@@ -247,15 +252,15 @@ def fit_records(
         from dashpot.fitting.modulus import fit_modulus
 
         with _named(name):
-            curve = one_temperature(curves, shifting, specimen)
-            return fit_modulus(curve, arms=arms, thorough=thorough), (curve,)  # type: ignore[arg-type]
+            curve = one_temperature(curves, asked.shifting, asked.specimen)
+            return fit_modulus(curve, arms=asked.arms, thorough=asked.thorough), (curve,)  # type: ignore[arg-type]
     crept = _as_creep(tests)
     if crept:
         asked.refuse_beside_creep(others=len(tests) - len(crept))
         return _crept(crept, asked, name)
     pressed = [test for test in tests if isinstance(test, RelaxationTest | RampHold)]
-    prepared = asked.prepared(pressed, judged=intervals or len(pressed) < len(tests))
-    known_of_a_test(machine, tests=len(prepared), add="a ramp and hold")
+    prepared = asked.prepared(pressed, judged=asked.intervals or len(pressed) < len(tests))
+    known_of_a_test(asked.machine, tests=len(prepared), add="a ramp and hold")
     if len(pressed) == len(tests):
         return _pressed(prepared, asked), prepared
     return _swept(tests, prepared, asked)
