@@ -60,10 +60,10 @@ from .kinds.hyperelastic.read import read_stress_strain as read_stress_strain
 from .kinds.hyperelastic.record import HyperelasticFit as HyperelasticFit
 from .kinds.hyperelastic.record import StressStrainTest as StressStrainTest
 from .kinds.indentation.fit import fit_indentation as fit_indentation
+from .kinds.indentation.indenter import Indenter as Indenter
 from .kinds.indentation.read import read_indentation as read_indentation
 from .kinds.indentation.record import IndentationFit as IndentationFit
 from .kinds.indentation.record import IndentationTest as IndentationTest
-from .kinds.indentation.record import Indenter as Indenter
 from .kinds.level.fit import fit_amplitude as fit_amplitude
 from .kinds.level.fit_frfs import fit_levels as fit_levels
 from .kinds.level.levels import LevelFit as LevelFit

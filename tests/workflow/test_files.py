@@ -121,7 +121,7 @@ def test_the_moving_mass_is_the_block_and_a_third_of_the_seals():
 
 def test_a_fit_is_not_fitted_together_with_its_own_test():
     choices = {"hammer": HammerChoices(), "options": ReadOptions(), "mass": 0.1}
-    with pytest.raises(ReadError, match="not both"):
+    with pytest.raises(ReadError, match="leave the fit out"):
         identify_files(["hits.csv"], fits=[a_fit(PAPER)], tests=["seal.csv"], **choices)
 
 

@@ -46,13 +46,13 @@ class Bench:
         If a number is not positive, or the method unknown.
     """
 
-    depth: float = option("8mm", unit="length")
-    ramp_time: float = option("1s", unit="time", flag="ramp")
-    hold_time: float = option("40s", unit="time", flag="hold")
-    rate: float = option("1kHz", unit="frequency")
-    noise: float = option("5mN", "Per sample, one SD.", unit="force")
-    method: Method = option("full", choices=Method)
-    baseline: float = option("1s", "Before the ramp.", unit="time")
+    depth: float = option("8mm", "Compression.", unit="length")
+    ramp_time: float = option("1s", "Ramp time.", unit="time", flag="ramp")
+    hold_time: float = option("40s", "Hold time.", unit="time", flag="hold")
+    rate: float = option("1kHz", "Sampling rate.", unit="frequency")
+    noise: float = option("5mN", "Standard deviation per sample.", unit="force")
+    method: Method = option("full", "Whole record, or equation (5).", choices=Method)
+    baseline: float = option("1s", "Recorded before the ramp.", unit="time")
     machine: Machine | None = field(default=Machine())
 
     def __post_init__(self) -> None:

@@ -47,7 +47,7 @@ class SupposedSeal:
     model: GeneralizedMaxwell = PAPER
     arm: tuple[Quantity, Quantity] | None = None
     temperature: float | None = option(
-        None, "Of the test; else 23degC or the fit's.", unit="temperature"
+        None, "Test temperature (23degC, or that of the fit).", unit="temperature"
     )
     law: TemperatureLaw = SHIFT
 
@@ -96,12 +96,14 @@ class HammerPlan:
         If a number is not positive, or the coherence not below 1.
     """
 
-    mass: float | None = option(None, "Block; else what peaks at the frequency.", unit="mass")
+    mass: float | None = option(
+        None, "Mass of the block (what peaks at the frequency).", unit="mass"
+    )
     seals: float = option(1.0, "Seals in parallel.")
-    record: float | None = option(None, "Planned record after a hit.", unit="time")
+    record: float | None = option(None, "Record after a hit.", unit="time", flag="hit-length")
     pulse: float | None = option(None, "Hammer pulse; soft tips give 10 to 20 ms.", unit="time")
-    hits: int = option(5, least=1)
-    coherence: float = option(0.99, "Of those hits.")
+    hits: int = option(5, "Number of hammer hits.", least=1)
+    coherence: float = option(0.99, "Coherence of those hits.")
 
     def __post_init__(self) -> None:
         si_fields(self)

@@ -46,8 +46,6 @@ class Kind(StrEnum):
 
 
 _OVER_BASE = (Kind.TRANSMISSIBILITY, Kind.RELATIVE_TRANSMISSIBILITY)
-OF_FORCE = tuple(one.value for one in Kind if not one.over_base)
-"""Words for what a force on the mass makes of it."""
 
 
 UNITS = {

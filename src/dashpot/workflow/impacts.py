@@ -13,8 +13,10 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError, ReadError
+from dashpot.base.numbers import counted
+from dashpot.base.units import written
 from dashpot.base.version import byline
-from dashpot.io.options import OF_BENCH, ReadOptions
+from dashpot.io.options import ReadOptions
 from dashpot.io.readers.impact import read_impact
 from dashpot.records.bounds import FRFBounds
 from dashpot.records.fit import Fit
@@ -42,12 +44,9 @@ from dashpot.workflow.measured import (
     shaken,
     total_mass,
 )
-from dashpot.workflow.prepared import answered_in, prepared_files, refuse_others
+from dashpot.workflow.prepared import prepared_files, refuse_others
 from dashpot.workflow.resting import LIMIT_LINES, AtRest, at_rest, formal_limits, frf_limits
 
-_UNTESTED = (
-    "the mass was inferred from the measured peak, so the stiffness is not tested: give --mass"
-)
 # rounds in which a mass and the stiffness under it find each other
 WEIGHINGS = 100
 
@@ -70,6 +69,15 @@ class ImpactMode:
         return Mode(self.frequency_hz, self.damping_ratio, 0j, frequency, ratio, 0.0, self.method)
 
 
+def modes_told(modes: Sequence[Mode]) -> str:
+    """Return frequency and damping of the first of some modes, and how many there are."""
+    if not modes:
+        return "0 modes were found"
+    frequency, ratio, _ = (fact.cells.with_unit for fact in modes[0].facts)
+    count = "" if len(modes) == 1 else f", the first of {counted(len(modes), 'mode')}"
+    return f"resonance at {frequency}, damping ratio {ratio}{count}"
+
+
 @dataclass(frozen=True)
 class ImpactResult(Documented):
     """What ``dashpot impact`` found.
@@ -87,7 +95,7 @@ class ImpactResult(Documented):
 
     schema = "dashpot/impact@1"
     keys = (
-        "estimator", "window", "frf.averages", "modes", "peak", "frf.hits", "frf.checks",
+        "estimator", "window", "frf.averages", "modes", "peak", "frf.hits", "frf.checks", "verdict",
         "frf.source", "file", "frf",
     )  # fmt: skip
 
@@ -96,6 +104,11 @@ class ImpactResult(Documented):
     estimator: str
     window: str
     file: str | None = None
+
+    @property
+    def verdict(self) -> Verdict:
+        """What to make of the FRF and its modes."""
+        return verdict(self.frf.checks, sound=modes_told([one.mode for one in self.modes]))
 
     @property
     def peak(self) -> dict[str, float]:
@@ -135,15 +148,13 @@ def impact_files(
         Why no mode was found, else empty.
     """
     hammer = hammer or HammerChoices()
-    modes: tuple[Mode, ...] = ()
-    reason = ""
-    if options is not None and options.base_acceleration is not None:
+    if options is not None and options.of(files[0]).base_acceleration is not None:
         frf, modes, reason = shaken(files, choices=hammer, options=options, mass=mass, band=band)
     else:
         tests = read_impact(list(files), options=options)
         frf = average(tests, choices=hammer, mass=mass, band=band)
-        modes, reason = _ringing(frf, band)
-    return _impact(frf, modes, hammer, file), reason
+        modes, reason = _modes(frf, band)
+    return _vibration(frf, modes, hammer, file), reason
 
 
 def modes_of_hits(
@@ -162,19 +173,19 @@ def modes_of_hits(
         frf, modes, reason = judged_base(test, choices=hammer, mass=mass, band=band)
     else:
         frf = average(test, choices=hammer, mass=mass, band=band)
-        modes, reason = _ringing(frf, band)
-    return _impact(frf, modes, hammer), reason
+        modes, reason = _modes(frf, band)
+    return _vibration(frf, modes, hammer), reason
 
 
-def _ringing(frf: FRF, band: tuple[float, float] | None) -> tuple[tuple[Mode, ...], str]:
-    """The modes of an FRF, and why there are none."""
+def _modes(frf: FRF, band: tuple[float, float] | None) -> tuple[tuple[Mode, ...], str]:
+    """The modes of an FRF, or why there is none."""
     try:
         return frf.modes(band=band), ""
     except DataError as error:
         return (), str(error)
 
 
-def _impact(
+def _vibration(
     frf: FRF, modes: Sequence[Mode], hammer: HammerChoices, file: str | None = None
 ) -> ImpactResult:
     shown = tuple(
@@ -290,7 +301,13 @@ class Agreement(Documented):
         found = verdict(self.checks)
         if _useless(self.comparison.measured):
             return found
-        return replace(found, says=_UNTESTED if self.mass_inferred else self.comparison.says)
+        if not self.mass_inferred:
+            return replace(found, says=self.comparison.says)
+        return replace(
+            found,
+            says=f"The mass, {written(self.mass, 'g')}, was found from the measured peak, so the "
+            "stiffness is not tested. Weigh the block, and give its mass.",
+        )
 
 
 def compare_files(
@@ -375,7 +392,7 @@ def _refuse_unmatched(
 ) -> None:
     """Refuse fits, tests and temperatures that do not go together."""
     if len(fits) > 1 or (fits and tests):
-        raise ReadError("--with takes relaxation tests or one fit, not both: leave the fit out")
+        raise ReadError("tests are fitted together, or one fit with vibration: leave the fit out")
     if not tests and len(temperatures) > 1:
         raise ReadError(
             f"{len(temperatures)} temperatures and no relaxation test (--with); expected one, that "
@@ -438,14 +455,17 @@ class Identified(Documented):
         What the FRF and the mass of the seals say beside the fit's own.
     at_rest : AtRest
         Where the mass rests on it.
+    vibration : ImpactResult or None
+        The modes of what was measured, where nothing else was fitted.
     """
 
-    keys = ("*fit", "direct", "*at_rest.told")
+    keys = ("*fit", "vibration.modes?", "vibration.frf.hits?", "direct", "*at_rest.told")
 
     fit: Fit
     direct: Direct
     noted: tuple[Check, ...]
     at_rest: AtRest
+    vibration: ImpactResult | None = None
 
     @property
     def checks(self) -> tuple[Check, ...]:
@@ -455,7 +475,7 @@ class Identified(Documented):
     @property
     def verdict(self) -> Verdict:
         """What to make of the fit."""
-        return verdict(self.checks, sound=self.fit.verdict.says)
+        return verdict(self.checks, sound=self.fit.sound)
 
 
 def identify_files(
@@ -513,19 +533,18 @@ def identify_files(
     checks : tuple of Check
         What the FRF and the mass of the seals say.
     """
-    known_of_a_test(machine, tests=len(tests), add="a relaxation test (--with)")
+    known_of_a_test(machine, tests=len(tests), add="a relaxation test")
     _refuse_unmatched(fits, tests, temperatures)
     _, frf = read_measured(measured, choices=hammer, options=options, mass=mass, band=band)
-    with answered_in("--with-profile", besides=("units", *OF_BENCH)):
-        prepared = prepared_files(
-            tests, machine=machine, options=options_with, temperatures=temperatures
-        )
+    prepared = prepared_files(
+        tests, machine=machine, options=options_with, temperatures=temperatures
+    )
     if not tests and temperatures:
         specimen = replace(specimen or Specimen(), temperature=temperatures[0])
     return identified(
         frf, tests=prepared, fit=fits[0] if fits else None, mass=mass, seal_mass=seal_mass,
         seals=seals, band=band, compression=compression, temperature=impact_temperature,
-        specimen=specimen, **choices,
+        specimen=specimen, hammer=hammer, **choices,
     )  # fmt: skip
 
 
@@ -541,6 +560,7 @@ def identified(
     compression: float | None = None,
     temperature: float | None = None,
     specimen: Specimen | None = None,
+    hammer: HammerChoices | None = None,
     **choices: Any,
 ) -> Identified:
     """Identify the solid under a mass from an FRF, alone or with prepared tests or their fit.
@@ -549,6 +569,9 @@ def identified(
     """
     from dashpot.fitting.identification.identify import identify
 
+    vibration = None
+    if not tests and fit is None:
+        vibration = _vibration(frf, _modes(frf, band)[0], hammer or HammerChoices())
     total, noted = total_mass(mass, seal=seal_mass, seals=seals)
     frf = relieved(frf, total, seal_mass, seals)
     mass = total or mass
@@ -573,7 +596,7 @@ def identified(
     others = tuple(check for check in frf.checks if check not in useless)
     found = replace(found, evidence=evidence)
     rests = at_rest(found, mass=mass, seals=seals, compression=compression)
-    return Identified(found, Direct(straight), (*others, *noted), rests)
+    return Identified(found, Direct(straight), (*others, *noted), rests, vibration)
 
 
 def _useless(frf: FRF) -> tuple[Check, ...]:

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from dashpot.base.errors import DataError, ReadError
-from dashpot.io.options import ReadOptions, flag
+from dashpot.base.errors import DataError
+from dashpot.io.options import ReadOptions
 from dashpot.io.readers.relaxation import read_relaxation
 from dashpot.preparation.prepare import prepare
 from dashpot.records.fit import Fit
@@ -66,22 +64,3 @@ def at_their_temperatures(tests: Sequence[RampHold], found: Fit) -> tuple[RampHo
         return replace(test, specimen=replace(test.specimen, temperature=float(kelvin)))
 
     return tuple(map(of, tests))
-
-
-@contextmanager
-def answered_in(option: str, *, besides: Sequence[str]) -> Iterator[None]:
-    """Say where a question is answered if the command's own options are for another file.
-
-    `besides` are the fields of the reading options that are for this file too.
-    """
-    ours = {flag(name) for name in besides}
-    try:
-        yield
-    except (ReadError, DataError) as error:
-        named = set(re.findall(r"(?<![\w-])--[a-z-]+", str(error)))
-        if named <= ours:
-            raise
-        raise ReadError(
-            f"{error} (the options of this command are for its other file: keep the answer for "
-            f"this one with dashpot inspect --save-profile FILE, and give it by {option} FILE)"
-        ) from None

@@ -29,21 +29,21 @@ class ShiftChoices:
     """
 
     at: float | None = option(
-        None, "Of several temperatures, the sweep of that one alone.", unit="temperature"
+        None, "Use the sweep of this temperature alone.", unit="temperature", flag="only"
     )
     reference: float | None = option(
         None,
-        "Of several, the one to shift to, e.g. 25degC [default: nearest to 23degC].",
+        "Temperature to shift to (nearest to 23degC).",
         unit="temperature",
     )
-    law: ShiftLaw = option("auto", "Of its shift factors.", flag="shift", choices=ShiftLaw)
+    law: ShiftLaw = option("auto", "Law of the shift factors.", flag="shift", choices=ShiftLaw)
     vertical: VerticalAsked = option(
         "auto",
-        "Of its moduli: 1, none; T, that of an ideal rubber; free, a diagnostic.",
+        "Shift of the moduli: auto, 1, T or free.",
         choices=_TYPED,
         parse=_TYPED.__getitem__,
     )
-    shifts: str | None = option(None, "Table of known shift factors.", metavar="FILE")
+    shifts: str | None = option(None, "Known shift factors.", metavar="FILE")
 
 
 def each_specimen(

@@ -84,7 +84,7 @@ def opened(path: str | Path, options: ReadOptions | None, *, sure: bool = True) 
     ReadError
         If it cannot be read, or, where it must be `sure`, its numbers can be read two ways.
     """
-    options = options or ReadOptions()
+    options = (options or ReadOptions()).of(path)
     raw = open_raw(path)
     table = read_table(raw, options)
     with about(raw.name):
@@ -163,7 +163,8 @@ def chosen(
             every = file.table.columns
             raise ReadError(
                 f"{quoted(every, one.index)} would be both {other} and {one.role}; name the "
-                f"columns with {flag(other)} and {flag(one.role)}; they are {list_columns(every)}"
+                f"columns with {flag(other)}=NAME and {flag(one.role)}=NAME; they are "
+                f"{list_columns(every)}"
             )
     return columns
 
@@ -254,7 +255,7 @@ def refuse_other_rate(file: Opened) -> None:
 
 def named(file: Opened, columns: Sequence[tuple[Role, int]]) -> str:
     """Return the options that give roles to columns, with the usual units, as they are typed."""
-    words = [f'{flag(role)} "{handle(file.table.columns, index)}"' for role, index in columns]
+    words = [f'{flag(role)}="{handle(file.table.columns, index)}"' for role, index in columns]
     usual = dict.fromkeys(f"{role}={EXAMPLE[role]}" for role, _ in columns)
     return f'{" ".join(words)} --units "{",".join(usual)}"'
 
@@ -273,7 +274,7 @@ def rivals(file: Opened, chosen: Sequence[Channel]) -> list[str]:
             listed = ", ".join(quoted(columns, i) for i in others[:3])
             notes.append(
                 f"{one.role} is {quoted(columns, one.index)}; {listed} could be too: "
-                f"{flag(one.role)} NAME chooses"
+                f"{flag(one.role)}=NAME chooses"
             )
     return notes
 

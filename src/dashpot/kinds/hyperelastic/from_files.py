@@ -9,8 +9,9 @@ from dashpot.base.choices import ElasticKindAsked
 from dashpot.base.errors import DataError, FitError, ReadError
 from dashpot.fitting.parameters import memory_of
 from dashpot.io.options import ReadOptions
+from dashpot.kinds.hyperelastic.asked import MODES, Measures
 from dashpot.kinds.hyperelastic.fit import fit_hyperelastic
-from dashpot.kinds.hyperelastic.read import MODES, Measures, read_stress_strain
+from dashpot.kinds.hyperelastic.read import read_stress_strain
 from dashpot.kinds.hyperelastic.record import HyperelasticFit, Span
 from dashpot.records.fit import Fit
 from dashpot.records.specimen import Specimen

@@ -13,7 +13,8 @@ from dashpot.io.columns.roles import Assigned, accelerations, list_columns, quot
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers import channels, checks
 from dashpot.io.readers.channels import Channel, Opened
-from dashpot.kinds.indentation.record import IndentationTest, Indenter, Motion
+from dashpot.kinds.indentation.indenter import Indenter
+from dashpot.kinds.indentation.record import IndentationTest, Motion
 
 _NAMED: tuple[Motion, ...] = ("acceleration", "velocity", "displacement", "force")
 
