@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, Literal, TypeAlias, TypeVar
+from typing import Any, Literal, TypeAlias
 
 from dashpot.base.choices import FamilyAsked, Method, RampLawAsked
-from dashpot.base.errors import FitError
+from dashpot.base.errors import FitError, ReadError
 from dashpot.base.options import offered
 from dashpot.fitting.relaxation import fit as fit_relaxation
+from dashpot.io.columns.kinds import other_kind
 from dashpot.io.options import ReadOptions
-from dashpot.io.readers.bench import read_bench
+from dashpot.io.readers.recognise import recognise
 from dashpot.io.source import about
+from dashpot.kinds import FIT_FILES, KINDS, load
 from dashpot.preparation.creep import load_hold
 from dashpot.preparation.prepare import prepare
 from dashpot.records.creep import Creep, CreepCompliance, CreepTest, LoadHold
@@ -25,7 +27,6 @@ from dashpot.records.modulus import RelaxationModulus
 from dashpot.records.relaxation import RampHold, RelaxationTest
 from dashpot.records.specimen import Specimen
 from dashpot.records.superposition import Superposition
-from dashpot.signals.loading import loading_in
 from dashpot.workflow.job import Cuts, Job, known_of_a_test
 from dashpot.workflow.shifting import ShiftChoices, each_specimen, one_temperature, shifted_ramps
 
@@ -61,13 +62,20 @@ class _FitRequest:
         usual = {one.name: one.default for one in offered(Job)} | {"depth_law": False}
         return all(getattr(self, name) == usual[name] for name in names)
 
-    def refuse_for_a_modulus(self) -> None:
-        """Refuse what belongs to a ramp."""
+    def refuse_beside_a_modulus(self, *, others: int) -> None:
+        """Refuse what belongs to a ramp, and tests that are no moduli."""
+        self.refuse_a_machine()
+        if others:
+            raise FitError(
+                "a relaxation modulus is fitted alone, or with others at other temperatures: fit "
+                "the other tests one by one"
+            )
         usual = self.nothing_of("method", "depth_law", "family")
         if self.filter or self.law == "nonlinear" or not usual:
             raise FitError(
-                "a relaxation modulus is fitted without --depth-law, --method hold, --law, "
-                "--filter and --family: it is the answer to a step already, of a linear solid with "
+                "a relaxation modulus is fitted without --elastic by-depth, --method hold, "
+                "--elastic, "
+                "--filter and --model: it is the answer to a step already, of a linear solid with "
                 "arms"
             )
 
@@ -82,7 +90,7 @@ class _FitRequest:
         if others or self.filter or self.depth_law:
             raise FitError(
                 "a creep test is fitted alone, or with others at other temperatures, without "
-                "--filter and --depth-law"
+                "--filter and --elastic by-depth"
             )
 
     def prepared(
@@ -168,8 +176,7 @@ def fit_files(
     cuts : Cuts, optional
         Of one relaxation test, by hand.
     specimen, options
-        As in :func:`~dashpot.io.readers.relaxation.read_relaxation`; with a column of `modulus` the
-        file is a relaxation modulus over time, and `cycle` is for preparation.
+        As in :func:`~dashpot.io.readers.relaxation.read_relaxation`; `cycle` is for preparation.
     temperatures : sequence of float
         Of the tests, K: one for all files, or one for each, in their order.
     shifting : ShiftChoices
@@ -193,12 +200,8 @@ def fit_files(
         arms, method, depth_law, thorough, law, family, intervals, filter, cuts or Cuts(), machine,
         options.cycle, shifting, each[0],
     )  # fmt: skip
-    reader: Callable[..., Bench] = read_bench
-    if options.modulus is not None:
-        from dashpot.io.readers.modulus import read_modulus as reader
-
-        asked.refuse_for_a_modulus()
-    return _fitted(_read(reader, files, each, options), asked, Path(files[0]).name)
+    tests = [_read(path, options, one) for path, one in zip(files, each, strict=True)]
+    return _fitted(tests, asked, Path(files[0]).name)
 
 
 def fit_records(
@@ -242,19 +245,13 @@ def _fitted(
     """Fit records as it was asked; `name`, of the first file, stands before what is wrong."""
     curves = [test for test in tests if isinstance(test, RelaxationModulus)]
     if curves:
-        if len(curves) < len(tests):
-            raise FitError(
-                "a relaxation modulus is fitted alone, or with others at other temperatures: fit "
-                "the other records by themselves"
-            )
-        asked.refuse_for_a_modulus()
-        asked.refuse_a_machine()
+        asked.refuse_beside_a_modulus(others=len(tests) - len(curves))
         from dashpot.fitting.modulus import fit_modulus
 
         with _named(name):
             curve = one_temperature(curves, asked.shifting, asked.specimen)
             return fit_modulus(curve, arms=asked.arms, thorough=asked.thorough), (curve,)  # type: ignore[arg-type]
-    crept = _as_creep(tests)
+    crept = [one for one in tests if isinstance(one, CreepTest | LoadHold | CreepCompliance)]
     if crept:
         asked.refuse_beside_creep(others=len(tests) - len(crept))
         return _crept(crept, asked, name)
@@ -270,18 +267,14 @@ def _named(name: str) -> AbstractContextManager[None]:
     return about(name) if name else nullcontext()
 
 
-_Test = TypeVar("_Test")
-
-
-def _read(
-    reader: Callable[..., _Test],
-    files: Sequence[str | Path],
-    each: Sequence[Specimen | None],
-    options: ReadOptions,
-) -> list[_Test]:
-    return [
-        reader(path, options=options, specimen=one) for path, one in zip(files, each, strict=True)
-    ]
+def _read(path: str | Path, options: ReadOptions, specimen: Specimen | None) -> Any:
+    """Return the record in a file, by the reader of its kind; what is of none asks as a ramp."""
+    kind, reason = (found := recognise(path, options)).kind, found.reason
+    row = KINDS.get(kind, KINDS["relaxation"])
+    if row.fit != FIT_FILES:
+        with about(Path(path).name):
+            raise ReadError(other_kind(kind, reason, "a test of a bench is"))
+    return load(row.reader)(path, options=options, specimen=specimen)
 
 
 def _crept(
@@ -296,7 +289,7 @@ def _crept(
             if not asked.nothing_of("method", "law", "family"):
                 raise FitError(
                     "creep at several temperatures has a linear solid with arms: leave out "
-                    "--method, --law and --family"
+                    "--method, --elastic and --model"
                 )
             from dashpot.fitting.creep import fit_creep
 
@@ -313,8 +306,8 @@ def _pressed(tests: tuple[RampHold, ...], asked: _FitRequest) -> Fit:
     if not usual or asked.thorough or asked.shifting != ShiftChoices():
         raise FitError(
             "a law of the depth is of arms of one temperature, found from ramps and holds with "
-            "starts of its own: leave out --method, --law, --family, --thorough, --reference, "
-            "--shift, --vertical, --at and --shifts"
+            "starts of its own: leave out --method, --elastic, --model, --thorough, --reference, "
+            "--shift, --vertical, --only and --shifts"
         )
     from dashpot.fitting.depth import fit_depths
 
@@ -329,11 +322,12 @@ def _swept(
     if asked.depth_law or asked.method == "hold" or (tests and len(sweeps) > 1):
         raise FitError(
             "a dynamic sweep is fitted alone, with others at other temperatures, or with "
-            "relaxation tests of the same part, without --depth-law and --method hold"
+            "relaxation tests of the same part, without --elastic by-depth and --method hold"
         )
     if asked.law == "nonlinear" or (asked.filter and not tests):
         raise FitError(
-            "a dynamic sweep is of a linear solid, and nothing of it is filtered: leave out --law "
+            "a dynamic sweep is of a linear solid, and nothing of it is filtered: leave out "
+            "--elastic "
             "and --filter, which are for ramps and holds"
         )
     from dashpot.fitting.dynamic import fit_dynamic
@@ -347,25 +341,6 @@ def _swept(
         family=asked.family,
     )
     return found, (sweep, *tests)
-
-
-def _as_creep(
-    tests: Sequence[Bench],
-) -> list[CreepTest | LoadHold | CreepCompliance]:
-    """The tests of creep, by their files or by what force and displacement do."""
-    found: list[CreepTest | LoadHold | CreepCompliance] = []
-    for test in tests:
-        if isinstance(test, CreepTest | LoadHold | CreepCompliance):
-            found.append(test)
-        elif (
-            isinstance(test, RelaxationTest)
-            and loading_in(test.time, test.displacement, test.force) == "creep"
-        ):
-            signals = test.time, test.displacement, test.force
-            found.append(
-                CreepTest(*signals, specimen=test.specimen, source=test.source, units="SI")
-            )
-    return found
 
 
 def _creep(

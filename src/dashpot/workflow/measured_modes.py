@@ -88,7 +88,7 @@ class SameMode:
 
 @dataclass(frozen=True)
 class MeasuredModes(Documented):
-    """What ``dashpot modes`` found.
+    """What ``dashpot fit`` found.
 
     Attributes
     ----------
@@ -180,7 +180,7 @@ def modes_of(
         return found, chart
     if len(against.points) != len(measured.points):
         raise DataError(
-            f"{len(measured.points)} points are held against {len(against.points)} (--against); "
+            f"{len(measured.points)} points are held against {len(against.points)}; "
             "expected the same ones, in the same order"
         )
     return replace(found, against=_again(shapes, against.modes(band=sought), several)), chart

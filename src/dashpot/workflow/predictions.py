@@ -269,7 +269,7 @@ def predict_files(
     DataError
         If a machine is described and no test was made on it, or a record is not what was fitted.
     """
-    known_of_a_test(machine, tests=len(records), add="the record (--with)")
+    known_of_a_test(machine, tests=len(records), add="the record (--record)")
     swept = swept_part(at_level or LevelChoices(), unit=found.unit, part=part, options=options)
     return prediction(
         found, prepared_files(records, machine=machine, options=options), mass=mass,
@@ -365,7 +365,7 @@ def _sound(frf: FRF, peak: tuple[float, float], found: Fit) -> str:
 def _refuse_records(tests: Sequence[RampHold]) -> None:
     if tests:
         raise DataError(
-            "a record (--with) bounds the part that was tested, not another of its material: "
+            "a record (--record) bounds the part that was tested, not another of its material: "
             "leave it or the geometry out"
         )
 

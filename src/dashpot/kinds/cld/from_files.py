@@ -55,7 +55,7 @@ class PieceStatistics:
 
 @dataclass(frozen=True)
 class Pieces(Checked, Documented):
-    """What ``dashpot cld`` found.
+    """What ``dashpot fit`` found.
 
     Attributes
     ----------
