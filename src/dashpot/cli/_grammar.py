@@ -303,6 +303,17 @@ def _gather(said: dict[str, dict[str, Any]], told: Iterable[tuple[str, Mapping[s
             known[name] = _both(known[name], each) if name in known else each
 
 
+def _both(first: Any, then: Any) -> Any:
+    """What is told twice of a field: both units, both columns, or what was told last."""
+    if isinstance(then, dict):
+        return first | then
+    return (*first, *then) if isinstance(then, tuple) and isinstance(first, tuple) else then
+
+
+_TOLD_APART = {"as_json", "strict", "verbose", "overwrite", "opens"}
+"""How a result is told, and where it may be written: what does the telling knows them."""
+
+
 def _with_profile(ctx: click.Context, given: dict[str, Any]) -> dict[str, Any]:
     """Lay what the profiles say below what was typed."""
     if "profile" not in given:

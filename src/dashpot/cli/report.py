@@ -70,7 +70,10 @@ class Reported(Documented):
         MODEL,
         of(Job, "family", metavar="NAME"),
         of(Job, "arms"),
-        rest(of(Job, "law", metavar="LAW", help="Elastic law: linear or nonlinear (auto)."), of(Job, "joint")),
+        rest(
+            of(Job, "law", metavar="LAW", help="Elastic law: linear or nonlinear (auto)."),
+            of(Job, "joint"),
+        ),
     ),
     group(
         MASS,
