@@ -54,7 +54,7 @@ class Range(WithUnit):
         self.name = "range"
 
 
-class Span(click.ParamType[Any]):
+class LowHigh(click.ParamType[Any]):
     """Two numbers, ``LOW:HIGH``."""
 
     name = "LOW:HIGH"
@@ -129,7 +129,7 @@ class ArmCount(click.ParamType[Any]):
         return int(value)
 
 
-class Word(click.Choice[str]):
+class OneOf(click.Choice[str]):
     """One of the words of a choice; another is answered with the nearest."""
 
     name = "NAME"
@@ -273,7 +273,7 @@ def type_of(one: Field[Any]) -> click.ParamType[Any]:
         kind = Range if "ends" in asked else WithUnit
         return kind(asked["unit"], asked.get("word", ""))
     if "choices" in asked:
-        return Word(tuple(asked["choices"]))
+        return OneOf(tuple(asked["choices"]))
     if names_files(one):
         return File()
     if "above" in asked:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import dashpot as dp
@@ -17,9 +16,7 @@ from dashpot.cli._shell import Outcome, Output, typed, write
 from dashpot.cli._simulated import seal_named
 from dashpot.cli._terminal import Text
 from dashpot.cli._values import Direction, WithUnit
-from dashpot.io.write import write_trajectory
-from dashpot.planning.bench import Bench
-from dashpot.planning.supposed import HammerPlan, SupposedSeal
+from dashpot.planning.asked import HammerPlan, PlannedRamp
 from dashpot.records.machine import Machine
 
 if TYPE_CHECKING:
@@ -40,19 +37,24 @@ _PLANNED, _KNOWN, _CONTROLLER = "Planned test", "Known beforehand", "Controller"
         _PLANNED,
         opt("--frequency", type=WithUnit("frequency"), required=True, metavar="FREQUENCY",
             help="The frequency that matters."),
-        of(Bench, "depth", "ramp_time", "hold_time", into="bench"),
-        of(SupposedSeal, "temperature", into="seal"),
+        of(PlannedRamp, "depth", "ramp_time", "hold_time", into="bench"),
+        opt(
+            "--temperature",
+            type=WithUnit("temperature"),
+            metavar="TEMPERATURE",
+            help="Test temperature (23degC, or that of the fit).",
+        ),
         opt("--cold", type=WithUnit("temperature"), multiple=True, metavar="TEMPERATURE",
             help="Repeat it at this temperature, e.g. 0degC."),
         of(HammerPlan, "hits", "record", into="hammer"),
         rest(
-            of(Bench, "rate", "method", "baseline", into="bench"),
+            of(PlannedRamp, "rate", "method", "baseline", into="bench"),
             of(HammerPlan, into="hammer", leave=("hits", "record", "mass", "seals")),
         ),
     ),
     group(
         _KNOWN,
-        of(Bench, "noise", into="bench"),
+        of(PlannedRamp, "noise", into="bench"),
         opt("--seal", "guess", metavar="NAME|FIT",
             help="A guess at the seal: paper, broad, hidden, or a fit."),
         of(HammerPlan, "mass", "seals", into="hammer"),
@@ -84,10 +86,10 @@ _PLANNED, _KNOWN, _CONTROLLER = "Planned test", "Known beforehand", "Controller"
 def command(
     *,
     frequency: float,
-    bench: Bench,
+    bench: PlannedRamp,
     machine: Machine,
     hammer: HammerPlan,
-    seal: SupposedSeal,
+    temperature: float | None,
     guess: str | None,
     arm_stiffness: float | None,
     arm_time: float | None,
@@ -99,17 +101,20 @@ def command(
     along: tuple[float, float, float],
 ) -> Outcome:
     """Tell how well a planned test will know stiffness and loss factor at a frequency."""
+    from dashpot.planning.bench import Bench
+    from dashpot.planning.supposed import SupposedSeal
+
     if arm_time is not None and arm_stiffness is None:
         raise DataError("--arm-time needs --arm-stiffness, e.g. --arm-stiffness 0.05N/mm")
     arm = None
     if arm_stiffness is not None:
         arm = (arm_stiffness, arm_time if arm_time is not None else 1 / (2 * math.pi * frequency))
     supposed = seal_named("paper" if guess is None else guess)
-    bench = replace(bench, machine=machine)
+    planned = Bench(**vars(bench), machine=machine)
     found = dp.plan(
-        bench,
+        planned,
         at=frequency,
-        seal=replace(seal, model=supposed.solid, arm=arm, law=wlf or supposed.law),
+        seal=SupposedSeal(supposed.solid, arm, temperature, wlf or supposed.law),
         hammer=hammer,
         cold=cold,
         wanted=wanted / 100,
@@ -126,6 +131,8 @@ def command(
         count = byline(f"planned test, {len(motion.time)} set-points")
         rest, ramp, hold = bench.baseline, bench.ramp_time, bench.hold_time
         timed = f"rest {rest:g} s, ramp {ramp:g} s, hold {hold:g} s"
+        from dashpot.io.write import write_trajectory
+
         says = (count, f"{timed}; one each {interval:g} s, the first where the plate touches")
         write(setpoints, write_trajectory(motion, comments=says))
     rehearsed = typed(

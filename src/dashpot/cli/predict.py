@@ -21,7 +21,7 @@ from dashpot.cli._options import MASS
 from dashpot.cli._recognised import recognised
 from dashpot.cli._shell import File, Outcome, grams, printed, typed, write, write_figure
 from dashpot.cli._terminal import Text
-from dashpot.cli._values import WithUnit, Word
+from dashpot.cli._values import OneOf, WithUnit
 from dashpot.io.options import ReadOptions
 from dashpot.workflow.job import Job, LevelChoices, PartChoices
 
@@ -49,7 +49,7 @@ _QUESTION, _PART = "Question", "Part of a material"
             help="The record behind the fit: adds a bound."),
         of(LevelChoices, "levels", "sweep", into="at_level", kinds=_SOLID),
         rest(
-            opt("--kind", type=Word(words(FrfKind)), metavar="NAME", kinds=_SOLID,
+            opt("--kind", type=OneOf(words(FrfKind)), metavar="NAME", kinds=_SOLID,
                 help=", ".join(words(FrfKind)[:-1]) + f" or {words(FrfKind)[-1]}."),
             options.relative(_SOLID),
             opt("--points", "lines", type=click.IntRange(2), default=2001, metavar="N",

@@ -68,8 +68,12 @@ class Reported(Documented):
     ),
     group(
         MODEL,
-        of(Job, "family", "arms"),
-        rest(of(Job, "law", "joint")),
+        of(Job, "family", metavar="NAME"),
+        of(Job, "arms"),
+        rest(
+            of(Job, "law", metavar="LAW", help="Elastic law: linear or nonlinear (auto)."),
+            of(Job, "joint"),
+        ),
     ),
     group(
         MASS,
