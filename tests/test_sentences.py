@@ -102,7 +102,7 @@ def test_the_cause_of_a_disagreement_leads_the_verdict() -> None:
     follows = Check("mass_believable", False, "the mass is off", grade="stop")
     study = handmade.study()
     joint = replace(study.joint, evidence=replace(study.joint.evidence, checks=(apart, follows)))
-    assert replace(study, joint=joint).verdict.says.startswith("the seals are 15 % stiffer")
+    assert replace(study, joint=joint).verdict.says.startswith("The seals are 15 % stiffer")
 
 
 def test_a_sentence_spells_powers_of_ten_that_people_write_out(
@@ -115,4 +115,4 @@ def test_a_sentence_spells_powers_of_ten_that_people_write_out(
         return Finding(f"{130.0:.2g} times, {2e-9:.2g} m")
 
     spelt.__module__ = "dashpot.nowhere.checks"
-    assert criterion(source="nowhere")(spelt)().says == "130 times, 2e-09 m"
+    assert criterion(source="nowhere")(spelt)().says == "130 times, 2e-09 m."

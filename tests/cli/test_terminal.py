@@ -23,8 +23,8 @@ from dashpot.cli._terminal import COLUMNS, LINES, Text, shown, wrapped
 from dashpot.records.fit import AtDepth
 
 STOP = Check("a_stop", False, "a stop; do that", grade="stop")
-LONG = Check("long_winded", False, "so much is to be said of it that it goes on " * 12)
-NOTE = Check("a_note", False, "a note", grade="note")
+LONG = Check("long_winded", False, "So much is to be said of it that it goes on. " * 12)
+NOTE = Check("a_note", False, "A note.", grade="note")
 
 
 def bare(lines):
@@ -42,7 +42,7 @@ def test_whatever_is_found_fits_a_screen_and_leads_with_its_verdict(lines, check
     found = verdict(checks)
     printed = bare(shown(Text(lines, ["more"]), found, checks, verbose=False))
     assert len(printed) <= LINES
-    assert printed[0].startswith(f"{found.use}: ")
+    assert printed[0].startswith(f"{found.use.capitalize()}:")
     assert all(len(line) <= COLUMNS or " " not in line.strip() for line in printed)
     assert printed[-1] == "  more with -v"
 
@@ -74,15 +74,15 @@ def test_failed_checks_outlast_the_numbers_on_a_short_screen():
     checks = (STOP, *(replace(LONG, name=f"long_{i}") for i in range(4)), NOTE)
     numbers = [f"row {i}" for i in range(80)]
     short = bare(shown(Text(numbers), verdict(checks), checks, verbose=False))
-    assert sum(line.startswith("  ! long_") for line in short) == 4
+    assert sum(line.startswith("  ! ") for line in short) == 4
     assert sum(line.endswith(" ...") for line in short) == 5  # and where the numbers are cut
     assert "row 0" in short
     assert "row 79" not in short
-    assert sum("a_note" in line for line in short) == 1
-    assert "  checks      6 failed (a_note as a note)" in short
+    assert not any("a_note" in line for line in short)
+    assert "  checks      5 failed, 1 note" in short
     long = bare(shown(Text(numbers), verdict(checks), checks, verbose=True))
     assert "row 79" in long
-    assert long[-1] == "  - a_note: a note"
+    assert long[-1] == "  - A note. a_note"
     said = " ".join(line.strip() for line in long)
     assert said.count(LONG.says.strip()) == 4
 
@@ -160,7 +160,7 @@ def test_colour_is_for_terminals_that_want_it(monkeypatch):
 @pytest.mark.parametrize("use", ["use", "use with care", "do not use"])
 def test_every_verdict_has_a_colour_of_its_own(use):
     (line,) = _terminal.lead(Verdict(use, "because"))
-    assert click.unstyle(line) == f"{use}: because"
+    assert click.unstyle(line) == f"{use.capitalize()}: because"
     others = {_terminal.USES[other] for other in _terminal.USES if other != use}
     assert _terminal.USES[use] not in others
 
@@ -280,7 +280,7 @@ def test_strict_predict_heeds_extrapolation(fit_file):
     assert strict("predict", fit_file, *words).exit_code == 0
     outside = strict("predict", narrowed(fit_file, (0.004, 0.32)), *words)
     assert outside.exit_code == 1
-    assert outside.stdout.startswith("use with care: the predicted peak at")
+    assert outside.stdout.startswith("Use with care: the predicted peak at")
     assert "is extrapolated" in outside.stdout
 
 
@@ -290,7 +290,7 @@ def test_strict_predict_heeds_the_fit_behind_it(fit_file):
     spoilt.write_text(dp.to_json(altered(fit, checks=(STOP,))))
     found = strict("predict", spoilt, "--mass", "104g", "--seals", 2)
     assert found.exit_code == 1
-    assert found.stdout.startswith("do not use: a stop; do that")
+    assert found.stdout.startswith("Do not use: a stop; do that.")
 
 
 def test_strict_export_heeds_rows_that_the_test_does_not_inform(fit_file, tmp_path):
@@ -302,7 +302,7 @@ def test_strict_export_heeds_rows_that_the_test_does_not_inform(fit_file, tmp_pa
     assert deck.splitlines()[1].startswith("$ USE: ")
     outside = strict("export", narrowed(fit_file, (0.004, 0.32)), *words, "--range", "1:30Hz")
     assert outside.exit_code == 1
-    assert outside.stdout.startswith("use with care: ")
+    assert outside.stdout.startswith("Use with care: ")
     deck = (tmp_path / "deck.bdf").read_text()
     assert deck.splitlines()[1].startswith("$ USE WITH CARE: ")
     rows = int(deck.split(" of ")[1].split()[0])
@@ -313,7 +313,7 @@ def test_the_arms_of_a_spoilt_fit_say_so_in_their_deck(fit_file):
     spoilt = altered(dp.from_json(fit_file.read_text()), checks=(STOP,))
     specimen = dp.Specimen(temperature=296.15, length=0.1)
     deck = dp.export.csv(spoilt, units="mm-t-s", form="arms", specimen=specimen)
-    assert deck.splitlines()[1] == "# DO NOT USE: a stop; do that"
+    assert deck.splitlines()[1] == "# DO NOT USE: A stop; do that."
     assert deck.verdict.use == "do not use"
     bare_solid = dp.export.csv(spoilt.model, units="mm-t-s", form="arms")
     assert bare_solid.verdict is None

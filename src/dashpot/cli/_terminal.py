@@ -27,7 +27,7 @@ COLUMNS = 100
 LINES = 36
 """Of a result, unless all is asked for; with the files written and what comes next, 40."""
 
-CHECK_LINES = 2
+CHECK_LINES = 3
 """Of one check there."""
 
 PATIENCE, BEAT = 1.0, 0.25
@@ -99,7 +99,8 @@ def _lines(paragraphs: Sequence[str]) -> list[str]:
 
 def lead(verdict: Verdict) -> list[str]:
     """Return a verdict and why, as the first lines of a result."""
-    return _coloured(f"{verdict.use}:", verdict.says, USES[verdict.use], hang=2)
+    mark, _, says = str(verdict).partition(": ")
+    return _coloured(f"{mark}:", says, USES[verdict.use], hang=2)
 
 
 def wrapped(line: str, *, hang: int | None = None) -> list[str]:
@@ -140,9 +141,16 @@ def _listed(
 
 def _check(check: Check, verdict: Verdict | None) -> list[str]:
     mark, colour = MARKS[check.grade]
-    above = verdict is not None and check.says in verdict.says
-    says = "as said above" if above else check.says
-    return _coloured(f"  {mark} {check.name}:", says, colour, hang=5)
+    above = verdict is not None and verdict.says.startswith(check.told)
+    says = "(first line)" if above else check.told
+    option = check.remedy.typed if check.remedy else ""
+    first, *others = _coloured(
+        f"  {mark}", f"{says} {f'({option}) ' if option else ''}{check.name}", colour, hang=5
+    )
+    lines = [first, *others]
+    # the name is for searching, not for reading
+    lines[-1] = f"{lines[-1][: -len(check.name)]}{click.style(check.name, dim=True)}"
+    return lines
 
 
 def _short(check: list[str]) -> list[str]:
@@ -152,11 +160,9 @@ def _short(check: list[str]) -> list[str]:
 
 
 def _counted(checks: Sequence[Check]) -> str:
-    """Return how many checks passed, failed, and were not judged; and which failed as a note."""
-    states = [check.passed for check in checks]
-    notes = [check.name for check in checks if check.failed and check.grade == "note"]
-    named = f" ({', '.join(dict.fromkeys(notes))} as a note)" if notes else ""
-    words = ((True, "passed"), (False, f"failed{named}"), (None, "not judged"))
+    """Return how many checks passed, failed, are a note, and have nothing to judge."""
+    states = ["note" if one.failed and one.grade == "note" else one.passed for one in checks]
+    words = ((True, "passed"), (False, "failed"), ("note", "note"), (None, "not applicable"))
     return ", ".join(f"{states.count(state)} {word}" for state, word in words if state in states)
 
 

@@ -14,6 +14,8 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError, ReadError
+from dashpot.base.numbers import counted
+from dashpot.base.units import written
 from dashpot.base.version import byline
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.impact import read_impact
@@ -31,9 +33,6 @@ from dashpot.workflow.measured import average, read_measured, relieved, shaken, 
 from dashpot.workflow.prepared import prepared_files, refuse_others
 from dashpot.workflow.resting import LIMIT_LINES, AtRest, at_rest, formal_limits, frf_limits
 
-_UNTESTED = (
-    "the mass was inferred from the measured peak, so the stiffness is not tested: give --mass"
-)
 # rounds in which a mass and the stiffness under it find each other
 WEIGHINGS = 100
 
@@ -56,6 +55,15 @@ class ImpactMode:
         return Mode(self.frequency_hz, self.damping_ratio, 0j, frequency, ratio, 0.0, self.method)
 
 
+def modes_told(modes: Sequence[Mode]) -> str:
+    """Return frequency and damping of the first of some modes, and how many there are."""
+    if not modes:
+        return "0 modes were found"
+    frequency, ratio, _ = (fact.cells.with_unit for fact in modes[0].facts)
+    count = "" if len(modes) == 1 else f", the first of {counted(len(modes), 'mode')}"
+    return f"resonance at {frequency}, damping ratio {ratio}{count}"
+
+
 @dataclass(frozen=True)
 class ImpactResult(Documented):
     """What ``dashpot impact`` found.
@@ -73,7 +81,7 @@ class ImpactResult(Documented):
 
     schema = "dashpot/impact@1"
     keys = (
-        "estimator", "window", "frf.averages", "modes", "peak", "frf.hits", "frf.checks",
+        "estimator", "window", "frf.averages", "modes", "peak", "frf.hits", "frf.checks", "verdict",
         "frf.source", "file", "frf",
     )  # fmt: skip
 
@@ -82,6 +90,11 @@ class ImpactResult(Documented):
     estimator: str
     window: str
     file: str | None = None
+
+    @property
+    def verdict(self) -> Verdict:
+        """What to make of the FRF and its modes."""
+        return verdict(self.frf.checks, sound=modes_told([one.mode for one in self.modes]))
 
     @property
     def peak(self) -> dict[str, float]:
@@ -254,7 +267,13 @@ class Agreement(Documented):
         found = verdict(self.checks)
         if _useless(self.comparison.measured):
             return found
-        return replace(found, says=_UNTESTED if self.mass_inferred else self.comparison.says)
+        if not self.mass_inferred:
+            return replace(found, says=self.comparison.says)
+        return replace(
+            found,
+            says=f"The mass, {written(self.mass, 'g')}, was found from the measured peak, so the "
+            "stiffness is not tested. Weigh the block, and give its mass.",
+        )
 
 
 def compare_files(
@@ -401,7 +420,7 @@ class Identified(Documented):
     @property
     def verdict(self) -> Verdict:
         """What to make of the fit."""
-        return verdict(self.checks, sound=self.fit.verdict.says)
+        return verdict(self.checks, sound=self.fit.sound)
 
 
 def identify_files(

@@ -61,7 +61,7 @@ class Levels(Documented):
     @property
     def verdict(self) -> Verdict:
         """What to make of it."""
-        return verdict(self.checks, sound=self.fit.verdict.says)
+        return verdict(self.checks, sound=self.fit.sound)
 
     @property
     def source(self) -> tuple[Source, ...]:

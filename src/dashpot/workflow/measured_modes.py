@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from dashpot.base.checks import Verdict, verdict
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.io.options import ReadOptions
@@ -24,7 +25,7 @@ from dashpot.vibration.modal.checks import modes_explain_lines, modes_stable, po
 from dashpot.vibration.modal.several_points import shapes_of, within
 from dashpot.vibration.modal.shapes import mac, phase_collinearity, phase_deviation
 from dashpot.vibration.modal.stabilisation import Stabilisation, stabilisation
-from dashpot.workflow.impacts import ImpactMode, finite
+from dashpot.workflow.impacts import ImpactMode, finite, modes_told
 from dashpot.workflow.measured import judged
 
 SAME_MODE = 0.2
@@ -108,7 +109,7 @@ class MeasuredModes(Documented):
     """
 
     schema = "dashpot/modes@1"
-    keys = ("frf.checks", "frf.source", "*")
+    keys = ("frf.checks", "verdict", "frf.source", "*")
 
     frf: FRF
     modes: tuple[MeasuredMode, ...]
@@ -117,6 +118,11 @@ class MeasuredModes(Documented):
     highest_order: int = 0
     mac: tuple[tuple[float, ...], ...] = ()
     against: tuple[SameMode, ...] = ()
+
+    @property
+    def verdict(self) -> Verdict:
+        """What to make of the modes."""
+        return verdict(self.frf.checks, sound=modes_told([one.mode for one in self.modes]))
 
 
 def modes_files(

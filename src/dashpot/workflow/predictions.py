@@ -15,6 +15,7 @@ from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.choices import Family
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
+from dashpot.base.numbers import hertz
 from dashpot.fitting.temperature.checks import temperature_tested
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.psd import read_psd
@@ -310,7 +311,7 @@ def predict_files(
         at_edge,
         limited,
         checks,
-        verdict(checks, sound=found.verdict.says),
+        verdict(checks, sound=_sound(frf, peak, found)),
         rests,
         on.rival,
         of_part,
@@ -318,6 +319,16 @@ def predict_files(
         swept,
         on.shaken(base_psd, bounded),
         on.isolation,
+    )
+
+
+def _sound(frf: FRF, peak: tuple[float, float], found: Fit) -> str:
+    """Return where the predicted peak lies, how high it is, and where the model is valid."""
+    hz, height = peak
+    name, unit = frf.kind.replace("_", " "), frf.unit
+    return (
+        f"peak of the {name}: {height:.4g}{f' {unit}' if unit != '1' else ''} at {hz:.4g} Hz. "
+        f"The model is valid from {hertz(found.band)}"
     )
 
 

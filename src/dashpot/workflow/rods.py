@@ -82,7 +82,7 @@ class Rod(Documented):
         """What to make of it."""
         low, high = self.modulus.band
         return verdict(
-            self.checks, sound=f"the modulus is known to 10 % from {low:.3g} to {high:.3g} Hz"
+            self.checks, sound=f"from {low:.3g} to {high:.3g} Hz the modulus is known to 10 %"
         )
 
     @property

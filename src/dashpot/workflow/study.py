@@ -146,7 +146,7 @@ class Study(Pictured, Documented):
         agreed = self.comparison if self.joint is None else self.joint_comparison
         mass = "no mass" if self.mass is None else written(self.mass, "g", ".6g")
         return (
-            f"{self.verdict.use}: {self.verdict.says}",
+            str(self.verdict),
             f"{mass} on {self.seals:g} seals; {solid.model} ({solid.unit}, s), {solid.method}",
             *(
                 ()
@@ -203,11 +203,12 @@ class Study(Pictured, Documented):
     @property
     def _sound(self) -> str:
         """What to say of the study where no check of weight failed."""
-        if self.joint is not None:
-            return "one solid, the joint fit's, explains the relaxation test and the hammer"
-        if self.comparison is not None:
-            return "the hammer bears out what the relaxation test predicts"
-        return f"the relaxation test tells the solid from {hertz(self.fit.band)}"
+        if self.joint is not None and self.joint_comparison is not None:
+            where = f"From {hertz(self.joint.band)} one model matches both tests"
+            return f"{where}: {self.joint_comparison.matched}."
+        if self.joint is None and self.comparison is not None:
+            return self.comparison.says
+        return (self.joint or self.fit).sound
 
 
 def characterise(

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import combinations
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from dashpot.base.checks import Check
+from dashpot.base.checks import Check, Checked
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.units import in_unit, written
@@ -39,7 +39,7 @@ class StiffnessAtMode(NamedTuple):
 
 
 @dataclass(frozen=True)
-class ModesByMass(Documented):
+class ModesByMass(Checked, Documented):
     """What ``dashpot modes`` found under several masses.
 
     Attributes
@@ -52,7 +52,7 @@ class ModesByMass(Documented):
     """
 
     schema = "dashpot/modes-by-mass@1"
-    keys = ("tests=each", "stiffness", "model", "together.distance", "checks")
+    keys = ("tests=each", "stiffness", "model", "together.distance", "verdict", "checks")
 
     tests: tuple[MeasuredModes, ...]
     together: SeveralMasses
@@ -63,6 +63,13 @@ class ModesByMass(Documented):
         """The modes under each mass."""
         masses = zip(self.together.masses, self.tests, strict=True)
         return tuple(UnderMass(mass, one.band, one.modes) for mass, one in masses)
+
+    @property
+    def sound(self) -> str:
+        """The resonance under each mass."""
+        pairs = zip(self.together.masses, self.together.modes, strict=True)
+        each = [f"{mode.frequency:.4g} Hz under {written(mass, 'g')}" for mass, mode in pairs]
+        return f"one solid has the resonance of every mass: {', '.join(each[:3])}"
 
     @property
     def stiffness(self) -> tuple[StiffnessAtMode, ...]:
@@ -124,7 +131,7 @@ def modes_by_mass(
     missed = found.missed
     by = f"{100 * missed.real:+.2g} % of stiffness and {100 * missed.imag:+.2g} % of damping"
     own = [
-        replace(check, says=f"{written(mass, 'g')}: {check.says}")
+        check.within(f"under {written(mass, 'g')}")
         for mass, one in zip(masses, tests, strict=True)
         for check in one.frf.checks
     ]

@@ -13,7 +13,7 @@ from dashpot.base.capability import Capability, capability
 from dashpot.base.checks import Check, Checked, worst
 from dashpot.base.documents import Documented
 from dashpot.base.errors import ReadError
-from dashpot.base.units import Quantity, Range
+from dashpot.base.units import Quantity, Range, written
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import about
 from dashpot.kinds.cld.checks import pieces_capable, pieces_tested_alike
@@ -89,6 +89,18 @@ class Pieces(Checked, Documented):
     def unit(self) -> str:
         """Of a force."""
         return self.pieces[0].unit
+
+    @property
+    def sound(self) -> str:
+        """The force at the nominal compression, and that of the least and of the stiffest piece."""
+        if len(self.pieces) == 1 or self.rate is not None:
+            return self.pieces[0].sound
+        forces = [one.per * one.nominal.loading for one in self.pieces]
+        at = written(self.pieces[0].nominal.compression, "mm", ".3g")
+        return (
+            f"{sum(forces) / len(forces):.3g} {self.unit} at {at} ({len(forces)} pieces: "
+            f"{min(forces):.3g} to {max(forces):.3g})"
+        )
 
 
 def cld_files(

@@ -334,12 +334,19 @@ class CLD(ByValue, Pictured, Checked, Documented):
         }  # fmt: skip
 
     @property
+    def sound(self) -> str:
+        """The force at the nominal compression."""
+        one = self.nominal
+        force = self.per * one.loading
+        return f"{force:.3g} {self.unit} at {written(one.compression, 'mm', '.3g')}"
+
+    @property
     def described(self) -> tuple[str, ...]:
         """The verdict, the force at the nominal compression, and the cycle that it is of."""
-        judged, one, cycle = self.verdict, self.nominal, self.cycle
+        one, cycle = self.nominal, self.cycle
         lost = cycle.hysteresis
         return (
-            f"{judged.use}: {judged.says}",
+            str(self.verdict),
             (
                 f"{self.per * one.loading:.4g} {self.unit} at {written(one.compression, 'mm')}, "
                 f"slope {written(self.per * one.slope, 'N/mm', '.3g')}"
@@ -350,7 +357,7 @@ class CLD(ByValue, Pictured, Checked, Documented):
                 f"cycle {cycle.number} of {len(self.cycles)}, to {written(cycle.depth, 'mm')}"
                 + ("" if lost is None else f", hysteresis {100 * lost:.3g} %")
             ),
-            *(check.says for check in self.checks if check.failed),
+            *(check.told for check in self.checks if check.failed),
         )
 
 

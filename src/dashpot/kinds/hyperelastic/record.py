@@ -12,6 +12,7 @@ from dashpot.base.checks import Check
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.facts import Fact, Numbered
+from dashpot.base.numbers import counted
 from dashpot.base.offered import Described
 from dashpot.base.provenance import Source, of_file, sources_of
 from dashpot.solids.hyperelastic import Hyperelastic, Mode
@@ -166,11 +167,21 @@ class HyperelasticFit(ByValue, Described, Numbered, Documented):
         return sources_of(self.curves)
 
     @property
+    def sound(self) -> str:
+        """The law, what it leaves of the stress, and over which stretches it holds."""
+        reach = [span for _, span in self.reach]
+        low, high = min(one[0] for one in reach), max(one[1] for one in reach)
+        return (
+            f"the {self.law.kind} law follows {counted(len(self.curves), 'curve')} to "
+            f"{100 * max(self.residuals):.2g} % of the stress, for stretches of {low:.3g} to "
+            f"{high:.3g}"
+        )
+
+    @property
     def described(self) -> tuple[str, ...]:
         """The verdict, the law and its numbers."""
-        judged = self.verdict
         return (
-            f"{judged.use}: {judged.says}",
+            str(self.verdict),
             f"law: {self.law.kind}",
             *(one.says for one in self.found),
         )

@@ -82,6 +82,10 @@ class IndentationTest(ByValue, Described):
         )
 
 
+# what a reader came for: the first of these that the contact gives
+_CAME_FOR = ("modulus", "k")
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class IndentationFit(ByValue, Described, Numbered):
     """What one contact says of a surface.
@@ -128,11 +132,19 @@ class IndentationFit(ByValue, Described, Numbered):
     source: Source | None = None
 
     @property
+    def sound(self) -> str:
+        """The modulus or stiffness, and the restitution."""
+        named = {one.name: one for one in self.found}
+        first = next(filter(None, map(named.get, _CAME_FOR)), self.found[0])
+        bounce = named.get("restitution")
+        more = f", {bounce.called} {bounce.cells.with_unit}" if bounce else ""
+        return f"{first.called} {first.cells.with_unit}{more}"
+
+    @property
     def described(self) -> tuple[str, ...]:
         """The verdict, the law and its numbers."""
-        judged = self.verdict
         return (
-            f"{judged.use}: {judged.says}",
+            str(self.verdict),
             f"law: {self.law}",
             *(one.says for one in self.found),
         )

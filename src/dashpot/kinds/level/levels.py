@@ -215,15 +215,28 @@ class LevelFit(ByValue, Described, Checked, Documented):
         return np.asarray((low <= X) & (high >= X))
 
     @property
+    def sound(self) -> str:
+        """By how much the stiffness changes with amplitude, and where the lines cover it."""
+        low, high = self.amplitudes
+        ends = self.stiffness(
+            amplitude=[low, high], omega=np.pi * (self.band[0] + self.band[1])
+        ).real
+        way = "falls" if ends[1] < ends[0] else "rises"
+        return (
+            f"from {in_unit(low, 'mm'):.3g} to {written(high, 'mm', '.3g')} the stiffness of one "
+            f"seal {way} by {100 * abs(ends[1] / ends[0] - 1):.2g} %, from "
+            f"{in_unit(ends[0], 'N/mm'):.4g} to {written(ends[1], 'N/mm')}"
+        )
+
+    @property
     def described(self) -> tuple[str, ...]:
         """The verdict, and what moves with amplitude by how much."""
         low, high = self.amplitudes
-        judged = self.verdict
         middle = np.pi * (self.band[0] + self.band[1])
         ends = self.stiffness(omega=middle, amplitude=[low, high])
         factor = ends.imag / ends.real
         return (
-            f"{judged.use}: {judged.says}",
+            str(self.verdict),
             (
                 f"one seal, {in_unit(low, 'mm'):.3g} to {written(high, 'mm', '.3g')} at "
                 f"{middle / 2 / np.pi:.4g} Hz: stiffness {in_unit(ends[0].real, 'N/mm'):.4g} to "
@@ -239,7 +252,7 @@ class LevelFit(ByValue, Described, Checked, Documented):
                 "that at no level, of another by 0.5 %"
             ),
             *self._stiffening,
-            *(check.says for check in self.checks if check.failed),
+            *(check.told for check in self.checks if check.failed),
         )
 
     @property

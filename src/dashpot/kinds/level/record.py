@@ -205,10 +205,22 @@ class AmplitudeFit(ByValue, Described, Checked, Documented):
         return dict(self.orders)
 
     @property
+    def sound(self) -> str:
+        """By how much the stiffness changes over the amplitudes, and what the law leaves of it."""
+        unit, of = read_in(self.unit), read_in(self.of)
+        low, high = (in_unit(one, of) for one in self.amplitudes)
+        ends = self.stiffness(self.amplitudes).real
+        way = "falls" if ends[1] < ends[0] else "rises"
+        return (
+            f"from {low:.3g} to {high:.3g} {of} the stiffness {way} by "
+            f"{100 * abs(ends[1] / ends[0] - 1):.2g} %, to {written(float(ends[1]), unit, '.3g')}. "
+            f"The law follows it to {100 * self.residual:.2g} %"
+        )
+
+    @property
     def described(self) -> tuple[str, ...]:
         """The verdict, the law and its numbers."""
-        judged = self.verdict
-        lines, error = [f"{judged.use}: {judged.says}"], dict(self.se)
+        lines, error = [str(self.verdict)], dict(self.se)
         unit, of = read_in(self.unit), read_in(self.of)
         low, high = (in_unit(one, of) for one in self.amplitudes)
         kraus = self.law.partition("+")[0]
