@@ -92,6 +92,8 @@ class ReadOptions:
         The loading to use, counted from 1, where a relaxation test has several.
     sheet : str or None
         The sheet of a workbook, group of a TDMS file or HDF5 file, by name.
+    kind : str or None
+        What the file is, in place of what it is recognised as: ``"relaxation"``, ``"cld"``.
     calibration : str or None
         Path of an ATI ``.cal`` file that turns six gauge voltages into the force.
     axis : str
@@ -259,6 +261,8 @@ def _sections() -> dict[str, tuple[str, ...]]:
 
 
 _SECTIONS = _sections()
+PROFILE = frozenset({"rate", "units", *filter(None, _SECTIONS)})
+"""What stands in a profile: its tables, and the rate."""
 _ASKED = {one.name: one.metadata for one in offered(ReadOptions)}
 _ALSO = {"hammer": "force", "complex_modulus": "magnitude", "loss_angle": "phase"}
 """Roles whose unit may be given by another's name."""
@@ -359,7 +363,7 @@ def _from_toml(content: dict[str, Any]) -> ReadOptions:
         elif section in _SECTIONS:
             stated |= {name: _option(section, name, value) for name, value in entries.items()}
         else:
-            known = ", ".join(["rate", *filter(None, _SECTIONS)])
+            known = ", ".join(sorted(PROFILE))
             raise DataError(f"'{section}' is unknown in a profile; known are {known}")
     return ReadOptions(**stated)
 

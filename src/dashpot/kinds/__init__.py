@@ -91,8 +91,6 @@ class KindOfTest:
         What has to be known of the piece before.
     says : str
         In a lot, which word it waits for; by default who wants it.
-    column : str
-        The option that must name its column.
     resonates : bool
         Whether a lot finds a resonance in the file alone.
     examples : str
@@ -110,7 +108,6 @@ class KindOfTest:
     columns: tuple[str, ...] = ()
     needs: str = ""
     says: str = ""
-    column: str = ""
     resonates: bool = False
     examples: str = ""
 
@@ -160,8 +157,7 @@ KINDS: Mapping[str, KindOfTest] = MappingProxyType({kind.name: kind for kind in 
     KindOfTest("temperature-sweep"),
     KindOfTest("one-frequency"),
     KindOfTest(
-        "modulus", "io.readers.modulus:read_modulus", FIT_FILES, page="bench", column="modulus",
-        says="name its column (--modulus)",
+        "modulus", "io.readers.modulus:read_modulus", FIT_FILES, page="bench",
         nouns={"records.modulus:RelaxationModulus": ""},
         checks="fitting.checks.curves",
     ),
@@ -225,6 +221,8 @@ KINDS: Mapping[str, KindOfTest] = MappingProxyType({kind.name: kind for kind in 
         checks="kinds.level.checks",
         examples="kinds.level.examples:EXAMPLES",
     ),
+    KindOfTest("seal-line"),
+    KindOfTest("free-modes", "door.read_modes:read_modes"),
 )})  # fmt: skip
 """Every kind, in the order in which columns and examples stand."""
 

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, Literal, TypeAlias, TypeVar
+from typing import Any, Literal, TypeAlias
 
 import dashpot as dp
 from dashpot.base.choices import FamilyAsked, Method, RampLawAsked
-from dashpot.base.errors import FitError
+from dashpot.base.errors import FitError, ReadError
 from dashpot.base.options import offered
+from dashpot.io.columns.kinds import other_kind
 from dashpot.io.options import ReadOptions
+from dashpot.io.readers.recognise import recognise
 from dashpot.io.source import about
+from dashpot.kinds import FIT_FILES, KINDS, load
 from dashpot.preparation.creep import load_hold
 from dashpot.records.creep import Creep, CreepCompliance, CreepTest, LoadHold
 from dashpot.records.dynamic import DynamicTest
@@ -22,7 +25,6 @@ from dashpot.records.modulus import RelaxationModulus
 from dashpot.records.relaxation import RampHold, RelaxationTest
 from dashpot.records.specimen import Specimen
 from dashpot.records.superposition import Superposition
-from dashpot.signals.loading import loading_in
 from dashpot.workflow.job import Cuts, Job, known_of_a_test
 from dashpot.workflow.shifting import ShiftChoices, each_specimen, one_temperature, shifted_ramps
 
@@ -54,8 +56,14 @@ class _FitRequest:
         usual = {one.name: one.default for one in offered(Job)} | {"depth_law": False}
         return all(getattr(self, name) == usual[name] for name in names)
 
-    def refuse_for_a_modulus(self) -> None:
-        """Refuse what belongs to a ramp."""
+    def refuse_beside_a_modulus(self, *, others: int) -> None:
+        """Refuse what belongs to a ramp, and tests that are no moduli."""
+        self.refuse_a_machine()
+        if others:
+            raise FitError(
+                "a relaxation modulus is fitted alone, or with others at other temperatures: fit "
+                "the other tests one by one"
+            )
         usual = self.nothing_of("method", "depth_law", "family")
         if self.filter or self.law == "nonlinear" or not usual:
             raise FitError(
@@ -145,8 +153,7 @@ def fit_files(
     cuts : Cuts, optional
         Of one relaxation test, by hand.
     specimen, options
-        As in :func:`~dashpot.io.readers.relaxation.read_relaxation`; with a column of `modulus` the
-        file is a relaxation modulus over time, and `cycle` is for preparation.
+        As in :func:`~dashpot.io.readers.relaxation.read_relaxation`; `cycle` is for preparation.
     temperatures : sequence of float
         Of the tests, K: one for all files, or one for each, in their order.
     shifting : ShiftChoices
@@ -170,15 +177,14 @@ def fit_files(
         arms, method, depth_law, thorough, law, family, intervals, filter, cuts or Cuts(), machine,
         options.cycle, shifting, each[0],
     )  # fmt: skip
-    if options.modulus is not None:
-        asked.refuse_for_a_modulus()
-        asked.refuse_a_machine()
-        curves = _read(dp.read_modulus, files, each, options)
+    tests = [_read(path, options, one) for path, one in zip(files, each, strict=True)]
+    curves = [one for one in tests if isinstance(one, RelaxationModulus)]
+    if curves:
+        asked.refuse_beside_a_modulus(others=len(tests) - len(curves))
         with about(Path(files[0]).name):
             curve = one_temperature(curves, shifting, each[0])
             return dp.fit_modulus(curve, arms=arms, thorough=thorough), (curve,)  # type: ignore[arg-type]
-    tests = _read(dp.read_bench, files, each, options)
-    crept = _as_creep(tests)
+    crept = [one for one in tests if isinstance(one, CreepTest | CreepCompliance)]
     if crept:
         asked.refuse_beside_creep(others=len(tests) - len(crept))
         return _crept(crept, asked, Path(files[0]).name)
@@ -190,18 +196,14 @@ def fit_files(
     return _swept(tests, prepared, asked)
 
 
-_Test = TypeVar("_Test")
-
-
-def _read(
-    reader: Callable[..., _Test],
-    files: Sequence[str | Path],
-    each: Sequence[Specimen | None],
-    options: ReadOptions,
-) -> list[_Test]:
-    return [
-        reader(path, options=options, specimen=one) for path, one in zip(files, each, strict=True)
-    ]
+def _read(path: str | Path, options: ReadOptions, specimen: Specimen | None) -> Any:
+    """Return the record in a file, by the reader of its kind; what is of none asks as a ramp."""
+    kind, reason = (found := recognise(path, options)).kind, found.reason
+    row = KINDS.get(kind, KINDS["relaxation"])
+    if row.fit != FIT_FILES:
+        with about(Path(path).name):
+            raise ReadError(other_kind(kind, reason, "a test of a bench is"))
+    return load(row.reader)(path, options=options, specimen=specimen)
 
 
 def _crept(
@@ -261,23 +263,6 @@ def _swept(
         family=asked.family,
     )
     return found, (sweep, *tests)
-
-
-def _as_creep(
-    tests: Sequence[RelaxationTest | DynamicTest | CreepTest | CreepCompliance],
-) -> list[CreepTest | CreepCompliance]:
-    """The tests of creep, by their files or by what force and displacement do."""
-    found: list[CreepTest | CreepCompliance] = []
-    for test in tests:
-        if isinstance(test, CreepTest | CreepCompliance):
-            found.append(test)
-        elif (
-            isinstance(test, RelaxationTest)
-            and loading_in(test.time, test.displacement, test.force) == "creep"
-        ):
-            signals = test.time, test.displacement, test.force
-            found.append(CreepTest(*signals, specimen=test.specimen, source=test.source))
-    return found
 
 
 def _creep(

@@ -50,6 +50,8 @@ class Opened:
     raw: Raw
     table: FileTable
     options: ReadOptions
+    once: bool = False
+    """Whether the columns read last are kept."""
 
     def column(self, role: Role) -> Assigned | None:
         """The column that plays a role, if one alone does."""
@@ -85,16 +87,44 @@ def opened(path: str | Path, options: ReadOptions | None, *, sure: bool = True) 
         If it cannot be read, or, where it must be `sure`, its numbers can be read two ways.
     """
     options = (options or ReadOptions()).of(path)
-    raw = open_raw(path)
-    table = read_table(raw, options)
-    with about(raw.name):
-        if sure and table.doubts:
-            raise ReadError(table.doubts[0].says)
-        yield Opened(raw, table, options)
+    file = _LEFT_OPEN.pop(_key(path, options), None)
+    if file is None:
+        raw = open_raw(path)
+        file = Opened(raw, read_table(raw, options), options)
+    with about(file.raw.name):
+        if sure and file.table.doubts:
+            raise ReadError(file.table.doubts[0].says)
+        yield file
+
+
+_LEFT_OPEN: dict[object, Opened] = {}
+"""Files that were looked at and are about to be read."""
+_MOST = 16
+"""How many of them are kept."""
+
+
+def leave_open(path: str | Path, file: Opened) -> None:
+    """Leave an open file to who reads it next, with the same options: it is parsed once."""
+    key = _key(path, file.options)
+    if key is not None:
+        while len(_LEFT_OPEN) >= _MOST:
+            _LEFT_OPEN.pop(next(iter(_LEFT_OPEN)), None)
+        _LEFT_OPEN[key] = file
+
+
+def _key(path: str | Path, options: ReadOptions) -> object:
+    """What one file with one set of options is known by, as long as it is not written to."""
+    try:
+        found = Path(path).stat()
+    except (OSError, ValueError):  # stdin, or no such file
+        return None
+    return found.st_dev, found.st_ino, found.st_size, found.st_mtime_ns, options
 
 
 def read_once(file: Opened) -> Opened:
     """Return the file as one whose numbers are not read again where the same columns are."""
+    if file.once:
+        return file
     known: dict[tuple[int, ...], Loaded] = {}
 
     def load(indexes: Sequence[int]) -> Loaded:
@@ -105,7 +135,7 @@ def read_once(file: Opened) -> Opened:
         # who cleans them must not clean the next one's
         return replace(known[asked], values=known[asked].values.copy())
 
-    return replace(file, table=replace(file.table, load=load))
+    return replace(file, table=replace(file.table, load=load), once=True)
 
 
 def refuse_summary(file: Opened) -> None:

@@ -56,7 +56,7 @@ def relaxation_in(file: Opened, specimen: Specimen) -> RelaxationTest:
     channels.refuse_summary(file)
     _expected(file, SWEEPS)
     try:
-        chosen, clocks = _chosen(file)
+        chosen, clocks = moving_columns(file)
     except ReadError:
         _expected(file)
         raise
@@ -199,13 +199,21 @@ def _expected(file: Opened, besides: Sequence[FileKind] = ()) -> None:
     )
 
 
-def _chosen(file: Opened) -> tuple[list[Channel], list[Channel]]:
-    """The columns of the roles, and the clock of the displacement where it has its own."""
-    clocks = own_clocks(file.table, file.options)
+def moving_columns(
+    file: Opened, moving: Role = "displacement", pushing: Role = "force"
+) -> tuple[list[Channel], list[Channel]]:
+    """Return the columns of a record's roles, and the clock of what moves where it has its own.
+
+    Raises
+    ------
+    ReadError
+        With every question that the file leaves open.
+    """
+    clocks = own_clocks(file.table, file.options) if moving == "displacement" else ()
     if not clocks:
-        return channels.choose(file, roles(file)), []
+        return channels.choose(file, channels.timed(file, moving, pushing)), []
     of_displacement, of_force = channels.with_units(file, clocks)
-    signals = channels.choose(file, ["displacement", "force"])
+    signals = channels.choose(file, [moving, pushing])
     return [of_force, *signals], [of_displacement]
 
 
