@@ -67,8 +67,9 @@ class _FitRequest:
         usual = self.nothing_of("method", "depth_law", "family")
         if self.filter or self.law == "nonlinear" or not usual:
             raise FitError(
-                "a relaxation modulus is fitted without --depth-law, --method hold, --law, "
-                "--filter and --family: it is the answer to a step already, of a linear solid with "
+                "a relaxation modulus is fitted without --elastic by-depth, --method hold, "
+                "--elastic, "
+                "--filter and --model: it is the answer to a step already, of a linear solid with "
                 "arms"
             )
 
@@ -83,7 +84,7 @@ class _FitRequest:
         if others or self.filter or self.depth_law:
             raise FitError(
                 "a creep test is fitted alone, or with others at other temperatures, without "
-                "--filter and --depth-law"
+                "--filter and --elastic by-depth"
             )
 
     def prepared(self, tests: Sequence[RelaxationTest], *, judged: bool) -> tuple[RampHold, ...]:
@@ -218,7 +219,7 @@ def _crept(
             if not asked.nothing_of("method", "law", "family"):
                 raise FitError(
                     "creep at several temperatures has a linear solid with arms: leave out "
-                    "--method, --law and --family"
+                    "--method, --elastic and --model"
                 )
             return dp.fit_creep(record, arms=asked.arms, thorough=asked.thorough), (record,)
         further = {} if asked.shifting.at is not None else shifted_ramps(asked.shifting)
@@ -233,8 +234,8 @@ def _pressed(tests: tuple[RampHold, ...], asked: _FitRequest) -> Fit:
     if not usual or asked.thorough or asked.shifting != ShiftChoices():
         raise FitError(
             "a law of the depth is of arms of one temperature, found from ramps and holds with "
-            "starts of its own: leave out --method, --law, --family, --thorough, --reference, "
-            "--shift, --vertical, --at and --shifts"
+            "starts of its own: leave out --method, --elastic, --model, --thorough, --reference, "
+            "--shift, --vertical, --only and --shifts"
         )
     return dp.fit_depths(tests, arms=asked.arms).fit
 
@@ -247,11 +248,12 @@ def _swept(
     if asked.depth_law or asked.method == "hold" or (tests and len(sweeps) > 1):
         raise FitError(
             "a dynamic sweep is fitted alone, with others at other temperatures, or with "
-            "relaxation tests of the same part, without --depth-law and --method hold"
+            "relaxation tests of the same part, without --elastic by-depth and --method hold"
         )
     if asked.law == "nonlinear" or (asked.filter and not tests):
         raise FitError(
-            "a dynamic sweep is of a linear solid, and nothing of it is filtered: leave out --law "
+            "a dynamic sweep is of a linear solid, and nothing of it is filtered: leave out "
+            "--elastic "
             "and --filter, which are for ramps and holds"
         )
     sweep = one_temperature(sweeps, asked.shifting, asked.specimen)

@@ -66,7 +66,7 @@ def modes_told(modes: Sequence[Mode]) -> str:
 
 @dataclass(frozen=True)
 class ImpactResult(Documented):
-    """What ``dashpot impact`` found.
+    """What ``dashpot fit`` found.
 
     Attributes
     ----------
@@ -340,7 +340,7 @@ def _refuse_unmatched(
         raise ReadError("tests are fitted together, or one fit with vibration: leave the fit out")
     if not tests and len(temperatures) > 1:
         raise ReadError(
-            f"{len(temperatures)} temperatures and no relaxation test (--with); expected one, that "
+            f"{len(temperatures)} temperatures and no relaxation test; expected one, that "
             "of the seals under the hammer"
         )
 
@@ -390,7 +390,7 @@ class Direct(Documented):
 
 @dataclass(frozen=True)
 class Identified(Documented):
-    """What ``dashpot identify`` found.
+    """What ``dashpot fit`` found.
 
     Attributes
     ----------

@@ -38,7 +38,7 @@ from dashpot.workflow.measured import as_measured
 
 @dataclass(frozen=True)
 class Levels(Documented):
-    """What ``dashpot level`` found.
+    """What ``dashpot fit`` found.
 
     Attributes
     ----------
@@ -135,7 +135,7 @@ def level_files(
     _refuse_mixture(files, kinds)
     asked = {
         "--level": levels, "--mass": mass is not None, "--seals": seals != 1,
-        "--motion": motion != "absolute", "--band": band is not None, "--at": at,
+        "--relative": motion != "absolute", "--band": band is not None, "--resonance-at": at,
     }  # fmt: skip
     _refuse_given(files[0], asked, *(_OF_HITS if struck else ()))
     if struck:
@@ -149,7 +149,7 @@ def level_files(
     return Levels(found, (), found.checks, (record,))
 
 
-_OF_HITS = ("--level", "--mass", "--band", "--at")
+_OF_HITS = ("--level", "--mass", "--band", "--resonance-at")
 """Options that belong to FRFs, and to hits too."""
 
 
@@ -165,7 +165,7 @@ def _refuse_given(path: str | Path, asked: Mapping[str, object], *but: str) -> N
 
 def _refuse_law(law: str, whose: str) -> None:
     if law != "auto":
-        raise ReadError(f"--law is of an amplitude sweep, and {whose} take no law; leave it out")
+        raise ReadError(f"--model is of an amplitude sweep, and {whose} take no law; leave it out")
 
 
 def _refuse_mixture(files: Sequence[str | Path], kinds: Sequence[str]) -> None:
@@ -178,7 +178,8 @@ def _refuse_mixture(files: Sequence[str | Path], kinds: Sequence[str]) -> None:
         raise ReadError(
             f"{driven[0]} is an FRF and {struck[0]} holds hits, whose motion dies away: its lines "
             "have no one amplitude, and the two are not fitted together; give the FRFs alone and "
-            "the hits alone, and compare the resonance that each tells at one level (--at)"
+            "the hits alone, and compare the resonance that each tells at one level "
+            "(--resonance-at)"
         )
 
 

@@ -37,9 +37,7 @@ _NO_MASS = (
     "the file holds a transmissibility, which tells the stiffness over the mass and neither alone: "
     "give the mass (--mass)"
 )
-_NO_BASE = (
-    "--motion relative is of a mass over a base that moves, and here a force moves it: leave out"
-)
+_NO_BASE = "--relative is of a mass over a base that moves, and here a force moves it: leave out"
 
 
 def read_measured(
@@ -116,7 +114,8 @@ def _no_hammer(choices: HammerChoices) -> None:
     ]
     if odd:
         raise ReadError(
-            f"{', '.join(odd)}: of hits, and the base was shaken (--base-acceleration); leave out"
+            f"{', '.join(odd)}: of hits, and the base was shaken (--column base-acceleration); "
+            "leave out"
         )
 
 

@@ -88,7 +88,7 @@ class SameMode:
 
 @dataclass(frozen=True)
 class MeasuredModes(Documented):
-    """What ``dashpot modes`` found.
+    """What ``dashpot fit`` found.
 
     Attributes
     ----------
@@ -174,7 +174,7 @@ def modes_files(
     other = read_frfs(against, options=options)
     if len(other.points) != len(measured.points):
         raise DataError(
-            f"{len(measured.points)} points are held against {len(other.points)} (--against); "
+            f"{len(measured.points)} points are held against {len(other.points)}; "
             "expected the same ones, in the same order"
         )
     return replace(found, against=_again(shapes, other.modes(band=sought), several)), chart

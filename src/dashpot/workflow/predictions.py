@@ -268,7 +268,7 @@ def predict_files(
     DataError
         If a machine is described and no test was made on it, or a record is not what was fitted.
     """
-    known_of_a_test(machine, tests=len(records), add="the record (--with)")
+    known_of_a_test(machine, tests=len(records), add="the record (--record)")
     asked, choices = Kind(kind), at_level or LevelChoices()
     moving, noted = moving_mass(mass, seal=seal_mass or 0.0, seals=seals)
     here = found if temperature is None else found.at_temperature(temperature)
@@ -335,7 +335,7 @@ def _sound(frf: FRF, peak: tuple[float, float], found: Fit) -> str:
 def _refuse_records(records: Sequence[str | Path]) -> None:
     if records:
         raise DataError(
-            "a record (--with) bounds the part that was tested, not another of its material: "
+            "a record (--record) bounds the part that was tested, not another of its material: "
             "leave it or the geometry out"
         )
 

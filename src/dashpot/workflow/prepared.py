@@ -47,7 +47,8 @@ def refuse_others(tests: Sequence[RampHold], found: Fit) -> None:
         if known and test.source is not None and test.source.sha256 not in known:
             raise DataError(
                 f"{test.source.file} is not what was fitted (its SHA-256 is another): the fit is "
-                f"of {', '.join(dict.fromkeys(known.values()))}; give that file by --with, or fit "
+                f"of {', '.join(dict.fromkeys(known.values()))}; give that file by --record, or "
+                "fit "
                 "this one"
             )
 

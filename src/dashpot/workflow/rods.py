@@ -35,7 +35,7 @@ _ERRORS = ("gain", "phase", "mass", "length", "area", "density")
 
 @dataclass(frozen=True)
 class Rod(Documented):
-    """What ``dashpot rod`` found.
+    """What ``dashpot fit`` found.
 
     Attributes
     ----------
@@ -172,8 +172,8 @@ def _part(rod: RodChoices) -> Disc | Block:
     """Its shape; the last length is the one along it."""
     if (rod.disc is None) == (rod.block is None):
         raise DataError(
-            "a rod's shape turns motion into a modulus: give either --disc DIAMETER,LENGTH or "
-            "--block WIDTH,WIDTH,LENGTH"
+            "a rod's shape turns motion into a modulus: give "
+            "--shape disc:DIAMETER,LENGTH or --shape block:WIDTH,WIDTH,LENGTH"
         )
     return pad("disc", rod.disc) if rod.block is None else pad("block", rod.block)
 

@@ -40,7 +40,7 @@ class StiffnessAtMode(NamedTuple):
 
 @dataclass(frozen=True)
 class ModesByMass(Checked, Documented):
-    """What ``dashpot modes`` found under several masses.
+    """What ``dashpot fit`` found under several masses.
 
     Attributes
     ----------

@@ -167,7 +167,7 @@ def _channels(file: Opened) -> list[Channel]:
     found = accelerations(file.table, [c.index for c in chosen], file.options)
     if not found:
         raise ReadError(acceleration_question(file.table).says)
-    says = "named by --acceleration" if file.options.acceleration else ""
+    says = "named by --column acceleration" if file.options.acceleration else ""
     responses = [Assigned("acceleration", i, says) for i in found]
     return channels.with_units(file, [*chosen, *responses])
 
@@ -199,7 +199,8 @@ def refuse_same(file: Opened, chosen: Sequence[Channel], signals: Sequence[Float
             if np.ptp(signal) > 0 and np.array_equal(signals[i], signal):
                 raise ReadError(
                     f"{named[i]} and {named[j]} hold the same numbers: one channel stands there "
-                    "twice; name the columns with --hammer and --acceleration"
+                    "twice; name the columns with --column hammer=NAME and --column "
+                    "acceleration=NAME"
                 )
 
 

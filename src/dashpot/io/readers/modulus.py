@@ -84,5 +84,5 @@ def _refuse_compliance(file: Opened, one: Assigned) -> None:
         what, advice, *_ = RECOGNISED["creep"]
         raise ReadError(
             f"{quoted(file.table.columns, one.index)} is a compliance, of {what}, where a "
-            f"relaxation modulus is expected: {advice}, without --modulus"
+            f"relaxation modulus is expected: {advice}"
         )

@@ -64,11 +64,14 @@ class Recognised:
         What shows it.
     stored : bool
         Whether it is a result, or a record, that dashpot wrote as JSON.
+    simulated : bool
+        Whether a table says that it was made by the virtual rig or hammer.
     """
 
     kind: str
     reason: str
     stored: bool = False
+    simulated: bool = False
 
     @property
     def what(self) -> str:
@@ -123,7 +126,7 @@ def recognise(
         return own
     with channels.opened(path, options, sure=False) as bare:
         file = channels.read_once(bare)
-        found = Recognised(*recognise_opened(file))
+        found = Recognised(*recognise_opened(file), simulated=file.table.simulated)
         channels.leave_open(path, file)
         return found
 

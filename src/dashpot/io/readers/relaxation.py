@@ -225,6 +225,6 @@ def joined(time: FloatArray, loaded: Loaded) -> str:
         if time[start] < time[start - 1]:
             raise ReadError(
                 f"{len(names)} segments ({listed}), and the clock starts again at "
-                f"{loaded.where(start)}; choose one, for example --segment 1"
+                f"{loaded.where(start)}; choose one, for example --part segment=1"
             )
     return f"{len(names)} segments joined into one record: {listed}"

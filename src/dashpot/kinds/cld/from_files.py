@@ -52,7 +52,7 @@ class PieceStatistics:
 
 @dataclass(frozen=True)
 class Pieces(Checked, Documented):
-    """What ``dashpot cld`` found.
+    """What ``dashpot fit`` found.
 
     Attributes
     ----------

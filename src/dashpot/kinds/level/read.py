@@ -87,8 +87,9 @@ def _swept(file: Opened) -> Assigned:
         if isinstance(one, Question) and one.choices:
             raise ReadError(one.says)
     raise ReadError(
-        "no column of strain or displacement amplitude was found; name it with --strain or "
-        f"--displacement; the columns are {list_columns(file.table.columns)}"
+        "no column of strain or displacement amplitude was found; name it with "
+        "--column strain=NAME or displacement=NAME; the columns are "
+        f"{list_columns(file.table.columns)}"
     )
 
 
