@@ -26,7 +26,10 @@ def rod(frequency, mass=MASS, mounts=HEAVY):
     K = SOLID.complex_stiffness(omega=w)
     q = np.sqrt(w**2 * mounts / K)
     return dp.FRF(
-        frequency, 1 / (np.cos(q) - mass * w**2 / (K * q) * np.sin(q)), "transmissibility"
+        frequency,
+        1 / (np.cos(q) - mass * w**2 / (K * q) * np.sin(q)),
+        "transmissibility",
+        units="SI",
     )
 
 

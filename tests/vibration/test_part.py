@@ -166,7 +166,7 @@ def sweeps(seed=0, noise=0.01):
         E = RUBBER.complex_stiffness(omega=2 * np.pi * f * a)
         E = E * (1 + noise * (rng.normal(size=len(f)) + 1j * rng.normal(size=len(f))) / np.sqrt(2))
         rows.append((f, E.real, E.imag, np.full(len(f), T)))
-    return DynamicTest(*(np.concatenate(each) for each in zip(*rows, strict=True)))
+    return DynamicTest(*(np.concatenate(each) for each in zip(*rows, strict=True)), units="SI")
 
 
 @pytest.mark.once
@@ -193,7 +193,7 @@ def test_from_sweeps_to_two_discs_on_a_shaker():
     X = np.geomspace(1e-6, 1e-3, 16)
     E = RUBBER.complex_stiffness(omega=2 * np.pi * 10) * phi(X)
     law = dp.fit_amplitude(
-        AmplitudeSweep(np.full(16, 10.0), X, E.real, E.imag, of="m"), law="factor"
+        AmplitudeSweep(np.full(16, 10.0), X, E.real, E.imag, of="m", units="SI"), law="factor"
     )
     solid = part.solid.maxwell
     system = System(

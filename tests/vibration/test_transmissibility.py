@@ -196,6 +196,7 @@ def noisy(solid, mass, f, *, gain=1.0, delay=0.0, seed=0, scatter=0.005):
         T + sd * (rng.normal(size=len(f)) + 1j * rng.normal(size=len(f))),
         "transmissibility",
         sd=sd,
+        units="SI",
     )
 
 
@@ -252,7 +253,7 @@ ETA = (0.02, 0.1, 0.3, 0.6)
 
 
 def first_words(T, f):
-    found = judged(dp.FRF(f, T, "transmissibility"), None, mass=0.1)
+    found = judged(dp.FRF(f, T, "transmissibility", units="SI"), None, mass=0.1)
     return verdict(found.checks)
 
 

@@ -20,7 +20,9 @@ if TYPE_CHECKING:
     from dashpot.io.options import ReadOptions
 
 FIT_FILES = "workflow.fits:fit_files"
-_PAIR = "say of which test (--pair, or the column 'hammer' of --manifest), or use dashpot identify"
+_PAIR = (
+    "say of which test (--pair, or the column 'hammer' of --manifest), or fit both with dashpot fit"
+)
 _RELAXATION = "io.readers.relaxation:read_relaxation"
 _DYNAMIC = "io.readers.dynamic:read_dynamic"
 

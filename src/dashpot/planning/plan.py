@@ -123,8 +123,8 @@ def plan(
     before as the fit knows them. For the hammer test, how long the record must be and what the tip
     excites.
 
-    >>> import dashpot as dp
-    >>> dp.plan(dp.Bench(ramp_time="0.1s", noise="1mN"), at="12.71Hz").at
+    >>> from dashpot.planning.bench import Bench
+    >>> plan(Bench(ramp_time="0.1s", noise="1mN"), at="12.71Hz").at
     12.71
 
     Parameters

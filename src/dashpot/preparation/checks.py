@@ -164,7 +164,9 @@ def refuse_late_start(where: str, rise: float, change: float) -> None:
         raise DataError(f"{where}: {answer.says}")
 
 
-@criterion("loadings in the record", "<=", 1.0, "by definition; or `--cycle` chooses", grade="note")
+@criterion(
+    "loadings in the record", "<=", 1.0, "by definition; or `--part cycle=N` chooses", grade="note"
+)
 def single_loading(index: int, cycles: tuple[RampHoldCycle, ...], *, asked: bool) -> Finding:
     """The record leaves no choice of loadings that the user has not made."""
     cycle = cycles[index]
@@ -172,7 +174,7 @@ def single_loading(index: int, cycles: tuple[RampHoldCycle, ...], *, asked: bool
     if len(cycles) > 1:
         says = f"the record holds {listed(cycles)}; cycle {index + 1} is used"
         if not asked:
-            says += ", which has the longest hold; another can be chosen (--cycle N)"
+            says += ", which has the longest hold; another can be chosen (--part cycle=N)"
     if cycle.moves > 1:
         says += (
             f"; {cycle.moves} ramps belong to it: the fit of ramp and hold follows them all, the "
@@ -294,7 +296,7 @@ def columns_plausible(test: RampHold) -> Finding:
         "the displacement rests while the force decays",
         sank,
         instead=f"in the hold the displacement sinks by {100 * sank:.2g} % while the force rests: "
-        "are force and displacement swapped? Name the columns (--force, --displacement)",
+        "are force and displacement swapped? Name the columns (--column force=NAME)",
         excused=abs(eased) >= 0.1 * sank,
     )
 

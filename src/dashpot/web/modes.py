@@ -87,7 +87,7 @@ def modes(request: Mapping[str, Any], folder: Path) -> bytes:
 
 
 def take_modes(request: Mapping[str, Any], folder: Path) -> bytes:
-    """The modes as their JSON, as ``dashpot modes --json`` prints it."""
+    """The modes as their JSON, as ``dashpot fit --json`` prints it."""
     found, _ = _found(_asked(request, folder))
     text = (
         json.dumps(found.document, indent=2, ensure_ascii=False, allow_nan=False)

@@ -268,7 +268,7 @@ _BENCH = {
     ),
     "depth_8mm.csv": Example(
         "relaxation",
-        "the same to 8 mm: dashpot fit --depth-law takes the three",
+        "the same to 8 mm: dashpot fit --elastic by-depth takes the three",
         _seal(1, depth=8e-3, rig=_STIFFENING),
     ),
     "at_23degC.csv": Example(
@@ -299,7 +299,7 @@ _DOOR = {
         "seal-line", "x, y, z of a seal along a quarter of a door, for dashpot export --line", _line
     ),
     "door.toml": Example(
-        "door", "a door with hinges, latch, seal and modes, for dashpot door", _door
+        "door", "a door with hinges, latch, seal and modes, for dashpot predict", _door
     ),
     "door_line.csv": Example(
         "seal-line", "its seal line: x, y, z and the gap that the seal fills", _door_line

@@ -231,7 +231,7 @@ class Job(Documented):
 
 @dataclass(frozen=True)
 class LevelJob:
-    """Everything that decides the result of ``dashpot level``.
+    """Everything that decides the result of ``dashpot fit``.
 
     The fields are the arguments of :func:`~dashpot.workflow.levels.level_files`.
     """
@@ -291,7 +291,7 @@ class LevelChoices:
 
 @dataclass(frozen=True)
 class ModesJob:
-    """Everything that decides the result of ``dashpot modes``.
+    """Everything that decides the result of ``dashpot fit``.
 
     The fields are the arguments of :func:`~dashpot.workflow.measured_modes.modes_files`, and of
     :func:`~dashpot.workflow.under_masses.modes_by_mass` where there are masses.

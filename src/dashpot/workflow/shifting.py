@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-import dashpot as dp
 from dashpot.base.choices import ShiftLaw, VerticalAsked, words
 from dashpot.base.errors import FitError
 from dashpot.base.options import option
@@ -79,7 +78,7 @@ def shifted_ramps(choices: ShiftChoices) -> dict[str, Any]:
     """
     if choices.at is not None or choices.shifts is not None:
         raise FitError(
-            "--at and --shifts are for sweeps, moduli and creep; ramps and holds find their own "
+            "--only and --shifts are for sweeps, moduli and creep; ramps and holds find their own "
             "shifts: leave them out"
         )
     vertical = "free" if choices.vertical == "auto" else choices.vertical
@@ -102,20 +101,23 @@ def one_temperature(
     if first.several_temperatures and specimen is not None and specimen.temperature is not None:
         raise FitError(
             "the file says the temperature of every sample, so --temperature has nothing to add: "
-            "--at takes one of them alone, --reference moves the master curve of them all"
+            "--only takes one of them alone, --reference moves the master curve of them all"
         )
     alone = len(tests) == 1 and choices == ShiftChoices(at=at)
     if at is not None:
         if not alone:
             raise FitError(
-                "--at takes one temperature out of a file of several; leave out --reference, "
+                "--only takes one temperature out of a file of several; leave out --reference, "
                 "--shift, --vertical and --shifts, which shift them all, and other files"
             )
         return first.at(at)
     if alone and not first.several_temperatures:
         return first
-    known = () if choices.shifts is None else dp.read_shifts(choices.shifts)
-    return dp.superpose(
+    from dashpot.fitting.superposition.superpose import superpose
+    from dashpot.io.readers.shifts import read_shifts
+
+    known = () if choices.shifts is None else read_shifts(choices.shifts)
+    return superpose(
         tests,
         reference=choices.reference,
         law=choices.law,

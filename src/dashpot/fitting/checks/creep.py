@@ -42,8 +42,8 @@ def compliance_rises(compliance: FloatArray) -> Finding:
         "the compliance rises with time",
         last / first if first > 0 else None,
         instead=f"it falls with time, from {first:.3g} in its first third to {last:.3g} in its "
-        "last, where a creep compliance rises: is it a relaxation modulus (--modulus), or does a "
-        "recovery follow the creep (--segment)?",
+        "last, where a creep compliance rises: is it a relaxation modulus (--as modulus), or does "
+        "a recovery follow the creep (--part segment=N)?",
     )
 
 

@@ -121,7 +121,7 @@ def hold_long_enough(end: EndOfHold | None) -> Finding:
         falling,
         ": k_inf rests on extrapolation, and nothing bounds it from below; the stiffness at the "
         "end of the hold is what the test knows. A longer hold would tell more, and the drift of "
-        "the load cell (--drift), where it is not known",
+        "the load cell (--machine drift=), where it is not known",
     )
 
 

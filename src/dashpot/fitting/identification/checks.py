@@ -179,7 +179,7 @@ def dashpot_not_missed(fall: float | None, beside: str, b: float, *, sure: bool 
         "a parallel dashpot explains the lines no better",
         fall,
         instead=f"{beside} and a parallel dashpot of {b:.3g} N s/m lower BIC "
-        f"by {fall:.3g}: ask for one (dashpot identify --parallel-dashpot) (Python: "
+        f"by {fall:.3g}: ask for one (--dashpot) (Python: "
         "parallel_dashpot=True)",
         limit=DECISIVE if sure else 0.0,
     )

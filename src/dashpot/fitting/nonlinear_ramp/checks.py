@@ -153,8 +153,8 @@ def clocks_agree(found: Sequence[tuple[float, float, float]]) -> Finding:
         f"{written(error, 'ms', '.2g')}",
         late[worst],
         "; the fit takes that into account, but a late force looks like less damping: read both "
-        "channels at one time, name a filter of the force (--force-filter), or allow for more "
-        "between the clocks (--sync)",
+        "channels at one time, name a filter of the force (--machine force-filter=), or allow "
+        "for more between the clocks (--machine sync=)",
         grade="limit" if abs(value) > _TOO_LATE * prior else None,
     )
 

@@ -139,7 +139,9 @@ def _suited(table: FileTable, role: Role, options: ReadOptions) -> list[tuple[fl
 def accelerations(table: FileTable, taken: Sequence[int], options: ReadOptions) -> tuple[int, ...]:
     """Return every acceleration column, as named or as found."""
     if options.acceleration:
-        return tuple(find_column(table.columns, n, "--acceleration") for n in options.acceleration)
+        return tuple(
+            find_column(table.columns, n, "--column acceleration") for n in options.acceleration
+        )
     free = {i: c for i, c in enumerate(table.columns) if i not in taken and not _is_force(c)}
     return _likely_accelerations(free, options)
 
@@ -239,13 +241,17 @@ def _reason(column: Column, role: Role) -> str:
 def acceleration_question(table: FileTable) -> Question:
     """Ask for the accelerations where no column shows itself as one."""
     numbers = [i for i, c in enumerate(table.columns) if c.content == "number"]
-    named = [f'--acceleration "{handle(table.columns, i)}"' for i in numbers[2:4] or numbers[-1:]]
+    named = [
+        f'--column acceleration="{handle(table.columns, i)}"' for i in numbers[2:4] or numbers[-1:]
+    ]
     says = (
         "no column is recognised as acceleration; the columns are "
         f"{list_columns(table.columns)}; name each by its name or number, for example "
         f"{' '.join(named)}"
     )
-    return Question(says, "--acceleration NAME", role="acceleration", example=" ".join(named))
+    return Question(
+        says, "--column acceleration=NAME", role="acceleration", example=" ".join(named)
+    )
 
 
 def _says(column: Column) -> bool:

@@ -39,7 +39,8 @@ def read(raw: Raw, options: ReadOptions) -> FileTable:
     likely = known or list(tables)
     if len(likely) > 1:
         raise ReadError(
-            f'sheets {listed(likely)} could each be the test; choose with --sheet "{likely[0]}"'
+            f"sheets {listed(likely)} could each be the test; choose with --part "
+            f'sheet="{likely[0]}"'
         )
     return tables[likely[0]]
 

@@ -66,7 +66,7 @@ def relaxation_in(file: Opened, specimen: Specimen) -> RelaxationTest:
     _refuse_sizes(file, chosen, time, moved, force)
     specimen, said = stated_specimen(file, specimen, recorded_temperature(file, chosen))
     source = channels.source(file, [c.says for c in chosen], [*notes, *said])
-    return RelaxationTest(time, moved, force, specimen, source)
+    return RelaxationTest(time, moved, force, specimen, source, units="SI")
 
 
 def recorded(
@@ -225,6 +225,6 @@ def joined(time: FloatArray, loaded: Loaded) -> str:
         if time[start] < time[start - 1]:
             raise ReadError(
                 f"{len(names)} segments ({listed}), and the clock starts again at "
-                f"{loaded.where(start)}; choose one, for example --segment 1"
+                f"{loaded.where(start)}; choose one, for example --part segment=1"
             )
     return f"{len(names)} segments joined into one record: {listed}"

@@ -131,8 +131,7 @@ def energy_lost(hysteresis: float | None) -> Finding:
     return Finding(
         f"of the energy put in {100 * hysteresis:.3g} % is lost",
         hysteresis,
-        ": a seal does not make energy; are force and displacement swapped (--force, "
-        "--displacement)?",
+        ": a seal does not make energy; are force and displacement swapped (--column force=NAME)?",
     )
 
 

@@ -210,7 +210,7 @@ def no_law_closer(residual: float, flexible: float) -> Finding:
         f"the law leaves {100 * residual:.2g} % of the stress, the most flexible stable one "
         f"{100 * flexible:.2g} %",
         ratio,
-        ": what is left has a shape that a law of more constants follows (--law ogden)",
+        ": what is left has a shape that a law of more constants follows (--model ogden)",
     )
 
 
@@ -230,7 +230,8 @@ def stable_in_use(
         f"the law is stable over the stretches of use{beyond}",
         least,
         instead=f"the law is not stable in use, first at {where}{beyond if ends else ''}: a solver "
-        "stops there or finds what is not; take another law, or one of power terms (--law ogden), "
+        "stops there or finds what is not; take another law, or one of power terms (--model "
+        "ogden), "
         "which are stable",
     )
 
@@ -291,7 +292,7 @@ def files_agree(apart: float | None) -> Finding:
         f"files of one mode differ by up to {100 * apart:.2g} %",
         apart,
         ": another rate, piece or conditioning; a rate is taken off with the memory of a "
-        "relaxation test (--with)",
+        "relaxation test (--memory)",
     )
 
 
@@ -304,7 +305,7 @@ def loading_returned(lost: float | None, *, removed: bool) -> Finding:
         ": the memory taken off is not this material's, or it rubs or softens besides"
         if removed
         else ": the loading is no elastic curve, but one with memory or softening; take off the "
-        "memory of a relaxation test (--with), or condition and test slowly"
+        "memory of a relaxation test (--memory), or condition and test slowly"
     )
     return Finding(f"a cycle loses {100 * lost:.2g} % of its energy", lost, advice)
 
@@ -318,7 +319,7 @@ def conditioned(softer: float | None) -> Finding:
         f"the last loading is {100 * softer:.2g} % softer than the first",
         softer,
         ": it was not conditioned; the last is taken, as a part in use is; the first of a new part "
-        "is stiffer (--cycle 1)",
+        "is stiffer (--part cycle=1)",
     )
 
 
@@ -365,6 +366,6 @@ def volume_known(*, known: bool) -> Finding:
     return Finding(
         "the change of volume is known",
         instead="no test of the volume: a deck needs a bulk modulus, which is then stated, not "
-        "measured (--volumetric, or dashpot export --bulk-modulus)",
+        "measured (--test volumetric, or dashpot export --bulk-modulus)",
         faulted=not known,
     )

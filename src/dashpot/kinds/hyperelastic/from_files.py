@@ -50,8 +50,8 @@ def hyperelastic_files(
     given = [(kind, path) for kind in MODES for path in files.get(kind, ())]
     if not given:
         raise ReadError(
-            "no file is given; name each by its mode: --uniaxial, --compression, --biaxial, "
-            "--planar or --volumetric FILE"
+            "no file is given; name the mode of each: --test uniaxial, compression, biaxial, "
+            "planar or volumetric"
         )
     tests = [
         read_stress_strain(

@@ -226,7 +226,7 @@ def laws_agree(fit: IndentationFit, others: Sequence[tuple[str, Sequence[Fact]]]
         f"{law} explains the contact as well; its {name} differs by {100 * most:.2g} %",
         most,
         ": this contact cannot tell which law is the surface's; hit at another speed or with "
-        "another mass, or name the law (--law)",
+        "another mass, or name the law (--model)",
     )
 
 

@@ -19,7 +19,7 @@ from dashpot.kinds.indentation.record import IndentationFit
 
 @dataclass(frozen=True)
 class Indentation(Documented):
-    """What ``dashpot indent`` found.
+    """What ``dashpot fit`` found.
 
     Attributes
     ----------

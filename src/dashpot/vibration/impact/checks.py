@@ -212,7 +212,7 @@ def _absolute_cause(size: complex) -> str:
         return f"it is {size.real:.3g} there, as if one sensor had the opposite polarity"
     return (
         f"it is {abs(size):.3g} there, not 1 or a little more: check the unit of each sensor, "
-        "and that the motion of the mass is absolute, not relative to the base (--motion)"
+        "and that the motion of the mass is absolute, not relative to the base (--relative)"
     )
 
 
@@ -232,7 +232,7 @@ def _relative_cause(part: float, size: complex) -> str:
             "positive where the base's acceleration is; export it with the other sign"
         )
     if 0.5 < size.real < 2:
-        return "the motion looks absolute, not relative to the base (--motion): leave that out"
+        return "the motion looks absolute, not relative to the base (--relative): leave that out"
     return (
         f"the relative motion is {part:.3g} times that of a mass on a spring: check the unit of "
         "each sensor, and whether it is a displacement, a velocity or an acceleration"
@@ -354,7 +354,7 @@ def segments_resolve(frf: FRF, main: Mode | None) -> Finding:
     return Finding(
         f"{lines:.2g} lines, {spacing:.3g} Hz apart, in the half-power band",
         lines,
-        f": the peak is flattened; take segments of {8 / main.bandwidth:.2g} s (--record), and "
+        f": the peak is flattened; take segments of {8 / main.bandwidth:.2g} s (--hit-length), and "
         "record eight times as long",
     )
 
