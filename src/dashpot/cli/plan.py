@@ -14,10 +14,10 @@ from dashpot.cli._grammar import group, of, opt, rest, verb
 from dashpot.cli._options import given
 from dashpot.cli._shell import Outcome, Output, typed, write
 from dashpot.cli._simulated import seal_named
-from dashpot.cli._terminal import Text
 from dashpot.cli._values import Direction, WithUnit
 from dashpot.planning.asked import HammerPlan, PlannedRamp
 from dashpot.records.machine import Machine
+from dashpot.told.layout import Text
 
 if TYPE_CHECKING:
     from dashpot.solids.temperature import TemperatureLaw

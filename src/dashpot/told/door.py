@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dashpot import workflow
 from dashpot.base.units import in_unit
-from dashpot.cli._terminal import Text, table
-from dashpot.cli._text import hertz, rounded
+from dashpot.told.layout import Text, table
+from dashpot.told.text import hertz, rounded
 
 _ROUNDING = 1e-9
 """Of a damping, %."""

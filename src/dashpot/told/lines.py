@@ -8,8 +8,8 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
 from dashpot.base.units import read_in
-from dashpot.cli._terminal import table
-from dashpot.cli._text import rounded, with_error
+from dashpot.told.layout import table
+from dashpot.told.text import rounded, with_error
 
 ERRORS = {
     "phase": ("1 deg", "1 degree of phase", float(np.pi / 180)),
