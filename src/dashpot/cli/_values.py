@@ -160,6 +160,11 @@ class Scoped(click.ParamType[Any]):
         glob, text = (found["glob"], found["rest"]) if found else ("", value)
         return glob, self.kind.convert(text, param, ctx)
 
+    def shell_complete(
+        self, ctx: click.Context, param: click.Parameter, incomplete: str
+    ) -> list[click.shell_completion.CompletionItem]:
+        return self.kind.shell_complete(ctx, param, incomplete)
+
 
 class Keyed(click.ParamType[Any]):
     """``KEY=VALUE``, or several with commas between; ``GLOB:`` before it is for some files alone.
