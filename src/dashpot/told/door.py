@@ -12,6 +12,7 @@ _ROUNDING = 1e-9
 
 
 def door(found: workflow.DoorResult, *, every: bool) -> Text:
+    """The seal line, every mode with what it shares, and what a shaken base does."""
     lines = _line(found)
     parts = list(dict.fromkeys(one.name for mode in found.modes for one in mode.shares))
     rows = [
