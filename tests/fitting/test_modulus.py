@@ -66,11 +66,11 @@ def test_what_a_curve_leaves_open_is_asked(tmp_path: Path) -> None:
 
 def test_a_curve_is_what_it_says() -> None:
     with pytest.raises(DataError, match="since the step, >= 0"):
-        RelaxationModulus(np.array([-1.0, 1.0]), np.array([1.0, 1.0]))
+        RelaxationModulus(np.array([-1.0, 1.0]), np.array([1.0, 1.0]), units="SI")
     with pytest.raises(DataError, match="expected 'Pa' or 'N/m'"):
-        RelaxationModulus(TIME, SOLID.relaxation(TIME), "MPa")
+        RelaxationModulus(TIME, SOLID.relaxation(TIME), "MPa", units="SI")
     with pytest.raises(DataError, match="one value per sample"):
-        RelaxationModulus(TIME, SOLID.relaxation(TIME)[1:])
+        RelaxationModulus(TIME, SOLID.relaxation(TIME)[1:], units="SI")
 
 
 def shell(*words: object, expect: int = 0) -> str:

@@ -124,7 +124,7 @@ def test_the_moving_mass_is_the_block_and_a_third_of_the_seals():
 
 def test_a_fit_is_not_fitted_together_with_its_own_test():
     choices = {"hammer": HammerChoices(), "options": ReadOptions(), "mass": 0.1}
-    with pytest.raises(ReadError, match="not both"):
+    with pytest.raises(ReadError, match="leave the fit out"):
         identify_files(["hits.csv"], fits=[a_fit(PAPER)], tests=["seal.csv"], **choices)
 
 
@@ -261,7 +261,7 @@ def test_a_mass_and_the_stiffness_under_it_find_each_other():
     value, sd = hardening.hammered(
         f, mass=0.104, seals=2, scale=hardening.tangent(at) / hardening.K_INF, noise=1e-3, seed=1
     )
-    frf = FRF(f, value, sd=sd, averages=4)
+    frf = FRF(f, value, sd=sd, averages=4, units="SI")
     assert weighed(hard(), frf, mass=None, seals=2) == pytest.approx(0.104, rel=5e-3)
 
 

@@ -317,6 +317,18 @@ def swept_part(
             "several levels dashpot fit tells)"
         )
     law, record, _ = amplitude_file(choices.sweep, kind, options=options)
+    return swept_by(law, record, choices, unit=unit, part=part)
+
+
+def swept_by(
+    law: AmplitudeFit,
+    record: AmplitudeSweep,
+    choices: LevelChoices,
+    *,
+    unit: str,
+    part: PartChoices | None = None,
+) -> SweptPart:
+    """What a sweep, by its law, says of parts; the parameters are those of :func:`swept_part`."""
     if law.unit != unit:
         raise DataError(
             f"the sweep is in {law.unit} and the fit in {unit}; expected both of the material, or "

@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
-import dashpot as dp
 from dashpot.base.choices import FamilyAsked, Method, RampLawAsked
 from dashpot.base.errors import FitError, ReadError
 from dashpot.base.options import offered
+from dashpot.fitting.relaxation import fit as fit_relaxation
 from dashpot.io.columns.kinds import other_kind
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.recognise import recognise
 from dashpot.io.source import about
 from dashpot.kinds import FIT_FILES, KINDS, load
 from dashpot.preparation.creep import load_hold
+from dashpot.preparation.prepare import prepare
 from dashpot.records.creep import Creep, CreepCompliance, CreepTest, LoadHold
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.fit import Fit
@@ -28,6 +30,10 @@ from dashpot.records.superposition import Superposition
 from dashpot.workflow.job import Cuts, Job, known_of_a_test
 from dashpot.workflow.shifting import ShiftChoices, each_specimen, one_temperature, shifted_ramps
 
+Bench: TypeAlias = (
+    RelaxationTest | RampHold | DynamicTest | RelaxationModulus | CreepTest | LoadHold
+    | CreepCompliance
+)  # fmt: skip
 Record: TypeAlias = (
     RampHold | DynamicTest | RelaxationModulus | LoadHold | CreepCompliance | Superposition
 )
@@ -87,11 +93,27 @@ class _FitRequest:
                 "--filter and --elastic by-depth"
             )
 
-    def prepared(self, tests: Sequence[RelaxationTest], *, judged: bool) -> tuple[RampHold, ...]:
-        """Prepare ramps and holds."""
+    def prepared(
+        self, tests: Sequence[RelaxationTest | RampHold], *, judged: bool
+    ) -> tuple[RampHold, ...]:
+        """Prepare ramps and holds; what is prepared already stays as it is.
+
+        Raises
+        ------
+        FitError
+            If it is said how to prepare them, and one is prepared.
+        """
         self.cuts.refuse_several(len(tests))
+        ready = any(isinstance(test, RampHold) for test in tests)
+        if ready and (self.filter or self.machine or self.cuts != Cuts()):
+            raise FitError(
+                "a test that is prepared already is fitted as it is: say filter, machine and cuts "
+                "in test.prepare(...)"
+            )
         return tuple(
-            dp.prepare(
+            test
+            if isinstance(test, RampHold)
+            else prepare(
                 test,
                 filter=self.filter,
                 machine=self.machine,
@@ -104,7 +126,7 @@ class _FitRequest:
 
     def fit(self, tests: Sequence[RampHold] | Creep, **further: Any) -> Fit:
         """Fit ramps and holds, or one creep test."""
-        return dp.fit(
+        return fit_relaxation(
             tests,
             arms=self.arms,
             method=self.method,
@@ -179,22 +201,70 @@ def fit_files(
         options.cycle, shifting, each[0],
     )  # fmt: skip
     tests = [_read(path, options, one) for path, one in zip(files, each, strict=True)]
-    curves = [one for one in tests if isinstance(one, RelaxationModulus)]
+    return _fitted(tests, asked, Path(files[0]).name)
+
+
+def fit_records(
+    tests: Sequence[Bench],
+    *,
+    arms: int | Literal["auto"] = "auto",
+    method: Method = "full",
+    depth_law: bool = False,
+    thorough: bool = False,
+    law: RampLawAsked = "auto",
+    family: FamilyAsked = "maxwell",
+    intervals: bool = True,
+    filter: str | None = None,
+    cuts: Cuts | None = None,
+    specimen: Specimen | None = None,
+    machine: Machine | None = None,
+    cycle: int | None = None,
+    shifting: ShiftChoices = ShiftChoices(),  # noqa: B008
+) -> tuple[Fit, tuple[Record, ...]]:
+    """Fit one solid to the records of a bench, as :func:`fit_files` does to those in files.
+
+    Parameters
+    ----------
+    tests : sequence of RelaxationTest, RampHold, DynamicTest, RelaxationModulus or creep
+        A ramp and hold may be prepared already.
+    specimen : Specimen, optional
+        What was said of the first: a temperature of its own refuses sweeps at several.
+    cycle : int, optional
+        The loading to use, where a relaxation test has several.
+    """
+    asked = _FitRequest(
+        arms, method, depth_law, thorough, law, family, intervals, filter, cuts or Cuts(), machine,
+        cycle, shifting, specimen,
+    )  # fmt: skip
+    return _fitted(tests, asked, "")
+
+
+def _fitted(
+    tests: Sequence[Bench], asked: _FitRequest, name: str
+) -> tuple[Fit, tuple[Record, ...]]:
+    """Fit records as it was asked; `name`, of the first file, stands before what is wrong."""
+    curves = [test for test in tests if isinstance(test, RelaxationModulus)]
     if curves:
         asked.refuse_beside_a_modulus(others=len(tests) - len(curves))
-        with about(Path(files[0]).name):
-            curve = one_temperature(curves, shifting, each[0])
-            return dp.fit_modulus(curve, arms=arms, thorough=thorough), (curve,)  # type: ignore[arg-type]
-    crept = [one for one in tests if isinstance(one, CreepTest | CreepCompliance)]
+        from dashpot.fitting.modulus import fit_modulus
+
+        with _named(name):
+            curve = one_temperature(curves, asked.shifting, asked.specimen)
+            return fit_modulus(curve, arms=asked.arms, thorough=asked.thorough), (curve,)  # type: ignore[arg-type]
+    crept = [one for one in tests if isinstance(one, CreepTest | LoadHold | CreepCompliance)]
     if crept:
         asked.refuse_beside_creep(others=len(tests) - len(crept))
-        return _crept(crept, asked, Path(files[0]).name)
-    pressed = [test for test in tests if isinstance(test, RelaxationTest)]
-    prepared = asked.prepared(pressed, judged=intervals or len(pressed) < len(tests))
-    known_of_a_test(machine, tests=len(prepared), add="a ramp and hold")
+        return _crept(crept, asked, name)
+    pressed = [test for test in tests if isinstance(test, RelaxationTest | RampHold)]
+    prepared = asked.prepared(pressed, judged=asked.intervals or len(pressed) < len(tests))
+    known_of_a_test(asked.machine, tests=len(prepared), add="a ramp and hold")
     if len(pressed) == len(tests):
         return _pressed(prepared, asked), prepared
     return _swept(tests, prepared, asked)
+
+
+def _named(name: str) -> AbstractContextManager[None]:
+    return about(name) if name else nullcontext()
 
 
 def _read(path: str | Path, options: ReadOptions, specimen: Specimen | None) -> Any:
@@ -208,12 +278,12 @@ def _read(path: str | Path, options: ReadOptions, specimen: Specimen | None) -> 
 
 
 def _crept(
-    tests: Sequence[CreepTest | CreepCompliance], asked: _FitRequest, name: str
+    tests: Sequence[CreepTest | LoadHold | CreepCompliance], asked: _FitRequest, name: str
 ) -> tuple[Fit, tuple[Record, ...]]:
     """Fit one creep test, or the master curve of several; `name` is the first file's."""
     # a load that is not held says itself of which file it is
     held = [load_hold(one) if isinstance(one, CreepTest) else one for one in tests]
-    with about(name):
+    with _named(name):
         record = _creep(held, asked.shifting, asked.specimen)
         if isinstance(record, Superposition):
             if not asked.nothing_of("method", "law", "family"):
@@ -221,7 +291,9 @@ def _crept(
                     "creep at several temperatures has a linear solid with arms: leave out "
                     "--method, --elastic and --model"
                 )
-            return dp.fit_creep(record, arms=asked.arms, thorough=asked.thorough), (record,)
+            from dashpot.fitting.creep import fit_creep
+
+            return fit_creep(record, arms=asked.arms, thorough=asked.thorough), (record,)
         further = {} if asked.shifting.at is not None else shifted_ramps(asked.shifting)
         return asked.fit(record, **further), (record,)
 
@@ -237,7 +309,9 @@ def _pressed(tests: tuple[RampHold, ...], asked: _FitRequest) -> Fit:
             "starts of its own: leave out --method, --elastic, --model, --thorough, --reference, "
             "--shift, --vertical, --only and --shifts"
         )
-    return dp.fit_depths(tests, arms=asked.arms).fit
+    from dashpot.fitting.depth import fit_depths
+
+    return fit_depths(tests, arms=asked.arms).fit
 
 
 def _swept(
@@ -256,8 +330,10 @@ def _swept(
             "--elastic "
             "and --filter, which are for ramps and holds"
         )
+    from dashpot.fitting.dynamic import fit_dynamic
+
     sweep = one_temperature(sweeps, asked.shifting, asked.specimen)
-    found = dp.fit_dynamic(
+    found = fit_dynamic(
         sweep,  # type: ignore[arg-type]
         arms=asked.arms,
         tests=tests,
@@ -273,5 +349,7 @@ def _creep(
     """One record of creep as it is fitted, or the compliances of several, shifted together."""
     if len(tests) == 1 and isinstance(tests[0], LoadHold):
         return tests[0]
-    curves = [dp.measured_compliance(one) if isinstance(one, LoadHold) else one for one in tests]
+    from dashpot.fitting.compliance import measured_compliance
+
+    curves = [measured_compliance(one) if isinstance(one, LoadHold) else one for one in tests]
     return one_temperature(curves, shifting, specimen)  # type: ignore[return-value]

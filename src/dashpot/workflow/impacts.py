@@ -9,7 +9,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-import dashpot as dp
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.documents import Documented
@@ -22,14 +21,29 @@ from dashpot.io.readers.impact import read_impact
 from dashpot.records.bounds import FRFBounds
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF, Mode
+from dashpot.records.impact import ImpactTest
 from dashpot.records.machine import Machine
+from dashpot.records.relaxation import RampHold
+from dashpot.records.shaken import ShakenTest
 from dashpot.records.specimen import Specimen
+from dashpot.vibration.comparison.compare import compare, infer_mass
 from dashpot.vibration.comparison.comparison import Comparison
-from dashpot.vibration.modal.dynamic_stiffness import DEGREE, DynamicStiffness
+from dashpot.vibration.modal.dynamic_stiffness import (
+    DEGREE,
+    DynamicStiffness,
+    dynamic_stiffness,
+)
 from dashpot.vibration.systems.operating_point import operating_point
 from dashpot.vibration.systems.prediction import predict_frf
 from dashpot.workflow.job import HammerChoices, known_of_a_test
-from dashpot.workflow.measured import average, read_measured, relieved, shaken, total_mass
+from dashpot.workflow.measured import (
+    average,
+    judged_base,
+    read_measured,
+    relieved,
+    shaken,
+    total_mass,
+)
 from dashpot.workflow.prepared import prepared_files, refuse_others
 from dashpot.workflow.resting import LIMIT_LINES, AtRest, at_rest, formal_limits, frf_limits
 
@@ -143,6 +157,26 @@ def impact_files(
     return _vibration(frf, modes, hammer, file), reason
 
 
+def modes_of_hits(
+    test: ImpactTest | ShakenTest,
+    *,
+    hammer: HammerChoices | None = None,
+    mass: float | None = None,
+    band: tuple[float, float] | None = None,
+) -> tuple[ImpactResult, str]:
+    """Average hits, or a base that was shaken, into an FRF and find its modes.
+
+    The parameters and what is returned are those of :func:`impact_files`.
+    """
+    hammer = hammer or HammerChoices()
+    if isinstance(test, ShakenTest):
+        frf, modes, reason = judged_base(test, choices=hammer, mass=mass, band=band)
+    else:
+        frf = average(test, choices=hammer, mass=mass, band=band)
+        modes, reason = _modes(frf, band)
+    return _vibration(frf, modes, hammer), reason
+
+
 def _modes(frf: FRF, band: tuple[float, float] | None) -> tuple[tuple[Mode, ...], str]:
     """The modes of an FRF, or why there is none."""
     try:
@@ -183,10 +217,10 @@ def weighed(
     if mass is not None:
         return mass
     near = frf if band is None else frf.band(*band)
-    mass = dp.infer_mass(seals * found.model, near)[0]
+    mass = infer_mass(seals * found.model, near)[0]
     for _ in range(WEIGHINGS):
         point = operating_point(found, mass=mass, seals=seals, compression=compression)
-        last, mass = mass, dp.infer_mass(seals * point.solid(found), near)[0]
+        last, mass = mass, infer_mass(seals * point.solid(found), near)[0]
         if abs(mass - last) <= 1e-9 * mass:
             return mass
     raise DataError(
@@ -214,7 +248,7 @@ def held_against(
         seals=seals,
         compression=compression,
     )
-    return predicted, dp.compare(
+    return predicted, compare(
         predicted, measured, fit=found, mass=mass, seals=seals, band=band, compression=compression
     )
 
@@ -313,6 +347,28 @@ def compare_files(
         What the user said of those.
     """
     _, frf = read_measured(measured, choices=hammer, options=options, mass=mass, band=band)
+    tests = prepared_files(records, options=options_with)
+    return agreement(
+        found, frf, tests=tests, mass=mass, seal_mass=seal_mass, seals=seals, band=band,
+        compression=compression,
+    )  # fmt: skip
+
+
+def agreement(
+    found: Fit,
+    frf: FRF,
+    *,
+    tests: Sequence[RampHold] = (),
+    mass: float | None = None,
+    seal_mass: float | None = None,
+    seals: float = 1.0,
+    band: tuple[float, float] | None = None,
+    compression: float | None = None,
+) -> Agreement:
+    """Hold the prediction of a fit against an FRF; `tests` are the records behind the fit.
+
+    The other parameters are those of :func:`compare_files`.
+    """
     total, noted = total_mass(mass, seal=seal_mass, seals=seals)
     frf = relieved(frf, total, seal_mass, seals)
     known = weighed(found, frf, mass=total, seals=seals, band=band, compression=compression)
@@ -323,8 +379,7 @@ def compare_files(
     lines = comparison.measured.frequency[comparison.measured.frequency > 0]
     formal = formal_limits(found, rests.point, mass=known, frequency=lines, seals=seals)
     limits = None
-    if records:
-        tests = prepared_files(records, options=options_with)
+    if tests:
         refuse_others(tests, found)
         about = np.linspace(lines[0], lines[-1], min(len(lines), LIMIT_LINES))
         limits = frf_limits(found, tests, rests.point, mass=known, frequency=about, seals=seals)
@@ -404,7 +459,10 @@ class Identified(Documented):
         The modes of what was measured, where nothing else was fitted.
     """
 
-    keys = ("*fit", "vibration.modes?", "vibration.frf.hits?", "direct", "*at_rest.told")
+    keys = (
+        "*fit", "checks", "verdict", "vibration.modes?", "vibration.frf.hits?", "direct",
+        "*at_rest.told",
+    )  # fmt: skip
 
     fit: Fit
     direct: Direct
@@ -481,29 +539,57 @@ def identify_files(
     known_of_a_test(machine, tests=len(tests), add="a relaxation test")
     _refuse_unmatched(fits, tests, temperatures)
     _, frf = read_measured(measured, choices=hammer, options=options, mass=mass, band=band)
-    vibration = None
-    if not (tests or fits):
-        vibration = _vibration(frf, _modes(frf, band)[0], hammer)
-    total, noted = total_mass(mass, seal=seal_mass, seals=seals)
-    frf = relieved(frf, total, seal_mass, seals)
     prepared = prepared_files(
         tests, machine=machine, options=options_with, temperatures=temperatures
     )
+    if not tests and temperatures:
+        specimen = replace(specimen or Specimen(), temperature=temperatures[0])
+    return identified(
+        frf, tests=prepared, fit=fits[0] if fits else None, mass=mass, seal_mass=seal_mass,
+        seals=seals, band=band, compression=compression, temperature=impact_temperature,
+        specimen=specimen, hammer=hammer, **choices,
+    )  # fmt: skip
+
+
+def identified(
+    frf: FRF,
+    *,
+    tests: Sequence[RampHold] = (),
+    fit: Fit | None = None,
+    mass: float,
+    seal_mass: float | None = None,
+    seals: float = 1.0,
+    band: tuple[float, float] | None = None,
+    compression: float | None = None,
+    temperature: float | None = None,
+    specimen: Specimen | None = None,
+    hammer: HammerChoices | None = None,
+    **choices: Any,
+) -> Identified:
+    """Identify the solid under a mass from an FRF, alone or with prepared tests or their fit.
+
+    The parameters and what is returned are those of :func:`identify_files`.
+    """
+    from dashpot.fitting.identification.identify import identify
+
+    vibration = None
+    if not tests and fit is None:
+        vibration = _vibration(frf, _modes(frf, band)[0], hammer or HammerChoices())
+    total, noted = total_mass(mass, seal=seal_mass, seals=seals)
+    frf = relieved(frf, total, seal_mass, seals)
     mass = total or mass
-    straight = dp.dynamic_stiffness(frf, mass, seals=seals, band=band)
-    found = dp.identify(
+    straight = dynamic_stiffness(frf, mass, seals=seals, band=band)
+    found = identify(
         frf,
         band=band,
-        tests=prepared,
-        fit=fits[0] if fits else None,
+        tests=tests,
+        fit=fit,
         mass=mass,
         seals=seals,
         compression=compression,
-        temperature=impact_temperature,
+        temperature=temperature,
         **choices,
     )
-    if not tests and temperatures:
-        specimen = replace(specimen or Specimen(), temperature=temperatures[0])
     if specimen is not None:
         known = replace(found.provenance, specimen=specimen.over(found.specimen))
         found = replace(found, provenance=known)

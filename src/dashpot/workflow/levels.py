@@ -22,12 +22,15 @@ from dashpot.io.readers.inspect import inspect_file
 from dashpot.io.source import about
 from dashpot.kinds import RESPONSES
 from dashpot.kinds.level.checks import level_covered, levels_as_struck
+from dashpot.kinds.level.fit import fit_amplitude
 from dashpot.kinds.level.fit_frfs import fit_levels
 from dashpot.kinds.level.hits import HitLevels, hits_as_levels
 from dashpot.kinds.level.levels import Elements, LevelFit, PeakAtLevel
+from dashpot.kinds.level.prepare import sweep_of_loops
 from dashpot.kinds.level.record import AmplitudeFit, AmplitudeSweep
 from dashpot.kinds.level.response import resonance_at_level
 from dashpot.records.frf import FRF
+from dashpot.records.impact import ImpactTest
 from dashpot.records.relaxation import RelaxationTest
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.impact.frf_estimation import estimate_frf
@@ -130,7 +133,7 @@ def level_files(
     if all(kind in RESPONSES for kind in kinds):
         _refuse_law(law, "FRFs")
         frfs = [as_measured(read_frf(path, options=options), motion) for path in files]
-        return _of_frfs(frfs, levels, mass=mass, seals=seals, band=band, at=at)
+        return frfs_at_levels(frfs, levels, mass=mass, seals=seals, band=band, at=at)
     struck = all(kind in HITS for kind in kinds)
     _refuse_mixture(files, kinds)
     asked = {
@@ -144,6 +147,16 @@ def level_files(
     if len(files) > 1:
         raise ReadError("one amplitude sweep at a time; only FRFs of several levels go together")
     found, _, record = amplitude_file(files[0], kinds[0], law=law, options=options)
+    return _swept(found, record)
+
+
+def of_amplitude(record: AmplitudeSweep | RelaxationTest, *, law: str = "auto") -> Levels:
+    """Find what a sweep of amplitudes, or a record of loops, says of stiffness and damping."""
+    sweep = sweep_of_loops(record) if isinstance(record, RelaxationTest) else record
+    return _swept(fit_amplitude(sweep, law=law), record)
+
+
+def _swept(found: AmplitudeFit, record: AmplitudeSweep | RelaxationTest) -> Levels:
     if isinstance(record, RelaxationTest):
         found = replace(found, loss_per_lag=float(2 * np.pi * found.frequency.max()))
     return Levels(found, (), found.checks, (record,))
@@ -183,11 +196,11 @@ def _refuse_mixture(files: Sequence[str | Path], kinds: Sequence[str]) -> None:
         )
 
 
-def _forces(levels: Sequence[Quantity], files: Sequence[str | Path]) -> list[float]:
-    """Peak forces that are said of hammer files, N."""
-    if levels and len(levels) != len(files):
+def _forces(levels: Sequence[Quantity], tests: int) -> list[float]:
+    """Peak forces that are said of so many hammer tests, N."""
+    if levels and len(levels) != tests:
         raise ReadError(
-            f"{len(files)} hammer files and {len(levels)} levels; expected the peak force of the "
+            f"{tests} hammer files and {len(levels)} levels; expected the peak force of the "
             "hits of each file, in their order, or none (--level): hits show how hard they are"
         )
     forces = [si(level, "force") for level in levels]
@@ -205,11 +218,24 @@ def _of_hits(
     at: Sequence[float],
     options: ReadOptions | None,
 ) -> Levels:
-    said = _forces(levels, files)
+    _forces(levels, len(files))
     tests = read_impacts(list(files), options=options)
     with about(", ".join(Path(path).name for path in files)):
-        frf = estimate_frf(tests, resonance_band=band, mass=mass)
-        found = hits_as_levels(frf, band=band)
+        return hits_at_levels(tests, levels, mass=mass, band=band, at=at)
+
+
+def hits_at_levels(
+    tests: Sequence[ImpactTest],
+    levels: Sequence[Quantity] = (),
+    *,
+    mass: float | None = None,
+    band: tuple[float, float] | None = None,
+    at: Sequence[float] = (),
+) -> Levels:
+    """Find what hits of different height say; the parameters are those of :func:`level_files`."""
+    said = _forces(levels, len(tests))
+    frf = estimate_frf(tests, resonance_band=band, mass=mass)
+    found = hits_as_levels(frf, band=band)
     if said:
         counts = np.cumsum([len(cut_hits([test])) for test in tests])[:-1]
         peaks_of = np.split(np.array([one.peak for one in frf.hits]), counts)
@@ -227,15 +253,16 @@ def _of_hits(
     return Levels(found, tuple(peaks), (*found.checks, *covered), (frf,))
 
 
-def _of_frfs(
+def frfs_at_levels(
     frfs: Sequence[FRF],
     levels: Sequence[Quantity],
     *,
     mass: float | None,
-    seals: float,
-    band: tuple[float, float] | None,
-    at: Sequence[float],
+    seals: float = 1.0,
+    band: tuple[float, float] | None = None,
+    at: Sequence[float] = (),
 ) -> Levels:
+    """Find what FRFs of one mass at several levels say; parameters as of :func:`level_files`."""
     if mass is None or len(levels) != len(frfs):
         raise ReadError(
             f"{len(frfs)} FRFs, {len(levels)} levels and {'no' if mass is None else 'a'} mass; "

@@ -18,6 +18,7 @@ from dashpot.io.readers.shaken import read_shaken
 from dashpot.kinds import RESPONSES
 from dashpot.records.frf import FRF, Mode
 from dashpot.records.impact import ImpactTest
+from dashpot.records.shaken import ShakenTest
 from dashpot.vibration.impact.checks import (
     channels_not_clipped,
     coherence,
@@ -77,8 +78,18 @@ def shaken(
 
     Without the mass, kg, it has none, and nothing at its resonance is judged.
     """
+    return judged_base(read_shaken(paths, options), choices=choices, mass=mass, band=band)
+
+
+def judged_base(
+    test: ShakenTest,
+    *,
+    choices: HammerChoices,
+    mass: float | None,
+    band: tuple[float, float] | None = None,
+) -> tuple[FRF, tuple[Mode, ...], str]:
+    """Return what :func:`shaken` does, of a record of the base and the mass."""
     _no_hammer(choices)
-    test = read_shaken(paths, options)
     frf = estimate_transmissibility(test, estimator=choices.estimator, segment=choices.record)
     frf = as_measured(frf, choices.motion)
     whole = channels_not_clipped(test)

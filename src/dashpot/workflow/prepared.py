@@ -6,9 +6,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-import dashpot as dp
 from dashpot.base.errors import DataError
 from dashpot.io.options import ReadOptions
+from dashpot.io.readers.relaxation import read_relaxation
+from dashpot.preparation.prepare import prepare
 from dashpot.records.fit import Fit
 from dashpot.records.machine import Machine
 from dashpot.records.relaxation import RampHold
@@ -28,9 +29,7 @@ def prepared_files(
     """
     cycle = None if options is None else options.cycle
     return tuple(
-        dp.prepare(
-            dp.read_relaxation(path, options=options, specimen=one), machine=machine, cycle=cycle
-        )
+        prepare(read_relaxation(path, options=options, specimen=one), machine=machine, cycle=cycle)
         for path, one in zip(files, each_specimen(None, temperatures, len(files)), strict=True)
     )
 

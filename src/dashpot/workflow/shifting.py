@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-import dashpot as dp
 from dashpot.base.choices import ShiftLaw, VerticalAsked, words
 from dashpot.base.errors import FitError
 from dashpot.base.options import option
@@ -114,8 +113,11 @@ def one_temperature(
         return first.at(at)
     if alone and not first.several_temperatures:
         return first
-    known = () if choices.shifts is None else dp.read_shifts(choices.shifts)
-    return dp.superpose(
+    from dashpot.fitting.superposition.superpose import superpose
+    from dashpot.io.readers.shifts import read_shifts
+
+    known = () if choices.shifts is None else read_shifts(choices.shifts)
+    return superpose(
         tests,
         reference=choices.reference,
         law=choices.law,

@@ -70,6 +70,7 @@ def dynamic_in(file: Opened, specimen: Specimen) -> DynamicTest:
         unit,
         specimen,
         channels.source(file, [c.says for c in chosen], notes),
+        units="SI",
     )
 
 

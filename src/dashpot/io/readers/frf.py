@@ -82,7 +82,7 @@ def built(file: Opened, known: Settled) -> FRF:
         sd=None if sd is None else loaded.values[:, sd] * np.abs(scale),
         shift=stated.get("shift", 0.0), record=stated.get("record"),
         averages=int(stated.get("averages", 0)),
-        source=(channels.source(file, names, (*file.table.notes, *loaded.notes)),),
+        source=(channels.source(file, names, (*file.table.notes, *loaded.notes)),), units="SI",
     )  # fmt: skip
 
 

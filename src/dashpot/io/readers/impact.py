@@ -110,6 +110,7 @@ def _joined(tests: Sequence[ImpactTest]) -> ImpactTest:
         starts=joined_starts([(len(test.time), test.starts) for test in tests]),
         channels=tests[0].channels,
         source=tuple(source for test in tests for source in test.source),
+        units="SI",
     )
 
 
@@ -141,7 +142,7 @@ def _one(path: str | Path, options: ReadOptions, want: str) -> ImpactTest:
         try:
             test = ImpactTest(
                 time, signals[0], np.array(signals[1:]), starts, _names(file, chosen),
-                source=(source,),
+                source=(source,), units="SI",
             )  # fmt: skip
         except DataError as error:
             advice = "; if the rows are evenly sampled, give the rate, for example --rate 2048Hz"

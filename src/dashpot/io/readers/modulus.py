@@ -51,6 +51,7 @@ def read_modulus(
             specimen,
             channels.source(file, [one.says for one in chosen], (*file.table.notes, *notes, *said)),
             warm,
+            units="SI",
         )
 
 

@@ -151,7 +151,7 @@ def _loading(file: Opened, pair: tuple[Role, ...]) -> str:
         chosen, clocks = moving_columns(file, *pair)
         values, _ = recorded(file, chosen, clocks)
         # refuses what no motion can be seen in
-        test = RelaxationTest(values["time"], *(values[role] for role in pair))
+        test = RelaxationTest(values["time"], *(values[role] for role in pair), units="SI")
     except (ReadError, DataError):
         return ""
     return loading_in(test.time, test.displacement, test.force)

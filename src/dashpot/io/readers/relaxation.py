@@ -66,7 +66,7 @@ def relaxation_in(file: Opened, specimen: Specimen) -> RelaxationTest:
     _refuse_sizes(file, chosen, time, moved, force)
     specimen, said = stated_specimen(file, specimen, recorded_temperature(file, chosen))
     source = channels.source(file, [c.says for c in chosen], [*notes, *said])
-    return RelaxationTest(time, moved, force, specimen, source)
+    return RelaxationTest(time, moved, force, specimen, source, units="SI")
 
 
 def recorded(

@@ -73,7 +73,9 @@ def read_stress_strain(
             # in each mode the area across is the volume over the length
             stress = stress / strain if true else stress
         source = channels.source(file, [one.says for one in chosen], notes)
-        return StressStrainTest(mode, strain, stress, values.get("time"), stated, source)
+        return StressStrainTest(
+            mode, strain, stress, values.get("time"), stated, source, units="SI"
+        )
 
 
 def _refuse_sizes(

@@ -50,7 +50,7 @@ def read_indentation(
         source = channels.source(file, [c.says for c in chosen], [*file.table.notes, *gaps])
         return IndentationTest(
             time, values[of], of, indenter or Indenter(),
-            values["force"] if forces else None, source,
+            values["force"] if forces else None, source, units="SI",
         )  # fmt: skip
 
 

@@ -13,12 +13,18 @@ from dashpot.base.errors import DataError
 from dashpot.base.facts import Fact, Numbered
 from dashpot.base.offered import Described
 from dashpot.base.provenance import Source, of_file
+from dashpot.base.said import into_si, said_units
+from dashpot.base.units import Dimension
 from dashpot.kinds.indentation.contact_law import ContactLaw
 from dashpot.kinds.indentation.indenter import Indenter
 
 Motion: TypeAlias = Literal["acceleration", "velocity", "displacement", "force"]
 UNITS: dict[str, str] = {
     "acceleration": "m/s^2", "velocity": "m/s", "displacement": "m", "force": "N",
+}  # fmt: skip
+_DIMENSIONS: dict[str, Dimension] = {
+    "acceleration": "acceleration", "velocity": "velocity", "displacement": "length",
+    "force": "force",
 }  # fmt: skip
 
 
@@ -38,6 +44,8 @@ class IndentationTest(ByValue, Described):
     force : array, shape (n,), or None
         Recorded beside a motion, N.
     source : Source or None
+    units : str
+        Of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
 
     Raises
     ------
@@ -52,11 +60,13 @@ class IndentationTest(ByValue, Described):
     indenter: Indenter
     force: FloatArray | None = None
     source: Source | None = None
+    units: str = said_units()
 
     def __post_init__(self) -> None:
-        hold_measured(self, "time", "signal", "force", minimum=16)
         if self.of not in UNITS:
             raise DataError(f"of = '{self.of}'; expected one of {', '.join(UNITS)}")
+        into_si(self, time="time", signal=_DIMENSIONS[self.of], force="force")
+        hold_measured(self, "time", "signal", "force", minimum=16)
         steps = np.diff(self.time)
         worst = int(np.argmax(np.abs(steps - self.step)))
         if abs(steps[worst] - self.step) > 0.2 * self.step:

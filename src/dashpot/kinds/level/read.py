@@ -73,6 +73,7 @@ def read_amplitude(
             _OF[column.role],
             specimen,
             channels.source(file, [c.says for c in chosen], (*notes, *said)),
+            units="SI",
         )
 
 

@@ -96,6 +96,7 @@ def estimate_transmissibility(
         averages=max(int(OVERLAP * len(base)), 2),
         source=test.source,
         steps=(Step("estimate_transmissibility", settings),),
+        units="SI",
     )
 
 
