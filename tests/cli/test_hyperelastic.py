@@ -121,7 +121,11 @@ def test_rates_without_their_memory(tmp_path):
         ("strain [-],stress [MPa]", (100, 1), "in per cent"),
         ("stretch,stress [Pa]", (1, 1e-4), "is the unit MPa?"),
         ("stretch,extension [mm]", (1, 1), "no column is recognised as stress"),
-        ("time [s],displacement [mm],force [N]", (1, 1), "no column is recognised as strain or stress"),
+        (
+            "time [s],displacement [mm],force [N]",
+            (1, 1),
+            "no column is recognised as strain or stress",
+        ),
     ],
 )
 def test_what_cannot_be_read_is_said(tmp_path, head, scale, says):

@@ -1,4 +1,4 @@
-"""dashpot fit over amplitude: sweeps, loops and FRFs of several levels, as files of other labs hold them."""
+"""dashpot fit over amplitude: sweeps, loops and FRFs of several levels, as labs hold them."""
 
 from __future__ import annotations
 
@@ -100,7 +100,9 @@ def test_two_amplitudes_are_asked_about(tmp_path):
     table(name, header, 10 + 0 * GRID, 100 * GRID, 80 * GRID, 2 - GRID, 1 + 0 * GRID)
     stderr = " ".join(shell.ran("fit", name).stderr.split())
     assert "could each be the strain; say which" in stderr
-    assert ran(name, "--column", "strain=Strain 2")["amplitudes"][1] == pytest.approx(0.8 * GRID[-1])
+    assert ran(name, "--column", "strain=Strain 2")["amplitudes"][1] == pytest.approx(
+        0.8 * GRID[-1]
+    )
 
 
 MODULI = "E' [MPa],E'' [MPa],Temperature [degC]"
@@ -161,7 +163,9 @@ def test_a_sensor_between_mass_and_base_tells_the_same_levels(tmp_path):
     assert "--relative is for" in ran(sweep, "--relative", code=2)
 
 
-@pytest.mark.parametrize("named", [(), ("--column", "storage=3"), ("--column", "storage=3", "--column", "loss=4")])
+@pytest.mark.parametrize(
+    "named", [(), ("--column", "storage=3"), ("--column", "storage=3", "--column", "loss=4")]
+)
 @pytest.mark.parametrize("tones", [(10.0,), (1.0, 10.0, 100.0)])
 def test_a_grid_of_strains_is_no_sweep_of_frequency_whoever_names_its_columns(
     tmp_path, named, tones
@@ -331,7 +335,9 @@ def struck(path, heights):
 def test_hits_of_different_height_say_for_which_level_they_speak(tmp_path):
     """Six hits of 1 to 8 in height: no trend, and how small a one was sought."""
     path = struck(tmp_path / "hits.csv", np.geomspace(0.5, 4.0, 6))
-    found = ran(path, "--resonance-at", "0.05N", "--resonance-at", "2N", "--plot", tmp_path / "hits.svg")
+    found = ran(
+        path, "--resonance-at", "0.05N", "--resonance-at", "2N", "--plot", tmp_path / "hits.svg"
+    )
     assert "damping ratio, %" in (tmp_path / "hits.svg").read_text()
     stiffness = found["per_doubling"]["stiffness"]
     assert abs(stiffness["change"]) < 4 * stiffness["se"] < stiffness["found"] * 2 < 0.01

@@ -90,8 +90,8 @@ def test_from_a_file_to_a_part(tmp_path):
     assert fit.steps[0].name == "rod_modulus"
     assert "storage modulus" in picture.read_text("utf-8")
     ran(path, *WORDS, "--arms", "1", "--temperature", "23degC", "-o", solid)
-    deck = shell.ran("export", solid, "--to", "abaqus", "--unit-system", "mm-t-s", "--form", "prony",
-                     "-o", tmp_path / "a.inp")  # fmt: skip
+    words = ("--to", "abaqus", "--unit-system", "mm-t-s", "--form", "prony")
+    deck = shell.ran("export", solid, *words, "-o", tmp_path / "a.inp")
     assert deck.exit_code == 0, deck.output
 
 
