@@ -237,9 +237,9 @@ def simulated_shifts() -> None:
     warm = np.repeat(kelvin, 14)
     moduli = np.concatenate(decay) * (1 + 0.01 * normal(len(warm)))
     known = [Shift(k, a, 0.0) for k, a in zip(kelvin, true, strict=True)]
-    curve = RelaxationModulus(np.tile(t, 9), moduli, temperature=warm)
+    curve = RelaxationModulus(np.tile(t, 9), moduli, temperature=warm, units="SI")
     beside("simulated moduli, 9 temperatures, 1 % noise; a step against the truth", curve, known)
-    data = DynamicTest(np.tile(f, 9), value.real, value.imag, warm)
+    data = DynamicTest(np.tile(f, 9), value.real, value.imag, warm, units="SI")
     beside("simulated storage and loss; as above", data, known)
 
 
@@ -333,7 +333,7 @@ def together() -> None:
     frequency = np.geomspace(1.0, 50.0, 30)
     value = BROAD.complex_stiffness(omega=2 * np.pi * frequency)
     one, two = 1 + 0.005 * generator.standard_normal((2, 30))
-    data = DynamicTest(frequency, value.real * one, value.imag * two, unit="N/m")
+    data = DynamicTest(frequency, value.real * one, value.imag * two, unit="N/m", units="SI")
     t = np.arange(41_001) / 1000.0
     force = BROAD.ramp_hold_force(t, depth=8e-3, ramp_time=1.0)
     held = RampHold(

@@ -55,7 +55,7 @@ WIDTHS = {"k_end": 0.035, "k_3end": 0.11, "frf": 1.75}
 
 def limits_of(one: Record) -> tuple[dp.Fit, dict[str, tuple[float, float, float]]]:
     """The fit, and by name the lower limit, the truth and the upper limit of what it claims."""
-    test = dp.RelaxationTest(one.time, one.displacement, one.force)
+    test = dp.RelaxationTest(one.time, one.displacement, one.force, units="SI")
     record = dp.prepare(test, machine=dp.Machine(**one.told))
     found = dp.fit(record)
     mass = one.seal.mass_at(HERTZ, SEALS)
@@ -305,7 +305,7 @@ def _of_amplitude(one: Sheet, _: Path) -> Answer:
     """G* over the amplitudes, at the first frequency, of what was tested, spoilt or not."""
     f, X = one["frequency"], one["strain"] / 100
     storage, loss = 1e6 * one["storage"], 1e6 * one["loss"]
-    found = dp.fit_amplitude(dp.AmplitudeSweep(f, X, storage, loss))
+    found = dp.fit_amplitude(dp.AmplitudeSweep(f, X, storage, loss, units="SI"))
     first = f == f[0]
     return found.verdict.use, _error(found.stiffness(X[first]), one.truth["pure"][first])
 
@@ -364,7 +364,7 @@ def _of_stretch(one: Sheet, _: Path) -> Answer:
     """Stress in the three modes over what was stretched, in the largest of each."""
     law, constants = one.truth["law"], one.truth["constants"]
     modes, stretch = ("uniaxial", "equibiaxial", "planar"), 1 + one["strain"]
-    tests = [dp.StressStrainTest(mode, stretch, 1e6 * one[mode]) for mode in modes]
+    tests = [dp.StressStrainTest(mode, stretch, 1e6 * one[mode], units="SI") for mode in modes]
     found = dp.fit_hyperelastic(tests, poisson=0.0 if law == "hyperfoam" else None)
     worst = 0.0
     for mode in modes:

@@ -37,7 +37,8 @@ from dashpot.kinds.cld import checks as cld
 from dashpot.kinds.hyperelastic import checks as hyper
 from dashpot.kinds.indentation import checks as indentation
 from dashpot.kinds.indentation.contact_law import ViscousContact
-from dashpot.kinds.indentation.record import IndentationFit, Indenter
+from dashpot.kinds.indentation.indenter import Indenter
+from dashpot.kinds.indentation.record import IndentationFit
 from dashpot.kinds.level import checks as level
 from dashpot.kinds.rod import checks as rod
 from dashpot.lots import checks as lots
@@ -204,7 +205,7 @@ def wandering(ratio: float) -> np.ndarray:
 def sweep(*, storage: float = 2.0, negative: int = 0) -> DynamicTest:
     loss = np.array([0.1, 0.1, 0.1])
     loss[:negative] = -0.1
-    return DynamicTest(np.array([1.0, 2.0, 4.0]), np.array([1.0, 2.0, storage]), loss)
+    return DynamicTest(np.array([1.0, 2.0, 4.0]), np.array([1.0, 2.0, storage]), loss, units="SI")
 
 
 @cache
@@ -243,7 +244,7 @@ def over_base(part: float) -> FRF:
     """A mass on a spring that peaks at 12 Hz, so much softer or stiffer below 7.2 Hz."""
     f = np.linspace(2.0, 24.0, 45)
     stretch = (f / 12) ** 2 * np.where(f <= 7.2, part, 1.0)
-    return FRF(f, 1 / (1 - stretch + 0.1j), "transmissibility")
+    return FRF(f, 1 / (1 - stretch + 0.1j), "transmissibility", units="SI")
 
 
 def held_at(runs: int) -> ShakenTest:

@@ -22,7 +22,7 @@ from dashpot.cli import _text, main
 from dashpot.cli._terminal import facts
 from dashpot.io.options import ReadOptions
 from dashpot.kinds import Piece
-from dashpot.kinds.indentation.record import Indenter
+from dashpot.kinds.indentation.indenter import Indenter
 from dashpot.kinds.indentation.row import row as indentation_row
 from dashpot.lots import page, row
 from dashpot.lots.limits import read_limits

@@ -91,6 +91,7 @@ def prepared(force: np.ndarray, *, hold: float = 40.0, noise: float = 1e-3) -> d
         time=time - time[0],
         displacement=8e-3 * np.clip(time, 0, 1),
         force=force + noise * random.standard_normal(len(time)),
+        units="SI",
     )
     return dp.prepare(record)
 

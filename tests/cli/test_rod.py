@@ -191,8 +191,8 @@ def test_the_truth_is_inside_the_intervals_as_often_as_they_say():
         value = value * (1 + 0.005 * (draw(len(HZ)) + 1j * draw(len(HZ))))
         sure = RodErrors(length=0.0, area=0.0)
         one = rod_modulus(
-            dp.FRF(HZ, value, "transmissibility"), Disc(0.02, 0.02), mass=31.4e-3, density=1000.0,
-            errors=sure,
+            dp.FRF(HZ, value, "transmissibility", units="SI"), Disc(0.02, 0.02),
+            mass=31.4e-3, density=1000.0, errors=sure,
         )  # fmt: skip
         at = 40 + number % 40  # 100 to 178 Hz
         known = one.storage_sd[at], one.loss_factor_sd[at]

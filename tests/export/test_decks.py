@@ -518,7 +518,7 @@ def test_a_material_goes_into_material_cards_only():
     omega = 2 * np.pi * np.geomspace(0.01, 10, 40)
     rubber = GeneralizedMaxwell(1e6, (5e5,), (0.1,))
     K = rubber.complex_stiffness(omega=omega)
-    fit = fit_dynamic(DynamicTest(omega / (2 * np.pi), K.real, K.imag), arms=1)
+    fit = fit_dynamic(DynamicTest(omega / (2 * np.pi), K.real, K.imag, units="SI"), arms=1)
     assert fit.unit == "Pa"
     with pytest.raises(ExportError, match=r"springs and dashpots are in N/m.*--form prony"):
         export.nastran(fit, units="SI", allow=("all",))

@@ -296,7 +296,7 @@ def test_a_seal_without_fast_arms_keeps_its_loss_within_the_band() -> None:
 def test_a_spring_without_loss_bounds_its_peak_from_below_alone() -> None:
     time = np.arange(4000) / 100
     x = 8e-3 * np.clip(time - 1, 0, 1)
-    test = prepare(RelaxationTest(time=time, displacement=x, force=200.0 * x))
+    test = prepare(RelaxationTest(time=time, displacement=x, force=200.0 * x, units="SI"))
     natural = np.sqrt(200.0 / 0.104) / (2 * np.pi)
     band = frf_band(fit(test), test, mass=0.104, frequency=np.linspace(0.5, 1.5, 41) * natural)
     assert band.peak_height is not None

@@ -41,7 +41,7 @@ def sweep(
     """Storage and loss with errors relative to each."""
     value = model.complex_stiffness(omega=2 * np.pi * frequency)
     one, two = 1 + noise * np.random.default_rng(seed).standard_normal((2, len(frequency)))
-    return DynamicTest(frequency, value.real * one, value.imag * two, unit=unit)
+    return DynamicTest(frequency, value.real * one, value.imag * two, unit=unit, units="SI")
 
 
 def ramp_hold(model: GeneralizedMaxwell, *, noise: float, seed: int = 0) -> RampHold:
@@ -132,7 +132,11 @@ def test_arms_a_decade_apart_are_recovered_in_any_unit(
 def test_the_order_of_the_frequencies_does_not_matter(order: list[int]) -> None:
     data = sweep(ZENER, noise=0.01)
     mixed = DynamicTest(
-        data.frequency[order], data.storage[order], data.loss[order], unit=data.unit
+        data.frequency[order],
+        data.storage[order],
+        data.loss[order],
+        unit=data.unit,
+        units="SI",
     )
     one, other = fit_dynamic(data, arms=1), fit_dynamic(mixed, arms=1)
     same(other.model, one.model, 1e-12)
@@ -305,7 +309,7 @@ def test_amplitudes_that_no_solid_explains_are_fitted_and_told() -> None:
     moved, s = np.tile(np.geomspace(1e-3, 0.3, 12), 3), 2j * np.pi * frequency
     value = 2e5 + 5e4 * s * 0.01 / (1 + s * 0.01) + 3e4 * s * 0.1 / (1 + s * 0.1)
     value += (8e4 + 4e4j * moved**0.6) / (1 + moved**1.2)
-    found = fit_dynamic(DynamicTest(frequency, value.real, value.imag, None, "N/m"))
+    found = fit_dynamic(DynamicTest(frequency, value.real, value.imag, None, "N/m", units="SI"))
     assert found.verdict.use == "use with care"
     assert found.verdict.because[0].name == "kramers_kronig"
 
@@ -391,7 +395,7 @@ def test_a_spectrum_too_broad_for_a_few_arms_is_told_as_a_dense_one() -> None:
     many = GeneralizedMaxwell(1e6, (1e6,) * 20, tuple(10.0**n for n in range(-10, 10)))
     frequency = np.geomspace(1e-11, 1e10, 150)
     K = many.complex_stiffness(omega=2 * np.pi * frequency)
-    found = fit_dynamic(DynamicTest(frequency, K.real, K.imag))
+    found = fit_dynamic(DynamicTest(frequency, K.real, K.imag, units="SI"))
     check = next(check for check in found.checks if check.name == "few_arms_suffice")
     assert check.failed
     assert found.status is Status.NOT_IDENTIFIED
@@ -400,5 +404,5 @@ def test_a_spectrum_too_broad_for_a_few_arms_is_told_as_a_dense_one() -> None:
         found.model.complex_stiffness(omega=2 * np.pi * frequency), K, rtol=0.02
     )
     assert found.standard_error["k_inf"] == np.inf
-    few = fit_dynamic(DynamicTest(frequency, K.real, K.imag), arms=3)
+    few = fit_dynamic(DynamicTest(frequency, K.real, K.imag, units="SI"), arms=3)
     assert few.model.arms == 3

@@ -258,7 +258,9 @@ def test_intervals_bear_a_wander_that_the_scatter_hides(memory: float, most: flo
         wander = lfilter([0.1], [1.0, -kept], steps)[-n:]
         force = clean + 3e-3 * (rng.standard_normal(n) + wander)
         found = fit(
-            prepare(RelaxationTest(time=time, displacement=x, force=force)), arms=2, method="hold"
+            prepare(RelaxationTest(time=time, displacement=x, force=force, units="SI")),
+            arms=2,
+            method="hold",
         )
         error, model = found.standard_error, found.model
         away.append(

@@ -297,7 +297,7 @@ def sweep(solid, *, noise: float, seed: int = 3, unit: str = "Pa") -> dp.Dynamic
     storage, loss = (
         part * (1 + noise * random.standard_normal(len(f))) for part in (K.real, K.imag)
     )
-    return dp.DynamicTest(f, storage, loss, unit=unit)
+    return dp.DynamicTest(f, storage, loss, unit=unit, units="SI")
 
 
 RUBBER = dp.FractionalZener(5e6, 1e6, 0.02, 0.45)
@@ -340,6 +340,7 @@ def test_a_master_curve_is_fitted_with_arms() -> None:
         np.tile(one.loss, 2),
         temperature=np.repeat([273.15, 296.15], len(one.frequency)),
         unit="Pa",
+        units="SI",
     )
     with pytest.raises(FitError, match="leave the family to be maxwell"):
         dp.fit_dynamic(two, family="fractional")

@@ -71,7 +71,11 @@ def test_few_arms_stay_where_they_follow_as_closely():
     )
     value = value + 0.005 * np.abs(value) * (draw[0] + 1j * draw[1])
     data = dp.DynamicTest(
-        np.tile(frequency, 3), value.real, value.imag, np.repeat([273.15, 293.15, 313.15], 12)
+        np.tile(frequency, 3),
+        value.real,
+        value.imag,
+        np.repeat([273.15, 293.15, 313.15], 12),
+        units="SI",
     )
     found = dp.fit_dynamic(data)
     assert found.model.arms == 1

@@ -66,11 +66,11 @@ def test_what_a_curve_leaves_open_is_asked(tmp_path: Path) -> None:
 
 def test_a_curve_is_what_it_says() -> None:
     with pytest.raises(DataError, match="since the step, >= 0"):
-        RelaxationModulus(np.array([-1.0, 1.0]), np.array([1.0, 1.0]))
+        RelaxationModulus(np.array([-1.0, 1.0]), np.array([1.0, 1.0]), units="SI")
     with pytest.raises(DataError, match="expected 'Pa' or 'N/m'"):
-        RelaxationModulus(TIME, SOLID.relaxation(TIME), "MPa")
+        RelaxationModulus(TIME, SOLID.relaxation(TIME), "MPa", units="SI")
     with pytest.raises(DataError, match="one value per sample"):
-        RelaxationModulus(TIME, SOLID.relaxation(TIME)[1:])
+        RelaxationModulus(TIME, SOLID.relaxation(TIME)[1:], units="SI")
 
 
 def shell(*words: object, expect: int = 0) -> str:
@@ -100,7 +100,7 @@ def test_the_shell_fits_the_column_that_is_named(tmp_path: Path) -> None:
 def test_the_shell_says_how_a_curve_is_fitted_and_with_what_it_is_not(tmp_path: Path) -> None:
     file = curve_file(tmp_path / "a.csv")
     assert inspect_file(file).kind == "modulus"
-    assert 'use dashpot fit FILE --modulus "E(t)"' in shell("fit", file, expect=2)
+    assert "method modulus" in shell("fit", file)
     for more in (["--method", "hold"], ["--depth-law"], ["--filter", "lowpass:10Hz"]):
         refused = shell("fit", file, "--modulus", "E(t)", *more, expect=2)
         assert "a relaxation modulus is fitted without --depth-law" in refused

@@ -78,7 +78,7 @@ UNIT = re.compile(r", (s|ms|mm|N|mN|N/mm|MPa|N·s/m|Hz|°|1|%|m/s²|1/kg|\(mm/s\
 
 def of_a_modulus():
     """The fit of a relaxation modulus, and what it was fitted to."""
-    data = RelaxationModulus(CURVE, 1e6 * (1 + 2 * np.exp(-CURVE / 0.1)))
+    data = RelaxationModulus(CURVE, 1e6 * (1 + 2 * np.exp(-CURVE / 0.1)), units="SI")
     return fit_modulus(data.time, data.modulus), data
 
 
@@ -86,7 +86,7 @@ def sweep() -> DynamicTest:
     """Of one arm, 1 N/mm + 2 N/mm at 10 ms."""
     f = np.geomspace(0.1, 1000, 40)
     K = 1e3 * (1 + 2 * 2j * np.pi * f * 0.01 / (1 + 2j * np.pi * f * 0.01))
-    return DynamicTest(f, K.real, K.imag, unit="N/m")
+    return DynamicTest(f, K.real, K.imag, unit="N/m", units="SI")
 
 
 @pytest.fixture(scope="module")

@@ -35,8 +35,10 @@ def nouns(tmp_path_factory):
         "RampHold": study.prepared,
         "RelaxationTest": study.test,
         "ImpactTest": study.impact,
-        "DynamicTest": dp.DynamicTest(f, K.real, K.imag, temperature=f + 280.0, unit="N/m"),
-        "RelaxationModulus": dp.RelaxationModulus(f, PAPER.relaxation(f), unit="N/m"),
+        "DynamicTest": dp.DynamicTest(
+            f, K.real, K.imag, temperature=f + 280.0, unit="N/m", units="SI"
+        ),
+        "RelaxationModulus": dp.RelaxationModulus(f, PAPER.relaxation(f), unit="N/m", units="SI"),
     }
 
 

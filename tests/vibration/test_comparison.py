@@ -186,7 +186,7 @@ def test_the_prediction_is_made_anew_for_a_window() -> None:
 def test_the_prediction_is_cut_as_the_record_was() -> None:
     lines = np.arange(4.0, 40.0, 0.5)
     value = accelerance(2 * PAPER, MASS, 2j * np.pi * lines, 2.0)
-    measured = FRF(lines, value, record=2.0, averages=5)
+    measured = FRF(lines, value, record=2.0, averages=5, units="SI")
     whole = predict_frf(2 * PAPER, mass=MASS, frequency=lines)
     held = compare(whole, measured, model=PAPER, seals=2, mass=MASS)
     assert held.frac == pytest.approx(1, abs=1e-12)

@@ -29,7 +29,7 @@ def bench(tmp_path_factory) -> tuple[Path, Path]:
     folder = tmp_path_factory.mktemp("bench")
     files = folder / "warm.csv", folder / "cold.csv"
     for file, test in zip(files, cold.records("hidden", (23.0, 0.0), 0), strict=True):
-        bare = dp.RelaxationTest(test.time, test.displacement, test.force)
+        bare = dp.RelaxationTest(test.time, test.displacement, test.force, units="SI")
         file.write_text(write_relaxation(bare))
     return files
 

@@ -1,4 +1,4 @@
-"""What ``dashpot rod`` found, as text."""
+"""What ``dashpot fit`` found, as text."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ from dashpot.records.fit import Fit
 
 @dataclass(frozen=True)
 class ClosingResult(Checked, Documented):
-    """What ``dashpot door --close`` found.
+    """What ``dashpot predict --close`` found.
 
     Attributes
     ----------

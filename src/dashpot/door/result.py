@@ -111,7 +111,7 @@ class SealOfDoor(Documented):
 
 @dataclass(frozen=True)
 class DoorResult(Checked, Documented):
-    """What ``dashpot door`` found.
+    """What ``dashpot predict`` found.
 
     Attributes
     ----------

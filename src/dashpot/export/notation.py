@@ -106,7 +106,7 @@ def unit_system(name: str | None) -> UnitSystem:
     """
     if name is None or name not in UNIT_SYSTEMS:
         found = "no unit system is given" if name is None else f"'{name}' is no unit system"
-        raise ExportError(f"{found}; add --units, one of {', '.join(UNIT_SYSTEMS)}")
+        raise ExportError(f"{found}; add --unit-system, one of {', '.join(UNIT_SYSTEMS)}")
     return UNIT_SYSTEMS[name]
 
 
@@ -151,7 +151,7 @@ def _finite(value: float) -> float:
     if not math.isfinite(value):
         raise ExportError(
             f"a number of the deck is {value} in its units; expected a finite one: look at the "
-            "stiffnesses, the relaxation times and --units"
+            "stiffnesses, the relaxation times and --unit-system"
         )
     return value
 

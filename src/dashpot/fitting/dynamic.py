@@ -231,12 +231,12 @@ def _refuse_beside_shifts(family: str, records: Sequence[RampHold]) -> None:
     if family != "maxwell":
         raise FitError(
             "a master curve is fitted with arms, which move together with temperature: leave the "
-            "family to be maxwell, or choose one temperature with --at (Python: temperature=)"
+            "family to be maxwell, or choose one temperature with --only (Python: temperature=)"
         )
     if records:
         raise FitError(
             "the sweeps are of several temperatures, the relaxation tests of one: choose the "
-            "sweep of theirs with --at (Python: temperature=)"
+            "sweep of theirs with --only (Python: temperature=)"
         )
 
 

@@ -100,7 +100,7 @@ def fit_modulus(
     if isinstance(time, RelaxationModulus | Superposition):
         data, origin = _at_one_temperature(time)
     else:
-        curve = RelaxationModulus(time, modulus, unit, specimen or Specimen(), source)  # type: ignore[arg-type]
+        curve = RelaxationModulus(time, modulus, unit, specimen or Specimen(), source, units="SI")  # type: ignore[arg-type]
         data, origin = curve, AsMeasured(sources_of([curve]))
     t, values, unit = data.time, data.modulus, data.unit
     falls = modulus_falls(values)

@@ -166,7 +166,9 @@ def refuse_late_start(where: str, rise: float, change: float) -> None:
         raise DataError(f"{where}: {lowered(answer.told)}")
 
 
-@criterion("loadings in the record", "<=", 1.0, "by definition; or `--cycle` chooses", grade="note")
+@criterion(
+    "loadings in the record", "<=", 1.0, "by definition; or `--part cycle=N` chooses", grade="note"
+)
 def single_loading(index: int, cycles: tuple[RampHoldCycle, ...], *, asked: bool) -> Finding:
     """The record leaves no choice of loadings that the user has not made."""
     cycle = cycles[index]

@@ -268,7 +268,7 @@ _BENCH = {
     ),
     "depth_8mm.csv": Example(
         "relaxation",
-        "the same to 8 mm: dashpot fit --depth-law takes the three",
+        "the same to 8 mm: dashpot fit --elastic by-depth takes the three",
         _seal(1, depth=8e-3, rig=_STIFFENING),
     ),
     "at_23degC.csv": Example(
@@ -292,19 +292,21 @@ _BENCH = {
     "sweeps.csv": Example(
         "dma", "such sweeps of a rubber at nine temperatures, for a master curve", _sweeps
     ),
-    "curve.csv": Example(
-        "modulus", 'a relaxation modulus over time, for dashpot fit --modulus "E(t)"', _curve
-    ),
+    "curve.csv": Example("modulus", "a relaxation modulus over time", _curve),
 }
 _DOOR = {
     "line.csv": Example(
-        "", "x, y, z of a seal along a quarter of a door, for dashpot export --line", _line
+        "seal-line", "x, y, z of a seal along a quarter of a door, for dashpot export --line", _line
     ),
-    "door.toml": Example("", "a door with hinges, latch, seal and modes, for dashpot door", _door),
+    "door.toml": Example(
+        "door", "a door with hinges, latch, seal and modes, for dashpot predict", _door
+    ),
     "door_line.csv": Example(
-        "", "its seal line: x, y, z and the gap that the seal fills", _door_line
+        "seal-line", "its seal line: x, y, z and the gap that the seal fills", _door_line
     ),
-    "door_modes.csv": Example("", "its modes, as it moves when nothing holds it", _door_modes),
+    "door_modes.csv": Example(
+        "free-modes", "its modes, as it moves when nothing holds it", _door_modes
+    ),
 }
 FILES: Mapping[str, Example] = MappingProxyType({
     **_BENCH,

@@ -88,7 +88,7 @@ class SameMode:
 
 @dataclass(frozen=True)
 class MeasuredModes(Documented):
-    """What ``dashpot modes`` found.
+    """What ``dashpot fit`` found.
 
     Attributes
     ----------
@@ -154,7 +154,14 @@ def modes_files(
     DataError
         If the band holds fewer than 8 lines, or the points are not on the same ones.
     """
-    measured = read_frfs(files, options=options)
+    other = read_frfs(against, options=options) if against else None
+    return modes_of(read_frfs(files, options=options), band=band, against=other)
+
+
+def modes_of(
+    measured: FRFSet, *, band: tuple[float, float] | None = None, against: FRFSet | None = None
+) -> tuple[MeasuredModes, Stabilisation]:
+    """Find the modes that FRFs share, as :func:`modes_files` does of those in files."""
     near = within(measured, band)
     lines = near.frfs[0].frequency
     sought = band or (float(lines[0]), float(lines[-1]))
@@ -169,15 +176,14 @@ def modes_files(
         chart.highest,
         _macs(shapes, shapes) if several else (),
     )
-    if not against:
+    if against is None:
         return found, chart
-    other = read_frfs(against, options=options)
-    if len(other.points) != len(measured.points):
+    if len(against.points) != len(measured.points):
         raise DataError(
-            f"{len(measured.points)} points are held against {len(other.points)} (--against); "
+            f"{len(measured.points)} points are held against {len(against.points)}; "
             "expected the same ones, in the same order"
         )
-    return replace(found, against=_again(shapes, other.modes(band=sought), several)), chart
+    return replace(found, against=_again(shapes, against.modes(band=sought), several)), chart
 
 
 def _judged(

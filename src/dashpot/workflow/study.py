@@ -21,7 +21,7 @@ from dashpot.fitting.identification.identify import identify
 from dashpot.fitting.relaxation import fit
 from dashpot.fitting.uncertainty.prediction_bounds import parameter_band, unseen_arm_band
 from dashpot.io.logo import read_logo
-from dashpot.io.options import OF_HAMMER, ReadOptions
+from dashpot.io.options import ReadOptions
 from dashpot.io.readers.relaxation import read_relaxation
 from dashpot.preparation.prepare import prepare
 from dashpot.records.bounds import FRFBounds, StiffnessBounds
@@ -40,7 +40,6 @@ from dashpot.workflow.checks import hold_fit_possible, prediction_informed
 from dashpot.workflow.impacts import held_against, weighed
 from dashpot.workflow.job import Cuts, Job
 from dashpot.workflow.measured import read_measured, relieved, total_mass
-from dashpot.workflow.prepared import answered_in
 from dashpot.workflow.resting import (
     AtRest,
     at_rest,
@@ -408,10 +407,9 @@ def run(job: Job, *, read: Reader | None = None) -> Study:
     mass, noted = total_mass(job.mass, seal=job.seal_mass, seals=job.seals)
     if job.impact:
         doing(f"reading {_named(job.impact)}")
-        with answered_in("--impact-profile", besides=("units", *OF_HAMMER)):
-            impact, measured = read_measured(
-                job.impact, choices=job.hammer, options=job.reading_impact, mass=mass, band=job.band
-            )
+        impact, measured = read_measured(
+            job.impact, choices=job.hammer, options=job.reading_impact, mass=mass, band=job.band
+        )
         measured = relieved(measured, mass, job.seal_mass, job.seals)
     study = characterise(
         test,

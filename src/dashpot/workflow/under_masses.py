@@ -15,9 +15,11 @@ from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.units import in_unit, written
 from dashpot.io.options import ReadOptions
+from dashpot.io.readers.frf_set import read_frfs
+from dashpot.records.frf_set import FRFSet
 from dashpot.vibration.modal.checks import one_solid
 from dashpot.vibration.modal.several_masses import SeveralMasses, several_masses
-from dashpot.workflow.measured_modes import MeasuredMode, MeasuredModes, modes_files
+from dashpot.workflow.measured_modes import MeasuredMode, MeasuredModes, modes_of
 
 
 class UnderMass(NamedTuple):
@@ -40,7 +42,7 @@ class StiffnessAtMode(NamedTuple):
 
 @dataclass(frozen=True)
 class ModesByMass(Checked, Documented):
-    """What ``dashpot modes`` found under several masses.
+    """What ``dashpot fit`` found under several masses.
 
     Attributes
     ----------
@@ -113,13 +115,27 @@ def modes_by_mass(
         If there are not two or more masses, one for each file, two files hold the same FRF, or
         nothing rings under one of them.
     """
-    if len(files) != len(masses) or len(files) < 2:
+    tests = [read_frfs([file], options=options) for file in files]
+    names = [Path(file).name for file in files]
+    return modes_under(tests, masses, names, seals=seals, band=band)
+
+
+def modes_under(
+    measured: Sequence[FRFSet],
+    masses: Sequence[float],
+    names: Sequence[str],
+    *,
+    seals: float = 1.0,
+    band: tuple[float, float] | None = None,
+) -> ModesByMass:
+    """Hold the main modes of FRFs under several masses against one solid; each has a name."""
+    if len(measured) != len(masses) or len(measured) < 2:
         raise DataError(
-            f"{len(masses)} masses (--mass) for {len(files)} files; expected two or more files and "
-            "the mass of each, in their order"
+            f"{len(masses)} masses (--mass) for {len(measured)} files; expected two or more files "
+            "and the mass of each, in their order"
         )
-    tests = tuple(modes_files([file], options=options, band=band)[0] for file in files)
-    _refuse_same(files, masses, tests)
+    tests = tuple(modes_of(each, band=band)[0] for each in measured)
+    _refuse_same(names, masses, tests)
     silent = [mass for mass, one in zip(masses, tests, strict=True) if not one.modes]
     if silent:
         raise DataError(
@@ -140,14 +156,14 @@ def modes_by_mass(
 
 
 def _refuse_same(
-    files: Sequence[str | Path], masses: Sequence[float], tests: Sequence[MeasuredModes]
+    names: Sequence[str], masses: Sequence[float], tests: Sequence[MeasuredModes]
 ) -> None:
     """Refuse an FRF that is given under two masses."""
-    every = list(zip(files, masses, tests, strict=True))
-    for (file, mass, one), (other, its, two) in combinations(every, 2):
+    every = list(zip(names, masses, tests, strict=True))
+    for (name, mass, one), (other, its, two) in combinations(every, 2):
         if np.array_equal(one.frf.value, two.frf.value):
-            names = dict.fromkeys((Path(file).name, Path(other).name))
+            both = " and ".join(dict.fromkeys((name, other)))
             raise DataError(
-                f"{' and '.join(names)}: the same FRF is given under {in_unit(mass, 'g'):.4g} and "
-                f"under {written(its, 'g')}; expected what was measured under each mass"
+                f"{both}: the same FRF is given under {in_unit(mass, 'g'):.4g} and under "
+                f"{written(its, 'g')}; expected what was measured under each mass"
             )

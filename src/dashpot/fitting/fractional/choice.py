@@ -136,7 +136,7 @@ def checked_family(family: str, arms: int | str = "auto") -> None:
     if family == "fractional" and arms != "auto":
         raise FitError(
             f"arms = {arms}, but a fractional solid has no number of arms: leave out --arms, or "
-            "fit both families (--family auto), of which --arms counts those of one"
+            "fit both families (--model auto), of which --arms counts those of one"
         )
 
 

@@ -79,7 +79,7 @@ def creep_in(file: Opened, specimen: Specimen) -> CreepTest | CreepCompliance:
     if wanted is _PART:
         _refuse_sizes(file, chosen, values)
     unit = "Pa" if wanted is _MATERIAL else "N/m"
-    return CreepTest(time, moved, pushed, unit, specimen, source(notes))
+    return CreepTest(time, moved, pushed, unit, specimen, source(notes), units="SI")
 
 
 def _refuse_sizes(
@@ -107,6 +107,7 @@ def _curve(file: Opened, specimen: Specimen, said: list[str]) -> CreepCompliance
         specimen,
         channels.source(file, [one.says for one in chosen], [*file.table.notes, *notes, *said]),
         warm,
+        units="SI",
     )
 
 

@@ -12,7 +12,9 @@ from dashpot.base.arrays import ByValue, FloatArray, hold_measured
 from dashpot.base.checks import Check, Checked
 from dashpot.base.documents import Documented
 from dashpot.base.offered import Described, Pictured
+from dashpot.base.plausible import refuse_absurd_record
 from dashpot.base.provenance import Source, of_file
+from dashpot.base.said import into_si, said_units
 from dashpot.base.units import written
 from dashpot.records.specimen import Specimen
 from dashpot.solids.elastic import ElasticLaw
@@ -35,6 +37,8 @@ class CompressionTest(ByValue, Described):
     specimen : Specimen
     source : Source or None
         The file it came from; None for arrays made in memory.
+    units : str
+        Of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
 
     Raises
     ------
@@ -47,9 +51,12 @@ class CompressionTest(ByValue, Described):
     time: FloatArray | None = None
     specimen: Specimen = field(default_factory=Specimen)
     source: Source | None = None
+    units: str = said_units()
 
     def __post_init__(self) -> None:
+        into_si(self, displacement="length", force="force", time="time")
         hold_measured(self, "time", "displacement", "force", minimum=8)
+        refuse_absurd_record(self)
 
     @property
     def series(self) -> Mapping[str, tuple[Any, str]]:

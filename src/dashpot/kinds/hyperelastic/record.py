@@ -15,6 +15,7 @@ from dashpot.base.facts import Fact, Numbered
 from dashpot.base.numbers import counted
 from dashpot.base.offered import Described
 from dashpot.base.provenance import Source, of_file, sources_of
+from dashpot.base.said import into_si, said_units
 from dashpot.solids.hyperelastic import Hyperelastic, Mode
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -41,6 +42,8 @@ class StressStrainTest(ByValue, Described):
     stated : bool
         Whether it was said what stress and strain are over; else both were taken to be nominal.
     source : Source or None
+    units : str
+        Of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
 
     Raises
     ------
@@ -55,8 +58,10 @@ class StressStrainTest(ByValue, Described):
     time: FloatArray | None = None
     stated: bool = True
     source: Source | None = None
+    units: str = said_units()
 
     def __post_init__(self) -> None:
+        into_si(self, stretch="strain", stress="stress", time="time")
         hold_measured(self, "stretch", "stress", "time", minimum=LEAST_ROWS)
         low, high = float(self.stretch.min()), float(self.stretch.max())
         if not (low > 1 / MOST_STRETCH and high < MOST_STRETCH):

@@ -15,6 +15,7 @@ from dashpot.base.errors import DataError
 from dashpot.base.numbers import ascii_only, rounded
 from dashpot.base.offered import Described
 from dashpot.base.provenance import Source, of_file
+from dashpot.base.said import Dimensions, into_si, own_unit, said_units
 from dashpot.base.units import in_unit, read_in, written
 from dashpot.records.specimen import Specimen
 from dashpot.solids.friction import Kraus
@@ -44,6 +45,8 @@ class AmplitudeSweep(ByValue, Described):
     source : Source or None
     sd : array, shape (n,) or None
         Standard deviation of storage and of loss, in `unit`, where it is known.
+    units : str
+        Of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
 
     Raises
     ------
@@ -60,8 +63,16 @@ class AmplitudeSweep(ByValue, Described):
     specimen: Specimen = field(default_factory=Specimen)
     source: Source | None = None
     sd: FloatArray | None = None
+    units: str = said_units()
 
     def __post_init__(self) -> None:
+        of: Dimensions = ("stress", "stiffness")
+        said = into_si(
+            self, frequency="frequency", amplitude=("strain", "length"), storage=of, loss=of, sd=of
+        )
+        own_unit(self, said, "storage", "loss", "sd")
+        if said:
+            object.__setattr__(self, "of", {"length": "m"}.get(said["amplitude"], "strain"))
         hold_measured(self, "frequency", "amplitude", "storage", "loss", "sd")
         for name, unit in (("frequency", "Hz"), ("amplitude", self.of)):
             values = getattr(self, name)

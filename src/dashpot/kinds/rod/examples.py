@@ -39,7 +39,7 @@ EXAMPLES: Mapping[str, Example] = MappingProxyType(
     {
         "rod.csv": Example(
             "transmissibility",
-            "the transmissibility of a rubber cylinder to a mass on it, for dashpot rod",
+            "the transmissibility of a rubber cylinder to a mass on it, for dashpot fit",
             _rod,
         ),
     }

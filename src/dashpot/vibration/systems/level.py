@@ -186,7 +186,7 @@ def mass_at_level(
         X = stretch
         K = K + beside.equivalent(omega, X)
     if kind.over_base:
-        return FRF(frequency, K / (K - inertia), Kind.TRANSMISSIBILITY).to(kind), X
+        return FRF(frequency, K / (K - inertia), Kind.TRANSMISSIBILITY, units="SI").to(kind), X
     return FRF.of_receptance(frequency, 1 / (K - inertia), kind=kind), X
 
 

@@ -100,7 +100,7 @@ def predict_frf(
             f"the response at {f[i]:g} Hz is infinite: the solid has no stiffness there"
         )
     if Kind(kind) is Kind.TRANSMISSIBILITY:
-        return FRF(f, stiffness * receptance, Kind.TRANSMISSIBILITY, shift=shift)
+        return FRF(f, stiffness * receptance, Kind.TRANSMISSIBILITY, shift=shift, units="SI")
     if Kind(kind) is Kind.RELATIVE_TRANSMISSIBILITY:
         return FRF.of_receptance(f, receptance, shift=shift).to(kind, mass=mass)
     return FRF.of_receptance(f, receptance, kind=kind, shift=shift)
