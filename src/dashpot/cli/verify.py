@@ -15,7 +15,7 @@ from dashpot.base.sentences import lowered
 from dashpot.cli._grammar import group, opt, verb
 from dashpot.cli._options import RESULT
 from dashpot.cli._shell import Folder, Outcome
-from dashpot.cli._terminal import Text
+from dashpot.told.layout import Text
 
 
 @dataclass(frozen=True)

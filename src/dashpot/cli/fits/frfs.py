@@ -6,9 +6,9 @@ import click
 
 import dashpot as dp
 from dashpot import workflow
-from dashpot.cli import _modes_text as text
 from dashpot.cli._shell import Outcome, printed, write
 from dashpot.cli.fits._given import Given
+from dashpot.told import modes as text
 
 
 def run(given: Given) -> Outcome:

@@ -10,7 +10,7 @@ from dashpot.base import numbers
 from dashpot.base.facts import Fact
 from dashpot.base.numbers import ascii_only
 from dashpot.base.units import celsius, in_unit, written
-from dashpot.cli._terminal import Text, facts, table
+from dashpot.told.layout import Text, facts, table
 
 if TYPE_CHECKING:
     from dashpot import Comparison
