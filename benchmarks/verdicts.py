@@ -348,8 +348,8 @@ def _of_rod(one: Sheet, path: Path) -> Answer:
     """E* at the line of the largest response: ends slide, for it is a rod's theory."""
     size = f"{one.truth['diameter']}m,{one.truth['length']}m"
     document = _command(
-        "fit", path, "--shape", f"disc:{size}", "--lubricated", "--density", str(one.truth["density"]),
-        "--mass", f"{one.truth['mass']!r}kg",
+        "fit", path, "--shape", f"disc:{size}", "--lubricated",
+        "--density", str(one.truth["density"]), "--mass", f"{one.truth['mass']!r}kg",
     )  # fmt: skip
     lines = np.asarray(document["frequency"])
     highest = one["frequency"][np.argmax(np.hypot(one["real"], one["imaginary"]))]

@@ -72,10 +72,10 @@ from .kinds.level.record import AmplitudeSweep as AmplitudeSweep
 from .kinds.rod.prepare import rod_modulus as rod_modulus
 from .lots.batches import batch as batch
 from .lots.lot import Lot as Lot
+from .planning.asked import HammerPlan as HammerPlan
 from .planning.bench import Bench as Bench
 from .planning.plan import plan as plan
 from .planning.setpoints import planned_trajectory as planned_trajectory
-from .planning.supposed import HammerPlan as HammerPlan
 from .planning.supposed import SupposedSeal as SupposedSeal
 from .preparation.prepare import prepare as prepare
 from .records.creep import CreepCompliance as CreepCompliance

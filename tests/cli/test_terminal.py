@@ -17,10 +17,12 @@ from kit.fits import a_fit, altered
 import dashpot as dp
 from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.progress import doing
-from dashpot.cli import _shell, _terminal, _text, main
+from dashpot.cli import _shell, _terminal, main
 from dashpot.cli._shell import Outcome, reports
-from dashpot.cli._terminal import COLUMNS, LINES, Text, shown, wrapped
+from dashpot.cli._terminal import COLUMNS, LINES, shown, wrapped
 from dashpot.records.fit import AtDepth
+from dashpot.told import text as text_of
+from dashpot.told.layout import Text
 
 STOP = Check("a_stop", False, "a stop; do that", grade="stop")
 LONG = Check("long_winded", False, "So much is to be said of it that it goes on. " * 12)
@@ -109,9 +111,9 @@ def test_a_file_name_cannot_steer_the_terminal(name):
 def test_every_story_fits_a_screen():
     study = handmade.study()
     for text, found, checks in (
-        (_text.study(study), study.verdict, study.every_check),
-        (_text.fit(study.fit), study.fit.verdict, study.fit.checks),
-        (_text.fit(study.joint), study.joint.verdict, study.joint.checks),
+        (text_of.study(study), study.verdict, study.every_check),
+        (text_of.fit(study.fit), study.fit.verdict, study.fit.checks),
+        (text_of.fit(study.joint), study.joint.verdict, study.joint.checks),
     ):
         short = bare(shown(text, found, checks, verbose=False))
         assert len(short) <= LINES
@@ -128,7 +130,7 @@ def test_an_arm_that_is_not_identified_prints_no_interval():
     for name in ("k_1", "ln_tau_1"):
         row = fit.parameters.index(name)
         wide[row, row] *= 1e8
-    text = _text.fit(altered(fit, covariance=wide, profiles=()))
+    text = text_of.fit(altered(fit, covariance=wide, profiles=()))
     rows = {line.split()[0]: line for line in text.lines if line.strip()}
     assert "not identified" in rows["k_1"]
     assert "not identified" in rows["tau_1"]
@@ -327,6 +329,6 @@ def test_an_arm_that_only_a_lesser_depth_has_is_shown_there():
         AtDepth(8e-3, 200.0, 1.0, (100.0, 0.0), (1.0, 1.0)),
         AtDepth(4e-3, 150.0, 1.0, (80.0, 20.0), (1.0, 1.0)),
     )
-    lines = "\n".join(_text.fit(a_fit(solid, by_depth=depths)).lines)
+    lines = "\n".join(text_of.fit(a_fit(solid, by_depth=depths)).lines)
     assert "k_2" in lines
     assert "0.0200" in lines

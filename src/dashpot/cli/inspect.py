@@ -10,9 +10,9 @@ from dashpot.cli import _options as options_of
 from dashpot.cli._grammar import group, opt, verb
 from dashpot.cli._options import READING, RESULT, given
 from dashpot.cli._shell import Outcome, Output, typed, write
-from dashpot.cli._terminal import Text, table
 from dashpot.io.options import ReadOptions
 from dashpot.kinds import KINDS
+from dashpot.told.layout import Text, table
 
 if TYPE_CHECKING:
     from dashpot.workflow.inspections import InspectedFile
