@@ -47,7 +47,7 @@ def route(
     masses : int
         How many masses were given.
     levels : bool
-        Whether the level of each FRF was given, or that at which a resonance is asked for.
+        Whether the level of each FRF was given, or the resonance at a level was asked for.
     rod : bool
         Whether a density or a shape was.
 
