@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import MISSING, Field
-from difflib import get_close_matches
 from itertools import chain
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -318,7 +317,7 @@ def _with_profile(ctx: click.Context, given: dict[str, Any]) -> dict[str, Any]:
     """Lay what the profiles say below what was typed."""
     if "profile" not in given:
         return given
-    from dashpot.cli._options import over_profiles
+    from dashpot.cli._reading import over_profiles
 
     given["options"] = over_profiles(ctx, given["options"], given.pop("profile"))
     return given
@@ -338,21 +337,6 @@ def verb(
     return made
 
 
-def nearest(word: str, known: Iterable[str]) -> str:
-    """Return the sentence that names the likeliest of known words, or all of them.
-
-    >>> nearest("forc", ["force", "time"])
-    "Did you mean 'force'?"
-    >>> nearest("x", ["force", "time"])
-    'Known are force and time.'
-    """
-    every = list(dict.fromkeys(known))
-    near = get_close_matches(word, every, 1)
-    if near:
-        return f"Did you mean '{near[0]}'?"
-    return f"Known are {', '.join(every[:-1])} and {every[-1]}." if every[1:] else ""
-
-
 def refuse_others(verb: Verb, ctx: click.Context, kinds: Mapping[str, str]) -> None:
     """Refuse an option that is of other kinds of records than those that were given.
 
@@ -368,7 +352,9 @@ def refuse_others(verb: Verb, ctx: click.Context, kinds: Mapping[str, str]) -> N
         if not one.suits(have) and one.typed(ctx):
             *others, last = dict.fromkeys(called(word) for word in sorted(one.kinds))
             wanted = f"{', '.join(others)} or {last}" if others else last
-            raise click.UsageError(f"{one.flag} is for {wanted}. {_called(kinds)}.")
+            (word, *more) = one.kinds
+            overruled = "" if more or len(kinds) > 1 else f" If it is that after all: --as {word}."
+            raise click.UsageError(f"{one.flag} is for {wanted}. {_called(kinds)}.{overruled}")
 
 
 def _called(kinds: Mapping[str, str]) -> str:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from dataclasses import Field
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,21 @@ from dashpot.base.errors import DashpotError
 from dashpot.base.options import key_of, names_files
 from dashpot.base.units import Dimension, parse_quantity, parse_range
 from dashpot.cli._shell import File, Output
+
+
+def nearest(word: str, known: Iterable[str]) -> str:
+    """Return the sentence that names the likeliest of known words, or all of them.
+
+    >>> nearest("forc", ["force", "time"])
+    "Did you mean 'force'?"
+    >>> nearest("x", ["force", "time"])
+    'Known are force and time.'
+    """
+    every = list(dict.fromkeys(known))
+    near = get_close_matches(word, every, 1)
+    if near:
+        return f"Did you mean '{near[0]}'?"
+    return f"Known are {', '.join(every[:-1])} and {every[-1]}." if every[1:] else ""
 
 
 class WithUnit(click.ParamType[Any]):
@@ -138,8 +154,6 @@ class OneOf(click.Choice[str]):
         super().__init__(choices)
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
-        from dashpot.cli._grammar import nearest
-
         if value not in self.choices:
             self.fail(f"'{value}' is unknown. {nearest(str(value), self.choices)}", param, ctx)
         return str(value)
@@ -214,8 +228,6 @@ class Keyed(click.ParamType[Any]):
         if not sign or not text.strip():
             self.fail(f"'{part}': write {self.flag} {named[0]}{self.sign}VALUE", param, ctx)
         if key not in named:
-            from dashpot.cli._grammar import nearest
-
             self.fail(f"'{key}' is unknown. {nearest(key, named)}", param, ctx)
         return self.fields[key], text
 

@@ -6,7 +6,6 @@ import math
 from typing import TYPE_CHECKING
 
 import dashpot as dp
-from dashpot.base.checks import verdict
 from dashpot.base.errors import DataError
 from dashpot.base.version import byline
 from dashpot.cli import _options as options
@@ -14,15 +13,20 @@ from dashpot.cli._grammar import group, of, opt, rest, verb
 from dashpot.cli._options import given
 from dashpot.cli._shell import Outcome, Output, typed, write
 from dashpot.cli._simulated import seal_named
-from dashpot.cli._terminal import Text
 from dashpot.cli._values import Direction, WithUnit
 from dashpot.planning.asked import HammerPlan, PlannedRamp
 from dashpot.records.machine import Machine
+from dashpot.told.layout import Text
 
 if TYPE_CHECKING:
     from dashpot.solids.temperature import TemperatureLaw
 
 
+_NOT_REHEARSED = (
+    "frequency", "cold", "hammer_hits", "hammer_record", "hammer_pulse", "hammer_coherence",
+    "bench_method", "bench_baseline",
+)  # fmt: skip
+"""Options of the planned test that a simulated one has not."""
 _PLANNED, _KNOWN, _CONTROLLER = "Planned test", "Known beforehand", "Controller"
 
 
@@ -101,25 +105,24 @@ def command(
     along: tuple[float, float, float],
 ) -> Outcome:
     """Tell how well a planned test will know stiffness and loss factor at a frequency."""
-    from dashpot.planning.bench import Bench
-    from dashpot.planning.supposed import SupposedSeal
-
     if arm_time is not None and arm_stiffness is None:
         raise DataError("--arm-time needs --arm-stiffness, e.g. --arm-stiffness 0.05N/mm")
     arm = None
     if arm_stiffness is not None:
         arm = (arm_stiffness, arm_time if arm_time is not None else 1 / (2 * math.pi * frequency))
     supposed = seal_named("paper" if guess is None else guess)
-    planned = Bench(**vars(bench), machine=machine)
+    planned = dp.Bench(**vars(bench), machine=machine)
     found = dp.plan(
         planned,
         at=frequency,
-        seal=SupposedSeal(supposed.solid, arm, temperature, wlf or supposed.law),
+        seal=dp.SupposedSeal(supposed.solid, arm, temperature, wlf or supposed.law),
         hammer=hammer,
         cold=cold,
         wanted=wanted / 100,
     )
     if setpoints is not None:
+        from dashpot.io.write import write_trajectory
+
         motion = dp.planned_trajectory(
             depth=bench.depth,
             ramp_time=bench.ramp_time,
@@ -131,8 +134,6 @@ def command(
         count = byline(f"planned test, {len(motion.time)} set-points")
         rest, ramp, hold = bench.baseline, bench.ramp_time, bench.hold_time
         timed = f"rest {rest:g} s, ramp {ramp:g} s, hold {hold:g} s"
-        from dashpot.io.write import write_trajectory
-
         says = (count, f"{timed}; one each {interval:g} s, the first where the plate touches")
         write(setpoints, write_trajectory(motion, comments=says))
     rehearsed = typed(
@@ -140,19 +141,11 @@ def command(
         "relaxation",
         *given(
             _PLANNED,
-            but=(
-                "frequency",
-                "cold",
-                "hammer_hits",
-                "hammer_record",
-                "bench_method",
-                "bench_baseline",
-                "hammer_pulse",
-            ),
+            but=_NOT_REHEARSED,
         ),
         "-o",
         "rehearsal.csv",
         why="rehearses it",
     )
-    made = verdict(found.checks)
+    made = found.verdict
     return Outcome(found, Text([str(found)]), found.checks, verdict=made, follow=rehearsed)

@@ -15,8 +15,8 @@ from dashpot.cli import _options as options
 from dashpot.cli._grammar import group, opt, rest, verb
 from dashpot.cli._shell import File, Outcome, claim, typed, write
 from dashpot.cli._simulated import creep, impact, relaxation, replayed
-from dashpot.cli._terminal import Text
 from dashpot.cli._values import OneOf, WithUnit
+from dashpot.told.layout import Text
 
 
 @dataclass(frozen=True)
