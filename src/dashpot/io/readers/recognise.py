@@ -10,7 +10,7 @@ from types import MappingProxyType
 
 from dashpot.base.arrays import kept, measured
 from dashpot.base.errors import DataError, ReadError
-from dashpot.io.columns.kinds import RECOGNISED, FileKind, KindOfFile, kind_of
+from dashpot.io.columns.kinds import RECOGNISED, KindOfFile, kind_of
 from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import PROFILE, ReadOptions
 from dashpot.io.readers import channels
@@ -82,8 +82,7 @@ class Recognised:
     @property
     def use(self) -> str:
         """Which command wants it, or why none does; empty where that is not known."""
-        known = OWN if self.stored or self.kind in OWN else RECOGNISED
-        return known[self.kind].use if self.kind in known else ""
+        return used(self.kind)
 
 
 def called(kind: str) -> str:
@@ -97,6 +96,12 @@ def called(kind: str) -> str:
         return known[kind].what
     test = {"unclear": "no test that is known", "not-a-test": "no test"}
     return test.get(kind, f"a stored {kind.replace('-', ' ')}")
+
+
+def used(kind: str) -> str:
+    """Return which command wants a file of a kind, or why none does; empty if that is not known."""
+    known = RECOGNISED if kind in RECOGNISED else OWN
+    return known[kind].use if kind in known else ""
 
 
 def recognise(
@@ -133,7 +138,7 @@ def recognise(
 
 
 @kept
-def recognise_opened(file: Opened) -> tuple[FileKind, str]:
+def recognise_opened(file: Opened) -> tuple[str, str]:
     """Return the kind of a table that is open, and why."""
     kind, reason = kind_of(file.table, file.options)
     if file.options.kind is not None:
