@@ -97,18 +97,24 @@ def history_complete(lines: int, *, torn: bool) -> Finding:
 
 
 @criterion("lines that differ", "<=", 0, "the count and the hash in history.head", grade="stop")
-def history_whole(lines: int, written: int, *, shortened: bool) -> Finding:
-    """No line was cut off the end of the history."""
-    if not written:
-        return Finding(
-            "there is no history.head, so nothing here tells whether lines were cut off the end of "
-            "the history"
+def history_whole(lines: int, written: int, *, shortened: bool, headed: bool) -> Finding:
+    """No line was cut off the end of the history, and its head says so."""
+    if not lines and not written:
+        return Finding("the history has no line that its head could be of")
+    instead = (
+        f"the history has {lines} lines where {written} were written, or others: put "
+        "history.jsonl back from a copy"
+    )
+    if not shortened:
+        lost = "missing" if not written else f"older: it is of line {written} of {lines}"
+        instead = (
+            f"history.head is {lost}, so lines that were cut off the end would not be missed: put "
+            "it back from a copy, and compare the last hash with one that was noted"
         )
     return Finding(
         "no line is missing at the end of the history",
-        max(written - lines, 1) if shortened else 0,
-        instead=f"the history has {lines} lines where {written} were written, or others: put "
-        "history.jsonl back from a copy",
+        max(written - lines, 1) if shortened else int(not headed),
+        instead=instead,
     )
 
 
