@@ -114,11 +114,8 @@ def _listed(
 def _check(check: Check, verdict: Verdict | None) -> list[str]:
     mark, colour = MARKS[check.grade]
     above = verdict is not None and verdict.says.startswith(check.told)
-    says = "(first line)" if above else check.told
-    option = check.remedy.typed if check.remedy else ""
-    first, *others = _coloured(
-        f"  {mark}", f"{says} {f'({option}) ' if option else ''}{check.name}", colour, hang=5
-    )
+    says = check.typed.replace(check.told, "(first line)") if above else check.typed
+    first, *others = _coloured(f"  {mark}", f"{says} {check.name}", colour, hang=5)
     lines = [first, *others]
     # the name is for searching, not for reading
     lines[-1] = f"{lines[-1][: -len(check.name)]}{click.style(check.name, dim=True)}"

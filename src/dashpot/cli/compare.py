@@ -10,7 +10,6 @@ import click
 
 import dashpot as dp
 from dashpot import workflow
-from dashpot.base.checks import verdict
 from dashpot.base.choices import Method, words
 from dashpot.base.units import written
 from dashpot.cli import _options as options
@@ -140,7 +139,7 @@ def _frfs(first: str, others: Sequence[str], said: dict[str, Any]) -> Outcome:
         stamp = dp.plot.stamp(found.frf.source)
         write_figure(said["picture"], dp.plot.stabilisation(chart, modes, stamp=stamp))
     checks = found.frf.checks
-    return Outcome(found, modes_text.modes(found), checks, verdict=verdict(checks))
+    return Outcome(found, modes_text.modes(found), checks, verdict=found.verdict)
 
 
 def _lots(first: str, second: str, quantities: tuple[str, ...]) -> Outcome:

@@ -6,7 +6,6 @@ import math
 from typing import TYPE_CHECKING
 
 import dashpot as dp
-from dashpot.base.checks import verdict
 from dashpot.base.errors import DataError
 from dashpot.base.version import byline
 from dashpot.cli import _options as options
@@ -148,5 +147,5 @@ def command(
         "rehearsal.csv",
         why="rehearses it",
     )
-    made = verdict(found.checks)
+    made = found.verdict
     return Outcome(found, Text([str(found)]), found.checks, verdict=made, follow=rehearsed)

@@ -224,4 +224,4 @@ def _of_door(
     said = door(found, every=every)
     checks = tuple(dict.fromkeys((*found.checks, *closed.checks)))
     text = Text([*said.lines, *shuts.lines], [*said.details, *shuts.details])
-    return Outcome(Both(found, closed), text, checks, verdict=verdict(checks))
+    return Outcome(Both(found, closed), text, checks, verdict=verdict(checks, sound=closed.sound))

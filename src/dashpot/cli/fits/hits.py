@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dashpot as dp
 from dashpot import workflow
-from dashpot.base.checks import verdict
 from dashpot.cli._echo import to_stderr
 from dashpot.cli._shell import Outcome, grams, printed, typed, write
 from dashpot.cli.fits._given import Given
@@ -35,7 +34,7 @@ def run(given: Given) -> Outcome:
         found,
         text_of.impact(found),
         found.frf.checks,
-        verdict=verdict(found.frf.checks),
+        verdict=found.verdict,
         follow=typed("compare", "fit.json", *given.files, "--mass", block, "--seals", 2,
                      *given.again("mass", "seals")),
     )  # fmt: skip
