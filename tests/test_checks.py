@@ -1299,7 +1299,9 @@ WORKFLOW = [
     Case("history_complete", lambda x: workflow.history_complete(1, torn=bool(x)), 0, 1),
     Case(
         "history_whole",
-        lambda x: workflow.history_whole(1, 1, shortened=False, headed=not x), 0, 1,
+        lambda x: workflow.history_whole(1, 1, shortened=False, headed=not x),
+        0,
+        1,
     ),
     Case(
         "history_expected",
