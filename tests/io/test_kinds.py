@@ -165,8 +165,8 @@ def test_a_record_without_its_ramp_says_so(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("head", "asked", "likelier", "meant"),
     [
-        ("time [s],x [m],force [N]", r"goes over 8 m", "displacement=mm", "displacement=m"),
-        ("time [s],x [mm],force [kN]", r"goes over 2\.\d+ kN", "force=N", "force=kN"),
+        ("time [s],x [m],force [N]", r"travel is 8 m", "displacement=mm", "displacement=m"),
+        ("time [s],x [mm],force [MN]", r"force is 2\.\d+ MN", "force=kN", "force=MN"),
         ("time [ms],x [mm],force [N]", r"lasts 20 ms", "time=s", "time=ms"),
     ],
 )

@@ -23,8 +23,6 @@ UNITS = {
     "micrometres under mm": ((1, 1e3, 1), "", "displacement=um"),
     "millimetres under um": ((1, 1, 1), "displacement [um]", "displacement=mm"),
     "newtons under mN": ((1, 1, 1), "force [mN]", "force=N"),
-    "newtons under kN": ((1, 1, 1), "force [kN]", "force=N"),
-    "millinewtons under N": ((1, 1, 1e3), "", "force=mN"),
     "kilonewtons under N": ((1, 1, 1e-3), "", "force=kN"),
     "milliseconds under s": ((1e3, 1, 1), "", "time=ms"),
     "minutes under s": ((1 / 60, 1, 1), "", "time=min"),
@@ -32,6 +30,11 @@ UNITS = {
     "seconds under h": ((1, 1, 1), "time [h]", "time=s"),
 }
 """What is done to the columns, the heading that is wrong, and the answer."""
+NOTED = {
+    "newtons under kN": ((1, 1, 1), "force [kN]", "force=N"),
+    "millinewtons under N": ((1, 1, 1e3), "", "force=mN"),
+}
+"""So too, where the size is one of a press: large, and stated by the file."""
 HITS = {
     "newtons under kN": ("hammer [kN]", "hammer=N"),
     "newtons under mN": ("hammer [mN]", "hammer=N"),
@@ -56,6 +59,22 @@ def answer(message: str) -> ReadOptions:
     several = tuple(given.pop("acceleration", ()))
     named = {name: values[0] for name, values in given.items()}
     return ReadOptions(units=units, acceleration=several, **named)
+
+
+@pytest.mark.parametrize(("factors", "heading", "meant"), NOTED.values(), ids=NOTED.keys())
+def test_a_large_force_is_a_note(
+    tmp_path: Path, factors: tuple[float, ...], heading: str, meant: str
+) -> None:
+    path = tmp_path / "seal.csv"
+    path.write_text(
+        bench(*factors, head=under(heading, ("time [s]", "displacement [mm]", "force [N]")))
+    )
+    source = read_relaxation(path).source
+    assert source is not None
+    assert any(f'Then add --units "{meant}"' in note for note in source.notes)
+    answered = read_relaxation(path, options=ReadOptions(units=parse_units(meant))).source
+    assert answered is not None
+    assert not any("--units" in note for note in answered.notes)
 
 
 @pytest.mark.parametrize(("factors", "heading", "meant"), UNITS.values(), ids=UNITS.keys())

@@ -43,9 +43,21 @@ def door_modes_informed(
     )
 
 
-@criterion("part of the line", "<=", 0.0, "by definition: there it leaks")
-def seal_touches(part: float, *, length: float, least: float, where: float) -> Finding:
+@criterion(
+    "part of the line", "<=", 0.0, "by definition: there it leaks",
+    otherwise="stop where nothing is pressed",
+)  # fmt: skip
+def seal_touches(part: float, *, length: float, least: float, where: float, most: float) -> Finding:
     """The seal reaches its counterpart all along the line."""
+    if most <= 0:
+        return Finding(
+            f"no station of the seal is pressed: the compression is {written(most, 'mm', '.3g')} "
+            "at most, so the seal holds nothing. Check compression, gap and height in [seal], and "
+            "their units",
+            part,
+            faulted=True,
+            grade="stop",
+        )
     return Finding(
         "the seal touches all along the line",
         part,

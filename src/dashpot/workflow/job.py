@@ -343,10 +343,12 @@ class RodChoices:
     phase_error: float = option(
         "1deg", "Between the sensors, e.g. 1deg [default: 1deg].", unit="angle"
     )
+    mass_error: float = option(0.01, "Of the mass, e.g. 0.3% where it was weighed.", unit="strain")
+    poisson: float | None = option(None, "Poisson's ratio of the rod [default: 0.4995].")
 
     def __post_init__(self) -> None:
         si_fields(self)
-        for name in ("gain_error", "phase_error"):
+        for name in ("gain_error", "phase_error", "mass_error"):
             value = getattr(self, name)
             if not 0 <= value < 1:
                 raise DataError(

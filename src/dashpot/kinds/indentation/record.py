@@ -15,6 +15,7 @@ from dashpot.base.errors import DataError
 from dashpot.base.facts import Fact, Numbered
 from dashpot.base.offered import Described
 from dashpot.base.options import option
+from dashpot.base.plausible import SIZES
 from dashpot.base.provenance import Source, of_file
 from dashpot.base.units import GRAVITY, si_fields
 from dashpot.kinds.indentation.contact_law import ContactLaw
@@ -53,6 +54,8 @@ class Indenter:
     def __post_init__(self) -> None:
         si_fields(self)
         positive(**vars(self), expected="a number > 0 in SI units", optional=True)
+        SIZES["mass"].refuse(self.mass or 0.0)
+        SIZES["radius"].refuse(self.radius or 0.0)
 
     @property
     def pull(self) -> float:
