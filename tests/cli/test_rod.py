@@ -86,7 +86,7 @@ def test_from_a_file_to_a_part(tmp_path):
     fit = dp.from_json((tmp_path / "fit.json").read_text())
     assert fit.unit == "Pa"
     inside = np.linspace(low, high, 9)
-    stiffness = fit.model.complex_stiffness(2 * np.pi * inside)
+    stiffness = fit.model.complex_stiffness(omega=2 * np.pi * inside)
     assert np.abs(stiffness / rubber(inside) - 1).max() < 2e-3
     assert fit.steps[0].name == "rod_modulus"
     assert "storage modulus" in picture.read_text("utf-8")
@@ -194,8 +194,8 @@ def test_the_truth_is_inside_the_intervals_as_often_as_they_say():
         value = value * (1 + 0.005 * (draw(len(HZ)) + 1j * draw(len(HZ))))
         sure = RodErrors(length=0.0, area=0.0)
         one = rod_modulus(
-            dp.FRF(HZ, value, "transmissibility"), Disc(0.02, 0.02), mass=31.4e-3, density=1000.0,
-            errors=sure,
+            dp.FRF(HZ, value, "transmissibility", units="SI"), Disc(0.02, 0.02),
+            mass=31.4e-3, density=1000.0, errors=sure,
         )  # fmt: skip
         at = 40 + number % 40  # 100 to 178 Hz
         known = one.storage_sd[at], one.loss_factor_sd[at]

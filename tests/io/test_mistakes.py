@@ -71,7 +71,7 @@ def test_a_large_force_is_a_note(
     )
     source = read_relaxation(path).source
     assert source is not None
-    assert any(f'Then add --units "{meant}"' in note for note in source.notes)
+    assert any(f"--units {meant}" in note for note in source.notes)
     answered = read_relaxation(path, options=ReadOptions(units=parse_units(meant))).source
     assert answered is not None
     assert not any("--units" in note for note in answered.notes)
@@ -85,7 +85,7 @@ def test_a_unit_that_makes_no_test_is_asked_about(
     path.write_text(
         bench(*factors, head=under(heading, ("time [s]", "displacement [mm]", "force [N]")))
     )
-    with pytest.raises(ReadError, match=f'Then add --units "{meant}"'):
+    with pytest.raises(ReadError, match=f"--units {meant}"):
         read_relaxation(path)
     test = read_relaxation(path, options=ReadOptions(units=parse_units(meant)))
     wanted = [
@@ -135,7 +135,7 @@ def test_a_unit_that_makes_no_hammer_is_asked_about(
         heading, ("time [s]", "hammer [N]", "acceleration 1 [m/s^2]", "acceleration 2 [m/s^2]")
     )
     path.write_text(hammer(head=head))
-    with pytest.raises(ReadError, match=f'Then add --units "{meant}"'):
+    with pytest.raises(ReadError, match=f"--units {meant}"):
         read_impact(path)
     test = read_impact(path, options=ReadOptions(units=parse_units(meant)))
     np.testing.assert_allclose(test.force, np.array(rows("hammer.csv"))[:, 1])

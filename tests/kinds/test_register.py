@@ -111,7 +111,6 @@ def test_what_a_row_says_is_a_command_is_one(kind: KindOfTest) -> None:
 
 @pytest.mark.parametrize("kind", ROWS)
 def test_a_row_names_options_and_columns_that_there_are(kind: KindOfTest) -> None:
-    assert not kind.column or kind.column in {one.name for one in fields(ReadOptions)}
     assert not kind.needs or kind.needs in {one.name for one in fields(Piece)}
     assert set(kind.columns) <= set(NUMBERS)
     assert bool(kind.columns) == bool(kind.row)

@@ -18,7 +18,7 @@ TIME = np.arange(0, 30, 0.05)
 def test_a_ramp_of_few_samples_is_a_ramp(every: int) -> None:
     time = TIME[20::every]  # the ramp begins at the first sample
     force = answer(TIME, ramp_and_hold(TIME))[20::every]
-    found = prepare(RelaxationTest(time, ramp_and_hold(time), force))
+    found = prepare(RelaxationTest(time, ramp_and_hold(time), force, units="SI"))
     assert found.depth == pytest.approx(8e-3)
 
 
@@ -31,7 +31,7 @@ def test_a_displacement_that_settles_while_the_force_relaxes_began_late(
     force = 1 + np.exp(-TIME / 9)
     assert (loading_in(TIME, x, force) == "other") == late
     with pytest.raises(DataError, match="the record begins after its ramp"):
-        prepare(RelaxationTest(TIME, x, force))
+        prepare(RelaxationTest(TIME, x, force, units="SI"))
 
 
 @pytest.mark.parametrize(("steady", "crept", "creeps"), [

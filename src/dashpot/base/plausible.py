@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from types import MappingProxyType
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from dashpot.base.errors import DataError
 
@@ -94,6 +94,22 @@ SIZES = MappingProxyType(
 )
 """By the kind of quantity. The hard ranges are our choice, and hold every public record that we
 read: forces to 40 kN, ramps of 315 s, travels of 401 mm, holds of a day, creep of 1000 h."""
+
+
+def refuse_absurd_record(noun: Any) -> None:
+    """Refuse a record of force over displacement that no one means; its time may be None.
+
+    Raises
+    ------
+    DataError
+    """
+    remedy = 'Check the unit: units="s, mm, N" in Python, --units displacement=mm in a shell.'
+    SIZES["force"].refuse(float(abs(noun.force).max()), remedy=remedy)
+    for name, size in (("displacement", "travel"), ("time", "record")):
+        values = getattr(noun, name)
+        if values is not None:
+            SIZES[size].refuse(float(values.max() - values.min()), remedy=remedy)
+
 
 _PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "u"), (1e-9, "n"))
 _OWN = {

@@ -4,52 +4,58 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import click
-
 from dashpot import workflow
 from dashpot.base.units import written
-from dashpot.cli._options import given, overwrite, reading
-from dashpot.cli._shell import File, Outcome, Output, reports, typed, write
-from dashpot.cli._terminal import Text, table
+from dashpot.cli import _options as options_of
+from dashpot.cli._grammar import group, opt, verb
+from dashpot.cli._options import READING, RESULT, given
+from dashpot.cli._shell import Outcome, Output, typed, write
 from dashpot.io.options import ReadOptions
 from dashpot.kinds import KINDS
+from dashpot.told.layout import Text, table
 
 if TYPE_CHECKING:
     from dashpot.workflow.inspections import InspectedFile
 
 
-@click.command("inspect")
-@click.argument("files", type=File(), nargs=-1, required=True, metavar="FILE...")
-@click.option(
-    "--save-profile",
-    type=Output([".toml"]),
-    metavar="FILE",
-    help="Keep the options given here as a profile.",
-)
-@overwrite
-@reports
-@reading
-def command(*, files: tuple[str, ...], save_profile: str | None, options: ReadOptions) -> Outcome:
-    """Show what dashpot understands of each FILE, and what it needs to be told.
+_SHORT = ("--column", "--units", "--profile", "--text", "--part", "--rate", "--calibration", "--as")
 
-    \b
-    dashpot inspect seal_8mm.csv
-    dashpot inspect raw.txt --force Kraft --units "force=N" --save-profile lab.toml
-    """
+
+@verb(
+    "inspect",
+    """Show what each FILE is, how it was read, and what dashpot must be told.
+
+  dashpot inspect seal_8mm.csv
+  dashpot inspect raw.txt --column force=Kraft --units force=N --save lab.toml
+
+The last line names the command that comes next. Answers saved with --save are
+given to every other command by --profile lab.toml, or hammer*.csv:lab.toml for
+some files alone.""",
+    options_of.files("FILE..."),
+    options_of.reading(short=_SHORT),
+    group(
+        RESULT,
+        opt("--save", type=Output([".toml"]), metavar="FILE",
+            help="Save these answers as a profile (.toml)."),
+    ),
+    options_of.result(plot=False, opens=False),
+)  # fmt: skip
+def command(*, files: tuple[str, ...], save: str | None, options: ReadOptions) -> Outcome:
+    """Inspect files, and keep what was said of them."""
     found = workflow.inspect_files(files, options=options)
-    if save_profile:
+    if save:
         from dashpot.io.options import dump_profile
 
-        write(save_profile, dump_profile(options))
+        write(save, dump_profile(options))
     answers = [line for one in found.files for line in _answer(one)]
     tables = [line for one in found.files for line in (one.file, *_columns(one))]
     text = Text(answers, tables) if len(files) > 1 else Text([*answers, *tables[1:]])
-    return Outcome(found, text, found.checks, follow=_follow(files, found.files))
+    return Outcome(found, text, found.checks, follow=_follow(files, found.files, save))
 
 
-def _follow(paths: tuple[str, ...], found: tuple[InspectedFile, ...]) -> str:
-    """Return the command for such files, once no question is open."""
-    said = given("options", "profile")
+def _follow(paths: tuple[str, ...], found: tuple[InspectedFile, ...], saved: str | None) -> str:
+    """Return the whole command for such files, once no question is open."""
+    said = ["--profile", saved] if saved and saved != "-" else given(READING)
     if any(each.questions or each.refusal for each in found):
         return typed("inspect", *paths, *said, why="with the option that answers")
     words = _proposed(found[0])

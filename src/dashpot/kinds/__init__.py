@@ -20,7 +20,9 @@ if TYPE_CHECKING:
     from dashpot.io.options import ReadOptions
 
 FIT_FILES = "workflow.fits:fit_files"
-_PAIR = "say of which test (--pair, or the column 'hammer' of --manifest), or use dashpot identify"
+_PAIR = (
+    "say of which test (--pair, or the column 'hammer' of --manifest), or fit both with dashpot fit"
+)
 _RELAXATION = "io.readers.relaxation:read_relaxation"
 _DYNAMIC = "io.readers.dynamic:read_dynamic"
 
@@ -91,8 +93,6 @@ class KindOfTest:
         What has to be known of the piece before.
     says : str
         In a lot, which word it waits for; by default who wants it.
-    column : str
-        The option that must name its column.
     resonates : bool
         Whether a lot finds a resonance in the file alone.
     examples : str
@@ -110,7 +110,6 @@ class KindOfTest:
     columns: tuple[str, ...] = ()
     needs: str = ""
     says: str = ""
-    column: str = ""
     resonates: bool = False
     examples: str = ""
 
@@ -160,8 +159,7 @@ KINDS: Mapping[str, KindOfTest] = MappingProxyType({kind.name: kind for kind in 
     KindOfTest("temperature-sweep"),
     KindOfTest("one-frequency"),
     KindOfTest(
-        "modulus", "io.readers.modulus:read_modulus", FIT_FILES, page="bench", column="modulus",
-        says="name its column (--modulus)",
+        "modulus", "io.readers.modulus:read_modulus", FIT_FILES, page="bench",
         nouns={"records.modulus:RelaxationModulus": ""},
         checks="fitting.checks.curves",
     ),
@@ -225,6 +223,8 @@ KINDS: Mapping[str, KindOfTest] = MappingProxyType({kind.name: kind for kind in 
         checks="kinds.level.checks",
         examples="kinds.level.examples:EXAMPLES",
     ),
+    KindOfTest("seal-line"),
+    KindOfTest("free-modes", "door.read_modes:read_modes"),
 )})  # fmt: skip
 """Every kind, in the order in which columns and examples stand."""
 

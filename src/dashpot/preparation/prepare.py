@@ -170,7 +170,9 @@ def _motion(
         until = int(np.searchsorted(test.time, hold_end, side="right"))
         if until < 8:
             raise DataError(f"hold_end = {hold_end:g} s leaves {until} samples; expected 8 or more")
-        test = RelaxationTest(test.time[:until], test.displacement[:until], test.force[:until])
+        test = RelaxationTest(
+            test.time[:until], test.displacement[:until], test.force[:until], units="SI"
+        )
     return find_motion(test, where=where, sign=sign, number=cycle)
 
 

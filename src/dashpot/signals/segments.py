@@ -291,7 +291,7 @@ def nothing_held(segments: tuple[MotionSegment, ...], where: str, advice: str) -
         return (
             f"{where}: this is {names[found]} without a hold ({shown}{more}); expected a ramp and "
             "then a displacement that rests: it is the hold that tells the relaxation times; "
-            "dashpot cld takes a seal that is pressed and released (Python: cld)"
+            "dashpot fit takes a seal that is pressed and released (Python: cld)"
         )
     return (
         f"{where}: no hold after a ramp was found: the displacement shows {shown}{more}; {advice}"

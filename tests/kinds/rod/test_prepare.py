@@ -30,7 +30,7 @@ def base(hz=HZ, modulus=E, ratio=5.0):
 
 def found(value, hz=HZ, kind=Kind.TRANSMISSIBILITY, ratio=5.0, **how):
     how = {"bonded": False, "density": RHO, "part": PART, "mass": ratio * OWN} | how
-    return rod_modulus(FRF(hz, value, kind), **how)
+    return rod_modulus(FRF(hz, value, kind, units="SI"), **how)
 
 
 def test_the_published_transmissibility():
@@ -163,7 +163,7 @@ def noisy_rod(seed, fault=1.0, rocking=0.0, ratio=4.0):
     error = 0.005 * (draw.standard_normal(len(T)) + 1j * draw.standard_normal(len(T)))
     middle = 0.7 * LINES[np.abs(T).argmax()]
     value = T * (1 + error) * fault + rocking / (1 - (LINES / middle) ** 2 + 0.1j)
-    frf = FRF(LINES, value, Kind.TRANSMISSIBILITY, sd=0.005 * np.abs(T))
+    frf = FRF(LINES, value, Kind.TRANSMISSIBILITY, sd=0.005 * np.abs(T), units="SI")
     one = rod_modulus(frf, PART, mass=ratio * OWN, density=RHO, bonded=False)
     return (
         one,

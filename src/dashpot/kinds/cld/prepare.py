@@ -82,7 +82,8 @@ def cld(
         deepest = max(one.depth for one in found.cycles)
         raise DataError(
             f"{written(nominal, 'mm')} was asked for; expected a compression > 0 that the seal was "
-            f"pressed to, at most {written(deepest, 'mm')}: --at gives it, --cycle another cycle"
+            f"pressed to, at most {written(deepest, 'mm')}: --compression gives it, "
+            "--part cycle=N another cycle"
         )
     zero, specimen = found.zero, test.specimen
     return CLD(

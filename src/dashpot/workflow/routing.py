@@ -1,0 +1,107 @@
+"""Which fit records mean, together and with what was said of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Literal, TypeAlias
+
+from dashpot.base.errors import ReadError
+from dashpot.io.readers.recognise import called
+
+Meant: TypeAlias = Literal[
+    "bench", "hits", "modes", "masses", "joint", "level", "rod", "cld", "stress-strain",
+    "indentation",
+]  # fmt: skip
+
+VIBRATION = frozenset({"impact", "frf", "transmissibility"})
+"""Kinds that are of a mass on its seals."""
+TESTS = frozenset({"relaxation", "dma", "master-curve", "modulus", "creep"})
+"""Kinds of tests of a part on a bench, whose solid is fitted."""
+BENCH = TESTS | {"fit"}
+_ALONE: Mapping[str, Meant] = {
+    "cld": "cld", "stress-strain": "stress-strain", "indentation": "indentation",
+    "strain-sweep": "level", "cyclic": "level",
+}  # fmt: skip
+"""What kinds mean that are fitted with their own kind alone."""
+_NO_FIT = {
+    "temperature-sweep": "it tells no relaxation times; sweep the frequency",
+    "one-frequency": "it tells no relaxation times; sweep the frequency",
+    "fit": "it is fitted already; for a prediction: dashpot predict",
+    "model": "it is a solid already; for a prediction: dashpot predict",
+    "door": "for its modes: dashpot predict",
+    "lot": "to compare it: dashpot compare",
+    "folder": "for a table of its tests: dashpot batch",
+}  # fmt: skip
+
+
+def route(
+    kinds: Mapping[str, str], *, masses: int = 0, levels: bool = False, rod: bool = False
+) -> Meant:
+    """Return the fit that records mean.
+
+    Parameters
+    ----------
+    kinds : mapping of str to str
+        The kind of each file, as :func:`~dashpot.io.readers.recognise.recognise` names it.
+    masses : int
+        How many masses were given.
+    levels : bool
+        Whether the level of each FRF was given, or the resonance at a level was asked for.
+    rod : bool
+        Whether a density or a shape was.
+
+    Raises
+    ------
+    ReadError
+        If records of these kinds are not fitted, or not together.
+
+    Examples
+    --------
+    >>> route({"seal.csv": "relaxation", "hammer.csv": "impact"}, masses=1)
+    'joint'
+    >>> route({"hammer.csv": "impact"})
+    'hits'
+    """
+    have = set(kinds.values())
+    for kind, meant in _ALONE.items():
+        if have == {kind}:
+            return meant
+    if have <= {"strain-sweep", "cyclic"}:
+        return "level"
+    shaken = have & VIBRATION
+    if shaken and have <= VIBRATION:
+        return _of_vibration(have, masses=masses, levels=levels, rod=rod, files=len(kinds))
+    if shaken and have <= VIBRATION | BENCH:
+        if masses:
+            return "joint"
+        raise ReadError(
+            "A test and a hammer file are fitted together under a mass. Give the mass of the "
+            "block, such as --mass 104g."
+        )
+    if have <= TESTS:
+        return "bench"
+    if len(kinds) == 1:
+        ((path, kind),) = kinds.items()
+        raise ReadError(f"{path} is {called(kind)}: {_NO_FIT.get(kind, 'it is not fitted')}.")
+    said = "; ".join(f"{Path(path).name} is {called(kind)}" for path, kind in kinds.items())
+    raise ReadError(f"These records are not fitted together: {said}. Fit them one by one.")
+
+
+def _of_vibration(have: set[str], *, masses: int, levels: bool, rod: bool, files: int) -> Meant:
+    if levels:
+        return "level"
+    if rod:
+        return "rod"
+    if masses > 1:
+        return "masses"
+    if masses:
+        return "joint"
+    if have == {"impact"}:
+        return "hits"
+    if have == {"frf"} or files == 1:
+        return "modes"
+    raise ReadError(
+        "Hits and FRFs are fitted together under a mass. Give the mass of the block, such as "
+        "--mass 104g, or fit them one by one."
+    )
