@@ -61,7 +61,7 @@ def test_python_contract(folder):
 
 def test_exponential_sums():
     x = np.linspace(0, 3, 60)
-    sums = dp.fit_exponential_sum(x, 2 * np.exp(-x) + 0.5 * np.exp(-5 * x), terms=2)
+    sums = dp.exponential_sum(x, 2 * np.exp(-x) + 0.5 * np.exp(-5 * x), terms=2)
     assert sorted(sums.rates) == pytest.approx([1, 5], rel=1e-8)
     assert sorted(sums.amplitudes) == pytest.approx([0.5, 2], rel=1e-8)
 

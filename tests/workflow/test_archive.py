@@ -32,7 +32,8 @@ from dashpot.solids.temperature import WLF, Arrhenius, FreeShifts
 from dashpot.vibration.comparison.compare import compare
 from dashpot.vibration.systems.prediction import predict_frf
 from dashpot.workflow.archive import from_json, to_json
-from dashpot.workflow.impacts import ImpactMode, ImpactResult
+from dashpot.workflow.impacts import ImpactResult
+from dashpot.workflow.modes import ImpactMode
 from dashpot.workflow.inspections import InspectedFile, Inspections, Preparation
 from dashpot.workflow.job import Job
 from dashpot.workflow.measured_modes import MeasuredMode, MeasuredModes
