@@ -577,7 +577,7 @@ FITTING = [
     Case(
         "plateau_seen",
         lambda x: curves.plateau_seen(
-            GeneralizedMaxwell(x, (), ()), 1.0, unit="Pa", further="wait"
+            GeneralizedMaxwell(x, (), ()), 1.0, unit="Pa", further="Measure longer."
         ),
         3.001,
         2.999,
@@ -585,7 +585,7 @@ FITTING = [
     Case(
         "plateau_seen",
         lambda x: curves.plateau_seen(
-            GeneralizedMaxwell(x, (1.0,), (1.0,)), 0.0, unit="Pa", further="wait"
+            GeneralizedMaxwell(x, (1.0,), (1.0,)), 0.0, unit="Pa", further="Measure longer."
         ),
         1.1e-12,
         0.9e-12,

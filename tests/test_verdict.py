@@ -17,13 +17,14 @@ from kit.verdicts import failures, judged, table
 import dashpot as dp
 from dashpot.base.checks import Check, Remedy, verdict, worst
 from dashpot.base.status import Status
-from dashpot.cli import _text
 from dashpot.cli._shell import Outcome, reports
-from dashpot.cli._terminal import Text, shown
+from dashpot.cli._terminal import shown
 from dashpot.simulation.impact import Hammer, simulate_impact
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.simulation.rig import Rig
 from dashpot.solids.table_1 import BROAD, BROAD_MASS, PAPER, PAPER_MASS
+from dashpot.told import text as text_of
+from dashpot.told.layout import Text
 from dashpot.vibration.systems.prediction import predict_frf
 
 pytestmark = pytest.mark.once
@@ -73,7 +74,7 @@ def test_a_noise_free_perfect_pair_fails_nothing(seal: dp.GeneralizedMaxwell, ma
     assert [check for check in checks if check.failed] == []
     assert study.fit.ok
     assert study.joint.ok
-    printed = shown(_text.study(study), study.verdict, checks, verbose=False)
+    printed = shown(text_of.study(study), study.verdict, checks, verbose=False)
     assert click.unstyle(printed[0]).startswith("Use: ")
     document = json.loads(dp.to_json(study))
     assert document["verdict"] == {"use": "use", "says": study.verdict.says, "because": []}
@@ -175,7 +176,7 @@ def test_strict_heeds_what_limits_the_use(check: Check, code: int) -> None:
 
 def test_the_first_line_of_a_fit_is_its_verdict_and_the_optimiser_stands_below() -> None:
     fit = altered(handmade.study().fit, checks=(STOP, OPEN, NOTE))
-    printed = shown(_text.fit(fit), fit.verdict, fit.checks, verbose=True)
+    printed = shown(text_of.fit(fit), fit.verdict, fit.checks, verbose=True)
     lines = click.unstyle("\n".join(printed)).splitlines()
     assert lines[0] == "Do not use: a stop. Do that."
     assert any(line.split()[:1] == ["optimiser"] for line in lines)

@@ -4,11 +4,10 @@ import json
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from kit.shell import told
 
 import dashpot as dp
 from dashpot.base.errors import DataError
-from dashpot.cli import main
 from dashpot.io.write import write_frf
 from dashpot.solids.table_1 import PAPER, PAPER_MASS
 from dashpot.vibration.systems.mounts import entrained, on_heavy_mounts, on_light_mounts
@@ -73,16 +72,13 @@ def test_the_mass_of_the_seals_is_told_once_to_each_command(tmp_path):
     mass = ["--mass", f"{1e3 * MASS}g", "--seals", "2"]
     seal = ["--seal-mass", f"{1e3 * HEAVY / 2}g"]
 
-    def ran(*words):
-        return json.loads(CliRunner().invoke(main, [*words, "--json"]).stdout)
-
-    peaks = [ran("compare", str(fit), str(path), *mass, *more)["frac"] for more in ([], seal)]
+    peaks = [told("compare", fit, path, *mass, *more)["frac"] for more in ([], seal)]
     assert peaks[1] > 0.999 > peaks[0]
-    direct = ran("identify", str(path), *mass, *seal, "--arms", "1")["direct"]
+    direct = told("fit", path, *mass, *seal, "--arms", 1)["direct"]
     near = np.interp([8.0, 20.0], direct["frequency_hz"], direct["stiffness"])
     assert near == pytest.approx(PAPER.storage(omega=2 * np.pi * np.array([8.0, 20.0])), rel=2e-3)
-    lines = ["--band", "5:25Hz", "--lines", "401"]
-    base = ran("predict", str(fit), *mass, *seal, "--base", *lines)
+    lines = ["--band", "5:25Hz", "--points", 401]
+    base = told("predict", fit, *mass, *seal, "--base", *lines)
     size = np.hypot(base["real"], base["imag"])
     assert size[[0, 100, 400]] == pytest.approx(np.abs(rod([5.0, 10.0, 25.0]).value), rel=5e-3)
     isolated = np.abs(rod([base["isolation_hz"]]).value)

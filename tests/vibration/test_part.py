@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import json
-
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from kit.shell import ran, told
 from scipy.optimize import brentq, minimize_scalar
 
 import dashpot as dp
 from dashpot.base.errors import DataError
-from dashpot.cli import main
 from dashpot.kinds.level.record import AmplitudeSweep
 from dashpot.records.dynamic import DynamicTest
 from dashpot.solids.part import Block, Bulb, Bush, Disc
@@ -122,7 +119,7 @@ def peak_of(K, mass, near=60.0):
 
     def height(hz):
         w = 2 * np.pi * hz
-        stiffness = K(w)
+        stiffness = K(omega=w)
         return -abs(stiffness / (stiffness - mass * w**2))
 
     grid = np.geomspace(near / 8, near * 8, 4000)
@@ -251,51 +248,46 @@ class TestCommand:
             comments="",
         )
         fit = tmp_path / "dma.json"
-        told = CliRunner().invoke(main, ["fit", str(path), "-o", str(fit)])
-        assert told.exit_code == 0, told.output
+        done = ran("fit", path, "-o", fit)
+        assert done.exit_code == 0, done.output
         return str(fit)
 
     def peak(self, *words):
-        told = CliRunner().invoke(
-            main, ["predict", *words, "--base", "--band", "5:300Hz", "--json"]
-        )
-        assert told.exit_code == 0, told.output
-        return json.loads(told.stdout)["peak"]["frequency_hz"]
+        found = told("predict", *words, "--base", "--band", "5:300Hz")
+        return found["peak"]["frequency_hz"]
 
     def test_a_shape_or_a_resonance_makes_the_part(self, dma):
         mass = ["--mass", "400g", "--seals", "2"]
-        drawn = self.peak(dma, "--disc", "20mm,12mm", *mass)
+        drawn = self.peak(dma, "--shape", "disc:20mm,12mm", *mass)
         expected, _ = peak_of((2 * Disc(0.02, 0.012).factor() * RUBBER).complex_stiffness, 0.4)
         assert drawn == pytest.approx(expected, rel=0.01)
         light, _ = peak_of((2 * Disc(0.02, 0.012).factor() * RUBBER).complex_stiffness, 0.15)
-        told = self.peak(dma, "--resonance", f"{light}Hz", "--resonance-mass", "150g", *mass)
-        assert told == pytest.approx(expected, rel=0.01)
+        heard = self.peak(dma, "--resonance", f"{light}Hz", "--resonance-mass", "150g", *mass)
+        assert heard == pytest.approx(expected, rel=0.01)
 
     def test_a_peak_beyond_the_sweep_is_said_first(self, dma):
         words = ["predict", dma, "--mass", "10g", "--resonance-mass", "10g", "--base"]
         for hz, first in (("900Hz", "use"), ("1100Hz", "use with care")):
             asked = [*words, "--resonance", hz, "--band", "100:2000Hz"]
-            told = CliRunner().invoke(main, [*asked, "--json"])
-            said = json.loads(told.stdout)["verdict"]
+            said = told(*asked)["verdict"]
             assert said["use"] == first
-            assert (
-                CliRunner().invoke(main, asked).stdout.startswith(f"{first}: {said['says'][:50]}")
-            )
+            first_line = f"{first.capitalize()}: {said['says'][0].lower()}{said['says'][1:50]}"
+            assert ran(*asked).stdout.startswith(first_line)
         assert said["because"][0] == "prediction_informed"
 
     @pytest.mark.parametrize(
         ("words", "says"),
         [
-            (["--disc", "20mm,12mm", "--resonance", "60Hz"], "both tell the geometry"),
-            (["--disc", "20mm"], "1 lengths; expected 2"),
+            (["--shape", "disc:20mm,12mm", "--resonance", "60Hz"], "both tell the geometry"),
+            (["--shape", "disc:20mm"], "1 lengths; expected 2"),
             (["--resonance", "60Hz"], "needs the mass"),
             (["--lubricated"], "belong to a shape"),
-            (["--disc", "20mm,12mm", "--resonance-mass", "1kg"], "belongs to a --resonance"),
-            (["--bush", "12mm,30mm,40mm", "--mode", "shear"], "expected one of axial"),
+            (["--shape", "disc:20mm,12mm", "--resonance-mass", "1kg"], "belongs to a --resonance"),
+            (["--shape", "bush:12mm,30mm,40mm", "--loading", "shear"], "expected one of axial"),
             ([], "in Pa"),
         ],
     )
     def test_a_geometry_that_is_none(self, dma, words, says):
-        told = CliRunner().invoke(main, ["predict", dma, "--mass", "400g", *words])
-        assert told.exit_code == 2, told.output
-        assert says in told.stderr
+        refused = ran("predict", dma, "--mass", "400g", *words)
+        assert refused.exit_code == 2, refused.output
+        assert says in refused.stderr

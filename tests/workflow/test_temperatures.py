@@ -11,9 +11,10 @@ import pytest
 from kit import cold
 
 import dashpot as dp
+from dashpot.base.errors import FitError
 from dashpot.io.write import write_relaxation
 from dashpot.simulation.impact import simulate_impact
-from dashpot.workflow import create, fit_files, predict_files, record, verify
+from dashpot.workflow import EXAMPLES, create, fit_files, predict_files, record, verify
 from dashpot.workflow.job import Job
 from dashpot.workflow.shifting import ShiftChoices
 from dashpot.workflow.study import characterise
@@ -179,3 +180,22 @@ def test_every_test_is_drawn_with_the_one_solid(bench, found):
     assert shifts.title.startswith("shift factors")
     with pytest.raises(dp.DataError, match="one temperature"):
         dp.plot.temperatures(dp.fit(records[0], arms=1), records)
+
+
+def test_sweeps_of_one_temperature_each_are_one_master_curve(tmp_path: Path) -> None:
+    head, *rows = EXAMPLES["sweeps.csv"]().splitlines()[2:]
+    warm: dict[int, list[str]] = {}
+    for row in rows:
+        *cells, celsius = row.split(",")
+        warm.setdefault(round(float(celsius) / 5) * 5, []).append(",".join(cells))
+    files = []
+    for celsius, lines in warm.items():
+        files.append(tmp_path / f"{celsius}.csv")
+        files[-1].write_text("\n".join([head.rpartition(",")[0], *lines]))
+    kelvin = [celsius + 273.15 for celsius in warm]
+    apart, _ = fit_files(files, arms=6, temperatures=kelvin)
+    (tmp_path / "all.csv").write_text(EXAMPLES["sweeps.csv"]())
+    together, _ = fit_files([tmp_path / "all.csv"], arms=6)
+    assert apart.model.tau == pytest.approx(together.model.tau, rel=0.02)
+    with pytest.raises(FitError, match="says no temperature"):
+        fit_files(files[:2], arms=6)

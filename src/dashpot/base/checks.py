@@ -112,6 +112,12 @@ class Check(Documented):
         """What was found, and what to do about it."""
         return paragraph(self.says, self.remedy.words if self.remedy else "")
 
+    @property
+    def typed(self) -> str:
+        """`told`, and the option that does it as a command line takes it."""
+        option = self.remedy.typed if self.remedy else ""
+        return f"{self.told} ({option})" if option else self.told
+
     def within(self, where: str) -> Check:
         """The check as one of several things that were asked the same says it: "in test 2"."""
         return replace(self, says=f"{sentence(where)[:-1]}, {lowered(self.says)}")
@@ -179,7 +185,8 @@ def verdict(checks: Iterable[Check], *, sound: str = "") -> Verdict:
     limits = tuple(check for check in failed if check.grade == "limit")
     because = stops + limits
     if not because:
-        return Verdict("use", within(MOST_WORDS - 1, [*sentences(sentence(sound)), tally(asked)]))
+        told = [*sentences(sentence(sound)), tally(asked)]
+        return Verdict("use", within(MOST_WORDS - 1, [one for one in told if one]))
     use: Use = "do not use" if stops else "use with care"
     more = len(because) - 1
     others = f"{more} more check{'s' * (more > 1)} failed." if more else ""

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from dashpot.cli import COMMANDS
-from dashpot.cli._grammar import nearest
+from dashpot.cli._values import nearest
 
 _COLUMNS = (
     "time", "displacement", "force", "stress", "strain", "stretch", "creep-compliance",

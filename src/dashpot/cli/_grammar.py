@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import MISSING, Field
-from difflib import get_close_matches
 from itertools import chain
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -78,6 +77,10 @@ class Opt(click.Option):
             ctx.meta.setdefault(TYPED, {})[self.name] = value
         return value, source
 
+    def suits(self, kinds: set[str]) -> bool:
+        """Whether it is for records of any of these kinds."""
+        return not self.kinds or not self.kinds.isdisjoint(kinds)
+
     def told(self, value: Any) -> Iterator[tuple[str, dict[str, Any]]]:
         """Yield what its fields are by what click passes on, for all files ("") or for some."""
         assert self.fills is not None  # noqa: S101
@@ -145,12 +148,20 @@ def _declared(flag: str, fills: Fills, *, kinds: str, more: bool, **other: Any) 
         how["default"] = _usual(one)
         if "is_flag" not in how:
             kind = how["type"] = type_of(one)
-            how.setdefault("metavar", "|".join(getattr(kind, "choices", ())) or kind.name.upper())
+            how.setdefault("metavar", _metavar(kind))
     how |= other
     how["help"] = _with_default(how.get("help") or "", how.get("default"))
     return Opt(flag, name, kinds=kinds.split(), more=more, fills=fills, **how)
 
 
+def _metavar(kind: click.ParamType[Any]) -> str:
+    """Return what stands for a value: its words, its dimension, or a number."""
+    if isinstance(kind, click.Choice):
+        return "|".join(kind.choices)
+    return _NUMBERS.get(kind.name, kind.name.upper())
+
+
+_NUMBERS = {"float": "N", "integer": "N", "integer range": "N", "text": "NAME"}
 _PASSED = ("help", "metavar", "multiple", "is_flag")
 
 
@@ -235,26 +246,20 @@ class Verb(click.Command):
 
     def shown(self, ctx: click.Context, *, every: bool = False, files: Sequence[str] = ()) -> str:
         """Return the help: the common options, all, or those of the kinds of the files."""
-        lines = [f"Usage: {ctx.command_path} {' '.join(self.collect_usage_pieces(ctx))}", ""]
-        asked = self.options
         kinds = self.by_kind(files) if files and self.by_kind and not every else {}
+        have = set(kinds.values())
         if kinds:
-            lines += [*_wrapped(f"{_called(kinds)}. These options apply:"), ""]
-            have = set(kinds.values())
-            asked = [one for one in asked if not one.kinds or one.kinds & have]
+            asked = [one for one in self.options if one.suits(have)]
         else:
-            lines += [*_wrapped(self.help or ""), ""]
-            asked = asked if every else [one for one in asked if not one.more]
-        width = min(max(len(_named(one)) for one in asked), NAMES)
-        for title in dict.fromkeys(one.group for one in self.options):
-            rows = [(_named(one), one.help or "") for one in asked if one.group == title]
-            if rows:
-                lines += [f"{title}:", *(line for row in rows for line in _row(*row, width)), ""]
+            asked = [one for one in self.options if every or not one.more]
+        head = f"{_called(kinds)}. These options apply:" if kinds else self.help or ""
+        usage = f"Usage: {ctx.command_path} {' '.join(self.collect_usage_pieces(ctx))}"
+        lines = [usage, "", *_wrapped(head), "", *_groups(asked)]
         left = len(self.options) - len(asked)
         if left:
-            more = f"{left} more: {ctx.command_path} --help-all"
             each = f"; for a file: {ctx.command_path} FILE --help"
-            lines += [more + (each if self.by_kind and not kinds else "")]
+            again = each if self.by_kind and not kinds else ""
+            lines.append(f"{left} more: {ctx.command_path} --help-all{again}")
         return "\n".join(lines).rstrip("\n")
 
     def invoke(self, ctx: click.Context) -> Any:
@@ -268,7 +273,7 @@ class Verb(click.Command):
     def received(self, ctx: click.Context) -> dict[str, Any]:
         """Return what the function of the verb receives: values, and the nouns that they fill."""
         given: dict[str, Any] = {}
-        parts: dict[str, tuple[type, dict[str, dict[str, Any]]]] = {}
+        nouns: dict[str, tuple[type, dict[str, dict[str, Any]]]] = {}
         for one in self.params:
             if one.name not in ctx.params or one.name in _TOLD_APART:
                 continue
@@ -277,21 +282,24 @@ class Verb(click.Command):
                 given[one.name] = value
                 continue
             noun, receives, asked = one.fills
-            if not receives and isinstance(one.type, Keyed):
-                given |= {each.name: each.default for each in asked}
-            said = parts.setdefault(receives, (noun, {}))[1] if receives else {"": given}
-            for scope, fields in one.told(value):
-                known = said.setdefault(scope, {})
-                for name, each in fields.items():
-                    known[name] = _both(known[name], each) if name in known else each
-        for receives, (noun, said) in parts.items():
-            scoped = tuple((glob, noun(**each)) for glob, each in said.items() if glob)
-            given[receives] = noun(**said.get("", {}), **({"own": scoped} if scoped else {}))
+            if receives:
+                said = nouns.setdefault(receives, (noun, {}))[1]
+            else:
+                said = {"": given}
+                given |= {each.name: each.default for each in asked if each.name not in given}
+            _gather(said, one.told(value))
+        for receives, (noun, said) in nouns.items():
+            own = tuple((glob, noun(**each)) for glob, each in said.items() if glob)
+            given[receives] = noun(**said.get("", {}), **({"own": own} if own else {}))
         return _with_profile(ctx, given)
 
 
-_TOLD_APART = {"as_json", "strict", "verbose", "overwrite", "opens"}
-"""How a result is told, and where it may be written: what does the telling knows them."""
+def _gather(said: dict[str, dict[str, Any]], told: Iterable[tuple[str, Mapping[str, Any]]]) -> None:
+    """Add what is told of fields, for all files ("") or for some, to what was said before."""
+    for scope, fields in told:
+        known = said.setdefault(scope, {})
+        for name, each in fields.items():
+            known[name] = _both(known[name], each) if name in known else each
 
 
 def _both(first: Any, then: Any) -> Any:
@@ -301,11 +309,15 @@ def _both(first: Any, then: Any) -> Any:
     return (*first, *then) if isinstance(then, tuple) and isinstance(first, tuple) else then
 
 
+_TOLD_APART = {"as_json", "strict", "verbose", "overwrite", "opens"}
+"""How a result is told, and where it may be written: what does the telling knows them."""
+
+
 def _with_profile(ctx: click.Context, given: dict[str, Any]) -> dict[str, Any]:
     """Lay what the profiles say below what was typed."""
     if "profile" not in given:
         return given
-    from dashpot.cli._options import over_profiles
+    from dashpot.cli._reading import over_profiles
 
     given["options"] = over_profiles(ctx, given["options"], given.pop("profile"))
     return given
@@ -325,21 +337,6 @@ def verb(
     return made
 
 
-def nearest(word: str, known: Iterable[str]) -> str:
-    """Return the sentence that names the likeliest of known words, or all of them.
-
-    >>> nearest("forc", ["force", "time"])
-    "Did you mean 'force'?"
-    >>> nearest("x", ["force", "time"])
-    'Known are force and time.'
-    """
-    every = list(dict.fromkeys(known))
-    near = get_close_matches(word, every, 1)
-    if near:
-        return f"Did you mean '{near[0]}'?"
-    return f"Known are {', '.join(every[:-1])} and {every[-1]}." if every[1:] else ""
-
-
 def refuse_others(verb: Verb, ctx: click.Context, kinds: Mapping[str, str]) -> None:
     """Refuse an option that is of other kinds of records than those that were given.
 
@@ -352,10 +349,12 @@ def refuse_others(verb: Verb, ctx: click.Context, kinds: Mapping[str, str]) -> N
 
     have = set(kinds.values())
     for one in verb.options:
-        if one.kinds and not one.kinds & have and one.typed(ctx):
+        if not one.suits(have) and one.typed(ctx):
             *others, last = dict.fromkeys(called(word) for word in sorted(one.kinds))
             wanted = f"{', '.join(others)} or {last}" if others else last
-            raise click.UsageError(f"{one.flag} is for {wanted}. {_called(kinds)}.")
+            (word, *more) = one.kinds
+            overruled = "" if more or len(kinds) > 1 else f" If it is that after all: --as {word}."
+            raise click.UsageError(f"{one.flag} is for {wanted}. {_called(kinds)}.{overruled}")
 
 
 def _called(kinds: Mapping[str, str]) -> str:
@@ -366,6 +365,19 @@ def _called(kinds: Mapping[str, str]) -> str:
 
 
 # -- how it is laid out ---------------------------------------------------------------------------
+
+
+def _groups(asked: Sequence[Opt]) -> list[str]:
+    """Return options under their titles."""
+    width = min(max(len(_named(one)) for one in asked), NAMES)
+    lines: list[str] = []
+    for title in dict.fromkeys(one.group for one in asked):
+        lines.append(f"{title}:")
+        for one in asked:
+            if one.group == title:
+                lines += _row(_named(one), one.help or "", width)
+        lines.append("")
+    return lines
 
 
 def _wrapped(text: str) -> list[str]:

@@ -16,9 +16,9 @@ from dashpot.base.numbers import counted
 from dashpot.base.progress import doing
 from dashpot.cli._grammar import Opt, group, of, opt, rest
 from dashpot.cli._shell import File, Folder, Outcome, write
-from dashpot.cli._terminal import Text
 from dashpot.io.options import OF_HAMMER, OF_HAMMER_ALONE, ReadOptions
 from dashpot.lots.choices import BatchChoices
+from dashpot.told.layout import Text
 
 if TYPE_CHECKING:
     from dashpot.lots.batches import BatchJob

@@ -18,8 +18,9 @@ from dashpot.base.errors import ReadError
 from dashpot.base.escapes import escaped_json
 from dashpot.base.units import in_unit
 from dashpot.cli._echo import to_stderr, to_stdout
-from dashpot.cli._terminal import Text, progress, shown
+from dashpot.cli._terminal import progress, shown
 from dashpot.io.source import like_json
+from dashpot.told.layout import Text
 from dashpot.workflow.outputs import Outputs
 
 if TYPE_CHECKING:

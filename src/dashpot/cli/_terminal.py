@@ -9,17 +9,17 @@ import threading
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import click
 
 from dashpot.base.escapes import escaped
 from dashpot.base.numbers import ascii_only
 from dashpot.base.progress import listening
+from dashpot.told.layout import Text
 
 if TYPE_CHECKING:
     from dashpot.base.checks import Check, Verdict
-    from dashpot.base.facts import Fact
 
 COLUMNS = 100
 """A line is not longer, unless one word is, such as a path."""
@@ -38,13 +38,6 @@ MARKS = {"stop": ("!!", "red"), "limit": ("!", "yellow"), "note": ("-", None)}
 
 USES = {"use": "green", "use with care": "yellow", "do not use": "red"}
 """The colours of a verdict."""
-
-
-class Text(NamedTuple):
-    """What a command prints: what everyone reads, and what is there for who asks."""
-
-    lines: Sequence[str] = ()
-    details: Sequence[str] = ()
 
 
 def shown(
@@ -70,27 +63,6 @@ def shown(
     kept = [*head, *body, *tail][: LINES - 1]
     cut = len(kept) < len(head) + whole + sum(map(len, failed)) + len(counted)
     return [*kept, "  more with -v"] if cut or details else kept
-
-
-def table(rows: Sequence[Sequence[str]], *, left: bool = False) -> list[str]:
-    """Return rows of cells as lines of aligned columns: the first, or all, to the left."""
-    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
-    lines = []
-    for row in rows:
-        cells = [
-            cell.ljust(width) if left or i == 0 else cell.rjust(width)
-            for i, (cell, width) in enumerate(zip(row, widths, strict=True))
-        ]
-        lines.append(("  " + "  ".join(cells)).rstrip())
-    return lines
-
-
-def facts(found: Sequence[Fact]) -> list[str]:
-    """Return named numbers as a table: value, error, interval and unit, where any has one."""
-    head = ("", "value", "± SE", "95 % interval", "unit")
-    rows = [one.cells.ascii for one in found]
-    some = [i for i in range(len(head)) if any(row[i] for row in rows)]
-    return table([[row[i] for i in some] for row in (head, *rows)])
 
 
 def _lines(paragraphs: Sequence[str]) -> list[str]:
@@ -142,11 +114,8 @@ def _listed(
 def _check(check: Check, verdict: Verdict | None) -> list[str]:
     mark, colour = MARKS[check.grade]
     above = verdict is not None and verdict.says.startswith(check.told)
-    says = "(first line)" if above else check.told
-    option = check.remedy.typed if check.remedy else ""
-    first, *others = _coloured(
-        f"  {mark}", f"{says} {f'({option}) ' if option else ''}{check.name}", colour, hang=5
-    )
+    says = check.typed.replace(check.told, "(first line)") if above else check.typed
+    first, *others = _coloured(f"  {mark}", f"{says} {check.name}", colour, hang=5)
     lines = [first, *others]
     # the name is for searching, not for reading
     lines[-1] = f"{lines[-1][: -len(check.name)]}{click.style(check.name, dim=True)}"

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from dataclasses import Field
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,21 @@ from dashpot.base.errors import DashpotError
 from dashpot.base.options import key_of, names_files
 from dashpot.base.units import Dimension, parse_quantity, parse_range
 from dashpot.cli._shell import File, Output
+
+
+def nearest(word: str, known: Iterable[str]) -> str:
+    """Return the sentence that names the likeliest of known words, or all of them.
+
+    >>> nearest("forc", ["force", "time"])
+    "Did you mean 'force'?"
+    >>> nearest("x", ["force", "time"])
+    'Known are force and time.'
+    """
+    every = list(dict.fromkeys(known))
+    near = get_close_matches(word, every, 1)
+    if near:
+        return f"Did you mean '{near[0]}'?"
+    return f"Known are {', '.join(every[:-1])} and {every[-1]}." if every[1:] else ""
 
 
 class WithUnit(click.ParamType[Any]):
@@ -54,7 +70,7 @@ class Range(WithUnit):
         self.name = "range"
 
 
-class Span(click.ParamType[Any]):
+class LowHigh(click.ParamType[Any]):
     """Two numbers, ``LOW:HIGH``."""
 
     name = "LOW:HIGH"
@@ -129,7 +145,7 @@ class ArmCount(click.ParamType[Any]):
         return int(value)
 
 
-class Word(click.Choice[str]):
+class OneOf(click.Choice[str]):
     """One of the words of a choice; another is answered with the nearest."""
 
     name = "NAME"
@@ -138,8 +154,6 @@ class Word(click.Choice[str]):
         super().__init__(choices)
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
-        from dashpot.cli._grammar import nearest
-
         if value not in self.choices:
             self.fail(f"'{value}' is unknown. {nearest(str(value), self.choices)}", param, ctx)
         return str(value)
@@ -159,6 +173,11 @@ class Scoped(click.ParamType[Any]):
         found = re.match(r"^(?P<glob>.{2,}?):(?P<rest>(?:[A-Za-z]:)?[^:]+)$", value)
         glob, text = (found["glob"], found["rest"]) if found else ("", value)
         return glob, self.kind.convert(text, param, ctx)
+
+    def shell_complete(
+        self, ctx: click.Context, param: click.Parameter, incomplete: str
+    ) -> list[click.shell_completion.CompletionItem]:
+        return self.kind.shell_complete(ctx, param, incomplete)
 
 
 class Keyed(click.ParamType[Any]):
@@ -209,8 +228,6 @@ class Keyed(click.ParamType[Any]):
         if not sign or not text.strip():
             self.fail(f"'{part}': write {self.flag} {named[0]}{self.sign}VALUE", param, ctx)
         if key not in named:
-            from dashpot.cli._grammar import nearest
-
             self.fail(f"'{key}' is unknown. {nearest(key, named)}", param, ctx)
         return self.fields[key], text
 
@@ -268,7 +285,7 @@ def type_of(one: Field[Any]) -> click.ParamType[Any]:
         kind = Range if "ends" in asked else WithUnit
         return kind(asked["unit"], asked.get("word", ""))
     if "choices" in asked:
-        return Word(tuple(asked["choices"]))
+        return OneOf(tuple(asked["choices"]))
     if names_files(one):
         return File()
     if "above" in asked:

@@ -14,7 +14,7 @@ from dashpot.cli._grammar import group, opt, verb
 from dashpot.cli._lots import Filled, each_test, job_of, outcome, rows, summarised, write_lot
 from dashpot.cli._options import RESULT
 from dashpot.cli._shell import Outcome
-from dashpot.cli._terminal import Text
+from dashpot.told.layout import Text
 
 if TYPE_CHECKING:
     from dashpot.lots.batches import BatchJob, BatchPlan

@@ -10,16 +10,16 @@ import click
 
 import dashpot as dp
 from dashpot import workflow
-from dashpot.base.checks import verdict
 from dashpot.base.choices import Method, words
 from dashpot.base.units import written
-from dashpot.cli import _modes_text, _text
 from dashpot.cli import _options as options
 from dashpot.cli._grammar import group, of, opt, refuse_others, rest, verb
 from dashpot.cli._options import HITS, MASS, READING, VIBRATION
 from dashpot.cli._recognised import called, kinds_of, recognised, tell
 from dashpot.cli._shell import File, Outcome, grams, typed, write_figure
-from dashpot.cli._terminal import Text
+from dashpot.told import modes as modes_text
+from dashpot.told import text as text_of
+from dashpot.told.layout import Text
 from dashpot.workflow.job import Job
 
 _LOT, _SOLID = "lot", "fit"
@@ -107,7 +107,7 @@ def _prediction(
             found.comparison, band=found.limits, interval=found.interval, stamp=named
         )
         write_figure(picture, drawn)
-    lines = _text.comparison(found.comparison)
+    lines = text_of.comparison(found.comparison)
     if str(found.at_rest):
         lines.append(str(found.at_rest))
     inferred = found.mass_inferred
@@ -139,7 +139,7 @@ def _frfs(first: str, others: Sequence[str], said: dict[str, Any]) -> Outcome:
         stamp = dp.plot.stamp(found.frf.source)
         write_figure(said["picture"], dp.plot.stabilisation(chart, modes, stamp=stamp))
     checks = found.frf.checks
-    return Outcome(found, _modes_text.modes(found), checks, verdict=verdict(checks))
+    return Outcome(found, modes_text.modes(found), checks, verdict=found.verdict)
 
 
 def _lots(first: str, second: str, quantities: tuple[str, ...]) -> Outcome:

@@ -14,12 +14,12 @@ from dashpot import workflow
 from dashpot.base.documents import Documented
 from dashpot.base.progress import doing
 from dashpot.cli import _options as options
-from dashpot.cli import _text
 from dashpot.cli._grammar import group, opt, rest, verb
 from dashpot.cli._options import RESULT
 from dashpot.cli._shell import Folder, Outcome, claim, grams, typed, write
 from dashpot.cli._simulated import impact, relaxation, seal_named
-from dashpot.cli._terminal import Text
+from dashpot.told import text as text_of
+from dashpot.told.layout import Text
 
 if TYPE_CHECKING:
     from dashpot.records.bounds import StiffnessBounds
@@ -111,10 +111,10 @@ def _stories(folder: Path, seed: int) -> Outcome:
     stories = {name: _story(name, folder, seed) for name in NAMES}
     lines, details = [], []
     for name, story in stories.items():
-        judged, whole = story.verdict, _text.study(story)
+        judged, whole = story.verdict, text_of.study(story)
         lines += [f"{name} seal: {judged.use}: {judged.says}"]
         if story.comparison is not None:
-            lines += [*_text.comparison(story.comparison, story.joint_comparison), ""]
+            lines += [*text_of.comparison(story.comparison, story.joint_comparison), ""]
         details += ["", f"{name} seal", *whole.lines, *whole.details]
     seals = {name: _numbers(story, folder, name) for name, story in stories.items()}
     puzzle = stories[PUZZLE]
@@ -122,7 +122,7 @@ def _stories(folder: Path, seed: int) -> Outcome:
         fit, cold, bound = _in_the_cold(folder, seed, puzzle.measured)
         lines += [
             f"{PUZZLE} seal at 23 and 0 degC, without the hammer: {fit.verdict.use}",
-            *_text.comparison(cold),
+            *text_of.comparison(cold),
             _loss(fit, bound, puzzle.joint),
         ]
         seals[PUZZLE]["cold"] = {"fit": fit, "comparison": _agreement(cold)}

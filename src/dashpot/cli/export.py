@@ -15,9 +15,9 @@ from dashpot.cli import _options as options
 from dashpot.cli._echo import to_stderr
 from dashpot.cli._grammar import group, of, opt, rest, verb
 from dashpot.cli._shell import File, Outcome, write
-from dashpot.cli._terminal import Text
-from dashpot.cli._values import Range, WithUnit, Word
+from dashpot.cli._values import OneOf, Range, WithUnit
 from dashpot.records.specimen import Specimen
+from dashpot.told.layout import Text
 from dashpot.workflow.job import Job
 
 if TYPE_CHECKING:
@@ -57,7 +57,7 @@ ALL = "all"
     options.files("FIT", "fit", several=False),
     group(
         _SOLVER,
-        opt("--to", "target", type=Word(DECKS), metavar="SOLVER", required=True,
+        opt("--to", "target", type=OneOf(DECKS), metavar="SOLVER", required=True,
             help=f"{', '.join(DECKS[:-1])} or {DECKS[-1]}."),
         opt("--unit-system", "units", metavar="SYSTEM", help="SI, mm-t-s or mm-kg-ms."),
         opt("--form", metavar="NAME", help=_FORMS),

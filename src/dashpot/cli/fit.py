@@ -16,7 +16,7 @@ from dashpot.cli._grammar import Opt, group, of, opt, refuse_others, rest, verb
 from dashpot.cli._options import MASS, MODEL, RAMP, SOLIDS, VIBRATION, WARM
 from dashpot.cli._recognised import kinds_of, recognised, tell
 from dashpot.cli._shell import File, Outcome, Output
-from dashpot.cli._values import Range, Span, WithUnit, Word
+from dashpot.cli._values import LowHigh, OneOf, Range, WithUnit
 from dashpot.fitting.identification.asked import HammerRig, KnownSolid
 from dashpot.io.options import ReadOptions
 from dashpot.kinds.hyperelastic.asked import MODES, Measures
@@ -37,7 +37,7 @@ def _kinds_in(files: Sequence[str]) -> Mapping[str, str]:
 
 
 def _word(flag: str, choice: Sequence[str], **how: Any) -> Opt:
-    return opt(flag, type=Word(choice), metavar="|".join(choice), **how)
+    return opt(flag, **{"type": OneOf(choice), "metavar": "|".join(choice), **how})
 
 
 def _mass() -> list[Opt]:
@@ -71,8 +71,8 @@ _OPTIONS = (
         MODEL,
         opt("--model", metavar="NAME", help="maxwell, fractional, or a law by name (auto)."),
         of(Job, "arms", kinds=f"{_BENCH} {VIBRATION}"),
-        _word("--elastic", _ELASTIC, default="auto", kinds="relaxation",
-              help="Elastic law of the ramp (auto)."),
+        _word("--elastic", _ELASTIC, default="auto", kinds="relaxation", metavar="LAW",
+              help="Elastic law: linear, nonlinear, by-depth (auto)."),
     ),
     group(MASS, _mass()),
     rest(
@@ -104,11 +104,11 @@ _OPTIONS = (
         ),
         group(
             "Stress over strain",
-            opt("--test", type=Word(tuple(MODES)), multiple=True, metavar="MODE", kinds=_STRAIN,
+            opt("--test", type=OneOf(tuple(MODES)), multiple=True, metavar="MODE", kinds=_STRAIN,
                 help="Test of each file: uniaxial, biaxial, planar, ..."),
             opt("--poisson", type=float, metavar="NUMBER", kinds=_STRAIN,
                 help="Poisson's ratio of a foam; selects a foam law."),
-            opt("--stretches", type=Span(), metavar="LOW:HIGH", kinds=_STRAIN,
+            opt("--stretches", type=LowHigh(), metavar="LOW:HIGH", kinds=_STRAIN,
                 help="Stretches of use, e.g. 0.7:1.5."),
             opt("--terms", type=click.IntRange(1, 3), metavar="N", kinds=_STRAIN,
                 help="Number of terms of ogden and hyperfoam."),
@@ -157,7 +157,7 @@ def command(*, files: tuple[str, ...], **said: Any) -> Outcome:
     context = click.get_current_context()
     refuse_others(command, context, kinds)
     meant = route(
-        kinds, masses=len(said["mass"]), levels=bool(said["levels"]),
+        kinds, masses=len(said["mass"]), levels=bool(said["levels"] or said["at"]),
         rod=said["density"] is not None or said["rod"] != RodChoices(),
     )  # fmt: skip
     module, _, name = _RUN[meant].partition(":")

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import dashpot as dp
-from dashpot.base.checks import verdict
 from dashpot.base.errors import DataError
 from dashpot.base.version import byline
 from dashpot.cli import _options as options
@@ -15,17 +13,20 @@ from dashpot.cli._grammar import group, of, opt, rest, verb
 from dashpot.cli._options import given
 from dashpot.cli._shell import Outcome, Output, typed, write
 from dashpot.cli._simulated import seal_named
-from dashpot.cli._terminal import Text
 from dashpot.cli._values import Direction, WithUnit
-from dashpot.io.write import write_trajectory
-from dashpot.planning.bench import Bench
-from dashpot.planning.supposed import HammerPlan, SupposedSeal
+from dashpot.planning.asked import HammerPlan, PlannedRamp
 from dashpot.records.machine import Machine
+from dashpot.told.layout import Text
 
 if TYPE_CHECKING:
     from dashpot.solids.temperature import TemperatureLaw
 
 
+_NOT_REHEARSED = (
+    "frequency", "cold", "hammer_hits", "hammer_record", "hammer_pulse", "hammer_coherence",
+    "bench_method", "bench_baseline",
+)  # fmt: skip
+"""Options of the planned test that a simulated one has not."""
 _PLANNED, _KNOWN, _CONTROLLER = "Planned test", "Known beforehand", "Controller"
 
 
@@ -40,19 +41,24 @@ _PLANNED, _KNOWN, _CONTROLLER = "Planned test", "Known beforehand", "Controller"
         _PLANNED,
         opt("--frequency", type=WithUnit("frequency"), required=True, metavar="FREQUENCY",
             help="The frequency that matters."),
-        of(Bench, "depth", "ramp_time", "hold_time", into="bench"),
-        of(SupposedSeal, "temperature", into="seal"),
+        of(PlannedRamp, "depth", "ramp_time", "hold_time", into="bench"),
+        opt(
+            "--temperature",
+            type=WithUnit("temperature"),
+            metavar="TEMPERATURE",
+            help="Test temperature (23degC, or that of the fit).",
+        ),
         opt("--cold", type=WithUnit("temperature"), multiple=True, metavar="TEMPERATURE",
             help="Repeat it at this temperature, e.g. 0degC."),
         of(HammerPlan, "hits", "record", into="hammer"),
         rest(
-            of(Bench, "rate", "method", "baseline", into="bench"),
+            of(PlannedRamp, "rate", "method", "baseline", into="bench"),
             of(HammerPlan, into="hammer", leave=("hits", "record", "mass", "seals")),
         ),
     ),
     group(
         _KNOWN,
-        of(Bench, "noise", into="bench"),
+        of(PlannedRamp, "noise", into="bench"),
         opt("--seal", "guess", metavar="NAME|FIT",
             help="A guess at the seal: paper, broad, hidden, or a fit."),
         of(HammerPlan, "mass", "seals", into="hammer"),
@@ -84,10 +90,10 @@ _PLANNED, _KNOWN, _CONTROLLER = "Planned test", "Known beforehand", "Controller"
 def command(
     *,
     frequency: float,
-    bench: Bench,
+    bench: PlannedRamp,
     machine: Machine,
     hammer: HammerPlan,
-    seal: SupposedSeal,
+    temperature: float | None,
     guess: str | None,
     arm_stiffness: float | None,
     arm_time: float | None,
@@ -105,16 +111,18 @@ def command(
     if arm_stiffness is not None:
         arm = (arm_stiffness, arm_time if arm_time is not None else 1 / (2 * math.pi * frequency))
     supposed = seal_named("paper" if guess is None else guess)
-    bench = replace(bench, machine=machine)
+    planned = dp.Bench(**vars(bench), machine=machine)
     found = dp.plan(
-        bench,
+        planned,
         at=frequency,
-        seal=replace(seal, model=supposed.solid, arm=arm, law=wlf or supposed.law),
+        seal=dp.SupposedSeal(supposed.solid, arm, temperature, wlf or supposed.law),
         hammer=hammer,
         cold=cold,
         wanted=wanted / 100,
     )
     if setpoints is not None:
+        from dashpot.io.write import write_trajectory
+
         motion = dp.planned_trajectory(
             depth=bench.depth,
             ramp_time=bench.ramp_time,
@@ -133,19 +141,11 @@ def command(
         "relaxation",
         *given(
             _PLANNED,
-            but=(
-                "frequency",
-                "cold",
-                "hammer_hits",
-                "hammer_record",
-                "bench_method",
-                "bench_baseline",
-                "hammer_pulse",
-            ),
+            but=_NOT_REHEARSED,
         ),
         "-o",
         "rehearsal.csv",
         why="rehearses it",
     )
-    made = verdict(found.checks)
+    made = found.verdict
     return Outcome(found, Text([str(found)]), found.checks, verdict=made, follow=rehearsed)

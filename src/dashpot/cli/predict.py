@@ -13,16 +13,16 @@ from dashpot.base.checks import verdict
 from dashpot.base.choices import FrfKind, words
 from dashpot.base.documents import Documented
 from dashpot.cli import _options as options
-from dashpot.cli import _text
-from dashpot.cli._closing import closing_text
-from dashpot.cli._door_text import door
 from dashpot.cli._grammar import group, of, opt, refuse_others, rest, verb
 from dashpot.cli._options import MASS
 from dashpot.cli._recognised import recognised
 from dashpot.cli._shell import File, Outcome, grams, printed, typed, write, write_figure
-from dashpot.cli._terminal import Text
-from dashpot.cli._values import WithUnit, Word
+from dashpot.cli._values import OneOf, WithUnit
 from dashpot.io.options import ReadOptions
+from dashpot.told import text as text_of
+from dashpot.told.closing import closing_text
+from dashpot.told.door import door
+from dashpot.told.layout import Text
 from dashpot.workflow.job import Job, LevelChoices, PartChoices
 
 _SOLID, _DOOR = "fit", "door"
@@ -49,7 +49,7 @@ _QUESTION, _PART = "Question", "Part of a material"
             help="The record behind the fit: adds a bound."),
         of(LevelChoices, "levels", "sweep", into="at_level", kinds=_SOLID),
         rest(
-            opt("--kind", type=Word(words(FrfKind)), metavar="NAME", kinds=_SOLID,
+            opt("--kind", type=OneOf(words(FrfKind)), metavar="NAME", kinds=_SOLID,
                 help=", ".join(words(FrfKind)[:-1]) + f" or {words(FrfKind)[-1]}."),
             options.relative(_SOLID),
             opt("--points", "lines", type=click.IntRange(2), default=2001, metavar="N",
@@ -127,7 +127,7 @@ def _under_mass(
         _keep(found, output)
     return Outcome(
         found,
-        _text.prediction(found, mass=mass, seals=seals),
+        text_of.prediction(found, mass=mass, seals=seals),
         found.checks,
         verdict=found.verdict,
         follow="" if found.of_part else _follow(fit, mass, seals),
@@ -224,4 +224,4 @@ def _of_door(
     said = door(found, every=every)
     checks = tuple(dict.fromkeys((*found.checks, *closed.checks)))
     text = Text([*said.lines, *shuts.lines], [*said.details, *shuts.details])
-    return Outcome(Both(found, closed), text, checks, verdict=verdict(checks))
+    return Outcome(Both(found, closed), text, checks, verdict=verdict(checks, sound=closed.sound))

@@ -19,8 +19,8 @@ from dashpot.cli import _options as options
 from dashpot.cli._grammar import group, opt, verb
 from dashpot.cli._shell import File, Outcome, note_written, typed
 from dashpot.cli._simulated import as_it_stands, seal_named
-from dashpot.cli._terminal import Text
-from dashpot.cli._values import WithUnit, Word
+from dashpot.cli._values import OneOf, WithUnit
+from dashpot.told.layout import Text
 
 _COLUMNS = "time [s], displacement [mm], force [N]"
 
@@ -46,7 +46,7 @@ The rig's own controller moves the plate (dashpot plan --setpoints). The file
 grows at its place and is on the disk within a second.""",
     group(
         "Instrument",
-        opt("--driver", type=Word(words(Driver)), required=True, metavar="NAME",
+        opt("--driver", type=OneOf(words(Driver)), required=True, metavar="NAME",
             help="serial, replay or simulated."),
         opt("--port", metavar="PORT", help="Serial port, e.g. /dev/ttyUSB0."),
         opt("--baud", type=int, default=115200, metavar="N", help="Baud rate (115200)."),

@@ -13,7 +13,6 @@ from dashpot import workflow
 from dashpot.base.documents import Documented
 from dashpot.base.progress import doing
 from dashpot.cli import _options as options
-from dashpot.cli import _text
 from dashpot.cli._grammar import group, of, opt, rest, verb
 from dashpot.cli._options import MASS, MODEL, PIECE, RAMP
 from dashpot.cli._recognised import called, kinds_of, recognised, tell
@@ -28,6 +27,7 @@ from dashpot.cli._shell import (
     write,
 )
 from dashpot.io.options import OF_HAMMER, ReadOptions
+from dashpot.told import text as text_of
 from dashpot.workflow.job import Job
 
 if TYPE_CHECKING:
@@ -68,8 +68,12 @@ class Reported(Documented):
     ),
     group(
         MODEL,
-        of(Job, "family", "arms"),
-        rest(of(Job, "law", "joint")),
+        of(Job, "family", metavar="NAME"),
+        of(Job, "arms"),
+        rest(
+            of(Job, "law", metavar="LAW", help="Elastic law: linear or nonlinear (auto)."),
+            of(Job, "joint"),
+        ),
     ),
     group(
         MASS,
@@ -129,7 +133,7 @@ def command(
         write(written[-1], dp.report.html(study))
     return Outcome(
         Reported(study, written[-1], history),
-        _text.study(study),
+        text_of.study(study),
         study.every_check,
         verdict=study.verdict,
         follow=typed("verify", project, "--expect", history, why="recomputes it")
@@ -165,7 +169,7 @@ def _amplitude(files: tuple[str, ...], output: str | None, reading: ReadOptions)
     output = output or "report.html"
     claim([output])
     write(output, dp.report.html(found))
-    return Outcome(found, _text.levels(found), found.checks, verdict=found.verdict)
+    return Outcome(found, text_of.levels(found), found.checks, verdict=found.verdict)
 
 
 def _follow(job: Job, study: Study) -> str:

@@ -15,8 +15,8 @@ from dashpot.cli import _options as options
 from dashpot.cli._grammar import group, opt, rest, verb
 from dashpot.cli._shell import File, Outcome, claim, typed, write
 from dashpot.cli._simulated import creep, impact, relaxation, replayed
-from dashpot.cli._terminal import Text
-from dashpot.cli._values import WithUnit, Word
+from dashpot.cli._values import OneOf, WithUnit
+from dashpot.told.layout import Text
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class Simulated(Documented):
   dashpot simulate relaxation --depth 8mm -o seal.csv
   dashpot simulate impact --seal broad --mass 104g --hits 5 -o hammer.csv
   dashpot simulate motion --follow ramp.csv -o replay.csv""",
-    click.Argument(["what"], type=Word(words(Rehearsed)), metavar="|".join(words(Rehearsed))),
+    click.Argument(["what"], type=OneOf(words(Rehearsed)), metavar="|".join(words(Rehearsed))),
     group(
         "Test",
         opt("--seal", default="paper", metavar="NAME|FIT",

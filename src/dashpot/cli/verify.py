@@ -11,10 +11,11 @@ import dashpot as dp
 from dashpot import workflow
 from dashpot.base.checks import Check, verdict
 from dashpot.base.documents import Documented
+from dashpot.base.sentences import lowered
 from dashpot.cli._grammar import group, opt, verb
 from dashpot.cli._options import RESULT
 from dashpot.cli._shell import Folder, Outcome
-from dashpot.cli._terminal import Text
+from dashpot.told.layout import Text
 
 
 @dataclass(frozen=True)
@@ -67,6 +68,5 @@ def command(*, project: str, expect: str | None) -> Outcome:
 def _sound(checks: Iterable[Check]) -> str:
     """What to say where nothing failed: no more than was judged."""
     open_ = [check.says for check in checks if check.passed is None]
-    more = f" ({len(open_)} such)" if len(open_) > 1 else ""
-    but = f"; not judged: {open_[0]}{more}" if open_ else ""
-    return f"every result follows again from its raw files{but}"
+    more = f". {len(open_)} not judged: {lowered(open_[0])}" if open_ else ""
+    return f"every result follows from its raw files again{more}"

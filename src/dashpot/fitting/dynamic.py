@@ -349,7 +349,7 @@ def _checks(found: Chosen, data: DynamicTest, records: Sequence[RampHold]) -> tu
     )
     answers = [
         *of_arms,
-        plateau_seen(model, float(error[0]), unit=data.unit, further="sweep to lower frequencies"),
+        plateau_seen(model, float(error[0]), unit=data.unit, further="Sweep to lower frequencies."),
         residuals_random(estimate.kappa, estimate.rms),
         *([] if found.choice is None else [order_agreed(found.choice)]),
     ]

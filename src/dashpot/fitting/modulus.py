@@ -119,7 +119,7 @@ def fit_modulus(
         arms_supported(model, found.error, unit=unit),
         tau_inside_window(model, window, "the curve"),
         arms_distinct(model),
-        plateau_seen(model, float(found.error[0]), unit=unit, further="measure longer"),
+        plateau_seen(model, float(found.error[0]), unit=unit, further="Measure longer."),
         residuals_random(found.estimate.kappa, found.estimate.rms),
         *([] if found.choice is None else [order_agreed(found.choice)]),
     )

@@ -15,7 +15,8 @@ from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, si
 from dashpot.planning import checks
 from dashpot.planning.advice import advice, listed, needed, remedy
-from dashpot.planning.bench import IN_SI, Bench
+from dashpot.planning.asked import IN_SI, HammerPlan
+from dashpot.planning.bench import Bench
 from dashpot.planning.checks import known_to, percent
 from dashpot.planning.cold import Elsewhere, elsewhere, refuse_twice
 from dashpot.planning.expected import (
@@ -27,7 +28,7 @@ from dashpot.planning.expected import (
     hammer_rows,
     record_need,
 )
-from dashpot.planning.supposed import HammerPlan, SupposedSeal
+from dashpot.planning.supposed import SupposedSeal
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.table_1 import SHIFT
 from dashpot.solids.temperature import TemperatureLaw

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from dashpot import plot
-from dashpot.base.checks import Check, verdict
+from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
 from dashpot.base.numbers import rounded
 from dashpot.base.progress import doing
@@ -71,7 +71,7 @@ def modes(request: Mapping[str, Any], folder: Path) -> bytes:
         checks, frfs = found.checks, [one.frf for one in found.tests]
         held = zip(found.together.masses, found.together.modes, strict=True)
         named = [(written(mass, "g"), mode) for mass, mode in held]
-    said = verdict(checks)
+    said = found.verdict
     return wire.packed(
         {
             "verdict": views.verdict(said),

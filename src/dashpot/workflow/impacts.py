@@ -425,7 +425,10 @@ class Identified(Documented):
         The modes of what was measured, where nothing else was fitted.
     """
 
-    keys = ("*fit", "vibration.modes?", "vibration.frf.hits?", "direct", "*at_rest.told")
+    keys = (
+        "*fit", "checks", "verdict", "vibration.modes?", "vibration.frf.hits?", "direct",
+        "*at_rest.told",
+    )  # fmt: skip
 
     fit: Fit
     direct: Direct

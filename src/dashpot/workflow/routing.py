@@ -47,7 +47,7 @@ def route(
     masses : int
         How many masses were given.
     levels : bool
-        Whether the level of each FRF was given.
+        Whether the level of each FRF was given, or the resonance at a level was asked for.
     rod : bool
         Whether a density or a shape was.
 
@@ -71,9 +71,10 @@ def route(
         return "level"
     shaken = have & VIBRATION
     if shaken and have <= VIBRATION:
-        return _of_vibration(have, masses=masses, levels=levels, rod=rod, files=len(kinds))
+        return _of_vibration(kinds, masses=masses, levels=levels, rod=rod)
     if shaken and have <= VIBRATION | BENCH:
         if masses:
+            _refuse_several(kinds)
             return "joint"
         raise ReadError(
             "A test and a hammer file are fitted together under a mass. Give the mass of the "
@@ -84,11 +85,10 @@ def route(
     if len(kinds) == 1:
         ((path, kind),) = kinds.items()
         raise ReadError(f"{path} is {called(kind)}: {_NO_FIT.get(kind, 'it is not fitted')}.")
-    said = "; ".join(f"{Path(path).name} is {called(kind)}" for path, kind in kinds.items())
-    raise ReadError(f"These records are not fitted together: {said}. Fit them one by one.")
+    raise ReadError(f"These records are not fitted together: {_said(kinds)}. Fit them one by one.")
 
 
-def _of_vibration(have: set[str], *, masses: int, levels: bool, rod: bool, files: int) -> Meant:
+def _of_vibration(kinds: Mapping[str, str], *, masses: int, levels: bool, rod: bool) -> Meant:
     if levels:
         return "level"
     if rod:
@@ -96,12 +96,29 @@ def _of_vibration(have: set[str], *, masses: int, levels: bool, rod: bool, files
     if masses > 1:
         return "masses"
     if masses:
+        _refuse_several(kinds)
         return "joint"
+    have = set(kinds.values())
     if have == {"impact"}:
         return "hits"
-    if have == {"frf"} or files == 1:
+    if have == {"frf"} or len(kinds) == 1:
         return "modes"
+    raise ReadError(f"{_said(kinds)}. They are not fitted together. Fit them one by one.")
+
+
+def _refuse_several(kinds: Mapping[str, str]) -> None:
+    """Refuse more than one FRF of one mass: hits are averaged, FRFs are not."""
+    shaken = {path: kind for path, kind in kinds.items() if kind in VIBRATION}
+    if len(shaken) == 1 or set(shaken.values()) == {"impact"}:
+        return
+    if "impact" in shaken.values():
+        raise ReadError(f"{_said(shaken)}. They are not fitted together. Fit them one by one.")
     raise ReadError(
-        "Hits and FRFs are fitted together under a mass. Give the mass of the block, such as "
-        "--mass 104g, or fit them one by one."
+        f"{_said(shaken)}, and one FRF is fitted under one mass. Give one of them, or the level or "
+        "the mass of each, such as --level 0.02N --level 0.5N."
     )
+
+
+def _said(kinds: Mapping[str, str]) -> str:
+    """What each file is, in a sentence."""
+    return "; ".join(f"{Path(path).name} is {called(kind)}" for path, kind in kinds.items())

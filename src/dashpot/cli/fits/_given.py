@@ -10,9 +10,9 @@ from typing import Any
 import click
 
 from dashpot.base.choices import words
-from dashpot.cli._grammar import nearest
 from dashpot.cli._options import given as typed_again
 from dashpot.cli._shell import write_figure
+from dashpot.cli._values import nearest
 from dashpot.io.options import ReadOptions
 from dashpot.records.specimen import Specimen
 from dashpot.workflow.job import HammerChoices

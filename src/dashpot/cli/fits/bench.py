@@ -8,9 +8,9 @@ import dashpot as dp
 from dashpot import workflow
 from dashpot.base.choices import FamilyAsked, Method
 from dashpot.base.errors import FitError
-from dashpot.cli import _text
 from dashpot.cli._shell import Outcome, printed, typed, write
 from dashpot.cli.fits._given import Given
+from dashpot.told import text as text_of
 
 
 def run(given: Given) -> Outcome:
@@ -33,7 +33,7 @@ def run(given: Given) -> Outcome:
         write(given.output, printed(found) + "\n")
     return Outcome(
         found,
-        _text.fit(found, asked=given["arms"]),
+        text_of.fit(found, asked=given["arms"]),
         found.checks,
         verdict=found.verdict,
         follow=_follow(given, found),

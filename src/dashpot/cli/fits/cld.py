@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import dashpot as dp
 from dashpot import workflow
-from dashpot.cli._cld_text import cld
 from dashpot.cli._shell import Outcome, printed, typed, write
 from dashpot.cli.fits._given import Given
+from dashpot.told.cld import cld
 
 
 def run(given: Given) -> Outcome:

@@ -6,10 +6,9 @@ import click
 
 import dashpot as dp
 from dashpot import workflow
-from dashpot.base.checks import verdict
-from dashpot.cli import _modes_text as text
 from dashpot.cli._shell import Outcome, printed, write
 from dashpot.cli.fits._given import Given
+from dashpot.told import modes as text
 
 
 def run(given: Given) -> Outcome:
@@ -24,7 +23,7 @@ def run(given: Given) -> Outcome:
     if given.output:
         write(given.output, printed(found) + "\n")
     checks = found.frf.checks
-    return Outcome(found, text.modes(found), checks, verdict=verdict(checks))
+    return Outcome(found, text.modes(found), checks, verdict=found.verdict)
 
 
 def under_masses(given: Given) -> Outcome:
@@ -42,4 +41,4 @@ def under_masses(given: Given) -> Outcome:
     given.draw(lambda: dp.plot.several_masses(found.together, under, stamp=stamp))
     if given.output:
         write(given.output, printed(found) + "\n")
-    return Outcome(found, text.modes_by_mass(found), found.checks, verdict=verdict(found.checks))
+    return Outcome(found, text.modes_by_mass(found), found.checks, verdict=found.verdict)

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import dashpot as dp
 from dashpot import workflow
-from dashpot.base.checks import verdict
-from dashpot.cli import _text
 from dashpot.cli._echo import to_stderr
 from dashpot.cli._shell import Outcome, grams, printed, typed, write
 from dashpot.cli.fits._given import Given
+from dashpot.told import text as text_of
 
 FRF = (".csv", ".uff", ".unv")
 
@@ -33,9 +32,9 @@ def run(given: Given) -> Outcome:
     block = "MASS" if mass is None else grams(mass)
     return Outcome(
         found,
-        _text.impact(found),
+        text_of.impact(found),
         found.frf.checks,
-        verdict=verdict(found.frf.checks),
+        verdict=found.verdict,
         follow=typed("compare", "fit.json", *given.files, "--mass", block, "--seals", 2,
                      *given.again("mass", "seals")),
     )  # fmt: skip

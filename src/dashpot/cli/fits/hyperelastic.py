@@ -7,9 +7,9 @@ import click
 import dashpot as dp
 from dashpot import workflow
 from dashpot.base.choices import ElasticKindAsked
-from dashpot.cli._hyperelastic_text import hyperelastic
 from dashpot.cli._shell import Outcome, printed, typed, write
 from dashpot.cli.fits._given import Given
+from dashpot.told.hyperelastic import hyperelastic
 
 
 def run(given: Given) -> Outcome:

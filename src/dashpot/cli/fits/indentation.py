@@ -9,9 +9,9 @@ import click
 import dashpot as dp
 from dashpot import workflow
 from dashpot.base.choices import ImpactLawAsked
-from dashpot.cli import _text
 from dashpot.cli._shell import Outcome, printed, write
 from dashpot.cli.fits._given import Given
+from dashpot.told import text as text_of
 
 
 def run(given: Given) -> Outcome:
@@ -31,4 +31,4 @@ def run(given: Given) -> Outcome:
     given.draw(lambda: dp.plot.indentation(found.fit))
     if given.output:
         write(given.output, printed(found) + "\n")
-    return Outcome(found, _text.indentation(found), found.checks, verdict=found.verdict)
+    return Outcome(found, text_of.indentation(found), found.checks, verdict=found.verdict)

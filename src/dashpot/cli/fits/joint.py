@@ -9,12 +9,12 @@ import click
 import dashpot as dp
 from dashpot import workflow
 from dashpot.base.choices import FamilyAsked
-from dashpot.cli import _text
-from dashpot.cli._lines_text import sensitive
 from dashpot.cli._shell import Outcome, is_json, printed, typed, write
-from dashpot.cli._terminal import Text
 from dashpot.cli.fits import hits
 from dashpot.cli.fits._given import Given
+from dashpot.told import text as text_of
+from dashpot.told.layout import Text
+from dashpot.told.lines import sensitive
 
 _ROWS = 3
 """Lines of a transmissibility that are shown: both ends of its band, and between."""
@@ -67,13 +67,13 @@ def _keep(found: workflow.Identified, path: str) -> None:
 
 def _told(found: workflow.Identified) -> Text:
     """The solid, and the modes of what was measured where nothing else was fitted."""
-    (named, *lines), details = _text.fit(found.fit)
+    (named, *lines), details = text_of.fit(found.fit)
     first, straight = [named], found.direct.of
     if straight.over_base:
         errors = ("phase", "mass")
         first += sensitive(straight, errors=errors, unit="N/m", shown=_ROWS)
     rests = [str(found.at_rest)] if str(found.at_rest) else []
-    modes = _text.impact(found.vibration) if found.vibration else Text()
+    modes = text_of.impact(found.vibration) if found.vibration else Text()
     return Text([*first, *lines, *rests, *modes.lines], [*details, *modes.details])
 
 

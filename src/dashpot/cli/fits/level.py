@@ -5,9 +5,9 @@ from __future__ import annotations
 import dashpot as dp
 from dashpot import workflow
 from dashpot.base.choices import AmplitudeLawAsked
-from dashpot.cli import _text
 from dashpot.cli._shell import Outcome, printed, write
 from dashpot.cli.fits._given import PAGE, Given
+from dashpot.told import text as text_of
 
 
 def run(given: Given) -> Outcome:
@@ -26,4 +26,4 @@ def run(given: Given) -> Outcome:
     given.draw(lambda: dp.plot.level(found.fit, found.records))
     if given.output:
         write(given.output, dp.report.html(found) if kept in PAGE else printed(found) + "\n")
-    return Outcome(found, _text.levels(found), found.checks, verdict=found.verdict)
+    return Outcome(found, text_of.levels(found), found.checks, verdict=found.verdict)

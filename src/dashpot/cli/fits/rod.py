@@ -8,9 +8,9 @@ import dashpot as dp
 from dashpot import workflow
 from dashpot.base.choices import FamilyAsked
 from dashpot.base.errors import ReadError
-from dashpot.cli import _rod_text as text
 from dashpot.cli._shell import Outcome, grams, printed, typed, write
 from dashpot.cli.fits._given import Given
+from dashpot.told import rod as text
 
 
 def run(given: Given) -> Outcome:

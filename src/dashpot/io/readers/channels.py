@@ -243,9 +243,9 @@ def refuse_sizes(file: Opened, answers: Sequence[tuple[Channel, Sequence[Check]]
     ReadError
     """
     for one, checks in answers:
-        failed = [check.says for check in checks if check.failed]
+        failed = [check for check in checks if check.failed]
         if failed and not is_stated(file, one):
-            raise ReadError(failed[0])
+            raise ReadError(failed[0].typed)
 
 
 def is_stated(file: Opened, one: Channel) -> bool:

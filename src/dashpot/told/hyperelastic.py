@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import dashpot as dp
-from dashpot.cli._terminal import Text, facts, table
-from dashpot.cli._text import rounded
+from dashpot.told.layout import Text, facts, table
+from dashpot.told.text import rounded
 
 
 def hyperelastic(found: dp.HyperelasticFit) -> Text:

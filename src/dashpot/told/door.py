@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from dashpot import workflow
 from dashpot.base.units import in_unit
-from dashpot.cli._terminal import Text, table
-from dashpot.cli._text import hertz, rounded
+from dashpot.told.layout import Text, table
+from dashpot.told.text import hertz, rounded
 
 _ROUNDING = 1e-9
 """Of a damping, %."""
 
 
 def door(found: workflow.DoorResult, *, every: bool) -> Text:
+    """The seal line, every mode with what it shares, and what a shaken base does."""
     lines = _line(found)
     parts = list(dict.fromkeys(one.name for mode in found.modes for one in mode.shares))
     rows = [

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import dashpot as dp
 from dashpot import workflow
 from dashpot.base.units import in_unit, read_in, written
-from dashpot.cli import _text
-from dashpot.cli._terminal import Text, table
-from dashpot.cli._text import cell, rounded, with_error
+from dashpot.told import text as text_of
+from dashpot.told.layout import Text, table
+from dashpot.told.text import cell, rounded, with_error
 
 if TYPE_CHECKING:
     from dashpot.base.capability import Capability
@@ -30,7 +30,7 @@ def cld(found: workflow.Pieces) -> Text:
         lines = [*(_overview(found) if len(found.pieces) > _BLOCKS else lines), *scatter]
     lines += _capability(found.capability)
     if found.fit is not None and found.relaxed is None:
-        fitted = _text.fit(found.fit)
+        fitted = text_of.fit(found.fit)
         lines = [*_overview(found), *fitted.lines]
         details += fitted.details
     if found.rate is not None:
