@@ -12,6 +12,7 @@ import dashpot as dp
 from dashpot.kinds.rod.prepare import rod_modulus
 from dashpot.kinds.rod.record import RodErrors
 from dashpot.solids.part import Disc
+from dashpot.workflow.archive import from_json
 from dashpot.workflow.examples import EXAMPLES
 
 pytestmark = pytest.mark.once
@@ -82,7 +83,7 @@ def test_from_a_file_to_a_part(tmp_path):
     assert 80 < low < 100
     assert 190 < high < 220
     assert max(off(found)) < 3e-3
-    fit = dp.from_json((tmp_path / "fit.json").read_text())
+    fit = from_json((tmp_path / "fit.json").read_text())
     assert fit.unit == "Pa"
     inside = np.linspace(low, high, 9)
     stiffness = fit.model.complex_stiffness(omega=2 * np.pi * inside)

@@ -10,7 +10,7 @@ from dashpot.base.errors import DataError
 from dashpot.base.units import written
 
 
-class Limits(NamedTuple):
+class Plausible(NamedTuple):
     """Between which values a quantity is meant, SI, and the unit in which people read it."""
 
     least: float
@@ -19,11 +19,11 @@ class Limits(NamedTuple):
     verb: str = "is"
 
 
-HARD: Mapping[str, Limits] = MappingProxyType({
-    "displacement": Limits(1e-6, 0.5, "mm", "spans"),
-    "force": Limits(0.0, 1e6, "N", "reaches"),
-    "time": Limits(0.0, 30 * 86400.0, "s", "spans"),
-    "mass": Limits(0.0, 1000.0, "kg"),
+HARD: Mapping[str, Plausible] = MappingProxyType({
+    "displacement": Plausible(1e-6, 0.5, "mm", "spans"),
+    "force": Plausible(0.0, 1e6, "N", "reaches"),
+    "time": Plausible(0.0, 30 * 86400.0, "s", "spans"),
+    "mass": Plausible(0.0, 1000.0, "kg"),
 })  # fmt: skip
 """By the name of the quantity: span of a displacement, size of a force, length of a record."""
 
