@@ -26,13 +26,13 @@ def rod(found: workflow.Rod) -> Text:
         )
     ]
     lines.append(
-        f"  usable      {hertz(of.band)}: storage and loss factor are known to 10 %"
+        f"  valid band  {hertz(of.band)}: storage and loss factor are known to 10 %"
         if of.usable.any()
-        else "  usable      nowhere"
+        else "  valid band  none"
     )
     lines += _lines(found, _ROWS)
     if found.fit is None:
-        lines.append(f"  no solid was fitted: {found.reason}")
+        lines.append(f"  No model was fitted: {found.reason}")
         return Text(lines, _lines(found, len(of.frequency)))
     fitted = text_of.fit(found.fit)
     details = ["every line", *_lines(found, len(of.frequency))]
