@@ -52,8 +52,8 @@ class EndOfHold(Documented):
         most = rounded(in_unit(self.k_inf[1], "N/mm"), (high - low) / 4)
         return (
             f"the stiffness after the hold. At {rounded(self.time)} s it is {interval(low, high)} "
-            f"N/mm; it may fall further, from at most {most} N/mm on. Hold longer, or give the "
-            "drift of the load cell."
+            f"N/mm; it may fall further, and ends at {most} N/mm or below. Hold longer, or give "
+            "the drift of the load cell."
         )
 
     def fact(self, solid: Solid, unit: str) -> Fact:
@@ -161,12 +161,11 @@ class FRFBounds(Frozen):
         if self.peak_frequency is None:
             return "No model that the relaxation test allows has a resonance."
         low, high = self.peak_frequency
-        most = "and above" if math.isinf(high) else f"to {rounded(high, digits=3)} Hz"
-        where = f"The relaxation test alone limits the resonance to {rounded(low, digits=3)} Hz "
-        where += most
+        most = "Hz and above" if math.isinf(high) else f"to {rounded(high, digits=3)} Hz"
+        where = f"The relaxation test alone limits the resonance to {rounded(low, digits=3)} {most}"
         if self.peak_height is None:
             return f"{where}."
         low, high = self.peak_height
         unit = " 1/kg" if self.kind is Kind.ACCELERANCE else " m/m"
-        most = "without limit" if math.isinf(high) else f"to {rounded(high)}{unit}"
-        return f"{where}, and the peak to {rounded(low)}{unit} {most}."
+        most = f"{unit} and above" if math.isinf(high) else f" to {rounded(high)}{unit}"
+        return f"{where}, and the peak to {rounded(low)}{most}."

@@ -17,7 +17,7 @@ def door(found: workflow.DoorResult, *, every: bool) -> Text:
     parts = list(dict.fromkeys(one.name for mode in found.modes for one in mode.shares))
     rows = [
         ["mode", "Hz", "without seal", "damping, %", "loss factor", "seal, % of energy", "of loss",
-         "valid band"]
+         "times outside"]
     ]  # fmt: skip
     for number, one in enumerate(found.modes, start=1):
         rows.append(
@@ -53,7 +53,7 @@ def _beyond(found: workflow.DoorResult, frequency: float) -> str:
         return ""
     low, high = found.fit.band
     factor = max(frequency / high, low / frequency) if high > 0 else float("inf")
-    return "inside" if factor <= 1 else f"{factor:.3g} times outside"
+    return "inside" if factor <= 1 else f"{factor:.3g}"
 
 
 def _shares(found: workflow.DoorResult, parts: list[str], *, loss: bool) -> list[list[str]]:

@@ -26,9 +26,9 @@ def rod(found: workflow.Rod) -> Text:
         )
     ]
     lines.append(
-        f"  valid band  {hertz(of.band)}: storage and loss factor are known to 10 %"
+        f"  usable      {hertz(of.band)}: storage and loss factor are known to 10 %"
         if of.usable.any()
-        else "  valid band  none"
+        else "  usable      nowhere"
     )
     lines += _lines(found, _ROWS)
     if found.fit is None:

@@ -202,8 +202,8 @@ def _explained(found: Fit) -> list[str]:
     """Return what would explain two tests that disagree, the best first."""
     return [
         ascii_only(
-            f"  tried       {one.says}: {'a match' if one.explains else 'closer, but no match'} "
-            f"(chi-square falls by {one.fall:.4g})"
+            f"  tried       {one.says} ({'a match' if one.explains else 'closer, but no match'}; "
+            f"chi-square falls by {one.fall:.4g})"
         )
         for one in found.explanations
     ]
