@@ -324,7 +324,7 @@ def _command(*words: str | Path) -> dict:
 
 def _of_loops(one: Sheet, path: Path) -> Answer:
     """K of a vanishing loop: of the solid and of sliders that stick."""
-    document = _command("level", path)
+    document = _command("fit", path)
     seal, hertz = one.truth["seal"], one.truth["frequency"]
     sticks = sum(seal.friction / 5 / seal.reach / times for times in 2.0 ** np.arange(5))
     first = document["linear"][0]
@@ -348,8 +348,8 @@ def _of_rod(one: Sheet, path: Path) -> Answer:
     """E* at the line of the largest response: ends slide, for it is a rod's theory."""
     size = f"{one.truth['diameter']}m,{one.truth['length']}m"
     document = _command(
-        "rod", path, "--disc", size, "--lubricated", "--density", str(one.truth["density"]),
-        "--mass", f"{one.truth['mass']!r}kg",
+        "fit", path, "--shape", f"disc:{size}", "--lubricated",
+        "--density", str(one.truth["density"]), "--mass", f"{one.truth['mass']!r}kg",
     )  # fmt: skip
     lines = np.asarray(document["frequency"])
     highest = one["frequency"][np.argmax(np.hypot(one["real"], one["imaginary"]))]

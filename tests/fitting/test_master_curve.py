@@ -4,19 +4,18 @@ import json
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from kit.shell import ran, told
 from kit.sweeps import REFERENCE, TEMPERATURES, moduli, modulus, sweeps, wlf
 
 import dashpot as dp
-from dashpot.cli import main
 from dashpot.io.options import ReadOptions
 
 ZENER = dp.GeneralizedMaxwell(1e6, (4e6,), (0.1,))
 
 
 def shell(*words, code=0):
-    result = CliRunner().invoke(main, [str(word) for word in words])
-    assert result.exit_code == code, result.output + result.stderr
+    result = ran(*words)
+    assert result.exit_code == code, result.output
     return result.stdout if code == 0 else " ".join(result.stderr.split())
 
 
@@ -124,7 +123,7 @@ def test_the_shell_takes_moduli_files_and_tables_of_shifts(tmp_path):
     table = tmp_path / "shifts.csv"
     lines = [f"{t - 273.15:g},{wlf(t) * np.log(10)}" for t in TEMPERATURES]
     table.write_text("\n".join(["T [degC],ln aT", *lines]))
-    said = json.loads(shell("fit", *files, "--modulus", "E(t)", "--shifts", table, "--json"))
+    said = told("fit", *files, "--column", "modulus=E(t)", "--shifts", table)
     found = [one["log10_a_t"] for one in said["temperature"]["shifts"]]
     np.testing.assert_allclose(found, wlf(TEMPERATURES[2:]), atol=1e-6)
 
@@ -186,16 +185,16 @@ def test_tables_of_shifts_speak_of_a_t_in_many_ways(tmp_path, head, of):
 
 def test_a_table_of_shifts_comes_back(tmp_path):
     file, table = written(tmp_path / "sweeps.csv", sweeps()), tmp_path / "shifts.csv"
-    said = shell("fit", file, "--save-shifts", table, "--json")
-    found = [one["log10_a_t"] for one in json.loads(said)["temperature"]["shifts"]]
+    said = told("fit", file, "--save-shifts", table)
+    found = [one["log10_a_t"] for one in said["temperature"]["shifts"]]
     back = dp.read_shifts(table)
     assert [one.log10_a_t for one in back] == found
     assert back[0].se == pytest.approx(0.055, abs=0.02)
     assert back[0].b_t == pytest.approx(253.15 / 293.15)
-    again = json.loads(shell("fit", file, "--shifts", table, "--json"))["temperature"]
+    again = told("fit", file, "--shifts", table)["temperature"]
     assert [one["b_t"] for one in again["shifts"]] == pytest.approx([one.b_t for one in back])
     assert "leave out --save-shifts" in shell(
-        "fit", file, "--at", "20degC", "--arms", "1", "--save-shifts", table, code=2
+        "fit", file, "--only", "20degC", "--arms", "1", "--save-shifts", table, code=2
     )
 
 
@@ -214,4 +213,4 @@ def test_a_table_that_is_none_is_refused(tmp_path):
 
 def test_a_column_of_one_temperature_is_no_reason_to_shift(tmp_path):
     file = written(tmp_path / "one.csv", moduli(temperatures=[REFERENCE]))
-    assert "reference" not in shell("fit", file, "--modulus", "E(t)", "--arms", "1")
+    assert "reference" not in shell("fit", file, "--column", "modulus=E(t)", "--arms", "1")

@@ -185,7 +185,8 @@ def verdict(checks: Iterable[Check], *, sound: str = "") -> Verdict:
     limits = tuple(check for check in failed if check.grade == "limit")
     because = stops + limits
     if not because:
-        return Verdict("use", within(MOST_WORDS - 1, [*sentences(sentence(sound)), tally(asked)]))
+        told = [*sentences(sentence(sound)), tally(asked)]
+        return Verdict("use", within(MOST_WORDS - 1, [one for one in told if one]))
     use: Use = "do not use" if stops else "use with care"
     more = len(because) - 1
     others = f"{more} more check{'s' * (more > 1)} failed." if more else ""

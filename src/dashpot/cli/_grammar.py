@@ -352,7 +352,9 @@ def refuse_others(verb: Verb, ctx: click.Context, kinds: Mapping[str, str]) -> N
         if not one.suits(have) and one.typed(ctx):
             *others, last = dict.fromkeys(called(word) for word in sorted(one.kinds))
             wanted = f"{', '.join(others)} or {last}" if others else last
-            raise click.UsageError(f"{one.flag} is for {wanted}. {_called(kinds)}.")
+            (word, *more) = one.kinds
+            overruled = "" if more or len(kinds) > 1 else f" If it is that after all: --as {word}."
+            raise click.UsageError(f"{one.flag} is for {wanted}. {_called(kinds)}.{overruled}")
 
 
 def _called(kinds: Mapping[str, str]) -> str:

@@ -157,7 +157,7 @@ def command(*, files: tuple[str, ...], **said: Any) -> Outcome:
     context = click.get_current_context()
     refuse_others(command, context, kinds)
     meant = route(
-        kinds, masses=len(said["mass"]), levels=bool(said["levels"]),
+        kinds, masses=len(said["mass"]), levels=bool(said["levels"] or said["at"]),
         rod=said["density"] is not None or said["rod"] != RodChoices(),
     )  # fmt: skip
     module, _, name = _RUN[meant].partition(":")

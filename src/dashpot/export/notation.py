@@ -164,5 +164,13 @@ def _pointed(number: str) -> str:
 
 
 def one_line(line: str) -> str:
-    """Printable ASCII: a file name can hold anything, a solver reads no more."""
-    return "".join(sign if " " <= sign <= "~" else "?" for sign in line)
+    """Printable ASCII: a file name can hold anything, a solver reads no more.
+
+    >>> one_line("known to ±1 %")
+    'known to +/-1 %'
+    """
+    return "".join(sign if " " <= sign <= "~" else "?" for sign in line.translate(_SPELT))
+
+
+_SPELT = str.maketrans({"±": "+/-", "²": "^2", "°": "deg", "·": "*"})
+"""Signs that sentences of a verdict hold, as a solver's comment spells them."""
