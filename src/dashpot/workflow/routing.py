@@ -24,6 +24,10 @@ _ALONE: Mapping[str, Meant] = {
     "strain-sweep": "level", "cyclic": "level",
 }  # fmt: skip
 """What kinds mean that are fitted with their own kind alone."""
+NO_MASS = (
+    "the file holds a transmissibility, which tells the stiffness over the mass and neither alone: "
+    "give the mass (--mass)"
+)
 _NO_FIT = {
     "temperature-sweep": "it tells no relaxation times; sweep the frequency",
     "one-frequency": "it tells no relaxation times; sweep the frequency",
@@ -99,9 +103,12 @@ def _of_vibration(kinds: Mapping[str, str], *, masses: int, levels: bool, rod: b
         _refuse_several(kinds)
         return "joint"
     have = set(kinds.values())
+    if "transmissibility" in have:
+        path = next(path for path, kind in kinds.items() if kind == "transmissibility")
+        raise ReadError(f"{path}: {NO_MASS}")
     if have == {"impact"}:
         return "hits"
-    if have == {"frf"} or len(kinds) == 1:
+    if have == {"frf"}:
         return "modes"
     raise ReadError(f"{_said(kinds)}. They are not fitted together. Fit them one by one.")
 
