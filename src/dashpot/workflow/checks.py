@@ -108,15 +108,21 @@ def history_complete(lines: int, *, torn: bool) -> Finding:
 
 
 @criterion("lines that differ", "<=", 0, "the count and the hash in history.head", grade="stop")
-def history_whole(lines: int, written: int, *, shortened: bool) -> Finding:
-    """No line was cut off the end of the history."""
-    if not written:
-        return Finding("There is no history.head, so lines cut off the end would not be seen")
+def history_whole(lines: int, written: int, *, shortened: bool, headed: bool) -> Finding:
+    """No line was cut off the end of the history, and its head says so."""
+    if not lines and not written:
+        return Finding("The history has no line that its head could be of")
+    lost = "is missing" if not written else f"is older: it is of line {written} of {lines}"
+    instead = f"history.head {lost}, so lines cut off the end would not be seen"
+    if shortened:
+        instead = f"The history has {lines} lines; {written} were written, or others"
     return Finding(
         "No line is missing at the end of the history",
-        max(written - lines, 1) if shortened else 0,
-        instead=f"The history has {lines} lines; {written} were written, or others",
-        remedy="Restore history.jsonl from a copy.",
+        max(written - lines, 1) if shortened else int(not headed),
+        instead=instead,
+        remedy="Restore history.jsonl from a copy."
+        if shortened
+        else "Restore history.head from a copy, and compare the last hash with one that you noted.",
     )
 
 

@@ -33,8 +33,11 @@ from dashpot.vibration.modal.peaks import find_peak
 from dashpot.vibration.systems.mounts import as_relative, entrained, on_light_mounts
 from dashpot.vibration.systems.prediction import moving_mass
 from dashpot.workflow.job import HammerChoices
-from dashpot.workflow.routing import NO_MASS
 
+_NO_MASS = (
+    "the file holds a transmissibility, which tells the stiffness over the mass and neither alone: "
+    "give the mass (--mass)"
+)
 _NO_BASE = "--relative is of a mass over a base that moves, and here a force moves it: leave out"
 
 
@@ -52,12 +55,12 @@ def read_measured(
     """
     if options.base_acceleration is not None:
         if mass is None:
-            raise ReadError(NO_MASS)
+            raise ReadError(_NO_MASS)
         return None, shaken(paths, choices=choices, options=options, mass=mass, band=band)[0]
     if len(paths) == 1 and inspect_file(paths[0], options=options).kind in RESPONSES:
         frf = as_measured(read_frf(paths[0], options=options), choices.motion)
         if frf.kind.over_base and mass is None:
-            raise ReadError(NO_MASS)
+            raise ReadError(_NO_MASS)
         return None, judged(frf, band, mass=mass)
     impact = hits_in(list(paths), options, f"an FRF or {HITS}")
     return impact, average(impact, choices=choices, mass=mass, band=band)
@@ -91,7 +94,7 @@ def judged_base(
     frf = as_measured(frf, choices.motion)
     whole = channels_not_clipped(test)
     if mass is None:
-        return replace(frf, checks=(mass_over_base(frf), whole)), (), NO_MASS
+        return replace(frf, checks=(mass_over_base(frf), whole)), (), _NO_MASS
     modes: tuple[Mode, ...] = ()
     reason = ""
     try:
