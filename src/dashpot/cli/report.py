@@ -133,7 +133,7 @@ def command(
     return Outcome(
         Reported(study, written[-1], history),
         text_of.study(study),
-        study.every_check,
+        study.weighed,
         verdict=study.verdict,
         follow=typed("verify", project, "--expect", history, why="recomputes it")
         if project

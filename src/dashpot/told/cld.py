@@ -60,8 +60,8 @@ def _capability(found: Capability | None) -> list[str]:
 def _choice(rate: workflow.RateLaw) -> str:
     better = "better" if rate.bic < 0 else "worse"
     return (
-        f"  a spring and a dashpot that depend on compression explain the speeds {better} than one "
-        f"memory does, BIC {rate.bic:+.3g}"
+        f"  A spring and a dashpot that depend on compression explain the speeds {better} than one "
+        f"memory (BIC {rate.bic:+.3g})."
     )
 
 
@@ -101,7 +101,7 @@ def _relaxed(found: workflow.RelaxedLaw, one: workflow.CLD) -> list[str]:
         )
     said = f"  softer than cycle 1 by {100 * found.softening:.3g} % without the memory"
     if found.left is not None and found.hysteresis is not None:
-        said += f"; of {100 * found.hysteresis:.3g} % hysteresis {100 * found.left:.2g} % are left"
+        said += f"; hysteresis {100 * found.left:.2g} % instead of {100 * found.hysteresis:.3g} %"
     return [*table(rows), said]
 
 
@@ -149,7 +149,7 @@ def _piece(one: workflow.CLD) -> list[str]:
     if len(one.cycles) > 1:
         said.append(f"softer than cycle 1 by {100 * one.softening:.3g} %")
     if one.set is not None:
-        said.append(f"set {written(one.set, 'mm', '.3g')} when it was next met")
+        said.append(f"set {written(one.set, 'mm', '.3g')} at the next contact")
     if cycle.speed is not None:
         said.append(written(cycle.speed, "mm/s"))
     return [*table(rows), f"  {'; '.join(said)}"] if said else table(rows)
