@@ -1302,7 +1302,12 @@ WORKFLOW = [
     Case("hold_fit_possible", lambda _: workflow.hold_fit_possible("two ramps"), None, 0),
     Case("history_present", workflow.history_present, 1, 0),
     Case("history_complete", lambda x: workflow.history_complete(1, torn=bool(x)), 0, 1),
-    Case("history_whole", lambda x: workflow.history_whole(1, 1, shortened=bool(x)), 0, 1),
+    Case(
+        "history_whole",
+        lambda x: workflow.history_whole(1, 1, shortened=False, headed=not x),
+        0,
+        1,
+    ),
     Case(
         "history_expected",
         lambda x: workflow.history_expected("0" * 64, None if x else 0, 1),

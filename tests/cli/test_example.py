@@ -2,29 +2,31 @@
 
 from __future__ import annotations
 
-import json
 import shlex
 
 import pytest
-from click.testing import CliRunner
+from kit.shell import ran, told
 
 import dashpot as dp
 from dashpot import workflow
-from dashpot.cli import main
+from dashpot.fitting.relaxation import fit as fit_tests
+from dashpot.io.readers.impact import read_impact
+from dashpot.io.readers.relaxation import read_relaxation
 from dashpot.solids.table_1 import BROAD
+from dashpot.vibration.impact.frf_estimation import estimate_frf
+from dashpot.workflow.study import characterise
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     path = tmp_path_factory.mktemp("learn") / "lab"
-    done = CliRunner().invoke(main, ["example", "-o", str(path), "--all", "--json"])
-    assert done.exit_code == 0, done.output
-    assert json.loads(done.stdout)["files"] == [str(path / name) for name in workflow.EXAMPLES]
+    made = told("demo", "--files", "-o", path, "--all")
+    assert made["files"] == [str(path / name) for name in workflow.EXAMPLES]
     return path
 
 
 def test_two_files_are_written_unless_all_are_asked_for(tmp_path):
-    done = CliRunner().invoke(main, ["example", "-o", str(tmp_path / "lab")])
+    done = ran("demo", "--files", "-o", tmp_path / "lab")
     assert done.exit_code == 0, done.output
     assert {path.name for path in (tmp_path / "lab").iterdir()} == set(workflow.FIRST)
     assert done.stderr.splitlines()[-1].startswith("next: dashpot report ")
@@ -42,10 +44,10 @@ def test_they_are_small_stamped_and_always_the_same(folder):
 
 
 def test_the_first_seal_is_the_one_that_was_simulated(folder):
-    test, hits = dp.read_relaxation(folder / "seal_8mm.csv"), dp.read_impact(folder / "hammer.csv")
+    test, hits = read_relaxation(folder / "seal_8mm.csv"), read_impact(folder / "hammer.csv")
     assert test.source.simulated
-    study = dp.characterise(
-        test, dp.estimate_frf(hits, mass=workflow.MASS), impact=hits, mass=workflow.MASS, seals=2
+    study = characterise(
+        test, estimate_frf(hits, mass=workflow.MASS), impact=hits, mass=workflow.MASS, seals=2
     )
     assert study.verdict.use == "use"
     assert study.joint_comparison.damping_ratio_error == pytest.approx(0, abs=0.02)
@@ -58,14 +60,14 @@ def test_the_first_seal_is_the_one_that_was_simulated(folder):
 
 def test_the_bad_tests_are_found_out(folder):
     with pytest.raises(dp.DataError, match="saturated"):
-        dp.fit(dp.read_relaxation(folder / "clipped.csv"))
-    short = dp.fit(dp.read_relaxation(folder / "short_hold.csv"))
+        fit_tests(read_relaxation(folder / "clipped.csv"))
+    short = fit_tests(read_relaxation(folder / "short_hold.csv"))
     assert short.verdict.use != "use"
 
 
 def test_three_depths_have_one_elastic_law(folder):
-    tests = [dp.read_relaxation(folder / f"depth_{depth}mm.csv") for depth in (4, 6, 8)]
-    fit = dp.fit(tests)
+    tests = [read_relaxation(folder / f"depth_{depth}mm.csv") for depth in (4, 6, 8)]
+    fit = fit_tests(tests)
     assert fit.verdict.use == "use"
     law = fit.elastic_law
     for x in (2e-3, 5e-3, 8e-3):
@@ -79,11 +81,10 @@ def test_every_example_is_told_of() -> None:
 
 def test_a_material_goes_on_to_a_deck_and_its_temperature_with_it(folder, monkeypatch):
     monkeypatch.chdir(folder)
-    words = ["fit", "sweeps.csv", "--at", "25degC", "-o", "rubber.json"]
-    done = CliRunner().invoke(main, words)
+    done = ran("fit", "sweeps.csv", "--only", "25degC", "-o", "rubber.json")
     follow = shlex.split(done.stderr.splitlines()[-1].removeprefix("next: dashpot "))
     assert follow[:2] == ["export", "rubber.json"]
-    deck = CliRunner().invoke(main, follow)
+    deck = ran(*follow)
     assert deck.exit_code == 0, deck.output
     assert "(25 degC)" in deck.stdout
 
@@ -92,6 +93,5 @@ def test_a_temperature_other_than_the_files_own_is_told_in_full(folder, monkeypa
     monkeypatch.chdir(folder)
     words = ["fit", "at_23degC.csv", "--arms", "1", "-v", "--temperature"]
     said = "the header says 'temperature: 23 degC'; the temperature is 60 degC, as given"
-    for given, told in (("60degC", True), ("23degC", False)):
-        text = " ".join(CliRunner().invoke(main, [*words, given]).stdout.split())
-        assert (said in text) is told
+    for given, differs in (("60degC", True), ("23degC", False)):
+        assert (said in " ".join(ran(*words, given).stdout.split())) is differs

@@ -1,4 +1,4 @@
-"""dashpot rod: transmissibilities as files hold them, made apart by finite elements."""
+"""dashpot fit, a rod: transmissibilities as files hold them, made apart by finite elements."""
 
 from __future__ import annotations
 
@@ -6,17 +6,17 @@ import json
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from kit import shell
 
 import dashpot as dp
-from dashpot.cli import main
 from dashpot.kinds.rod.prepare import rod_modulus
 from dashpot.kinds.rod.record import RodErrors
 from dashpot.solids.part import Disc, bonded_cylinder
+from dashpot.workflow.archive import from_json
 from dashpot.workflow.examples import EXAMPLES
 
 pytestmark = pytest.mark.once
-WORDS = ("--disc", "20mm,20mm", "--density", "1000", "--mass", "31.4g")
+WORDS = ("--shape", "disc:20mm,20mm", "--density", "1000", "--mass", "31.4g")
 HZ = np.arange(20.0, 600.0, 2.0)
 
 
@@ -49,7 +49,7 @@ def written(path, value, hz=HZ, *, phase=None):
 
 
 def ran(*words, code=0):
-    result = CliRunner().invoke(main, ["rod", *words])
+    result = shell.ran("fit", *words)
     assert result.exit_code == code, result.output
     return result
 
@@ -83,7 +83,7 @@ def test_from_a_file_to_a_part(tmp_path):
     assert 50 < low < 100
     assert 190 < high < 400
     assert max(off(found)) < 3e-3
-    fit = dp.from_json((tmp_path / "fit.json").read_text())
+    fit = from_json((tmp_path / "fit.json").read_text())
     assert fit.unit == "Pa"
     inside = np.linspace(low, high, 9)
     stiffness = fit.model.complex_stiffness(omega=2 * np.pi * inside)
@@ -91,8 +91,8 @@ def test_from_a_file_to_a_part(tmp_path):
     assert fit.steps[0].name == "rod_modulus"
     assert "storage modulus" in picture.read_text("utf-8")
     ran(path, *WORDS, "--arms", "1", "--temperature", "23degC", "-o", solid)
-    deck = CliRunner().invoke(main, ["export", solid, "--to", "abaqus", "--units", "mm-t-s",
-                                     "--form", "prony", "-o", str(tmp_path / "a.inp")])  # fmt: skip
+    words = ("--to", "abaqus", "--unit-system", "mm-t-s", "--form", "prony")
+    deck = shell.ran("export", solid, *words, "-o", tmp_path / "a.inp")
     assert deck.exit_code == 0, deck.output
 
 
@@ -112,7 +112,7 @@ def test_complex_columns_and_two_accelerometers_tell_the_same(tmp_path):
     table = np.column_stack([np.arange(count) / rate, base, mass])
     np.savetxt(tmp_path / "t.csv", table, delimiter=",", comments="",
                header="time [s],base [m/s^2],mass [m/s^2]")  # fmt: skip
-    by = ("--base-acceleration", "base", "--acceleration", "mass")
+    by = ("--column", "base-acceleration=base", "--column", "acceleration=mass")
     assert off(told(str(tmp_path / "t.csv"), *WORDS, *by))[0] < 0.01
 
 
@@ -171,9 +171,9 @@ def test_the_example(tmp_path):
 @pytest.mark.parametrize(
     ("words", "says"),
     [
-        (("--density", "1000", "--mass", "1g"), "either --disc"),
-        (("--disc", "20mm", "--density", "1000", "--mass", "1g"), "expected 2"),
-        (("--disc", "20mm,20mm", "--density", "1", "--mass", "1g"), "expected 5 to 20000"),
+        (("--density", "1000", "--mass", "1g"), "--shape disc:"),
+        (("--shape", "disc:20mm", "--density", "1000", "--mass", "1g"), "expected 2"),
+        (("--shape", "disc:20mm,20mm", "--density", "1", "--mass", "1g"), "expected 5 to 20000"),
         ((*WORDS, "--gain-error", "120%"), "below 1"),
         ((*WORDS, "--band", "300:400Hz", "-o", "fit.json"), "-o writes a fit"),
     ],

@@ -13,16 +13,21 @@ from hypothesis import given
 from hypothesis import strategies as st
 from kit import handmade
 from kit.fits import a_fit, altered
+from kit.shell import ran
 
 import dashpot as dp
 from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.progress import doing
-from dashpot.cli import _shell, _terminal, main
-from dashpot.cli._shell import Outcome, reports
+from dashpot.cli import _shell, _terminal
+from dashpot.cli._grammar import verb
+from dashpot.cli._options import result as told
+from dashpot.cli._shell import Outcome
 from dashpot.cli._terminal import COLUMNS, LINES, shown, wrapped
+from dashpot.export import TARGETS
 from dashpot.records.fit import AtDepth
 from dashpot.told import text as text_of
 from dashpot.told.layout import Text
+from dashpot.workflow.archive import from_json, to_json
 
 STOP = Check("a_stop", False, "a stop; do that", grade="stop")
 LONG = Check("long_winded", False, "So much is to be said of it that it goes on. " * 12)
@@ -60,15 +65,14 @@ def test_what_an_inspection_asks_stands_above_the_columns(tmp_path):
     names = ",".join(f"channel {i}" for i in range(60))
     rows = "\n".join(",".join(f"{i * j % 7}.5" for j in range(60)) for i in range(40))
     (tmp_path / "wide.csv").write_text(f"{names}\n{rows}\n")
-    printed = CliRunner().invoke(main, ["inspect", str(tmp_path / "wide.csv")]).stdout.splitlines()
+    printed = ran("inspect", tmp_path / "wide.csv").stdout.splitlines()
     assert len(printed) <= LINES
     assert printed[-1] == "  more with -v"
     asked = [i for i, line in enumerate(printed) if line.startswith("  ASK")]
     assert asked
     assert max(asked) < next(i for i, line in enumerate(printed) if line.startswith("  format"))
     # of several files each is told
-    several = ["inspect", *[str(tmp_path / "wide.csv")] * 3]
-    printed = CliRunner().invoke(main, several).stdout.splitlines()
+    printed = ran("inspect", *[tmp_path / "wide.csv"] * 3).stdout.splitlines()
     assert sum(line.startswith("wide.csv: ") for line in printed) == 3
 
 
@@ -104,7 +108,7 @@ def test_a_line_breaks_under_its_own_text():
 def test_a_file_name_cannot_steer_the_terminal(name):
     printed = "".join(shown(Text([f"{name}: 2 arms"]), None, (), verbose=True))
     assert not any(ord(c) < 32 or 127 <= ord(c) < 160 for c in printed)
-    result = CliRunner().invoke(main, ["fit", name])
+    result = ran("fit", name)
     assert not any(ord(c) < 32 or 127 <= ord(c) < 160 for c in result.output.replace("\n", ""))
 
 
@@ -143,7 +147,8 @@ def test_an_arm_that_is_not_identified_prints_no_interval():
 
 def invoke(*words, checks=(STOP,), **how):
     outcome = Outcome({}, Text(["text"]), checks, verdict=verdict(checks), follow="dashpot x")
-    return CliRunner().invoke(click.command()(reports(lambda: outcome)), words, **how)
+    command = verb("story", "Tell a story.", told(plot=False))(lambda: outcome)
+    return CliRunner().invoke(command, words, **how)
 
 
 def test_colour_is_for_terminals_that_want_it(monkeypatch):
@@ -171,9 +176,7 @@ def test_every_verdict_has_a_colour_of_its_own(use):
 
 
 def test_what_was_written_and_what_comes_next_stand_last(tmp_path):
-    @click.command()
-    @_shell.opens
-    @reports
+    @verb("page", "Write a page.", told(plot=False))
     def command():
         _shell.write(str(tmp_path / "page.html"), "x")
         return Outcome({}, Text(["text"]), follow="dashpot fit page.html")
@@ -187,8 +190,7 @@ def test_what_was_written_and_what_comes_next_stand_last(tmp_path):
 
 
 def test_what_was_written_is_said_though_the_command_fails(tmp_path):
-    @click.command()
-    @reports
+    @verb("two", "Write two files.", told(plot=False))
     def command():
         _shell.write(str(tmp_path / "first.csv"), "x")
         raise dp.DataError("no second")
@@ -201,11 +203,8 @@ def test_what_was_written_is_said_though_the_command_fails(tmp_path):
 def test_open_shows_the_page_or_says_why_not(tmp_path, monkeypatch):
     opened = []
 
-    @click.command()
-    @click.argument("name")
-    @_shell.opens
-    @reports
-    def command(name):
+    @verb("page", "Write a page.", click.Argument(["name"]), told(plot=False))
+    def command(*, name):
         _shell.write(str(tmp_path / "data.csv"), "")
         _shell.write(str(tmp_path / name), "")
         return Outcome({}, Text())
@@ -262,18 +261,18 @@ def test_nobody_listens_by_default():
 def fit_file(tmp_path_factory):
     path = tmp_path_factory.mktemp("fit") / "fit.json"
     # a band that reaches the peak of 104 g on two of these seals, at about 12.7 Hz
-    path.write_text(dp.to_json(altered(handmade.two_arms(), band=(0.004, 30.0), checks=())))
+    path.write_text(to_json(altered(handmade.two_arms(), band=(0.004, 30.0), checks=())))
     return path
 
 
 def strict(*words):
-    return CliRunner().invoke(main, [str(word) for word in (*words, "--strict")])
+    return ran(*words, "--strict")
 
 
 def narrowed(path, band):
-    fit = dp.from_json(path.read_text())
+    fit = from_json(path.read_text())
     beside = path.with_name(f"narrow{band[1]:g}.json")
-    beside.write_text(dp.to_json(altered(fit, band=band)))
+    beside.write_text(to_json(altered(fit, band=band)))
     return beside
 
 
@@ -287,22 +286,22 @@ def test_strict_predict_heeds_extrapolation(fit_file):
 
 
 def test_strict_predict_heeds_the_fit_behind_it(fit_file):
-    fit = dp.from_json(fit_file.read_text())
+    fit = from_json(fit_file.read_text())
     spoilt = fit_file.with_name("spoilt.json")
-    spoilt.write_text(dp.to_json(altered(fit, checks=(STOP,))))
+    spoilt.write_text(to_json(altered(fit, checks=(STOP,))))
     found = strict("predict", spoilt, "--mass", "104g", "--seals", 2)
     assert found.exit_code == 1
     assert found.stdout.startswith("Do not use: a stop; do that.")
 
 
 def test_strict_export_heeds_rows_that_the_test_does_not_inform(fit_file, tmp_path):
-    words = ("--to", "nastran", "--units", "mm-t-s", "--temperature", "23degC", "--length",
+    words = ("--to", "nastran", "--unit-system", "mm-t-s", "--temperature", "23degC", "--length",
              "100mm", "-o", tmp_path / "deck.bdf")  # fmt: skip
-    inside = strict("export", fit_file, *words, "--range", "1:30Hz")
+    inside = strict("export", fit_file, *words, "--band", "1:30Hz")
     assert inside.exit_code == 0, inside.output
     deck = (tmp_path / "deck.bdf").read_text()
     assert deck.splitlines()[1].startswith("$ USE: ")
-    outside = strict("export", narrowed(fit_file, (0.004, 0.32)), *words, "--range", "1:30Hz")
+    outside = strict("export", narrowed(fit_file, (0.004, 0.32)), *words, "--band", "1:30Hz")
     assert outside.exit_code == 1
     assert outside.stdout.startswith("Use with care: ")
     deck = (tmp_path / "deck.bdf").read_text()
@@ -312,12 +311,12 @@ def test_strict_export_heeds_rows_that_the_test_does_not_inform(fit_file, tmp_pa
 
 
 def test_the_arms_of_a_spoilt_fit_say_so_in_their_deck(fit_file):
-    spoilt = altered(dp.from_json(fit_file.read_text()), checks=(STOP,))
+    spoilt = altered(from_json(fit_file.read_text()), checks=(STOP,))
     specimen = dp.Specimen(temperature=296.15, length=0.1)
-    deck = dp.export.csv(spoilt, units="mm-t-s", form="arms", specimen=specimen)
+    deck = TARGETS["csv"](spoilt, units="mm-t-s", form="arms", specimen=specimen)
     assert deck.splitlines()[1] == "# DO NOT USE: A stop; do that."
     assert deck.verdict.use == "do not use"
-    bare_solid = dp.export.csv(spoilt.model, units="mm-t-s", form="arms")
+    bare_solid = TARGETS["csv"](spoilt.model, units="mm-t-s", form="arms")
     assert bare_solid.verdict is None
     assert "USE" not in bare_solid.splitlines()[1]
 

@@ -98,3 +98,10 @@ def test_units_from_the_command_line() -> None:
 def test_bad_options(bad: dict) -> None:
     with pytest.raises(DataError):
         ReadOptions(**bad)
+
+
+def test_a_profile_that_is_nested_too_deep_is_no_profile(tmp_path):
+    place = tmp_path / "deep.toml"
+    place.write_text("x = " + "[" * 10_000 + "]" * 10_000)
+    with pytest.raises(ReadError, match="not a profile"):
+        load_profile(place)

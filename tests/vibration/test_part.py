@@ -12,6 +12,8 @@ from scipy.optimize import brentq, minimize_scalar
 
 import dashpot as dp
 from dashpot.base.errors import DataError
+from dashpot.fitting.dynamic import fit_dynamic
+from dashpot.kinds.level.fit import fit_amplitude
 from dashpot.kinds.level.record import AmplitudeSweep
 from dashpot.records.dynamic import DynamicTest
 from dashpot.solids.part import Block, Bulb, Bush, Disc, bonded_block, bonded_cylinder
@@ -166,7 +168,7 @@ class TestResonance:
     def test_the_factor_comes_back(self, kind):
         factor, mass = 0.0234, 0.15
         f = np.linspace(40, 300, 200001)
-        frf = dp.predict_frf(RUBBER * factor, mass=mass, frequency=f, kind=kind)
+        frf = dp.systems.predict_frf(RUBBER * factor, mass=mass, frequency=f, kind=kind)
         at = f[np.abs(frf.value).argmax()]
         assert geometry_factor(RUBBER, mass=mass, peak=at, kind=kind) == pytest.approx(
             factor, rel=1e-4
@@ -179,7 +181,7 @@ class TestResonance:
 
     def test_what_has_no_peak(self):
         with pytest.raises(DataError, match="no part of this material has a peak"):
-            geometry_factor(dp.networks.dashpot(5.0), mass=1.0, peak=10.0)
+            geometry_factor(dp.solids.networks.dashpot(5.0), mass=1.0, peak=10.0)
         with pytest.raises(DataError, match="peak = -1"):
             geometry_factor(RUBBER, mass=1.0, peak=-1.0)
 
@@ -200,8 +202,8 @@ def sweeps(seed=0, noise=0.01):
 @pytest.mark.once
 def test_from_sweeps_to_two_discs_on_a_shaker():
     """One factor from the lightest mass; the others, and ten times the level, are foretold."""
-    master = dp.superpose(sweeps(), reference="23degC")
-    found = dp.fit_dynamic(master)
+    master = dp.solids.superpose(sweeps(), reference="23degC")
+    found = fit_dynamic(master)
     true = RUBBER * (2 * Disc(0.02, 0.012).factor() * 0.93)  # bonds that are not perfect
     masses = (0.15, 0.4, 1.0)
     real = [peak_of(true.complex_stiffness, mass) for mass in masses]
@@ -220,7 +222,7 @@ def test_from_sweeps_to_two_discs_on_a_shaker():
     # an amplitude sweep of the material at 10 Hz tells the softening, in displacement of the part
     X = np.geomspace(1e-6, 1e-3, 16)
     E = RUBBER.complex_stiffness(omega=2 * np.pi * 10) * phi(X)
-    law = dp.fit_amplitude(
+    law = fit_amplitude(
         AmplitudeSweep(np.full(16, 10.0), X, E.real, E.imag, of="m", units="SI"), law="factor"
     )
     solid = part.solid.maxwell

@@ -47,7 +47,11 @@ def command(*, files: tuple[str, ...], save: str | None, options: ReadOptions) -
         from dashpot.io.options import dump_profile
 
         write(save, dump_profile(options))
-    answers = [line for one in found.files for line in _answer(one)]
+    answers = [
+        line
+        for one, path in zip(found.files, files, strict=True)
+        for line in _answer(one, "" if len(files) == 1 else path)
+    ]
     tables = [line for one in found.files for line in (one.file, *_columns(one))]
     text = Text(answers, tables) if len(files) > 1 else Text([*answers, *tables[1:]])
     return Outcome(found, text, found.checks, follow=_follow(files, found.files, save))
@@ -63,15 +67,22 @@ def _follow(paths: tuple[str, ...], found: tuple[InspectedFile, ...], saved: str
 
 
 def _proposed(found: InspectedFile) -> tuple[str, ...]:
-    return KINDS[found.kind].command if found.kind in KINDS else ()
+    kind = KINDS.get(found.kind)
+    return ("fit",) if kind and kind.meant and not kind.needs else ()
 
 
-def _answer(found: InspectedFile) -> list[str]:
-    """Return what a file is, what it still asks, and the test in it."""
+def _answer(found: InspectedFile, path: str = "") -> list[str]:
+    """Return what a file is, what it still asks, and the test in it; briefly for one of several.
+
+    Of those the first question alone is shown, with the `path` by which the rest are asked for.
+    """
+    asked = [f"  ASK       {question.says}" for question in found.questions]
+    if path and asked[1:]:
+        asked[1:] = [f"  ASK       {len(asked) - 1} more: {typed('inspect', path)}"]
     lines = [
         f"{found.file}: {found.kind} ({found.reason})",
         *([f"  for       {found.use}"] if found.use and not _proposed(found) else []),
-        *(f"  ASK       {question.says}" for question in found.questions),
+        *asked,
     ]
     if found.refusal:
         lines.append(f"  ! cannot be prepared: {found.refusal}")

@@ -344,7 +344,7 @@ def load_profile(path: str | Path) -> ReadOptions:
 
     try:
         content = tomllib.loads(open_raw(path).head(_PROFILE).decode("utf-8-sig"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
         raise ReadError(f"{path}: not a profile: {error}; expected TOML in UTF-8") from None
     try:
         return _from_toml(content)

@@ -221,12 +221,12 @@ def stress_of_a_rubber(stress: float, unit: str) -> Finding:
     return Finding(says, in_unit(stress, "MPa"), **_asked(says, "stress", unit, likely))
 
 
-class _Asked(TypedDict):
+class _Advice(TypedDict):
     instead: str
     remedy: Remedy
 
 
-def _asked(says: str, role: str, unit: str, likely: dict[str, str]) -> _Asked:
+def _asked(says: str, role: str, unit: str, likely: dict[str, str]) -> _Advice:
     """Return the question after a unit, and the unit that is likelier."""
     likelier = likely.get(unit)
     question = f"{says}, in {unit} as the file has it."

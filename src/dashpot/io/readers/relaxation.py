@@ -117,18 +117,25 @@ def recorded(
 
 
 def signals(
-    file: Opened, *roles: Role, least: int = 8
+    file: Opened, *roles: Role, least: int = 8, clock_matters: bool = True
 ) -> tuple[list[Channel], dict[Role, FloatArray], list[str]]:
     """Return two signals in SI units by role, as :func:`recorded`, or row by row without a clock.
 
-    With their columns, and that of the time unless there is none or a rate is given, and notes.
+    With their columns, and that of the time unless there is none or a rate is given, and notes. A
+    clock that does not matter may be broken, or lack its unit: it is left out with a note.
     """
-    clocked = file.options.rate or file.column("time")
-    chosen = channels.choose(file, channels.timed(file, *roles) if clocked else roles)
-    if clocked:
-        return chosen, *recorded(file, chosen)
+    left_out = []
+    if file.options.rate or file.column("time"):
+        try:
+            chosen = channels.choose(file, channels.timed(file, *roles))
+            return chosen, *recorded(file, chosen)
+        except ReadError as error:
+            if clock_matters:
+                raise
+            left_out.append(f"the clock is left out: {error}")
+    chosen = channels.choose(file, roles)
     rows, gaps = channels.whole_rows(channels.load_test(file, chosen, least))
-    notes = [*file.table.notes, *channels.rivals(file, chosen), *gaps]
+    notes = [*file.table.notes, *channels.rivals(file, chosen), *gaps, *left_out]
     return chosen, channels.by_role(rows, chosen), notes
 
 
