@@ -50,9 +50,14 @@ def answer(message: str) -> ReadOptions:
     """The options that a message proposes, as a user would paste them."""
     words = shlex.split(re.search(r"if so, add (.*)", message)[1])  # type: ignore[index]
     given: dict[str, list[str]] = {}
+    units: dict[str, str] = {}
     for flag, value in zip(words[::2], words[1::2], strict=True):
-        given.setdefault(flag.removeprefix("--"), []).append(value)
-    units = parse_units(given.pop("units")[0])
+        if flag == "--units":
+            units = parse_units(value)
+            continue
+        assert flag == "--column"
+        role, _, name = value.partition("=")
+        given.setdefault(role, []).append(name)
     several = tuple(given.pop("acceleration", ()))
     named = {name: values[0] for name, values in given.items()}
     return ReadOptions(units=units, acceleration=several, **named)
@@ -66,7 +71,7 @@ def test_a_unit_that_makes_no_test_is_asked_about(
     path.write_text(
         bench(*factors, head=under(heading, ("time [s]", "displacement [mm]", "force [N]")))
     )
-    with pytest.raises(ReadError, match=f'Then add --units "{meant}"'):
+    with pytest.raises(ReadError, match=rf"\(--units {meant}\)$"):
         read_relaxation(path)
     test = read_relaxation(path, options=ReadOptions(units=parse_units(meant)))
     wanted = [
@@ -116,7 +121,7 @@ def test_a_unit_that_makes_no_hammer_is_asked_about(
         heading, ("time [s]", "hammer [N]", "acceleration 1 [m/s^2]", "acceleration 2 [m/s^2]")
     )
     path.write_text(hammer(head=head))
-    with pytest.raises(ReadError, match=f'Then add --units "{meant}"'):
+    with pytest.raises(ReadError, match=rf"\(--units {meant}\)$"):
         read_impact(path)
     test = read_impact(path, options=ReadOptions(units=parse_units(meant)))
     np.testing.assert_allclose(test.force, np.array(rows("hammer.csv"))[:, 1])

@@ -30,14 +30,20 @@ HARD: Mapping[str, Limits] = MappingProxyType({
 
 def refuse_absurd_record(noun: Any) -> None:
     """Refuse a record of force over displacement that no one means; its time may be None."""
-    spans = {name: getattr(noun, name) for name in ("displacement", "time")}
+    moved = {name: getattr(noun, name) for name in ("displacement", "time")}
+    spans = {
+        name: None if one is None else float(one.max() - one.min()) for name, one in moved.items()
+    }
+    hint = 'Check the unit: units="s, mm, N" in Python, --units displacement=mm at the command line'
+    if 0 < (spans["displacement"] or 0.0) < HARD["displacement"].least:
+        hint += (
+            ". If it is right, nothing moves: the record begins after its ramp; start recording a "
+            "second before the ramp"
+        )
     refuse_absurd(
-        'Check the unit: units="s, mm, N" in Python, --units displacement=mm at the command line',
+        hint,
         force=float(abs(noun.force).max()),
-        **{
-            name: None if one is None else float(one.max() - one.min())
-            for name, one in spans.items()
-        },
+        **spans,
     )
 
 
