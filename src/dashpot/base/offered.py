@@ -8,7 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from importlib import import_module
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+    from dashpot.plot.picture import Picture
 
 LINES = 15
 """Of a noun in a shell."""
@@ -44,7 +51,18 @@ class Described:
         cut = [*lines[: LINES - 1], "..."] if len(lines) > LINES else lines
         return "\n".join((f"{type(self).__name__}: {cut[0]}", *cut[1:]))
 
-    def to_pandas(self) -> Any:
+    def save(self, path: str | Path) -> Path:
+        """Write it: ``.json``, ``.csv``, ``.html``, or its picture as ``.png``, ``.svg``, ``.pdf``.
+
+        Raises
+        ------
+        ExportError
+            If it is not written so.
+        """
+        saved: Path = verb("report.saving", "save")(self, path)
+        return saved
+
+    def to_pandas(self) -> pd.DataFrame:
         """The numbers as a :class:`pandas.DataFrame`; units stand in its ``attrs``.
 
         Raises
@@ -52,9 +70,10 @@ class Described:
         DataError
             If pandas is not installed (``pip install "dashpot[frames]"``).
         """
-        return verb("workflow.frames", "to_pandas")(self)
+        frame: pd.DataFrame = verb("workflow.frames", "to_pandas")(self)
+        return frame
 
-    def to_xarray(self) -> Any:
+    def to_xarray(self) -> xr.Dataset:
         """The numbers as an :class:`xarray.Dataset`; each variable carries its unit.
 
         Raises
@@ -62,15 +81,17 @@ class Described:
         DataError
             If xarray is not installed (``pip install "dashpot[frames]"``).
         """
-        return verb("workflow.frames", "to_xarray")(self)
+        dataset: xr.Dataset = verb("workflow.frames", "to_xarray")(self)
+        return dataset
 
 
 class Pictured(Described):
     """One that has a picture, too: in a notebook it shows itself."""
 
-    def plot(self) -> Any:
+    def plot(self) -> Picture:
         """Its :class:`~dashpot.plot.picture.Picture`, which :func:`dashpot.plot.save` writes."""
-        return verb("report.notebook", "picture")(self)
+        drawn: Picture = verb("report.notebook", "picture")(self)
+        return drawn
 
     def _repr_html_(self) -> str:
         """Its picture and its words, for a notebook."""

@@ -224,7 +224,7 @@ def read_model(path: str) -> tuple[dp.GeneralizedMaxwell, TemperatureLaw | None]
     found = workflow.stored(path)
     if isinstance(found, dp.Fit):
         return found.model, found.temperature_law
-    if isinstance(found, dp.GeneralizedMaxwell | dp.FractionalZener | dp.Parallel):
+    if isinstance(found, dp.GeneralizedMaxwell | dp.solids.FractionalZener | dp.solids.Parallel):
         return found.maxwell, None
     raise ReadError(f"{path} holds a {type(found).__name__}; expected a fit or a model")
 

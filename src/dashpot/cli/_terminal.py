@@ -130,9 +130,13 @@ def _short(check: list[str]) -> list[str]:
 
 def _counted(checks: Sequence[Check]) -> str:
     """Return how many checks passed, failed, are a note, and have nothing to judge."""
-    states = ["note" if one.failed and one.grade == "note" else one.passed for one in checks]
+    each_once = dict.fromkeys(checks)  # several tests may give one and the same answer
+    states = ["note" if one.failed and one.grade == "note" else one.passed for one in each_once]
     words = ((True, "passed"), (False, "failed"), ("note", "note"), (None, "not applicable"))
-    return ", ".join(f"{states.count(state)} {word}" for state, word in words if state in states)
+    each = [(states.count(state), word) for state, word in words]
+    return ", ".join(
+        f"{count} {word}{'s' * (word == 'note' and count > 1)}" for count, word in each if count
+    )
 
 
 @contextmanager

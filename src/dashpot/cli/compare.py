@@ -55,24 +55,25 @@ def command(*, files: tuple[str, ...], **said: Any) -> Outcome:
         raise click.UsageError(f"Give what {first} is compared with: a measurement, an FRF, a lot.")
     found = recognised([_place(path) for path in files], said["options"])
     kinds = {path: kinds_of(found)[_place(path)] for path in files}
-    refuse_others(command, click.get_current_context(), {first: kinds[first]})
     one, rest_ = kinds[first], {kinds[path] for path in others}
-    if one == _LOT and rest_ == {_LOT} and len(others) == 1:
+    lots = one == _LOT and rest_ == {_LOT} and len(others) == 1
+    if not (lots or (one in {_SOLID, *_MEASURED} and rest_ <= _MEASURED)):
+        is_ = "; ".join(f"{path} is {called(kinds[path])}" for path in files)
+        raise click.UsageError(
+            f"{is_}. Compare a fit with a measurement, an FRF with an FRF, or a lot with a lot."
+        )
+    refuse_others(command, click.get_current_context(), {first: one})
+    if lots:
         return _lots(first, others[0], said["quantities"])
-    if one == _SOLID and rest_ <= _MEASURED:
+    if one == _SOLID:
         tell({path: found[path] for path in others})
         names = ("records", "mass", "seal_mass", "compression", "band", "hammer")
         return _prediction(
             first, others, seals=said["seals"], picture=said["picture"], reading=said["options"],
             **{name: said[name] for name in names},
         )  # fmt: skip
-    if one in _MEASURED and rest_ <= _MEASURED:
-        tell(found)
-        return _frfs(first, others, said)
-    is_ = "; ".join(f"{path} is {called(kinds[path])}" for path in files)
-    raise click.UsageError(
-        f"{is_}. Compare a fit with a measurement, an FRF with an FRF, or a lot with a lot."
-    )
+    tell(found)
+    return _frfs(first, others, said)
 
 
 def _place(path: str) -> str:

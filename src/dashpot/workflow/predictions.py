@@ -357,7 +357,7 @@ def _sound(frf: FRF, peak: tuple[float, float], found: Fit) -> str:
     hz, height = peak
     name, unit = frf.kind.replace("_", " "), frf.unit
     return (
-        f"peak of the {name}: {height:.4g}{f' {unit}' if unit != '1' else ''} at {hz:.4g} Hz. "
+        f"peak of the {name} {height:.4g}{f' {unit}' if unit != '1' else ''} at {hz:.4g} Hz. "
         f"The model is valid from {hertz(found.band)}"
     )
 

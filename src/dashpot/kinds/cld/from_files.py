@@ -165,7 +165,7 @@ def cld_of(
     `names` are put before what is wrong with one of them, `cycle` is the one of the figures.
     """
     if limits is not None and len(tests) < 2:
-        raise ReadError("--limits are of several pieces; name a file for each, or leave them out")
+        raise ReadError("--force-limits are of several pieces: name a file for each, or leave out")
     pieces = _figures(tests, names or [""] * len(tests), cycle, at=at, between=between)
     found = Pieces(pieces, (), None, _worst(pieces))
     if not memory and limits is None and _several_speeds(pieces):
