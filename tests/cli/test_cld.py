@@ -112,7 +112,7 @@ def test_what_does_not_go_is_refused(folder, words, says):
     [
         ("time [s],displacement [m],force [N]", "is the unit mm?"),
         ("time [s],displacement [um],force [N]", "is the unit mm?"),
-        ("time [s],displacement [mm],force [kN]", "is the unit N?"),
+        ("time [s],displacement [mm],force [MN]", "is the unit kN?"),
         ("time [s],displacement [mm],force", "unit"),
     ],
 )

@@ -252,6 +252,7 @@ def touches_along(pressed: FloatArray, along: FloatArray, length: float) -> Chec
         length=length,
         least=float(pressed[worst]),
         where=float(along[worst]),
+        most=float(pressed.max()),
     )
 
 

@@ -25,13 +25,14 @@ from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF
 from dashpot.records.specimen import Specimen
 from dashpot.solids.part import Block, Disc
+from dashpot.vibration.impact.checks import scatter_known
 from dashpot.workflow.job import HammerChoices, RodChoices
 from dashpot.workflow.measured import read_measured
 from dashpot.workflow.part import pad
 
 _LIGHTEST, _HEAVIEST = 5.0, 2e4
 """Of a foam and of a metal, kg/m^3."""
-_ERRORS = ("gain", "phase", "mass", "length", "area", "density")
+_ERRORS = ("gain", "phase", "mass", "length", "area", "density", "poisson")
 
 
 @dataclass(frozen=True, repr=False)
@@ -75,7 +76,9 @@ class Rod(Judged, Documented):
     @property
     def checks(self) -> tuple[Check, ...]:
         """Of the FRF, of the inversion, and of the fit."""
-        own = (*self.frf.checks, *self.modulus.checks)
+        # of an FRF without coherence the lines themselves show how they scatter
+        seen = tuple(one for one in self.frf.checks if one.name != scatter_known.name)
+        own = (*seen, *self.modulus.checks)
         return own if self.fit is None else self.fit.checks
 
     @property
@@ -171,9 +174,9 @@ def rod_under(
         frf, part, mass=mass, density=density, bonded=bonded, errors=errors, band=band
     )
     own = density * part.area * part.height
-    found = Rod(frf, modulus, part, bonded, mass, own, errors, None)
+    found = Rod(frf, modulus, part, bonded, mass, own, modulus.errors, None)
     try:
-        fit = fit_rod(modulus, errors=errors, arms=arms, family=family, specimen=specimen)
+        fit = fit_rod(modulus, arms=arms, family=family, specimen=specimen)
     except FitError as error:
         return replace(found, reason=str(error))
     step = Step(
@@ -197,9 +200,14 @@ def _part(rod: RodChoices) -> Disc | Block:
             "a rod's shape turns motion into a modulus: give "
             "--shape disc:DIAMETER,LENGTH or --shape block:WIDTH,WIDTH,LENGTH"
         )
-    return pad("disc", rod.disc) if rod.block is None else pad("block", rod.block)
+    shape = pad("disc", rod.disc) if rod.block is None else pad("block", rod.block)
+    if rod.poisson is None:
+        return shape
+    if rod.lubricated:
+        raise DataError("--poisson is asked of bonded ends; leave it or --lubricated out")
+    return replace(shape, poisson=rod.poisson)
 
 
 def _errors(rod: RodChoices) -> RodErrors:
     """As standard deviations."""
-    return RodErrors(gain=rod.gain_error, phase=rod.phase_error)
+    return RodErrors(gain=rod.gain_error, phase=rod.phase_error, mass=rod.mass_error)
