@@ -53,9 +53,14 @@ def answer(message: str) -> ReadOptions:
     """The options that a message proposes, as a user would paste them."""
     words = shlex.split(re.search(r"if so, add (.*)", message)[1])  # type: ignore[index]
     given: dict[str, list[str]] = {}
+    units: dict[str, str] = {}
     for flag, value in zip(words[::2], words[1::2], strict=True):
-        given.setdefault(flag.removeprefix("--"), []).append(value)
-    units = parse_units(given.pop("units")[0])
+        if flag == "--units":
+            units = parse_units(value)
+            continue
+        assert flag == "--column"
+        role, _, name = value.partition("=")
+        given.setdefault(role, []).append(name)
     several = tuple(given.pop("acceleration", ()))
     named = {name: values[0] for name, values in given.items()}
     return ReadOptions(units=units, acceleration=several, **named)

@@ -74,6 +74,8 @@ def fit(
     model: str = ...,
     band: Range | None = ...,
     lubricated: bool = ...,
+    mass_sd: Quantity | None = ...,
+    poisson: float | None = ...,
 ) -> Fit: ...
 @overload
 def fit(
@@ -428,6 +430,8 @@ def _rod(
     model: FamilyAsked = "maxwell",
     band: Range | None = None,
     lubricated: bool = False,
+    mass_sd: Quantity | None = None,
+    poisson: float | None = None,
     hammer: HammerChoices | None = None,
 ) -> Fit:
     from dashpot.workflow.rods import rod_under
@@ -446,6 +450,8 @@ def _rod(
         arms=arms,
         family=model,
         band=hertz,
+        mass_sd=si(mass_sd, "mass"),
+        poisson=poisson,
     )
     if found.fit is None:
         raise FitError(found.reason)
