@@ -340,12 +340,10 @@ class RodChoices:
     lubricated: bool = option(False, "The ends slide.", is_flag=True)
     gain_error: float = option(0.01, "Gain error between the sensors, e.g. 1%.", unit="strain")
     phase_error: float = option("1deg", "Phase error between the sensors.", unit="angle")
-    mass_error: float = option(0.01, "Error of the mass, e.g. 0.3%.", unit="strain")
-    poisson: float | None = option(None, "Poisson's ratio of the rod, bonded (0.4995).")
 
     def __post_init__(self) -> None:
         si_fields(self)
-        for name in ("gain_error", "phase_error", "mass_error"):
+        for name in ("gain_error", "phase_error"):
             value = getattr(self, name)
             if not 0 <= value < 1:
                 raise DataError(

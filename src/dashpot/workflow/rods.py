@@ -14,6 +14,7 @@ from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.choices import FamilyAsked
 from dashpot.base.documents import Documented, plain
 from dashpot.base.errors import DataError, FitError
+from dashpot.base.offered import Judged
 from dashpot.base.provenance import Step
 from dashpot.base.units import written
 from dashpot.io.options import ReadOptions
@@ -34,8 +35,8 @@ _LIGHTEST, _HEAVIEST = 5.0, 2e4
 _ERRORS = ("gain", "phase", "mass", "length", "area", "density", "poisson")
 
 
-@dataclass(frozen=True)
-class Rod(Documented):
+@dataclass(frozen=True, repr=False)
+class Rod(Judged, Documented):
     """What ``dashpot fit`` found.
 
     Attributes
@@ -115,6 +116,8 @@ def rod_files(
     arms: int | Literal["auto"] = "auto",
     family: FamilyAsked = "maxwell",
     band: tuple[float, float] | None = None,
+    mass_sd: float | None = None,
+    poisson: float | None = None,
     hammer: HammerChoices | None = None,
     specimen: Specimen | None = None,
     options: ReadOptions | None = None,
@@ -135,6 +138,10 @@ def rod_files(
         Of the solid that is fitted to the usable band.
     band : (float, float), optional
         Lines to use, Hz.
+    mass_sd : float, optional
+        Standard deviation of the mass, kg; 1 % by default: no line shows a mass that is off.
+    poisson : float, optional
+        Of the rod, which its bonded ends ask; by default that of a rubber.
     hammer, options, specimen
         How the files are read.
     """
@@ -144,7 +151,7 @@ def rod_files(
     )  # fmt: skip
     return rod_under(
         frf, mass=mass, density=density, rod=rod, arms=arms, family=family, band=band,
-        specimen=specimen,
+        mass_sd=mass_sd, poisson=poisson, specimen=specimen,
     )  # fmt: skip
 
 
@@ -157,13 +164,25 @@ def rod_under(
     arms: int | Literal["auto"] = "auto",
     family: FamilyAsked = "maxwell",
     band: tuple[float, float] | None = None,
+    mass_sd: float | None = None,
+    poisson: float | None = None,
     specimen: Specimen | None = None,
 ) -> Rod:
     """Find the modulus of a rod's material from the FRF of the mass on it, judged.
 
     The parameters are those of :func:`rod_files`.
     """
-    part, errors, bonded = _part(rod), _errors(rod), not rod.lubricated
+    part, errors, bonded = (
+        _part(rod),
+        RodErrors(rod.gain_error, rod.phase_error),
+        not rod.lubricated,
+    )
+    if mass_sd is not None:
+        errors = replace(errors, mass=mass_sd / mass)
+    if poisson is not None:
+        if rod.lubricated:
+            raise DataError("Poisson's ratio is asked of bonded ends: give it, or let them slide")
+        part = replace(part, poisson=poisson)
     if not _LIGHTEST <= density <= _HEAVIEST:
         raise DataError(
             f"--density {density:g}: expected {_LIGHTEST:g} to {_HEAVIEST:g} kg/m^3, such as 1100 "
@@ -199,14 +218,4 @@ def _part(rod: RodChoices) -> Disc | Block:
             "a rod's shape turns motion into a modulus: give "
             "--shape disc:DIAMETER,LENGTH or --shape block:WIDTH,WIDTH,LENGTH"
         )
-    shape = pad("disc", rod.disc) if rod.block is None else pad("block", rod.block)
-    if rod.poisson is None:
-        return shape
-    if rod.lubricated:
-        raise DataError("--poisson is asked of bonded ends; leave it or --lubricated out")
-    return replace(shape, poisson=rod.poisson)
-
-
-def _errors(rod: RodChoices) -> RodErrors:
-    """As standard deviations."""
-    return RodErrors(gain=rod.gain_error, phase=rod.phase_error, mass=rod.mass_error)
+    return pad("disc", rod.disc) if rod.block is None else pad("block", rod.block)
