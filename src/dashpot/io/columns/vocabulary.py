@@ -182,11 +182,13 @@ _SPAN = re.compile(
 _RMS = ("rms", "effektiv", "effektivwert", "eff")
 _EAST = MappingProxyType({word: roles for word, roles in FIRST.items() if ord(word[0]) > 0x3000})
 """Words that stand in others without a blank."""
-_STEMS = MappingProxyType({
-    word: roles
-    for word, roles in FIRST.items()
-    if len(word) >= 4 or word in {"weg", "čas"} or word in _EAST
-})
+_STEMS = MappingProxyType(
+    {
+        word: roles
+        for word, roles in FIRST.items()
+        if len(word) >= 4 or word in {"weg", "čas"} or word in _EAST
+    }
+)
 """Words that others end with."""
 
 
