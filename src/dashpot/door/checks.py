@@ -48,9 +48,21 @@ def door_modes_informed(
     )
 
 
-@criterion("part of the line", "<=", 0.0, "by definition: there it leaks")
-def seal_touches(part: float, *, length: float, least: float, where: float) -> Finding:
+@criterion(
+    "part of the line", "<=", 0.0, "by definition: there it leaks",
+    otherwise="stop where nothing is pressed",
+)  # fmt: skip
+def seal_touches(part: float, *, length: float, least: float, where: float, most: float) -> Finding:
     """The seal reaches its counterpart all along the line."""
+    if most <= 0:
+        return Finding(
+            f"No station of the seal is pressed: the compression is {written(most, 'mm', '.3g')} "
+            "at most",
+            part,
+            remedy="Check compression, gap and height in [seal], and their units.",
+            faulted=True,
+            grade="stop",
+        )
     return Finding(
         "The seal touches all along the line",
         part,

@@ -7,12 +7,11 @@ from collections.abc import Collection, Iterable
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from typing import NamedTuple
 
-from dashpot import export
 from dashpot.base.checks import Check
 from dashpot.base.errors import ExportError
 from dashpot.base.numbers import counted, decibels, duration, hertz, percent, rounded, shown
 from dashpot.base.units import in_unit, written
-from dashpot.export import DeckText
+from dashpot.export import TARGETS, DeckText
 from dashpot.report.pages import held
 from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.workflow.archive import to_json
@@ -282,9 +281,7 @@ def decks(found: Recommendation) -> tuple[AttachedDeck, ...]:
     made = []
     for target, label, suffix in DECKS:
         try:
-            text = export.TARGETS[target](
-                fit, units="mm-t-s", allow=unknown, frequency_range=(low, high)
-            )
+            text = TARGETS[target](fit, units="mm-t-s", allow=unknown, frequency_range=(low, high))
         except ExportError:
             return ()
         made.append(AttachedDeck(text, label, suffix, ("--to", target, *options)))
