@@ -67,7 +67,8 @@ def _follow(paths: tuple[str, ...], found: tuple[InspectedFile, ...], saved: str
 
 
 def _proposed(found: InspectedFile) -> tuple[str, ...]:
-    return KINDS[found.kind].command if found.kind in KINDS else ()
+    kind = KINDS.get(found.kind)
+    return ("fit",) if kind and kind.meant and not kind.needs else ()
 
 
 def _answer(found: InspectedFile, path: str = "") -> list[str]:

@@ -7,37 +7,22 @@ from pathlib import Path
 from typing import Literal, TypeAlias
 
 from dashpot.base.errors import ReadError
-from dashpot.io.readers.recognise import called
+from dashpot.io.readers.recognise import called, used
+from dashpot.kinds import KINDS, RESPONSES, Meant
 
-Meant: TypeAlias = Literal[
-    "bench", "hits", "modes", "masses", "joint", "level", "rod", "cld", "stress-strain",
-    "indentation",
-]  # fmt: skip
+Fitted: TypeAlias = Meant | Literal["masses", "joint"]
 
-VIBRATION = frozenset({"impact", "frf", "transmissibility"})
-"""Kinds that are of a mass on its seals."""
-TESTS = frozenset({"relaxation", "dma", "master-curve", "modulus", "creep"})
+BENCH = frozenset(kind.name for kind in KINDS.values() if kind.meant == "bench")
 """Kinds of tests of a part on a bench, whose solid is fitted."""
-BENCH = TESTS | {"fit"}
-_ALONE: Mapping[str, Meant] = {
-    "cld": "cld", "stress-strain": "stress-strain", "indentation": "indentation",
-    "strain-sweep": "level", "cyclic": "level",
-}  # fmt: skip
-"""What kinds mean that are fitted with their own kind alone."""
-_NO_FIT = {
-    "temperature-sweep": "it tells no relaxation times; sweep the frequency",
-    "one-frequency": "it tells no relaxation times; sweep the frequency",
-    "fit": "it is fitted already; for a prediction: dashpot predict",
-    "model": "it is a solid already; for a prediction: dashpot predict",
-    "door": "for its modes: dashpot predict",
-    "lot": "to compare it: dashpot compare",
-    "folder": "for a table of its tests: dashpot batch",
-}  # fmt: skip
+VIBRATION = frozenset(
+    kind.name for kind in KINDS.values() if kind.meant == "hits" or kind.name in RESPONSES
+)
+"""Kinds that are of a mass on its seals."""
 
 
 def route(
     kinds: Mapping[str, str], *, masses: int = 0, levels: bool = False, rod: bool = False
-) -> Meant:
+) -> Fitted:
     """Return the fit that records mean.
 
     Parameters
@@ -64,15 +49,10 @@ def route(
     'hits'
     """
     have = set(kinds.values())
-    for kind, meant in _ALONE.items():
-        if have == {kind}:
-            return meant
-    if have <= {"strain-sweep", "cyclic"}:
-        return "level"
     shaken = have & VIBRATION
     if shaken and have <= VIBRATION:
         return _of_vibration(kinds, masses=masses, levels=levels, rod=rod)
-    if shaken and have <= VIBRATION | BENCH:
+    if shaken and have <= VIBRATION | BENCH | {"fit"}:
         if masses:
             _refuse_several(kinds)
             return "joint"
@@ -80,15 +60,16 @@ def route(
             "A test and a hammer file are fitted together under a mass. Give the mass of the "
             "block, such as --mass 104g."
         )
-    if have <= TESTS:
-        return "bench"
+    meant = _alone(have)
+    if meant:
+        return meant
     if len(kinds) == 1:
         ((path, kind),) = kinds.items()
-        raise ReadError(f"{path} is {called(kind)}: {_NO_FIT.get(kind, 'it is not fitted')}.")
+        raise ReadError(f"{path} is {called(kind)}: {used(kind) or 'it is not fitted'}.")
     raise ReadError(f"These records are not fitted together: {_said(kinds)}. Fit them one by one.")
 
 
-def _of_vibration(kinds: Mapping[str, str], *, masses: int, levels: bool, rod: bool) -> Meant:
+def _of_vibration(kinds: Mapping[str, str], *, masses: int, levels: bool, rod: bool) -> Fitted:
     if levels:
         return "level"
     if rod:
@@ -98,11 +79,15 @@ def _of_vibration(kinds: Mapping[str, str], *, masses: int, levels: bool, rod: b
     if masses:
         _refuse_several(kinds)
         return "joint"
-    have = set(kinds.values())
-    if have == {"impact"}:
-        return "hits"
-    if have == {"frf"} or len(kinds) == 1:
-        return "modes"
+    massless = {path: kind for path, kind in kinds.items() if not KINDS[kind].meant}
+    if massless:
+        raise ReadError(
+            f"{_said(massless)}, which tells the stiffness over the mass. Give the mass of the "
+            "block, such as --mass 104g, or of a rod its --density and --shape."
+        )
+    meant = _alone(set(kinds.values()))
+    if meant:
+        return meant
     raise ReadError(f"{_said(kinds)}. They are not fitted together. Fit them one by one.")
 
 
@@ -122,3 +107,9 @@ def _refuse_several(kinds: Mapping[str, str]) -> None:
 def _said(kinds: Mapping[str, str]) -> str:
     """What each file is, in a sentence."""
     return "; ".join(f"{Path(path).name} is {called(kind)}" for path, kind in kinds.items())
+
+
+def _alone(have: set[str]) -> Meant | Literal[""]:
+    """What records mean that are all fitted alike."""
+    words = {KINDS[kind].meant if kind in KINDS else "" for kind in have}
+    return words.pop() if len(words) == 1 else ""

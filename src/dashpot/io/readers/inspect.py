@@ -23,7 +23,7 @@ from dashpot.io.readers.channels import Opened
 from dashpot.io.readers.clocks import own_clocks
 from dashpot.io.readers.dynamic import sweep_columns
 from dashpot.io.readers.frf import settled
-from dashpot.io.readers.recognise import Recognised, recognise_opened, without_table
+from dashpot.io.readers.recognise import Recognised, recognise_opened, used, without_table
 from dashpot.io.readers.shaken import of_mass
 from dashpot.io.source import open_raw
 from dashpot.io.table import FileTable, Loaded, Question
@@ -150,7 +150,7 @@ class Inspection(Pictured):
     @property
     def use(self) -> str:
         """Which command wants such a file, or why none does; empty where that is not known."""
-        return Recognised(self.kind, self.reason, stored=self.format == _DOCUMENT).use
+        return used(self.kind)
 
 
 def inspect_file(path: str | Path, *, options: ReadOptions | None = None) -> Inspection:

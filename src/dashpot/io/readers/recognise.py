@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
 
-from dashpot.base.arrays import kept
+from dashpot.base.arrays import kept, measured
 from dashpot.base.errors import DataError, ReadError
-from dashpot.io.columns.kinds import RECOGNISED, FileKind, KindOfFile, kind_of
+from dashpot.io.columns.kinds import RECOGNISED, KindOfFile, kind_of
 from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import PROFILE, ReadOptions
 from dashpot.io.readers import channels
@@ -18,7 +18,6 @@ from dashpot.io.readers.channels import Opened
 from dashpot.io.readers.relaxation import moving_columns, recorded
 from dashpot.io.source import Raw, like_json, open_raw
 from dashpot.io.toml import tables_of
-from dashpot.records.relaxation import RelaxationTest
 from dashpot.signals.loading import loading_in
 
 _SCHEMA = re.compile(rb'"schema"\s*:\s*"dashpot/([a-z-]+)@')
@@ -29,6 +28,8 @@ _SHOWN: Mapping[str, str] = MappingProxyType({
     "cyclic": "it goes to and fro, and never rests",
     "creep": "its force is held while its displacement goes on",
 })  # fmt: skip
+_LEAST = 8
+"""Samples in which a motion may be seen."""
 _MATERIAL: tuple[Role, ...] = ("strain", "stress")
 _PART: tuple[Role, ...] = ("displacement", "force")
 _FOLDERS = (
@@ -81,8 +82,7 @@ class Recognised:
     @property
     def use(self) -> str:
         """Which command wants it, or why none does; empty where that is not known."""
-        known = OWN if self.stored or self.kind in OWN else RECOGNISED
-        return known[self.kind].use if self.kind in known else ""
+        return used(self.kind)
 
 
 def called(kind: str) -> str:
@@ -96,6 +96,12 @@ def called(kind: str) -> str:
         return known[kind].what
     test = {"unclear": "no test that is known", "not-a-test": "no test"}
     return test.get(kind, f"a stored {kind.replace('-', ' ')}")
+
+
+def used(kind: str) -> str:
+    """Return which command wants a file of a kind, or why none does; empty if that is not known."""
+    known = RECOGNISED if kind in RECOGNISED else OWN
+    return known[kind].use if kind in known else ""
 
 
 def recognise(
@@ -132,7 +138,7 @@ def recognise(
 
 
 @kept
-def recognise_opened(file: Opened) -> tuple[FileKind, str]:
+def recognise_opened(file: Opened) -> tuple[str, str]:
     """Return the kind of a table that is open, and why."""
     kind, reason = kind_of(file.table, file.options)
     if file.options.kind is not None:
@@ -150,11 +156,10 @@ def _loading(file: Opened, pair: tuple[Role, ...]) -> str:
     try:
         chosen, clocks = moving_columns(file, *pair)
         values, _ = recorded(file, chosen, clocks)
-        # refuses what no motion can be seen in
-        test = RelaxationTest(values["time"], *(values[role] for role in pair), units="SI")
+        shown = [measured(role, values[role], minimum=_LEAST) for role in ("time", *pair)]
     except (ReadError, DataError):
         return ""
-    return loading_in(test.time, test.displacement, test.force)
+    return loading_in(*shown)
 
 
 def without_table(path: str | Path) -> Recognised | None:
