@@ -10,6 +10,7 @@ import numpy as np
 
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, FitError, ReadError
+from dashpot.base.plausible import SIZES
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.frf import read_frf
 from dashpot.io.readers.impact import HITS, hits_in
@@ -175,6 +176,8 @@ def total_mass(
     block: float | None, *, seal: float | None, seals: float
 ) -> tuple[float | None, tuple[Check, ...]]:
     """Return the block's mass with what moves of the seals, where both are known."""
+    if block is not None:
+        SIZES["mass"].refuse(block)
     if block is None or seal is None:
         return block, ()
     mass, check = moving_mass(block, seal=seal, seals=seals)

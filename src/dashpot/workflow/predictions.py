@@ -15,6 +15,7 @@ from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.choices import Family
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
+from dashpot.base.plausible import SIZES
 from dashpot.base.numbers import hertz
 from dashpot.base.offered import Judged
 from dashpot.fitting.temperature.checks import temperature_tested
@@ -301,6 +302,7 @@ def prediction(
 
     The other parameters are those of :func:`predict_files`; `swept` is what the sweep says.
     """
+    SIZES["mass"].refuse(mass)
     asked, choices = Kind(kind), at_level or LevelChoices()
     moving, noted = moving_mass(mass, seal=seal_mass or 0.0, seals=seals)
     here = found if temperature is None else found.at_temperature(temperature)
