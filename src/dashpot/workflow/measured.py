@@ -60,7 +60,7 @@ def read_measured(
         return None, shaken(paths, choices=choices, options=options, mass=mass, band=band)[0]
     if len(paths) == 1 and inspect_file(paths[0], options=options).kind in RESPONSES:
         frf = as_measured(read_frf(paths[0], options=options), choices.motion)
-        if frf.kind.over_base and mass is None:
+        if frf.quantity.over_base and mass is None:
             raise ReadError(_NO_MASS)
         return None, judged(frf, band, mass=mass)
     impact = hits_in(list(paths), options, f"an FRF or {HITS}")
@@ -111,7 +111,7 @@ def as_measured(frf: FRF, motion: str) -> FRF:
     """The same, relative where the user says so of the motion of a mass over a base."""
     if motion == "absolute":
         return frf
-    if not frf.kind.over_base:
+    if not frf.quantity.over_base:
         raise ReadError(_NO_BASE)
     return as_relative(frf)
 
@@ -149,7 +149,7 @@ def judged(
     peak = find_peak(near) if main is None else main
     at = int(np.argmin(np.abs(near.frequency - peak.frequency)))
     judged = [frf_dissipates(complex(near.value[at]), float(near.frequency[at]))] * driven
-    if frf.kind.over_base:
+    if frf.quantity.over_base:
         judged.insert(0, mass_over_base(frf))
     if frf.coherence is not None:
         judged.append(coherence(near, at))
@@ -186,6 +186,6 @@ def total_mass(
 
 def relieved(frf: FRF, mass: float | None, seal_mass: float | None, seals: float) -> FRF:
     """Return a transmissibility as seals without mass would show it; another FRF as it is."""
-    if not frf.kind.over_base or mass is None:
+    if not frf.quantity.over_base or mass is None:
         return frf
     return on_light_mounts(frf, mass=mass, coupled=entrained(seal_mass, seals))
