@@ -27,7 +27,26 @@ def verb(module: str, name: str) -> Callable[..., Any]:
     return found
 
 
-class Described:
+class Told:
+    """A result that prints what its command prints, and writes itself to a file."""
+
+    def __str__(self) -> str:
+        text: str = verb("told", "printed")(self)
+        return text
+
+    def save(self, path: str | Path) -> Path:
+        """Write it: ``.json``, ``.csv``, ``.html``, or its picture as ``.png``, ``.svg``, ``.pdf``.
+
+        Raises
+        ------
+        ExportError
+            If it is not written so.
+        """
+        saved: Path = verb("report.saving", "save")(self, path)
+        return saved
+
+
+class Described(Told):
     """A noun that says in a few lines what it is, and gives its numbers as a table.
 
     The dataclass that inherits it is declared ``repr=False`` and has `described`.
@@ -50,17 +69,6 @@ class Described:
         lines = "\n".join(self.described).split("\n")
         cut = [*lines[: LINES - 1], "..."] if len(lines) > LINES else lines
         return "\n".join((f"{type(self).__name__}: {cut[0]}", *cut[1:]))
-
-    def save(self, path: str | Path) -> Path:
-        """Write it: ``.json``, ``.csv``, ``.html``, or its picture as ``.png``, ``.svg``, ``.pdf``.
-
-        Raises
-        ------
-        ExportError
-            If it is not written so.
-        """
-        saved: Path = verb("report.saving", "save")(self, path)
-        return saved
 
     def to_pandas(self) -> pd.DataFrame:
         """The numbers as a :class:`pandas.DataFrame`; units stand in its ``attrs``.
@@ -97,3 +105,14 @@ class Pictured(Described):
         """Its picture and its words, for a notebook."""
         page: str = verb("report.notebook", "html")(self)
         return page
+
+
+class Judged(Pictured):
+    """A result of a verdict: a shell shows that, and `print` all that its command prints."""
+
+    verdict: Any
+
+    @property
+    def described(self) -> tuple[str, ...]:
+        """The verdict."""
+        return (str(self.verdict),)

@@ -712,9 +712,6 @@ class Fit(ByValue, Pictured, Documented):
             f"optimiser: {self.status.value}",
         )
 
-    def __str__(self) -> str:
-        return "\n".join(self.described)
-
     def in_parallel(self, count: float) -> Fit:
         """The fit of `count` such parts side by side: stiffnesses, errors and length scale alike.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,11 @@ from dashpot.records.relaxation import RelaxationTest
 from dashpot.workflow.levels import Levels
 from dashpot.workflow.study import Study
 
-_TABLES = {FRF: write_frf, ImpactTest: write_impact, RelaxationTest: write_relaxation}
+_TABLES: dict[type, Callable[..., str]] = {
+    FRF: write_frf,
+    ImpactTest: write_impact,
+    RelaxationTest: write_relaxation,
+}
 """What is written as a table that every tool here reads back."""
 
 

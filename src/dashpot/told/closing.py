@@ -10,7 +10,13 @@ from dashpot.told.layout import Text, table
 from dashpot.told.text import rounded
 
 if TYPE_CHECKING:
-    from dashpot import Closing
+    from dashpot.door.closing_result import ClosingResult
+    from dashpot.door.slam import Closing
+
+
+def closed(found: ClosingResult) -> Text:
+    """Return how a door closes."""
+    return closing_text(found.closing)
 
 
 def closing_text(found: Closing) -> Text:

@@ -11,7 +11,7 @@ _ROUNDING = 1e-9
 """Of a damping, %."""
 
 
-def door(found: workflow.DoorResult, *, every: bool) -> Text:
+def door(found: workflow.DoorResult, *, every: bool = False) -> Text:
     """The seal line, every mode with what it shares, and what a shaken base does."""
     lines = _line(found)
     parts = list(dict.fromkeys(one.name for mode in found.modes for one in mode.shares))

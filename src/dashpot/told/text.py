@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from dashpot.base import numbers
 from dashpot.base.facts import Fact
@@ -16,12 +16,13 @@ if TYPE_CHECKING:
     from dashpot import Comparison
     from dashpot.base.provenance import Source
     from dashpot.kinds.indentation.from_files import Indentation
+    from dashpot.kinds.indentation.record import IndentationFit
     from dashpot.records.estimate import Residual
     from dashpot.records.fit import Fit
     from dashpot.records.frf import Mode
     from dashpot.records.temperature import TemperatureShifts
     from dashpot.solids.elastic import ElasticLaw
-    from dashpot.workflow.impacts import ImpactResult
+    from dashpot.workflow.impacts import Agreement, ImpactResult
     from dashpot.workflow.levels import Levels
     from dashpot.workflow.predictions import Prediction, ShakenMass
     from dashpot.workflow.study import Study
@@ -287,6 +288,33 @@ def indentation(found: Indentation) -> Text:
     )
 
 
+def contact(found: IndentationFit) -> Text:
+    """Return the same of a fit alone."""
+    from dashpot.kinds.indentation.from_files import Indentation
+
+    return indentation(Indentation(found))
+
+
+def amplitude(found: Any) -> Text:
+    """Return what moves with amplitude, of a fit alone."""
+    from dashpot.workflow.levels import Levels
+
+    return levels(Levels(found, (), found.checks, ()))
+
+
+def agreement(found: Agreement) -> Text:
+    """Return predicted against measured, where the mass rests, and whether it was inferred."""
+    lines = comparison(found.comparison)
+    if str(found.at_rest):
+        lines.append(str(found.at_rest))
+    if found.mass_inferred:
+        lines.append(
+            f"  mass        {written(found.mass, 'g', '.5g')}, inferred from the measured FRF: the "
+            "agreement in frequency then proves nothing; give the mass to test it"
+        )
+    return Text(lines, [f"  {arm}" for arm in found.comparison.arms])
+
+
 def comparison(found: Comparison, joint: Comparison | None = None) -> list[str]:
     """Return predicted against measured, and what both tests together make of it."""
     rows = [["", "predicted", "measured", "difference"], *(list(row) for row in found.rows)]
@@ -317,10 +345,10 @@ def study(found: Study) -> Text:
     return Text([*lines, *solid.lines], [*solid.details, *details])
 
 
-def prediction(found: Prediction, *, mass: float, seals: float) -> Text:
+def prediction(found: Prediction) -> Text:
     """Return a prediction's peak, modes and limits."""
-    hz, height = found.peak
-    on = f"{written(mass, 'g', '.6g')} on {seals:g} seal{'s' * (seals != 1)}"
+    (hz, height), seals = found.peak, found.seals
+    on = f"{written(found.mass, 'g', '.6g')} on {seals:g} seal{'s' * (seals != 1)}"
     does = "largest value" if found.at_edge else "peak"
     kind = found.frf.kind.replace("_", " ")
     lines = [f"{on}: {does} of the {kind} {height:.5g} {found.frf.unit} at {hz:.5g} Hz"]

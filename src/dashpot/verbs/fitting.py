@@ -28,7 +28,7 @@ from dashpot.workflow.job import Cuts, HammerChoices, RodChoices
 from dashpot.workflow.measured import as_measured, average, judged, judged_base
 from dashpot.workflow.measured_modes import modes_of
 from dashpot.workflow.modes import Modes
-from dashpot.workflow.routing import BENCH, Meant, route
+from dashpot.workflow.routing import BENCH, Fitted, route
 from dashpot.workflow.shifting import ShiftChoices
 
 if TYPE_CHECKING:
@@ -83,7 +83,7 @@ def fit(
     second: Vibration,
     /,
     *more: Vibration,
-    mass: Sequence[Quantity],
+    mass: list[Quantity] | tuple[Quantity, ...],
     seals: float = ...,
     band: Range | None = ...,
 ) -> ModesByMass: ...
@@ -374,6 +374,8 @@ def _joint(
         raise FitError("tests are fitted together, or one fit with vibration: leave the fit out")
     struck = [one for one in records if one not in beside]
     frf = frf_of(struck, mass=kilograms, band=hertz, hammer=hammer)
+    said: dict[str, Any] = {"known": known, "rig": rig}
+    said = {name: one for name, one in said.items() if one is not None}
     found = identified(
         frf,
         tests=[prepared(one, machine) for one in tests],
@@ -387,7 +389,7 @@ def _joint(
         hammer=hammer,
         arms=arms,
         family=model,
-        **{name: one for name, one in (("known", known), ("rig", rig)) if one is not None},
+        **said,
     )
     return replace(found.fit, evidence=replace(found.fit.evidence, checks=found.checks))
 
@@ -515,12 +517,12 @@ def _indentation(records: list[Any], *, model: ImpactLawAsked = "auto") -> Inden
     return fit_indentation(records[0], law=model)
 
 
-_FITS: Mapping[Meant, Callable[..., Any]] = {
+_FITS: Mapping[Fitted, Callable[..., Any]] = {
     "bench": _bench, "hits": _hits, "modes": _modes, "masses": _masses, "joint": _joint,
     "level": _level, "rod": _rod, "cld": _cld, "stress-strain": _stress_strain,
     "indentation": _indentation,
 }  # fmt: skip
-_CALLED: Mapping[Meant, str] = {
+_CALLED: Mapping[Fitted, str] = {
     "bench": "tests on a bench", "hits": "hits without a mass", "modes": "FRFs without a mass",
     "masses": "FRFs under several masses", "joint": "vibration under a mass",
     "level": "amplitudes and levels", "rod": "a rod", "cld": "load deflection",
@@ -590,7 +592,7 @@ def set_of(records: Sequence[Any]) -> FRFSet:
     return FRFSet(tuple(frfs))
 
 
-def shape_words(shape: str | Any) -> dict[str, str]:
+def shape_words(shape: str | Any) -> dict[str, Any]:
     """Return the shape of a part as its options have it: ``{"disc": "20mm,20mm"}``.
 
     Raises
@@ -599,8 +601,8 @@ def shape_words(shape: str | Any) -> dict[str, str]:
         If it is no shape.
     """
     if not isinstance(shape, str):
-        lengths = (repr(value) for name, value in vars(shape).items() if not name.startswith("_"))
-        return {type(shape).__name__.lower(): ",".join(f"{one}m" for one in lengths)}
+        metres = (value for name, value in vars(shape).items() if not name.startswith("_"))
+        return {type(shape).__name__.lower(): ",".join(f"{one!r}m" for one in metres)}
     name, colon, lengths = shape.partition(":")
     if not colon or name not in {"disc", "block", "bush", "bulb"}:
         raise DataError(f"shape='{shape}': expected a shape with its lengths, disc:20mm,20mm")

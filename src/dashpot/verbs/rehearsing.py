@@ -70,9 +70,10 @@ def plan(
     >>> planned.expected.loss_factor_sd > 0.1
     True
     """
+    from dashpot.planning.asked import HammerPlan
     from dashpot.planning.bench import Bench
     from dashpot.planning.plan import plan as planned
-    from dashpot.planning.supposed import HammerPlan, SupposedSeal
+    from dashpot.planning.supposed import SupposedSeal
 
     solid, law, _ = _known(seal)
     bench = Bench(
@@ -174,7 +175,7 @@ def simulate(
     from dashpot import simulation
 
     solid, law, mass = _known(seal)
-    makers = {
+    makers: dict[str, tuple[Any, Any, dict[str, str]]] = {
         "relaxation": (simulation.simulate_relaxation, simulation.Rig, _TIMES | {"depth": "depth"}),
         "creep": (simulation.simulate_creep, simulation.Rig, _TIMES | {"load": "load"}),
         "impact": (simulation.simulate_impact, simulation.Hammer, _HITS),

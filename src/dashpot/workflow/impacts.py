@@ -13,6 +13,7 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError, ReadError
+from dashpot.base.offered import Judged
 from dashpot.base.units import written
 from dashpot.base.version import byline
 from dashpot.io.options import ReadOptions
@@ -219,8 +220,8 @@ def held_against(
     )
 
 
-@dataclass(frozen=True)
-class Agreement(Documented):
+@dataclass(frozen=True, repr=False)
+class Agreement(Judged, Documented):
     """What ``dashpot compare`` found.
 
     Attributes
@@ -409,8 +410,8 @@ class Direct(Documented):
         return head + "".join(",".join(map(repr, row)) + "\n" for row in rows)
 
 
-@dataclass(frozen=True)
-class Identified(Documented):
+@dataclass(frozen=True, repr=False)
+class Identified(Judged, Documented):
     """What ``dashpot fit`` found.
 
     Attributes

@@ -52,7 +52,7 @@ class Modes(Pictured, Documented, Sequence[Mode]):
     >>> import dashpot as dp
     >>> found = dp.fit(dp.simulate("impact", seal="broad", hits=3))
     >>> len(found), round(found[0].damping_ratio, 3)
-    (1, 0.028)
+    (1, 0.029)
     """
 
     frf: FRF

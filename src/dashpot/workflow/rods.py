@@ -14,6 +14,7 @@ from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.choices import FamilyAsked
 from dashpot.base.documents import Documented, plain
 from dashpot.base.errors import DataError, FitError
+from dashpot.base.offered import Judged
 from dashpot.base.provenance import Step
 from dashpot.base.units import written
 from dashpot.io.options import ReadOptions
@@ -34,8 +35,8 @@ _LIGHTEST, _HEAVIEST = 5.0, 2e4
 _ERRORS = ("gain", "phase", "mass", "length", "area", "density", "poisson")
 
 
-@dataclass(frozen=True)
-class Rod(Documented):
+@dataclass(frozen=True, repr=False)
+class Rod(Judged, Documented):
     """What ``dashpot fit`` found.
 
     Attributes
