@@ -1238,6 +1238,7 @@ CLD = [
 LOTS = [
     Case("files_fitted", lambda x: lots.files_fitted(int(x), 9), 0, 1),
     Case("fits_usable", lambda x: lots.fits_usable(int(x), 9), 0, 1),
+    Case("scatter_normal", lambda x: lots.scatter_normal("seal", x), 0.251, 0.249),
     Case("hammers_compared", lambda x: lots.hammers_compared(int(x), 9), 0, 1),
     Case("tests_alike", lambda x: lots.tests_alike(int(x), 9), 0, 1),
     Case("records_distinct", lambda x: lots.records_distinct(int(x), 9), 0, 1),
@@ -1470,7 +1471,7 @@ LIMITS = {
     "lots": {"files_fitted": 0, "fits_usable": 0, "hammers_compared": 0,
              "tests_alike": 0, "records_distinct": 0, "seals_within_limits": 0,
              "stands_out_of_lot": 0, "asked_in_band": 0, "lots_tested_alike": 0,
-             "seals_named": 0},
+             "seals_named": 0, "scatter_normal": 0.25},
     "planning": {"tip_excites": -10},
     "door": {
         "door_modes_informed": 1, "seal_touches": 0, "stations_suffice": 1e-3,
@@ -1507,7 +1508,7 @@ LIMITS = {
 GRADES = {
     "note": {
         "door": {"line_closed", "faster_doors_close"},
-        "lots": {"stands_out_of_lot"},
+        "lots": {"stands_out_of_lot", "scatter_normal"},
         "kinds/cld": {"unloading_recorded", "length_given"},
         "preparation": {
             "baseline_recorded", "single_loading", "overshoot_small", "range_used",
