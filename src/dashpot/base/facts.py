@@ -103,7 +103,7 @@ class Fact(Documented):
 
     @property
     def bound_alone(self) -> bool:
-        """Whether all that is known is what it is at most."""
+        """Whether all that is known of it, beside its value, is what it is at most."""
         return self.low == 0 and self.error is None
 
     @property
@@ -132,9 +132,15 @@ class Fact(Documented):
 
     @property
     def size(self) -> float:
-        """Its standard error in the unit that people read; else a quarter of its interval."""
+        """Its standard error in the unit that people read; else a quarter of its interval.
+
+        Of a bound alone half of what lies between, and no less than a thousandth of it.
+        """
         if self.error is not None:
             return self.error * self.scale
+        if self.bound_alone:
+            away = 0.0 if math.isnan(self.value) else (self.high - self.value) / 2
+            return max(away, 1e-3 * self.high) * self.scale
         return (self.high - self.low) / 4 * self.scale
 
     @property
@@ -142,7 +148,10 @@ class Fact(Documented):
         """The row that every table of it has: to two digits of its error, or of its interval."""
         value, low, high = map(self.shown, (self.value, self.low, self.high))
         if self.bound_alone:
-            return Cells(self.called, "", "", f"below {rounded(high)}", self.word)
+            if math.isnan(value):
+                return Cells(self.called, "", "", f"below {rounded(high)}", self.word)
+            told, most = rounded(value, self.size), rounded(high, self.size)
+            return Cells(self.called, told, "", f"at most {most}", self.word)
         error = "" if self.error is None else _error(self.size)
         between = ""
         if self.bounded and error not in (HELD, UNKNOWN):
@@ -172,7 +181,8 @@ class Fact(Documented):
         """In words, with its interval."""
         cells = self.cells
         if self.bound_alone:
-            return f"{self.called} {cells.interval} {cells.unit}".rstrip()
+            own = (self.called, cells.value, cells.interval, cells.unit)
+            return " ".join(filter(None, own))
         own = f"{self.called} {cells.with_unit}"
         return f"{own}, 95 % {cells.interval}" if cells.interval else own
 

@@ -14,7 +14,7 @@ from dashpot.base.numbers import rounded
 from dashpot.base.status import Status
 from dashpot.base.units import celsius, written
 from dashpot.preparation.contact import MIN_BASELINE, Baseline, Touch
-from dashpot.preparation.denoising import true_motion
+from dashpot.preparation.denoising import CORNERS, LOST, bends, but_corners, true_motion
 from dashpot.preparation.noise import median_of_three, spikes, usual_scatter
 from dashpot.preparation.segments import RampHoldCycle, listed
 from dashpot.records.creep import LoadHold
@@ -25,6 +25,8 @@ LAW = "by law; a tenth for noise and drift"
 MIN_QUANTA = 20.0
 MAX_PRELOAD = 0.05
 LATE_START = 0.2
+# what a smaller one still relaxes is in the limits, and no law bends by so much of its depth
+LARGE_PRELOAD = 0.1
 MAX_OVERSHOOT = 0.05
 MIN_HOLD_OVER_RAMP = 10.0
 MIN_RAMP_SAMPLES = 10.0
@@ -36,8 +38,12 @@ MAX_STIR = 0.01
 MAX_LOAD_CHANGE = 0.02
 # K that a temperature may be misread by, and that a chamber may drift over a record
 MAX_MISREAD, MAX_WARMED = 1.0, 1.0
-# so many samples may lie beside the sharp corners of a ramp
-CORNERS = 6
+# a loss, in noises, that the weights of the ramp's rows do not count
+GROSSLY = 0.5
+# bends of a motion that steps, at least
+TO_AND_FRO = 8
+# pauses on either side of one, to compare it with
+BESIDE = 5
 
 
 # -- what the file says of the temperature --------------------------------------------------------
@@ -119,7 +125,8 @@ def contact_found(touch: Touch, depth: float, *, given: bool) -> Finding:
     "preload / rise of the force",
     "<=",
     MAX_PRELOAD,
-    otherwise=f"stop beyond {LATE_START} where the plate moves already",
+    grade="note",
+    otherwise=f"limit beyond {LARGE_PRELOAD}; stop beyond {LATE_START} of a plate that moves already",
 )
 def preload_absent(carried: float, rise: float, *, moving: bool = False) -> Finding:
     """The load cell reads zero, near enough, before the ramp."""
@@ -140,7 +147,7 @@ def preload_absent(carried: float, rise: float, *, moving: bool = False) -> Find
         else "; if that is its offset, the tare removes it rightly; if the seal was already "
         "pressed, the stiffnesses are those about that preload, and what it still relaxes is "
         "taken for drift: tare in air, or start from rest",
-        grade="stop" if late else None,
+        grade="stop" if late else "limit" if share > LARGE_PRELOAD else None,
     )
 
 
@@ -212,6 +219,32 @@ def samples_unbroken(test: RampHold) -> Finding:
     )
 
 
+@criterion(
+    "pause / time since onset",
+    "<=",
+    0.25,
+    "our choice; or 3 times the pauses beside it, or 5 % of the rest",
+    otherwise="stop if it is longer than all the rest",
+)
+def clock_steady(test: RampHold) -> Finding:
+    """The clock runs on without a jump, from onset to the end of the hold."""
+    used = test.time[int(np.searchsorted(test.time, test.onset)) : test.hold.stop]
+    if len(used) <= BESIDE:
+        return Finding("the record is too short to judge its clock")
+    pauses, since = np.diff(used), np.maximum(used[:-1] - test.onset, test.ramp_time)
+    worst = int(np.argmax(pauses / since))
+    jump, rest = float(pauses[worst]), float(used[-1] - used[0] - pauses[worst])
+    near = np.delete(pauses[max(worst - BESIDE, 0) : worst + BESIDE + 1], min(worst, BESIDE))
+    return Finding(
+        f"the longest pause for its place, {jump:.3g} s, comes {since[worst]:.3g} s after onset",
+        float(jump / since[worst]),
+        ". The clock jumped, or the record was interrupted: later times, and the slow arms, are "
+        "not known. Cut the record there, or mend its clock",
+        excused=jump <= 3 * float(near.max()) or jump <= 0.05 * rest,
+        grade="stop" if jump > rest else None,
+    )
+
+
 @criterion("lone samples", "<=", 0.0, source="by definition")
 def spikes_absent(test: RampHold) -> Finding:
     """No lone sample stands apart in either channel."""
@@ -230,7 +263,12 @@ def spikes_absent(test: RampHold) -> Finding:
 
 
 @criterion(
-    "force lost / noise", "<=", MAX_UNRESOLVED, "our choice: 1 noise SD over the samples of a step"
+    "force lost / noise",
+    "<=",
+    MAX_UNRESOLVED,
+    "our choice: 1 noise SD over the samples of a step",
+    grade="note",
+    otherwise=f"limit where the motion steps, and beyond {GROSSLY}",
 )
 def motion_resolved(test: RampHold) -> Finding:
     r"""The samples follow the motion between them.
@@ -243,30 +281,30 @@ def motion_resolved(test: RampHold) -> Finding:
     time, force = test.time[: len(x)], test.force[: len(x)]
     if len(x) < 4 * CORNERS:
         return Finding("the ramp has too few samples to tell how its motion bends between them")
-    steps = np.diff(time)
-    missed = np.abs(np.diff(np.diff(x) / steps)) * np.maximum(steps[1:], steps[:-1]) / 8
-    if not test.encoder_step:
-        # three standard deviations of what noise alone bends
-        missed = np.maximum(missed - 3 * 6**0.5 / 8 * left[1:-1], 0.0)
+    missed = bends(ramp, time, x, left)
     pressed = x > 0.2 * test.depth
     stiffness = float(((force[pressed] - test.preload) / x[pressed]).max(initial=0.0))
-    worst = float(np.partition(missed, -CORNERS)[-CORNERS]) * stiffness
+    worst = but_corners(np.abs(missed)) * stiffness
     value = worst / max(test.force_noise, 1e-3 * float(force.max()))
-    needed = np.sqrt(value / MAX_UNRESOLVED) / median(steps)
+    needed = np.sqrt(value / MAX_UNRESOLVED) / median(np.diff(time))
+    # a motor bends to and fro all along the ramp, a servo swings a few times
+    seen = missed[np.abs(missed) * stiffness * value > LOST * worst]
+    steps_on = value > LOST and np.count_nonzero(np.diff(np.sign(seen))) >= TO_AND_FRO
     return Finding(
         f"between two samples the motion bends by what would be {written(worst, 'mN', '.2g')}",
         value,
         f", {value:.2g} of the noise at each of many samples: it is finer than the sampling, and "
         f"fast arms follow what is missed; sample at {rounded(needed, digits=2)} Hz or faster",
+        faulted=bool(steps_on),
+        grade="limit" if steps_on or value > GROSSLY else None,
     )
 
 
 @criterion("readings that moved in the later half", ">", 0.0, "by definition")
 def motion_measured(test: RampHold) -> Finding:
     """The displacement of the hold is a reading that would show a creeping crosshead."""
-    x, force = test.travel[test.hold], test.force[test.hold]
+    force, moved = test.force[test.hold], test.readings_moved
     part, middle = max(len(force) // 20, 1), len(force) // 2
-    moved = int(np.count_nonzero(np.diff(x[middle:])))
     if moved:
         return Finding("the displacement of the hold is read, not commanded", float(moved))
     fall = float(force[middle : middle + part].mean() - force[-part:].mean())
