@@ -111,7 +111,7 @@ def run(place: Path | None, pattern: str) -> None:
 
     kept: dict[str, Any] = {}
     with tempfile.TemporaryDirectory() as room, contextlib.chdir(room):
-        CliRunner().invoke(main, ["example", "--all", "-o", "."])
+        CliRunner().invoke(main, ["demo", "--files", "--all", "-o", "."])
         for name, head, columns in tables():
             rows = (",".join(f"{v:.8g}" for v in row) for row in zip(*columns, strict=True))
             Path(name).write_text("\n".join([head, *rows, ""]), encoding="utf-8")

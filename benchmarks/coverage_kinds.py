@@ -57,14 +57,18 @@ def pressed_once(seal: Seal, speed: float, seed: int, air: bool) -> dp.CLD:
     pressed = np.maximum(plate, 0.0)
     force = seal.force(pressed, step)
     noise = 2e-3 * np.random.default_rng([seed, round(1e9 * speed)]).standard_normal(len(rows))
-    return dp.cld(dp.CompressionTest(plate if air else pressed, force + noise, step * (rows + 100)))
+    return dp.cld(
+        dp.CompressionTest(
+            plate if air else pressed, force + noise, step * (rows + 100), units="SI"
+        )
+    )
 
 
 def figures(seed: int) -> Held:
     """Force and slope of the loading halfway and at the depth."""
     sheet = kinds.cld(seed)
     x, pure = 1e-3 * sheet["displacement"], sheet.truth["pure"]
-    test = dp.CompressionTest(x, sheet["force"], sheet["time"])
+    test = dp.CompressionTest(x, sheet["force"], sheet["time"], units="SI")
     for name, at in (("halfway", DEPTH / 2), ("at the depth", DEPTH)):
         found = dp.cld(test, at=at)
         rows = found.loading.samples
@@ -79,7 +83,7 @@ def figures(seed: int) -> Held:
 def memory() -> dp.Fit:
     """Table 1's, known to rounding."""
     one = sampled(pressed(Seal(TABLE_1), Protocol(rate=200.0)), None)
-    return dp.fit(dp.RelaxationTest(one.time, one.displacement, one.force), arms=2)
+    return dp.fit(dp.RelaxationTest(one.time, one.displacement, one.force, units="SI"), arms=2)
 
 
 def relaxed(seed: int, air: bool) -> Held:
@@ -115,7 +119,9 @@ def depths(seed: int) -> Held:
     for depth in (4e-3, 6e-3, 8e-3):
         one = sampled(pressed(seal, Protocol(depth=depth, rate=200.0)), random)
         one = noisy(one, random, sd=4e-3)
-        tests.append(dp.prepare(dp.RelaxationTest(one.time, one.displacement, one.force)))
+        tests.append(
+            dp.prepare(dp.RelaxationTest(one.time, one.displacement, one.force, units="SI"))
+        )
     found = dp.fit_depths(tests, arms=2)
     for at in found.by_depth:
         name = f"k_inf at {1e3 * at.depth:.0f} mm"
@@ -130,7 +136,9 @@ def indentation(seed: int) -> Held:
     sheet = kinds.indentation(4 * (seed // 3) + 1 + seed % 3)  # every fourth has no arm
     true, solid = sheet.truth, sheet.truth["contact"]
     ball = dp.Indenter(true["mass"], impact_velocity=true["speed"])
-    test = dp.IndentationTest(1e-3 * sheet["time"], sheet["indenter"], "acceleration", ball)
+    test = dp.IndentationTest(
+        1e-3 * sheet["time"], sheet["indenter"], "acceleration", ball, units="SI"
+    )
     found = dp.fit_indentation(test, law="hertz-maxwell")
     numbers = {
         "k": solid.k_inf, "g": solid.k[0] / solid.k_inf, "tau": solid.tau[0],

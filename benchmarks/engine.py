@@ -257,7 +257,7 @@ def doors() -> None:
     seconds = np.linspace(0, 41, rows)
     motion = 8e-3 * np.clip(seconds - 0.5, 0, 1)
     force = seal.force(seconds, motion) + 3e-3 * GENERATOR.standard_normal(rows)
-    test = dashpot.RelaxationTest(time=seconds, displacement=motion, force=force)
+    test = dashpot.RelaxationTest(time=seconds, displacement=motion, force=force, units="SI")
     print(f"{'prepare, 3 M rows':44s} {1e3 * cpu(lambda: dashpot.prepare(test), 1):8.0f}")
     record = dashpot.prepare(test)
     print(f"{'fit full, the same':44s} {1e3 * cpu(lambda: dashpot.fit(record, arms=2), 3):8.0f}")

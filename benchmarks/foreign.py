@@ -65,7 +65,7 @@ class Tally:
     uses: Counter[str] = field(default_factory=Counter)
 
     def add(self, one: Record, **words) -> None:
-        test = dp.RelaxationTest(one.time, one.displacement, one.force)
+        test = dp.RelaxationTest(one.time, one.displacement, one.force, units="SI")
         try:
             record = dp.prepare(test)
             found, ms = cost(record, **words)

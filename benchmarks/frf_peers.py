@@ -86,7 +86,7 @@ def pyfrf(force: np.ndarray, response: np.ndarray, window: object, kind: str = "
     from pyFRF import FRF
 
     def run() -> tuple[np.ndarray, np.ndarray, object]:
-        frf = FRF(RATE, window=window, frf_estimator=kind, fft_len=force.shape[1])
+        frf = FRF(RATE, window=window, frf_estimator=kind, fft_len=force.shape[1], units="SI")
         for one_force, one_response in zip(force, response, strict=True):
             frf.add_data(one_force.copy(), one_response.copy())
         value = frf.get_FRF(frf_form="accelerance")
@@ -229,7 +229,7 @@ def verdicts() -> None:
         if HAVE_PYFRF:
             from pyFRF import FRF
 
-            judge = FRF(RATE, fft_len=test.force.size // HITS)
+            judge = FRF(RATE, fft_len=test.force.size // HITS, units="SI")
             force = without_offset(test.force.reshape(HITS, -1))
             response = without_offset(test.acceleration[0].reshape(HITS, -1))
             bad = sum(
@@ -247,7 +247,7 @@ def single_hit() -> None:
     random = np.random.default_rng(0)
     test, force, _ = hits("broad", 8.0)
     noise = random.standard_normal(force.shape[1])
-    one = ImpactTest(test.time[: force.shape[1]], force[0], noise[None])
+    one = ImpactTest(test.time[: force.shape[1]], force[0], noise[None], units="SI")
     print(f"  dashpot {estimate_frf(one).coherence}")
     if HAVE_PYFRF:
         _, _, frf = pyfrf(force[:1], noise[None], "none")

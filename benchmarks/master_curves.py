@@ -114,7 +114,7 @@ def over_frequency(folder: Path) -> None:
     ours = 0.0
     for per_decade in (1, 4):
         found, ours = timed(lambda n=per_decade: dynamic_master_curve(data, per_decade=n))
-        value = found.model.complex_stiffness(data.omega)
+        value = found.model.complex_stiffness(omega=data.omega)
         row(f"dashpot, {per_decade} per decade", found.model.arms, data, value, ours)
     terms = terms_of(folder / "ansys-reference" / "freq_master.prony_terms.MPL")
     storage, loss = prony_frequency(data.omega, terms)
@@ -237,9 +237,9 @@ def simulated_shifts() -> None:
     warm = np.repeat(kelvin, 14)
     moduli = np.concatenate(decay) * (1 + 0.01 * normal(len(warm)))
     known = [Shift(k, a, 0.0) for k, a in zip(kelvin, true, strict=True)]
-    curve = RelaxationModulus(np.tile(t, 9), moduli, temperature=warm)
+    curve = RelaxationModulus(np.tile(t, 9), moduli, temperature=warm, units="SI")
     beside("simulated moduli, 9 temperatures, 1 % noise; a step against the truth", curve, known)
-    data = DynamicTest(np.tile(f, 9), value.real, value.imag, warm)
+    data = DynamicTest(np.tile(f, 9), value.real, value.imag, warm, units="SI")
     beside("simulated storage and loss; as above", data, known)
 
 
@@ -331,9 +331,9 @@ def together() -> None:
 
     generator = np.random.default_rng(0)
     frequency = np.geomspace(1.0, 50.0, 30)
-    value = BROAD.complex_stiffness(2 * np.pi * frequency)
+    value = BROAD.complex_stiffness(omega=2 * np.pi * frequency)
     one, two = 1 + 0.005 * generator.standard_normal((2, 30))
-    data = DynamicTest(frequency, value.real * one, value.imag * two, unit="N/m")
+    data = DynamicTest(frequency, value.real * one, value.imag * two, unit="N/m", units="SI")
     t = np.arange(41_001) / 1000.0
     force = BROAD.ramp_hold_force(t, depth=8e-3, ramp_time=1.0)
     held = RampHold(
@@ -348,7 +348,7 @@ def together() -> None:
         ("together", lambda: fit_dynamic(data, tests=held)),
     ):
         found, spent = timed(work, repeats=3)
-        error = found.model.loss(omega) / BROAD.loss(omega) - 1
+        error = found.model.loss(omega=omega) / BROAD.loss(omega=omega) - 1
         print(f"{name:34s} {found.model.arms:4d} arms, loss 0.004-50 Hz off by "
               f"{100 * np.abs(error).max():6.1f} % at most, {spent:.0f} ms")  # fmt: skip
 

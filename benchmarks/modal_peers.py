@@ -40,7 +40,7 @@ def four_points(name: str, seed: int) -> FRFSet:
             value += s**2 * (r / (s - p) + np.conj(r) / (s - np.conj(p)))
         sd = 0.02 * np.abs(value)
         scatter = rng.standard_normal((2, len(f)))
-        frfs.append(FRF(f, value + sd * (scatter[0] + 1j * scatter[1]), sd=sd))
+        frfs.append(FRF(f, value + sd * (scatter[0] + 1j * scatter[1]), sd=sd, units="SI"))
     return FRFSet(tuple(frfs))
 
 
@@ -164,7 +164,7 @@ def real_hits(file: str) -> None:
         for channel in test.acceleration:
             response = without_offset(channel[: 2 * half].reshape(2, half))
             words = window if window == "none" else (window, window)
-            frf = pyFRF.FRF(rate, window=words, fft_len=half)
+            frf = pyFRF.FRF(rate, window=words, fft_len=half, units="SI")
             for pair in zip(force, response, strict=True):
                 quietly(lambda pair=pair, frf=frf: frf.add_data(*(x.copy() for x in pair)))
             value = quietly(lambda frf=frf: frf.get_FRF(frf_form="accelerance"))

@@ -55,7 +55,7 @@ WIDTHS = {"k_end": 0.035, "k_3end": 0.11, "frf": 1.75}
 
 def limits_of(one: Record) -> tuple[dp.Fit, dict[str, tuple[float, float, float]]]:
     """The fit, and by name the lower limit, the truth and the upper limit of what it claims."""
-    test = dp.RelaxationTest(one.time, one.displacement, one.force)
+    test = dp.RelaxationTest(one.time, one.displacement, one.force, units="SI")
     record = dp.prepare(test, machine=dp.Machine(**one.told))
     found = dp.fit(record)
     mass = one.seal.mass_at(HERTZ, SEALS)
@@ -273,7 +273,7 @@ def _on_mass(one: Sheet, frf: dp.FRF, mass: float) -> Answer:
     found = dp.identify(frf, mass=mass, seals=one.truth["seals"])
     seal = one.truth["seal"]
     there = 2 * np.pi * seal.peak(one.truth["mass"], one.truth["seals"])[0]
-    error = _error(found.solid.complex_stiffness(there), seal.stiffness(there))
+    error = _error(found.solid.complex_stiffness(omega=there), seal.stiffness(there))
     return found.verdict.use, error
 
 
@@ -298,14 +298,14 @@ def _of_dma(one: Sheet, path: Path) -> Answer:
         found = found.at_temperature(293.15)
     omega = 2 * np.pi * np.geomspace(0.1, 30.0, 40)
     truth = one.truth["solid"].stiffness(omega)
-    return found.verdict.use, _error(found.solid.complex_stiffness(omega), truth)
+    return found.verdict.use, _error(found.solid.complex_stiffness(omega=omega), truth)
 
 
 def _of_amplitude(one: Sheet, _: Path) -> Answer:
     """G* over the amplitudes, at the first frequency, of what was tested, spoilt or not."""
     f, X = one["frequency"], one["strain"] / 100
     storage, loss = 1e6 * one["storage"], 1e6 * one["loss"]
-    found = dp.fit_amplitude(dp.AmplitudeSweep(f, X, storage, loss))
+    found = dp.fit_amplitude(dp.AmplitudeSweep(f, X, storage, loss, units="SI"))
     first = f == f[0]
     return found.verdict.use, _error(found.stiffness(X[first]), one.truth["pure"][first])
 
@@ -324,7 +324,7 @@ def _command(*words: str | Path) -> dict:
 
 def _of_loops(one: Sheet, path: Path) -> Answer:
     """K of a vanishing loop: of the solid and of sliders that stick."""
-    document = _command("level", path)
+    document = _command("fit", path)
     seal, hertz = one.truth["seal"], one.truth["frequency"]
     sticks = sum(seal.friction / 5 / seal.reach / times for times in 2.0 ** np.arange(5))
     first = document["linear"][0]
@@ -348,8 +348,8 @@ def _of_rod(one: Sheet, path: Path) -> Answer:
     """E* at the line of the largest response: ends slide, for it is a rod's theory."""
     size = f"{one.truth['diameter']}m,{one.truth['length']}m"
     document = _command(
-        "rod", path, "--disc", size, "--lubricated", "--density", str(one.truth["density"]),
-        "--mass", f"{one.truth['mass']!r}kg",
+        "fit", path, "--shape", f"disc:{size}", "--lubricated",
+        "--density", str(one.truth["density"]), "--mass", f"{one.truth['mass']!r}kg",
     )  # fmt: skip
     lines = np.asarray(document["frequency"])
     highest = one["frequency"][np.argmax(np.hypot(one["real"], one["imaginary"]))]
@@ -364,7 +364,7 @@ def _of_stretch(one: Sheet, _: Path) -> Answer:
     """Stress in the three modes over what was stretched, in the largest of each."""
     law, constants = one.truth["law"], one.truth["constants"]
     modes, stretch = ("uniaxial", "equibiaxial", "planar"), 1 + one["strain"]
-    tests = [dp.StressStrainTest(mode, stretch, 1e6 * one[mode]) for mode in modes]
+    tests = [dp.StressStrainTest(mode, stretch, 1e6 * one[mode], units="SI") for mode in modes]
     found = dp.fit_hyperelastic(tests, poisson=0.0 if law == "hyperfoam" else None)
     worst = 0.0
     for mode in modes:

@@ -37,7 +37,8 @@ from dashpot.kinds.cld import checks as cld
 from dashpot.kinds.hyperelastic import checks as hyper
 from dashpot.kinds.indentation import checks as indentation
 from dashpot.kinds.indentation.contact_law import ViscousContact
-from dashpot.kinds.indentation.record import IndentationFit, Indenter
+from dashpot.kinds.indentation.indenter import Indenter
+from dashpot.kinds.indentation.record import IndentationFit
 from dashpot.kinds.level import checks as level
 from dashpot.kinds.rod import checks as rod
 from dashpot.lots import checks as lots
@@ -46,7 +47,6 @@ from dashpot.planning.expected import Pulse, RecordNeed
 from dashpot.preparation import checks as preparation
 from dashpot.preparation.contact import Baseline, Touch
 from dashpot.preparation.filters import parse_filter
-from dashpot.preparation.segments import MotionSegment, RampHoldCycle
 from dashpot.records.alternative import Alternative
 from dashpot.records.bounds import EndOfHold
 from dashpot.records.creep import LoadHold
@@ -59,6 +59,7 @@ from dashpot.records.relaxation import RampHold
 from dashpot.records.shaken import ShakenTest
 from dashpot.records.specimen import Specimen
 from dashpot.records.temperature import Shift, TemperatureShifts
+from dashpot.signals.segments import MotionSegment, RampHoldCycle
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.interconversion import CreepSpectrum
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -214,7 +215,7 @@ def wandering(ratio: float) -> np.ndarray:
 def sweep(*, storage: float = 2.0, negative: int = 0) -> DynamicTest:
     loss = np.array([0.1, 0.1, 0.1])
     loss[:negative] = -0.1
-    return DynamicTest(np.array([1.0, 2.0, 4.0]), np.array([1.0, 2.0, storage]), loss)
+    return DynamicTest(np.array([1.0, 2.0, 4.0]), np.array([1.0, 2.0, storage]), loss, units="SI")
 
 
 @cache
@@ -254,7 +255,7 @@ def over_base(part: float) -> FRF:
     """A mass on a spring that peaks at 12 Hz, so much softer or stiffer below 7.2 Hz."""
     f = np.linspace(2.0, 24.0, 45)
     stretch = (f / 12) ** 2 * np.where(f <= 7.2, part, 1.0)
-    return FRF(f, 1 / (1 - stretch + 0.1j), "transmissibility")
+    return FRF(f, 1 / (1 - stretch + 0.1j), "transmissibility", units="SI")
 
 
 def held_at(runs: int) -> ShakenTest:
@@ -601,7 +602,7 @@ FITTING = [
     Case(
         "plateau_seen",
         lambda x: curves.plateau_seen(
-            GeneralizedMaxwell(x, (), ()), 1.0, unit="Pa", further="wait"
+            GeneralizedMaxwell(x, (), ()), 1.0, unit="Pa", further="Measure longer."
         ),
         3.001,
         2.999,
@@ -609,7 +610,7 @@ FITTING = [
     Case(
         "plateau_seen",
         lambda x: curves.plateau_seen(
-            GeneralizedMaxwell(x, (1.0,), (1.0,)), 0.0, unit="Pa", further="wait"
+            GeneralizedMaxwell(x, (1.0,), (1.0,)), 0.0, unit="Pa", further="Measure longer."
         ),
         1.1e-12,
         0.9e-12,
@@ -1676,7 +1677,9 @@ def test_no_document_and_no_comparison_of_checks_holds_the_status_that_they_set(
     check = solid.optimum_found(stationary=False)
     assert check.ends is Status.NOT_CONVERGED
     assert check == replace(check, ends=None)
-    assert list(check.document) == ["name", "passed", "says", "value", "limit", "grade"]
+    assert list(check.document) == [
+        "name", "passed", "grade", "value", "limit", "says", "remedy"
+    ]  # fmt: skip
     kept = json.loads(to_json(a_fit(arm(), checks=(check,))))["checks"]
     assert kept == [check.document]
 
@@ -1975,18 +1978,21 @@ def test_what_the_method_bears_is_excused() -> None:
 
 def test_advice_follows_only_where_a_check_fails() -> None:
     low = comparison.peak_agrees(held(predicted_peak=0.1 * agreeing().measured_peak))
-    assert low.says.endswith("(-20.0 dB): damping is overestimated")
+    assert low.says.endswith("(-20.0 dB). The model has too much damping there.")
     high = comparison.peak_agrees(held(predicted_peak=10 * agreeing().measured_peak))
-    assert high.says.endswith("(+20.0 dB): damping is underestimated")
+    assert high.says.endswith("(+20.0 dB). The model has too little damping there.")
     off = comparison.stiffness_agrees(held(predicted_hz=1.1 * agreeing().measured_hz))
-    assert off.says.endswith("+21.0 % off: check mass, number of seals, length and preload")
-    assert comparison.stiffness_agrees(agreeing()).says.endswith("+0.0 % off")
+    assert off.says.endswith("+21.0 % off.")
+    assert off.remedy is not None
+    assert off.remedy.words.startswith("Check the mass, the number of seals")
+    assert comparison.stiffness_agrees(agreeing()).says.endswith("+0.0 % off.")
+    assert comparison.stiffness_agrees(agreeing()).remedy is None
     falling = replace(agreeing().predicted, value=1 / (1 + agreeing().predicted.frequency) + 0j)
     away = held(predicted=falling, predicted_hz=0.5 * agreeing().measured_hz)
-    assert comparison.stiffness_agrees(away).says.startswith("the prediction has no peak from")
-    assert comparison.stiffness_agrees(away).says.endswith("length and preload")
+    assert comparison.stiffness_agrees(away).says.startswith("The prediction has no peak from")
+    assert comparison.stiffness_agrees(away).told.endswith("length and the preload.")
     assert "damping" not in comparison.peak_agrees(away).says
-    assert "1.5 times" in comparison.damping_agrees(
+    assert "ratio 1.5" in comparison.damping_agrees(
         held(predicted_damping=0.03, measured_damping=0.02), peak(10)
     ).says  # fmt: skip
 

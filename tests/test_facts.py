@@ -18,17 +18,18 @@ from kit.lots import lot_of, scattered
 
 from dashpot import workflow
 from dashpot.base.units import find, of_column
-from dashpot.cli import _text, main
-from dashpot.cli._terminal import facts
+from dashpot.cli import main
 from dashpot.io.options import ReadOptions
 from dashpot.kinds import Piece
-from dashpot.kinds.indentation.record import Indenter
+from dashpot.kinds.indentation.indenter import Indenter
 from dashpot.kinds.indentation.row import row as indentation_row
 from dashpot.lots import page, row
 from dashpot.lots.limits import read_limits
 from dashpot.lots.summary import summary
 from dashpot.report import level, tables
 from dashpot.report.answer import rows as answer_rows
+from dashpot.told import text as text_of
+from dashpot.told.layout import facts
 from dashpot.web import modes, views
 from dashpot.workflow.archive import document
 from dashpot.workflow.frames import frame
@@ -147,7 +148,7 @@ def test_a_fit_tells_every_parameter_and_the_end_of_its_hold(fit):
 
 
 def test_the_text_has_every_fact(fit):
-    held(fit.known, table(_text.fit(fit).lines))
+    held(fit.known, table(text_of.fit(fit).lines))
 
 
 def test_the_page_has_every_fact(fit):
@@ -156,7 +157,7 @@ def test_the_page_has_every_fact(fit):
 
 
 def test_page_and_terminal_print_the_same_cells(fit):
-    terminal = table(_text.fit(fit).lines)
+    terminal = table(text_of.fit(fit).lines)
     for (_, value, between, unit), fact in zip(
         tables.coefficients(fit, None).rows, fit.known, strict=True
     ):
@@ -241,7 +242,7 @@ def test_what_a_fit_needed_is_told_alike(fits, bench):
     for fit in fits.values():
         if not fit.nuisance:
             continue
-        text = _text.fit(fit)
+        text = text_of.fit(fit)
         (line,) = [one for one in (*text.lines, *text.details) if "  nuisance  " in one]
         parts = re.sub(r" +nuisance +", "", line).split("; ")
         rows = tables.nuisances(fit).rows
@@ -255,12 +256,12 @@ def test_what_a_fit_needed_is_told_alike(fits, bench):
 
 def test_compliances_and_shifts_are_told_as_they_are(fits):
     found = fits["creep"]
-    (line,) = [one for one in _text.fit(found).lines if one.startswith("  creep ")]
+    (line,) = [one for one in text_of.fit(found).lines if one.startswith("  creep ")]
     for fact in found.creep.facts("1/Pa"):
         assert fact.cells.ascii.with_unit in line
         assert same(fact, fact.cells.value, fact.cells.unit)
     moved = fits["temperatures"].temperatures
-    lines = _text.fit(fits["temperatures"]).lines
+    lines = text_of.fit(fits["temperatures"]).lines
     (law,) = [one for one in lines if one.startswith("  law ")]
     assert all(f"{one.called} {one.cells.ascii.with_unit}" in law for one in moved.constants)
     rows = table(lines)
@@ -278,7 +279,7 @@ def test_a_contact_says_the_same_in_text_document_and_lot(bench):
     indenter = Indenter(mass=0.005, radius=0.005)
     ball = workflow.indent_file(bench / "hit.csv", indenter=indenter)
     plain = ball.document
-    held(ball.fit.found, table(_text.indentation(ball).lines))
+    held(ball.fit.found, table(text_of.indentation(ball).lines))
     piece = Piece(ReadOptions(), mass=indenter.mass, radius=indenter.radius)
     _, row_of = indentation_row(bench / "hit.csv", piece)
     modulus = ball.fit["modulus"]
@@ -330,7 +331,7 @@ def test_levels_say_the_same_on_page_and_in_app(bench, files, asked):
 def test_a_peak_at_a_level_says_the_same_in_text_and_page(bench):
     found = workflow.level_files([str(bench / "hammer.csv")], at=(0.05,))
     told = {one.name: one for one in level.numbers(found)}
-    rows = table(_text.levels(found).lines)
+    rows = table(text_of.levels(found).lines)
     for (peak, motion), one in zip((each.facts for each in found.at), found.at, strict=True):
         cells = rows[f"{one.level:.4g}"]
         assert same(peak, cells[0], "Hz")

@@ -41,15 +41,15 @@ OMEGA = np.geomspace(1e-5, 1e5, 60)
 
 @given(solids())
 def test_passive_at_every_frequency(solid):
-    assert (solid.loss(OMEGA) >= 0).all()
-    assert (solid.storage(OMEGA) >= solid.k_inf * (1 - 1e-12)).all()
-    assert (np.diff(solid.storage(OMEGA)) >= -1e-9 * solid.k_0).all()
+    assert (solid.loss(omega=OMEGA) >= 0).all()
+    assert (solid.storage(omega=OMEGA) >= solid.k_inf * (1 - 1e-12)).all()
+    assert (np.diff(solid.storage(omega=OMEGA)) >= -1e-9 * solid.k_0).all()
 
 
 @given(solids(b=False))
 def test_limits(solid):
-    assert solid.storage(0.0) == pytest.approx(solid.k_inf)
-    assert solid.storage(1e12) == pytest.approx(solid.k_0, rel=1e-6)
+    assert solid.storage(omega=0.0) == pytest.approx(solid.k_inf)
+    assert solid.storage(omega=1e12) == pytest.approx(solid.k_0, rel=1e-6)
     assert solid.relaxation(0.0) == pytest.approx(solid.k_0)
     assert solid.relaxation(1e9) == pytest.approx(solid.k_inf)
 
@@ -58,9 +58,12 @@ def test_limits(solid):
 def test_parallel_solids_add(a, b):
     both = a + b
     np.testing.assert_allclose(
-        both.complex_stiffness(OMEGA), a.complex_stiffness(OMEGA) + b.complex_stiffness(OMEGA)
+        both.complex_stiffness(omega=OMEGA),
+        a.complex_stiffness(omega=OMEGA) + b.complex_stiffness(omega=OMEGA),
     )
-    np.testing.assert_allclose((a + a).complex_stiffness(OMEGA), (2 * a).complex_stiffness(OMEGA))
+    np.testing.assert_allclose(
+        (a + a).complex_stiffness(omega=OMEGA), (2 * a).complex_stiffness(omega=OMEGA)
+    )
 
 
 @given(solids(), histories, histories, st.floats(-3, 3))
@@ -157,7 +160,7 @@ def test_kinds_convert_and_return(solid, mass, shift):
 def test_length_scales_stiffness(solid, length, measured):
     cut = solid.with_length(length, measured_length=measured)
     np.testing.assert_allclose(
-        cut.complex_stiffness(OMEGA), solid.complex_stiffness(OMEGA) * length / measured
+        cut.complex_stiffness(omega=OMEGA), solid.complex_stiffness(omega=OMEGA) * length / measured
     )
 
 

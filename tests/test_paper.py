@@ -102,19 +102,19 @@ def test_hold_amplitudes_and_step_force(paper_seal):
 )
 def test_complex_stiffness(paper_seal, hz, storage, loss, loss_factor):
     omega = 2 * np.pi * hz
-    assert paper_seal.storage(omega) == pytest.approx(storage, rel=5e-6)
-    assert paper_seal.loss(omega) == pytest.approx(loss, rel=5e-6)
-    assert paper_seal.loss_factor(omega) == pytest.approx(loss_factor, rel=5e-6)
+    assert paper_seal.storage(omega=omega) == pytest.approx(storage, rel=5e-6)
+    assert paper_seal.loss(omega=omega) == pytest.approx(loss, rel=5e-6)
+    assert paper_seal.loss_factor(omega=omega) == pytest.approx(loss_factor, rel=5e-6)
 
 
 def test_equivalent_viscous_damping_at_the_peak(paper_seal):
     omega = 2 * np.pi * 12.71
-    assert paper_seal.loss(omega) / omega == pytest.approx(3.68393e-2, rel=2e-6)
+    assert paper_seal.loss(omega=omega) / omega == pytest.approx(3.68393e-2, rel=2e-6)
 
 
 def test_largest_loss_factor(paper_seal):
     hz = np.linspace(0.2, 0.3, 100_001)
-    loss_factor = paper_seal.loss_factor(2 * np.pi * hz)
+    loss_factor = paper_seal.loss_factor(omega=2 * np.pi * hz)
     assert loss_factor.max() == pytest.approx(0.222966, rel=3e-6)
     assert hz[loss_factor.argmax()] == pytest.approx(0.25099, abs=2e-5)
 

@@ -13,9 +13,10 @@ from test_checks import STAGES
 
 import dashpot as dp
 from dashpot.base import checks
-from dashpot.base.checks import Check, Finding, criterion
+from dashpot.base.checks import MOST_WORDS, Check, Finding, criterion, verdict
 from dashpot.base.errors import DashpotError
 from dashpot.base.numbers import readable
+from dashpot.base.sentences import sentences, words
 from dashpot.simulation.impact import simulate_impact
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.solids.table_1 import BROAD, BROAD_MASS
@@ -53,6 +54,13 @@ def of_cases() -> Iterator[Check]:
                 yield from (case.judge(x) for x in (case.passes, case.fails) if x is not None)
 
 
+def of_readers() -> Iterator[Check]:
+    """The checks that a reader or a project makes."""
+    for stage in ("workflow", "io/readers"):
+        for case in STAGES[stage]:
+            yield from (case.judge(x) for x in (case.passes, case.fails) if x is not None)
+
+
 def of_fit(test: dp.RelaxationTest) -> Iterator[str]:
     try:
         found = dp.fit(dp.prepare(test))
@@ -66,6 +74,60 @@ def wrong(sentences: Iterator[str]) -> list[str]:
     printed = [readable(one) for one in sentences]
     assert len(printed) > 10
     return [one for one in printed if CODE.search(one) or "()" in one or "  " in one]
+
+
+MOST_IN_A_SENTENCE = 25
+BANNED = re.compile(
+    r"\b(?:tells?|told|telling|informs?|informed|informing|bears? out|borne out|speaks? for|"
+    r"weighs? on|nuisances?|doubt(?:ed|s|ful)?|rings?|answers?|stands? at exactly|as said above|"
+    r"foretold|foretells?|vouch(?:es)?|believed?|worth 1/)\b",
+    re.IGNORECASE,
+)
+"""Words that a stranger must decode, and those of a person for a thing."""
+VERBS = frozenset({
+    "Accept", "Add", "Allow", "Ask", "Begin", "Calibrate", "Check", "Choose", "Clean", "Close",
+    "Compare", "Condition", "Correct", "Count", "Cut", "Drive", "Export", "Fit", "Give", "Hit",
+    "Hold", "Leave", "Let", "Limit", "Look", "Make", "Measure", "Move", "Name", "Narrow",
+    "Press", "Ramp", "Read", "Record", "Reduce", "Repeat", "Restore", "Sample", "Say", "Set",
+    "Slow", "Start", "State", "Strike", "Sweep", "Take", "Tare", "Test", "Trigger", "Try",
+    "Turn", "Use", "Weigh", "Weight", "Widen", "Write",
+})  # fmt: skip
+"""How a remedy begins."""
+
+
+def style(text: str) -> list[str]:
+    """What a text has against the rules of plain English."""
+    found = [f"banned word {one[0]!r}" for one in BANNED.finditer(text)]
+    long = [one for one in sentences(text) if words(one) > MOST_IN_A_SENTENCE]
+    found += [f"{words(one)} words: {one}" for one in long]
+    found += ["two semicolons"] if text.count(";") > 1 else []
+    found += ["no full stop"] if not text.endswith((".", "?")) else []
+    found += ["a sentence in small letters"] if re.match(r"[a-z]+ ", text) else []
+    return [f"{one} | {text}" for one in found]
+
+
+def test_every_check_is_plain_english_with_a_remedy_that_begins_with_its_verb() -> None:
+    faults, checks = [], [*of_cases(), *of_readers()]
+    for check in checks:
+        faults += [f"{check.name}: {one}" for one in style(check.says)]
+        if check.failed and check.remedy is None:
+            faults.append(f"{check.name}: no remedy | {check.says}")
+        if check.remedy:
+            faults += [f"{check.name}: {one}" for one in style(check.remedy.words)]
+            if check.remedy.words.split()[0].rstrip(",") not in VERBS:
+                faults.append(f"{check.name}: no verb | {check.remedy.words}")
+    assert len(checks) > 300
+    assert not faults, "\n".join(faults)
+
+
+def test_every_check_that_could_lead_a_verdict_says_it_in_35_words_with_a_number() -> None:
+    faults = []
+    for check in of_cases():
+        if check.failed and check.grade != "note":
+            line = str(verdict([check, replace(check, name="another")]))
+            if words(line) > MOST_WORDS or not re.search(r"\d", line):
+                faults.append(f"{check.name}: {words(line)} words: {line}")
+    assert not faults, "\n".join(faults)
 
 
 def test_every_check_speaks_in_words_passed_or_failed() -> None:
@@ -102,7 +164,7 @@ def test_the_cause_of_a_disagreement_leads_the_verdict() -> None:
     follows = Check("mass_believable", False, "the mass is off", grade="stop")
     study = handmade.study()
     joint = replace(study.joint, evidence=replace(study.joint.evidence, checks=(apart, follows)))
-    assert replace(study, joint=joint).verdict.says.startswith("the seals are 15 % stiffer")
+    assert replace(study, joint=joint).verdict.says.startswith("The seals are 15 % stiffer")
 
 
 def test_a_sentence_spells_powers_of_ten_that_people_write_out(
@@ -115,4 +177,4 @@ def test_a_sentence_spells_powers_of_ten_that_people_write_out(
         return Finding(f"{130.0:.2g} times, {2e-9:.2g} m")
 
     spelt.__module__ = "dashpot.nowhere.checks"
-    assert criterion(source="nowhere")(spelt)().says == "130 times, 2e-09 m"
+    assert criterion(source="nowhere")(spelt)().says == "130 times, 2e-09 m."

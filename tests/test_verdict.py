@@ -15,22 +15,23 @@ from kit.trials import DISTURBANCES, KINDS, LAWS, trial
 from kit.verdicts import failures, judged, table
 
 import dashpot as dp
-from dashpot.base.checks import Check, verdict, worst
+from dashpot.base.checks import Check, Remedy, verdict, worst
 from dashpot.base.status import Status
-from dashpot.cli import _text
 from dashpot.cli._shell import Outcome, reports
-from dashpot.cli._terminal import Text, shown
+from dashpot.cli._terminal import shown
 from dashpot.simulation.impact import Hammer, simulate_impact
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.simulation.rig import Rig
 from dashpot.solids.table_1 import BROAD, BROAD_MASS, PAPER, PAPER_MASS
+from dashpot.told import text as text_of
+from dashpot.told.layout import Text
 from dashpot.vibration.systems.prediction import predict_frf
 
 pytestmark = pytest.mark.once
 
-NOTE = Check("a_note", False, "a note", grade="note")
-LIMIT = Check("a_limit", False, "a limit; do this")
-STOP = Check("a_stop", False, "a stop; do that", grade="stop")
+NOTE = Check("a_note", False, "A note.", grade="note")
+LIMIT = Check("a_limit", False, "A limit.", remedy=Remedy("Do this."))
+STOP = Check("a_stop", False, "A stop.", grade="stop", remedy=Remedy("Do that.", "band", "1:5Hz"))
 OPEN = Check("open", None, "not judged", grade="stop")
 
 
@@ -43,7 +44,7 @@ def test_the_gravest_failure_decides() -> None:
     assert verdict([NOTE, LIMIT]).use == "use with care"
     found = verdict([NOTE, LIMIT, STOP])
     assert (found.use, found.because) == ("do not use", (STOP, LIMIT))
-    assert found.says.startswith("a stop; do that")
+    assert found.says == "A stop. Do that. 1 more check failed."
 
 
 def test_of_several_tests_the_gravest_is_told() -> None:
@@ -51,7 +52,7 @@ def test_of_several_tests_the_gravest_is_told() -> None:
     assert worst([OPEN]).passed is None
     assert worst([LIMIT]) is LIMIT
     found = worst([LIMIT, STOP, NOTE])
-    assert (found.grade, found.says) == ("stop", "test 2 of 3: a stop; do that")
+    assert (found.grade, found.says) == ("stop", "In test 2 of 3, a stop.")
 
 
 # -- what must pass -------------------------------------------------------------------------------
@@ -73,8 +74,8 @@ def test_a_noise_free_perfect_pair_fails_nothing(seal: dp.GeneralizedMaxwell, ma
     assert [check for check in checks if check.failed] == []
     assert study.fit.ok
     assert study.joint.ok
-    printed = shown(_text.study(study), study.verdict, checks, verbose=False)
-    assert click.unstyle(printed[0]).startswith("use: ")
+    printed = shown(text_of.study(study), study.verdict, checks, verbose=False)
+    assert click.unstyle(printed[0]).startswith("Use: ")
     document = json.loads(dp.to_json(study))
     assert document["verdict"] == {"use": "use", "says": study.verdict.says, "because": []}
     assert document["comparison"]["verdict"]["says"] == study.comparison.says
@@ -91,6 +92,7 @@ def prepared(force: np.ndarray, *, hold: float = 40.0, noise: float = 1e-3) -> d
         time=time - time[0],
         displacement=8e-3 * np.clip(time, 0, 1),
         force=force + noise * random.standard_normal(len(time)),
+        units="SI",
     )
     return dp.prepare(record)
 
@@ -126,7 +128,7 @@ def test_no_arms_on_a_force_that_relaxes_is_not_to_be_used() -> None:
     assert found.verdict.use == "do not use"
     assert "arms_where_force_relaxes" in {check.name for check in found.verdict.because}
     assert not found.ok
-    assert str(found).startswith("do not use: ")
+    assert str(found).startswith("Do not use: ")
 
 
 def test_tests_that_disagree_have_not_converged() -> None:
@@ -174,12 +176,12 @@ def test_strict_heeds_what_limits_the_use(check: Check, code: int) -> None:
 
 def test_the_first_line_of_a_fit_is_its_verdict_and_the_optimiser_stands_below() -> None:
     fit = altered(handmade.study().fit, checks=(STOP, OPEN, NOTE))
-    printed = shown(_text.fit(fit), fit.verdict, fit.checks, verbose=True)
+    printed = shown(text_of.fit(fit), fit.verdict, fit.checks, verbose=True)
     lines = click.unstyle("\n".join(printed)).splitlines()
-    assert lines[0] == "do not use: a stop; do that"
+    assert lines[0] == "Do not use: a stop. Do that."
     assert any(line.split()[:1] == ["optimiser"] for line in lines)
-    assert "2 failed (a_note as a note), 1 not judged" in "\n".join(lines)
-    assert lines[-2:] == ["  !! a_stop: as said above", "  - a_note: a note"]
+    assert "1 failed, 1 note, 1 not applicable" in "\n".join(lines)
+    assert lines[-2:] == ["  !! (first line) (--band 1:5Hz) a_stop", "  - A note. a_note"]
     document = json.loads(dp.to_json(fit))
     assert document["ok"] is False
     assert [check["passed"] for check in document["checks"]] == [False, None, False]

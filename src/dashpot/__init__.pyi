@@ -60,10 +60,10 @@ from .kinds.hyperelastic.read import read_stress_strain as read_stress_strain
 from .kinds.hyperelastic.record import HyperelasticFit as HyperelasticFit
 from .kinds.hyperelastic.record import StressStrainTest as StressStrainTest
 from .kinds.indentation.fit import fit_indentation as fit_indentation
+from .kinds.indentation.indenter import Indenter as Indenter
 from .kinds.indentation.read import read_indentation as read_indentation
 from .kinds.indentation.record import IndentationFit as IndentationFit
 from .kinds.indentation.record import IndentationTest as IndentationTest
-from .kinds.indentation.record import Indenter as Indenter
 from .kinds.level.fit import fit_amplitude as fit_amplitude
 from .kinds.level.fit_frfs import fit_levels as fit_levels
 from .kinds.level.levels import LevelFit as LevelFit
@@ -72,10 +72,10 @@ from .kinds.level.record import AmplitudeSweep as AmplitudeSweep
 from .kinds.rod.prepare import rod_modulus as rod_modulus
 from .lots.batches import batch as batch
 from .lots.lot import Lot as Lot
+from .planning.asked import HammerPlan as HammerPlan
 from .planning.bench import Bench as Bench
 from .planning.plan import plan as plan
 from .planning.setpoints import planned_trajectory as planned_trajectory
-from .planning.supposed import HammerPlan as HammerPlan
 from .planning.supposed import SupposedSeal as SupposedSeal
 from .preparation.prepare import prepare as prepare
 from .records.creep import CreepCompliance as CreepCompliance

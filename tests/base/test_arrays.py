@@ -33,7 +33,7 @@ def test_nothing_at_all_can_be_measured():
 def test_a_record_of_impossible_size_is_refused_where_it_is_made(name, scale):
     columns = dict.fromkeys(("time", "displacement", "force"), np.arange(1.0, 20.0))
     with pytest.raises(DataError, match=f"{name} reaches"):
-        dp.RelaxationTest(**columns | {name: scale * columns[name]})
+        dp.RelaxationTest(**columns | {name: scale * columns[name]}, units="SI")
 
 
 def test_samples_are_counted_and_bounded():

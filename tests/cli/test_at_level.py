@@ -6,11 +6,10 @@ import json
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from kit.shell import ran
 from scipy.optimize import brentq
 
 import dashpot as dp
-from dashpot.cli import main
 
 pytestmark = pytest.mark.once
 
@@ -74,14 +73,14 @@ def place(tmp_path_factory):
         first = [columns[0]] if name == "dma.csv" else [10 + 0 * strain, columns[0]]
         rows = np.column_stack([*first, *parts])
         np.savetxt(folder / name, rows, delimiter=",", header=header, comments="")
-    made = CliRunner().invoke(main, ["fit", str(folder / "dma.csv"), "-o", str(folder / "m.json")])
+    made = ran("fit", folder / "dma.csv", "-o", folder / "m.json")
     assert made.exit_code == 0, made.output
     return folder
 
 
 def predict(place, *words):
-    asked = ["predict", str(place / "m.json"), "--mass", "400g", "--seals", "2", "--json"]
-    return CliRunner().invoke(main, [*asked, "--band", "60:160Hz", "--lines", "101", *words])
+    asked = ("predict", place / "m.json", "--mass", "400g", "--seals", "2", "--json")
+    return ran(*asked, "--band", "60:160Hz", "--points", "101", *words)
 
 
 def answered(place, *words):
@@ -90,7 +89,7 @@ def answered(place, *words):
     return json.loads(told.stdout)
 
 
-DISC = ("--disc", "20mm,12mm")
+DISC = ("--shape", "disc:20mm,12mm")
 BASE = ("--base", "--level", f"{LOW}m/s^2", "--level", f"{HIGH}m/s^2")
 
 
@@ -141,8 +140,7 @@ def test_a_modulus_measured_at_a_strain_is_taken_back_to_none(place, tmp_path):
     rows = np.column_stack([f, E.real / 1e6, E.imag / 1e6])
     header = "Frequency [Hz],E' [MPa],E'' [MPa]"
     np.savetxt(softened / "dma.csv", rows, delimiter=",", header=header, comments="")
-    words = ["fit", str(softened / "dma.csv"), "-o", str(softened / "m.json")]
-    assert CliRunner().invoke(main, words).exit_code == 0
+    assert ran("fit", softened / "dma.csv", "-o", softened / "m.json").exit_code == 0
     found = {}
     part = "--height", "12mm", "--resonance", f"{peak(1e-6)[0]}Hz", "--resonance-mass", "400g"
     for fitted_at in ((), ("--fitted-at", "0.2%")):
@@ -168,7 +166,7 @@ def test_a_sweep_in_shear_leaves_open_that_the_part_is_not(place, tmp_path, lett
 def test_what_stands_beside_a_solid_is_the_change_since_its_own_amplitude(law, since):
     X = np.geomspace(1e-4, 0.1, 24)
     E = 4e6 * payne(X) + (0.75 * 2e9 * X**2 if "cubic" in law else 0)
-    sweep = dp.AmplitudeSweep(10 + 0 * X, X, E.real, E.imag, "Pa", "strain")
+    sweep = dp.AmplitudeSweep(10 + 0 * X, X, E.real, E.imag, "Pa", "strain", units="SI")
     found = dp.fit_amplitude(sweep, law=law)
     start = 4e6 * (payne(since) if since else 1.0)
     solid = dp.GeneralizedMaxwell(start.real, (1e-9,), (1.0,))
@@ -185,7 +183,7 @@ def test_what_stands_beside_a_solid_is_the_change_since_its_own_amplitude(law, s
 def test_a_level_beyond_the_sweep_is_said_first(place, level, passes):
     told = answered(place, *DISC, "--base", "--level", level)
     assert ("level_covered" in str(told["verdict"])) is not passes
-    assert told["verdict"]["says"].startswith("at 200 m/s^2") is not passes
+    assert told["verdict"]["says"].startswith("At 200 m/s^2") is not passes
 
 
 @pytest.mark.parametrize(

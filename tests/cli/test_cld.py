@@ -1,4 +1,4 @@
-"""dashpot cld: files of pieces to figures, scatter and Cpk."""
+"""dashpot fit: files of pieces to figures, scatter and Cpk."""
 
 from __future__ import annotations
 
@@ -6,16 +6,15 @@ import json
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from kit import shell
 from kit.cld import bulb, fit_of, pressed
 
 import dashpot as dp
 from dashpot.base.capability import capability
-from dashpot.cli import main
 
 pytestmark = pytest.mark.once
 SCALES = (1.0, 1.04, 0.97, 1.01)
-WORDS = ("--length", "50mm", "--at", "6mm", "--between", "4:7.5mm")
+WORDS = ("--length", "50mm", "--compression", "6mm", "--between", "4:7.5mm")
 
 
 @pytest.fixture(scope="module")
@@ -30,7 +29,7 @@ def folder(tmp_path_factory):
 
 def ran(folder, *words, code=0):
     words = [str(folder / word) if word.endswith(".csv") else word for word in words]
-    result = CliRunner().invoke(main, ["cld", *words])
+    result = shell.ran("fit", *words)
     assert result.exit_code == code, result.output
     return result
 
@@ -58,7 +57,7 @@ def test_one_piece_in_full(folder):
 
 def test_pieces_scatter_as_they_were_made(folder):
     files = [f"p{number}.csv" for number in range(1, 5)]
-    found = told(folder, *files, *WORDS, "--limits", "4:6.5N")
+    found = told(folder, *files, *WORDS, "--force-limits", "4:6.5N")
     force = next(one for one in found["scatter"] if one["name"] == "force at nominal")
     spread = np.std(SCALES, ddof=1) / np.mean(SCALES)
     assert force["deviation"] / force["mean"] == pytest.approx(spread, rel=0.05)
@@ -66,13 +65,13 @@ def test_pieces_scatter_as_they_were_made(folder):
     assert found["capability"]["cpk"] == capability(np.array(values), 4.0, 6.5).cpk
     names = {check["name"]: check["passed"] for check in found["checks"]}
     assert names["pieces_tested_alike"] is True
-    said = ran(folder, *files, *WORDS, "--limits", "4:6.5N").stdout
+    said = ran(folder, *files, *WORDS, "--force-limits", "4:6.5N").stdout
     assert "4 pieces" in said
     assert "Cpk" in said
 
 
 def test_without_a_length_forces_are_of_the_piece_and_it_is_said(folder):
-    said = ran(folder, "unclocked.csv", "--at", "6mm", "-v").stdout
+    said = ran(folder, "unclocked.csv", "--compression", "6mm", "-v").stdout
     assert "loading, N " in said
     assert "length_given" in said
     assert "N per 100 mm" not in said.split("checks")[0]
@@ -80,7 +79,7 @@ def test_without_a_length_forces_are_of_the_piece_and_it_is_said(folder):
 
 
 def test_pieces_pressed_otherwise_are_told_apart(folder):
-    found = told(folder, "p1.csv", "slow.csv", *WORDS, "--limits", "4:6.5N")
+    found = told(folder, "p1.csv", "slow.csv", *WORDS, "--force-limits", "4:6.5N")
     assert "speed" in next(c["says"] for c in found["checks"] if c["name"] == "pieces_tested_alike")
 
 
@@ -94,11 +93,11 @@ def test_a_figure_is_drawn(folder, tmp_path):
 @pytest.mark.parametrize(
     ("words", "says"),
     [
-        (["p1.csv", "--limits", "1:2N"], "several pieces"),
+        (["p1.csv", "--force-limits", "1:2N"], "several pieces"),
         (["p1.csv", "p1.csv"], "same record as"),
-        (["p1.csv", "--at", "12mm"], "at most 7.99"),
-        (["p1.csv", "--cycle", "9"], "holds 4 cycles"),
-        (["p1.csv", "--at", "6N"], "length"),
+        (["p1.csv", "--compression", "12mm"], "at most 7.99"),
+        (["p1.csv", "--part", "cycle=9"], "holds 4 cycles"),
+        (["p1.csv", "--compression", "6N"], "length"),
     ],
 )
 def test_what_does_not_go_is_refused(folder, words, says):
@@ -121,32 +120,31 @@ def test_a_wrong_unit_is_asked_about(tmp_path, head, says):
 
 def test_inspect_names_the_kind(folder):
     for name in ("p1.csv", "unclocked.csv"):
-        result = CliRunner().invoke(main, ["inspect", str(folder / name), "--json"])
-        assert '"cld"' in result.stdout
-    result = CliRunner().invoke(main, ["fit", str(folder / "p1.csv")])
-    assert "dashpot cld takes" in result.stderr
+        assert '"cld"' in shell.ran("inspect", folder / name, "--json").stdout
+    assert "recognised p1.csv: " in ran(folder, "p1.csv").stderr
 
 
 def test_with_a_fit_the_law_is_told_and_written(folder, tmp_path):
     fit = fit_of(bulb)
     (folder / "fit.json").write_text(dp.to_json(fit))
-    words = ("p1.csv", "--at", "6mm", "--with", str(folder / "fit.json"))
+    words = ("p1.csv", "--compression", "6mm", "--memory", str(folder / "fit.json"))
     law = tmp_path / "law.json"
     found = told(folder, *words, "-o", str(law))
     assert found["relaxed"]["left"] == pytest.approx(0, abs=0.01)
     written = dp.from_json(law.read_text())
     assert list(written.elastic_law.knots) == found["relaxed"]["elastic_law"]["knots"]
     assert "tangent, N/mm" in ran(folder, *words).stdout
-    twice = told(folder, *words, "--with", str(folder / "fit.json"))
+    twice = told(folder, *words, "--memory", str(folder / "fit.json"))
     names = [check["name"] for check in twice["checks"]]
     assert names.count("relaxed_agrees") == 2
     assert "memories_agree" in names
-    assert "--with" in ran(folder, "p1.csv", "-o", str(tmp_path / "no.json"), code=2).stderr
+    alone = tmp_path / "alone.json"
+    assert told(folder, "p1.csv", "-o", str(alone)) == json.loads(alone.read_text())
 
 
 def test_records_at_several_speeds_are_one_seal(folder, tmp_path):
     law = tmp_path / "law.json"
-    words = ("p1.csv", "slow.csv", "--at", "6mm")
+    words = ("p1.csv", "slow.csv", "--compression", "6mm")
     found = told(folder, *words, "-o", str(law))
     assert found["fit"] == json.loads(law.read_text())
     assert found["scatter"] == []

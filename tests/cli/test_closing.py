@@ -1,4 +1,4 @@
-"""dashpot door --close: from a file to the least speed, and what it must say."""
+"""dashpot predict DOOR --close: from a file to the least speed, and what it must say."""
 
 from __future__ import annotations
 
@@ -7,11 +7,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from kit import shell
 from kit.fits import a_fit
 
 import dashpot as dp
-from dashpot.cli import main
 from dashpot.door.closing_record import Between, Cabin, CheckStrap, Latch, Tolerances, Vents
 from dashpot.door.read_closing import closing_of
 from dashpot.records.specimen import Specimen
@@ -72,7 +71,7 @@ limit = "1m/s"
 
 
 def ran(*words, code=0):
-    told = CliRunner().invoke(main, ["door", *map(str, words)])
+    told = shell.ran("predict", *words)
     assert told.exit_code == code, told.output
     return told.output
 

@@ -5,18 +5,15 @@ from __future__ import annotations
 import json
 
 import pytest
-from click.testing import CliRunner
+from kit.shell import told
 
 import dashpot as dp
-from dashpot.cli import main
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, 1, 2])
 def test_the_cold_test_answers_the_puzzle_without_the_hammer(tmp_path, seed):
-    done = CliRunner().invoke(main, ["demo", "-o", str(tmp_path), "--seed", str(seed), "--json"])
-    assert done.exit_code == 0, done.output
-    seal = json.loads(done.stdout)["seals"]["broad"]
+    seal = told("demo", "-o", tmp_path, "--seed", seed)["seals"]["broad"]
     alone, cold = seal["comparison"], seal["cold"]["comparison"]
     assert alone["predicted_damping"] / alone["measured_damping"] < 0.5
     assert cold["predicted_hz"] == pytest.approx(cold["measured_hz"], rel=0.01)

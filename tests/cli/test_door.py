@@ -1,4 +1,4 @@
-"""dashpot door: from a file to modes, FRFs, a base that shakes; and what it must say."""
+"""dashpot predict DOOR: from a file to modes, FRFs, a base that shakes; and what it must say."""
 
 from __future__ import annotations
 
@@ -8,11 +8,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from kit import shell
 from kit.fits import a_fit
 
 import dashpot as dp
-from dashpot.cli import main
 from dashpot.records.specimen import Specimen
 from dashpot.records.temperature import Shift, TemperatureShifts
 from dashpot.solids.elastic import ElasticLaw
@@ -46,7 +45,7 @@ pitch = "20mm"
 
 
 def ran(*words, code=0):
-    told = CliRunner().invoke(main, ["door", *map(str, words)])
+    told = shell.ran("predict", *words)
     assert told.exit_code == code, told.output
     return told
 
@@ -245,21 +244,21 @@ def test_modes_that_are_not_what_was_said(tmp_path, change, word, sentence):
     path.write_text(path.read_text().replace(*change))
     fit = a_fit(BROAD, specimen=Specimen(length=0.1), band=(1e-3, 1e3))
     (tmp_path / "fit.json").write_text(dp.to_json(fit))
-    told = CliRunner().invoke(main, ["door", str(tmp_path / "door.toml"), "--json", "--strict"])
+    told = shell.ran("predict", tmp_path / "door.toml", "--json", "--strict")
     assert sentence in told.output.replace("\n  ", " ")
 
 
 def test_the_line_of_a_door_is_a_deck_of_its_own_stiffness(folder):
     gaps = 'height = "20mm"\ngap = "14, 14, 26, 26 mm"\npitch'
     (folder / "door.toml").write_text(PLATE.replace("pitch", gaps))
-    words = ["export", folder / "fit.json", "--to", "nastran", "--units", "mm-t-s", "--line",
+    words = ["export", folder / "fit.json", "--to", "nastran", "--unit-system", "mm-t-s", "--line",
              folder / "door.toml", "-o", folder / "line.bdf"]  # fmt: skip
-    told = CliRunner().invoke(main, [*map(str, words)])
+    told = shell.ran(*words)
     assert told.exit_code == 0, told.output
     text = (folder / "line.bdf").read_text()
     assert text.count("CBUSH") == 115
     assert "115 more do not touch and are left out" in text
-    told = CliRunner().invoke(main, [*map(str, words), "--normal", "0,0,1", "--overwrite"])
+    told = shell.ran(*words, "--normal", "0,0,1", "--overwrite")
     assert told.exit_code == 2
 
 

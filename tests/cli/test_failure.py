@@ -9,9 +9,10 @@ from unicodedata import category
 
 import click
 import pytest
-from click.testing import CliRunner
 from hypothesis import given
 from hypothesis import strategies as st
+from kit.kinds import bench, ramp_and_hold
+from kit.shell import ran
 
 from dashpot import workflow
 from dashpot.base.escapes import escaped, escaped_json
@@ -25,10 +26,6 @@ from dashpot.solids.table_1 import PAPER
 HIDDEN = "\x1b[2J\x1b]0;title\x07\x9b31m\u202e"
 
 
-def run(*words):
-    return CliRunner().invoke(main, [str(word) for word in words])
-
-
 @pytest.fixture
 def broken(monkeypatch, tmp_path):
     """A dashpot with a fault, and a file to meet it with."""
@@ -37,14 +34,15 @@ def broken(monkeypatch, tmp_path):
         raise IndexError("index 3 is out of bounds\nfor axis 0")
 
     monkeypatch.setattr(workflow, "fit_files", fit_files, raising=False)
+    (tmp_path / "seal.csv").write_text(bench(ramp_and_hold()))
     return tmp_path / "seal.csv"
 
 
 def test_a_fault_is_a_sentence_and_exit_code_3(broken):
-    result = run("fit", broken)
+    result = ran("fit", broken)
     assert result.exit_code == 3
     assert result.stdout == ""
-    assert result.stderr.count("\n") == 1
+    assert result.stderr.count("\n") == 2  # what was recognised, and one sentence
     assert "IndexError: index 3 is out of bounds. Please report" in result.stderr
     assert "SECURITY.md" in result.stderr
     assert "Traceback" not in result.output
@@ -52,7 +50,7 @@ def test_a_fault_is_a_sentence_and_exit_code_3(broken):
 
 @pytest.mark.parametrize("words", [("--traceback", "fit"), ("fit", "--traceback")])
 def test_a_fault_is_shown_to_who_asks(broken, words):
-    result = run(*words, broken)
+    result = ran(*words, broken)
     assert result.exit_code == 3
     assert "Traceback" in result.stderr
     assert "fit_files" in result.stderr
@@ -66,7 +64,7 @@ def test_a_fault_is_shown_to_who_asks(broken, words):
         (("fit",), "UsageError", 2),
         (("nope",), "UsageError", 2),
         (("predict", "{file}", "--mass", "104"), "UsageError", 2),
-        (("inspect", "{file}"), "ReadError", 2),
+        (("inspect", "none.csv"), "ReadError", 2),
         (("verify", "{file}"), "ReadError", 2),
         (("fit", "{file}", "-o", "."), "ExportError", 2),
     ],
@@ -74,7 +72,7 @@ def test_a_fault_is_shown_to_who_asks(broken, words):
 def test_under_json_every_error_is_a_document(broken, words, kind, code):
     if kind == "OSError":
         broken.write_text("")
-    result = run(*(word.format(file=broken) for word in words), "--json")
+    result = ran(*(word.format(file=broken) for word in words), "--json")
     found = json.loads(result.stdout)
     assert found["schema"] == "dashpot/error@1"
     assert (found["kind"], found["exit_code"], result.exit_code) == (kind, code, code)
@@ -82,7 +80,7 @@ def test_under_json_every_error_is_a_document(broken, words, kind, code):
 
 
 def test_a_file_called_json_asks_for_no_document(broken):
-    result = run("inspect", "--", "--json")
+    result = ran("inspect", "--", "--json")
     assert result.exit_code == 2
     assert result.stdout == ""
 
@@ -92,7 +90,7 @@ def test_interrupted_is_no_failed_check(broken, monkeypatch):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(workflow, "fit_files", stopped)
-    result = run("fit", broken)
+    result = ran("fit", broken)
     assert result.exit_code == 130
     assert "interrupted" in result.stderr
 
@@ -124,7 +122,7 @@ def test_the_name_of_a_file_is_not_obeyed(tmp_path, option):
     for text in (None, "time [s],displacement [mm],force [N]\n0,0,0\n", f"a{HIDDEN},b\n1,2\n"):
         if text is not None:
             path.write_text(text)
-        result = run("inspect", path, *option)
+        result = ran("inspect", path, *option)
         assert not set(HIDDEN[:1] + "\x07\x9b\u202e") & set(result.stdout + result.stderr)
 
 
@@ -133,7 +131,7 @@ def test_a_name_that_is_no_text_is_printed(tmp_path):
     path = tmp_path / os.fsdecode(b"seal\xff.csv")
     path.write_text("time [s],displacement [mm],force [N]\n0,0,0\n")
     for option in ("--json", "--strict"):
-        result = run("inspect", path, option)
+        result = ran("inspect", path, option)
         assert r"\udcff" in result.stdout
         assert "Traceback" not in result.output
         assert result.exit_code < 2
@@ -148,20 +146,20 @@ def outputs(name):
 def test_every_command_that_writes_can_be_told_to_replace(name):
     command, written = outputs(name)
     known = {option for one in command.params for option in one.opts}
-    assert ("--overwrite" in known) == bool(written or name in {"demo", "example"})
+    assert ("--overwrite" in known) == bool(written or name == "demo")
     # no option names a file to write without saying so
-    assert {"-o", "--plot", "--save-profile", "--direct"} & known <= {
+    assert {"-o", "--plot", "--save", "--stiffness-table", "--save-shifts"} & known <= {
         option for one in written for option in one.opts
-    } | ({"-o"} if name in {"demo", "example", "batch", "watch"} else set())  # a folder
+    } | ({"-o"} if name in {"demo", "batch"} else set())  # a folder
 
 
 def test_the_measurement_is_not_written_over(tmp_path):
     path = tmp_path / "seal"
-    run("simulate", "relaxation", "--hold", "3s", "-o", path)
+    ran("simulate", "relaxation", "--hold", "3s", "-o", path)
     before = path.read_bytes()
     for words in (("fit", path), ("report", path), ("inspect", path)):
-        option = "--save-profile" if words[0] == "inspect" else "-o"
-        result = run(*words, option, path, "--overwrite")
+        option = "--save" if words[0] == "inspect" else "-o"
+        result = ran(*words, option, path, "--overwrite")
         assert result.exit_code == 2
         assert "is never written over" in result.stderr
     assert path.read_bytes() == before
@@ -173,19 +171,19 @@ def test_stdout_holds_one_document_even_where_the_output_is_stdout(tmp_path):
         '{"schema": "dashpot/fit@1", "model": {"k_inf": 200.0, "arms": [{"k": 100.0, "tau": 0.5}]}}'
     )
     deck = json.loads(
-        run("export", fit, "--to", "csv", "--units", "SI", "--force", "--json").stdout
+        ran("export", fit, "--to", "csv", "--unit-system", "SI", "--allow", "all", "--json").stdout
     )
     assert deck["deck"].startswith("# dashpot ")
     words = ("predict", fit, "--mass", "104g", "-o", "-", "--json")
-    assert json.loads(run(*words).stdout)["schema"] == "dashpot/prediction@1"
+    assert json.loads(ran(*words).stdout)["schema"] == "dashpot/prediction@1"
     words = ("simulate", "relaxation", "--hold", "3s", "-o", "-", "--json")
-    assert "time [s]" in json.loads(run(*words).stdout)["text"]
+    assert "time [s]" in json.loads(ran(*words).stdout)["text"]
 
 
 def test_nothing_follows_a_document_that_goes_to_stdout(tmp_path):
     path = tmp_path / "tension.csv"
     path.write_text(workflow.EXAMPLES["tension.csv"](), encoding="utf-8")
-    found = json.loads(run("hyperelastic", "--uniaxial", path, "-o", "-").stdout)
+    found = json.loads(ran("fit", path, "-o", "-").stdout)
     assert found["schema"].startswith("dashpot/")
 
 
@@ -195,5 +193,5 @@ def test_columns_in_each_others_place_end_in_a_sentence(tmp_path):
     swapped = replace(made, displacement=1e-3 * made.force, force=1e3 * made.displacement)
     path = tmp_path / "seal.csv"
     path.write_text(write_relaxation(swapped))
-    result = run("report", path, "--mass", "104g", "-o", tmp_path / "report.html")
+    result = ran("report", path, "--mass", "104g", "-o", tmp_path / "report.html")
     assert result.exit_code in {0, 2}, result.output

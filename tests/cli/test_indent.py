@@ -1,4 +1,4 @@
-"""dashpot indent: hits as other labs' files hold them."""
+"""dashpot fit, an indenter: hits as other labs' files hold them."""
 
 from __future__ import annotations
 
@@ -6,20 +6,18 @@ import json
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
-from kit import contacts
+from kit import contacts, shell
 
 import dashpot as dp
-from dashpot.cli import main
 from dashpot.workflow.examples import EXAMPLES
 
 pytestmark = pytest.mark.once
 
-BALL = ("--mass", "5g", "--radius", "5mm", "--law", "hertz-kelvin-voigt")
+BALL = ("--as", "indentation", "--mass", "5g", "--radius", "5mm", "--model", "hertz-kelvin-voigt")
 
 
 def ran(*words, code=0):
-    told = CliRunner().invoke(main, ["indent", *map(str, words)])
+    told = shell.ran("fit", *words)
     assert told.exit_code == code, told.output
     return told
 
@@ -70,7 +68,7 @@ def test_headers_and_units_of_other_labs(tmp_path, hit, of, header, scale):
 def test_what_is_missing_or_wrong_is_asked_for(tmp_path, hit):
     t, y = hit["acceleration"]
     path = table(tmp_path / "a.csv", "time [s],acceleration [m/s^2]", t, y)
-    assert "--mass 5g" in ran(path, code=2).stderr
+    assert "--mass 5g" in ran(path, "--as", "indentation", code=2).stderr
     unitless = table(tmp_path / "b.csv", "time [s],acceleration", t, y)
     assert "has no unit" in ran(unitless, *BALL, code=2).stderr
     slow = table(tmp_path / "c.csv", "time [s],acceleration [m/s^2]", 1e3 * t, y)
@@ -78,10 +76,10 @@ def test_what_is_missing_or_wrong_is_asked_for(tmp_path, hit):
     hot = table(tmp_path / "d.csv", "time [s],acceleration [g]", t, 1e3 * y)
     assert "is the unit m/s^2?" in ran(hot, *BALL, code=2).stderr
     two = table(tmp_path / "e.csv", "time [s],acc 1 [g],acc 2 [g]", t, y, 2 * y)
-    assert "--acceleration" in ran(two, *BALL, code=2).stderr
+    assert "--column acceleration=" in ran(two, *BALL, code=2).stderr
     fast = table(tmp_path / "f.csv", "time [s],velocity [m/s]", t, 1e3 * hit["velocity"][1])
     assert "is the unit mm/s?" in ran(fast, *BALL, code=2).stderr
     none = table(tmp_path / "g.csv", "time [s],noise [V]", t, y)
-    assert "--acceleration, --velocity" in ran(none, *BALL, code=2).stderr
+    assert "--column acceleration=NAME" in ran(none, *BALL, code=2).stderr
     still = table(tmp_path / "h.csv", "time [s],acceleration [m/s^2]", t, np.sin(1e9 * t))
     assert "h.csv: no contact stands out" in ran(still, *BALL, code=2).stderr

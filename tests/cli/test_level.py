@@ -1,4 +1,4 @@
-"""dashpot level: sweeps, loops and FRFs of several levels, as files of other labs hold them."""
+"""dashpot fit over amplitude: sweeps, loops and FRFs of several levels, as labs hold them."""
 
 from __future__ import annotations
 
@@ -6,10 +6,9 @@ import json
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from kit import shell
 
 import dashpot as dp
-from dashpot.cli import main
 from dashpot.io.write import write_frf
 from dashpot.report.level import beyond, numbers
 from dashpot.solids.networks import spring
@@ -24,7 +23,7 @@ SLIDER = dp.friction.Jenkins(100.0, 0.05)
 
 
 def ran(*words, code=0):
-    told = CliRunner().invoke(main, ["level", *map(str, words), "--json"])
+    told = shell.ran("fit", *words, "--json")
     assert told.exit_code == code, told.output
     return json.loads(told.stdout) if code == 0 else told.output
 
@@ -56,7 +55,7 @@ def test_a_sweep_is_read_as_a_sweep_of_amplitude(tmp_path, header, scale):
     assert found["of"] == ("strain" if "Strain" in header else "m")
     assert found["law"] == ("factor" if "Strain" in header else "additive")
     # and never as one of frequency
-    assert "dashpot level" in CliRunner().invoke(main, ["fit", str(path)]).stderr
+    assert "recognised sweep.csv: an amplitude sweep" in shell.ran("fit", path).stderr
 
 
 GRID = np.geomspace(1e-4, 0.05, 12)
@@ -91,7 +90,7 @@ def test_what_is_over_the_whole_cycle_is_turned_into_the_amplitude(tmp_path, col
     header = f"Frequency [Hz],Static strain [%],{column},E' [MPa],E'' [MPa]"
     table(name, header, 10 + 0 * GRID, 5 + 0 * GRID, 100 * over * GRID, K.real, K.imag)
     assert ran(name)["half_way"] == pytest.approx(0.004, rel=1e-3)
-    told = CliRunner().invoke(main, ["level", str(name)]).stdout
+    told = shell.ran("fit", name).stdout
     assert ("it is the amplitude" in told) is (over != 1.0)
 
 
@@ -99,9 +98,11 @@ def test_two_amplitudes_are_asked_about(tmp_path):
     name = tmp_path / "two.csv"
     header = "Frequency [Hz],Strain 1 [%],Strain 2 [%],E' [MPa],E'' [MPa]"
     table(name, header, 10 + 0 * GRID, 100 * GRID, 80 * GRID, 2 - GRID, 1 + 0 * GRID)
-    stderr = " ".join(CliRunner().invoke(main, ["level", str(name)]).stderr.split())
+    stderr = " ".join(shell.ran("fit", name).stderr.split())
     assert "could each be the strain; say which" in stderr
-    assert ran(name, "--strain", "Strain 2")["amplitudes"][1] == pytest.approx(0.8 * GRID[-1])
+    assert ran(name, "--column", "strain=Strain 2")["amplitudes"][1] == pytest.approx(
+        0.8 * GRID[-1]
+    )
 
 
 MODULI = "E' [MPa],E'' [MPa],Temperature [degC]"
@@ -123,7 +124,7 @@ def test_strains_at_several_frequencies_are_no_sweep_of_frequency(tmp_path, ampl
     found = ran(path)
     assert [one["frequency_hz"] for one in found["linear"]] == pytest.approx([1, 10, 100], rel=0.01)
     assert found["half_way"] == pytest.approx(0.004 if "Strain" in amplitude else 4e-5, rel=0.02)
-    assert "each frequency recurs" in CliRunner().invoke(main, ["fit", str(path)]).stderr
+    assert "each frequency recurs" in shell.ran("inspect", path).stdout
 
 
 def test_a_sweep_of_frequency_stays_one_whose_amplitude_follows_the_temperature(tmp_path):
@@ -134,7 +135,6 @@ def test_a_sweep_of_frequency_stays_one_whose_amplitude_follows_the_temperature(
     K = 1e6 * np.exp(-T / 20)
     table(path, header, hz, 0.1 * np.exp(T / 20) * hz**0.01, K, 0.1 * K, T)
     assert dp.inspect_file(path).kind == "dma"
-    assert "use dashpot fit" in CliRunner().invoke(main, ["level", str(path)]).stderr
 
 
 def test_a_sensor_between_mass_and_base_tells_the_same_levels(tmp_path):
@@ -154,15 +154,18 @@ def test_a_sensor_between_mass_and_base_tells_the_same_levels(tmp_path):
             table(tmp_path / f"{motion}_{one}.csv", header, hz, value.real, value.imag)
     files = {m: [tmp_path / f"{m}_{one}.csv" for one in base] for m in ("absolute", "relative")}
     told = ran(*files["absolute"], *words)
-    same = ran(*files["relative"], *words, "--motion", "relative")
+    same = ran(*files["relative"], *words, "--relative")
     assert same["amplitudes"] == pytest.approx(told["amplitudes"], rel=1e-9)
     assert same["verdict"]["use"] == told["verdict"]["use"] == "use"
     assert ran(*files["relative"], *words)["verdict"]["use"] == "do not use"
-    loops = table(tmp_path / "sweep.csv", f"Frequency [Hz],Strain [%],{MODULI}", *np.ones((4, 9)))
-    assert "--motion belongs to FRFs" in ran(loops, "--motion", "relative", code=2)
+    columns = 10 + 0 * GRID, 100 * GRID, 2 - GRID, 1 + 0 * GRID, 20 + 0 * GRID
+    sweep = table(tmp_path / "sweep.csv", f"Frequency [Hz],Strain [%],{MODULI}", *columns)
+    assert "--relative is for" in ran(sweep, "--relative", code=2)
 
 
-@pytest.mark.parametrize("named", [(), ("--storage", "3"), ("--storage", "3", "--loss", "4")])
+@pytest.mark.parametrize(
+    "named", [(), ("--column", "storage=3"), ("--column", "storage=3", "--column", "loss=4")]
+)
 @pytest.mark.parametrize("tones", [(10.0,), (1.0, 10.0, 100.0)])
 def test_a_grid_of_strains_is_no_sweep_of_frequency_whoever_names_its_columns(
     tmp_path, named, tones
@@ -171,9 +174,7 @@ def test_a_grid_of_strains_is_no_sweep_of_frequency_whoever_names_its_columns(
     hz, strain = (each.ravel() for each in np.meshgrid(tones, GRID))
     K = payne(strain) * hz**0.05
     table(path, "f [Hz],Dehnung [%],Speicher [MPa],Verlust [MPa]", hz, 100 * strain, K.real, K.imag)
-    told = CliRunner().invoke(main, ["fit", str(path), *named])
-    assert told.exit_code == 2
-    assert "use dashpot level" in " ".join(told.stderr.split())
+    assert dp.inspect_file(path).kind == "strain-sweep"
     assert ran(path, *named)["law"] in {"factor", "additive"}
 
 
@@ -187,7 +188,7 @@ def test_the_same_strains_at_several_temperatures_are_refused(tmp_path):
     rows = path.read_text().splitlines()
     again = [",".join((*row.split(",")[:4], "60")) for row in rows[1:]]
     path.write_text("\n".join(rows + again) + "\n")
-    stderr = CliRunner().invoke(main, ["level", str(path)]).stderr
+    stderr = shell.ran("fit", path).stderr
     assert "the same amplitudes at temperatures from 20 to 60 degC" in " ".join(stderr.split())
 
 
@@ -201,7 +202,7 @@ def test_the_same_strains_at_several_temperatures_are_refused(tmp_path):
 def test_one_column_is_not_storage_and_loss(tmp_path, name, says):
     header = f"Frequency [Hz],Strain [%],{name} [N/mm],Coherence"
     path = table(tmp_path / "one.csv", header, 10 + 0 * GRID, 100 * GRID, 100 - GRID, 1 + 0 * GRID)
-    result = CliRunner().invoke(main, ["level", str(path)])
+    result = shell.ran("fit", path, "--as", "strain-sweep")
     assert result.exit_code == 2
     assert says in " ".join(result.stderr.split())
 
@@ -245,7 +246,7 @@ def test_what_a_lag_between_the_channels_does_to_loops_is_said(tmp_path):
     assert linear["loss"] / linear["storage"] == pytest.approx(
         1e-3 * found["loss_factor_per_lag"], rel=0.02
     )
-    printed = CliRunner().invoke(main, ["level", str(path)]).stdout
+    printed = shell.ran("fit", path).stdout
     assert "1 ms between force and displacement is 0.031 of the loss factor" in printed
 
 
@@ -259,7 +260,7 @@ def frfs(folder, levels, friction=SLIDER):
         rng = np.random.default_rng(i)
         H = one.value * (1 + 0.005 * (rng.normal(size=61) + 1j * rng.normal(size=61)))
         paths.append(folder / f"frf{i}.csv")
-        write_frf(dp.FRF(f, H, one.kind, sd=0.005 * np.abs(H)), paths[-1])
+        write_frf(dp.FRF(f, H, one.kind, sd=0.005 * np.abs(H), units="SI"), paths[-1])
     return paths, system
 
 
@@ -267,7 +268,7 @@ def test_frfs_of_three_levels_foretell_a_fourth(tmp_path):
     levels = (0.005, 0.05, 0.5)
     paths, system = frfs(tmp_path, levels)
     words = [w for level in levels for w in ("--level", f"{level}N")]
-    found = ran(*paths, *words, "--mass", "104g", "--at", "0.15N", "--at", "5N")
+    found = ran(*paths, *words, "--mass", "104g", "--resonance-at", "0.15N", "--resonance-at", "5N")
     true = dp.response_at_level(
         system, response="m.z", force="m.z", level=0.15, frequency=np.linspace(10, 18, 1601)
     )
@@ -286,12 +287,12 @@ def test_frfs_of_three_levels_foretell_a_fourth(tmp_path):
 @pytest.mark.parametrize(
     ("words", "says"),
     [
-        (["frf0.csv", "--mass", "104g"], "0 levels and a mass"),
+        (["frf0.csv", "--mass", "104g", "--resonance-at", "1N"], "0 levels and a mass"),
         (["frf0.csv", "--level", "0.1N"], "1 levels and no mass"),
         (["frf0.csv", "--level", "0.1mm", "--mass", "104g"], "force"),
-        (["sweep.csv", "--mass", "104g"], "--mass belongs to FRFs"),
-        (["sweep.csv", "--seals", "2"], "--seals belongs to FRFs"),
-        (["frf0.csv", "--level", "1N", "--mass", "1kg", "--law", "factor"], "FRFs take no law"),
+        (["sweep.csv", "--mass", "104g"], "--mass is for"),
+        (["sweep.csv", "--seals", "2"], "--seals is for"),
+        (["frf0.csv", "--level", "1N", "--mass", "1kg", "--model", "factor"], "FRFs take no law"),
         (["sweep.csv", "sweep.csv"], "one amplitude sweep at a time"),
         (["flat.csv"], "never changes"),
         (["bare.csv"], "no column of strain or displacement"),
@@ -334,7 +335,9 @@ def struck(path, heights):
 def test_hits_of_different_height_say_for_which_level_they_speak(tmp_path):
     """Six hits of 1 to 8 in height: no trend, and how small a one was sought."""
     path = struck(tmp_path / "hits.csv", np.geomspace(0.5, 4.0, 6))
-    found = ran(path, "--at", "0.05N", "--at", "2N", "--plot", tmp_path / "hits.svg")
+    found = ran(
+        path, "--resonance-at", "0.05N", "--resonance-at", "2N", "--plot", tmp_path / "hits.svg"
+    )
     assert "damping ratio, %" in (tmp_path / "hits.svg").read_text()
     stiffness = found["per_doubling"]["stiffness"]
     assert abs(stiffness["change"]) < 4 * stiffness["se"] < stiffness["found"] * 2 < 0.01
@@ -348,7 +351,8 @@ def test_hits_of_different_height_say_for_which_level_they_speak(tmp_path):
     )
     assert [c["passed"] for c in found["checks"] if c["name"] == "level_covered"] == [True, False]
     assert found["verdict"]["use"] == "use with care"
-    assert "--seals belongs to FRFs" in ran(path, "--seals", "2", code=2)
+    belongs = ran(path, "--seals", "2", "--resonance-at", "1N", code=2)
+    assert "--seals belongs to FRFs" in belongs
     read = level_files([path], at=[0.05])
     assert [one.name for one in numbers(read)][:2] == [
         "stiffness per doubling",
@@ -362,7 +366,7 @@ def test_levels_said_of_hits_are_held_against_them(tmp_path):
     soft = struck(tmp_path / "soft.csv", [0.1, 0.11, 0.12])
     hard = struck(tmp_path / "hard.csv", [2.0, 2.2, 2.4])
 
-    plain = ran(soft, hard)
+    plain = ran(soft, hard, "--resonance-at", "0.02N")
     assert len(plain["hits"]) == 6
     told = ran(soft, hard, "--level", "0.11N", "--level", "2N", "--mass", "100g")
     assert told["per_doubling"] == plain["per_doubling"]

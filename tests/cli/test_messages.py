@@ -15,80 +15,71 @@ import pytest
 
 import dashpot
 from dashpot.cli import COMMANDS, main
+from dashpot.cli._values import Keyed
 from dashpot.workflow.assumptions import ASSUMPTIONS
 
 pytestmark = pytest.mark.once
 
 SOURCES = Path(dashpot.__file__).parent
-READING = (
-    "inspect",
-    "fit",
-    "predict",
-    "impact",
-    "modes",
-    "level",
-    "cld",
-    "indent",
-    "rod",
-    "compare",
-    "identify",
-    "report",
-)
-BENCH = ("inspect", "fit", "predict", "identify", "report")
-MEASURED = ("compare", "identify", "report")
+READING = ("inspect", "fit", "predict", "compare", "report")
+BENCH = ("inspect", "fit", "predict", "report")
+MEASURED = ("fit", "compare", "report")
 SPEAKERS: dict[str, tuple[str, ...]] = {
+    "base/": READING,
     "io/": READING,
     "preparation/": BENCH,
-    "preparation/checks.py:temperature_as_stated": ("fit", "identify", "report"),
-    "fitting/": ("fit", "predict", "identify", "report"),
+    "preparation/checks.py:temperature_as_stated": ("fit", "report"),
+    "fitting/": ("fit", "predict", "report"),
     "fitting/dynamic.py": ("fit",),
     "fitting/modulus.py": ("fit",),
     "fitting/superposition/": ("fit",),
     "fitting/asked.py:refuse_shifts": ("fit",),
     "fitting/asked.py:_refuse_law": ("fit",),
     "fitting/temperature/of_tests.py:checked_temperatures": ("fit",),
-    "fitting/fractional/choice.py:checked_family": ("fit", "identify", "report"),
-    "fitting/identification/": ("identify", "report"),
+    "fitting/fractional/choice.py:checked_family": ("fit", "report"),
+    "fitting/identification/": ("fit", "report"),
     "vibration/comparison/": MEASURED,
-    "vibration/impact/checks.py:modes_within_band": ("modes",),
-    "vibration/impact/checks.py:segments_resolve": ("impact", *MEASURED),
-    "vibration/impact/checks.py:_absolute_cause": ("impact", *MEASURED),
-    "vibration/impact/checks.py:_relative_cause": ("impact", *MEASURED),
-    "vibration/impact/shaken.py": ("impact", *MEASURED),
-    "workflow/measured_modes.py": ("modes",),
-    "workflow/under_masses.py": ("modes",),
+    "vibration/impact/checks.py:modes_within_band": ("fit",),
+    "vibration/impact/checks.py:segments_resolve": MEASURED,
+    "vibration/impact/checks.py:_absolute_cause": MEASURED,
+    "vibration/impact/checks.py:_relative_cause": MEASURED,
+    "vibration/impact/shaken.py": MEASURED,
+    "workflow/measured_modes.py": ("fit",),
+    "workflow/under_masses.py": ("fit",),
     "export/": ("export",),
     "report/answer.py": ("export",),
     "workflow/fits.py": ("fit",),
     "workflow/shifting.py": ("fit",),
-    "workflow/job.py": ("fit", "predict", "identify", "report"),
+    "workflow/job.py": ("fit", "predict", "report"),
     "workflow/job.py:refuse_several": ("fit", "report"),
     "workflow/part.py": ("predict",),
-    "workflow/levels.py": ("level",),
+    "workflow/levels.py": ("fit",),
     "workflow/at_level.py": ("predict",),
     "workflow/checks.py:base_band_informed": ("predict",),
-    "workflow/rods.py": ("rod",),
-    "workflow/part.py:pad": ("predict", "rod"),
-    "kinds/__init__.py": ("batch", "watch"),
-    "kinds/cld/": ("cld",),
-    "kinds/hyperelastic/": ("hyperelastic",),
-    "kinds/indentation/": ("indent",),
-    "kinds/rod/": ("rod",),
-    "kinds/level/": ("level", "predict"),
-    "door/": ("door",),
+    "workflow/rods.py": ("fit",),
+    "workflow/routing.py": ("fit",),
+    "workflow/part.py:pad": ("predict", "fit"),
+    "kinds/__init__.py": ("batch",),
+    "kinds/cld/": ("fit",),
+    "kinds/hyperelastic/": ("fit",),
+    "kinds/indentation/": ("fit",),
+    "kinds/rod/": ("fit",),
+    "kinds/level/": ("fit", "predict"),
+    "door/": ("predict",),
     "export/hyperelastic.py": ("export",),
     "workflow/predictions.py": ("predict",),
     "workflow/prepared.py": ("predict", "compare"),
     "workflow/impacts.py": MEASURED,
     "workflow/measured.py": MEASURED,
-    "workflow/impacts.py:_refuse_unmatched": ("identify",),
-    "workflow/impacts.py:identify_files": ("identify",),
+    "workflow/impacts.py:_refuse_unmatched": ("fit",),
+    "workflow/impacts.py:identify_files": ("fit",),
     "workflow/study.py": ("report",),
     "workflow/command_lines.py": ("report",),
     "workflow/command_lines.py:predict_command": ("predict",),
-    "workflow/outputs.py": ("fit", "report", "identify", "export", "predict", "inspect"),
-    "lots/": ("batch", "watch"),
+    "workflow/outputs.py": ("fit", "report", "export", "predict", "inspect"),
+    "lots/": ("batch",),
     "recording/": ("record",),
+    "told/": ("fit", "predict", "compare", "report"),
     "web/server.py": ("app",),
     "web/": ("report",),
     "cli/": (),
@@ -97,6 +88,11 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
 OURS = {"io/child/process.py": {"--read-for-dashpot"}, "plot/svg.py": {"--panel"}}
 """Words that look like options and reach no user."""
 PYTHON_ONLY = {
+    ("base/plausible.py", "units"),
+    ("base/said.py", "units"),
+    ("records/frf.py", "units"),
+    ("solids/maxwell.py", "frequency"),
+    ("solids/maxwell.py", "omega"),
     ("fitting/dynamic.py", "dashpot"),
     ("fitting/fit_many.py", "displacement"),
     ("fitting/fit_many.py", "ramp"),
@@ -113,8 +109,6 @@ _OPTION = re.compile(
 )
 _ARGUMENT = re.compile(r"(?<![\w\"'<-])([a-z_]+)=(?!=)")
 _PYTHON = re.compile(r"\(Python:(?:[^()]|\([^()]*\))*\)")
-_ATTRIBUTES = {"role"}
-"""What stands before an equals sign in the value of ``--units``."""
 
 
 class Message(NamedTuple):
@@ -168,12 +162,22 @@ def messages() -> tuple[Message, ...]:
 
 
 @cache
-def options(command: str) -> frozenset[str]:
+def declared(command: str) -> tuple[click.Option, ...]:
     found = main.get_command(click.Context(main), command)
     assert found is not None
-    return frozenset(
-        word for one in found.params if isinstance(one, click.Option) for word in one.opts
-    )
+    return tuple(one for one in found.params if isinstance(one, click.Option))
+
+
+@cache
+def options(command: str) -> frozenset[str]:
+    return frozenset(word for one in declared(command) for word in one.opts)
+
+
+@cache
+def keys() -> frozenset[str]:
+    """What is typed before an equals sign on a command line: roles, and keys of options."""
+    every = [one.type for name in COMMANDS for one in declared(name) if isinstance(one.type, Keyed)]
+    return frozenset(key for kind in every for key in kind.fields) | {"role"}
 
 
 def speakers(message: Message) -> tuple[str, ...]:
@@ -201,7 +205,7 @@ def test_a_message_names_only_options_of_the_command_that_speaks() -> None:
             for command in (named,) if named in COMMANDS else speakers(message):
                 if word not in options(command):
                     wrong.append(f"{message.file}:{message.line}: {command} has no {word}")
-    assert not wrong
+    assert not wrong, "\n".join(wrong)
     assert seen > 70
 
 
@@ -212,9 +216,9 @@ def test_no_message_of_a_command_speaks_python() -> None:
         if " " not in plain or message.file.startswith(("plot/", "report/")):
             continue  # no sentence; or the attributes of SVG and HTML
         for word in _ARGUMENT.findall(re.sub(r"--units \S+|\"[^\"]*\"", "", plain)):
-            if word not in _ATTRIBUTES and (message.file, word) not in PYTHON_ONLY:
+            if word not in keys() and (message.file, word) not in PYTHON_ONLY:
                 wrong.append(f"{message.file}:{message.line}: {word}= in '{plain[:80]}'")
-    assert not wrong
+    assert not wrong, "\n".join(wrong)
 
 
 @cache
@@ -240,22 +244,31 @@ def test_what_is_said_to_python_is_an_argument() -> None:
     for message in messages():
         for part in _PYTHON.findall(message.text):
             said |= set(_ARGUMENT.findall(part))
-    assert said <= arguments() | {"shift"}
+    assert said <= arguments() | {"shift", "omega"}
     assert {"length", "parallel_dashpot"} <= said
 
 
 @pytest.mark.parametrize("one", ASSUMPTIONS, ids=lambda one: one.name)
 def test_an_assumption_names_options_that_exist(one) -> None:
-    everything = frozenset().union(*(options(command) for command in COMMANDS))
-    assert set(one.options) <= everything
+    for said in one.options:
+        flag, _, value = said.partition(" ")
+        found = [each for name in COMMANDS for each in declared(name) if flag in each.opts]
+        assert found
+        if value.endswith("="):
+            assert any(value[:-1] in getattr(each.type, "fields", ()) for each in found)
+        elif value:
+            assert any(value in getattr(each.type, "choices", ()) for each in found)
 
 
 def test_every_reading_command_has_every_role() -> None:
     roles = (
-        "--time --displacement --force --acceleration --hammer --frequency --storage --loss "
-        "--loss-factor --modulus --creep-compliance --stress --strain "
-        "--temperature-column --real --imaginary --magnitude --phase "
-        "--coherence --cycle --units --rate --profile"
+        "time displacement force acceleration hammer frequency storage loss loss-factor modulus "
+        "creep-compliance stress strain temperature real imaginary magnitude phase coherence"
     )
-    for command in READING:
-        assert set(roles.split()) <= options(command)
+    words = "--column --units --text --part --rate --calibration --profile --as"
+    assert set(roles.split()) < keys()
+    for command in (*READING, "batch"):
+        assert set(words.split()) <= options(command)
+        (column,) = [one for one in declared(command) if "--column" in one.opts]
+        assert isinstance(column.type, Keyed)
+        assert set(roles.split()) <= column.type.fields.keys()

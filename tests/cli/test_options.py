@@ -1,21 +1,23 @@
-"""A noun's fields make the options of a command, and the options make the noun."""
+"""A noun's fields make the options of a verb, and the options make the noun."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
-from typing import Any
+from dataclasses import dataclass
 
 import click
 import pytest
 from click.testing import CliRunner
+from kit.shell import ran
 
-from dashpot.base.options import flag_of, option
+from dashpot.base.options import flag_of, key_of, offered, option
 from dashpot.cli import COMMANDS, main
-from dashpot.cli._options import filled, given, specimens
+from dashpot.cli._grammar import KEYED, of, verb
+from dashpot.cli._options import given, piece
+from dashpot.cli._values import Keyed
 from dashpot.io.options import ReadOptions
 from dashpot.records.machine import Machine
 from dashpot.records.specimen import Specimen
-from dashpot.workflow.job import HammerChoices
+from dashpot.workflow.job import Cuts, HammerChoices
 
 
 @dataclass(frozen=True)
@@ -24,19 +26,25 @@ class Tea:
 
     kind: str = option("green", "What leaves.", choices=("green", "black"))
     water: float | None = option(None, "How hot.", unit="temperature")
-    infusions: int = option(1, least=1)
-    with_: tuple[str, ...] = option((), metavar="WHAT", multiple=True)
+    infusions: int = option(1, "How often.", least=1)
+    with_: tuple[str, ...] = option((), "What else.", metavar="WHAT", multiple=True)
     cups: tuple[int, ...] | None = option(
-        None, multiple=True, parse=lambda texts: tuple(map(int, texts)) or None
+        None, "How large.", multiple=True, parse=lambda texts: tuple(map(int, texts)) or None
     )
+    steep: float | None = option(None, "How long.", unit="time", under="pot", key="time")
+    leaf: str | None = option(None, "Whose.", under="pot")
     hidden: str = "not asked for"
+
+
+@pytest.fixture(autouse=True)
+def _pot(monkeypatch):
+    monkeypatch.setitem(KEYED, "--pot", ("KEY=VALUE", "time or leaf."))
 
 
 def brewed(*words):
     got = []
 
-    @click.command()
-    @filled(Tea, "tea", show_default=True)
+    @verb("brew", "Brew it.", of(Tea, into="tea"))
     def command(*, tea):
         got.append(tea)
 
@@ -50,69 +58,85 @@ def test_no_option_is_the_noun_itself():
 
 def test_every_kind_of_option_fills_its_field():
     words = "--kind black --water 80degC --infusions 3 --with- milk --with- sugar --cups 2 --cups 3"
-    _, (tea,) = brewed(*words.split())
-    assert tea == Tea("black", pytest.approx(353.15), 3, ("milk", "sugar"), (2, 3))
+    _, (tea,) = brewed(*words.split(), "--pot", "time=180s,leaf=whole")
+    assert tea == Tea("black", pytest.approx(353.15), 3, ("milk", "sugar"), (2, 3), 180.0, "whole")
+
+
+def test_a_key_may_be_told_at_its_own_time():
+    _, (tea,) = brewed("--pot", "leaf=whole, with stalks", "--pot", "time=3min")
+    assert (tea.steep, tea.leaf) == (180.0, "whole, with stalks")
 
 
 def test_help_tells_what_the_field_says():
     text = brewed("--help")[0].output
-    assert "What leaves.  [default: green]" in text
+    assert "What leaves (green)." in text
+    assert "--kind green|black" in text
+    assert "--pot KEY=VALUE" in text
     assert "--hidden" not in text
 
 
 @pytest.mark.parametrize(
     ("words", "says"),
-    [(("--kind", "mud"), "mud"), (("--water", "80"), "no unit"), (("--infusions", "0"), "0")],
+    [
+        (("--kind", "gren"), "'gren' is unknown. Did you mean 'green'?"),
+        (("--kind", "mud"), "Known are green and black."),
+        (("--water", "80"), "no unit"),
+        (("--infusions", "0"), "0"),
+        (("--pot", "leave=whole"), "'leave' is unknown. Did you mean 'leaf'?"),
+        (("--pot", "whole"), "write --pot time=VALUE"),
+        (("--pot", "time=3mm"), "expected a unit of time"),
+    ],
 )
 def test_what_cannot_be_is_refused(words, says):
     result, got = brewed(*words)
     assert result.exit_code == 2
-    assert says in result.output
+    assert says in " ".join(result.output.split())
     assert not got
 
 
 @pytest.mark.parametrize(
     ("command", "nouns"),
     [
-        ("fit", (ReadOptions, Specimen, Machine)),
+        ("fit", (ReadOptions, Specimen, Machine, Cuts, HammerChoices)),
         ("predict", (Machine, ReadOptions)),
         ("inspect", (ReadOptions,)),
-        ("impact", (ReadOptions, HammerChoices)),
-        ("modes", (ReadOptions,)),
         ("compare", (ReadOptions, HammerChoices)),
-        ("identify", (ReadOptions, HammerChoices, Machine)),
-        ("report", (ReadOptions, Specimen, HammerChoices, Machine)),
+        ("report", (ReadOptions, Specimen, HammerChoices, Machine, Cuts)),
+        ("batch", (ReadOptions,)),
         ("export", (Specimen,)),
     ],
 )
 def test_commands_offer_every_field_of_their_nouns(command, nouns):
-    text = CliRunner().invoke(main, [command, "--help"]).output
+    text = ran(command, "--help-all").output
+    found = main.get_command(click.Context(main), command)
+    assert found is not None
     for noun in nouns:
-        for one in fields(noun):
-            if one.metadata:
-                assert f"{flag_of(one)} " in text
+        for one in offered(noun):
+            assert f"{flag_of(one)} " in text
+            (asked,) = [each for each in found.params if flag_of(one) in each.opts]
+            if "under" in one.metadata:
+                assert isinstance(asked.type, Keyed)
+                assert asked.type.fields[key_of(one)] == one
 
 
 def test_a_rig_without_a_test_is_refused(tmp_path):
     fit = tmp_path / "fit.json"
     fit.write_text('{"schema": "dashpot/fit@1", "model": {"k_inf": 200.0, "arms": []}}')
-    words = ["predict", str(fit), "--mass", "104g", "--compliance", "50um/N"]
-    result = CliRunner().invoke(main, words)
+    result = ran("predict", fit, "--mass", "104g", "--machine", "compliance=50um/N")
     assert result.exit_code == 2
-    assert "add the record (--with)" in result.output
+    assert "--record" in result.output
 
 
 def test_the_list_of_commands_needs_none_of_them():
-    text = CliRunner().invoke(main, ["--help"]).output
+    text = ran("--help").output
     for name, says in COMMANDS.items():
         assert f"  {name} " in text
         assert says in " ".join(text.split())
 
 
 def test_the_next_command_says_each_of_several_temperatures() -> None:
-    @click.command()
-    @specimens
-    def asked(**_: Any) -> None:
+    @verb("asked", "Say it again.", piece(each=True))
+    def asked(**_: object) -> None:
         click.echo(" ".join(given()))
 
     said = ["--temperature", "23degC", "--temperature", "0degC", "--length", "50mm"]

@@ -373,7 +373,7 @@ def ramp_and_hold(fast, *, lag=0.0, seed=0):
         risen = up if np.isinf(tau) else -tau * np.expm1(-up / tau)
         force = force + 8e-3 * k * risen * np.exp(-np.maximum(at - 1, 0) / tau)
     force = force + 4e-3 * np.random.default_rng(seed).standard_normal(len(t))
-    return dp.RelaxationTest(t + 0.5, 8e-3 * np.clip(t, 0, 1), force)
+    return dp.RelaxationTest(t + 0.5, 8e-3 * np.clip(t, 0, 1), force, units="SI")
 
 
 @pytest.mark.parametrize("lag", [-2e-3, 0.0, 2e-3])

@@ -6,11 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from kit.fits import a_fit
+from kit.shell import ran
 
 import dashpot as dp
-from dashpot.cli import main
 from dashpot.export import TARGETS
 from dashpot.records.fit import Fit
 from dashpot.records.specimen import Specimen
@@ -133,8 +132,9 @@ def test_a_deck_of_an_asked_temperature_is_that_of_the_solid_there(target, law):
     fit = moving(law)
     asked = Specimen(length=0.1, temperature=278.15)
     deck = TARGETS[target](fit, units="SI", specimen=asked, **more)
-    # byte for byte that of the fit that was moved first
-    assert deck == TARGETS[target](fit.at_temperature(278.15), units="SI", **more)
+    # byte for byte that of the fit that was moved first, whose temperature no check judges
+    moved = TARGETS[target](fit.at_temperature(278.15), units="SI", **more)
+    assert deck.replace(" 1 check passed.", "") == moved
     there = fit.at("5degC")
     assert f"model: k_inf = {there.k_inf:.10g} N/m" in deck
     assert all(f"tau = {tau:.10g} s" in deck for tau in there.tau)
@@ -171,7 +171,7 @@ def test_beyond_the_tested_temperatures_the_deck_is_judged(celsius, beyond):
     asked = Specimen(length=0.1, temperature=celsius + 273.15)
     deck = TARGETS["abaqus"](moving(), units="SI", specimen=asked)
     assert ("CHECK FAILED" in deck) == beyond
-    assert ("what the WLF law says there is extrapolated" in deck) == beyond
+    assert ("The WLF law is extrapolated" in deck) == beyond
     assert deck.verdict.use == ("use with care" if beyond else "use")
 
 
@@ -181,19 +181,15 @@ def test_too_near_the_glass_is_refused():
         prony("abaqus", moving(), specimen=asked)
 
 
-def run(folder, *words: str):
-    (folder / "fit.json").write_text(dp.to_json(moving()))
-    return CliRunner().invoke(main, ["export", str(folder / "fit.json"), *words, "--units", "SI"])
-
-
 def test_the_command_asks_for_a_temperature(tmp_path):
-    deck = tmp_path / "a.inp"
-    words = ("--to", "abaqus", "--seals", "2", "-o", str(deck), "--temperature")
-    assert run(tmp_path, *words, "-20degC").exit_code == 0
+    fit, deck = tmp_path / "fit.json", tmp_path / "a.inp"
+    fit.write_text(dp.to_json(moving()))
+    words = ["export", fit, "--to", "abaqus", "--unit-system", "SI", "--seals", 2, "-o", deck]
+    assert ran(*words, "--temperature", "-20degC").exit_code == 0
     text = deck.read_text()
     assert "temperature: 253.15 K (-20 degC)" in text
     assert "contact length: 0.2 m" in text
     assert f"model: k_inf = {2 * 196.5 * 253.15 / ROOM:.10g}" in text
-    refused = run(tmp_path, *words, "-50degC")
+    refused = ran(*words, "--temperature", "-50degC")
     assert refused.exit_code == 2
     assert "glass transition" in refused.output

@@ -6,7 +6,7 @@ import re
 
 import numpy as np
 import pytest
-from kit.solvers import needs_ccx, run_ccx
+from kit.solvers import needs_ccx, printed, run_ccx
 
 from dashpot import export
 from dashpot.export import UNIT_SYSTEMS
@@ -62,6 +62,40 @@ def test_frf_within_1e_4_of_the_model(seal, units, tmp_path):
     error = np.abs(u * system.stiffness(1.0) / exact - 1)
     print(f"{seal} {units}: largest relative error of the FRF {error.max():.2e}")
     assert error.max() < 1e-4
+
+
+PRESSED = (1.6e-3, 2e-3, 8e-3)
+"""m, at 2 mm/s: where the force is compared."""
+
+
+@pytest.mark.parametrize("target", ["calculix", "abaqus"])
+@pytest.mark.parametrize("units", list(UNIT_SYSTEMS))
+def test_pressed_far_it_pushes_as_the_model_does(target, units, paper_seal, tmp_path):
+    """Nodes 1 mm apart would pass each other, and push the other way, beyond 1 mm."""
+    unit, steps = UNIT_SYSTEMS[units], 400
+    speed, end = 2e-3, PRESSED[-1]
+    deck = export.TARGETS[target](paper_seal, units=units)
+    t = end / speed / unit.time
+    deck += "\n".join([
+        "*BOUNDARY", "1, 1, 3", "2, 2, 3", "*AMPLITUDE, NAME=RAMP", f"0., 0., {t!r}, 1.",
+        "*NSET, NSET=MOVING", "2", f"*STEP, NLGEOM, INC={2 * steps}", "*DYNAMIC, DIRECT",
+        f"{t / steps!r}, {t!r}", "*BOUNDARY, AMPLITUDE=RAMP", f"2, 1, 1, {-end / unit.length!r}",
+        "*NODE PRINT, NSET=MOVING", "U, RF", "*END STEP", "",
+    ])  # fmt: skip
+    if target == "abaqus":  # ccx wants a mass where something moves; Abaqus needs none
+        deck = deck.replace("*AMPLITUDE", "\n".join([
+            "*ELEMENT, TYPE=MASS, ELSET=M", "5001, 11", "5002, 12", "*MASS, ELSET=M",
+            f"{1e-9 / unit.mass!r}", "*AMPLITUDE",
+        ]), 1)  # fmt: skip
+    dat = run_ccx(deck, tmp_path)
+    moved, pushed = (printed(dat, block, 2) for block in ("disp", "forces"))
+    at = [round(x / end * steps) - 1 for x in PRESSED]
+    time = np.array(PRESSED) / speed
+    exact = -paper_seal.ramp_hold_force(time, depth=end, ramp_time=end / speed)
+    assert moved[at] * unit.length == pytest.approx(-np.array(PRESSED), rel=1e-6)
+    error = np.abs(pushed[at] * unit.force / exact - 1)
+    print(f"{target} {units}: largest relative error of the force {error.max():.1e}")
+    assert error.max() < 1e-5
 
 
 def test_the_network_alone_carries_its_static_stiffness(paper_seal, tmp_path):

@@ -351,8 +351,19 @@ def test_lsdyna_arms(solid):
     ((_, b),) = cards["*MAT_DAMPER_VISCOUS"]
     assert all(card[2] == 0.0 for card in cards["*MAT_SPRING_MAXWELL"])
     arms = [(card[1], 1 / card[3]) for card in cards["*MAT_SPRING_MAXWELL"]]
-    assert stiffness(arms, k_inf, b) == pytest.approx(solid.complex_stiffness(OMEGA), rel=2e-4)
+    assert stiffness(arms, k_inf, b) == pytest.approx(
+        solid.complex_stiffness(omega=OMEGA), rel=2e-4
+    )
     assert len(arms) == solid.arms
+
+
+def test_lsdyna_pulls_along_a_vector_that_does_not_turn(paper_seal):
+    """As the manual lays it out: IOP 0 and a vector; VID in the fifth field of eight columns."""
+    lines = export.lsdyna(paper_seal, units="SI").splitlines()
+    vector = lines[lines.index("*DEFINE_SD_ORIENTATION") + 2]
+    assert [float(vector[i : i + 10]) for i in range(0, 70, 10)] == [1, 0, 1, 0, 0, 0, 0]
+    elements = [lines[i + 1] for i, line in enumerate(lines) if line == "*ELEMENT_DISCRETE"]
+    assert [int(each[32:40]) for each in elements] == [1] * (1 + paper_seal.arms)
 
 
 @given(solids)
@@ -373,7 +384,9 @@ def test_ansys_arms(solid):
         assert ends[damper][1] == 1
         assert C[spring] == K[damper] == 0.0
         arms.append((K[spring], C[damper] / K[spring]))
-    assert stiffness(arms, K[0], C[0]) == pytest.approx(solid.complex_stiffness(OMEGA), rel=1e-8)
+    assert stiffness(arms, K[0], C[0]) == pytest.approx(
+        solid.complex_stiffness(omega=OMEGA), rel=1e-8
+    )
 
 
 @given(solids)
@@ -397,7 +410,7 @@ def test_prony_cards_hold_the_same_series(solid):
     for found in ([(g, tau) for g, _, tau in abaqus], pairs):
         rebuilt = stiffness(found, 1 - sum(g for g, _ in found))
         assert rebuilt == pytest.approx(
-            solid.complex_stiffness(OMEGA) / solid.k_0, rel=1e-6, abs=1e-9
+            solid.complex_stiffness(omega=OMEGA) / solid.k_0, rel=1e-6, abs=1e-9
         )
 
 
@@ -423,7 +436,7 @@ def test_transfer_function(solid):
     coefficients = np.polyval(block["NUMERATOR_COEFFICIENTS"][::-1], s) / np.polyval(
         block["DENOMINATOR_COEFFICIENTS"][::-1], s
     )
-    expected = solid.complex_stiffness(OMEGA) / solid.k_inf
+    expected = solid.complex_stiffness(omega=OMEGA) / solid.k_inf
     assert times == pytest.approx(expected, rel=1e-7)
     assert coefficients == pytest.approx(expected, rel=1e-6)
 
@@ -439,7 +452,7 @@ def test_state_space(solid):
     }
     s = 1j * OMEGA[:, None]
     K = (-rows["C"] * rows["B"] / (s + rows["A"])).sum(axis=1) + rows["D"] + 1j * OMEGA * rows["E"]
-    assert pytest.approx(solid.complex_stiffness(OMEGA), rel=1e-7, abs=1e-9 * solid.k_0) == K
+    assert pytest.approx(solid.complex_stiffness(omega=OMEGA), rel=1e-7, abs=1e-9 * solid.k_0) == K
 
 
 @pytest.mark.parametrize("units", list(UNIT_SYSTEMS))
@@ -450,7 +463,7 @@ def test_comma_separated_values(paper_seal, units):
     text = "\n".join(line for line in lines if not line.startswith("#"))
     for row in list(comma.reader(io.StringIO(text)))[1:]:
         f, storage, loss, eta, b = (float(value) for value in row[:5])
-        K = complex(paper_seal.complex_stiffness(2 * np.pi * f / system.time))
+        K = complex(paper_seal.complex_stiffness(omega=2 * np.pi * f / system.time))
         assert storage == pytest.approx(system.stiffness(K.real), rel=1e-8)
         assert loss == pytest.approx(system.stiffness(K.imag), rel=1e-8)
         assert eta == pytest.approx(K.imag / K.real, rel=1e-8)
@@ -476,7 +489,7 @@ def test_connector_rows_read_back(paper_seal):
     K = np.array([numbers(line) for line in lines[start + 1 : middle]])
     eta = np.array([numbers(line) for line in lines[middle + 1 :]])
     assert K[:, 1].tolist() == eta[:, 1].tolist()
-    exact = paper_seal.complex_stiffness(2 * np.pi * K[:, 1]) / 1e3
+    exact = paper_seal.complex_stiffness(omega=2 * np.pi * K[:, 1]) / 1e3
     assert K[:, 0] * (1 + 1j * eta[:, 0]) == pytest.approx(exact, rel=1e-8)
 
 
@@ -504,8 +517,8 @@ def test_forms_and_targets_are_the_same_list():
 def test_a_material_goes_into_material_cards_only():
     omega = 2 * np.pi * np.geomspace(0.01, 10, 40)
     rubber = GeneralizedMaxwell(1e6, (5e5,), (0.1,))
-    K = rubber.complex_stiffness(omega)
-    fit = fit_dynamic(DynamicTest(omega / (2 * np.pi), K.real, K.imag), arms=1)
+    K = rubber.complex_stiffness(omega=omega)
+    fit = fit_dynamic(DynamicTest(omega / (2 * np.pi), K.real, K.imag, units="SI"), arms=1)
     assert fit.unit == "Pa"
     with pytest.raises(ExportError, match=r"springs and dashpots are in N/m.*--form prony"):
         export.nastran(fit, units="SI", allow=("all",))
@@ -529,9 +542,9 @@ def test_a_solid_that_is_no_sum_of_arms_is_written_by_the_arms_that_stand_for_it
 def test_a_table_is_of_the_solid_itself_not_of_its_arms():
     rows = [row for row in export.csv(SEAL, units="SI").splitlines() if row[0].isdigit()]
     f, storage, loss = np.array([numbers(row)[:3] for row in rows]).T
-    exact = SEAL.complex_stiffness(2 * np.pi * f)
+    exact = SEAL.complex_stiffness(omega=2 * np.pi * f)
     assert storage + 1j * loss == pytest.approx(exact, rel=1e-9)
-    assert np.abs(SEAL.maxwell.complex_stiffness(2 * np.pi * f) / exact - 1).max() > 1e-6
+    assert np.abs(SEAL.maxwell.complex_stiffness(omega=2 * np.pi * f) / exact - 1).max() > 1e-6
 
 
 @every_deck

@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from kit.levels import ARMS, MASS, SLIDERS, STIFFENS, a_level_fit
-from kit.solvers import PULSE, needs_ccx, run_ccx, run_opensees
+from kit.solvers import PULSE, needs_ccx, printed, run_ccx, run_opensees
 
 from dashpot import export, workflow
 from dashpot.base.checks import Check
@@ -121,17 +121,6 @@ def test_a_mass_shaken_in_opensees_moves_as_harmonic_balance_says(name):
     found = abs(2 / steps * np.sum(moved * turn[-steps - 1 : -1]))
     print(f"{name}: amplitude {found:.6e} m, {found / X - 1:+.1e}")
     assert found == pytest.approx(X, rel=1e-3)
-
-
-def printed(dat: str, block: str, node: int) -> np.ndarray:
-    """First components of a node in the blocks of one kind."""
-    found, wanted = [], False
-    for line in dat.splitlines():
-        if line.lstrip().startswith(("displacements", "forces")):
-            wanted = line.lstrip().startswith(block)
-        elif wanted and line.split()[:1] == [str(node)]:
-            found.append(float(line.split()[1]))
-    return np.array(found)
 
 
 def ccx_path(network, units, x, dt, *, procedure, folder):
@@ -311,7 +300,7 @@ def test_a_deck_of_levels_says_where_it_comes_from(target):
     ):
         assert words in deck, words
     # elements that follow their nodes
-    follow = target in ("abaqus", "calculix", "lsdyna")
+    follow = target in ("abaqus", "calculix")
     assert ("keep the two nodes 10000. mm apart" in deck) == follow
     solver = "not solver-verified" not in deck
     assert solver == (target in ("opensees", "calculix"))

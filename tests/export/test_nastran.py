@@ -35,7 +35,7 @@ def test_the_stiffness_read_back_is_the_models(paper_seal, units, form):
     system = UNIT_SYSTEMS[units]
     f = np.linspace(1, 100, 5001)
     read = Bush(deck).complex_stiffness(f * system.time)
-    K = paper_seal.complex_stiffness(2 * np.pi * f)
+    K = paper_seal.complex_stiffness(omega=2 * np.pi * f)
     assert np.abs(read / system.stiffness(1.0) - K).max() < 1.01e-3 * K.imag.max()
     assert (np.abs(read / system.stiffness(1.0) - K) / K.imag).max() < 1.01e-3
 
@@ -65,9 +65,9 @@ def test_a_table_keeps_the_tolerance_for_every_mass(k, tau, k_inf, damping, tole
     storage = np.interp(f, table.frequency, table.storage)
     damped = np.interp(f, table.frequency, table.damping)
     tabled = storage + 1j * (storage * damped if damping == "loss_factor" else omega * damped)
-    exact = model.complex_stiffness(omega)
+    exact = model.complex_stiffness(omega=omega)
     for resonance in (0.5, 3.0, 20.0):
-        mass = float(model.storage(2 * np.pi * resonance)) / (2 * np.pi * resonance) ** 2
+        mass = float(model.storage(omega=2 * np.pi * resonance)) / (2 * np.pi * resonance) ** 2
         error = np.abs((exact - mass * omega**2) / (tabled - mass * omega**2) - 1)
         assert error.max() <= 1.1 * tolerance
     assert table.error <= tolerance
@@ -149,7 +149,7 @@ def test_arms_rebuild_the_model(paper_seal):
     rest = [i for i, node in enumerate(nodes) if node not in (("1", "1"), ("2", "1"))]
     inner = np.linalg.solve(D[np.ix_(rest, rest)], D[rest, moving])
     K = D[moving, moving] - D[moving, rest] @ inner
-    expected = paper_seal.complex_stiffness(omega) + 3j * omega
+    expected = paper_seal.complex_stiffness(omega=omega) + 3j * omega
     assert pytest.approx(expected, rel=1e-9) == K
     assert len({fields[0] for name, fields in cards if name[0] == "C"}) == 6
 
@@ -170,7 +170,7 @@ def test_a_seal_line_carries_its_whole_length(paper_seal):
     assert len(elements) == len(stations.length) == 184
     assert len({fields[0] for fields in elements}) == 184
     total = 184 * bush.complex_stiffness(12.71)
-    expected = paper_seal.complex_stiffness(2 * np.pi * 12.71) * 1e-3 * line.length / 0.1
+    expected = paper_seal.complex_stiffness(omega=2 * np.pi * 12.71) * 1e-3 * line.length / 0.1
     assert total == pytest.approx(complex(expected), rel=1e-5)
     grids = {fields[0]: fields[2:5] for name, fields in bush.cards if name == "GRID"}
     assert len(grids) == 2 * 184

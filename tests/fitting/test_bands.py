@@ -34,7 +34,7 @@ AT = np.array([0.05, 0.3, 1.0, 5.0, 12.71, 30.0])
 
 def test_the_truth_lies_in_the_unseen_arm_band(broad_fit: Fit, broad_test: RampHold) -> None:
     band = unseen_arm_band(broad_fit, broad_test, AT, level=0.99)
-    truth = BROAD.complex_stiffness(2 * np.pi * AT)
+    truth = BROAD.complex_stiffness(omega=2 * np.pi * AT)
     for limits, value in (
         (band.storage, truth.real),
         (band.loss, truth.imag),
@@ -48,7 +48,7 @@ def test_the_band_opens_where_the_test_is_blind(broad_fit: Fit, broad_test: Ramp
     # on a machine that is known: 5 ms between the clocks are a loss of their own
     known = replace(broad_test, machine=Machine(sync="1ms", compliance=0.0, drift="20uN/s"))
     band = unseen_arm_band(broad_fit, known, AT)
-    width = (band.loss[1] - band.loss[0]) / BROAD.loss(2 * np.pi * AT)
+    width = (band.loss[1] - band.loss[0]) / BROAD.loss(omega=2 * np.pi * AT)
     assert width[1] < 0.06  # 0.3 Hz: the hold sees it
     unknown = unseen_arm_band(broad_fit, broad_test, AT[1:2])
     assert np.ptp(unknown.loss) > 2 * np.ptp(band.loss[:, 1])
@@ -62,7 +62,7 @@ def test_the_formal_band_of_two_arms_is_absurdly_narrow() -> None:
     hold = fit(test, arms=2, method="hold")
     formal = parameter_band(hold, [12.71])
     unseen = unseen_arm_band(hold, test, [12.71])
-    truth = BROAD.loss_factor(2 * np.pi * 12.71)
+    truth = BROAD.loss_factor(omega=2 * np.pi * 12.71)
     assert formal.loss_factor[1, 0] < truth / 3
     assert np.ptp(formal.loss_factor) < 0.1 * truth
     assert unseen.loss_factor[0, 0] < truth < unseen.loss_factor[1, 0]
@@ -94,7 +94,7 @@ def test_a_faster_ramp_tells_the_fast_arms_where_the_clocks_agree() -> None:
         end = 0.5 + ramp_time
         held = RampHold(t, x, BROAD.force(t, x) + noise, 0.5, end, float(t[-1]), 8e-3)
         band = unseen_arm_band(fit(held), held, [12.71])
-        short.append(float(BROAD.loss(2 * np.pi * 12.71) - band.loss[0, 0]))
+        short.append(float(BROAD.loss(omega=2 * np.pi * 12.71) - band.loss[0, 0]))
     assert 0 < short[1] < 0.5 * short[0]
 
 
@@ -170,7 +170,7 @@ def test_the_fit_and_the_truth_lie_within_the_lines(broad_fit: Fit, broad_test: 
     band = unseen_arm_band(broad_fit, broad_test, LINES)
     assert time.process_time() - start < 2.0
     for solid, least in ((broad_fit.model, 1.0), (BROAD, 0.9)):
-        K = solid.complex_stiffness(2 * np.pi * LINES)
+        K = solid.complex_stiffness(omega=2 * np.pi * LINES)
         for limits, value in (
             (band.storage, K.real),
             (band.loss, K.imag),
@@ -214,7 +214,7 @@ def test_the_peak_lies_where_and_as_high_as_said(broad_fit: Fit, broad_test: Ram
     band = frf_band(broad_fit, broad_test, mass=BROAD_MASS, seals=2, frequency=f)
     fine = np.linspace(11, 15, 4001)
     omega = 2 * np.pi * fine
-    K = BROAD.complex_stiffness(omega)
+    K = BROAD.complex_stiffness(omega=omega)
     height = omega**2 / np.abs(2 * K - BROAD_MASS * omega**2)
     crossing = fine[np.argmin(np.abs(2 * K.real - BROAD_MASS * omega**2))]
     assert band.peak_frequency is not None
@@ -247,7 +247,7 @@ def held_at(solid: GeneralizedMaxwell, *, seed: int, late: int = 0) -> np.ndarra
     force = np.concatenate((test.force[:1].repeat(late), test.force[: len(test.force) - late]))
     held = prepare(replace(test, force=force))
     band = unseen_arm_band(fit(held), held, COVERED)
-    K = solid.complex_stiffness(2 * np.pi * COVERED)
+    K = solid.complex_stiffness(omega=2 * np.pi * COVERED)
     known = ((band.storage, K.real), (band.loss, K.imag), (band.loss_factor, K.imag / K.real))
     return np.array([(low <= value) & (value <= high) for (low, high), value in known])
 
@@ -271,7 +271,7 @@ def test_the_bands_cover_over_seeds(solid: GeneralizedMaxwell, late: int) -> Non
 
 def test_a_seal_that_may_bear_nothing_has_a_loss_factor_all_the_same(broad_fit: Fit) -> None:
     lost = altered(broad_fit, covariance=np.full_like(broad_fit.covariance, np.inf))
-    band, own = parameter_band(lost, AT, level=0.99), lost.solid.loss_factor(2 * np.pi * AT)
+    band, own = parameter_band(lost, AT, level=0.99), lost.solid.loss_factor(omega=2 * np.pi * AT)
     assert (band.storage[0] == 0).all()
     low, high = band.loss_factor
     assert (low <= own).all()
@@ -294,14 +294,14 @@ def test_what_cannot_be_is_refused(broad_fit: Fit, broad_test: RampHold) -> None
 def test_a_seal_without_fast_arms_keeps_its_loss_within_the_band() -> None:
     test = prepare(simulate_relaxation(PAPER, seed=2).test)
     band = unseen_arm_band(fit(test), test, [12.71], level=0.99)
-    truth = PAPER.loss(2 * np.pi * 12.71)
+    truth = PAPER.loss(omega=2 * np.pi * 12.71)
     assert band.loss[0, 0] <= truth <= band.loss[1, 0]
 
 
 def test_a_spring_without_loss_bounds_its_peak_from_below_alone() -> None:
     time = np.arange(4000) / 100
     x = 8e-3 * np.clip(time - 1, 0, 1)
-    test = prepare(RelaxationTest(time=time, displacement=x, force=200.0 * x))
+    test = prepare(RelaxationTest(time=time, displacement=x, force=200.0 * x, units="SI"))
     natural = np.sqrt(200.0 / 0.104) / (2 * np.pi)
     band = frf_band(fit(test), test, mass=0.104, frequency=np.linspace(0.5, 1.5, 41) * natural)
     assert band.peak_height is not None
@@ -335,7 +335,7 @@ def test_over_a_base_every_limit_holds_what_it_should(broad_fit: Fit, broad_test
     f = np.array([0.1, 1.0, 5.0, 9.0, 12.0, 12.7, 14.0, 18.0, 30.0, 50.0])
     words = {"mass": BROAD_MASS, "seals": 2, "frequency": f}
     band = frf_band(broad_fit, broad_test, kind="transmissibility", **words)
-    K = 2 * BROAD.complex_stiffness(2 * np.pi * f)
+    K = 2 * BROAD.complex_stiffness(omega=2 * np.pi * f)
     T = np.abs(K / (K - BROAD_MASS * (2 * np.pi * f) ** 2))
     assert ((band.unseen[0] <= T) & (band.unseen[1] >= T)).mean() >= 0.9
     for low, high in (band.unseen, band.parameter):

@@ -48,7 +48,7 @@ def record(creep: CreepSpectrum = T1, *, noise: float = 0.0, force_noise: float 
     random = np.random.default_rng(seed)
     x = ramped(clock, creep) + noise * random.standard_normal(len(clock))
     force = np.clip(clock, 0, 1) + force_noise * random.standard_normal(len(clock))
-    return CreepTest(clock, x, force)
+    return CreepTest(clock, x, force, units="SI")
 
 
 def test_the_papers_seal_creeps_as_its_reference_says() -> None:
@@ -127,7 +127,7 @@ def test_a_solid_cut_short_says_that_its_end_is_open() -> None:
 
 def test_a_step_at_the_first_sample_needs_no_baseline() -> None:
     time = np.arange(0.0, 40.0, 0.01)
-    found = dp.fit(CreepTest(time, T1.compliance(time), np.ones(len(time))))
+    found = dp.fit(CreepTest(time, T1.compliance(time), np.ones(len(time)), units="SI"))
     assert found.model.k == pytest.approx(PAPER.k, rel=1e-6)
     checks = {check.name: check for check in found.checks}
     assert checks["load_begins_at_rest"].failed
@@ -138,7 +138,7 @@ def test_a_recovery_is_part_of_the_history() -> None:
     load = np.interp(time, [0, 1, 30, 31], [0, 1, 1, 0])
     x = ramped(time) - ramped(time - 30)
     random = np.random.default_rng(0)
-    found = dp.fit(CreepTest(time, x + 2e-6 * random.standard_normal(len(x)), load))
+    found = dp.fit(CreepTest(time, x + 2e-6 * random.standard_normal(len(x)), load, units="SI"))
     assert found.model.tau == pytest.approx(PAPER.tau, rel=5e-3)
     assert found.verdict.use == "use"
 
@@ -146,7 +146,9 @@ def test_a_recovery_is_part_of_the_history() -> None:
 @pytest.mark.parametrize(("sign", "shift"), [(1, 0.0), (-1, 0.0), (-1, 12e-3), (1, -3e-3)])
 def test_signs_and_zeros_do_not_matter(sign: int, shift: float) -> None:
     test = record()
-    turned = CreepTest(test.time, sign * test.displacement + shift, -sign * test.force - 0.3)
+    turned = CreepTest(
+        test.time, sign * test.displacement + shift, -sign * test.force - 0.3, units="SI"
+    )
     found = dp.fit(turned)
     assert found.model.k_inf == pytest.approx(PAPER.k_inf, rel=1e-6)
     assert load_hold(turned).preload == pytest.approx(0.3 * sign)
@@ -159,7 +161,9 @@ def test_proportion_is_judged_between_levels_of_load() -> None:
     random = np.random.default_rng(0)
     for bend, failed in ((0.0, False), (0.1, True)):
         x = straight * (1 - bend * straight / straight.max())
-        found = dp.fit(CreepTest(time, x + 2e-6 * random.standard_normal(len(x)), load), arms=2)
+        found = dp.fit(
+            CreepTest(time, x + 2e-6 * random.standard_normal(len(x)), load, units="SI"), arms=2
+        )
         (check,) = [one for one in found.checks if one.name == "levels_agree"]
         assert check.failed == failed, check.says
 
@@ -167,20 +171,20 @@ def test_proportion_is_judged_between_levels_of_load() -> None:
 def test_a_compliance_is_fitted_as_the_curve_it_is() -> None:
     time = np.geomspace(0.01, 200, 120)
     material = GeneralizedMaxwell(2e5, (3e5, 1e5), (0.05, 4.0))
-    curve = CreepCompliance(time, material.creep(time))
+    curve = CreepCompliance(time, material.creep(time), units="SI")
     found = dp.fit(curve)
     assert found.unit == "Pa"
     assert found.model.k == pytest.approx(material.k, rel=1e-6)
     assert found.model.tau == pytest.approx(material.tau, rel=1e-6)
-    of_part = CreepCompliance(time, material.creep(time), "m/N")
+    of_part = CreepCompliance(time, material.creep(time), "m/N", units="SI")
     assert dp.fit(of_part).unit == "N/m"
     with pytest.raises(DataError, match="it falls with time"):
-        dp.fit(CreepCompliance(time, material.relaxation(time)))
+        dp.fit(CreepCompliance(time, material.relaxation(time), units="SI"))
 
 
 def test_a_material_is_fitted_by_its_stress_and_strain() -> None:
     test = record()
-    found = dp.fit(CreepTest(test.time, test.displacement, test.force, "Pa"))
+    found = dp.fit(CreepTest(test.time, test.displacement, test.force, "Pa", units="SI"))
     assert found.unit == "Pa"
     assert found.residual.unit == "1"
     assert found.model.k == pytest.approx(PAPER.k, rel=1e-9)
@@ -198,7 +202,7 @@ def test_what_makes_no_sense_is_refused() -> None:
         dp.fit(record(), method="hold")
     noise = np.random.default_rng(0).standard_normal((2, 500))
     with pytest.raises(DataError, match="no force is held"):
-        dp.fit(CreepTest(np.arange(500.0), noise[0], noise[1]))
+        dp.fit(CreepTest(np.arange(500.0), 1e-3 * noise[0], noise[1], units="SI"))
 
 
 def test_a_fit_is_kept_whole() -> None:
@@ -206,7 +210,11 @@ def test_a_fit_is_kept_whole() -> None:
     again = dp.from_json(dp.to_json(found))
     assert again == found
     assert again.creep == found.creep
-    for noun in (record(), load_hold(record()), CreepCompliance([1.0, 2.0], [1.0, 2.0])):
+    for noun in (
+        record(),
+        load_hold(record()),
+        CreepCompliance([1.0, 2.0], [1.0, 2.0], units="SI"),
+    ):
         assert dp.from_json(dp.to_json(noun)) == noun
 
 
@@ -224,7 +232,7 @@ def test_noise_of_the_load_is_in_the_errors(case: str) -> None:
         random, load = np.random.default_rng(seed), CASES[case](CLOCK)
         x = PAPER.displacement(CLOCK, load) + 5e-6 * random.standard_normal(len(CLOCK))
         noisy = load + 4e-3 * random.standard_normal(len(CLOCK))
-        found = dp.fit(CreepTest(CLOCK, x, noisy))
+        found = dp.fit(CreepTest(CLOCK, x, noisy, units="SI"))
         assert found.model.arms == 2
         known = found.standard_error
         off.append([
@@ -242,7 +250,7 @@ def test_a_straight_load_has_the_corners_of_its_ramp() -> None:
     assert straight.corners[1:3] == pytest.approx((0.0, 1.0), abs=5e-3)
     assert straight.resolution == 0
     hunting = CASES["hunts"](CLOCK) + 4e-3 * np.random.default_rng(0).standard_normal(len(CLOCK))
-    freed = load_hold(CreepTest(CLOCK, PAPER.displacement(CLOCK, LOAD), hunting))
+    freed = load_hold(CreepTest(CLOCK, PAPER.displacement(CLOCK, LOAD), hunting, units="SI"))
     assert freed.resolution > 0
     assert np.std(freed.load - CASES["hunts"](CLOCK)) < 3e-3
 
@@ -277,7 +285,7 @@ def test_a_part_that_moves_before_the_load_has_no_zero(moved: float, fails: bool
     x = ramped(CLOCK)
     # the medians of the first and the last third lie 1 s apart
     rate = moved * float(x.max()) / (1 - 1.5 * moved)
-    found = dp.fit(CreepTest(CLOCK, x + rate * np.minimum(CLOCK, 0), LOAD))
+    found = dp.fit(CreepTest(CLOCK, x + rate * np.minimum(CLOCK, 0), LOAD, units="SI"))
     (check,) = [check for check in found.checks if check.name == "load_begins_at_rest"]
     assert check.failed is fails
     assert "% of the travel" in check.says
@@ -314,7 +322,7 @@ def test_a_test_measures_the_compliance_that_a_step_would_have_shown() -> None:
         assert found.unit == "m/N"
     short = at_temperature(23.0)
     kept = short.time < 2.0
-    cut = CreepTest(short.time[kept], short.displacement[kept], short.force[kept])
+    cut = CreepTest(short.time[kept], short.displacement[kept], short.force[kept], units="SI")
     with pytest.raises(FitError, match="hold longer"):
         dp.measured_compliance(cut)
 

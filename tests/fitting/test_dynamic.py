@@ -39,9 +39,9 @@ def sweep(
     unit: str = "N/m",
 ) -> DynamicTest:
     """Storage and loss with errors relative to each."""
-    value = model.complex_stiffness(2 * np.pi * frequency)
+    value = model.complex_stiffness(omega=2 * np.pi * frequency)
     one, two = 1 + noise * np.random.default_rng(seed).standard_normal((2, len(frequency)))
-    return DynamicTest(frequency, value.real * one, value.imag * two, unit=unit)
+    return DynamicTest(frequency, value.real * one, value.imag * two, unit=unit, units="SI")
 
 
 def ramp_hold(model: GeneralizedMaxwell, *, noise: float, seed: int = 0) -> RampHold:
@@ -132,7 +132,11 @@ def test_arms_a_decade_apart_are_recovered_in_any_unit(
 def test_the_order_of_the_frequencies_does_not_matter(order: list[int]) -> None:
     data = sweep(ZENER, noise=0.01)
     mixed = DynamicTest(
-        data.frequency[order], data.storage[order], data.loss[order], unit=data.unit
+        data.frequency[order],
+        data.storage[order],
+        data.loss[order],
+        unit=data.unit,
+        units="SI",
     )
     one, other = fit_dynamic(data, arms=1), fit_dynamic(mixed, arms=1)
     same(other.model, one.model, 1e-12)
@@ -149,14 +153,14 @@ def test_the_optimum_is_that_of_scipy_on_the_same_residuals() -> None:
 
     data = sweep(ZENER, noise=0.02, seed=4)
     found = fit_dynamic(data, arms=1, max_arms=1)
-    value = found.model.complex_stiffness(data.omega)
+    value = found.model.complex_stiffness(omega=data.omega)
     # relative to what the fit expects, storage and loss each by its own scatter
     own = np.sqrt(np.mean((value.real - data.storage) ** 2 / value.real**2))
     its = np.sqrt(np.mean((value.imag - data.loss) ** 2 / value.imag**2))
     scale = np.concatenate((own * value.real, its * value.imag))
 
     def weighted(p: np.ndarray) -> np.ndarray:
-        at = GeneralizedMaxwell(p[0], (p[1],), (p[2],)).complex_stiffness(data.omega)
+        at = GeneralizedMaxwell(p[0], (p[1],), (p[2],)).complex_stiffness(omega=data.omega)
         error = np.concatenate((at.real - data.storage, at.imag - data.loss))
         return np.asarray(error / scale)
 
@@ -222,7 +226,7 @@ def test_together_they_see_what_neither_sees_alone() -> None:
     omega = 2 * np.pi * np.geomspace(0.004, 50.0, 60)
 
     def worst(model: GeneralizedMaxwell) -> float:
-        return float(np.abs(model.loss(omega) / BROAD.loss(omega) - 1).max())
+        return float(np.abs(model.loss(omega=omega) / BROAD.loss(omega=omega) - 1).max())
 
     assert worst(joint.model) < 0.05
     assert worst(fit_dynamic(data).model) > 0.3
@@ -235,7 +239,7 @@ def test_a_raw_record_of_the_rig_and_a_sweep_are_fitted_together() -> None:
     assert found.ok
     assert found.model.arms == BROAD.arms
     omega = 2 * np.pi * np.geomspace(0.004, 50.0, 60)
-    assert np.abs(found.model.loss(omega) / BROAD.loss(omega) - 1).max() < 0.06
+    assert np.abs(found.model.loss(omega=omega) / BROAD.loss(omega=omega) - 1).max() < 0.06
     said = found.intervals(level=0.99)["tau"]
     assert all(low < tau < high for (low, high), tau in zip(said, BROAD.tau, strict=True))
 
@@ -305,7 +309,7 @@ def test_amplitudes_that_no_solid_explains_are_fitted_and_told() -> None:
     moved, s = np.tile(np.geomspace(1e-3, 0.3, 12), 3), 2j * np.pi * frequency
     value = 2e5 + 5e4 * s * 0.01 / (1 + s * 0.01) + 3e4 * s * 0.1 / (1 + s * 0.1)
     value += (8e4 + 4e4j * moved**0.6) / (1 + moved**1.2)
-    found = fit_dynamic(DynamicTest(frequency, value.real, value.imag, None, "N/m"))
+    found = fit_dynamic(DynamicTest(frequency, value.real, value.imag, None, "N/m", units="SI"))
     assert found.verdict.use == "use with care"
     assert found.verdict.because[0].name == "kramers_kronig"
 
@@ -372,7 +376,7 @@ def test_what_makes_no_sense_is_refused() -> None:
 def test_one_isotherm_of_a_real_machine(shared_data: Path) -> None:
     data = read_dynamic(shared_data / "pyvisco-master-curves" / "freq_user_raw.csv")
     found = fit_dynamic(data, temperature=343.0)
-    value = found.model.complex_stiffness(2 * np.pi * data.frequency)
+    value = found.model.complex_stiffness(omega=2 * np.pi * data.frequency)
     assert data.temperature is not None
     near = np.abs(data.temperature - 343.0) <= 1.0
     assert np.abs(value.real / data.storage - 1)[near].max() < 0.05
@@ -390,13 +394,15 @@ def test_a_spectrum_too_broad_for_a_few_arms_is_told_as_a_dense_one() -> None:
     """Twenty decades of equal arms: six cannot follow, so a table is given and called one."""
     many = GeneralizedMaxwell(1e6, (1e6,) * 20, tuple(10.0**n for n in range(-10, 10)))
     frequency = np.geomspace(1e-11, 1e10, 150)
-    K = many.complex_stiffness(2 * np.pi * frequency)
-    found = fit_dynamic(DynamicTest(frequency, K.real, K.imag))
+    K = many.complex_stiffness(omega=2 * np.pi * frequency)
+    found = fit_dynamic(DynamicTest(frequency, K.real, K.imag, units="SI"))
     check = next(check for check in found.checks if check.name == "few_arms_suffice")
     assert check.failed
     assert found.status is Status.NOT_IDENTIFIED
     assert found.model.arms > 6
-    np.testing.assert_allclose(found.model.complex_stiffness(2 * np.pi * frequency), K, rtol=0.02)
+    np.testing.assert_allclose(
+        found.model.complex_stiffness(omega=2 * np.pi * frequency), K, rtol=0.02
+    )
     assert found.standard_error["k_inf"] == np.inf
-    few = fit_dynamic(DynamicTest(frequency, K.real, K.imag), arms=3)
+    few = fit_dynamic(DynamicTest(frequency, K.real, K.imag, units="SI"), arms=3)
     assert few.model.arms == 3

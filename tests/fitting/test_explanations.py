@@ -45,7 +45,9 @@ def pressed(seed: int) -> RampHold:
 
     noise = 5e-3 * np.random.default_rng(seed).standard_normal(len(time))
     x = rate * np.clip(time, 0.0, 1.0)
-    return prepare(RelaxationTest(time=time, displacement=x, force=ramp(t) - ramp(t - 1.0) + noise))
+    return prepare(
+        RelaxationTest(time=time, displacement=x, force=ramp(t) - ramp(t - 1.0) + noise, units="SI")
+    )
 
 
 @cache
@@ -57,7 +59,7 @@ def hammer(seed: int, *, scale: float = 1.0, mass: float = MASS, gain: float = 1
     value, sd = hardening.hammered(
         LINES, mass=mass, seals=SEALS, scale=scale, noise=0.01, seed=1000 + seed
     )
-    return FRF(LINES, gain * value, sd=gain * sd, averages=4)
+    return FRF(LINES, gain * value, sd=gain * sd, averages=4, units="SI")
 
 
 def joint(seed: int, **hit: float) -> Fit:
@@ -201,7 +203,7 @@ def voigt(seed: int = 0, b: float = 0.3) -> FRF:
     value = -(omega**2) / (400.0 + 1j * omega * b - 0.1 * omega**2)
     sd = 0.01 * np.abs(value)
     draw = np.random.default_rng(seed).standard_normal((2, len(LINES)))
-    return FRF(LINES, value + sd * (draw[0] + 1j * draw[1]), sd=sd, averages=4)
+    return FRF(LINES, value + sd * (draw[0] + 1j * draw[1]), sd=sd, averages=4, units="SI")
 
 
 def test_no_arm_is_no_answer_where_something_dissipates() -> None:
@@ -223,7 +225,7 @@ def test_a_spring_needs_no_arm_and_no_dashpot() -> None:
     value = -(omega**2) / (400.0 * (1 + 0.0j) - 0.1 * omega**2)
     sd = 0.01 * np.abs(value)
     draw = np.random.default_rng(4).standard_normal((2, len(omega)))
-    frf = FRF(LINES[::2], value + sd * (draw[0] + 1j * draw[1]), sd=sd, averages=4)
+    frf = FRF(LINES[::2], value + sd * (draw[0] + 1j * draw[1]), sd=sd, averages=4, units="SI")
     found = identify(frf, mass=0.1)
     assert found.model.arms == 0
     assert not any(check.failed for check in found.checks if check.name == "dashpot_not_missed")

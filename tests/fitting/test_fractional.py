@@ -79,7 +79,7 @@ def fitted(truth: tuple[float, float, float, float]) -> dp.Fit:
 def test_a_fractional_seal_is_found_and_its_loss_foretold(truth) -> None:
     found = fitted(truth)
     assert found.family == "fractional"
-    K = complex(found.solid.complex_stiffness(RESONANCE))
+    K = complex(found.solid.complex_stiffness(omega=RESONANCE))
     true = complex(Seal.fractional(*truth).stiffness(np.array([RESONANCE]))[0])
     assert K.imag == pytest.approx(true.imag, rel=0.05)
     assert K.real == pytest.approx(true.real, rel=0.01)
@@ -96,7 +96,7 @@ def test_the_arms_that_explain_the_same_record_are_not_hidden(truth) -> None:
     assert (other.family, other.explains) == ("maxwell", True)
     assert other.bic > 10
     # they put the loss at a resonance far lower, which the record cannot contradict
-    assert other.solid.loss(RESONANCE) < 0.75 * found.solid.loss(RESONANCE)
+    assert other.solid.loss(omega=RESONANCE) < 0.75 * found.solid.loss(omega=RESONANCE)
     assert 0.3 < other.parts_at < 12.71
     check = next(one for one in found.checks if one.name == "families_told_apart")
     assert check.failed
@@ -135,7 +135,7 @@ def test_a_fault_of_the_bench_leaves_a_fractional_seal_one(name: str) -> None:
     found = dp.fit(pressed(Seal.fractional(*TRUTHS[0]), bench=DISTURBANCES[name]), family="auto")
     assert found.family == "fractional"
     true = Seal.fractional(*TRUTHS[0]).stiffness(np.array([RESONANCE]))[0]
-    assert found.solid.loss(RESONANCE) == pytest.approx(true.imag, rel=0.05)
+    assert found.solid.loss(omega=RESONANCE) == pytest.approx(true.imag, rel=0.05)
 
 
 def test_a_fractional_solid_that_arms_contradict_says_so() -> None:
@@ -162,7 +162,7 @@ def test_noise_free_numbers_are_found_whatever_the_test() -> None:
     x = 8e-3 * np.clip(t, 0, 1)
     in_time = recorded_block(t, x, solid.force(t, x))
     omega = 2 * np.pi * np.geomspace(0.01, 100, 60)
-    swept = frequency_block(omega, solid.complex_stiffness(omega))
+    swept = frequency_block(omega, solid.complex_stiffness(omega=omega))
     for blocks in ([in_time], [swept], [in_time, swept.weighted(1e-3)]):
         found = element(FitData(blocks, blocks)).solid
         near = (500.0, 200.0, 0.05, 0.5)
@@ -292,12 +292,12 @@ def test_the_report_shows_what_both_families_make_of_the_resonance() -> None:
 
 def sweep(solid, *, noise: float, seed: int = 3, unit: str = "Pa") -> dp.DynamicTest:
     f = np.geomspace(0.01, 100.0, 41)
-    K = solid.complex_stiffness(2 * np.pi * f)
+    K = solid.complex_stiffness(omega=2 * np.pi * f)
     random = np.random.default_rng(seed)
     storage, loss = (
         part * (1 + noise * random.standard_normal(len(f))) for part in (K.real, K.imag)
     )
-    return dp.DynamicTest(f, storage, loss, unit=unit)
+    return dp.DynamicTest(f, storage, loss, unit=unit, units="SI")
 
 
 RUBBER = dp.FractionalZener(5e6, 1e6, 0.02, 0.45)
@@ -340,6 +340,7 @@ def test_a_master_curve_is_fitted_with_arms() -> None:
         np.tile(one.loss, 2),
         temperature=np.repeat([273.15, 296.15], len(one.frequency)),
         unit="Pa",
+        units="SI",
     )
     with pytest.raises(FitError, match="leave the family to be maxwell"):
         dp.fit_dynamic(two, family="fractional")
@@ -409,7 +410,7 @@ def test_hammer_and_relaxation_share_one_fractional_solid() -> None:
     assert moved["tau"].after_se == error["tau"]
     assert all(abs(one.shift) < 3 for one in joint.moved)
     true = Seal.fractional(*TRUTHS[0]).stiffness(np.array([RESONANCE]))[0]
-    assert joint.solid.loss(RESONANCE) == pytest.approx(true.imag, rel=0.005)
+    assert joint.solid.loss(omega=RESONANCE) == pytest.approx(true.imag, rel=0.005)
     assert dp.from_json(dp.to_json(joint)) == joint
 
 

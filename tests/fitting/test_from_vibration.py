@@ -178,7 +178,7 @@ def test_a_cut_record_needs_no_correction() -> None:
     lines = np.arange(5, 41, 0.5)
     solid = GeneralizedMaxwell(300.0, (20.0,), (0.1,))
     value = accelerance(solid, 0.052, 2j * np.pi * lines, 2.0, 0.004)
-    frf = FRF(lines, value, record=2.0, pulse=0.004)
+    frf = FRF(lines, value, record=2.0, pulse=0.004, units="SI")
     found = identify(frf, mass=0.052, arms=1, band=(5, 40), rig=EXACT_RIG)
     assert found.model.k_inf == pytest.approx(300.0, rel=1e-4)
     assert found.model.k == pytest.approx((20.0,), rel=1e-3)

@@ -68,8 +68,8 @@ def test_the_joint_fit_mends_frequency_and_peak(joint: Fit, broad_fit: Fit, broa
 
 def test_the_joint_fit_finds_the_stiffness_at_the_peak(joint: Fit) -> None:
     omega = 2 * np.pi * 12.71
-    assert joint.model.storage(omega) == pytest.approx(BROAD.storage(omega), rel=0.02)
-    assert joint.model.loss(omega) == pytest.approx(BROAD.loss(omega), rel=0.03)
+    assert joint.model.storage(omega=omega) == pytest.approx(BROAD.storage(omega=omega), rel=0.02)
+    assert joint.model.loss(omega=omega) == pytest.approx(BROAD.loss(omega=omega), rel=0.03)
     assert joint.status is Status.CONVERGED
     assert all(check.passed for check in joint.checks)
 
@@ -140,7 +140,9 @@ def test_two_relaxation_tests_and_a_hammer(broad_frf: FRF, broad_test: RampHold)
     second = prepare(simulate_relaxation(BROAD, seed=11, ramp_time=0.3, hold_time=20.0).test)
     found = identify(broad_frf, tests=[broad_test, second], mass=BROAD_MASS, seals=2)
     omega = 2 * np.pi * 12.71
-    assert found.model.loss_factor(omega) == pytest.approx(BROAD.loss_factor(omega), rel=0.03)
+    assert found.model.loss_factor(omega=omega) == pytest.approx(
+        BROAD.loss_factor(omega=omega), rel=0.03
+    )
     assembled = [check for check in found.checks if check.name == "relaxation_still_explained"]
     assert len(assembled) == 2
     assert all(check.passed for check in assembled)
@@ -152,8 +154,10 @@ def test_an_earlier_fit_alone_is_a_prior(broad_frf: FRF, broad_fit: Fit, joint: 
     )
     assert found.method == "joint"
     omega = 2 * np.pi * 12.71
-    assert found.model.storage(omega) == pytest.approx(joint.model.storage(omega), rel=0.02)
-    assert found.model.loss(omega) == pytest.approx(joint.model.loss(omega), rel=0.05)
+    assert found.model.storage(omega=omega) == pytest.approx(
+        joint.model.storage(omega=omega), rel=0.02
+    )
+    assert found.model.loss(omega=omega) == pytest.approx(joint.model.loss(omega=omega), rel=0.05)
     assert found.model.k_inf == pytest.approx(broad_fit.model.k_inf, rel=0.01)
 
 
@@ -290,4 +294,6 @@ def test_the_joint_fit_holds_over_seeds() -> None:
         assert abs(after.frequency_error) < 0.002
         assert abs(10 ** (after.ratio_db / 20) - 1) < 0.05
         omega = 2 * np.pi * 12.71
-        assert found.model.loss_factor(omega) == pytest.approx(BROAD.loss_factor(omega), rel=0.02)
+        assert found.model.loss_factor(omega=omega) == pytest.approx(
+            BROAD.loss_factor(omega=omega), rel=0.02
+        )

@@ -371,7 +371,7 @@ def test_a_foam_follows_its_hold() -> None:
 def test_muscle_gives_the_k_inf_of_its_hold(shared_data: Path, family: str, ramp: str) -> None:
     path = shared_data / "titin-ramp-hold" / f"{family}_{ramp}s.csv"
     t, length, force = np.loadtxt(path, delimiter=",", skiprows=1, usecols=(0, 1, 2)).T
-    found = ramp_law([prepare(RelaxationTest(t, length - length[0], force))])
+    found = ramp_law([prepare(RelaxationTest(t, length - length[0], force, units="SI"))])
     assert not found.sound
     assert found.law.kind == "piecewise"
     assert found.model.k_inf == pytest.approx(found.hold.plateau[0], rel=0.05)
@@ -383,7 +383,7 @@ def test_the_afm_gives_the_k_inf_of_its_hold(shared_data: Path) -> None:
     with path.open() as lines:
         data = (line for line in lines if line.strip() and not line.startswith("#"))
         rows = np.array([line.split() for line in islice(data, 75_800)], dtype=float)
-    found = ramp_law([prepare(RelaxationTest(rows[:, 2], -rows[:, 0], rows[:, 1]))])
+    found = ramp_law([prepare(RelaxationTest(rows[:, 2], -rows[:, 0], rows[:, 1], units="SI"))])
     assert found.model.k_inf == pytest.approx(found.hold.plateau[0], rel=0.05)
     assert found.missed[0] < 0.01
     assert max(found.rho) < 1.1
@@ -391,7 +391,7 @@ def test_the_afm_gives_the_k_inf_of_its_hold(shared_data: Path) -> None:
 
 def test_the_rheometer_set_passes_the_gate(shared_data: Path) -> None:
     t, x, force = np.loadtxt(shared_data / "rheos-data-time" / "data_time.csv", delimiter=",").T
-    found = ramp_law([prepare(RelaxationTest(t, x, force))])
+    found = ramp_law([prepare(RelaxationTest(t, x, force, units="SI"))])
     assert found.sound
     assert found.law.kind == "linear"
 

@@ -24,7 +24,7 @@ def pressed(seal: Seal = PAPER, bench: Bench = BENCH, seed: int = 0) -> dp.Relax
 def resampled(test: dp.RelaxationTest, rate: float, start: float = 0.0) -> dp.RelaxationTest:
     time = np.arange(test.time[0] + start, test.time[-1], 1 / rate)
     x, force = (np.interp(time, test.time, y) for y in (test.displacement, test.force))
-    return dp.RelaxationTest(time=time, displacement=x, force=force)
+    return dp.RelaxationTest(time=time, displacement=x, force=force, units="SI")
 
 
 @pytest.fixture(scope="module")

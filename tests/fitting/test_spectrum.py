@@ -25,8 +25,8 @@ LIQUID = GeneralizedMaxwell(0.0, k=(1.0, 1.0, 1.0, 1.0), tau=(0.05, 0.5, 5.0, 50
 
 
 def sweep(model: GeneralizedMaxwell, frequency: np.ndarray) -> DynamicTest:
-    value = model.complex_stiffness(2 * np.pi * frequency)
-    return DynamicTest(frequency, value.real, value.imag)
+    value = model.complex_stiffness(omega=2 * np.pi * frequency)
+    return DynamicTest(frequency, value.real, value.imag, units="SI")
 
 
 def solids() -> st.SearchStrategy[GeneralizedMaxwell]:
@@ -125,11 +125,11 @@ def test_the_told_misfit_is_that_of_the_told_model() -> None:
 
     f = np.geomspace(1e-7, 1e5, 80)
     exact = sweep(GLASS, f)
-    data = DynamicTest(f, exact.storage * noise[:80], exact.loss * noise[20:])
+    data = DynamicTest(f, exact.storage * noise[:80], exact.loss * noise[20:], units="SI")
     both = dynamic_master_curve(data)
     for misfit, fitted, measured in (
-        (both.misfit[0], both.model.storage(data.omega), data.storage),
-        (both.misfit[1], both.model.loss(data.omega), data.loss),
+        (both.misfit[0], both.model.storage(omega=data.omega), data.storage),
+        (both.misfit[1], both.model.loss(omega=data.omega), data.loss),
     ):
         assert misfit.rms == pytest.approx(np.sqrt(np.mean((fitted / measured - 1) ** 2)), rel=1e-9)
 
@@ -212,7 +212,9 @@ def test_a_master_curve_needs_positive_times_and_moduli() -> None:
     with pytest.raises(DataError, match="time must increase strictly"):
         master_curve([1.0, 1.0, 3.0], [3.0, 2.0, 1.0])
     with pytest.raises(DataError, match=r"storage\[1\] = -2; expected > 0"):
-        dynamic_master_curve(DynamicTest(np.array([1.0, 2.0]), np.array([2.0, -2.0]), np.ones(2)))
+        dynamic_master_curve(
+            DynamicTest(np.array([1.0, 2.0]), np.array([2.0, -2.0]), np.ones(2), units="SI")
+        )
 
 
 @pytest.mark.parametrize("per_decade", [0, -1, 25, float("nan")])
@@ -265,7 +267,7 @@ def test_a_dynamic_master_curve_over_26_decades(shared_data: Path) -> None:
     assert loss.largest < 0.31
     assert storage.largest < 0.55
     assert found.rms < 0.18
-    assert found.model.storage(data.omega[0]) > 40e6
+    assert found.model.storage(omega=data.omega[0]) > 40e6
     terms = ansys_terms(
         shared_data / "pyvisco-master-curves" / "ansys-reference" / "freq_master.prony_terms.MPL"
     )

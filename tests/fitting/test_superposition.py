@@ -70,7 +70,7 @@ def test_compliances_of_one_file_are_those_of_one_file_each():
         np.concatenate([getattr(one, name) for one in parts]) for name in ("time", "compliance")
     ]
     warm = np.repeat(TEMPERATURES, len(parts[0].time))
-    whole = dp.CreepCompliance(*columns, temperature=warm)
+    whole = dp.CreepCompliance(*columns, temperature=warm, units="SI")
     np.testing.assert_allclose(shifts(dp.superpose(whole)), shifts(dp.superpose(parts)), atol=1e-9)
     assert whole.at(REFERENCE) == parts[4]
     with pytest.raises(dp.FitError, match="one kind and one unit"):
@@ -235,7 +235,9 @@ def test_published_moduli_are_shifted_as_published_and_lie_closer(shared_data):
 def test_a_published_master_curve_is_followed_by_three_times_per_decade(shared_data):
     file = shared_data / "pyvisco-master-curves" / "ansys-reference" / "freq_raw.input_master.csv"
     frequency, storage, loss = np.loadtxt(file, delimiter=",", skiprows=1, usecols=(0, 1, 2)).T
-    curve = isotherms_of(dp.DynamicTest(frequency, storage, loss, np.full(len(loss), 300.0)))
+    curve = isotherms_of(
+        dp.DynamicTest(frequency, storage, loss, np.full(len(loss), 300.0), units="SI")
+    )
     at = np.zeros(1)
     assert spectrum_at(curve, at, at, grid_of(curve, at, per_decade=3)).rms <= 0.024
 

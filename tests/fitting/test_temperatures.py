@@ -41,7 +41,7 @@ def inside(fit: dp.Fit, seal: str) -> tuple[bool, bool]:
 
 def off(fit: dp.Fit, seal: str) -> float:
     """Relative error of the loss factor at the resonance."""
-    found = fit.model.complex_stiffness(2 * np.pi * cold.RESONANCE)
+    found = fit.model.complex_stiffness(omega=2 * np.pi * cold.RESONANCE)
     return found.imag / found.real / cold.loss_factor(seal) - 1
 
 
@@ -74,7 +74,7 @@ def test_shift_and_stiffness_are_those_of_the_seal(pair):
     assert fridge.se < 0.005
     assert fridge.b_t == pytest.approx(273.15 / 296.15, abs=3 * fridge.b_t_se)
     assert pair.temperature_law.kind == "free"
-    chilled = pair.at("0degC").complex_stiffness(2 * np.pi * cold.RESONANCE)
+    chilled = pair.at("0degC").complex_stiffness(omega=2 * np.pi * cold.RESONANCE)
     assert chilled.real == pytest.approx(
         cold.complex_stiffness("hidden", celsius=FRIDGE).real, rel=2e-3
     )

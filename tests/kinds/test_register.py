@@ -57,7 +57,7 @@ NAMED = {
     "io/readers/": "which files a reader takes",
     "kinds/": "the register, and the rooms",
     "lots/row.py": "a sweep as wide as no machine makes one is a master curve",
-    "preparation/": "what the moves of a record show",
+    "signals/": "what the moves of a record show",
     "workflow/examples.py": "what an example is",
 }
 """Where a kind of file is named, and why; everybody else asks the register."""
@@ -105,13 +105,13 @@ def test_every_word_of_a_row_is_there(kind: KindOfTest) -> None:
 def test_what_a_row_says_is_a_command_is_one(kind: KindOfTest) -> None:
     said = RECOGNISED[kind.name].use if kind.name in RECOGNISED else ""
     asked = re.findall(r"dashpot ([a-z]+)", f"{said} {kind.says}")
-    assert {*kind.command[:1], *asked} <= set(COMMANDS)
-    assert asked or not kind.fit or kind.name in SAID
+    assert set(asked) <= set(COMMANDS)
+    assert asked or not kind.meant or kind.name in SAID
+    assert bool(kind.meant) == bool(kind.fit)
 
 
 @pytest.mark.parametrize("kind", ROWS)
 def test_a_row_names_options_and_columns_that_there_are(kind: KindOfTest) -> None:
-    assert not kind.column or kind.column in {one.name for one in fields(ReadOptions)}
     assert not kind.needs or kind.needs in {one.name for one in fields(Piece)}
     assert set(kind.columns) <= set(NUMBERS)
     assert bool(kind.columns) == bool(kind.row)

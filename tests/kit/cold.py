@@ -96,7 +96,11 @@ def a_test(seal: str, celsius: float, seed: int, bench: Bench | None = None) -> 
     if bench.encoder:
         x = bench.encoder * np.round(x / bench.encoder)
     return dp.RelaxationTest(
-        time=t, displacement=x, force=read, specimen=dp.Specimen(temperature=temperature)
+        time=t,
+        displacement=x,
+        force=read,
+        specimen=dp.Specimen(temperature=temperature),
+        units="SI",
     )
 
 

@@ -47,6 +47,7 @@ def raw_test() -> RelaxationTest:
         force=force,
         specimen=Specimen(length=0.1, height=0.02, temperature=296.15, notes="EPDM sponge"),
         source=Source("seal_8mm.csv", SHA, columns=("time: time [s]",), simulated=True),
+        units="SI",
     )
 
 
@@ -163,7 +164,7 @@ def measured() -> FRF:
         ),
         checks=(Check("coherence", True, "coherence is above 0.9 from 4 to 45 Hz", 0.97, 0.9),),
         source=(Source("impact.csv", SHA[::-1], simulated=True),),
-        steps=(Step("average", (("estimator", "H1"), ("hits", "4"))),),
+        steps=(Step("average", (("estimator", "H1"), ("hits", "4"))),), units="SI",
     )  # fmt: skip
 
 
@@ -174,7 +175,7 @@ def unseen_band() -> StiffnessBounds:
     omega = 2 * np.pi * frequency
     model = two_arms().model
     reach = 1 / (1 + (0.5 / frequency) ** 2)
-    storage, loss = model.storage(omega), model.loss(omega)
+    storage, loss = model.storage(omega=omega), model.loss(omega=omega)
     return StiffnessBounds(
         frequency=frequency,
         storage=np.array([storage - 0.5 * reach, storage + 90 * reach]),

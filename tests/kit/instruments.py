@@ -252,6 +252,7 @@ def frf(kind: Kind = Kind.ACCELERANCE, *, measured: bool = True, n: int = 40) ->
         shift=0.25 if measured else 0.0,
         record=8.0 if measured else None,
         averages=5 if measured else 0,
+        units="SI",
     )
 
 

@@ -153,6 +153,11 @@ def files() -> dict[str, tuple[str, str]]:
         ),
         "waiting.csv": (_sweep(ones, head=f"frequency [Hz],{moduli}"), "one-frequency"),
         "master.csv": (_sweep(long, head=f"frequency [Hz],{moduli}"), "master-curve"),
+        "line.csv": (csv("x [mm],y [mm],z [mm]", spread, 2 * spread, 0 * spread), "seal-line"),
+        "shapes.csv": (
+            csv("mode,frequency [Hz],x [mm],y [mm],z [mm],uz", ones, 12 * ones, spread, spread,
+                0 * spread, spread), "free-modes",
+        ),
         "modulus.csv": (
             csv("time [s],Relaxation modulus [MPa]", decay, 0.2 + (1 + decay) ** -0.4), "modulus",
         ),

@@ -38,7 +38,7 @@ def loops(sizes=SIZES, *, hz=5.0, cycles=5, rate=500, noise=2e-4, jitter=0.0, fo
     x = size * np.sin(2 * np.pi * hz * t)
     F = (SEAL + SLIDER).path_force(t, x) if force is None else force(x)
     x, F = x + jitter * rng.normal(size=len(t)), F + noise * rng.normal(size=len(t))
-    return RelaxationTest(t, x + 1e-3, F + 0.7)
+    return RelaxationTest(t, x + 1e-3, F + 0.7, units="SI")
 
 
 @cache
@@ -48,7 +48,7 @@ def sweep():
     K = 1e6 * (spring(2.0) + Kraus(3.0, 0.004)).equivalent(1.0, X)
     hz = np.repeat([10.0, 100.0], 12)
     K = K * np.where(hz > 50, 1.3 + 0.1j, 1)
-    return AmplitudeSweep(hz, X, K.real, K.imag)
+    return AmplitudeSweep(hz, X, K.real, K.imag, units="SI")
 
 
 @cache

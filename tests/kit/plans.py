@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import fields, replace
 from typing import Any
 
+from dashpot.planning.asked import HammerPlan
 from dashpot.planning.bench import Bench
 from dashpot.planning.plan import Plan, plan
-from dashpot.planning.supposed import HammerPlan, SupposedSeal
+from dashpot.planning.supposed import SupposedSeal
 from dashpot.records.machine import Machine
 
 

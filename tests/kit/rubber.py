@@ -18,7 +18,7 @@ def loaded(law, mode, span=(1.0, 2.0), *, rows=40, noise=0.0, seed=0, **words):
     x = np.linspace(*span, rows)
     stress = law.nominal(mode, x)
     error = noise * np.abs(stress).max() * np.random.default_rng(seed).standard_normal(rows)
-    return StressStrainTest(mode, x, stress + error, **words)
+    return StressStrainTest(mode, x, stress + error, **words, units="SI")
 
 
 def at_rate(law, mode, rate, *, high=2.0, rows=2000, noise=0.0, seed=0):
@@ -43,4 +43,4 @@ def at_rate(law, mode, rate, *, high=2.0, rows=2000, noise=0.0, seed=0):
             total[i] += g * q
     stress = total / x
     stress = stress + noise * stress.max() * np.random.default_rng(seed).standard_normal(rows)
-    return StressStrainTest(mode, x, stress, t)
+    return StressStrainTest(mode, x, stress, t, units="SI")

@@ -25,6 +25,17 @@ def run_ccx(deck: str, folder: Path) -> str:
     return (folder / "deck.dat").read_text()
 
 
+def printed(dat: str, block: str, node: int) -> np.ndarray:
+    """First components of a node in the blocks of one kind."""
+    found, wanted = [], False
+    for line in dat.splitlines():
+        if line.lstrip().startswith(("displacements", "forces")):
+            wanted = line.lstrip().startswith(block)
+        elif wanted and line.split()[:1] == [str(node)]:
+            found.append(float(line.split()[1]))
+    return np.array(found)
+
+
 RUN = """
 import json, sys
 task = json.load(sys.stdin)

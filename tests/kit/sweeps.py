@@ -44,7 +44,11 @@ def sweeps(
     )
     count = len(temperatures)
     return DynamicTest(
-        np.tile(frequency, count), value.real, value.imag, np.repeat(temperatures, points)
+        np.tile(frequency, count),
+        value.real,
+        value.imag,
+        np.repeat(temperatures, points),
+        units="SI",
     )
 
 
@@ -55,7 +59,10 @@ def moduli(seed=0, *, noise=0.005, temperatures=TEMPERATURES, points=12):
     decay = [np.exp(-time[:, None] / (TAU * 10 ** wlf(one))) @ H for one in temperatures]
     value = np.concatenate([(PLATEAU + one) * (1 + noise * draw(points)) for one in decay])
     return RelaxationModulus(
-        np.tile(time, len(temperatures)), value, temperature=np.repeat(temperatures, points)
+        np.tile(time, len(temperatures)),
+        value,
+        temperature=np.repeat(temperatures, points),
+        units="SI",
     )
 
 
@@ -68,5 +75,7 @@ def compliances(*, noise=0.005, seed=1, rubbery=True, flow=0.0):
         rise = -np.expm1(-reduced[:, None] / TAU) @ (SHARE / SHARE.sum())
         value = (1 / GLASSY + rise / PLATEAU + flow * reduced) * (1 + noise * draw(len(time)))
         b_t = kelvin / REFERENCE if rubbery else 1.0
-        found.append(CreepCompliance(time, value / b_t, specimen=Specimen(temperature=kelvin)))
+        found.append(
+            CreepCompliance(time, value / b_t, specimen=Specimen(temperature=kelvin), units="SI")
+        )
     return found

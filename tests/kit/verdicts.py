@@ -61,7 +61,7 @@ def judged(one: Trial, *, bounds: bool = False) -> Judged:
 def _errors(one: Trial, fit: dp.Fit) -> dict[str, float]:
     """Relative errors; 0 where three standard errors explain them."""
     omega = 2 * np.pi * np.geomspace(fit.band[0], max(fit.band[1], fit.band[0]), 21)
-    true, found = one.seal.stiffness(omega), fit.model.complex_stiffness(omega)
+    true, found = one.seal.stiffness(omega), fit.model.complex_stiffness(omega=omega)
     k, tau = (np.array(values)[:, None] for values in (fit.model.k, fit.model.tau))
     passed = 1j * omega * tau / (1 + 1j * omega * tau)
     decay = np.exp(-one.end / tau)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import random
 import shutil
@@ -17,12 +16,11 @@ from statistics import NormalDist
 import numpy as np
 import polars as pl
 import pytest
-from click.testing import CliRunner
+from kit.shell import ran, told
 
 import dashpot as dp
 from dashpot.base.errors import DataError, ExportError, ReadError
 from dashpot.base.version import is_ours
-from dashpot.cli import main
 from dashpot.io.write import write_impact, write_relaxation
 from dashpot.lots import batches, parts
 from dashpot.lots.processes import LIVES
@@ -110,7 +108,7 @@ def test_stiffness_and_loss_are_those_of_the_fit_where_they_were_asked_for(folde
     fit = dp.fit(test, arms=2)
     solid = fit.model_at(2.6e-3)
     for name, frequency in (("12.7Hz", 12.7), ("0.1Hz", 0.1)):
-        value = solid.complex_stiffness(2 * np.pi * frequency)
+        value = solid.complex_stiffness(omega=2 * np.pi * frequency)
         assert row[f"storage_at_{name}_2.6mm_N_per_m"] == value.real
         assert row[f"loss_at_{name}_2.6mm_N_per_m"] == value.imag
         assert row[f"loss_factor_at_{name}_2.6mm"] == value.imag / value.real
@@ -429,27 +427,24 @@ def test_a_file_that_its_workers_die_of_is_a_row_and_is_tried_again(folder, whol
 
 def test_the_command_prints_logs_and_judges(folder, tmp_path):
     out = tmp_path / "lot"
-    words = ["batch", str(folder), "-o", str(out), "--arms", "1", "--quick", "--by", BY]
-    planned = CliRunner().invoke(main, [*words, "--dry-run", "--json", "--jobs", "2"])
-    plan = json.loads(planned.stdout)
+    words = ["batch", folder, "-o", out, "--arms", 1, "--quick", "--by", BY]
+    plan = told(*words, "--dry-run", "--jobs", 2)
     assert (plan["files"], plan["done"], plan["chunks"], plan["jobs"]) == (11, 0, 3, 2)
     assert plan["seconds"] > 0
     assert not out.exists()
-    ran = CliRunner().invoke(main, [*words, "--json", "--jobs", "2"])
-    assert ran.exit_code == 0, ran.output
-    assert json.loads(ran.stdout)["outcomes"] == {"fitted": 8, "refused": 2, "other": 1}
+    assert told(*words, "--jobs", 2)["outcomes"] == {"fitted": 8, "refused": 2, "other": 1}
     assert len((out / "lot.csv").read_text().splitlines()) == 13
     log = (out / "batch.log").read_text().splitlines()
     assert len(log) == 3
     assert " 11 of 11 tests" in log[-1]
-    strict = CliRunner().invoke(main, [*words, "--strict", "-v"])
+    strict = ran(*words, "--strict", "-v")
     assert strict.exit_code == 1
     assert "0 now, 11 were there" in strict.stdout
     assert "it is a hammer file: say of which test" in " ".join(strict.stdout.split())
-    plan = json.loads(CliRunner().invoke(main, [*words, "--dry-run", "--json"]).stdout)
+    plan = told(*words, "--dry-run")
     assert (plan["done"], plan["chunks"], plan["seconds"]) == (11, 0, 0)
-    good = [*words[:1], str(folder / "lotA_seal0_rep0.csv"), *words[2:], "--strict"]
-    assert CliRunner().invoke(main, good).exit_code == 0
+    good = [*words[:1], folder / "lotA_seal0_rep0.csv", *words[2:], "--strict"]
+    assert ran(*good).exit_code == 0
 
 
 @pytest.mark.parametrize(

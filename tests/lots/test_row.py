@@ -129,10 +129,9 @@ def test_a_hit_is_a_row_once_the_indenter_has_a_mass(tmp_path):
     assert "indenter's mass" in row_of(Entry(str(path)))["reason"]
 
 
-def test_a_modulus_whose_column_nobody_named_says_which_option_names_it(folder):
+def test_a_modulus_finds_its_column_by_itself(folder):
     found = row_of(Entry(str(folder / "modulus.csv")), BatchChoices(arms=1))
-    assert found["outcome"] == "other"
-    assert "name its column (--modulus)" in found["reason"]
+    assert (found["kind"], found["outcome"]) == ("modulus", "fitted")
 
 
 def test_a_file_of_no_kind_is_refused_in_the_words_of_its_reader(folder):

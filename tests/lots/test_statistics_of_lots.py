@@ -1,16 +1,13 @@
 """A lot: which rows its statistics are of, seals for replicates, and what two lots differ by."""
 
-import json
-
 import numpy as np
 import polars as pl
 import pytest
-from click.testing import CliRunner
 from kit.lots import lot_of, scattered
+from kit.shell import ran, told
 
 import dashpot as dp
 from dashpot.base.errors import DataError, ReadError
-from dashpot.cli import main
 from dashpot.lots.comparison import compared, opened, opened_both
 from dashpot.lots.quantities import natural, quantity
 from dashpot.lots.summary import summary
@@ -172,12 +169,11 @@ def test_two_lots_that_differ_and_two_that_do_not(tmp_path):
     assert alike.each[0].difference.detectable / 200 == pytest.approx(0.0246, rel=0.3)
 
     folders = [in_folder(tmp_path / name, one) for name, one in (("may", same), ("june", apart))]
-    ran = CliRunner().invoke(main, ["batch", "--compare", *folders, "--json"])
-    document = json.loads(ran.stdout)
+    document = told("compare", *folders)
     assert document["schema"] == "dashpot/lot-comparison@1"
     assert document["lots"] == ["may", "june"]
     assert [one["different"] for one in document["differences"]] == [True, True]
-    said = CliRunner().invoke(main, ["batch", "--compare", *folders, "--quantity", "k_end"]).stdout
+    said = ran("compare", *folders, "--quantity", "k_end").stdout
     assert "stiffness at the end of the hold: different" in said
     assert "with a power of 80 %; alike within" in said
     of_one_name = [in_folder(tmp_path / when / "lot", same) for when in ("may", "june")]

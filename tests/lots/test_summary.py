@@ -7,12 +7,11 @@ from io import BytesIO
 import numpy as np
 import openpyxl
 import pytest
-from click.testing import CliRunner
 from kit.lots import lot_of, scattered
+from kit.shell import ran
 
 from dashpot.base.errors import ReadError
 from dashpot.base.version import is_ours
-from dashpot.cli import main
 from dashpot.io.write import write_relaxation
 from dashpot.lots import workbook as workbooks
 from dashpot.lots.judgement import judged
@@ -261,22 +260,21 @@ def test_the_command_judges_by_limits_and_strict_ends_in_1(tmp_path):
     for i in range(4):
         made = simulate_relaxation(PAPER, hold_time=3.0, seed=i)
         (tests / f"seal{i // 2}_{i % 2}.csv").write_text(write_relaxation(made.test))
-    common = ["batch", str(tests), "-o", str(tmp_path / "lot"), "--arms", "1", "--quick",
-              "--by", r"seal(?P<seal>\d)_(?P<repeat>\d)", "--jobs", "1"]  # fmt: skip
+    common = ["batch", tests, "-o", tmp_path / "lot", "--arms", 1, "--quick",
+              "--by", r"seal(?P<seal>\d)_(?P<repeat>\d)", "--jobs", 1]  # fmt: skip
     for text, code, decision in (
         ('[k_end]\nlower = "150N/m"\nupper = "300N/m"', 0, "pass"),
         ('[k_end]\nupper = "150N/m"', 1, "fail"),
     ):
         path = tmp_path / "limits.toml"
         path.write_text(text)
-        ran = CliRunner().invoke(main, [*common, "--limits", str(path), "--strict", "--json"])
-        assert ran.exit_code == code, ran.output
-        (one,) = json.loads(ran.stdout)["statistics"]
+        done = ran(*common, "--limits", path, "--strict", "--json")
+        assert done.exit_code == code, done.output
+        (one,) = json.loads(done.stdout)["statistics"]
         assert {judge["decision"] for judge in one["judged"]} == {decision}
     page = (tmp_path / "lot" / "lot.html").read_text()
     assert "0 of two seals" not in page
     assert "outside" in page
     path.write_text('[k_near]\nlower = "1N/m"')
-    ran = CliRunner().invoke(main, [*common, "--limits", str(path)])
-    assert ran.exit_code == 2
-    assert CliRunner().invoke(main, ["batch", str(tests)]).exit_code == 2
+    assert ran(*common, "--limits", path).exit_code == 2
+    assert ran("batch", tests).exit_code == 2

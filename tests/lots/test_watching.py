@@ -195,10 +195,11 @@ def test_what_makes_no_sense_is_refused_before_anything_comes(rig):
 @pytest.mark.once
 @pytest.mark.skipif(sys.platform == "win32", reason="a signal ends it")
 def test_the_command_keeps_the_page_and_ends_on_a_signal(tmp_path):
-    """``dashpot watch`` as it is typed."""
+    """``dashpot batch --watch`` as it is typed."""
     (tmp_path / "rig").mkdir()
-    words = [sys.executable, "-m", "dashpot", "watch", "rig", "-o", "lot", "--arms", "1", "--quick"]
-    with subprocess.Popen(words, cwd=tmp_path, stdout=subprocess.PIPE) as running:
+    words = ["batch", "rig", "-o", "lot", "--watch", "--arms", "1", "--quick"]
+    typed = [sys.executable, "-m", "dashpot", *words]
+    with subprocess.Popen(typed, cwd=tmp_path, stdout=subprocess.PIPE) as running:
         (tmp_path / "rig" / "a.csv").write_text(TEXT)
         page = tmp_path / "lot" / "lot.html"
         while not page.exists() and running.poll() is None:

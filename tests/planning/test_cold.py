@@ -28,7 +28,7 @@ def loss_factor_sd(solid: GeneralizedMaxwell, rows: np.ndarray) -> float:
 
     def loss_factor(q: np.ndarray) -> float:
         one = GeneralizedMaxwell(q[0], tuple(q[1 : 1 + n]), tuple(np.exp(q[1 + n :])))
-        return float(one.loss_factor(2 * np.pi * AT))
+        return float(one.loss_factor(omega=2 * np.pi * AT))
 
     slope = np.zeros(rows.shape[1])
     for i in range(len(p)):
@@ -152,12 +152,12 @@ def test_the_plan_puts_the_cold_test_into_its_table():
     rows = rows_with(HIDDEN, usual(machine=Machine()), places(0))
     assert told.expected.loss_factor_sd == pytest.approx(loss_factor_sd(HIDDEN, rows), rel=1e-4)
     assert told.advice[0] == (
-        "Repeat it at 0 degC and fit all together: the standard deviation of the loss factor at "
-        "12.71 Hz goes from 81.8 % to 0.965 %, if all arms shift alike."
+        "Repeat it at 0 degC and fit all together. The loss factor at 12.71 Hz is then known to "
+        "±0.965 % instead of ±81.8 %, if all arms shift alike."
     )
     assert told.advice[1] == (
-        "Two temperatures cannot see arms that shift apart, three can: test at a third one, such "
-        "as 10 degC, too."
+        "Test at a third temperature, such as 10 degC, too. Two temperatures cannot show arms "
+        "that shift apart."
     )
     assert str(told).splitlines()[2].endswith("0.965 %  and at 0 degC")
     assert told.band == pytest.approx((1 / (80 * np.pi), SHIFT.a_t(273.15) / np.pi))
@@ -176,7 +176,7 @@ def test_whoever_asks_for_no_cold_test_is_offered_one():
     told = asked()
     offered = told.alternatives[-2]
     assert offered.repeated == (273.15,)
-    assert "repeat it at 0 degC (0.965 %)" in told.advice[0]
+    assert "epeat it at 0 degC (±0.965 %)" in told.advice[0]
     assert asked(model=BROAD, ramp_time=0.01).advice[0].startswith("Record each hit")
 
 
@@ -193,9 +193,9 @@ def test_a_refrigerator_is_offered_to_a_warm_room_only(celsius, offered):
     [
         (
             "60degC",
-            "hardly tells more of the loss factor at 12.71 Hz, 81.8 % for 81.8 %: fast arms",
+            "hardly improves the loss factor at 12.71 Hz: ±81.8 % instead of ±81.8 %. Test in",
         ),
-        ("27.2degC", "Repeating it at 27.2 degC hardly tells more"),
+        ("27.2degC", "A repeat at 27.2 degC hardly improves"),
         ("26.4degC", "Repeat it at 26.4 degC and fit all together"),
     ],
 )

@@ -177,7 +177,7 @@ def test_with_a_hammer_test_it_is_known() -> None:
     assert joint.method == "joint"
     assert joint.arm_sd == pytest.approx(0.011, rel=0.1)
     assert joint.loss_factor_sd == pytest.approx(0.0092, rel=0.1)
-    assert "with a hammer test" in told.advice[0]
+    assert "dd a hammer test" in told.advice[0]
     assert "0.951 %" in told.advice[0]
 
 
@@ -273,7 +273,7 @@ def test_user_story_4() -> None:
     """ "I need the loss factor at 12.71 Hz to 10 %": ramp in 0.1 s or hit a block."""
     told = planned(record=4.0, pulse=0.015)
     words = " ".join(told.advice)
-    assert "ramp in 0.0333 s" in words
+    assert "Ramp in 0.0333 s" in words
     assert "fit both together" in words
     assert "6.86 s (44.4 s if the seal has no such arm) instead of 4 s" in words
     assert {c.name: c.passed for c in told.checks} == {
@@ -301,7 +301,7 @@ def test_fit_the_ramp_too() -> None:
 
 def test_no_ramp_will_do() -> None:
     told = planned(noise=1.0)
-    assert "no faster ramp tried here" in told.advice[0]
+    assert "No faster ramp that was tried gives ±10 %" in told.advice[0]
 
 
 def test_a_tip_that_is_too_soft() -> None:

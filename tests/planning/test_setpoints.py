@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from kit.shell import ran
 
 import dashpot as dp
 from dashpot.base.errors import DataError
-from dashpot.cli import main
 from dashpot.io.write import write_trajectory
 from dashpot.planning.setpoints import planned_trajectory
 
@@ -41,17 +40,19 @@ def test_a_file_of_them_reads_back(tmp_path, depth: float):
 @pytest.mark.once
 def test_the_command_writes_what_the_plan_is_of(tmp_path):
     file = tmp_path / "ramp.csv"
-    words = "plan --ramp 0.5s --hold 3s --at 12.71Hz --depth 6mm --baseline 0.2s --interval 5ms"
-    done = CliRunner().invoke(main, [*words.split(), "--along", "0,0.6,0.8", "--setpoints", file])
+    words = (
+        "plan --ramp 0.5s --hold 3s --frequency 12.71Hz --depth 6mm --baseline 0.2s --interval 5ms"
+    )
+    done = ran(*words.split(), "--along", "0,0.6,0.8", "--setpoints", file)
     assert done.exit_code == 0, done.output
     lines = file.read_text().splitlines()
     assert "rest 0.2 s, ramp 0.5 s, hold 3 s; one each 0.005 s" in lines[1]
     assert lines[2] == "time [s],displacement [mm],x [mm],y [mm],z [mm]"
     assert len(lines) == 3 + 40 + 101 + 600
     assert lines[-1] == "3.7,6.0,0.0,3.6,4.8"
-    again = CliRunner().invoke(main, [*words.split(), "--setpoints", file])
+    again = ran(*words.split(), "--setpoints", file)
     assert again.exit_code == 0  # it is dashpot's own, and may be written anew
-    bad = CliRunner().invoke(main, [*words.split(), "--along", "0,1", "--setpoints", file])
+    bad = ran(*words.split(), "--along", "0,1", "--setpoints", file)
     assert bad.exit_code == 2
     assert "expected x,y,z, such as 0,0,-1" in bad.output
 

@@ -78,7 +78,7 @@ UNIT = re.compile(r", (s|ms|mm|N|mN|N/mm|MPa|N·s/m|Hz|°|1|%|m/s²|1/kg|\(mm/s\
 
 def of_a_modulus():
     """The fit of a relaxation modulus, and what it was fitted to."""
-    data = RelaxationModulus(CURVE, 1e6 * (1 + 2 * np.exp(-CURVE / 0.1)))
+    data = RelaxationModulus(CURVE, 1e6 * (1 + 2 * np.exp(-CURVE / 0.1)), units="SI")
     return fit_modulus(data.time, data.modulus), data
 
 
@@ -86,7 +86,7 @@ def sweep() -> DynamicTest:
     """Of one arm, 1 N/mm + 2 N/mm at 10 ms."""
     f = np.geomspace(0.1, 1000, 40)
     K = 1e3 * (1 + 2 * 2j * np.pi * f * 0.01 / (1 + 2j * np.pi * f * 0.01))
-    return DynamicTest(f, K.real, K.imag, unit="N/m")
+    return DynamicTest(f, K.real, K.imag, unit="N/m", units="SI")
 
 
 @pytest.fixture(scope="module")
@@ -266,7 +266,7 @@ def test_stiffness_is_solid_where_identified_and_dashed_elsewhere(drawn):
 
 def test_stiffness_shows_newtons_per_millimetre(drawn):
     curve = first(drawn["stiffness"].panels[0], "joint solid")
-    assert curve.y == pytest.approx(1e-3 * S.joint.model.storage(2 * np.pi * curve.x))
+    assert curve.y == pytest.approx(1e-3 * S.joint.model.storage(omega=2 * np.pi * curve.x))
 
 
 def test_a_solid_that_is_no_sum_of_arms_is_drawn_by_its_own_stiffness_and_by_its_arms():
@@ -276,14 +276,14 @@ def test_a_solid_that_is_no_sum_of_arms_is_drawn_by_its_own_stiffness_and_by_its
         strict=True,
     ):  # fmt: skip
         curve = first(panel, "relaxation fit")
-        own = factor * getattr(SEAL, name)(2 * np.pi * curve.x)
+        own = factor * getattr(SEAL, name)(frequency=curve.x)
         known = np.isfinite(curve.y)
         assert curve.y[known] == pytest.approx(own[known], rel=1e-12)
     tips = marks(plot.spectrum(found).panels[0], Dots)[0]
     assert len(tips.x) == SEAL.maxwell.arms > 20
     curve = first(plot.dynamic_stiffness(S.direct, fit=found).panels[1], "relaxation fit")
     omega = 2 * np.pi * curve.x
-    assert curve.y == pytest.approx(SEAL.loss(omega) / omega, rel=1e-12)
+    assert curve.y == pytest.approx(SEAL.loss(omega=omega) / omega, rel=1e-12)
     when, force = fitted_force(found, replace(S.prepared, displacement_noise=0.0))
     assert force == pytest.approx(
         SEAL.force(when, S.prepared.displacement[: len(when)]), rel=1e-9, abs=1e-9
@@ -339,7 +339,7 @@ def test_stiffness_from_the_frf_is_drawn_with_its_scatter_where_it_is_good():
         assert band[0] <= points.x.min() < points.x.max() <= band[1]
         assert (points.error > 0).all()
         factor = 1.0 if name == "loss_factor" else 1e-3
-        truth = factor * getattr(BROAD, name)(2 * np.pi * points.x)
+        truth = factor * getattr(BROAD, name)(frequency=points.x)
         assert np.abs(points.y / truth - 1).max() < 0.2
 
 
@@ -351,7 +351,7 @@ def test_averaging_lines_shrinks_scatter_and_leaves_the_errors_of_phase_and_mass
     at = np.interp(f[top], S.direct.frequency, storage.mass)
     assert mean.mass[top] == pytest.approx(at, rel=0.05)
     assert (mean.random[top] < 0.7 * np.interp(f[top], S.direct.frequency, storage.random)).all()
-    truth = 1e-3 * BROAD.storage(2 * np.pi * f)
+    truth = 1e-3 * BROAD.storage(omega=2 * np.pi * f)
     assert np.sqrt(np.mean(((mean.value - truth) / mean.random) ** 2)) < 2.0
 
 

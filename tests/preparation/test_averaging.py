@@ -25,7 +25,7 @@ def long_record(
     x = 8e-3 * np.clip(time - 0.5, 0.0, 1.0)
     force = SEAL.force(time, x) + noise * np.random.default_rng(2).standard_normal(len(time))
     read = count * np.round(x / count) if count else x
-    test = RelaxationTest(time=time, displacement=read, force=force)
+    test = RelaxationTest(time=time, displacement=read, force=force, units="SI")
     whole = prepare(test)
     monkeypatch.setattr(averaging, "ENOUGH", enough)
     monkeypatch.setattr(averaging, "ON_THE_RAMP", 100)

@@ -18,7 +18,9 @@ def ideal(paper_seal) -> RampHold:
     """The paper's test without noise or lag, at the 100 Hz of the reference's table."""
     time = np.arange(4301) / 100
     x = 8e-3 * np.clip(time - 2.0, 0, 1)
-    return prepare(RelaxationTest(time=time, displacement=x, force=paper_seal.force(time, x)))
+    return prepare(
+        RelaxationTest(time=time, displacement=x, force=paper_seal.force(time, x), units="SI")
+    )
 
 
 @pytest.mark.parametrize(

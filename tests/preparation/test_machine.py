@@ -62,7 +62,7 @@ def test_compliance_costs_a_per_cent_and_is_given_back():
 
 def test_a_force_filter_is_found_as_a_delay_and_given_back_by_name():
     def loss(fit: dp.Fit) -> float:
-        return float(fit.model.loss(OMEGA))
+        return float(fit.model.loss(omega=OMEGA))
 
     # K'' is a hundredth of K' here: 1 % of it is a delay of 1.3 us
     sound = loss(fitted(Bench()))

@@ -7,9 +7,9 @@ import pytest
 from kit.kinds import answer, ramp_and_hold
 
 from dashpot.base.errors import DataError
-from dashpot.preparation.motion import CREPT, SETTLES, STEADY, loading_in
 from dashpot.preparation.prepare import prepare
 from dashpot.records.relaxation import RelaxationTest
+from dashpot.signals.loading import CREPT, SETTLES, STEADY, loading_in
 
 TIME = np.arange(0, 30, 0.05)
 
@@ -18,7 +18,7 @@ TIME = np.arange(0, 30, 0.05)
 def test_a_ramp_of_few_samples_is_a_ramp(every: int) -> None:
     time = TIME[20::every]  # the ramp begins at the first sample
     force = answer(TIME, ramp_and_hold(TIME))[20::every]
-    found = prepare(RelaxationTest(time, ramp_and_hold(time), force))
+    found = prepare(RelaxationTest(time, ramp_and_hold(time), force, units="SI"))
     assert found.depth == pytest.approx(8e-3)
 
 
@@ -29,9 +29,9 @@ def test_a_displacement_that_settles_while_the_force_relaxes_began_late(
     level = 8e-3
     x = level * (1 - settling * SETTLES * np.exp(-TIME))  # its median is the level
     force = 1 + np.exp(-TIME / 9)
-    assert (loading_in(RelaxationTest(TIME, x, force)) == "other") == late
+    assert (loading_in(TIME, x, force) == "other") == late
     with pytest.raises(DataError, match="the record begins after its ramp"):
-        prepare(RelaxationTest(TIME, x, force))
+        prepare(RelaxationTest(TIME, x, force, units="SI"))
 
 
 @pytest.mark.parametrize(("steady", "crept", "creeps"), [
@@ -42,4 +42,4 @@ def test_a_creep_test_holds_its_force(steady: float, crept: float, creeps: bool)
     # from the first tenth of the hold to the last, as tenths of a straight line go: 0.9
     force = risen * (1 - STEADY * steady * since / 0.9)
     x = 8e-3 * risen * (1 + CREPT * crept * since / 0.9 * (1 + CREPT * crept / 0.9))
-    assert (loading_in(RelaxationTest(TIME, x, force)) == "creep") == creeps
+    assert (loading_in(TIME, x, force) == "creep") == creeps

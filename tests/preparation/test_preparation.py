@@ -54,7 +54,10 @@ def ideal(*, rate: float = 1000.0, force=None) -> RelaxationTest:
     time = np.arange(round(12 * rate)) / rate
     x = 8e-3 * np.clip(time - 1.5, 0, 1)
     return RelaxationTest(
-        time=time, displacement=x, force=PAPER.force(time, x) if force is None else force(time, x)
+        time=time,
+        displacement=x,
+        force=PAPER.force(time, x) if force is None else force(time, x),
+        units="SI",
     )
 
 
@@ -145,7 +148,9 @@ def test_preparation_keeps_the_source(raw: RelaxationTest):
 def test_an_ideal_ramp_is_found_exactly(delay: float, c: float, depth: float, rate: float):
     time = np.arange(round((delay + 10 * c) * rate)) / rate
     x = depth * np.clip((time - delay) / c, 0, 1)
-    found = prepare(RelaxationTest(time=time, displacement=x, force=PAPER.force(time, x)))
+    found = prepare(
+        RelaxationTest(time=time, displacement=x, force=PAPER.force(time, x), units="SI")
+    )
     assert found.onset == pytest.approx(delay, abs=1e-6)
     assert found.ramp_end == pytest.approx(delay + c, abs=1e-6)
     assert found.depth == pytest.approx(depth, rel=1e-9)
@@ -162,6 +167,7 @@ def test_units_and_zeros_do_not_matter(scale: float, shift: float, later: float)
             time=first.time + later,
             displacement=scale * (first.displacement + shift * 8e-3),
             force=first.force,
+            units="SI",
         )
     )
     assert moved.onset - later == pytest.approx(found.onset, abs=1e-6)
@@ -273,6 +279,7 @@ def test_a_record_that_starts_on_the_ramp_has_no_tare():
             time=whole.time[kept],
             displacement=whole.displacement[kept],
             force=whole.force[kept] + 0.2,
+            units="SI",
         )
     )
     assert failed(found) == ["baseline_recorded", "preload_absent"]
@@ -305,6 +312,7 @@ def test_an_impossible_drift_is_refused(raw: RelaxationTest):
                 time=whole.time[kept],
                 displacement=whole.displacement[kept],
                 force=whole.force[kept],
+                units="SI",
             ),
             drift="baseline",
         )
@@ -424,7 +432,7 @@ def test_times_can_be_given(raw: RelaxationTest):
 def test_given_times_find_a_hold_that_creeps_too_fast_to_be_found():
     time = np.arange(2000) / 100
     x = 1e-3 * np.clip(time - 1, 0, 1) + 1e-3 * np.clip(time - 2, 0, None) ** 0.7
-    test = RelaxationTest(time=time, displacement=x, force=PAPER.force(time, x))
+    test = RelaxationTest(time=time, displacement=x, force=PAPER.force(time, x), units="SI")
     found = prepare(test, onset=1.0, ramp_end=2.0, hold_end=19.0)
     assert found.hold_time == 17.0
 
@@ -469,7 +477,7 @@ def test_swapped_columns_are_not_called_saturated():
     held = 8 * np.clip(time - 1, 0, 1)
     force = PAPER.force(time, 1e-3 * held) + 0.005 * np.sin(1e3 * time**2)
     with pytest.raises(DataError, match="are force and displacement swapped"):
-        prepare(RelaxationTest(time, 1e-3 * force, held))
+        prepare(RelaxationTest(time, 1e-3 * force, held, units="SI"))
 
 
 def test_an_elastic_or_a_coarse_force_is_not_called_saturated():
@@ -533,7 +541,9 @@ def test_any_sampling_will_do(raw: RelaxationTest):
 def test_a_dozen_rows_are_enough():
     time = np.array([0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0, 10.0, 20.0, 40.0])
     x = 8e-3 * np.clip(time - 1, 0, 1)
-    found = prepare(RelaxationTest(time=time, displacement=x, force=PAPER.force(time, x)))
+    found = prepare(
+        RelaxationTest(time=time, displacement=x, force=PAPER.force(time, x), units="SI")
+    )
     assert found.onset == pytest.approx(1.0)
     assert found.ramp_end == pytest.approx(2.0)
     assert found.depth == pytest.approx(8e-3)
@@ -552,7 +562,9 @@ def test_five_samples_a_second_still_show_the_ramp(raw: RelaxationTest):
 def test_a_step_joins_two_samples():
     time = np.arange(5000) / 100
     x = np.where(time >= 1, 8e-3, 0.0)
-    found = prepare(RelaxationTest(time=time, displacement=x, force=PAPER.force(time, x)))
+    found = prepare(
+        RelaxationTest(time=time, displacement=x, force=PAPER.force(time, x), units="SI")
+    )
     assert found.onset == pytest.approx(0.99)
     assert found.ramp_time == pytest.approx(0.01)
 
@@ -595,7 +607,9 @@ def test_the_muscle_records_start_on_their_ramp(shared_data: Path, kind: str, ra
     rows = np.loadtxt(
         shared_data / "titin-ramp-hold" / f"Avg{kind}_{ramp:g}s.csv", delimiter=",", skiprows=1
     )
-    found = prepare(RelaxationTest(time=rows[:, 0], displacement=rows[:, 1], force=rows[:, 2]))
+    found = prepare(
+        RelaxationTest(time=rows[:, 0], displacement=rows[:, 1], force=rows[:, 2], units="SI")
+    )
     assert found.onset == pytest.approx(2.0, abs=0.005 * ramp)
     assert found.ramp_time == pytest.approx(ramp, rel=2e-3)
     assert found.depth == pytest.approx(1.1754 - 0.9498, abs=5e-4)
@@ -608,7 +622,9 @@ def test_the_afm_record_holds_15_s_and_its_retraction_is_left_out(shared_data: P
     rows = np.array(
         [line.split() for line in text.splitlines() if line and line[0] != "#"], dtype=float
     )
-    found = prepare(RelaxationTest(time=rows[:, 2], displacement=rows[:, 0], force=rows[:, 1]))
+    found = prepare(
+        RelaxationTest(time=rows[:, 2], displacement=rows[:, 0], force=rows[:, 1], units="SI")
+    )
     # 800 samples of extension, 75000 of pause, then the retraction
     assert len(found.time) == 75800
     assert found.hold_end == pytest.approx(15.1599, abs=1e-6)
@@ -624,7 +640,9 @@ def test_the_afm_record_holds_15_s_and_its_retraction_is_left_out(shared_data: P
 
 def test_the_tiny_record_of_101_rows(shared_data: Path):
     rows = np.loadtxt(shared_data / "rheos-data-time" / "data_time.csv", delimiter=",")
-    found = prepare(RelaxationTest(time=rows[:, 0], displacement=rows[:, 1], force=rows[:, 2]))
+    found = prepare(
+        RelaxationTest(time=rows[:, 0], displacement=rows[:, 1], force=rows[:, 2], units="SI")
+    )
     assert found.onset == pytest.approx(1.0, abs=1e-9)
     assert found.ramp_end == pytest.approx(3.0, abs=1e-9)
     assert found.depth == pytest.approx(2.0)
@@ -641,5 +659,5 @@ def test_the_adhesive_climbs_in_steps(shared_data: Path, name: str, columns, ram
     sheet = openpyxl.load_workbook(path).active
     rows = np.array([row[:3] for row in sheet.iter_rows(values_only=True)], dtype=float)
     time, force, x = (rows[:, i] for i in columns)
-    found = prepare(RelaxationTest(time=time, displacement=x, force=force))
+    found = prepare(RelaxationTest(time=time, displacement=x, force=force, units="SI"))
     assert f"{ramps} ramps belong to it" in check(found, "single_loading").says

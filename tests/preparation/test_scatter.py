@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dashpot.preparation.noise import scatter, spikes, usual_scatter, without_spikes
 from dashpot.records.relaxation import quantum
+from dashpot.signals.noise import scatter, spikes, usual_scatter, without_spikes
 
 
 @pytest.mark.parametrize("even", [True, False])

@@ -12,7 +12,7 @@ from kit.trials import Bench, Seal, record, relaxation_test
 
 from dashpot.preparation.motion import ideal_ramp
 from dashpot.preparation.prepare import prepare
-from dashpot.preparation.segments import MotionSegment, cycles_of, find_segments
+from dashpot.signals.segments import MotionSegment, cycles_of, find_segments
 
 
 def kinds(time, x) -> list[str]:

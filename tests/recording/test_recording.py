@@ -11,12 +11,11 @@ from contextlib import contextmanager, suppress
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from kit.shell import ran
 
 import dashpot as dp
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.version import is_ours
-from dashpot.cli import main
 from dashpot.io.write import write_relaxation
 from dashpot.recording.keep import record
 from dashpot.recording.lines import SerialLine
@@ -321,7 +320,7 @@ def test_the_command_refuses_what_it_cannot_record(tmp_path):
         ("serial --port nowhere -o a.csv", "nowhere cannot be read"),
         ("serial --port a --columns force -o a.csv", "each column needs a name and a unit"),
     ]:
-        done = CliRunner().invoke(main, ["record", "--driver", *words.split()])
+        done = ran("record", "--driver", *words.split())
         assert done.exit_code == 2, done.output
         assert says in " ".join(done.output.split())
     assert (tmp_path / "mine.csv").read_text() == "somebody's\n"

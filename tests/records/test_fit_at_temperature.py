@@ -44,7 +44,7 @@ FREE = TemperatureShifts(
     ],
 )
 def test_the_broad_seal_at_its_temperatures(celsius, storage, loss_factor):
-    at = FIT.at(f"{celsius}degC").complex_stiffness(2 * np.pi * 12.71)
+    at = FIT.at(f"{celsius}degC").complex_stiffness(omega=2 * np.pi * 12.71)
     assert 1e-3 * at.real == pytest.approx(storage, rel=2e-6)
     assert at.imag / at.real == pytest.approx(loss_factor, rel=2e-5)
 

@@ -25,7 +25,7 @@ def nouns(tmp_path_factory):
     path.write_text(write_relaxation(handmade.raw_test()))
     study = handmade.study()
     f = np.geomspace(1.0, 100.0, 9)
-    K = PAPER.complex_stiffness(2 * np.pi * f)
+    K = PAPER.complex_stiffness(omega=2 * np.pi * f)
     return {
         "Fit": study.fit,
         "FRF": study.measured,
@@ -35,8 +35,10 @@ def nouns(tmp_path_factory):
         "RampHold": study.prepared,
         "RelaxationTest": study.test,
         "ImpactTest": study.impact,
-        "DynamicTest": dp.DynamicTest(f, K.real, K.imag, temperature=f + 280.0, unit="N/m"),
-        "RelaxationModulus": dp.RelaxationModulus(f, PAPER.relaxation(f), unit="N/m"),
+        "DynamicTest": dp.DynamicTest(
+            f, K.real, K.imag, temperature=f + 280.0, unit="N/m", units="SI"
+        ),
+        "RelaxationModulus": dp.RelaxationModulus(f, PAPER.relaxation(f), unit="N/m", units="SI"),
     }
 
 

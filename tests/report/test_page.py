@@ -24,7 +24,7 @@ from dashpot.base.checks import Check
 from dashpot.base.numbers import decibels, percent, rounded, with_error
 from dashpot.base.provenance import Source, Step
 from dashpot.base.status import Status
-from dashpot.cli import _text, main
+from dashpot.cli import main
 from dashpot.plot import tokens
 from dashpot.records.estimate import Nuisance
 from dashpot.records.fit import Explanation, Moved
@@ -36,6 +36,7 @@ from dashpot.report.summary import MOST_WORDS
 from dashpot.report.tables import TextTable
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.told import text as text_of
 from dashpot.vibration.systems.prediction import model_modes
 from dashpot.workflow.archive import from_json, to_json
 from dashpot.workflow.assumptions import ASSUMPTIONS
@@ -323,7 +324,9 @@ def test_page_and_terminal_tell_one_shift(whole):
     page = Page(html(replace(S, joint=joint))).text
     assert re.search(r"k∞, N/mm 0\.19750 ± \S+ 0\.19650 ± \S+ −0\.51 % −2\.0", page)
     (line,) = [
-        row for row in _text.fit(joint).lines if "k_inf" in row and "0.19650 ± 0.00040 N/mm" in row
+        row
+        for row in text_of.fit(joint).lines
+        if "k_inf" in row and "0.19650 ± 0.00040 N/mm" in row
     ]
     assert line.split()[-1] == "-2.0"
     assert Moved("k_1", None, None, 1.0, 0.1, "N/m").shift is None
@@ -629,7 +632,7 @@ def test_a_spring_without_arms_and_a_seal_without_source_are_reported():
 
 def test_a_solid_that_is_no_sum_of_arms_is_reported_by_its_own_stiffness(sketch):
     text = sketch(replace(handmade.bench_only(), fit=a_fit(SEAL, band=handmade.BAND)))
-    K = complex(SEAL.complex_stiffness(2 * np.pi))
+    K = complex(SEAL.complex_stiffness(omega=2 * np.pi))
     at_1_hz = " ".join(rounded(v) for v in (1e-3 * K.real, 1e-3 * K.imag, K.imag / K.real))
     assert f"1.00 {at_1_hz} extrapolated" in text
     assert "with a springpot of slope 0.600 beside it" in text

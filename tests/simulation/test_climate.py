@@ -7,10 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from kit.shell import ran
 
 from dashpot.base.errors import DataError
-from dashpot.cli import main
 from dashpot.io.readers.impact import read_impact
 from dashpot.io.readers.relaxation import read_relaxation
 from dashpot.simulation import (
@@ -39,8 +38,8 @@ BROAD_AT = (
 @pytest.mark.parametrize(("celsius", "storage", "loss_factor", "peak", "height"), BROAD_AT)
 def test_the_broad_seal_follows_temperature(celsius, storage, loss_factor, peak, height):
     felt = Climate(celsius + 273.15).felt(BROAD)
-    assert 1e-3 * felt.storage(OMEGA) == pytest.approx(storage, rel=3e-6)
-    assert felt.loss_factor(OMEGA) == pytest.approx(loss_factor, rel=6e-6)
+    assert 1e-3 * felt.storage(omega=OMEGA) == pytest.approx(storage, rel=3e-6)
+    assert felt.loss_factor(omega=OMEGA) == pytest.approx(loss_factor, rel=6e-6)
     lines = peak + np.linspace(-2e-3, 2e-3, 4001)
     found = np.abs(accelerance(2 * felt, BROAD_MASS, 2j * np.pi * lines))
     assert lines[np.argmax(found)] == pytest.approx(peak, abs=6e-6)
@@ -48,7 +47,7 @@ def test_the_broad_seal_follows_temperature(celsius, storage, loss_factor, peak,
 
 
 def test_the_hidden_seal_is_the_papers_with_the_arm_it_supposes():
-    assert HIDDEN.loss_factor(OMEGA) == pytest.approx(0.0783383, rel=1e-5)
+    assert HIDDEN.loss_factor(omega=OMEGA) == pytest.approx(0.0783383, rel=1e-5)
     assert mass_for_peak(2 * HIDDEN, 12.71) == pytest.approx(HIDDEN_MASS, rel=1e-8)
 
 
@@ -103,14 +102,10 @@ def test_a_law_that_does_not_reach_there_is_refused():
         Climate(250.0, FreeShifts((273.15, 296.15), (1.5, 0.0), 296.15)).felt(BROAD)
 
 
-def run(*words: str):
-    return CliRunner().invoke(main, [*words])
-
-
 def test_the_file_states_the_temperature_and_reading_takes_it(tmp_path):
-    path = str(tmp_path / "cold.csv")
-    words = ("simulate", "relaxation", "--model", "hidden", "--hold", "1s", "-o", path)
-    assert run(*words, "--temperature", "0degC", "--wlf", "8, 110K,20degC").exit_code == 0
+    path = tmp_path / "cold.csv"
+    words = ("simulate", "relaxation", "--seal", "hidden", "--hold", "1s", "-o", path)
+    assert ran(*words, "--temperature", "0degC", "--wlf", "8, 110K,20degC").exit_code == 0
     test = read_relaxation(path)
     assert test.specimen.temperature == 273.15
     assert test.source is not None
@@ -118,15 +113,15 @@ def test_the_file_states_the_temperature_and_reading_takes_it(tmp_path):
     told = json.loads((tmp_path / "cold.truth.json").read_text())
     felt = at_temperature(HIDDEN, 273.15, WLF(8.0, 110.0, 293.15))
     np.testing.assert_allclose(told["model"]["tau"], felt.tau)
-    assert run(*words[:-1], str(tmp_path / "warm.csv")).exit_code == 0
+    assert ran(*words[:-1], tmp_path / "warm.csv").exit_code == 0
     assert read_relaxation(tmp_path / "warm.csv").specimen.temperature is None
 
 
 def test_a_hammer_file_states_it_too(tmp_path):
-    path = str(tmp_path / "hits.csv")
-    words = ("simulate", "impact", "--hits", "1", "--record", "1s", "--temperature", "-20degC")
-    assert run(*words, "-o", path).exit_code == 0
-    assert "# temperature: -20 degC" in (tmp_path / "hits.csv").read_text()
+    path = tmp_path / "hits.csv"
+    words = ("simulate", "impact", "--hits", "1", "--hit-length", "1s", "--temperature", "-20degC")
+    assert ran(*words, "-o", path).exit_code == 0
+    assert "# temperature: -20 degC" in path.read_text()
     assert len(read_impact(path).starts) == 1
 
 
@@ -141,6 +136,6 @@ def test_a_hammer_file_states_it_too(tmp_path):
     ],
 )
 def test_what_is_no_law_is_refused(tmp_path, given, says):
-    ended = run("simulate", "relaxation", *given, "-o", str(tmp_path / "a.csv"))
+    ended = ran("simulate", "relaxation", *given, "-o", tmp_path / "a.csv")
     assert ended.exit_code == 2
     assert says in " ".join(ended.output.split())

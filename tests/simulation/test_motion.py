@@ -6,11 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from kit.shell import ran
 
 import dashpot as dp
 from dashpot.base.errors import DataError
-from dashpot.cli import main
 from dashpot.io.write import write_trajectory
 from dashpot.planning.setpoints import planned_trajectory
 from dashpot.simulation.motion import simulate_motion, softened
@@ -89,10 +88,10 @@ def test_cycles_of_a_seal_that_softens_are_read_as_such(tmp_path):
     write_trajectory(triangles(4), tmp_path / "cycles.csv")
     spring = dp.GeneralizedMaxwell(200.0, (1e-3,), (1e-3,))
     (tmp_path / "spring.json").write_text(dp.to_json(spring))
-    words = "simulate motion --noise-free --softening 0.12 --model spring.json"
+    words = "simulate motion --noise-free --softening 0.12 --seal spring.json"
     with pytest.MonkeyPatch.context() as here:
         here.chdir(tmp_path)
-        made = CliRunner().invoke(main, [*words.split(), "--motion", "cycles.csv", "-o", "cld.csv"])
+        made = ran(*words.split(), "--follow", "cycles.csv", "-o", "cld.csv")
         assert made.exit_code == 0, made.output
         found = dp.cld(dp.read_cld("cld.csv"))
     # of a spring nothing else changes: the fourth carries 1 - 0.12 (1 - e^-2) of the first
@@ -102,18 +101,10 @@ def test_cycles_of_a_seal_that_softens_are_read_as_such(tmp_path):
 def test_a_file_that_leaves_a_question_open_is_sent_to_inspect(tmp_path):
     # the options that answer it are those of other commands
     (tmp_path / "f.csv").write_text("time [s],force [N]\n0,1\n1,2\n2,3\n")
-    words = [
-        "simulate",
-        "motion",
-        "--motion",
-        str(tmp_path / "f.csv"),
-        "-o",
-        str(tmp_path / "o.csv"),
-    ]
-    done = CliRunner().invoke(main, words)
+    done = ran("simulate", "motion", "--follow", tmp_path / "f.csv", "-o", tmp_path / "o.csv")
     assert done.exit_code == 2
     assert "give it a header such as 'time [s], displacement [mm]" in done.output
-    assert "--displacement" not in done.output
+    assert "--column" not in done.output
 
 
 def test_a_seal_remembers_its_motion_and_never_pulls():

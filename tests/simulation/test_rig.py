@@ -28,8 +28,8 @@ from dashpot.solids.table_1 import (
 def test_the_seals_are_the_papers_and_the_broad_one(paper_seal):
     assert paper_seal == PAPER
     omega = 2 * np.pi * 12.71
-    assert float(BROAD.storage(omega)) == pytest.approx(364.878, rel=1e-5)
-    assert float(BROAD.loss_factor(omega)) == pytest.approx(0.056189, rel=1e-4)
+    assert float(BROAD.storage(omega=omega)) == pytest.approx(364.878, rel=1e-5)
+    assert float(BROAD.loss_factor(omega=omega)) == pytest.approx(0.056189, rel=1e-4)
     assert dict(SEALS) == {
         "paper": (PAPER, PAPER_MASS), "broad": (BROAD, BROAD_MASS), "hidden": (HIDDEN, HIDDEN_MASS),
     }  # fmt: skip

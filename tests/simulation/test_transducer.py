@@ -6,11 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from kit.shell import ran
 
 import dashpot as dp
 from dashpot.base.errors import DataError
-from dashpot.cli import main
 from dashpot.io.formats.ati import read_calibration
 from dashpot.io.options import ReadOptions
 from dashpot.io.write import write_gauges
@@ -110,22 +109,21 @@ def test_a_fit_of_the_voltages_gives_the_seal_back(tmp_path):
 @pytest.mark.once
 def test_the_command_writes_voltages_calibration_and_truth(tmp_path):
     words = "simulate relaxation --hold 3s --gauges --misaligned 2deg --antialias 200Hz -o"
-    done = CliRunner().invoke(main, [*words.split(), str(tmp_path / "a.csv")])
+    done = ran(*words.split(), tmp_path / "a.csv")
     assert done.exit_code == 0, done.output
     assert (tmp_path / "a.csv").read_text().count("G5 [V]") == 1
     assert '"filter": 200.0' in (tmp_path / "a.truth.json").read_text()
-    read = ["inspect", str(tmp_path / "a.csv"), "--calibration", str(tmp_path / "a.cal")]
-    shown = CliRunner().invoke(main, read)
+    shown = ran("inspect", tmp_path / "a.csv", "--calibration", tmp_path / "a.cal")
     assert shown.exit_code == 0, shown.output
     assert "calibration of SIMULATED" in shown.output
     for words, says in [
         ("impact --gauges", "--gauges is for a relaxation test or a motion, not for impact"),
         ("relaxation --misaligned 2deg", "--misaligned is of the transducer and its card"),
-        ("relaxation --motion a.csv", "replayed by 'dashpot simulate motion --motion FILE'"),
+        ("relaxation --follow a.csv", "replayed by 'dashpot simulate motion --follow FILE'"),
         ("relaxation --gauges", "the calibration of the gauges lies beside the file"),
-        ("motion", "replayed by 'dashpot simulate motion --motion FILE'"),
+        ("motion", "replayed by 'dashpot simulate motion --follow FILE'"),
     ]:
-        out = "-" if "--gauges" in words and "impact" not in words else str(tmp_path / "b.csv")
-        bad = CliRunner().invoke(main, ["simulate", *words.split(), "-o", out])
+        out = "-" if "--gauges" in words and "impact" not in words else tmp_path / "b.csv"
+        bad = ran("simulate", *words.split(), "-o", out)
         assert bad.exit_code == 2
         assert says in " ".join(bad.output.split())

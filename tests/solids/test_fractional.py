@@ -19,9 +19,9 @@ ALPHAS = (0.1, 0.3, 0.5, 0.65, 0.7, 0.8, 0.87, 0.9, 0.95, 0.99, 0.999)
 
 
 def test_its_numbers_are_those_of_park() -> None:
-    at = PARK.complex_stiffness(100.0)
+    at = PARK.complex_stiffness(omega=100.0)
     assert (at.real, at.imag) == pytest.approx((5.5, 1.863961), abs=5e-7)
-    assert PARK.loss_factor(10.0) == pytest.approx(0.451257, abs=5e-7)
+    assert PARK.loss_factor(omega=10.0) == pytest.approx(0.451257, abs=5e-7)
     t = [1e-4, 0.01, 1.0, 40.0]
     found = PARK.relaxation(t)
     assert found == pytest.approx([9.06811282, 4.84825219, 1.50526893, 1.08027555], abs=6e-9)
@@ -55,7 +55,10 @@ def test_with_a_half_it_is_the_error_function() -> None:
 def test_its_arms_keep_to_the_tolerance_asked(alpha: float, tolerance: float) -> None:
     solid = FractionalZener(1.0, 0.0, 1.0, alpha)
     arms = solid.arms(tolerance)
-    assert np.abs(arms.complex_stiffness(OMEGA) - solid.complex_stiffness(OMEGA)).max() <= tolerance
+    assert (
+        np.abs(arms.complex_stiffness(omega=OMEGA) - solid.complex_stiffness(omega=OMEGA)).max()
+        <= tolerance
+    )
     assert np.abs(arms.relaxation(1 / OMEGA) - solid.relaxation(1 / OMEGA)).max() <= tolerance
     assert arms.k_0 == pytest.approx(1.0, abs=tolerance)
 
@@ -64,7 +67,9 @@ def test_a_band_takes_fewer_arms_and_a_steeper_slope_more() -> None:
     solid = FractionalZener(3.0, 1.0, 0.05, 0.5)
     inside = 2 * np.pi * np.geomspace(0.01, 100.0, 81)
     few = solid.arms(1e-3, (0.01, 100.0))
-    error = np.abs(few.complex_stiffness(inside) - solid.complex_stiffness(inside)).max()
+    error = np.abs(
+        few.complex_stiffness(omega=inside) - solid.complex_stiffness(omega=inside)
+    ).max()
     assert error <= 1e-3 * 2.0
     assert few.arms < 30 < solid.arms(1e-3).arms
     assert few.k_inf == 1.0
@@ -79,8 +84,8 @@ def test_a_band_takes_fewer_arms_and_a_steeper_slope_more() -> None:
 def test_far_outside_its_band_it_is_one_arm() -> None:
     solid = FractionalZener(3.0, 1.0, 1e-6, 0.5)
     low = solid.arms(1e-3, (1e-6, 1e-5))
-    K = low.complex_stiffness(2 * np.pi * 1e-5)
-    assert abs(K - solid.complex_stiffness(2 * np.pi * 1e-5)) <= 2e-3
+    K = low.complex_stiffness(omega=2 * np.pi * 1e-5)
+    assert abs(K - solid.complex_stiffness(omega=2 * np.pi * 1e-5)) <= 2e-3
 
 
 @pytest.mark.parametrize("solid", [PARK, FractionalZener(4.0, 1.0, 0.3, 0.8)])
@@ -104,7 +109,9 @@ def test_a_slope_of_one_is_a_zener_solid() -> None:
     zener = FractionalZener(3.0, 1.0, 0.2, 1.0)
     assert zener.maxwell == GeneralizedMaxwell(1.0, (2.0,), (0.2,))
     np.testing.assert_allclose(
-        zener.complex_stiffness(OMEGA), zener.maxwell.complex_stiffness(OMEGA), rtol=1e-12
+        zener.complex_stiffness(omega=OMEGA),
+        zener.maxwell.complex_stiffness(omega=OMEGA),
+        rtol=1e-12,
     )
 
 
@@ -123,10 +130,10 @@ def test_solids_stand_side_by_side() -> None:
     beside: Solid = arm + FractionalZener(5.0, 1.0, 0.1, 0.3) + PARK
     assert isinstance(beside, Parallel)
     assert len(beside.parts) == 3
-    K = arm.complex_stiffness(OMEGA) + PARK.complex_stiffness(OMEGA)
-    K = K + FractionalZener(5.0, 1.0, 0.1, 0.3).complex_stiffness(OMEGA)
-    np.testing.assert_allclose((2 * beside).complex_stiffness(OMEGA), 2 * K, rtol=1e-13)
-    np.testing.assert_allclose(beside.maxwell.complex_stiffness(OMEGA), K, atol=2e-3)
+    K = arm.complex_stiffness(omega=OMEGA) + PARK.complex_stiffness(omega=OMEGA)
+    K = K + FractionalZener(5.0, 1.0, 0.1, 0.3).complex_stiffness(omega=OMEGA)
+    np.testing.assert_allclose((2 * beside).complex_stiffness(omega=OMEGA), 2 * K, rtol=1e-13)
+    np.testing.assert_allclose(beside.maxwell.complex_stiffness(omega=OMEGA), K, atol=2e-3)
     assert (beside.k_inf, beside.k_0) == pytest.approx((3.0, 20.0))
     t, x = np.linspace(0, 2, 40), np.linspace(0, 1, 40)
     parts = sum(part.force(t, x) for part in beside.parts)
@@ -135,8 +142,8 @@ def test_solids_stand_side_by_side() -> None:
 
 def test_a_dashpot_beside_it_is_felt() -> None:
     damped = FractionalZener(10.0, 1.0, 0.01, 0.5, b=0.4)
-    apart = PARK.complex_stiffness(OMEGA) + 0.4j * OMEGA
-    np.testing.assert_allclose(damped.complex_stiffness(OMEGA), apart, rtol=1e-13)
+    apart = PARK.complex_stiffness(omega=OMEGA) + 0.4j * OMEGA
+    np.testing.assert_allclose(damped.complex_stiffness(omega=OMEGA), apart, rtol=1e-13)
     assert damped.maxwell.b == 0.4
     ramp = damped.ramp_hold_force([0.5], depth=1.0, ramp_time=1.0)
     assert ramp[0] == pytest.approx(1.13520731 + 0.4, abs=6e-9)

@@ -72,7 +72,7 @@ class TestPublishedNumbers:
         assert element.stiffness(X) == pytest.approx(1867.650 + 1527.887j, rel=1e-6)
         assert Coulomb(2.0).energy(X) == pytest.approx(8e-3, rel=1e-12)
         voigt = kelvin_voigt(1.0, 5.0)
-        lost = np.pi * X**2 * voigt.loss(2 * np.pi * 10)
+        lost = np.pi * X**2 * voigt.loss(omega=2 * np.pi * 10)
         assert lost == pytest.approx(0.98696e-3, rel=1e-5)
 
     def test_cubic_spring(self):
@@ -141,13 +141,13 @@ class TestSeries:
 
     def test_stuck_it_is_the_solid_alone(self):
         pair = InSeries(GeneralizedMaxwell(10.0, (5.0,), (0.1,)), Coulomb(1.0))
-        assert pair.equivalent(3.0, 1e-4) == pytest.approx(pair.solid.complex_stiffness(3.0))
+        assert pair.equivalent(3.0, 1e-4) == pytest.approx(pair.solid.complex_stiffness(omega=3.0))
 
     def test_with_a_linear_part_behind_compliances_add(self):
         solid = GeneralizedMaxwell(10.0, (5.0,), (0.1,))
         soft = InParallel((spring(3.0),))
         K = InSeries(solid, soft).equivalent(7.0, 1e-3)
-        assert abs(K * (1 / solid.complex_stiffness(7.0) + 1 / 3.0) - 1) < 1e-12
+        assert abs(K * (1 / solid.complex_stiffness(omega=7.0) + 1 / 3.0) - 1) < 1e-12
 
     def test_its_balance_is_near_its_path(self):
         solid = GeneralizedMaxwell(200.0, (300.0,), (0.02,))
@@ -178,7 +178,7 @@ class TestSeries:
         w, n, cycles = 40.0, *((3000, 3) if solid.b else (300, 12))
         t = np.arange(cycles * n + 1) * 2 * np.pi / w / n
         last = t[-n - 1 :]
-        yields = 0.05 / abs(complex(solid.complex_stiffness(w)))
+        yields = 0.05 / abs(complex(solid.complex_stiffness(omega=w)))
         pair = InSeries(solid, Coulomb(0.05))
         for ratio in (0.99, 1.0005, 1.2, 5.0):
             X = ratio * yields

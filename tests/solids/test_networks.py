@@ -51,8 +51,8 @@ def test_any_network_has_the_stiffness_of_its_formula(tree, power):
 def test_any_network_is_passive(tree):
     solid = build(tree)
     omega = np.logspace(-6, 6, 25)
-    assert (solid.complex_stiffness(omega).imag >= 0).all()
-    assert (np.diff(solid.storage(omega)) >= -1e-9 * solid.storage(omega)[1:]).all()
+    assert (solid.complex_stiffness(omega=omega).imag >= 0).all()
+    assert (np.diff(solid.storage(omega=omega)) >= -1e-9 * solid.storage(omega=omega)[1:]).all()
 
 
 @given(trees, trees)
@@ -125,12 +125,14 @@ def test_clutch_elements_of_gaillard_and_singh():
     """Energy per cycle of a Voigt element, pi c omega X^2: 0.98696 mJ."""
     omega, amplitude = 2 * np.pi * 10, 1e-3
     voigt = net.kelvin_voigt(1000.0, 5.0)
-    assert np.pi * voigt.loss(omega) * amplitude**2 == pytest.approx(0.98696e-3, rel=1e-5)
+    assert np.pi * voigt.loss(omega=omega) * amplitude**2 == pytest.approx(0.98696e-3, rel=1e-5)
     clutch = net.maxwell_voigt(1000.0, 5.0, arm_k=400.0, arm_b=20.0)
     formula = 1000 + 5j * omega + 1 / (1 / 400 + 1 / (20j * omega))
-    assert clutch.complex_stiffness(omega) == pytest.approx(formula)
+    assert clutch.complex_stiffness(omega=omega) == pytest.approx(formula)
     # the Maxwell part makes the dynamic stiffness rise with frequency
-    assert abs(clutch.complex_stiffness(2 * omega)) > abs(clutch.complex_stiffness(omega))
+    assert abs(clutch.complex_stiffness(omega=2 * omega)) > abs(
+        clutch.complex_stiffness(omega=omega)
+    )
 
 
 @pytest.mark.parametrize(

@@ -68,7 +68,9 @@ def test_a_shifted_solid_answers_slower_and_stiffer():
     omega = np.geomspace(1e-3, 1e3, 13)
     cold = seal.shifted(30.0, 0.9)
     np.testing.assert_allclose(
-        cold.complex_stiffness(omega), 0.9 * seal.complex_stiffness(30.0 * omega), rtol=1e-12
+        cold.complex_stiffness(omega=omega),
+        0.9 * seal.complex_stiffness(omega=30.0 * omega),
+        rtol=1e-12,
     )
     with pytest.raises(dp.DataError, match="a_t"):
         seal.shifted(0.0)

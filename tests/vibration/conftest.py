@@ -93,6 +93,7 @@ def strike(paper_seal: GeneralizedMaxwell) -> Strike:
             force=np.concatenate(forces),
             acceleration=np.concatenate(accelerations)[None, :],
             starts=tuple(range(0, n * hits, n)),
+            units="SI",
         )
 
     return make

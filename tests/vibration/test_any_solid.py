@@ -79,7 +79,7 @@ def test_a_system_on_it_moves_as_on_its_arms() -> None:
 
 def test_it_is_compared_as_its_test_saw_it() -> None:
     s = 2j * np.pi * LINES + 1.5
-    measured = FRF(LINES, accelerance(2 * SEAL, MASS, s, 1.0), shift=1.5, record=1.0)
+    measured = FRF(LINES, accelerance(2 * SEAL, MASS, s, 1.0), shift=1.5, record=1.0, units="SI")
     given = predict_frf(2 * SEAL, mass=MASS, frequency=LINES)
     found = compare(given, measured, model=SEAL, seals=2)
     assert found.frac == pytest.approx(1.0, abs=1e-12)

@@ -27,7 +27,7 @@ def record_of(*starts, seconds=30.0, peaks=None, noise=2e-3, double=None):
         since = t - start
         force += np.where((since >= 0) & (since <= 0.01), peak * np.sin(np.pi * since / 0.01), 0)
         response += np.where(since > 0, 10 * peak * np.exp(-5 * since) * np.sin(80 * since), 0)
-    return ImpactTest(time=t, force=force, acceleration=response[None])
+    return ImpactTest(time=t, force=force, acceleration=response[None], units="SI")
 
 
 def test_every_blow_is_found_and_timed():
@@ -67,7 +67,7 @@ def test_a_channel_that_never_moves_is_no_accelerometer(value):
     test = record_of(1.0)
     dead = np.vstack((test.acceleration, np.full(len(test.time), value)))
     with pytest.raises(DataError, match=f"acceleration 2 is {value:g} m/s.2 throughout"):
-        cut_hits([ImpactTest(test.time, test.force, dead)])
+        cut_hits([ImpactTest(test.time, test.force, dead, units="SI")])
 
 
 def test_a_record_that_ends_too_soon_is_said():
@@ -82,7 +82,7 @@ def test_a_record_that_starts_in_the_pulse_is_said(strike):
     keep = np.r_[late:n, n : 3 * n]
     cut = ImpactTest(
         test.time[keep], test.force[keep], test.acceleration[:, keep],
-        starts=(0, n - late, 2 * n - late),
+        starts=(0, n - late, 2 * n - late), units="SI",
     )  # fmt: skip
     frf = estimate_frf(cut)
     assert [hit.accepted for hit in frf.hits] == [False, True, True]
@@ -90,7 +90,12 @@ def test_a_record_that_starts_in_the_pulse_is_said(strike):
     # alone, it is as long as its recording: nothing is missing at the end
     with pytest.raises(DataError, match="no hit is left to average") as refusal:
         estimate_frf(
-            ImpactTest(cut.time[: n - late], cut.force[: n - late], cut.acceleration[:, : n - late])
+            ImpactTest(
+                cut.time[: n - late],
+                cut.force[: n - late],
+                cut.acceleration[:, : n - late],
+                units="SI",
+            )
         )
     message = str(refusal.value)
     assert "hit 1: the recording begins inside the pulse" in message

@@ -97,7 +97,10 @@ def test_the_force_window_takes_noise_away(strike, paper_seal):
 def test_one_continuous_record_is_as_good_as_one_per_hit(strike, broad_seal):
     test = strike(2 * broad_seal, 0.114829829, record=8.0, hits=4, noise=NOISE)
     joined = ImpactTest(
-        time=np.arange(len(test.force)) / 2048, force=test.force, acceleration=test.acceleration
+        time=np.arange(len(test.force)) / 2048,
+        force=test.force,
+        acceleration=test.acceleration,
+        units="SI",
     )
     apart, together = estimate_frf(test), estimate_frf(joined)
     assert together.averages == 4
@@ -339,7 +342,11 @@ def test_hits_are_accepted_and_rejected_by_name(strike):
     keep = np.r_[others[0], others[2], others[3]]
     n = len(test.force) // 4
     rest = ImpactTest(
-        test.time[keep], test.force[keep], test.acceleration[:, keep], starts=(0, n, 2 * n)
+        test.time[keep],
+        test.force[keep],
+        test.acceleration[:, keep],
+        starts=(0, n, 2 * n),
+        units="SI",
     )
     np.testing.assert_allclose(frf.value, estimate_frf(rest).value, rtol=1e-9)
 
@@ -376,7 +383,7 @@ def test_choices_that_cannot_be_are_refused(strike, choice, says):
 def test_no_blow_no_frf():
     quiet = np.random.default_rng(0).standard_normal(4000)
     with pytest.raises(DataError, match="no hammer hit found"):
-        estimate_frf(ImpactTest(np.arange(4000) / 1000, 0.01 * quiet, quiet[None]))
+        estimate_frf(ImpactTest(np.arange(4000) / 1000, 0.01 * quiet, quiet[None], units="SI"))
 
 
 def test_tests_that_do_not_belong_together_are_refused(strike):

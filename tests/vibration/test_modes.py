@@ -185,7 +185,7 @@ def test_several_modes_are_told_apart(record, shift):
         Mode(20.0, 0.03, 0.02j),
     )
     f = np.arange(1, 160) / 4
-    frf = FRF(f, _modal(f, true, record, shift), record=record, shift=shift)
+    frf = FRF(f, _modal(f, true, record, shift), record=record, shift=shift, units="SI")
     found = frf.modes(band=(2, 39))
     assert len(found) == 3
     for mode, expected in zip(found, true, strict=True):  # largest residue first
@@ -202,19 +202,19 @@ def test_noise_alone_grows_no_junk_mode():
         noise = random.standard_normal(len(f)) + 1j * random.standard_normal(len(f))
         sd = 0.2
         value = _modal(f, (Mode(12.0, 0.02, -0.05j),)) + sd * noise
-        found = FRF(f, value, sd=np.full(len(f), sd)).modes()
+        found = FRF(f, value, sd=np.full(len(f), sd), units="SI").modes()
         assert len(found) == 1
         assert found[0].frequency == pytest.approx(12.0, abs=4 * found[0].frequency_se)
 
 
 def test_flat_lines_have_no_mode():
     f = np.arange(1, 200) / 4
-    assert FRF(f, np.full(len(f), 2.0 + 0j)).modes(band=(1, 40)) == ()
+    assert FRF(f, np.full(len(f), 2.0 + 0j), units="SI").modes(band=(1, 40)) == ()
 
 
 def test_as_many_modes_as_asked_for():
     f = np.arange(1, 160) / 4
-    found = FRF(f, _modal(f, (Mode(9.0, 0.02, -0.05j),))).modes(count=2, band=(2, 39))
+    found = FRF(f, _modal(f, (Mode(9.0, 0.02, -0.05j),)), units="SI").modes(count=2, band=(2, 39))
     assert len(found) == 2
 
 

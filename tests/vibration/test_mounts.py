@@ -4,11 +4,10 @@ import json
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from kit.shell import told
 
 import dashpot as dp
 from dashpot.base.errors import DataError
-from dashpot.cli import main
 from dashpot.io.write import write_frf
 from dashpot.solids.table_1 import PAPER, PAPER_MASS
 from dashpot.vibration.systems.mounts import entrained, on_heavy_mounts, on_light_mounts
@@ -23,10 +22,13 @@ AT = np.array([6.0, 12.71, 25.0, 40.0])
 def rod(frequency, mass=MASS, mounts=HEAVY):
     r"""T = 1 / (cos q - (m w^2 / (K q)) sin q), q^2 = w^2 m_r / K: waves and all."""
     w = 2 * np.pi * np.asarray(frequency)
-    K = SOLID.complex_stiffness(w)
+    K = SOLID.complex_stiffness(omega=w)
     q = np.sqrt(w**2 * mounts / K)
     return dp.FRF(
-        frequency, 1 / (np.cos(q) - mass * w**2 / (K * q) * np.sin(q)), "transmissibility"
+        frequency,
+        1 / (np.cos(q) - mass * w**2 / (K * q) * np.sin(q)),
+        "transmissibility",
+        units="SI",
     )
 
 
@@ -34,7 +36,7 @@ def missed(frf, mass):
     """By how much the storage stiffness is off, per cent."""
     w = 2 * np.pi * frf.frequency
     K = mass * w**2 * frf.value / (frf.value - 1)
-    return 100 * (K.real / SOLID.storage(w) - 1)
+    return 100 * (K.real / SOLID.storage(omega=w) - 1)
 
 
 def test_what_each_share_of_the_mounts_mass_leaves():
@@ -54,7 +56,7 @@ def test_there_and_back():
     back = on_light_mounts(heavy, mass=0.11, coupled=0.002)
     assert back.value == pytest.approx(light.value, rel=1e-12)
     w2 = (2 * np.pi * f) ** 2
-    K = SOLID.complex_stiffness(np.sqrt(w2))
+    K = SOLID.complex_stiffness(omega=np.sqrt(w2))
     assert heavy.value == pytest.approx((K + 0.002 * w2) / (K - 0.11 * w2), rel=1e-12)
     with pytest.raises(DataError, match="expected a transmissibility"):
         on_heavy_mounts(light.to("accelerance", mass=0.11), mass=0.11, coupled=0.002)
@@ -70,16 +72,13 @@ def test_the_mass_of_the_seals_is_told_once_to_each_command(tmp_path):
     mass = ["--mass", f"{1e3 * MASS}g", "--seals", "2"]
     seal = ["--seal-mass", f"{1e3 * HEAVY / 2}g"]
 
-    def ran(*words):
-        return json.loads(CliRunner().invoke(main, [*words, "--json"]).stdout)
-
-    peaks = [ran("compare", str(fit), str(path), *mass, *more)["frac"] for more in ([], seal)]
+    peaks = [told("compare", fit, path, *mass, *more)["frac"] for more in ([], seal)]
     assert peaks[1] > 0.999 > peaks[0]
-    direct = ran("identify", str(path), *mass, *seal, "--arms", "1")["direct"]
+    direct = told("fit", path, *mass, *seal, "--arms", 1)["direct"]
     near = np.interp([8.0, 20.0], direct["frequency_hz"], direct["stiffness"])
-    assert near == pytest.approx(PAPER.storage(2 * np.pi * np.array([8.0, 20.0])), rel=2e-3)
-    lines = ["--band", "5:25Hz", "--lines", "401"]
-    base = ran("predict", str(fit), *mass, *seal, "--base", *lines)
+    assert near == pytest.approx(PAPER.storage(omega=2 * np.pi * np.array([8.0, 20.0])), rel=2e-3)
+    lines = ["--band", "5:25Hz", "--points", 401]
+    base = told("predict", fit, *mass, *seal, "--base", *lines)
     size = np.hypot(base["real"], base["imag"])
     assert size[[0, 100, 400]] == pytest.approx(np.abs(rod([5.0, 10.0, 25.0]).value), rel=5e-3)
     isolated = np.abs(rod([base["isolation_hz"]]).value)

@@ -148,7 +148,7 @@ def test_without_frequencies_a_prediction_lays_its_own_about_the_peak() -> None:
 def test_a_hammer_at_the_masss_own_compression_agrees_with_the_tangent_and_not_the_secant() -> None:
     scale = hardening.tangent(hardening.resting(MASS, SEALS)) / 196.5
     value, sd = hardening.hammered(LINES, mass=MASS, seals=SEALS, scale=scale, noise=0.005, seed=3)
-    frf = FRF(LINES, value, sd=sd, averages=4)
+    frf = FRF(LINES, value, sd=sd, averages=4, units="SI")
 
     def held(fit: Fit) -> float:
         predicted = predict_frf(fit, mass=MASS, seals=SEALS, frequency=LINES)

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import json
-
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from kit.shell import ran, told
 from scipy.optimize import brentq, minimize_scalar
 
 import dashpot as dp
 from dashpot.base.errors import DataError
-from dashpot.cli import main
 from dashpot.kinds.level.record import AmplitudeSweep
 from dashpot.records.dynamic import DynamicTest
 from dashpot.solids.part import Block, Bulb, Bush, Disc
@@ -122,7 +119,7 @@ def peak_of(K, mass, near=60.0):
 
     def height(hz):
         w = 2 * np.pi * hz
-        stiffness = K(w)
+        stiffness = K(omega=w)
         return -abs(stiffness / (stiffness - mass * w**2))
 
     grid = np.geomspace(near / 8, near * 8, 4000)
@@ -163,10 +160,10 @@ def sweeps(seed=0, noise=0.01):
     for celsius in (-15, 0, 12, 23, 45):
         T = celsius + 273.15
         a = 10 ** (-6.94 * (T - 296.15) / (129.6 + T - 296.15))
-        E = RUBBER.complex_stiffness(2 * np.pi * f * a)
+        E = RUBBER.complex_stiffness(omega=2 * np.pi * f * a)
         E = E * (1 + noise * (rng.normal(size=len(f)) + 1j * rng.normal(size=len(f))) / np.sqrt(2))
         rows.append((f, E.real, E.imag, np.full(len(f), T)))
-    return DynamicTest(*(np.concatenate(each) for each in zip(*rows, strict=True)))
+    return DynamicTest(*(np.concatenate(each) for each in zip(*rows, strict=True)), units="SI")
 
 
 @pytest.mark.once
@@ -191,9 +188,9 @@ def test_from_sweeps_to_two_discs_on_a_shaker():
 
     # an amplitude sweep of the material at 10 Hz tells the softening, in displacement of the part
     X = np.geomspace(1e-6, 1e-3, 16)
-    E = RUBBER.complex_stiffness(2 * np.pi * 10) * phi(X)
+    E = RUBBER.complex_stiffness(omega=2 * np.pi * 10) * phi(X)
     law = dp.fit_amplitude(
-        AmplitudeSweep(np.full(16, 10.0), X, E.real, E.imag, of="m"), law="factor"
+        AmplitudeSweep(np.full(16, 10.0), X, E.real, E.imag, of="m", units="SI"), law="factor"
     )
     solid = part.solid.maxwell
     system = System(
@@ -218,7 +215,7 @@ def test_from_sweeps_to_two_discs_on_a_shaker():
         want = []
         for hz in f:
             w = 2 * np.pi * hz
-            K = true.complex_stiffness(w)
+            K = true.complex_stiffness(omega=w)
 
             def over(u, w=w, K=K):
                 X = np.exp(u)
@@ -241,7 +238,7 @@ class TestCommand:
     @pytest.fixture
     def dma(self, tmp_path):
         f = np.geomspace(0.01, 1000, 40)
-        E = RUBBER.complex_stiffness(2 * np.pi * f)
+        E = RUBBER.complex_stiffness(omega=2 * np.pi * f)
         path = tmp_path / "dma.csv"
         np.savetxt(
             path,
@@ -251,51 +248,46 @@ class TestCommand:
             comments="",
         )
         fit = tmp_path / "dma.json"
-        told = CliRunner().invoke(main, ["fit", str(path), "-o", str(fit)])
-        assert told.exit_code == 0, told.output
+        done = ran("fit", path, "-o", fit)
+        assert done.exit_code == 0, done.output
         return str(fit)
 
     def peak(self, *words):
-        told = CliRunner().invoke(
-            main, ["predict", *words, "--base", "--band", "5:300Hz", "--json"]
-        )
-        assert told.exit_code == 0, told.output
-        return json.loads(told.stdout)["peak"]["frequency_hz"]
+        found = told("predict", *words, "--base", "--band", "5:300Hz")
+        return found["peak"]["frequency_hz"]
 
     def test_a_shape_or_a_resonance_makes_the_part(self, dma):
         mass = ["--mass", "400g", "--seals", "2"]
-        drawn = self.peak(dma, "--disc", "20mm,12mm", *mass)
+        drawn = self.peak(dma, "--shape", "disc:20mm,12mm", *mass)
         expected, _ = peak_of((2 * Disc(0.02, 0.012).factor() * RUBBER).complex_stiffness, 0.4)
         assert drawn == pytest.approx(expected, rel=0.01)
         light, _ = peak_of((2 * Disc(0.02, 0.012).factor() * RUBBER).complex_stiffness, 0.15)
-        told = self.peak(dma, "--resonance", f"{light}Hz", "--resonance-mass", "150g", *mass)
-        assert told == pytest.approx(expected, rel=0.01)
+        heard = self.peak(dma, "--resonance", f"{light}Hz", "--resonance-mass", "150g", *mass)
+        assert heard == pytest.approx(expected, rel=0.01)
 
     def test_a_peak_beyond_the_sweep_is_said_first(self, dma):
         words = ["predict", dma, "--mass", "10g", "--resonance-mass", "10g", "--base"]
         for hz, first in (("900Hz", "use"), ("1100Hz", "use with care")):
             asked = [*words, "--resonance", hz, "--band", "100:2000Hz"]
-            told = CliRunner().invoke(main, [*asked, "--json"])
-            said = json.loads(told.stdout)["verdict"]
+            said = told(*asked)["verdict"]
             assert said["use"] == first
-            assert (
-                CliRunner().invoke(main, asked).stdout.startswith(f"{first}: {said['says'][:50]}")
-            )
+            first_line = f"{first.capitalize()}: {said['says'][0].lower()}{said['says'][1:50]}"
+            assert ran(*asked).stdout.startswith(first_line)
         assert said["because"][0] == "prediction_informed"
 
     @pytest.mark.parametrize(
         ("words", "says"),
         [
-            (["--disc", "20mm,12mm", "--resonance", "60Hz"], "both tell the geometry"),
-            (["--disc", "20mm"], "1 lengths; expected 2"),
+            (["--shape", "disc:20mm,12mm", "--resonance", "60Hz"], "both tell the geometry"),
+            (["--shape", "disc:20mm"], "1 lengths; expected 2"),
             (["--resonance", "60Hz"], "needs the mass"),
             (["--lubricated"], "belong to a shape"),
-            (["--disc", "20mm,12mm", "--resonance-mass", "1kg"], "belongs to a --resonance"),
-            (["--bush", "12mm,30mm,40mm", "--mode", "shear"], "expected one of axial"),
+            (["--shape", "disc:20mm,12mm", "--resonance-mass", "1kg"], "belongs to a --resonance"),
+            (["--shape", "bush:12mm,30mm,40mm", "--loading", "shear"], "expected one of axial"),
             ([], "in Pa"),
         ],
     )
     def test_a_geometry_that_is_none(self, dma, words, says):
-        told = CliRunner().invoke(main, ["predict", dma, "--mass", "400g", *words])
-        assert told.exit_code == 2, told.output
-        assert says in told.stderr
+        refused = ran("predict", dma, "--mass", "400g", *words)
+        assert refused.exit_code == 2, refused.output
+        assert says in refused.stderr

@@ -64,7 +64,11 @@ def test_the_standard_error_is_the_scatter() -> None:
 def test_coherence_gives_the_scatter() -> None:
     """ISO 7626-2: sqrt((1 - g2) / (2 n g2)) of the magnitude."""
     frf = FRF(
-        np.array([1.0, 2.0]), np.array([3 + 4j, 1j]), coherence=np.array([0.9, 1.0]), averages=5
+        np.array([1.0, 2.0]),
+        np.array([3 + 4j, 1j]),
+        coherence=np.array([0.9, 1.0]),
+        averages=5,
+        units="SI",
     )
     assert frf.random_sd == pytest.approx([5 * np.sqrt(0.1 / (10 * 0.9)), 0.0])
     assert replace(frf, averages=1).random_sd is None

@@ -5,11 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from kit.shell import ran, told
 
 import dashpot as dp
 from dashpot.base.errors import DataError
-from dashpot.cli import main
 from dashpot.fitting.identification.frf_data import frf_data_of
 from dashpot.fitting.uncertainty.prediction_bounds import PredictedFRF
 from dashpot.io.options import ReadOptions
@@ -30,10 +29,6 @@ SIZES = {"mm": (0, 1e-3), "m": (0, 1.0), "mm/s": (1, 1e-3), "m/s^2": (2, 1.0), "
 
 def over_base(f, kind=RELATIVE):
     return dp.predict_frf(2 * PAPER, mass=PAPER_MASS, frequency=f, kind=kind)
-
-
-def ran(*words):
-    return CliRunner().invoke(main, [str(word) for word in words])
 
 
 def exported(path, frf, over, under, *, header=None):
@@ -105,9 +100,9 @@ def test_what_a_transmissibility_lacks_is_said(tmp_path, head, says):
     columns = (F, -np.linspace(1, 40, len(F)), np.linspace(-10, -170, len(F)))
     rows = np.column_stack(columns[: head.count(",") + 1])
     np.savetxt(path, rows, delimiter=",", comments="", header=head)
-    told = ran("identify", path, *MASS)
-    assert told.exit_code == 2
-    assert says in " ".join(told.output.split())
+    refused = ran("fit", path, *MASS)
+    assert refused.exit_code == 2
+    assert says in " ".join(refused.output.split())
 
 
 def test_square_seconds_are_a_displacement_over_an_acceleration(tmp_path):
@@ -157,7 +152,7 @@ def test_a_solid_is_identified_whatever_the_gain_and_delay_of_the_sensor():
     seen = gain * np.exp(-known.s * delay) * known.value
     found = dp.identify(replace(known, value=seen + noise, sd=sd), mass=BROAD_MASS, seals=2, arms=2)
     w = 2 * np.pi * np.array([9.0, 12.71, 18.0])
-    assert found.model.storage(w) == pytest.approx(BROAD.storage(w), rel=0.01)
+    assert found.model.storage(omega=w) == pytest.approx(BROAD.storage(omega=w), rel=0.01)
     told = {one.name: one for one in found.nuisance}
     assert told["gain"].value == pytest.approx(gain, abs=3e-3)
     assert told["delay"].value == pytest.approx(delay, abs=2e-5)
@@ -166,7 +161,7 @@ def test_a_solid_is_identified_whatever_the_gain_and_delay_of_the_sensor():
 @pytest.mark.parametrize("coupled", [0.0, 3e-3])
 def test_its_limits_are_those_of_the_accelerance_times_the_mass(coupled):
     w = 2 * np.pi * np.array([5.0, 12.0, 20.0])
-    K = PAPER.complex_stiffness(w)
+    K = PAPER.complex_stiffness(omega=w)
     one = PredictedFRF(PAPER_MASS, 2.0, Kind(RELATIVE), coupled).magnitude(K, w)
     other = PredictedFRF(PAPER_MASS, 2.0, Kind.ACCELERANCE).magnitude(K, w)
     assert one == pytest.approx((PAPER_MASS + coupled) * other, rel=1e-12)
@@ -182,7 +177,7 @@ def recorded():
     f = np.fft.rfftfreq(2 * n, 1 / RATE)
     lines = np.fft.rfft(rng.normal(size=2 * n)) * ((f > 1) & (f < 80))
     w = 2 * np.pi * np.maximum(f, 1e-9)
-    K = (2 * BROAD).complex_stiffness(w)
+    K = (2 * BROAD).complex_stiffness(omega=w)
     stretch = -BROAD_MASS / (K - BROAD_MASS * w**2)
     base, gap = np.fft.irfft(lines)[n:], np.fft.irfft(lines * stretch)[n:]
     gap += 3e-3 * gap.std() * rng.normal(size=n)
@@ -230,8 +225,8 @@ def test_the_mass_is_the_motion_that_is_named(recorded, tmp_path):
     np.savetxt(
         path, rows, delimiter=",", comments="", header="t [s],table [m/s^2],gap [m],block [m/s^2]"
     )
-    words = [path, "--base-acceleration", "table", "--motion", "relative", *MASS, "--json"]
-    named = json.loads(ran("identify", *words, "--displacement", "gap", "--arms", 1).stdout)
+    words = [path, "--column", "base-acceleration=table", "--relative", *MASS]
+    named = told("fit", *words, "--column", "displacement=gap", "--arms", 1)
     assert "relative motion" not in str(named["verdict"])
     read = read_shaken([path], ReadOptions(base_acceleration="table"))
     assert read.order == 2
@@ -240,28 +235,28 @@ def test_the_mass_is_the_motion_that_is_named(recorded, tmp_path):
 def test_the_command_line_takes_it(recorded, tmp_path):
     path, out = written(tmp_path / "laser.csv", recorded), tmp_path / "r.csv"
     mass = ["--mass", f"{1e3 * BROAD_MASS}g"]
-    words = ["--base-acceleration", "table", "--motion", "relative", *mass]
+    words = ["--column", "base-acceleration=table", "--relative", *mass]
     assert "displacement  the only column" in ran("inspect", path, *words[:2]).output
-    told = ran("impact", path, *words, "-o", out)
-    assert told.exit_code == 0, told.output
-    assert told.output.startswith("use with care: ")
-    found = json.loads(ran("identify", out, *mass, "--seals", 2, "--arms", 2, "--json").stdout)
+    done = ran("fit", path, *words, "-o", out)
+    assert done.exit_code == 0, done.output
+    assert done.stdout.startswith("Use with care: ")
+    found = told("fit", out, *mass, "--seals", 2, "--arms", 2)
     near = np.interp([9.0, 18.0], found["direct"]["frequency_hz"], found["direct"]["stiffness"])
-    assert near == pytest.approx(BROAD.storage(2 * np.pi * np.array([9.0, 18.0])), rel=0.03)
+    assert near == pytest.approx(BROAD.storage(omega=2 * np.pi * np.array([9.0, 18.0])), rel=0.03)
     turned = written(tmp_path / "turned.csv", recorded, sign=-1)
-    said = " ".join(ran("impact", turned, *words).output.split())
-    assert said.startswith("do not use: ")
+    said = " ".join(ran("fit", turned, *words).stdout.split())
+    assert said.startswith("Do not use: ")
     assert "the relative motion has the opposite sign" in said
 
 
 @pytest.mark.parametrize(
     ("over", "header", "motion", "says"),
     [
-        ("mm", "mm/(m/s^2)", "relative", "use with care: "),
+        ("mm", "mm/(m/s^2)", "relative", "Use with care: "),
         ("mm", "(mm/s)/(m/s^2)", "relative", "a quarter turn off"),
         ("mm", "(mm/s)/(m/s^2)", "absolute", "is not that of a mass over its base"),
         ("mm", "m/(m/s^2)", "relative", "times that of a mass on a spring"),
-        ("mm", "mm/(m/s^2)", "absolute", "not relative to the base (--motion)"),
+        ("mm", "mm/(m/s^2)", "absolute", "not relative to the base (--relative)"),
         ("mm", "", "relative", "no unit"),
     ],
 )
@@ -273,13 +268,13 @@ def test_what_a_file_of_a_relative_motion_gets_wrong(tmp_path, over, header, mot
     arms = [{"k": k, "tau": t} for k, t in zip(PAPER.k, PAPER.tau, strict=True)]
     model = {"k_inf": PAPER.k_inf, "arms": arms}
     fit.write_text(json.dumps({"schema": "dashpot/fit@1", "model": model}))
-    told = ran("identify", path, *MASS, "--motion", motion, "--arms", "1")
-    assert says in " ".join(told.output.split())
-    if says == "use with care: ":
-        compared = json.loads(ran("compare", fit, path, *MASS, "--motion", motion, "--json").stdout)
+    over_what = ["--relative"] if motion == "relative" else []
+    heard = ran("fit", path, *MASS, *over_what, "--arms", 1)
+    assert says in " ".join(heard.output.split())
+    if says == "Use with care: ":
+        compared = told("compare", fit, path, *MASS, *over_what)
         assert compared["frac"] > 0.99
-        ahead = ran("predict", fit, *MASS, "--base", "--motion", motion, "--json")
-        there = json.loads(ahead.stdout)
+        there = told("predict", fit, *MASS, "--base", *over_what)
         assert there["kind"] == RELATIVE
         assert there["limits"]["kind"] == RELATIVE
 
@@ -287,8 +282,8 @@ def test_what_a_file_of_a_relative_motion_gets_wrong(tmp_path, over, header, mot
 def test_a_motion_said_to_be_relative_that_is_not_is_told(tmp_path):
     path = tmp_path / "t.csv"
     write_frf(over_base(np.arange(3.0, 30.0, 0.1), "transmissibility"), path)
-    told = " ".join(ran("identify", path, *MASS, "--motion", "relative").output.split())
-    assert "the motion looks absolute" in told
+    heard = " ".join(ran("fit", path, *MASS, "--relative").output.split())
+    assert "the motion looks absolute" in heard
     forced = tmp_path / "forced.csv"
     write_frf(over_base(np.arange(3.0, 30.0, 0.5), "accelerance"), forced)
-    assert "leave out" in ran("identify", forced, *MASS, "--motion", "relative").output
+    assert "leave out" in ran("fit", forced, *MASS, "--relative").output

@@ -33,6 +33,7 @@ def real_hits(shared_data: Path) -> ImpactTest:
         acceleration=rows[:, 1:].T,
         starts=(0, 8192),
         channels=("m_1", "m_2"),
+        units="SI",
     )
 
 

@@ -42,7 +42,7 @@ def test_the_stiffness_of_one_seal_comes_back_to_rounding(
 ) -> None:
     frf = predict_frf(seals * BROAD, mass=mass, frequency=LINES, kind=kind)
     found = dynamic_stiffness(frf, mass, seals=seals)
-    expected = BROAD.complex_stiffness(2 * np.pi * LINES)
+    expected = BROAD.complex_stiffness(omega=2 * np.pi * LINES)
     assert found.storage + 1j * found.loss == pytest.approx(expected, rel=1e-10)
 
 
@@ -74,7 +74,7 @@ def test_the_band_is_narrower_for_damping(broad_frf: FRF) -> None:
     assert found.storage_band[0] < found.loss_band[0] < 12.71
     assert 12.71 < found.loss_band[1] < found.storage_band[1]
     inside = (found.frequency > found.loss_band[0]) & (found.frequency < found.loss_band[1])
-    truth = BROAD.complex_stiffness(2 * np.pi * found.frequency)
+    truth = BROAD.complex_stiffness(omega=2 * np.pi * found.frequency)
     off = np.abs(found.loss - truth.imag)[inside]
     assert np.mean(off < 2 * found.loss_sd[inside]) > 0.9
 
@@ -82,9 +82,9 @@ def test_the_band_is_narrower_for_damping(broad_frf: FRF) -> None:
 def test_the_local_kramers_kronig_estimate_of_the_broad_seal() -> None:
     """Domain reference: 0.0551 against 0.0562 at 12.71 Hz."""
     f = np.geomspace(2, 80, 400)
-    implied = causal_loss_factor(f, BROAD.storage(2 * np.pi * f), 12.71)
+    implied = causal_loss_factor(f, BROAD.storage(omega=2 * np.pi * f), 12.71)
     assert implied == pytest.approx(0.0551, rel=0.02)
-    assert BROAD.loss_factor(2 * np.pi * 12.71) == pytest.approx(0.0562, rel=1e-3)
+    assert BROAD.loss_factor(omega=2 * np.pi * 12.71) == pytest.approx(0.0562, rel=1e-3)
 
 
 def test_a_phase_that_cannot_be_is_noticed() -> None:

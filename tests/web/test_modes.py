@@ -36,7 +36,7 @@ def home(tmp_path_factory):
     def keep(name, value):
         sd = 0.01 * np.abs(value)
         value = value + sd * (rng.normal(size=len(f)) + 1j * rng.normal(size=len(f)))
-        (home / name).write_text(write_frf(dp.FRF(f, value, sd=sd)))
+        (home / name).write_text(write_frf(dp.FRF(f, value, sd=sd, units="SI")))
 
     for i, shape in enumerate(((1.0, 1.0), (0.6, -0.8))):
         modes = zip((12.0, 31.0), (0.02, 0.03), shape, strict=True)

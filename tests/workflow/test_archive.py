@@ -39,7 +39,9 @@ from dashpot.workflow.measured_modes import MeasuredMode, MeasuredModes
 
 SOURCE = Source("seal.csv", "0" * 64, "text", ("time [s]",), ("a note",), simulated=True)
 TIME = np.linspace(0, 1, 11)
-TEST = RelaxationTest(TIME, TIME**2, TIME / 3, Specimen(length=0.1, notes="é <b>"), SOURCE)
+TEST = RelaxationTest(
+    TIME, TIME**2 / 100, TIME / 3, Specimen(length=0.1, notes="é <b>"), SOURCE, units="SI"
+)
 RAMP = RampHold(
     TIME, TIME**2, TIME / 3, onset=0.1, ramp_end=0.2, hold_end=0.9, depth=8e-3,
     steps=(Step("tare", (("force", "0.05 N"),), "said"),), checks=(Check("c", False, "no", 1.0),),
@@ -74,8 +76,11 @@ MEASURED = FRF(
     record=8.0,
     averages=3,
     hits=(Hit("1", 0.1, False, ("double hit",), 3.0, 0.01),),
+    units="SI",
 )
-IMPACT = ImpactTest(TIME, TIME, np.array([TIME, -TIME]), positions=(0.05, -0.05), source=(SOURCE,))
+IMPACT = ImpactTest(
+    TIME, TIME, np.array([TIME, -TIME]), positions=(0.05, -0.05), source=(SOURCE,), units="SI"
+)
 PREDICTED = predict_frf(2 * MODEL, mass=0.104, frequency=FREQUENCY)
 MODES = (ImpactMode(12.7, 0.03, 0.01, None, "rational"),)
 INSPECTED = {"file": "a.csv", "sha256": "0" * 64, "format": "text", "kind": "relaxation"}
@@ -96,7 +101,9 @@ INSPECTIONS = Inspections(
 LEAST = '{"schema": "dashpot/fit@1", "model": {"k_inf": 1.0, "arms": []}}'
 NOUNS = [
     MODEL,
-    DynamicTest(np.array([1.0, 2.0, 5.0]), np.array([3.0, 4.0, 5.0]), np.array([0.1, 0.2, 0.1])),
+    DynamicTest(
+        np.array([1.0, 2.0, 5.0]), np.array([3.0, 4.0, 5.0]), np.array([0.1, 0.2, 0.1]), units="SI"
+    ),
     TEST,
     RAMP,
     FIT,

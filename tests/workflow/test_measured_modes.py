@@ -31,7 +31,7 @@ def measured(noise=0.01, seed=0):
         value += s**2 / (mass * (s**2 + 2 * ratio * w * s + w**2))
     sd, rng = noise * np.abs(value), np.random.default_rng(seed)
     value = value + sd * (rng.normal(size=len(F)) + 1j * rng.normal(size=len(F)))
-    return FRF(F, value, sd=sd, coherence=np.full(len(F), 0.99), averages=5)
+    return FRF(F, value, sd=sd, coherence=np.full(len(F), 0.99), averages=5, units="SI")
 
 
 def written(folder, frf, name="frf.csv"):
@@ -134,7 +134,7 @@ def points(modes=CLOSE, noise=0.02, seed=0):
             value += s**2 * (r / (s - p) + np.conj(r) / (s - np.conj(p)))
         sd = noise * np.abs(value)
         value = value + sd * (rng.normal(size=len(G)) + 1j * rng.normal(size=len(G)))
-        frfs.append(FRF(G, value, sd=sd))
+        frfs.append(FRF(G, value, sd=sd, units="SI"))
     return frfs
 
 
@@ -225,7 +225,11 @@ def chain(damper):
     value = [
         (s**2 * (r / (s - poles) + r.conj() / (s - poles.conj()))).sum(axis=1) for r in residues
     ]
-    return dp.FRFSet([FRF(G, one, sd=1e-3 * np.abs(one)) for one in value]), poles, residues
+    return (
+        dp.FRFSet([FRF(G, one, sd=1e-3 * np.abs(one), units="SI") for one in value]),
+        poles,
+        residues,
+    )
 
 
 @pytest.mark.once
@@ -335,7 +339,7 @@ def test_noise_alone_has_no_mode_that_is_trusted():
     rng = np.random.default_rng(0)
     for _ in range(5):
         value = rng.normal(size=(2, len(G))) + 1j * rng.normal(size=(2, len(G)))
-        measured = dp.FRFSet([FRF(G, one, sd=np.ones(len(G))) for one in value])
+        measured = dp.FRFSet([FRF(G, one, sd=np.ones(len(G)), units="SI") for one in value])
         assert measured.modes(band=(5, 79)) == ()
 
 
@@ -365,7 +369,7 @@ def on_seals(folder, mass, stiffer=1.0):
     value = s**2 / (mass * s**2 + stiffer * stiffness)
     sd = 0.01 * np.abs(value)
     value = value + sd * (rng.normal(size=len(F)) + 1j * rng.normal(size=len(F)))
-    return written(folder, FRF(F, value, sd=sd), f"{mass}.csv")
+    return written(folder, FRF(F, value, sd=sd, units="SI"), f"{mass}.csv")
 
 
 @pytest.mark.once

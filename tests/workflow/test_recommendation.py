@@ -76,8 +76,8 @@ def test_what_relaxation_alone_leaves_open_holds_the_truth_of_what_it_did_not_se
     omega = 2 * np.pi * under["frequency"].value
     for one, value in (
         (under["damping"], truth.damping_ratio),
-        (seal["dynamic stiffness"], BROAD.storage(omega)),
-        (seal["loss factor"], BROAD.loss_factor(omega)),
+        (seal["dynamic stiffness"], BROAD.storage(omega=omega)),
+        (seal["loss factor"], BROAD.loss_factor(omega=omega)),
     ):
         assert one.bound
         assert one.low <= value <= one.high
@@ -104,4 +104,4 @@ def test_without_a_mass_the_answers_are_those_of_the_seal_at_the_edge_of_its_ban
     assert found.under_mass == ()
     one = by_name(found.one_seal)["dynamic stiffness"]
     assert one.at == S.fit.band[1]
-    assert one.value == pytest.approx(S.fit.model.storage(2 * np.pi * S.fit.band[1]))
+    assert one.value == pytest.approx(S.fit.model.storage(omega=2 * np.pi * S.fit.band[1]))

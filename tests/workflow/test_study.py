@@ -35,8 +35,8 @@ def test_the_broad_seal_peaks_where_the_reference_says():
     assert f[height.argmax()] == pytest.approx(12.71, abs=2e-4)
     assert height.max() == pytest.approx(155.227, rel=1e-5)
     omega = 2 * np.pi * 12.71
-    assert BROAD.storage(omega) == pytest.approx(364.878, rel=2e-6)
-    assert BROAD.loss_factor(omega) == pytest.approx(0.056189, rel=1e-5)
+    assert BROAD.storage(omega=omega) == pytest.approx(364.878, rel=2e-6)
+    assert BROAD.loss_factor(omega=omega) == pytest.approx(0.056189, rel=1e-5)
 
 
 def test_the_papers_own_fit_misses_the_damping_of_the_broad_seal():
@@ -88,7 +88,7 @@ def test_standard_errors_know_nothing_of_unseen_arms():
     bound = unseen_arm_band(fit, prepared, [12.71]).loss_factor[:, 0]
     assert formal[1] / formal[0] - 1 < 0.05
     assert bound[1] > 5 * formal[1]
-    assert bound[0] <= PAPER.loss_factor(2 * np.pi * 12.71) <= bound[1]
+    assert bound[0] <= PAPER.loss_factor(omega=2 * np.pi * 12.71) <= bound[1]
 
 
 def test_the_story_without_a_hammer_ends_at_the_prediction():

@@ -11,9 +11,10 @@ import pytest
 from kit import cold
 
 import dashpot as dp
+from dashpot.base.errors import FitError
 from dashpot.io.write import write_relaxation
 from dashpot.simulation.impact import simulate_impact
-from dashpot.workflow import create, fit_files, predict_files, record, verify
+from dashpot.workflow import EXAMPLES, create, fit_files, predict_files, record, verify
 from dashpot.workflow.job import Job
 from dashpot.workflow.shifting import ShiftChoices
 from dashpot.workflow.study import characterise
@@ -29,7 +30,7 @@ def bench(tmp_path_factory) -> tuple[Path, Path]:
     folder = tmp_path_factory.mktemp("bench")
     files = folder / "warm.csv", folder / "cold.csv"
     for file, test in zip(files, cold.records("hidden", (23.0, 0.0), 0), strict=True):
-        bare = dp.RelaxationTest(test.time, test.displacement, test.force)
+        bare = dp.RelaxationTest(test.time, test.displacement, test.force, units="SI")
         file.write_text(write_relaxation(bare))
     return files
 
@@ -142,7 +143,7 @@ def test_a_hammer_joins_tests_at_several_temperatures():
     assert abs(study.comparison.predicted_hz / study.comparison.measured_hz - 1) < 2e-3
     assert study.joint is not None
     assert study.joint.verdict.use == "use"
-    found = study.joint.model.complex_stiffness(2 * np.pi * cold.RESONANCE)
+    found = study.joint.model.complex_stiffness(omega=2 * np.pi * cold.RESONANCE)
     true = cold.complex_stiffness("hidden")
     assert found.imag == pytest.approx(true.imag, rel=0.02)
     assert study.joint.at("0degC").k_inf < study.joint.model.k_inf
@@ -163,10 +164,10 @@ def test_a_hammer_of_another_temperature_has_its_own_shift():
     )
     assert abs(study.comparison.predicted_hz / study.comparison.measured_hz - 1) < 3e-3
     true = cold.complex_stiffness("hidden", celsius=10.0)
-    found = study.joint.model.complex_stiffness(2 * np.pi * cold.RESONANCE)
+    found = study.joint.model.complex_stiffness(omega=2 * np.pi * cold.RESONANCE)
     assert found.real == pytest.approx(true.real, rel=3e-3)
     assert found.imag == pytest.approx(true.imag, rel=0.04)
-    room = study.joint.at("23degC").complex_stiffness(2 * np.pi * cold.RESONANCE)
+    room = study.joint.at("23degC").complex_stiffness(omega=2 * np.pi * cold.RESONANCE)
     assert room.imag == pytest.approx(cold.complex_stiffness("hidden").imag, rel=0.08)
 
 
@@ -179,3 +180,22 @@ def test_every_test_is_drawn_with_the_one_solid(bench, found):
     assert shifts.title.startswith("shift factors")
     with pytest.raises(dp.DataError, match="one temperature"):
         dp.plot.temperatures(dp.fit(records[0], arms=1), records)
+
+
+def test_sweeps_of_one_temperature_each_are_one_master_curve(tmp_path: Path) -> None:
+    head, *rows = EXAMPLES["sweeps.csv"]().splitlines()[2:]
+    warm: dict[int, list[str]] = {}
+    for row in rows:
+        *cells, celsius = row.split(",")
+        warm.setdefault(round(float(celsius) / 5) * 5, []).append(",".join(cells))
+    files = []
+    for celsius, lines in warm.items():
+        files.append(tmp_path / f"{celsius}.csv")
+        files[-1].write_text("\n".join([head.rpartition(",")[0], *lines]))
+    kelvin = [celsius + 273.15 for celsius in warm]
+    apart, _ = fit_files(files, arms=6, temperatures=kelvin)
+    (tmp_path / "all.csv").write_text(EXAMPLES["sweeps.csv"]())
+    together, _ = fit_files([tmp_path / "all.csv"], arms=6)
+    assert apart.model.tau == pytest.approx(together.model.tau, rel=0.02)
+    with pytest.raises(FitError, match="says no temperature"):
+        fit_files(files[:2], arms=6)

@@ -10,6 +10,7 @@ from typing import Generic, Literal, NamedTuple, ParamSpec, get_args
 
 from dashpot.base.documents import Documented
 from dashpot.base.numbers import spelled
+from dashpot.base.sentences import lowered, paragraph, sentence, sentences, within
 from dashpot.base.status import Status
 
 P = ParamSpec("P")
@@ -32,6 +33,39 @@ RULES: dict[str, Callable[[float, float], bool]] = {
 }
 
 
+MOST_WORDS = 35
+"""Of a verdict, its *use* included: one line is read, a paragraph is not."""
+VERDICT_WORDS = MOST_WORDS - 3
+"""Of what it says after *do not use*."""
+
+
+@dataclass(frozen=True)
+class Remedy(Documented):
+    """What to do about a check that failed.
+
+    Attributes
+    ----------
+    words : str
+        Sentences that begin with the verb: ``"Hold longer, or ramp faster."``
+    option : str
+        The long option of the command line that does it, without its dashes: ``"band"``; empty
+        where nothing but another test does it. A page names its own control instead.
+    value : str
+        What to give the option, where that is known.
+    """
+
+    keys = ("words", "option", "value")
+
+    words: str
+    option: str = ""
+    value: str = ""
+
+    @property
+    def typed(self) -> str:
+        """The option as it is typed: ``"--band 1:25Hz"``; empty where there is none."""
+        return f"--{self.option} {self.value}".rstrip() if self.option else ""
+
+
 @dataclass(frozen=True)
 class Check(Documented):
     """One named question put to a record or a result, and its answer in words.
@@ -45,16 +79,19 @@ class Check(Documented):
     value, limit : float or None
         What was measured and what it was held against (None where there is no number).
     says : str
-        The sentence the user reads: what was found, what it means, what to do.
+        The sentences the user reads: what was found and what it means. They hold no option, so
+        that terminal, page and app say the same.
     grade : str
         What a failure means: ``"note"``, it does not matter to the result; ``"limit"``, use it
         with care; ``"stop"``, do not use it.
+    remedy : Remedy or None
+        What to do, if it failed.
     ends : Status or None
         How a fit that fails it ended, as its criterion says; no document holds it, and no
         comparison of two checks.
     """
 
-    keys = ("name", "passed", "says", "value", "limit", "grade")
+    keys = ("name", "passed", "grade", "value", "limit", "says", "remedy")
 
     name: str
     passed: bool | None
@@ -62,12 +99,28 @@ class Check(Documented):
     value: float | None = None
     limit: float | None = None
     grade: Grade = "limit"
+    remedy: Remedy | None = None
     ends: Status | None = field(default=None, repr=False, compare=False)
 
     @property
     def failed(self) -> bool:
         """True if it was judged and did not pass."""
         return self.passed is False
+
+    @property
+    def told(self) -> str:
+        """What was found, and what to do about it."""
+        return paragraph(self.says, self.remedy.words if self.remedy else "")
+
+    @property
+    def typed(self) -> str:
+        """`told`, and the option that does it as a command line takes it."""
+        option = self.remedy.typed if self.remedy else ""
+        return f"{self.told} ({option})" if option else self.told
+
+    def within(self, where: str) -> Check:
+        """The check as one of several things that were asked the same says it: "in test 2"."""
+        return replace(self, says=f"{sentence(where)[:-1]}, {lowered(self.says)}")
 
 
 @dataclass(frozen=True)
@@ -79,7 +132,8 @@ class Verdict(Documented):
     use : str
         ``"use"``, ``"use with care"`` or ``"do not use"``.
     says : str
-        The sentence that leads every report of the result: why, and what would change it.
+        The sentences that lead every report of the result: the number its reader came for and
+        where it holds; or why not, and what to do.
     because : tuple of Check
         The failed checks that decided, the gravest first.
     """
@@ -95,29 +149,59 @@ class Verdict(Documented):
         """The names of the checks that decided."""
         return tuple(check.name for check in self.because)
 
+    def __str__(self) -> str:
+        return f"{self.use.capitalize()}: {lowered(self.says)}"
 
-def _others(count: int) -> str:
-    return "" if count < 1 else f"; {count} more check{'s' * (count > 1)} failed"
+
+def tally(checks: Iterable[Check]) -> str:
+    """Return how many of some checks passed, in a sentence; nothing where none was judged."""
+    judged = [check for check in dict.fromkeys(checks) if check.passed is not None]
+    passed = sum(bool(check.passed) for check in judged)
+    notes = sum(check.failed and check.grade == "note" for check in judged)
+    failed = len(judged) - passed - notes
+    if not judged:
+        return ""
+    if passed == len(judged) > 1:
+        return f"All {passed} checks passed."
+    parts = [f"{passed} check{'s' * (passed != 1)} passed"]
+    parts += [f"{failed} failed"] if failed else []
+    parts += [f"{notes} note{'s' * (notes > 1)}"] if notes else []
+    return f"{', '.join(parts)}."
 
 
-def verdict(
-    checks: Iterable[Check], *, sound: str = "nothing that was judged limits the use"
-) -> Verdict:
+def verdict(checks: Iterable[Check], *, sound: str = "") -> Verdict:
     """Return the verdict of some checks: of the gravest that failed.
 
     Parameters
     ----------
     checks : iterable of Check
     sound : str
-        What to say where nothing of weight failed.
+        What to say where nothing of weight failed: the number that the reader came for, and where
+        it holds. How many checks passed follows, and is all where nothing is given.
     """
-    failed = [check for check in checks if check.failed]
+    asked = tuple(checks)
+    failed = [check for check in asked if check.failed]
     stops = tuple(check for check in failed if check.grade == "stop")
     limits = tuple(check for check in failed if check.grade == "limit")
-    use: Use = "do not use" if stops else "use with care" if limits else "use"
     because = stops + limits
-    more = _others(len(because) - 1)
-    return Verdict(use, because[0].says + more if because else sound, because)
+    if not because:
+        told = [*sentences(sentence(sound)), tally(asked)]
+        return Verdict("use", within(MOST_WORDS - 1, [one for one in told if one]))
+    use: Use = "do not use" if stops else "use with care"
+    more = len(because) - 1
+    others = f"{more} more check{'s' * (more > 1)} failed." if more else ""
+    return Verdict(use, shortly(because[0], VERDICT_WORDS, others), because)
+
+
+def shortly(check: Check, most: int = VERDICT_WORDS, then: str = "") -> str:
+    """Return what a check found and what to do in at most so many words, and what follows.
+
+    What explains it, and the second thing to do, give way first.
+    """
+    remedy = sentences(check.remedy.words) if check.remedy else []
+    said = within(most, sentences(sentence(check.says)), (*remedy[:1], then))
+    longer = within(most, sentences(sentence(check.says)), (*remedy, then))
+    return longer if len(longer.split()) <= most else said
 
 
 class Checked:
@@ -126,9 +210,14 @@ class Checked:
     checks: tuple[Check, ...]
 
     @property
+    def sound(self) -> str:
+        """The number that its reader came for and where it holds, in a sentence."""
+        raise NotImplementedError
+
+    @property
     def verdict(self) -> Verdict:
         """What to make of it."""
-        return verdict(self.checks)
+        return verdict(self.checks, sound=self.sound)
 
 
 def status_of(checks: Iterable[Check], found: Mapping[Status, bool] | None = None) -> Status:
@@ -157,7 +246,7 @@ def worst(checks: Iterable[Check]) -> Check:
     if not failed or len(asked) == 1:
         return next((check for check in asked if check.passed is not None), asked[0])
     _, number, check = max(failed, key=lambda one: one[:2])
-    return replace(check, says=f"test {-number} of {len(asked)}: {check.says}")
+    return check.within(f"in test {-number} of {len(asked)}")
 
 
 class Finding(NamedTuple):
@@ -166,14 +255,16 @@ class Finding(NamedTuple):
     Attributes
     ----------
     says : str
-        What was found.
+        What was found, in a sentence.
     value : float or None
         What is held against the limit; None if nothing was measured: a criterion that has a
         measure then judges nothing.
-    but : str
-        What follows `says` if the check fails.
+    because : str
+        What it means, if the check fails: sentences that follow `says`.
+    remedy : Remedy or str
+        What to do then.
     instead : str
-        What replaces `says` if it fails.
+        What replaces `says` if it fails, where the same sentence cannot serve both.
     limit : float or None
         The limit where the record sets it; by default that of the criterion.
     excused : bool
@@ -186,12 +277,19 @@ class Finding(NamedTuple):
 
     says: str
     value: float | None = None
-    but: str = ""
+    because: str = ""
+    remedy: Remedy | str = ""
     instead: str = ""
     limit: float | EllipsisType | None = ...
     excused: bool = False
     faulted: bool = False
     grade: Grade | None = None
+
+    @property
+    def advice(self) -> Remedy | None:
+        """The remedy, its words as sentences; None where there is none."""
+        found = Remedy(self.remedy) if isinstance(self.remedy, str) else self.remedy
+        return replace(found, words=sentence(spelled(found.words))) if found.words else None
 
 
 @dataclass(frozen=True, eq=False)
@@ -242,10 +340,14 @@ class Criterion(Generic[P]):
         found = self.judge(*args, **kwargs)
         limit = self.limit if isinstance(found.limit, EllipsisType) else found.limit
         passed = self._passed(found, limit)
-        says = (found.instead or found.says) + found.but if passed is False else found.says
+        told, remedy = (found.says,), None
+        if passed is False:
+            told, remedy = (found.instead or found.says, found.because), found.advice
+            if found.because[:1] in {",", ":", ";", ".", " "}:  # until every one is a sentence
+                told = ("".join(told),)
         return Check(
-            self.name, passed, spelled(says), found.value, limit, found.grade or self.grade,
-            self.ends,
+            self.name, passed, spelled(paragraph(*told)), found.value, limit,
+            found.grade or self.grade, remedy, self.ends,
         )  # fmt: skip
 
     def _passed(self, found: Finding, limit: float | None) -> bool | None:

@@ -29,6 +29,7 @@ ImpactLawAsked: TypeAlias = Literal["auto", ImpactLaw]
 PartMode: TypeAlias = Literal[
     "compression", "shear", "axial", "torsion", "radial-short", "radial-long"
 ]  # fmt: skip
+FrfKind: TypeAlias = Literal["receptance", "mobility", "accelerance", "dynamic_stiffness"]
 Driver: TypeAlias = Literal["simulated", "serial", "replay"]
 Rehearsed: TypeAlias = Literal["relaxation", "creep", "impact", "motion"]
 

@@ -14,6 +14,8 @@ from typing import Any, ClassVar, NamedTuple
 from dashpot.base.numbers import json_number
 from dashpot.base.status import Status
 
+EDGE = "edge"
+"""Of a field that no document holds: what it always is within."""
 DIGEST = "digest"
 """The key of a digested document that shows whether the rest was edited."""
 
@@ -82,7 +84,9 @@ def _attribute(noun: Any, name: str) -> Any:
 
 @cache
 def _keys(kind: Any) -> tuple[_Key, ...]:
-    own = [one.name for one in fields(kind)] if is_dataclass(kind) else []
+    own = (
+        [one.name for one in fields(kind) if EDGE not in one.metadata] if is_dataclass(kind) else []
+    )
     return tuple(
         _Key.of(name) for text in kind.keys or ("*",) for name in (own if text == "*" else [text])
     )
@@ -95,6 +99,7 @@ def fields_of(kind: Any, document: Mapping[str, Any]) -> dict[str, Any]:
     """
     own = {one.name for one in fields(kind)}
     found: dict[str, Any] = {name: document[name] for name in own & document.keys()}
+    found |= {one.name: one.metadata[EDGE] for one in fields(kind) if EDGE in one.metadata}
     for key in _keys(kind) if issubclass(kind, Documented) else ():
         first = key.way[0]
         if first not in own or first in document:
@@ -131,7 +136,11 @@ def plain(value: Any) -> Any:
     if isinstance(value, list | tuple):
         return [plain(item) for item in value]
     if is_dataclass(value):
-        return {one.name: plain(getattr(value, one.name)) for one in fields(value)}
+        return {
+            one.name: plain(getattr(value, one.name))
+            for one in fields(value)
+            if EDGE not in one.metadata
+        }
     if isinstance(value, complex) or getattr(getattr(value, "dtype", None), "kind", "") == "c":
         return {"real": plain(value.real), "imag": plain(value.imag)}
     # an array: NumPy is not needed to say what went wrong

@@ -21,8 +21,10 @@ def option(default: Any, help: str | None = None, **how: Any) -> Any:
     dimension of a quantity, and ``ends`` where two of them make a range; ``choices``, a type of
     :mod:`~dashpot.base.choices`; ``least``, of a whole number; ``above``, of any; ``word``, what
     stands for no number; ``parse``, from what click passes on to what the noun takes, and
-    ``typed`` back to texts; ``flag``, the option's name where it is not the field's;
-    ``argument`` of what is typed without an option; ``decides``, what a job needs it for first.
+    ``typed`` back to texts; ``flag``, the option's name where it is not the field's; ``under``, the
+    option that takes it as KEY=VALUE, ``key``, that word where it is not the field's name, and
+    ``sign`` in place of "="; ``argument``, the place of what is typed without an option;
+    ``decides``, what a job needs it for first.
     """
     if "choices" in how:
         how["choices"] = words(how["choices"])
@@ -53,8 +55,21 @@ def names_files(one: Field[Any]) -> bool:
 
 
 def flag_of(one: Field[Any]) -> str:
-    """Return the option that a field declares, as it is typed: ``--loss-factor``."""
-    return "--" + str(one.metadata.get("flag", one.name)).replace("_", "-")
+    """Return the option that takes a field, as it is typed: ``--seal-mass``, ``--machine``."""
+    how = one.metadata
+    return "--" + str(how.get("under", how.get("flag", one.name))).replace("_", "-")
+
+
+def key_of(one: Field[Any]) -> str:
+    """Return the KEY by which an option of KEY=VALUE takes a field: ``ramp-end``."""
+    return str(one.metadata.get("key", one.name)).replace("_", "-")
+
+
+def typed_as(one: Field[Any], text: str) -> list[str]:
+    """Return the words by which a field is typed: ``["--machine", "sync=0.5ms"]``."""
+    if "under" not in one.metadata:
+        return [flag_of(one), text]
+    return [flag_of(one), f"{key_of(one)}{one.metadata.get('sign', '=')}{text}"]
 
 
 def flags_of(noun: type) -> str:
@@ -62,10 +77,10 @@ def flags_of(noun: type) -> str:
 
     >>> from dashpot.workflow.job import Cuts
     >>> flags_of(Cuts)
-    '--onset, --ramp-end and --hold-end'
+    '--cuts'
     """
-    *others, last = map(flag_of, offered(noun))
-    return f"{', '.join(others)} and {last}"
+    *others, last = dict.fromkeys(map(flag_of, offered(noun)))
+    return f"{', '.join(others)} and {last}" if others else last
 
 
 def words_of(noun: Any, *names: str) -> list[str]:
@@ -75,9 +90,12 @@ def words_of(noun: Any, *names: str) -> list[str]:
 
     >>> from dashpot.io.options import ReadOptions
     >>> words_of(ReadOptions(units={"force": "N"}, skip_rows=3))
-    ['--units', 'force=N', '--skip-rows', '3']
+    ['--units', 'force=N', '--text', 'skip=3']
     """
-    said = []
+    said: list[str] = []
+    for glob, own in getattr(noun, "own", ()):
+        words = iter(words_of(own))
+        said += [word for flag in words for word in (flag, f"{glob}:{next(words)}")]
     for one in fields(noun):
         value = getattr(noun, one.name)
         if names and one.name not in names:
@@ -85,9 +103,10 @@ def words_of(noun: Any, *names: str) -> list[str]:
         if "part" in one.metadata:
             said += words_of(value)
         elif value != one.default and one in offered(noun):
-            flag = flag_of(one)
-            texts = texts_of(one, value)
-            said += [flag] if "is_flag" in one.metadata else [w for t in texts for w in (flag, t)]
+            if "is_flag" in one.metadata:
+                said.append(flag_of(one))
+            else:
+                said += [word for text in texts_of(one, value) for word in typed_as(one, text)]
     return said
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import lru_cache
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias, overload
@@ -308,16 +308,34 @@ def parse_quantity(text: str, dimension: Dimension) -> float:
         pointed = text.strip().replace(",", ".", 1)
         raise DataError(f"'{text}' has a decimal comma; write '{pointed}' with a point{grouped}")
     unit = parse_unit(match[2], dimension)
-    value = float(match[1])
-    # division keeps 104 g exactly 0.104 kg where the factor is a negative power of ten
-    inverse = round(1 / unit.factor)
-    scaled = value / inverse if inverse > 1 and 1 / inverse == unit.factor else value * unit.factor
+    scaled = from_unit(float(match[1]), replace(unit, offset=0.0))
     if re.search("[1-9]", match[1].lower().partition("e")[0]) and not LEAST <= abs(scaled) <= MOST:
         raise DataError(
             f"'{text}' is {scaled:.3g} in SI units; expected 0 or a magnitude from {LEAST:g} to "
             f"{MOST:g}: check the number and its unit"
         )
     return scaled + unit.offset
+
+
+@overload
+def from_unit(value: float, unit: Unit) -> float: ...
+@overload
+def from_unit(value: FloatArray, unit: Unit) -> FloatArray: ...
+def from_unit(value: float | FloatArray, unit: Unit) -> float | FloatArray:
+    """Return a value of a unit, or an array of them, in SI."""
+    # division keeps 104 g exactly 0.104 kg where the factor is a negative power of ten
+    inverse = round(1 / unit.factor)
+    scaled = value / inverse if inverse > 1 and 1 / inverse == unit.factor else value * unit.factor
+    return scaled + unit.offset if unit.offset else scaled
+
+
+def usual(dimension: Dimension) -> str:
+    """Return the unit in which something is given where nothing else is known.
+
+    >>> usual("length"), usual("time")
+    ('mm', 's')
+    """
+    return _USUAL.get(dimension, _of(dimension)[0].word)
 
 
 def read_in(unit: str, *, fine: bool = False) -> str:

@@ -1,4 +1,4 @@
-"""One command, one file: read, call, write."""
+"""One verb, one file: read, call, write."""
 
 from __future__ import annotations
 
@@ -23,36 +23,34 @@ for _name in ("OMP", "OPENBLAS", "MKL"):
 # cycles on the way out, which takes as long as reading a short file
 atexit.register(gc.freeze)
 
-COMMANDS = {
-    "inspect": "What is in a file: columns, units, sampling, segments.",
-    "fit": "The solid behind a relaxation test, and how well it is known.",
-    "predict": "The FRF of a mass on the fitted seal.",
-    "impact": "Hammer hits to an FRF, natural frequency and damping.",
-    "modes": "Natural frequencies, damping and residues of a measured FRF.",
-    "level": "What stiffness and damping do with amplitude.",
-    "cld": "Compression load deflection: force at nominal, hysteresis, scatter.",
-    "hyperelastic": "The law of a rubber or foam under large strain.",
-    "indent": "Stiffness, damping and modulus from an indenter's hit.",
-    "rod": "Modulus and loss factor of a rod that shakes under a mass.",
-    "door": "A door on its seal line: modes, damping, who holds the energy.",
-    "compare": "The predicted FRF against a measured one.",
-    "identify": "Maxwell parameters from vibration, alone or jointly.",
-    "app": "The same in a browser: drop a file, drag a handle.",
-    "batch": "Many tests at once: a folder in, one table out.",
-    "watch": "The same, while a rig writes the tests.",
-    "record": "Force and displacement as an instrument sends them; reads, never moves.",
-    "report": "The main job: both tests in, one report out.",
-    "export": "The solid as a deck that a solver reads.",
-    "simulate": "The virtual rig and hammer, stamped 'simulated'.",
-    "plan": "What a test can and cannot tell, before it is run.",
-    "verify": "Check a project's hashes and recompute its results.",
-    "example": "Two simulated tests to learn on.",
-    "demo": "The whole story on two simulated seals.",
+GROUPS: dict[str, dict[str, str]] = {
+    "Work": {
+        "inspect": "What a file is, how it was read, what is unclear.",
+        "fit": "The model behind any records: solid, modes, law.",
+        "predict": "How a fitted solid vibrates, under a mass or in a door.",
+        "compare": "A prediction with a measurement, two FRFs, two lots.",
+        "report": "The main job: a seal and its hammer test on one page.",
+        "export": "A solid or law as input for ten solvers.",
+    },
+    "Many tests": {
+        "batch": "A folder of tests to one table; --watch follows a rig.",
+        "verify": "Recompute a project and check every hash.",
+    },
+    "Before the test": {
+        "plan": "What a test will tell, before it is run.",
+        "record": "An instrument to a file. It moves nothing.",
+        "simulate": "A test of a known seal, stamped 'simulated'.",
+    },
+    "Learn": {
+        "demo": "The whole story on two seals; --files to try by hand.",
+        "app": "The same work in a browser, on this machine alone.",
+    },
 }
+COMMANDS = {name: says for group in GROUPS.values() for name, says in group.items()}
 
 
 class _Lazy(click.Group):
-    """A group whose commands are imported when they are asked for, and not to be listed."""
+    """A group whose verbs are imported when they are asked for, and not to be listed."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         return list(COMMANDS)
@@ -64,8 +62,20 @@ class _Lazy(click.Group):
         return command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        with formatter.section("Commands"):
-            formatter.write_dl(list(COMMANDS.items()))
+        for title, group in GROUPS.items():
+            with formatter.section(title):
+                formatter.write_dl([(f"{name:<8}", says) for name, says in group.items()])
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """Answer a word that is no verb with the line that is meant."""
+        name, *others = args
+        if name not in COMMANDS and not name.startswith("-"):
+            from dashpot.cli._former import instead
+
+            ctx.fail(f"There is no command '{name}'. {instead(name, others)}")
+        return super().resolve_command(ctx, args)
 
     def main(self, *given: Any, **how: Any) -> Any:
         """Run a command; whatever goes wrong ends in a sentence and an exit code."""
@@ -88,12 +98,11 @@ def main() -> None:
     """From the relaxation test of a seal to a validated vibration model.
 
     \b
-    dashpot example                                    two simulated tests to learn on
-    dashpot inspect seal.csv                           what is in a file
-    dashpot fit seal.csv                               the solid, and how well it is known
-    dashpot report seal.csv --impact hammer.csv --mass 104g --seals 2 -o report.html
+    dashpot demo --files                     two simulated files to learn on
+    dashpot inspect seal_8mm.csv             what is in a file
+    dashpot fit seal_8mm.csv -o fit.json     the model, and how well it is known
+    dashpot report seal_8mm.csv hammer.csv --mass 104g --seals 2
 
-    Quantities carry their unit: 104g, 8mm, 12.71Hz, 1:50Hz. Every command that reports takes
-    --json. Exit codes: 0 done, 1 a check failed under --strict, 2 bad input or usage,
-    3 a fault of dashpot's own.
+    Quantities carry their unit: 104g, 8mm, 12.71Hz, 1:50Hz. Exit codes: 0 done,
+    1 a check failed (--strict), 2 bad input, 3 a fault in dashpot.
     """

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import functools
-from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, NamedTuple
 
 import click
 
@@ -15,107 +13,83 @@ import dashpot as dp
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.numbers import counted
-from dashpot.base.options import offered
 from dashpot.base.progress import doing
-from dashpot.cli import _options as options
-from dashpot.cli._options import over_profile
+from dashpot.cli._grammar import Opt, group, of, opt, rest
 from dashpot.cli._shell import File, Folder, Outcome, write
-from dashpot.cli._terminal import Text
 from dashpot.io.options import OF_HAMMER, OF_HAMMER_ALONE, ReadOptions
 from dashpot.lots.choices import BatchChoices
+from dashpot.told.layout import Text
 
 if TYPE_CHECKING:
     from dashpot.lots.batches import BatchJob
     from dashpot.lots.statistics.scatter import Component
     from dashpot.lots.summary import Summary
 
-T = TypeVar("T")
-
-_DECLARED: tuple[Callable[..., Any], ...] = (
-    click.option("-o", "--output", type=Folder(), metavar="LOT", help="Folder to fill."),
-    options.of(BatchChoices),
-    click.option(
-        "--by",
-        metavar="REGEX",
-        help=r"Lot, seal, repeat from the path: 'lot(\w+)_seal(\d+)_rep(\d+)'.",
-    ),
-    click.option(
-        "--manifest",
-        type=File(),
-        metavar="FILE",
-        help="CSV or TOML: file, lot, seal, repeat, operator, temperature, mass, hammer, "
-        "hammer_temperature.",
-    ),
-    click.option(
-        "--pair",
-        metavar="PATTERN",
-        help="Hammer files of a test: '{stem}_hammer*.csv', '{seal}_*.uff'.",
-    ),
-    click.option(
-        "--impact-profile", type=File(), metavar="FILE", help="Saved answers for the hammer files."
-    ),
-    click.option(
-        "--quantity",
-        "quantities",
-        metavar="NAME",
-        multiple=True,
-        help="What the page is of [default: k_end; of load deflection cld_per_100mm]: k_0, ...",
-    ),
-    click.option("--limits", type=File(), metavar="FILE", help="TOML of acceptance limits."),
-    click.option("--jobs", type=click.IntRange(1), help="Processes [default: one per processor]."),
-    click.option(
-        "--scheduler",
-        metavar="ADDRESS",
-        help="A dask.distributed cluster instead: tcp://host:8786.",
-    ),
-    options.reading,
-)
+_ROWS, _EACH = "Rows and page", "Each test"
 
 
-def of_many(function: Callable[..., T]) -> Callable[..., T]:
-    """Give a command of many tests its options; it receives `job`, which asks for its paths."""
+def rows(*own: Opt) -> list[Opt]:
+    """Return the options of the table and its page, after those of the verb itself."""
+    return group(
+        _ROWS,
+        opt("-o", "--output", type=Folder(), metavar="LOT", help="Folder to fill."),
+        *own,
+        opt("--manifest", type=File(), metavar="FILE",
+            help="Table of files with lot, seal, repeat, mass, ..."),
+        opt("--by", metavar="REGEX", help="Lot, seal, repeat from the path."),
+        opt("--pair", metavar="PATTERN", help="Hammer files of a test: {stem}_hammer*.csv."),
+        opt("--limits", type=File(), metavar="FILE", help="Acceptance limits (.toml)."),
+        rest(
+            opt("--quantity", "quantities", multiple=True, metavar="NAME",
+                help="What the page is of (k_end)."),
+            opt("--jobs", type=click.IntRange(1), metavar="N",
+                help="Processes (one per processor)."),
+            opt("--scheduler", metavar="ADDRESS", help="A dask cluster: tcp://host:8786."),
+        ),
+    )  # fmt: skip
 
-    @functools.wraps(function)
-    def command(
-        *,
-        output: str | None,
-        by: str | None,
-        manifest: str | None,
-        pair: str | None,
-        jobs: int | None,
-        scheduler: str | None,
-        impact_profile: str | None,
-        quantities: tuple[str, ...],
-        limits: str | None,
-        options: ReadOptions,
-        **given: Any,
-    ) -> T:
-        own = {one.name: given.pop(one.name) for one in offered(BatchChoices)}
 
-        def job(*paths: str) -> BatchJob:
-            from dashpot.lots.batches import BatchJob  # polars and all are not needed for --help
-            from dashpot.lots.columns import number_columns
-            from dashpot.lots.limits import read_limits
-            from dashpot.lots.quantities import quantity
+def each_test() -> list[Opt]:
+    """Return the options of how each test is fitted."""
+    return group(
+        _EACH,
+        of(BatchChoices, "arms", "quick", "joint", "mass", "seals", "at", into="choices"),
+        rest(of(BatchChoices, "method", "compression", "length", "radius", into="choices")),
+    )
 
-            if output is None:
-                raise click.UsageError("say which folder to fill: -o LOT")
-            # columns named for one kind of file need not exist in the other's; units do no harm
-            of_impact = over_profile(options.only(("units", *OF_HAMMER)), impact_profile)
-            bench = options.without(OF_HAMMER_ALONE)
-            choices = BatchChoices(reading=bench, reading_impact=of_impact, **own)
-            columns = number_columns(choices)
-            main = quantity(quantities[-1], columns).name if quantities else ""
-            asked = () if limits is None else read_limits(limits, columns)
-            return BatchJob(
-                paths, Path(output), choices, by, manifest, pair, jobs, scheduler, main, asked
-            )
 
-        return function(job=job, quantities=quantities, **given)
+def job_of(
+    paths: tuple[str, ...],
+    *,
+    output: str | None,
+    choices: BatchChoices,
+    by: str | None,
+    manifest: str | None,
+    pair: str | None,
+    jobs: int | None,
+    scheduler: str | None,
+    quantities: tuple[str, ...],
+    limits: str | None,
+    options: ReadOptions,
+) -> BatchJob:
+    """Return the batch that is asked for."""
+    from dashpot.lots.batches import BatchJob  # polars and all are not needed for --help
+    from dashpot.lots.columns import number_columns
+    from dashpot.lots.limits import read_limits
+    from dashpot.lots.quantities import quantity
 
-    for declare in reversed(_DECLARED):
-        command = declare(command)
-    return command
+    if output is None:
+        raise click.UsageError("say which folder to fill: -o LOT")
+    # columns named for one kind of file need not exist in the other's; units do no harm
+    choices = replace(
+        choices,
+        reading=options.without(OF_HAMMER_ALONE),
+        reading_impact=options.only(("units", *OF_HAMMER)),
+    )
+    columns = number_columns(choices)
+    main = quantity(quantities[-1], columns).name if quantities else ""
+    asked = () if limits is None else read_limits(limits, columns)
+    return BatchJob(paths, Path(output), choices, by, manifest, pair, jobs, scheduler, main, asked)
 
 
 def summarised(job: BatchJob, lot: dp.Lot) -> Summary:

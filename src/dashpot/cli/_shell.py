@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import functools
 import shlex
 import sys
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 from click.shell_completion import CompletionItem
@@ -19,8 +18,9 @@ from dashpot.base.errors import ReadError
 from dashpot.base.escapes import escaped_json
 from dashpot.base.units import in_unit
 from dashpot.cli._echo import to_stderr, to_stdout
-from dashpot.cli._terminal import Text, progress, shown
+from dashpot.cli._terminal import progress, shown
 from dashpot.io.source import like_json
+from dashpot.told.layout import Text
 from dashpot.workflow.outputs import Outputs
 
 if TYPE_CHECKING:
@@ -28,10 +28,8 @@ if TYPE_CHECKING:
     from dashpot.base.documents import Documented
     from dashpot.solids.temperature import TemperatureLaw
 
-T = TypeVar("T")
-
-_WRITTEN, _TAKEN, _OPENS = "dashpot.written", "dashpot.stdout", "dashpot.opens"
-_MAKERS = ("simulate", "example", "demo")
+_WRITTEN, _TAKEN = "dashpot.written", "dashpot.stdout"
+_MAKERS = ("simulate", "demo")
 """Commands that write records; to all others a record is somebody's measurement."""
 _SEEN = (".html", ".png", ".svg", ".pdf")
 
@@ -67,45 +65,31 @@ class Outcome(NamedTuple):
         return [check for check in judged if check.failed and check.grade != "note"]
 
 
-def reports(function: Callable[..., Outcome]) -> Callable[..., None]:
-    """Give a command ``--json``, ``--strict`` and ``-v``; turn its outcome into output and code.
+def reported(context: click.Context, run: Callable[[], Outcome]) -> None:
+    """Run a verb; turn its outcome into output and an exit code.
 
     stdout gets the text or, with ``--json``, one JSON document and nothing else; then stderr says
     what was written and what comes next. Where the outputs go is settled before any work is done;
     what goes wrong is the group's to say.
     """
-
-    @click.option("--json", "as_json", is_flag=True, help="Print one JSON document, SI units.")
-    @click.option(
-        "--strict", is_flag=True, help="Exit with 1 if a check failed that limits the use."
-    )
-    @click.option("-v", "--verbose", is_flag=True, help="Print everything, however long.")
-    @click.option("--traceback", is_flag=True, expose_value=False, hidden=True)
-    @functools.wraps(function)
-    def command(
-        *, as_json: bool, strict: bool, verbose: bool, overwrite: bool = False, **arguments: Any
-    ) -> None:
-        context = click.get_current_context()
-        # 'export --force' overlooks every problem, this one too
-        may_replace = overwrite or arguments.get("force") is True
-        context.obj = _outputs(context, may_replace=may_replace)
-        try:
-            with progress():
-                outcome = function(**arguments)
-                text = _printed(outcome, as_json=as_json, verbose=verbose)
-            if text:
-                to_stdout(text)
-        finally:
-            for path in dict.fromkeys(context.meta.get(_WRITTEN, [])):
-                to_stderr(f"wrote {path}")
-        if context.meta.get(_OPENS):
-            _open(context.meta.get(_WRITTEN, []))
-        if outcome.follow and not as_json:
-            to_stderr(f"next: {outcome.follow}")
-        if (strict or outcome.must_pass) and outcome.weighty:
-            sys.exit(1)
-
-    return command
+    said = context.params
+    context.obj = _outputs(context, may_replace=said.get("overwrite", False))
+    as_json, written = said["as_json"], context.meta.setdefault(_WRITTEN, [])
+    try:
+        with progress():
+            outcome = run()
+            text = _printed(outcome, as_json=as_json, verbose=said.get("verbose", False))
+        if text:
+            to_stdout(text)
+    finally:
+        for path in dict.fromkeys(written):
+            to_stderr(f"wrote {path}")
+    if said.get("opens"):
+        _open(written)
+    if outcome.follow and not as_json:
+        to_stderr(f"next: {outcome.follow}")
+    if (said.get("strict") or outcome.must_pass) and outcome.weighty:
+        sys.exit(1)
 
 
 def _printed(outcome: Outcome, *, as_json: bool, verbose: bool) -> str:
@@ -175,9 +159,8 @@ def _outputs(context: click.Context, *, may_replace: bool) -> Outputs:
     return found
 
 
-def reads(path: str) -> None:
-    """Count a file among the inputs that no option names."""
-    context = click.get_current_context()
+def reads(context: click.Context, path: str) -> None:
+    """Count a file among the inputs that no argument names."""
     context.obj = replace(context.obj, inputs=(*context.obj.inputs, path))
 
 
@@ -211,21 +194,6 @@ def note_written(path: str | Path) -> None:
 def write_figure(path: str, figure: dp.plot.Picture) -> None:
     """Write a figure as the suffix of its file says."""
     write(path, dp.plot.rendered(figure, Path(path).suffix))
-
-
-def opens(function: Callable[..., T]) -> Callable[..., T]:
-    """Give a command ``--open``, which opens the page or the picture that it wrote."""
-
-    def remembered(context: click.Context, _: click.Parameter, asked: bool) -> None:
-        context.meta[_OPENS] = asked
-
-    return click.option(
-        "--open",
-        is_flag=True,
-        expose_value=False,
-        callback=remembered,
-        help="Open the page or picture that is written.",
-    )(function)
 
 
 def _open(written: Sequence[str]) -> None:

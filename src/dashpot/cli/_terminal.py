@@ -9,17 +9,17 @@ import threading
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import click
 
 from dashpot.base.escapes import escaped
 from dashpot.base.numbers import ascii_only
 from dashpot.base.progress import listening
+from dashpot.told.layout import Text
 
 if TYPE_CHECKING:
     from dashpot.base.checks import Check, Verdict
-    from dashpot.base.facts import Fact
 
 COLUMNS = 100
 """A line is not longer, unless one word is, such as a path."""
@@ -27,7 +27,7 @@ COLUMNS = 100
 LINES = 36
 """Of a result, unless all is asked for; with the files written and what comes next, 40."""
 
-CHECK_LINES = 2
+CHECK_LINES = 3
 """Of one check there."""
 
 PATIENCE, BEAT = 1.0, 0.25
@@ -38,13 +38,6 @@ MARKS = {"stop": ("!!", "red"), "limit": ("!", "yellow"), "note": ("-", None)}
 
 USES = {"use": "green", "use with care": "yellow", "do not use": "red"}
 """The colours of a verdict."""
-
-
-class Text(NamedTuple):
-    """What a command prints: what everyone reads, and what is there for who asks."""
-
-    lines: Sequence[str] = ()
-    details: Sequence[str] = ()
 
 
 def shown(
@@ -72,34 +65,14 @@ def shown(
     return [*kept, "  more with -v"] if cut or details else kept
 
 
-def table(rows: Sequence[Sequence[str]], *, left: bool = False) -> list[str]:
-    """Return rows of cells as lines of aligned columns: the first, or all, to the left."""
-    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
-    lines = []
-    for row in rows:
-        cells = [
-            cell.ljust(width) if left or i == 0 else cell.rjust(width)
-            for i, (cell, width) in enumerate(zip(row, widths, strict=True))
-        ]
-        lines.append(("  " + "  ".join(cells)).rstrip())
-    return lines
-
-
-def facts(found: Sequence[Fact]) -> list[str]:
-    """Return named numbers as a table: value, error, interval and unit, where any has one."""
-    head = ("", "value", "± SE", "95 % interval", "unit")
-    rows = [one.cells.ascii for one in found]
-    some = [i for i in range(len(head)) if any(row[i] for row in rows)]
-    return table([[row[i] for i in some] for row in (head, *rows)])
-
-
 def _lines(paragraphs: Sequence[str]) -> list[str]:
     return [part for text in paragraphs for line in text.split("\n") for part in wrapped(line)]
 
 
 def lead(verdict: Verdict) -> list[str]:
     """Return a verdict and why, as the first lines of a result."""
-    return _coloured(f"{verdict.use}:", verdict.says, USES[verdict.use], hang=2)
+    mark, _, says = str(verdict).partition(": ")
+    return _coloured(f"{mark}:", says, USES[verdict.use], hang=2)
 
 
 def wrapped(line: str, *, hang: int | None = None) -> list[str]:
@@ -140,9 +113,13 @@ def _listed(
 
 def _check(check: Check, verdict: Verdict | None) -> list[str]:
     mark, colour = MARKS[check.grade]
-    above = verdict is not None and check.says in verdict.says
-    says = "as said above" if above else check.says
-    return _coloured(f"  {mark} {check.name}:", says, colour, hang=5)
+    above = verdict is not None and verdict.says.startswith(check.told)
+    says = check.typed.replace(check.told, "(first line)") if above else check.typed
+    first, *others = _coloured(f"  {mark}", f"{says} {check.name}", colour, hang=5)
+    lines = [first, *others]
+    # the name is for searching, not for reading
+    lines[-1] = f"{lines[-1][: -len(check.name)]}{click.style(check.name, dim=True)}"
+    return lines
 
 
 def _short(check: list[str]) -> list[str]:
@@ -152,11 +129,9 @@ def _short(check: list[str]) -> list[str]:
 
 
 def _counted(checks: Sequence[Check]) -> str:
-    """Return how many checks passed, failed, and were not judged; and which failed as a note."""
-    states = [check.passed for check in checks]
-    notes = [check.name for check in checks if check.failed and check.grade == "note"]
-    named = f" ({', '.join(dict.fromkeys(notes))} as a note)" if notes else ""
-    words = ((True, "passed"), (False, f"failed{named}"), (None, "not judged"))
+    """Return how many checks passed, failed, are a note, and have nothing to judge."""
+    states = ["note" if one.failed and one.grade == "note" else one.passed for one in checks]
+    words = ((True, "passed"), (False, "failed"), ("note", "note"), (None, "not applicable"))
     return ", ".join(f"{states.count(state)} {word}" for state, word in words if state in states)
 
 

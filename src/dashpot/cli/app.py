@@ -4,26 +4,31 @@ from __future__ import annotations
 
 import click
 
-from dashpot.cli._shell import File
+from dashpot.cli import _options as options
+from dashpot.cli._grammar import group, opt, verb
 
 
-@click.command("app")
-@click.argument("files", type=File(), nargs=-1, metavar="[FILE]...")
-@click.option("--port", type=click.IntRange(0, 65535), default=0, help="[default: a free one]")
-@click.option("--no-browser", is_flag=True, help="Print the address, open nothing.")
+@verb(
+    "app",
+    """Do the same work in a browser, on this machine alone.
+
+  dashpot app
+  dashpot app seal_8mm.csv hammer.csv
+  dashpot app lot
+
+A folder is opened as the project or the lot that it is. Only this machine can
+reach the page, and only by the address printed. From elsewhere:
+ssh -L PORT:127.0.0.1:PORT. Files never leave the machine. Ctrl-C ends it.""",
+    options.files("[FILE...]", least=0),
+    group(
+        "Server",
+        opt("--port", type=click.IntRange(0, 65535), default=0, metavar="N",
+            help="TCP port (a free one)."),
+        opt("--no-browser", help="Print the address, open nothing."),
+    ),
+)  # fmt: skip
 def command(*, files: tuple[str, ...], port: int, no_browser: bool) -> None:
-    """Open the app in a browser, with FILE in it: the same work, by hand and eye.
-
-    A folder is opened as the project or the lot that it is.
-
-    Only this machine can reach the page, and only by the address printed, which holds a token.
-    From elsewhere: ssh -L PORT:127.0.0.1:PORT. Files never leave the machine. Ctrl-C ends it.
-
-    \b
-    dashpot app
-    dashpot app seal_8mm.csv hammer.csv
-    dashpot app lot
-    """
+    """Serve the page until Ctrl-C."""
     from dashpot.web.server import serve
 
     serve(files, port=port, browser=not no_browser)

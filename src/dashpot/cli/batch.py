@@ -2,55 +2,54 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import signal
+from contextlib import suppress
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from dashpot.cli._lots import of_many, outcome, summarised, write_lot
-from dashpot.cli._shell import File, Folder, Outcome, reports
-from dashpot.cli._terminal import Text
+from dashpot.cli import _options as options
+from dashpot.cli._grammar import group, opt, verb
+from dashpot.cli._lots import Filled, each_test, job_of, outcome, rows, summarised, write_lot
+from dashpot.cli._options import RESULT
+from dashpot.cli._shell import Outcome
+from dashpot.told.layout import Text
 
 if TYPE_CHECKING:
-    from dashpot.lots.batches import BatchPlan
+    from dashpot.lots.batches import BatchJob, BatchPlan
 
 
-@click.command("batch")
-@click.argument("paths", type=File(), nargs=-1, metavar="PATH...")
-@click.option("--dry-run", is_flag=True, help="Say what would be done, and how long it takes.")
-@click.option(
-    "--compare", type=Folder(), nargs=2, metavar="LOT LOT",
-    help="Whether two lots differ; FOLDER:NAME is one lot of several.",
-)  # fmt: skip
-@reports
-@of_many
-def command(
-    *,
-    paths: tuple[str, ...],
-    job: Callable[..., Any],
-    quantities: tuple[str, ...],
-    compare: tuple[str, str] | None,
-    dry_run: bool,
-) -> Outcome:
-    r"""Fit every test in PATH (files, folders, patterns), one row of a table each.
+@verb(
+    "batch",
+    """Fit every test in a folder: one table, one page; --watch keeps it up to date.
 
-    LOT gets the table as Parquet parts and lot.csv, the page lot.html, and a log. A file that has
-    no fit, or cannot be read, is a row that says why. Stopped or killed, the same command
-    goes on where it was.
+  dashpot batch tests/ -o lot
+  dashpot batch rig/ -o lot --watch
+  dashpot batch tests/ -o lot --limits limits.toml --strict
 
-    \b
-    dashpot batch tests/ -o lot
-    dashpot batch tests/ -o lot --by 'lot(\w+)_seal(\d+)_rep(\d+)' --mass 104g --seals 2
-    dashpot batch --manifest tests.csv -o lot --arms 2 --quick --jobs 8
-    dashpot batch tests/ -o lot --pair '{stem}_hammer*.csv' --mass 104g --seals 2
-    dashpot batch tests/ -o lot --scheduler tcp://host:8786
-    dashpot batch tests/ -o lot --limits limits.toml --strict
-    dashpot batch tests/ -o lot --dry-run
-    dashpot batch --compare may/lot june/lot
-    """
-    if compare is not None:
-        return _comparison(compare, quantities)
-    asked = job(*paths)
+A stopped batch goes on where it was. Two lots: dashpot compare LOT LOT.""",
+    options.files("PATH...", "paths", least=0),
+    rows(
+        opt("--watch", help="Go on as files are written; Ctrl-C ends it."),
+        opt("--dry-run", help="Say what would be done."),
+    ),
+    each_test(),
+    options.reading(),
+    group(
+        RESULT,
+        opt("--json", "as_json", help="Print one JSON document in SI units."),
+        opt("--strict", help="Exit with 1 if a check limits the use."),
+        opt("-v", "--verbose", help="Print everything."),
+    ),
+)
+def command(*, paths: tuple[str, ...], watch: bool, dry_run: bool, **said: Any) -> Outcome:
+    """Fit what is there, or what comes."""
+    asked = job_of(paths, **said)
+    if watch:
+        if dry_run:
+            raise click.UsageError("--watch waits for files, --dry-run does nothing: leave one out")
+        return _watched(asked)
     if not paths and asked.manifest is None:
         raise click.UsageError("give files, folders or patterns, or --manifest FILE")
     from dashpot.lots.batches import plan_batch, run_batch
@@ -63,12 +62,19 @@ def command(
     return outcome(asked, found)
 
 
-def _comparison(named: tuple[str, str], quantities: tuple[str, ...]) -> Outcome:
-    from dashpot.lots.comparison import compared, opened_both
+def _watched(asked: BatchJob) -> Outcome:
+    """Fit each test of a folder as it is written, until Ctrl-C; a file is taken when it rests."""
+    from dashpot.lots.watching import watch_batch
 
-    first, second = opened_both(named)
-    found = compared(first, second, quantities)
-    return Outcome(found, Text(str(found).splitlines()), found.checks)
+    if len(asked.paths) != 1 or not Path(asked.paths[0]).is_dir():
+        raise click.UsageError("--watch looks at one folder, such as: dashpot batch rig/ --watch")
+    with suppress(ValueError):  # not the main thread of whoever calls
+        signal.signal(signal.SIGTERM, signal.default_int_handler)
+    lot = watch_batch(asked, lambda found: write_lot(asked, summarised(asked, found)))
+    if lot is None:
+        told = "stopped before a table was made; the same command goes on from there"
+        return Outcome(Filled(str(asked.output)), Text([told]))
+    return outcome(asked, summarised(asked, lot))
 
 
 def _planned(plan: BatchPlan) -> list[str]:

@@ -1,7 +1,9 @@
-"""dashpot compare: predicted against measured."""
+"""dashpot compare: a prediction with a measurement, two FRFs, two lots."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import click
@@ -11,59 +13,91 @@ from dashpot import workflow
 from dashpot.base.choices import Method, words
 from dashpot.base.units import written
 from dashpot.cli import _options as options
-from dashpot.cli import _text
-from dashpot.cli._options import given
-from dashpot.cli._shell import File, Outcome, grams, reports, typed, write_figure
-from dashpot.cli._terminal import Text
-from dashpot.io.options import ReadOptions
+from dashpot.cli._grammar import group, of, opt, refuse_others, rest, verb
+from dashpot.cli._options import HITS, MASS, READING, VIBRATION
+from dashpot.cli._recognised import called, kinds_of, recognised, tell
+from dashpot.cli._shell import File, Outcome, grams, typed, write_figure
+from dashpot.told import modes as modes_text
+from dashpot.told import text as text_of
+from dashpot.told.layout import Text
 from dashpot.workflow.job import Job
 
+_LOT, _SOLID = "lot", "fit"
+_MEASURED = set(VIBRATION.split())
 
-@click.command("compare")
-@click.argument("fit", type=File())
-@click.argument("measured", type=File(), nargs=-1, required=True, metavar="IMPACT|FRF...")
-@click.option(
-    "--with",
-    "records",
-    type=File(),
-    metavar="FILE",
-    multiple=True,
-    help="The relaxation record(s) behind FIT, for the bound.",
-)
-@options.of(Job, "mass")
-@options.carried
-@options.of(Job, "band")
-@options.picture
-@options.overwrite
-@reports
-@options.hammer
-@options.reading
-def command(
-    *,
+
+@verb(
+    "compare",
+    """Compare a prediction with a measurement, an FRF with an FRF, or two lots.
+
+  dashpot compare fit.json hammer.csv --mass 104g --seals 2
+  dashpot compare before.uff after.uff
+  dashpot compare may/lot june/lot""",
+    options.files("FIT|FRF|LOT WITH..."),
+    group(
+        MASS,
+        options.under_mass(kinds=_SOLID, known=" Inferred if missing."),
+        of(Job, "band", kinds=f"{_SOLID} {VIBRATION}", help="Frequencies to compare, e.g. 5:40Hz."),
+        opt("--record", "records", type=File(), multiple=True, metavar="FILE", kinds=_SOLID,
+            help="The fitted record: adds the bound on what it cannot see."),
+        options.relative(_SOLID),
+        rest(opt("--quantity", "quantities", multiple=True, metavar="NAME", kinds=_LOT,
+                 help="What two lots are compared in (all).")),
+    ),
+    options.hammer(kinds=f"{_SOLID} impact"),
+    options.reading(),
+    options.result(),
+)  # fmt: skip
+def command(*, files: tuple[str, ...], **said: Any) -> Outcome:
+    """Compare the first with the others, as what they are."""
+    first, *others = files
+    if not others:
+        raise click.UsageError(f"Give what {first} is compared with: a measurement, an FRF, a lot.")
+    found = recognised([_place(path) for path in files], said["options"])
+    kinds = {path: kinds_of(found)[_place(path)] for path in files}
+    refuse_others(command, click.get_current_context(), {first: kinds[first]})
+    one, rest_ = kinds[first], {kinds[path] for path in others}
+    if one == _LOT and rest_ == {_LOT} and len(others) == 1:
+        return _lots(first, others[0], said["quantities"])
+    if one == _SOLID and rest_ <= _MEASURED:
+        tell({path: found[path] for path in others})
+        names = ("records", "mass", "seal_mass", "compression", "band", "hammer")
+        return _prediction(
+            first, others, seals=said["seals"], picture=said["picture"], reading=said["options"],
+            **{name: said[name] for name in names},
+        )  # fmt: skip
+    if one in _MEASURED and rest_ <= _MEASURED:
+        tell(found)
+        return _frfs(first, others, said)
+    is_ = "; ".join(f"{path} is {called(kinds[path])}" for path in files)
+    raise click.UsageError(
+        f"{is_}. Compare a fit with a measurement, an FRF with an FRF, or a lot with a lot."
+    )
+
+
+def _place(path: str) -> str:
+    """The folder of ``FOLDER:NAME``, one lot of several; of all else the path."""
+    folder = path.rpartition(":")[0]
+    return folder if folder and not Path(path).exists() and Path(folder).is_dir() else path
+
+
+def _prediction(
     fit: str,
-    measured: tuple[str, ...],
+    measured: Sequence[str],
+    *,
     seals: float,
     picture: str | None,
-    options: ReadOptions,
+    reading: Any,
     **choices: Any,
 ) -> Outcome:
-    """Hold the prediction of FIT against the hits or the FRF in IMPACT|FRF.
-
-    The figure shows the limits by the standard errors of the fit; with the record that was fitted
-    (--with) the bound over unresolved arms, too.
-
-    \b
-    dashpot compare fit.json hammer.csv --mass 104g --seals 2
-    dashpot compare fit.json frf.uff --mass 104g --seals 2 --json
-    dashpot compare fit.json hammer.csv --mass 104g --seals 2 --with seal_8mm.csv --plot frf.png
-    """
+    """Hold the prediction of a fit against hits or FRFs."""
     fitted = workflow.read_fit(fit)
     found = workflow.compare_files(
         fitted,
         measured,
         seals=seals,
-        options=options.without(options.of_bench),
-        options_with=options.only(("units", *options.of_bench)),
+        options=reading.without(reading.of_bench),
+        options_with=reading.only(("units", *reading.of_bench)),
         **choices,
     )
     if picture:
@@ -73,7 +107,7 @@ def command(
             found.comparison, band=found.limits, interval=found.interval, stamp=named
         )
         write_figure(picture, drawn)
-    lines = _text.comparison(found.comparison)
+    lines = text_of.comparison(found.comparison)
     if str(found.at_rest):
         lines.append(str(found.at_rest))
     inferred = found.mass_inferred
@@ -82,26 +116,35 @@ def command(
             f"  mass        {written(found.mass, 'g', '.5g')}, inferred from the measured FRF: the "
             "agreement in frequency then proves nothing; give --mass to test it"
         )
-    alone = fitted.method in words(Method)
-    with_tests = [word for source in fitted.source for word in ("--with", source.file)]
-    if fitted.alternative is not None:
-        with_tests += ["--family", "auto"]
-    return Outcome(
-        found,
-        Text(lines, [f"  {arm}" for arm in found.comparison.arms]),
-        found.checks,
-        verdict=found.verdict,
-        follow=typed(
-            "identify",
-            *measured,
-            *with_tests,
-            "--mass",
-            "MASS" if inferred else grams(found.mass),
-            "--seals",
-            f"{seals:g}",
-            *given("options", "profile", "hammer"),
-            why="fits both tests together",
-        )
-        if alone
-        else "",
+    block = "MASS" if inferred else grams(found.mass)
+    family = ("--model", "auto") if fitted.alternative is not None else ()
+    follow = ""
+    if fitted.method in words(Method):
+        tests = [source.file for source in fitted.source]
+        rig = ("--mass", block, "--seals", f"{seals:g}")
+        again = options.given(READING, HITS)
+        why = "fits both tests together"
+        follow = typed("fit", *tests, *measured, *family, *rig, *again, why=why)
+    arms = [f"  {arm}" for arm in found.comparison.arms]
+    return Outcome(found, Text(lines, arms), found.checks, verdict=found.verdict, follow=follow)
+
+
+def _frfs(first: str, others: Sequence[str], said: dict[str, Any]) -> Outcome:
+    """Hold the modes of FRFs of one structure against those of another test of it."""
+    found, chart = workflow.modes_files(
+        [first], options=said["options"], band=said["band"], against=others
     )
+    if said["picture"]:
+        modes = [one.mode for one in found.modes]
+        stamp = dp.plot.stamp(found.frf.source)
+        write_figure(said["picture"], dp.plot.stabilisation(chart, modes, stamp=stamp))
+    checks = found.frf.checks
+    return Outcome(found, modes_text.modes(found), checks, verdict=found.verdict)
+
+
+def _lots(first: str, second: str, quantities: tuple[str, ...]) -> Outcome:
+    """Tell whether two lots differ; ``FOLDER:NAME`` is one lot of several."""
+    from dashpot.lots.comparison import compared, opened_both
+
+    found = compared(*opened_both((first, second)), quantities)
+    return Outcome(found, Text(str(found).splitlines()), found.checks)

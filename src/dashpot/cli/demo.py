@@ -10,13 +10,16 @@ from typing import TYPE_CHECKING, Any
 import click
 
 import dashpot as dp
+from dashpot import workflow
 from dashpot.base.documents import Documented
 from dashpot.base.progress import doing
 from dashpot.cli import _options as options
-from dashpot.cli import _text
-from dashpot.cli._shell import Folder, Outcome, claim, reports, typed, write
-from dashpot.cli._terminal import Text
-from dashpot.cli.simulate import impact, relaxation, seal
+from dashpot.cli._grammar import group, opt, rest, verb
+from dashpot.cli._options import RESULT
+from dashpot.cli._shell import Folder, Outcome, claim, grams, typed, write
+from dashpot.cli._simulated import impact, relaxation, seal_named
+from dashpot.told import text as text_of
+from dashpot.told.layout import Text
 
 if TYPE_CHECKING:
     from dashpot.records.bounds import StiffnessBounds
@@ -48,34 +51,70 @@ class Demo(Documented):
     seals: dict[str, dict[str, Any]]
 
 
-@click.command("demo")
-@click.option(
-    "-o", "--output", type=Folder(), metavar="DIR", default="dashpot-demo", show_default=True
-)
-@click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Of the noise.")
-@options.force
-@reports
-def command(*, output: str, seed: int) -> Outcome:
-    """Simulate the bench and hammer tests of two seals and run the main job on each.
+@dataclass(frozen=True)
+class Examples(Documented):
+    """The files that were written."""
 
-    The 'paper' seal is the paper's Table 1 and nothing else. The 'broad' seal relaxes alike, but
-    has three faster arms that a 1 s ramp cannot see and that a hammer feels: the paper's puzzle
-    (frequency right, damping too low), explained and mended by the joint fit; and once more
-    without the hammer, by the same bench test at 0 degC, where those arms are slow.
+    schema = "dashpot/example@1"
 
-    \b
-    dashpot demo
-    dashpot demo -o somewhere --seed 7
-    """
-    folder = Path(output)
+    files: tuple[str, ...]
+
+
+@verb(
+    "demo",
+    """Run the main job on two simulated seals, or write files to learn on.
+
+  dashpot demo                  reports of both seals in dashpot-demo/
+  dashpot demo --files          seal_8mm.csv and hammer.csv, here
+  dashpot demo --files --all    the files of every how-to page, too
+
+The 'paper' seal is the paper's Table 1. The 'broad' seal relaxes alike, but has
+three faster arms that a 1 s ramp cannot see and that a hammer feels.""",
+    group(
+        RESULT,
+        opt("--files", "files_only", help="Write the files only."),
+        opt("--all", "every", help="With --files: those of the how-to pages, too."),
+        opt("-o", "--output", type=Folder(), metavar="DIR",
+            help="Where (dashpot-demo; of --files, here)."),
+        rest(opt("--seed", type=click.IntRange(0), default=0, metavar="N",
+                 help="Seed of the noise (0).")),
+    ),
+    options.result(plot=False, opens=False),
+)  # fmt: skip
+def command(*, files_only: bool, every: bool, output: str | None, seed: int) -> Outcome:
+    """Tell the whole story, or write the files of it."""
+    if every and not files_only:
+        raise click.UsageError("--all is of the files to learn on: add --files")
+    if files_only:
+        return _examples(Path(output or "."), every=every)
+    return _stories(Path(output or "dashpot-demo"), seed)
+
+
+def _examples(folder: Path, *, every: bool) -> Outcome:
+    """Write the test of a seal and of a hammer, simulated, and stamped so."""
+    names = tuple(workflow.EXAMPLES) if every else workflow.FIRST
+    paths = [folder / name for name in names]
+    claim(paths)
+    for name, path in zip(names, paths, strict=True):
+        doing(f"simulating {name}")
+        write(path, workflow.EXAMPLES[name]())
+    bench, hammer = paths[:2]
+    lines = [f"{path}: {workflow.CAPTIONS[name]}" for name, path in zip(names, paths, strict=True)]
+    words = ("report", bench, hammer, "--mass", grams(workflow.MASS), "--seals", 2)
+    found = Examples(tuple(map(str, paths)))
+    return Outcome(found, Text(lines), follow=typed(*words, "-o", "report.html"))
+
+
+def _stories(folder: Path, seed: int) -> Outcome:
+    """Simulate the bench and hammer tests of two seals and run the main job on each."""
     claim(folder / f"{name}{file}" for name in NAMES for file in _files(name))
     stories = {name: _story(name, folder, seed) for name in NAMES}
     lines, details = [], []
     for name, story in stories.items():
-        judged, whole = story.verdict, _text.study(story)
+        judged, whole = story.verdict, text_of.study(story)
         lines += [f"{name} seal: {judged.use}: {judged.says}"]
         if story.comparison is not None:
-            lines += [*_text.comparison(story.comparison, story.joint_comparison), ""]
+            lines += [*text_of.comparison(story.comparison, story.joint_comparison), ""]
         details += ["", f"{name} seal", *whole.lines, *whole.details]
     seals = {name: _numbers(story, folder, name) for name, story in stories.items()}
     puzzle = stories[PUZZLE]
@@ -83,11 +122,11 @@ def command(*, output: str, seed: int) -> Outcome:
         fit, cold, bound = _in_the_cold(folder, seed, puzzle.measured)
         lines += [
             f"{PUZZLE} seal at 23 and 0 degC, without the hammer: {fit.verdict.use}",
-            *_text.comparison(cold),
+            *text_of.comparison(cold),
             _loss(fit, bound, puzzle.joint),
         ]
         seals[PUZZLE]["cold"] = {"fit": fit, "comparison": _agreement(cold)}
-    follow = typed("example", why="two files to try by hand")
+    follow = typed("demo", "--files", why="two files to try by hand")
     return Outcome(Demo(seed, seals), Text(lines, details), follow=follow)
 
 
@@ -98,12 +137,12 @@ def _files(name: str) -> tuple[str, ...]:
 def _story(name: str, folder: Path, seed: int) -> Study:
     """Simulate, write, read back, characterise and report one seal."""
     doing(f"the {name} seal: simulating the bench and the hammer")
-    bench = relaxation(model=name, seed=seed, temperature=ROOM if name == PUZZLE else None)
-    hammer = impact(model=name, seals=SEALS, seed=seed)
+    bench = relaxation(seal=name, seed=seed, temperature=ROOM if name == PUZZLE else None)
+    hammer = impact(seal=name, seals=SEALS, seed=seed)
     for file, text in zip(FILES, (*bench, *hammer), strict=False):
         write(folder / f"{name}{file}", text)
     hits = dp.read_impact(folder / f"{name}_impact.csv")
-    mass = seal(name).mass
+    mass = seal_named(name).mass
     story = dp.characterise(
         dp.read_relaxation(folder / f"{name}_relaxation.csv"),
         dp.estimate_frf(hits, mass=mass),
@@ -122,7 +161,7 @@ def _in_the_cold(
     from dashpot.solids.table_1 import SEALS as KNOWN
 
     doing(f"the {PUZZLE} seal at 0 degC")
-    made = relaxation(model=PUZZLE, seed=seed + 1, temperature=FRIDGE, hold=COLD_HOLD)
+    made = relaxation(seal=PUZZLE, seed=seed + 1, temperature=FRIDGE, hold=COLD_HOLD)
     for file, text in zip(COLD, made, strict=True):
         write(folder / f"{PUZZLE}{file}", text)
     tests = [dp.read_relaxation(folder / f"{PUZZLE}{file}") for file in (FILES[0], COLD[0])]
@@ -138,7 +177,9 @@ def _loss(fit: dp.Fit, bound: StiffnessBounds, both: dp.Fit | None) -> str:
     at = float(bound.frequency[0])
     low, high = (float(limit[0]) for limit in bound.loss_factor)
     own, *other = (
-        float(one.model.loss_factor(2 * math.pi * at)) for one in (fit, both) if one is not None
+        float(one.model.loss_factor(omega=2 * math.pi * at))
+        for one in (fit, both)
+        if one is not None
     )
     said = f"  loss factor at {at:.4g} Hz {own:.4f}, over every rubber {low:.4f} to {high:.4f}"
     return f"{said}; with the hammer {other[0]:.4f}" if other else said

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
-from typing import Any
-
-import click
+from typing import TYPE_CHECKING, Any
 
 import dashpot as dp
 from dashpot import workflow
@@ -15,13 +13,15 @@ from dashpot.base.documents import Documented
 from dashpot.base.errors import ExportError
 from dashpot.cli import _options as options
 from dashpot.cli._echo import to_stderr
-from dashpot.cli._options import Range, WithUnit
-from dashpot.cli._shell import File, Outcome, reports, write
-from dashpot.cli._terminal import Text
-from dashpot.kinds.level.levels import LevelFit
-from dashpot.records.seal_line import Stations
+from dashpot.cli._grammar import group, of, opt, rest, verb
+from dashpot.cli._shell import File, Outcome, write
+from dashpot.cli._values import OneOf, Range, WithUnit
 from dashpot.records.specimen import Specimen
+from dashpot.told.layout import Text
 from dashpot.workflow.job import Job
+
+if TYPE_CHECKING:
+    from dashpot.records.seal_line import Stations
 
 LONGEST_LINE = 100.0
 """m; no car has more of one seal."""
@@ -41,43 +41,54 @@ class Exported(Documented):
     deck: str | None
 
 
-@click.command("export")
-@click.argument("fit", type=File())
-@click.option("--to", "target", type=click.Choice(DECKS), required=True)
-@click.option("--units", metavar="SI|mm-t-s|mm-kg-ms", help="The deck's unit system; required.")
-@click.option("--form", help="E.g. arms, table, prony; each target has its own.")
-@click.option("--range", "frequency_range", type=Range("frequency"), help="Of a table, 1:100Hz.")
-@click.option("--tolerance", type=float, help="Largest relative FRF error of a table, e.g. 1e-3.")
-@click.option("--mass", type=WithUnit("mass"), help="CalculiX: a complete deck with this mass.")
-@click.option(
-    "--line",
-    type=File(),
-    metavar="FILE",
-    help="Nastran: seal line, CSV with x, y, z columns in units; or DOOR.toml with [seal].",
-)
-@click.option("--pitch", type=WithUnit("length"), help="Distance of elements along the line.")
-@click.option(
-    "--normal", metavar="X,Y,Z", help="Direction of compression along it [default: 0,0,1]."
-)
-@click.option("--modulus", type=WithUnit("stress"), help="Of the rubber, for material cards.")
-@click.option("--bulk-modulus", type=WithUnit("stress"), help="Of the rubber, for material cards.")
-@click.option("--density", type=float, help="Of the rubber, kg/m^3, for material cards.")
-@options.of(Job, "seals")
-@click.option(
-    "--compression",
-    type=WithUnit("length"),
-    help="Small vibration about it: the tangent there, e.g. 2.6mm [default: the secant].",
-)
-@click.option("--allow", multiple=True, metavar="PROBLEM", help="Overlook one named problem.")
-@click.option(
-    "--force",
-    is_flag=True,
-    help="Overlook every problem, with a mark in the deck; replace any file.",
-)
-@options.output("The deck [default: stdout].", default="-")
-@options.overwrite
-@reports
-@options.specimen
+_SOLVER = "Solver"
+_FORMS = "arms, table or prony, as the solver has it."
+ALL = "all"
+"""The word of ``--allow`` that overlooks every problem."""
+
+
+@verb(
+    "export",
+    """Write a solid, a law or a fit over amplitude as input for a solver.
+
+  dashpot export joint.json --to nastran --unit-system mm-t-s \\
+      --temperature 23degC --length 50mm --band 1:20Hz -o seal.bdf
+  dashpot export law.json --to abaqus --unit-system mm-t-s --temperature 23degC""",
+    options.files("FIT", "fit", several=False),
+    group(
+        _SOLVER,
+        opt("--to", "target", type=OneOf(DECKS), metavar="SOLVER", required=True,
+            help=f"{', '.join(DECKS[:-1])} or {DECKS[-1]}."),
+        opt("--unit-system", "units", metavar="SYSTEM", help="SI, mm-t-s or mm-kg-ms."),
+        opt("--form", metavar="NAME", help=_FORMS),
+        opt("--band", "frequency_range", type=Range("frequency"), metavar="RANGE",
+            help="Frequencies of a table, e.g. 1:100Hz."),
+        of(Job, "seals", metavar="N"),
+        opt("--compression", type=WithUnit("length"), metavar="LENGTH",
+            help="Compression to linearise about."),
+        opt("--allow", multiple=True, metavar="PROBLEM",
+            help="Overlook a problem by its name, or all."),
+        rest(
+            opt("--tolerance", type=float, metavar="NUMBER",
+                help="Largest relative error of a table, e.g. 1e-3."),
+            opt("--mass", type=WithUnit("mass"), metavar="MASS",
+                help="CalculiX: a complete model with this mass."),
+            opt("--line", type=File(), metavar="FILE",
+                help="Nastran: seal line, x, y, z, or DOOR.toml."),
+            opt("--pitch", type=WithUnit("length"), metavar="LENGTH",
+                help="Distance of elements along the line."),
+            opt("--normal", metavar="X,Y,Z", help="Direction of compression (0,0,1)."),
+            opt("--modulus", type=WithUnit("stress"), metavar="STRESS",
+                help="Modulus of the rubber, for material cards."),
+            opt("--bulk-modulus", type=WithUnit("stress"), metavar="STRESS",
+                help="Bulk modulus of the rubber, for material cards."),
+            opt("--density", type=float, metavar="KG/M^3",
+                help="Density of the rubber, for material cards."),
+        ),
+    ),
+    options.piece(more=False),
+    options.result("The deck (printed).", plot=False, opens=False, default="-"),
+)  # fmt: skip
 def command(
     *,
     fit: str,
@@ -89,25 +100,13 @@ def command(
     seals: float,
     compression: float | None,
     allow: tuple[str, ...],
-    force: bool,
     output: str,
     specimen: Specimen,
     **choices: Any,
 ) -> Outcome:
-    """Write the solid of FIT (a fit's JSON file) as a deck, or a hyperelastic law as a card.
+    """Write the deck of a fit, or the card of a law."""
+    from dashpot.kinds.level.levels import LevelFit
 
-    What FRFs at several levels tell (dashpot level FRF... --json > level.json) is written with its
-    sliders and its cubic spring, for the solvers that hold such.
-
-    A deck is refused if temperature, contact length or units are not stated, or if the data do
-    not determine a parameter; --force writes it all the same and says so in its header. Of tests
-    at several temperatures, --temperature asks for the solid there.
-
-    \b
-    dashpot export fit.json --to nastran --units mm-t-s --temperature 23degC --length 100mm
-    dashpot export fit.json --to calculix --units mm-t-s --mass 104g --seals 2 --force -o seal.inp
-    dashpot export level.json --to opensees --units SI --temperature 23degC --length 100mm
-    """
     found = workflow.read_exported(fit)
     if isinstance(found, dp.Fit):
         added = _described(found.specimen, specimen)
@@ -122,7 +121,7 @@ def command(
         compression=compression,
         units=units,
         temperature=specimen.temperature,
-        allow=("all",) if force else allow,
+        allow=allow,
         **choices,
     )
     write(output, deck)
@@ -175,7 +174,7 @@ def _seal_line(path: str, pitch: float | None, normal: str | None, units: str | 
     if Path(path).suffix.lower() == ".toml":
         return _line_of_door(path, pitch, normal)
     if pitch is None or units is None or units not in systems:
-        raise ExportError("--line needs --pitch, e.g. 25mm, and --units")
+        raise ExportError("--line needs --pitch, e.g. 25mm, and --unit-system")
     try:
         points = np.genfromtxt(path, delimiter=",", comments="#", dtype=float, ndmin=2)
     except ValueError as error:
@@ -188,6 +187,6 @@ def _seal_line(path: str, pitch: float | None, normal: str | None, units: str | 
     if line.length > LONGEST_LINE:
         raise ExportError(
             f"{path}: the line is {line.length:.4g} m long in the deck's unit of length ({units}): "
-            "write its points in that unit, or choose the --units they are in"
+            "write its points in that unit, or choose the --unit-system they are in"
         )
     return line.stations(pitch)

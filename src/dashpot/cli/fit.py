@@ -1,110 +1,176 @@
-"""dashpot fit: the solid behind one or several relaxation tests."""
+"""dashpot fit: the model that suits the records."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from importlib import import_module
 from typing import Any
 
 import click
 
-import dashpot as dp
-from dashpot import workflow
-from dashpot.base.choices import Method
-from dashpot.base.errors import FitError
+from dashpot.base.choices import Method, RampLawAsked, words
+from dashpot.base.errors import DashpotError
 from dashpot.cli import _options as options
-from dashpot.cli import _text
-from dashpot.cli._shell import File, Outcome, Output, printed, reports, typed, write, write_figure
-from dashpot.workflow.job import Job
+from dashpot.cli._grammar import Opt, group, of, opt, refuse_others, rest, verb
+from dashpot.cli._options import MASS, MODEL, RAMP, SOLIDS, VIBRATION, WARM
+from dashpot.cli._recognised import kinds_of, recognised, tell
+from dashpot.cli._shell import File, Outcome, Output
+from dashpot.cli._values import LowHigh, OneOf, Range, WithUnit
+from dashpot.fitting.identification.asked import HammerRig, KnownSolid
+from dashpot.io.options import ReadOptions
+from dashpot.kinds.hyperelastic.asked import MODES, Measures
+from dashpot.kinds.indentation.indenter import Indenter
+from dashpot.workflow.job import Job, LevelJob, RodChoices
 from dashpot.workflow.shifting import ShiftChoices
 
+_CLD, _STRAIN, _BALL = "cld", "stress-strain", "indentation"
+_BENCH = SOLIDS
+_ELASTIC = (*words(RampLawAsked), "by-depth")
 
-@click.command("fit")
-@click.argument("files", type=File(), nargs=-1, required=True, metavar="FILE...")
-@options.of(Job, "arms", "method", "law", "family")
-@click.option("--depth-law", is_flag=True, help="Several depths: shared times, k for each depth.")
-@click.option("--thorough", is_flag=True, help="Add quasi-random starts.")
-@options.of(Job, "filter")
-@options.cuts
-@click.option(
-    "--save-shifts",
-    type=Output([".csv"]),
-    metavar="FILE",
-    help="Keep the shift factors of several temperatures as a table.",
+
+def _kinds_in(files: Sequence[str]) -> Mapping[str, str]:
+    """The kinds of files, for the help of each; nothing where one is not known."""
+    with suppress(DashpotError, click.ClickException):
+        return kinds_of(recognised(files, ReadOptions()))
+    return {}
+
+
+def _word(flag: str, choice: Sequence[str], **how: Any) -> Opt:
+    return opt(flag, **{"type": OneOf(choice), "metavar": "|".join(choice), **how})
+
+
+def _mass() -> list[Opt]:
+    mass = opt(
+        "--mass", type=WithUnit("mass"), multiple=True, metavar="MASS",
+        kinds=f"{VIBRATION} {_BALL}", help="Mass of the block, e.g. 104g. Without it: modes.",
+    )  # fmt: skip
+    return [
+        mass,
+        *of(Job, "seals", kinds=VIBRATION, metavar="N"),
+        *of(Job, "band", kinds=VIBRATION),
+        *of(LevelJob, "levels", kinds=VIBRATION),
+        *rest(
+            of(Job, "seal_mass", kinds=VIBRATION),
+            of(Job, "compression", kinds=f"{VIBRATION} {_CLD}",
+               help="Compression where the result is wanted."),
+            of(LevelJob, "at", kinds=VIBRATION),
+            of(HammerRig, "mass_sd", into="rig", kinds=VIBRATION),
+            options.relative(VIBRATION),
+            of(KnownSolid, "static_stiffness", "natural_frequency", "damping_ratio", into="known",
+               kinds=VIBRATION),
+            of(KnownSolid, "parallel_dashpot", into="known", kinds=VIBRATION),
+            opt("--stiffness-table", type=Output([".csv"]), metavar="FILE", kinds=VIBRATION,
+                help="Write k(f), c(f) and loss factor as CSV."),
+        ),
+    ]  # fmt: skip
+
+
+_OPTIONS = (
+    group(
+        MODEL,
+        opt("--model", metavar="NAME", help="maxwell, fractional, or a law by name (auto)."),
+        of(Job, "arms", kinds=f"{_BENCH} {VIBRATION}"),
+        _word("--elastic", _ELASTIC, default="auto", kinds="relaxation", metavar="LAW",
+              help="Elastic law: linear, nonlinear, by-depth (auto)."),
+    ),
+    group(MASS, _mass()),
+    rest(
+        group(
+            RAMP,
+            _word("--method", words(Method), default="full", kinds="relaxation",
+                  help="Whole record (full), or equation (5) of the paper."),
+            options.cuts("relaxation"),
+            options.machine("relaxation"),
+            of(Job, "filter", kinds="relaxation"),
+            opt("--thorough", kinds=_BENCH, help="Try more starting points."),
+        ),
+        group(
+            WARM,
+            of(ShiftChoices, into="shifting", kinds=_BENCH),
+            opt("--save-shifts", type=Output([".csv"]), metavar="FILE", kinds=_BENCH,
+                help="Write the shift factors as CSV."),
+            of(Job, "impact_temperature", kinds=VIBRATION),
+        ),
+        options.hammer(kinds="impact transmissibility"),
+        group(
+            "Load deflection",
+            opt("--between", type=Range("length"), metavar="RANGE", kinds=_CLD,
+                help="Tolerance of --compression, e.g. 4:8mm."),
+            opt("--force-limits", type=Range("force"), metavar="RANGE", kinds=_CLD,
+                help="Limits of the force there, e.g. 4.5:5.5N."),
+            opt("--memory", type=File(), multiple=True, metavar="FIT", kinds=f"{_CLD} {_STRAIN}",
+                help="Take the memory of this fit off."),
+        ),
+        group(
+            "Stress over strain",
+            opt("--test", type=OneOf(tuple(MODES)), multiple=True, metavar="MODE", kinds=_STRAIN,
+                help="Test of each file: uniaxial, biaxial, planar, ..."),
+            opt("--poisson", type=float, metavar="NUMBER", kinds=_STRAIN,
+                help="Poisson's ratio of a foam; selects a foam law."),
+            opt("--stretches", type=LowHigh(), metavar="LOW:HIGH", kinds=_STRAIN,
+                help="Stretches of use, e.g. 0.7:1.5."),
+            opt("--terms", type=click.IntRange(1, 3), metavar="N", kinds=_STRAIN,
+                help="Number of terms of ogden and hyperfoam."),
+            of(Measures, into="measures", kinds=_STRAIN),
+        ),
+        group(
+            "Indenter",
+            of(Indenter, into="indenter", leave=("mass",), kinds=_BALL),
+        ),
+        group(
+            "Rod",
+            of(RodChoices, into="rod", kinds=VIBRATION),
+            opt("--density", type=float, metavar="KG/M^3", kinds=VIBRATION,
+                help="Density of the rod."),
+        ),
+        options.piece(each=True),
+    ),
+    options.reading(),
+    options.result("Keep the result: .json; of hits .csv or .uff."),
+)  # fmt: skip
+
+
+@verb(
+    "fit",
+    """Fit the model that suits the records: what each FILE is, is recognised.
+
+  relaxation, creep, DMA sweep, modulus   -> the viscoelastic solid
+  hammer hits or FRFs                     -> modes; with --mass the solid
+  a relaxation test and a hammer, --mass  -> one solid for both
+  CLD, stress-strain, indenter, rod, loops, FRFs at levels -> their law
+
+  dashpot fit seal_8mm.csv -o fit.json
+  dashpot fit seal_8mm.csv hammer.csv --mass 104g --seals 2 -o joint.json
+  dashpot fit hit.csv --mass 5g --radius 5mm""",
+    options.files("FILE..."),
+    *_OPTIONS,
+    by_kind=_kinds_in,
 )
-@options.picture
-@options.fit_output
-@options.overwrite
-@reports
-@options.machine
-@options.specimens
-@options.filled(ShiftChoices, "shifting")
-@options.reading
-def command(
-    *,
-    files: tuple[str, ...],
-    picture: str | None,
-    output: str | None,
-    save_shifts: str | None,
-    **choices: Any,
-) -> Outcome:
-    """Fit a generalized Maxwell solid to the ramp and hold in FILE; several files fit together.
+def command(*, files: tuple[str, ...], **said: Any) -> Outcome:
+    """Recognise the records, and fit what they are."""
+    from dashpot.cli.fits._given import Given
+    from dashpot.workflow.routing import route
 
-    FILE may also be a dynamic (DMA) sweep, storage and loss against frequency; a creep test, a
-    force held, or a creep compliance over time; or, with --modulus, a relaxation modulus over time.
-    Sweeps or moduli at several temperatures are shifted to one master curve; ramps and holds at
-    several temperatures share one solid, shifts and all in one fit.
-
-    \b
-    dashpot fit seal_8mm.csv
-    dashpot fit seal_8mm.csv --arms 2 --method hold -o fit.json --plot fit.png
-    dashpot fit seal_4mm.csv seal_8mm.csv --depth-law
-    dashpot fit warm.csv cold.csv --temperature 23degC --temperature 0degC
-    dashpot fit curve.csv --modulus "E(t)"
-    dashpot fit seal_8mm.csv --family auto
-    dashpot fit creep.csv
-    dashpot fit sweeps.csv --reference 20degC --plot master.png
-    """
-    found, records = workflow.fit_files(files, **choices)
-    if picture:
-        write_figure(picture, _figure(found, records))
-    if save_shifts:
-        write(save_shifts, _shift_table(found))
-    if output:
-        write(output, printed(found) + "\n")
-    return Outcome(
-        found,
-        _text.fit(found, asked=choices["arms"]),
-        found.checks,
-        verdict=found.verdict,
-        follow=_follow(files, output, found),
+    found = recognised(files, said["options"])
+    kinds = kinds_of(found)
+    context = click.get_current_context()
+    refuse_others(command, context, kinds)
+    meant = route(
+        kinds, masses=len(said["mass"]), levels=bool(said["levels"] or said["at"]),
+        rod=said["density"] is not None or said["rod"] != RodChoices(),
+    )  # fmt: skip
+    module, _, name = _RUN[meant].partition(":")
+    run: Callable[[Given], Outcome] = getattr(
+        import_module(f"dashpot.cli.fits.{module}"), name or "run"
     )
+    tell(found)
+    return run(Given(files, kinds, said))
 
 
-def _shift_table(found: dp.Fit) -> str:
-    from dashpot.io.write import write_shifts
-
-    if found.temperatures is None:
-        raise FitError("one temperature has no shift factors; leave out --save-shifts")
-    stamp = ["simulated"] if any(source.simulated for source in found.source) else []
-    return write_shifts(found.temperatures, comments=stamp)
-
-
-def _follow(files: tuple[str, ...], output: str | None, found: dp.Fit) -> str:
-    if not output:
-        again = options.given(but=("as_json", "strict", "verbose", "picture", "overwrite", "open"))
-        why = "keeps it for predict, compare, export"
-        return typed("fit", *files, *again, "-o", "fit.json", why=why)
-    if output == "-":
-        return ""
-    if found.unit == "Pa":  # no mass rests on a material
-        deck = ("export", output, "--to", "abaqus", "--form", "prony", "--units", "mm-t-s")
-        missing = ("--temperature", "TEMPERATURE") if found.specimen.temperature is None else ()
-        return typed(*deck, *missing)
-    return typed("predict", output, "--mass", "MASS", "--seals", 2)
-
-
-def _figure(found: dp.Fit, records: tuple[Any, ...]) -> dp.plot.Picture:
-    others: list[dp.Fit] = []
-    if len(records) == 1 and isinstance(records[0], dp.RampHold):
-        method: Method = "hold" if found.method == "hold" else "full"
-        others = [dp.fit(records, arms=n, method=method, intervals=False) for n in (1, 2)]  # Fig. 4
-    return dp.plot.bench(found, records, alternatives=others)
+_RUN = {
+    "bench": "bench", "hits": "hits", "modes": "frfs", "masses": "frfs:under_masses",
+    "joint": "joint", "level": "level", "rod": "rod", "cld": "cld",
+    "stress-strain": "hyperelastic", "indentation": "indentation",
+}  # fmt: skip
+"""What each of the fits that records may mean is done by."""

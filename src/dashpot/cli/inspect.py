@@ -4,52 +4,62 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import click
-
 from dashpot import workflow
 from dashpot.base.units import written
-from dashpot.cli._options import given, overwrite, reading
-from dashpot.cli._shell import File, Outcome, Output, reports, typed, write
-from dashpot.cli._terminal import Text, table
+from dashpot.cli import _options as options_of
+from dashpot.cli._grammar import group, opt, verb
+from dashpot.cli._options import READING, RESULT, given
+from dashpot.cli._shell import Outcome, Output, typed, write
 from dashpot.io.options import ReadOptions
 from dashpot.kinds import KINDS
+from dashpot.told.layout import Text, table
 
 if TYPE_CHECKING:
     from dashpot.workflow.inspections import InspectedFile
 
 
-@click.command("inspect")
-@click.argument("files", type=File(), nargs=-1, required=True, metavar="FILE...")
-@click.option(
-    "--save-profile",
-    type=Output([".toml"]),
-    metavar="FILE",
-    help="Keep the options given here as a profile.",
-)
-@overwrite
-@reports
-@reading
-def command(*, files: tuple[str, ...], save_profile: str | None, options: ReadOptions) -> Outcome:
-    """Show what dashpot understands of each FILE, and what it needs to be told.
+_SHORT = ("--column", "--units", "--profile", "--text", "--part", "--rate", "--calibration", "--as")
 
-    \b
-    dashpot inspect seal_8mm.csv
-    dashpot inspect raw.txt --force Kraft --units "force=N" --save-profile lab.toml
-    """
+
+@verb(
+    "inspect",
+    """Show what each FILE is, how it was read, and what dashpot must be told.
+
+  dashpot inspect seal_8mm.csv
+  dashpot inspect raw.txt --column force=Kraft --units force=N --save lab.toml
+
+The last line names the command that comes next. Answers saved with --save are
+given to every other command by --profile lab.toml, or hammer*.csv:lab.toml for
+some files alone.""",
+    options_of.files("FILE..."),
+    options_of.reading(short=_SHORT),
+    group(
+        RESULT,
+        opt("--save", type=Output([".toml"]), metavar="FILE",
+            help="Save these answers as a profile (.toml)."),
+    ),
+    options_of.result(plot=False, opens=False),
+)  # fmt: skip
+def command(*, files: tuple[str, ...], save: str | None, options: ReadOptions) -> Outcome:
+    """Inspect files, and keep what was said of them."""
     found = workflow.inspect_files(files, options=options)
-    if save_profile:
+    if save:
         from dashpot.io.options import dump_profile
 
-        write(save_profile, dump_profile(options))
-    answers = [line for one in found.files for line in _answer(one)]
+        write(save, dump_profile(options))
+    answers = [
+        line
+        for one, path in zip(found.files, files, strict=True)
+        for line in _answer(one, "" if len(files) == 1 else path)
+    ]
     tables = [line for one in found.files for line in (one.file, *_columns(one))]
     text = Text(answers, tables) if len(files) > 1 else Text([*answers, *tables[1:]])
-    return Outcome(found, text, found.checks, follow=_follow(files, found.files))
+    return Outcome(found, text, found.checks, follow=_follow(files, found.files, save))
 
 
-def _follow(paths: tuple[str, ...], found: tuple[InspectedFile, ...]) -> str:
-    """Return the command for such files, once no question is open."""
-    said = given("options", "profile")
+def _follow(paths: tuple[str, ...], found: tuple[InspectedFile, ...], saved: str | None) -> str:
+    """Return the whole command for such files, once no question is open."""
+    said = ["--profile", saved] if saved and saved != "-" else given(READING)
     if any(each.questions or each.refusal for each in found):
         return typed("inspect", *paths, *said, why="with the option that answers")
     words = _proposed(found[0])
@@ -57,15 +67,22 @@ def _follow(paths: tuple[str, ...], found: tuple[InspectedFile, ...]) -> str:
 
 
 def _proposed(found: InspectedFile) -> tuple[str, ...]:
-    return KINDS[found.kind].command if found.kind in KINDS else ()
+    kind = KINDS.get(found.kind)
+    return ("fit",) if kind and kind.meant and not kind.needs else ()
 
 
-def _answer(found: InspectedFile) -> list[str]:
-    """Return what a file is, what it still asks, and the test in it."""
+def _answer(found: InspectedFile, path: str = "") -> list[str]:
+    """Return what a file is, what it still asks, and the test in it; briefly for one of several.
+
+    Of those the first question alone is shown, with the `path` by which the rest are asked for.
+    """
+    asked = [f"  ASK       {question.says}" for question in found.questions]
+    if path and asked[1:]:
+        asked[1:] = [f"  ASK       {len(asked) - 1} more: {typed('inspect', path)}"]
     lines = [
         f"{found.file}: {found.kind} ({found.reason})",
         *([f"  for       {found.use}"] if found.use and not _proposed(found) else []),
-        *(f"  ASK       {question.says}" for question in found.questions),
+        *asked,
     ]
     if found.refusal:
         lines.append(f"  ! cannot be prepared: {found.refusal}")

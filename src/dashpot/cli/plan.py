@@ -3,69 +3,98 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
-import click
-
 import dashpot as dp
-from dashpot.base.checks import verdict
 from dashpot.base.errors import DataError
 from dashpot.base.version import byline
 from dashpot.cli import _options as options
-from dashpot.cli._options import Direction, WithUnit, given
-from dashpot.cli._shell import Outcome, Output, reports, typed, write
-from dashpot.cli._terminal import Text
-from dashpot.cli.simulate import seal as seal_named
-from dashpot.io.write import write_trajectory
+from dashpot.cli._grammar import group, of, opt, rest, verb
+from dashpot.cli._options import given
+from dashpot.cli._shell import Outcome, Output, typed, write
+from dashpot.cli._simulated import seal_named
+from dashpot.cli._values import Direction, WithUnit
+from dashpot.planning.asked import HammerPlan, PlannedRamp
+from dashpot.records.machine import Machine
+from dashpot.told.layout import Text
 
 if TYPE_CHECKING:
     from dashpot.solids.temperature import TemperatureLaw
 
 
-@click.command("plan")
-@click.option("--at", type=WithUnit("frequency"), required=True, help="Frequency that matters.")
-@options.filled(dp.Bench, "bench", show_default=True)
-@click.option(
-    "--model", metavar="paper|broad|hidden|FIT", help="A guess at the seal; else Table 1."
-)
-@click.option("--arm-stiffness", type=WithUnit("stiffness"), help="Of the arm that may hide.")
-@click.option("--arm-time", type=WithUnit("time"), help="Its relaxation time; else 1/omega.")
-@options.filled(dp.Machine, "machine", leave=("compliance", "force_filter"))
-@options.filled(dp.HammerPlan, "hammer", show_default=True)
-@click.option("--wanted", type=float, default=10.0, show_default=True, help="SD that would do, %.")
-@click.option(
-    "--cold",
-    type=WithUnit("temperature"),
-    multiple=True,
-    help="Repeated there too, e.g. 0degC; repeat it for more.",
-)
-@options.filled(dp.SupposedSeal, "seal")
-@options.wlf
-@click.option(
-    "--setpoints",
-    type=Output((".csv", ".txt")),
-    metavar="FILE",
-    help="Write the planned motion for a controller, one set-point a row; - is stdout.",
-)
-@click.option("--interval", type=WithUnit("time"), default="10ms", show_default=True)
-@click.option(
-    "--along",
-    type=Direction(),
-    default="0,0,-1",
-    show_default=True,
-    help="Where the plate goes, in the axes of the controller.",
-)
-@options.force
-@reports
+_NOT_REHEARSED = (
+    "frequency", "cold", "hammer_hits", "hammer_record", "hammer_pulse", "hammer_coherence",
+    "bench_method", "bench_baseline",
+)  # fmt: skip
+"""Options of the planned test that a simulated one has not."""
+_PLANNED, _KNOWN, _CONTROLLER = "Planned test", "Known beforehand", "Controller"
+
+
+@verb(
+    "plan",
+    """Say what a planned test will tell about a frequency, before it is run.
+
+  dashpot plan --frequency 12.71Hz --ramp 1s --hold 40s
+  dashpot plan --frequency 12.71Hz --ramp 1s --cold 0degC
+  dashpot plan --frequency 12.71Hz --ramp 1s --hold 40s --setpoints ramp.csv""",
+    group(
+        _PLANNED,
+        opt("--frequency", type=WithUnit("frequency"), required=True, metavar="FREQUENCY",
+            help="The frequency that matters."),
+        of(PlannedRamp, "depth", "ramp_time", "hold_time", into="bench"),
+        opt(
+            "--temperature",
+            type=WithUnit("temperature"),
+            metavar="TEMPERATURE",
+            help="Test temperature (23degC, or that of the fit).",
+        ),
+        opt("--cold", type=WithUnit("temperature"), multiple=True, metavar="TEMPERATURE",
+            help="Repeat it at this temperature, e.g. 0degC."),
+        of(HammerPlan, "hits", "record", into="hammer"),
+        rest(
+            of(PlannedRamp, "rate", "method", "baseline", into="bench"),
+            of(HammerPlan, into="hammer", leave=("hits", "record", "mass", "seals")),
+        ),
+    ),
+    group(
+        _KNOWN,
+        of(PlannedRamp, "noise", into="bench"),
+        opt("--seal", "guess", metavar="NAME|FIT",
+            help="A guess at the seal: paper, broad, hidden, or a fit."),
+        of(HammerPlan, "mass", "seals", into="hammer"),
+        opt("--wanted", type=float, default=10.0, metavar="PERCENT",
+            help="Standard deviation that would do (10)."),
+        rest(
+            of(Machine, into="machine", leave=("compliance", "force_filter"),
+               help="sync or drift of the machine."),
+            opt("--arm-stiffness", type=WithUnit("stiffness"), metavar="STIFFNESS",
+                help="Stiffness of an arm that may hide."),
+            opt("--arm-time", type=WithUnit("time"), metavar="TIME",
+                help="Its relaxation time (1/omega)."),
+            options.wlf(),
+        ),
+    ),
+    group(
+        _CONTROLLER,
+        opt("--setpoints", type=Output((".csv", ".txt")), metavar="FILE",
+            help="Write the motion, one set-point a row."),
+        rest(
+            opt("--interval", type=WithUnit("time"), default="10ms", metavar="TIME",
+                help="Between set-points (10ms)."),
+            opt("--along", type=Direction(), default="0,0,-1", metavar="X,Y,Z",
+                help="Direction of the plate (0,0,-1)."),
+        ),
+    ),
+    options.result(plot=False, opens=False),
+)  # fmt: skip
 def command(
     *,
-    at: float,
-    bench: dp.Bench,
-    machine: dp.Machine,
-    hammer: dp.HammerPlan,
-    seal: dp.SupposedSeal,
-    model: str | None,
+    frequency: float,
+    bench: PlannedRamp,
+    machine: Machine,
+    hammer: HammerPlan,
+    temperature: float | None,
+    guess: str | None,
     arm_stiffness: float | None,
     arm_time: float | None,
     wanted: float,
@@ -75,31 +104,25 @@ def command(
     interval: float,
     along: tuple[float, float, float],
 ) -> Outcome:
-    """Tell how well a planned test will know stiffness and loss factor at a frequency.
-
-    \b
-    dashpot plan --ramp 1s --hold 40s --at 12.71Hz
-    dashpot plan --ramp 0.1s --at 12.71Hz --noise 1mN --record 8s --pulse 15ms
-    dashpot plan --ramp 1s --at 12.71Hz --sync 0.5ms --drift 0.2mN/s
-    dashpot plan --ramp 1s --at 12.71Hz --cold 0degC --cold 10degC
-    dashpot plan --ramp 1s --hold 40s --at 12.71Hz --setpoints ramp.csv
-    """
+    """Tell how well a planned test will know stiffness and loss factor at a frequency."""
     if arm_time is not None and arm_stiffness is None:
         raise DataError("--arm-time needs --arm-stiffness, e.g. --arm-stiffness 0.05N/mm")
     arm = None
     if arm_stiffness is not None:
-        arm = (arm_stiffness, arm_time if arm_time is not None else 1 / (2 * math.pi * at))
-    guess = seal_named("paper" if model is None else model)
-    bench = replace(bench, machine=machine)
+        arm = (arm_stiffness, arm_time if arm_time is not None else 1 / (2 * math.pi * frequency))
+    supposed = seal_named("paper" if guess is None else guess)
+    planned = dp.Bench(**vars(bench), machine=machine)
     found = dp.plan(
-        bench,
-        at=at,
-        seal=replace(seal, model=guess.solid, arm=arm, law=wlf or guess.law),
+        planned,
+        at=frequency,
+        seal=dp.SupposedSeal(supposed.solid, arm, temperature, wlf or supposed.law),
         hammer=hammer,
         cold=cold,
         wanted=wanted / 100,
     )
     if setpoints is not None:
+        from dashpot.io.write import write_trajectory
+
         motion = dp.planned_trajectory(
             depth=bench.depth,
             ramp_time=bench.ramp_time,
@@ -116,10 +139,13 @@ def command(
     rehearsed = typed(
         "simulate",
         "relaxation",
-        *given("bench_ramp_time", "bench_hold_time"),
+        *given(
+            _PLANNED,
+            but=_NOT_REHEARSED,
+        ),
         "-o",
         "rehearsal.csv",
         why="rehearses it",
     )
-    made = verdict(found.checks)
+    made = found.verdict
     return Outcome(found, Text([str(found)]), found.checks, verdict=made, follow=rehearsed)

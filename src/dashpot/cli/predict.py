@@ -1,110 +1,153 @@
-"""dashpot predict: the FRF of a mass on the fitted seal."""
+"""dashpot predict: how a fitted solid vibrates, under a mass or in a door."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import click
 
 import dashpot as dp
 from dashpot import workflow
+from dashpot.base.checks import verdict
+from dashpot.base.choices import FrfKind, words
+from dashpot.base.documents import Documented
 from dashpot.cli import _options as options
-from dashpot.cli import _text
-from dashpot.cli._shell import File, Outcome, grams, reports, typed, write, write_figure
-from dashpot.records.frf import OF_FORCE
-from dashpot.workflow.job import HammerChoices, Job, LevelChoices, PartChoices
+from dashpot.cli._grammar import group, of, opt, refuse_others, rest, verb
+from dashpot.cli._options import MASS
+from dashpot.cli._recognised import recognised
+from dashpot.cli._shell import File, Outcome, grams, printed, typed, write, write_figure
+from dashpot.cli._values import OneOf, WithUnit
+from dashpot.io.options import ReadOptions
+from dashpot.told import text as text_of
+from dashpot.told.closing import closing_text
+from dashpot.told.door import door
+from dashpot.told.layout import Text
+from dashpot.workflow.job import Job, LevelChoices, PartChoices
+
+_SOLID, _DOOR = "fit", "door"
+_QUESTION, _PART = "Question", "Part of a material"
 
 
-@click.command("predict")
-@click.argument("fit", type=File())
-@options.weighed
-@options.carried
-@options.temperature
-@options.of(Job, "band", default="1:50Hz", help="Frequencies.")
-@click.option("--lines", type=click.IntRange(2), default=2001, show_default=True)
-@click.option(
-    "--kind",
-    type=click.Choice(OF_FORCE),
-    default="accelerance",
-    show_default=True,
-    help="Of the mass and a force on it.",
-)
-@click.option(
-    "--base", is_flag=True, help="The base moves instead: the transmissibility to the mass."
-)
-@options.of(HammerChoices, "motion", help="Of the mass over that base.")
-@click.option(
-    "--base-psd",
-    type=File(),
-    metavar="FILE|DENSITY",
-    help="The base shakes at random: a file of frequency and g^2/Hz, or white noise as 0.01g^2/Hz.",
-)
-@click.option(
-    "--with",
-    "records",
-    type=File(),
-    metavar="FILE",
-    multiple=True,
-    help="The relaxation record(s).",
-)
-@options.picture
-@options.output("Write the FRF as CSV; - is stdout.", ".csv")
-@options.overwrite
-@reports
-@options.filled(PartChoices, "part")
-@options.filled(LevelChoices, "at_level")
-@options.machine
-@options.reading
-def command(
-    *, fit: str, picture: str | None, output: str | None, base: bool, motion: str, **choices: Any
+@verb(
+    "predict",
+    """Predict how a fitted solid vibrates, under a mass or in a door.
+
+  dashpot predict fit.json --mass 104g --seals 2
+  dashpot predict fit.json --mass 104g --seals 2 --base
+  dashpot predict door.toml --close 1.2m/s""",
+    options.files("FIT|DOOR.toml", "path", several=False),
+    group(
+        _QUESTION,
+        of(Job, "band", help="Frequencies (1:50Hz; door 1:200Hz)."),
+        opt("--temperature", type=WithUnit("temperature"), metavar="TEMPERATURE",
+            help="Temperature of the seals."),
+        opt("--base", kinds=_SOLID, help="The base moves: transmissibility."),
+        opt("--base-psd", type=File(), metavar="DENSITY", kinds=_SOLID,
+            help="Random base: FILE or 0.01g^2/Hz."),
+        opt("--record", "records", type=File(), multiple=True, metavar="FILE", kinds=_SOLID,
+            help="The record behind the fit: adds a bound."),
+        of(LevelChoices, "levels", "sweep", into="at_level", kinds=_SOLID),
+        rest(
+            opt("--kind", type=OneOf(words(FrfKind)), metavar="NAME", kinds=_SOLID,
+                help=", ".join(words(FrfKind)[:-1]) + f" or {words(FrfKind)[-1]}."),
+            options.relative(_SOLID),
+            opt("--points", "lines", type=click.IntRange(2), default=2001, metavar="N",
+                kinds=_SOLID, help="Lines of the FRF (2001)."),
+        ),
+    ),
+    group(MASS, options.under_mass(kinds=_SOLID)),
+    group(
+        _PART,
+        of(PartChoices, "disc", "block", "bush", "bulb", into="part", kinds=_SOLID,
+           help="disc:20mm,20mm; block, bush, bulb."),
+        rest(
+            of(PartChoices, "mode", "lubricated", "resonance", "resonance_mass", into="part",
+               kinds=_SOLID),
+            of(LevelChoices, "height", "strain_factor", "fitted_at", "resonance_level",
+               into="at_level", kinds=_SOLID),
+        ),
+    ),
+    group(
+        "Door",
+        opt("--close", "speed", type=WithUnit("velocity"), metavar="SPEED", kinds=_DOOR,
+            help="Close it: energy, least closing speed."),
+        opt("--modes", "every", kinds=_DOOR, help="Share of every part in every mode."),
+    ),
+    rest(options.machine(_SOLID), options.reading()),
+    options.result("FRF as .csv; of a door .json."),
+)  # fmt: skip
+def command(*, path: str, **said: Any) -> Outcome:
+    """Predict what the file asks for: a door, or a mass on a solid."""
+    kind = _DOOR if recognised([path], ReadOptions())[path].kind == _DOOR else _SOLID
+    refuse_others(command, click.get_current_context(), {path: kind})
+    if kind == _DOOR:
+        return _door(path, **{name: said[name] for name in _OF_DOOR})
+    return _under_mass(path, **{name: each for name, each in said.items() if name not in _NO_MASS})
+
+
+_OF_DOOR = ("band", "temperature", "speed", "every", "picture", "output")
+_NO_MASS = ("speed", "every")
+
+
+def _under_mass(
+    fit: str,
+    *,
+    picture: str | None,
+    output: str | None,
+    base: bool,
+    hammer: Any,
+    kind: str | None,
+    mass: float | None,
+    band: tuple[float, float] | None,
+    **choices: Any,
 ) -> Outcome:
-    """Predict the frequency response of a mass on the seal of FIT (a fit's JSON file).
-
-    The standard errors of the fit become limits of the accelerance, or of the transmissibility
-    (--base); with the record that was fitted (--with) so does the bound over unresolved arms.
-
-    Of a material's modulus (a DMA sweep, a master curve) a shape makes a part; one measured
-    resonance (--resonance 85Hz --resonance-mass 150g) tells the geometry of all that follow. An
-    amplitude sweep of it (--sweep) tells the resonance at a level.
-
-    \b
-    dashpot predict fit.json --mass 104g --seals 2
-    dashpot predict fit.json --mass 104g --seals 2 --band 1:50Hz -o frf.csv
-    dashpot predict fit.json --mass 104g --seals 2 --base
-    dashpot predict fit.json --mass 104g --seals 2 --base-psd 0.01g^2/Hz
-    dashpot predict fit.json --mass 104g --seals 2 --with seal_8mm.csv --plot frf.png
-    dashpot predict moving.json --mass 104g --seals 2 --temperature -10degC
-    dashpot predict dma.json --disc 20mm,20mm --mass 400g --seals 2 --base
-    dashpot predict dma.json --disc 20mm,20mm --mass 400g --seals 2 --base --sweep strain.csv
-        --level 0.5m/s^2 --level 5m/s^2
-    """
+    """Predict the response of a mass on the seals, or on parts of a material."""
+    if mass is None:
+        raise click.UsageError("Give the mass of the block: --mass 104g")
     fitted = workflow.read_fit(fit)
+    relative = hammer.motion == "relative"
     base = base or choices["base_psd"] is not None
-    if base:
-        _no_other_kind()
-        over = {"absolute": "transmissibility", "relative": "relative_transmissibility"}
-        choices["kind"] = over[motion]
-    elif motion == "relative":
-        raise click.UsageError("--motion relative is of the mass over a base: add --base")
+    if base and kind is not None:
+        raise click.UsageError("--kind is of a force on the mass, --base of none: leave one out")
+    if relative and not base:
+        raise click.UsageError("--relative is of a mass over a base that moves: add --base")
     if output and len(choices["at_level"].levels) > 1:
         raise click.UsageError("-o holds the FRF at one level: ask one --level, or leave -o out")
-    found = workflow.predict_files(fitted, **choices)
+    if base:
+        kind = "relative_transmissibility" if relative else "transmissibility"
+    found = workflow.predict_files(
+        fitted, mass=mass, kind=kind or "accelerance", band=band or _BAND, **choices
+    )
+    seals = choices["seals"]
     if picture:
-        rig = {"mass": choices["mass"], "seals": choices["seals"]}
-        named = dp.plot.stamp(fitted.source, fitted.specimen, **rig)
+        named = dp.plot.stamp(fitted.source, fitted.specimen, mass=mass, seals=seals)
         write_figure(picture, _figure(found, named))
     if output:
-        from dashpot.io.write import write_frf
-
-        write(output, write_frf(found.levels[0].frf if found.levels else found.frf))
-    text = _text.prediction(found, mass=choices["mass"], seals=choices["seals"])
+        _keep(found, output)
     return Outcome(
         found,
-        text,
+        text_of.prediction(found, mass=mass, seals=seals),
         found.checks,
         verdict=found.verdict,
-        follow="" if found.of_part else _follow(fit, choices["mass"], choices["seals"]),
+        follow="" if found.of_part else _follow(fit, mass, seals),
     )
+
+
+_BAND, _DOOR_BAND = (1.0, 50.0), (1.0, 200.0)
+"""Hz, where none is said."""
+
+
+def _keep(found: workflow.Prediction, path: str) -> None:
+    from dashpot.io.write import write_frf
+
+    suffix = path.lower().rpartition(".")[2]
+    if suffix == "json":
+        write(path, printed(found) + "\n")
+    elif suffix in {"csv", path.lower()}:
+        write(path, write_frf(found.levels[0].frf if found.levels else found.frf))
+    else:
+        raise click.UsageError(f"-o {path}: a prediction is written as .csv or .json.")
 
 
 def _figure(found: workflow.Prediction, stamp: str) -> dp.plot.Picture:
@@ -125,8 +168,60 @@ def _follow(fit: str, mass: float, seals: float) -> str:
     return typed("compare", fit, "HAMMER", *rig, why="tests it with a hammer")
 
 
-def _no_other_kind() -> None:
-    """Refuse the transmissibility and another kind together."""
-    source = click.get_current_context().get_parameter_source("kind")
-    if source is click.core.ParameterSource.COMMANDLINE:
-        raise click.UsageError("--kind is of a force on the mass, --base of none: leave one out")
+# -- a door ---------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Both(Documented):
+    """How a door vibrates, and how it closes."""
+
+    keys = ("*found", "closing")
+
+    found: workflow.DoorResult
+    closing: workflow.ClosingResult
+
+
+def _door(
+    path: str,
+    *,
+    every: bool,
+    speed: float | None,
+    picture: str | None,
+    output: str | None,
+    band: tuple[float, float] | None,
+    temperature: float | None,
+) -> Outcome:
+    """Predict how a door vibrates on its seal, and how it closes."""
+    if picture and every and speed is not None:
+        raise click.UsageError(
+            "--plot draws the modes or the closing: leave out --modes or --close"
+        )
+    if output and not output.lower().endswith(".json") and output != "-":
+        raise click.UsageError(f"-o {output}: of a door everything is written, as .json.")
+    found = closed = None
+    if speed is None or every:
+        found = workflow.door_file(path, band=band or _DOOR_BAND, temperature=temperature)
+    if speed is not None:
+        closed = workflow.close_file(path, speed, temperature=temperature)
+    if picture:
+        write_figure(picture, dp.plot.door(found) if closed is None else dp.plot.closing(closed))
+    outcome = _of_door(found, closed, every=every)
+    if output:
+        write(output, printed(outcome.found) + "\n")
+    return outcome
+
+
+def _of_door(
+    found: workflow.DoorResult | None, closed: workflow.ClosingResult | None, *, every: bool
+) -> Outcome:
+    """How it vibrates, how it closes, or both."""
+    if closed is None:
+        assert found is not None  # noqa: S101
+        return Outcome(found, door(found, every=every), found.checks, verdict=found.verdict)
+    shuts = closing_text(closed.closing)
+    if found is None:
+        return Outcome(closed, shuts, closed.checks, verdict=closed.verdict)
+    said = door(found, every=every)
+    checks = tuple(dict.fromkeys((*found.checks, *closed.checks)))
+    text = Text([*said.lines, *shuts.lines], [*said.details, *shuts.details])
+    return Outcome(Both(found, closed), text, checks, verdict=verdict(checks, sound=closed.sound))

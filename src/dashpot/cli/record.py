@@ -10,18 +10,19 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import click
-
 import dashpot as dp
 from dashpot.base.choices import Driver, words
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.progress import doing
 from dashpot.cli import _options as options
-from dashpot.cli._options import WithUnit
-from dashpot.cli._shell import File, Outcome, note_written, reports, typed
-from dashpot.cli._terminal import Text
-from dashpot.cli.simulate import as_it_stands, seal
+from dashpot.cli._grammar import group, opt, verb
+from dashpot.cli._shell import File, Outcome, note_written, typed
+from dashpot.cli._simulated import as_it_stands, seal_named
+from dashpot.cli._values import OneOf, WithUnit
+from dashpot.told.layout import Text
+
+_COLUMNS = "time [s], displacement [mm], force [N]"
 
 
 @dataclass(frozen=True)
@@ -35,38 +36,33 @@ class KeptRecord(Documented):
     notes: tuple[str, ...]
 
 
-@click.command("record")
-@click.option(
-    "--driver", type=click.Choice(words(Driver)), required=True,
-    help="A serial line, a record played again, or the virtual rig.",
+@verb(
+    "record",
+    """Record an instrument to a file that dashpot reads. It moves nothing.
+
+  dashpot record --driver serial --port /dev/ttyUSB0 --seconds 45s -o seal.csv
+
+The rig's own controller moves the plate (dashpot plan --setpoints). The file
+grows at its place and is on the disk within a second.""",
+    group(
+        "Instrument",
+        opt("--driver", type=OneOf(words(Driver)), required=True, metavar="NAME",
+            help="serial, replay or simulated."),
+        opt("--port", metavar="PORT", help="Serial port, e.g. /dev/ttyUSB0."),
+        opt("--baud", type=int, default=115200, metavar="N", help="Baud rate (115200)."),
+        opt("--columns", default=_COLUMNS, metavar="TEXT", help=f"Numbers of a line ({_COLUMNS})."),
+        opt("--from", "played", type=File(), metavar="FILE", help="The record to replay."),
+        opt("--seal", default="paper", metavar="NAME|FIT",
+            help="Seal of the simulated driver (paper)."),
+        opt("--speed", type=float, default=1.0, metavar="NUMBER", help="Speed of a replay (1)."),
+        opt("--seconds", type=WithUnit("time"), metavar="TIME",
+            help="How long, e.g. 45s; else until Ctrl-C."),
+    ),
+    options.result("The record (required).", ".csv", ".txt", plot=False, opens=False,
+                   required=True),
 )  # fmt: skip
-@click.option("--port", metavar="PORT", help="Of the serial line, e.g. /dev/ttyUSB0.")
-@click.option("--baud", type=int, default=115200, show_default=True)
-@click.option(
-    "--columns",
-    default="time [s], displacement [mm], force [N]",
-    show_default=True,
-    help="What the numbers of a line are.",
-)
-@click.option("--from", "played", type=File(), metavar="FILE", help="The record to replay.")
-@click.option("--model", default="paper", show_default=True, metavar="paper|broad|hidden|FIT")
-@click.option("--speed", type=float, default=1.0, show_default=True, help="Of what is played.")
-@click.option("--seconds", type=WithUnit("time"), help="How long, e.g. 45s; else until Ctrl-C.")
-@options.output("Text; it grows while the instrument is read.", ".csv", ".txt", required=True)
-@options.force
-@reports
 def command(*, driver: str, output: str, seconds: float | None, **choices: Any) -> Outcome:
-    """Record force and displacement as an instrument sends them, to a file that dashpot reads.
-
-    It reads, and moves nothing: the rig's own controller does (dashpot plan --setpoints). Each line
-    of a serial instrument holds a number for each column; what is garbled or missing is counted and
-    said. The file grows at its place and is on the disk within a second. Ctrl-C ends the record.
-
-    \b
-    dashpot record --driver serial --port /dev/ttyUSB0 --seconds 45s -o seal.csv
-    dashpot record --driver simulated --seconds 10s -o rehearsal.csv
-    dashpot record --driver replay --from seal_8mm.csv --speed 20 -o again.csv
-    """
+    """Read an instrument until it ends, the time is over, or Ctrl-C."""
     if output == "-":
         raise DataError("a record is kept in a file; give one with -o, such as -o seal.csv")
     recorder = _device(driver, **choices)
@@ -105,7 +101,7 @@ def _device(
     baud: int,
     columns: str,
     played: str | None,
-    model: str,
+    seal: str,
     speed: float,
 ) -> dp.recording.Recorder:
     """Return the device that was asked for."""
@@ -114,7 +110,7 @@ def _device(
             raise DataError("--driver serial needs the line: add --port, e.g. /dev/ttyUSB0")
         return dp.recording.SerialLine(port, columns=columns.split(","), baud=baud)
     if driver == "simulated":
-        return dp.recording.simulated(seal(model).solid, speed=speed)
+        return dp.recording.simulated(seal_named(seal).solid, speed=speed)
     if played is None:
         raise DataError("--driver replay needs the record: add --from FILE")
     with as_it_stands(played):

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -12,28 +11,31 @@ import click
 import dashpot as dp
 from dashpot import workflow
 from dashpot.base.documents import Documented
-from dashpot.base.errors import ReadError
 from dashpot.base.progress import doing
 from dashpot.cli import _options as options
-from dashpot.cli import _text
-from dashpot.cli._options import over_profile
+from dashpot.cli._grammar import group, of, opt, rest, verb
+from dashpot.cli._options import MASS, MODEL, PIECE, RAMP
+from dashpot.cli._recognised import called, kinds_of, recognised, tell
 from dashpot.cli._shell import (
-    File,
     Folder,
     Outcome,
+    Output,
     claim,
     grams,
     note_written,
-    opens,
-    reports,
     typed,
     write,
 )
 from dashpot.io.options import OF_HAMMER, ReadOptions
+from dashpot.told import text as text_of
 from dashpot.workflow.job import Job
 
 if TYPE_CHECKING:
     from dashpot import Study
+
+_PAGE = "Page"
+_LOOPS = {"strain-sweep", "cyclic"}
+_VIBRATION = set(options.VIBRATION.split())
 
 
 @dataclass(frozen=True)
@@ -47,57 +49,69 @@ class Reported(Documented):
     history: str | None
 
 
-@click.command("report")
-@click.argument("relaxation", type=File(), nargs=-1, required=True, metavar="RELAXATION...")
-@options.of(Job, "impact", "mass")
-@click.option(
-    "--impact-profile", type=File(), metavar="FILE", help="Saved answers for the impact files."
-)
-@options.of(Job, "impact_temperature")
-@options.carried
-@options.of(Job, "arms", "method", "law", "family")
-@options.cuts
-@options.of(Job, "band", "filter", "joint")
-@click.option(
-    "--project", type=Folder(), metavar="DIR", help="Keep raw files, results and history there."
-)
-@options.of(Job, "title", "logo")
-@options.output("The report [default: report.html].", ".html", ".htm")
-@options.overwrite
-@opens
-@reports
-@options.machine
-@options.specimens
-@options.hammer
-@options.reading
+@verb(
+    "report",
+    """Write one page about a seal: test, solid, prediction, hammer, checks.
+
+  dashpot report seal_8mm.csv hammer.csv --mass 104g --seals 2 -o report.html
+  dashpot report warm.csv cold.csv --temperature 23degC --temperature 0degC
+  dashpot report seal_8mm.csv hammer.csv --mass 104g --project door-seal""",
+    options.files("FILE..."),
+    group(
+        _PAGE,
+        opt("-o", "--output", type=Output([".html", ".htm"]), metavar="FILE",
+            help="The page (report.html)."),
+        of(Job, "title"),
+        opt("--project", type=Folder(), metavar="DIR", help="Keep files, results and history."),
+        opt("--open", "opens", help="Open the page."),
+        rest(of(Job, "logo")),
+    ),
+    group(
+        MODEL,
+        of(Job, "family", metavar="NAME"),
+        of(Job, "arms"),
+        rest(
+            of(Job, "law", metavar="LAW", help="Elastic law: linear or nonlinear (auto)."),
+            of(Job, "joint"),
+        ),
+    ),
+    group(
+        MASS,
+        options.under_mass(known=" Inferred if missing."),
+        of(Job, "band", help="Frequencies to compare, e.g. 5:40Hz."),
+        options.relative(),
+    ),
+    rest(group(RAMP, of(Job, "method"), options.cuts(), options.machine(), of(Job, "filter"))),
+    options.hammer(),
+    options.piece(each=True),
+    rest(group(PIECE, of(Job, "impact_temperature"))),
+    options.reading(),
+    options.result(plot=False, opens=False),
+)  # fmt: skip
 def command(
     *,
-    relaxation: tuple[str, ...],
-    impact_profile: str | None,
+    files: tuple[str, ...],
     project: str | None,
     output: str | None,
     options: ReadOptions,
     **choices: Any,
 ) -> Outcome:
-    """Characterise the seal of RELAXATION and check it against the hammer; write one HTML file.
-
-    Several relaxation tests, such as a warm and a cold one, are fitted together; the hammer is of
-    the temperature nearest to 23 degC, or of --impact-temperature.
-
-    \b
-    dashpot report seal_8mm.csv --mass 104g --seals 2 -o report.html
-    dashpot report seal_8mm.csv --impact hammer.csv --mass 104g --seals 2 -o report.html
-    dashpot report seal_8mm.csv --impact hammer.csv --mass 104g --seals 2 --project door-seal
-    dashpot report warm.csv cold.csv --temperature 23degC --temperature 0degC --mass 104g --seals 2
-    """
-    # columns named for the bench file need not exist in the hammer's; units do no harm
-    of_impact = options.only(("units", *OF_HAMMER))
-    first, *further = relaxation
+    """Characterise a seal, check it against the hammer, and write one HTML file."""
+    found = recognised(files, options)
+    kinds = kinds_of(found)
+    tell(found)
+    if set(kinds.values()) <= _LOOPS:
+        return _amplitude(files, output, options)
+    tests = tuple(path for path in files if kinds[path] == "relaxation")
+    impact = tuple(path for path in files if kinds[path] in _VIBRATION)
+    _refuse_others(kinds, tests, impact)
     job = Job(
-        first,
-        further=tuple(further),
-        reading=options.without(OF_HAMMER),
-        reading_impact=over_profile(of_impact, impact_profile),
+        tests[0],
+        further=tests[1:],
+        impact=impact,
+        reading=_alike(options.without(OF_HAMMER), tests),
+        # columns named for the bench file need not exist in the hammer's; units do no harm
+        reading_impact=_alike(options.only(("units", *OF_HAMMER)), impact),
         **choices,
     )
     if not (output or project):
@@ -107,21 +121,19 @@ def command(
     history = None
     if project:
         home = workflow.create(project)
-        with _hammer_named():
-            study, place = workflow.record(home, job, page=dp.report.html)
+        study, place = workflow.record(home, job, page=dp.report.html)
         note_written(place)
         history = home.head
         written.append(str(place))
     else:
-        with _hammer_named():
-            study = workflow.run(job)
+        study = workflow.run(job)
     if output:
         doing("drawing the report")
         written.append(output)
         write(written[-1], dp.report.html(study))
     return Outcome(
         Reported(study, written[-1], history),
-        _text.study(study),
+        text_of.study(study),
         study.every_check,
         verdict=study.verdict,
         follow=typed("verify", project, "--expect", history, why="recomputes it")
@@ -130,25 +142,42 @@ def command(
     )
 
 
-@contextmanager
-def _hammer_named() -> Iterator[None]:
-    """Say how the files of the hammer are given, where one is taken for a bench test."""
-    try:
-        yield
-    except ReadError as error:
-        if "this is a hammer file" not in str(error):
-            raise
-        raise ReadError(f"{error}, or here: the hits of the hammer are given by --impact") from None
+def _refuse_others(kinds: dict[str, str], tests: Sequence[str], impact: Sequence[str]) -> None:
+    """Refuse what no page of a seal is about."""
+    for path, kind in kinds.items():
+        if path not in (*tests, *impact):
+            raise click.UsageError(
+                f"{path} is {called(kind)}. The report is of relaxation tests and a hammer. "
+                f"Type: dashpot fit {path}"
+            )
+    if not tests:
+        raise click.UsageError(
+            "The report needs a relaxation test, and here is none. For hits or an FRF alone: "
+            f"dashpot fit {impact[0]}"
+        )
+
+
+def _alike(said: ReadOptions, files: Sequence[str]) -> ReadOptions:
+    """What is said of files, without patterns where it comes to the same for all of them."""
+    each = {said.of(path) for path in files}
+    return each.pop() if len(each) == 1 else said
+
+
+def _amplitude(files: tuple[str, ...], output: str | None, reading: ReadOptions) -> Outcome:
+    """Write the page of loops or an amplitude sweep."""
+    found = workflow.level_files(files, options=reading)
+    output = output or "report.html"
+    claim([output])
+    write(output, dp.report.html(found))
+    return Outcome(found, text_of.levels(found), found.checks, verdict=found.verdict)
 
 
 def _follow(job: Job, study: Study) -> str:
     """Return the command that keeps the solid which the report ends with."""
-    family = () if job.family == "maxwell" else ("--family", job.family)
+    family = () if job.family == "maxwell" else ("--model", job.family)
+    files = (job.relaxation, *job.further)
     if study.joint is None or study.mass is None:
-        files = (job.relaxation, *job.further)
         return typed("fit", *files, *family, "-o", "fit.json", why="keeps the solid for export")
     rig = ("--mass", grams(study.mass), "--seals", f"{study.seals:g}")
     words = (*rig, *family, "-o", "joint.json")
-    records = (word for one in (job.relaxation, *job.further) for word in ("--with", one))
-    together = ("identify", *job.impact, *records)
-    return typed(*together, *words, why="keeps the solid for export")
+    return typed("fit", *files, *job.impact, *words, why="keeps the solid for export")

@@ -11,8 +11,11 @@ import dashpot as dp
 from dashpot import workflow
 from dashpot.base.checks import Check, verdict
 from dashpot.base.documents import Documented
-from dashpot.cli._shell import Folder, Outcome, reports
-from dashpot.cli._terminal import Text
+from dashpot.base.sentences import lowered
+from dashpot.cli._grammar import group, opt, verb
+from dashpot.cli._options import RESULT
+from dashpot.cli._shell import Folder, Outcome
+from dashpot.told.layout import Text
 
 
 @dataclass(frozen=True)
@@ -32,20 +35,22 @@ class Verification(Documented):
         return not any(check.failed and check.grade != "note" for check in self.checks)
 
 
-@click.command("verify")
-@click.argument("project", type=Folder())
-@click.option("--expect", metavar="HASH", help="A line of its history, noted when it was the last.")
-@reports
+@verb(
+    "verify",
+    """Recompute a project's results from its raw files and check every hash.
+
+  dashpot verify door-seal/
+  dashpot verify door-seal/ --expect 5f0c...""",
+    click.Argument(["project"], type=Folder(), metavar="PROJECT"),
+    group(
+        RESULT,
+        opt("--expect", metavar="HASH", help="Last line of its history, as you noted it."),
+        opt("--json", "as_json", help="Print one JSON document."),
+        opt("-v", "--verbose", help="Print everything."),
+    ),
+)
 def command(*, project: str, expect: str | None) -> Outcome:
-    """Recompute every result of PROJECT from its raw files and check every hash.
-
-    A project is made by 'dashpot report ... --project DIR', which prints the hash of its history.
-    Leaves with 1 if anything differs.
-
-    \b
-    dashpot verify door-seal/
-    dashpot verify door-seal/ --expect 5f0c...
-    """
+    """Recompute every result; leave with 1 if anything differs."""
     place = workflow.open_project(project)
     checks = workflow.verify(place, page=dp.report.html, expect=expect)
     every = [
@@ -63,6 +68,5 @@ def command(*, project: str, expect: str | None) -> Outcome:
 def _sound(checks: Iterable[Check]) -> str:
     """What to say where nothing failed: no more than was judged."""
     open_ = [check.says for check in checks if check.passed is None]
-    more = f" ({len(open_)} such)" if len(open_) > 1 else ""
-    but = f"; not judged: {open_[0]}{more}" if open_ else ""
-    return f"every result follows again from its raw files{but}"
+    more = f". {len(open_)} not judged: {lowered(open_[0])}" if open_ else ""
+    return f"every result follows from its raw files again{more}"

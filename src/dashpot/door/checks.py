@@ -26,20 +26,23 @@ def door_modes_informed(
     """
     felt = [f for f, share in modes if share > HELD_BY_SEAL]
     if band is None or not felt:
-        return Finding("the seal holds no mode of the door, or the band of its test is not known")
+        return Finding("The seal holds no mode of the door, or its test has no valid band")
     low, high = band
     if not high > 0:
-        return Finding("no test that the fit of the seal knows of informs a mode", math.inf)
+        return Finding(
+            "No test behind the fit of the seal has a valid band", math.inf, remedy="Test the seal."
+        )
     away = {f: max(f / high, low / f) for f in felt}
     outside = [f for f in felt if away[f] > 1]
     worst = max(away.values())
     listed = ", ".join(f"{f:.4g}" for f in outside[:4]) + (", ..." if len(outside) > 4 else "")
     return Finding(
-        f"all {len(felt)} modes that the seal holds lie in the band of its test",
+        f"All {len(felt)} modes that the seal affects lie in the valid band of its test",
         worst,
-        instead=f"{len(outside)} of {len(felt)} modes that the seal holds ({listed} Hz) lie "
-        f"outside what its test informs, {low:.2g} to {high:.3g} Hz, up to x{worst:.3g}: stiffness "
-        "and loss of the seal are extrapolated there; test it faster, in the cold or with a hammer",
+        instead=f"The seal's damping is not known at {listed} Hz. Its test covers {low:.2g} to "
+        f"{high:.3g} Hz; {len(outside)} of {len(felt)} modes that it affects lie outside, up to "
+        f"{worst:.3g} times",
+        remedy="Test the seal with a hammer, or in the cold.",
     )
 
 
@@ -47,11 +50,12 @@ def door_modes_informed(
 def seal_touches(part: float, *, length: float, least: float, where: float) -> Finding:
     """The seal reaches its counterpart all along the line."""
     return Finding(
-        "the seal touches all along the line",
+        "The seal touches all along the line",
         part,
-        instead=f"{written(part * length, 'mm')} of {length:.3g} m of seal do not touch, most at "
-        f"{where:.4g} m along the line, by {written(-least, 'mm', '.3g')}: no force there, and a "
-        "leak",
+        instead=f"{written(part * length, 'mm')} of {length:.3g} m of seal do not touch: there is "
+        f"a leak. The gap is largest at {where:.4g} m along the line, "
+        f"{written(-least, 'mm', '.3g')}",
+        remedy="Close the gap there, or use a higher seal.",
     )
 
 
@@ -59,9 +63,9 @@ def seal_touches(part: float, *, length: float, least: float, where: float) -> F
 def line_closed(length: float, apart: float) -> Finding:
     """The seal line ends where it begins."""
     return Finding(
-        f"the seal line of {length:.4g} m is closed",
-        instead=f"the seal line of {length:.4g} m ends {written(apart, 'mm')} from where it "
-        "begins: is that so, or is its last point missing?",
+        f"The seal line of {length:.4g} m is closed",
+        instead=f"The seal line of {length:.4g} m ends {written(apart, 'mm')} from where it begins",
+        remedy="Add its last point, if one is missing.",
         faulted=apart > 0,
     )
 
@@ -70,10 +74,10 @@ def line_closed(length: float, apart: float) -> Finding:
 def stations_suffice(change: float, pitch: float) -> Finding:
     """Half the distance of the stations changes no mode."""
     return Finding(
-        f"with stations twice as dense as {written(pitch, 'mm')} no mode moves by more than "
+        f"With stations twice as dense as {written(pitch, 'mm')} no mode moves by more than "
         f"{100 * change:.2g} %",
         change,
-        ": take a smaller pitch in [seal]",
+        remedy="Use a smaller pitch in [seal].",
     )
 
 
@@ -81,12 +85,12 @@ def stations_suffice(change: float, pitch: float) -> Finding:
 def modes_suffice(change: float | None, kept: int, highest: float) -> Finding:
     """The elastic modes of the door are enough: without the upper third of them little changes."""
     if change is None:
-        return Finding(f"{kept} elastic modes are too few to tell whether they are enough")
+        return Finding(f"{kept} elastic modes are too few to judge whether they are enough")
     return Finding(
-        f"without the upper third of {kept} elastic modes, to {highest:.4g} Hz, those below move "
+        f"Without the upper third of {kept} elastic modes, to {highest:.4g} Hz, those below move "
         f"by {100 * change:.2g} %",
         change,
-        ": give more modes of the door, to higher frequencies",
+        remedy="Give more modes of the door, to higher frequencies.",
     )
 
 
@@ -97,10 +101,10 @@ def modes_suffice(change: float | None, kept: int, highest: float) -> Finding:
 def shapes_known_there(away: float, place: str) -> Finding:
     """Shapes are known near the seal, the supports and the points."""
     return Finding(
-        f"the shapes are known within {written(away, 'mm', '.3g')} of all places that are used",
+        f"The shapes are known within {written(away, 'mm', '.3g')} of all places that are used",
         away,
-        instead=f"the shapes are known only {written(away, 'mm', '.3g')} from {place}: export "
-        "points there, or check the axes and the unit of the modes",
+        instead=f"The shapes are known only {written(away, 'mm', '.3g')} from {place}",
+        remedy="Export points there, or check the axes and the unit of the modes.",
         grade="stop" if away > NOT_THERE else "limit",
     )
 
@@ -109,10 +113,10 @@ def shapes_known_there(away: float, place: str) -> Finding:
 def masses_agree(stated: float, implied: float) -> Finding:
     """The rigid modes weigh what [door] says."""
     return Finding(
-        f"the rigid modes weigh {implied:.4g} kg, [door] says {stated:.4g} kg",
+        f"The rigid modes weigh {implied:.4g} kg; [door] gives {stated:.4g} kg",
         implied / stated,
-        ": the modal masses or the units of the modes are not what was said, or the modes are of "
-        "another door",
+        "The modal masses or the units of the modes are wrong, or the modes are of another door",
+        "Check the mass in [door], and the units of the modes.",
         grade="limit" if 1 / ANOTHER <= implied / stated <= ANOTHER else "stop",
     )
 
@@ -121,10 +125,10 @@ def masses_agree(stated: float, implied: float) -> Finding:
 def door_held(loose: int) -> Finding:
     """Something holds the door in every motion in which it is free."""
     return Finding(
-        "every motion of the door is held",
+        "Every motion of the door is held",
         loose,
-        instead=f"{loose} motions of the door are held by nothing, and have no natural frequency: "
-        "is a hinge or the latch missing, or does one act along one direction alone?",
+        instead=f"{loose} motions of the door are free, and have no natural frequency",
+        remedy="Check that no hinge or latch is missing, and along which directions they act.",
     )
 
 
@@ -142,21 +146,21 @@ def closing_informed(
     k_0/k_inf of the fit, `known` the least speeds that its doubt leaves, m/s.
     """
     if band is None or not band[1] > 0 or not seconds > 0:
-        return Finding("the band that the test of the seal informs is not known")
+        return Finding("The valid band of the seal's test is not known")
     factor = 1 / (4 * seconds) / band[1]
     speeds = ""
     if known is not None:
         ends = f"{known[0]:.3g} to {known[1]:.3g} m/s"
         if math.isinf(known[1]):
             ends = f"{known[0]:.3g} m/s or more"
-        speeds = f"; with what its test leaves open for faster arms, the least speed is {ends}"
+        speeds = f"The least closing speed is {ends}, because the test leaves faster arms open. "
     return Finding(
-        f"the door presses its seal in {written(seconds, 'ms', '.3g')}, as slowly as its test "
-        "informs",
+        f"The door presses its seal in {written(seconds, 'ms', '.3g')}, as slowly as its test",
         factor,
-        instead=f"the door presses its seal in {written(seconds, 'ms', '.3g')}, x{factor:.3g} "
-        f"faster than its test informs: there it answers with all but all its arms, {glassy:.3g} "
-        f"times its relaxed force by the fit{speeds}; test it faster, in the cold or with a hammer",
+        instead=f"{speeds}The door presses its seal in {written(seconds, 'ms', '.3g')}, "
+        f"{factor:.3g} times faster than its test covers. There the fit gives {glassy:.3g} times "
+        "the relaxed force",
+        remedy="Test the seal faster, or in the cold.",
     )
 
 
@@ -164,8 +168,8 @@ def closing_informed(
 def faster_doors_close(closes: bool) -> Finding:
     """Every door that is faster than the least speed closes."""
     return Finding(
-        "every faster door that was tried closes too",
-        instead="some faster doors do not close: the least speed is not the only limit; look at "
-        "the air, which takes more the faster the door",
+        "Every faster door that was tried closes too",
+        instead="Some faster doors do not close. The air takes more, the faster the door",
+        remedy="Look at the air in the energy table.",
         faulted=not closes,
     )

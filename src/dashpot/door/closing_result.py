@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from dashpot.base.arrays import FloatArray
@@ -15,7 +16,7 @@ from dashpot.records.fit import Fit
 
 @dataclass(frozen=True)
 class ClosingResult(Checked, Documented):
-    """What ``dashpot door --close`` found.
+    """What ``dashpot predict --close`` found.
 
     Attributes
     ----------
@@ -40,6 +41,19 @@ class ClosingResult(Checked, Documented):
     fit: Fit | None
     closing: Closing
     checks: tuple[Check, ...]
+
+    @property
+    def sound(self) -> str:
+        """The least speed that closes the door, and whether the speed asked for does."""
+        found = self.closing
+        if not math.isfinite(found.minimum):
+            return "no speed closes the door"
+        does = "closes" if found.latched else "does not close"
+        least = f"from {found.minimum:.3g} m/s on"
+        if found.interval is not None and math.isfinite(found.interval[1]):
+            low, high = found.interval
+            least += f" ({low:.3g} to {high:.3g})"
+        return f"the door closes {least}. At {found.speed:.3g} m/s it {does}"
 
     @property
     def sources(self) -> tuple[Source, ...]:

@@ -12,6 +12,7 @@ from dashpot.base.documents import Documented
 from dashpot.base.provenance import Source
 from dashpot.door.assembly import Assembly
 from dashpot.door.modes import DoorMode
+from dashpot.door.mounts import SEAL
 from dashpot.door.record import Door, DoorPoint
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF
@@ -110,7 +111,7 @@ class SealOfDoor(Documented):
 
 @dataclass(frozen=True)
 class DoorResult(Checked, Documented):
-    """What ``dashpot door`` found.
+    """What ``dashpot predict`` found.
 
     Attributes
     ----------
@@ -151,6 +152,23 @@ class DoorResult(Checked, Documented):
     def door(self) -> Door:
         """As its file describes it, with the seal."""
         return self.assembly.door
+
+    @property
+    def sound(self) -> str:
+        """What the seal does to the first mode in which it stores energy; else the first mode."""
+        held = [one for one in self.modes if one.share(SEAL) > 0]
+        if not self.modes:
+            return f"no mode lies below {self.band[1]:.3g} Hz"
+        first = (held or list(self.modes))[0]
+        number, hz = self.modes.index(first) + 1, first.mode.frequency
+        if not held:
+            return f"mode 1 lies at {hz:.3g} Hz"
+        says = f"the seal stores {100 * first.share(SEAL):.2g} % of the energy of mode {number}"
+        if first.without_seal is None:
+            return f"{says} ({hz:.3g} Hz)"
+        shift = hz - first.without_seal
+        way = "raises" if shift >= 0 else "lowers"
+        return f"{says} ({hz:.3g} Hz) and {way} it by {abs(shift):.2g} Hz"
 
     @property
     def stations(self) -> Stations | None:

@@ -27,6 +27,8 @@ CARRIERS = MappingProxyType(
 _REACH = 2.0
 """A cubic spring is drawn to so many times the largest amplitude that was measured."""
 _POINTS = 80
+_PRESSED = 0.01
+"""m: as far as a seal is pressed, where no amplitude was tested."""
 _APART = 1000
 """Nodes stand so many largest amplitudes apart: elements that follow their nodes never turn."""
 
@@ -76,19 +78,17 @@ class Beside:
 
     @property
     def span(self) -> float:
-        """Distance of the two nodes, deck units: 1 where all is linear, else far."""
-        if not self.parts:
-            return 1.0
-        most = self.amplitudes[1] / self.units.length
+        """Distance of the two nodes, deck units: far, for near ones would pass each other."""
+        most = (self.amplitudes[1] or _PRESSED) / self.units.length
         return float(10.0 ** np.ceil(np.log10(_APART * most)))
 
     @property
     def apart(self) -> list[str]:
         """What the header says of the two nodes where elements follow them."""
-        if not self.parts:
-            return []
         far = f"{text(self.span)} {self.units.words[0]}"
-        return [f"keep the two nodes {far} apart: nearer, large motion turns the elements round"]
+        return [
+            f"keep the two nodes {far} apart: if they are near, a press turns the elements round"
+        ]
 
     def curve(self, points: int = _POINTS, *, k: float = 0.0) -> list[tuple[float, float]]:
         r"""Displacement and force of the cubic spring, and of one of `k` with it, from 0 on.

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from dashpot.base.checks import Finding, criterion
+from dashpot.base.checks import Finding, Remedy, criterion
 
 
 @criterion("rows outside the band", "<=", 0, "the band of the fit")
 def rows_informed(outside: int, rows: int, low: float, high: float) -> Finding:
     """Every row of a deck's table lies where the test informs the solid."""
     return Finding(
-        f"every one of the {rows} rows of this deck lies inside what the test informs",
+        f"All {rows} rows of this deck lie in the valid band of the fit",
         outside,
-        instead=f"{outside} of {rows} rows, from {low:.6g} to {high:.6g} Hz, lie outside "
-        "what the test informs: stiffness and damping there are extrapolated; a hammer test "
-        "fitted together with it (identify) informs them",
+        instead=f"{outside} of {rows} rows, from {low:.6g} to {high:.6g} Hz, lie outside the valid "
+        "band. Stiffness and damping there are extrapolated",
+        remedy=Remedy("Limit the table to the valid band, or add a hammer test.", "band"),
     )

@@ -224,7 +224,7 @@ class Deck:
     def _verdict(self, informed: tuple[Check, ...]) -> Verdict | None:
         if self.fit is None:
             return None
-        return verdict((*self.fit.checks, *informed), sound=self.fit.verdict.says)
+        return verdict((*self.fit.checks, *informed), sound=self.fit.sound)
 
     def _described(self) -> list[str]:
         units, specimen = self.units, self.specimen

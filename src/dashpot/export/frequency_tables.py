@@ -123,7 +123,7 @@ class _Lines:
     def values(self, f: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Storage stiffness and damping at `f`, Hz, as printed."""
         omega = 2 * np.pi * f
-        K = self.solid.complex_stiffness(omega)
+        K = self.solid.complex_stiffness(omega=omega)
         damped = K.imag / (K.real if self.damping == "loss_factor" else omega)
         return (
             np.array([self.rounded(v) for v in K.real]),
@@ -136,7 +136,7 @@ class _Lines:
         inner = f[:-1, None] + np.diff(f)[:, None] * _WITHIN
         between = np.concatenate((f, inner.ravel()))
         omega = 2 * np.pi * between
-        K = self.solid.complex_stiffness(omega)
+        K = self.solid.complex_stiffness(omega=omega)
         if not K.imag.any():
             return 0.0  # a spring: both of its lines are level
         real, second = np.interp(between, f, storage), np.interp(between, f, damped)

@@ -153,7 +153,7 @@ def _overlooked(
             "the test temperature is not stated", "give --temperature 23degC"
         )  # fmt: skip
     if fit.verdict.use == "do not use":
-        problems["not_identified"] = fit.verdict.says, "see dashpot hyperelastic"
+        problems["not_identified"] = fit.verdict.says, "see dashpot fit"
     return overlooked(problems, allow, "card")
 
 

@@ -106,7 +106,7 @@ def unit_system(name: str | None) -> UnitSystem:
     """
     if name is None or name not in UNIT_SYSTEMS:
         found = "no unit system is given" if name is None else f"'{name}' is no unit system"
-        raise ExportError(f"{found}; add --units, one of {', '.join(UNIT_SYSTEMS)}")
+        raise ExportError(f"{found}; add --unit-system, one of {', '.join(UNIT_SYSTEMS)}")
     return UNIT_SYSTEMS[name]
 
 
@@ -151,7 +151,7 @@ def _finite(value: float) -> float:
     if not math.isfinite(value):
         raise ExportError(
             f"a number of the deck is {value} in its units; expected a finite one: look at the "
-            "stiffnesses, the relaxation times and --units"
+            "stiffnesses, the relaxation times and --unit-system"
         )
     return value
 
@@ -164,5 +164,13 @@ def _pointed(number: str) -> str:
 
 
 def one_line(line: str) -> str:
-    """Printable ASCII: a file name can hold anything, a solver reads no more."""
-    return "".join(sign if " " <= sign <= "~" else "?" for sign in line)
+    """Printable ASCII: a file name can hold anything, a solver reads no more.
+
+    >>> one_line("known to ±1 %")
+    'known to +/-1 %'
+    """
+    return "".join(sign if " " <= sign <= "~" else "?" for sign in line.translate(_SPELT))
+
+
+_SPELT = str.maketrans({"±": "+/-", "²": "^2", "°": "deg", "·": "*"})
+"""Signs that sentences of a verdict hold, as a solver's comment spells them."""

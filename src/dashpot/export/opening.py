@@ -177,7 +177,7 @@ def overlooked(
         names = ", ".join(f"'{name}'" for name in refused)
         raise ExportError(
             f"{found}. To write the {what} all the same, with a mark in its header, allow {names}: "
-            "--allow NAME for each, or --force for all"
+            "--allow NAME for each, or --allow all"
         )
     return tuple(says for says, _ in problems.values())
 

@@ -77,5 +77,10 @@ def measured_compliance(test: CreepTest | LoadHold) -> CreepCompliance:
         np.bincount(which, one, minlength=len(counts))[full] / counts[full] for one in (since, left)
     )
     return CreepCompliance(
-        time, fit.solid.creep(time) + mean, COMPLIANCES[record.unit], record.specimen, record.source
+        time,
+        fit.solid.creep(time) + mean,
+        COMPLIANCES[record.unit],
+        record.specimen,
+        record.source,
+        units="SI",
     )

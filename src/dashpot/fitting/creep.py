@@ -50,12 +50,12 @@ from dashpot.fitting.uncertainty.informed_band import informed_band
 from dashpot.fitting.uncertainty.load_error import load_rows
 from dashpot.preparation.checks import of_temperature
 from dashpot.preparation.creep import load_hold
-from dashpot.preparation.segments import find_segments
 from dashpot.records.creep import Creep, CreepCompliance, CreepTest, LoadHold
 from dashpot.records.fit import Evidence, Fit, Provenance
 from dashpot.records.machine import Machine
 from dashpot.records.relaxation import quantum
 from dashpot.records.superposition import AsMeasured, Superposition
+from dashpot.signals.segments import find_segments
 from dashpot.solids.interconversion import CreepSpectrum
 
 _NUISANCE = ("offset", "drift", "delay")

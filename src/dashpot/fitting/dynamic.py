@@ -187,7 +187,7 @@ def fit_dynamic(
 
 def _relative_error(solid: Solid, data: DynamicTest, weights: str) -> FloatArray:
     """Errors of storage, then of loss, relative to each, or both to the complex modulus."""
-    K = solid.complex_stiffness(data.omega)
+    K = solid.complex_stiffness(omega=data.omega)
     storage, loss = relative_scale(data)
     if weights == "modulus":
         storage = loss = np.abs(data.value)
@@ -231,12 +231,12 @@ def _refuse_beside_shifts(family: str, records: Sequence[RampHold]) -> None:
     if family != "maxwell":
         raise FitError(
             "a master curve is fitted with arms, which move together with temperature: leave the "
-            "family to be maxwell, or choose one temperature with --at (Python: temperature=)"
+            "family to be maxwell, or choose one temperature with --only (Python: temperature=)"
         )
     if records:
         raise FitError(
             "the sweeps are of several temperatures, the relaxation tests of one: choose the "
-            "sweep of theirs with --at (Python: temperature=)"
+            "sweep of theirs with --only (Python: temperature=)"
         )
 
 
@@ -266,7 +266,7 @@ def _sweep(data: DynamicTest, weights: str, *, dashpot: bool, most: int) -> _Set
     first = _sweep_block(data, _scale(data, data.value, weights), dashpot=dashpot)
     best = alone([first], _halves(first, n), most)
     # the size of noisy data is a biased weight: low values would speak loudest
-    storage, loss = _scale(data, best.model.complex_stiffness(data.omega), weights)
+    storage, loss = _scale(data, best.model.complex_stiffness(omega=data.omega), weights)
     scale = (storage * best.scatter[0], loss * best.scatter[1])
     known = _sweep_block(data, scale, dashpot=dashpot)
     return _Set(known, _halves(known, n))
@@ -349,7 +349,7 @@ def _checks(found: Chosen, data: DynamicTest, records: Sequence[RampHold]) -> tu
     )
     answers = [
         *of_arms,
-        plateau_seen(model, float(error[0]), unit=data.unit, further="sweep to lower frequencies"),
+        plateau_seen(model, float(error[0]), unit=data.unit, further="Sweep to lower frequencies."),
         residuals_random(estimate.kappa, estimate.rms),
         *([] if found.choice is None else [order_agreed(found.choice)]),
     ]

@@ -100,7 +100,7 @@ def fit_modulus(
     if isinstance(time, RelaxationModulus | Superposition):
         data, origin = _at_one_temperature(time)
     else:
-        curve = RelaxationModulus(time, modulus, unit, specimen or Specimen(), source)  # type: ignore[arg-type]
+        curve = RelaxationModulus(time, modulus, unit, specimen or Specimen(), source, units="SI")  # type: ignore[arg-type]
         data, origin = curve, AsMeasured(sources_of([curve]))
     t, values, unit = data.time, data.modulus, data.unit
     falls = modulus_falls(values)
@@ -119,7 +119,7 @@ def fit_modulus(
         arms_supported(model, found.error, unit=unit),
         tau_inside_window(model, window, "the curve"),
         arms_distinct(model),
-        plateau_seen(model, float(found.error[0]), unit=unit, further="measure longer"),
+        plateau_seen(model, float(found.error[0]), unit=unit, further="Measure longer."),
         residuals_random(found.estimate.kappa, found.estimate.rms),
         *([] if found.choice is None else [order_agreed(found.choice)]),
     )

@@ -19,10 +19,10 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, kept, median
 from dashpot.engine.blocks.block import DataBlock, prior_block
 from dashpot.engine.inference.covariance import noise_of
-from dashpot.preparation.noise import scatter
 from dashpot.records.machine import USUAL
 from dashpot.records.relaxation import RampHold
 from dashpot.records.specimen import Specimen
+from dashpot.signals.noise import scatter
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 # fewer samples have no scatter, and none a slope, to speak of

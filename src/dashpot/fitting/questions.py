@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.checks import Check, worst
+from dashpot.base.checks import Check, Remedy, worst
 from dashpot.base.choices import Method
 from dashpot.fitting.checks.relaxation import (
     arms_where_force_relaxes,
@@ -144,7 +144,7 @@ def _of_arms(
             window.of,
             ends=window.ends,
             within=True,
-            advice="; do not use this arm: fit fewer arms, hold longer or sample faster",
+            remedy=Remedy("Use fewer arms, hold longer, or sample faster.", "arms"),
         ),
     )
 

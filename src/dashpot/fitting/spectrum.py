@@ -200,7 +200,7 @@ def passive_misfit(data: DynamicTest) -> tuple[FloatArray, FloatArray] | None:
     except DataError:
         return None
     order = np.argsort(data.frequency, kind="stable")
-    error = nearest.complex_stiffness(data.omega) - data.value
+    error = nearest.complex_stiffness(omega=data.omega) - data.value
     storage, loss = relative_scale(data)
     return (error.real / storage)[order], (error.imag / loss)[order]
 

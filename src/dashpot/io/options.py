@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from dashpot.base.errors import DataError, ReadError
-from dashpot.base.options import flag_of, option
+from dashpot.base.options import flag_of, key_of, offered, option
 from dashpot.base.units import parse_quantity, si_fields
 from dashpot.io.source import open_raw
 
@@ -48,10 +48,8 @@ def _unit_words(units: Sequence[tuple[str, str]]) -> list[str]:
 
 
 def _column(says: str, **how: Any) -> Any:
-    """Return the field that names the column of a role, an option of the same name."""
-    return option(
-        () if "multiple" in how else None, says, metavar="COLUMN", section="columns", **how
-    )
+    """Return the field that names the column of a role: ``--column ROLE=NAME``."""
+    return option(() if "multiple" in how else None, says, under="column", section="columns", **how)
 
 
 @dataclass(frozen=True)
@@ -94,10 +92,14 @@ class ReadOptions:
         The loading to use, counted from 1, where a relaxation test has several.
     sheet : str or None
         The sheet of a workbook, group of a TDMS file or HDF5 file, by name.
+    kind : str or None
+        What the file is, in place of what it is recognised as: ``"relaxation"``, ``"cld"``.
     calibration : str or None
         Path of an ATI ``.cal`` file that turns six gauge voltages into the force.
     axis : str
         The axis of the calibrated transducer that is the force.
+    own : tuple of (str, ReadOptions)
+        What is said of the files alone whose name a pattern matches: ``"hammer*.csv"``.
     """
 
     time: str | None = _column("Column of time, by name or number.")
@@ -118,7 +120,7 @@ class ReadOptions:
     loss: str | None = _column("Column of loss modulus or stiffness.")
     loss_factor: str | None = _column("Column of the loss factor (tan delta).")
     modulus: str | None = _column("Column of a relaxation modulus over time.")
-    temperature: str | None = _column("Column of temperature.", flag="temperature-column")
+    temperature: str | None = _column("Column of temperature.")
     real: str | None = _column("Column of the real part of an FRF.")
     imaginary: str | None = _column("Column of its imaginary part.")
     magnitude: str | None = _column("Column of the magnitude of an FRF, or of the size of K*.")
@@ -129,21 +131,44 @@ class ReadOptions:
         parse=all_units, typed=_unit_words,
     )  # fmt: skip
     rate: float | None = option(
-        None, "Sampling rate, if there is no time.", section="", unit="frequency"
+        None, "Sampling rate of a file without time.", section="", unit="frequency"
     )
-    delimiter: str | None = option(None, "tab, space, comma, ';', fixed, ...", section="text")
-    decimal: str | None = option(None, "point or comma.", section="text")
-    encoding: str | None = option(None, "E.g. utf-8, cp1250, gb18030.", section="text")
-    skip_rows: int = option(0, "Lines to pass over.", section="text", least=0)
-    segment: int | None = option(None, "Which segment of the file.", section="part", least=1)
-    cycle: int | None = option(None, "Which loading of several.", section="part", least=1)
-    sheet: str | None = option(None, "Sheet of a workbook, group of TDMS or HDF5.", section="part")
+    delimiter: str | None = option(
+        None, "tab, space, comma, semicolon or fixed.", section="text", under="text"
+    )
+    decimal: str | None = option(None, "point or comma.", section="text", under="text")
+    encoding: str | None = option(
+        None, "E.g. utf-8, cp1250, gb18030.", section="text", under="text"
+    )
+    skip_rows: int = option(
+        0, "Lines to pass over.", section="text", least=0, under="text", key="skip"
+    )
+    segment: int | None = option(
+        None, "Which segment of the file.", section="part", least=1, under="part"
+    )
+    cycle: int | None = option(
+        None, "Which loading of several.", section="part", least=1, under="part"
+    )
+    sheet: str | None = option(
+        None, "Sheet of a workbook, group of TDMS or HDF5.", section="part", under="part"
+    )
+    kind: str | None = option(
+        None, "What the file is, if not what it seems.", section="part", flag="as", metavar="KIND"
+    )
     calibration: str | None = option(
         None, "ATI .cal file: gauge volts to force.", section="transducer", metavar="FILE"
     )
-    axis: str = option("Fz", "Axis of the calibrated transducer.", section="transducer")
+    axis: str = option(
+        "Fz", "Axis of the calibrated transducer.", section="transducer", under="calibration"
+    )
+    own: tuple[tuple[str, ReadOptions], ...] = ()
 
     def __post_init__(self) -> None:
+        scoped = tuple(
+            (str(glob), said if isinstance(said, ReadOptions) else ReadOptions(**said))
+            for glob, said in self.own
+        )
+        object.__setattr__(self, "own", scoped)
         si_fields(self)
         pairs = self.units.items() if isinstance(self.units, Mapping) else self.units
         object.__setattr__(self, "units", tuple((str(name), str(unit)) for name, unit in pairs))
@@ -168,6 +193,19 @@ class ReadOptions:
         # "force=N" speaks of the force, whichever column is it and whatever another is called
         return by_role if by_role and name in _FLAGS else given.get(name, by_role)
 
+    def of(self, path: str | Path) -> ReadOptions:
+        """These options for one file: what was said of it alone wins.
+
+        >>> asked = ReadOptions(force="F", own=(("h*.csv", ReadOptions(force="hammer")),))
+        >>> asked.of("rig/hit.csv").force, asked.of("seal.csv").force
+        ('hammer', 'F')
+        """
+        said = replace(self, own=()) if self.own else self
+        for glob, more in self.own:
+            if Path(path).match(glob) or str(path) == glob:
+                said = more.over(said)
+        return said
+
     @property
     def of_bench(self) -> tuple[str, ...]:
         """Fields that speak of a relaxation test beside a file of vibration.
@@ -189,11 +227,13 @@ class ReadOptions:
             if getattr(self, one.name) != getattr(default, one.name)
         }
         stated["units"] = {**dict(profile.units), **dict(self.units)}
+        stated["own"] = (*profile.own, *self.own)
         return replace(profile, **stated)
 
     def only(self, names: Sequence[str]) -> ReadOptions:
-        """These fields alone, all else as if it had not been said."""
-        return ReadOptions(**{name: getattr(self, name) for name in names})
+        """These fields of what is for all files, all else as if it had not been said."""
+        kept = {name: getattr(self, name) for name in names if name != "own"}
+        return ReadOptions(**kept, own=self.own)
 
     def without(self, names: Sequence[str]) -> ReadOptions:
         """All but these fields."""
@@ -214,24 +254,29 @@ OF_BENCH = ("displacement", "cycle")
 def _sections() -> dict[str, tuple[str, ...]]:
     """The fields of a profile by section; "" is its head. A field without one is an error."""
     found: dict[str, tuple[str, ...]] = {}
-    for one in fields(ReadOptions):
+    for one in offered(ReadOptions):
         section = one.metadata["section"]
         found[section] = (*found.get(section, ()), one.name)
     return found
 
 
 _SECTIONS = _sections()
-_ASKED = {one.name: one.metadata for one in fields(ReadOptions)}
+PROFILE = frozenset({"rate", "units", *filter(None, _SECTIONS)})
+"""What stands in a profile: its tables, and the rate."""
+_ASKED = {one.name: one.metadata for one in offered(ReadOptions)}
 _ALSO = {"hammer": "force", "complex_modulus": "magnitude", "loss_angle": "phase"}
 """Roles whose unit may be given by another's name."""
-_FLAGS = {one.name: flag_of(one) for one in fields(ReadOptions)}
+_FLAGS = {
+    one.name: f"{flag_of(one)} {key_of(one)}" if "under" in one.metadata else flag_of(one)
+    for one in offered(ReadOptions)
+}
 
 
 def flag(name: str) -> str:
-    """Return the option of the command line that fills a field, such as ``--loss-factor``.
+    """Return what is typed before ``=`` and the value of a field.
 
     >>> flag("temperature"), flag("skip_rows")
-    ('--temperature-column', '--skip-rows')
+    ('--column temperature', '--text skip')
     """
     return _FLAGS[name]
 
@@ -244,8 +289,8 @@ def _known_encoding(word: str) -> None:
         reads = False
     if not reads or codecs.lookup(word).name in _NO_TEXT:
         raise DataError(
-            f"encoding '{word}' is unknown; give --encoding utf-8, utf-16, cp1252, cp1250 or "
-            "gb18030"
+            f"encoding '{word}' is unknown; give --text encoding=utf-8, utf-16, cp1252, "
+            "cp1250 or gb18030"
         )
 
 
@@ -318,7 +363,7 @@ def _from_toml(content: dict[str, Any]) -> ReadOptions:
         elif section in _SECTIONS:
             stated |= {name: _option(section, name, value) for name, value in entries.items()}
         else:
-            known = ", ".join(["rate", *filter(None, _SECTIONS)])
+            known = ", ".join(sorted(PROFILE))
             raise DataError(f"'{section}' is unknown in a profile; known are {known}")
     return ReadOptions(**stated)
 

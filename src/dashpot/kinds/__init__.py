@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
 
 from dashpot.base.offered import verb
 
@@ -20,7 +20,9 @@ if TYPE_CHECKING:
     from dashpot.io.options import ReadOptions
 
 FIT_FILES = "workflow.fits:fit_files"
-_PAIR = "say of which test (--pair, or the column 'hammer' of --manifest), or use dashpot identify"
+_PAIR = (
+    "say of which test (--pair, or the column 'hammer' of --manifest), or fit both with dashpot fit"
+)
 _RELAXATION = "io.readers.relaxation:read_relaxation"
 _DYNAMIC = "io.readers.dynamic:read_dynamic"
 
@@ -28,6 +30,12 @@ _DYNAMIC = "io.readers.dynamic:read_dynamic"
 def load(word: str) -> Any:
     """Return what a word names."""
     return verb(*word.split(":"))
+
+
+Meant: TypeAlias = Literal[
+    "bench", "hits", "modes", "level", "rod", "cld", "stress-strain", "indentation"
+]
+"""What records of one kind are fitted as."""
 
 
 class Example(NamedTuple):
@@ -76,8 +84,9 @@ class KindOfTest:
     nouns : mapping of str to str
         Records and results that are of this kind alone, each with its figure, if it has one; those
         with a schema are read back from their documents.
-    command : tuple of str
-        What the shell proposes for a file of the kind; the first is the command.
+    meant : str
+        What its files are fitted as, if nothing else is given: a word of
+        :mod:`dashpot.workflow.routing`; empty of what is not fitted.
     checks : str
         The module of what it is asked.
     page : str
@@ -91,8 +100,6 @@ class KindOfTest:
         What has to be known of the piece before.
     says : str
         In a lot, which word it waits for; by default who wants it.
-    column : str
-        The option that must name its column.
     resonates : bool
         Whether a lot finds a resonance in the file alone.
     examples : str
@@ -103,21 +110,20 @@ class KindOfTest:
     reader: str = ""
     fit: str = ""
     nouns: Mapping[str, str] = field(default_factory=dict)
-    command: tuple[str, ...] = ()
+    meant: Meant | Literal[""] = ""
     checks: str = ""
     page: Literal["", "job", "response", "bench", "level"] = ""
     row: str = ""
     columns: tuple[str, ...] = ()
     needs: str = ""
     says: str = ""
-    column: str = ""
     resonates: bool = False
     examples: str = ""
 
 
 KINDS: Mapping[str, KindOfTest] = MappingProxyType({kind.name: kind for kind in (
     KindOfTest(
-        "relaxation", _RELAXATION, FIT_FILES, page="job", command=("fit",),
+        "relaxation", _RELAXATION, FIT_FILES, page="job", meant="bench",
         nouns={
             "records.relaxation:RelaxationTest": "",
             "records.relaxation:RampHold": "plot.relaxation:segments",
@@ -126,30 +132,30 @@ KINDS: Mapping[str, KindOfTest] = MappingProxyType({kind.name: kind for kind in 
     ),
     KindOfTest(
         "impact", "io.readers.impact:read_impact", "workflow.impacts:impact_files",
-        page="job", command=("impact",), says=_PAIR, resonates=True,
+        page="job", says=_PAIR, resonates=True, meant="hits",
         nouns={"records.impact:ImpactTest": ""},
         checks="vibration.impact.checks",
     ),
     KindOfTest(
         "frf", "io.readers.frf:read_frf", "workflow.measured_modes:modes_files",
-        page="response", command=("compare", "fit.json"), says=_PAIR, resonates=True,
+        page="response", says=_PAIR, resonates=True, meant="modes",
         nouns={"records.frf:FRF": "plot.vibration:frf"},
         checks="vibration.modal.checks",
     ),
     KindOfTest("transmissibility", "io.readers.frf:read_frf", page="response"),
     KindOfTest(
-        "dma", _DYNAMIC, FIT_FILES, page="bench", command=("fit",),
+        "dma", _DYNAMIC, FIT_FILES, page="bench", meant="bench",
         nouns={"records.dynamic:DynamicTest": ""},
         checks="fitting.checks.curves",
     ),
     KindOfTest(
-        "master-curve", _DYNAMIC, FIT_FILES, page="bench", command=("fit",),
+        "master-curve", _DYNAMIC, FIT_FILES, page="bench", meant="bench",
         nouns={"records.superposition:Superposition": "plot.superposition_figure:superposition"},
         checks="fitting.checks.temperature",
     ),
     KindOfTest(
         "strain-sweep", "kinds.level.read:read_amplitude", "workflow.levels:level_files",
-        page="level",
+        page="level", meant="level",
         nouns={
             "kinds.level.record:AmplitudeSweep": "kinds.level.figure:amplitude_sweep",
             "kinds.level.record:AmplitudeFit": "",
@@ -160,13 +166,12 @@ KINDS: Mapping[str, KindOfTest] = MappingProxyType({kind.name: kind for kind in 
     KindOfTest("temperature-sweep"),
     KindOfTest("one-frequency"),
     KindOfTest(
-        "modulus", "io.readers.modulus:read_modulus", FIT_FILES, page="bench", column="modulus",
-        says="name its column (--modulus)",
+        "modulus", "io.readers.modulus:read_modulus", FIT_FILES, page="bench", meant="bench",
         nouns={"records.modulus:RelaxationModulus": ""},
         checks="fitting.checks.curves",
     ),
     KindOfTest(
-        "creep", "io.readers.creep:read_creep", FIT_FILES, page="bench",
+        "creep", "io.readers.creep:read_creep", FIT_FILES, page="bench", meant="bench",
         nouns={
             "records.creep:CreepTest": "",
             "records.creep:LoadHold": "",
@@ -175,7 +180,7 @@ KINDS: Mapping[str, KindOfTest] = MappingProxyType({kind.name: kind for kind in 
         checks="fitting.checks.creep",
     ),
     KindOfTest(
-        "cld", "kinds.cld.read:read_cld", "kinds.cld.from_files:cld_files",
+        "cld", "kinds.cld.read:read_cld", "kinds.cld.from_files:cld_files", meant="cld",
         nouns={
             "kinds.cld.record:CompressionTest": "",
             "kinds.cld.record:CLD": "kinds.cld.figure:cld",
@@ -190,7 +195,7 @@ KINDS: Mapping[str, KindOfTest] = MappingProxyType({kind.name: kind for kind in 
     ),
     KindOfTest(
         "indentation", "kinds.indentation.read:read_indentation",
-        "kinds.indentation.from_files:indent_file",
+        "kinds.indentation.from_files:indent_file", meant="indentation",
         nouns={
             "kinds.indentation.record:IndentationTest": "",
             "kinds.indentation.record:IndentationFit": "kinds.indentation.figure:indentation",
@@ -205,14 +210,14 @@ KINDS: Mapping[str, KindOfTest] = MappingProxyType({kind.name: kind for kind in 
         examples="kinds.indentation.examples:EXAMPLES",
     ),
     KindOfTest(
-        "rod", "io.readers.frf:read_frf", "workflow.rods:rod_files", command=("rod",),
+        "rod", "io.readers.frf:read_frf", "workflow.rods:rod_files", meant="rod",
         nouns={"kinds.rod.record:RodModulus": "kinds.rod.figure:rod"},
         checks="kinds.rod.checks",
         examples="kinds.rod.examples:EXAMPLES",
     ),
     KindOfTest(
         "stress-strain", "kinds.hyperelastic.read:read_stress_strain",
-        "kinds.hyperelastic.from_files:hyperelastic_files",
+        "kinds.hyperelastic.from_files:hyperelastic_files", meant="stress-strain",
         nouns={
             "kinds.hyperelastic.record:StressStrainTest": "",
             "kinds.hyperelastic.record:HyperelasticFit": "kinds.hyperelastic.figure:hyperelastic",
@@ -221,10 +226,12 @@ KINDS: Mapping[str, KindOfTest] = MappingProxyType({kind.name: kind for kind in 
         examples="kinds.hyperelastic.examples:EXAMPLES",
     ),
     KindOfTest(
-        "cyclic", _RELAXATION, "workflow.levels:level_files", page="level",
+        "cyclic", _RELAXATION, "workflow.levels:level_files", page="level", meant="level",
         checks="kinds.level.checks",
         examples="kinds.level.examples:EXAMPLES",
     ),
+    KindOfTest("seal-line"),
+    KindOfTest("free-modes", "door.read_modes:read_modes"),
 )})  # fmt: skip
 """Every kind, in the order in which columns and examples stand."""
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from dashpot.base.capability import Capability
-from dashpot.base.checks import Finding, criterion
+from dashpot.base.checks import Finding, Remedy, criterion
 from dashpot.base.numbers import counted
 
 
@@ -15,7 +15,7 @@ def files_fitted(without: int, files: int) -> Finding:
     return Finding(
         f"{files - without} of {files} files are tests that were fitted",
         without,
-        ": the table has the reason of each other one, or the command that wants it",
+        remedy="Look up the reason of each other file in the table.",
     )
 
 
@@ -25,7 +25,7 @@ def fits_usable(unusable: int, fitted: int) -> Finding:
     return Finding(
         f"{unusable} of {fitted} fits have the verdict 'do not use'",
         unusable,
-        ": the table has the reason, and the checks that failed, of each",
+        remedy="Look up their reasons in the table.",
     )
 
 
@@ -33,9 +33,9 @@ def fits_usable(unusable: int, fitted: int) -> Finding:
 def hammers_compared(without: int, paired: int) -> Finding:
     """Every hammer of a batch was held against the test that it is paired with."""
     return Finding(
-        f"{paired - without} of {paired} hammers were held against their tests",
+        f"{paired - without} of {paired} hammer tests were compared with their relaxation tests",
         without,
-        ": the table has the reason of each other one",
+        remedy="Look up the reason of each other one in the table.",
     )
 
 
@@ -43,9 +43,10 @@ def hammers_compared(without: int, paired: int) -> Finding:
 def tests_alike(unlike: int, tests: int) -> Finding:
     """Tests of a lot have one hold and depth, within 5 %, and one temperature, within 3 K."""
     return Finding(
-        f"{tests - unlike} of {tests} fits are of tests that were made alike",
+        f"{tests - unlike} of {tests} fits have tests that were made alike",
         unlike,
-        ": the others, which the page names, are left out of the lot's statistics",
+        "The others, which the page names, are left out of the statistics",
+        "Test every seal alike.",
     )
 
 
@@ -53,10 +54,10 @@ def tests_alike(unlike: int, tests: int) -> Finding:
 def records_distinct(again: int, tests: int) -> Finding:
     """Every test that is used is a record of its own: a copy says nothing that it did not say."""
     return Finding(
-        f"{tests - again} of {tests} fits are of records of their own",
+        f"{tests - again} of {tests} fits have records of their own",
         again,
-        ": the others are copies of these, which makes scatter and intervals too small; leave them "
-        "out",
+        "The others are copies, which make scatter and intervals too small",
+        "Leave the copies out.",
     )
 
 
@@ -73,7 +74,8 @@ def seals_within_limits(words: str, limits: str, decisions: Sequence[str]) -> Fi
     return Finding(
         f"{passed} of {every} seals pass: {words} {limits}",
         every - passed,
-        f"; {broken}",
+        broken,
+        "Look up those seals in the table.",
     )
 
 
@@ -85,8 +87,9 @@ def capability_as_asked(
     if lowest is None or unknown:
         return Finding(
             "",
-            instead=f"Cpk of {words}, where {asked:.2f} is asked, is not known of "
-            f"{counted(unknown, 'lot')}: test two seals of each, at least, that differ",
+            instead=f"Cpk of {words} is not known of {counted(unknown, 'lot')}; {asked:.2f} is "
+            "asked",
+            remedy="Test two or more different seals of each lot.",
             limit=asked,
             faulted=True,
         )
@@ -94,10 +97,11 @@ def capability_as_asked(
     low, high = of.cpk_interval or (0.0, 0.0)
     where = f" of lot {lot}" if lot else ""
     return Finding(
-        f"Cpk of {words}{where} is {of.cpk:.2f} ({low:.2f} to {high:.2f}, {of.count} seals) "
-        f"where {asked:.2f} is asked",
+        f"Cpk of {words}{where} is {of.cpk:.2f} ({low:.2f} to {high:.2f}, {of.count} seals); "
+        f"{asked:.2f} is asked",
         of.cpk,
-        ": test more seals" if high >= asked else ": the seals scatter too much, or lie off centre",
+        "" if high >= asked else "The seals scatter too much, or lie off centre",
+        "Test more seals." if high >= asked else "Look at scatter and mean of that lot.",
         limit=asked,
     )
 
@@ -106,7 +110,9 @@ def capability_as_asked(
            grade="note")  # fmt: skip
 def stands_out_of_lot(out: int, seals: int) -> Finding:
     """No seal of a lot, and no test of a seal, stands out of the others."""
-    return Finding(f"{out} of {seals} seals or their tests stand out", out, ": look at them")
+    return Finding(
+        f"{out} of {seals} seals or their tests differ from the others", out, remedy="Look at them."
+    )
 
 
 @criterion("tests beyond their band", "<=", 0, "by definition")
@@ -114,10 +120,11 @@ def asked_in_band(frequencies: Sequence[float], tests: int) -> Finding:
     """The frequencies at which stiffness and loss are asked for are those that the tests inform."""
     where = ", ".join(f"{one:g}" for one in frequencies)
     return Finding(
-        "the tests inform the frequencies that are asked for",
+        "The frequencies asked for lie in the valid band of every test",
         tests,
-        instead=f"{where} Hz lies beyond the band of {tests} tests: stiffness and loss there are "
-        "extrapolated; a faster ramp or a hammer test would tell",
+        instead=f"{where} Hz lies outside the valid band of {tests} tests. Stiffness and loss "
+        "factor there are extrapolated",
+        remedy=Remedy("Add a hammer test, or ramp faster.", "pair"),
     )
 
 
@@ -125,10 +132,11 @@ def asked_in_band(frequencies: Sequence[float], tests: int) -> Finding:
 def lots_tested_alike(otherwise: Sequence[str]) -> Finding:
     """Two lots were tested alike: hold, depth and ramp within 5 %, temperature within 3 K."""
     return Finding(
-        "the lots were tested alike",
+        "The lots were tested alike",
         len(otherwise),
-        instead=f"the lots were not tested alike ({'; '.join(otherwise)}): what differs may be the "
-        "testing",
+        instead=f"The lots were not tested alike ({', '.join(otherwise)}). The tests may cause the "
+        "difference",
+        remedy="Test both lots alike.",
     )
 
 
@@ -138,6 +146,6 @@ def seals_named(unnamed: int, tests: int) -> Finding:
     return Finding(
         f"{tests - unnamed} of {tests} tests name their seal",
         unnamed,
-        ": each other one counts as a seal, which makes intervals too short if any were repeats; "
-        "name them (--by or --manifest)",
+        "Each other one counts as a seal. Intervals are too short if any are repeats",
+        Remedy("Name the seals.", "by"),
     )

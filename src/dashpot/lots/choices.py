@@ -63,26 +63,26 @@ class BatchChoices:
 
     arms: int | Literal["auto"] = like(Job, "arms")
     method: Method = like(Job, "method")
-    quick: bool = option(False, "The optimum alone; needs a number of --arms.", is_flag=True)
-    mass: float | None = like(Job, "mass", help="Block mass: adds its frequency.")
+    quick: bool = option(False, "No intervals; needs a number of --arms.", is_flag=True)
+    mass: float | None = like(
+        Job, "mass", help="Mass of the block or indenter: adds its frequency."
+    )
     seals: float = like(Job, "seals")
     reading: ReadOptions = part(ReadOptions)
     reading_impact: ReadOptions = part(ReadOptions)
-    joint: bool = option(False, "One solid for a ramp and hold and its hammer.", is_flag=True)
+    joint: bool = option(False, "One solid for a test and its hammer.", is_flag=True)
     at: tuple[float, ...] = option(
         (),
-        "Adds stiffness and loss factor there, e.g. 12.7Hz; repeat it for more.",
-        unit="frequency", multiple=True,
+        "Add stiffness and loss factor there, e.g. 12.7Hz.",
+        unit="frequency", multiple=True, flag="frequency",
     )  # fmt: skip
     compression: tuple[float, ...] = option(
         (),
-        "Of the seals, for these [default: as tested]; repeat it for more.",
+        "Compression for these results (as tested).",
         unit="length", multiple=True,
     )  # fmt: skip
-    length: float | None = option(
-        None, "Contact length of each piece: load deflection per 100 mm.", unit="length"
-    )
-    radius: float | None = option(None, "Of an indenter's tip; its mass is --mass.", unit="length")
+    length: float | None = option(None, "Contact length of each piece, e.g. 100mm.", unit="length")
+    radius: float | None = option(None, "Radius of an indenter's tip.", unit="length")
 
     def __post_init__(self) -> None:
         si_fields(self)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any, TypeAlias
 
-import dashpot as dp
 from dashpot.base.units import column, in_unit
+from dashpot.base.version import __version__
 from dashpot.kinds import KINDS
 from dashpot.lots.choices import BatchChoices
 from dashpot.lots.entries import LABELS, Entry
@@ -103,6 +103,6 @@ def empty(entry: Entry, sha256: str, choices: BatchChoices) -> dict[str, Any]:
             "temperature_K": entry.temperature,
             "hammer_temperature_K": entry.hammer_temperature,
             "mass_kg": entry.mass,
-            "version": dp.__version__,
+            "version": __version__,
         }
     )

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import dashpot as dp
 from dashpot.base.checks import verdict
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import SIMULATED, Source
@@ -51,7 +50,9 @@ def held_against_hammer(
     numbers = _peaks(held) | origin
     if choices.joint and isinstance(record, RampHold):
         at = at_rest(fit, mass=mass, seals=choices.seals).point.compression
-        fit = dp.identify(
+        from dashpot.fitting.identification.identify import identify
+
+        fit = identify(
             frf, tests=(record,), fit=fit, mass=mass, seals=choices.seals, compression=at
         )
         _, held = held_against(fit, frf, mass=mass, seals=choices.seals)

@@ -16,7 +16,8 @@ from dashpot.base.errors import DashpotError
 from dashpot.base.facts import Fact
 from dashpot.base.provenance import SIMULATED
 from dashpot.base.units import column
-from dashpot.io.columns.kinds import MASTER, RECOGNISED
+from dashpot.io.columns.kinds import MASTER
+from dashpot.io.readers.recognise import Recognised, recognise
 from dashpot.kinds import FIT_FILES, KINDS, KindOfTest, Piece, load, row_of
 from dashpot.lots.choices import BatchChoices
 from dashpot.lots.columns import asked_columns, empty, of_solid
@@ -30,7 +31,6 @@ from dashpot.records.modulus import RelaxationModulus
 from dashpot.records.relaxation import RampHold
 from dashpot.records.specimen import Specimen
 from dashpot.workflow.fits import Record, fit_files
-from dashpot.workflow.inspections import inspect_files
 from dashpot.workflow.resting import at_rest
 
 
@@ -85,33 +85,31 @@ def _answered(entry: Entry, choices: BatchChoices, found: Mapping[str, Any]) -> 
         "arms": choices.arms, "method": choices.method, "intervals": not choices.quick,
         "specimen": specimen,
     }  # fmt: skip
-    bench = choices.bench
+    seen = recognise(entry.file, choices.bench)
+    origin = {"origin": SIMULATED if seen.simulated else ""}
+    kind = KINDS.get(seen.kind, KINDS["relaxation"])
+    if kind.fit != FIT_FILES:
+        return _of_other(seen, kind, entry, choices, found["mass_kg"]) | origin
     try:
-        fit, records = fit_files((entry.file,), options=bench, **how)
+        fit, records = fit_files((entry.file,), options=choices.bench, **how)
     except DashpotError as error:
-        seen = inspect_files((entry.file,), options=bench).files[0]
-        origin = {"origin": SIMULATED if seen.simulated else ""}
-        refused = {"kind": seen.kind, "outcome": "refused", "reason": str(error)} | origin
-        if seen.kind not in RECOGNISED:
-            return refused
-        kind, mass = KINDS[seen.kind], found["mass_kg"]
-        piece = _piece(entry, choices, mass)
-        if kind.row and (not kind.needs or getattr(piece, kind.needs) is not None):
-            return _of_kind(kind, entry, piece) | origin
-        if kind.column and getattr(choices.reading, kind.column) is not None:
-            fit, records = fit_files((entry.file,), options=choices.reading, **how)
-        elif kind.fit == FIT_FILES and not kind.says:
-            return refused
-        else:
-            what, use, *_ = RECOGNISED[seen.kind]
-            told = {
-                "kind": kind.name,
-                "outcome": "other",
-                "reason": f"it is {what}: {kind.says or use}",
-            }
-            alone = of_hammer_alone(entry, choices, mass) if kind.resonates else {}
-            return told | origin | alone
+        return {"kind": seen.kind, "outcome": "refused", "reason": str(error)} | origin
     return _of_test(fit, records[0], entry, choices, found)
+
+
+def _of_other(
+    seen: Recognised, kind: KindOfTest, entry: Entry, choices: BatchChoices, mass: float | None
+) -> dict[str, Any]:
+    """The row of what is no test of a bench: its own, or what it is and waits for."""
+    piece = _piece(entry, choices, mass)
+    if kind.row and (not kind.needs or getattr(piece, kind.needs) is not None):
+        return _of_kind(kind, entry, piece)
+    told = {
+        "kind": kind.name,
+        "outcome": "other",
+        "reason": f"it is {seen.what}: {kind.says or seen.use}",
+    }
+    return told | (of_hammer_alone(entry, choices, mass) if kind.resonates else {})
 
 
 def _piece(entry: Entry, choices: BatchChoices, mass: float | None) -> Piece:
@@ -257,7 +255,7 @@ def _asked(fit: Fit, choices: BatchChoices, hold: float | None) -> dict[str, Any
             refuse_far(compression, fit.elastic_law, fit.specimen.height)
             solid = fit.model_at(compression)
         if frequency is not None:
-            value = complex(solid.complex_stiffness(2 * math.pi * frequency))
+            value = complex(solid.complex_stiffness(omega=2 * math.pi * frequency))
             numbers = value.real, value.imag, value.imag / value.real
             found |= dict(zip(columns, numbers, strict=True))
         elif hold is not None:

@@ -6,8 +6,9 @@ from collections.abc import Sequence
 from typing import TypeAlias
 
 from dashpot.base.checks import Check
+from dashpot.base.sentences import sentence
 from dashpot.base.units import in_unit, written
-from dashpot.planning.checks import percent
+from dashpot.planning.checks import known_to
 from dashpot.planning.expected import ExpectedError, Pulse, RecordNeed, half_sine
 
 WORTH = 0.9
@@ -32,24 +33,23 @@ def advice(
         words.append(_ramp_advice(expected, alternatives, at=at, wanted=wanted))
     if need.record is None:
         words.append(
-            f"Record each hit for {needed(need):.3g} s{without}: {need.for_decay:.3g} s hold six "
-            f"time constants, {need.for_lines:.3g} s put five lines into the half-power band; with "
-            "an exponential window on both channels and the model taken at s = jw + a a shorter "
-            "record does."
+            f"Record each hit for {needed(need):.3g} s{without}. Six time constants last "
+            f"{need.for_decay:.3g} s; five lines in the half-power band need {need.for_lines:.3g} "
+            "s. With an exponential window a shorter record does."
         )
     failed = {check.name for check in answers if check.failed}
     if "record_long_enough" in failed:
         words.append(
             f"Record each hit for {needed(need):.3g} s{without} instead of {need.record:g} s, or "
-            "fit the model to the cut or windowed record."
+            "use an exponential window."
         )
     if tip is not None and "tip_excites" in failed:
         words.append(
-            "Use a harder tip: the pulse must be shorter than "
-            f"{written(_pulse_for(at), 'ms', '.3g')} to lose less than 10 dB at {at:g} Hz."
+            "Use a harder tip. A pulse shorter than "
+            f"{written(_pulse_for(at), 'ms', '.3g')} loses less than 10 dB at {at:g} Hz."
         )
     if not words:
-        words.append(f"This test will do: it knows the loss factor at {at:g} Hz well enough.")
+        words.append(f"This test will do. It gives the loss factor at {at:g} Hz well enough.")
     return tuple(words)
 
 
@@ -65,24 +65,23 @@ def _cold_advice(
     if not expected.repeated:
         return []
     alone = next(e for e in alternatives if e.method == expected.method and not e.repeated)
-    where, before = listed(expected.repeated), percent(alone.loss_factor_sd)
+    where, before = listed(expected.repeated), known_to(alone.loss_factor_sd)
     if expected.loss_factor_sd > WORTH * alone.loss_factor_sd:
-        faster = "" if min(expected.repeated) < room else ": fast arms are slower in the cold"
-        after = f"{percent(expected.loss_factor_sd)} for {before}{faster}"
+        colder = "" if min(expected.repeated) < room else " Test in the cold instead."
+        after = f"{known_to(expected.loss_factor_sd)} instead of {before}"
         return [
-            f"Repeating it at {where} hardly tells more of the loss factor at {at:g} Hz, {after}."
+            f"A repeat at {where} hardly improves the loss factor at {at:g} Hz: {after}.{colder}"
         ]
     says = (
-        f"Repeat it at {where} and fit all together: the standard deviation of the loss factor at "
-        f"{at:g} Hz goes from {before} to {percent(expected.loss_factor_sd)}, if all arms shift "
-        "alike."
+        f"Repeat it at {where} and fit all together. The loss factor at {at:g} Hz is then known "
+        f"to {known_to(expected.loss_factor_sd)} instead of {before}, if all arms shift alike."
     )
     words = [says]
     if len(expected.repeated) == 1:
         between = 5 * round(sum(in_unit(one, "degC") for one in (room, expected.repeated[0])) / 10)
         words.append(
-            "Two temperatures cannot see arms that shift apart, three can: test at a third one, "
-            f"such as {between:g} degC, too."
+            f"Test at a third temperature, such as {between:g} degC, too. Two temperatures cannot "
+            "show arms that shift apart."
         )
     return words
 
@@ -90,23 +89,29 @@ def _cold_advice(
 def _ramp_advice(
     expected: ExpectedError, alternatives: Sequence[ExpectedError], *, at: float, wanted: float
 ) -> str:
-    joint = next(e for e in alternatives if e.method == "joint")
     ways = [
-        f"{how} ({percent(best.loss_factor_sd)})"
-        for how, best in (
-            _faster(expected, alternatives, wanted), _colder(expected, alternatives, wanted)
-        )
-        if best is not None
-    ]  # fmt: skip
-    none = "" if ways else f", and no faster ramp tried here brings it to {percent(wanted)}"
-    ways.append(
-        f"test the damping with a hammer test and fit both together (identify, "
-        f"{percent(joint.loss_factor_sd)})"
-    )
+        f"{how} ({known_to(best.loss_factor_sd)})"
+        for how, best in _ways(expected, alternatives, wanted)
+    ]
+    none = "" if len(ways) > 1 else f" No faster ramp that was tried gives {known_to(wanted)}."
     return (
-        f"The loss factor at {at:g} Hz would be known to {percent(expected.loss_factor_sd)} only"
-        f"{none}: {', or '.join(ways)}."
+        f"The loss factor at {at:g} Hz would be known to {known_to(expected.loss_factor_sd)} "
+        f"only.{none} {sentence(', or '.join(ways))}"
     )
+
+
+def remedy(expected: ExpectedError, alternatives: Sequence[ExpectedError], *, wanted: float) -> str:
+    """Return what gives the loss factor as it is wanted: each way, in a sentence."""
+    return sentence(", or ".join(how for how, _ in _ways(expected, alternatives, wanted)))
+
+
+def _ways(
+    expected: ExpectedError, alternatives: Sequence[ExpectedError], wanted: float
+) -> list[tuple[str, ExpectedError]]:
+    joint = next(e for e in alternatives if e.method == "joint")
+    ways = [_faster(expected, alternatives, wanted), _colder(expected, alternatives, wanted)]
+    found = [(how, best) for how, best in ways if best is not None]
+    return [*found, ("add a hammer test and fit both together", joint)]
 
 
 Way: TypeAlias = tuple[str, ExpectedError | None]

@@ -7,18 +7,13 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from dashpot.base.arrays import FloatArray, sample_count
-from dashpot.base.choices import Method, refuse_other
-from dashpot.base.demands import positive
-from dashpot.base.options import option
-from dashpot.base.units import si_fields
+from dashpot.planning.asked import PlannedRamp
 from dashpot.records.machine import Machine
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
-IN_SI = "a number > 0 in SI units"
-
 
 @dataclass(frozen=True)
-class Bench:
+class Bench(PlannedRamp):
     """A ramp-and-hold test to be; quantities as in ``"8mm"``, or in SI units.
 
     Attributes
@@ -46,28 +41,7 @@ class Bench:
         If a number is not positive, or the method unknown.
     """
 
-    depth: float = option("8mm", unit="length")
-    ramp_time: float = option("1s", unit="time", flag="ramp")
-    hold_time: float = option("40s", unit="time", flag="hold")
-    rate: float = option("1kHz", unit="frequency")
-    noise: float = option("5mN", "Per sample, one SD.", unit="force")
-    method: Method = option("full", choices=Method)
-    baseline: float = option("1s", "Before the ramp.", unit="time")
     machine: Machine | None = field(default=Machine())
-
-    def __post_init__(self) -> None:
-        si_fields(self)
-        positive(
-            depth=self.depth,
-            ramp_time=self.ramp_time,
-            hold_time=self.hold_time,
-            rate=self.rate,
-            noise=self.noise,
-            baseline=self.baseline,
-            expected=IN_SI,
-            optional=True,
-        )
-        refuse_other("method", self.method, Method)
 
     def time(self) -> FloatArray:
         """The samples that the method fits, s from the start of the ramp, shape (n,)."""

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from dashpot.base.checks import Finding, criterion
+from dashpot.base.checks import Finding, Remedy, criterion
 from dashpot.base.units import written
 from dashpot.planning.expected import Pulse, RecordNeed
 
 
 @criterion("standard deviation / loss factor", "<=", source="what is wanted, 0.1 by default")
-def loss_factor_known(sd: float, at: float, wanted: float) -> Finding:
+def loss_factor_known(sd: float, at: float, wanted: float, *, remedy: str = "") -> Finding:
     """The loss factor would be known well enough."""
     return Finding(
-        f"the loss factor at {at:g} Hz would be known to {percent(sd)} "
-        f"(one standard deviation); {percent(wanted)} is wanted",
+        f"The loss factor at {at:g} Hz would be known to {known_to(sd)}; {known_to(wanted)} is "
+        "wanted",
         sd,
+        remedy=remedy or "Add a hammer test.",
         limit=wanted,
     )
 
@@ -23,9 +24,10 @@ def inside_identified_band(at: float, band: tuple[float, float]) -> Finding:
     """The frequency that matters lies in what the relaxation test informs."""
     inside = band[0] <= at <= band[1]
     return Finding(
-        f"this relaxation test informs {band[0]:.2g} to {band[1]:.2g} Hz; {at:g} Hz is "
-        f"{'inside' if inside else 'outside'}",
+        f"The valid band of this relaxation test is {band[0]:.2g} to {band[1]:.2g} Hz; {at:g} Hz "
+        f"lies {'inside' if inside else 'outside'}",
         at,
+        remedy="Ramp faster, or add a hammer test.",
         limit=band[1] if at > band[1] else band[0],
         faulted=not inside,
     )
@@ -35,10 +37,15 @@ def inside_identified_band(at: float, band: tuple[float, float]) -> Finding:
 def record_long_enough(need: RecordNeed) -> Finding:
     """The planned record holds the decay, and resolves the peak."""
     return Finding(
-        f"a record of {need.record:g} s reads the peak up to {100 * (need.peak_error or 0.0):+.0f} "
-        f"% wrong off its lines; {need.for_decay:.3g} s hold six time constants, "
-        f"{need.for_lines:.3g} s put five lines into the peak",
+        f"A record of {need.record:g} s gives a peak wrong by up to "
+        f"{100 * (need.peak_error or 0.0):+.0f} %. Six time constants last {need.for_decay:.3g} s; "
+        f"five lines in the half-power band need {need.for_lines:.3g} s",
         need.record,
+        remedy=Remedy(
+            f"Record each hit for {max(need.for_decay, need.for_lines):.3g} s.",
+            "hit-length",
+            f"{max(need.for_decay, need.for_lines):.3g}s",
+        ),
         limit=max(need.for_decay, need.for_lines),
     )
 
@@ -47,12 +54,18 @@ def record_long_enough(need: RecordNeed) -> Finding:
 def tip_excites(tip: Pulse, at: float) -> Finding:
     """The hammer's tip excites the frequency that matters."""
     return Finding(
-        f"a {written(tip.duration, 'ms', 'g')} pulse is {tip.level_db:.3f} dB down at {at:g} Hz "
-        f"and useful to {tip.band_10db:.3g} Hz (-10 dB)",
+        f"A pulse of {written(tip.duration, 'ms', 'g')} is {tip.level_db:.3f} dB at {at:g} Hz. It "
+        f"excites up to {tip.band_10db:.3g} Hz (-10 dB)",
         tip.level_db,
+        remedy="Use a harder tip.",
     )
 
 
 def percent(value: float, beyond: str = "more than 1000 %") -> str:
     """Return a part of 1 as people read it."""
     return beyond if value > 10 else f"{100 * value:.3g} %"
+
+
+def known_to(sd: float) -> str:
+    """Return a relative standard deviation as a sentence says how well something is known."""
+    return f"±{percent(sd)}" if sd <= 10 else "worse than ±1000 %"

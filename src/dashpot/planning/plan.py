@@ -8,15 +8,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from dashpot.base.arrays import FloatArray, sample_count
-from dashpot.base.checks import Check
+from dashpot.base.checks import Check, Checked
 from dashpot.base.demands import positive
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, si
 from dashpot.planning import checks
-from dashpot.planning.advice import advice, listed, needed
-from dashpot.planning.bench import IN_SI, Bench
-from dashpot.planning.checks import percent
+from dashpot.planning.advice import advice, listed, needed, remedy
+from dashpot.planning.asked import IN_SI, HammerPlan
+from dashpot.planning.bench import Bench
+from dashpot.planning.checks import known_to, percent
 from dashpot.planning.cold import Elsewhere, elsewhere, refuse_twice
 from dashpot.planning.expected import (
     ExpectedError,
@@ -27,7 +28,7 @@ from dashpot.planning.expected import (
     hammer_rows,
     record_need,
 )
-from dashpot.planning.supposed import HammerPlan, SupposedSeal
+from dashpot.planning.supposed import SupposedSeal
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.table_1 import SHIFT
 from dashpot.solids.temperature import TemperatureLaw
@@ -44,7 +45,7 @@ COLDER = 10.0
 
 
 @dataclass(frozen=True)
-class Plan(Documented):
+class Plan(Checked, Documented):
     """What a test can and cannot tell at a frequency, and what to change.
 
     Attributes
@@ -88,6 +89,12 @@ class Plan(Documented):
     temperature: float = SHIFT.reference
     repeats: tuple[Elsewhere, ...] = ()
 
+    @property
+    def sound(self) -> str:
+        """How well the loss factor would be known."""
+        sd = known_to(self.expected.loss_factor_sd)
+        return f"this test would give the loss factor at {self.at:g} Hz to {sd}"
+
     def __str__(self) -> str:
         head = f"{'method':<8}{'ramp, s':>10}{'hold, s':>10}{'storage':>12}{'loss factor':>14}"
         rows = [
@@ -117,8 +124,8 @@ def plan(
     before as the fit knows them. For the hammer test, how long the record must be and what the tip
     excites.
 
-    >>> import dashpot as dp
-    >>> dp.plan(dp.Bench(ramp_time="0.1s", noise="1mN"), at="12.71Hz").at
+    >>> from dashpot.planning.bench import Bench
+    >>> plan(Bench(ramp_time="0.1s", noise="1mN"), at="12.71Hz").at
     12.71
 
     Parameters
@@ -171,7 +178,8 @@ def plan(
     need = record_need(total, weight, hammer.record)
     tip = None if hammer.pulse is None else half_sine(hammer.pulse, at)
     band = _band(bench, repeats)
-    answers = _checks(expected, band, need, tip, at=at, wanted=wanted)
+    todo = remedy(expected, alternatives, wanted=wanted)
+    answers = _checks(expected, band, need, tip, at=at, wanted=wanted, todo=todo)
     words = advice(
         expected, alternatives, answers, need, tip, at=at, wanted=wanted, room=room,
         without="" if arm is None else _without_arm(hammer.seals * seal.model, hammer.mass, at),
@@ -241,9 +249,10 @@ def _checks(
     *,
     at: float,
     wanted: float,
+    todo: str,
 ) -> tuple[Check, ...]:
     found = [
-        checks.loss_factor_known(expected.loss_factor_sd, at, wanted),
+        checks.loss_factor_known(expected.loss_factor_sd, at, wanted, remedy=todo),
         checks.inside_identified_band(at, band),
     ]
     if need.record is not None and need.peak_error is not None:

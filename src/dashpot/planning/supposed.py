@@ -1,4 +1,4 @@
-"""What a plan supposes beside the test on the bench: the seal, and a hammer test."""
+"""What a plan supposes of the seal."""
 
 from __future__ import annotations
 
@@ -7,10 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from dashpot.base.demands import positive
-from dashpot.base.errors import DataError
 from dashpot.base.options import option
 from dashpot.base.units import Quantity, si, si_fields
-from dashpot.planning.bench import IN_SI
+from dashpot.planning.asked import IN_SI
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.table_1 import PAPER, SHIFT
 from dashpot.solids.temperature import TemperatureLaw
@@ -47,7 +46,7 @@ class SupposedSeal:
     model: GeneralizedMaxwell = PAPER
     arm: tuple[Quantity, Quantity] | None = None
     temperature: float | None = option(
-        None, "Of the test; else 23degC or the fit's.", unit="temperature"
+        None, "Test temperature (23degC, or that of the fit).", unit="temperature"
     )
     law: TemperatureLaw = SHIFT
 
@@ -70,54 +69,3 @@ class SupposedSeal:
             arm = (USUAL_PART * self.model.k_0, tau)
         known = si(arm[0], "stiffness"), si(arm[1], "time")
         return self.model + GeneralizedMaxwell(0.0, known[:1], known[1:]), known
-
-
-@dataclass(frozen=True)
-class HammerPlan:
-    """A hammer test to be, of a block on seals.
-
-    Attributes
-    ----------
-    mass : float, optional
-        kg, of the block on `seals` seals; by default the one that puts the peak where it matters.
-    seals : float
-    record : float, optional
-        Length of the planned record of a hit, s.
-    pulse : float, optional
-        Duration of the hammer pulse, s: soft rubber tips give 10 to 20 ms.
-    hits : int
-        How many hits are averaged.
-    coherence : float
-        Their coherence about the peak, below 1.
-
-    Raises
-    ------
-    DataError
-        If a number is not positive, or the coherence not below 1.
-    """
-
-    mass: float | None = option(None, "Block; else what peaks at the frequency.", unit="mass")
-    seals: float = option(1.0, "Seals in parallel.")
-    record: float | None = option(None, "Planned record after a hit.", unit="time")
-    pulse: float | None = option(None, "Hammer pulse; soft tips give 10 to 20 ms.", unit="time")
-    hits: int = option(5, least=1)
-    coherence: float = option(0.99, "Of those hits.")
-
-    def __post_init__(self) -> None:
-        si_fields(self)
-        positive(
-            mass=self.mass,
-            seals=self.seals,
-            record=self.record,
-            pulse=self.pulse,
-            hits=self.hits,
-            expected=IN_SI,
-            optional=True,
-        )
-        if not 0 < self.coherence < 1:
-            raise DataError(f"coherence = {self.coherence!r}; expected a number between 0 and 1")
-
-    @property
-    def relative_sd(self) -> float:
-        r"""Of real and imaginary part of each line: :math:`\sqrt{(1-\gamma^2)/(2n\gamma^2)}`."""
-        return float(np.sqrt((1 - self.coherence) / (2 * self.hits * self.coherence)))

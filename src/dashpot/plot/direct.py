@@ -54,8 +54,12 @@ class DrawnQuantity:
         """The same quantity as a solid has it, at `f`, Hz."""
         omega = 2 * np.pi * f
         if self.name == "storage":
-            return in_unit(solid.storage(omega), "N/mm")
-        return solid.loss(omega) / omega if self.name == "damping" else solid.loss_factor(omega)
+            return in_unit(solid.storage(omega=omega), "N/mm")
+        return (
+            solid.loss(omega=omega) / omega
+            if self.name == "damping"
+            else solid.loss_factor(omega=omega)
+        )
 
 
 def dynamic_stiffness(

@@ -153,14 +153,14 @@ def stiffness(
     panels = []
     for name, label in zip(("storage", "loss", "loss_factor"), words.axes, strict=True):
         factor = 1.0 if name == "loss_factor" else words.scale
-        curve = factor * getattr(fit.solid, name)(2 * np.pi * f)
+        curve = factor * getattr(fit.solid, name)(frequency=f)
         marks: list[Mark] = []
         for bounds, what in ((unseen, BOUND), (parameters, INTERVAL)):
             if bounds is not None:
                 edges = factor * getattr(bounds, name)
                 marks.append(Area(bounds.frequency, edges[0], edges[1], "fit", what, what == BOUND))
         if joint is not None:
-            own = factor * getattr(joint.solid, name)(2 * np.pi * f)
+            own = factor * getattr(joint.solid, name)(frequency=f)
             marks.append(Line(f, own, *joint_pen(failed=joint.verdict.use == "do not use")))
         marks += inside(fit.band, f, curve, words.fit, beyond=f"{words.fit}, extrapolated")
         if data is not None:

@@ -69,7 +69,7 @@ def _of_sweeps(data: Superposition, curve: DynamicTest, fit: Fit | None) -> tupl
     word, scale = read_as(curve.unit)
     solid, said = _line(data, fit)
     f = np.geomspace(float(curve.frequency.min()), float(curve.frequency.max()), 400)
-    value = scale * solid.complex_stiffness(2 * np.pi * f)
+    value = scale * solid.complex_stiffness(omega=2 * np.pi * f)
     measured = scale * curve.value
     letter = "E" if curve.unit == "Pa" else "K"
     across = Scale(f"reduced {FREQUENCY}", (float(f[0]), float(f[-1])), log=True)

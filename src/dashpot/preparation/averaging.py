@@ -8,8 +8,8 @@ import numpy as np
 
 from dashpot.base.arrays import block_means
 from dashpot.base.provenance import Step
-from dashpot.preparation.noise import evenly_sampled, scatter
 from dashpot.records.relaxation import RampHold
+from dashpot.signals.noise import evenly_sampled, scatter
 
 # samples that no fit needs more of
 ENOUGH = 200_000

@@ -8,18 +8,19 @@ from dataclasses import replace
 import numpy as np
 
 from dashpot.base.arrays import FloatArray, kept, median, runs
-from dashpot.base.checks import Check, Finding, criterion, worst
+from dashpot.base.checks import Check, Finding, Remedy, criterion, worst
 from dashpot.base.errors import DataError
 from dashpot.base.numbers import rounded
+from dashpot.base.sentences import lowered
 from dashpot.base.status import Status
 from dashpot.base.units import celsius, written
 from dashpot.preparation.contact import MIN_BASELINE, Baseline, Touch
 from dashpot.preparation.denoising import CORNERS, LOST, bends, but_corners, true_motion
-from dashpot.preparation.noise import median_of_three, spikes, usual_scatter
-from dashpot.preparation.segments import RampHoldCycle, listed
 from dashpot.records.creep import LoadHold
 from dashpot.records.relaxation import MAX_CREEP, RampHold, quantum
 from dashpot.records.specimen import Specimen
+from dashpot.signals.noise import median_of_three, spikes, usual_scatter
+from dashpot.signals.segments import RampHoldCycle
 
 LAW = "by law; a tenth for noise and drift"
 MIN_QUANTA = 20.0
@@ -54,10 +55,10 @@ def temperature_as_stated(specimen: Specimen) -> Finding:
     """The temperature that was given is the one that the file itself says."""
     given, stated = specimen.temperature or 0.0, specimen.stated_temperature or 0.0
     return Finding(
-        f"the file says {celsius(stated)}, and {celsius(given)} was given",
+        f"The file says {celsius(stated)}, and {celsius(given)} was given",
         given - stated,
-        ": which is right? Shifts and predictions at a temperature rest on the one given "
-        "(--temperature; leave it out to take that of the file)",
+        "Shifts and predictions use the one given",
+        Remedy("Check which is right.", "temperature"),
     )
 
 
@@ -66,10 +67,10 @@ def temperature_held(specimen: Specimen) -> Finding:
     """The recorded temperature stood still during the test."""
     warmed = specimen.warmed or 0.0
     return Finding(
-        f"the recorded temperature rose by {warmed:.2g} K over the record",
+        f"The recorded temperature rose by {warmed:.2g} K over the record",
         warmed,
-        ": the seal was not at rest, and its stiffness and its clock changed with it; let it soak "
-        "longer",
+        "Stiffness and relaxation times changed with it",
+        "Let the seal soak longer.",
     )
 
 
@@ -96,8 +97,9 @@ def baseline_recorded(before: Baseline) -> Finding:
         f"{before.samples} samples ({before.duration:.3g} s) before contact give the tare to "
         f"{written(before.noise / max(before.samples, 1) ** 0.5, 'mN', '.2g')}",
         float(before.samples),
-        instead=f"only {count} before contact, expected at least {MIN_BASELINE:.0f}: the zero of "
-        "the force rests on the fit's offset alone; start the record a second before the ramp",
+        instead=f"The record has {count} before contact; at least {MIN_BASELINE:.0f} are needed. "
+        "The fitted offset alone sets the zero of the force",
+        remedy="Start the record a second before the ramp.",
     )
 
 
@@ -106,18 +108,18 @@ def contact_found(touch: Touch, depth: float, *, given: bool) -> Finding:
     """First contact is known well enough."""
     if given:
         return Finding(
-            f"contact was given, {written(touch.gap, 'mm', '.3g')} after the start of the motion"
+            f"Contact was given, {written(touch.gap, 'mm', '.3g')} after the start of the motion"
         )
     if touch.gap == 0:
-        return Finding("the seal is in contact where the motion begins: no air gap shows")
+        return Finding("The seal touches where the motion begins: there is no air gap")
     doubt = touch.standard_error / depth
     return Finding(
-        f"the plate crosses an air gap of {written(touch.gap, 'mm', '.3g')} "
-        f"(+- {written(touch.standard_error, 'mm', '.1g')}) before the force rises; the depth "
-        "counts from there",
+        f"The depth is known to {100 * doubt:.2g} %. The plate crosses an air gap of "
+        f"{written(touch.gap, 'mm', '.3g')} (± {written(touch.standard_error, 'mm', '.1g')}) "
+        "before the force rises",
         doubt,
-        f"; that leaves the depth uncertain by {100 * doubt:.2g} %, and every stiffness with "
-        "it: start in light contact",
+        "Every stiffness has the same uncertainty",
+        "Start in light contact.",
     )
 
 
@@ -126,27 +128,27 @@ def contact_found(touch: Touch, depth: float, *, given: bool) -> Finding:
     "<=",
     MAX_PRELOAD,
     grade="note",
-    otherwise=f"limit beyond {LARGE_PRELOAD}; stop beyond {LATE_START} of a plate that moves already",
+    otherwise=f"limit beyond {LARGE_PRELOAD}; stop beyond {LATE_START} of a plate that moves",
 )
 def preload_absent(carried: float, rise: float, *, moving: bool = False) -> Finding:
     """The load cell reads zero, near enough, before the ramp."""
     share = abs(carried) / rise
-    says = "no preload shows before the ramp"
+    says = "There is no preload before the ramp"
     if carried:
         says = (
-            f"the load cell reads {carried:.3g} N as the ramp starts, "
+            f"The load cell reads {carried:.3g} N as the ramp starts, "
             f"{rounded(100 * share, digits=2)} % of the rise"
         )
     late = moving and share > LATE_START
     return Finding(
         says,
         share,
-        "; the plate moves already at the first sample: the record begins within its ramp, or the "
-        "load cell was not tared: record from a second before the ramp"
+        "The plate moves already at the first sample. The record begins within its ramp, or the "
+        "load cell was not tared"
         if late
-        else "; if that is its offset, the tare removes it rightly; if the seal was already "
-        "pressed, the stiffnesses are those about that preload, and what it still relaxes is "
-        "taken for drift: tare in air, or start from rest",
+        else "If this is the cell's offset, the tare is right. If the seal was pressed, the "
+        "stiffnesses are those about that preload",
+        "Record from a second before the ramp." if late else "Tare in air, or start from rest.",
         grade="stop" if late else "limit" if share > LARGE_PRELOAD else None,
     )
 
@@ -155,12 +157,12 @@ def preload_absent(carried: float, rise: float, *, moving: bool = False) -> Find
 def ramp_recorded(rise: float, change: float) -> Finding:
     """The record begins before its ramp: what the ramp raises is more than what relaxes."""
     return Finding(
-        "the force that relaxes is raised by the ramp",
+        "The ramp raises the force that relaxes",
         abs(change) / max(abs(rise), 1e-300),
-        instead=f"the force changes by {written(rise, 'mN', '.3g')} in what looks like the ramp "
-        f"and by {written(change, 'mN', '.3g')} in the hold, and no solid relaxes more than it was "
-        "loaded: the record begins after its ramp, or within it. The whole ramp and the force "
-        "before it are needed: start recording a second before the ramp",
+        instead=f"The record begins within its ramp, or after it. The force changes by "
+        f"{written(rise, 'mN', '.3g')} in the ramp and by {written(change, 'mN', '.3g')} in the "
+        "hold; no part relaxes more than it was loaded",
+        remedy="Start recording a second before the ramp.",
     )
 
 
@@ -168,38 +170,41 @@ def refuse_late_start(where: str, rise: float, change: float) -> None:
     """Raise DataError if the record begins after its ramp: nothing in a fit of it would be true."""
     answer = ramp_recorded(rise, change)
     if answer.failed:
-        raise DataError(f"{where}: {answer.says}")
+        raise DataError(f"{where}: {lowered(answer.told)}")
 
 
-@criterion("loadings in the record", "<=", 1.0, "by definition; or `--cycle` chooses", grade="note")
+@criterion(
+    "loadings in the record", "<=", 1.0, "by definition; or `--part cycle=N` chooses", grade="note"
+)
 def single_loading(index: int, cycles: tuple[RampHoldCycle, ...], *, asked: bool) -> Finding:
     """The record leaves no choice of loadings that the user has not made."""
     cycle = cycles[index]
-    says = f"used: {cycle.words()}"
+    says, remedy = f"Used: {cycle.words()}", Remedy("Choose another.", "part", "cycle=N")
     if len(cycles) > 1:
-        says = f"the record holds {listed(cycles)}; cycle {index + 1} is used"
+        says = f"The record has {len(cycles)} loadings; cycle {index + 1} is used"
         if not asked:
-            says += ", which has the longest hold; another can be chosen (--cycle N)"
+            says += ", because its hold is the longest"
     if cycle.moves > 1:
         says += (
-            f"; {cycle.moves} ramps belong to it: the fit of ramp and hold follows them all, the "
-            "fit of the hold alone (eq. 5) does not apply"
+            f". It has {cycle.moves} ramps. The fit of ramp and hold follows them all; the fit of "
+            "the hold alone (eq. 5) does not apply"
         )
-    return Finding(says, float(len(cycles)), excused=asked)
+    return Finding(says, float(len(cycles)), remedy=remedy, excused=asked)
 
 
 @criterion("overshoot / depth", "<=", MAX_OVERSHOOT, grade="note")
 def overshoot_small(test: RampHold, *, moves: int) -> Finding:
     """The plate stops where it is held."""
     if moves > 1:
-        return Finding("with several ramps an overshoot is not judged")
+        return Finding("With several ramps an overshoot is not judged")
     highest = float(median_of_three(test.displacement).max()) - 3 * test.displacement_noise
     share = max(highest / test.depth - 1, 0.0)
     return Finding(
-        f"the plate overshoots the held depth by {100 * share:.2g} %",
+        f"The plate overshoots the held depth by {100 * share:.2g} %",
         share,
-        "; the fit of ramp and hold follows it, that of the hold alone (eq. 5) does not, and a "
-        "seal that has been pressed deeper answers more softly: slow the last part of the ramp",
+        "The fit of ramp and hold follows it. The fit of the hold alone (eq. 5) does not, and a "
+        "seal pressed deeper is softer",
+        "Slow the last part of the ramp.",
     )
 
 
@@ -211,10 +216,10 @@ def samples_unbroken(test: RampHold) -> Finding:
     worst = float(pauses.max(initial=0.0))
     share = worst / test.ramp_time
     return Finding(
-        f"the longest pause between samples, from onset to a ramp after it, is {worst:.3g} s",
+        f"The longest pause between samples, up to one ramp time after the ramp, is {worst:.3g} s",
         share,
-        f", {100 * share:.0f} % of the ramp: the motion in between is taken as straight; "
-        "mend the missing rows, or sample faster",
+        f"It is {100 * share:.0f} % of the ramp. The motion in the pause is taken as straight",
+        "Restore the missing rows, or sample faster.",
         excused=worst <= 3 * (median(pauses) if pauses.size else 0.0),
     )
 
@@ -230,16 +235,16 @@ def clock_steady(test: RampHold) -> Finding:
     """The clock runs on without a jump, from onset to the end of the hold."""
     used = test.time[int(np.searchsorted(test.time, test.onset)) : test.hold.stop]
     if len(used) <= BESIDE:
-        return Finding("the record is too short to judge its clock")
+        return Finding("The record is too short to judge its clock")
     pauses, since = np.diff(used), np.maximum(used[:-1] - test.onset, test.ramp_time)
     worst = int(np.argmax(pauses / since))
     jump, rest = float(pauses[worst]), float(used[-1] - used[0] - pauses[worst])
     near = np.delete(pauses[max(worst - BESIDE, 0) : worst + BESIDE + 1], min(worst, BESIDE))
     return Finding(
-        f"the longest pause for its place, {jump:.3g} s, comes {since[worst]:.3g} s after onset",
+        f"The longest pause for its place is {jump:.3g} s, {since[worst]:.3g} s after onset",
         float(jump / since[worst]),
-        ". The clock jumped, or the record was interrupted: later times, and the slow arms, are "
-        "not known. Cut the record there, or mend its clock",
+        "The clock jumped, or the record was interrupted. Later times and slow arms are not known",
+        Remedy("Cut the record before the pause, or correct its clock.", "cuts", "hold-end=..."),
         excused=jump <= 3 * float(near.max()) or jump <= 0.05 * rest,
         grade="stop" if jump > rest else None,
     )
@@ -252,13 +257,13 @@ def spikes_absent(test: RampHold) -> Finding:
     plate = np.flatnonzero(spikes(test.time, test.displacement))
     count = len(force) + len(plate)
     if not count:
-        return Finding("no lone sample stands apart from its neighbours", 0.0)
+        return Finding("No single sample differs from its neighbours", 0.0)
     first = test.time[min(np.concatenate((force, plate)))]
     return Finding(
-        f"{len(force)} samples of the force and {len(plate)} of the displacement stand apart "
-        f"from both neighbours, the first at t = {first:.6g} s; mend them in the file, or take a "
-        "running median of three (dashpot fit --filter median:3)",
+        f"{count} single samples differ from both neighbours, the first at t = {first:.6g} s. "
+        f"{len(force)} are of the force, {len(plate)} of the displacement",
         float(count),
+        remedy=Remedy("Correct them in the file, or use a running median.", "filter", "median:3"),
     )
 
 
@@ -280,7 +285,7 @@ def motion_resolved(test: RampHold) -> Finding:
     x, left = true_motion(ramp)
     time, force = test.time[: len(x)], test.force[: len(x)]
     if len(x) < 4 * CORNERS:
-        return Finding("the ramp has too few samples to tell how its motion bends between them")
+        return Finding("The ramp has too few samples to show how its motion bends between them")
     missed = bends(ramp, time, x, left)
     pressed = x > 0.2 * test.depth
     stiffness = float(((force[pressed] - test.preload) / x[pressed]).max(initial=0.0))
@@ -291,10 +296,10 @@ def motion_resolved(test: RampHold) -> Finding:
     seen = missed[np.abs(missed) * stiffness * value > LOST * worst]
     steps_on = value > LOST and np.count_nonzero(np.diff(np.sign(seen))) >= TO_AND_FRO
     return Finding(
-        f"between two samples the motion bends by what would be {written(worst, 'mN', '.2g')}",
+        f"Between two samples the bend of the motion is worth {written(worst, 'mN', '.2g')}",
         value,
-        f", {value:.2g} of the noise at each of many samples: it is finer than the sampling, and "
-        f"fast arms follow what is missed; sample at {rounded(needed, digits=2)} Hz or faster",
+        f"That is {value:.2g} times the noise at many samples. Fast arms follow what is missed",
+        f"Sample at {rounded(needed, digits=2)} Hz or faster.",
         faulted=bool(steps_on),
         grade="limit" if steps_on or value > GROSSLY else None,
     )
@@ -306,16 +311,16 @@ def motion_measured(test: RampHold) -> Finding:
     force, moved = test.force[test.hold], test.readings_moved
     part, middle = max(len(force) // 20, 1), len(force) // 2
     if moved:
-        return Finding("the displacement of the hold is read, not commanded", float(moved))
+        return Finding("The displacement of the hold is measured, not commanded", float(moved))
     fall = float(force[middle : middle + part].mean() - force[-part:].mean())
     creep = 1e-3 * float(force[-part:].mean())
-    share = f", {100 * creep / fall:.2g} % of its fall" if fall > creep else ""
-    step = f", or hides less than a count of {written(test.encoder_step, 'um', '.3g')}"
+    share = f" ({100 * creep / fall:.2g} % of its fall)" if fall > creep else ""
+    step = f", or its step of {written(test.encoder_step, 'um', '.3g')} hides the change"
     return Finding(
-        "the displacement stands perfectly still in the hold: it is the commanded one"
-        f"{step if test.encoder_step else ''}. A crosshead that crept on by 0.1 % of the depth, "
-        f"unseen, would move the force by {written(creep, 'mN', '.2g')}{share} over the last half "
-        "of the hold, and the slowest arm with it: a gauge at the seal would show it"
+        "The displacement does not change in the hold: it is the commanded one"
+        f"{step if test.encoder_step else ''}. A crosshead that crept by 0.1 % of the depth would "
+        f"change the force by {written(creep, 'mN', '.2g')}{share} over the last half of the hold",
+        remedy="Measure the displacement at the seal.",
     )
 
 
@@ -329,10 +334,11 @@ def columns_plausible(test: RampHold) -> Finding:
     sank = float(x[:tenth].mean() - x[-tenth:].mean()) / test.depth
     eased = float(f[:tenth].mean() - f[-tenth:].mean()) / max(float(np.abs(f).max()), 1e-300)
     return Finding(
-        "the displacement rests while the force decays",
+        "The displacement rests while the force decays",
         sank,
-        instead=f"in the hold the displacement sinks by {100 * sank:.2g} % while the force rests: "
-        "are force and displacement swapped? Name the columns (--force, --displacement)",
+        instead=f"Force and displacement look swapped. In the hold the displacement sinks by "
+        f"{100 * sank:.2g} % while the force rests",
+        remedy=Remedy("Name the columns.", "column", "force=NAME"),
         excused=abs(eased) >= 0.1 * sank,
     )
 
@@ -342,9 +348,10 @@ def range_used(peak: float, full_scale: float) -> Finding:
     """The test uses the range of the load cell."""
     share = peak / full_scale
     return Finding(
-        f"the peak is {100 * share:.2g} % of the load cell's {full_scale:g} N",
+        f"The peak force is {100 * share:.2g} % of the load cell's {full_scale:g} N",
         share,
-        "; a smaller load cell would drift and scatter less",
+        "A smaller load cell would drift and scatter less",
+        "Use a smaller load cell.",
     )
 
 
@@ -386,11 +393,12 @@ def force_not_clipped(test: RampHold) -> Finding:
     far = max(0.02 * test.depth, climb, 4 * test.displacement_noise)
     too_even = last - first >= 9 and 0 < step < 2 * test.force_noise
     return Finding(
-        f"the force peaks at {top:.4g} N without a flat top",
+        f"The force peaks at {top:.4g} N without a flat top",
         float(count),
-        instead=f"{count} samples stand at exactly {top:.4g} N while the seal was still being "
-        f"compressed by {100 * moved / test.depth:.0f} % of the depth: the force is clipped and "
-        "every stiffness is too low; raise the range of the sensor or press less",
+        instead=f"The force is clipped at {top:.4g} N. {count} samples have this value while the "
+        f"compression grows by {100 * moved / test.depth:.0f} % of the depth, so every stiffness "
+        "is too low",
+        remedy="Use a larger range of the sensor, or press less deep.",
         excused=not (long and (moved > far or too_even)),
     )
 
@@ -400,14 +408,14 @@ def force_resolved(force: FloatArray, rise: float | None = None) -> Finding:
     """The force is many times what the sensor can resolve."""
     step = quantum(force)
     if step == 0.0:
-        return Finding("the force shows no quantisation")
+        return Finding("The force shows no quantisation")
     quanta = (float(np.ptp(force)) if rise is None else rise) / step
     return Finding(
-        f"the peak force is {quanta:.0f} steps of the sensor's resolution, "
-        f"{written(step, 'mN', '.3g')}",
+        f"The peak force is {quanta:.0f} steps of the sensor's resolution "
+        f"({written(step, 'mN', '.3g')}); at least {MIN_QUANTA:.0f} are needed",
         quanta,
-        f"; fewer than {MIN_QUANTA:.0f} cannot show a decay: press deeper, take a longer "
-        "piece, or use a smaller sensor",
+        "Fewer steps cannot show a decay",
+        "Press deeper, take a longer piece, or use a smaller sensor.",
     )
 
 
@@ -416,10 +424,10 @@ def refuse_unresolved(where: str, rise: float, force: FloatArray) -> None:
     if force_resolved(force, rise).failed:
         step = quantum(force)
         raise DataError(
-            f"{where}: the force rises by {written(rise, 'mN', '.3g')}, {rise / step:.0f} steps of "
-            f"the sensor's {written(step, 'mN', '.3g')}: the signal is below resolution; expected "
-            f"at least {MIN_QUANTA:.0f} steps: press deeper, take a longer piece, or use a smaller "
-            "sensor"
+            f"{where}: not fitted. The force rises by {written(rise, 'mN', '.3g')}, "
+            f"{rise / step:.0f} steps of the sensor's {written(step, 'mN', '.3g')}; at least "
+            f"{MIN_QUANTA:.0f} are needed. Press deeper, take a longer piece, or use a smaller "
+            "sensor."
         )
 
 
@@ -429,13 +437,13 @@ def refuse_saturated(where: str, test: RampHold) -> None:
         return
     plausible = columns_plausible(test)
     if plausible.failed:
-        raise DataError(f"{where}: {plausible.says}")
+        raise DataError(f"{where}: {lowered(plausible.told)}")
     top, _, first, last = _flat_top(test.force)
     raise DataError(
-        f"{where}: the force stands at exactly {top:.4g} N above the tare for {last - first + 1} "
-        f"samples from t = {test.time[first]:.6g} s to {test.time[last]:.6g} s: the sensor or the "
-        "converter is saturated, and a fit through the clipped part would be wrong; use a larger "
-        "range, or press less deep"
+        f"{where}: not fitted. The force is clipped at {top:.4g} N above the tare from "
+        f"{test.time[first]:.3g} to {test.time[last]:.3g} s ({last - first + 1} samples). A fit "
+        "through it would be wrong. Choose a larger load-cell range or a smaller compression, and "
+        "repeat the test."
     )
 
 
@@ -453,11 +461,10 @@ def depth_resolved(test: RampHold) -> Finding:
     """The depth is known well enough to divide a force by it."""
     doubt = test.depth_doubt
     return Finding(
-        f"the encoder tells the depth of {written(test.depth, 'mm')} to {100 * doubt:.2g} % (one "
-        "standard deviation); every stiffness shares this scale error and its standard error "
-        "includes it",
+        f"The encoder gives the depth of {written(test.depth, 'mm')} to ±{100 * doubt:.2g} %. "
+        "Every stiffness shares this uncertainty, and its standard error includes it",
         doubt,
-        "; use a finer encoder or press deeper",
+        remedy="Use a finer encoder, or press deeper.",
     )
 
 
@@ -468,13 +475,14 @@ def hold_is_still(test: RampHold, *, method: str) -> Finding:
     """The plate stands still during the hold, or the fit follows it."""
     creep = test.hold_creep
     full = method == "full"
-    says = f"the displacement changes by {100 * creep:.2g} % of the depth during the hold"
+    says = f"The displacement changes by {100 * creep:.2g} % of the depth during the hold"
     if full and not abs(creep) <= MAX_CREEP:
-        says += "; the fit uses the recorded motion, so the result holds (eq. 5 would not)"
+        says += ". The fit uses the recorded motion, so the result is valid"
     return Finding(
         says,
         abs(creep),
-        f", more than the {100 * MAX_CREEP:.0f} % that eq. 5 can bear; fit ramp and hold together",
+        f"The fit of the hold alone (eq. 5) allows {100 * MAX_CREEP:.0f} %",
+        Remedy("Fit ramp and hold together.", "method", "full"),
         excused=full,
     )
 
@@ -484,10 +492,10 @@ def hold_outlasts_ramp(test: RampHold) -> Finding:
     """The hold is many times the ramp."""
     ratio = test.hold_time / test.ramp_time
     return Finding(
-        f"the hold lasts {ratio:.3g} ramps",
+        f"The hold lasts {ratio:.3g} ramp times; at least {MIN_HOLD_OVER_RAMP:.0f} are needed",
         ratio,
-        f"; below {MIN_HOLD_OVER_RAMP:.0f} much of the decay is hidden in the ramp: "
-        "hold longer or ramp faster",
+        "The ramp hides the fast decay",
+        "Hold longer, or ramp faster.",
         # the recorded ramp is followed, so that hiding some of the decay costs precision alone
         grade="limit" if ratio < MIN_HOLD_OVER_RAMP / 3 else None,
     )
@@ -499,10 +507,11 @@ def ramp_sampled(test: RampHold) -> Finding:
     inside = (test.time >= test.onset) & (test.time <= test.ramp_end)
     count = int(np.count_nonzero(inside))
     return Finding(
-        f"{count} samples fall into the ramp of {test.ramp_time:.3g} s",
+        f"The ramp of {test.ramp_time:.3g} s has {count} samples; at least "
+        f"{MIN_RAMP_SAMPLES:.0f} are needed",
         float(count),
-        f"; with fewer than {MIN_RAMP_SAMPLES:.0f} an arm as fast as the ramp cannot be told: "
-        "sample faster",
+        "An arm as fast as the ramp cannot be seen",
+        "Sample faster.",
     )
 
 
@@ -517,12 +526,11 @@ def force_relaxes(test: RampHold) -> Finding:
     """The force falls during the hold, as the force of every relaxing solid does."""
     rise, limit = force_rise(test)
     return Finding(
-        "the force does not rise during the hold",
+        "The force does not rise during the hold",
         rise,
-        instead=f"the force rises by {written(rise, 'mN', '.3g')} during the hold, more than noise "
-        f"explains ({written(limit, 'mN', '.3g')}): no relaxing solid does that; look for "
-        "swelling, warming, a plate that creeps on, or a drifting sensor, and do not use these "
-        "arms",
+        instead=f"The force rises by {written(rise, 'mN', '.3g')} during the hold; noise explains "
+        f"{written(limit, 'mN', '.3g')}. No relaxing part does that",
+        remedy="Look for swelling, warming, a plate that creeps, or a sensor that drifts.",
         limit=limit,
     )
 
@@ -532,13 +540,13 @@ def strain_small(test: RampHold) -> Finding:
     """The compression is a small part of the height of the section."""
     height = test.specimen.height
     if height is None:
-        return Finding("the height of the section is not given, so its strain is not judged")
+        return Finding("The height of the section is not given, so its strain is not judged")
     strain = test.depth / height
     return Finding(
-        f"the section is compressed by {100 * strain:.0f} % of its height",
+        f"The section is compressed by {100 * strain:.0f} % of its height",
         strain,
-        "; at such a depth k_inf is a secant stiffness, while vibration about it feels the "
-        "tangent: test several depths and fit them together",
+        "At this depth k_inf is a secant stiffness; vibration about it has the tangent stiffness",
+        "Test several depths, and fit them together.",
     )
 
 
@@ -579,15 +587,16 @@ def load_begins_at_rest(test: LoadHold) -> Finding:
         return Finding(
             f"{zero}, and move by {100 * moved:.2g} % of the travel",
             float(before),
-            ": the part still moves under an earlier load; let it rest, or record that load too",
+            "The part still moves under an earlier load",
+            "Let it rest, or record that load too.",
             faulted=moved > max(MAX_STIR, chance / travel),
         )
     return Finding(
         zero,
         float(before),
-        instead=f"only {count} before the load, expected at least {MIN_BASELINE:.0f}: the "
-        "displacement's own zero is taken for that of the unloaded part, and what it gave at once "
-        "rests on it; start the record a second before the load",
+        instead=f"The record has {count} before the load; at least {MIN_BASELINE:.0f} are needed. "
+        "The file's own zero is taken for that of the unloaded part",
+        remedy="Start the record a second before the load.",
     )
 
 
@@ -598,8 +607,9 @@ def load_held(test: LoadHold) -> Finding:
     settled = held[len(held) // 10 :]
     change = float(np.ptp(settled)) / test.level
     return Finding(
-        f"the load changes by {100 * change:.2g} % while it is held",
+        f"The load changes by {100 * change:.2g} % while it is held",
         change,
-        "; the fit uses the recorded force, so the result holds, but a curve of displacement over "
-        "load would not",
+        "The fit uses the recorded force, so the result is valid. A curve of displacement over "
+        "load is not",
+        "Hold the load more evenly.",
     )

@@ -13,10 +13,10 @@ from dashpot.base.arrays import FloatArray, IndexArray, median
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Step
 from dashpot.preparation import checks
-from dashpot.preparation.noise import scatter, without_spikes
-from dashpot.preparation.segments import cycles_of, find_segments
 from dashpot.records.creep import STRAIGHT, CreepTest, LoadHold
 from dashpot.records.relaxation import quantum
+from dashpot.signals.noise import scatter, without_spikes
+from dashpot.signals.segments import cycles_of, find_segments
 
 _FEWEST = 8
 # steps and tolerance of the search for the times of corners
@@ -106,7 +106,7 @@ def _held(time: FloatArray, force: FloatArray, where: str) -> _HeldLoad:
     if not abs(level) > 4 * float(np.std(force)):
         raise DataError(
             f"{where}: no force is held: expected a load that rises and then stays, or stays from "
-            "the first sample on; check which column is the force (--force, --stress)"
+            "the first sample on; check which column is the force (--column force=NAME)"
         )
     return _HeldLoad(float(time[0]), float(time[0]), float(time[-1]), abs(level), 0.0, turn)
 
@@ -140,7 +140,7 @@ def _turn(test: CreepTest, held: _HeldLoad, where: str) -> int:
     if moved == 0:
         raise DataError(
             f"{where}: the displacement does not move under the load; check which column it is "
-            "(--displacement, --strain)"
+            "(--column displacement=NAME)"
         )
     return 1 if moved > 0 else -1
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -10,29 +9,24 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray, kept, median
 from dashpot.base.errors import DataError
-from dashpot.preparation.segments import (
-    Loading,
+from dashpot.records.relaxation import RelaxationTest
+from dashpot.signals.loading import (
+    at_one_speed,
+    began_late,
+    creeps,
+    held_by_plate,
+    relaxes,
+    turned,
+)
+from dashpot.signals.segments import (
     MotionSegment,
     RampHoldCycle,
     choose_cycle,
     cycles_of,
     find_segments,
-    loading_of,
     nothing_held,
     resolution_of,
 )
-from dashpot.records.relaxation import RelaxationTest
-
-STEADY = 0.01
-"""Part of its rise by which a held signal may change."""
-CREPT = 0.02
-"""Part of its travel by which a displacement goes on under a force that is held."""
-
-
-EVEN = 0.05
-"""Part of a move by which a quarter of it may be early or late where its speed is even."""
-SETTLES = 0.05
-"""Part of its level by which a displacement may move that is held from the first sample on."""
 
 _BEGINS_LATE = (
     "yet the force relaxes: the record begins after its ramp. Its speed and the force before it "
@@ -167,60 +161,28 @@ def find_motion(
     DataError
         If nothing is held.
     """
-    turn, segments = _turned(test) if sign is None else (sign, _segments(test, sign))
+    if sign is None:
+        turn, segments = _turned(test)
+    else:
+        turn, segments = sign, find_segments(test.time, sign * test.displacement)
     time, x, force = test.time, turn * test.displacement, test.force
-    driven = _late(x, force) or _at_one_speed(time, x, segments)
-    if not driven and _creeps(time, x, force, cycles_of(segments)):
+    driven = began_late(x, force) or at_one_speed(time, x, segments)
+    if not driven and creeps(time, x, force, cycles_of(segments)):
         raise DataError(
             f"{where}: this is a creep test: the force is held while the displacement goes on; "
             "use dashpot fit (Python: fit of a CreepTest)"
         )
     if not cycles_of(segments):
-        if _late(x, force):
+        if began_late(x, force):
             raise DataError(f"{where}: the displacement hardly moves, {_BEGINS_LATE}")
         raise DataError(nothing_held(segments, where, _advice(time, x, force)))
     index, cycles = choose_cycle(segments, number, where=where)
     return _of_cycle(time, x, turn, cycles, index)
 
 
-def loading_in(test: RelaxationTest) -> Loading:
-    """What a record shows, whether or not it can be prepared: a ramp and a hold, or what else.
-
-    Ramps up and down at one speed are compression load deflection; a sine is not.
-    """
-    turn, segments = _turned(test)
-    if _late(test.displacement, test.force):
-        return "other"
-    if _at_one_speed(test.time, turn * test.displacement, segments):
-        return "cld"
-    if _creeps(test.time, turn * test.displacement, test.force, cycles_of(segments)):
-        return "creep"
-    return loading_of(segments)
-
-
-def _at_one_speed(time: FloatArray, x: FloatArray, segments: Sequence[MotionSegment]) -> bool:
-    """Whether a compression goes in and back at one speed, and is never held."""
-    moves = [part for part in segments if part.kind != "hold"]
-    to_and_fro = {part.kind for part in moves} == {"load", "unload"}
-    held = bool(cycles_of(tuple(segments)))
-    return to_and_fro and not held and all(_straight(time, x, part) for part in moves)
-
-
-def _straight(time: FloatArray, x: FloatArray, part: MotionSegment) -> bool:
-    """Whether a move is at a quarter of its way after a quarter of its time; a sine lags by 0.1."""
-    quarter = float(np.interp(part.start + 0.25 * part.duration, time, x))
-    return abs((quarter - part.origin) / (part.level - part.origin) - 0.25) < EVEN
-
-
 @kept
 def _turned(test: RelaxationTest) -> tuple[int, tuple[MotionSegment, ...]]:
-    """The sign that makes the first ramp rise, and what then is found."""
-    segments = _segments(test, 1)
-    return (-1, _segments(test, -1)) if _falls_first(segments) else (1, segments)
-
-
-def _segments(test: RelaxationTest, sign: int) -> tuple[MotionSegment, ...]:
-    return find_segments(test.time, sign * test.displacement)
+    return turned(test.time, test.displacement)
 
 
 def given_motion(
@@ -305,71 +267,16 @@ def _of_cycle(
     )  # fmt: skip
 
 
-def _falls_first(segments: Sequence[MotionSegment]) -> bool:
-    moves = [part.kind for part in segments if part.kind != "hold"]
-    return moves[:1] == ["unload"]
-
-
 def _advice(time: FloatArray, x: FloatArray, force: FloatArray) -> str:
     """What may be wrong with a displacement that is never held."""
     moves = any(part.kind != "hold" for part in find_segments(time, x))
     if cycles_of(find_segments(time, -x)):
         return "turned round it would ramp and rest: leave out sign, or give the other"
-    if not moves and _relaxes(force):
+    if not moves and relaxes(force):
         return _BEGINS_LATE
-    if moves and any(_held_by_plate(time, turn * force) for turn in (1, -1)):
+    if moves and any(held_by_plate(time, turn * force) for turn in (1, -1)):
         return "the force column ramps and rests instead: are force and displacement swapped?"
     return "expected a ramp and then a displacement that rests; check the columns and the units"
-
-
-def _held_by_plate(time: FloatArray, force: FloatArray) -> bool:
-    """True if the force ramps and then stands as still as a plate does."""
-    return any(_stands(force, cycle) for cycle in cycles_of(find_segments(time, force)))
-
-
-def _stands(values: FloatArray, cycle: RampHoldCycle) -> bool:
-    """Whether a signal stays where it was ramped to, whatever the displacement does."""
-    rise = cycle.hold.level - cycle.ramp.origin
-    return abs(_change(values, cycle.hold)) < STEADY * rise
-
-
-def _change(values: FloatArray, hold: MotionSegment) -> float:
-    """How far a signal goes from the first tenth of a hold to the last."""
-    held = values[hold.first : hold.last + 1]
-    tenth = max(len(held) // 10, 1)
-    return float(held[-tenth:].mean() - held[:tenth].mean())
-
-
-def _creeps(
-    time: FloatArray, x: FloatArray, force: FloatArray, held: Sequence[RampHoldCycle]
-) -> bool:
-    """True if it is the force that is ramped and held, while the displacement goes on.
-
-    Only a displacement that is not `held` is worth the search.
-    """
-    far = CREPT * float(np.ptp(x))
-    if held and all(abs(_change(x, cycle.hold)) <= far for cycle in held):
-        return False
-    for turn in (1, -1):
-        for cycle in cycles_of(find_segments(time, turn * force)):
-            ramped = float(x[cycle.ramp.last] - x[cycle.ramp.first])
-            onward = _change(x, cycle.hold) * np.sign(ramped)
-            if onward > far and _stands(turn * force, cycle):
-                return True
-    return False
-
-
-def _late(x: FloatArray, force: FloatArray) -> bool:
-    """True if a displacement only settles about where it is held, while the force relaxes."""
-    return float(np.ptp(x)) < SETTLES * abs(median(x)) and _relaxes(force)
-
-
-def _relaxes(force: FloatArray) -> bool:
-    """True if a force falls, from its first tenth to its last, by more than it scatters."""
-    tenth = max(len(force) // 10, 1)
-    first, last = force[:tenth], force[-tenth:]
-    fell = abs(float(first.mean())) - abs(float(last.mean()))
-    return fell > max(STEADY * abs(float(first.mean())), 4 * float(last.std()))
 
 
 def _resting(x: FloatArray, rest: MotionSegment | None, ramp: MotionSegment) -> float:

@@ -24,9 +24,9 @@ from dashpot.preparation.denoising import denoised
 from dashpot.preparation.filters import filtered, parse_filter
 from dashpot.preparation.hum import hum_lines, hum_step
 from dashpot.preparation.motion import PlateMotion, find_motion, from_contact, given_motion
-from dashpot.preparation.noise import evenly_sampled, median_of_three, scatter, without_spikes
 from dashpot.records.machine import Machine
 from dashpot.records.relaxation import RampHold, RelaxationTest, quantum
+from dashpot.signals.noise import evenly_sampled, median_of_three, scatter, without_spikes
 
 
 def prepare(
@@ -172,7 +172,9 @@ def _motion(
         until = int(np.searchsorted(test.time, hold_end, side="right"))
         if until < 8:
             raise DataError(f"hold_end = {hold_end:g} s leaves {until} samples; expected 8 or more")
-        test = RelaxationTest(test.time[:until], test.displacement[:until], test.force[:until])
+        test = RelaxationTest(
+            test.time[:until], test.displacement[:until], test.force[:until], units="SI"
+        )
     return find_motion(test, where=where, sign=sign, number=cycle)
 
 
@@ -398,7 +400,7 @@ def _known(machine: Machine) -> tuple[Step, ...]:
         ("drift_n_per_s", machine.drift, "load cell that drifts by {:.4g} N/s (one SD)"),
         ("compliance_m_per_n", machine.compliance or None,
          "machine that gives {:.4g} m/N, taken off the displacement with the force freed of noise"),
-        ("creep_m", machine.creep, "crosshead that creeps by {:.4g} m in a factor e of time (one SD)"),
+        ("creep_m", machine.creep, "crosshead that creeps by {:.4g} m in e-fold time (one SD)"),
         ("force_filter_hz", machine.force_filter,
          "force behind a first-order low-pass of {:.4g} Hz, which the fit's motion passes too"),
     )  # fmt: skip

@@ -8,9 +8,9 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray, median, runs
 from dashpot.preparation.contact import find_contact, touch_of
-from dashpot.preparation.noise import usual_scatter
 from dashpot.preparation.strokes import Stroke
 from dashpot.records.relaxation import quantum
+from dashpot.signals.noise import usual_scatter
 
 _RESTED = 5
 """Samples that make a mean worth taking off."""

@@ -83,7 +83,7 @@ def _opened(port: str, baud: int) -> int:
     except ImportError:
         raise ReadError(
             "a serial line is read on Linux and macOS; elsewhere let the instrument's own program "
-            "write a file, and fit it as it comes with 'dashpot watch FOLDER'"
+            "write a file, and fit it as it comes with 'dashpot batch FOLDER --watch'"
         ) from None
     speed = getattr(termios, f"B{baud}", None)
     if speed is None:

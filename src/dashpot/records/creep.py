@@ -14,8 +14,10 @@ from dashpot.base.demands import positive
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.offered import Described
+from dashpot.base.plausible import refuse_absurd_record
 from dashpot.base.provenance import Source, Step, of_file
-from dashpot.base.units import Quantity, si, written
+from dashpot.base.said import Dimensions, into_si, own_unit, said_units
+from dashpot.base.units import Dimension, Quantity, si, written
 from dashpot.records.after_step import curve_at, described_curve, since_a_step
 from dashpot.records.specimen import Specimen
 from dashpot.records.temperature import several
@@ -43,6 +45,8 @@ class CreepTest(ByValue, Described, Documented):
     specimen : Specimen
     source : Source or None
         The file it came from; None for arrays made in memory.
+    units : str
+        Of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
 
     Raises
     ------
@@ -58,10 +62,18 @@ class CreepTest(ByValue, Described, Documented):
     unit: str = "N/m"
     specimen: Specimen = field(default_factory=Specimen)
     source: Source | None = None
+    units: str = said_units()
 
     def __post_init__(self) -> None:
+        said = into_si(
+            self, time="time", displacement=("length", "strain"), force=("force", "stress")
+        )
+        if said:
+            object.__setattr__(self, "unit", _of_parts(said["displacement"], said["force"]))
         hold_measured(self, "time", "displacement", "force", minimum=8)
         _known_unit(self.unit, COMPLIANCES)
+        if self.unit == "N/m":
+            refuse_absurd_record(self)
 
     @property
     def series(self) -> Mapping[str, tuple[Any, str]]:
@@ -98,6 +110,8 @@ class CreepCompliance(ByValue, Described, Documented):
     source : Source or None
     temperature : array, shape (n,), or None
         K, where the curve was measured at several; to be shifted together.
+    units : str
+        Of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
 
     Raises
     ------
@@ -113,8 +127,12 @@ class CreepCompliance(ByValue, Described, Documented):
     specimen: Specimen = field(default_factory=Specimen)
     source: Source | None = None
     temperature: FloatArray | None = None
+    units: str = said_units()
 
     def __post_init__(self) -> None:
+        of: Dimensions = ("material compliance", "compliance")
+        said = into_si(self, time="time", compliance=of, temperature="temperature")
+        own_unit(self, said, "compliance")
         since_a_step(self, "compliance")
         _known_unit(self.unit, COMPLIANCES.values())
 
@@ -255,6 +273,17 @@ class LoadHold(ByValue, Described, Documented):
 
 Creep: TypeAlias = CreepTest | LoadHold | CreepCompliance
 """What creep is fitted to."""
+
+
+def _of_parts(moved: Dimension, pushed: Dimension) -> str:
+    """The unit of a stiffness, by what moves and what pushes."""
+    pairs = {("length", "force"): "N/m", ("strain", "stress"): "Pa"}
+    if (moved, pushed) not in pairs:
+        raise DataError(
+            f"CreepTest: a {moved} under a {pushed} is of neither a part nor a material. Give a "
+            "displacement and a force, or a strain and a stress"
+        )
+    return pairs[moved, pushed]
 
 
 def _known_unit(unit: str, known: Iterable[str]) -> None:

@@ -20,6 +20,7 @@ from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.offered import Described
 from dashpot.base.provenance import Source, of_file
+from dashpot.base.said import Dimensions, into_si, own_unit, said_units
 from dashpot.base.units import Quantity, si
 from dashpot.records.specimen import Specimen, tested_at
 from dashpot.records.temperature import near, several, span
@@ -44,6 +45,8 @@ class DynamicTest(ByValue, Described, Documented):
         ``"Pa"`` or ``"N/m"``.
     specimen : Specimen
     source : Source or None
+    units : str
+        Of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
 
     Raises
     ------
@@ -60,8 +63,12 @@ class DynamicTest(ByValue, Described, Documented):
     unit: str = "Pa"
     specimen: Specimen = field(default_factory=Specimen)
     source: Source | None = None
+    units: str = said_units()
 
     def __post_init__(self) -> None:
+        of: Dimensions = ("stress", "stiffness")
+        said = into_si(self, frequency="frequency", storage=of, loss=of, temperature="temperature")
+        own_unit(self, said, "storage", "loss")
         hold_measured(self, "frequency", "storage", "loss", "temperature")
         if self.temperature is not None:
             tested_at("temperature", self.temperature.min(), self.temperature.max())

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypedDict, cast
 
 import numpy as np
 
-from dashpot.base.arrays import ByValue, FloatArray, Frozen, frozen
+from dashpot.base.arrays import ByValue, ComplexArray, FloatArray, Frozen, frozen
 from dashpot.base.errors import DataError
 from dashpot.base.facts import Fact
 from dashpot.base.units import read_in
@@ -200,6 +200,32 @@ class ParameterEstimate(ByValue):
             covariance = np.diag(np.full(len(gradient), inf))
         names = parameter_names(len(gradient) // 2)
         return ParameterEstimate(names, covariance, self.dof, self.residual)
+
+    def errors_of_vibration(
+        self, model: GeneralizedMaxwell, s: ComplexArray
+    ) -> tuple[float, float]:
+        r"""Largest relative standard errors of :math:`|K(s)|` and of the loss factor, over s.
+
+        Infinite where a parameter of the arms is not known.
+        """
+        names = ("k_inf", *parameter_names(model.arms)[1:])
+        if not set(names) <= set(self.parameters) or model.b:
+            return inf, inf
+        rows = [self.parameters.index(name) for name in names]
+        covariance = self.covariance[np.ix_(rows, rows)]
+        if not np.isfinite(covariance).all():
+            return inf, inf
+        slopes = model.arm_slopes(s)[0] / model.stiffness_at(s)[:, None]
+        # d ln K = d ln |K| + j d(angle); the loss factor is the tangent of the angle
+        size, angle = (
+            np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", one, covariance, one), 0.0))
+            for one in (slopes.real, slopes.imag)
+        )
+        K = model.stiffness_at(s)
+        loss_factor = K.imag / K.real
+        known = np.where(loss_factor > 0, loss_factor, np.nan)
+        ratio = (1 + known**2) / known * angle
+        return float(size.max()), float(np.nanmax(ratio)) if np.isfinite(ratio).any() else inf
 
     def facts(self, solid: Solid, unit: str, level: float = 0.95) -> tuple[Fact, ...]:
         """Every parameter of a solid, its stiffnesses in `unit`, with error and interval.

@@ -16,9 +16,10 @@ from dashpot.base.demands import positive
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.facts import Fact
-from dashpot.base.numbers import counted
+from dashpot.base.numbers import counted, hertz
 from dashpot.base.offered import Pictured
 from dashpot.base.provenance import Source, Step
+from dashpot.base.sentences import sentence
 from dashpot.base.status import Status
 from dashpot.base.student_t import t_quantile
 from dashpot.base.units import Quantity, celsius, si, written
@@ -45,6 +46,8 @@ from dashpot.solids.part import Geometry
 from dashpot.solids.temperature import TemperatureLaw
 
 _One = TypeVar("_One")
+# of frequencies: stiffness and loss factor change slowly over a decade
+_LINES_IN_BAND = 9
 
 
 @dataclass(frozen=True)
@@ -338,12 +341,33 @@ class Fit(ByValue, Pictured, Documented):
     @property
     def verdict(self) -> Verdict:
         """What to make of the fit, by the gravest check that failed."""
+        return verdict(self.checks, sound=self.sound)
+
+    @property
+    def sound(self) -> str:
+        """How well stiffness and loss factor are known, and where."""
+        where = f"from {hertz(self.band)}"
+        beyond = "Outside this band the model is an extrapolation."
+        stiffness, loss_factor = self.error_in_band
+        if not (np.isfinite(stiffness) and stiffness < 1):
+            return f"{sentence(where)} {beyond}"
+        how = f"{where} the stiffness is known to ±{100 * stiffness:.2g} %"
+        if np.isfinite(loss_factor) and loss_factor < 1:
+            how += f", the loss factor to ±{100 * loss_factor:.2g} %"
+        return f"{sentence(how)} {beyond}"
+
+    @property
+    def error_in_band(self) -> tuple[float, float]:
+        r"""Largest standard error of stiffness and of loss factor in the band, each over its value.
+
+        Of :math:`|K^*|` and :math:`\eta = K''/K'`, by the covariance of the arms; infinite where
+        none is known.
+        """
         low, high = self.band
-        return verdict(
-            self.checks,
-            sound=f"nothing that was judged limits the use from {low:.2g} to {high:.2g} Hz; "
-            "beyond, the solid is an extrapolation",
-        )
+        if not (0 < high < np.inf):
+            return np.inf, np.inf
+        s = 2j * np.pi * np.geomspace(low or 1e-3 * high, high, _LINES_IN_BAND)
+        return self._of_arms.errors_of_vibration(self.model, s)
 
     def model_at(self, compression: Quantity, *, secant: bool = False) -> GeneralizedMaxwell:
         """The solid that small vibration about a compression, m, feels: its tangent.
@@ -703,7 +727,7 @@ class Fit(ByValue, Pictured, Documented):
     def described(self) -> tuple[str, ...]:
         """The verdict, the solid, and how the optimiser ended."""
         return (
-            f"{self.verdict.use}: {self.verdict.says}",
+            str(self.verdict),
             f"{self.solid} ({self.unit}, s), method {self.method}",
             f"optimiser: {self.status.value}",
         )

@@ -25,6 +25,8 @@ from dashpot.base.errors import DataError
 from dashpot.base.facts import Fact
 from dashpot.base.offered import Pictured, verb
 from dashpot.base.provenance import Source, Step
+from dashpot.base.said import SI, put_into_si, said_units, words_of
+from dashpot.base.units import parse_unit
 
 
 class Kind(StrEnum):
@@ -44,8 +46,6 @@ class Kind(StrEnum):
 
 
 _OVER_BASE = (Kind.TRANSMISSIBILITY, Kind.RELATIVE_TRANSMISSIBILITY)
-OF_FORCE = tuple(one.value for one in Kind if not one.over_base)
-"""Words for what a force on the mass makes of it."""
 
 
 UNITS = {
@@ -134,6 +134,8 @@ class FRF(ByValue, Pictured, Documented):
         Every hit found, with its verdict.
     checks, source, steps
         As in a fit.
+    units : str
+        Of `frequency` and `value`: ``"Hz, (m/s^2)/N"``, or ``"SI"``. Within they are in SI.
     """
 
     schema = "dashpot/frf@1"
@@ -151,8 +153,10 @@ class FRF(ByValue, Pictured, Documented):
     checks: tuple[Check, ...] = ()
     source: tuple[Source, ...] = ()
     steps: tuple[Step, ...] = ()
+    units: str = said_units()
 
     def __post_init__(self) -> None:
+        self._into_si()
         frequency = increasing("frequency", samples("frequency", self.frequency))
         if frequency[0] < 0:
             raise DataError(f"frequency[0] = {frequency[0]:g} Hz; expected >= 0")
@@ -166,6 +170,28 @@ class FRF(ByValue, Pictured, Documented):
         same_length(
             frequency=self.frequency, value=self.value, coherence=self.coherence, sd=self.sd
         )
+
+    def _into_si(self) -> None:
+        """Put lines and values into SI: a ratio of two units tells what the values relate."""
+        if self.units == SI:
+            return
+        hertz, of_value = words_of(self, {"frequency": "frequency", "value": "compliance"})
+        ratio = verb("io.columns.ratios", "ratio")(of_value)
+        if ratio is None or ratio.order or ratio.kind.over_base != Kind(self.kind).over_base:
+            raise DataError(
+                f"FRF: '{of_value}' is no unit of {Kind(self.kind).value}. Write for example "
+                f'units="Hz, {UNITS[Kind(self.kind)]}"'
+            )
+        if ratio.kind != self.kind and not ratio.kind.over_base:
+            raise DataError(
+                f"FRF: '{of_value}' is a unit of {ratio.kind.value}, and the quantity is "
+                f"{Kind(self.kind).value}. Say one of both otherwise"
+            )
+        put_into_si(self, "frequency", parse_unit(hertz, "frequency"))
+        for name in ("value", "sd"):
+            if getattr(self, name) is not None:
+                object.__setattr__(self, name, ratio.factor * np.asarray(getattr(self, name)))
+        object.__setattr__(self, "units", SI)
 
     @classmethod
     def of_receptance(
@@ -183,7 +209,7 @@ class FRF(ByValue, Pictured, Documented):
                 "a receptance alone is no transmissibility, which is of a base that moves; "
                 "expected a kind per force, such as accelerance"
             )
-        return cls(frequency, _as_kind(receptance, s, kind), kind, shift=shift)
+        return cls(frequency, _as_kind(receptance, s, kind), kind, shift=shift, units=SI)
 
     @property
     def series(self) -> Mapping[str, tuple[Any, str]]:

@@ -14,6 +14,7 @@ from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.offered import Described
 from dashpot.base.provenance import Source, of_file
+from dashpot.base.said import into_si, said_units
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -36,6 +37,8 @@ class ImpactTest(ByValue, Described, Documented):
         Signed distance of each accelerometer from the hammer's line of action, m.
     source : tuple of Source
         One per file read.
+    units : str
+        Of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
     """
 
     schema = "dashpot/impact-test@1"
@@ -47,8 +50,10 @@ class ImpactTest(ByValue, Described, Documented):
     channels: tuple[str, ...] = ()
     positions: tuple[float, ...] | None = None
     source: tuple[Source, ...] = ()
+    units: str = said_units()
 
     def __post_init__(self) -> None:
+        into_si(self, time="time", force="force", acceleration="acceleration")
         time = measured("time", self.time, minimum=8)
         force = measured("force", self.force, minimum=8)
         acceleration = np.atleast_2d(np.asarray(self.acceleration, dtype=float))

@@ -95,15 +95,23 @@ class Machine:
     """
 
     sync: float | None = option(
-        None, "Doubt of the clocks of force and displacement, e.g. 0.5ms.", unit="time"
+        None, "Uncertainty of the delay between force and displacement.", unit="time",
+        under="machine",
+    )  # fmt: skip
+    drift: float | None = option(
+        None, "Drift of the load cell, e.g. 0.2mN/s.", unit="force rate", under="machine"
     )
-    drift: float | None = option(None, "Drift of the load cell, e.g. 0.2mN/s.", unit="force rate")
-    compliance: float | None = option(None, "Of the machine, e.g. 50um/N.", unit="compliance")
+    compliance: float | None = option(
+        None, "Compliance of the machine, e.g. 50um/N.", unit="compliance", under="machine"
+    )
     creep: float | None = option(
-        None, "Creep of the crosshead in a factor e of time, e.g. 5um.", unit="length"
+        None, "Creep of the crosshead in e-fold time, e.g. 5um.", unit="length", under="machine"
     )
     force_filter: float | None = option(
-        None, "First-order low-pass in the force channel, e.g. 10Hz.", unit="frequency"
+        None,
+        "First-order low-pass in the force channel, e.g. 10Hz.",
+        unit="frequency",
+        under="machine",
     )
 
     def delay_sd(self, sample: float) -> float:

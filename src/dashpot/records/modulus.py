@@ -10,6 +10,7 @@ from dashpot.base.arrays import ByValue, FloatArray
 from dashpot.base.errors import DataError
 from dashpot.base.offered import Described
 from dashpot.base.provenance import Source
+from dashpot.base.said import Dimensions, into_si, own_unit, said_units
 from dashpot.base.units import Quantity, si
 from dashpot.records.after_step import curve_at, described_curve, since_a_step
 from dashpot.records.specimen import Specimen
@@ -32,6 +33,8 @@ class RelaxationModulus(ByValue, Described):
         ``"Pa"`` or ``"N/m"``.
     specimen : Specimen
     source : Source or None
+    units : str
+        Of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
 
     Raises
     ------
@@ -45,8 +48,11 @@ class RelaxationModulus(ByValue, Described):
     specimen: Specimen = field(default_factory=Specimen)
     source: Source | None = None
     temperature: FloatArray | None = None
+    units: str = said_units()
 
     def __post_init__(self) -> None:
+        of: Dimensions = ("stress", "stiffness")
+        own_unit(self, into_si(self, time="time", modulus=of, temperature="temperature"), "modulus")
         since_a_step(self, "modulus")
         if self.unit not in {"Pa", "N/m"}:
             raise DataError(f"unit '{self.unit}' of the modulus; expected 'Pa' or 'N/m'")

@@ -16,7 +16,9 @@ from dashpot.base.demands import positive
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.offered import Described, Pictured
+from dashpot.base.plausible import refuse_absurd_record
 from dashpot.base.provenance import Source, Step, of_file
+from dashpot.base.said import into_si, said_units
 from dashpot.base.units import written
 from dashpot.engine.blocks.compression import uniform_step
 from dashpot.records.machine import Machine
@@ -44,6 +46,8 @@ class RelaxationTest(ByValue, Described, Documented):
     specimen : Specimen
     source : Source or None
         The file it came from; None for arrays made in memory.
+    units : str
+        Of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
 
     Raises
     ------
@@ -58,9 +62,12 @@ class RelaxationTest(ByValue, Described, Documented):
     force: FloatArray
     specimen: Specimen = field(default_factory=Specimen)
     source: Source | None = None
+    units: str = said_units()
 
     def __post_init__(self) -> None:
+        into_si(self, time="time", displacement="length", force="force")
         hold_measured(self, "time", "displacement", "force", minimum=8)
+        refuse_absurd_record(self)
 
     @property
     def series(self) -> Mapping[str, tuple[Any, str]]:

@@ -45,11 +45,11 @@ class Specimen:
     length: float | None = option(None, "Contact length of the seal, e.g. 50mm.", unit="length")
     height: float | None = option(None, "Free height of the section.", unit="length")
     temperature: float | None = option(None, "Test temperature, e.g. 23degC.", unit="temperature")
-    notes: str = option("", "Material, fixing, load history.")
-    name: str = option("", "What the specimen is called.")
-    lot: str = option("", "Its lot.")
-    operator: str = option("", "Who tested it.")
-    date: str = option("", "Of the test, e.g. 2026-11-21.")
+    notes: str = option("", "Material, fixing, load history.", under="label")
+    name: str = option("", "What the specimen is called.", under="label")
+    lot: str = option("", "Its lot.", under="label")
+    operator: str = option("", "Who tested it.", under="label")
+    date: str = option("", "Date of the test, e.g. 2026-11-21.", under="label")
     stated_temperature: float | None = None
     warmed: float | None = None
 

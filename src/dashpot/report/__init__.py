@@ -27,7 +27,7 @@ def html(study: Study | Levels) -> str:
     Parameters
     ----------
     study : Study or Levels
-        What ``dashpot report`` or ``dashpot level`` found; of levels the page holds verdict,
+        What ``dashpot report`` or ``dashpot fit`` found; of levels the page holds verdict,
         figures, numbers, checks and files.
 
     Returns

@@ -263,13 +263,13 @@ def decks(found: Recommendation) -> tuple[AttachedDeck, ...]:
     """
     if not found.recommended:
         return ()
-    fit, options = found.solid, ["--units", "mm-t-s"]
+    fit, options = found.solid, ["--unit-system", "mm-t-s"]
     if found.point is not None and not found.point.linear:
         depth = round(in_unit(found.point.compression, "mm"), 4)
         fit = fit.at_compression(f"{depth}mm")
         options += ["--compression", f"{depth}mm"]
     low, high = _inside(fit.band)
-    options += ["--range", f"{low!r}:{high!r}Hz"]
+    options += ["--band", f"{low!r}:{high!r}Hz"]
     unknown = tuple(name for name in UNSTATED if getattr(fit.specimen, name) is None)
     options += [word for name in unknown for word in ("--allow", name)]
     made = []

@@ -49,7 +49,7 @@ def contents(found: Levels) -> dict[str, Any]:
 
 
 def document(found: Levels) -> str:
-    """The JSON that ``dashpot level --json`` prints."""
+    """The JSON that ``dashpot fit --json`` prints."""
     return json.dumps(found.document, indent=2, ensure_ascii=False, allow_nan=False)
 
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from dashpot.base import numbers
 from dashpot.base.checks import Use
+from dashpot.base.sentences import sentence
 from dashpot.base.version import __version__, byline
 from dashpot.plot import tokens
 
@@ -35,7 +36,7 @@ def environment(package: str) -> Environment:
     )
     found.filters.update(
         words=numbers.words,
-        sentence=lambda text: text[:1].upper() + text[1:] + ("" if text.endswith(".") else "."),
+        sentence=sentence,
         readable=numbers.readable,
         shorter=numbers.shorter,
         rounded=numbers.rounded,

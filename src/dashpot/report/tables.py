@@ -217,7 +217,7 @@ def in_frequency(study: Study) -> TextTable:
     marked = () if study.comparison is None else (study.comparison.measured_hz,)
     rows, marks = [], []
     for f in sorted({low, float(np.sqrt(low * high)), high, 1.0, 50.0, *marked}):
-        stiffness = complex(study.fit.solid.complex_stiffness(2 * np.pi * f))
+        stiffness = complex(study.fit.solid.complex_stiffness(omega=2 * np.pi * f))
         factor = max(f / high, low / f)
         known = factor < 1.0001
         cells = [

@@ -100,7 +100,7 @@ def simulate_creep(
     random = np.random.default_rng(seed)
     measured = position + rig.position_noise * random.standard_normal(len(time))
     displacement, read = in_steps(measured, rig.encoder), rig.read(time, force, random)
-    test = CreepTest(time, displacement, read, specimen=specimen)
+    test = CreepTest(time, displacement, read, specimen=specimen, units="SI")
     truth = CreepTruth(
         load, ramp_time, hold_time, recovery_time, model=model, rig=rig, seed=seed,
         displacement=position, force=force, climate=climate,

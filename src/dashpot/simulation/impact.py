@@ -350,6 +350,7 @@ def simulate_impact(
         acceleration=np.array(acceleration),
         starts=(0,) if rig.continuous else tuple(range(0, hits * count, count)),
         positions=(rig.accelerometer, -rig.accelerometer),
+        units="SI",
     )
     truth = ImpactTruth(
         model=model, mass=mass, seals=seals, hammer=rig, seed=seed, hits=pulses,

@@ -147,6 +147,7 @@ def _recorded(
         displacement=in_steps(measured, rig.encoder),
         force=rig.read(time, force, random),
         specimen=specimen,
+        units="SI",
     )
     return test, position, force
 

@@ -147,7 +147,7 @@ class Coulomb(RateIndependent):
 
     def in_series(self, solid: Solid, omega: FloatArray, amplitude: FloatArray) -> ComplexArray:
         """Complex stiffness of a solid and this behind it, N/m: of the steady cycle itself."""
-        K, arms = solid.complex_stiffness(omega), solid.maxwell
+        K, arms = solid.complex_stiffness(omega=omega), solid.maxwell
         if not arms.arms and not arms.b:
             return Jenkins(arms.k_inf, self.slip).stiffness(amplitude)
         from dashpot.solids.slipping import slider_behind  # costs an import that few need

@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -14,9 +14,28 @@ from dashpot.base.arrays import ComplexArray, FloatArray, increasing, same_lengt
 from dashpot.base.demands import positive
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
+from dashpot.base.units import Quantity, si
 
 if TYPE_CHECKING:
     from dashpot.solids.interconversion import CreepSpectrum
+
+
+def angular(
+    *bare: object, frequency: Quantity | npt.ArrayLike | None = None, omega: Any = None
+) -> FloatArray:
+    """Return the angular frequency, rad/s, that is named: the two differ more than sixfold.
+
+    Raises
+    ------
+    TypeError
+        If a bare number is given, or not one of both.
+    """
+    if bare or (frequency is None) == (omega is None):
+        raise TypeError("say frequency= in Hz or omega= in rad/s")
+    if frequency is None:
+        return np.asarray(omega, dtype=float)
+    hertz = si(frequency, "frequency") if isinstance(frequency, str) else frequency
+    return 2 * np.pi * np.asarray(hertz, dtype=float)
 
 
 class Solid(ABC):
@@ -64,21 +83,41 @@ class Solid(ABC):
         around = 1e-3 * np.abs(s)[..., None] * np.array([1, 1j, -1, -1j])
         return np.asarray((self.stiffness_at(s[..., None] + around) / around).mean(axis=-1))
 
-    def complex_stiffness(self, omega: npt.ArrayLike) -> ComplexArray:
-        r"""Complex stiffness :math:`K^*(\omega)`, N/m, `omega` in rad/s."""
-        return self.stiffness_at(1j * np.asarray(omega, dtype=float))
+    @overload
+    def complex_stiffness(self, *, frequency: Quantity | npt.ArrayLike) -> ComplexArray: ...
+    @overload
+    def complex_stiffness(self, *, omega: npt.ArrayLike) -> ComplexArray: ...
+    def complex_stiffness(
+        self, *bare: object, frequency: Any = None, omega: Any = None
+    ) -> ComplexArray:
+        r"""Complex stiffness :math:`K^*(\omega)`, N/m, at `frequency`, Hz, or `omega`, rad/s."""
+        return self.stiffness_at(1j * angular(*bare, frequency=frequency, omega=omega))
 
-    def storage(self, omega: npt.ArrayLike) -> FloatArray:
-        """Storage stiffness K', N/m, `omega` in rad/s."""
-        return np.asarray(self.complex_stiffness(omega).real)
+    @overload
+    def storage(self, *, frequency: Quantity | npt.ArrayLike) -> FloatArray: ...
+    @overload
+    def storage(self, *, omega: npt.ArrayLike) -> FloatArray: ...
+    def storage(self, *bare: object, frequency: Any = None, omega: Any = None) -> FloatArray:
+        """Storage stiffness K', N/m, at `frequency`, Hz, or `omega`, rad/s."""
+        omega = angular(*bare, frequency=frequency, omega=omega)
+        return np.asarray(self.stiffness_at(1j * omega).real)
 
-    def loss(self, omega: npt.ArrayLike) -> FloatArray:
-        """Loss stiffness K'', N/m, `omega` in rad/s."""
-        return np.asarray(self.complex_stiffness(omega).imag)
+    @overload
+    def loss(self, *, frequency: Quantity | npt.ArrayLike) -> FloatArray: ...
+    @overload
+    def loss(self, *, omega: npt.ArrayLike) -> FloatArray: ...
+    def loss(self, *bare: object, frequency: Any = None, omega: Any = None) -> FloatArray:
+        """Loss stiffness K'', N/m, at `frequency`, Hz, or `omega`, rad/s."""
+        omega = angular(*bare, frequency=frequency, omega=omega)
+        return np.asarray(self.stiffness_at(1j * omega).imag)
 
-    def loss_factor(self, omega: npt.ArrayLike) -> FloatArray:
-        """Loss factor K''/K', dimensionless, `omega` in rad/s."""
-        stiffness = self.complex_stiffness(omega)
+    @overload
+    def loss_factor(self, *, frequency: Quantity | npt.ArrayLike) -> FloatArray: ...
+    @overload
+    def loss_factor(self, *, omega: npt.ArrayLike) -> FloatArray: ...
+    def loss_factor(self, *bare: object, frequency: Any = None, omega: Any = None) -> FloatArray:
+        """Loss factor K''/K', dimensionless, at `frequency`, Hz, or `omega`, rad/s."""
+        stiffness = self.stiffness_at(1j * angular(*bare, frequency=frequency, omega=omega))
         return np.asarray(stiffness.imag / stiffness.real)[()]
 
     def relaxation(self, t: npt.ArrayLike) -> FloatArray:
@@ -137,7 +176,7 @@ class GeneralizedMaxwell(Solid, Documented):
     R. S. Lakes, *Viscoelastic Materials*.
 
     >>> seal = GeneralizedMaxwell(196.5, k=(117.5, 17.8), tau=(0.5021, 16.416))
-    >>> round(seal.loss_factor(2 * np.pi * 12.71), 5)
+    >>> round(seal.loss_factor(frequency="12.71Hz"), 5)
     np.float64(0.00887)
     """
 

@@ -44,7 +44,7 @@ class AmplitudeDependent(ABC):
 
     def in_series(self, solid: Solid, omega: FloatArray, amplitude: FloatArray) -> ComplexArray:
         """Complex stiffness, N/m, of a solid and this behind it: one harmonic of its motion."""
-        first = solid.complex_stiffness(omega)
+        first = solid.complex_stiffness(omega=omega)
         # both dissipate, so the part behind never moves further than the whole
         low, high = np.full(amplitude.shape, np.log(1e-12)), np.zeros(amplitude.shape)
         for _ in range(60):
@@ -372,7 +372,7 @@ def equivalent(
     """Complex stiffness, N/m, of a solid or of a part that depends on amplitude."""
     if isinstance(part, AmplitudeDependent):
         return part.equivalent(omega, amplitude)
-    return np.asarray(part.complex_stiffness(omega) + 0 * np.asarray(amplitude))
+    return np.asarray(part.complex_stiffness(omega=omega) + 0 * np.asarray(amplitude))
 
 
 def amplitudes(amplitude: npt.ArrayLike) -> FloatArray:

@@ -57,7 +57,7 @@ def _table(solid: GeneralizedMaxwell, omega: float) -> PchipInterpolator:
 
 def _steady(solid: GeneralizedMaxwell, omega: float, ratio: FloatArray) -> ComplexArray:
     """The first harmonic of the steady cycle over the solid's stiffness, marched."""
-    K = complex(solid.complex_stiffness(omega))
+    K = complex(solid.complex_stiffness(omega=omega))
     # what slips sticks again soon after the motion turns: the steps are finest there
     theta = np.pi * (np.arange(_STEPS + 1) / _STEPS) ** 1.5
     X = ratio / abs(K)  # of a slip force of 1

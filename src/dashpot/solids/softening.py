@@ -59,7 +59,7 @@ class Softening(AmplitudeDependent):
         law = self.share, self.half_way, self.exponent
         known = softened(self.since, *law) if self.since else 1.0
         return np.asarray(
-            self.solid.complex_stiffness(omega) * (softened(amplitude, *law) / known - 1)
+            self.solid.complex_stiffness(omega=omega) * (softened(amplitude, *law) / known - 1)
         )
 
     def start(self) -> Any:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dashpot.base.checks import Finding, criterion
+from dashpot.base.checks import Finding, Remedy, criterion
 from dashpot.base.units import written
 
 CAUSAL_LIMIT = 0.5
@@ -14,10 +14,11 @@ MOST_BEYOND = 3.0
 def seal_mass_negligible(part: float) -> Finding:
     """The seals weigh next to nothing beside the block."""
     return Finding(
-        f"the seals weigh {100 * part:.2g} % of the block",
+        f"The seals weigh {100 * part:.2g} % of the block",
         part,
-        ": a third of that moves along and is counted as mass; the rest, and waves within the "
-        "seal, are not modelled: use a heavier block",
+        "A third of that counts as moving mass. The rest, and waves within the seal, are not "
+        "modelled",
+        "Use a heavier block.",
     )
 
 
@@ -25,9 +26,10 @@ def seal_mass_negligible(part: float) -> Finding:
 def mass_of_a_block(mass: float) -> Finding:
     """The mass is one that a hammer test has."""
     return Finding(
-        f"the mass is {written(mass, 'g')}",
+        f"The mass is {written(mass, 'g')}",
         mass,
-        ", less than an accelerometer weighs: is the unit kg?",
+        "An accelerometer alone weighs more",
+        Remedy("Check the unit of the mass: kg or g.", "mass"),
     )
 
 
@@ -36,15 +38,15 @@ def mass_of_a_block(mass: float) -> Finding:
 )
 def compression_tested(compression: float, depth: float | None) -> Finding:
     """The seals are pressed no deeper than they were tested."""
-    says = f"the seals are pressed by {written(compression, 'mm')}"
+    says = f"The seals are pressed by {written(compression, 'mm')}"
     if depth is None:
-        return Finding(says + "; how deep they were tested is not known")
+        return Finding(f"{says}. The depth of their test is not known")
     part = compression / depth
     return Finding(
         f"{says}, within the {written(depth, 'mm', '.3g')} tested",
         part,
-        instead=f"{says}, {part:.3g} times the {written(depth, 'mm', '.3g')} tested: test as deep, "
-        "or check what presses them, and its unit",
+        instead=f"{says}, {part:.3g} times the {written(depth, 'mm', '.3g')} tested",
+        remedy=Remedy("Check the mass and its unit, or test as deep.", "mass"),
         grade="stop" if part > MOST_BEYOND else "limit",
     )
 
@@ -54,10 +56,11 @@ def causal(implied: float, measured: float, *, error: float, peak: float) -> Fin
     """Loss and slope of the stiffness belong together, as far as the errors can tell."""
     near = abs(implied - measured) <= max(CAUSAL_LIMIT * measured, 2 * error) and measured > 0
     return Finding(
-        f"at {peak:.4g} Hz the loss factor is {measured:.3g}, and the rise of the stiffness with "
-        f"frequency implies {implied:.3g}, known to {error:.2g} (local Kramers-Kronig rule)",
+        f"At {peak:.4g} Hz the loss factor is {measured:.3g}. The slope of the stiffness gives "
+        f"{implied:.3g} ± {error:.2g} (local Kramers-Kronig rule)",
         implied,
-        ": mass, gain or phase of the channels is off, or another mode is near",
+        "Mass, gain or phase of the channels is wrong, or another mode is near",
+        "Check the mass, and the calibration of both channels.",
         limit=measured,
         faulted=not near,
     )

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 from dashpot import plot
 from dashpot.base.progress import doing
-from dashpot.io.readers.inspect import inspect_file
-from dashpot.kinds import KINDS
 from dashpot.plot.picture import Picture
 from dashpot.records.fit import Fit
 from dashpot.report.pages import COLOURS
@@ -39,7 +36,7 @@ def _fitted(job: Job) -> tuple[Fit, Picture]:
 
 
 def _asked(request: Mapping[str, Any], folder: Path) -> Job:
-    """File, options, arms and temperature of a request; a column that must be named is."""
+    """File, options, arms and temperature of a request."""
     warmth = request.get("temperature")
     asked = {
         "relaxation": request.get("file"),
@@ -47,14 +44,7 @@ def _asked(request: Mapping[str, Any], folder: Path) -> Job:
         "arms": request.get("arms"),
         "temperatures": [warmth] if warmth else [],
     }
-    job = noun_of(Job, asked, folder)
-    found = inspect_file(job.relaxation, options=job.reading)
-    column = KINDS[found.kind].column if found.kind in KINDS else ""
-    playing = [one for one in found.columns if one.role == column]
-    if playing and getattr(job.reading, column) is None:
-        named: dict[str, Any] = {column: playing[0].name or str(playing[0].number)}
-        return replace(job, reading=replace(job.reading, **named))
-    return job
+    return noun_of(Job, asked, folder)
 
 
 def bench(request: Mapping[str, Any], folder: Path) -> bytes:

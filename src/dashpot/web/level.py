@@ -59,7 +59,7 @@ def level(request: Mapping[str, Any], folder: Path) -> bytes:
 
 
 def take_level(request: Mapping[str, Any], folder: Path) -> bytes:
-    """The fit as its JSON, as ``dashpot level --json`` prints it."""
+    """The fit as its JSON, as ``dashpot fit --json`` prints it."""
     found, _ = _fitted(_asked(request, folder))
     text = document(found)
     return wire.packed({"name": "levels.json", "kind": "application/json", "text": text})

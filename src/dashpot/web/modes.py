@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from dashpot import plot
-from dashpot.base.checks import Check, verdict
+from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
 from dashpot.base.numbers import rounded
 from dashpot.base.progress import doing
@@ -71,7 +71,7 @@ def modes(request: Mapping[str, Any], folder: Path) -> bytes:
         checks, frfs = found.checks, [one.frf for one in found.tests]
         held = zip(found.together.masses, found.together.modes, strict=True)
         named = [(written(mass, "g"), mode) for mass, mode in held]
-    said = verdict(checks)
+    said = found.verdict
     return wire.packed(
         {
             "verdict": views.verdict(said),
@@ -87,7 +87,7 @@ def modes(request: Mapping[str, Any], folder: Path) -> bytes:
 
 
 def take_modes(request: Mapping[str, Any], folder: Path) -> bytes:
-    """The modes as their JSON, as ``dashpot modes --json`` prints it."""
+    """The modes as their JSON, as ``dashpot fit --json`` prints it."""
     found, _ = _found(_asked(request, folder))
     text = (
         json.dumps(found.document, indent=2, ensure_ascii=False, allow_nan=False)

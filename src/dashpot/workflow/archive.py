@@ -130,7 +130,7 @@ def _opened(text: str | bytes) -> tuple[str, dict[str, Any]]:
         what = "a law of stiffness and loss" if "law" in found else "hits of different height"
         raise ReadError(
             f"the {name} document holds {what}, which has no force along a path: arms and sliders "
-            "are what 'dashpot level' finds of FRFs of one mass at several levels"
+            "are what 'dashpot fit' finds of FRFs of one mass at several levels"
         )
     return name, found
 

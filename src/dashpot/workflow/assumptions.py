@@ -52,7 +52,7 @@ ASSUMPTIONS = (
         "Arms follow the ramp instead of the material; the hold and the whole record then give "
         "different solids.",
         ("hold_and_full_agree", "separable", "residuals_random", "residuals_steady"),
-        ("--depth-law", "--method"),
+        ("--elastic by-depth", "--method"),
         "Test several depths and ramp times.",
     ),
     Assumption(
@@ -61,7 +61,7 @@ ASSUMPTIONS = (
         "The test gives the secant, vibration feels the tangent: for two quadratic laws 19 % too "
         "much and 77 % too little stiffness at the depth of the test.",
         ("ramp_followed", "tangent_told", "strain_small", "separable", "operating_point"),
-        ("--law", "--depth-law", "--compression"),
+        ("--elastic", "--elastic by-depth", "--compression"),
         "Test at the compression of the installed seal, and at half and twice of it.",
     ),
     Assumption(
@@ -128,7 +128,7 @@ ASSUMPTIONS = (
         "first-order filter of 10 Hz in the force takes 24 % of the loss of the paper's seal "
         "there.",
         ("clocks_agree", "delay_believable"),
-        ("--sync", "--force-filter"),
+        ("--machine sync=", "--machine force-filter="),
         "Record both channels on one converter, unfiltered.",
     ),
     Assumption(
@@ -137,7 +137,7 @@ ASSUMPTIONS = (
         "A machine that gives 50 um/N takes 1 % off k_inf; a crosshead that creeps on unseen by "
         "0.3 % of the depth puts the slowest arm a tenth off.",
         ("motion_measured", "hold_is_still", "depth_resolved"),
-        ("--compliance",),
+        ("--machine compliance=",),
         "Press steel on steel for the compliance; put a gauge at the seal.",
     ),
     Assumption(
@@ -160,7 +160,7 @@ ASSUMPTIONS = (
             "baseline_recorded",
             "drift_told_from_arm",
         ),
-        ("--drift",),
+        ("--machine drift=",),
         "Record a baseline as long as can be; warm the amplifier up.",
     ),
     Assumption(
@@ -177,7 +177,7 @@ ASSUMPTIONS = (
         "The solid only stores and dissipates: every arm has a positive stiffness.",
         "Friction, adhesion or an active element is turned into arms, or is not followed at all.",
         ("k_inf_positive", "loss_positive", "kramers_kronig", "residuals_random"),
-        ("--parallel-dashpot",),
+        ("--dashpot",),
         "Unload as slowly as you loaded: what does not come back is friction.",
     ),
     Assumption(
@@ -186,7 +186,7 @@ ASSUMPTIONS = (
         "Stiffness and loss outside the informed band are an extrapolation; k_inf is the stiffness "
         "at the end of the hold less what is still to come.",
         ("frequencies_informed", "inside_identified_band", "fast_arm_visible", "hold_long_enough"),
-        ("--with",),
+        (),
         "Ask `dashpot plan` before the test; add a hammer test.",
     ),
 )

@@ -27,9 +27,9 @@ from dashpot.kinds.level.fit import fit_amplitude
 from dashpot.kinds.level.prepare import sweep_of_loops
 from dashpot.kinds.level.read import read_amplitude
 from dashpot.kinds.level.record import AmplitudeFit, AmplitudeSweep
-from dashpot.preparation.segments import Loading
 from dashpot.records.frf import FRF, Kind
 from dashpot.records.relaxation import RelaxationTest
+from dashpot.signals.segments import Loading
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.systems.level import mass_at_level
 from dashpot.vibration.systems.mounts import on_heavy_mounts
@@ -302,7 +302,7 @@ def swept_part(
     if not choices.levels or choices.sweep is None:
         raise DataError(
             "--level is how far the part is moved and --sweep what this does to it; give both, or "
-            "neither (of FRFs at several levels dashpot level tells it)"
+            "neither (of FRFs at several levels dashpot fit tells it)"
         )
     if choices.resonance_level is not None and (part is None or part.resonance is None):
         raise DataError(
@@ -314,9 +314,21 @@ def swept_part(
         raise DataError(
             f"{Path(choices.sweep).name} is of a mass ({kind}), not of the rubber; expected "
             "storage and loss over strain or displacement, or recorded loops (of a mass at "
-            "several levels dashpot level tells)"
+            "several levels dashpot fit tells)"
         )
     law, record, _ = amplitude_file(choices.sweep, kind, options=options)
+    return swept_by(law, record, choices, unit=unit, part=part)
+
+
+def swept_by(
+    law: AmplitudeFit,
+    record: AmplitudeSweep,
+    choices: LevelChoices,
+    *,
+    unit: str,
+    part: PartChoices | None = None,
+) -> SweptPart:
+    """What a sweep, by its law, says of parts; the parameters are those of :func:`swept_part`."""
     if law.unit != unit:
         raise DataError(
             f"the sweep is in {law.unit} and the fit in {unit}; expected both of the material, or "
@@ -375,7 +387,7 @@ def _height(choices: LevelChoices, law: AmplitudeFit, height: float | None) -> f
     if known is None:
         raise DataError(
             "the sweep is over strain: the height of the part turns it into a displacement "
-            "(--height 20mm, or a shape: --disc, --block)"
+            "(--height 20mm, or a shape: --shape disc:20mm,20mm)"
         )
     return known
 

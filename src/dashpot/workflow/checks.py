@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from dashpot.base.checks import Finding, criterion
+from dashpot.base.checks import Finding, Remedy, criterion
+from dashpot.base.sentences import sentence
 from dashpot.records.frf import Mode
 
 LISTED = 20
@@ -15,7 +16,11 @@ LISTED = 20
 @criterion(source="the paper's eq. (5) needs one ideal ramp", grade="note")
 def hold_fit_possible(obstacle: str) -> Finding:
     """The paper's eq. (5) can be fitted to the record."""
-    return Finding(f"eq. (5) cannot be fitted: {obstacle}", faulted=True)
+    return Finding(
+        f"The fit of the hold alone (eq. 5) is not possible. {sentence(obstacle)}",
+        remedy="Use the fit of ramp and hold.",
+        faulted=True,
+    )
 
 
 @criterion("distance from the band, a factor", "<=", 1.0, "the band of the fit")
@@ -23,15 +28,19 @@ def prediction_informed(peak: float, band: tuple[float, float]) -> Finding:
     """The predicted peak lies where a test informs the solid."""
     low, high = band
     factor = max(peak / high, low / peak) if high > 0 else math.inf
+    side = "above" if peak > high else "below"
     if not high > 0:
-        says = f"the predicted peak at {peak:.4g} Hz is informed by no test that the fit knows of"
-        return Finding(says, factor)
+        return Finding(
+            f"The predicted peak ({peak:.4g} Hz) lies in no valid band; the fit has none",
+            factor,
+            remedy="Add a hammer test.",
+        )
     return Finding(
-        f"the predicted peak at {peak:.4g} Hz lies inside what the test informs",
+        f"The predicted peak ({peak:.4g} Hz) lies in the valid band of the test",
         factor,
-        instead=f"the predicted peak at {peak:.4g} Hz is extrapolated x{factor:.3g} beyond what "
-        f"the test informs, {low:.2g} to {high:.2g} Hz, so its damping is not known: hit the mass "
-        "with a hammer",
+        instead=f"The damping at {peak:.3g} Hz is not known. The test covers {low:.2g} to "
+        f"{high:.2g} Hz; the peak lies a factor of {factor:.3g} {side}",
+        remedy="Measure it with a hammer.",
     )
 
 
@@ -45,12 +54,13 @@ def base_band_informed(
     """
     low, high = max(asked[0], min(peak / 4, asked[1])), asked[1]
     factor = max(high / band[1], band[0] / low) if band[1] > 0 else math.inf
-    says = f"from {low:.3g} to {high:.3g} Hz the transmissibility"
+    says = f"From {low:.3g} to {high:.3g} Hz the transmissibility"
     return Finding(
-        f"{says} hangs on what the test informs",
+        f"{says} depends on what the test covers",
         factor,
-        instead=f"{says} is extrapolated x{factor:.3g} beyond what the test informs, "
-        f"{band[0]:.2g} to {band[1]:.2g} Hz: ask a narrower band (--band), or measure on a shaker",
+        instead=f"{says} is extrapolated by a factor of {factor:.3g}. The test covers "
+        f"{band[0]:.2g} to {band[1]:.2g} Hz",
+        remedy=Remedy("Narrow the band, or measure on a shaker.", "band"),
     )
 
 
@@ -61,15 +71,15 @@ def families_predict_alike(own: Mode | None, other: Mode | None) -> Finding:
     `own` and `other` are the first modes of the mass on either solid.
     """
     if own is None or other is None or not own.damping_ratio > 0:
-        return Finding("no other family of solids that explains the test predicts a resonance")
+        return Finding("No other family of models that explains the test predicts a resonance")
     ratio, shift = other.damping_ratio / own.damping_ratio, other.frequency / own.frequency - 1
     return Finding(
-        f"the other family of solids that explains the test rings at {other.frequency:.4g} Hz with "
-        f"a damping ratio of {100 * other.damping_ratio:.3g} %, this one at {own.frequency:.4g} Hz "
-        f"with {100 * own.damping_ratio:.3g} %",
+        f"Another model that explains the test resonates at {other.frequency:.4g} Hz with a "
+        f"damping ratio of {100 * other.damping_ratio:.3g} %. This one does at "
+        f"{own.frequency:.4g} Hz with {100 * own.damping_ratio:.3g} %",
         ratio,
-        ": the test does not tell the two apart, a hammer does, and so does a colder test or a "
-        "faster ramp",
+        "The test cannot separate the two",
+        "Add a hammer test or a colder test, or ramp faster.",
         faulted=abs(shift) > 0.01,
     )
 
@@ -78,10 +88,10 @@ def families_predict_alike(own: Mode | None, other: Mode | None) -> Finding:
 def history_present(lines: int) -> Finding:
     """There is a history, without which nothing is proven."""
     return Finding(
-        f"the history has {lines} lines",
+        f"The history has {lines} lines",
         lines,
-        instead="the history is empty or missing: nothing says what this folder should hold; put "
-        "history.jsonl back from a copy",
+        instead=f"The history has {lines} lines: it is empty or missing, so nothing is proven",
+        remedy="Restore history.jsonl from a copy.",
     )
 
 
@@ -89,9 +99,10 @@ def history_present(lines: int) -> Finding:
 def history_complete(lines: int, *, torn: bool) -> Finding:
     """The history ends with a whole line."""
     return Finding(
-        f"the history ends with line {lines}, whole",
-        instead=f"a line after line {lines} of the history was cut short: that operation did not "
+        f"The history ends with line {lines}, whole",
+        instead=f"A line after line {lines} of the history was cut short. That operation did not "
         "happen",
+        remedy="Repeat that operation.",
         faulted=torn,
     )
 
@@ -100,15 +111,12 @@ def history_complete(lines: int, *, torn: bool) -> Finding:
 def history_whole(lines: int, written: int, *, shortened: bool) -> Finding:
     """No line was cut off the end of the history."""
     if not written:
-        return Finding(
-            "there is no history.head, so nothing here tells whether lines were cut off the end of "
-            "the history"
-        )
+        return Finding("There is no history.head, so lines cut off the end would not be seen")
     return Finding(
-        "no line is missing at the end of the history",
+        "No line is missing at the end of the history",
         max(written - lines, 1) if shortened else 0,
-        instead=f"the history has {lines} lines where {written} were written, or others: put "
-        "history.jsonl back from a copy",
+        instead=f"The history has {lines} lines; {written} were written, or others",
+        remedy="Restore history.jsonl from a copy.",
     )
 
 
@@ -117,9 +125,10 @@ def history_expected(expected: str, place: int | None, lines: int) -> Finding:
     """The history holds the line whose hash was noted."""
     since = "" if place is None else f"; {lines - 1 - place} lines were added since"
     return Finding(
-        f"the history holds the line {expected[:16]}... that is expected{since}",
-        instead=f"the history holds no line {expected[:16]}...: it was shortened or rewritten, or "
-        "the hash is of another project",
+        f"The history has the line {expected[:16]}... that is expected{since}",
+        instead=f"The history has no line {expected[:16]}... It was shortened or rewritten, or the "
+        "hash is of another project",
+        remedy=Remedy("Check the hash, or restore history.jsonl from a copy.", "expect"),
         faulted=place is None,
     )
 
@@ -127,10 +136,11 @@ def history_expected(expected: str, place: int | None, lines: int) -> Finding:
 @criterion(source="SHA-256 of the line, and of the line before it", grade="stop")
 def history_unchanged(number: int, *, whole: bool) -> Finding:
     """Every line of the history is as it was written."""
-    line = f"line {number} of history.jsonl is "
+    line = f"Line {number} of history.jsonl is "
     return Finding(
         line + "as it was written",
         instead=line + "not as it was written, or out of place",
+        remedy="Restore history.jsonl from a copy.",
         faulted=not whole,
     )
 
@@ -138,14 +148,18 @@ def history_unchanged(number: int, *, whole: bool) -> Finding:
 @criterion(source="by definition", grade="stop")
 def file_present(file: str, number: int) -> Finding:
     """Every recorded file is there."""
-    return Finding(f"{file} (line {number}) is missing", faulted=True)
+    return Finding(
+        f"{file} (line {number}) is missing", remedy="Restore it from a copy.", faulted=True
+    )
 
 
 @criterion(source="by definition", grade="stop")
 def inputs_listed(files: Sequence[str], number: int) -> Finding:
     """Every file that a job reads is recorded with its hash."""
     return Finding(
-        f"line {number} reads {', '.join(files)}, of which it records no hash", faulted=True
+        f"Line {number} reads {', '.join(files)}, of which it records no hash",
+        remedy="Make that result again.",
+        faulted=True,
     )
 
 
@@ -154,10 +168,10 @@ def files_listed(added: Sequence[str]) -> Finding:
     """Every file in the project's folder is in its history."""
     more = "" if len(added) <= LISTED else f" and {len(added) - LISTED} more"
     return Finding(
-        "every file is in the history",
+        "Every file is in the history",
         len(added),
-        instead=f"in no line of the history, so nothing is said of them: "
-        f"{', '.join(added[:LISTED])}{more}",
+        instead=f"The history does not list {', '.join(added[:LISTED])}{more}",
+        remedy="Move them out of the project, if they do not belong there.",
     )
 
 
@@ -167,6 +181,7 @@ def file_unchanged(file: str, number: int, *, same: bool) -> Finding:
     return Finding(
         f"{file} (line {number}) is as it was",
         instead=f"{file} (line {number}) has changed since it was recorded",
+        remedy="Restore it from a copy.",
         faulted=not same,
     )
 
@@ -174,22 +189,24 @@ def file_unchanged(file: str, number: int, *, same: bool) -> Finding:
 @criterion("relative difference", "<=", 1e-7, "our choice: below what is printed", grade="stop")
 def result_recomputed(worst: float, where: str, number: int) -> Finding:
     """Every result follows again from its raw files."""
-    result = f"the result of line {number}, computed again from its raw files, "
+    result = f"The result of line {number}, computed again from its raw files, "
     return Finding(
         f"{result}is the same (largest relative difference {worst:.2g})",
         worst,
         instead=f"{result}differs: {where}",
+        remedy="Make the result again, and compare the versions.",
     )
 
 
 @criterion("parts that differ", "<=", 0, "by definition", grade="stop")
 def page_redrawn(number: int, *, same: bool, alike: bool) -> Finding:
     """Every report says and shows what its result does."""
-    page = f"the report of line {number}"
+    page = f"The report of line {number}"
     if not alike:
-        return Finding(f"{page} was made by other versions than these: its words are not judged")
+        return Finding(f"{page} was made by other versions, so its words are not judged")
     return Finding(
         f"{page}, drawn again, is the same",
         0 if same else 1,
-        instead=f"{page} does not say what its result does: it was changed",
+        instead=f"{page} does not show what its result shows: it was changed",
+        remedy="Make the report again.",
     )

@@ -13,8 +13,6 @@ from dashpot.workflow.job import Job, LevelJob, ModesJob, with_paths
 
 FIT = "fit.json"
 """What the solid is called that one command writes and the next reads."""
-IMPACT_PROFILE = "hammer.toml"
-"""What the answers for the impact files are called, where options cannot give them."""
 
 
 def line(command: str, job: Job | LevelJob | ModesJob) -> str:
@@ -25,15 +23,13 @@ def line(command: str, job: Job | LevelJob | ModesJob) -> str:
     """
     files: list[str] = []
     named = with_paths(job, lambda path: Path(path).name)
-    for one in fields(named):
-        if "argument" in one.metadata:
-            value = getattr(named, one.name)
-            files += [value] if isinstance(value, str) else value
-    further: list[str] = []
+    records = [one for one in fields(named) if "argument" in one.metadata]
+    for one in sorted(records, key=lambda one: int(one.metadata["argument"])):
+        value = getattr(named, one.name)
+        files += [value] if isinstance(value, str) else value
     if isinstance(named, Job):
-        further = _of_impact(named)
-        named = replace(named, reading_impact=ReadOptions())
-    return shlex.join(["dashpot", command, *files, *words_of(named), *further])
+        named = replace(named, reading=_of_both(named), reading_impact=ReadOptions())
+    return shlex.join(["dashpot", command, *files, *words_of(named)])
 
 
 def predict_command(job: Job, frf: FRF, fit: str = FIT) -> str:
@@ -46,10 +42,10 @@ def predict_command(job: Job, frf: FRF, fit: str = FIT) -> str:
     return shlex.join(["dashpot", "predict", fit, *said, "--base"])
 
 
-def _of_impact(job: Job) -> list[str]:
-    """What the impact files are read by: options of this command where it has them for these."""
+def _of_both(job: Job) -> ReadOptions:
+    """What all files are read by: of the impact files what they share, or what is theirs alone."""
     known = job.reading_impact.only(("units", *OF_HAMMER))
-    shared = known.units in {(), job.reading.units}
-    if known == job.reading_impact and shared:
-        return words_of(known.only(OF_HAMMER))
-    return ["--impact-profile", IMPACT_PROFILE]
+    if known == job.reading_impact and known.units in {(), job.reading.units}:
+        return known.only(OF_HAMMER).over(job.reading)
+    own = tuple((path, job.reading_impact) for path in job.impact)
+    return replace(job.reading, own=(*job.reading.own, *own))

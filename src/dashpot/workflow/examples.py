@@ -74,7 +74,7 @@ def _hammer() -> str:
 def _sweep() -> str:
     """Storage and loss of one seal as a dynamic testing machine writes them, 0.5 % noisy."""
     frequency = np.geomspace(0.01, 100.0, 41)
-    stiffness = BROAD.complex_stiffness(2 * np.pi * frequency)
+    stiffness = BROAD.complex_stiffness(omega=2 * np.pi * frequency)
     storage, loss = (in_unit(part, "N/mm") for part in (stiffness.real, stiffness.imag))
     noise = 1 + 0.005 * np.random.default_rng(1).standard_normal((2, len(frequency)))
     rows = zip(frequency, storage * noise[0], loss * noise[1], strict=True)
@@ -104,7 +104,7 @@ def _sweeps() -> str:
     for celsius in range(-25, 56, 10):
         kelvin = celsius + 273.15
         solid = rubber.shifted(float(law.a_t(kelvin)), kelvin / law.reference)
-        value = solid.complex_stiffness(2 * np.pi * frequency)
+        value = solid.complex_stiffness(omega=2 * np.pi * frequency)
         value = value + 0.005 * np.abs(value) * (draw(12) + 1j * draw(12))
         rows += [
             f"{f:.6g},{v.real:.6g},{v.imag:.6g},{celsius + 0.05 * draw():.2f}"
@@ -268,7 +268,7 @@ _BENCH = {
     ),
     "depth_8mm.csv": Example(
         "relaxation",
-        "the same to 8 mm: dashpot fit --depth-law takes the three",
+        "the same to 8 mm: dashpot fit --elastic by-depth takes the three",
         _seal(1, depth=8e-3, rig=_STIFFENING),
     ),
     "at_23degC.csv": Example(
@@ -292,19 +292,21 @@ _BENCH = {
     "sweeps.csv": Example(
         "dma", "such sweeps of a rubber at nine temperatures, for a master curve", _sweeps
     ),
-    "curve.csv": Example(
-        "modulus", 'a relaxation modulus over time, for dashpot fit --modulus "E(t)"', _curve
-    ),
+    "curve.csv": Example("modulus", "a relaxation modulus over time", _curve),
 }
 _DOOR = {
     "line.csv": Example(
-        "", "x, y, z of a seal along a quarter of a door, for dashpot export --line", _line
+        "seal-line", "x, y, z of a seal along a quarter of a door, for dashpot export --line", _line
     ),
-    "door.toml": Example("", "a door with hinges, latch, seal and modes, for dashpot door", _door),
+    "door.toml": Example(
+        "door", "a door with hinges, latch, seal and modes, for dashpot predict", _door
+    ),
     "door_line.csv": Example(
-        "", "its seal line: x, y, z and the gap that the seal fills", _door_line
+        "seal-line", "its seal line: x, y, z and the gap that the seal fills", _door_line
     ),
-    "door_modes.csv": Example("", "its modes, as it moves when nothing holds it", _door_modes),
+    "door_modes.csv": Example(
+        "free-modes", "its modes, as it moves when nothing holds it", _door_modes
+    ),
 }
 FILES: Mapping[str, Example] = MappingProxyType({
     **_BENCH,

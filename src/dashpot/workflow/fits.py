@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, Literal, TypeAlias, TypeVar
+from typing import Any, Literal, TypeAlias
 
-import dashpot as dp
 from dashpot.base.choices import FamilyAsked, Method, RampLawAsked
-from dashpot.base.errors import FitError
+from dashpot.base.errors import FitError, ReadError
 from dashpot.base.options import offered
+from dashpot.fitting.relaxation import fit as fit_relaxation
+from dashpot.io.columns.kinds import other_kind
 from dashpot.io.options import ReadOptions
+from dashpot.io.readers.recognise import recognise
 from dashpot.io.source import about
+from dashpot.kinds import FIT_FILES, KINDS, load
 from dashpot.preparation.creep import load_hold
-from dashpot.preparation.motion import loading_in
+from dashpot.preparation.prepare import prepare
 from dashpot.records.creep import Creep, CreepCompliance, CreepTest, LoadHold
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.fit import Fit
@@ -26,6 +30,10 @@ from dashpot.records.superposition import Superposition
 from dashpot.workflow.job import Cuts, Job, known_of_a_test
 from dashpot.workflow.shifting import ShiftChoices, each_specimen, one_temperature, shifted_ramps
 
+Bench: TypeAlias = (
+    RelaxationTest | RampHold | DynamicTest | RelaxationModulus | CreepTest | LoadHold
+    | CreepCompliance
+)  # fmt: skip
 Record: TypeAlias = (
     RampHold | DynamicTest | RelaxationModulus | LoadHold | CreepCompliance | Superposition
 )
@@ -54,13 +62,20 @@ class _FitRequest:
         usual = {one.name: one.default for one in offered(Job)} | {"depth_law": False}
         return all(getattr(self, name) == usual[name] for name in names)
 
-    def refuse_for_a_modulus(self) -> None:
-        """Refuse what belongs to a ramp."""
+    def refuse_beside_a_modulus(self, *, others: int) -> None:
+        """Refuse what belongs to a ramp, and tests that are no moduli."""
+        self.refuse_a_machine()
+        if others:
+            raise FitError(
+                "a relaxation modulus is fitted alone, or with others at other temperatures: fit "
+                "the other tests one by one"
+            )
         usual = self.nothing_of("method", "depth_law", "family")
         if self.filter or self.law == "nonlinear" or not usual:
             raise FitError(
-                "a relaxation modulus is fitted without --depth-law, --method hold, --law, "
-                "--filter and --family: it is the answer to a step already, of a linear solid with "
+                "a relaxation modulus is fitted without --elastic by-depth, --method hold, "
+                "--elastic, "
+                "--filter and --model: it is the answer to a step already, of a linear solid with "
                 "arms"
             )
 
@@ -75,14 +90,30 @@ class _FitRequest:
         if others or self.filter or self.depth_law:
             raise FitError(
                 "a creep test is fitted alone, or with others at other temperatures, without "
-                "--filter and --depth-law"
+                "--filter and --elastic by-depth"
             )
 
-    def prepared(self, tests: Sequence[RelaxationTest], *, judged: bool) -> tuple[RampHold, ...]:
-        """Prepare ramps and holds."""
+    def prepared(
+        self, tests: Sequence[RelaxationTest | RampHold], *, judged: bool
+    ) -> tuple[RampHold, ...]:
+        """Prepare ramps and holds; what is prepared already stays as it is.
+
+        Raises
+        ------
+        FitError
+            If it is said how to prepare them, and one is prepared.
+        """
         self.cuts.refuse_several(len(tests))
+        ready = any(isinstance(test, RampHold) for test in tests)
+        if ready and (self.filter or self.machine or self.cuts != Cuts()):
+            raise FitError(
+                "a test that is prepared already is fitted as it is: say filter, machine and cuts "
+                "in test.prepare(...)"
+            )
         return tuple(
-            dp.prepare(
+            test
+            if isinstance(test, RampHold)
+            else prepare(
                 test,
                 filter=self.filter,
                 machine=self.machine,
@@ -95,7 +126,7 @@ class _FitRequest:
 
     def fit(self, tests: Sequence[RampHold] | Creep, **further: Any) -> Fit:
         """Fit ramps and holds, or one creep test."""
-        return dp.fit(
+        return fit_relaxation(
             tests,
             arms=self.arms,
             method=self.method,
@@ -145,8 +176,7 @@ def fit_files(
     cuts : Cuts, optional
         Of one relaxation test, by hand.
     specimen, options
-        As in :func:`~dashpot.io.readers.relaxation.read_relaxation`; with a column of `modulus` the
-        file is a relaxation modulus over time, and `cycle` is for preparation.
+        As in :func:`~dashpot.io.readers.relaxation.read_relaxation`; `cycle` is for preparation.
     temperatures : sequence of float
         Of the tests, K: one for all files, or one for each, in their order.
     shifting : ShiftChoices
@@ -170,55 +200,100 @@ def fit_files(
         arms, method, depth_law, thorough, law, family, intervals, filter, cuts or Cuts(), machine,
         options.cycle, shifting, each[0],
     )  # fmt: skip
-    if options.modulus is not None:
-        asked.refuse_for_a_modulus()
-        asked.refuse_a_machine()
-        curves = _read(dp.read_modulus, files, each, options)
-        with about(Path(files[0]).name):
-            curve = one_temperature(curves, shifting, each[0])
-            return dp.fit_modulus(curve, arms=arms, thorough=thorough), (curve,)  # type: ignore[arg-type]
-    tests = _read(dp.read_bench, files, each, options)
-    crept = _as_creep(tests)
+    tests = [_read(path, options, one) for path, one in zip(files, each, strict=True)]
+    return _fitted(tests, asked, Path(files[0]).name)
+
+
+def fit_records(
+    tests: Sequence[Bench],
+    *,
+    arms: int | Literal["auto"] = "auto",
+    method: Method = "full",
+    depth_law: bool = False,
+    thorough: bool = False,
+    law: RampLawAsked = "auto",
+    family: FamilyAsked = "maxwell",
+    intervals: bool = True,
+    filter: str | None = None,
+    cuts: Cuts | None = None,
+    specimen: Specimen | None = None,
+    machine: Machine | None = None,
+    cycle: int | None = None,
+    shifting: ShiftChoices = ShiftChoices(),  # noqa: B008
+) -> tuple[Fit, tuple[Record, ...]]:
+    """Fit one solid to the records of a bench, as :func:`fit_files` does to those in files.
+
+    Parameters
+    ----------
+    tests : sequence of RelaxationTest, RampHold, DynamicTest, RelaxationModulus or creep
+        A ramp and hold may be prepared already.
+    specimen : Specimen, optional
+        What was said of the first: a temperature of its own refuses sweeps at several.
+    cycle : int, optional
+        The loading to use, where a relaxation test has several.
+    """
+    asked = _FitRequest(
+        arms, method, depth_law, thorough, law, family, intervals, filter, cuts or Cuts(), machine,
+        cycle, shifting, specimen,
+    )  # fmt: skip
+    return _fitted(tests, asked, "")
+
+
+def _fitted(
+    tests: Sequence[Bench], asked: _FitRequest, name: str
+) -> tuple[Fit, tuple[Record, ...]]:
+    """Fit records as it was asked; `name`, of the first file, stands before what is wrong."""
+    curves = [test for test in tests if isinstance(test, RelaxationModulus)]
+    if curves:
+        asked.refuse_beside_a_modulus(others=len(tests) - len(curves))
+        from dashpot.fitting.modulus import fit_modulus
+
+        with _named(name):
+            curve = one_temperature(curves, asked.shifting, asked.specimen)
+            return fit_modulus(curve, arms=asked.arms, thorough=asked.thorough), (curve,)  # type: ignore[arg-type]
+    crept = [one for one in tests if isinstance(one, CreepTest | LoadHold | CreepCompliance)]
     if crept:
         asked.refuse_beside_creep(others=len(tests) - len(crept))
-        return _crept(crept, asked, Path(files[0]).name)
-    pressed = [test for test in tests if isinstance(test, RelaxationTest)]
-    prepared = asked.prepared(pressed, judged=intervals or len(pressed) < len(tests))
-    known_of_a_test(machine, tests=len(prepared), add="a ramp and hold")
+        return _crept(crept, asked, name)
+    pressed = [test for test in tests if isinstance(test, RelaxationTest | RampHold)]
+    prepared = asked.prepared(pressed, judged=asked.intervals or len(pressed) < len(tests))
+    known_of_a_test(asked.machine, tests=len(prepared), add="a ramp and hold")
     if len(pressed) == len(tests):
         return _pressed(prepared, asked), prepared
     return _swept(tests, prepared, asked)
 
 
-_Test = TypeVar("_Test")
+def _named(name: str) -> AbstractContextManager[None]:
+    return about(name) if name else nullcontext()
 
 
-def _read(
-    reader: Callable[..., _Test],
-    files: Sequence[str | Path],
-    each: Sequence[Specimen | None],
-    options: ReadOptions,
-) -> list[_Test]:
-    return [
-        reader(path, options=options, specimen=one) for path, one in zip(files, each, strict=True)
-    ]
+def _read(path: str | Path, options: ReadOptions, specimen: Specimen | None) -> Any:
+    """Return the record in a file, by the reader of its kind; what is of none asks as a ramp."""
+    kind, reason = (found := recognise(path, options)).kind, found.reason
+    row = KINDS.get(kind, KINDS["relaxation"])
+    if row.fit != FIT_FILES:
+        with about(Path(path).name):
+            raise ReadError(other_kind(kind, reason, "a test of a bench is"))
+    return load(row.reader)(path, options=options, specimen=specimen)
 
 
 def _crept(
-    tests: Sequence[CreepTest | CreepCompliance], asked: _FitRequest, name: str
+    tests: Sequence[CreepTest | LoadHold | CreepCompliance], asked: _FitRequest, name: str
 ) -> tuple[Fit, tuple[Record, ...]]:
     """Fit one creep test, or the master curve of several; `name` is the first file's."""
     # a load that is not held says itself of which file it is
     held = [load_hold(one) if isinstance(one, CreepTest) else one for one in tests]
-    with about(name):
+    with _named(name):
         record = _creep(held, asked.shifting, asked.specimen)
         if isinstance(record, Superposition):
             if not asked.nothing_of("method", "law", "family"):
                 raise FitError(
                     "creep at several temperatures has a linear solid with arms: leave out "
-                    "--method, --law and --family"
+                    "--method, --elastic and --model"
                 )
-            return dp.fit_creep(record, arms=asked.arms, thorough=asked.thorough), (record,)
+            from dashpot.fitting.creep import fit_creep
+
+            return fit_creep(record, arms=asked.arms, thorough=asked.thorough), (record,)
         further = {} if asked.shifting.at is not None else shifted_ramps(asked.shifting)
         return asked.fit(record, **further), (record,)
 
@@ -231,10 +306,12 @@ def _pressed(tests: tuple[RampHold, ...], asked: _FitRequest) -> Fit:
     if not usual or asked.thorough or asked.shifting != ShiftChoices():
         raise FitError(
             "a law of the depth is of arms of one temperature, found from ramps and holds with "
-            "starts of its own: leave out --method, --law, --family, --thorough, --reference, "
-            "--shift, --vertical, --at and --shifts"
+            "starts of its own: leave out --method, --elastic, --model, --thorough, --reference, "
+            "--shift, --vertical, --only and --shifts"
         )
-    return dp.fit_depths(tests, arms=asked.arms).fit
+    from dashpot.fitting.depth import fit_depths
+
+    return fit_depths(tests, arms=asked.arms).fit
 
 
 def _swept(
@@ -245,15 +322,18 @@ def _swept(
     if asked.depth_law or asked.method == "hold" or (tests and len(sweeps) > 1):
         raise FitError(
             "a dynamic sweep is fitted alone, with others at other temperatures, or with "
-            "relaxation tests of the same part, without --depth-law and --method hold"
+            "relaxation tests of the same part, without --elastic by-depth and --method hold"
         )
     if asked.law == "nonlinear" or (asked.filter and not tests):
         raise FitError(
-            "a dynamic sweep is of a linear solid, and nothing of it is filtered: leave out --law "
+            "a dynamic sweep is of a linear solid, and nothing of it is filtered: leave out "
+            "--elastic "
             "and --filter, which are for ramps and holds"
         )
+    from dashpot.fitting.dynamic import fit_dynamic
+
     sweep = one_temperature(sweeps, asked.shifting, asked.specimen)
-    found = dp.fit_dynamic(
+    found = fit_dynamic(
         sweep,  # type: ignore[arg-type]
         arms=asked.arms,
         tests=tests,
@@ -263,25 +343,13 @@ def _swept(
     return found, (sweep, *tests)
 
 
-def _as_creep(
-    tests: Sequence[RelaxationTest | DynamicTest | CreepTest | CreepCompliance],
-) -> list[CreepTest | CreepCompliance]:
-    """The tests of creep, by their files or by what force and displacement do."""
-    found: list[CreepTest | CreepCompliance] = []
-    for test in tests:
-        if isinstance(test, CreepTest | CreepCompliance):
-            found.append(test)
-        elif isinstance(test, RelaxationTest) and loading_in(test) == "creep":
-            signals = test.time, test.displacement, test.force
-            found.append(CreepTest(*signals, specimen=test.specimen, source=test.source))
-    return found
-
-
 def _creep(
     tests: Sequence[LoadHold | CreepCompliance], shifting: ShiftChoices, specimen: Specimen | None
 ) -> LoadHold | CreepCompliance | Superposition:
     """One record of creep as it is fitted, or the compliances of several, shifted together."""
     if len(tests) == 1 and isinstance(tests[0], LoadHold):
         return tests[0]
-    curves = [dp.measured_compliance(one) if isinstance(one, LoadHold) else one for one in tests]
+    from dashpot.fitting.compliance import measured_compliance
+
+    curves = [measured_compliance(one) if isinstance(one, LoadHold) else one for one in tests]
     return one_temperature(curves, shifting, specimen)  # type: ignore[return-value]

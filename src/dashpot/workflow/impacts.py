@@ -9,31 +9,44 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-import dashpot as dp
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError, ReadError
+from dashpot.base.numbers import counted
+from dashpot.base.units import written
 from dashpot.base.version import byline
-from dashpot.io.options import OF_BENCH, ReadOptions
+from dashpot.io.options import ReadOptions
 from dashpot.io.readers.impact import read_impact
 from dashpot.records.bounds import FRFBounds
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF, Mode
+from dashpot.records.impact import ImpactTest
 from dashpot.records.machine import Machine
+from dashpot.records.relaxation import RampHold
+from dashpot.records.shaken import ShakenTest
 from dashpot.records.specimen import Specimen
+from dashpot.vibration.comparison.compare import compare, infer_mass
 from dashpot.vibration.comparison.comparison import Comparison
-from dashpot.vibration.modal.dynamic_stiffness import DEGREE, DynamicStiffness
+from dashpot.vibration.modal.dynamic_stiffness import (
+    DEGREE,
+    DynamicStiffness,
+    dynamic_stiffness,
+)
 from dashpot.vibration.systems.operating_point import operating_point
 from dashpot.vibration.systems.prediction import predict_frf
 from dashpot.workflow.job import HammerChoices, known_of_a_test
-from dashpot.workflow.measured import average, read_measured, relieved, shaken, total_mass
-from dashpot.workflow.prepared import answered_in, prepared_files, refuse_others
+from dashpot.workflow.measured import (
+    average,
+    judged_base,
+    read_measured,
+    relieved,
+    shaken,
+    total_mass,
+)
+from dashpot.workflow.prepared import prepared_files, refuse_others
 from dashpot.workflow.resting import LIMIT_LINES, AtRest, at_rest, formal_limits, frf_limits
 
-_UNTESTED = (
-    "the mass was inferred from the measured peak, so the stiffness is not tested: give --mass"
-)
 # rounds in which a mass and the stiffness under it find each other
 WEIGHINGS = 100
 
@@ -56,9 +69,18 @@ class ImpactMode:
         return Mode(self.frequency_hz, self.damping_ratio, 0j, frequency, ratio, 0.0, self.method)
 
 
+def modes_told(modes: Sequence[Mode]) -> str:
+    """Return frequency and damping of the first of some modes, and how many there are."""
+    if not modes:
+        return "0 modes were found"
+    frequency, ratio, _ = (fact.cells.with_unit for fact in modes[0].facts)
+    count = "" if len(modes) == 1 else f", the first of {counted(len(modes), 'mode')}"
+    return f"resonance at {frequency}, damping ratio {ratio}{count}"
+
+
 @dataclass(frozen=True)
 class ImpactResult(Documented):
-    """What ``dashpot impact`` found.
+    """What ``dashpot fit`` found.
 
     Attributes
     ----------
@@ -73,7 +95,7 @@ class ImpactResult(Documented):
 
     schema = "dashpot/impact@1"
     keys = (
-        "estimator", "window", "frf.averages", "modes", "peak", "frf.hits", "frf.checks",
+        "estimator", "window", "frf.averages", "modes", "peak", "frf.hits", "frf.checks", "verdict",
         "frf.source", "file", "frf",
     )  # fmt: skip
 
@@ -82,6 +104,11 @@ class ImpactResult(Documented):
     estimator: str
     window: str
     file: str | None = None
+
+    @property
+    def verdict(self) -> Verdict:
+        """What to make of the FRF and its modes."""
+        return verdict(self.frf.checks, sound=modes_told([one.mode for one in self.modes]))
 
     @property
     def peak(self) -> dict[str, float]:
@@ -121,17 +148,46 @@ def impact_files(
         Why no mode was found, else empty.
     """
     hammer = hammer or HammerChoices()
-    modes: tuple[Mode, ...] = ()
-    reason = ""
-    if options is not None and options.base_acceleration is not None:
+    if options is not None and options.of(files[0]).base_acceleration is not None:
         frf, modes, reason = shaken(files, choices=hammer, options=options, mass=mass, band=band)
     else:
         tests = read_impact(list(files), options=options)
         frf = average(tests, choices=hammer, mass=mass, band=band)
-        try:
-            modes = frf.modes(band=band)
-        except DataError as error:
-            reason = str(error)
+        modes, reason = _modes(frf, band)
+    return _vibration(frf, modes, hammer, file), reason
+
+
+def modes_of_hits(
+    test: ImpactTest | ShakenTest,
+    *,
+    hammer: HammerChoices | None = None,
+    mass: float | None = None,
+    band: tuple[float, float] | None = None,
+) -> tuple[ImpactResult, str]:
+    """Average hits, or a base that was shaken, into an FRF and find its modes.
+
+    The parameters and what is returned are those of :func:`impact_files`.
+    """
+    hammer = hammer or HammerChoices()
+    if isinstance(test, ShakenTest):
+        frf, modes, reason = judged_base(test, choices=hammer, mass=mass, band=band)
+    else:
+        frf = average(test, choices=hammer, mass=mass, band=band)
+        modes, reason = _modes(frf, band)
+    return _vibration(frf, modes, hammer), reason
+
+
+def _modes(frf: FRF, band: tuple[float, float] | None) -> tuple[tuple[Mode, ...], str]:
+    """The modes of an FRF, or why there is none."""
+    try:
+        return frf.modes(band=band), ""
+    except DataError as error:
+        return (), str(error)
+
+
+def _vibration(
+    frf: FRF, modes: Sequence[Mode], hammer: HammerChoices, file: str | None = None
+) -> ImpactResult:
     shown = tuple(
         ImpactMode(
             mode.frequency,
@@ -142,7 +198,7 @@ def impact_files(
         )
         for mode in modes
     )
-    return ImpactResult(frf, shown, hammer.estimator, hammer.window, file), reason
+    return ImpactResult(frf, shown, hammer.estimator, hammer.window, file)
 
 
 def weighed(
@@ -161,10 +217,10 @@ def weighed(
     if mass is not None:
         return mass
     near = frf if band is None else frf.band(*band)
-    mass = dp.infer_mass(seals * found.model, near)[0]
+    mass = infer_mass(seals * found.model, near)[0]
     for _ in range(WEIGHINGS):
         point = operating_point(found, mass=mass, seals=seals, compression=compression)
-        last, mass = mass, dp.infer_mass(seals * point.solid(found), near)[0]
+        last, mass = mass, infer_mass(seals * point.solid(found), near)[0]
         if abs(mass - last) <= 1e-9 * mass:
             return mass
     raise DataError(
@@ -192,7 +248,7 @@ def held_against(
         seals=seals,
         compression=compression,
     )
-    return predicted, dp.compare(
+    return predicted, compare(
         predicted, measured, fit=found, mass=mass, seals=seals, band=band, compression=compression
     )
 
@@ -245,7 +301,13 @@ class Agreement(Documented):
         found = verdict(self.checks)
         if _useless(self.comparison.measured):
             return found
-        return replace(found, says=_UNTESTED if self.mass_inferred else self.comparison.says)
+        if not self.mass_inferred:
+            return replace(found, says=self.comparison.says)
+        return replace(
+            found,
+            says=f"The mass, {written(self.mass, 'g')}, was found from the measured peak, so the "
+            "stiffness is not tested. Weigh the block, and give its mass.",
+        )
 
 
 def compare_files(
@@ -285,6 +347,28 @@ def compare_files(
         What the user said of those.
     """
     _, frf = read_measured(measured, choices=hammer, options=options, mass=mass, band=band)
+    tests = prepared_files(records, options=options_with)
+    return agreement(
+        found, frf, tests=tests, mass=mass, seal_mass=seal_mass, seals=seals, band=band,
+        compression=compression,
+    )  # fmt: skip
+
+
+def agreement(
+    found: Fit,
+    frf: FRF,
+    *,
+    tests: Sequence[RampHold] = (),
+    mass: float | None = None,
+    seal_mass: float | None = None,
+    seals: float = 1.0,
+    band: tuple[float, float] | None = None,
+    compression: float | None = None,
+) -> Agreement:
+    """Hold the prediction of a fit against an FRF; `tests` are the records behind the fit.
+
+    The other parameters are those of :func:`compare_files`.
+    """
     total, noted = total_mass(mass, seal=seal_mass, seals=seals)
     frf = relieved(frf, total, seal_mass, seals)
     known = weighed(found, frf, mass=total, seals=seals, band=band, compression=compression)
@@ -295,8 +379,7 @@ def compare_files(
     lines = comparison.measured.frequency[comparison.measured.frequency > 0]
     formal = formal_limits(found, rests.point, mass=known, frequency=lines, seals=seals)
     limits = None
-    if records:
-        tests = prepared_files(records, options=options_with)
+    if tests:
         refuse_others(tests, found)
         about = np.linspace(lines[0], lines[-1], min(len(lines), LIMIT_LINES))
         limits = frf_limits(found, tests, rests.point, mass=known, frequency=about, seals=seals)
@@ -309,10 +392,10 @@ def _refuse_unmatched(
 ) -> None:
     """Refuse fits, tests and temperatures that do not go together."""
     if len(fits) > 1 or (fits and tests):
-        raise ReadError("--with takes relaxation tests or one fit, not both: leave the fit out")
+        raise ReadError("tests are fitted together, or one fit with vibration: leave the fit out")
     if not tests and len(temperatures) > 1:
         raise ReadError(
-            f"{len(temperatures)} temperatures and no relaxation test (--with); expected one, that "
+            f"{len(temperatures)} temperatures and no relaxation test; expected one, that "
             "of the seals under the hammer"
         )
 
@@ -362,7 +445,7 @@ class Direct(Documented):
 
 @dataclass(frozen=True)
 class Identified(Documented):
-    """What ``dashpot identify`` found.
+    """What ``dashpot fit`` found.
 
     Attributes
     ----------
@@ -372,14 +455,20 @@ class Identified(Documented):
         What the FRF and the mass of the seals say beside the fit's own.
     at_rest : AtRest
         Where the mass rests on it.
+    vibration : ImpactResult or None
+        The modes of what was measured, where nothing else was fitted.
     """
 
-    keys = ("*fit", "direct", "*at_rest.told")
+    keys = (
+        "*fit", "checks", "verdict", "vibration.modes?", "vibration.frf.hits?", "direct",
+        "*at_rest.told",
+    )  # fmt: skip
 
     fit: Fit
     direct: Direct
     noted: tuple[Check, ...]
     at_rest: AtRest
+    vibration: ImpactResult | None = None
 
     @property
     def checks(self) -> tuple[Check, ...]:
@@ -389,7 +478,7 @@ class Identified(Documented):
     @property
     def verdict(self) -> Verdict:
         """What to make of the fit."""
-        return verdict(self.checks, sound=self.fit.verdict.says)
+        return verdict(self.checks, sound=self.fit.sound)
 
 
 def identify_files(
@@ -447,30 +536,60 @@ def identify_files(
     checks : tuple of Check
         What the FRF and the mass of the seals say.
     """
-    known_of_a_test(machine, tests=len(tests), add="a relaxation test (--with)")
+    known_of_a_test(machine, tests=len(tests), add="a relaxation test")
     _refuse_unmatched(fits, tests, temperatures)
     _, frf = read_measured(measured, choices=hammer, options=options, mass=mass, band=band)
-    total, noted = total_mass(mass, seal=seal_mass, seals=seals)
-    frf = relieved(frf, total, seal_mass, seals)
-    with answered_in("--with-profile", besides=("units", *OF_BENCH)):
-        prepared = prepared_files(
-            tests, machine=machine, options=options_with, temperatures=temperatures
-        )
-    mass = total or mass
-    straight = dp.dynamic_stiffness(frf, mass, seals=seals, band=band)
-    found = dp.identify(
-        frf,
-        band=band,
-        tests=prepared,
-        fit=fits[0] if fits else None,
-        mass=mass,
-        seals=seals,
-        compression=compression,
-        temperature=impact_temperature,
-        **choices,
+    prepared = prepared_files(
+        tests, machine=machine, options=options_with, temperatures=temperatures
     )
     if not tests and temperatures:
         specimen = replace(specimen or Specimen(), temperature=temperatures[0])
+    return identified(
+        frf, tests=prepared, fit=fits[0] if fits else None, mass=mass, seal_mass=seal_mass,
+        seals=seals, band=band, compression=compression, temperature=impact_temperature,
+        specimen=specimen, hammer=hammer, **choices,
+    )  # fmt: skip
+
+
+def identified(
+    frf: FRF,
+    *,
+    tests: Sequence[RampHold] = (),
+    fit: Fit | None = None,
+    mass: float,
+    seal_mass: float | None = None,
+    seals: float = 1.0,
+    band: tuple[float, float] | None = None,
+    compression: float | None = None,
+    temperature: float | None = None,
+    specimen: Specimen | None = None,
+    hammer: HammerChoices | None = None,
+    **choices: Any,
+) -> Identified:
+    """Identify the solid under a mass from an FRF, alone or with prepared tests or their fit.
+
+    The parameters and what is returned are those of :func:`identify_files`.
+    """
+    from dashpot.fitting.identification.identify import identify
+
+    vibration = None
+    if not tests and fit is None:
+        vibration = _vibration(frf, _modes(frf, band)[0], hammer or HammerChoices())
+    total, noted = total_mass(mass, seal=seal_mass, seals=seals)
+    frf = relieved(frf, total, seal_mass, seals)
+    mass = total or mass
+    straight = dynamic_stiffness(frf, mass, seals=seals, band=band)
+    found = identify(
+        frf,
+        band=band,
+        tests=tests,
+        fit=fit,
+        mass=mass,
+        seals=seals,
+        compression=compression,
+        temperature=temperature,
+        **choices,
+    )
     if specimen is not None:
         known = replace(found.provenance, specimen=specimen.over(found.specimen))
         found = replace(found, provenance=known)
@@ -480,7 +599,7 @@ def identify_files(
     others = tuple(check for check in frf.checks if check not in useless)
     found = replace(found, evidence=evidence)
     rests = at_rest(found, mass=mass, seals=seals, compression=compression)
-    return Identified(found, Direct(straight), (*others, *noted), rests)
+    return Identified(found, Direct(straight), (*others, *noted), rests, vibration)
 
 
 def _useless(frf: FRF) -> tuple[Check, ...]:

@@ -5,20 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 from dashpot.base.checks import Check
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DashpotError
 from dashpot.base.provenance import Step
-from dashpot.io.columns.kinds import RECOGNISED
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.channels import Opened, opened, read_once
-from dashpot.io.readers.inspect import Inspection, inspect_opened
+from dashpot.io.readers.inspect import Inspection, inspect_opened, inspected
+from dashpot.io.readers.recognise import without_table
 from dashpot.io.readers.relaxation import relaxation_in
 from dashpot.io.source import about
-from dashpot.kinds import KINDS
-from dashpot.preparation.motion import loading_in
 from dashpot.preparation.prepare import prepare
 from dashpot.records.relaxation import RampHold, RelaxationTest
 from dashpot.records.specimen import Specimen
@@ -110,22 +108,23 @@ def _prepared(record: RelaxationTest, options: ReadOptions) -> RampHold:
 def _inspected(
     path: str | Path, options: ReadOptions, read: Reader, prepared: Preparer
 ) -> InspectedFile:
+    own = without_table(path)
+    if own is not None:
+        return _plain(inspected(path, own))
     with opened(path, options, sure=False) as bare:
         file = read_once(bare)
         found = inspect_opened(file)
-    plain = {one.name: getattr(found, one.name) for one in fields(found)}
     if found.kind != "relaxation" or found.questions:
-        return InspectedFile(**plain)
+        return _plain(found)
     try:
         with about(file.raw.name):
             record = read(file)
-        loading = loading_in(record)
-        if loading in RECOGNISED and loading != "relaxation":
-            plain |= {"kind": loading, "reason": f"it is {RECOGNISED[loading].what}"}
-        if loading in KINDS and KINDS[loading].reader != KINDS["relaxation"].reader:
-            return InspectedFile(**plain)
         test = prepared(record, options)
     except DashpotError as error:
-        return InspectedFile(**plain, refusal=str(error))
+        return _plain(found, refusal=str(error))
     ready = Preparation(**{one.name: getattr(test, one.name) for one in fields(Preparation)})
-    return InspectedFile(**plain, preparation=ready)
+    return _plain(found, preparation=ready)
+
+
+def _plain(found: Inspection, **more: Any) -> InspectedFile:
+    return InspectedFile(**{one.name: getattr(found, one.name) for one in fields(found)}, **more)

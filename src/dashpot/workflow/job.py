@@ -35,6 +35,10 @@ def _typed_signs(signs: Sequence[int]) -> list[str]:
     return [f"{sign:+d}" for sign in signs]
 
 
+def _over_base(relative: bool) -> OverBase:
+    return "relative" if relative else "absolute"
+
+
 def known_of_a_test(machine: Machine | None, *, tests: int, add: str) -> None:
     """Refuse what is said of a machine where no relaxation test was made on it.
 
@@ -45,8 +49,8 @@ def known_of_a_test(machine: Machine | None, *, tests: int, add: str) -> None:
     """
     if machine is not None and machine != Machine() and not tests:
         raise DataError(
-            f"{flags_of(Machine)} describe the machine of a relaxation test, and there is none "
-            f"here: add {add}, or leave them out"
+            f"{flags_of(Machine)} describes the machine of a relaxation test, and there is none "
+            f"here. Add {add}, or leave it out."
         )
 
 
@@ -58,18 +62,18 @@ class HammerChoices:
     and how the mass over a base that moves was measured.
     """
 
-    estimator: Estimate = option("H1", "Where the noise is taken to be.", choices=Estimate)
-    window: str = option(
-        "none", "none, exponential, or exponential:0.01 (what is left at the end)."
-    )
-    combine: str = option("mean", "mean, weighted (nulls rocking), or a channel's name.")
-    accept: tuple[str, ...] = option((), "Use this hit all the same.", metavar="HIT", multiple=True)
+    estimator: Estimate = option("H1", "Estimator of the FRF.", choices=Estimate)
+    window: str = option("none", "none, exponential, or exponential:0.01.", metavar="NAME")
+    combine: str = option("mean", "mean, weighted, or the name of a channel.", metavar="HOW")
+    accept: tuple[str, ...] = option((), "Use this hit anyway.", metavar="HIT", multiple=True)
     reject: tuple[str, ...] = option((), "Leave this hit out.", metavar="HIT", multiple=True)
-    record: float | None = option(None, "Length of a block around a hit.", unit="time")
-    pretrigger: float | None = option(None, "Quiet in it before the hit.", unit="time")
+    record: float | None = option(
+        None, "Length of the block around a hit.", unit="time", flag="hit-length"
+    )
+    pretrigger: float | None = option(None, "Quiet time before a hit.", unit="time")
     polarity: tuple[int, ...] | None = option(
         None,
-        "Sign of each accelerometer, in order; repeat for each.",
+        "Sign of each accelerometer, in order.",
         choices=("+1", "-1"),
         multiple=True,
         parse=_signs,
@@ -77,8 +81,10 @@ class HammerChoices:
     )
     motion: OverBase = option(
         "absolute",
-        "Of the mass over a base that moves: absolute, or relative to the base.",
-        choices=OverBase,
+        "The motion is relative to the base.",
+        flag="relative",
+        is_flag=True,
+        parse=_over_base,
     )
 
 
@@ -89,9 +95,15 @@ class Cuts:
     The fields are arguments of :func:`~dashpot.preparation.prepare.prepare`.
     """
 
-    onset: float | None = option(None, "First contact on the record's clock.", unit="time")
-    ramp_end: float | None = option(None, "End of the ramp on that clock.", unit="time")
-    hold_end: float | None = option(None, "End of the hold on that clock.", unit="time")
+    onset: float | None = option(
+        None, "First contact on the record's clock.", unit="time", under="cuts"
+    )
+    ramp_end: float | None = option(
+        None, "End of the ramp on that clock.", unit="time", under="cuts"
+    )
+    hold_end: float | None = option(
+        None, "End of the hold on that clock.", unit="time", under="cuts"
+    )
 
     def refuse_several(self, tests: int) -> None:
         """Refuse cuts of several tests.
@@ -103,8 +115,8 @@ class Cuts:
         """
         if self != Cuts() and tests != 1:
             raise DataError(
-                f"{flags_of(Cuts)} cut one relaxation test, and there are {tests} here: leave "
-                "them out, or fit that test alone"
+                f"{flags_of(Cuts)} cuts one relaxation test, and there are {tests} here. Leave it "
+                "out, or fit that test alone."
             )
 
 
@@ -153,13 +165,11 @@ class Job(Documented):
 
     schema = "dashpot/job@1"
 
-    relaxation: str = option(MISSING, metavar="FILE", argument=True, decides="test")
-    impact: tuple[str, ...] = option(
-        (), "Hits, or an FRF; repeat for more.", metavar="FILE", multiple=True
-    )
-    mass: float | None = option(None, "Block mass; inferred, and said so, if missing.", unit="mass")
+    relaxation: str = option(MISSING, metavar="FILE", argument=1, decides="test")
+    impact: tuple[str, ...] = option((), "Hits, or an FRF.", metavar="FILE", argument=3)
+    mass: float | None = option(None, "Mass of the block, e.g. 104g.", unit="mass")
     seal_mass: float | None = option(
-        None, "Of one seal: a third moves along, a sixth couples mass and base.", unit="mass"
+        None, "Mass of one seal: a third moves with the block.", unit="mass"
     )
     seals: float = option(1.0, "Seals in parallel.")
     arms: int | Literal["auto"] = option(
@@ -167,83 +177,84 @@ class Job(Documented):
     )
     method: Method = option(
         "full",
-        "full: the recorded motion, ramp and hold; hold: the paper's eq. 5.",
+        "Whole record, or equation (5) of the paper.",
         choices=Method,
         decides="fit",
     )
     law: RampLawAsked = option(
         "auto",
-        "Elastic law of the seal, from the ramp: straight unless the record says otherwise.",
+        "Elastic law of the ramp.",
         choices=RampLawAsked,
+        flag="elastic",
         decides="fit",
     )
     family: FamilyAsked = option(
         "maxwell",
-        "Of the solid: arms, a fractional Zener solid, or the one that the record prefers.",
+        "Maxwell arms, a fractional solid, or what the record prefers.",
         choices=FamilyAsked,
+        flag="model",
         decides="fit",
     )
     cuts: Cuts = part(Cuts, decides="test")
     band: tuple[float, float] | None = option(
-        None, "Lines compared, e.g. 5:40Hz.", unit="frequency", ends=True
+        None, "Frequencies to use, e.g. 5:40Hz.", unit="frequency", ends=True
     )
     filter: str | None = option(
-        None, "E.g. lowpass:10Hz; off by default.", metavar="SPEC", decides="test"
+        None, "Filter the force first, e.g. lowpass:10Hz.", metavar="SPEC", decides="test"
     )
     joint: bool = option(
-        True, "Leave out the joint fit.", flag="no-joint", is_flag=True, parse=not_
+        True, "Do not fit both tests together.", flag="no-joint", is_flag=True, parse=not_
     )
     compression: float | None = option(
-        None, "Of the seals under the mass, e.g. 2.6mm.", unit="length", word="weight"
+        None, "Compression of the seals under the mass, e.g. 2.6mm.", unit="length", word="weight"
     )
     specimen: Specimen = part(Specimen, decides="test")
     machine: Machine = part(Machine, decides="test")
     reading: ReadOptions = part(ReadOptions, decides="test")
     reading_impact: ReadOptions = part(ReadOptions)
     hammer: HammerChoices = part(HammerChoices)
-    title: str = option("", "Of the report [default: the specimen].", metavar="TEXT")
-    logo: str | None = option(None, "PNG, JPEG or SVG for its head, up to 100 kB.", metavar="FILE")
-    further: tuple[str, ...] = option((), metavar="FILE", argument=True, decides="test")
+    title: str = option("", "Title (the specimen).", metavar="TEXT")
+    logo: str | None = option(None, "PNG, JPEG or SVG, up to 100 kB.", metavar="FILE")
+    further: tuple[str, ...] = option((), metavar="FILE", argument=2, decides="test")
     temperatures: tuple[float, ...] = option(
         (),
-        "Test temperature, e.g. 23degC; once for all files, or for each, in their order.",
+        "Test temperature: once for all files, or for each.",
         unit="temperature", multiple=True, flag="temperature", decides="test",
     )  # fmt: skip
     impact_temperature: float | None = option(
         None,
-        "Of the seals under the hammer, where tests at several temperatures say how they move.",
+        "Temperature of the seals under the hammer.",
         unit="temperature",
+        flag="hammer-temperature",
     )
 
 
 @dataclass(frozen=True)
 class LevelJob:
-    """Everything that decides the result of ``dashpot level``.
+    """Everything that decides the result of ``dashpot fit``.
 
     The fields are the arguments of :func:`~dashpot.workflow.levels.level_files`.
     """
 
-    files: tuple[str, ...] = option((), metavar="FILE", argument=True)
+    files: tuple[str, ...] = option((), metavar="FILE", argument=1)
     levels: tuple[str, ...] = option(
-        (),
-        "Of each FRF, in order: amplitude of the force, e.g. 0.05N; of a transmissibility that of "
-        "the base's acceleration, e.g. 1m/s^2; of hits their peak force, held against them.",
-        metavar="FORCE", multiple=True, flag="level",
+        (), "Level of each FRF, in order: 0.02N or 1m/s^2.",
+        metavar="LEVEL", multiple=True, flag="level",
     )  # fmt: skip
-    mass: float | None = like(Job, "mass", help="Under those FRFs, or struck, e.g. 104g.")
+    mass: float | None = like(Job, "mass")
     seals: float = like(Job, "seals")
     band: tuple[float, float] | None = like(Job, "band")
     at: tuple[float, ...] = option(
         (),
-        "Level at which the resonance of that mass, or of the one struck, is wanted, e.g. 0.2N.",
-        unit="force", multiple=True,
+        "Also find the resonance at this level, e.g. 0.1N.",
+        unit="force", multiple=True, flag="resonance-at",
     )  # fmt: skip
     motion: OverBase = like(HammerChoices, "motion")
     law: AmplitudeLawAsked = option(
         "auto",
-        "Of a sweep or loops: a share of the stiffness is lost, or friction stands beside it; a "
-        "spring stiffens.",
+        "Law of the amplitude.",
         choices=AmplitudeLawAsked,
+        flag="model",
     )
     options: ReadOptions = part(ReadOptions)
 
@@ -254,59 +265,49 @@ class LevelChoices:
 
     levels: tuple[str, ...] = option(
         (),
-        "Amplitude of the force, e.g. 0.5N; with --base of its acceleration, e.g. 5m/s^2. "
-        "Needs --sweep.",
+        "Resonance there, e.g. 0.5N or 5m/s^2; needs --sweep.",
         multiple=True,
         metavar="LEVEL",
         flag="level",
     )
     sweep: str | None = option(
         None,
-        "Storage and loss over strain or displacement, or recorded loops: what a level does.",
+        "Amplitude sweep or loops of the part.",
         metavar="FILE",
     )
-    height: float | None = option(
-        None, "Of the part, for its strain; of a --disc or --block it is known.", unit="length"
-    )
+    height: float | None = option(None, "Height of the part, for its strain.", unit="length")
     strain_factor: float | None = option(
         None,
-        "Strain of the sweep over X/height of the part: 1 where both are loaded alike, 0.577 for a "
-        "part in shear beside a sweep in tension, 1.73 the other way [default: 1, and what the "
-        "other would make of it].",
+        "Strain of the sweep over that of the part; 0.577 in shear.",
         above=0.0,
     )
     fitted_at: str | None = option(
-        None, "Strain at which FIT's own test was made, e.g. 0.1% [default: a vanishing one]."
+        None, "Strain of the test behind the fit, e.g. 0.1%.", metavar="STRAIN"
     )
     resonance_level: str | None = option(
-        None, "At which --resonance was measured [default: a vanishing one]."
+        None, "Level at which --resonance was measured.", metavar="LEVEL"
     )
 
 
 @dataclass(frozen=True)
 class ModesJob:
-    """Everything that decides the result of ``dashpot modes``.
+    """Everything that decides the result of ``dashpot fit``.
 
     The fields are the arguments of :func:`~dashpot.workflow.measured_modes.modes_files`, and of
     :func:`~dashpot.workflow.under_masses.modes_by_mass` where there are masses.
     """
 
-    files: tuple[str, ...] = option((), metavar="FILE", argument=True)
-    band: tuple[float, float] | None = like(
-        Job, "band", help="Where to look for modes, e.g. 5:50Hz."
-    )
-    against: tuple[str, ...] = option(
-        (),
-        "The same points in another test, whose modes are held against these; repeat for more.",
-        metavar="FRF", multiple=True,
-    )  # fmt: skip
+    files: tuple[str, ...] = option((), metavar="FILE", argument=1)
+    band: tuple[float, float] | None = like(Job, "band")
     masses: tuple[float, ...] = option(
-        (),
-        "On the seals in each FRF, in order, e.g. 104g: is it one solid that carries them all?",
-        unit="mass", multiple=True, flag="mass",
-    )  # fmt: skip
+        (), "Mass on the seals in each FRF, in order.", unit="mass", multiple=True, flag="mass"
+    )
     seals: float = like(Job, "seals")
     options: ReadOptions = part(ReadOptions)
+
+
+def _shape(says: str) -> Any:
+    return option(None, says, under="shape", sign=":")
 
 
 @dataclass(frozen=True)
@@ -316,33 +317,29 @@ class PartChoices:
     One of the shapes, a factor, or a resonance with its mass.
     """
 
-    disc: str | None = option(None, "Diameter and height of a pad, e.g. 20mm,20mm.")
-    block: str | None = option(None, "Length, width and height of a pad, e.g. 30mm,20mm,10mm.")
-    bush: str | None = option(None, "Inner and outer diameter and length, e.g. 12mm,30mm,40mm.")
-    bulb: str | None = option(
-        None, "Outer diameter, wall and length of a hollow seal, e.g. 22mm,2mm,100mm."
+    disc: str | None = _shape("Diameter and height of a pad: 20mm,20mm.")
+    block: str | None = _shape("Length, width and height of a pad: 30mm,20mm,10mm.")
+    bush: str | None = _shape("Inner and outer diameter and length: 12mm,30mm,40mm.")
+    bulb: str | None = _shape("Outer diameter, wall and length: 22mm,2mm,100mm.")
+    mode: PartMode | None = option(
+        None, "How the shape is loaded.", choices=PartMode, flag="loading"
     )
-    mode: PartMode | None = option(None, "How the shape is loaded.", choices=PartMode)
     lubricated: bool = option(False, "The plates are lubricated, not bonded.", is_flag=True)
     resonance: float | None = option(
-        None,
-        "Measured peak of one such mass; tells the geometry factor in place of a shape.",
-        unit="frequency",
+        None, "A measured peak, in place of a shape.", unit="frequency"
     )
-    resonance_mass: float | None = option(None, "On the parts at that peak.", unit="mass")
+    resonance_mass: float | None = option(None, "Mass on the parts at that peak.", unit="mass")
 
 
 @dataclass(frozen=True)
 class RodChoices:
     """A rod under a mass as a user says it, and how well its test is known."""
 
-    disc: str | None = option(None, "Diameter and length of a round rod, e.g. 20mm,20mm.")
-    block: str | None = option(None, "Both widths and length of another, e.g. 30mm,20mm,10mm.")
-    lubricated: bool = option(False, "Its ends slide: no shape factor is taken off.", is_flag=True)
-    gain_error: float = option(0.01, "Of one sensor over the other, e.g. 1%.", unit="strain")
-    phase_error: float = option(
-        "1deg", "Between the sensors, e.g. 1deg [default: 1deg].", unit="angle"
-    )
+    disc: str | None = _shape("Diameter and length of a round rod: 20mm,20mm.")
+    block: str | None = _shape("Both widths and length of another: 30mm,20mm,10mm.")
+    lubricated: bool = option(False, "The ends slide.", is_flag=True)
+    gain_error: float = option(0.01, "Gain error between the sensors, e.g. 1%.", unit="strain")
+    phase_error: float = option("1deg", "Phase error between the sensors.", unit="angle")
 
     def __post_init__(self) -> None:
         si_fields(self)

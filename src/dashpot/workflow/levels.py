@@ -22,12 +22,15 @@ from dashpot.io.readers.inspect import inspect_file
 from dashpot.io.source import about
 from dashpot.kinds import RESPONSES
 from dashpot.kinds.level.checks import level_covered, levels_as_struck
+from dashpot.kinds.level.fit import fit_amplitude
 from dashpot.kinds.level.fit_frfs import fit_levels
 from dashpot.kinds.level.hits import HitLevels, hits_as_levels
 from dashpot.kinds.level.levels import Elements, LevelFit, PeakAtLevel
+from dashpot.kinds.level.prepare import sweep_of_loops
 from dashpot.kinds.level.record import AmplitudeFit, AmplitudeSweep
 from dashpot.kinds.level.response import resonance_at_level
 from dashpot.records.frf import FRF
+from dashpot.records.impact import ImpactTest
 from dashpot.records.relaxation import RelaxationTest
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.impact.frf_estimation import estimate_frf
@@ -38,7 +41,7 @@ from dashpot.workflow.measured import as_measured
 
 @dataclass(frozen=True)
 class Levels(Documented):
-    """What ``dashpot level`` found.
+    """What ``dashpot fit`` found.
 
     Attributes
     ----------
@@ -61,7 +64,7 @@ class Levels(Documented):
     @property
     def verdict(self) -> Verdict:
         """What to make of it."""
-        return verdict(self.checks, sound=self.fit.verdict.says)
+        return verdict(self.checks, sound=self.fit.sound)
 
     @property
     def source(self) -> tuple[Source, ...]:
@@ -130,12 +133,12 @@ def level_files(
     if all(kind in RESPONSES for kind in kinds):
         _refuse_law(law, "FRFs")
         frfs = [as_measured(read_frf(path, options=options), motion) for path in files]
-        return _of_frfs(frfs, levels, mass=mass, seals=seals, band=band, at=at)
+        return frfs_at_levels(frfs, levels, mass=mass, seals=seals, band=band, at=at)
     struck = all(kind in HITS for kind in kinds)
     _refuse_mixture(files, kinds)
     asked = {
         "--level": levels, "--mass": mass is not None, "--seals": seals != 1,
-        "--motion": motion != "absolute", "--band": band is not None, "--at": at,
+        "--relative": motion != "absolute", "--band": band is not None, "--resonance-at": at,
     }  # fmt: skip
     _refuse_given(files[0], asked, *(_OF_HITS if struck else ()))
     if struck:
@@ -144,12 +147,22 @@ def level_files(
     if len(files) > 1:
         raise ReadError("one amplitude sweep at a time; only FRFs of several levels go together")
     found, _, record = amplitude_file(files[0], kinds[0], law=law, options=options)
+    return _swept(found, record)
+
+
+def of_amplitude(record: AmplitudeSweep | RelaxationTest, *, law: str = "auto") -> Levels:
+    """Find what a sweep of amplitudes, or a record of loops, says of stiffness and damping."""
+    sweep = sweep_of_loops(record) if isinstance(record, RelaxationTest) else record
+    return _swept(fit_amplitude(sweep, law=law), record)
+
+
+def _swept(found: AmplitudeFit, record: AmplitudeSweep | RelaxationTest) -> Levels:
     if isinstance(record, RelaxationTest):
         found = replace(found, loss_per_lag=float(2 * np.pi * found.frequency.max()))
     return Levels(found, (), found.checks, (record,))
 
 
-_OF_HITS = ("--level", "--mass", "--band", "--at")
+_OF_HITS = ("--level", "--mass", "--band", "--resonance-at")
 """Options that belong to FRFs, and to hits too."""
 
 
@@ -165,7 +178,7 @@ def _refuse_given(path: str | Path, asked: Mapping[str, object], *but: str) -> N
 
 def _refuse_law(law: str, whose: str) -> None:
     if law != "auto":
-        raise ReadError(f"--law is of an amplitude sweep, and {whose} take no law; leave it out")
+        raise ReadError(f"--model is of an amplitude sweep, and {whose} take no law; leave it out")
 
 
 def _refuse_mixture(files: Sequence[str | Path], kinds: Sequence[str]) -> None:
@@ -178,15 +191,16 @@ def _refuse_mixture(files: Sequence[str | Path], kinds: Sequence[str]) -> None:
         raise ReadError(
             f"{driven[0]} is an FRF and {struck[0]} holds hits, whose motion dies away: its lines "
             "have no one amplitude, and the two are not fitted together; give the FRFs alone and "
-            "the hits alone, and compare the resonance that each tells at one level (--at)"
+            "the hits alone, and compare the resonance that each tells at one level "
+            "(--resonance-at)"
         )
 
 
-def _forces(levels: Sequence[Quantity], files: Sequence[str | Path]) -> list[float]:
-    """Peak forces that are said of hammer files, N."""
-    if levels and len(levels) != len(files):
+def _forces(levels: Sequence[Quantity], tests: int) -> list[float]:
+    """Peak forces that are said of so many hammer tests, N."""
+    if levels and len(levels) != tests:
         raise ReadError(
-            f"{len(files)} hammer files and {len(levels)} levels; expected the peak force of the "
+            f"{tests} hammer files and {len(levels)} levels; expected the peak force of the "
             "hits of each file, in their order, or none (--level): hits show how hard they are"
         )
     forces = [si(level, "force") for level in levels]
@@ -204,11 +218,24 @@ def _of_hits(
     at: Sequence[float],
     options: ReadOptions | None,
 ) -> Levels:
-    said = _forces(levels, files)
+    _forces(levels, len(files))
     tests = read_impacts(list(files), options=options)
     with about(", ".join(Path(path).name for path in files)):
-        frf = estimate_frf(tests, resonance_band=band, mass=mass)
-        found = hits_as_levels(frf, band=band)
+        return hits_at_levels(tests, levels, mass=mass, band=band, at=at)
+
+
+def hits_at_levels(
+    tests: Sequence[ImpactTest],
+    levels: Sequence[Quantity] = (),
+    *,
+    mass: float | None = None,
+    band: tuple[float, float] | None = None,
+    at: Sequence[float] = (),
+) -> Levels:
+    """Find what hits of different height say; the parameters are those of :func:`level_files`."""
+    said = _forces(levels, len(tests))
+    frf = estimate_frf(tests, resonance_band=band, mass=mass)
+    found = hits_as_levels(frf, band=band)
     if said:
         counts = np.cumsum([len(cut_hits([test])) for test in tests])[:-1]
         peaks_of = np.split(np.array([one.peak for one in frf.hits]), counts)
@@ -226,15 +253,16 @@ def _of_hits(
     return Levels(found, tuple(peaks), (*found.checks, *covered), (frf,))
 
 
-def _of_frfs(
+def frfs_at_levels(
     frfs: Sequence[FRF],
     levels: Sequence[Quantity],
     *,
     mass: float | None,
-    seals: float,
-    band: tuple[float, float] | None,
-    at: Sequence[float],
+    seals: float = 1.0,
+    band: tuple[float, float] | None = None,
+    at: Sequence[float] = (),
 ) -> Levels:
+    """Find what FRFs of one mass at several levels say; parameters as of :func:`level_files`."""
     if mass is None or len(levels) != len(frfs):
         raise ReadError(
             f"{len(frfs)} FRFs, {len(levels)} levels and {'no' if mass is None else 'a'} mass; "

@@ -18,6 +18,7 @@ from dashpot.io.readers.shaken import read_shaken
 from dashpot.kinds import RESPONSES
 from dashpot.records.frf import FRF, Mode
 from dashpot.records.impact import ImpactTest
+from dashpot.records.shaken import ShakenTest
 from dashpot.vibration.impact.checks import (
     channels_not_clipped,
     coherence,
@@ -37,9 +38,7 @@ _NO_MASS = (
     "the file holds a transmissibility, which tells the stiffness over the mass and neither alone: "
     "give the mass (--mass)"
 )
-_NO_BASE = (
-    "--motion relative is of a mass over a base that moves, and here a force moves it: leave out"
-)
+_NO_BASE = "--relative is of a mass over a base that moves, and here a force moves it: leave out"
 
 
 def read_measured(
@@ -79,8 +78,18 @@ def shaken(
 
     Without the mass, kg, it has none, and nothing at its resonance is judged.
     """
+    return judged_base(read_shaken(paths, options), choices=choices, mass=mass, band=band)
+
+
+def judged_base(
+    test: ShakenTest,
+    *,
+    choices: HammerChoices,
+    mass: float | None,
+    band: tuple[float, float] | None = None,
+) -> tuple[FRF, tuple[Mode, ...], str]:
+    """Return what :func:`shaken` does, of a record of the base and the mass."""
     _no_hammer(choices)
-    test = read_shaken(paths, options)
     frf = estimate_transmissibility(test, estimator=choices.estimator, segment=choices.record)
     frf = as_measured(frf, choices.motion)
     whole = channels_not_clipped(test)
@@ -116,7 +125,8 @@ def _no_hammer(choices: HammerChoices) -> None:
     ]
     if odd:
         raise ReadError(
-            f"{', '.join(odd)}: of hits, and the base was shaken (--base-acceleration); leave out"
+            f"{', '.join(odd)}: of hits, and the base was shaken (--column base-acceleration); "
+            "leave out"
         )
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from dashpot.base.checks import Verdict, verdict
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.io.options import ReadOptions
@@ -24,7 +25,7 @@ from dashpot.vibration.modal.checks import modes_explain_lines, modes_stable, po
 from dashpot.vibration.modal.several_points import shapes_of, within
 from dashpot.vibration.modal.shapes import mac, phase_collinearity, phase_deviation
 from dashpot.vibration.modal.stabilisation import Stabilisation, stabilisation
-from dashpot.workflow.impacts import ImpactMode, finite
+from dashpot.workflow.impacts import ImpactMode, finite, modes_told
 from dashpot.workflow.measured import judged
 
 SAME_MODE = 0.2
@@ -87,7 +88,7 @@ class SameMode:
 
 @dataclass(frozen=True)
 class MeasuredModes(Documented):
-    """What ``dashpot modes`` found.
+    """What ``dashpot fit`` found.
 
     Attributes
     ----------
@@ -108,7 +109,7 @@ class MeasuredModes(Documented):
     """
 
     schema = "dashpot/modes@1"
-    keys = ("frf.checks", "frf.source", "*")
+    keys = ("frf.checks", "verdict", "frf.source", "*")
 
     frf: FRF
     modes: tuple[MeasuredMode, ...]
@@ -117,6 +118,11 @@ class MeasuredModes(Documented):
     highest_order: int = 0
     mac: tuple[tuple[float, ...], ...] = ()
     against: tuple[SameMode, ...] = ()
+
+    @property
+    def verdict(self) -> Verdict:
+        """What to make of the modes."""
+        return verdict(self.frf.checks, sound=modes_told([one.mode for one in self.modes]))
 
 
 def modes_files(
@@ -148,7 +154,14 @@ def modes_files(
     DataError
         If the band holds fewer than 8 lines, or the points are not on the same ones.
     """
-    measured = read_frfs(files, options=options)
+    other = read_frfs(against, options=options) if against else None
+    return modes_of(read_frfs(files, options=options), band=band, against=other)
+
+
+def modes_of(
+    measured: FRFSet, *, band: tuple[float, float] | None = None, against: FRFSet | None = None
+) -> tuple[MeasuredModes, Stabilisation]:
+    """Find the modes that FRFs share, as :func:`modes_files` does of those in files."""
     near = within(measured, band)
     lines = near.frfs[0].frequency
     sought = band or (float(lines[0]), float(lines[-1]))
@@ -163,15 +176,14 @@ def modes_files(
         chart.highest,
         _macs(shapes, shapes) if several else (),
     )
-    if not against:
+    if against is None:
         return found, chart
-    other = read_frfs(against, options=options)
-    if len(other.points) != len(measured.points):
+    if len(against.points) != len(measured.points):
         raise DataError(
-            f"{len(measured.points)} points are held against {len(other.points)} (--against); "
+            f"{len(measured.points)} points are held against {len(against.points)}; "
             "expected the same ones, in the same order"
         )
-    return replace(found, against=_again(shapes, other.modes(band=sought), several)), chart
+    return replace(found, against=_again(shapes, against.modes(band=sought), several)), chart
 
 
 def _judged(

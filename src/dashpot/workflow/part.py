@@ -44,8 +44,8 @@ def applied(
     if not given:
         if part != PartChoices():
             raise DataError(
-                "--mode, --lubricated and --resonance-mass belong to a shape (--disc, --block, "
-                "--bush, --bulb) or to a --resonance; add one, or leave them out"
+                "--loading, --lubricated and --resonance-mass belong to a --shape or to a "
+                "--resonance; add one, or leave them out"
             )
         return fit
     if len(given) > 1:
@@ -75,7 +75,7 @@ def _factor(
         raise DataError("--resonance needs the mass that it was measured with: --resonance-mass")
     if part.mode is not None or part.lubricated:
         raise DataError(
-            "a resonance tells the factor, however the part is loaded: leave --mode "
+            "a resonance tells the factor, however the part is loaded: leave --loading "
             "and --lubricated out"
         )
     kind = "transmissibility" if base else "accelerance"

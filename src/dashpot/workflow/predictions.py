@@ -15,6 +15,7 @@ from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.choices import Family
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
+from dashpot.base.numbers import hertz
 from dashpot.fitting.temperature.checks import temperature_tested
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.psd import read_psd
@@ -22,6 +23,7 @@ from dashpot.records.bounds import FRFBounds
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF, Kind, Mode
 from dashpot.records.machine import Machine
+from dashpot.records.relaxation import RampHold
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.systems.mounts import entrained, on_heavy_mounts
 from dashpot.vibration.systems.prediction import (
@@ -267,23 +269,54 @@ def predict_files(
     DataError
         If a machine is described and no test was made on it, or a record is not what was fitted.
     """
-    known_of_a_test(machine, tests=len(records), add="the record (--with)")
+    known_of_a_test(machine, tests=len(records), add="the record (--record)")
+    swept = swept_part(at_level or LevelChoices(), unit=found.unit, part=part, options=options)
+    return prediction(
+        found, prepared_files(records, machine=machine, options=options), mass=mass,
+        seal_mass=seal_mass, seals=seals, band=band, lines=lines, kind=kind,
+        compression=compression, temperature=temperature, part=part, at_level=at_level,
+        swept=swept, base_psd=base_psd,
+    )  # fmt: skip
+
+
+def prediction(
+    found: Fit,
+    tests: Sequence[RampHold] = (),
+    *,
+    mass: float,
+    seal_mass: float | None = None,
+    seals: float = 1.0,
+    band: tuple[float, float],
+    lines: int = 2001,
+    kind: str = "accelerance",
+    compression: float | None = None,
+    temperature: float | None = None,
+    part: PartChoices | None = None,
+    at_level: LevelChoices | None = None,
+    swept: SweptPart | None = None,
+    base_psd: str | None = None,
+) -> Prediction:
+    """Predict the FRF of a mass on a fitted seal; `tests` are the records behind the fit.
+
+    The other parameters are those of :func:`predict_files`; `swept` is what the sweep says.
+    """
     asked, choices = Kind(kind), at_level or LevelChoices()
     moving, noted = moving_mass(mass, seal=seal_mass or 0.0, seals=seals)
     here = found if temperature is None else found.at_temperature(temperature)
-    swept = swept_part(choices, unit=found.unit, part=part, options=options)
     stiffer, of_part = 1.0, part is not None and part != PartChoices()
     if part is not None and of_part:
-        _refuse_records(records)
+        _refuse_records(tests)
         material, measured = here.solid, _measured_at(swept, choices, asked)
         here = found = applied(part, here, seals=seals, base=asked.over_base, peak=measured)
-        stiffer = float(abs(here.solid.complex_stiffness(1.0) / material.complex_stiffness(1.0)))
+        stiffer = float(
+            abs(here.solid.complex_stiffness(omega=1.0) / material.complex_stiffness(omega=1.0))
+        )
     rests = at_rest(here, mass=moving, seals=seals, compression=compression)
     # over a base, mounts that weigh something couple the mass to it
     coupled = entrained(seal_mass, seals) if asked.over_base else 0.0
     on = _OnSeals(here, rests, moving, seals, coupled, asked)
     frf = on.frf(np.linspace(*band, lines))
-    bounded = _bounds(on, found, records, temperature=temperature, machine=machine, options=options)
+    bounded = _bounds(on, found, tests, temperature=temperature)
     limited = on.limited(frf, bounded)
     peak, at_edge = on.peak(frf)
     about = on.modes[0].frequency if on.modes else peak[0]
@@ -308,7 +341,7 @@ def predict_files(
         at_edge,
         limited,
         checks,
-        verdict(checks, sound=found.verdict.says),
+        verdict(checks, sound=_sound(frf, peak, found)),
         rests,
         on.rival,
         of_part,
@@ -319,10 +352,20 @@ def predict_files(
     )
 
 
-def _refuse_records(records: Sequence[str | Path]) -> None:
-    if records:
+def _sound(frf: FRF, peak: tuple[float, float], found: Fit) -> str:
+    """Return where the predicted peak lies, how high it is, and where the model is valid."""
+    hz, height = peak
+    name, unit = frf.kind.replace("_", " "), frf.unit
+    return (
+        f"peak of the {name}: {height:.4g}{f' {unit}' if unit != '1' else ''} at {hz:.4g} Hz. "
+        f"The model is valid from {hertz(found.band)}"
+    )
+
+
+def _refuse_records(tests: Sequence[RampHold]) -> None:
+    if tests:
         raise DataError(
-            "a record (--with) bounds the part that was tested, not another of its material: "
+            "a record (--record) bounds the part that was tested, not another of its material: "
             "leave it or the geometry out"
         )
 
@@ -446,16 +489,13 @@ class _OnSeals:
 def _bounds(
     on: _OnSeals,
     found: Fit,
-    records: Sequence[str | Path],
+    tests: Sequence[RampHold],
     *,
     temperature: float | None,
-    machine: Machine | None,
-    options: ReadOptions | None,
 ) -> Callable[..., FRFBounds] | None:
     """What bounds the FRF by the relaxation tests; None without them."""
-    if not records:
+    if not tests:
         return None
-    tests = prepared_files(records, machine=machine, options=options)
     refuse_others(tests, found)
     return partial(
         frf_limits,

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-import dashpot as dp
-from dashpot.base.errors import DataError, ReadError
-from dashpot.io.options import ReadOptions, flag
+from dashpot.base.errors import DataError
+from dashpot.io.options import ReadOptions
+from dashpot.io.readers.relaxation import read_relaxation
+from dashpot.preparation.prepare import prepare
 from dashpot.records.fit import Fit
 from dashpot.records.machine import Machine
 from dashpot.records.relaxation import RampHold
@@ -30,9 +29,7 @@ def prepared_files(
     """
     cycle = None if options is None else options.cycle
     return tuple(
-        dp.prepare(
-            dp.read_relaxation(path, options=options, specimen=one), machine=machine, cycle=cycle
-        )
+        prepare(read_relaxation(path, options=options, specimen=one), machine=machine, cycle=cycle)
         for path, one in zip(files, each_specimen(None, temperatures, len(files)), strict=True)
     )
 
@@ -49,7 +46,8 @@ def refuse_others(tests: Sequence[RampHold], found: Fit) -> None:
         if known and test.source is not None and test.source.sha256 not in known:
             raise DataError(
                 f"{test.source.file} is not what was fitted (its SHA-256 is another): the fit is "
-                f"of {', '.join(dict.fromkeys(known.values()))}; give that file by --with, or fit "
+                f"of {', '.join(dict.fromkeys(known.values()))}; give that file by --record, or "
+                "fit "
                 "this one"
             )
 
@@ -67,22 +65,3 @@ def at_their_temperatures(tests: Sequence[RampHold], found: Fit) -> tuple[RampHo
         return replace(test, specimen=replace(test.specimen, temperature=float(kelvin)))
 
     return tuple(map(of, tests))
-
-
-@contextmanager
-def answered_in(option: str, *, besides: Sequence[str]) -> Iterator[None]:
-    """Say where a question is answered if the command's own options are for another file.
-
-    `besides` are the fields of the reading options that are for this file too.
-    """
-    ours = {flag(name) for name in besides}
-    try:
-        yield
-    except (ReadError, DataError) as error:
-        named = set(re.findall(r"(?<![\w-])--[a-z-]+", str(error)))
-        if named <= ours:
-            raise
-        raise ReadError(
-            f"{error} (the options of this command are for its other file: keep the answer for "
-            f"this one with dashpot inspect --save-profile FILE, and give it by {option} FILE)"
-        ) from None

@@ -166,7 +166,7 @@ def _between(
     solid: Fit, bounds: StiffnessBounds | None, name: str, at: float, *, bound: bool
 ) -> Answer:
     """Stiffness or loss factor at a frequency, Hz; the ends hold the value itself."""
-    value = float(getattr(solid.solid, name)(2 * np.pi * at))
+    value = float(getattr(solid.solid, name)(frequency=at))
     quantity: Quantity = "dynamic stiffness" if name == "storage" else "loss factor"
     if bounds is None:
         return Answer(quantity, value, at=at)

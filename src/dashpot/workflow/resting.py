@@ -9,12 +9,11 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-import dashpot as dp
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.facts import NORMAL
 from dashpot.base.units import in_unit, written
-from dashpot.fitting.uncertainty.prediction_bounds import PredictedFRF, formal_frf_band
+from dashpot.fitting.uncertainty.prediction_bounds import PredictedFRF, formal_frf_band, frf_band
 from dashpot.records.bounds import FRFBounds
 from dashpot.records.fit import Fit
 from dashpot.records.frf import Kind, Mode
@@ -171,7 +170,7 @@ def frf_limits(
     each = []
     for a in ends:
         scale = a**2 * s
-        of = dp.frf_band(
+        of = frf_band(
             found,
             tests,
             mass=mass / scale,
@@ -185,7 +184,7 @@ def frf_limits(
         joined = each[0]
     else:
         omega = 2 * np.pi * f
-        K = point.solid(here).complex_stiffness(omega)
+        K = point.solid(here).complex_stiffness(omega=omega)
         own = PredictedFRF(mass, seals, kind, coupled).magnitude(K, omega)
         formal = formal_frf_band(
             here,

@@ -35,7 +35,7 @@ _ERRORS = ("gain", "phase", "mass", "length", "area", "density")
 
 @dataclass(frozen=True)
 class Rod(Documented):
-    """What ``dashpot rod`` found.
+    """What ``dashpot fit`` found.
 
     Attributes
     ----------
@@ -82,7 +82,7 @@ class Rod(Documented):
         """What to make of it."""
         low, high = self.modulus.band
         return verdict(
-            self.checks, sound=f"the modulus is known to 10 % from {low:.3g} to {high:.3g} Hz"
+            self.checks, sound=f"from {low:.3g} to {high:.3g} Hz the modulus is known to 10 %"
         )
 
     @property
@@ -135,16 +135,37 @@ def rod_files(
     hammer, options, specimen
         How the files are read.
     """
+    _, frf = read_measured(
+        files, choices=hammer or HammerChoices(), options=options or ReadOptions(), mass=mass,
+        band=band,
+    )  # fmt: skip
+    return rod_under(
+        frf, mass=mass, density=density, rod=rod, arms=arms, family=family, band=band,
+        specimen=specimen,
+    )  # fmt: skip
+
+
+def rod_under(
+    frf: FRF,
+    *,
+    mass: float,
+    density: float,
+    rod: RodChoices,
+    arms: int | Literal["auto"] = "auto",
+    family: FamilyAsked = "maxwell",
+    band: tuple[float, float] | None = None,
+    specimen: Specimen | None = None,
+) -> Rod:
+    """Find the modulus of a rod's material from the FRF of the mass on it, judged.
+
+    The parameters are those of :func:`rod_files`.
+    """
     part, errors, bonded = _part(rod), _errors(rod), not rod.lubricated
     if not _LIGHTEST <= density <= _HEAVIEST:
         raise DataError(
             f"--density {density:g}: expected {_LIGHTEST:g} to {_HEAVIEST:g} kg/m^3, such as 1100 "
             "of rubber"
         )
-    _, frf = read_measured(
-        files, choices=hammer or HammerChoices(), options=options or ReadOptions(), mass=mass,
-        band=band,
-    )  # fmt: skip
     modulus = rod_modulus(
         frf, part, mass=mass, density=density, bonded=bonded, errors=errors, band=band
     )
@@ -172,8 +193,8 @@ def _part(rod: RodChoices) -> Disc | Block:
     """Its shape; the last length is the one along it."""
     if (rod.disc is None) == (rod.block is None):
         raise DataError(
-            "a rod's shape turns motion into a modulus: give either --disc DIAMETER,LENGTH or "
-            "--block WIDTH,WIDTH,LENGTH"
+            "a rod's shape turns motion into a modulus: give "
+            "--shape disc:DIAMETER,LENGTH or --shape block:WIDTH,WIDTH,LENGTH"
         )
     return pad("disc", rod.disc) if rod.block is None else pad("block", rod.block)
 

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-import dashpot as dp
 from dashpot.base.choices import ShiftLaw, VerticalAsked, words
 from dashpot.base.errors import FitError
 from dashpot.base.options import option
@@ -30,21 +29,21 @@ class ShiftChoices:
     """
 
     at: float | None = option(
-        None, "Of several temperatures, the sweep of that one alone.", unit="temperature"
+        None, "Use the sweep of this temperature alone.", unit="temperature", flag="only"
     )
     reference: float | None = option(
         None,
-        "Of several, the one to shift to, e.g. 25degC [default: nearest to 23degC].",
+        "Temperature to shift to (nearest to 23degC).",
         unit="temperature",
     )
-    law: ShiftLaw = option("auto", "Of its shift factors.", flag="shift", choices=ShiftLaw)
+    law: ShiftLaw = option("auto", "Law of the shift factors.", flag="shift", choices=ShiftLaw)
     vertical: VerticalAsked = option(
         "auto",
-        "Of its moduli: 1, none; T, that of an ideal rubber; free, a diagnostic.",
+        "Shift of the moduli: auto, 1, T or free.",
         choices=_TYPED,
         parse=_TYPED.__getitem__,
     )
-    shifts: str | None = option(None, "Table of known shift factors.", metavar="FILE")
+    shifts: str | None = option(None, "Known shift factors.", metavar="FILE")
 
 
 def each_specimen(
@@ -79,7 +78,7 @@ def shifted_ramps(choices: ShiftChoices) -> dict[str, Any]:
     """
     if choices.at is not None or choices.shifts is not None:
         raise FitError(
-            "--at and --shifts are for sweeps, moduli and creep; ramps and holds find their own "
+            "--only and --shifts are for sweeps, moduli and creep; ramps and holds find their own "
             "shifts: leave them out"
         )
     vertical = "free" if choices.vertical == "auto" else choices.vertical
@@ -102,20 +101,23 @@ def one_temperature(
     if first.several_temperatures and specimen is not None and specimen.temperature is not None:
         raise FitError(
             "the file says the temperature of every sample, so --temperature has nothing to add: "
-            "--at takes one of them alone, --reference moves the master curve of them all"
+            "--only takes one of them alone, --reference moves the master curve of them all"
         )
     alone = len(tests) == 1 and choices == ShiftChoices(at=at)
     if at is not None:
         if not alone:
             raise FitError(
-                "--at takes one temperature out of a file of several; leave out --reference, "
+                "--only takes one temperature out of a file of several; leave out --reference, "
                 "--shift, --vertical and --shifts, which shift them all, and other files"
             )
         return first.at(at)
     if alone and not first.several_temperatures:
         return first
-    known = () if choices.shifts is None else dp.read_shifts(choices.shifts)
-    return dp.superpose(
+    from dashpot.fitting.superposition.superpose import superpose
+    from dashpot.io.readers.shifts import read_shifts
+
+    known = () if choices.shifts is None else read_shifts(choices.shifts)
+    return superpose(
         tests,
         reference=choices.reference,
         law=choices.law,

@@ -21,7 +21,7 @@ from dashpot.fitting.identification.identify import identify
 from dashpot.fitting.relaxation import fit
 from dashpot.fitting.uncertainty.prediction_bounds import parameter_band, unseen_arm_band
 from dashpot.io.logo import read_logo
-from dashpot.io.options import OF_HAMMER, ReadOptions
+from dashpot.io.options import ReadOptions
 from dashpot.io.readers.relaxation import read_relaxation
 from dashpot.preparation.prepare import prepare
 from dashpot.records.bounds import FRFBounds, StiffnessBounds
@@ -40,7 +40,6 @@ from dashpot.workflow.checks import hold_fit_possible, prediction_informed
 from dashpot.workflow.impacts import held_against, weighed
 from dashpot.workflow.job import Cuts, Job
 from dashpot.workflow.measured import read_measured, relieved, total_mass
-from dashpot.workflow.prepared import answered_in
 from dashpot.workflow.resting import (
     AtRest,
     at_rest,
@@ -147,7 +146,7 @@ class Study(Pictured, Documented):
         agreed = self.comparison if self.joint is None else self.joint_comparison
         mass = "no mass" if self.mass is None else written(self.mass, "g", ".6g")
         return (
-            f"{self.verdict.use}: {self.verdict.says}",
+            str(self.verdict),
             f"{mass} on {self.seals:g} seals; {solid.model} ({solid.unit}, s), {solid.method}",
             *(
                 ()
@@ -204,11 +203,12 @@ class Study(Pictured, Documented):
     @property
     def _sound(self) -> str:
         """What to say of the study where no check of weight failed."""
-        if self.joint is not None:
-            return "one solid, the joint fit's, explains the relaxation test and the hammer"
-        if self.comparison is not None:
-            return "the hammer bears out what the relaxation test predicts"
-        return f"the relaxation test tells the solid from {hertz(self.fit.band)}"
+        if self.joint is not None and self.joint_comparison is not None:
+            where = f"From {hertz(self.joint.band)} one model matches both tests"
+            return f"{where}: {self.joint_comparison.matched}."
+        if self.joint is None and self.comparison is not None:
+            return self.comparison.says
+        return (self.joint or self.fit).sound
 
 
 def characterise(
@@ -407,10 +407,9 @@ def run(job: Job, *, read: Reader | None = None) -> Study:
     mass, noted = total_mass(job.mass, seal=job.seal_mass, seals=job.seals)
     if job.impact:
         doing(f"reading {_named(job.impact)}")
-        with answered_in("--impact-profile", besides=("units", *OF_HAMMER)):
-            impact, measured = read_measured(
-                job.impact, choices=job.hammer, options=job.reading_impact, mass=mass, band=job.band
-            )
+        impact, measured = read_measured(
+            job.impact, choices=job.hammer, options=job.reading_impact, mass=mass, band=job.band
+        )
         measured = relieved(measured, mass, job.seal_mass, job.seals)
     study = characterise(
         test,

@@ -3,21 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import combinations
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from dashpot.base.checks import Check
+from dashpot.base.checks import Check, Checked
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.units import in_unit, written
 from dashpot.io.options import ReadOptions
+from dashpot.io.readers.frf_set import read_frfs
+from dashpot.records.frf_set import FRFSet
 from dashpot.vibration.modal.checks import one_solid
 from dashpot.vibration.modal.several_masses import SeveralMasses, several_masses
-from dashpot.workflow.measured_modes import MeasuredMode, MeasuredModes, modes_files
+from dashpot.workflow.measured_modes import MeasuredMode, MeasuredModes, modes_of
 
 
 class UnderMass(NamedTuple):
@@ -39,8 +41,8 @@ class StiffnessAtMode(NamedTuple):
 
 
 @dataclass(frozen=True)
-class ModesByMass(Documented):
-    """What ``dashpot modes`` found under several masses.
+class ModesByMass(Checked, Documented):
+    """What ``dashpot fit`` found under several masses.
 
     Attributes
     ----------
@@ -52,7 +54,7 @@ class ModesByMass(Documented):
     """
 
     schema = "dashpot/modes-by-mass@1"
-    keys = ("tests=each", "stiffness", "model", "together.distance", "checks")
+    keys = ("tests=each", "stiffness", "model", "together.distance", "verdict", "checks")
 
     tests: tuple[MeasuredModes, ...]
     together: SeveralMasses
@@ -63,6 +65,13 @@ class ModesByMass(Documented):
         """The modes under each mass."""
         masses = zip(self.together.masses, self.tests, strict=True)
         return tuple(UnderMass(mass, one.band, one.modes) for mass, one in masses)
+
+    @property
+    def sound(self) -> str:
+        """The resonance under each mass."""
+        pairs = zip(self.together.masses, self.together.modes, strict=True)
+        each = [f"{mode.frequency:.4g} Hz under {written(mass, 'g')}" for mass, mode in pairs]
+        return f"one solid has the resonance of every mass: {', '.join(each[:3])}"
 
     @property
     def stiffness(self) -> tuple[StiffnessAtMode, ...]:
@@ -106,13 +115,27 @@ def modes_by_mass(
         If there are not two or more masses, one for each file, two files hold the same FRF, or
         nothing rings under one of them.
     """
-    if len(files) != len(masses) or len(files) < 2:
+    tests = [read_frfs([file], options=options) for file in files]
+    names = [Path(file).name for file in files]
+    return modes_under(tests, masses, names, seals=seals, band=band)
+
+
+def modes_under(
+    measured: Sequence[FRFSet],
+    masses: Sequence[float],
+    names: Sequence[str],
+    *,
+    seals: float = 1.0,
+    band: tuple[float, float] | None = None,
+) -> ModesByMass:
+    """Hold the main modes of FRFs under several masses against one solid; each has a name."""
+    if len(measured) != len(masses) or len(measured) < 2:
         raise DataError(
-            f"{len(masses)} masses (--mass) for {len(files)} files; expected two or more files and "
-            "the mass of each, in their order"
+            f"{len(masses)} masses (--mass) for {len(measured)} files; expected two or more files "
+            "and the mass of each, in their order"
         )
-    tests = tuple(modes_files([file], options=options, band=band)[0] for file in files)
-    _refuse_same(files, masses, tests)
+    tests = tuple(modes_of(each, band=band)[0] for each in measured)
+    _refuse_same(names, masses, tests)
     silent = [mass for mass, one in zip(masses, tests, strict=True) if not one.modes]
     if silent:
         raise DataError(
@@ -124,7 +147,7 @@ def modes_by_mass(
     missed = found.missed
     by = f"{100 * missed.real:+.2g} % of stiffness and {100 * missed.imag:+.2g} % of damping"
     own = [
-        replace(check, says=f"{written(mass, 'g')}: {check.says}")
+        check.within(f"under {written(mass, 'g')}")
         for mass, one in zip(masses, tests, strict=True)
         for check in one.frf.checks
     ]
@@ -133,14 +156,14 @@ def modes_by_mass(
 
 
 def _refuse_same(
-    files: Sequence[str | Path], masses: Sequence[float], tests: Sequence[MeasuredModes]
+    names: Sequence[str], masses: Sequence[float], tests: Sequence[MeasuredModes]
 ) -> None:
     """Refuse an FRF that is given under two masses."""
-    every = list(zip(files, masses, tests, strict=True))
-    for (file, mass, one), (other, its, two) in combinations(every, 2):
+    every = list(zip(names, masses, tests, strict=True))
+    for (name, mass, one), (other, its, two) in combinations(every, 2):
         if np.array_equal(one.frf.value, two.frf.value):
-            names = dict.fromkeys((Path(file).name, Path(other).name))
+            both = " and ".join(dict.fromkeys((name, other)))
             raise DataError(
-                f"{' and '.join(names)}: the same FRF is given under {in_unit(mass, 'g'):.4g} and "
-                f"under {written(its, 'g')}; expected what was measured under each mass"
+                f"{both}: the same FRF is given under {in_unit(mass, 'g'):.4g} and under "
+                f"{written(its, 'g')}; expected what was measured under each mass"
             )

@@ -15,7 +15,9 @@ AT = np.array([1e-3, 2e-3, 4e-3, 6e-3, 7.5e-3])
 
 
 def found(truth, **how):
-    return dp.cld(dp.CompressionTest(truth.displacement, truth.force, truth.time), **how)
+    return dp.cld(
+        dp.CompressionTest(truth.displacement, truth.force, truth.time, units="SI"), **how
+    )
 
 
 pytestmark = pytest.mark.once
@@ -88,7 +90,7 @@ def test_the_fit_with_the_law_is_the_tangent_where_a_mass_rests():
 def test_what_has_no_clock_no_rest_or_no_depth_is_refused():
     truth = pressed(softening=0.0)
     fit = fit_of(stiffening)
-    bare = dp.cld(dp.CompressionTest(truth.displacement, truth.force))
+    bare = dp.cld(dp.CompressionTest(truth.displacement, truth.force, units="SI"))
     with pytest.raises(FitError, match="no clock"):
         dp.relaxed_law(bare, fit)
     one = found(truth)
@@ -148,7 +150,7 @@ def test_one_speed_is_refused():
     one = found(truth)
     with pytest.raises(FitError, match="one speed alone"):
         dp.fit_speeds([one, one])
-    bare = dp.cld(dp.CompressionTest(truth.displacement, truth.force))
+    bare = dp.cld(dp.CompressionTest(truth.displacement, truth.force, units="SI"))
     with pytest.raises(FitError, match="no clock"):
         dp.fit_speeds([one, bare])
 
@@ -189,7 +191,7 @@ def between(back, speed, arms=((0.3, 2.0),)):
     x = 8e-3 * np.interp(time / step, [-50, *(rows - 100)], [-0.125, *turns])
     force = answered(stiffening(np.maximum(x, 0.0)), x > 0, arms, step)
     noise = 2e-3 * np.random.default_rng(1).standard_normal(len(x))
-    return dp.cld(dp.CompressionTest(x, force + noise, time - time[0]))
+    return dp.cld(dp.CompressionTest(x, force + noise, time - time[0], units="SI"))
 
 
 @pytest.mark.parametrize("back", [0.0, 0.4])

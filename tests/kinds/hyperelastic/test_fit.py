@@ -185,7 +185,7 @@ def cycled(law, *, lost=0.0, softens=0.0):
     stress[80:160] *= 1 - lost
     stress[240:] *= 1 - lost
     stress[160:] *= 1 - softens
-    return StressStrainTest("uniaxial", x, stress, np.arange(len(x)) / 10)
+    return StressStrainTest("uniaxial", x, stress, np.arange(len(x)) / 10, units="SI")
 
 
 @pytest.mark.parametrize(("lost", "softens", "name"),

@@ -37,7 +37,7 @@ E = -ball()[2][-1]
 def hit(*, of="acceleration", noise=0.005, seed=1, rate=1e5, spoilt=None, ball_of=BALL, **how):
     t, y = contacts.recorded(ball(), MASS, rate, of=of, **how)
     y = contacts.noisy(y, noise, seed=seed)
-    return IndentationTest(t, y if spoilt is None else spoilt(t, y), of, ball_of)
+    return IndentationTest(t, y if spoilt is None else spoilt(t, y), of, ball_of, units="SI")
 
 
 def fitted(law=HKV, **how):
@@ -73,14 +73,14 @@ class TestTruths:
     def test_a_linear_contact(self):
         rows = contacts.march(contacts.kelvin_voigt(1e4, 2.0), 0.01, 1.0)
         t, y = contacts.recorded(rows, 0.01, 1e5)
-        test = IndentationTest(t, contacts.noisy(y), "acceleration", Indenter(0.01))
+        test = IndentationTest(t, contacts.noisy(y), "acceleration", Indenter(0.01), units="SI")
         found = fit_indentation(test, law="kelvin-voigt")
         holds(found, k=1e4, c=2.0, restitution=0.7440794, depth=0.8626004e-3)
 
     def test_a_relaxing_contact(self):
         T, X, F, e = contacts.ting(K, 0.6885, 1e-3, MASS, 1.0, end=2.2e-3)
         t, y = contacts.recorded((T, X, np.gradient(X, T), F), MASS, 2e5)
-        test = IndentationTest(t, contacts.noisy(y, 0.001), "acceleration", BALL)
+        test = IndentationTest(t, contacts.noisy(y, 0.001), "acceleration", BALL, units="SI")
         found = fit_indentation(test, law="hertz-maxwell")
         holds(found, restitution=e, g=0.6885, tau=1e-3, glassy_modulus=1.6885 * MODULUS)
         assert found["glassy_modulus"].value == pytest.approx(1.6885 * MODULUS, rel=0.03)
@@ -89,7 +89,7 @@ class TestTruths:
         rows = contacts.march(contacts.kuwabara(K, A), MASS, 1.0, pull=9.80665)
         t, y = contacts.recorded(rows, MASS, 1e5)
         falls = Indenter("5g", "5mm", drop_height=1 / (2 * 9.80665))
-        test = IndentationTest(t, contacts.noisy(y), "acceleration", falls)
+        test = IndentationTest(t, contacts.noisy(y), "acceleration", falls, units="SI")
         holds(fit_indentation(test, law=HKV), k=K, restitution=-rows[2][-1], impact_velocity=1.0)
         unsaid = fit_indentation(replace(test, indenter=Indenter("5g", "5mm")), law=HKV)
         assert unsaid["k"].value < 0.995 * K
@@ -140,7 +140,7 @@ class TestSpoilt:
             return K * top[0] ** 1.5 * max((x - rest) / (top[0] - rest), 0) ** 1.5
 
         t, y = contacts.recorded(contacts.march(yields, MASS, 1.0), MASS, 1e5)
-        test = IndentationTest(t, contacts.noisy(y), "acceleration", BALL)
+        test = IndentationTest(t, contacts.noisy(y), "acceleration", BALL, units="SI")
         assert fit_indentation(test, law=HKV).verdict.use == "do not use"
 
     def test_g_read_as_m_per_s2(self):
@@ -164,7 +164,7 @@ class TestSpoilt:
         T, _, _, F = ball()
         y = np.interp(t - 3e-3, T, F, left=0, right=0)
         y = y + 0.7 * np.interp(t - 0.05, 1.05 * T, F, left=0, right=0)
-        first = IndentationTest(t, contacts.noisy(y / MASS), "acceleration", BALL)
+        first = IndentationTest(t, contacts.noisy(y / MASS), "acceleration", BALL, units="SI")
         found = fit_indentation(first, law=HKV)
         holds(found, k=K, restitution=E)
         assert found.touch == pytest.approx(3e-3, abs=2e-5)
@@ -194,7 +194,7 @@ class TestRefusals:
         with pytest.raises(DataError, match="--mass"):
             fit_indentation(hit(ball_of=Indenter()))
         flat = np.random.default_rng(0).standard_normal(400)
-        noise = IndentationTest(np.arange(400) * 1e-5, flat, "acceleration", BALL)
+        noise = IndentationTest(np.arange(400) * 1e-5, flat, "acceleration", BALL, units="SI")
         with pytest.raises(DataError, match="stands out"):
             fit_indentation(noise)
         with pytest.raises(DataError, match="expected one of auto"):
@@ -208,11 +208,11 @@ class TestRefusals:
         t = np.arange(40.0)
         t[20:] += 0.5
         with pytest.raises(DataError, match="even sampling"):
-            IndentationTest(t, np.ones(40), "acceleration", BALL)
+            IndentationTest(t, np.ones(40), "acceleration", BALL, units="SI")
         with pytest.raises(DataError, match="expected a number > 0"):
             Indenter(mass=-1.0)
         with pytest.raises(DataError, match="expected one of"):
-            IndentationTest(np.arange(40.0), np.ones(40), "jerk", BALL)
+            IndentationTest(np.arange(40.0), np.ones(40), "jerk", BALL, units="SI")
 
 
 def test_what_nothing_shows_is_not_given_a_factor():
@@ -227,7 +227,7 @@ def relaxing(seed, noise=0.003):
     g, tau = 10 ** draw.uniform(-1, 0.3), 10 ** draw.uniform(-0.7, 0.7) * 1e-3
     T, X, F, e = contacts.ting(K, g, tau, MASS, 1.0, end=3.5e-3, steps=2000)
     t, y = contacts.recorded((T, X, np.gradient(X, T), F), MASS, 1e5)
-    test = IndentationTest(t, contacts.noisy(y, noise, seed=seed), "acceleration", BALL)
+    test = IndentationTest(t, contacts.noisy(y, noise, seed=seed), "acceleration", BALL, units="SI")
     return test, {"k": K, "g": g, "tau": tau, "restitution": e}
 
 
@@ -291,8 +291,8 @@ def test_slopes_are_those_of_the_model(of, pull, law):
 def slight(A, seed):
     rows = contacts.march(contacts.kuwabara(K, A), MASS, 1.0)
     t, y = contacts.recorded(rows, MASS, 1e5)
-    return fit_indentation(IndentationTest(t, contacts.noisy(y, seed=seed), "acceleration", BALL),
-                           law=HKV)  # fmt: skip
+    noisy = contacts.noisy(y, seed=seed)
+    return fit_indentation(IndentationTest(t, noisy, "acceleration", BALL, units="SI"), law=HKV)
 
 
 def test_a_loss_that_is_not_told_from_none_is_bounded():

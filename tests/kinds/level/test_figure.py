@@ -70,7 +70,7 @@ def test_levels_are_drawn_with_one_solid_and_its_backbone():
     w = 2 * np.pi * 14.0
     for panel, part in ((storage, np.real), (loss, np.imag)):
         shown = first(panel, "fit")
-        K = levels.SEAL.complex_stiffness(w) + levels.SLIDER.stiffness(1e-3 * shown.x)
+        K = levels.SEAL.complex_stiffness(omega=w) + levels.SLIDER.stiffness(1e-3 * shown.x)
         assert shown.y == pytest.approx(1e-3 * part(K))
         measured = first(panel, "measured")
         assert np.interp(measured.x, shown.x, shown.y) == pytest.approx(measured.y, rel=0.03)

@@ -36,7 +36,7 @@ def sweep(K, X=X, hz=10.0, noise=0.0, seed=0, **words):
     rng = np.random.default_rng(seed)
     K = K * (1 + noise * (rng.normal(size=len(X)) + 1j * rng.normal(size=len(X))))
     hz = np.broadcast_to(hz, X.shape)
-    return AmplitudeSweep(hz, X, K.real, K.imag, **words)
+    return AmplitudeSweep(hz, X, K.real, K.imag, **words, units="SI")
 
 
 class TestSweep:
@@ -268,7 +268,7 @@ def measured(level, f, friction=jenkins, *, noise=0.01, seed=0, kind=Kind.ACCELE
     H = np.array(out)
     H = H * (1 + noise / np.sqrt(2) * (rng.normal(size=len(f)) + 1j * rng.normal(size=len(f))))
     if kind is Kind.TRANSMISSIBILITY:
-        return FRF(f, 1 + MASS * w**2 * H, kind)
+        return FRF(f, 1 + MASS * w**2 * H, kind, units="SI")
     return FRF.of_receptance(f, H, kind=kind)
 
 
@@ -294,7 +294,7 @@ def test_hits_that_leave_no_resonance_at_a_level_say_so():
         for i, X in enumerate(np.geomspace(1e-4, 8e-4, 6))
     ]
     trend = trend_of_hits(made)
-    found = HitLevels(FRF(np.arange(1.0, 4.0), np.ones(3)), trend, ())
+    found = HitLevels(FRF(np.arange(1.0, 4.0), np.ones(3), units="SI"), trend, ())
     assert found.resonance(0.4)[0] > 10
     with pytest.raises(DataError, match="leaves no resonance: it does not reach so far"):
         found.resonance(0.02)
@@ -313,7 +313,7 @@ def three(friction=jenkins, seed=0, levels=LEVELS, **words):
 def worst(found, friction=jenkins, at=(2e-4, 1e-3, 4e-3)):
     w = 2 * np.pi * 13.0
     return max(
-        abs(complex(found.stiffness(w, X)) / (arms(w) + friction(X)) - 1)
+        abs(complex(found.stiffness(omega=w, amplitude=X)) / (arms(w) + friction(X)) - 1)
         for X in at
         if found.covers(X)
     )
@@ -332,7 +332,9 @@ class TestLevels:
     def test_several_seals_are_one_seal_so_many_times(self):
         one = fit_levels(three(), LEVELS, mass=MASS)
         two = fit_levels(three(), LEVELS, mass=MASS, seals=2)
-        assert 2 * two.stiffness(80.0, 1e-3) == pytest.approx(one.stiffness(80.0, 1e-3), rel=1e-6)
+        assert 2 * two.stiffness(omega=80.0, amplitude=1e-3) == pytest.approx(
+            one.stiffness(omega=80.0, amplitude=1e-3), rel=1e-6
+        )
 
     def test_a_mass_said_wrong_moves_another_mass_and_no_level(self):
         one, other = (fit_levels(three(), LEVELS, mass=part * MASS) for part in (1, 1.01))
@@ -363,7 +365,7 @@ class TestLevels:
         for one in three(noise=0.0):
             off = part * (rng.normal(size=len(F)) + 1j * rng.normal(size=len(F)))
             sd = part * np.abs(one.value) if said else None
-            noisy.append(FRF(F, one.value * (1 + off), one.kind, sd=sd))
+            noisy.append(FRF(F, one.value * (1 + off), one.kind, sd=sd, units="SI"))
         found = fit_levels(noisy, LEVELS, mass=MASS)
         assert bool(worst(found) < 0.002) is said
         assert found.verdict.use == use
@@ -375,7 +377,7 @@ class TestLevels:
         noisy = []
         for one in three(noise=0.0):
             off = part * (rng.normal(size=len(F)) + 1j * rng.normal(size=len(F)))
-            noisy.append(FRF(F, one.value * (1 + off), one.kind))
+            noisy.append(FRF(F, one.value * (1 + off), one.kind, units="SI"))
         found = fit_levels(noisy, LEVELS, mass=MASS)
         ratio = next(c.value for c in found.checks if c.name == "levels_followed")
         assert 0.8 < ratio < 1.2
@@ -387,7 +389,7 @@ class TestLevels:
         ]
         found = fit_levels(base, [level / MASS for level in LEVELS], mass=MASS)
         assert worst(found) < 0.01
-        assert found.stiffness(w0, 1e-3).shape == ()
+        assert found.stiffness(omega=w0, amplitude=1e-3).shape == ()
 
     @pytest.mark.parametrize(
         ("wrong", "use"),
@@ -410,7 +412,9 @@ class TestLevels:
         frfs = three(wrong.get("friction", jenkins), noise=0.005)
         odd = wrong.get("gain", 1.0) * np.exp(1j * wrong.get("phase", 0.0))
         which = slice(1, 2) if "gain" in wrong else slice(None)
-        frfs[which] = [FRF(one.frequency, one.value * odd, one.kind) for one in frfs[which]]
+        frfs[which] = [
+            FRF(one.frequency, one.value * odd, one.kind, units="SI") for one in frfs[which]
+        ]
         found = fit_levels(frfs, wrong.get("levels", LEVELS), mass=wrong.get("mass", MASS))
         assert found.verdict.use == use
         # what nothing explains is not called linear
@@ -438,7 +442,10 @@ class TestLevels:
         rng, held = np.random.default_rng(3), 0
         for _ in range(4):
             noise = 1 + 0.001 * (rng.normal(size=(2, 33)) + 1j * rng.normal(size=(2, 33)))
-            noisy = [FRF(f, H * one, Kind.RECEPTANCE) for H, one in zip(frfs, noise, strict=True)]
+            noisy = [
+                FRF(f, H * one, Kind.RECEPTANCE, units="SI")
+                for H, one in zip(frfs, noise, strict=True)
+            ]
             found = fit_levels(noisy, levels, mass=MASS)
             assert found.sliders == ()
             assert found.k3 == pytest.approx(k3, rel=0.01)
@@ -460,7 +467,7 @@ class TestLevels:
                 for part in (np.real, np.imag):
 
                     def follows(solid, sliders, X=X, part=part):
-                        K = solid.complex_stiffness(w) + sum(s.stiffness(X) for s in sliders)
+                        K = solid.complex_stiffness(omega=w) + sum(s.stiffness(X) for s in sliders)
                         return float(part(K))
 
                     low, high = found.interval(follows)

@@ -26,7 +26,7 @@ def base(hz=HZ, modulus=E, ratio=5.0):
 
 def found(value, hz=HZ, kind=Kind.TRANSMISSIBILITY, ratio=5.0, **how):
     how = {"bonded": False, "density": RHO, "part": PART, "mass": ratio * OWN} | how
-    return rod_modulus(FRF(hz, value, kind), **how)
+    return rod_modulus(FRF(hz, value, kind, units="SI"), **how)
 
 
 def test_the_published_transmissibility():

@@ -19,7 +19,7 @@ CYCLED = (
 )
 VERIFIED = (
     "verified: CalculiX (ccx) runs such a deck in dashpot's tests; its FRF is within 1e-4 of the "
-    "model"
+    "model, and its force within 1e-5 when it is pressed by 8 mm with NLGEOM"
 )
 _PADDING = 100
 _INNER_MASS = 2e-5

@@ -173,7 +173,7 @@ def _property(
 ) -> list[str]:
     """One share of the solid: its property and tables."""
     units = deck.units
-    K = complex((deck.solid * share).complex_stiffness(2 * np.pi * nominal))
+    K = complex((deck.solid * share).complex_stiffness(omega=2 * np.pi * nominal))
     if damping == "loss_factor":
         label, nominal_damping, damped = "GE", K.imag / K.real, table.damping
     else:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.checks import Finding, criterion
+from dashpot.base.checks import Finding, Remedy, criterion
 from dashpot.base.numbers import rounded
 from dashpot.fitting.checks.curves import FOLLOWED
 from dashpot.fitting.checks.relaxation import largest_rms
@@ -39,11 +39,11 @@ def compliance_rises(compliance: FloatArray) -> Finding:
     third = max(len(compliance) // 3, 1)
     first, last = float(compliance[:third].mean()), float(compliance[-third:].mean())
     return Finding(
-        "the compliance rises with time",
+        "The compliance rises with time",
         last / first if first > 0 else None,
-        instead=f"it falls with time, from {first:.3g} in its first third to {last:.3g} in its "
-        "last, where a creep compliance rises: is it a relaxation modulus (--modulus), or does a "
-        "recovery follow the creep (--segment)?",
+        instead=f"The compliance falls with time, from {first:.3g} in its first third to "
+        f"{last:.3g} in its last",
+        remedy="Check whether it is a modulus, or has a recovery.",
     )
 
 
@@ -54,18 +54,19 @@ def creep_finished(creep: CreepSpectrum, hold: float, most: float, *, unit: str)
     `hold` is in s; `most` is the stiffness that k_inf cannot exceed, force over displacement at
     the end of the hold.
     """
-    bounded = f"k_inf is at most {amount(most, unit)}, the force over the displacement at its end"
+    bounded = f"k_inf is at most {amount(most, unit)}, the force over displacement at the end"
     if creep.flow > 0:
         return Finding(
-            f"the part flows: the displacement never comes to rest, k_inf = 0; {bounded}",
+            f"The part flows, so the displacement never comes to rest and k_inf = 0. {bounded}",
             excused=True,
         )
     left = 1 - float(creep.compliance(hold)) / creep.equilibrium
     return Finding(
-        f"of the displacement at rest {100 * left:.2g} % was still to come when the hold ended, "
-        f"after {rounded(hold)} s",
+        f"When the hold ended, after {rounded(hold)} s, {100 * left:.2g} % of the displacement at "
+        "rest was still to come",
         left,
-        f": k_inf is an extrapolation. {bounded}, and nothing bounds it from below; hold longer",
+        f"So k_inf is extrapolated, with no lower limit. {bounded}",
+        "Hold longer.",
     )
 
 
@@ -75,14 +76,14 @@ def flow_told(flows: bool, difference: float, se_of_flow: float | None) -> Findi
     word, other = ("flows", "comes to rest") if flows else ("comes to rest", "flows")
     doubt = "" if se_of_flow is None else f" (its fluidity is known to {100 * se_of_flow:.2g} %)"
     if np.isinf(difference):
-        return Finding(f"a part that {other} explains no more than one that {word}", excused=True)
+        return Finding(f"A part that {other} explains no more than one that {word}", excused=True)
     return Finding(
-        f"a part that {word} explains the record better than one that {other}, by {difference:.3g} "
+        f"A part that {word} explains the record better than one that {other}, by {difference:.3g} "
         f"in BIC{doubt}",
         difference,
-        instead=f"the record hardly tells a part that comes to rest from one that flows: one that "
-        f"{word} was taken, by {difference:.3g} in BIC; k_inf may be 0. Hold longer, or record a "
-        "recovery",
+        instead=f"The record hardly separates a part that comes to rest from one that flows "
+        f"(BIC {difference:.3g}). One that {word} was taken; k_inf may be 0",
+        remedy="Hold longer, or record a recovery.",
     )
 
 
@@ -98,8 +99,8 @@ def flow_prevails(creep: CreepSpectrum, hold: float) -> Finding:
     return Finding(
         f"{100 * share:.2g} % of the displacement at the end is flow",
         share,
-        ": a part that comes to rest later than the record ends looks the same, so k_inf is not 0 "
-        "by what was measured; hold longer, or record a recovery",
+        "A part that comes to rest after the record ends looks the same, so k_inf may be above 0",
+        "Hold longer, or record a recovery.",
     )
 
 
@@ -110,11 +111,11 @@ def drift_is_no_flow(drift: float, usual: float, *, told: bool) -> Finding:
     Both in m/s; `told` if the samples before the load show the drift.
     """
     return Finding(
-        f"the displacement drifts {drift / usual:.2g} times as far as load cell and encoder "
+        f"The displacement drifts {drift / usual:.2g} times as far as load cell and encoder "
         "usually do",
         abs(drift) / usual,
-        ": a part that flows slowly, or is not at rest yet, looks the same, and k_inf is then too "
-        "high; record longer before the load, which tells the drift",
+        "A part that flows slowly, or is not at rest yet, looks the same; k_inf is then too high",
+        "Record longer before the load.",
         excused=told,
     )
 
@@ -132,11 +133,12 @@ def displacement_followed(test: LoadHold, residual: FloatArray) -> Finding:
     noise = max(test.displacement_noise, FINE_ENOUGH * travel)
     ratio = misfit / noise if noise > 0 else 1.0
     return Finding(
-        f"the solid misses the displacement by {100 * misfit / travel:.2g} % of the travel rms "
-        f"{where}, where it follows worst",
+        f"The model misses the displacement by {100 * misfit / travel:.2g} % of the travel rms "
+        f"{where}; {100 * noise / travel:.2g} % would be noise",
         ratio,
-        f"; {100 * noise / travel:.2g} % are noise or too little to matter: the part is not such "
-        "a solid (stiffening, slip, lost contact, a changed temperature); do not read arms off it",
+        "Stiffening, slip, lost contact or another temperature may cause this. The arms mean "
+        "nothing then",
+        "Check the fixture, and repeat the test.",
         grade="stop" if ratio > NOT_FOLLOWED else None,
     )
 
@@ -147,8 +149,8 @@ def compliance_followed(missed: float, arms: int) -> Finding:
     return Finding(
         f"{arms_said(arms)} leave {100 * missed:.2g} % rms of the compliance",
         missed,
-        ": they do not follow it; cut off what the instrument's inertia rings on, or ask for more "
-        "arms",
+        "They do not follow the curve",
+        Remedy("Cut off where the instrument's inertia oscillates, or use more arms.", "arms"),
     )
 
 
@@ -158,13 +160,13 @@ def compliance_followed(missed: float, arms: int) -> Finding:
 def levels_agree(departure: float | None, error: float | None) -> Finding:
     """Loads of several levels move the part in proportion: it is linear."""
     if departure is None or error is None:
-        return Finding("the record holds one level of load, so proportion is not judged")
+        return Finding("The record has one level of load, so proportion is not judged")
     return Finding(
-        f"between its levels of load the displacement departs from proportion by "
-        f"{100 * departure:+.2g} % +- {100 * error:.2g} % at the highest",
+        f"At the highest load the displacement departs from proportion by "
+        f"{100 * departure:+.2g} % ± {100 * error:.2g} %",
         abs(departure),
-        ": one linear solid does not hold for all of them; fit the levels one by one, and use the "
-        "one that your compression is nearest to",
+        "One linear model is not valid for all levels",
+        "Fit the levels one by one.",
         excused=abs(departure) <= SURELY * error,
     )
 

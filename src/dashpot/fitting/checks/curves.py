@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.checks import Finding, criterion
+from dashpot.base.checks import Finding, Remedy, criterion
 from dashpot.base.status import Status
 from dashpot.fitting.checks.solid import ROUNDING, amount
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -38,17 +38,17 @@ def kramers_kronig(misfit: tuple[FloatArray, FloatArray] | None) -> Finding:
     """
     if misfit is None:
         return Finding(
-            "a storage is not above 0, so storage and loss cannot be held against each other",
+            "A storage is not above 0, so storage and loss cannot be compared",
+            remedy="Check the sign of storage and force.",
             faulted=True,
         )
     smooth = [_without_scatter(error) for error in misfit]
     return Finding(
-        f"the nearest passive solid with any number of arms misses storage by "
-        f"{100 * smooth[0]:.2g} % and loss by {100 * smooth[1]:.2g} % beyond scatter",
+        f"The nearest passive model misses storage by {100 * smooth[0]:.2g} % and loss by "
+        f"{100 * smooth[1]:.2g} % beyond scatter",
         max(smooth),
-        "; storage and loss contradict each other (Kramers-Kronig), so no fit can follow "
-        "both: look for a wrong shift of a master curve, a change of temperature or strain "
-        "between sweeps, slip in the grips, or the compliance of the machine",
+        "Storage and loss contradict each other (Kramers-Kronig), so no fit can follow both",
+        "Look for a wrong shift, slip, or a changed temperature or strain.",
         excused=all(
             found <= max(MAX_INCONSISTENT, _by_chance(error))
             for found, error in zip(smooth, misfit, strict=True)
@@ -63,12 +63,12 @@ def loss_positive(data: DynamicTest) -> Finding:
     """No loss gives energy back."""
     bad = np.flatnonzero(data.loss < 0)
     if not bad.size:
-        return Finding("no loss is below zero", 0.0)
+        return Finding("No loss is below zero", 0.0)
     return Finding(
         f"{bad.size} of {len(data.loss)} losses are below zero, the first at "
-        f"{data.frequency[bad[0]]:.3g} Hz: no passive solid does that; check the sign "
-        "convention, the phase calibration, and the resolution at small loss",
+        f"{data.frequency[bad[0]]:.3g} Hz. No passive part does that",
         float(bad.size),
+        remedy="Check the sign, the phase calibration, and the resolution at small loss.",
         grade="stop" if 2 * bad.size > len(data.loss) else "limit",
     )
 
@@ -82,11 +82,11 @@ def storage_rises(data: DynamicTest) -> Finding:
     falls = 1 - storage / np.where(top > 0, top, np.inf)
     worst = int(np.argmax(falls))
     return Finding(
-        "the storage does not fall with frequency beyond scatter",
+        "The storage does not fall with frequency beyond scatter",
         float(falls[worst]),
-        instead=f"the storage has fallen by {100 * falls[worst]:.2g} % at "
-        f"{frequency[worst]:.3g} Hz, which no relaxing solid does: mass moved along (inertia, a "
-        "resonance of the machine) or the part warmed up; leave those frequencies out",
+        instead=f"The storage falls by {100 * falls[worst]:.2g} % at {frequency[worst]:.3g} Hz. No "
+        "relaxing part does that: mass moved along, or the part warmed up",
+        remedy=Remedy("Leave those frequencies out.", "band"),
     )
 
 
@@ -97,10 +97,11 @@ def modulus_falls(modulus: FloatArray) -> Finding:
     first, last = float(modulus[:third].mean()), float(modulus[-third:].mean())
     ratio = last / first if first > 0 else None
     return Finding(
-        "the modulus falls with time",
+        "The modulus falls with time",
         ratio,
-        instead=f"it rises with time, from {first:.3g} in its first third to {last:.3g} in its "
-        "last, where a relaxation modulus falls: a creep compliance rises so (Python: fit_creep)",
+        instead=f"It rises with time, from {first:.3g} in its first third to {last:.3g} in its "
+        "last. A relaxation modulus falls; a creep compliance rises",
+        remedy=Remedy("Read it as creep.", "as", "creep"),
     )
 
 
@@ -111,9 +112,10 @@ def modulus_falls(modulus: FloatArray) -> Finding:
 def plateau_seen(model: GeneralizedMaxwell, se: float, *, unit: str, further: str) -> Finding:
     """There is a stiffness that does not relax."""
     return Finding(
-        f"the plateau is {amount(model.k_inf, unit)} with a standard error of {amount(se, unit)}",
+        f"The plateau is {amount(model.k_inf, unit)} with a standard error of {amount(se, unit)}",
         model.k_inf,
-        f"; it is not told from zero: the material flows, or {further}",
+        "It may be zero: the material flows, or the measurement ended too early",
+        further,
         limit=3.0 * se,
         # exact data leave a plateau of rounding size, and a standard error to match
         faulted=model.k_inf <= ROUNDING * (model.k_inf + sum(model.k)),
@@ -138,9 +140,10 @@ def few_arms_suffice(
     return Finding(
         f"{arms} arms follow the curves",
         missed,
-        instead=f"no number of arms up to {most} follows the curves: {arms} leave "
-        f"{100 * missed:.2g} % rms. This is the dense spectrum on an even grid, {dense[0]} arms "
-        f"that leave {100 * dense[1]:.2g} %: a table for a solver, whose single arms mean nothing",
+        instead=f"No number of arms up to {most} follows the curves: {arms} leave "
+        f"{100 * missed:.2g} % rms. This is the dense spectrum of {dense[0]} arms, which leave "
+        f"{100 * dense[1]:.2g} %",
+        remedy="Use it as a table for a solver; its single arms mean nothing.",
         limit=limit or FOLLOWED,
         grade="note" if limit else None,
     )
@@ -164,12 +167,12 @@ def data_agree(spread: Sequence[float], names: Sequence[str]) -> Finding:
     """
     worst = int(np.argmax(spread))
     return Finding(
-        f"the joint fit leaves {spread[worst]:.3g} times of {names[worst]} what its test alone "
-        "does",
+        f"The joint fit leaves {spread[worst]:.3g} times as much of {names[worst]} as its own fit "
+        "leaves",
         float(spread[worst]),
-        ": the tests contradict each other, or one solid needs more arms for both; is it the "
-        "same piece, length, temperature and depth? a small vibration at depth feels the "
-        "tangent stiffness, a press from zero the secant",
+        "The tests contradict each other, or one model needs more arms. Small vibration at depth "
+        "has the tangent stiffness, a press from zero the secant",
+        "Check that piece, length, temperature and depth are the same.",
         grade="stop" if spread[worst] > CONTRADICTED else None,
     )
 
@@ -178,11 +181,11 @@ def data_agree(spread: Sequence[float], names: Sequence[str]) -> Finding:
 def bands_meet(dynamic: tuple[float, float], relaxation: tuple[float, float]) -> Finding:
     """No decade between the two tests is left unmeasured."""
     return Finding(
-        f"the sweep covers {dynamic[0]:.3g} to {dynamic[1]:.3g} Hz and the relaxation informs "
-        f"{relaxation[0]:.3g} to {relaxation[1]:.3g} Hz",
+        f"The sweep covers {dynamic[0]:.3g} to {dynamic[1]:.3g} Hz, and the valid band of the "
+        f"relaxation test is {relaxation[0]:.3g} to {relaxation[1]:.3g} Hz",
         float(max(dynamic[0] / relaxation[1], relaxation[0] / dynamic[1])),
-        "; between them more than a decade was not measured, and arms there are a guess: "
-        "start the sweep lower or ramp faster",
+        "More than a decade between them was not measured, so arms there are not known",
+        "Start the sweep lower, or ramp faster.",
     )
 
 

@@ -8,7 +8,7 @@ from itertools import combinations
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray, slow_periodogram
-from dashpot.base.checks import Finding, criterion
+from dashpot.base.checks import Finding, Remedy, criterion
 from dashpot.base.status import Status
 from dashpot.base.units import in_unit, written
 from dashpot.fitting.checks.solid import ROUNDING, arms_said
@@ -57,17 +57,18 @@ def same_specimen(stiffnesses: Sequence[EndStiffness]) -> Finding:
         if _alike(a, b)
     ]
     if not pairs:
-        return Finding("no two tests are of one depth and temperature, so lots are not compared")
+        return Finding("No two tests have one depth and temperature, so they are not compared")
     apart, i, j = max(pairs)
     first, second = stiffnesses[i], stiffnesses[j]
     each = ", ".join(
         f"{in_unit(one.value, 'N/mm'):.4g} +- {in_unit(one.sd, 'N/mm'):.1g}" for one in stiffnesses
     )
     return Finding(
-        f"at the end of the hold the tests find {each} N/mm",
+        f"At the end of the hold the tests give {each} N/mm",
         apart,
-        f": tests {i + 1} and {j + 1} are {100 * (second.value / first.value - 1):+.2g} % apart at "
-        f"one depth, {apart:.3g} standard errors; they are not one seal: fit each alone",
+        f"Tests {i + 1} and {j + 1} differ by {100 * (second.value / first.value - 1):+.2g} % at "
+        f"one depth, or {apart:.3g} standard errors. They are not one seal",
+        "Fit each alone.",
         excused=abs(second.value / first.value - 1) <= SAME_STIFFNESS,
     )
 
@@ -88,16 +89,17 @@ def separable(chance: float | None, spread: float | None) -> Finding:
     A `spread` of None is a spring's, a `chance` of None that of an arm that is not known.
     """
     if spread is None:
-        return Finding("a spring does not relax at any depth")
+        return Finding("A spring does not relax at any depth")
     if chance is None:
-        return Finding("an arm of one depth is not identified, so the shapes cannot be compared")
-    says = f"the shape of relaxation differs between depths by up to {100 * spread:.2g} %, "
+        return Finding("An arm of one depth is not identified, so the shapes cannot be compared")
+    says = f"The shape of relaxation differs between depths by up to {100 * spread:.2g} %"
     enough = "too little to matter" if spread < ALIKE else "no more than chance"
     return Finding(
-        says + f"{enough}: one quasi-linear solid serves every depth",
+        f"{says}, {enough}. One quasi-linear model serves every depth",
         chance,
-        instead=says + f"more than chance (probability {chance:.1g}): use each depth's own "
-        "stiffnesses, not one quasi-linear solid",
+        instead=f"{says}, more than chance (probability {chance:.1g}). One quasi-linear model does "
+        "not serve every depth",
+        remedy="Use the stiffnesses of each depth.",
         excused=spread < ALIKE,
     )
 
@@ -115,15 +117,15 @@ def separable(chance: float | None, spread: float | None) -> Finding:
 def hold_long_enough(end: EndOfHold | None) -> Finding:
     """The force had the time to level off: no spectrum that the record allows still falls much."""
     if end is None:
-        return Finding("each depth has its own stiffnesses, so the end of the hold is not judged")
+        return Finding("Each depth has its own stiffnesses, so the end of the hold is not judged")
     falling = end.falling / max(end.k_end[1], 1e-300)
     return Finding(
-        f"when the hold ends, after {end.time:.4g} s, the stiffness falls by at most "
+        f"When the hold ends, after {end.time:.4g} s, the stiffness still falls by up to "
         f"{100 * falling:.2g} % per factor e of time",
         falling,
-        ": k_inf rests on extrapolation, and nothing bounds it from below; the stiffness at the "
-        "end of the hold is what the test knows. A longer hold would tell more, and the drift of "
-        "the load cell (--drift), where it is not known",
+        "So k_inf is extrapolated, with no lower limit. The test gives the stiffness at the end "
+        "of the hold",
+        Remedy("Hold longer, or give the drift of the load cell.", "machine", "drift=..."),
     )
 
 
@@ -137,11 +139,11 @@ def hold_long_enough(end: EndOfHold | None) -> Finding:
 def k_inf_positive(model: GeneralizedMaxwell, se: float, end: EndOfHold | None = None) -> Finding:
     """There is an equilibrium stiffness left."""
     return Finding(
-        f"k_inf = {written(model.k_inf, 'N/mm')} with a standard error of "
+        f"k_inf is {written(model.k_inf, 'N/mm')} with a standard error of "
         f"{in_unit(se, 'N/mm'):.2g}",
         model.k_inf,
-        "; it is not told from zero: the hold ended before the force levelled off, or the "
-        "seal flows; hold longer",
+        "It may be zero: the hold ended before the force levelled off, or the seal flows",
+        "Hold longer.",
         limit=3.0 * se,
         grade=None if end is None else "note",
     )
@@ -163,25 +165,34 @@ def k_inf_known(
     """The stiffness at the end of the hold is known to a part of itself."""
     left = float(model.relaxation(max(test.hold_time for test in tests)))
     if end is not None:
-        (low, high), most, what = end.k_end, max(left, 1e-300), "the stiffness then"
+        (low, high), most, what = end.k_end, max(left, 1e-300), "this stiffness"
         says = (
-            f"when the hold ends the stiffness is {in_unit(low, 'N/mm'):.3g} to "
+            f"When the hold ends the stiffness is {in_unit(low, 'N/mm'):.3g} to "
             f"{written(high, 'N/mm', '.3g')}"
         )
     else:
-        low, high, most, what = max(model.k_inf - 2 * se, 0.0), model.k_inf + 2 * se, left, "it"
+        low, high, most, what = max(model.k_inf - 2 * se, 0.0), model.k_inf + 2 * se, left, "k_inf"
         says = (
-            f"k_inf lies between {in_unit(low, 'N/mm'):.3g} and {written(high, 'N/mm', '.3g')}, "
-            f"{written(left, 'N/mm', '.3g')} are left at the end of the hold"
+            f"k_inf lies between {in_unit(low, 'N/mm'):.3g} and {written(high, 'N/mm', '.3g')}; "
+            f"the stiffness at the end of the hold is {written(left, 'N/mm', '.3g')}"
         )
     if not (np.isfinite(high) and most > 0):
-        says = "the record does not bound the stiffness"
-        return Finding(says + ": hold longer", np.inf, faulted=True, grade="stop")
+        return Finding(
+            "The record sets no limit to k_inf",
+            np.inf,
+            remedy="Hold longer.",
+            faulted=True,
+            grade="stop",
+        )
     return Finding(
         says,
         (high - low) / most,
-        f"; the record does not tell {what}: record a baseline before contact, and name the drift "
-        "of the load cell and the compliance of the machine (--drift, --compliance)",
+        f"The record does not determine {what}",
+        Remedy(
+            "Record a baseline of 10 s, or give drift and compliance.",
+            "machine",
+            "drift=...,compliance=...",
+        ),
         grade="stop" if high - low > most else None,
     )
 
@@ -194,14 +205,15 @@ def arms_where_force_relaxes(model: GeneralizedMaxwell, test: RampHold) -> Findi
     """A force that relaxes is given an arm to relax by."""
     force = test.force[test.hold]
     if len(force) < 20:
-        return Finding("the hold is too short to judge what the force relaxes")
+        return Finding("The hold is too short to judge how the force relaxes")
     tenth = max(len(force) // 10, 1)
     peak = max(float(np.abs(test.force).max()), 1e-300)
     fall = float(force[:tenth].mean() - force[-tenth:].mean())
     return Finding(
-        f"the force falls by {100 * fall / peak:.2g} % of its peak in the hold",
+        f"The force falls by {100 * fall / peak:.2g} % of its peak in the hold",
         fall / peak,
-        ", and the solid has no arm to follow it: do not use it",
+        "The model has no arm to follow it",
+        Remedy("Use at least one arm.", "arms"),
         excused=bool(model.arms) or fall <= 7 * test.force_noise * np.sqrt(2 / tenth),
     )
 
@@ -213,13 +225,12 @@ def step_bias(model: GeneralizedMaxwell, tests: Sequence[RampHold]) -> Finding:
     :math:`(\tau/c)(1 - e^{-c/\tau}) - 1`, the worst arm.
     """
     if not model.arms:
-        return Finding("a spring does not feel the ramp")
+        return Finding("A spring does not change with the ramp")
     c = max(test.ramp_time for test in tests)
     bias = [tau / c * -np.expm1(-c / tau) - 1.0 for tau in model.tau]
     listed = ", ".join(f"k_{j} by {100 * b:.2g} %" for j, b in enumerate(bias, start=1))
     return Finding(
-        f"the ramp of {c:.3g} s is accounted for; taking it as a step at its end would change "
-        f"{listed}",
+        f"The ramp of {c:.3g} s is included in the fit. A step in its place would change {listed}",
         float(min(bias)),
     )
 
@@ -235,13 +246,13 @@ def fast_arm_visible(
     `error` is the relative standard error of its k.
     """
     if not model.arms:
-        return Finding("there is no arm")
+        return Finding("There is no arm")
     ratio = model.tau[0] / min(test.ramp_time for test in tests)
     return Finding(
-        f"the fastest arm, tau = {model.tau[0]:.3g} s, is {ratio:.2g} of the shortest ramp",
+        f"The fastest arm ({model.tau[0]:.3g} s) has {ratio:.2g} of the shortest ramp time",
         ratio,
-        "; it has relaxed before the ramp ends, so only its b = k tau is seen, not its k: "
-        "ramp faster, or identify it from vibration",
+        "It relaxes during the ramp. Only the product b = k tau is known, not k",
+        "Ramp faster, or add a hammer test.",
         excused=error < KNOWN_K,
     )
 
@@ -258,18 +269,18 @@ def drift_told_from_arm(
 ) -> Finding:
     """The slowest arm can be told from a drifting sensor."""
     if not model.arms:
-        return Finding("there is no slow arm to be taken for drift")
+        return Finding("There is no slow arm that drift could imitate")
     if correlation is None:
         return Finding(
-            "no drift is fitted, so a drifting sensor would be taken for the slowest arm; "
-            "the fit of ramp and hold fits it"
+            "No drift is fitted, so a drift of the sensor would change the slowest arm. The fit of "
+            "ramp and hold includes it"
         )
     return Finding(
-        f"the slowest tau and the drift of the sensor are correlated by {correlation:.2f}, and "
-        f"with the drift unknown tau is known to {100 * se_ln_tau:.2g} %",
+        f"The slowest tau is known to ±{100 * se_ln_tau:.2g} %, and is correlated by "
+        f"{correlation:.2f} with the drift of the sensor",
         se_ln_tau,
-        ": the record cannot tell the arm from drift; record a baseline before contact for "
-        "as long as you can, and hold longer",
+        "The record cannot separate the arm from drift",
+        "Record a longer baseline before contact, and hold longer.",
         excused=correlation < MAX_DRIFT_CORRELATION,
     )
 
@@ -294,11 +305,11 @@ def force_followed(test: RampHold, residual: FloatArray) -> Finding:
     noise = max(noise_of_force(test), FINE_ENOUGH * peak, slow_noise(residual, peak))
     ratio = misfit / noise if noise > 0 else 1.0
     return Finding(
-        f"the solid misses the force by {written(misfit, 'mN', '.3g')} rms {where}, where it "
-        f"follows worst; {written(noise, 'mN', '.3g')} are noise or too little to matter",
+        f"The model misses the force by {written(misfit, 'mN', '.3g')} rms {where}; "
+        f"{written(noise, 'mN', '.3g')} would be noise",
         ratio,
-        ": the seal is not such a solid, or another motion pressed it (stiffening, friction, slip, "
-        "a late force); do not read arms off it",
+        "Stiffening, friction, slip, or a late force may cause this. The arms mean nothing then",
+        "Check the motion and the clocks, and repeat the test.",
         grade="stop" if ratio > NOT_FOLLOWED else None,
     )
 
@@ -321,13 +332,13 @@ def residuals_steady(
     measured = [one for one in residuals if _rms(one) > rounding]
     ratios = [wander(residual) for residual in measured if len(residual) >= 800]
     if not ratios:
-        return Finding("the residuals are too few, or rounding alone, to judge slow wandering")
+        return Finding("The residuals are too few, or only rounding, to judge slow wandering")
     return Finding(
-        f"slow and medium residuals differ by a factor {max(ratios):.2g} in power",
+        f"Slow and medium residuals differ by a factor of {max(ratios):.2g} in power",
         max(ratios),
-        ": the force wanders slowly (1/f drift, temperature, or a missed arm), and no fit "
-        "can tell that from a slow arm; the intervals of the slowest arm are too narrow. The "
-        "limits of the stiffness at the end of the hold and of predictions count it as noise",
+        "The force wanders slowly: drift, temperature, or a missed arm. The interval of the "
+        "slowest arm is too narrow. Other limits count this as noise",
+        "Let the load cell warm up, and repeat the test.",
         grade="note" if max(map(_rms, measured)) <= SLIGHT * peak else None,
     )
 
@@ -358,7 +369,7 @@ def hold_and_full_agree(
     compared. `followed` tells whether the fit follows the ramp: which of the two to trust.
     """
     if hold is None:
-        return Finding("eq. 5 does not apply to this history, so the two methods are not compared")
+        return Finding("Eq. 5 does not apply to this history, so the two methods are not compared")
     n, alike = full.arms, hold.arms == full.arms
     ours, theirs = np.array([full.k_inf]), np.array([hold.k_inf])
     labels, sigma = ["k_inf"], error[:1]
@@ -375,18 +386,18 @@ def hold_and_full_agree(
     beyond = np.abs(theirs - ours) > 3.0 * sigma
     failed = beyond & (size > MAX_METHOD_DIFFERENCE)
     worst = int(np.argmax(np.where(failed, 1e9, 0.0) + size))
-    orders = "" if alike else f" with {arms_said(hold.arms)} for {n}"
+    orders = "" if alike else f" with {arms_said(hold.arms)}"
     trust = (
-        "the ramp is followed, so trust the recorded motion, whose tare and drift are bound"
+        "Use the fit of ramp and hold."
         if followed
-        else "the ramp is not followed, so trust the hold"
+        else "Use the fit of the hold, because the ramp is not followed."
     )
     return Finding(
-        f"eq. 5 on the hold alone{orders} changes {labels[worst]} by "
+        f"The fit of the hold alone (eq. 5){orders} changes {labels[worst]} by "
         f"{100 * difference[worst]:+.2g} %, "
         f"{'more' if beyond[worst] else 'not more'} than noise explains",
         float(size[worst]),
-        f"; {trust}",
+        remedy=trust,
         excused=not failed.any(),
         # eq. 5 knows an ideal ramp alone: that its arms differ is no fault of the recorded motion,
         # and k_inf is an extrapolation of both
@@ -406,25 +417,28 @@ def filter_bias(
     shortest relaxation time, s.
     """
     if by is None:
-        return Finding("the record is not filtered")
+        return Finding("The record is not filtered")
     if isinstance(changes, str):
-        says = f"the bias of {by} cannot be predicted, because the raw record has no fit: {changes}"
-        return Finding(says, faulted=True)
+        return Finding(
+            f"The error that {by} makes is not known. The raw record has no fit: {changes}",
+            remedy=Remedy("Leave the filter out.", "filter"),
+            faulted=True,
+        )
     slow = by.kind == "lowpass" and by.cutoff < 5 / fastest
-    says = f"{by} changes, by eq. 5 on the hold, {_listed(changes['hold'])}; with the full history "
+    says = f"{by} changes, by eq. 5 on the hold, {_listed(changes['hold'])}. With the whole record "
     if by.linear:
         most = max(changes["full"].values(), key=abs)
-        says += f"at most {100 * most:+.3g} %, because the displacement is filtered alike"
+        says += f"it changes at most {100 * most:+.3g} %, because the displacement is filtered too"
     else:
-        says += _listed(changes["full"])
+        says += f"it changes {_listed(changes['full'])}"
     if slow:
-        says += f"; the cut-off is below 5/tau_1 = {5 / fastest:.3g} Hz"
+        says += f". The cut-off is below 5/tau_1 = {5 / fastest:.3g} Hz"
     if by.causal:
-        says += "; a causal filter delays the force"
+        says += ". A causal filter delays the force"
     return Finding(
         says,
         max(abs(change) for found in changes.values() for change in found.values()),
-        "; fit the raw record: the fit needs no smooth curve",
+        remedy=Remedy("Fit the raw record.", "filter"),
         faulted=slow or by.causal,
     )
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.checks import Finding, criterion
+from dashpot.base.checks import Finding, Remedy, criterion
 from dashpot.base.status import Status
 from dashpot.base.units import read_in, written
 from dashpot.engine.inference.order import MAX_SE_LN_TAU, MIN_K_OVER_SE, Choice
@@ -24,9 +24,9 @@ ROUNDING = 1e-12
 def optimum_found(*, stationary: bool) -> Finding:
     """The optimiser ended at an optimum."""
     return Finding(
-        "the optimiser ended at an optimum",
-        instead="the optimiser reached its limit of iterations before the gradient vanished: fit "
-        "fewer arms, or ask for thorough starts",
+        "The optimiser ended at an optimum",
+        instead="The optimiser reached its limit of iterations before the gradient vanished",
+        remedy=Remedy("Use fewer arms, or more starting points.", "thorough"),
         faulted=not stationary,
     )
 
@@ -35,9 +35,9 @@ def optimum_found(*, stationary: bool) -> Finding:
 def uncertainty_estimated(*, made: bool) -> Finding:
     """Intervals and checks were asked for."""
     return Finding(
-        "intervals and checks were made",
-        instead="this is a point estimate: neither intervals nor checks were made; fit with them "
-        "before use (Python: intervals=True)",
+        "Intervals and checks were made",
+        instead="This fit has neither intervals nor checks",
+        remedy="Fit with intervals before use.",
         faulted=not made,
     )
 
@@ -47,13 +47,14 @@ def arms_distinct(model: GeneralizedMaxwell) -> Finding:
     """Neighbouring relaxation times are far enough apart to be two."""
     ratios = [slow / fast for fast, slow in zip(model.tau, model.tau[1:], strict=False)]
     if not ratios:
-        return Finding("there is at most one arm")
+        return Finding("There is at most one arm")
     j = int(np.argmin(ratios))
     return Finding(
-        f"the closest relaxation times are a factor {ratios[j]:.3g} apart",
+        f"The closest relaxation times differ by a factor of {ratios[j]:.3g}",
         ratios[j],
-        f" (arms {j + 1} and {j + 2}); below {MIN_TAU_RATIO} the data cannot tell two arms "
-        f"from one: fit {model.arms - 1} arm{'s' * (model.arms > 2)}",
+        f"They are those of arms {j + 1} and {j + 2}. Below {MIN_TAU_RATIO} the data cannot "
+        "separate two arms",
+        Remedy(f"Use {arms_said(model.arms - 1)}.", "arms", f"{model.arms - 1}"),
     )
 
 
@@ -82,17 +83,19 @@ def arms_supported(
     )
     value = float(min((k / sk for k, _, sk, _ in each if sk > 0), default=np.inf))
     doubt = (
-        f"k is below {MIN_K_OVER_SE:.0f} standard errors or tau is uncertain by more than a "
-        "factor 1.6"
+        f"Its k is below {MIN_K_OVER_SE:.0f} standard errors, or its tau is uncertain by more "
+        "than a factor of 1.6"
     )
     return Finding(
-        "every arm stands out of the noise",
+        "Every arm is above the noise",
         value if np.isfinite(value) else None,
         excused=n > 0 and not weak,
-        instead=f"the record rejects fewer arms, yet hardly tells {weak}: {doubt}; "
-        "hold longer, or quieten the slow noise"
+        instead=f"{weak} is hardly known, though the record rejects fewer arms. {doubt}"
         if needed
-        else f"{weak} cannot be told from noise: {doubt}; fit fewer arms",
+        else f"{weak} cannot be separated from noise. {doubt}",
+        remedy="Hold longer, or reduce slow noise."
+        if needed
+        else Remedy("Use fewer arms.", "arms", f"{max(n - 1, 0)}"),
         faulted=bool(weak),
         grade="note" if needed else None,
     )
@@ -112,8 +115,8 @@ def tau_inside_window(
     *,
     ends: tuple[str, str] = ("", ""),
     within: bool = False,
-    advice: str = ": only the tail of this arm was measured, so its k and tau are an "
-    "extrapolation; fit fewer arms or measure wider",
+    why: str = "Only the tail of this arm was measured, so its k and tau are extrapolated",
+    remedy: Remedy | str = Remedy("Use fewer arms, or measure over a wider range.", "arms"),  # noqa: B008
 ) -> Finding:
     """Every relaxation time is one that the data could show.
 
@@ -125,10 +128,11 @@ def tau_inside_window(
     span = f"{low:.3g} s{ends[0]} to {high:.3g} s{ends[1]}"
     listed = ", ".join(f"{tau:.3g} s" for tau in outside)
     return Finding(
-        f"every relaxation time lies in what {of} can show, {span}",
+        f"Every relaxation time lies in what {of} can show, {span}",
         min(outside, default=None),
         excused=bool(model.arms) and not outside,
-        instead=f"tau = {listed} lies outside what {of} can show, {span}{advice}",
+        instead=f"A relaxation time, {listed}, lies outside what {of} can show, {span}. {why}",
+        remedy=remedy,
         limit=high,
         faulted=bool(outside),
     )
@@ -143,17 +147,18 @@ def residuals_random(kappa: float, rms: float, noise: float | None = None) -> Fi
     `rms` is that of weighted residuals, or in N beside a `noise`.
     """
     size = f"weighted residuals are {rms:.3g} rms"
-    cause = "the model misses part of the curve (a broad spectrum has no few arms: see the dense "
-    cause += "spectrum)"
+    cause, advice = "The model misses part of the curve", "Look at the dense spectrum."
     if noise is not None:
         size = f"residuals are {written(rms, 'mN', '.3g')} rms"
-        cause = "the record was filtered or drifts"
         if rms > 1.3 * noise:
-            cause = "the model misses part of the curve (try another arm, or look at the residuals)"
+            advice = "Try another arm, or look at the residuals."
+        else:
+            cause, advice = "The record was filtered, or drifts", "Use the raw record."
     return Finding(
-        f"the {size} and {kappa:.3g} neighbours say the same",
+        f"The {size}, and {kappa:.3g} samples count as one independent sample",
         kappa,
-        f": {cause}; intervals are widened for it",
+        f"The intervals are wider for it. {cause}",
+        advice,
     )
 
 
@@ -166,19 +171,20 @@ def residuals_random(kappa: float, rms: float, noise: float | None = None) -> Fi
 def order_agreed(choice: Choice) -> Finding:
     """The two rules for the number of arms agree, on less than the most that was tried."""
     chosen = arms_said(choice.arms)
-    says = f"both rules choose {chosen}"
+    says = f"Both rules choose {chosen}"
     if not choice.agreed:
         says = (
-            f"BIC supports {arms_said(choice.by_bic)}, the significance of k and tau supports "
-            f"{arms_said(choice.by_significance)}; {chosen} taken: look at the residuals of both"
+            f"BIC supports {arms_said(choice.by_bic)}, the significance of k and tau "
+            f"{arms_said(choice.by_significance)}; {chosen} taken"
         )
     if choice.in_noise_metric:
-        says += "; the noise is as slow as the arms, so fits in its own metric were judged"
+        says += ". The noise is as slow as the arms, so fits in its own metric were judged"
     if choice.capped:
-        says += f"; that is the most that was tried: ask for more than {choice.arms}"
+        says += ". That is the most that was tried"
     return Finding(
         says,
         float(choice.by_bic),
+        remedy=Remedy(f"Ask for more than {choice.arms} arms.", "arms", f"{choice.arms + 1}"),
         limit=float(choice.by_significance),
         faulted=choice.capped,
     )
@@ -189,10 +195,12 @@ def frequencies_informed(band: tuple[float, float]) -> Finding:
     """The test informs a band of frequencies at all."""
     low, high = band
     return Finding(
-        f"this test informs {low:.2g} to {high:.2g} Hz; a prediction beyond is an extrapolation",
+        f"The valid band of this test is {low:.2g} to {high:.2g} Hz; a prediction outside it is "
+        "an extrapolation",
         high,
-        instead="at no frequency does this test halve what was unknown of the loss stiffness: "
-        "reduce the noise, press deeper or hold longer",
+        instead="This test has no valid band. It halves the uncertainty of the loss stiffness at "
+        "no frequency",
+        remedy="Reduce the noise, press deeper, or hold longer.",
         limit=low,
     )
 

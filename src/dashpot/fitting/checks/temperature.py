@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.checks import Check, Finding, criterion
+from dashpot.base.checks import Check, Finding, Remedy, criterion
 from dashpot.base.units import celsius
 from dashpot.engine.inference.order import needed
 from dashpot.fitting.shift_law import MAX_MISSED, LawScore, LawThroughShifts, OddOne
@@ -48,10 +48,10 @@ def overlap(
     i = int(np.argmin(shared))
     return Finding(
         f"{celsius(temperature[i])} and {celsius(temperature[i + 1])} share {shared[i]:.2g} "
-        "decades of relaxation time, the fewest of all neighbours",
+        f"decades of relaxation time; at least {least:g} are needed",
         float(shared[i]),
-        "; with little in common, nothing but the assumed spectrum says how far apart they lie: "
-        "test at a temperature between them, or over more decades",
+        "With less in common, the shift between them follows from the assumed spectrum alone",
+        "Test at a temperature between them, or over more decades.",
         limit=least,
     )
 
@@ -64,11 +64,12 @@ def shifts_determined(error: FloatArray, temperature: FloatArray) -> Finding:
     """
     i = int(np.argmax(error))
     return Finding(
-        f"the least certain step is that from {celsius(temperature[i])} to "
-        f"{celsius(temperature[i + 1])}, known to {error[i]:.2g} decades",
+        f"The step from {celsius(temperature[i])} to {celsius(temperature[i + 1])} is known to "
+        f"±{error[i]:.2g} decades, the least certain of all",
         float(error[i]),
-        ": the curves are flat there, as those of a glass or of rubber at rest, and flat curves "
-        "fit anywhere: leave the outer temperature out, or trust the law alone",
+        "The curves are flat there, as those of a glass or of rubber at rest, and flat curves "
+        "fit anywhere",
+        Remedy("Leave the outer temperature out, or use the law alone.", "only"),
     )
 
 
@@ -82,11 +83,11 @@ def shift_monotone(step: FloatArray, error: FloatArray, temperature: FloatArray)
     rise = np.where(step == 0, 0.0, rise)
     i = int(np.argmax(rise))
     return Finding(
-        "the warmer, the faster, at every step",
+        "Relaxation is faster at every warmer temperature",
         float(np.clip(rise[i], -1e9, 1e9)),
-        instead=f"from {celsius(temperature[i])} to {celsius(temperature[i + 1])} relaxation "
-        f"times grow by {step[i]:.2g} decades, where warmth shortens them: look for exchanged "
-        "files, a wrong temperature, or a specimen that changed",
+        instead=f"From {celsius(temperature[i])} to {celsius(temperature[i + 1])} relaxation times "
+        f"grow by {step[i]:.2g} decades; warmth should shorten them",
+        remedy="Look for exchanged files, a wrong temperature, or a specimen that changed.",
     )
 
 
@@ -103,14 +104,14 @@ def thermorheologically_simple(ratio: float | None, by_chance: float, rms: float
     it reaches by chance alone, `rms` what the joint fit leaves, relative.
     """
     return Finding(
-        "too few values at each temperature to be held against its own fit"
+        "Each temperature has too few values to be compared with its own fit"
         if ratio is None
-        else f"jointly the temperatures leave {ratio:.3g} times the mean square that they leave "
+        else f"The joint fit leaves {ratio:.3g} times the mean square that each temperature leaves "
         "alone",
         ratio,
-        ": no one shift moves all of this solid (two processes, crystals, a filler network, or "
-        "a change of strain between sweeps); a frequency that was not measured at a temperature "
-        "is then foretold worse than the errors say",
+        "No single shift moves the whole model: two processes, crystals, a filler network, or "
+        "another strain. A prediction at a new temperature is worse than its errors",
+        "Fit each temperature alone.",
         limit=max(MAX_JOINT_OVER_OWN, by_chance),
         excused=ratio is not None and rms < _EXACT,
     )
@@ -139,25 +140,24 @@ def law_follows_shifts(
     """
     laws = [score for score in scores if score.kind != "free"]
     if taken.kind == "free":
-        none = "no law was laid through the shifts; they reach no further than the tests"
+        none = "No law was fitted to the shifts; they reach no further than the tests"
         if asked or not laws:
             return Finding(none)
         best = min(laws, key=lambda score: score.missed)
         return Finding(
             none,
             best.missed,
-            f": {best.kind}, the nearest, is {best.missed:.2g} decades off at "
-            f"{celsius(best.at)}; is there a glass transition among the temperatures, or a wrong "
-            "one?",
+            f"The nearest law, {best.kind}, is {best.missed:.2g} decades off at {celsius(best.at)}",
+            "Look for a glass transition among the temperatures, or a wrong temperature.",
             faulted=True,
         )
     return Finding(
-        f"the {taken.kind} law is at most {taken.missed:.2g} decades off a shift, at "
+        f"The {taken.kind} law misses a shift by at most {taken.missed:.2g} decades, at "
         f"{celsius(taken.at)}",
         taken.missed,
-        ": more than chance; between tested temperatures the shifts themselves are better "
-        "(dashpot fit --shift free), and beyond them the law is a guess: is there a glass "
-        "transition among them, or a wrong temperature?",
+        "That is more than chance. A glass transition among them or a wrong temperature may cause "
+        "this",
+        Remedy("Use the shifts themselves between the tested temperatures.", "shift", "free"),
         excused=not taken.fails,
     )
 
@@ -166,13 +166,12 @@ def law_follows_shifts(
 def temperatures_in_line(odd: OddOne | None) -> Finding:
     """No one temperature lies off the law that all others follow."""
     if odd is None:
-        return Finding("no one temperature lies off a law that all others follow", 0.0)
+        return Finding("No single temperature lies off a law that all others follow", 0.0)
     return Finding(
-        f"all temperatures but {celsius(odd.temperature)} follow one law, and that lies "
-        f"{odd.missed:+.2g} decades off it",
+        f"{celsius(odd.temperature)} lies {odd.missed:+.2g} decades off the law that all other "
+        "temperatures follow",
         odd.missed,
-        ": is that temperature right, and are its force and displacement, or its moduli, of the "
-        "same gain and the same piece? look there, or leave it out",
+        remedy="Check that temperature, its gain and its piece, or leave it out.",
     )
 
 
@@ -183,14 +182,14 @@ def glass_below_tests(law: TemperatureLaw, coldest: float, error: float) -> Find
     `coldest` is in K, and so is the standard `error` of C_2.
     """
     if not isinstance(law, WLF):
-        return Finding("no WLF law was laid, so it implies no glass transition")
+        return Finding("No WLF law was fitted, so none gives a glass transition")
     short = law.glass + ABOVE_GLASS - coldest
     return Finding(
-        f"the WLF law through the shifts puts the glass transition near {celsius(law.glass)}",
+        f"The WLF law puts the glass transition near {celsius(law.glass)}",
         short,
-        f"; the coldest test, at {celsius(coldest)}, is below it or nearer than {ABOVE_GLASS:g} K, "
-        "where no such law holds: is a temperature wrong? until that is known the shifts "
-        "themselves are better (dashpot fit --shift free)",
+        f"The coldest test, at {celsius(coldest)}, is less than {ABOVE_GLASS:g} K above it, where "
+        "no such law is valid",
+        Remedy("Check the temperatures. Until then use the shifts themselves.", "shift", "free"),
         excused=short < MAX_RISE * error,
     )
 
@@ -209,16 +208,15 @@ def vertical_shift_known(vertical: str, margin: float, apart: float) -> Finding:
     """
     free = vertical == "free"
     return Finding(
-        "the vertical shifts are free"
+        "The vertical shifts are free"
         if free
-        else f"b_T = {vertical} is {margin:.3g} of BIC ahead; the other rule moves no shift by "
+        else f"b_T = {vertical} is ahead by {margin:.3g} in BIC. The other rule moves no shift by "
         f"more than {apart:.2g} decades",
         None if free else margin,
-        ", and trade with the horizontal ones: neither is then to be believed; a diagnostic only"
+        "They trade with the horizontal shifts, so neither can be used; this is a diagnostic"
         if free
-        else ": the data hardly tell the two apart; say which: that of rubber, whose stiffness is "
-        "of entropy (dashpot fit --vertical T), or none, below the glass transition (dashpot fit "
-        "--vertical 1)",
+        else "The data hardly separate the two rules",
+        Remedy("Choose one: T for rubber, 1 below the glass transition.", "vertical", "T"),
         excused=not free and apart < _SLIGHT,
         faulted=free,
     )
@@ -238,12 +236,12 @@ def vertical_rule_holds(step: FloatArray, score: float, temperature: FloatArray)
     """
     i = int(np.argmax(np.abs(step)))
     return Finding(
-        f"free factors of the moduli would move by at most {100 * abs(step[i]):.2g} %, at "
+        f"Free factors of the moduli would change by at most {100 * abs(step[i]):.2g} %, at "
         f"{celsius(temperature[i])}",
         float(abs(step[i])),
-        ", by more than chance: the moduli there are higher or lower than the rule of b_T says; "
-        "look for a changed grip, length or strain, machine compliance, or a glass transition, "
-        "for such a factor moves the shift too",
+        "That is more than chance. The moduli there differ from the rule of b_T, and the shift "
+        "with them",
+        "Look for another grip, length or strain, machine compliance, or a glass transition.",
         excused=not needed(score, max(len(step) - 1, 1)),
     )
 

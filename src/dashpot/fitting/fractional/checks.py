@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dashpot.base.checks import Finding, criterion
+from dashpot.base.checks import Finding, Remedy, criterion
 from dashpot.base.status import Status
 from dashpot.records.alternative import Alternative
 
@@ -25,13 +25,14 @@ def slope_known(error: float, *, edge: bool) -> Finding:
     `edge` where one of them stands at an end of what is sought.
     """
     return Finding(
-        f"the slope alpha is known to +- {error:.2g}",
+        f"The slope alpha is known to ±{error:.2g}",
         error,
-        ": the record shows too few decades of the spectrum; hold longer or ramp faster",
-        instead="the slope alpha or the relaxation time stands at the end of what is sought, so "
-        "the spectrum is no bent power law that this record shows: fit arms"
+        "The record shows too few decades of the spectrum",
+        instead="The slope alpha or the relaxation time is at the end of its range. The spectrum "
+        "is no bent power law that this record shows"
         if edge
         else "",
+        remedy=Remedy("Fit arms.", "model", "maxwell") if edge else "Hold longer, or ramp faster.",
         faulted=edge,
     )
 
@@ -46,9 +47,10 @@ def slope_known(error: float, *, edge: bool) -> Finding:
 def element_explains(ratio: float, arms: int) -> Finding:
     """The fractional solid leaves no more than arms do."""
     return Finding(
-        f"the fractional solid leaves {ratio:.4g} times the residual of {arms} arms",
+        f"The fractional model leaves {ratio:.4g} times the residual of {arms} arms",
         ratio,
-        ": the spectrum is no bent power law; fit arms (family maxwell)",
+        "The spectrum is no bent power law",
+        Remedy("Fit arms.", "model", "maxwell"),
         grade="stop" if ratio > 1.1 else None,
     )
 
@@ -59,5 +61,10 @@ def element_explains(ratio: float, arms: int) -> Finding:
 def families_told_apart(other: Alternative | None) -> Finding:
     """No other family of solids explains the data and predicts something else."""
     if other is None or not other.explains:
-        return Finding("no other family of solids explains the data as well", excused=True)
-    return Finding(other.says, other.parts_at, excused=other.parts_at is None)
+        return Finding("No other family of models explains the data as well", excused=True)
+    return Finding(
+        other.says,
+        other.parts_at,
+        remedy="Add a hammer test.",
+        excused=other.parts_at is None,
+    )

@@ -20,6 +20,7 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.choices import FamilyAsked, refuse_other
 from dashpot.base.errors import FitError
+from dashpot.base.sentences import sentence
 from dashpot.engine.inference.order import bic, deviance, needed
 from dashpot.engine.least_squares.problem import Optimum
 from dashpot.fitting.design import solid_of
@@ -44,7 +45,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 # fall of BIC below which arms keep their place
 VERY_STRONG = 10.0
 #: what tells two families apart that explain ramps and holds, and sweeps
-RAMPS = "a faster ramp, a colder test or a hammer"
+RAMPS = "A faster ramp, a colder test or a hammer test"
 SWEEPS = "a sweep to higher frequencies or a colder one"
 # lines per decade on which two solids are compared
 _LINES = 40
@@ -135,7 +136,7 @@ def checked_family(family: str, arms: int | str = "auto") -> None:
     if family == "fractional" and arms != "auto":
         raise FitError(
             f"arms = {arms}, but a fractional solid has no number of arms: leave out --arms, or "
-            "fit both families (--family auto), of which --arms counts those of one"
+            "fit both families (--model auto), of which --arms counts those of one"
         )
 
 
@@ -354,7 +355,7 @@ def parts_from(one: Solid, other: Solid, band: tuple[float, float]) -> float | N
 
 def _apart(one: Solid, other: Solid, f: FloatArray) -> FloatArray:
     """Where two solids differ by more than is worth telling."""
-    a, b = (solid.complex_stiffness(2 * np.pi * f) for solid in (one, other))
+    a, b = (solid.complex_stiffness(omega=2 * np.pi * f) for solid in (one, other))
     loss = np.array([a.imag / a.real, b.imag / b.real])
     # the damping of anything that is mounted is hardly ever below a hundredth
     of_loss = np.abs(np.diff(loss, axis=0)[0]) / np.maximum(loss.max(axis=0), 2e-2)
@@ -386,21 +387,21 @@ def beside(
     """
     apart = parts_from(mine, other, band)
     if isinstance(other, FractionalZener):
-        name = f"a fractional solid (alpha = {other.alpha:.3g})"
+        name = f"a fractional model (alpha = {other.alpha:.3g})"
     else:
         arms = other.maxwell.arms
         name = f"a solid with {arms} arm{'s' * (arms != 1)}"
     both = f"{name} explains the data too (BIC {rise:+.3g})"
     if not explains:
-        says = f"{name} does not explain the data: its BIC is {rise:.3g} higher"
+        says = f"{name} does not explain the data; its BIC is {rise:.3g} higher"
     elif apart is None:
-        says = f"{both}, and predicts the same up to {HEARD:g} Hz"
+        says = f"{both}. It predicts the same up to {HEARD:g} Hz"
     else:
         at = max(10.0, 10.0 ** np.ceil(np.log10(apart)))
-        a, b = (complex(solid.complex_stiffness(2 * np.pi * at)) for solid in (mine, other))
+        a, b = (complex(solid.complex_stiffness(omega=2 * np.pi * at)) for solid in (mine, other))
         says = (
-            f"{both}, but from {apart:.2g} Hz on the two part: at {at:g} Hz the loss factor is "
-            f"{a.imag / a.real:.3g} by this solid and {b.imag / b.real:.3g} by that, its stiffness "
-            f"{100 * (b.real / a.real - 1):+.2g} %; {further} tells them apart"
+            f"{both}. From {apart:.2g} Hz on the two differ: at {at:g} Hz the loss factor is "
+            f"{a.imag / a.real:.3g} by this model and {b.imag / b.real:.3g} by the other, the "
+            f"stiffness {100 * (b.real / a.real - 1):+.2g} %. {further} separates them"
         )
-    return Alternative(other, rise, explains, apart, says)
+    return Alternative(other, rise, explains, apart, sentence(says))

@@ -35,7 +35,7 @@ class HammerRig:
         If a standard deviation is below 0.
     """
 
-    mass_sd: float | None = option(None, "How well the mass is known.", unit="mass")
+    mass_sd: float | None = option(None, "Standard deviation of the mass.", unit="mass")
     gain_sd: float = option(0.01, "Of acceleration over force, relative.")
     delay_sd: float = option(1e-4, "Of acceleration behind force.", unit="time")
 
@@ -72,16 +72,16 @@ class KnownSolid:
     """
 
     parallel_dashpot: bool | Literal["auto"] = option(
-        False, "A dashpot b beside the arms.", is_flag=True
+        False, "Add a dashpot beside the arms.", is_flag=True, flag="dashpot"
     )
     static_stiffness: float | tuple[float, float] | None = option(
-        None, "One seal, known.", unit="stiffness"
+        None, "Static stiffness of one seal.", unit="stiffness", under="known", key="stiffness"
     )
     natural_frequency: float | tuple[float, float] | None = option(
-        None, "Known; constrains the fit.", unit="frequency"
+        None, "Natural frequency.", unit="frequency", under="known", key="frequency"
     )
     damping_ratio: float | tuple[float, float] | None = option(
-        None, "Known; constrains the fit.", above=0.0
+        None, "Damping ratio.", above=0.0, under="known", key="damping"
     )
 
     def __post_init__(self) -> None:

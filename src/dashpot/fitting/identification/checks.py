@@ -6,7 +6,7 @@ from typing import Protocol
 
 import numpy as np
 
-from dashpot.base.checks import Check, Finding, criterion
+from dashpot.base.checks import Check, Finding, Remedy, criterion
 from dashpot.base.status import Status
 from dashpot.engine.inference.order import DECISIVE, MAX_SE_LN_TAU
 from dashpot.records.fit import Explanation
@@ -16,6 +16,7 @@ EXPLAINED = 2.0
 UNEXPLAINED = 0.1
 # a squared residual so many times as large is another seal
 CONTRADICTED = 4.0
+REMEDY = Remedy("Weigh the block. Check number, length and compression of the seals.", "mass")
 # a force missed by less than this part of its peak changes no use of the solid
 IMMATERIAL = 1e-4
 # a stiffness, mass or gain this far off moves a peak by half of it
@@ -37,27 +38,30 @@ def lines_explained(
 
     `why` is what explains a contradiction of two tests, where that is known.
     """
-    advice = (
-        "another mode, leakage or nonlinearity is in the FRF; narrow the band of frequencies "
-        "(--band), or ask for more arms"
-    )
+    advice: Remedy | str = REMEDY
+    if not why:
+        why = "A second mode, leakage or amplitude may cause this"
+        advice = Remedy(
+            "Check the mass and its unit. Then narrow the band, or allow more arms.", "band"
+        )
     if known_sd:
         return Finding(
-            f"the solid leaves {scale:.2g} times the random scatter of the lines",
+            f"The model misses the FRF by {scale:.2g} times its noise",
             scale,
-            f": {why or advice}",
+            why,
+            advice,
             grade="stop" if scale > 10 * EXPLAINED else None,
         )
     weighed = (
-        "the FRF came with coherence but without its number of hits, so the lines counted by "
-        "their coherence and the misfit told the scatter"
+        "It has coherence but no number of hits, so the misfit gave the scatter"
         if coherent
-        else "the FRF came without coherence or scatter, so every line counted alike"
+        else "It has neither coherence nor scatter, so every line counted alike"
     )
     return Finding(
-        f"the solid leaves {100 * scale:.2g} % of the FRF unexplained; {weighed}",
+        f"The model misses the FRF by {100 * scale:.2g} %. {weighed}",
         scale,
-        f": {why or advice}",
+        why,
+        advice,
         limit=UNEXPLAINED,
         grade="stop" if scale > 5 * UNEXPLAINED else None,
     )
@@ -79,15 +83,11 @@ def relaxation_still_explained(
     `missed` is the rms force that the joint fit adds to the residual, over the peak force.
     """
     return Finding(
-        f"in the joint fit relaxation test {number} has {ratio:.3g} times the squared residual "
+        f"In the joint fit relaxation test {number} has {ratio:.3g} times the squared residual "
         "of its own fit",
         ratio,
-        ": hammer and relaxation contradict each other; "
-        + (
-            why
-            or "check mass, number and length of seals, and whether both tests are at the same "
-            "compression"
-        ),
+        f"Hammer and relaxation test contradict each other. {why}",
+        REMEDY,
         excused=missed < IMMATERIAL,
         grade="stop" if ratio > CONTRADICTED else None,
     )
@@ -97,11 +97,11 @@ def relaxation_still_explained(
 def earlier_fit_kept(off: float, *, why: str = "") -> Finding:
     """The hammer does not contradict the earlier fit."""
     return Finding(
-        f"the joint fit moves the parameters of the earlier fit by {off:.2g} of their standard "
+        f"The joint fit moves the parameters of the earlier fit by {off:.2g} of their standard "
         "deviations",
         off,
-        ": hammer and relaxation contradict each other"
-        + (f"; {why}" if why else "; check mass, number and length of seals, and compression"),
+        f"Hammer and relaxation test contradict each other. {why}",
+        REMEDY,
     )
 
 
@@ -117,17 +117,27 @@ def tests_agree(lead: Explanation | None) -> Finding:
     `lead` is what explains them best if not. A departure of 5 % that explains both is a limit.
     """
     if lead is None:
-        return Finding("relaxation test and hammer are explained by one seal", 0.0)
-    because = "relaxation test and hammer do not belong to one seal and rig as described: "
+        return Finding("One seal explains relaxation test and hammer", 0.0)
     if lead.explains:
-        says = f"{because}{lead.says}; that explains both"
+        says = f"Relaxation test and hammer match if {lead.says}"
     else:
         says = (
-            f"{because}nothing tried explains both; most does that {lead.says} (chi-square falls "
-            f"by {lead.fall:.4g})"
+            f"No single seal as described matches both tests. The closest change is that "
+            f"{lead.says}, and it is not enough"
         )
     slight = lead.explains and abs(lead.departure) <= SLIGHT
-    return Finding(says, lead.fall, faulted=True, grade="limit" if slight else "stop")
+    return Finding(
+        says, lead.fall, remedy=REMEDY, faulted=True, grade="limit" if slight else "stop"
+    )
+
+
+REMEDIES = {
+    "mass": Remedy("Weigh the block again.", "mass"),
+    "gain": "Check the sensitivities of hammer and accelerometer.",
+    "delay": "Check the delay between hammer and accelerometer.",
+    "stiffness": "Check number, length and compression of the seals.",
+}
+"""What to do where the fit wants another than was known."""
 
 
 class Believable(Protocol):
@@ -138,6 +148,8 @@ class Believable(Protocol):
 
 
 def _believable(quantity: str, ends: Status | None = None) -> Believable:
+    remedy = REMEDIES[quantity]
+
     @criterion(
         "distance in standard deviations",
         "<=",
@@ -150,10 +162,11 @@ def _believable(quantity: str, ends: Status | None = None) -> Believable:
     )
     def judge(found: str, off: float, sd: float, *, why: str = "") -> Finding:
         return Finding(
-            f"the fit puts the {quantity} at {found}, {abs(off) / sd:.2g} standard deviations from "
+            f"The fit wants a {quantity} of {found}, {abs(off) / sd:.2g} standard deviations from "
             "what was known",
             abs(off) / sd,
-            f": {why or f'check the {quantity} itself'}",
+            why,
+            remedy,
             grade="stop" if abs(off) > 4 * STRAINED * sd else None,
         )
 
@@ -174,13 +187,13 @@ def dashpot_not_missed(fall: float | None, beside: str, b: float, *, sure: bool 
     `beside` is the solid beside it, in words; `sure` is one of which every part is known.
     """
     if fall is None:
-        return Finding(f"there is a parallel dashpot, of {b:.3g} N s/m")
+        return Finding(f"The model has a parallel dashpot of {b:.3g} N s/m")
     return Finding(
-        "a parallel dashpot explains the lines no better",
+        "A parallel dashpot explains the FRF no better",
         fall,
-        instead=f"{beside} and a parallel dashpot of {b:.3g} N s/m lower BIC "
-        f"by {fall:.3g}: ask for one (dashpot identify --parallel-dashpot) (Python: "
-        "parallel_dashpot=True)",
+        instead=f"A parallel dashpot of {b:.3g} N s/m beside {beside} explains the FRF better "
+        f"(BIC falls by {fall:.3g})",
+        remedy=Remedy("Add a dashpot.", "dashpot"),
         limit=DECISIVE if sure else 0.0,
     )
 
@@ -197,12 +210,12 @@ def arms_identified(arms: int, worst: float, *, significant: bool, new: int = 0)
 
     `new` of them only with the help of the hammer.
     """
-    how = f"of the {arms} arms is known (largest relative standard error {100 * worst:.2g} %)"
-    hammer = f"; {new} of them only with the help of the hammer" if new > 0 else ""
+    how = f"of the {arms} arms is known (largest standard error {100 * worst:.2g} %)"
+    hammer = f"; the hammer test adds {new} of them" if new > 0 else ""
     return Finding(
-        f"every one {how}{hammer}",
+        f"Every one {how}{hammer}",
         worst,
-        instead=f"not every one {how}: ask for fewer arms, widen the band of frequencies (--band), "
-        f"or add a relaxation test{hammer}",
+        instead=f"Not every one {how}{hammer}",
+        remedy=Remedy("Use fewer arms, widen the band, or add a relaxation test.", "arms"),
         faulted=not significant,
     )

@@ -257,7 +257,7 @@ def as_other_count(value: float) -> str:
     if round(times) < 2 or abs(times / round(times) - 1) > _LIKE_A_COUNT:
         return ""
     many = f"{round(times)} times as many" if value > 1 else f"one in {round(times)}"
-    return f", as {many} of them would be: is their number right (--seals)"
+    return f", as {many} of them would be"
 
 
 _SENTENCES: dict[str, Callable[[float, float], str]] = {
@@ -286,7 +286,7 @@ def _elsewhere(
         return ""
     shape = np.asarray(law.ratio)
     if not shape.min() <= value <= shape.max():
-        return ", which its elastic law has at no compression tested"
+        return ", which its elastic law gives at no compression tested"
     x = np.linspace(0.0, law.depth, 2001)
     at = float(x[np.argmin(np.abs(law.factor(x) - value))])
     supposed = "" if compression is None else f", not {written(compression, 'mm', '.3g')}"

@@ -94,7 +94,7 @@ def _without_tests(fit: Fit | None, temperature: float | None, family: str) -> B
     if fit.family != family:
         raise FitError(
             f"the earlier fit is of family {fit.family}, and without its relaxation tests no "
-            f"other can be fitted: ask for its own (--family {fit.family}), or give the tests "
+            f"other can be fitted: ask for its own (--model {fit.family}), or give the tests "
             "in its place"
         )
     if temperature is not None:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from dashpot.base.checks import Finding, criterion
+from dashpot.base.checks import Finding, Remedy, criterion
 from dashpot.base.units import in_unit, written
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -37,12 +37,12 @@ def ramp_followed(missed: float, noise: float, discrepancy: float, kind: str) ->
     residual of the ramp is worth over one of the hold, `kind` that of the elastic law.
     """
     return Finding(
-        f"with a {kind} elastic law the ramp is followed within {100 * missed:.2g} % of the peak; "
-        f"its rows count with {discrepancy:.3g} times the noise of the hold",
+        f"The model misses the ramp by {100 * missed:.2g} % of the peak, with a {kind} elastic "
+        f"law. Its rows count with {discrepancy:.3g} times the noise of the hold",
         missed,
-        ": no law tried follows the ramp, so k_inf and the slow arms come from the hold, and "
-        "fast arms and the tangent are in doubt; is the motion recorded on the seal itself, "
-        "without slip, and does the force not lag?",
+        "No elastic law follows the ramp. So k_inf and slow arms come from the hold; fast arms and "
+        "tangent are uncertain",
+        "Record the motion at the seal, without slip.",
         excused=missed <= 1.5 * noise,
         # no linear solid explained ramp and hold, and no law was found that does
         faulted=kind == "linear" and discrepancy > _ANOTHER,
@@ -59,12 +59,12 @@ def hold_followed(rho: Sequence[float], missed: Sequence[float]) -> Finding:
     worst = int(np.argmax(np.where(np.array(missed) > _MATTERS, rho, 0.0) + 1e-9 * np.array(rho)))
     of = f" of test {worst + 1}" if len(rho) > 1 else ""
     return Finding(
-        f"the hold{of} is followed within {rho[worst]:.3g} times what it leaves alone",
+        f"The residual of the hold{of} is {rho[worst]:.3g} times that of its own fit",
         float(rho[worst]),
-        ": the tests contradict each other; are they one piece, at one temperature, and does its "
-        "shape of relaxation not change with depth? fit each alone"
+        "The tests contradict each other: another piece, temperature, or shape of relaxation"
         if len(rho) > 1
-        else ": the ramp bends what the hold says; trust the hold",
+        else "The ramp changes what the hold gives",
+        "Fit each test alone." if len(rho) > 1 else Remedy("Fit the hold alone.", "method", "hold"),
         excused=missed[worst] <= _MATTERS,
         grade="stop" if rho[worst] > _CONTRADICTED else "limit",
     )
@@ -85,14 +85,14 @@ def tangent_told(law: ElasticLaw, ramps: int) -> Finding:
     ramp is followed to the noise.
     """
     if law.kind == "linear":
-        return Finding("the elastic law is linear: its tangent is its secant")
+        return Finding("The elastic law is linear: its tangent is its secant")
     many = f"{ramps} ramps of different rate or depth" if ramps > 1 else "one ramp"
     return Finding(
-        f"the tangent stiffness rests on {many}",
+        f"The tangent stiffness comes from {many}; two are needed",
         float(ramps),
-        ": it is right to 5 % only if all arms share one elastic law and the motion is that of "
-        "the seal; a law per arm, friction or a commanded motion can put it 11 to 46 % off "
-        "unseen. Test a second ramp rate or depth; the secant at the depth is not concerned",
+        "It is right to 5 % if all arms share one elastic law and the motion is that of the "
+        "seal. Otherwise it can be 11 to 46 % off. The secant at the depth stays right",
+        "Test a second ramp rate or depth.",
         grade="note" if law.gentle else None,
     )
 
@@ -110,11 +110,12 @@ def k_inf_believable(model: GeneralizedMaxwell, se: float, end: float, hold: flo
     # a plateau that is not told from zero claims nothing
     wrong = share > _BEYOND_BELIEF and model.k_inf > 3.0 * se
     return Finding(
-        f"k_inf = {written(model.k_inf, 'N/mm')} and the arms' rest of {in_unit(left, 'N/mm'):.2g} "
-        f"meet the {written(end, 'N/mm')} at the end of the hold within {100 * share:.2g} %",
+        f"k_inf and the rest of the arms miss the stiffness at the end of the hold by "
+        f"{100 * share:.2g} %. They are {written(model.k_inf, 'N/mm')} and "
+        f"{in_unit(left, 'N/mm'):.2g}, and {written(end, 'N/mm')} was measured",
         share,
-        ": offset or drift of the load cell took what is stiffness, or the other way round; "
-        "record a baseline before contact, or name the drift of the cell",
+        "Offset or drift of the load cell took what is stiffness, or the other way round",
+        Remedy("Record a baseline before contact, or give the drift.", "machine", "drift=..."),
         excused=off <= 3.0 * se,
         grade="stop" if wrong else "limit",
     )
@@ -166,18 +167,19 @@ def clocks_agree(found: Sequence[tuple[float, float, float]]) -> Finding:
     before the fit of each test, s. The fit takes the delay into account.
     """
     if not found:
-        return Finding("no delay between force and displacement is fitted")
+        return Finding("No delay between force and displacement is fitted")
     late = [abs(value) / error if error > 0 else 0.0 for value, error, _ in found]
     worst = int(np.argmax(late))
     value, error, prior = found[worst]
     of = f" of test {worst + 1}" if len(found) > 1 else ""
     return Finding(
-        f"the force{of} lags the displacement by {in_unit(value, 'ms'):.3g} +- "
+        f"The force{of} lags the displacement by {in_unit(value, 'ms'):.3g} ± "
         f"{written(error, 'ms', '.2g')}",
         late[worst],
-        "; the fit takes that into account, but a late force looks like less damping: read both "
-        "channels at one time, name a filter of the force (--force-filter), or allow for more "
-        "between the clocks (--sync)",
+        "The fit corrects for this, but a late force looks like less damping",
+        Remedy(
+            "Read both channels at one time, or give the delay of the force.", "machine", "sync=..."
+        ),
         grade="limit" if abs(value) > _TOO_LATE * prior else None,
     )
 
@@ -190,19 +192,19 @@ def _believable(
     known: str,
 ) -> Finding:
     if not found:
-        return Finding(f"no {what} is fitted")
+        return Finding(f"No {what} is fitted")
     away = [abs(value - mean) / sd if sd > 0 else 0.0 for value, mean, sd, _ in found]
     worst = int(np.argmax(away))
-    value, mean, sd, _ = found[worst]
+    value, mean, *_ = found[worst]
     matters = any(
         abs(value - mean) > max(3 * sd, departure) for value, mean, sd, departure in found
     )
     of = f" of test {worst + 1}" if len(found) > 1 else ""
     return Finding(
-        f"the {what}{of} of {scale * value:.3g} {unit} lies {away[worst]:.2g} standard deviations "
-        f"({scale * sd:.2g} {unit}) from {known}, {scale * mean:.3g}",
+        f"The fitted {what}{of} ({scale * value:.3g} {unit}) differs from {known} "
+        f"({scale * mean:.3g} {unit}) by {away[worst]:.2g} standard deviations",
         away[worst],
-        ": it takes what the model misses; look at the ramp's residual, record a longer baseline "
-        "or let the cell warm up",
+        "It hides a misfit",
+        "Record a longer baseline, or let the load cell warm up.",
         grade="limit" if matters else None,
     )

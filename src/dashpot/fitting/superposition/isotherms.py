@@ -148,7 +148,7 @@ def _with_temperature(test: Measured, number: int) -> Measured:
         name = f"test {number}" if test.source is None else test.source.file
         raise FitError(
             f"{name} says no temperature, so nothing can be shifted: name its column with "
-            "--temperature-column, or give --temperature"
+            "--column temperature=NAME, or give --temperature"
         )
     at = test.frequency if isinstance(test, DynamicTest) else test.time
     return replace(test, temperature=np.full(len(at), kelvin))

@@ -304,7 +304,7 @@ def _master(
         value = np.concatenate([one.complex for one in isotherms]) / b
         curve: Measured = DynamicTest(
             frequency[order], value.real[order], value.imag[order], None, test.unit, specimen,
-            test.source,
+            test.source, units="SI",
         )  # fmt: skip
         return curve, temperature[order]
     time, value = at / a, np.concatenate([one.size for one in isotherms])
@@ -315,7 +315,7 @@ def _master(
     first = np.concatenate(([True], np.diff(time) > 1e-12 * time[1:]))
     of = np.cumsum(first) - 1
     value = np.bincount(of, value) / np.bincount(of)
-    curve = type(test)(time[first], value, test.unit, specimen, test.source)
+    curve = type(test)(time[first], value, test.unit, specimen, test.source, units="SI")
     return curve, temperature[first]
 
 

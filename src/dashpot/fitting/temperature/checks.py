@@ -47,16 +47,16 @@ def thermorheologically_simple(
     """
     apart, faulted = "", False
     if slope is not None and abs(slope[0]) > MAX_BACK * slope[1]:
-        apart = f"; slow arms shift {100 * slope[0]:+.2g} % further per decade"
+        apart = f". Slow arms shift {100 * slope[0]:+.2g} % further per decade"
         faulted = abs(slope[0]) > APART
     return Finding(
-        f"one solid explains the tests at {temperatures} temperatures (probability {chance:.2g} "
+        f"One model explains the tests at {temperatures} temperatures (probability {chance:.2g} "
         f"by chance){apart}",
         chance,
-        instead="one solid that only gets slower and softer does not explain the tests: the arms "
-        f"do not shift together, or a temperature drifted{apart}; what the joint fit leaves is "
-        f"{100 * excess:.2g} % of the peak force, and the stiffness it gives beyond the band of "
-        "the test at its own temperature is not supported: fit each temperature alone",
+        instead=f"One model does not explain the tests: it misses the force by "
+        f"{100 * excess:.2g} % of the peak. The arms do not shift together, or a temperature "
+        f"drifted{apart}. The stiffness outside the band of each test is not supported",
+        remedy="Fit each temperature alone.",
         faulted=faulted,
         excused=excess < ROUNDING,
         grade="stop" if excess > TOO_MUCH else "limit",
@@ -69,10 +69,10 @@ def temperature_steady(warming: Sequence[Nuisance]) -> Finding:
     worst = max(warming, key=lambda one: abs(one.value))
     title = worst.name.partition(" of ")[2]
     return Finding(
-        f"{title} warmed by {worst.value:.2g} +- {worst.standard_error:.1g} K while it was "
-        "recorded, as far as its force tells",
+        f"By its force, {title} warmed by {worst.value:.2g} ± {worst.standard_error:.1g} K while "
+        "it was recorded",
         worst.value,
-        ": let the seal soak longer, and record its temperature",
+        remedy="Let the seal soak longer, and record its temperature.",
     )
 
 
@@ -85,10 +85,10 @@ def stiffness_of_one_seal(moved: TemperatureShifts) -> Finding:
     worst = int(np.argmax(np.abs(away)))
     at = celsius(moved.shifts[worst].temperature)
     return Finding(
-        f"at {at} every stiffness is {100 * np.expm1(away[worst]):+.2g} % from where the "
-        "elasticity of rubber puts it",
+        f"At {at} every stiffness differs by {100 * np.expm1(away[worst]):+.2g} % from rubber "
+        "elasticity",
         abs(away[worst]),
-        ": is it the same piece, at the same depth and length, and is the temperature right?",
+        remedy="Check piece, depth, length and temperature.",
     )
 
 
@@ -96,10 +96,10 @@ def stiffness_of_one_seal(moved: TemperatureShifts) -> Finding:
 def shifts_told_apart(count: int) -> Finding:
     """There are temperatures enough to see arms that shift apart, and to lay a law."""
     return Finding(
-        f"{count} temperatures were tested",
+        f"{count} temperatures were tested; three are needed",
         count,
-        ": two temperatures cannot see arms that shift apart, three can, and only three carry a "
-        "law beyond the tested range; test at one between or beyond them",
+        "Two cannot show arms that shift apart, and no law can be extended beyond them",
+        "Test at a third temperature, between them or beyond.",
     )
 
 
@@ -111,6 +111,6 @@ def temperature_tested(moved: TemperatureShifts, temperature: float) -> Finding:
         f"{celsius(temperature)} lies within the tested {celsius(low)} to {celsius(high)}",
         max(low - temperature, temperature - high, 0.0),
         instead=f"{celsius(temperature)} lies outside the tested {celsius(low)} to "
-        f"{celsius(high)}: what the {moved.law.kind.upper()} law says there is extrapolated; test "
-        "there",
+        f"{celsius(high)}. The {moved.law.kind.upper()} law is extrapolated",
+        remedy="Test at that temperature.",
     )

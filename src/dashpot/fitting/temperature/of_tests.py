@@ -61,7 +61,7 @@ def checked_temperatures(records: Sequence[RampHold], *, shared: bool) -> FloatA
     if not shared:
         raise FitError(
             "tests at several temperatures are fitted by the recorded motion, and share their "
-            "stiffnesses: leave out --method hold and --depth-law"
+            "stiffnesses: leave out --method hold and --elastic by-depth"
         )
     return found
 

@@ -53,7 +53,7 @@ def parameter_band(fit: Fit, frequency: npt.ArrayLike, *, level: float = 0.95) -
     f = _frequencies(frequency)
     _level(level)
     K = _drawn(fit, 2 * np.pi * f)
-    own = fit.solid.complex_stiffness(2 * np.pi * f)
+    own = fit.solid.complex_stiffness(omega=2 * np.pi * f)
     # a draw that bears nothing has no loss factor
     borne = np.where(K == 0, own, K)
     return StiffnessBounds(
@@ -95,7 +95,7 @@ def unseen_arm_band(
     f = _frequencies(frequency)
     spectra = _spectra(fit, tests, fastest=2 * np.pi * float(f[-1]), level=level)
     limits = np.array([_limits(spectra, 2 * np.pi * at) for at in f])
-    own = fit.solid.complex_stiffness(2 * np.pi * f)
+    own = fit.solid.complex_stiffness(omega=2 * np.pi * f)
     storage, loss, factor = (
         _holding(part, value)
         for part, value in zip(
@@ -162,7 +162,7 @@ def frf_band(
     def limits(at: FloatArray) -> FloatArray:
         omega = 2 * np.pi * at
         reach = np.transpose([predicted.reach(spectra, one) for one in omega])
-        return _holding(reach, predicted.magnitude(fit.solid.complex_stiffness(omega), omega))
+        return _holding(reach, predicted.magnitude(fit.solid.complex_stiffness(omega=omega), omega))
 
     unseen = limits(f)
     peak = _resonance(spectra, mass / seals, 2 * np.pi * resonance)
@@ -247,7 +247,7 @@ def _formal(
     fit: Fit, omega: FloatArray, predicted: PredictedFRF, *, level: float
 ) -> tuple[FloatArray, FloatArray]:
     """The fit's own magnitude, shape (n,), and its limits by the draws, shape (2, n)."""
-    own = predicted.magnitude(fit.solid.complex_stiffness(omega), omega)
+    own = predicted.magnitude(fit.solid.complex_stiffness(omega=omega), omega)
     return own, _quantiles(predicted.magnitude(_drawn(fit, omega), omega), own, level)
 
 

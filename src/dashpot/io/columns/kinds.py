@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
 from types import MappingProxyType
-from typing import Literal, NamedTuple, TypeAlias
+from typing import Literal, NamedTuple, TypeAlias, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -25,7 +25,7 @@ from dashpot.io.table import FileTable
 FileKind: TypeAlias = Literal[
     "relaxation", "impact", "frf", "transmissibility", "dma", "master-curve", "strain-sweep",
     "temperature-sweep", "one-frequency", "modulus", "creep", "indentation", "cld", "cyclic",
-    "stress-strain", "not-a-test", "unclear",
+    "stress-strain", "seal-line", "free-modes", "not-a-test", "unclear",
 ]  # fmt: skip
 
 SWEEPS: tuple[FileKind, ...] = (
@@ -34,7 +34,7 @@ SWEEPS: tuple[FileKind, ...] = (
 """The kinds of a table of storage and loss."""
 
 
-class Recognised(NamedTuple):
+class KindOfFile(NamedTuple):
     """What a file of a kind is called and is for, and what its columns play.
 
     Attributes
@@ -57,42 +57,41 @@ RAMP: tuple[Role, ...] = ("time", "displacement", "force")
 _RESPONSE: tuple[Role, ...] = ("frequency", "real", "imaginary", "magnitude", "phase", "coherence")
 _SWEPT: tuple[Role, ...] = ("frequency", "storage", "loss", "temperature")
 _NO_TIMES = "it tells no relaxation times; sweep the frequency"
-RECOGNISED: Mapping[str, Recognised] = MappingProxyType({
-    "relaxation": Recognised("a relaxation test", "use dashpot fit or dashpot report", RAMP),
-    "impact": Recognised("a hammer file", "use dashpot impact", ("time", "hammer"), True),
-    "frf": Recognised(
-        "an FRF", "use dashpot modes, dashpot compare or dashpot identify", _RESPONSE
+RECOGNISED: Mapping[str, KindOfFile] = MappingProxyType({
+    "relaxation": KindOfFile("a relaxation test", "use dashpot fit or dashpot report", RAMP),
+    "impact": KindOfFile("a hammer file", "use dashpot fit", ("time", "hammer"), True),
+    "frf": KindOfFile("an FRF", "use dashpot fit or dashpot compare", _RESPONSE),
+    "transmissibility": KindOfFile(
+        "a transmissibility", "use dashpot compare, or dashpot fit with the mass", _RESPONSE
     ),
-    "transmissibility": Recognised(
-        "a transmissibility", "use dashpot compare or dashpot identify with the mass", _RESPONSE
+    "dma": KindOfFile("a dynamic (DMA) sweep", "use dashpot fit", _SWEPT),
+    "master-curve": KindOfFile("a master curve of storage and loss", "use dashpot fit", _SWEPT),
+    "strain-sweep": KindOfFile(
+        "an amplitude sweep at one frequency or a few", "use dashpot fit", _SWEPT
     ),
-    "dma": Recognised("a dynamic (DMA) sweep", "use dashpot fit", _SWEPT),
-    "master-curve": Recognised("a master curve of storage and loss", "use dashpot fit", _SWEPT),
-    "strain-sweep": Recognised(
-        "an amplitude sweep at one frequency or a few", "use dashpot level", _SWEPT
+    "temperature-sweep": KindOfFile("a temperature sweep at one frequency", _NO_TIMES, _SWEPT),
+    "one-frequency": KindOfFile("a dynamic test at one frequency", _NO_TIMES, _SWEPT),
+    "modulus": KindOfFile(
+        "a relaxation modulus over time", "use dashpot fit", ("time", "modulus")
     ),
-    "temperature-sweep": Recognised("a temperature sweep at one frequency", _NO_TIMES, _SWEPT),
-    "one-frequency": Recognised("a dynamic test at one frequency", _NO_TIMES, _SWEPT),
-    "modulus": Recognised(
-        "a relaxation modulus over time", "use dashpot fit FILE --modulus COLUMN",
-        ("time", "modulus"),
+    "creep": KindOfFile("a creep test", "use dashpot fit"),
+    "cld": KindOfFile(
+        "a compression load deflection (CLD), pressed and released", "use dashpot fit", RAMP,
     ),
-    "creep": Recognised("a creep test", "use dashpot fit"),
-    "cld": Recognised(
-        "a compression load deflection (CLD), pressed and released", "use dashpot cld",
-        ("displacement", "force"),
+    "indentation": KindOfFile(
+        "a contact of an indenter", "use dashpot fit with its mass", ("time", "velocity"), True
     ),
-    "indentation": Recognised(
-        "a contact of an indenter", "use dashpot indent with its mass", ("time", "velocity"), True
-    ),
-    "stress-strain": Recognised(
+    "stress-strain": KindOfFile(
         "stress over strain of a material",
-        "use dashpot hyperelastic; of a relaxation test multiply by area and height first",
-        ("stretch", "strain", "stress"),
+        "use dashpot fit; of a relaxation test multiply by area and height first",
+        ("time", "stretch", "strain", "stress"),
     ),
-    "cyclic": Recognised(
-        "a cyclic run without a hold",
-        "use dashpot cld for cycles at one speed, dashpot level for loops of several amplitudes",
+    "cyclic": KindOfFile("a cyclic run without a hold", "use dashpot fit", RAMP),
+    "seal-line": KindOfFile(
+        "points of a seal line", "a door file names it: [seal] points, for dashpot predict"
+    ),
+    "free-modes": KindOfFile(
+        "modes of a structure at points", "a door file names it: [modes] file, for dashpot predict"
     ),
 })  # fmt: skip
 """Every kind that a file can be seen to be; what else is of a kind, ``dashpot.kinds`` names."""
@@ -110,13 +109,27 @@ class _NamedColumns:
     def has(self, *roles: Role, least: float = 1.5) -> bool:
         """Whether each role is named by the user, or suits a column that well."""
         return all(
-            getattr(self.options, option_of(role), None)
+            self.names(option_of(role))
             or any(score(column, role, self.options) >= least for column in self.table.columns)
             for role in roles
         )
 
+    def names(self, *fields: str) -> bool:
+        """Whether the user names a column that is here in one of these fields of the options."""
+        return any(self._here(getattr(self.options, one, None)) for one in fields)
+
+    def _here(self, named: str | None) -> bool:
+        try:
+            return bool(named) and find_column(self.table.columns, str(named), "") >= 0
+        except ReadError:  # it is of another file, or its reader says so
+            return False
+
     def timed(self) -> bool:
         return self.has("time") or self.options.rate is not None
+
+    def ramped(self) -> bool:
+        """Whether there are the columns of a ramp and hold."""
+        return self.timed() and self.has("force", "displacement", least=1.0)
 
     def accelerated(self) -> bool:
         return bool(accelerations(self.table, (), self.options))
@@ -145,7 +158,22 @@ class _NamedColumns:
         )
 
     def swept(self) -> bool:
-        """Whether there is frequency, and a complex modulus in parts or by its size and angle."""
+        """Whether there is frequency, and a complex modulus in parts or by its size and angle.
+
+        A table that holds the record behind them, too, is a sweep, unless the user names what a
+        sweep has no use for, or its cells are empty.
+        """
+        if not self._named_sweep():
+            return False
+        if self.names("storage", "loss", "loss_factor") or not self.ramped():
+            return True
+        return not self.names("time", "force") and all(
+            bool(np.any(_numbers(self.table, role, self.options) > 0))
+            for role in _FILLED
+            if self.has(role)
+        )
+
+    def _named_sweep(self) -> bool:
         ratio = self.has("loss_factor") or self.has("loss_angle")
         parts = self.has("storage") and (ratio or self.has("loss"))
         polar = ratio and self.has("complex_modulus") and not self.has("coherence")
@@ -159,7 +187,9 @@ class _NamedColumns:
         header = " ".join(self.table.header).casefold()
         named = any("compliance" in name and "machine" not in name for name in names)
         named = named or self.has("creep_compliance", least=2.5)  # J(t), in 1/Pa
-        return named or ("creep" in header and "relax" not in header)
+        said = "creep" in header and "relax" not in header
+        # what moves of columns that the user names is asked of the record
+        return named or (said and not self.names("displacement", "force"))
 
     def indented(self) -> bool:
         """Whether an indenter is named beside its motion, or a velocity stands alone."""
@@ -173,6 +203,10 @@ class _NamedColumns:
             self.accelerated() or any(self.has(one) for one in ("displacement", "force"))
         )
 
+    def placed(self, *more: str) -> bool:
+        """Whether the columns are named x, y and z, and so."""
+        return {"x", "y", "z", *more} <= {vocabulary.plain(c.name) for c in self.table.columns}
+
     def spectral(self) -> bool:
         return any(
             "spectral density" in c.name.casefold() or "psd" in vocabulary.tokens(c.name)
@@ -181,6 +215,16 @@ class _NamedColumns:
 
 
 _RULES: tuple[tuple[FileKind, str, Callable[[_NamedColumns], bool]], ...] = (
+    (
+        "free-modes",
+        "it has mode, frequency, and x, y and z of points",
+        lambda s: s.placed("mode", "frequency"),
+    ),
+    (
+        "seal-line",
+        "it has x, y and z of points, and no clock",
+        lambda s: s.placed() and not s.timed(),
+    ),
     (
         "transmissibility",
         "it has frequency, and a motion over a motion",
@@ -216,7 +260,7 @@ _RULES: tuple[tuple[FileKind, str, Callable[[_NamedColumns], bool]], ...] = (
     (
         "relaxation",
         "it has time, displacement and force",
-        lambda s: s.timed() and s.has("force", "displacement", least=1.0),
+        _NamedColumns.ramped,
     ),
     (
         "modulus",
@@ -244,19 +288,60 @@ _RULES: tuple[tuple[FileKind, str, Callable[[_NamedColumns], bool]], ...] = (
 """The kinds, their reasons and what shows them; the first that holds is taken."""
 
 
+_FILLED: tuple[Role, ...] = ("frequency", "storage", "complex_modulus")
+"""What is empty, or 0, in a sweep's columns where a machine wrote another test into them."""
+
+_OF_ROLE: Mapping[str, tuple[FileKind, ...]] = MappingProxyType({
+    "modulus": ("modulus",), "creep_compliance": ("creep",), "base_acceleration": ("impact",),
+    "hammer": ("impact",), "velocity": ("indentation",), "stretch": ("stress-strain",),
+    "storage": ("dma",), "loss": ("dma",), "loss_factor": ("dma",),
+    "real": ("transmissibility", "frf"), "imaginary": ("transmissibility", "frf"),
+    "coherence": ("transmissibility", "frf"),
+})  # fmt: skip
+"""The kinds that alone have a role: who names its column says what the file is."""
+
+
 def kind_of(table: FileTable, options: ReadOptions) -> tuple[FileKind, str]:
-    """Return the kind of record and why, from names and units, and of a sweep from its range."""
+    """Return the kind of record and why, from names and units, and of a sweep from its range.
+
+    What only a record's motion tells, `dashpot.io.readers.recognise` adds.
+    """
+    if options.kind is not None:
+        return known_kind(options.kind), "as was said"
     named = _NamedColumns(table, options)
     peaks = None if named.swept() else cycle_peaks(table)
     if peaks:
         return "not-a-test", peaks
-    kind, reason = next((kind, reason) for kind, reason, holds in _RULES if holds(named))
+    said = {kind for role, kinds in _OF_ROLE.items() if named.names(role) for kind in kinds}
+    rules = sorted(_RULES, key=lambda rule: rule[0] not in said)
+    kind, reason = next((kind, reason) for kind, reason, holds in rules if holds(named))
     if kind == "dma":
-        return _swept(table, options, reason)
+        kind, reason = _swept(table, options, reason)
+        if kind == "dma" and named.names("displacement") and named.ramped():
+            return "relaxation", "it has time, displacement and force, as named"
     if kind == "modulus":
         decades = _decades(table, "time", options)
         return kind, reason + (f", over {decades:.0f} decades" if decades >= MASTER else "")
     return kind, reason
+
+
+def known_kind(word: str) -> FileKind:
+    """Return the word of a kind that a user gives.
+
+    Raises
+    ------
+    ReadError
+        If there is none, with the nearest.
+    """
+    if word in RECOGNISED:
+        return cast("FileKind", word)
+    from difflib import get_close_matches  # few need it, and it costs time to import
+
+    near = get_close_matches(word, RECOGNISED, 1)
+    raise ReadError(
+        f"'{word}' is no kind of file. "
+        + (f"Did you mean '{near[0]}'?" if near else f"Kinds are {', '.join(RECOGNISED)}.")
+    )
 
 
 def of_motions(table: FileTable) -> bool:
@@ -404,12 +489,13 @@ def refuse_kind(
     """
     kind, reason = kind_of(table, options)
     if kind in RECOGNISED and kind not in accepted:
-        what, command, *_ = RECOGNISED[kind]
-        if kind == "modulus":
-            scores = [score(column, "modulus", options) for column in table.columns]
-            named = table.columns[scores.index(max(scores))].name
-            command = command.replace("COLUMN", f'"{named}"')
-        raise ReadError(f"this is {what} ({reason}), where {want} expected: {command}")
+        raise ReadError(other_kind(kind, reason, want))
+
+
+def other_kind(kind: str, reason: str, want: str) -> str:
+    """Say what a file is, where another is wanted, and which command takes it."""
+    what, command, *_ = RECOGNISED[kind]
+    return f"this is {what} ({reason}), where {want} expected: {command}"
 
 
 def cycle_peaks(table: FileTable) -> str | None:

@@ -91,9 +91,9 @@ def assign(table: FileTable, role: Role, options: ReadOptions) -> Assigned | Que
         if not _same_numbers(table, equals, role, options):
             says = (
                 f"{alike} could each be the {_word(role)}; say which, for example "
-                f'{flag(asked)} "{handle(table.columns, index)}"'
+                f'{flag(asked)}="{handle(table.columns, index)}"'
             )
-            return Question(says, f"{flag(asked)} NAME", choices=len(equals))
+            return Question(says, f"{flag(asked)}=NAME", choices=len(equals))
         reason = f"{alike} hold the same numbers"
     rivals = tuple(i for _, i in suited[len(equals) :])
     return Assigned(role, index, reason, rivals)
@@ -139,7 +139,9 @@ def _suited(table: FileTable, role: Role, options: ReadOptions) -> list[tuple[fl
 def accelerations(table: FileTable, taken: Sequence[int], options: ReadOptions) -> tuple[int, ...]:
     """Return every acceleration column, as named or as found."""
     if options.acceleration:
-        return tuple(find_column(table.columns, n, "--acceleration") for n in options.acceleration)
+        return tuple(
+            find_column(table.columns, n, "--column acceleration") for n in options.acceleration
+        )
     free = {i: c for i, c in enumerate(table.columns) if i not in taken and not _is_force(c)}
     return _likely_accelerations(free, options)
 
@@ -239,13 +241,17 @@ def _reason(column: Column, role: Role) -> str:
 def acceleration_question(table: FileTable) -> Question:
     """Ask for the accelerations where no column shows itself as one."""
     numbers = [i for i, c in enumerate(table.columns) if c.content == "number"]
-    named = [f'--acceleration "{handle(table.columns, i)}"' for i in numbers[2:4] or numbers[-1:]]
+    named = [
+        f'--column acceleration="{handle(table.columns, i)}"' for i in numbers[2:4] or numbers[-1:]
+    ]
     says = (
         "no column is recognised as acceleration; the columns are "
         f"{list_columns(table.columns)}; name each by its name or number, for example "
         f"{' '.join(named)}"
     )
-    return Question(says, "--acceleration NAME", role="acceleration", example=" ".join(named))
+    return Question(
+        says, "--column acceleration=NAME", role="acceleration", example=" ".join(named)
+    )
 
 
 def _says(column: Column) -> bool:
@@ -256,19 +262,19 @@ def _says(column: Column) -> bool:
 def _nothing(table: FileTable, role: Role) -> Question:
     """Ask for the column of a role that none was found for: a wrong label is worth naming."""
     option = flag(option_of(role))
-    answer = f"{option} NAME"
+    answer = f"{option}=NAME"
     for column in table.columns:
         if _is_mislabelled(column, role):
             return Question(mislabelled(column, role), answer)
     kind = f" (a unit of {DIMENSION[role]} would show it)" if role in DIMENSION else ""
-    example = f'{option} "{_example(table, role)}"'
+    example = f'{option}="{_example(table, role)}"'
     if role == "time":
         guess = "or --rate 1000Hz if the rows are evenly spaced in time"
         example += "; " + "; ".join(table.hints) if table.hints else f", {guess}"
     free = dict(enumerate(table.columns))
     if role == "hammer" and len(_likely_accelerations(free, ReadOptions())) > 1:
         example += "; where a base was shaken instead, name its acceleration, for example "
-        example += f'{flag("base_acceleration")} "{_example(table, "acceleration")}"'
+        example += f'{flag("base_acceleration")}="{_example(table, "acceleration")}"'
     says = (
         f"no column is recognised as {_word(role)}{kind}; the columns are "
         f"{list_columns(table.columns)}; name it by its name or number, for example {example}"

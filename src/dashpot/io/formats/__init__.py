@@ -59,7 +59,9 @@ def read_table(raw: Raw, options: ReadOptions) -> FileTable:
 def _table(raw: Raw, options: ReadOptions) -> FileTable:
     name = format_of(raw)
     if options.sheet is not None and name not in _SHEETED:
-        raise ReadError(f"--sheet {options.sheet}: this file has no sheets or groups; leave it out")
+        raise ReadError(
+            f"--part sheet={options.sheet}: this file has no sheets or groups; leave it out"
+        )
     reads = import_module(f"dashpot.io.formats.{name}")
     reader: Callable[[Raw, ReadOptions], FileTable] = reads.read
     try:

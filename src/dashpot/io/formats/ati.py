@@ -182,7 +182,7 @@ def calibrated(table: FileTable, raw: Raw, options: ReadOptions) -> FileTable:
     """
     axis = options.axis
     if axis not in AXES:
-        raise ReadError(f"--axis {axis}: expected one of {', '.join(AXES)}")
+        raise ReadError(f"--calibration ...,axis={axis}: expected one of {', '.join(AXES)}")
     calibration = read_calibration(str(options.calibration))
     with about(raw.name):
         gauges, factor = _gauges(table)

@@ -57,7 +57,7 @@ def read(raw: Raw, options: ReadOptions) -> FileTable:
             inner = _linked(group, key) if key else group
             if inner is None:
                 raise ReadError(
-                    f"--sheet {options.sheet}: there is no such group; there are "
+                    f"--part sheet={options.sheet}: there is no such group; there are "
                     f"{', '.join(islice(file, 10))}"
                 )
             group = inner

@@ -31,7 +31,7 @@ def sheets(raw: Raw, options: ReadOptions) -> dict[str, bytes]:
         book = calamine.CalamineWorkbook.from_filelike(stream)
     names = book.sheet_names
     if options.sheet is not None and options.sheet not in names:
-        raise ReadError(f"--sheet {options.sheet}: the sheets are {listed(names)}")
+        raise ReadError(f"--part sheet={options.sheet}: the sheets are {listed(names)}")
     found, cells = {}, 0
     for name in names if options.sheet is None else [options.sheet]:
         sheet = book.get_sheet_by_name(name)

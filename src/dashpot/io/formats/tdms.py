@@ -34,7 +34,7 @@ def read(raw: Raw, options: ReadOptions) -> FileTable:
     Raises
     ------
     ReadError
-        If groups hold different channels (name one with ``--sheet``), or channels of one group
+        If groups hold different channels (name one with ``--part sheet``), or channels of one group
         differ in rate or length.
     """
     nptdms = extra("nptdms", "npTDMS", "TDMS files")
@@ -67,13 +67,13 @@ def _groups(file: Any, sheet: str | None) -> dict[str, list[_Channel]]:
     groups = {name: channels for name, channels in found.items() if channels}
     if sheet is not None:
         if sheet not in groups:
-            raise ReadError(f"--sheet {sheet}: the groups are {_list(groups)}")
+            raise ReadError(f"--part sheet={sheet}: the groups are {_list(groups)}")
         groups = {sheet: groups[sheet]}
     if not groups:
         raise ReadError("this TDMS file holds no numeric channels")
     if len({tuple((c.name, c.unit) for c in channels) for channels in groups.values()}) > 1:
         raise ReadError(
-            f"groups {_list(groups)} hold different channels; choose one with --sheet "
+            f"groups {_list(groups)} hold different channels; choose one with --part sheet="
             f'"{next(iter(groups))}"'
         )
     return groups

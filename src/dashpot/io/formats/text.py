@@ -154,9 +154,9 @@ def _rows_above(above: Sequence[str], dialect: Dialect) -> tuple[list[str], list
     says = (
         f"line {number} has {cells_above} cells where the table has {width} from line "
         f"{dialect.first + 1} on: '{line.strip()[:60]}'; split the file there, or read what stands "
-        f"below with --skip-rows {dialect.first}"
+        f"below with --text skip={dialect.first}"
     )
-    return [], [Question(says, "--skip-rows N")]
+    return [], [Question(says, "--text skip=N")]
 
 
 def _clock_orders(found: Header, options: ReadOptions) -> tuple[str, ...]:
@@ -197,7 +197,7 @@ def _no_table(lines: Sequence[str], options: ReadOptions) -> str:
         return "holds nothing but blank lines; export the test again"
     tried = ""
     if options.delimiter or options.decimal:
-        tried = " with the delimiter and decimal mark given (leave out --delimiter and --decimal)"
+        tried = " with the delimiter and decimal mark given (leave out --text)"
     first = filled[0].strip()[:60]
     ends = ((line.strip()[0], line.strip()[-1], line.count('"')) for line in filled)
     if all(end == ('"', '"', 2) for end in ends):
@@ -216,5 +216,5 @@ def _no_table(lines: Sequence[str], options: ReadOptions) -> str:
     return (
         f"no table of numbers found{tried} in {len(filled)} lines, the first is "
         f"'{first}'; expected rows of equally many numbers, parted by one kind of delimiter "
-        "(--delimiter, --decimal, --skip-rows say it)"
+        "(--text delimiter=, decimal= or skip= says it)"
     )

@@ -34,7 +34,9 @@ def read(raw: Raw, options: ReadOptions) -> FileTable:
     columns = heads[0]
     if len(set(heads)) > 1:
         listed = ", ".join(f"'{name}'" for name in names[:6])
-        raise ReadError(f"results {listed} have different columns; choose one with --sheet")
+        raise ReadError(
+            f"results {listed} have different columns; choose one with --part sheet=NAME"
+        )
     rows = [np.asarray(part, dtype=float).reshape(-1, len(columns)) for part in values]
     starts = np.cumsum([0, *map(len, rows[:-1])])
     return FileTable(

@@ -27,7 +27,7 @@ _QUANTITY = {8: "m", 11: "m/s", 12: "m/s^2", 9: "N", 13: "N", 17: "s", 18: "Hz"}
 """SI unit by the specific data type of an axis."""
 _BLANK = {"", "NONE", "NULL"}
 _AXES = ("", "X", "Y", "Z", "RX", "RY", "RZ")
-SEGMENT = "--segment NUMBER"
+SEGMENT = "--part segment=NUMBER"
 """What answers which of several FRFs is meant."""
 _Set: TypeAlias = dict[str, Any]
 
@@ -35,10 +35,11 @@ _Set: TypeAlias = dict[str, Any]
 def read(raw: Raw, options: ReadOptions) -> FileTable:
     """Return the FRFs of a file, else its time records, as a table.
 
-    Of several FRFs one is chosen by ``--segment``; without it those on the same lines are columns
-    side by side, named after their points, for a reader that takes them all. Units are those of the
-    axis labels; where a label is blank, dataset 164 and the specific data type give them. A file
-    without any, but with normal modes at nodes, is a row for each node of each mode.
+    Of several FRFs one is chosen by ``--part segment``; without it those on the same
+    lines are columns side by side, named after their points, for a reader that takes them all.
+    Units are those of the axis labels; where a label is blank, dataset 164 and the specific data
+    type give them. A file without any, but with normal modes at nodes, is a row for each node of
+    each mode.
 
     Raises
     ------
@@ -93,7 +94,7 @@ def _frf(
     doubts = _which(frfs) if segment is None else ()
     number = segment or 1
     if number > len(frfs):
-        raise ReadError(f"--segment {segment}, but the file has {len(frfs)} FRFs")
+        raise ReadError(f"--part segment={segment}, but the file has {len(frfs)} FRFs")
     one = frfs[number - 1]
     together = segment is None and all(np.array_equal(e["x"], one["x"]) for e in frfs)
     columns = [Column("frequency", _label(one["abscissa_axis_units_lab"]) or "Hz")]
@@ -116,10 +117,7 @@ def _which(frfs: Sequence[_Set]) -> tuple[Question, ...]:
     if len(frfs) == 1:
         return ()
     listed = ", ".join(f"{i + 1} {_title(entry)}" for i, entry in enumerate(frfs[:8]))
-    says = (
-        f"{len(frfs)} FRFs in the file: {listed}; choose one, for example --segment 1 "
-        "(dashpot modes takes them together)"
-    )
+    says = f"{len(frfs)} FRFs in the file: {listed}; choose one, for example --part segment=1"
     return (Question(says, SEGMENT),)
 
 

@@ -34,11 +34,13 @@ def read(raw: Raw, options: ReadOptions) -> FileTable:
             tables[name] = _sheet(cells, raw, options)
     if not tables:
         raise ReadError(f"no sheet holds a table of numbers; the sheets are {listed(content)}")
-    known = [n for n, t in tables.items() if kind_of(t, options)[0] not in _NO_TEST]
+    seen = replace(options, kind=None)
+    known = [n for n, t in tables.items() if kind_of(t, seen)[0] not in _NO_TEST]
     likely = known or list(tables)
     if len(likely) > 1:
         raise ReadError(
-            f'sheets {listed(likely)} could each be the test; choose with --sheet "{likely[0]}"'
+            f"sheets {listed(likely)} could each be the test; choose with --part "
+            f'sheet="{likely[0]}"'
         )
     return tables[likely[0]]
 

@@ -50,6 +50,8 @@ class Opened:
     raw: Raw
     table: FileTable
     options: ReadOptions
+    once: bool = False
+    """Whether the columns read last are kept."""
 
     def column(self, role: Role) -> Assigned | None:
         """The column that plays a role, if one alone does."""
@@ -84,17 +86,45 @@ def opened(path: str | Path, options: ReadOptions | None, *, sure: bool = True) 
     ReadError
         If it cannot be read, or, where it must be `sure`, its numbers can be read two ways.
     """
-    options = options or ReadOptions()
-    raw = open_raw(path)
-    table = read_table(raw, options)
-    with about(raw.name):
-        if sure and table.doubts:
-            raise ReadError(table.doubts[0].says)
-        yield Opened(raw, table, options)
+    options = (options or ReadOptions()).of(path)
+    file = _LEFT_OPEN.pop(_key(path, options), None)
+    if file is None:
+        raw = open_raw(path)
+        file = Opened(raw, read_table(raw, options), options)
+    with about(file.raw.name):
+        if sure and file.table.doubts:
+            raise ReadError(file.table.doubts[0].says)
+        yield file
+
+
+_LEFT_OPEN: dict[object, Opened] = {}
+"""Files that were looked at and are about to be read."""
+_MOST = 16
+"""How many of them are kept."""
+
+
+def leave_open(path: str | Path, file: Opened) -> None:
+    """Leave an open file to who reads it next, with the same options: it is parsed once."""
+    key = _key(path, file.options)
+    if key is not None:
+        while len(_LEFT_OPEN) >= _MOST:
+            _LEFT_OPEN.pop(next(iter(_LEFT_OPEN)), None)
+        _LEFT_OPEN[key] = file
+
+
+def _key(path: str | Path, options: ReadOptions) -> object:
+    """What one file with one set of options is known by, as long as it is not written to."""
+    try:
+        found = Path(path).stat()
+    except (OSError, ValueError):  # stdin, or no such file
+        return None
+    return found.st_dev, found.st_ino, found.st_size, found.st_mtime_ns, options
 
 
 def read_once(file: Opened) -> Opened:
     """Return the file as one whose numbers are not read again where the same columns are."""
+    if file.once:
+        return file
     known: dict[tuple[int, ...], Loaded] = {}
 
     def load(indexes: Sequence[int]) -> Loaded:
@@ -105,7 +135,7 @@ def read_once(file: Opened) -> Opened:
         # who cleans them must not clean the next one's
         return replace(known[asked], values=known[asked].values.copy())
 
-    return replace(file, table=replace(file.table, load=load))
+    return replace(file, table=replace(file.table, load=load), once=True)
 
 
 def refuse_summary(file: Opened) -> None:
@@ -163,7 +193,8 @@ def chosen(
             every = file.table.columns
             raise ReadError(
                 f"{quoted(every, one.index)} would be both {other} and {one.role}; name the "
-                f"columns with {flag(other)} and {flag(one.role)}; they are {list_columns(every)}"
+                f"columns with {flag(other)}=NAME and {flag(one.role)}=NAME; they are "
+                f"{list_columns(every)}"
             )
     return columns
 
@@ -212,9 +243,9 @@ def refuse_sizes(file: Opened, answers: Sequence[tuple[Channel, Sequence[Check]]
     ReadError
     """
     for one, checks in answers:
-        failed = [check.says for check in checks if check.failed]
+        failed = [check for check in checks if check.failed]
         if failed and not is_stated(file, one):
-            raise ReadError(failed[0])
+            raise ReadError(failed[0].typed)
 
 
 def is_stated(file: Opened, one: Channel) -> bool:
@@ -254,7 +285,7 @@ def refuse_other_rate(file: Opened) -> None:
 
 def named(file: Opened, columns: Sequence[tuple[Role, int]]) -> str:
     """Return the options that give roles to columns, with the usual units, as they are typed."""
-    words = [f'{flag(role)} "{handle(file.table.columns, index)}"' for role, index in columns]
+    words = [f'{flag(role)}="{handle(file.table.columns, index)}"' for role, index in columns]
     usual = dict.fromkeys(f"{role}={EXAMPLE[role]}" for role, _ in columns)
     return f'{" ".join(words)} --units "{",".join(usual)}"'
 
@@ -273,7 +304,7 @@ def rivals(file: Opened, chosen: Sequence[Channel]) -> list[str]:
             listed = ", ".join(quoted(columns, i) for i in others[:3])
             notes.append(
                 f"{one.role} is {quoted(columns, one.index)}; {listed} could be too: "
-                f"{flag(one.role)} NAME chooses"
+                f"{flag(one.role)}=NAME chooses"
             )
     return notes
 
@@ -383,7 +414,7 @@ def part(loaded: Loaded, segment: int | None) -> Loaded:
     count = len(loaded.starts)
     if segment > count:
         plural = "s" * (count != 1)
-        raise ReadError(f"--segment {segment}, but the file has {count} segment{plural}")
+        raise ReadError(f"--part segment={segment}, but the file has {count} segment{plural}")
     keep = np.zeros(len(loaded.values), dtype=bool)
     keep[slices(loaded.starts, len(keep))[segment - 1]] = True
     doubts = tuple(doubt for doubt in loaded.doubts if doubt[0] in {None, segment - 1})

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dashpot.base.checks import Criterion, Finding, criterion
+from typing import TypedDict
+
+from dashpot.base.checks import Criterion, Finding, Remedy, criterion
 from dashpot.base.units import in_unit
 
 LEAST_TRAVEL = 2e-5
@@ -43,7 +45,7 @@ def _of_size(
     )  # fmt: skip
     def judge(size: float, unit: str) -> Finding:
         told = f"{says} {_short(size, symbol)}"
-        return Finding(told, size, instead=_doubted(told, role, unit, likely))
+        return Finding(told, size, **_asked(told, role, unit, likely))
 
     return judge
 
@@ -52,7 +54,7 @@ travel_of_a_seal = _of_size(
     "travel_of_a_seal",
     "The displacement goes no farther than a bench presses a seal.",
     "travel <= 0.2 m", "no bench presses a seal so far",
-    says="the displacement goes over", role="displacement",
+    says="The displacement goes over", role="displacement",
 )  # fmt: skip
 
 
@@ -65,13 +67,13 @@ travel_of_a_seal = _of_size(
 )
 def travel_of_a_bench(travel: float, unit: str, *, force: float) -> Finding:
     """The displacement goes as far as a force of that size presses rubber."""
-    says = f"the displacement goes over {_short(travel, 'm')}"
+    says = f"The displacement goes over {_short(travel, 'm')}"
     probe = force < 10 * LEAST_FORCE and unit not in _COARSE
     beside = f"{says} under {_short(force, 'N')}"
     return Finding(
         says,
         travel,
-        instead=_doubted(beside, "displacement", unit, _LARGER),
+        **_asked(beside, "displacement", unit, _LARGER),
         excused=probe,
     )
 
@@ -80,7 +82,7 @@ force_of_a_seal = _of_size(
     "force_of_a_seal",
     "The force is no greater than a seal carries.",
     "rise of the force <= 1e3 N", "ten times what a seal carries",
-    says="the force goes over", role="force",
+    says="The force goes over", role="force",
 )  # fmt: skip
 
 
@@ -93,12 +95,12 @@ force_of_a_seal = _of_size(
 )
 def force_of_a_bench(force: float, unit: str, *, travel: float) -> Finding:
     """The force is as great as rubber answers such a travel with."""
-    says = f"the force goes over {_short(force, 'N')}"
+    says = f"The force goes over {_short(force, 'N')}"
     beside = f"{says} while the displacement goes over {_short(travel, 'm')}"
     return Finding(
         says,
         force,
-        instead=_doubted(beside, "force", unit, _LARGER),
+        **_asked(beside, "force", unit, _LARGER),
         excused=travel < 5e-4,
     )
 
@@ -107,66 +109,66 @@ time_of_a_test = _of_size(
     "time_of_a_test",
     "The record is as long as a ramp and a hold take.",
     "length of the record >= 0.1 s", "a ramp alone takes longer",
-    says="the record lasts", role="time",
+    says="The record lasts", role="time",
 )  # fmt: skip
 ramp_not_slow = _of_size(
     "ramp_not_slow",
     "The ramp is over before most of the relaxation is.",
     "length of the ramp <= 200.0 s", "the seal relaxes as it is pressed",
-    says="the ramp takes", role="time",
+    says="The ramp takes", role="time",
 )  # fmt: skip
 ramp_not_fast = _of_size(
     "ramp_not_fast",
     "The ramp is no faster than a bench drives.",
     "speed of the ramp <= 0.3 m/s", "no crosshead or screw is faster",
-    says="the ramp goes at", role="time",
+    says="The ramp goes at", role="time",
 )  # fmt: skip
 hammer_not_heavy = _of_size(
     "hammer_not_heavy",
     "The hammer hits no harder than a block on seals bears.",
     "greatest force <= 1e3 N", "a sledge hammer's",
-    says="the hammer's force reaches", role="hammer",
+    says="The hammer's force reaches", role="hammer",
 )  # fmt: skip
 hammer_felt = _of_size(
     "hammer_felt",
     "The hammer hits hard enough for a load cell.",
-    "greatest force >= 5e-2 N", "a touch", says="the hammer's force reaches", role="hammer",
+    "greatest force >= 5e-2 N", "a touch", says="The hammer's force reaches", role="hammer",
 )  # fmt: skip
 acceleration_not_large = _of_size(
     "acceleration_not_large",
     "The acceleration is one that a modal accelerometer measures.",
     "greatest acceleration <= 1e4 m/s^2", "a thousand g, twice a modal accelerometer's range",
-    says="the acceleration reaches", role="acceleration",
+    says="The acceleration reaches", role="acceleration",
 )  # fmt: skip
 hammer_sampled = _of_size(
     "hammer_sampled",
     "The record is sampled as fast as a hammer needs.",
     "sampling rate >= 50.0 Hz", "a pulse lasts 20 ms at most",
-    says="the record is sampled at", role="time",
+    says="The record is sampled at", role="time",
 )  # fmt: skip
 hammer_not_oversampled = _of_size(
     "hammer_not_oversampled",
     "The record is sampled no faster than recorders of vibration do.",
     "sampling rate <= 2.5e5 Hz", "no recorder of vibration",
-    says="the record is sampled at", role="time",
+    says="The record is sampled at", role="time",
 )  # fmt: skip
 shock_not_large = _of_size(
     "shock_not_large",
     "The acceleration of the indenter is one that a shock accelerometer measures.",
     "greatest acceleration <= 1e6 m/s^2", "a hundred thousand g, the range of shock accelerometers",
-    says="the acceleration reaches", role="acceleration",
+    says="The acceleration reaches", role="acceleration",
 )  # fmt: skip
 indenter_not_fast = _of_size(
     "indenter_not_fast",
     "The indenter is no faster than a test of rubber drives it.",
     "greatest speed <= 100.0 m/s", "rubber is hit more slowly",
-    says="the velocity reaches", role="velocity",
+    says="The velocity reaches", role="velocity",
 )  # fmt: skip
 contact_rate = _of_size(
     "contact_rate",
     "The record is sampled as fast as a contact needs.",
     "sampling rate >= 500.0 Hz", "a contact lasts 40 ms at most",
-    says="the record is sampled at", role="time",
+    says="The record is sampled at", role="time",
 )  # fmt: skip
 
 
@@ -175,8 +177,8 @@ contact_rate = _of_size(
 )
 def strain_of_a_rubber(strain: float, unit: str) -> Finding:
     """The strain is one that shows a law."""
-    says = f"the strain reaches {strain:.3g} of the length"
-    return Finding(says, strain, instead=_doubted(says, "strain", unit, {"%": "1"}))
+    says = f"The strain reaches {strain:.3g} of the length"
+    return Finding(says, strain, **_asked(says, "strain", unit, {"%": "1"}))
 
 
 @criterion(
@@ -188,21 +190,28 @@ def strain_of_a_rubber(strain: float, unit: str) -> Finding:
 )
 def stress_of_a_rubber(stress: float, unit: str) -> Finding:
     """The stress is one that rubber or foam bears."""
-    says = f"the stress reaches {_short(stress, 'Pa')}"
+    says = f"The stress reaches {_short(stress, 'Pa')}"
     likely = {"Pa": "MPa", "kPa": "MPa"} if stress < 1e6 else {"GPa": "MPa", "MPa": "Pa"}
-    doubted = _doubted(says, "stress", unit, likely)
-    return Finding(says, in_unit(stress, "MPa"), instead=doubted)
+    return Finding(says, in_unit(stress, "MPa"), **_asked(says, "stress", unit, likely))
 
 
-def _doubted(says: str, role: str, unit: str, likely: dict[str, str]) -> str:
+class _Asked(TypedDict):
+    instead: str
+    remedy: Remedy
+
+
+def _asked(says: str, role: str, unit: str, likely: dict[str, str]) -> _Asked:
+    """Return the question after a unit, and the unit that is likelier."""
     likelier = likely.get(unit)
-    better = f'is the unit {likelier}? Then add --units "{role}={likelier}"'
-    if likelier is None:
-        better = f'if the unit is another, add --units "{role}=UNIT"'
-    return (
-        f"{says}, in {unit} as the file has it: {better}; if it is meant so, say it: "
-        f'--units "{role}={unit}"'
-    )
+    question = f"{says}, in {unit} as the file has it."
+    words = f"Give the unit of the {role}, or confirm {unit}."
+    if likelier is not None:
+        question += f" The unit may be {likelier}."
+        words = f"Give {likelier} as the unit of the {role}, or confirm {unit}."
+    return {
+        "instead": question,
+        "remedy": Remedy(words, "units", f"{role}={likelier or unit}"),
+    }
 
 
 def _short(value: float, unit: str) -> str:

@@ -141,7 +141,8 @@ def drop_repeats(time: FloatArray, loaded: Loaded) -> tuple[BoolArray, list[str]
             f"time falls from {time[i]:.9g} s to {time[i + 1]:.9g} s at "
             f"{loaded.where(i + 1)}: the clock was reset or rows are out of order "
             f"({falls.size} such place{'s' * (falls.size > 1)}); split the file there, read one "
-            "part with --segment, or give --rate 1000Hz (the true one) if the rows are evenly "
+            "part with --part segment=N, or give --rate 1000Hz (the true one) if the rows are "
+            "evenly "
             "sampled throughout"
         )
     repeats = np.flatnonzero(steps == 0) + 1

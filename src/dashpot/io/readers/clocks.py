@@ -55,7 +55,7 @@ def on_one_clock(loaded: Loaded, ratio: float = 1.0) -> Loaded:
         row = int(np.flatnonzero(known)[falls[0] + 1])
         raise ReadError(
             f"the clock of the displacement does not rise at {loaded.where(row)}; name one clock "
-            "for both with --time"
+            "for both with --column time=NAME"
         )
     begin, end = (
         np.min(ticks, where=known, initial=np.inf),
@@ -65,7 +65,7 @@ def on_one_clock(loaded: Loaded, ratio: float = 1.0) -> Loaded:
     if not both.any():
         raise ReadError(
             "the clocks of displacement and force share no time; name one clock for both "
-            "with --time"
+            "with --column time=NAME"
         )
     shared = channels.rows(loaded, both)
     at_forces = np.interp(time[both], ticks[known], moved[known])

@@ -11,6 +11,7 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.provenance import Source
 from dashpot.base.units import si_unit
+from dashpot.io.columns.kinds import FileKind
 from dashpot.io.columns.roles import assign, score
 from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions
@@ -65,7 +66,10 @@ def creep_in(file: Opened, specimen: Specimen) -> CreepTest | CreepCompliance:
     channels.refuse_summary(file)
     wanted = roles(file)
     named = ["displacement", "force", "stress", "strain", "creep_compliance"]
-    channels.expect(file, ["creep", "relaxation", "cld"], "a creep test is", named=named)
+    likely: list[FileKind] = ["creep", "relaxation", "cld"]
+    if wanted is _MATERIAL and (file.options.rate or file.column("time")):
+        likely.append("stress-strain")  # what moves in it tells
+    channels.expect(file, likely, "a creep test is", named=named)
     if wanted is _CURVE:
         return _curve(file, *stated_specimen(file, specimen))
     chosen = channels.choose(file, channels.timed(file, *wanted[1:]))
@@ -79,7 +83,7 @@ def creep_in(file: Opened, specimen: Specimen) -> CreepTest | CreepCompliance:
     if wanted is _PART:
         _refuse_sizes(file, chosen, values)
     unit = "Pa" if wanted is _MATERIAL else "N/m"
-    return CreepTest(time, moved, pushed, unit, specimen, source(notes))
+    return CreepTest(time, moved, pushed, unit, specimen, source(notes), units="SI")
 
 
 def _refuse_sizes(
@@ -107,6 +111,7 @@ def _curve(file: Opened, specimen: Specimen, said: list[str]) -> CreepCompliance
         specimen,
         channels.source(file, [one.says for one in chosen], [*file.table.notes, *notes, *said]),
         warm,
+        units="SI",
     )
 
 

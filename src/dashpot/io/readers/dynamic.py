@@ -70,6 +70,7 @@ def dynamic_in(file: Opened, specimen: Specimen) -> DynamicTest:
         unit,
         specimen,
         channels.source(file, [c.says for c in chosen], notes),
+        units="SI",
     )
 
 
@@ -128,7 +129,7 @@ def _told_apart(file: Opened, columns: Sequence[Assigned]) -> None:
     raise ReadError(
         f"only '{file.table.columns[both[0]].name}' could be storage or loss, and it is not both; "
         "expected a column of each, or of storage and loss factor, or of |K*| and loss angle: name "
-        "the columns (--storage, --loss, --loss-factor; --magnitude, --phase)"
+        "the columns with --column ROLE=NAME (storage, loss, loss-factor; magnitude, phase)"
     )
 
 
@@ -151,7 +152,8 @@ def _no_size_alone(file: Opened, name: str) -> None:
     if vocabulary.says_size(name) or file.options.magnitude:
         raise ReadError(
             f"'{name}' is the size |K*|, and no column is its loss angle or loss factor; "
-            "expected one of these beside it (--phase, --loss-factor), or storage and loss"
+            "expected one of these beside it (--column phase=NAME or loss-factor=NAME), or "
+            "storage and loss"
         )
 
 
@@ -172,8 +174,10 @@ def _is_size(file: Opened, size: Assigned, found: Mapping[Role, Assigned | Quest
     ):
         name = handle(columns, size.index)
         raise ReadError(
-            f"{quoted(columns, size.index)} could be the storage part K' or the size |K*|, which "
-            f'is larger by 1 / cos(delta); say which: --storage "{name}" or --magnitude "{name}"'
+            f"{quoted(columns, size.index)} could be the storage part K' or the size |K*|, "
+            "which "
+            f'is larger by 1 / cos(delta); say which: --column storage="{name}" or --column '
+            f'magnitude="{name}"'
         )
     return False
 
@@ -215,7 +219,9 @@ def parts_of(
         values["storage"] = values["complex_modulus"] / np.sqrt(1 + tangent**2)
         notes.append(
             f"storage is '{file.table.columns[base.index].name}', taken as the size |K*|, times "
-            "the cosine of the loss angle; if it is storage itself, name it with --storage"
+            ""
+            "the cosine of the loss angle; if it is storage itself, name it with --column "
+            "storage=NAME"
         )
     values["loss"] = values["storage"] * tangent
     notes.append(f"loss is storage times {says}")

@@ -82,7 +82,7 @@ def built(file: Opened, known: Settled) -> FRF:
         sd=None if sd is None else loaded.values[:, sd] * np.abs(scale),
         shift=stated.get("shift", 0.0), record=stated.get("record"),
         averages=int(stated.get("averages", 0)),
-        source=(channels.source(file, names, (*file.table.notes, *loaded.notes)),),
+        source=(channels.source(file, names, (*file.table.notes, *loaded.notes)),), units="SI",
     )  # fmt: skip
 
 
@@ -147,7 +147,7 @@ def _lacking(file: Opened, index: Mapping[Role, int]) -> str:
         part, other = ("magnitude", "phase") if "magnitude" in parts else ("phase", "magnitude")
         return (
             f"there is a {part} and no {other}: an FRF is both, and only both tell stiffness "
-            f"and damping; export the {other} too, or name its column with {flag(other)}; the "
+            f"and damping; export the {other} too, or name its column with {flag(other)}=NAME; the "
             f"columns are {listed}"
         )
     return (

@@ -110,6 +110,7 @@ def _joined(tests: Sequence[ImpactTest]) -> ImpactTest:
         starts=joined_starts([(len(test.time), test.starts) for test in tests]),
         channels=tests[0].channels,
         source=tuple(source for test in tests for source in test.source),
+        units="SI",
     )
 
 
@@ -141,7 +142,7 @@ def _one(path: str | Path, options: ReadOptions, want: str) -> ImpactTest:
         try:
             test = ImpactTest(
                 time, signals[0], np.array(signals[1:]), starts, _names(file, chosen),
-                source=(source,),
+                source=(source,), units="SI",
             )  # fmt: skip
         except DataError as error:
             advice = "; if the rows are evenly sampled, give the rate, for example --rate 2048Hz"
@@ -167,7 +168,7 @@ def _channels(file: Opened) -> list[Channel]:
     found = accelerations(file.table, [c.index for c in chosen], file.options)
     if not found:
         raise ReadError(acceleration_question(file.table).says)
-    says = "named by --acceleration" if file.options.acceleration else ""
+    says = "named by --column acceleration" if file.options.acceleration else ""
     responses = [Assigned("acceleration", i, says) for i in found]
     return channels.with_units(file, [*chosen, *responses])
 
@@ -199,7 +200,8 @@ def refuse_same(file: Opened, chosen: Sequence[Channel], signals: Sequence[Float
             if np.ptp(signal) > 0 and np.array_equal(signals[i], signal):
                 raise ReadError(
                     f"{named[i]} and {named[j]} hold the same numbers: one channel stands there "
-                    "twice; name the columns with --hammer and --acceleration"
+                    "twice; name the columns with --column hammer=NAME and --column "
+                    "acceleration=NAME"
                 )
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
 from dashpot.base.offered import Pictured
-from dashpot.io.columns.kinds import RAMP, RECOGNISED, SWEEPS, FileKind, kind_of
+from dashpot.io.columns.kinds import RAMP, RECOGNISED, SWEEPS
 from dashpot.io.columns.roles import Assigned, accelerations, assign, find_column
 from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions, flag
@@ -23,18 +23,23 @@ from dashpot.io.readers.channels import Opened
 from dashpot.io.readers.clocks import own_clocks
 from dashpot.io.readers.dynamic import sweep_columns
 from dashpot.io.readers.frf import settled
+from dashpot.io.readers.recognise import Recognised, recognise_opened, used, without_table
 from dashpot.io.readers.shaken import of_mass
+from dashpot.io.source import open_raw
 from dashpot.io.table import FileTable, Loaded, Question
 
 COURSE_ROWS = 400
 """Rows that an inspection keeps for a picture."""
 
 _COURSE = "_course"
+_DOCUMENT = "json"
 _WELCOME = {
     "velocity", "temperature", "real", "imaginary", "magnitude", "phase", "coherence", "stretch",
     "strain",
 }  # fmt: skip
 """Roles that are shown where they are found, and not asked for."""
+_UNCLOCKED = ("cld", "stress-strain")
+"""Kinds whose time is, too."""
 
 
 @dataclass(frozen=True)
@@ -71,7 +76,7 @@ class Inspection(Pictured):
     ----------
     file, sha256, format, encoding, delimiter, decimal : str
     kind : str
-        What the file seems to be, and `reason` why.
+        What the file is (:func:`~dashpot.io.readers.recognise.recognise`), and `reason` why.
     header : tuple of str
         The lines above the table.
     columns : tuple of InspectedColumn
@@ -92,7 +97,7 @@ class Inspection(Pictured):
     file: str
     sha256: str
     format: str
-    kind: FileKind
+    kind: str
     reason: str
     encoding: str = ""
     delimiter: str = ""
@@ -145,7 +150,7 @@ class Inspection(Pictured):
     @property
     def use(self) -> str:
         """Which command wants such a file, or why none does; empty where that is not known."""
-        return RECOGNISED[self.kind].use if self.kind in RECOGNISED else ""
+        return used(self.kind)
 
 
 def inspect_file(path: str | Path, *, options: ReadOptions | None = None) -> Inspection:
@@ -154,16 +159,29 @@ def inspect_file(path: str | Path, *, options: ReadOptions | None = None) -> Ins
     Raises
     ------
     ReadError
-        If the file cannot be opened or holds no table.
+        If the file cannot be opened, or holds no table and nothing that dashpot knows.
     """
+    own = without_table(path)
+    if own is not None:
+        return inspected(path, own)
     with channels.opened(path, options, sure=False) as file:
         return inspect_opened(file)
+
+
+def inspected(path: str | Path, own: Recognised) -> Inspection:
+    """Return what is told of what is no table."""
+    place = Path(path)
+    if place.is_dir():
+        return Inspection(place.name, "", "folder", own.kind, own.reason)
+    raw = open_raw(path)
+    form = _DOCUMENT if own.stored else "toml"
+    return Inspection(raw.name, raw.sha256, form, own.kind, own.reason)
 
 
 def inspect_opened(file: Opened) -> Inspection:
     """Return what is in a file that is open."""
     raw, table, options = file.raw, file.table, file.options
-    kind, reason = kind_of(table, options)
+    kind, reason = recognise_opened(file)
     roles, questions = _proposal(file, kind)
     numbers = [i for i, c in enumerate(table.columns) if c.content in {"number", "clock"}]
     loaded = channels.load(table, numbers, options.segment, sure=False)
@@ -189,8 +207,9 @@ def inspect_opened(file: Opened) -> Inspection:
 
 
 def _look_swapped(by_index: dict[int, FloatArray], roles: dict[int, tuple[Role, str]]) -> bool:
-    found = {role: by_index[i] for i, (role, _) in roles.items()}
-    return cleaning.swapped(found["displacement"], found["force"])
+    found = {role: by_index.get(i) for i, (role, _) in roles.items()}
+    moved, pushed = found["displacement"], found["force"]
+    return moved is not None and pushed is not None and cleaning.swapped(moved, pushed)
 
 
 def _course(columns: int, by_index: dict[int, FloatArray]) -> FloatArray:
@@ -225,7 +244,8 @@ def _proposal(file: Opened, kind: str) -> tuple[dict[int, tuple[Role, str]], lis
         answer = assign(table, role, options)
         if isinstance(answer, Assigned):
             roles[answer.index] = (role, answer.reason)
-        questions += [] if role in _WELCOME else _asked(file, role, answer)
+        welcome = role in _WELCOME or (role == "time" and kind in _UNCLOCKED)
+        questions += [] if welcome else _asked(file, role, answer)
     if kind == "frf":
         questions = _asks(lambda: settled(file), "ROLE")
     if kind in RECOGNISED and RECOGNISED[kind].accelerated:

@@ -51,6 +51,7 @@ def read_modulus(
             specimen,
             channels.source(file, [one.says for one in chosen], (*file.table.notes, *notes, *said)),
             warm,
+            units="SI",
         )
 
 
@@ -84,5 +85,5 @@ def _refuse_compliance(file: Opened, one: Assigned) -> None:
         what, advice, *_ = RECOGNISED["creep"]
         raise ReadError(
             f"{quoted(file.table.columns, one.index)} is a compliance, of {what}, where a "
-            f"relaxation modulus is expected: {advice}, without --modulus"
+            f"relaxation modulus is expected: {advice}"
         )

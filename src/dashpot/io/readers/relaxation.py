@@ -56,7 +56,7 @@ def relaxation_in(file: Opened, specimen: Specimen) -> RelaxationTest:
     channels.refuse_summary(file)
     _expected(file, SWEEPS)
     try:
-        chosen, clocks = _chosen(file)
+        chosen, clocks = moving_columns(file)
     except ReadError:
         _expected(file)
         raise
@@ -66,7 +66,7 @@ def relaxation_in(file: Opened, specimen: Specimen) -> RelaxationTest:
     _refuse_sizes(file, chosen, time, moved, force)
     specimen, said = stated_specimen(file, specimen, recorded_temperature(file, chosen))
     source = channels.source(file, [c.says for c in chosen], [*notes, *said])
-    return RelaxationTest(time, moved, force, specimen, source)
+    return RelaxationTest(time, moved, force, specimen, source, units="SI")
 
 
 def recorded(
@@ -199,13 +199,21 @@ def _expected(file: Opened, besides: Sequence[FileKind] = ()) -> None:
     )
 
 
-def _chosen(file: Opened) -> tuple[list[Channel], list[Channel]]:
-    """The columns of the roles, and the clock of the displacement where it has its own."""
-    clocks = own_clocks(file.table, file.options)
+def moving_columns(
+    file: Opened, moving: Role = "displacement", pushing: Role = "force"
+) -> tuple[list[Channel], list[Channel]]:
+    """Return the columns of a record's roles, and the clock of what moves where it has its own.
+
+    Raises
+    ------
+    ReadError
+        With every question that the file leaves open.
+    """
+    clocks = own_clocks(file.table, file.options) if moving == "displacement" else ()
     if not clocks:
-        return channels.choose(file, roles(file)), []
+        return channels.choose(file, channels.timed(file, moving, pushing)), []
     of_displacement, of_force = channels.with_units(file, clocks)
-    signals = channels.choose(file, ["displacement", "force"])
+    signals = channels.choose(file, [moving, pushing])
     return [of_force, *signals], [of_displacement]
 
 
@@ -217,6 +225,6 @@ def joined(time: FloatArray, loaded: Loaded) -> str:
         if time[start] < time[start - 1]:
             raise ReadError(
                 f"{len(names)} segments ({listed}), and the clock starts again at "
-                f"{loaded.where(start)}; choose one, for example --segment 1"
+                f"{loaded.where(start)}; choose one, for example --part segment=1"
             )
     return f"{len(names)} segments joined into one record: {listed}"

@@ -86,8 +86,8 @@ def _channels(file: Opened) -> list[Channel]:
         listed = f": {', '.join(quoted(columns, one.index) for one in found)}" if found else ""
         raise ReadError(
             f"{len(found)} motions beside that of the base, {quoted(columns, base)}{listed}; "
-            f"expected one, of the mass: name it with {flag('acceleration')}, {flag('velocity')} "
-            f"or {flag('displacement')}"
+            f"expected one, of the mass: name it with {flag('acceleration')}=NAME, "
+            f"{flag('velocity')}=NAME or {flag('displacement')}=NAME"
         )
     return channels.with_units(
         file,

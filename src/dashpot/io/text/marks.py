@@ -121,6 +121,6 @@ def _which_mark(example: str) -> Question:
     value = example.replace(",", ".")
     says = (
         f"numbers such as '{example}' can mean {value} or {digits}; say which with "
-        f'--decimal "{mark}" ({value}) or --decimal "{other}" ({digits})'
+        f'--text decimal="{mark}" ({value}) or --text decimal="{other}" ({digits})'
     )
-    return Question(says, "--decimal MARK")
+    return Question(says, "--text decimal=MARK")

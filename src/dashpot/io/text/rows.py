@@ -287,9 +287,9 @@ class _Reader:
             before = len(got.starts)
             got.part(found)
             if self.changed and len(got.starts) > before:
-                advice = f"read what stands before it with --segment {before}"
+                advice = f"read what stands before it with --part segment={before}"
                 says = f"{self.changed}; split the file there, or {advice}"
-                got.doubts.append((before, Question(says, "--segment N")))
+                got.doubts.append((before, Question(says, "--part segment=N")))
         got.between.clear()
         got.add(values, line)
 

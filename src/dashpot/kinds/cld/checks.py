@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from math import pi
 
 from dashpot.base.capability import Capability
-from dashpot.base.checks import Finding, criterion
+from dashpot.base.checks import Finding, Remedy, criterion
 from dashpot.base.status import Status
 from dashpot.base.units import written
 from dashpot.preparation.zero import MOST_PRELOAD
@@ -27,13 +27,13 @@ PULLS = 0.01
 def zero_recorded(preload: float, *, air: bool) -> Finding:
     """The plate comes through air, or begins on a seal that carries nothing."""
     if air:
-        return Finding("the plate comes through air: compression and force have their zero", 0.0)
+        return Finding("The plate comes through air, so compression and force have their zero", 0.0)
     return Finding(
-        "the record begins in contact: compression is counted from its first sample",
+        "The record begins in contact. Compression counts from its first sample",
         preload,
-        instead=f"the record begins in contact, under {100 * preload:.2g} % of the force: "
-        "compression is counted from there, and how far the seal was pressed by then is not "
-        "known; begin the record in air",
+        instead=f"The record begins in contact, under {100 * preload:.2g} % of the force. The "
+        "compression before it is not known",
+        remedy="Begin the record in air.",
     )
 
 
@@ -47,15 +47,16 @@ def conditioned(change: float | None, *, cycle: int, softening: float) -> Findin
     """The seal has softened as far as it does in such cycles (Mullins)."""
     if change is None:
         return Finding(
-            "the figures are of the first cycle of a seal: later ones are softer, by what this "
-            "record does not tell; record three or more cycles",
+            "The figures are of cycle 1 of a seal; later cycles are softer",
+            remedy=Remedy("Record three or more cycles.", "part", "cycle=N"),
             faulted=True,
         )
     return Finding(
-        f"cycle {cycle} carries {100 * change:+.2g} % against the cycle before; the first cycle "
-        f"carried {100 * softening:.2g} % more than the last",
+        f"Cycle {cycle} differs from the one before by {100 * change:+.2g} % of the force. The "
+        f"first cycle carried {100 * softening:.2g} % more than the last",
         change,
-        ": the seal still softens, or had no time to recover; record more cycles",
+        "The seal still softens, or had no time to recover",
+        "Record more cycles.",
     )
 
 
@@ -68,11 +69,12 @@ def conditioned(change: float | None, *, cycle: int, softening: float) -> Findin
 def depth_conditioned(ratio: float | None, cycle: int) -> Finding:
     """The seal was pressed as deep in the cycles before."""
     if ratio is None:
-        return Finding("one cycle shows no depth of those before it")
+        return Finding("One cycle shows no depth of those before it")
     return Finding(
-        f"cycle {cycle} goes to {100 * ratio:.4g} % of the deepest compression before it",
+        f"Cycle {cycle} goes to {100 * ratio:.4g} % of the deepest compression before it",
         ratio,
-        ": beyond that the seal is as it was never pressed; record every cycle to one depth",
+        "Beyond that the seal is not conditioned",
+        "Record every cycle to one depth.",
     )
 
 
@@ -80,9 +82,10 @@ def depth_conditioned(ratio: float | None, cycle: int) -> Finding:
 def compressions_reached(most: float, depth: float) -> Finding:
     """The cycle reaches every compression asked for."""
     return Finding(
-        f"asked for up to {written(most, 'mm')}, pressed to {written(depth, 'mm')}",
+        f"Compressions up to {written(most, 'mm')} are asked for; the cycle goes to "
+        f"{written(depth, 'mm')}",
         most / depth,
-        ": nothing is said of what was not reached; press deeper, or ask for less",
+        remedy=Remedy("Press deeper, or ask for less.", "compression"),
     )
 
 
@@ -92,11 +95,12 @@ def compressions_reached(most: float, depth: float) -> Finding:
 def load_cell_steady(drift: float | None) -> Finding:
     """The load cell reads in air at the end what it read at the beginning."""
     if drift is None:
-        return Finding("air at one time alone shows no drift of the load cell")
+        return Finding("Air at one time only shows no drift of the load cell")
     return Finding(
-        f"the load cell's zero moves by {100 * drift:+.2g} % of the force, which is taken off",
+        f"The zero of the load cell drifts by {100 * drift:+.2g} % of the force. A straight drift "
+        "is taken off",
         drift,
-        ": between two stays in air it is only supposed to be a line; let the load cell warm up",
+        remedy="Let the load cell warm up.",
     )
 
 
@@ -109,11 +113,12 @@ def load_cell_steady(drift: float | None) -> Finding:
 def speed_even(departure: float | None) -> Finding:
     """The plate moves at one speed."""
     if departure is None:
-        return Finding("without a clock nothing shows the speed")
+        return Finding("Without a clock there is no speed to judge")
     return Finding(
-        f"the plate departs from a constant speed by {100 * departure:.2g} % of the depth",
+        f"The plate departs from a constant speed by {100 * departure:.2g} % of the depth",
         departure,
-        ": where it waits or slows down the seal relaxes, so that the curve has no one speed",
+        "Where it slows down the seal relaxes, so the curve has no single speed",
+        "Drive the plate at one speed.",
     )
 
 
@@ -127,12 +132,12 @@ def speed_even(departure: float | None) -> Finding:
 def energy_lost(hysteresis: float | None) -> Finding:
     """The seal gives back no more energy than was put in."""
     if hysteresis is None:
-        return Finding("without the unloading nothing shows what is given back")
+        return Finding("Without the unloading the energy returned is not known")
     return Finding(
-        f"of the energy put in {100 * hysteresis:.3g} % is lost",
+        f"The seal loses {100 * hysteresis:.3g} % of the energy put in",
         hysteresis,
-        ": a seal does not make energy; are force and displacement swapped (--force, "
-        "--displacement)?",
+        "No seal makes energy, so force and displacement may be swapped",
+        Remedy("Name the columns.", "column", "force=NAME"),
     )
 
 
@@ -140,12 +145,12 @@ def energy_lost(hysteresis: float | None) -> Finding:
 def released_freely(pull: float | None) -> Finding:
     """The seal leaves the plate as it is released, and does not pull on it."""
     if pull is None:
-        return Finding("without air beside the release no pull on the plate is told from a zero")
+        return Finding("Without air beside the release a pull on the plate is not seen")
     return Finding(
-        f"as it is released the seal pulls on the plate with {100 * pull:.2g} % of the force",
+        f"On release the seal pulls on the plate with {100 * pull:.2g} % of the force",
         pull,
-        ": it sticks, so that hysteresis and set are its adhesion's too; clean or powder the "
-        "plate, or leave the release out of what the material is said to lose",
+        "It sticks, so hysteresis and set contain its adhesion",
+        "Clean or powder the plate.",
     )
 
 
@@ -153,8 +158,9 @@ def released_freely(pull: float | None) -> Finding:
 def unloading_recorded(*, recorded: bool) -> Finding:
     """The way back was recorded, too."""
     return Finding(
-        "loading and unloading were recorded",
-        instead="the unloading was not recorded: no hysteresis and no energy given back",
+        "Loading and unloading were recorded",
+        instead="The unloading was not recorded, so hysteresis and returned energy are not known",
+        remedy="Record the unloading.",
         faulted=not recorded,
     )
 
@@ -163,9 +169,10 @@ def unloading_recorded(*, recorded: bool) -> Finding:
 def length_given(*, given: bool) -> Finding:
     """The length of the seal is known, so that forces are of 100 mm."""
     return Finding(
-        "the length of the seal is known",
-        instead="the length of the seal is not known: forces are N of this piece, not N per "
-        "100 mm; give the length (--length)",
+        "The length of the seal is known",
+        instead="The length of the seal is not given, so forces are N of this piece, not N per "
+        "100 mm",
+        remedy=Remedy("Give the length.", "length"),
         faulted=not given,
     )
 
@@ -182,13 +189,13 @@ BETTER = 10.0
 def memory_explains(raw: float | None, left: float | None) -> Finding:
     """Without the memory, loading and unloading fall onto one curve."""
     if raw is None or left is None:
-        return Finding("without the unloading nothing shows whether the memory is the right one")
+        return Finding("Without the unloading the memory cannot be checked")
     return Finding(
-        f"the cycle loses {100 * raw:.3g} % of its energy; without the memory {100 * left:+.2g} % "
-        "are left",
+        f"The cycle loses {100 * raw:.3g} % of its energy; without the memory it loses "
+        f"{100 * left:+.2g} %",
         left,
-        ": the seal rubs or softens within the cycle, or its memory is another than that of the "
-        "relaxation test",
+        "The seal has friction or softens within the cycle, or the memory is another seal's",
+        "Take the memory from a test of the same piece.",
     )
 
 
@@ -196,28 +203,29 @@ def memory_explains(raw: float | None, left: float | None) -> Finding:
 def stroke_within_memory(stroke: float | None, band: tuple[float, float]) -> Finding:
     """The stroke takes as long as a time that the relaxation test informs."""
     if stroke is None:
-        return Finding("no speed is known")
+        return Finding("No speed is known")
     longest, shortest = (1 / (2 * pi * end) for end in band)
     factor = max(stroke / longest, shortest / stroke, 1.0)
     return Finding(
-        f"a stroke takes {stroke:.3g} s, and the relaxation test informs {shortest:.2g} to "
+        f"A stroke takes {stroke:.3g} s; the relaxation test covers {shortest:.2g} to "
         f"{longest:.3g} s",
         factor,
-        ": the memory is extrapolated to the speed of the stroke; hold longer, or press slower",
+        "The memory is extrapolated to the speed of the stroke",
+        "Hold longer, or press slower.",
     )
 
 
 @criterion("relaxed force / k_inf x, less 1", "|x| <=", AGREES, "our choice: pieces scatter so")
 def relaxed_agrees(difference: float | None, depth: float, k_inf: float) -> Finding:
     """The relaxed force is that of the relaxation test at the compression that it was held at."""
-    held = f"at {written(depth, 'mm')} the relaxation test has {k_inf * depth:.4g} N at rest"
+    held = f"At {written(depth, 'mm')} the relaxation test has {k_inf * depth:.4g} N at rest"
     if difference is None:
-        return Finding(f"{held}; the cycle does not go so deep")
+        return Finding(f"{held}. The cycle does not go so deep")
     return Finding(
-        f"{held}, the load deflection without its memory {100 * difference:+.2g} %",
+        f"{held}. The load deflection without its memory differs by {100 * difference:+.2g} %",
         difference,
-        ": another piece, another conditioning, or another zero of the compression; say both "
-        "lengths, and press both alike",
+        "It is another piece, another conditioning, or another zero of the compression",
+        Remedy("Give both lengths, and press both alike.", "length"),
     )
 
 
@@ -225,13 +233,14 @@ def relaxed_agrees(difference: float | None, depth: float, k_inf: float) -> Find
 def memories_agree(apart: float | None) -> Finding:
     """The relaxation tests have one memory, whatever depth they were held at."""
     if apart is None:
-        return Finding("no speed is known, so over what times memories should agree is not told")
+        return Finding("No speed is known, so the memories are not compared")
     return Finding(
-        f"over the time of a stroke the memories of the relaxation tests differ by "
+        f"Over the time of a stroke the memories of the relaxation tests differ by "
         f"{100 * apart:.2g} %",
         apart,
-        ": force and time do not separate, and a law with one memory holds near the compression "
-        "alone whose test it was taken from; or the tests are of different seals",
+        "Force and time do not separate, or the tests are of different seals. One memory is valid "
+        "near the compression of its test only",
+        "Use the test held nearest to your compression.",
     )
 
 
@@ -239,14 +248,15 @@ def memories_agree(apart: float | None) -> Finding:
 def memory_suffices(over: float) -> Finding:
     """One memory explains the speeds as well as a dashpot that depends on compression does."""
     if over >= -BETTER:
-        says = "the speeds do not tell one memory from a dashpot that depends on compression"
+        says = "The speeds do not separate one memory from a dashpot that depends on compression"
     else:
-        says = "one memory explains the speeds better than a dashpot that depends on compression"
+        says = "One memory explains the speeds better than a dashpot that depends on compression"
     return Finding(
         f"{says} (BIC {over:+.3g})",
         over,
-        instead=f"a dashpot that depends on compression explains the speeds better than one memory "
-        f"does (BIC {over:+.3g}): take c(x) at the compression of use, not the arms of this fit",
+        instead=f"A dashpot that depends on compression explains the speeds better than one memory "
+        f"(BIC {over:+.3g})",
+        remedy="Use c(x) at your compression, not the arms of this fit.",
     )
 
 
@@ -254,9 +264,10 @@ def memory_suffices(over: float) -> Finding:
 def speeds_spread(ratio: float) -> Finding:
     """The speeds lie far enough apart to tell a memory."""
     return Finding(
-        f"the speeds span a factor of {ratio:.3g}",
+        f"The speeds span a factor of {ratio:.3g}; at least 10 is needed",
         ratio,
-        ", too narrow: arms and elastic law trade; press a decade slower or faster",
+        "Arms and elastic law cannot be separated",
+        "Press a decade slower or faster.",
     )
 
 
@@ -264,11 +275,12 @@ def speeds_spread(ratio: float) -> Finding:
 def speeds_followed(residual: float, noise: float, peak: float) -> Finding:
     """One law and one memory follow every speed, in and back, to the noise or 0.1 %."""
     return Finding(
-        f"what is left is {100 * residual / peak:.2g} % of the greatest force, the noise "
+        f"The model misses {100 * residual / peak:.2g} % of the greatest force; the noise is "
         f"{100 * noise / peak:.2g} %",
         residual / max(noise, 1e-3 * peak),
-        ": the seal rubs, softens within the cycle, or is not one piece, and arms are as much off; "
-        "press one piece, conditioned, at every speed",
+        "The seal has friction, softens within the cycle, or is not one piece. The arms are as "
+        "much off",
+        "Press one conditioned piece at every speed.",
     )
 
 
@@ -276,11 +288,12 @@ def speeds_followed(residual: float, noise: float, peak: float) -> Finding:
 def slowest_relaxed(longest: float | None, stroke: float) -> Finding:
     """The slowest stroke is slow against the longest relaxation time."""
     if longest is None:
-        return Finding("no memory was found")
+        return Finding("No memory was found")
     return Finding(
-        f"the slowest stroke takes {stroke:.3g} s, the longest relaxation time is {longest:.3g} s",
+        f"The slowest stroke takes {stroke:.3g} s, the longest relaxation time is {longest:.3g} s",
         longest / stroke,
-        ": the law at rest is extrapolated; press slower, or hold a relaxation test",
+        "The law at rest is extrapolated",
+        "Press slower, or add a relaxation test.",
     )
 
 
@@ -294,11 +307,11 @@ def slowest_relaxed(longest: float | None, stroke: float) -> Finding:
 def memory_told(error: float | None) -> Finding:
     """Every relaxation time is told."""
     if error is None:
-        return Finding("no memory was found")
+        return Finding("No memory was found")
     return Finding(
-        f"the least known relaxation time is known to a factor of {1 + error:.3g}",
+        f"The least certain relaxation time is known to a factor of {1 + error:.3g}",
         error,
-        ": more speeds, or fewer arms",
+        remedy=Remedy("Test more speeds, or use fewer arms.", "arms"),
     )
 
 
@@ -306,10 +319,11 @@ def memory_told(error: float | None) -> Finding:
 def pieces_tested_alike(otherwise: Sequence[str]) -> Finding:
     """Pieces were pressed alike: speed, depth, cycle and temperature, so that they may scatter."""
     return Finding(
-        "the pieces were tested alike",
+        "The pieces were tested alike",
         len(otherwise),
-        instead=f"the pieces were not tested alike ({'; '.join(otherwise)}): part of their "
-        "scatter is the testing's",
+        instead=f"The pieces were not tested alike ({', '.join(otherwise)}). Part of their scatter "
+        "comes from the tests",
+        remedy="Test every piece alike.",
     )
 
 
@@ -319,8 +333,9 @@ def pieces_capable(of: Capability, unit: str) -> Finding:
     low, high = of.cpk_interval or (0.0, 0.0)
     return Finding(
         f"Cpk of the force at the nominal compression is "
-        f"{'unknown' if of.cpk is None else f'{of.cpk:.2f}'} ({low:.2f} to {high:.2f}, "
-        f"{of.count} pieces, {of.lower:g} to {of.upper:g} {unit})",
+        f"{'unknown' if of.cpk is None else f'{of.cpk:.2f}'} ({low:.2f} to {high:.2f}); 1.33 is "
+        f"asked. {of.count} pieces, limits {of.lower:g} to {of.upper:g} {unit}",
         of.cpk,
-        ": test more pieces" if high >= 1.33 else ": they scatter too much, or lie off centre",
+        "" if high >= 1.33 else "The pieces scatter too much, or lie off centre",
+        "Test more pieces." if high >= 1.33 else "Look at scatter and mean of the pieces.",
     )

@@ -63,13 +63,13 @@ EXAMPLES: Mapping[str, Example] = MappingProxyType(
             _pressed(1.0, 1),
         ),
         "cld_2.csv": Example("cld", "a second piece of it", _pressed(1.04, 2)),
-        "cld_3.csv": Example("cld", "a third: dashpot cld takes the three", _pressed(0.97, 3)),
+        "cld_3.csv": Example("cld", "a third: dashpot fit takes the three", _pressed(0.97, 3)),
         "cld_slow.csv": Example(
             "cld", "the first piece at 5 mm/min", _pressed(1.0, 4, speed=5e-3 / 60)
         ),
         "cld_fast.csv": Example(
             "cld",
-            "and at 500 mm/min: dashpot cld takes the three speeds",
+            "and at 500 mm/min: dashpot fit takes the three speeds",
             _pressed(1.0, 5, speed=500e-3 / 60),
         ),
     }

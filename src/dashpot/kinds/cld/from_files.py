@@ -3,23 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
-import dashpot as dp
 from dashpot.base.capability import Capability, capability
 from dashpot.base.checks import Check, Checked, worst
 from dashpot.base.documents import Documented
 from dashpot.base.errors import ReadError
-from dashpot.base.units import Quantity, Range
+from dashpot.base.units import Quantity, Range, written
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import about
 from dashpot.kinds.cld.checks import pieces_capable, pieces_tested_alike
+from dashpot.kinds.cld.prepare import cld
+from dashpot.kinds.cld.rate import fit_rate
+from dashpot.kinds.cld.read import read_cld
 from dashpot.kinds.cld.record import CLD, AtCompression, CompressionTest, RateLaw, RelaxedLaw
-from dashpot.kinds.cld.relaxed import nearest
-from dashpot.kinds.cld.speeds import SAME_SPEED
+from dashpot.kinds.cld.relaxed import nearest, relaxed_law
+from dashpot.kinds.cld.speeds import SAME_SPEED, fit_speeds
 from dashpot.records.fit import Fit
 from dashpot.records.specimen import Specimen
 
@@ -52,7 +55,7 @@ class PieceStatistics:
 
 @dataclass(frozen=True)
 class Pieces(Checked, Documented):
-    """What ``dashpot cld`` found.
+    """What ``dashpot fit`` found.
 
     Attributes
     ----------
@@ -89,6 +92,18 @@ class Pieces(Checked, Documented):
     def unit(self) -> str:
         """Of a force."""
         return self.pieces[0].unit
+
+    @property
+    def sound(self) -> str:
+        """The force at the nominal compression, and that of the least and of the stiffest piece."""
+        if len(self.pieces) == 1 or self.rate is not None:
+            return self.pieces[0].sound
+        forces = [one.per * one.nominal.loading for one in self.pieces]
+        at = written(self.pieces[0].nominal.compression, "mm", ".3g")
+        return (
+            f"{sum(forces) / len(forces):.3g} {self.unit} at {at} ({len(forces)} pieces: "
+            f"{min(forces):.3g} to {max(forces):.3g})"
+        )
 
 
 def cld_files(
@@ -128,9 +143,30 @@ def cld_files(
         If a file cannot be read or shows no loading, or limits are given for one piece.
     """
     options = options or ReadOptions()
-    if limits is not None and len(files) < 2:
+    tests = [read_cld(path, options=options, specimen=specimen) for path in files]
+    return cld_of(
+        tests, at=at, between=between, limits=limits, memory=memory, cycle=options.cycle,
+        names=[Path(path).name for path in files],
+    )  # fmt: skip
+
+
+def cld_of(
+    tests: Sequence[CompressionTest],
+    *,
+    at: Quantity | None = None,
+    between: Range | None = None,
+    limits: tuple[float, float] | None = None,
+    memory: Sequence[Fit] = (),
+    cycle: int | None = None,
+    names: Sequence[str] = (),
+) -> Pieces:
+    """Find the figures of pieces, as :func:`cld_files` does of those in files.
+
+    `names` are put before what is wrong with one of them, `cycle` is the one of the figures.
+    """
+    if limits is not None and len(tests) < 2:
         raise ReadError("--limits are of several pieces; name a file for each, or leave them out")
-    pieces = _figures(files, options, specimen, at=at, between=between)
+    pieces = _figures(tests, names or [""] * len(tests), cycle, at=at, between=between)
     found = Pieces(pieces, (), None, _worst(pieces))
     if not memory and limits is None and _several_speeds(pieces):
         return _of_speeds(found)
@@ -140,23 +176,22 @@ def cld_files(
 
 
 def _figures(
-    files: Sequence[str | Path],
-    options: ReadOptions,
-    specimen: Specimen | None,
+    tests: Sequence[CompressionTest],
+    names: Sequence[str],
+    cycle: int | None,
     *,
     at: Quantity | None,
     between: Range | None,
 ) -> tuple[CLD, ...]:
     """Each piece, all at one nominal compression."""
-    tests = [dp.read_cld(path, options=options, specimen=specimen) for path in files]
     _refuse_twice(tests)
 
     def figures(test: CompressionTest, nominal: Quantity | None) -> CLD:
-        return dp.cld(test, at=nominal, between=between, cycle=options.cycle)
+        return cld(test, at=nominal, between=between, cycle=cycle)
 
     pieces = []
-    for path, test in zip(files, tests, strict=True):
-        with about(Path(path).name):
+    for name, test in zip(names, tests, strict=True):
+        with about(name) if name else nullcontext():
             pieces.append(figures(test, at))
     if at is not None or len(pieces) == 1:
         return tuple(pieces)
@@ -171,8 +206,8 @@ def _worst(pieces: Sequence[CLD]) -> tuple[Check, ...]:
 
 def _of_speeds(found: Pieces) -> Pieces:
     """With the elastic law and the memory of one seal at several speeds."""
-    fit = dp.fit_speeds(found.pieces)
-    rate = dp.fit_rate(found.pieces, fit)
+    fit = fit_speeds(found.pieces)
+    rate = fit_rate(found.pieces, fit)
     told = next(check for check in rate.checks if check.name == "memory_suffices")
     fit = replace(fit, evidence=replace(fit.evidence, checks=(*fit.checks, told)))
     return replace(found, checks=(*found.checks, *fit.checks), fit=fit, rate=rate)
@@ -191,7 +226,7 @@ def _scattered(found: Pieces, limits: tuple[float, float] | None) -> Pieces:
 
 def _with_memory(found: Pieces, memory: Sequence[Fit]) -> Pieces:
     """With the elastic law under the first piece."""
-    relaxed = dp.relaxed_law(found.pieces[0], memory)
+    relaxed = relaxed_law(found.pieces[0], memory)
     fed = nearest(found.pieces[0], memory).with_elastic_law(relaxed.law, checks=relaxed.checks)
     return replace(found, checks=(*found.checks, *relaxed.checks), relaxed=relaxed, fit=fed)
 

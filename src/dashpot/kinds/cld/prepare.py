@@ -14,9 +14,9 @@ from dashpot.base.units import Quantity, Range, si, si_range, written
 from dashpot.kinds.cld import checks
 from dashpot.kinds.cld.read_off import WINDOW, at_compression, local, unevenness
 from dashpot.kinds.cld.record import CLD, AtCompression, Branch, CompressionTest, Cycle
-from dashpot.preparation.segments import resolution_of
 from dashpot.preparation.strokes import Stroke, inward, strokes_of
 from dashpot.preparation.zero import Zero, met_again, zero_of
+from dashpot.signals.segments import resolution_of
 
 _SMOOTHED, _RARE = 5, 4.0
 """Samples of a mean in which a pull is sought, and standard deviations that chance may make."""
@@ -82,7 +82,8 @@ def cld(
         deepest = max(one.depth for one in found.cycles)
         raise DataError(
             f"{written(nominal, 'mm')} was asked for; expected a compression > 0 that the seal was "
-            f"pressed to, at most {written(deepest, 'mm')}: --at gives it, --cycle another cycle"
+            f"pressed to, at most {written(deepest, 'mm')}: --compression gives it, "
+            "--part cycle=N another cycle"
         )
     zero, specimen = found.zero, test.specimen
     return CLD(

@@ -59,7 +59,12 @@ def cld_in(file: Opened, specimen: Specimen) -> CompressionTest:
     specimen, said = stated_specimen(file, specimen, recorded_temperature(file, chosen))
     source = channels.source(file, [one.says for one in chosen], [*notes, *said])
     return CompressionTest(
-        values["displacement"], values["force"], values.get("time"), specimen, source
+        values["displacement"],
+        values["force"],
+        values.get("time"),
+        specimen,
+        source,
+        units="SI",
     )
 
 

@@ -12,7 +12,9 @@ from dashpot.base.arrays import ByValue, FloatArray, hold_measured
 from dashpot.base.checks import Check, Checked
 from dashpot.base.documents import Documented
 from dashpot.base.offered import Described, Pictured
+from dashpot.base.plausible import refuse_absurd_record
 from dashpot.base.provenance import Source, of_file
+from dashpot.base.said import into_si, said_units
 from dashpot.base.units import written
 from dashpot.records.specimen import Specimen
 from dashpot.solids.elastic import ElasticLaw
@@ -35,6 +37,8 @@ class CompressionTest(ByValue, Described):
     specimen : Specimen
     source : Source or None
         The file it came from; None for arrays made in memory.
+    units : str
+        Of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
 
     Raises
     ------
@@ -47,9 +51,12 @@ class CompressionTest(ByValue, Described):
     time: FloatArray | None = None
     specimen: Specimen = field(default_factory=Specimen)
     source: Source | None = None
+    units: str = said_units()
 
     def __post_init__(self) -> None:
+        into_si(self, displacement="length", force="force", time="time")
         hold_measured(self, "time", "displacement", "force", minimum=8)
+        refuse_absurd_record(self)
 
     @property
     def series(self) -> Mapping[str, tuple[Any, str]]:
@@ -334,12 +341,19 @@ class CLD(ByValue, Pictured, Checked, Documented):
         }  # fmt: skip
 
     @property
+    def sound(self) -> str:
+        """The force at the nominal compression."""
+        one = self.nominal
+        force = self.per * one.loading
+        return f"{force:.3g} {self.unit} at {written(one.compression, 'mm', '.3g')}"
+
+    @property
     def described(self) -> tuple[str, ...]:
         """The verdict, the force at the nominal compression, and the cycle that it is of."""
-        judged, one, cycle = self.verdict, self.nominal, self.cycle
+        one, cycle = self.nominal, self.cycle
         lost = cycle.hysteresis
         return (
-            f"{judged.use}: {judged.says}",
+            str(self.verdict),
             (
                 f"{self.per * one.loading:.4g} {self.unit} at {written(one.compression, 'mm')}, "
                 f"slope {written(self.per * one.slope, 'N/mm', '.3g')}"
@@ -350,7 +364,7 @@ class CLD(ByValue, Pictured, Checked, Documented):
                 f"cycle {cycle.number} of {len(self.cycles)}, to {written(cycle.depth, 'mm')}"
                 + ("" if lost is None else f", hysteresis {100 * lost:.3g} %")
             ),
-            *(check.says for check in self.checks if check.failed),
+            *(check.told for check in self.checks if check.failed),
         )
 
 

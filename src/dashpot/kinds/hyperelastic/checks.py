@@ -9,7 +9,7 @@ from itertools import combinations
 
 import numpy as np
 
-from dashpot.base.checks import Check, Finding, criterion
+from dashpot.base.checks import Check, Finding, Remedy, criterion
 from dashpot.engine.inference.estimate import Derived
 from dashpot.kinds.hyperelastic.record import ElasticCurve, HyperelasticFit, Span
 from dashpot.kinds.hyperelastic.solving import HyperelasticOptimum, closest
@@ -102,7 +102,7 @@ def _untold(
         size = float(np.abs(stress).max())
         for one in others:
             apart = float(np.abs(one.law.nominal(mode, x) - stress).max()) / size
-            doubts.append((apart, mode, f"{one.name} follows the tests as well and differs"))
+            doubts.append((apart, mode, f"{one.name} follows the tests too and differs"))
         if not chosen.law.exponents:
             J = chosen.law.columns(mode, x)
             own = known.covariance[: J.shape[1], : J.shape[1]]
@@ -195,9 +195,9 @@ def _reading(
 def law_followed(residual: float, worst: str) -> Finding:
     """The law follows every curve."""
     return Finding(
-        f"what is left is at most {100 * residual:.2g} % of the stress, in {worst}",
+        f"The law misses the stress by at most {100 * residual:.2g} %, in {worst}",
         residual,
-        ": take a law of more constants, or see whether the file is what it is said to be",
+        remedy=Remedy("Use a law of more constants, or check what the file is.", "model"),
         grade="stop" if residual > 0.2 else "limit",
     )
 
@@ -207,10 +207,11 @@ def no_law_closer(residual: float, flexible: float) -> Finding:
     """No other stable law follows the curves much closer."""
     ratio = residual / max(flexible, SMALL)
     return Finding(
-        f"the law leaves {100 * residual:.2g} % of the stress, the most flexible stable one "
+        f"The law misses the stress by {100 * residual:.2g} %, the most flexible stable one by "
         f"{100 * flexible:.2g} %",
         ratio,
-        ": what is left has a shape that a law of more constants follows (--law ogden)",
+        "A law of more constants follows the rest",
+        Remedy("Use a law of more constants.", "model", "ogden"),
     )
 
 
@@ -225,13 +226,13 @@ def stable_in_use(
         for low, at in zip((True, False), both, strict=True)
         if at is not None
     ]
-    beyond = f"; it is not in {', '.join(ends)}" if ends else " and everywhere from 0.1 to 10"
+    beyond = f"; it is not stable in {', '.join(ends)}" if ends else " and from 0.1 to 10"
     return Finding(
-        f"the law is stable over the stretches of use{beyond}",
+        f"The law is stable over the stretches of use{beyond}",
         least,
-        instead=f"the law is not stable in use, first at {where}{beyond if ends else ''}: a solver "
-        "stops there or finds what is not; take another law, or one of power terms (--law ogden), "
-        "which are stable",
+        instead=f"The law is not stable in use, first at {where}{beyond if ends else ''}",
+        because="A solver stops there, or gives a wrong result",
+        remedy=Remedy("Use another law, such as one of power terms.", "model", "ogden"),
     )
 
 
@@ -239,14 +240,14 @@ def stable_in_use(
 def modes_told(doubt: float | None, mode: str, why: str) -> Finding:
     """The tests tell the stress in the modes that were not measured, too."""
     if doubt is None:
-        return Finding("no second law follows the tests to compare with in the modes not measured")
+        return Finding("No second law follows the tests, so the other modes are not compared")
     if not mode:
-        return Finding("every mode was measured", 0.0)
+        return Finding("Every mode was measured", 0.0)
     return Finding(
-        f"in {mode}, which was not measured, {why} by {100 * doubt:.2g} % of the largest stress",
+        f"In {mode}, which was not measured, {why} by {100 * doubt:.2g} % of the largest stress",
         doubt,
-        ": these tests do not tell the law there; measure that mode, or use the law in the modes "
-        "measured alone",
+        "The tests do not determine the law there",
+        "Measure that mode, or use the law in the measured modes only.",
     )
 
 
@@ -255,9 +256,10 @@ def use_measured(ratio: float) -> Finding:
     """The stretches of use were measured."""
     says = "not measured at all" if math.isinf(ratio) else f"{ratio:.3g} times those measured"
     return Finding(
-        f"the largest strains of use are {says}",
+        f"The largest strains of use are {says}",
         ratio,
-        ": the law is extrapolated; test as far as the part goes, in tension and compression",
+        "The law is extrapolated",
+        Remedy("Test as far as the part goes, in tension and compression.", "stretches"),
     )
 
 
@@ -265,10 +267,10 @@ def use_measured(ratio: float) -> Finding:
 def constants_known(name: str, part: float) -> Finding:
     """Every constant is known."""
     return Finding(
-        f"the least known constant, {name}, is known to {100 * part:.2g} % of the largest",
+        f"The least certain constant, {name}, is known to {100 * part:.2g} % of the largest",
         part,
-        ": the tests do not part the constants; add a mode (equibiaxial parts C10 from C01), or "
-        "take a law of fewer",
+        "The tests do not separate the constants",
+        Remedy("Add a mode, such as equibiaxial, or use a law of fewer constants.", "model"),
     )
 
 
@@ -276,9 +278,10 @@ def constants_known(name: str, part: float) -> Finding:
 def rows_enough(rows: int, constants: int) -> Finding:
     """There are enough rows for the constants."""
     return Finding(
-        f"{rows} points tell {constants} constants",
+        f"{rows} points determine {constants} constants; at least four points each are needed",
         rows / constants,
-        ": a law so free follows any points, wrong ones too; take more rows, or fewer constants",
+        "Such a law follows any points, wrong ones too",
+        Remedy("Use more rows, or fewer constants.", "terms"),
     )
 
 
@@ -286,12 +289,12 @@ def rows_enough(rows: int, constants: int) -> Finding:
 def files_agree(apart: float | None) -> Finding:
     """Files of one mode show one curve."""
     if apart is None:
-        return Finding("no mode has two files over the same stretches")
+        return Finding("No mode has two files over the same stretches")
     return Finding(
-        f"files of one mode differ by up to {100 * apart:.2g} %",
+        f"Files of one mode differ by up to {100 * apart:.2g} %",
         apart,
-        ": another rate, piece or conditioning; a rate is taken off with the memory of a "
-        "relaxation test (--with)",
+        "They differ in rate, piece or conditioning",
+        Remedy("Take off the memory of a relaxation test, if rates differ.", "memory"),
     )
 
 
@@ -299,26 +302,26 @@ def files_agree(apart: float | None) -> Finding:
 def loading_returned(lost: float | None, *, removed: bool) -> Finding:
     """Unloading gives back what loading took."""
     if lost is None:
-        return Finding("no unloading shows how much of the stress is elastic")
-    advice = (
-        ": the memory taken off is not this material's, or it rubs or softens besides"
+        return Finding("No unloading shows how much of the stress is elastic")
+    why = (
+        "The memory is not this material's, or there is friction or softening"
         if removed
-        else ": the loading is no elastic curve, but one with memory or softening; take off the "
-        "memory of a relaxation test (--with), or condition and test slowly"
+        else "The loading contains memory or softening"
     )
-    return Finding(f"a cycle loses {100 * lost:.2g} % of its energy", lost, advice)
+    advice = Remedy("Take off the memory of a relaxation test, or test slowly.", "memory")
+    return Finding(f"A cycle loses {100 * lost:.2g} % of its energy", lost, why, advice)
 
 
 @criterion("1 - last loading / first", "|x| <=", 0.05, "our choice; L. Mullins, 1948")
 def conditioned(softer: float | None) -> Finding:
     """The material no longer softens from loading to loading."""
     if softer is None:
-        return Finding("one loading shows no softening (Mullins); whether it was the first is open")
+        return Finding("One loading shows no softening (Mullins); it may have been the first")
     return Finding(
-        f"the last loading is {100 * softer:.2g} % softer than the first",
+        f"The last loading is {100 * softer:.2g} % softer than the first",
         softer,
-        ": it was not conditioned; the last is taken, as a part in use is; the first of a new part "
-        "is stiffer (--cycle 1)",
+        "The material was not conditioned. The last loading is used; a new part is stiffer",
+        Remedy("Condition the piece, or use the first loading of a new part.", "part", "cycle=1"),
     )
 
 
@@ -326,11 +329,12 @@ def conditioned(softer: float | None) -> Finding:
 def zero_known(part: float, name: str) -> Finding:
     """Stress and strain are zero together."""
     if not name:
-        return Finding("no shift of the strain's zero makes the curves those of a law", 0.0)
+        return Finding("No shift of the zero of strain brings the curves closer to a law", 0.0)
     return Finding(
-        f"{name} is followed if its strain is zero {100 * part:.2g} % of the largest later",
+        f"{name} follows a law if its zero moves by {100 * part:.2g} % of the largest strain",
         part,
-        ": slack, a toe or a preload; set the zero where the stress begins, and cut what is before",
+        "Slack, a toe or a preload may cause this",
+        "Set the zero where the stress begins.",
     )
 
 
@@ -338,11 +342,12 @@ def zero_known(part: float, name: str) -> Finding:
 def labels_agree(ratio: float | None, says: str, as_read: float) -> Finding:
     """No other reading of a file makes the modes agree."""
     if ratio is None:
-        return Finding("one mode alone does not show whether it, or its stress, is labelled right")
+        return Finding("One mode cannot show whether it, or its stress, is labelled right")
     return Finding(
-        f"read as labelled, a stable law leaves {100 * as_read:.2g} % of the stress",
+        f"As labelled, a stable law misses the stress by {100 * as_read:.2g} %",
         ratio,
-        f"; with {says} {100 * as_read / ratio:.2g} %: is the label right?",
+        f"With {says} it misses {100 * as_read / ratio:.2g} %",
+        Remedy("Check the label.", "test"),
         excused=as_read <= 0.02,
     )
 
@@ -351,11 +356,12 @@ def labels_agree(ratio: float | None, says: str, as_read: float) -> Finding:
 def measures_stated(part: float) -> Finding:
     """It was said whether stress and strain are nominal or true."""
     return Finding(
-        "what stress and strain are over was said" if not part else
-        f"stress and strain are taken as nominal, which the files do not say; a true stress is "
-        f"{100 * part:.3g} % another",
+        "The files say whether stress and strain are nominal or true" if not part else
+        f"Stress and strain are taken as nominal, which the files do not say. A true stress would "
+        f"differ by {100 * part:.3g} %",
         part,
-        ": laws follow either, so nothing else shows it; say which (--stress-is nominal)",
+        "A law follows either",
+        Remedy("Say which they are.", "stress-is", "nominal"),
     )  # fmt: skip
 
 
@@ -363,8 +369,9 @@ def measures_stated(part: float) -> Finding:
 def volume_known(*, known: bool) -> Finding:
     """The bulk modulus is known."""
     return Finding(
-        "the change of volume is known",
-        instead="no test of the volume: a deck needs a bulk modulus, which is then stated, not "
-        "measured (--volumetric, or dashpot export --bulk-modulus)",
+        "The change of volume is known",
+        instead="The volume was not tested, so a deck needs a bulk modulus that is stated, not "
+        "measured",
+        remedy=Remedy("Add a test of the volume.", "test", "volumetric"),
         faulted=not known,
     )

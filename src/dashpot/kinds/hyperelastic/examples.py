@@ -33,12 +33,12 @@ EXAMPLES: Mapping[str, Example] = MappingProxyType(
     {
         "tension.csv": Example(
             "stress-strain",
-            "a rubber pulled to twice its length, for dashpot hyperelastic",
+            "a rubber pulled to twice its length, for dashpot fit",
             _stretched("uniaxial", 2.0, 1),
         ),
         "biaxial.csv": Example(
             "stress-strain",
-            "the same pulled both ways: dashpot hyperelastic takes the two",
+            "the same pulled both ways: dashpot fit takes the two",
             _stretched("equibiaxial", 1.6, 2),
         ),
     }

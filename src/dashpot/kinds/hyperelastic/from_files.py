@@ -9,8 +9,9 @@ from dashpot.base.choices import ElasticKindAsked
 from dashpot.base.errors import DataError, FitError, ReadError
 from dashpot.fitting.parameters import memory_of
 from dashpot.io.options import ReadOptions
+from dashpot.kinds.hyperelastic.asked import MODES, Measures
 from dashpot.kinds.hyperelastic.fit import fit_hyperelastic
-from dashpot.kinds.hyperelastic.read import MODES, Measures, read_stress_strain
+from dashpot.kinds.hyperelastic.read import read_stress_strain
 from dashpot.kinds.hyperelastic.record import HyperelasticFit, Span
 from dashpot.records.fit import Fit
 from dashpot.records.specimen import Specimen
@@ -49,8 +50,8 @@ def hyperelastic_files(
     given = [(kind, path) for kind in MODES for path in files.get(kind, ())]
     if not given:
         raise ReadError(
-            "no file is given; name each by its mode: --uniaxial, --compression, --biaxial, "
-            "--planar or --volumetric FILE"
+            "no file is given; name the mode of each: --test uniaxial, compression, biaxial, "
+            "planar or volumetric"
         )
     tests = [
         read_stress_strain(

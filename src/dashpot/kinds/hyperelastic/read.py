@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
-from types import MappingProxyType
-from typing import NamedTuple
 
 import numpy as np
 
 from dashpot.base import units
 from dashpot.base.arrays import FloatArray
-from dashpot.base.choices import Measure, refuse_other
 from dashpot.base.errors import ReadError
-from dashpot.base.options import option
 from dashpot.io.columns import vocabulary
 from dashpot.io.columns.roles import quoted, score
 from dashpot.io.columns.vocabulary import Role
@@ -21,51 +16,12 @@ from dashpot.io.options import ReadOptions
 from dashpot.io.readers import channels, checks
 from dashpot.io.readers.channels import Channel, Opened
 from dashpot.io.readers.relaxation import signals
+from dashpot.kinds.hyperelastic.asked import Measures
 from dashpot.kinds.hyperelastic.record import StressStrainTest
 from dashpot.solids.hyperelastic import Mode
 
-
-class FilesOfMode(NamedTuple):
-    """Files of one mode of test: what users are told, and whether their specimen was pressed."""
-
-    says: str
-    mode: Mode
-    pressed: bool = False
-
-
-MODES = MappingProxyType({
-    "uniaxial": FilesOfMode("Uniaxial: stress over strain; tension > 0.", "uniaxial"),
-    "compression": FilesOfMode("Uniaxial, pressed: whatever the signs.", "uniaxial", pressed=True),
-    "biaxial": FilesOfMode("Equibiaxial.", "equibiaxial"),
-    "planar": FilesOfMode("Planar tension (pure shear).", "planar"),
-    "volumetric": FilesOfMode(
-        "Pressure over volume ratio or volumetric strain.", "volumetric", pressed=True
-    ),
-})  # fmt: skip
-"""By the option that names them."""
 _MIXED = 0.05
 """Part of the largest stress that may have the wrong sign: noise about zero."""
-
-
-@dataclass(frozen=True)
-class Measures:
-    """What stress and strain of a file are over: as at rest, or as they are.
-
-    Attributes
-    ----------
-    stress_is : str
-        ``"nominal"`` (force over area at rest), ``"true"`` (over the area as it is, of a material
-        that keeps its volume), or ``"auto"``: as its column is named, or nominal.
-    strain_is : str
-        ``"nominal"`` (elongation over length at rest), ``"true"`` (logarithmic) or ``"auto"``.
-    """
-
-    stress_is: str = option("auto", "Over the area at rest, or as it is.", choices=Measure)
-    strain_is: str = option("auto", "Over the length at rest, or its log.", choices=Measure)
-
-    def __post_init__(self) -> None:
-        for name, one in vars(self).items():
-            refuse_other(name, one, Measure)
 
 
 def read_stress_strain(
@@ -117,7 +73,9 @@ def read_stress_strain(
             # in each mode the area across is the volume over the length
             stress = stress / strain if true else stress
         source = channels.source(file, [one.says for one in chosen], notes)
-        return StressStrainTest(mode, strain, stress, values.get("time"), stated, source)
+        return StressStrainTest(
+            mode, strain, stress, values.get("time"), stated, source, units="SI"
+        )
 
 
 def _refuse_sizes(
@@ -184,5 +142,5 @@ def _signed(
         return stretch, -stress, turned
     raise ReadError(
         "the stress falls where the strain grows: one of them has the other sign; if the specimen "
-        "was pressed, give the file as --compression (Python: pressed=True)"
+        "was pressed, say so: --test compression (Python: pressed=True)"
     )

@@ -12,8 +12,10 @@ from dashpot.base.checks import Check
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.facts import Fact, Numbered
+from dashpot.base.numbers import counted
 from dashpot.base.offered import Described
 from dashpot.base.provenance import Source, of_file, sources_of
+from dashpot.base.said import into_si, said_units
 from dashpot.solids.hyperelastic import Hyperelastic, Mode
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -40,6 +42,8 @@ class StressStrainTest(ByValue, Described):
     stated : bool
         Whether it was said what stress and strain are over; else both were taken to be nominal.
     source : Source or None
+    units : str
+        Of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
 
     Raises
     ------
@@ -54,8 +58,10 @@ class StressStrainTest(ByValue, Described):
     time: FloatArray | None = None
     stated: bool = True
     source: Source | None = None
+    units: str = said_units()
 
     def __post_init__(self) -> None:
+        into_si(self, stretch="strain", stress="stress", time="time")
         hold_measured(self, "stretch", "stress", "time", minimum=LEAST_ROWS)
         low, high = float(self.stretch.min()), float(self.stretch.max())
         if not (low > 1 / MOST_STRETCH and high < MOST_STRETCH):
@@ -166,11 +172,21 @@ class HyperelasticFit(ByValue, Described, Numbered, Documented):
         return sources_of(self.curves)
 
     @property
+    def sound(self) -> str:
+        """The law, what it leaves of the stress, and over which stretches it holds."""
+        reach = [span for _, span in self.reach]
+        low, high = min(one[0] for one in reach), max(one[1] for one in reach)
+        return (
+            f"the {self.law.kind} law follows {counted(len(self.curves), 'curve')} to "
+            f"{100 * max(self.residuals):.2g} % of the stress, for stretches of {low:.3g} to "
+            f"{high:.3g}"
+        )
+
+    @property
     def described(self) -> tuple[str, ...]:
         """The verdict, the law and its numbers."""
-        judged = self.verdict
         return (
-            f"{judged.use}: {judged.says}",
+            str(self.verdict),
             f"law: {self.law.kind}",
             *(one.says for one in self.found),
         )

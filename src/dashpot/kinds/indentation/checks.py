@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from dashpot.base.checks import Check, Finding, criterion
+from dashpot.base.checks import Check, Finding, Remedy, criterion
 from dashpot.base.facts import Fact
 from dashpot.base.units import GRAVITY
 from dashpot.kinds.indentation.collision import Collision
@@ -108,9 +108,9 @@ def _memory(fit: IndentationFit, step: float) -> float | None:
 def contact_sampled(samples: float) -> Finding:
     """The contact is sampled densely enough to show its shape."""
     return Finding(
-        f"the contact lasts {samples:.0f} samples",
+        f"The contact has {samples:.0f} samples; at least {SAMPLED} are needed",
         samples,
-        ", too few for its shape; sample faster",
+        remedy="Sample faster.",
     )
 
 
@@ -126,29 +126,32 @@ def flights_recorded(before: float, after: float) -> Finding:
     short = min(before, after)
     side = "begins" if before <= after else "ends"
     where = "before the touch" if before <= after else "after the release"
-    says = f"the record {side} {abs(short):.2g} contact times {where}"
-    but = (
-        "; offset, touch and damping cannot be told apart: trigger earlier and record longer"
-        if short >= 0
-        else ""
-    )
+    says = f"The record {side} {abs(short):.2g} contact times {where}"
+    because = "Offset, touch and damping cannot be separated" if short >= 0 else ""
     instead = (
-        f"the record {side} in the contact, of which {100 * -short:.0f} % is missing: stiffness "
-        "and damping of a part of a contact are not known; trigger earlier and record longer"
+        f"The record {side} in the contact: {100 * -short:.0f} % of it is missing, so stiffness "
+        "and damping are not known"
         if short < 0
         else ""
     )
-    return Finding(says, short, but, instead, grade="stop" if short < -1 / 3 else "limit")
+    return Finding(
+        says,
+        short,
+        because,
+        "Trigger earlier, and record longer.",
+        instead,
+        grade="stop" if short < -1 / 3 else "limit",
+    )
 
 
 @criterion("samples at the limit", "<=", 0.0, "a sensor at its limit repeats one number")
 def sensor_in_range(clipped: int) -> Finding:
     """The sensor was not at its limit."""
     return Finding(
-        f"{clipped} samples stand at one and the same largest value",
+        f"{clipped} samples have the same largest value",
         float(clipped),
-        ": the sensor or its amplifier was at its limit; they were left out, and what it did then "
-        "is not known",
+        "The sensor or its amplifier was clipped. These samples were left out",
+        "Use a larger range, or hit more softly.",
     )
 
 
@@ -159,7 +162,8 @@ def first_contact(before: int, after: int) -> Finding:
     return Finding(
         f"{before} contacts come before the one fitted{more}",
         float(before),
-        ": the body did not meet the surface at rest, or something else touched it; cut the record",
+        "The body did not meet the surface at rest, or something else touched it",
+        "Cut the record.",
     )
 
 
@@ -173,11 +177,11 @@ def first_contact(before: int, after: int) -> Finding:
 def law_followed(ratio: float | None, residual: float) -> Finding:
     """The law follows the contact down to the noise."""
     return Finding(
-        f"what is left in contact is {100 * residual:.2g} % of the push"
-        + (f", {ratio:.2g} times what is left in flight" if ratio is not None else ""),
+        f"The law misses the contact by {100 * residual:.2g} % of the push"
+        + (f", {ratio:.2g} times the noise in flight" if ratio is not None else ""),
         ratio,
-        ": none of the laws is this contact's (yielding, adhesion, a double contact, a thin layer, "
-        "ringing of the indenter, a filter); its numbers only describe this hit",
+        "Yielding, adhesion, a double contact, a thin layer, or a filter may cause this",
+        "Use the numbers for this hit only.",
         excused=ratio is not None and residual <= SMALL,
         grade="stop" if residual > LOST else "limit",
     )
@@ -187,12 +191,12 @@ def law_followed(ratio: float | None, residual: float) -> Finding:
 def released_freely(pull: float | None, noise: float) -> Finding:
     """Nothing holds the body back as it leaves."""
     if pull is None:
-        return Finding("the release was not recorded by an acceleration or a force", None)
+        return Finding("No acceleration or force shows the release", None)
     return Finding(
-        f"after the release {100 * pull:.2g} % of the push is recorded",
+        f"After the release {100 * pull:.2g} % of the push is recorded",
         min(pull + noise, 0.0) if pull < 0 else pull,
-        ": the surface is sticky, or the sensor does not pass low frequencies and swings below "
-        "zero; neither is in the laws",
+        "The surface is sticky, or the sensor does not pass low frequencies",
+        "Clean the surface, or use another sensor.",
     )
 
 
@@ -200,13 +204,14 @@ def released_freely(pull: float | None, noise: float) -> Finding:
 def parameters_known(name: str, factor: float, bounded: str = "") -> Finding:
     """Each parameter of the law is known to a quarter, or a loss is bounded from above."""
     word = name.replace("_", " ")
-    within = f"{word} is known within a factor {factor:.4g}"
+    within = f"{word} is known within a factor of {factor:.4g}"
+    if factor >= _UNKNOWN:
+        within = f"{word} is not known (a factor of {factor:.2g})"
     return Finding(
-        (within if factor < _UNKNOWN else f"{word} is not known, not even in its size")
-        + f"; {bounded}" * bool(bounded),
+        within + f"; {bounded}" * bool(bounded),
         factor,
-        f": this contact does not show {word} by itself; other numbers may be known better, see "
-        "their intervals",
+        f"This contact does not determine {word} alone",
+        "Use the numbers with narrow intervals.",
     )
 
 
@@ -214,7 +219,7 @@ def parameters_known(name: str, factor: float, bounded: str = "") -> Finding:
 def laws_agree(fit: IndentationFit, others: Sequence[tuple[str, Sequence[Fact]]]) -> Finding:
     """Laws that explain the contact as well say the same of restitution, modulus and depth."""
     if not others:
-        return Finding(f"no other law explains the contact as well as {fit.law}", 0.0)
+        return Finding(f"No other law explains the contact as well as {fit.law}", 0.0)
     apart = []
     for law, found in others:
         theirs = {one.name: one.value for one in found}
@@ -223,10 +228,10 @@ def laws_agree(fit: IndentationFit, others: Sequence[tuple[str, Sequence[Fact]]]
                 apart.append((abs(theirs[one.name] / one.value - 1), law, one.name))
     most, law, name = max(apart)
     return Finding(
-        f"{law} explains the contact as well; its {name} differs by {100 * most:.2g} %",
+        f"{law} explains the contact too; its {name} differs by {100 * most:.2g} %",
         most,
-        ": this contact cannot tell which law is the surface's; hit at another speed or with "
-        "another mass, or name the law (--law)",
+        "This contact cannot separate the two laws",
+        Remedy("Hit at another speed or with another mass, or name the law.", "model"),
     )
 
 
@@ -234,21 +239,21 @@ def laws_agree(fit: IndentationFit, others: Sequence[tuple[str, Sequence[Fact]]]
 def velocity_agrees(speed: float, stated: float | None) -> Finding:
     """The speed that the record shows is the one that was stated."""
     if stated is None:
-        return Finding("no height of fall or speed was stated to hold the record to", None)
+        return Finding("No height of fall or speed was given to compare with", None)
     ratio = speed / stated
     unit = next(
         (
-            f"; the factor is that between {word}: is the unit right?"
+            f"The factor is that between {word}. "
             for factor, word in ((GRAVITY, "g and m/s^2"), (1e3, "units a thousandfold apart"))
             if 0.85 < ratio / factor < 1.18 or 0.85 < ratio * factor < 1.18
         ),
         "",
     )
     return Finding(
-        f"the record shows an approach at {speed:.4g} m/s, stated are {stated:.4g}",
+        f"The record shows an approach at {speed:.4g} m/s; {stated:.4g} m/s was given",
         ratio,
-        f"{unit or '; check the sensitivity, the mass and the height'}: depth, k and modulus scale "
-        "with it",
+        f"{unit}Depth, k and modulus scale with it",
+        Remedy("Check unit and sensitivity, the mass and the height.", "units"),
     )
 
 
@@ -260,12 +265,12 @@ def velocity_agrees(speed: float, stated: float | None) -> Finding:
 )
 def gravity_known(part: float, stated: float | None) -> Finding:
     """Whether gravity pulls the indenter on is stated, or does not matter."""
-    says = f"over the contact gravity changes a speed by {100 * part:.2g} % of that of approach"
+    says = f"Over the contact gravity changes the speed by {100 * part:.2g} %"
     return Finding(
-        says if stated is None else "whether the indenter falls was stated",
+        says if stated is None else "Whether the indenter falls is known",
         part if stated is None else None,
-        ", and whether the indenter falls is not said: give the height of fall (--drop-height), "
-        "or, if it moves across, its speed (--impact-velocity)",
+        "Whether the indenter falls is not given",
+        Remedy("Give the height of fall, or the speed of approach.", "drop-height"),
     )
 
 
@@ -273,11 +278,12 @@ def gravity_known(part: float, stated: float | None) -> Finding:
 def force_agrees(ratio: float | None) -> Finding:
     """A force that was recorded too changes the momentum as much as the motion says."""
     if ratio is None:
-        return Finding("no force was recorded beside the motion", None)
+        return Finding("No force was recorded beside the motion", None)
     return Finding(
-        f"the recorded force makes {ratio:.4g} times the change of momentum",
+        f"The recorded force gives {ratio:.4g} times the change of momentum",
         ratio,
-        ": the mass, or one of the sensitivities, is wrong",
+        "The mass, or one of the sensitivities, is wrong",
+        Remedy("Check the mass and the sensitivities.", "mass"),
     )
 
 
@@ -287,11 +293,12 @@ def force_agrees(ratio: float | None) -> Finding:
 def indentation_shallow(depth: float, radius: float | None) -> Finding:
     """The indentation is shallow beside the radius, as Hertz has it."""
     if radius is None:
-        return Finding("no radius is known, and so no modulus (--radius 2.5mm)", None)
+        return Finding("No radius is given, so there is no modulus", None)
     return Finding(
-        f"the depth is {depth / radius:.2g} of the radius",
+        f"The depth is {depth / radius:.2g} of the radius",
         depth / radius,
-        ": a sphere is no paraboloid so deep, and the modulus is too low",
+        "A sphere is no paraboloid so deep, and the modulus is too low",
+        "Hit more softly, or use a larger sphere.",
     )
 
 
@@ -299,10 +306,10 @@ def indentation_shallow(depth: float, radius: float | None) -> Finding:
 def sensor_fast_enough(memory: float | None) -> Finding:
     """Sensor and filter are fast beside the contact."""
     if memory is None:
-        return Finding("too little flight is recorded to see a filter in its noise", None)
+        return Finding("Too little flight is recorded to see a filter in its noise", None)
     return Finding(
-        f"the noise remembers itself for {100 * memory:.2g} % of the contact",
+        f"The noise is correlated over {100 * memory:.2g} % of the contact",
         memory,
-        ": a filter, a slow sensor or hum widens the pulse, and part of the damping is theirs; "
-        "record without a filter",
+        "A filter, a slow sensor or hum widens the pulse and adds damping",
+        "Record without a filter.",
     )

@@ -30,7 +30,7 @@ EXAMPLES: Mapping[str, Example] = MappingProxyType(
     {
         "hit.csv": Example(
             "indentation",
-            "a ball of 5 g, radius 5 mm, dropped 51 mm on rubber, for dashpot indent",
+            "a ball of 5 g, radius 5 mm, dropped 51 mm on rubber, for dashpot fit",
             _hit,
         ),
     }

@@ -181,7 +181,8 @@ def fit_indentation(test: IndentationTest, *, law: ImpactLawAsked = "auto") -> I
     if not tried:
         raise FitError(
             "no law of contact follows the record: expected one push, in flight before and after; "
-            "cut the record about the contact (--segment), or look at it with dashpot inspect"
+            "cut the record about the contact (--part segment=N), or look at it with dashpot "
+            "inspect"
         )
     # all laws by the noise of the one that leaves least, for a misfit is no noise
     effective = min(tried, key=lambda one: one.optimum.sse).estimate.effective

@@ -12,13 +12,14 @@ from dashpot.base.errors import DataError, ReadError
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import about
 from dashpot.kinds.indentation.fit import fit_indentation
+from dashpot.kinds.indentation.indenter import Indenter
 from dashpot.kinds.indentation.read import read_indentation
-from dashpot.kinds.indentation.record import IndentationFit, Indenter
+from dashpot.kinds.indentation.record import IndentationFit
 
 
 @dataclass(frozen=True)
 class Indentation(Documented):
-    """What ``dashpot indent`` found.
+    """What ``dashpot fit`` found.
 
     Attributes
     ----------

@@ -13,7 +13,8 @@ from dashpot.io.columns.roles import Assigned, accelerations, list_columns, quot
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers import channels, checks
 from dashpot.io.readers.channels import Channel, Opened
-from dashpot.kinds.indentation.record import IndentationTest, Indenter, Motion
+from dashpot.kinds.indentation.indenter import Indenter
+from dashpot.kinds.indentation.record import IndentationTest, Motion
 
 _NAMED: tuple[Motion, ...] = ("acceleration", "velocity", "displacement", "force")
 
@@ -49,7 +50,7 @@ def read_indentation(
         source = channels.source(file, [c.says for c in chosen], [*file.table.notes, *gaps])
         return IndentationTest(
             time, values[of], of, indenter or Indenter(),
-            values["force"] if forces else None, source,
+            values["force"] if forces else None, source, units="SI",
         )  # fmt: skip
 
 
@@ -62,7 +63,7 @@ def _motion(file: Opened) -> tuple[Assigned, Motion]:
             return answer, role
     raise ReadError(
         "no acceleration, velocity, displacement or force of an indenter is recognised; name its "
-        "column with --acceleration, --velocity, --displacement or --force; the columns are "
+        "column, such as --column acceleration=NAME; the columns are "
         f"{list_columns(file.table.columns)}"
     )
 
@@ -73,7 +74,8 @@ def _acceleration(file: Opened) -> Assigned | None:
     if len(found) > 1:
         listed = ", ".join(quoted(file.table.columns, i) for i in found)
         raise ReadError(
-            f"{listed} are accelerations, and one indenter has one; name it with --acceleration"
+            f"{listed} are accelerations, and one indenter has one; name it with "
+            "--column acceleration=NAME"
         )
     says = "its name or unit says acceleration"
     return Assigned("acceleration", found[0], says) if found else None

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
@@ -10,61 +9,23 @@ import numpy as np
 
 from dashpot.base.arrays import ByValue, FloatArray, hold_measured, median
 from dashpot.base.checks import Check
-from dashpot.base.demands import positive
 from dashpot.base.errors import DataError
 from dashpot.base.facts import Fact, Numbered
 from dashpot.base.offered import Described
-from dashpot.base.options import option
 from dashpot.base.provenance import Source, of_file
-from dashpot.base.units import GRAVITY, si_fields
+from dashpot.base.said import into_si, said_units
+from dashpot.base.units import Dimension
 from dashpot.kinds.indentation.contact_law import ContactLaw
+from dashpot.kinds.indentation.indenter import Indenter
 
 Motion: TypeAlias = Literal["acceleration", "velocity", "displacement", "force"]
 UNITS: dict[str, str] = {
     "acceleration": "m/s^2", "velocity": "m/s", "displacement": "m", "force": "N",
 }  # fmt: skip
-
-
-@dataclass(frozen=True)
-class Indenter:
-    """The body that hits; each number may be given with its unit, ``"5g"``.
-
-    Attributes
-    ----------
-    mass : float or None
-        kg; all that moves with the indenter.
-    radius : float or None
-        Of its spherical tip, m.
-    drop_height : float or None
-        From rest to the surface, m: it falls, and gravity pulls on.
-    impact_velocity : float or None
-        Of approach, m/s, where something else measured it.
-    """
-
-    mass: float | None = option(None, "Of all that moves with the indenter, e.g. 5g.", unit="mass")
-    radius: float | None = option(None, "Of its spherical tip, e.g. 2.5mm.", unit="length")
-    drop_height: float | None = option(
-        None, "From rest to the surface, e.g. 50mm: it falls.", unit="length"
-    )
-    impact_velocity: float | None = option(
-        None, "Of approach, measured apart, e.g. 1m/s.", unit="velocity"
-    )
-
-    def __post_init__(self) -> None:
-        si_fields(self)
-        positive(**vars(self), expected="a number > 0 in SI units", optional=True)
-
-    @property
-    def pull(self) -> float:
-        """Acceleration besides the contact's, m/s^2: gravity for a fall."""
-        return GRAVITY if self.drop_height is not None else 0.0
-
-    @property
-    def stated_velocity(self) -> float | None:
-        """Of approach as it was said, or as a free fall from that height has it, m/s."""
-        if self.impact_velocity is not None or self.drop_height is None:
-            return self.impact_velocity
-        return math.sqrt(2 * GRAVITY * self.drop_height)
+_DIMENSIONS: dict[str, Dimension] = {
+    "acceleration": "acceleration", "velocity": "velocity", "displacement": "length",
+    "force": "force",
+}  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -83,6 +44,8 @@ class IndentationTest(ByValue, Described):
     force : array, shape (n,), or None
         Recorded beside a motion, N.
     source : Source or None
+    units : str
+        Of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
 
     Raises
     ------
@@ -97,11 +60,13 @@ class IndentationTest(ByValue, Described):
     indenter: Indenter
     force: FloatArray | None = None
     source: Source | None = None
+    units: str = said_units()
 
     def __post_init__(self) -> None:
-        hold_measured(self, "time", "signal", "force", minimum=16)
         if self.of not in UNITS:
             raise DataError(f"of = '{self.of}'; expected one of {', '.join(UNITS)}")
+        into_si(self, time="time", signal=_DIMENSIONS[self.of], force="force")
+        hold_measured(self, "time", "signal", "force", minimum=16)
         steps = np.diff(self.time)
         worst = int(np.argmax(np.abs(steps - self.step)))
         if abs(steps[worst] - self.step) > 0.2 * self.step:
@@ -125,6 +90,10 @@ class IndentationTest(ByValue, Described):
                 f"{np.abs(self.signal).max():.4g} {UNITS[self.of]}"
             ),
         )
+
+
+# what a reader came for: the first of these that the contact gives
+_CAME_FOR = ("modulus", "k")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -173,11 +142,19 @@ class IndentationFit(ByValue, Described, Numbered):
     source: Source | None = None
 
     @property
+    def sound(self) -> str:
+        """The modulus or stiffness, and the restitution."""
+        named = {one.name: one for one in self.found}
+        first = next(filter(None, map(named.get, _CAME_FOR)), self.found[0])
+        bounce = named.get("restitution")
+        more = f", {bounce.called} {bounce.cells.with_unit}" if bounce else ""
+        return f"{first.called} {first.cells.with_unit}{more}"
+
+    @property
     def described(self) -> tuple[str, ...]:
         """The verdict, the law and its numbers."""
-        judged = self.verdict
         return (
-            f"{judged.use}: {judged.says}",
+            str(self.verdict),
             f"law: {self.law}",
             *(one.says for one in self.found),
         )

@@ -7,8 +7,9 @@ from typing import Any
 
 from dashpot.kinds import Piece
 from dashpot.kinds.indentation.fit import fit_indentation
+from dashpot.kinds.indentation.indenter import Indenter
 from dashpot.kinds.indentation.read import read_indentation
-from dashpot.kinds.indentation.record import IndentationFit, Indenter
+from dashpot.kinds.indentation.record import IndentationFit
 
 
 def row(file: str | Path, piece: Piece) -> tuple[IndentationFit, dict[str, Any]]:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from dashpot.base.checks import Finding, criterion
+from dashpot.base.checks import Finding, Remedy, criterion
 from dashpot.base.units import in_unit, read_in
 
 MATTERS = 20.0
@@ -28,15 +28,17 @@ def level_matters(
     """Stiffness or loss moves with amplitude as friction or a cubic spring does."""
     low, high = amplitudes
     linear = (
-        f"no dependence on amplitude is seen from {low:.3g} to {high:.3g} {of} (2 ln L = "
-        f"{gain:.3g}): the solid is linear there, and nothing is said of larger amplitudes"
+        f"The part is linear from {low:.3g} to {high:.3g} {of}: no change with amplitude is seen "
+        f"(2 ln L = {gain:.3g}). Larger amplitudes are not known"
     )
     return Finding(
         f"{by} explains what arms alone do not (2 ln L = {gain:.3g})",
         gain,
         instead=linear
         if followed
-        else "neither friction nor a cubic spring nor arms alone explain the tests",
+        else "Neither friction nor a cubic spring nor arms alone explain the tests "
+        f"(2 ln L = {gain:.3g})",
+        remedy="Test at larger amplitudes, if the part moves farther in use.",
     )
 
 
@@ -44,9 +46,10 @@ def level_matters(
 def amplitudes_spread(ratio: float, of: str) -> Finding:
     """The tests cover amplitudes far enough apart to show what amplitude does."""
     return Finding(
-        f"the amplitudes ({of}) span a factor of {ratio:.3g}",
+        f"The amplitudes ({of}) span a factor of {ratio:.3g}; at least 3 is needed",
         ratio,
-        ", too narrow: each slider looks like a spring and a loss; test at a second level",
+        "Each friction slider looks like a spring and a loss",
+        "Test at a second level.",
     )
 
 
@@ -54,10 +57,10 @@ def amplitudes_spread(ratio: float, of: str) -> Finding:
 def softening_seen(reach: float) -> Finding:
     """The sweep goes beyond the amplitude where half of the stiffness is lost."""
     return Finding(
-        f"the largest amplitude is {reach:.3g} times that at which half is lost",
+        f"The largest amplitude is {reach:.3g} times that at which half is lost",
         reach,
-        ": the exponent was set to 0.5, and how much is lost in the end is extrapolated; sweep to "
-        "larger amplitudes",
+        "The exponent was set to 0.5, and the share that is lost is extrapolated",
+        "Sweep to larger amplitudes.",
     )
 
 
@@ -65,11 +68,12 @@ def softening_seen(reach: float) -> Finding:
 def spring_cubic(gain: float) -> Finding:
     """The spring stiffens with the square of the amplitude."""
     return Finding(
-        "the spring stiffens as a cubic one",
+        "The spring stiffens as a cubic one",
         gain,
-        instead=f"the spring does not stiffen with the square of the amplitude alone "
-        f"(2 ln L = {gain:.3g}), or the friction beside it is not Kraus's: k3 is of this range of "
-        "amplitudes, and known as badly as its error says",
+        instead=f"The spring is not cubic alone (2 ln L = {gain:.3g}), or its friction is not "
+        "Kraus's",
+        because="The constant k3 is valid in this range of amplitudes",
+        remedy="Use k3 in this range only.",
     )
 
 
@@ -77,9 +81,10 @@ def spring_cubic(gain: float) -> Finding:
 def law_followed(residual: float) -> Finding:
     """The law follows the sweep."""
     return Finding(
-        f"what is left is {100 * residual:.2g} % of the modulus",
+        f"The law misses the modulus by {100 * residual:.2g} %",
         residual,
-        ": this rubber softens in another way; take its numbers only where they were measured",
+        "This rubber softens in another way",
+        "Use its numbers only where they were measured.",
     )
 
 
@@ -88,10 +93,10 @@ def ways_agree(change: float) -> Finding:
     """The way down through the amplitudes tells what the way up told."""
     way = "softer" if change < 0 else "stiffer"
     return Finding(
-        f"at the same amplitude the way down is {100 * abs(change):.2g} % {way} than the way up",
+        f"At the same amplitude the way down is {100 * abs(change):.2g} % {way} than the way up",
         abs(change),
-        ": the rubber remembers what was done to it (Mullins, no time to recover) or warmed, and "
-        "the law is a mean of both; write the way that counts to a file of its own",
+        "The rubber softened (Mullins) or warmed, and the law is a mean of both",
+        "Write the way that counts to a file of its own.",
     )
 
 
@@ -99,10 +104,10 @@ def ways_agree(change: float) -> Finding:
 def loss_followed(left: float) -> Finding:
     """The law follows the loss by itself, which is small beside the storage."""
     return Finding(
-        f"what is left of the loss is {100 * left:.2g} % of it",
+        f"The law misses the loss by {100 * left:.2g} %",
         left,
-        ": the law's loss is not this rubber's, and a damping from it is as much off; take the "
-        "loss where it was measured",
+        "A damping from the law is as much off",
+        "Use the loss where it was measured.",
     )
 
 
@@ -113,19 +118,17 @@ def levels_as_struck(said: Sequence[float], struck: Sequence[float]) -> Finding:
     forces, names = (", ".join(f"{one:.3g}" for one in each) for each in (struck, said))
     within = np.log(2)
     if np.abs(np.log(np.divide(np.sort(said), np.sort(struck)))).max() <= within:
-        why = "the levels belong to each other's files: give them in the order of the files"
+        why = "The levels belong to each other's files."
     elif np.abs(np.abs(off) - np.log(1e3)).max() <= within and abs(off.sum()) > np.abs(off).max():
-        why = "a factor of 1000: is the level, or the force in the files, in mN or kN?"
+        why = "A factor of 1000 looks like mN or kN."
     else:
-        why = (
-            "the level of a hammer's file is the peak force of its hits; say that, or none, and if "
-            "it is right look at the unit and the sensitivity of the force"
-        )
-    says = f"the hits show {forces} N (peaks, the median of each file)"
+        why = "Unit or sensitivity of the force may be wrong."
+    says = f"The median hit of each file has {forces} N"
     return Finding(
-        f"{says} and {names} N are said",
+        f"{says}; {names} N was given",
         float(np.exp(off[np.abs(off).argmax()])),
-        instead=f"{says} where {names} N are said: {why}; the hits themselves count here",
+        because=f"{why} The hits themselves count here",
+        remedy=Remedy("Give the peak force of each file, in their order.", "level"),
     )
 
 
@@ -133,11 +136,11 @@ def levels_as_struck(said: Sequence[float], struck: Sequence[float]) -> Finding:
 def levels_held(struck: Sequence[str]) -> Finding:
     """Every FRF is of a motion that was held at a level, not of hits."""
     return Finding(
-        "no FRF says that it is of hits",
+        "No FRF is of hits",
         len(struck),
-        instead=f"{', '.join(struck)}: of hits, whose motion dies away, so that no line has one "
-        "amplitude and the peak of the force is no level; give the hammer's own records instead "
-        "of their FRF, or FRFs of a shaker at a held level",
+        instead=f"{', '.join(struck)}: an FRF of hits has no level, because the motion dies away "
+        f"({len(struck)} such)",
+        remedy="Give the hammer's own records, or FRFs of a shaker at a level.",
     )
 
 
@@ -150,14 +153,14 @@ def levels_held(struck: Sequence[str]) -> Finding:
 )
 def levels_followed(residual: float, noise: float | None) -> Finding:
     """One solid with friction follows the FRFs of every level."""
-    says = f"what is left is {100 * residual:.2g} % of F/X"
+    says = f"The model misses F/X by {100 * residual:.2g} %"
     if noise is None:
-        return Finding(says + "; too few lines show how much of it is their noise")
+        return Finding(f"{says}. Too few lines show how much of it is noise")
     return Finding(
-        f"{says}, noise {100 * noise:.2g} %",
+        f"{says}; the noise is {100 * noise:.2g} %",
         residual / noise,
-        ": no arms, sliders and cubic spring explain every level; check the mass, which level "
-        "belongs to which FRF, and the phase between the channels",
+        "No arms, sliders and cubic spring explain every level",
+        Remedy("Check the mass, the order of the levels, and the phase.", "level"),
         grade="stop" if residual > LOST else "limit",
     )
 
@@ -170,11 +173,12 @@ def level_covered(
     unit, (low, high) = read_in(of), tested
     moves, least, most = (f"{in_unit(one, unit):.3g}" for one in (amplitude, low, high))
     factor = max(amplitude / high, low / amplitude)
-    says = f"at {at} the seal {'moves' if of == 'm' else 'is moved by'} {moves} {unit}"
+    says = f"At {at} the seal {'moves' if of == 'm' else 'is moved by'} {moves} {unit}"
     range_ = f"{least} to {most} {unit} of the tests"
     return Finding(
         f"{says}, within the {range_}",
         factor,
-        instead=f"{says}, {factor:.3g} times beyond the {range_}: what slips there nobody has "
-        "measured; test at that level",
+        instead=f"{says}, {factor:.3g} times outside the {range_}",
+        because="Friction there was not measured",
+        remedy="Test at that level.",
     )

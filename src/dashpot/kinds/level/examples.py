@@ -60,14 +60,14 @@ EXAMPLES: Mapping[str, Example] = MappingProxyType(
     {
         "loops.csv": Example(
             "cyclic",
-            "a seal that rubs, moved to and fro at nine amplitudes, for dashpot level",
+            "a seal that rubs, moved to and fro at nine amplitudes, for dashpot fit",
             _loops,
         ),
         "shaker_20mN.csv": Example(
             "frf", "the block on two such seals, on a shaker of 0.02 N", _at_level(0.02, 1)
         ),
         "shaker_500mN.csv": Example(
-            "frf", "the same at 0.5 N: dashpot level takes the two", _at_level(0.5, 2)
+            "frf", "the same at 0.5 N: dashpot fit takes the two", _at_level(0.5, 2)
         ),
     }
 )

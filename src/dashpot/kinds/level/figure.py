@@ -301,8 +301,8 @@ def _backbone(fit: LevelFit, kind: Kind) -> tuple[FloatArray, FloatArray]:
     X = np.geomspace(*fit.amplitudes, 60)
     omega = np.full(len(X), 2 * np.pi * float(np.mean(fit.band)))
     for _ in range(50):
-        omega = np.sqrt(fit.seals * fit.stiffness(omega, X).real / fit.mass)
-    loss = fit.seals * fit.stiffness(omega, X).imag
+        omega = np.sqrt(fit.seals * fit.stiffness(omega=omega, amplitude=X).real / fit.mass)
+    loss = fit.seals * fit.stiffness(omega=omega, amplitude=X).imag
     with np.errstate(divide="ignore"):
         receptance = 1 / loss
     f = omega / (2 * np.pi)
@@ -324,10 +324,10 @@ def _informed(fit: LevelFit, frfs: Sequence[FRF]) -> list[Panel]:
         for frf, level in zip(frfs, fit.levels, strict=True)
     ]
     omega, X, K, weight = (np.concatenate(each) for each in zip(*rows, strict=True))
-    solid = fit.solid.complex_stiffness(np.append(omega, middle))
+    solid = fit.solid.complex_stiffness(omega=np.append(omega, middle))
     at, mean, error = _means(X, K - solid[:-1] + solid[-1], weight / fit.residual)
     dense = np.geomspace(*fit.amplitudes, 60)
-    curve = fit.stiffness(middle, dense)
+    curve = fit.stiffness(omega=middle, amplitude=dense)
     word, mm = unit_of(X, "m")
     across = Scale(f"amplitude of displacement, {word}", around_log(mm * dense, margin=1.1),
                   log=True)  # fmt: skip

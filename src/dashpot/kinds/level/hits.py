@@ -63,12 +63,22 @@ class HitLevels(Checked, Documented):
         return self.trend.amplitudes
 
     @property
-    def described(self) -> tuple[str, ...]:
-        """The verdict, the trend, and what it could have found."""
-        judged, trend = self.verdict, self.trend
+    def sound(self) -> str:
+        """By how much stiffness and damping change as the motion doubles, and where."""
         low, high = self.amplitudes
         return (
-            f"{judged.use}: {judged.says}",
+            f"from {in_unit(low, 'mm'):.3g} to {written(high, 'mm', '.3g')} a doubled motion "
+            f"changes the stiffness by {_with_error(self.trend.stiffness_line)}, the damping "
+            f"ratio by {_with_error(self.trend.damping_line)}"
+        )
+
+    @property
+    def described(self) -> tuple[str, ...]:
+        """The verdict, the trend, and what it could have found."""
+        trend = self.trend
+        low, high = self.amplitudes
+        return (
+            str(self.verdict),
             (
                 f"{trend.stiffness_line.dof + 2} hits, motion of {in_unit(low, 'mm'):.3g} to "
                 f"{written(high, 'mm', '.3g')}: per doubling the stiffness changes by "
@@ -79,7 +89,7 @@ class HitLevels(Checked, Documented):
                 f"found would be {100 * trend.stiffness_found:.2g} % of stiffness and "
                 f"{100 * trend.damping_found:.2g} % of damping per doubling (four of five tests)"
             ),
-            *(check.says for check in self.checks if check.failed),
+            *(check.told for check in self.checks if check.failed),
         )
 
     @property

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -16,10 +16,10 @@ from dashpot.base.facts import Fact
 from dashpot.base.numbers import counted
 from dashpot.base.offered import Described
 from dashpot.base.provenance import Source, Step
-from dashpot.base.units import in_unit, written
+from dashpot.base.units import Quantity, in_unit, written
 from dashpot.records.specimen import Specimen
 from dashpot.solids.friction import Jenkins
-from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.solids.maxwell import GeneralizedMaxwell, angular
 from dashpot.solids.rate_independent import InParallel, RateIndependent
 from dashpot.solids.stiffening import Cubic
 
@@ -162,9 +162,18 @@ class LevelFit(ByValue, Described, Checked, Documented):
         """`orders` by their names."""
         return dict(self.orders)
 
-    def stiffness(self, omega: npt.ArrayLike, amplitude: npt.ArrayLike) -> ComplexArray:
-        """Complex stiffness of one seal, N/m, at rad/s and amplitudes, m."""
-        return InParallel((self.solid, *self.beside)).equivalent(omega, amplitude)
+    @overload
+    def stiffness(
+        self, *, amplitude: npt.ArrayLike, frequency: Quantity | npt.ArrayLike
+    ) -> ComplexArray: ...
+    @overload
+    def stiffness(self, *, amplitude: npt.ArrayLike, omega: npt.ArrayLike) -> ComplexArray: ...
+    def stiffness(
+        self, *bare: object, amplitude: Any = None, frequency: Any = None, omega: Any = None
+    ) -> ComplexArray:
+        """Complex stiffness of one seal, N/m, at amplitudes, m, and Hz or rad/s."""
+        at = angular(*bare, frequency=frequency, omega=omega)
+        return InParallel((self.solid, *self.beside)).equivalent(at, amplitude)
 
     def interval(
         self, follows: Callable[[GeneralizedMaxwell, Elements], npt.ArrayLike]
@@ -206,15 +215,28 @@ class LevelFit(ByValue, Described, Checked, Documented):
         return np.asarray((low <= X) & (high >= X))
 
     @property
+    def sound(self) -> str:
+        """By how much the stiffness changes with amplitude, and where the lines cover it."""
+        low, high = self.amplitudes
+        ends = self.stiffness(
+            amplitude=[low, high], omega=np.pi * (self.band[0] + self.band[1])
+        ).real
+        way = "falls" if ends[1] < ends[0] else "rises"
+        return (
+            f"from {in_unit(low, 'mm'):.3g} to {written(high, 'mm', '.3g')} the stiffness of one "
+            f"seal {way} by {100 * abs(ends[1] / ends[0] - 1):.2g} %, from "
+            f"{in_unit(ends[0], 'N/mm'):.4g} to {written(ends[1], 'N/mm')}"
+        )
+
+    @property
     def described(self) -> tuple[str, ...]:
         """The verdict, and what moves with amplitude by how much."""
         low, high = self.amplitudes
-        judged = self.verdict
         middle = np.pi * (self.band[0] + self.band[1])
-        ends = self.stiffness(middle, [low, high])
+        ends = self.stiffness(omega=middle, amplitude=[low, high])
         factor = ends.imag / ends.real
         return (
-            f"{judged.use}: {judged.says}",
+            str(self.verdict),
             (
                 f"one seal, {in_unit(low, 'mm'):.3g} to {written(high, 'mm', '.3g')} at "
                 f"{middle / 2 / np.pi:.4g} Hz: stiffness {in_unit(ends[0].real, 'N/mm'):.4g} to "
@@ -230,7 +252,7 @@ class LevelFit(ByValue, Described, Checked, Documented):
                 "that at no level, of another by 0.5 %"
             ),
             *self._stiffening,
-            *(check.says for check in self.checks if check.failed),
+            *(check.told for check in self.checks if check.failed),
         )
 
     @property

@@ -72,6 +72,7 @@ def sweep_of_loops(test: RelaxationTest) -> AmplitudeSweep:
         test.specimen,
         test.source,
         np.array([one.sd for one in cycles]),
+        units="SI",
     )
 
 

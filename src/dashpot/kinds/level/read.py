@@ -73,6 +73,7 @@ def read_amplitude(
             _OF[column.role],
             specimen,
             channels.source(file, [c.says for c in chosen], (*notes, *said)),
+            units="SI",
         )
 
 
@@ -87,8 +88,9 @@ def _swept(file: Opened) -> Assigned:
         if isinstance(one, Question) and one.choices:
             raise ReadError(one.says)
     raise ReadError(
-        "no column of strain or displacement amplitude was found; name it with --strain or "
-        f"--displacement; the columns are {list_columns(file.table.columns)}"
+        "no column of strain or displacement amplitude was found; name it with "
+        "--column strain=NAME or displacement=NAME; the columns are "
+        f"{list_columns(file.table.columns)}"
     )
 
 

@@ -15,6 +15,7 @@ from dashpot.base.errors import DataError
 from dashpot.base.numbers import ascii_only, rounded
 from dashpot.base.offered import Described
 from dashpot.base.provenance import Source, of_file
+from dashpot.base.said import Dimensions, into_si, own_unit, said_units
 from dashpot.base.units import in_unit, read_in, written
 from dashpot.records.specimen import Specimen
 from dashpot.solids.friction import Kraus
@@ -44,6 +45,8 @@ class AmplitudeSweep(ByValue, Described):
     source : Source or None
     sd : array, shape (n,) or None
         Standard deviation of storage and of loss, in `unit`, where it is known.
+    units : str
+        Of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
 
     Raises
     ------
@@ -60,8 +63,16 @@ class AmplitudeSweep(ByValue, Described):
     specimen: Specimen = field(default_factory=Specimen)
     source: Source | None = None
     sd: FloatArray | None = None
+    units: str = said_units()
 
     def __post_init__(self) -> None:
+        of: Dimensions = ("stress", "stiffness")
+        said = into_si(
+            self, frequency="frequency", amplitude=("strain", "length"), storage=of, loss=of, sd=of
+        )
+        own_unit(self, said, "storage", "loss", "sd")
+        if said:
+            object.__setattr__(self, "of", {"length": "m"}.get(said["amplitude"], "strain"))
         hold_measured(self, "frequency", "amplitude", "storage", "loss", "sd")
         for name, unit in (("frequency", "Hz"), ("amplitude", self.of)):
             values = getattr(self, name)
@@ -205,10 +216,22 @@ class AmplitudeFit(ByValue, Described, Checked, Documented):
         return dict(self.orders)
 
     @property
+    def sound(self) -> str:
+        """By how much the stiffness changes over the amplitudes, and what the law leaves of it."""
+        unit, of = read_in(self.unit), read_in(self.of)
+        low, high = (in_unit(one, of) for one in self.amplitudes)
+        ends = self.stiffness(self.amplitudes).real
+        way = "falls" if ends[1] < ends[0] else "rises"
+        return (
+            f"from {low:.3g} to {high:.3g} {of} the stiffness {way} by "
+            f"{100 * abs(ends[1] / ends[0] - 1):.2g} %, to {written(float(ends[1]), unit, '.3g')}. "
+            f"The law follows it to {100 * self.residual:.2g} %"
+        )
+
+    @property
     def described(self) -> tuple[str, ...]:
         """The verdict, the law and its numbers."""
-        judged = self.verdict
-        lines, error = [f"{judged.use}: {judged.says}"], dict(self.se)
+        lines, error = [str(self.verdict)], dict(self.se)
         unit, of = read_in(self.unit), read_in(self.of)
         low, high = (in_unit(one, of) for one in self.amplitudes)
         kraus = self.law.partition("+")[0]

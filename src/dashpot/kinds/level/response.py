@@ -132,6 +132,6 @@ def with_third_harmonic(
     """
     solid, beside = parts
     k3 = sum(one.k3 for one in beside if isinstance(one, Cubic))
-    third = solid.complex_stiffness(3 * omega) - 9 * inertia * omega**2
+    third = solid.complex_stiffness(omega=3 * omega) - 9 * inertia * omega**2
     ratio = -k3 * X**2 / 4 / third
     return np.asarray(1 + ratio + 2 * np.abs(ratio) ** 2)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from dashpot.base.checks import Finding, criterion
+from dashpot.base.checks import Finding, Remedy, criterion
 
 PLANE = 0.05
 
@@ -17,18 +17,18 @@ def rod_usable(lines: int, band: tuple[float, float]) -> Finding:
     """Lines enough about the resonance know storage and loss factor to 10 %."""
     if not lines:
         return Finding(
-            "at no line storage and loss factor are known to 10 %: a degree of phase or a per cent "
-            "of gain hides them; take a heavier mass, calibrate the sensors against each other on "
-            "the bare base, or average longer",
+            "Storage and loss factor are known to 10 % at no line. A degree of phase or a per cent "
+            "of gain hides them",
             0,
+            remedy="Use a heavier mass, calibrate the sensors on the bare base, or average longer.",
             grade="stop",
         )
     return Finding(
-        f"storage and loss factor are known to 10 % at {lines} lines, {band[0]:.4g} to "
-        f"{band[1]:.4g} Hz",
+        f"Storage and loss factor are known to 10 % at {lines} lines from {band[0]:.4g} to "
+        f"{band[1]:.4g} Hz; at least {ROD_LINES} are needed",
         lines,
-        ": too few to show whether one material explains them; measure more lines, or another mode "
-        "is within the resonance",
+        "So few cannot show whether one material explains them. Another mode may be near",
+        "Measure more lines.",
     )
 
 
@@ -36,9 +36,10 @@ def rod_usable(lines: int, band: tuple[float, float]) -> Finding:
 def mass_beside_rod(ratio: float) -> Finding:
     """The mass is one that such a rod carries; no line shows modulus and mass too large alike."""
     return Finding(
-        f"the mass is {ratio:.3g} times that of the rod",
+        f"The mass is {ratio:.3g} times that of the rod",
         ratio,
-        ": more than such tests have; is its unit right? The modulus is proportional to it",
+        "Such tests have less, and the modulus is proportional to it",
+        Remedy("Check the mass and its unit.", "mass"),
     )
 
 
@@ -48,13 +49,13 @@ def mass_beside_rod(ratio: float) -> Finding:
 def sensors_agree(gain: float | None, phase: float, *, known: tuple[float, float]) -> Finding:
     """Far below the resonance both sensors read one motion, within the errors that were said."""
     if gain is None:
-        return Finding("no lines below half the usable band show what the sensors read at rest")
+        return Finding("No lines lie far below the resonance, so the sensors are not compared")
     return Finding(
-        f"far below the resonance the mass moves {100 * gain:+.2g} % and {np.degrees(phase):+.2g} "
-        "degrees off what the modulus has it",
+        f"Far below the resonance the sensors differ by {100 * gain:+.2g} % and "
+        f"{np.degrees(phase):+.2g} degrees from the modulus",
         float(max(abs(gain) / known[0], abs(phase) / known[1])),
-        ": the sensors differ by more than was said (--gain-error, --phase-error); calibrate them "
-        "on the bare base, or say how far they are off",
+        "That is more than the errors that were given",
+        Remedy("Calibrate them on the bare base, or give their errors.", "gain-error"),
     )
 
 
@@ -65,9 +66,10 @@ def sensors_agree(gain: float | None, phase: float, *, known: tuple[float, float
 def waves_plane(bulging: float | None, frequency: float) -> Finding:
     """The waves are long against the section, so that it moves as one."""
     if bulging is None:
-        return Finding("no line is usable, so the waves at its end are not judged")
+        return Finding("No line is usable, so the waves are not judged")
     return Finding(
-        f"at {frequency:.4g} Hz the rod's bulging takes {100 * bulging:.2g} % off the modulus",
+        f"At {frequency:.4g} Hz the bulging of the rod lowers the modulus by {100 * bulging:.2g} %",
         bulging,
-        ": the wave is no longer plane; use lower frequencies (--band), or a thinner rod",
+        "The wave is no longer plane",
+        Remedy("Use lower frequencies, or a thinner rod.", "band"),
     )

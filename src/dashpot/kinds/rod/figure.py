@@ -51,7 +51,9 @@ def rod(found: RodModulus, *, fit: Fit | None = None, stamp: str = "") -> Pictur
         if fit is not None:
             omega = 2 * np.pi * dense
             solid = (
-                fit.solid.loss_factor(omega) if number else in_unit(fit.solid.storage(omega), "MPa")
+                fit.solid.loss_factor(omega=omega)
+                if number
+                else in_unit(fit.solid.storage(omega=omega), "MPa")
             )
             marks.append(Line(dense, solid, FIT, "fit"))
         marks.append(Dots(x, y, "measured", "from the FRF"))

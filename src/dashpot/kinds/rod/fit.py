@@ -65,7 +65,12 @@ def fit_rod(
         )
     frequency, modulus = _averaged(lines, lines.modulus)
     test = DynamicTest(
-        frequency, modulus.real, modulus.imag, specimen=specimen or Specimen(), source=source
+        frequency,
+        modulus.real,
+        modulus.imag,
+        specimen=specimen or Specimen(),
+        source=source,
+        units="SI",
     )
     fit = fit_dynamic(test, arms=arms, family=family)
     here = values(fit)

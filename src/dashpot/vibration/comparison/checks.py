@@ -9,7 +9,8 @@ from __future__ import annotations
 import numpy as np
 
 from dashpot.base import numbers
-from dashpot.base.checks import Check, Finding, Grade, criterion
+from dashpot.base.checks import VERDICT_WORDS, Check, Finding, Grade, Remedy, criterion, shortly
+from dashpot.base.sentences import within
 from dashpot.base.units import GRAVITY, written
 from dashpot.records.fit import Fit
 from dashpot.vibration.comparison.comparison import Comparison
@@ -26,7 +27,8 @@ USELESS = 4.0
 # measured, n = 21: from here on the parabola reads the peak to 1 %, with a third of it to 17 %
 FEWEST_LINES = 1.5
 
-_ASTRAY = ": check mass, number of seals, length and preload"
+TOGETHER = "Fit both tests together, or ramp faster."
+_ASTRAY = "Check the mass, the number of seals, their length and the preload."
 
 
 def checks(
@@ -73,18 +75,18 @@ def stiffness_agrees(c: Comparison) -> Finding:
     if _no_peak(c):
         f = c.predicted.frequency
         return Finding(
-            f"the prediction has no peak from {f[0]:.3g} to {f[-1]:.3g} Hz, where the measured one "
-            f"is at {c.measured_hz:.4g} Hz",
+            f"The prediction has no peak from {f[0]:.3g} to {f[-1]:.3g} Hz. The measured one is at "
+            f"{c.measured_hz:.4g} Hz",
             abs(error),
-            _ASTRAY,
+            remedy=_ASTRAY,
             grade=_grade(abs(error) / FREQUENCY_LIMIT),
         )
     return Finding(
-        f"the predicted peak is at {c.predicted_hz:.3f} Hz, the measured one at "
-        f"{c.measured_hz:.3f} Hz ({100 * error:+z.2f} %), so the storage stiffness there is "
+        f"The predicted peak is at {c.predicted_hz:.3f} Hz, the measured one at "
+        f"{c.measured_hz:.3f} Hz ({100 * error:+z.2f} %). The storage stiffness there is "
         f"{100 * ((1 + error) ** 2 - 1):+z.1f} % off",
         abs(error),
-        _ASTRAY,
+        remedy=_ASTRAY,
         grade=_grade(abs(error) / FREQUENCY_LIMIT),
     )
 
@@ -100,16 +102,18 @@ def peak_agrees(c: Comparison) -> Finding:
     """The peaks are as high as one another."""
     if _no_peak(c):
         return Finding(
-            f"no predicted line is higher than {10 ** (c.ratio_db / 20):.3g} times the measured "
+            f"No predicted line is higher than {10 ** (c.ratio_db / 20):.3g} times the measured "
             f"peak ({c.ratio_db:+z.1f} dB)",
             c.ratio_db,
+            remedy=_ASTRAY,
             grade=_grade(abs(c.ratio_db) / HEIGHT_LIMIT),
         )
     return Finding(
-        f"the predicted peak is {10 ** (c.ratio_db / 20):.3g} times the measured one "
+        f"The predicted peak is {10 ** (c.ratio_db / 20):.3g} times as high as the measured one "
         f"({c.ratio_db:+z.1f} dB)",
         c.ratio_db,
-        f": damping is {'under' if c.ratio_db > 0 else 'over'}estimated",
+        f"The model has too {'little' if c.ratio_db > 0 else 'much'} damping there",
+        TOGETHER,
         grade=_grade(abs(c.ratio_db) / HEIGHT_LIMIT),
     )
 
@@ -125,16 +129,16 @@ def damping_agrees(c: Comparison, measured: Peak) -> Finding:
     if c.measured_damping is None or c.predicted_damping is None:
         which = "measured" if c.measured_damping is None else "predicted"
         return Finding(
-            f"the {which} lines do not support a damping ratio: {measured.half_power_lines:.1f} "
-            "lines lie in the half-power band, and at the end of the record "
-            f"{100 * measured.decay:.0f} % of the response is left; record longer, or with "
-            "more lines about the peak",
+            f"The {which} FRF gives no damping ratio. Its half-power band has "
+            f"{measured.half_power_lines:.1f} lines, and {100 * measured.decay:.0f} % of the "
+            "response is left at the end of the record. A longer record would give one",
         )
     ratio = c.predicted_damping / c.measured_damping
     return Finding(
-        f"predicted damping ratio {100 * c.predicted_damping:.3g} %, measured "
-        f"{100 * c.measured_damping:.3g} %: {ratio:.3g} times",
+        f"The predicted damping ratio is {100 * c.predicted_damping:.3g} %, the measured one "
+        f"{100 * c.measured_damping:.3g} % (ratio {ratio:.3g})",
         ratio,
+        remedy=TOGETHER,
         grade=_grade(abs(float(np.log(ratio))) / np.log(DAMPING_LIMIT)),
     )
 
@@ -149,14 +153,20 @@ def no_unit_slip(c: Comparison) -> Finding:
     frequency = c.measured_hz / c.predicted_hz
     height = float(np.median(np.abs(c.measured.value) / np.abs(c.predicted.value)))
     for ratio, factor, words in (
-        (frequency, np.sqrt(1000), "a factor 1000 in mass or stiffness (g for kg, N/mm for N/m)"),
-        (height, GRAVITY, "acceleration in g where m/s^2 was meant"),
+        (frequency, np.sqrt(1000), "mass or stiffness by a factor 1000 (g for kg, N/mm for N/m)"),
+        (height, GRAVITY, "an acceleration in g where m/s^2 was meant"),
         (height, 1000.0, "mm for m, or mN for N"),
     ):
         if abs(abs(np.log(ratio)) - np.log(factor)) < np.log(1.1):
-            says = f"measured over predicted is {ratio:.3g}, close to {factor:.4g} or its inverse: "
-            return Finding(says + f"it looks like {words}", ratio, limit=factor, faulted=True)
-    return Finding("neither frequency nor height is off by the factor of a unit slip", frequency)
+            return Finding(
+                f"A unit looks wrong: {words}. Measured over predicted is {ratio:.3g}, close to "
+                f"{factor:.4g} or its inverse",
+                ratio,
+                remedy=Remedy("Check the units of mass, force and acceleration.", "units"),
+                limit=factor,
+                faulted=True,
+            )
+    return Finding("The factor between both tests is not that of a wrong unit", frequency)
 
 
 @criterion(
@@ -170,10 +180,11 @@ def lines_resolve_the_peak(measured: Peak, predicted: Peak) -> Finding:
     lines = min(measured.half_power_lines, predicted.half_power_lines)
     which = "measured" if measured.half_power_lines <= predicted.half_power_lines else "predicted"
     return Finding(
-        f"{lines:.1f} lines lie in the half-power band of the {which} peak",
+        f"The half-power band of the {which} peak has {lines:.1f} lines; at least "
+        f"{FEWEST_LINES:g} are needed",
         lines,
-        ": the lines step over the peak, and the parabola of the inverse response cannot tell "
-        "its height; record longer",
+        "The frequency resolution is too coarse to give the height of this peak",
+        Remedy("Record longer after each hit.", "hit-length"),
     )
 
 
@@ -182,20 +193,16 @@ def inside_identified_band(c: Comparison, fit: Fit, *, borne_out: bool = False) 
     """The measured peak lies where the fit informs the solid, or bears out the prediction."""
     low, high = fit.band
     if not high > 0:
-        return Finding("the fit does not say what it informs, so this is not judged")
+        return Finding("The fit has no valid band, so this is not judged")
     factor = max(c.measured_hz / high, low / c.measured_hz)
-    peak, band = f"the measured peak at {c.measured_hz:.4g} Hz", f"{low:.2g} to {high:.2g} Hz"
-    says = f"{peak} lies inside the band that the fit can inform, {band}"
+    peak = f"The measured peak ({c.measured_hz:.4g} Hz) lies"
+    band = f"the valid band of the fit ({low:.2g} to {high:.2g} Hz)"
+    says = f"{peak} in {band}"
     if factor > 1:
-        says = (
-            f"{peak} is outside the band that the fit can inform, {band}: the prediction is "
-            f"extrapolated x{factor:.3g}"
-        )
-    return Finding(
-        says + ("; the measurement bears it out" if factor > 1 and borne_out else ""),
-        factor,
-        excused=borne_out,
-    )
+        where = "above" if c.measured_hz > high else "below"
+        says = f"{peak} a factor of {factor:.3g} {where} {band}"
+        says += ". The measurement agrees all the same" if borne_out else ""
+    return Finding(says, factor, remedy=TOGETHER, excused=borne_out)
 
 
 @criterion("1 / (2 pi peak), s", source="what the relaxation test informs")
@@ -203,31 +210,29 @@ def damping_tested(c: Comparison, fit: Fit, *, borne_out: bool = False) -> Findi
     """The relaxation test can see the arms behind the loss, or the hammer bears them out."""
     low, high = fit.band
     if not high > 0:
-        return Finding("the fit does not say what it informs, so this is not judged")
+        return Finding("The fit has no valid band, so this is not judged")
     tau = 1 / (2 * np.pi * c.measured_hz)
     if low <= c.measured_hz <= high:
         return Finding(
-            f"an arm that matters for damping at {c.measured_hz:.4g} Hz relaxes in about "
-            f"{_time(tau)}, which the test behind the fit can see",
+            f"Damping at {c.measured_hz:.4g} Hz comes from relaxation in about {_time(tau)}, "
+            "which the test behind the fit can see",
             tau,
         )
     fastest = min([1 / (2 * np.pi * high), *(arm.tau for arm in c.arms if arm.seen_by_relaxation)])
     says = (
-        f"damping at {c.measured_hz:.4g} Hz comes from arms that relax in about {_time(tau)}; the "
+        f"Damping at {c.measured_hz:.4g} Hz comes from relaxation in about {_time(tau)}. The "
         f"relaxation test sees {_time(fastest)} to {_time(1 / (2 * np.pi * low))}"
     )
     lead = max(c.arms, key=lambda arm: arm.loss_share, default=None)
     if lead is not None:
-        distant = lead.tau > 5 * tau
         says += (
-            f", and {100 * lead.loss_share:.1f} % of the predicted loss is the "
-            f"{'far ' if distant else ''}tail of the arm at tau = {lead.tau:.4g} s"
-            + (", which acts as a spring here" if distant else "")
+            f". The arm at tau = {lead.tau:.4g} s gives {100 * lead.loss_share:.1f} % of the "
+            "predicted loss" + (", far from its own time" if lead.tau > 5 * tau else "")
         )
     return Finding(
-        says + ("; the hammer bears it out" if borne_out else ""),
+        says + (". The hammer agrees all the same" if borne_out else ""),
         tau,
-        "; a faster ramp or a joint fit with this FRF (dashpot identify) tests it",
+        remedy=TOGETHER,
         limit=1 / (2 * np.pi * high),
         faulted=not borne_out,
     )
@@ -238,20 +243,21 @@ def operating_point(point: OperatingPoint, *, borne_out: bool = False) -> Findin
     """The prediction is for the compression that the mass gives the seals."""
     at, depth = point.compression, point.depth
     says = (
-        f"the seals are compressed by {written(at, 'mm', '.2f')}, as given"
+        f"The seals are compressed by {written(at, 'mm', '.2f')}, as given"
         if point.given
-        else f"under its own weight the mass sinks {written(at, 'mm', '.2f')} into the seals"
+        else f"The mass sinks {written(at, 'mm', '.2f')} into the seals by its weight"
     )
     if depth is None:
-        return Finding(says + "; at what depth the seals were tested is not known")
+        return Finding(f"{says}. The depth of their test is not known")
     if not point.linear:
         return Finding(
-            f"{says}; the prediction takes the tangent stiffness there, "
+            f"{says}. Its tangent stiffness there is "
             f"{numbers.with_error(point.factor, point.factor_se or np.nan)} times the secant at "
             f"{written(depth, 'mm', '.3g')}",
             at,
-            f": the relaxation test went to {written(depth, 'mm', '.3g')} only, and the last "
-            "tangent was taken on from there; test deeper",
+            f"The relaxation test went to {written(depth, 'mm', '.3g')} only. Beyond, its last "
+            "tangent is used",
+            "Test the seal deeper.",
             limit=depth,
             faulted=point.beyond,
         )
@@ -260,11 +266,11 @@ def operating_point(point: OperatingPoint, *, borne_out: bool = False) -> Findin
     return Finding(
         f"{says}, close to {tested}"
         if near
-        else f"{says}, not to {tested}; the frequency agrees all the same",
+        else f"{says}, not to {tested}. The frequency agrees all the same",
         at,
-        instead=f"{says}, but the relaxation test was at {written(depth, 'mm', '.3g')}: unless the "
-        "seals were pre-compressed the two tests are at different operating points, and a "
-        "stiffness that depends on depth makes them differ",
+        instead=f"{says}; the relaxation test was at {written(depth, 'mm', '.3g')}. A stiffness "
+        "that depends on depth makes the two tests differ",
+        remedy=Remedy("Give the compression of the seals, if they were pressed.", "compression"),
         limit=depth,
         faulted=not (near or borne_out),
         # a ramp that a straight law follows went through every lesser compression
@@ -273,21 +279,35 @@ def operating_point(point: OperatingPoint, *, borne_out: bool = False) -> Findin
 
 
 def conclusion(c: Comparison) -> str:
-    """What agrees, what does not, and why, in one sentence."""
+    """What agrees, what does not, why, and what to do, as a verdict says it."""
     found = {check.name: check for check in c.checks}
     slip, tested = found["no_unit_slip"], found.get("damping_tested")
     if slip.failed:
-        return f"A unit slip is likely before anything else: {slip.says}."
-    agrees = {True: "agrees", False: "does not agree"}
-    stiffness = agrees[not found["stiffness_agrees"].failed]
-    first = f"Stiffness {stiffness} (peak frequency {100 * c.frequency_error:+z.1f} %)"
+        return shortly(slip)
+    stiff = not found["stiffness_agrees"].failed
     damped = not (found["peak_agrees"].failed or found["damping_agrees"].failed)
-    size = f"peak {c.ratio_db:+z.1f} dB"
-    if c.damping_ratio_error is not None:
-        size += f", damping ratio {100 * c.damping_ratio_error:+z.0f} %"
-    if tested is None or not tested.failed:
-        return f"{first}; damping {agrees[damped]} ({size})."
-    return f"{first}, but damping is not tested by the relaxation test ({size}): {tested.says}."
+    if stiff and damped and (tested is None or not tested.failed):
+        return f"The prediction matches the measurement: {c.matched}."
+    off = f"{100 * c.frequency_error:+z.1f} %"
+    first = f"The frequency agrees ({off})."
+    if not stiff:
+        first = f"The peak is predicted at {c.predicted_hz:.4g} Hz and measured at "
+        first += f"{c.measured_hz:.4g} Hz ({off})."
+    if damped:
+        return f"{first} {_ASTRAY}"
+    if c.predicted_damping is None or c.measured_damping is None:
+        second = f"The peak is {c.ratio_db:+z.1f} dB off."
+    else:
+        second = f"Damping ratio: {100 * c.predicted_damping:.3g} % predicted, "
+        second += f"{100 * c.measured_damping:.3g} % measured."
+    why, advice = "", TOGETHER if stiff else _ASTRAY
+    if tested is not None and tested.failed:
+        why, advice = (
+            f"The relaxation test cannot see the {_time(tested.value or 0.0)} that matter.",
+            TOGETHER,
+        )
+    said = [second, first] if stiff else [first, second]
+    return within(VERDICT_WORDS, [*said, *filter(None, [why])], [advice])
 
 
 def _time(value: float) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -95,8 +95,7 @@ class Comparison(Pictured, Documented):
     @property
     def verdict(self) -> Verdict:
         """What to make of the prediction, by the gravest check that failed; it says `says`."""
-        found = verdict(self.checks)
-        return Verdict(found.use, self.says, found.because)
+        return replace(verdict(self.checks), says=self.says)
 
     @property
     def frequency_error(self) -> float:
@@ -174,6 +173,18 @@ class Comparison(Pictured, Documented):
         )
 
     @property
+    def matched(self) -> str:
+        """Peak and damping as measured, and how far the prediction is off."""
+        off = f"{100 * self.frequency_error:+z.2g} %, {self.ratio_db:+z.1f} dB"
+        peak = f"peak at {self.measured_hz:.4g} Hz ({off})"
+        if self.measured_damping is None or self.predicted_damping is None:
+            return peak
+        return (
+            f"{peak}, damping ratio {100 * self.measured_damping:.3g} % "
+            f"(predicted {100 * self.predicted_damping:.3g} %)"
+        )
+
+    @property
     def lines(self) -> str:
         """How well the lines agree, in words."""
         z = "" if self.z_rms is None else f", rms z {self.z_rms:.2f}"
@@ -197,13 +208,13 @@ class Comparison(Pictured, Documented):
         """The verdict and the peaks."""
         rows = [("", "predicted", "measured", "difference"), *self.rows]
         return (
-            f"{self.verdict.use}: {self.says}",
+            str(self.verdict),
             *(f"{a:<20}{b:>12}{c:>12}{d:>13}" for a, b, c, d in rows),
             self.lines,
         )
 
     def __str__(self) -> str:
-        failed = (f"[{check.name}] {check.says}" for check in self.checks if check.failed)
+        failed = (f"{check.told} [{check.name}]" for check in self.checks if check.failed)
         return "\n".join((*self.described, *map(str, self.arms), *failed))
 
 

@@ -137,6 +137,7 @@ def with_resonances(frf: FRF, spectra: Spectra, main: Mode) -> tuple[Hit, ...]:
             shift=frf.shift,
             record=frf.record,
             pulse=frf.pulse,
+            units="SI",
         )
         found = own.modes(band=ends, count=1)
         modes.append(found[0] if found and found[0].damping_ratio > 0 else None)

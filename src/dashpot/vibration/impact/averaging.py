@@ -136,6 +136,7 @@ class Average:
             record=transforms.record,
             pulse=transforms.pulse,
             averages=self.spectra.averages,
+            units="SI",
         )
 
 

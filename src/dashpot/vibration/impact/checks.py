@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
-from dashpot.base.checks import Check, Finding, criterion
+from dashpot.base.checks import Check, Finding, Remedy, criterion
 from dashpot.base.units import GRAVITY, in_unit, written
 from dashpot.engine.inference.estimate import estimate as knowledge
 from dashpot.engine.inference.estimate import white_noise
@@ -54,8 +54,8 @@ def agreement(
         if value < max(OUTLIER * usual, DISAGREES):
             continue
         says = (
-            f"incoherent: its response differs by {100 * value:.0f} % from what the other hits "
-            f"predict, where {100 * usual:.1f} % is usual"
+            f"incoherent: its response differs by {100 * value:.0f} % from that of the other "
+            f"hits, where {100 * usual:.1f} % is usual"
         )
         if np.count_nonzero(taken) > ENOUGH:
             qualities[i] = replace(qualities[i], faults=(*qualities[i].faults, says))
@@ -127,10 +127,10 @@ def checks_of(
 def hits_enough(frf: FRF) -> Finding:
     """Enough hits are averaged."""
     return Finding(
-        f"{frf.averages} of {len(frf.hits)} hits averaged",
+        f"{frf.averages} of {len(frf.hits)} hits are used; at least {ENOUGH} are needed",
         frf.averages,
-        f": too few to trust an average or to tell its error; hit at least {ENOUGH} times, "
-        "better 5",
+        "So few give neither an average nor its error",
+        "Hit more often, five times or more.",
     )
 
 
@@ -146,14 +146,16 @@ def coherence(frf: FRF, at: int) -> Finding:
     """The hits agree at the resonance, the line `at`."""
     if frf.coherence is None:
         return Finding(
-            "there is no coherence of a single hit: it would be 1 whatever was measured; hit again"
+            "A single hit has no coherence; it would be 1 whatever was measured. More hits would "
+            "give one"
         )
     value = float(frf.coherence[max(at - 1, 0) : at + 2].min())
     return Finding(
-        f"coherence at the resonance ({frf.frequency[at]:.4g} Hz) is {value:.4f}",
+        f"The coherence at the resonance ({frf.frequency[at]:.4g} Hz) is {value:.4f}; at least "
+        f"{COHERENT:g} is expected",
         value,
-        ": the hits disagree there; strike the same place squarely, listen to the hits' "
-        "reasons, or record longer",
+        "The hits differ there",
+        Remedy("Strike the same place squarely, and record longer.", "hit-length"),
     )
 
 
@@ -162,11 +164,11 @@ def frf_dissipates(value: complex, peak: float) -> Finding:
     """The FRF is of a part that dissipates: its accelerance leads the force at the peak."""
     part = value.imag / abs(value)
     return Finding(
-        f"at {peak:.4g} Hz the accelerance leads the force",
+        f"At {peak:.4g} Hz the accelerance leads the force",
         part,
-        instead=f"at {peak:.4g} Hz the accelerance lags behind the force, as if the part gave "
-        "energy: the imaginary part or the phase has the other sign, or one channel the opposite "
-        "polarity",
+        instead=f"At {peak:.4g} Hz the accelerance lags behind the force, as if the part gave "
+        "energy. A sign or a polarity is wrong",
+        remedy=Remedy("Turn the sign of the phase, or the polarity of one channel.", "polarity"),
     )
 
 
@@ -185,8 +187,8 @@ def mass_over_base(frf: FRF) -> Finding:
     low = np.zeros(len(f), dtype=bool) if at is None else (f >= f[at] / 4) & (f <= 0.6 * f[at])
     if at is None or np.count_nonzero(low) < ENOUGH:
         return Finding(
-            f"fewer than {ENOUGH} lines from 0.25 to 0.6 of a resonance show what the "
-            "transmissibility is at rest, so this is not judged"
+            f"Fewer than {ENOUGH} lines lie from 0.25 to 0.6 of a resonance, so the "
+            "transmissibility at rest is not judged"
         )
     r2 = (f[low] / f[at]) ** 2
     if frf.kind is Kind.RELATIVE_TRANSMISSIBILITY:
@@ -197,10 +199,11 @@ def mass_over_base(frf: FRF) -> Finding:
         part = float(np.median((1 - 1 / T[low]).real / r2))
         cause = _absolute_cause(complex(np.median(T[low].real), np.median(T[low].imag)))
     return Finding(
-        f"the transmissibility rises from 1 towards the resonance at {f[at]:.4g} Hz",
+        f"The transmissibility rises from 1 towards the resonance at {f[at]:.4g} Hz",
         part,
-        instead=f"below {f[at]:.4g} Hz the transmissibility is not that of a mass over its base: "
+        instead=f"Below {f[at]:.4g} Hz the transmissibility is not that of a mass over its base. "
         + cause,
+        remedy=Remedy("Check sensors, units, and whether the motion is relative.", "relative"),
     )
 
 
@@ -208,11 +211,11 @@ def _absolute_cause(size: complex) -> str:
     """Why a transmissibility may be of this size below its resonance."""
     if 0.5 < abs(size) < 2:
         if size.real > 0:
-            return "it looks like the base over the mass: export the mass over the base"
-        return f"it is {size.real:.3g} there, as if one sensor had the opposite polarity"
+            return "It looks like the base over the mass; the mass over the base is needed"
+        return f"It is {size.real:.3g} there, as if one sensor had the opposite polarity"
     return (
-        f"it is {abs(size):.3g} there, not 1 or a little more: check the unit of each sensor, "
-        "and that the motion of the mass is absolute, not relative to the base (--motion)"
+        f"It is {abs(size):.3g} there, not 1 or a little more. A unit may be wrong, or the motion "
+        "relative to the base"
     )
 
 
@@ -222,20 +225,14 @@ def _relative_cause(part: float, size: complex) -> str:
     Over the motion of the base it is `size` there.
     """
     if abs(size.imag) > abs(size.real):
-        return (
-            "the relative motion is a quarter turn off, as a velocity is from a displacement: "
-            "check the unit of each sensor"
-        )
+        return "The relative motion is a quarter turn off, as a velocity is from a displacement"
     if part < 0:
-        return (
-            "the relative motion has the opposite sign: it must be of the mass less the base, "
-            "positive where the base's acceleration is; export it with the other sign"
-        )
+        return "The relative motion has the opposite sign; mass less base is needed"
     if 0.5 < size.real < 2:
-        return "the motion looks absolute, not relative to the base (--motion): leave that out"
+        return "The motion looks absolute, not relative to the base"
     return (
-        f"the relative motion is {part:.3g} times that of a mass on a spring: check the unit of "
-        "each sensor, and whether it is a displacement, a velocity or an acceleration"
+        f"The relative motion is {part:.3g} times that of a mass on a spring. A unit may be wrong, "
+        "or a velocity taken for a displacement"
     )
 
 
@@ -251,8 +248,8 @@ def _turn(size: FloatArray) -> int | None:
 def scatter_known() -> Finding:
     """The FRF says how well each of its lines is known."""
     return Finding(
-        "the FRF came without coherence or scatter: nothing tells whether the hits agreed, and "
-        "every line counts alike; export the coherence with it",
+        "The FRF has neither coherence nor scatter, so every line counts alike",
+        remedy="Export the coherence with it.",
         faulted=True,
     )
 
@@ -262,12 +259,14 @@ def resonance(frf: FRF, main: Mode | None) -> Finding:
     """A resonance stands out."""
     if main is None:
         return Finding(
-            f"no resonance stands out between {frf.frequency[0]:.3g} and {frf.frequency[-1]:.3g} "
-            "Hz; check the channels, or the solid is damped too much to ring",
+            f"No resonance was found between {frf.frequency[0]:.3g} and {frf.frequency[-1]:.3g} Hz",
+            because="A channel may be wrong, or the damping too high",
+            remedy=Remedy("Check the channels, and widen the band.", "band"),
             faulted=True,
         )
     return Finding(
-        f"resonance at {main.frequency:.5g} Hz, damping ratio {100 * main.damping_ratio:.3g} %",
+        f"The resonance lies at {main.frequency:.5g} Hz, with a damping ratio of "
+        f"{100 * main.damping_ratio:.3g} %",
         main.frequency,
     )
 
@@ -278,10 +277,12 @@ def modes_within_band(modes: Sequence[Mode], band: tuple[float, float]) -> Findi
     outside = [m.frequency for m in modes if not band[0] <= m.frequency <= band[1]]
     listed = ", ".join(f"{frequency:.4g}" for frequency in outside)
     return Finding(
-        f"every mode lies between {band[0]:.4g} and {band[1]:.4g} Hz",
+        f"Every mode lies between {band[0]:.4g} and {band[1]:.4g} Hz",
         float(len(outside)),
-        instead=f"the mode at {listed} Hz lies outside the lines between {band[0]:.4g} and "
-        f"{band[1]:.4g} Hz: it stands for what is beyond them; widen the band (--band)",
+        instead=f"The mode at {listed} Hz lies outside the lines between {band[0]:.4g} and "
+        f"{band[1]:.4g} Hz",
+        because="It stands for what lies beyond them",
+        remedy=Remedy("Widen the band.", "band"),
     )
 
 
@@ -292,11 +293,12 @@ def record_long_enough(frf: FRF, main: Mode) -> Finding:
     need = TIME_CONSTANTS / main.decay
     cut = 100 * np.exp(-(main.decay + frf.shift) * have)
     return Finding(
-        f"{have:.3g} s were recorded after the hit; {TIME_CONSTANTS} time constants of the decay "
-        f"are {need:.3g} s",
+        f"The record lasts {have:.3g} s after the hit; {TIME_CONSTANTS} time constants of the "
+        f"decay are {need:.3g} s",
         have,
-        f". The cut flattens the FRF's peak ({cut:.2g} % of the response is left at its "
-        "end), though the modes here allow for that; record longer",
+        f"At its end {cut:.2g} % of the response is left, which flattens the peak of the FRF. The "
+        "modes allow for that",
+        Remedy("Record longer after each hit.", "hit-length", f"{need:.3g}s"),
         limit=need,
     )
 
@@ -310,10 +312,11 @@ def lines_in_half_power_band(frf: FRF, main: Mode) -> Finding:
     width = main.bandwidth + frf.shift / np.pi
     need = max(LINES / main.bandwidth, TIME_CONSTANTS / main.decay)
     return Finding(
-        f"{width / spacing:.1f} lines, {spacing:.3g} Hz apart, in the half-power band of "
-        f"{width:.3g} Hz",
+        f"The half-power band of {width:.3g} Hz has {width / spacing:.1f} lines; at least "
+        f"{LINES:g} are needed. The frequency resolution is {spacing:.3g} Hz",
         width / spacing,
-        f": the peak falls between the lines; record {need:.3g} s",
+        "The peak lies between the lines",
+        Remedy(f"Record {need:.3g} s after each hit.", "hit-length", f"{need:.3g}s"),
     )
 
 
@@ -325,11 +328,11 @@ def channels_not_clipped(test: ShakenTest) -> Finding:
     runs = {name: _stays(signal) for name, signal in (("base", test.base), ("mass", test.mass))}
     worst = max(runs, key=lambda name: runs[name])
     return Finding(
-        "neither channel stays at the end of its range",
+        "Neither channel stays at the end of its range",
         runs[worst],
-        instead=f"the acceleration of the {worst} stays at the end of its range {runs[worst]} "
-        "times: the channel is overloaded, and damping from it is wrong; take a larger range, or "
-        "shake less",
+        instead=f"The acceleration of the {worst} is clipped {runs[worst]} times, so the damping "
+        "is wrong",
+        remedy="Use a larger range, or shake less.",
     )
 
 
@@ -348,14 +351,19 @@ def _stays(signal: FloatArray) -> int:
 def segments_resolve(frf: FRF, main: Mode | None) -> Finding:
     """The segments of a shaken base are long enough to resolve the resonance."""
     if main is None:
-        return Finding("no resonance was found that lines would have to resolve")
+        return Finding("No resonance was found, so the resolution is not judged")
     spacing = float(np.median(np.diff(frf.frequency)))
     lines = main.bandwidth / spacing
     return Finding(
-        f"{lines:.2g} lines, {spacing:.3g} Hz apart, in the half-power band",
+        f"The half-power band has {lines:.2g} lines; at least 6 are needed. The frequency "
+        f"resolution is {spacing:.3g} Hz",
         lines,
-        f": the peak is flattened; take segments of {8 / main.bandwidth:.2g} s (--record), and "
-        "record eight times as long",
+        "The peak is flattened",
+        Remedy(
+            f"Use segments of {8 / main.bandwidth:.2g} s, and record eight times as long.",
+            "hit-length",
+            f"{8 / main.bandwidth:.2g}s",
+        ),
     )
 
 
@@ -366,10 +374,11 @@ def hammer_excites(frf: FRF, spectra: Spectra, main: Mode) -> Finding:
     at = int(np.argmin(np.abs(frf.frequency - main.frequency)))
     level = 10 * float(np.log10(power[at] / power[:3].mean()))
     return Finding(
-        f"at the resonance the hammer's force is {max(-level, 0.0):.2g} dB below its plateau; "
-        f"lines up to {frf.frequency[-1]:.3g} Hz are kept",
+        f"At the resonance the force of the hammer is {max(-level, 0.0):.2g} dB below its plateau. "
+        f"Lines up to {frf.frequency[-1]:.3g} Hz are used",
         level,
-        "; take a harder tip",
+        "The hammer hardly excites the resonance",
+        "Use a harder tip.",
     )
 
 
@@ -385,9 +394,10 @@ def hits_agree(frf: FRF, spectra: Spectra, estimator: Estimator, main: Mode) -> 
     name = [hit.name for hit in frf.hits if hit.accepted][worst]
     value = float(change[worst])
     return Finding(
-        f"without any one hit the FRF about the resonance changes by {100 * value:.2g} %",
+        f"Without any one hit the FRF about the resonance changes by {100 * value:.2g} %",
         value,
-        f" (hit {name}): the result hangs on single hits; hit more often and more alike",
+        f"Hit {name} decides the result",
+        Remedy("Hit more often and more alike, or leave that hit out.", "reject", name),
     )
 
 
@@ -400,24 +410,20 @@ def hits_agree(frf: FRF, spectra: Spectra, estimator: Estimator, main: Mode) -> 
 def amplitude_linear(trend: Trend | None, main: Mode) -> Finding:
     """Frequency and damping are the same for weak and for strong hits."""
     if trend is None:
-        return Finding(
-            f"whether the seals answer weak and strong hits alike takes more than {ENOUGH} hits "
-            "of different height"
-        )
+        return Finding(f"A change with amplitude needs more than {ENOUGH} hits of different height")
     made = float(np.log2(trend.range))
     matters = min(SOFTENING, 4 * NARROW * main.damping_ratio) / made
     stiffness = abs(trend.stiffness) / max(trend.stiffness_sure, matters)
     damping = abs(trend.damping) / max(trend.damping_sure, DISAGREES / made)
-    way = "falls" if trend.stiffness < 0 else "rises"
     return Finding(
-        f"over hits of 1 to {trend.range:.3g} in height the stiffness {way} by "
-        f"{100 * abs(trend.stiffness):.2g} % per doubling (chance: "
-        f"{100 * trend.stiffness_sure:.2g} %; {100 * trend.stiffness_found:.2g} % would be found) "
-        f"and the damping changes by {100 * trend.damping:+.2g} % (chance: "
-        f"{100 * trend.damping_sure:.2g} %; {100 * trend.damping_found:.2g} %)",
+        f"Hits of 1 to {trend.range:.3g} in height change the stiffness by "
+        f"{100 * trend.stiffness:+.2g} % per doubling, the damping by "
+        f"{100 * trend.damping:+.2g} %. Chance gives {100 * trend.stiffness_sure:.2g} and "
+        f"{100 * trend.damping_sure:.2g} %; "
+        f"{100 * trend.stiffness_found:.2g} and {100 * trend.damping_found:.2g} % would be found",
         max(stiffness, damping),
-        ": the seals are not linear at these amplitudes, and an average over such hits is broader "
-        "than any of them; hit alike, as hard as the part will move in use",
+        "The seals are not linear at these amplitudes, so the average peak is too broad",
+        "Hit alike, as hard as in use.",
     )
 
 
@@ -427,17 +433,13 @@ def amplitude_linear(trend: Trend | None, main: Mode) -> Finding:
 def softening_detectable(trend: Trend | None) -> Finding:
     """Hits differ enough in height to find a change of stiffness that matters."""
     if trend is None:
-        return Finding(
-            f"whether a change with amplitude would be found takes more than {ENOUGH} hits of "
-            "different height"
-        )
+        return Finding(f"A change with amplitude needs more than {ENOUGH} hits of different height")
     return Finding(
-        f"a change of {100 * trend.stiffness_found:.2g} % of the stiffness, or "
-        f"{100 * trend.damping_found:.2g} % of the damping, per doubling would be found by four "
-        "of five such tests",
+        f"A change of {100 * trend.stiffness_found:.2g} % of stiffness or "
+        f"{100 * trend.damping_found:.2g} % of damping per doubling is found in four of five tests",
         trend.stiffness_found,
-        ": a smaller one stays unseen; hit from soft to hard, four times as high and more: that is "
-        "worth more than more hits",
+        "A smaller change stays unseen",
+        "Hit from soft to hard.",
     )
 
 
@@ -450,12 +452,16 @@ def rocking_cancelled(frf: FRF, found: Combination) -> Finding:
     )
     value = found.ratio if weighted else found.mean_ratio
     rocking, bounce = abs(found.rocking) / (2 * np.pi), abs(found.bounce) / (2 * np.pi)
-    better = "" if weighted else f"combine 'weighted' would leave {found.ratio:.3f}; "
+    better = "" if weighted else f". A weighted mean would leave {found.ratio:.3f}"
     return Finding(
-        f"rocking at {rocking:.5g} Hz is left with {value:.3f} of the bounce peak at "
-        f"{bounce:.5g} Hz",
+        f"Rocking at {rocking:.5g} Hz remains with {value:.3f} of the bounce peak at "
+        f"{bounce:.5g} Hz{better}",
         value,
-        f"; {better}strike closer to the centre",
+        remedy="Strike closer to the centre."
+        if weighted
+        else Remedy(
+            "Weight the accelerometers, or strike closer to the centre.", "combine", "weighted"
+        ),
     )
 
 
@@ -467,17 +473,17 @@ def hits_centred(frf: FRF, found: Combination) -> Finding:
     value = float(abs(found.eccentricity[worst]))
     scatter = float(np.std(found.eccentricity))
     says = (
-        f"the hits set the block rocking by up to {100 * value:.0f} % of its bounce at the "
-        f"accelerometers (hit {names[worst]}; {100 * scatter:.0f} % scatter)"
+        f"Hit {names[worst]} rocks the block by {100 * value:.0f} % of its bounce at the "
+        f"accelerometers, the most of all ({100 * scatter:.0f} % scatter)"
     )
     if found.reach is not None:
         reach = found.reach
         # a slender block as long as the accelerometers are apart: rho^2 = x^2 / 3
         says += (
-            f", as hits some {written(value * reach / 3, 'mm', '.1f')} off centre would on a "
-            f"slender block {written(2 * reach, 'mm', '.0f')} long"
+            f". On a slender block {written(2 * reach, 'mm', '.0f')} long this is a hit "
+            f"{written(value * reach / 3, 'mm', '.1f')} off centre"
         )
-    return Finding(says, value, "; strike closer to the centre")
+    return Finding(says, value, remedy="Strike closer to the centre.")
 
 
 def apparent_mass(
@@ -522,35 +528,34 @@ def mass_line(apparent: tuple[float, float] | None, mass: float) -> Finding:
     """Above resonance the block shows the mass that was weighed."""
     if apparent is None:
         return Finding(
-            f"no good lines above {ABOVE:g} times the natural frequency, so the calibration could "
-            "not be checked against the mass; take a harder tip or widen the band"
+            f"No good lines lie above {ABOVE:g} times the natural frequency, so the mass cannot "
+            "check the calibration"
         )
     shown, se = apparent
     factor = shown / mass
     says = (
-        f"above resonance the block shows {in_unit(shown, 'g'):.4g} ± {written(se, 'g', '.2g')} "
-        f"where {written(mass, 'g')} were weighed"
+        f"Above the resonance the FRF shows {in_unit(shown, 'g'):.4g} ± "
+        f"{written(se, 'g', '.2g')}; {written(mass, 'g')} was given"
     )
     return Finding(
-        f"{says}: calibrated within {100 * (factor - 1):+.1f} %",
+        f"{says}. The calibration is right within {100 * (factor - 1):+.1f} %",
         factor - 1,
-        instead=f"{says}; {_why(factor)}",
+        instead=says,
+        because=_why(factor),
+        remedy=Remedy("Check the mass, then sensitivities and units.", "mass"),
         grade="stop" if factor < 0 or abs(np.log(factor)) > np.log(GROSS) else None,
     )
 
 
 def _why(factor: float) -> str:
     if factor < 0:
-        return "the sign is wrong: turn the polarity of the hammer or of the accelerometers"
+        return "The polarity of the hammer or of the accelerometers is wrong"
     for unit, ratio in (
-        ("the acceleration seems to be in g, not in m/s^2", GRAVITY),
-        ("the acceleration seems to be in m/s^2 but was taken for g", 1 / GRAVITY),
-        ("the mass seems to be in grams or the force in mN", 1e-3),
-        ("the mass seems to be in tonnes or the force in kN", 1e3),
+        ("The acceleration looks like g, not m/s^2", GRAVITY),
+        ("The acceleration looks like m/s^2, not g", 1 / GRAVITY),
+        ("The mass looks like grams, or the force like mN", 1e-3),
+        ("The mass looks like tonnes, or the force like kN", 1e3),
     ):
         if abs(factor / ratio - 1) < 2 * TOLERANCE:
-            return f"a factor of {factor:.4g}: {unit}"
-    return (
-        f"a calibration factor of {1 / factor:.4g} on the FRF would agree; check sensitivities, "
-        "and whether the weighed mass is what moves"
-    )
+            return f"{unit} (factor {factor:.4g})"
+    return f"If the mass is right, a sensor sensitivity is wrong by a factor of {1 / factor:.4g}"

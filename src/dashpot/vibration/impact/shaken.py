@@ -66,7 +66,7 @@ def estimate_transmissibility(
     if len(base) < FEWEST:
         raise DataError(
             f"{len(base)} segments of {length / test.rate:.4g} s in the record; expected "
-            f"{FEWEST} or more: record longer, or take shorter segments (--record)"
+            f"{FEWEST} or more: record longer, or take shorter segments (--hit-length)"
         )
     frequency: FloatArray = np.fft.rfftfreq(length, 1 / test.rate).astype(float)
     power = (np.abs(base) ** 2).mean(axis=0)
@@ -96,6 +96,7 @@ def estimate_transmissibility(
         averages=max(int(OVERLAP * len(base)), 2),
         source=test.source,
         steps=(Step("estimate_transmissibility", settings),),
+        units="SI",
     )
 
 

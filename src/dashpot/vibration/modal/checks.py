@@ -8,7 +8,7 @@ from statistics import NormalDist
 
 import numpy as np
 
-from dashpot.base.checks import Finding, criterion
+from dashpot.base.checks import Finding, Remedy, criterion
 from dashpot.base.units import in_unit, written
 from dashpot.records.frf_set import ModeShape
 from dashpot.vibration.modal.stabilisation import Stabilisation
@@ -27,10 +27,11 @@ def modes_stable(modes: Sequence[ModeShape], chart: Stabilisation) -> Finding:
     doubtful = ", ".join(f"{hz:.4g} Hz ({count})" for count, hz in counts if count < STABLE)
     of = f"of {chart.highest} orders of the stabilisation chart"
     return Finding(
-        f"every mode is stable at {fewest} or more {of}",
+        f"Every mode is stable at {fewest} or more {of}",
         fewest,
-        instead=f"stable at few {of}: {doubtful}; such a mode may be noise, or stand too close to "
-        "another for the chart to part them: hold it against other points, or record longer",
+        instead=f"Modes are stable at few {of}: {doubtful}",
+        because="They may be noise, or too close to another mode",
+        remedy="Compare them with other points, or record longer.",
     )
 
 
@@ -41,15 +42,16 @@ def modes_explain_lines(modes: Sequence[ModeShape], *, known: bool) -> Finding:
     """The modes follow the lines about them as closely as the lines are known."""
     if not known:
         return Finding(
-            "the lines come without their scatter, so whether the modes explain them is not told"
+            "The lines come without their scatter, so the fit of the modes is not judged"
         )
     worst = max(modes, key=lambda one: one.misfit)
     return Finding(
-        f"about {worst.mode.frequency:.4g} Hz the lines miss the modes by {worst.misfit:.2g} times "
+        f"About {worst.mode.frequency:.4g} Hz the lines miss the modes by {worst.misfit:.2g} times "
         "their variance",
         worst.misfit,
-        ", and the errors are widened by as much: another mode close by or beyond the band, points "
-        "that were not measured at once, or a structure that is not linear",
+        "Another mode, points measured at other times, or nonlinearity may cause this. The errors "
+        "are widened by as much",
+        Remedy("Widen the band, or measure all points at once.", "band"),
     )
 
 
@@ -62,15 +64,16 @@ def points_share_modes(modes: Sequence[ModeShape]) -> Finding:
         if abs(one.mode.frequency / other.mode.frequency - 1) < CLOSE
     ]
     if not close:
-        return Finding("no two modes are so close that they could be one, measured at two states")
+        return Finding("No two modes are so close that they could be one, measured at two states")
     least, one_hz, other_hz = min(close)
-    pair = f"the modes at {one_hz:.4g} and {other_hz:.4g} Hz"
+    pair = f"The modes at {one_hz:.4g} and {other_hz:.4g} Hz"
     return Finding(
         f"{pair} move the same points",
         least,
-        instead=f"{pair} hardly share a point: one mode that was measured at two states looks so, "
-        "as where an accelerometer loads the structure or the seals warm up between points; "
-        "measure the points at once",
+        instead=f"{pair} hardly share a point",
+        because="One mode measured at two states looks so: an accelerometer adds mass, or the "
+        "seals warm up",
+        remedy="Measure the points at once.",
     )
 
 
@@ -86,12 +89,12 @@ def one_solid(distance: float, masses: Sequence[float], worst: tuple[float, str]
     listed = ", ".join(f"{in_unit(mass, 'g'):.4g}" for mass in masses)
     kilogram, by = worst
     return Finding(
-        f"one linear solid has the poles under {listed} g",
+        f"One linear model has the poles under {listed} g",
         distance,
-        instead=f"no linear solid has the poles under {listed} g; the closest misses that under "
-        f"{written(kilogram, 'g')} by {by}: the seals are compressed more by a larger mass, or "
-        "move farther under one of them, a mass is not what was weighed, or the temperature "
-        "changed",
+        instead=f"No linear model has the poles under {listed} g. The closest misses "
+        f"{written(kilogram, 'g')} by {by}",
+        because="A larger mass compresses the seals more, or a mass or the temperature is wrong",
+        remedy="Weigh the masses, and compress the seals alike.",
         limit=_by_chance(2 * len(masses)),
     )
 

@@ -29,7 +29,7 @@ def together(points: FRFSet) -> FRF:
     whole = np.sqrt((size / own).mean(axis=0) * own.mean())
     first, scatter = points.frfs[0].to(Kind.ACCELERANCE), points.sd
     sd = None if scatter is None else np.sqrt((scatter**2 / own).mean(axis=0) * own.mean())
-    return FRF(first.frequency, whole.astype(complex), sd=sd)
+    return FRF(first.frequency, whole.astype(complex), sd=sd, units="SI")
 
 
 def lines_of(points: FRFSet) -> FRFLines:

@@ -169,7 +169,7 @@ def mass_at_level(
     """
     omega = 2 * np.pi * frequency
     kind = Kind(kind)
-    K, inertia = solid.complex_stiffness(omega), mass * omega**2
+    K, inertia = solid.complex_stiffness(omega=omega), mass * omega**2
     force = mass * level if kind.over_base else level
     X = force / np.abs(K - inertia)
     if beside is not None:
@@ -186,7 +186,7 @@ def mass_at_level(
         X = stretch
         K = K + beside.equivalent(omega, X)
     if kind.over_base:
-        return FRF(frequency, K / (K - inertia), Kind.TRANSMISSIBILITY).to(kind), X
+        return FRF(frequency, K / (K - inertia), Kind.TRANSMISSIBILITY, units="SI").to(kind), X
     return FRF.of_receptance(frequency, 1 / (K - inertia), kind=kind), X
 
 

@@ -100,7 +100,7 @@ def predict_frf(
             f"the response at {f[i]:g} Hz is infinite: the solid has no stiffness there"
         )
     if Kind(kind) is Kind.TRANSMISSIBILITY:
-        return FRF(f, stiffness * receptance, Kind.TRANSMISSIBILITY, shift=shift)
+        return FRF(f, stiffness * receptance, Kind.TRANSMISSIBILITY, shift=shift, units="SI")
     if Kind(kind) is Kind.RELATIVE_TRANSMISSIBILITY:
         return FRF.of_receptance(f, receptance, shift=shift).to(kind, mass=mass)
     return FRF.of_receptance(f, receptance, kind=kind, shift=shift)
@@ -124,7 +124,7 @@ def isolation_frequency(model: Solid, mass: float) -> float:
     arms = model.maxwell
     omega, last = float(np.sqrt(2 * (arms.k_inf + sum(arms.k)) / mass)), np.inf
     while omega < last * (1 - ROUNDING):
-        stiffness = float(arms.complex_stiffness(np.array([omega])).real[0])
+        stiffness = float(arms.complex_stiffness(omega=np.array([omega])).real[0])
         omega, last = float(np.sqrt(2 * max(stiffness, 0.0) / mass)), omega
     return omega / (2 * np.pi)
 
@@ -427,7 +427,7 @@ def mass_for_peak(model: Solid, frequency: float, kind: Kind | str = Kind.ACCELE
     """
     omega = 2 * np.pi * frequency
     w = omega * (1 + np.array([-1e-5, 0.0, 1e-5]))
-    u = model.complex_stiffness(w) / w**2
+    u = model.complex_stiffness(omega=w) / w**2
     slope = u[2] - u[0]
     turning, here = float((np.conj(slope) * u[1]).real), complex(u[1])
     if Kind(kind) is Kind.TRANSMISSIBILITY:

@@ -326,7 +326,7 @@ def _over_base(
     model: Solid, mass: float, w: FloatArray, coupled: float
 ) -> tuple[ComplexArray, ComplexArray]:
     """Transmissibility, and stretch per acceleration of the base, s^2."""
-    K = model.complex_stiffness(w)
+    K = model.complex_stiffness(omega=w)
     felt = 1 / (K - mass * w**2)
     return (K + coupled * w**2) * felt, (mass + coupled) * felt
 

@@ -1,13 +1,13 @@
-"""What ``dashpot rod`` found, as text."""
+"""What ``dashpot fit`` found, as text."""
 
 from __future__ import annotations
 
 from dashpot import workflow
 from dashpot.base.units import written
-from dashpot.cli import _text
-from dashpot.cli._lines_text import sensitive
-from dashpot.cli._terminal import Text
-from dashpot.cli._text import hertz
+from dashpot.told import text as text_of
+from dashpot.told.layout import Text
+from dashpot.told.lines import sensitive
+from dashpot.told.text import hertz
 
 _ROWS = 8
 """Lines of a rod that are shown."""
@@ -34,7 +34,7 @@ def rod(found: workflow.Rod) -> Text:
     if found.fit is None:
         lines.append(f"  no solid was fitted: {found.reason}")
         return Text(lines, _lines(found, len(of.frequency)))
-    fitted = _text.fit(found.fit)
+    fitted = text_of.fit(found.fit)
     details = ["every line", *_lines(found, len(of.frequency))]
     return Text([*lines, *fitted.lines], [*fitted.details, *details])
 

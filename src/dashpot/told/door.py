@@ -1,116 +1,18 @@
-"""dashpot door: a door on its seal line."""
+"""How a door vibrates on its seal, as text."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
-
-import click
-
-import dashpot as dp
 from dashpot import workflow
-from dashpot.base.checks import verdict
-from dashpot.base.documents import Documented
 from dashpot.base.units import in_unit
-from dashpot.cli import _options as options
-from dashpot.cli._closing import closing_text
-from dashpot.cli._options import WithUnit
-from dashpot.cli._shell import File, Outcome, printed, reports, write, write_figure
-from dashpot.cli._terminal import Text, table
-from dashpot.cli._text import hertz, rounded
-from dashpot.workflow.job import Job
+from dashpot.told.layout import Text, table
+from dashpot.told.text import hertz, rounded
 
 _ROUNDING = 1e-9
 """Of a damping, %."""
 
 
-@click.command("door")
-@click.argument("door", type=File(), metavar="DOOR.toml")
-@click.option("--modes", "every", is_flag=True, help="The share of every part in every mode.")
-@options.of(Job, "band", default="1:200Hz", help="Of modes and FRFs.")
-@click.option(
-    "--close", "speed", type=WithUnit("velocity"), metavar="SPEED",
-    help="Close it at this speed of its edge: energy by terms, the least speed, its scatter.",
-)  # fmt: skip
-@options.temperature
-@options.picture
-@options.output("Write everything, FRFs too, as JSON.", ".json")
-@options.overwrite
-@reports
-def command(
-    *,
-    door: str,
-    every: bool,
-    speed: float | None,
-    picture: str | None,
-    output: str | None,
-    **choices: Any,
-) -> Outcome:
-    """Find how a door vibrates on its seal: modes, damping, who holds and who loses the energy.
-
-    DOOR.toml names mass, hinges, latch and bumpers of the door, its seal line with the fit of a
-    piece of that seal, and perhaps its free modes: dashpot example --all writes one.
-
-    \b
-    dashpot door door.toml
-    dashpot door door.toml --modes --plot door.png
-    dashpot door door.toml --temperature -20degC -o door.json
-    dashpot door door.toml --close 1.2m/s --plot closing.png
-    dashpot door door.toml --modes --close 1.2m/s
-    """
-    if picture and every and speed is not None:
-        raise click.UsageError(
-            "--plot draws the modes or the closing: leave out --modes or --close"
-        )
-    found = workflow.door_file(door, **choices) if speed is None or every else None
-    closed = None
-    if speed is not None:
-        closed = workflow.close_file(door, speed, temperature=choices["temperature"])
-    if picture:
-        write_figure(picture, _figure(found, closed))
-    outcome = _outcome(found, closed, every=every)
-    if output:
-        write(output, printed(outcome.found) + "\n")
-    return outcome
-
-
-def _figure(
-    found: workflow.DoorResult | None, closed: workflow.ClosingResult | None
-) -> dp.plot.Picture:
-    if closed is not None:
-        return dp.plot.closing(closed)
-    assert found is not None  # noqa: S101
-    return dp.plot.door(found)
-
-
-@dataclass(frozen=True)
-class Both(Documented):
-    """How a door vibrates, and how it closes."""
-
-    keys = ("*found", "closing")
-
-    found: workflow.DoorResult
-    closing: workflow.ClosingResult
-
-
-def _outcome(
-    found: workflow.DoorResult | None, closed: workflow.ClosingResult | None, *, every: bool
-) -> Outcome:
-    """How it vibrates, how it closes, or both."""
-    if closed is None:
-        assert found is not None  # noqa: S101
-        text = _said(found, every=every)
-        return Outcome(found, text, found.checks, verdict=found.verdict)
-    shuts = closing_text(closed.closing)
-    if found is None:
-        return Outcome(closed, shuts, closed.checks, verdict=closed.verdict)
-    said = _said(found, every=every)
-    checks = tuple(dict.fromkeys((*found.checks, *closed.checks)))
-    text = Text([*said.lines, *shuts.lines], [*said.details, *shuts.details])
-    return Outcome(Both(found, closed), text, checks, verdict=verdict(checks))
-
-
-def _said(found: workflow.DoorResult, *, every: bool) -> Text:
+def door(found: workflow.DoorResult, *, every: bool) -> Text:
+    """The seal line, every mode with what it shares, and what a shaken base does."""
     lines = _line(found)
     parts = list(dict.fromkeys(one.name for mode in found.modes for one in mode.shares))
     rows = [

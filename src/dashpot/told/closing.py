@@ -6,8 +6,8 @@ import math
 from typing import TYPE_CHECKING
 
 from dashpot.base.units import in_unit, written
-from dashpot.cli._terminal import Text, table
-from dashpot.cli._text import rounded
+from dashpot.told.layout import Text, table
+from dashpot.told.text import rounded
 
 if TYPE_CHECKING:
     from dashpot import Closing

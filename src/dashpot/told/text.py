@@ -10,7 +10,7 @@ from dashpot.base import numbers
 from dashpot.base.facts import Fact
 from dashpot.base.numbers import ascii_only
 from dashpot.base.units import celsius, in_unit, written
-from dashpot.cli._terminal import Text, facts, table
+from dashpot.told.layout import Text, facts, table
 
 if TYPE_CHECKING:
     from dashpot import Comparison
@@ -97,7 +97,11 @@ def _left_open(found: Fit) -> list[str]:
 def _beside(found: Fit) -> list[str]:
     """The other family of solids, unless the verdict has named it."""
     other = found.alternative
-    return [f"  beside it   {other.says}"] if other and other.says not in found.verdict.says else []
+    return (
+        [f"  beside it   {other.says}"]
+        if other and other.says.partition(".")[0] not in found.verdict.says
+        else []
+    )
 
 
 def _nuisance(found: Fit) -> list[str]:

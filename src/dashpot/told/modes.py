@@ -7,8 +7,8 @@ import math
 from typing import TYPE_CHECKING
 
 from dashpot.base.units import in_unit
-from dashpot.cli._terminal import Text, table
-from dashpot.cli._text import hertz, with_error
+from dashpot.told.layout import Text, table
+from dashpot.told.text import hertz, with_error
 
 if TYPE_CHECKING:
     from dashpot.workflow.measured_modes import MeasuredModes

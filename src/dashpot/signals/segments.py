@@ -12,8 +12,8 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, median
 from dashpot.base.errors import DataError
 from dashpot.base.units import written
-from dashpot.preparation.noise import median_of_three, usual_scatter
 from dashpot.records.relaxation import quantum
+from dashpot.signals.noise import median_of_three, usual_scatter
 
 _LEAST_MOVE = 0.05
 """A move smaller than this part of the whole travel is settling, not a ramp."""
@@ -291,7 +291,7 @@ def nothing_held(segments: tuple[MotionSegment, ...], where: str, advice: str) -
         return (
             f"{where}: this is {names[found]} without a hold ({shown}{more}); expected a ramp and "
             "then a displacement that rests: it is the hold that tells the relaxation times; "
-            "dashpot cld takes a seal that is pressed and released (Python: cld)"
+            "dashpot fit takes a seal that is pressed and released (Python: cld)"
         )
     return (
         f"{where}: no hold after a ramp was found: the displacement shows {shown}{more}; {advice}"

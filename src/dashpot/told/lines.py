@@ -8,8 +8,8 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
 from dashpot.base.units import read_in
-from dashpot.cli._terminal import table
-from dashpot.cli._text import rounded, with_error
+from dashpot.told.layout import table
+from dashpot.told.text import rounded, with_error
 
 ERRORS = {
     "phase": ("1 deg", "1 degree of phase", float(np.pi / 180)),
@@ -23,18 +23,38 @@ class Measured(Protocol):
     """Storage and loss factor against frequency, such as a rod's modulus or a seal's stiffness."""
 
     @property
-    def frequency(self) -> FloatArray: ...
+    def frequency(self) -> FloatArray:
+        """Hz."""
+        ...
+
     @property
-    def storage(self) -> FloatArray: ...
+    def storage(self) -> FloatArray:
+        """Real part, by line."""
+        ...
+
     @property
-    def loss_factor(self) -> FloatArray: ...
+    def loss_factor(self) -> FloatArray:
+        """By line."""
+        ...
+
     @property
-    def storage_sd(self) -> FloatArray: ...
+    def storage_sd(self) -> FloatArray:
+        """Standard deviation of the real part."""
+        ...
+
     @property
-    def loss_factor_sd(self) -> FloatArray: ...
+    def loss_factor_sd(self) -> FloatArray:
+        """Standard deviation of the loss factor."""
+        ...
+
     @property
-    def usable(self) -> BoolArray: ...
-    def changes(self, of: str, by: float) -> tuple[FloatArray, FloatArray]: ...
+    def usable(self) -> BoolArray:
+        """Which lines tell something."""
+        ...
+
+    def changes(self, of: str, by: float) -> tuple[FloatArray, FloatArray]:
+        """What an error of so much does to both."""
+        ...
 
 
 def sensitive(of: Measured, *, errors: tuple[str, ...], unit: str, shown: int) -> list[str]:

@@ -1,88 +1,23 @@
-"""dashpot cld: compression load deflection of one piece or several."""
+"""Compression load deflection as text."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
-
-import click
+from typing import TYPE_CHECKING
 
 import dashpot as dp
 from dashpot import workflow
-from dashpot.base.errors import ReadError
 from dashpot.base.units import in_unit, read_in, written
-from dashpot.cli import _options as options
-from dashpot.cli import _text
-from dashpot.cli._options import Range, WithUnit
-from dashpot.cli._shell import File, Outcome, printed, reports, write, write_figure
-from dashpot.cli._terminal import Text, table
-from dashpot.cli._text import cell, rounded, with_error
+from dashpot.told import text as text_of
+from dashpot.told.layout import Text, table
+from dashpot.told.text import cell, rounded, with_error
 
 if TYPE_CHECKING:
     from dashpot.base.capability import Capability
     from dashpot.kinds.cld.from_files import PieceStatistics
 
 
-@click.command("cld")
-@click.argument("files", type=File(), nargs=-1, required=True, metavar="FILE...")
-@click.option(
-    "--at", type=WithUnit("length"), help="Nominal compression, e.g. 6mm [default: the deepest]."
-)
-@click.option("--between", type=Range("length"), help="Its tolerance, e.g. 4:8mm.")
-@click.option(
-    "--limits",
-    type=Range("force"),
-    help="Of the force there, over several pieces, e.g. 4.5:5.5N; of 100 mm with --length.",
-)
-@click.option(
-    "--with",
-    "memory",
-    type=File(),
-    metavar="FIT",
-    multiple=True,
-    help="Of a relaxation test: its memory is taken off, which leaves the elastic law. Once for "
-    "each depth that was held: the nearest tells the memory, all are held against the law.",
-)
-@options.output("Write that fit with the elastic law, or that of several speeds, as JSON.", ".json")
-@options.picture
-@options.overwrite
-@reports
-@options.specimen
-@options.reading
-def command(
-    *,
-    files: tuple[str, ...],
-    memory: tuple[str, ...],
-    output: str | None,
-    picture: str | None,
-    **choices: Any,
-) -> Outcome:
-    """Find force, slope, hysteresis, energy and set of a seal that is pressed and released.
-
-    A FILE holds displacement and force of one piece, in one cycle or several, with a clock or
-    without. Several are pieces that scatter; at several speeds they are one seal, whose elastic law
-    and memory are fitted.
-
-    \b
-    dashpot cld piece.csv --length 100mm --at 6mm --between 4:8mm
-    dashpot cld piece1.csv piece2.csv piece3.csv --length 100mm --at 6mm --limits 4.5:5.5N
-    dashpot cld slow.csv fast.csv --at 6mm -o law.json
-    dashpot cld piece.csv --at 6mm --with fit.json -o fit_with_law.json
-    """
-    found = workflow.cld_files(files, memory=[workflow.read_fit(one) for one in memory], **choices)
-    if output:
-        if found.fit is None:
-            raise ReadError(
-                "-o writes a fit: that of a relaxation test (--with), with the elastic law of the "
-                "load deflection, or that of records at several speeds; here is neither"
-            )
-        write(output, printed(found.fit) + "\n")
-    if picture:
-        write_figure(picture, dp.plot.cld(found.pieces))
-    return Outcome(found, _said(found), found.checks, verdict=found.verdict)
-
-
-def _said(found: workflow.Pieces) -> Text:
+def cld(found: workflow.Pieces) -> Text:
     """The figures of each piece, then of all; the cycles for who asks."""
     lines, details = [], []
     for one in found.pieces:
@@ -95,7 +30,7 @@ def _said(found: workflow.Pieces) -> Text:
         lines = [*(_overview(found) if len(found.pieces) > _BLOCKS else lines), *scatter]
     lines += _capability(found.capability)
     if found.fit is not None and found.relaxed is None:
-        fitted = _text.fit(found.fit)
+        fitted = text_of.fit(found.fit)
         lines = [*_overview(found), *fitted.lines]
         details += fitted.details
     if found.rate is not None:

@@ -1,0 +1,116 @@
+"""Words that are no verb: commands of former editions, each answered with the line that runs."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+from dashpot.cli import COMMANDS
+from dashpot.cli._values import nearest
+
+_COLUMNS = (
+    "time", "displacement", "force", "stress", "strain", "stretch", "creep-compliance",
+    "acceleration", "hammer", "base-acceleration", "velocity", "frequency", "storage", "loss",
+    "loss-factor", "modulus", "real", "imaginary", "magnitude", "phase", "coherence",
+)  # fmt: skip
+_KEYS = {
+    "--temperature-column": ("--column", "temperature"),
+    "--delimiter": ("--text", "delimiter"), "--decimal": ("--text", "decimal"),
+    "--encoding": ("--text", "encoding"), "--skip-rows": ("--text", "skip"),
+    "--segment": ("--part", "segment"), "--cycle": ("--part", "cycle"),
+    "--sheet": ("--part", "sheet"),
+    **{f"--{role}": ("--column", role) for role in _COLUMNS},
+    **{f"--{key}": ("--machine", key) for key in ("sync", "drift", "compliance", "force-filter")},
+    **{f"--{key}": ("--cuts", key) for key in ("onset", "ramp-end", "hold-end")},
+    "--static-stiffness": ("--known", "stiffness"),
+    "--natural-frequency": ("--known", "frequency"), "--damping-ratio": ("--known", "damping"),
+    **{f"--{key}": ("--label", key) for key in ("name", "lot", "operator", "date", "notes")},
+}  # fmt: skip
+"""Options that are a KEY=VALUE of another now."""
+
+
+class _Former(NamedTuple):
+    """What a former command is now: verb and words, its renamed options, those that were files."""
+
+    verb: tuple[str, ...]
+    renamed: dict[str, str] = {}  # noqa: RUF012 -- never changed
+    files: tuple[str, ...] = ()
+    flags: tuple[str, ...] = ()
+
+
+_SAME = {
+    "--family": "--model", "--law": "--model", "--direct": "--stiffness-table",
+    "--parallel-dashpot": "--dashpot", "--record": "--hit-length",
+    "--impact-temperature": "--hammer-temperature", "--limits": "--force-limits",
+}  # fmt: skip
+_FLAGS = (
+    "--json", "--strict", "-v", "--verbose", "--overwrite", "--open", "--lubricated", "--all",
+    "--modes", "--quick", "--joint", "--parallel-dashpot", "--base", "--thorough",
+)  # fmt: skip
+_FIT = ("fit",)
+FORMER = {
+    "impact": _Former(_FIT),
+    "modes": _Former(_FIT),
+    "identify": _Former(_FIT, files=("--with",)),
+    "level": _Former(_FIT, {"--at": "--resonance-at"}),
+    "cld": _Former(_FIT, {"--at": "--compression", "--with": "--memory"}),
+    "hyperelastic": _Former(_FIT, {"--with": "--memory"}),
+    "indent": _Former(_FIT),
+    "rod": _Former(_FIT),
+    "door": _Former(("predict",)),
+    "watch": _Former(("batch",), {"--at": "--frequency"}),
+    "example": _Former(("demo", "--files")),
+}
+"""Commands that are no more; with 1.0 this table goes."""
+
+
+def instead(name: str, rest: Sequence[str]) -> str:
+    """Return what to type in place of a word that is no verb."""
+    if name in FORMER:
+        return f"Type: {shlex.join(['dashpot', *_translated(name, list(rest))])}"
+    if Path(name).exists():
+        return f"To see what it is: dashpot inspect {shlex.quote(name)}"
+    return nearest(name, COMMANDS)
+
+
+def _translated(name: str, words: list[str]) -> list[str]:
+    """Return a former command in the words of today."""
+    former = FORMER[name]
+    verb, files, options = former.verb, [], []
+    if name == "modes" and "--against" in words:
+        verb = ("compare",)
+    left = iter(words)
+    for word in left:
+        if not word.startswith("-"):
+            files.append(word)
+        elif word in _FLAGS:
+            options.append(_SAME.get(word, word))
+        else:
+            options += _option(former, name, word, next(left, ""), files)
+    if name == "watch":
+        options.append("--watch")
+    return [*verb, *files, *options]
+
+
+def _option(former: _Former, name: str, word: str, value: str, files: list[str]) -> list[str]:
+    if word in former.files or word == "--against":
+        files.append(value)
+        return []
+    if name == "hyperelastic" and word in {f"--{mode}" for mode in _MODES}:
+        files.append(value)
+        return ["--test", word[2:]]
+    if word in {"--disc", "--block"}:
+        return ["--shape", f"{word[2:]}:{value}"]
+    if word in former.renamed:
+        return [former.renamed[word], value]
+    if word == "--motion":
+        return ["--relative"] if value == "relative" else []
+    if word in _KEYS and not (name == "indent" and word == "--notes"):
+        option, key = _KEYS[word]
+        return [option, f"{key}={value}"]
+    return [_SAME.get(word, word), value]
+
+
+_MODES = ("uniaxial", "biaxial", "planar", "compression", "volumetric")

@@ -1,0 +1,178 @@
+"""Tests of a known seal, as texts: what ``simulate``, ``demo``, ``plan`` and ``record`` share."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import dashpot as dp
+from dashpot.base.errors import DataError, ReadError
+from dashpot.cli._shell import read_model
+
+if TYPE_CHECKING:
+    from dashpot.solids.temperature import TemperatureLaw
+
+
+class SimulatedSeal(NamedTuple):
+    """A seal to simulate: its solid, the block on two of them, how it follows temperature."""
+
+    solid: dp.GeneralizedMaxwell
+    mass: float | None
+    law: TemperatureLaw
+
+
+def seal_named(name: str) -> SimulatedSeal:
+    """Return a demonstration seal, or that of a fit's JSON file."""
+    from dashpot.solids.table_1 import SEALS, SHIFT
+
+    if name in SEALS:
+        return SimulatedSeal(*SEALS[name], SHIFT)
+    solid, law = read_model(name)
+    return SimulatedSeal(solid, None, law or SHIFT)
+
+
+def relaxation(
+    *, seal: str, depth: float = 8e-3, ramp: float = 1.0, hold: float = 40.0, **choices: Any
+) -> tuple[Any, ...]:
+    """Return a simulated relaxation test as CSV, its truth as JSON, and what gauges add to it."""
+    known, rig, climate = _bench(seal, choices)
+    made = dp.simulation.simulate_relaxation(
+        known.solid, depth=depth, ramp_time=ramp, hold_time=hold, rig=rig, climate=climate,
+        seed=choices.get("seed", 0),
+    )  # fmt: skip
+    return _told(made, choices)
+
+
+def replayed(*, seal: str, follow: str, **choices: Any) -> tuple[Any, ...]:
+    """Return the record of a motion as CSV, its truth as JSON, and what gauges add to it."""
+    known, rig, climate = _bench(seal, choices)
+    with as_it_stands(follow):
+        sent = dp.read_trajectory(follow)
+    made = dp.simulation.simulate_motion(
+        known.solid, sent, rig=rig, climate=climate, seed=choices.get("seed", 0)
+    )
+    return _told(made, choices)
+
+
+@contextmanager
+def as_it_stands(path: str) -> Iterator[None]:
+    """Say of a file that leaves a question open what answers it, where no option here does."""
+    try:
+        yield
+    except ReadError as error:
+        if not Path(path).is_file():
+            raise
+        raise ReadError(
+            f"{path} does not say by itself which column is what, and in which unit: give it a "
+            f"header such as 'time [s], displacement [mm], force [N]'; 'dashpot inspect {path}' "
+            "says more"
+        ) from error
+
+
+def _bench(seal: str, choices: dict[str, Any]) -> tuple[SimulatedSeal, Any, Any]:
+    """Return the seal, the rig and its climate that were asked for."""
+    given = {name: choices.get(name) for name in ("rate", "softening", "warming")}
+    rig = _chosen(dp.simulation.Rig(), noise_free=bool(choices.get("noise_free")), **given)
+    if choices.get("friction"):
+        rig = replace(rig, axis=replace(rig.axis, friction=choices["friction"]))
+    known = seal_named(seal)
+    return known, rig, _climate(known, choices.get("temperature"), choices.get("wlf"))
+
+
+def _told(made: Any, choices: dict[str, Any]) -> tuple[Any, ...]:
+    """Return record and truth as text; of gauges the calibration too, and what limits them."""
+    from dashpot.io.write import write_gauges, write_relaxation
+
+    room, truth = dp.simulation, made.truth
+    if not choices.get("gauges"):
+        text = write_relaxation(made.test, comments=room.stamp(truth))
+        return text, room.truth_json(truth)
+    rig = truth.rig
+    chosen = room.Instrument(
+        daq=room.Daq(rate=rig.rate, filter=choices.get("antialias") or 0.0),
+        misaligned=choices.get("misaligned") or 0.0,
+    )
+    volts = chosen.read(made.test.time, truth.force, rig=rig, seed=truth.seed)
+    text = write_gauges(made.test, volts, comments=room.stamp(truth))
+    says = chosen.says(truth.force, rig)
+    return (
+        text, room.truth_json(truth, instrument=chosen), chosen.transducer.calibration(), says
+    )  # fmt: skip
+
+
+def creep(
+    *,
+    seal: str,
+    load: float = 1.0,
+    ramp: float = 1.0,
+    hold: float = 40.0,
+    rate: float | None = None,
+    noise_free: bool = False,
+    seed: int = 0,
+    temperature: float | None = None,
+    wlf: TemperatureLaw | None = None,
+    **_: object,
+) -> tuple[str, str]:
+    """Return a simulated creep test as CSV, and its truth as JSON."""
+    from dashpot.io.write import write_relaxation
+
+    room = dp.simulation
+    known = seal_named(seal)
+    made = room.simulate_creep(
+        known.solid, load=load, ramp_time=ramp, hold_time=hold, seed=seed,
+        rig=_chosen(room.Rig(), noise_free=noise_free, rate=rate),
+        climate=_climate(known, temperature, wlf),
+    )  # fmt: skip
+    comments = (*room.stamp(made.truth), "creep test: the force is held")
+    return write_relaxation(made.test, comments=comments), room.truth_json(made.truth)
+
+
+def impact(
+    *,
+    seal: str,
+    mass: float | None = None,
+    seals: float = 2.0,
+    hits: int = 5,
+    hit_length: float | None = None,
+    rate: float | None = None,
+    noise_free: bool = False,
+    seed: int = 0,
+    temperature: float | None = None,
+    wlf: TemperatureLaw | None = None,
+    **_: object,
+) -> tuple[str, str]:
+    """Return a simulated hammer test as CSV, and its truth as JSON."""
+    from dashpot.io.write import temperature_line, write_impact
+
+    known = seal_named(seal)
+    block = mass if mass is not None else known.mass
+    if block is None:
+        raise DataError(f"the mass under the hammer is not known for {seal}; add --mass")
+    room = dp.simulation
+    rig = _chosen(room.Hammer(), noise_free=noise_free, record=hit_length, rate=rate)
+    made = room.simulate_impact(
+        known.solid, mass=block, seals=seals, hits=hits, rig=rig, seed=seed,
+        climate=_climate(known, temperature, wlf),
+    )  # fmt: skip
+    stated = () if temperature is None else (temperature_line(temperature),)
+    comments = (*room.stamp(made.truth), *stated)
+    return write_impact(made.test, comments=comments), room.truth_json(made.truth)
+
+
+def _climate(known: SimulatedSeal, temperature: float | None, law: TemperatureLaw | None) -> Any:
+    """Return where the test is made, by the seal's own law unless another is given."""
+    if temperature is None:
+        if law is not None:
+            raise DataError("--wlf needs the temperature of the test: add --temperature 0degC")
+        return None
+    return dp.simulation.Climate(temperature, law or known.law)
+
+
+def _chosen(instrument: Any, *, noise_free: bool, **given: float | None) -> Any:
+    """Return an instrument with what the user said of it."""
+    stated = {name: value for name, value in given.items() if value is not None}
+    # what was asked for by name is there in any case
+    return replace(instrument.noise_free() if noise_free else instrument, **stated)

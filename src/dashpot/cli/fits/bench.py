@@ -1,0 +1,71 @@
+"""Tests of one part on a bench: the solid behind them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import dashpot as dp
+from dashpot import workflow
+from dashpot.base.choices import FamilyAsked, Method
+from dashpot.base.errors import FitError
+from dashpot.cli._shell import Outcome, printed, typed, write
+from dashpot.cli.fits._given import Given
+from dashpot.told import text as text_of
+
+
+def run(given: Given) -> Outcome:
+    """Fit a solid to relaxation tests, creep, sweeps or a modulus."""
+    given.kept_as(".json", what="a fit")
+    elastic = given["elastic"]
+    found, records = workflow.fit_files(
+        given.files,
+        depth_law=elastic == "by-depth",
+        law="auto" if elastic == "by-depth" else elastic,
+        family=given.model(FamilyAsked, "maxwell"),
+        options=given.reading,
+        **given.some("arms", "method", "thorough", "filter", "cuts", "machine", "specimen",
+                     "temperatures", "shifting"),
+    )  # fmt: skip
+    given.draw(lambda: _figure(found, records))
+    if given["save_shifts"]:
+        write(given["save_shifts"], _shift_table(found))
+    if given.output:
+        write(given.output, printed(found) + "\n")
+    return Outcome(
+        found,
+        text_of.fit(found, asked=given["arms"]),
+        found.checks,
+        verdict=found.verdict,
+        follow=_follow(given, found),
+    )
+
+
+def _shift_table(found: dp.Fit) -> str:
+    from dashpot.io.write import write_shifts
+
+    if found.temperatures is None:
+        raise FitError("one temperature has no shift factors; leave out --save-shifts")
+    stamp = ["simulated"] if any(source.simulated for source in found.source) else []
+    return write_shifts(found.temperatures, comments=stamp)
+
+
+def _follow(given: Given, found: dp.Fit) -> str:
+    output = given.output
+    if not output:
+        why = "keeps it for predict, compare, export"
+        return typed("fit", *given.files, *given.again(), "-o", "fit.json", why=why)
+    if output == "-":
+        return ""
+    if found.unit == "Pa":  # no mass rests on a material
+        deck = ("export", output, "--to", "abaqus", "--form", "prony", "--unit-system", "mm-t-s")
+        missing = ("--temperature", "TEMPERATURE") if found.specimen.temperature is None else ()
+        return typed(*deck, *missing)
+    return typed("predict", output, "--mass", "MASS", "--seals", 2)
+
+
+def _figure(found: dp.Fit, records: tuple[Any, ...]) -> dp.plot.Picture:
+    others: list[dp.Fit] = []
+    if len(records) == 1 and isinstance(records[0], dp.RampHold):
+        method: Method = "hold" if found.method == "hold" else "full"
+        others = [dp.fit(records, arms=n, method=method, intervals=False) for n in (1, 2)]  # Fig. 4
+    return dp.plot.bench(found, records, alternatives=others)

@@ -1,0 +1,44 @@
+"""FRFs of one structure, or of one solid under several masses: their modes."""
+
+from __future__ import annotations
+
+import click
+
+import dashpot as dp
+from dashpot import workflow
+from dashpot.cli._shell import Outcome, printed, write
+from dashpot.cli.fits._given import Given
+from dashpot.told import modes as text
+
+
+def run(given: Given) -> Outcome:
+    """Find the modes that the FRFs share."""
+    given.kept_as(".json", what="the modes of FRFs")
+    found, chart = workflow.modes_files(given.files, options=given.reading, band=given["band"])
+    given.draw(
+        lambda: dp.plot.stabilisation(
+            chart, [one.mode for one in found.modes], stamp=dp.plot.stamp(found.frf.source)
+        )
+    )
+    if given.output:
+        write(given.output, printed(found) + "\n")
+    checks = found.frf.checks
+    return Outcome(found, text.modes(found), checks, verdict=found.verdict)
+
+
+def under_masses(given: Given) -> Outcome:
+    """Find the modes under each mass, and whether one solid carries them all."""
+    masses, files = given["mass"], given.files
+    if len(masses) != len(files):
+        raise click.UsageError(f"--mass was given {len(masses)} times for {len(files)} files.")
+    given.kept_as(".json", what="the modes under several masses")
+    seals = given["seals"]
+    found = workflow.modes_by_mass(
+        files, masses, seals=seals, options=given.reading, band=given["band"]
+    )
+    under = [one.frf for one in found.tests]
+    stamp = dp.plot.stamp([source for one in under for source in one.source], seals=seals)
+    given.draw(lambda: dp.plot.several_masses(found.together, under, stamp=stamp))
+    if given.output:
+        write(given.output, printed(found) + "\n")
+    return Outcome(found, text.modes_by_mass(found), found.checks, verdict=found.verdict)

@@ -1,0 +1,34 @@
+"""An indenter's hit: what it says of a surface."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import click
+
+import dashpot as dp
+from dashpot import workflow
+from dashpot.base.choices import ImpactLawAsked
+from dashpot.cli._shell import Outcome, printed, write
+from dashpot.cli.fits._given import Given
+from dashpot.told import text as text_of
+
+
+def run(given: Given) -> Outcome:
+    """Find stiffness, damping, modulus and restitution from the motion of an indenter."""
+    given.kept_as(".json", what="an indenter's hit")
+    if len(given.files) > 1:
+        raise click.UsageError(
+            f"one hit of an indenter is fitted at a time, and there are {len(given.files)} files. "
+            "For a table of all: dashpot batch"
+        )
+    found = workflow.indent_file(
+        given.files[0],
+        indenter=replace(given["indenter"], mass=given.mass),
+        law=given.model(ImpactLawAsked),
+        options=given.reading,
+    )
+    given.draw(lambda: dp.plot.indentation(found.fit))
+    if given.output:
+        write(given.output, printed(found) + "\n")
+    return Outcome(found, text_of.indentation(found), found.checks, verdict=found.verdict)

@@ -1,0 +1,97 @@
+"""Vibration under a known mass, alone or with tests on a bench: one solid for all."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import click
+
+import dashpot as dp
+from dashpot import workflow
+from dashpot.base.choices import FamilyAsked
+from dashpot.cli._shell import Outcome, is_json, printed, typed, write
+from dashpot.cli.fits import hits
+from dashpot.cli.fits._given import Given
+from dashpot.told import text as text_of
+from dashpot.told.layout import Text
+from dashpot.told.lines import sensitive
+
+_ROWS = 3
+"""Lines of a transmissibility that are shown: both ends of its band, and between."""
+_A_DECK = ("--to", "nastran", "--unit-system", "mm-t-s", "-o", "seal.bdf")
+VIBRATION = ("impact", "frf", "transmissibility")
+
+
+def run(given: Given) -> Outcome:
+    """Identify the solid under a mass from hits or FRFs, and from tests of it on a bench."""
+    given.kept_as(".json", *hits.FRF, what="a fit")
+    if given.mass is None:
+        raise click.UsageError(
+            "A test and a hammer file are fitted together under a mass. "
+            "Give the mass of the block: --mass 104g"
+        )
+    measured = given.of(*VIBRATION)
+    beside = [path for path in given.files if path not in measured]
+    fits = [path for path in beside if is_json(path)]
+    reading = given.reading
+    found = workflow.identify_files(
+        measured,
+        fits=[workflow.read_fit(path) for path in fits],
+        tests=[path for path in beside if path not in fits],
+        options=reading.without(reading.of_bench),
+        options_with=reading.only(("units", *reading.of_bench)),
+        mass=given.mass,
+        family=given.model(FamilyAsked, "maxwell"),
+        **given.some("rig", "seal_mass", "seals", "compression", "impact_temperature", "arms",
+                     "known", "band", "machine", "temperatures", "specimen", "hammer"),
+    )  # fmt: skip
+    if given["stiffness_table"]:
+        write(given["stiffness_table"], found.direct.table)
+    if given.output:
+        _keep(found, given.output)
+    return Outcome(
+        found, _told(found), found.checks, verdict=found.verdict,
+        follow=_follow(given, found.fit),
+    )  # fmt: skip
+
+
+def _keep(found: workflow.Identified, path: str) -> None:
+    """Write the fit, or the FRF that it was fitted to."""
+    if path.lower().endswith(hits.FRF):
+        if found.vibration is None:
+            raise click.UsageError(f"-o {path}: of tests and a hammer together a fit is written.")
+        hits.keep(found.vibration, found.vibration.frf, path)
+    else:
+        write(path, printed(found.fit) + "\n")
+
+
+def _told(found: workflow.Identified) -> Text:
+    """The solid, and the modes of what was measured where nothing else was fitted."""
+    (named, *lines), details = text_of.fit(found.fit)
+    first, straight = [named], found.direct.of
+    if straight.over_base:
+        errors = ("phase", "mass")
+        first += sensitive(straight, errors=errors, unit="N/m", shown=_ROWS)
+    rests = [str(found.at_rest)] if str(found.at_rest) else []
+    modes = text_of.impact(found.vibration) if found.vibration else Text()
+    return Text([*first, *lines, *rests, *modes.lines], [*details, *modes.details])
+
+
+def _follow(given: Given, found: dp.Fit) -> str:
+    output = given.output
+    if output == "-":
+        return ""
+    if output:
+        return typed("export", output, *_deck(found)) if output.endswith(".json") else ""
+    again = given.again("stiffness_table")
+    return typed("fit", *given.files, *again, "-o", "joint.json", why="keeps it for export")
+
+
+def _deck(found: dp.Fit) -> list[str]:
+    """The options of a deck, with what the fit does not know of its piece to be filled in."""
+    piece = found.specimen
+    asked: tuple[tuple[str, Any], ...] = (
+        ("--temperature", piece.temperature), ("--length", piece.length),
+    )  # fmt: skip
+    missing = [name for name, known in asked if known is None]
+    return [*_A_DECK, *(word for name in missing for word in (name, name[2:].upper()))]

@@ -1,0 +1,50 @@
+"""A rod under a mass: the modulus of its material."""
+
+from __future__ import annotations
+
+import click
+
+import dashpot as dp
+from dashpot import workflow
+from dashpot.base.choices import FamilyAsked
+from dashpot.base.errors import ReadError
+from dashpot.cli._shell import Outcome, grams, printed, typed, write
+from dashpot.cli.fits._given import Given
+from dashpot.told import rod as text
+
+
+def run(given: Given) -> Outcome:
+    """Find the modulus and the loss factor of a rod's material from the motion of a mass on it."""
+    given.kept_as(".json", what="the fit of a rod")
+    if given.mass is None:
+        raise click.UsageError("A rod bears a mass. Give it: --mass 31.4g")
+    if given["density"] is None:
+        raise click.UsageError("The rod's own mass is counted. Give its density: --density 1000")
+    found = workflow.rod_files(
+        given.files,
+        mass=given.mass,
+        family=given.model(FamilyAsked, "maxwell"),
+        specimen=given.specimen,
+        options=given.reading,
+        **given.some("density", "rod", "arms", "band", "hammer"),
+    )
+    if given.output:
+        if found.fit is None:
+            raise ReadError(f"-o writes a fit, and there is none: {found.reason}")
+        write(given.output, printed(found.fit) + "\n")
+    given.draw(
+        lambda: dp.plot.rod(
+            found.modulus, fit=found.fit, stamp=dp.plot.stamp(found.frf.source, mass=found.mass)
+        )
+    )
+    return Outcome(
+        found, text.rod(found), found.checks, verdict=found.verdict, follow=_follow(found, given)
+    )
+
+
+def _follow(found: workflow.Rod, given: Given) -> str:
+    output = given.output
+    if found.fit is None or not output or output == "-":
+        return ""
+    part = ("--shape", "disc:20mm,10mm", "--mass", grams(found.mass), "--base")
+    return typed("predict", output, *part)

@@ -1,0 +1,202 @@
+"""What a file is: one answer for whoever asks, and its table open for who reads it next."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from types import MappingProxyType
+
+from dashpot.base.arrays import kept, measured
+from dashpot.base.errors import DataError, ReadError
+from dashpot.io.columns.kinds import RECOGNISED, KindOfFile, kind_of
+from dashpot.io.columns.vocabulary import Role
+from dashpot.io.options import PROFILE, ReadOptions
+from dashpot.io.readers import channels
+from dashpot.io.readers.channels import Opened
+from dashpot.io.readers.relaxation import moving_columns, recorded
+from dashpot.io.source import Raw, like_json, open_raw
+from dashpot.io.toml import tables_of
+from dashpot.signals.loading import loading_in
+
+_SCHEMA = re.compile(rb'"schema"\s*:\s*"dashpot/([a-z-]+)@')
+_HEAD = 1 << 16
+"""Bytes in which the schema of a document stands; dashpot writes it first."""
+_SHOWN: Mapping[str, str] = MappingProxyType({
+    "cld": "it goes in and back at one speed, and never rests",
+    "cyclic": "it goes to and fro, and never rests",
+    "creep": "its force is held while its displacement goes on",
+})  # fmt: skip
+_LEAST = 8
+"""Samples in which a motion may be seen."""
+_MATERIAL: tuple[Role, ...] = ("strain", "stress")
+_PART: tuple[Role, ...] = ("displacement", "force")
+_FOLDERS = (
+    ("project", "dashpot.toml", "it holds dashpot.toml"),
+    ("lot", "part-*.parquet", "it holds the rows of a batch"),
+)
+OWN: Mapping[str, KindOfFile] = MappingProxyType({
+    "fit": KindOfFile("a fit", "use dashpot predict, compare or export"),
+    "model": KindOfFile("a solid", "use dashpot predict or export"),
+    "levels": KindOfFile("a fit over amplitude", "use dashpot export"),
+    "hyperelastic": KindOfFile("a fit of a hyperelastic law", "use dashpot export"),
+    "study": KindOfFile("a study of one seal", "use dashpot verify"),
+    "job": KindOfFile("the inputs of a report", "use dashpot report"),
+    "door": KindOfFile("a door", "use dashpot predict"),
+    "profile": KindOfFile("a reading profile", "give it as --profile"),
+    "project": KindOfFile("a project", "use dashpot verify"),
+    "lot": KindOfFile("a lot", "use dashpot compare with another lot"),
+    "folder": KindOfFile("a folder", "use dashpot batch"),
+})  # fmt: skip
+"""What is no table of a test: what it is called, and which command wants it."""
+
+
+@dataclass(frozen=True)
+class Recognised:
+    """What a file is.
+
+    Attributes
+    ----------
+    kind : str
+        One of ``io.columns.kinds.FileKind``; of a document of dashpot's own the word of its schema,
+        such as ``"fit"``; or ``"door"``, ``"profile"``, ``"project"``, ``"lot"``, ``"folder"``.
+    reason : str
+        What shows it.
+    stored : bool
+        Whether it is a result, or a record, that dashpot wrote as JSON.
+    simulated : bool
+        Whether a table says that it was made by the virtual rig or hammer.
+    """
+
+    kind: str
+    reason: str
+    stored: bool = False
+    simulated: bool = False
+
+    @property
+    def what(self) -> str:
+        """What such a file is called."""
+        return called(self.kind)
+
+    @property
+    def use(self) -> str:
+        """Which command wants it, or why none does; empty where that is not known."""
+        return used(self.kind)
+
+
+def called(kind: str) -> str:
+    """Return what a file of a kind is called, such as "a relaxation test".
+
+    >>> called("cyclic"), called("fit"), called("comparison")
+    ('a cyclic run without a hold', 'a fit', 'a stored comparison')
+    """
+    known = RECOGNISED if kind in RECOGNISED else OWN
+    if kind in known:
+        return known[kind].what
+    test = {"unclear": "no test that is known", "not-a-test": "no test"}
+    return test.get(kind, f"a stored {kind.replace('-', ' ')}")
+
+
+def used(kind: str) -> str:
+    """Return which command wants a file of a kind, or why none does; empty if that is not known."""
+    known = RECOGNISED if kind in RECOGNISED else OWN
+    return known[kind].use if kind in known else ""
+
+
+def recognise(
+    path: str | Path, options: ReadOptions | None = None, *, kind: str | None = None
+) -> Recognised:
+    """Return what a file or a folder is: by its columns and, of a record, by what moves in it.
+
+    The table is left open: who reads the file next with the same options does not parse it again.
+
+    Parameters
+    ----------
+    path : path
+        ``-`` is stdin.
+    options : ReadOptions, optional
+        What the user said of the file; the columns named decide, and `kind` there overrules.
+    kind : str, optional
+        The same as ``options.kind``.
+
+    Raises
+    ------
+    ReadError
+        If there is no such file, it cannot be read, or there is no such kind.
+    """
+    options = options or ReadOptions()
+    options = options if kind is None else replace(options, kind=kind)
+    own = without_table(path)
+    if own is not None:
+        return own
+    with channels.opened(path, options, sure=False) as bare:
+        file = channels.read_once(bare)
+        found = Recognised(*recognise_opened(file), simulated=file.table.simulated)
+        channels.leave_open(path, file)
+        return found
+
+
+@kept
+def recognise_opened(file: Opened) -> tuple[str, str]:
+    """Return the kind of a table that is open, and why."""
+    kind, reason = kind_of(file.table, file.options)
+    if file.options.kind is not None:
+        return kind, reason
+    if kind == "relaxation":
+        shown = _loading(file, _PART)
+        return (shown, _SHOWN[shown]) if shown in _SHOWN else (kind, reason)
+    if kind == "stress-strain" and _loading(file, _MATERIAL) == "creep":
+        return "creep", "its stress is held while its strain goes on"
+    return kind, reason
+
+
+def _loading(file: Opened, pair: tuple[Role, ...]) -> str:
+    """What the motion of a record shows; nothing of one that asks or is broken: its reader says."""
+    try:
+        chosen, clocks = moving_columns(file, *pair)
+        values, _ = recorded(file, chosen, clocks)
+        shown = [measured(role, values[role], minimum=_LEAST) for role in ("time", *pair)]
+    except (ReadError, DataError):
+        return ""
+    return loading_in(*shown)
+
+
+def without_table(path: str | Path) -> Recognised | None:
+    """Return what dashpot itself, or a user for it, wrote, or what a folder is; None of a table.
+
+    Raises
+    ------
+    ReadError
+        If there is no such file, or it is no TOML although it is called so.
+    """
+    place = Path(path)
+    if place.is_dir():
+        return _folder(place)
+    raw = open_raw(path)
+    if like_json(raw.head(64)):
+        return _document(raw)
+    if place.suffix.casefold() != ".toml":
+        return None
+    _, tables = tables_of(path)
+    if "door" in tables:
+        return Recognised("door", "it has the table [door]")
+    if tables.keys() <= PROFILE:
+        return Recognised("profile", "it is TOML with tables of a profile")
+    return Recognised("unclear", "it is TOML, of neither a door nor a profile")
+
+
+def _document(raw: Raw) -> Recognised | None:
+    """The word of a document's schema; None of JSON that is not dashpot's own."""
+    found = _SCHEMA.search(raw.head(_HEAD))
+    if found is None:
+        return None
+    word = found[1].decode()
+    return Recognised(word, f"its schema is dashpot/{word}", stored=True)
+
+
+def _folder(path: Path) -> Recognised:
+    for kind, mark, reason in _FOLDERS:
+        if next(path.glob(mark), None) is not None:
+            return Recognised(kind, reason)
+    return Recognised("folder", "it is a folder")

@@ -1,0 +1,37 @@
+"""How a result is laid out as text: lines, tables of cells, tables of named numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    from dashpot.base.facts import Fact
+
+
+class Text(NamedTuple):
+    """What a command prints: what everyone reads, and what is there for who asks."""
+
+    lines: Sequence[str] = ()
+    details: Sequence[str] = ()
+
+
+def table(rows: Sequence[Sequence[str]], *, left: bool = False) -> list[str]:
+    """Return rows of cells as lines of aligned columns: the first, or all, to the left."""
+    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
+    lines = []
+    for row in rows:
+        cells = [
+            cell.ljust(width) if left or i == 0 else cell.rjust(width)
+            for i, (cell, width) in enumerate(zip(row, widths, strict=True))
+        ]
+        lines.append(("  " + "  ".join(cells)).rstrip())
+    return lines
+
+
+def facts(found: Sequence[Fact]) -> list[str]:
+    """Return named numbers as a table: value, error, interval and unit, where any has one."""
+    head = ("", "value", "± SE", "95 % interval", "unit")
+    rows = [one.cells.ascii for one in found]
+    some = [i for i in range(len(head)) if any(row[i] for row in rows)]
+    return table([[row[i] for i in some] for row in (head, *rows)])

@@ -1,0 +1,22 @@
+"""A command, run as a user types it."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+from click.testing import CliRunner, Result
+
+from dashpot.cli import main
+
+
+def ran(*words: object) -> Result:
+    """What a command did: ``exit_code``, ``stdout``, ``stderr``, and ``output``, which is both."""
+    return CliRunner().invoke(main, [str(word) for word in words])
+
+
+def told(*words: object) -> Any:
+    """The JSON document of a command, which must have done its work."""
+    done = ran(*words, "--json")
+    assert done.exit_code == 0, done.output
+    return json.loads(done.stdout)

@@ -1,0 +1,71 @@
+"""Every sentence names verbs and options that exist."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import click
+import pytest
+
+import dashpot as dp
+from dashpot.cli import COMMANDS, main
+from dashpot.cli._former import FORMER
+
+ROOM = Path(dp.__file__).parent
+NOT_TYPED = {
+    "cli/_former.py": "the words of former commands stand there",
+    "io/child/process.py": "what the parent says to its own child",
+}
+"""Files whose words no user types, and why."""
+OF_CSS = re.compile(r"var\(--[a-z-]+|\"--[a-z]+\"\s*:|--[a-z-]+\s*:\s*[#0-9a-z]")
+OPTION = re.compile(r"(?<![\w(-])--[a-z][a-z-]*")
+VERB = re.compile(r"\bdashpot ([a-z]+)\b")
+
+
+def options() -> set[str]:
+    context = click.Context(main)
+    verbs = (main.get_command(context, name) for name in COMMANDS)
+    known = {word for verb in verbs if verb for one in verb.params for word in one.opts}
+    return known | {"--help", "--help-all", "--version", "--traceback"}
+
+
+def sentences() -> Iterator[tuple[str, int, str]]:
+    for path in sorted(ROOM.rglob("*.py")):
+        where = path.relative_to(ROOM).as_posix()
+        if where in NOT_TYPED or where.startswith(("plot/", "solids/")):
+            continue
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Constant) and isinstance(node.value, str):
+                yield where, node.lineno, node.value
+    for path in sorted([*ROOM.rglob("*.js"), *ROOM.rglob("*.html")]):
+        where = path.relative_to(ROOM).as_posix()
+        for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
+            if not OF_CSS.search(line):
+                yield where, number, line
+
+
+def strange(text: str, known: set[str]) -> list[str]:
+    """The words of a text that no one can type."""
+    verbs = [f"dashpot {word}" for word in VERB.findall(text) if word in FORMER]
+    return [*(word for word in OPTION.findall(text) if word not in known), *verbs]
+
+
+@pytest.mark.parametrize(
+    ("text", "wrong"),
+    [
+        ("give --mass 5g", []), ("give --mas 5g", ["--mas"]), ("dashpot fit takes it", []),
+        ("dashpot identify takes it", ["dashpot identify"]), ("fill: var(--panel)", []),
+    ],
+)  # fmt: skip
+def test_what_is_strange(text: str, wrong: list[str]) -> None:
+    assert strange(text, options()) == wrong
+
+
+def test_every_sentence_names_what_exists() -> None:
+    known = options()
+    found = [(where, line, strange(text, known)) for where, line, text in sentences()]
+    assert len(found) > 5000
+    assert not [one for one in found if one[2]]

@@ -1,0 +1,79 @@
+"""Which fit records mean, with what was said of them; and which are not fitted together."""
+
+from __future__ import annotations
+
+import pytest
+
+from dashpot.base.errors import ReadError
+from dashpot.kinds import KINDS
+from dashpot.workflow.routing import BENCH, VIBRATION, route
+
+HITS, FRF, BASE = "impact", "frf", "transmissibility"
+
+
+def meant(*kinds: str, **said: object) -> str:
+    return route({f"{i}.csv": kind for i, kind in enumerate(kinds)}, **said)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("kind", [one.name for one in KINDS.values() if one.meant])
+def test_one_record_or_several_of_a_kind_mean_what_its_row_says(kind: str) -> None:
+    assert meant(kind) == meant(kind, kind) == KINDS[kind].meant
+
+
+@pytest.mark.parametrize(
+    ("kinds", "said", "word"),
+    [
+        (("relaxation", "dma"), {}, "bench"),
+        (("relaxation", "relaxation"), {"masses": 1}, "bench"),
+        (("strain-sweep", "cyclic"), {}, "level"),
+        ((HITS,), {"masses": 1}, "joint"),
+        ((HITS,), {"masses": 2}, "masses"),
+        ((FRF, FRF), {"masses": 2}, "masses"),
+        ((FRF, FRF), {"masses": 1, "levels": True}, "level"),
+        ((HITS,), {"levels": True}, "level"),
+        ((FRF,), {"rod": True}, "rod"),
+        ((BASE,), {"rod": True, "masses": 1}, "rod"),
+        ((BASE,), {"masses": 1}, "joint"),
+        (("relaxation", HITS), {"masses": 1}, "joint"),
+        (("fit", FRF), {"masses": 1}, "joint"),
+        (("relaxation", "dma", "fit", FRF), {"masses": 1}, "joint"),
+        (("indentation",), {"masses": 1}, "indentation"),
+    ],
+)
+def test_what_is_said_of_them_decides(
+    kinds: tuple[str, ...], said: dict[str, object], word: str
+) -> None:
+    assert meant(*kinds, **said) == word
+
+
+@pytest.mark.parametrize(
+    ("kinds", "said", "says"),
+    [
+        (("relaxation", HITS), {}, "under a mass. Give the mass of the block, such as --mass 104g"),
+        (("fit", FRF), {"levels": True}, "Give the mass of the block"),
+        ((HITS, FRF), {}, "1.csv is an FRF. They are not fitted together. Fit them one by one"),
+        ((HITS, FRF), {"masses": 1}, "They are not fitted together"),
+        ((FRF, FRF), {"masses": 1}, "and one FRF is fitted under one mass. Give one of them"),
+        ((BASE,), {}, "the stiffness over the mass. Give the mass"),
+        ((BASE, HITS), {}, "the stiffness over the mass. Give the mass of the block"),
+        (("cld", "relaxation"), {}, "not fitted together: 0.csv is a compression load deflection"),
+        (("cld", HITS), {"masses": 1}, "not fitted together"),
+        (("fit", "relaxation"), {}, "not fitted together: 0.csv is a fit; 1.csv is a relaxation"),
+        (("fit",), {}, "0.csv is a fit: use dashpot predict"),
+        (("door",), {}, "0.csv is a door: use dashpot predict"),
+        (("temperature-sweep",), {}, "it tells no relaxation times; sweep the frequency"),
+        (("comparison",), {}, "0.csv is a stored comparison: it is not fitted"),
+    ],
+)
+def test_what_is_not_fitted_is_refused_in_one_sentence(
+    kinds: tuple[str, ...], said: dict[str, object], says: str
+) -> None:
+    with pytest.raises(ReadError) as caught:
+        meant(*kinds, **said)
+    assert says in str(caught.value)
+
+
+def test_every_kind_that_is_fitted_goes_one_way() -> None:
+    assert not BENCH & VIBRATION
+    assert {HITS, FRF, BASE} == VIBRATION
+    assert {KINDS[kind].fit for kind in BENCH} == {"workflow.fits:fit_files"}
