@@ -63,6 +63,7 @@ def relaxation_data(
     fit: Fit,
     *,
     alone: Fit | None = None,
+    claimed: bool = True,
     moved: ThermalShift | None = None,
     warms: tuple[float, float] = (0.0, 0.0),
 ) -> RelaxationData:
@@ -80,6 +81,10 @@ def relaxation_data(
         The solid whose response to a small motion stands for the doubt; its method is kept.
     alone : Fit, optional
         Of this test alone, where `fit` is of more than this test: its solid leaves the noise.
+    claimed : bool
+        For limits, which bear all that a rig may have done unseen (:func:`unseen`). A fit of
+        several tests is a point, and not of the doubtful rig: what could be moved by so much would
+        hide that the tests disagree.
     moved : ThermalShift, optional
         How the solid that is asked about lies at the temperature of the test and of `fit`: the
         seal may then have warmed while it was recorded.
@@ -92,10 +97,11 @@ def relaxation_data(
         If the fit is of several temperatures, and the test of none of them.
     """
     if fit.temperatures is not None:
-        return _at_its_temperature(test, fit, alone)
+        return _at_its_temperature(test, fit, alone, claimed=claimed)
     model, own = fit.few_arms, (alone or fit).few_arms
     if fit.method == "hold":
-        return held_data(test, model, _left_by(own, block_of(test, method="hold", terms=_CELL)))
+        held = _left_by(own, block_of(test, method="hold", terms=_CELL))
+        return held_data(test, model, held, claimed=claimed)
     law = fit.elastic_law
     if law is not None and law.kind == "linear":
         law = None
@@ -106,7 +112,8 @@ def relaxation_data(
     doubts = {
         name: (model.force(time, 1.0 * there), sd)
         for name, (there, sd) in _doubts(test, time).items()
-    } | unseen(test, time, x, model)
+    }
+    doubts |= unseen(test, time, x, model) if claimed else {}
     if moved is not None:
         by_a, by_b = warms
         doubts["warming"] = warming(time, x, model, by_a=by_a, by_b=by_b), 0.0
@@ -137,6 +144,7 @@ def relaxation_data(
         residual,
         size=_left_of_law(law),
         doubts={kind_of(name): sd for name, (_, sd) in doubts.items()},
+        claimed=claimed,
     )
     found = replace(found, delay=0.0) if late else found
     if moved is None:
@@ -169,7 +177,9 @@ def _left_of_law(law: ElasticLaw | None) -> float:
     return abs(float(law.factor(law.depth)) - 1) if law is not None and law.gentle else 0.0
 
 
-def _at_its_temperature(test: RampHold, fit: Fit, alone: Fit | None) -> RelaxationData:
+def _at_its_temperature(
+    test: RampHold, fit: Fit, alone: Fit | None, *, claimed: bool
+) -> RelaxationData:
     """A test of several temperatures: what it says of the solid at their reference.
 
     Its shifts are as free as other spectra may want them, within what the line through the fit
@@ -198,7 +208,7 @@ def _at_its_temperature(test: RampHold, fit: Fit, alone: Fit | None) -> Relaxati
         0.0 if at_reference else max(_FREE * shift.se * LN_10, _LEAST_SHIFT),
         0.0 if at_reference else _FREE * slope_sd,
     )
-    return relaxation_data(test, here, alone=alone, moved=where, warms=rates)
+    return relaxation_data(test, here, alone=alone, claimed=claimed, moved=where, warms=rates)
 
 
 def held_data(
@@ -207,6 +217,7 @@ def held_data(
     residual: FloatArray,
     *,
     law: ElasticLaw | None = None,
+    claimed: bool = True,
 ) -> RelaxationData:
     """The hold after an ideal ramp, whose depth scales the force, by way of its elastic law."""
     block = block_of(test, method="hold", terms=_CELL, law=law)
@@ -214,9 +225,19 @@ def held_data(
     felt = test.depth if law is None else float(law.path(test.depth))
     time = test.time[: test.hold.stop] - test.time[0]
     ramp = felt * np.clip((time - (test.onset - test.time[0])) / test.ramp_time, 0.0, 1.0)
-    wider, doubts = _doubted(block, test.settled, unseen(test, time, ramp, answer))
+    wider, doubts = _doubted(
+        block, test.settled, unseen(test, time, ramp, answer) if claimed else {}
+    )
     return _weighed(
-        test, wider, block, answer, residual, doubts=doubts, size=test.depth_doubt, since=since
+        test,
+        wider,
+        block,
+        answer,
+        residual,
+        doubts=doubts,
+        size=test.depth_doubt,
+        since=since,
+        claimed=claimed,
     )
 
 
@@ -275,8 +296,9 @@ def _weighed(
     doubts: Mapping[str, float] = MappingProxyType({}),
     size: float = 0.0,
     since: float = 0.0,
+    claimed: bool = True,
 ) -> RelaxationData:
-    terms, step = terms_of(test, claimed=True), median(np.diff(test.time))
+    terms, step = terms_of(test, claimed=claimed), median(np.diff(test.time))
     power = max(noise_power(residual), certain.rounding_floor)
     return RelaxationData(
         block=block,
