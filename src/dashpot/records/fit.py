@@ -21,7 +21,6 @@ from dashpot.base.offered import Pictured
 from dashpot.base.provenance import Source, Step
 from dashpot.base.sentences import sentence
 from dashpot.base.status import Status
-from dashpot.base.student_t import t_quantile
 from dashpot.base.units import Quantity, celsius, si, written
 from dashpot.records.alternative import Alternative, family_of
 from dashpot.records.bounds import EndOfHold, LeftOpen
@@ -528,8 +527,8 @@ class Fit(ByValue, Pictured, Documented):
         end = self.end_of_hold
         if end is None:
             return formal
-        dof = max(self.dof, 1.0)
-        reach = t_quantile(level, dof) / t_quantile(0.95, dof)
+        most = replace(self.estimate, dof=max(self.dof, 1.0))
+        reach = most.quantile(level) / most.quantile(0.95)
         return 0.0, self.model.k_inf + reach * (end.k_inf[1] - self.model.k_inf)
 
     @property
@@ -567,7 +566,7 @@ class Fit(ByValue, Pictured, Documented):
         end = self.end_of_hold
         if end is None:
             return found
-        most = {"low": 0.0, "high": end.k_inf[1], "error": None}
+        most = {"low": np.nan, "high": end.k_inf[1], "error": None}
         return tuple(replace(one, **most) if one.name == "k_inf" else one for one in found)
 
     @property

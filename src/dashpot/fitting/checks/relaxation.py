@@ -7,7 +7,7 @@ from itertools import combinations
 
 import numpy as np
 
-from dashpot.base.arrays import BoolArray, FloatArray, slow_periodogram
+from dashpot.base.arrays import BoolArray, FloatArray, median, slow_periodogram
 from dashpot.base.checks import Finding, Remedy, criterion
 from dashpot.base.status import Status
 from dashpot.base.units import in_unit, written
@@ -173,7 +173,7 @@ def k_inf_known(
     else:
         low, high, most, what = max(model.k_inf - 2 * se, 0.0), model.k_inf + 2 * se, left, "k_inf"
         says = (
-            f"k_inf lies between {in_unit(low, 'N/mm'):.3g} and {written(high, 'N/mm', '.3g')}; "
+            f"k_inf is {in_unit(low, 'N/mm'):.3g} to {written(high, 'N/mm', '.3g')}; "
             f"the stiffness at the end of the hold is {written(left, 'N/mm', '.3g')}"
         )
     if not (np.isfinite(high) and most > 0):
@@ -498,7 +498,7 @@ def slow_noise(residual: FloatArray, peak: float) -> float:
     Slow noise does not scatter between samples, and a misfit of the ramp is in few stretches.
     """
     parts = np.array_split(residual, 8)
-    return min(float(np.median([_rms(part) for part in parts if len(part)])), SLIGHT * peak)
+    return min(median(np.array([_rms(part) for part in parts if len(part)])), SLIGHT * peak)
 
 
 def _rms(values: FloatArray) -> float:
