@@ -842,7 +842,7 @@ SEALS = [
     ),
     Case(
         "seal_touches",
-        lambda x: seals.seal_touches(x, length=4.0, least=-1e-3, where=1.0),
+        lambda x: seals.seal_touches(x, length=4.0, least=-1e-3, where=1.0, most=1e-3),
         0.0,
         0.01,
     ),
@@ -993,6 +993,7 @@ MODAL = [
 ROD = [
     Case("rod_usable", whole(lambda n: rod.rod_usable(n, (10.0, 20.0))), 8, 7),
     Case("mass_beside_rod", rod.mass_beside_rod, 99.9, 100.1),
+    Case("lines_of_one_solid", rod.lines_of_one_solid, 1.499, 1.501),
     Case("waves_plane", lambda x: rod.waves_plane(x, 300.0), 0.0499, 0.0501),
     Case(
         "sensors_agree", lambda x: rod.sensors_agree(x / 100, 0.0, known=(0.01, 0.02)), 2.99, 3.01
@@ -1151,6 +1152,10 @@ INDENTATION = [
 ]
 
 
+def possible(travel: float) -> Check:
+    return reading.size_possible("travel", travel, "mm", role="displacement")
+
+
 def bears(size: float, unit: str) -> Check:
     return reading.stress_of_a_rubber(1e6 * size, unit)
 
@@ -1259,6 +1264,7 @@ CLD = [
 LOTS = [
     Case("files_fitted", lambda x: lots.files_fitted(int(x), 9), 0, 1),
     Case("fits_usable", lambda x: lots.fits_usable(int(x), 9), 0, 1),
+    Case("scatter_normal", lambda x: lots.scatter_normal("seal", x), 0.251, 0.249),
     Case("hammers_compared", lambda x: lots.hammers_compared(int(x), 9), 0, 1),
     Case("tests_alike", lambda x: lots.tests_alike(int(x), 9), 0, 1),
     Case("records_distinct", lambda x: lots.records_distinct(int(x), 9), 0, 1),
@@ -1323,7 +1329,12 @@ WORKFLOW = [
     Case("hold_fit_possible", lambda _: workflow.hold_fit_possible("two ramps"), None, 0),
     Case("history_present", workflow.history_present, 1, 0),
     Case("history_complete", lambda x: workflow.history_complete(1, torn=bool(x)), 0, 1),
-    Case("history_whole", lambda x: workflow.history_whole(1, 1, shortened=bool(x)), 0, 1),
+    Case(
+        "history_whole",
+        lambda x: workflow.history_whole(1, 1, shortened=False, headed=not x),
+        0,
+        1,
+    ),
     Case(
         "history_expected",
         lambda x: workflow.history_expected("0" * 64, None if x else 0, 1),
@@ -1351,6 +1362,8 @@ READING = [
         "force_of_a_bench", lambda x: reading.force_of_a_bench(x, "N", travel=5e-4), 0.0101, 0.0099
     ),
     Case("ramp_not_slow", lambda x: reading.ramp_not_slow(x, "s"), 199, 201),
+    Case("size_possible", lambda x: possible(0.5 * x), 0.999, 1.001),
+    Case("size_possible", lambda x: possible(1e-9 / x), 0.999, 1.001),
     Case("ramp_not_fast", lambda x: reading.ramp_not_fast(x, "s"), 0.299, 0.301),
     Case("hammer_not_heavy", lambda x: reading.hammer_not_heavy(x, "kN"), 999, 1001),
     Case("hammer_felt", lambda x: reading.hammer_felt(x, "mN"), 0.0501, 0.0499),
@@ -1402,7 +1415,7 @@ LIMITS = {
     "io/readers": {
         "travel_of_a_seal": 0.2, "force_of_a_seal": 1000, "time_of_a_test": 0.1,
         "travel_of_a_bench": 2e-5, "force_of_a_bench": 0.01, "ramp_not_slow": 200,
-        "ramp_not_fast": 0.3, "hammer_not_heavy": 1000, "hammer_felt": 0.05,
+        "ramp_not_fast": 0.3, "size_possible": 1, "hammer_not_heavy": 1000, "hammer_felt": 0.05,
         "shock_not_large": 1e6, "indenter_not_fast": 100, "contact_rate": 500,
         "strain_of_a_rubber": 0.01,
         "stress_of_a_rubber": 1e4,
@@ -1473,7 +1486,10 @@ LIMITS = {
         "velocity_agrees": 1.1, "gravity_known": 0.01, "force_agrees": 1.1,
         "indentation_shallow": 0.3, "sensor_fast_enough": 0.03,
     },
-    "kinds/rod": {"rod_usable": 8, "waves_plane": 0.05, "sensors_agree": 3, "mass_beside_rod": 100},
+    "kinds/rod": {
+        "rod_usable": 8, "waves_plane": 0.05, "sensors_agree": 3, "mass_beside_rod": 100,
+        "lines_of_one_solid": 1.5,
+    },
     "kinds/level": {
         "level_matters": 20, "amplitudes_spread": 3, "softening_seen": 2, "law_followed": 0.03,
         "levels_followed": 1.4, "loss_followed": 0.15, "spring_cubic": 20, "ways_agree": 0.03,
@@ -1482,7 +1498,7 @@ LIMITS = {
     "lots": {"files_fitted": 0, "fits_usable": 0, "hammers_compared": 0,
              "tests_alike": 0, "records_distinct": 0, "seals_within_limits": 0,
              "stands_out_of_lot": 0, "asked_in_band": 0, "lots_tested_alike": 0,
-             "seals_named": 0},
+             "seals_named": 0, "scatter_normal": 0.25},
     "planning": {"tip_excites": -10},
     "door": {
         "door_modes_informed": 1, "seal_touches": 0, "stations_suffice": 1e-3,
@@ -1519,7 +1535,7 @@ LIMITS = {
 GRADES = {
     "note": {
         "door": {"line_closed", "faster_doors_close"},
-        "lots": {"stands_out_of_lot"},
+        "lots": {"stands_out_of_lot", "scatter_normal"},
         "kinds/cld": {"unloading_recorded", "length_given"},
         "preparation": {
             "baseline_recorded", "single_loading", "overshoot_small", "range_used",
@@ -1533,6 +1549,7 @@ GRADES = {
         "fitting/temperature": {"shifts_told_apart"},
         "kinds/level": {"level_matters"},
         "kinds/hyperelastic": {"volume_known"},
+        "io/readers": {"travel_of_a_seal", "force_of_a_seal", "ramp_not_slow"},
         "fitting/nonlinear_ramp": {"clocks_agree", "offset_believable", "drift_believable"},
         "workflow": {
             "hold_fit_possible", "history_complete", "files_listed", "base_band_informed",
@@ -1545,8 +1562,8 @@ GRADES = {
             "ramp_recorded",
         },
         "io/readers": {
-            "travel_of_a_seal", "force_of_a_seal", "time_of_a_test", "travel_of_a_bench",
-            "force_of_a_bench", "ramp_not_slow", "ramp_not_fast", "hammer_not_heavy",
+            "time_of_a_test", "travel_of_a_bench", "size_possible",
+            "force_of_a_bench", "ramp_not_fast", "hammer_not_heavy",
             "shock_not_large", "indenter_not_fast", "contact_rate",
             "strain_of_a_rubber", "stress_of_a_rubber",
             "hammer_felt", "acceleration_not_large", "hammer_sampled", "hammer_not_oversampled",

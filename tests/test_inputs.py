@@ -27,6 +27,7 @@ from dashpot.cli import COMMANDS, main
 from dashpot.io.options import OF_HAMMER, OF_HAMMER_ALONE, ReadOptions
 from dashpot.kinds.rod.record import RodErrors
 from dashpot.lots import batches
+from dashpot.lots.batches import batch
 from dashpot.lots.choices import BatchChoices
 from dashpot.records.machine import Machine
 from dashpot.records.specimen import Specimen
@@ -35,6 +36,7 @@ from dashpot.web.requests import job_of, noun_of, page_of, said_of
 from dashpot.web.store import Store
 from dashpot.workflow.command_lines import line
 from dashpot.workflow.job import Cuts, HammerChoices, Job, LevelJob, ModesJob, RodChoices
+from dashpot.workflow.study import characterise
 
 RIG = ("seal_mass", "seals", "compression")
 TESTED = tuple(one.name for one in offered(Specimen) if one.name != "temperature")
@@ -117,7 +119,7 @@ def test_no_command_lists_the_words_of_a_choice_by_hand() -> None:
     [
         (Job, workflow.fit_files), (LevelJob, workflow.level_files),
         (ModesJob, workflow.modes_files), (ModesJob, workflow.modes_by_mass),
-        (BatchChoices, dp.batch), (Job, dp.characterise),
+        (BatchChoices, batch), (Job, characterise),
     ],
 )  # fmt: skip
 def test_what_python_takes_where_nothing_is_said_is_the_same(

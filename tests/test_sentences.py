@@ -17,9 +17,13 @@ from dashpot.base.checks import MOST_WORDS, Check, Finding, criterion, verdict
 from dashpot.base.errors import DashpotError
 from dashpot.base.numbers import readable
 from dashpot.base.sentences import sentences, words
+from dashpot.fitting.relaxation import fit
+from dashpot.preparation.prepare import prepare
 from dashpot.simulation.impact import simulate_impact
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.solids.table_1 import BROAD, BROAD_MASS
+from dashpot.vibration.impact.frf_estimation import estimate_frf
+from dashpot.workflow.study import characterise
 
 pytestmark = pytest.mark.once
 
@@ -63,7 +67,7 @@ def of_readers() -> Iterator[Check]:
 
 def of_fit(test: dp.RelaxationTest) -> Iterator[str]:
     try:
-        found = dp.fit(dp.prepare(test))
+        found = fit(prepare(test))
     except DashpotError:
         return
     yield from (check.says for check in found.checks)
@@ -150,7 +154,7 @@ def test_a_disturbed_record_is_answered_in_words() -> None:
 def test_two_tests_that_disagree_are_answered_in_words(stiffer: float, mass: float) -> None:
     bench = simulate_relaxation(BROAD, seed=3).test
     hammer = simulate_impact(stiffer * BROAD, mass=BROAD_MASS, hits=3, seed=3).test
-    study = dp.characterise(bench, dp.estimate_frf(hammer, mass=mass), mass=mass, seals=2)
+    study = characterise(bench, estimate_frf(hammer, mass=mass), mass=mass, seals=2)
     assert study.verdict.use == "do not use"
     assert not wrong(check.says for check in (*study.weighed, *study.every_check))
     said = [study.verdict.says, study.comparison.says]

@@ -9,10 +9,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from kit.kinds import bench, files, hammer, late, ramp_and_hold
+from kit.shell import ran, told
 
-from dashpot.cli import main
 from dashpot.cli._echo import to_stdout
 from dashpot.io.options import load_profile
 
@@ -21,7 +20,7 @@ FIT = {
     "schema": "dashpot/fit@1",
     "model": {"k_inf": 200.0, "arms": [{"k": 120.0, "tau": 0.5}, {"k": 18.0, "tau": 16.0}]},
 }
-NAMED = ("--hammer", "ch1", "--acceleration", "ch2", "--acceleration", "ch3")
+NAMED = ("--column", "hammer=ch1,acceleration=ch2", "--column", "acceleration=ch3")
 UNITS = ("--units", "time=s,hammer=N,acceleration=m/s^2")
 
 
@@ -39,7 +38,7 @@ def lab(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def run(*words: str, code: int = 0) -> str:
     """What a command prints on both streams."""
-    result = CliRunner().invoke(main, list(words))
+    result = ran(*words)
     assert result.exit_code == code, result.output
     return result.output
 
@@ -47,35 +46,27 @@ def run(*words: str, code: int = 0) -> str:
 @pytest.mark.parametrize(
     ("words", "says"),
     [
-        ("fit hammer.csv", "this is a hammer file .*: use dashpot impact"),
-        ("fit frf.csv", "this is an FRF .*: use dashpot modes, .*compare or .*identify"),
-        ("fit base.csv", "this is a transmissibility .*: use dashpot compare or .*identify with"),
-        ("fit trios.txt", "^dashpot: trios.txt: no force is held: expected a load that rises"),
-        ("fit creep.csv --law linear", "no elastic law .*; leave them out"),
+        ("fit base.csv", "tells the stiffness over the mass. Give the mass of the block, such"),
+        ("fit trios.txt", "dashpot: trios.txt: no force is held: expected a load that rises"),
+        ("fit creep.csv --elastic linear", "--elastic is for a relaxation test. creep.csv is a"),
         ("fit creep.csv seal.csv", "a creep test is fitted alone"),
-        ("report creep.csv", "this is a creep test: .*use dashpot fit"),
-        ("report compliance.csv", "this is a creep test .*: use dashpot fit"),
-        ("fit triangle.csv", "this is a triangle, a ramp up and down without a hold"),
-        ("fit fatigue.csv", r"this is a cyclic \(fatigue\) run without a hold .*and \d+ more"),
-        ("fit strain.csv", "this is an amplitude sweep at one frequency .*: use dashpot level"),
-        ("fit warming.csv", "this is a temperature sweep at one frequency"),
-        ("fit modulus.csv", 'use dashpot fit FILE --modulus "Relaxation modulus"'),
-        ("fit late.csv", "the record begins after its ramp"),
-        ('fit compliance.csv --modulus 2', "is a compliance.*use dashpot fit, without --modulus"),
-        ("fit ball.csv", "this is a contact of an indenter .*: use dashpot indent with its mass"),
-        ("indent hammer.csv --mass 5g", "this is a hammer file .*: use dashpot impact"),
-        ("indent ball.csv", "--mass 5g"),
-        ("impact seal.csv", "this is a relaxation test .*: use dashpot fit or dashpot report"),
-        ("impact frf.csv", "this is an FRF .*: use dashpot modes, .*compare or .*identify"),
-        ("modes hammer.csv", "hammer file .*, where an FRF is expected: use dashpot impact"),
-        ("modes frf.csv --band 900:950Hz", "modes need at least 8, and the FRF has lines from"),
-        ("impact dma.csv", r"this is a dynamic \(DMA\) sweep .*: use dashpot fit"),
-        ("report hammer.csv", "this is a hammer file .*: use dashpot impact"),
-        ("report dma.csv", r"this is a dynamic \(DMA\) sweep .*: use dashpot fit"),
-        ("report seal.csv --impact seal.csv --mass 104g", "this is a relaxation test"),
-        ("compare fit.json seal.csv --mass 104g", "this is a relaxation test"),
-        ("compare hammer.csv fit.json --mass 104g", "hammer.csv: .*expected a fit, as 'dashpot f"),
-        ("identify seal.csv --mass 104g", "this is a relaxation test"),
+        ("report creep.csv", "creep.csv is a creep test. .* Type: dashpot fit creep.csv"),
+        ("report compliance.csv", "compliance.csv is a creep .* Type: dashpot fit comp"),
+        ("fit triangle.csv --as relaxation", "this is a triangle, a ramp up and down without a"),
+        ("fit fatigue.csv --as relaxation", r"a cyclic \(fatigue\) run without a .*and \d+ more"),
+        ("fit warming.csv", "warming.csv is a temperature sweep at one frequency: it tells no"),
+        ("fit waiting.csv", "waiting.csv is .*: it tells no relaxation times; sweep the freq"),
+        ("fit late.csv", "the record begins within its ramp, or after it"),
+        ("fit compliance.csv --column modulus=2", "is a compliance"),
+        ("fit ball.csv", "--mass 5g"),
+        ("fit hammer.csv --radius 5mm", "--radius is for a contact of an indenter. hammer.csv is"),
+        ("fit frf.csv --band 900:950Hz", "modes need at least 8, and the FRF has lines from"),
+        ("fit dma.csv --mass 104g", r"--mass is for .*dma.csv is a dynamic \(DMA\) sweep"),
+        ("report hammer.csv", "needs a relaxation test, and here is none.* dashpot fit hammer.csv"),
+        ("report dma.csv", r"is a dynamic \(DMA\) sweep.* Type: dashpot fit dma.csv"),
+        ("compare fit.json seal.csv --mass 104g", "seal.csv is a relaxation test. Compare a fit w"),
+        ("compare hammer.csv fit.json --mass 104g", "hammer.csv is a hammer file; fit.json is a f"),
+        ("fit seal.csv --mass 104g", "--mass is for .*seal.csv is a relaxation test"),
         ("compare fit.json base.csv", "over the mass and neither alone: give the mass"),
         ("predict fit.json --mass 104", "for example '104g'"),
         ("predict fit.json --mass 104g --compression 8", "for example '8mm'"),
@@ -91,19 +82,20 @@ def test_a_wrong_file_is_named_with_the_command_that_wants_it(
 
 
 def test_two_accelerations_are_named_in_every_command_and_kept_in_a_profile(lab: Path) -> None:
-    asked = run("impact", "channels.csv", code=2)
-    assert '--acceleration "ch2" --acceleration "ch3" --hammer "ch1"' in asked
-    asked = run("impact", "channels.csv", *NAMED, code=2)
+    assert "--as relaxation" in run("fit", "channels.csv", code=2)
+    asked = run("fit", "channels.csv", "--as", "impact", code=2)
+    assert '--column acceleration="ch2" --column acceleration="ch3" --column hammer="ch1"' in asked
+    asked = run("fit", "channels.csv", *NAMED, code=2)
     assert "'t' (time) has no unit, nor has 'ch1' (hammer)" in asked
     assert '--units "time=s,hammer=N,acceleration=m/s^2"' in asked
-    run("inspect", "channels.csv", *NAMED, *UNITS, "--save-profile", "lab.toml")
+    run("inspect", "channels.csv", *NAMED, *UNITS, "--save", "lab.toml")
     kept = load_profile("lab.toml")
     assert kept.acceleration == ("ch2", "ch3")
     assert kept.hammer == "ch1"
-    numbers = ("--hammer", "2", "--acceleration", "3", "--acceleration", "4")
+    numbers = ("--column", "hammer=2,acceleration=3", "--column", "acceleration=4")
     printed = []
     for words in ((*NAMED, *UNITS), (*numbers, *UNITS), ("--profile", "lab.toml")):
-        found, follow = run("impact", "channels.csv", *words).split("next: ")
+        found, follow = run("fit", "channels.csv", *words).split("next: ")
         # what was said of the file is said again
         assert sorted(shlex.split(follow)[-len(words) :]) == sorted(words)
         printed.append(found)
@@ -114,34 +106,32 @@ def test_two_accelerations_are_named_in_every_command_and_kept_in_a_profile(lab:
         for how in ((*NAMED, *UNITS), ("--profile", "lab.toml"))
     ]
     assert compared[0].partition("next: ")[0] == compared[1].partition("next: ")[0]
-    how = ("--profile", "lab.toml", "--arms", "1", "--json")
-    assert json.loads(run("identify", "channels.csv", *weighed, *how))["model"]["k_inf"] > 0
+    how = ("--profile", "lab.toml", "--arms", "1")
+    assert told("fit", "channels.csv", *weighed, *how)["model"]["k_inf"] > 0
 
 
 def test_the_second_file_of_a_command_has_its_own_answers(lab: Path) -> None:
     odd = bench(ramp_and_hold(), head="a,b,c")
     (lab / "odd.csv").write_text(odd)
-    words = ("identify", "frf.csv", "--with", "odd.csv", "--mass", "104g", "--seals", "2")
+    words = ("fit", "frf.csv", "odd.csv", "--mass", "104g", "--seals", "2")
     asked = " ".join(run(*words, code=2).split())
-    assert "keep the answer for this one with dashpot inspect --save-profile" in asked
-    assert "by --with-profile FILE" in asked
-    named = ("--time", "a", "--displacement", "b", "--force", "c")
+    assert "odd.csv" in asked
+    named = ("--column", "time=a,displacement=b,force=c")
     units = ("--units", "time=s,displacement=mm,force=N")
-    run("inspect", "odd.csv", *named, *units, "--save-profile", "odd.toml")
-    found = json.loads(run(*words, "--with-profile", "odd.toml", "--arms", "2", "--json"))
+    run("inspect", "odd.csv", *named, *units, "--save", "odd.toml")
+    found = told(*words, "--profile", "odd.csv:odd.toml", "--arms", "2")
     assert found["model"]["k_inf"] == pytest.approx(200, rel=0.2)
-    asked = run("report", "odd.csv", "--impact", "channels.csv", "--mass", "104g",
+    asked = run("report", "odd.csv", "channels.csv", "--mass", "104g",
                 *named, *units, code=2)  # fmt: skip
     assert "channels.csv" in asked
-    assert "--impact-profile" not in asked  # --hammer and --acceleration are for it alone
 
 
 def test_predict_reads_its_record_as_it_is_told(lab: Path) -> None:
     (lab / "odd.csv").write_text(bench(ramp_and_hold(), head="a,b,c"))
-    named = ("--time", "1", "--displacement", "2", "--force", "3",
+    named = ("--column", "time=1,displacement=2,force=3",
              "--units", "time=s,displacement=mm,force=N")  # fmt: skip
     run("fit", "odd.csv", *named, "--arms", "2", "-o", "fitted.json")
-    words = ("predict", "fitted.json", "--mass", "104g", "--seals", "2", "--with", "odd.csv")
+    words = ("predict", "fitted.json", "--mass", "104g", "--seals", "2", "--record", "odd.csv")
     assert "no column is recognised as time" in " ".join(run(*words, code=2).split())
     run(*words, *named)
 
@@ -149,7 +139,7 @@ def test_predict_reads_its_record_as_it_is_told(lab: Path) -> None:
 def test_predict_refuses_a_record_that_was_not_fitted(lab: Path) -> None:
     run("fit", "seal.csv", "--arms", "2", "-o", "fitted.json")
     (lab / "other.csv").write_text(bench(1.01 * ramp_and_hold()))
-    words = ("predict", "fitted.json", "--mass", "104g", "--seals", "2", "--with")
+    words = ("predict", "fitted.json", "--mass", "104g", "--seals", "2", "--record")
     said = " ".join(run(*words, "other.csv", code=2).split())
     assert "other.csv is not what was fitted" in said
     assert "the fit is of seal.csv" in said
@@ -164,12 +154,12 @@ def test_a_comparison_draws_the_bound_where_the_record_is_at_hand(lab: Path) -> 
     alone = (lab / "without.svg").read_text()
     assert interval in alone
     assert bound not in alone
-    run(*words, "--with", "seal.csv", "--plot", "with.svg")
+    run(*words, "--record", "seal.csv", "--plot", "with.svg")
     both = (lab / "with.svg").read_text()
     assert interval in both
     assert bound in both
     (lab / "other.csv").write_text(bench(1.01 * ramp_and_hold()))
-    said = " ".join(run(*words, "--with", "other.csv", code=2).split())
+    said = " ".join(run(*words, "--record", "other.csv", code=2).split())
     assert "other.csv is not what was fitted" in said
 
 
@@ -189,9 +179,11 @@ def test_a_seal_is_not_pressed_ten_times_as_deep_as_tested(lab: Path, words: str
 def test_a_mass_in_the_wrong_unit_leads_the_verdict(lab: Path) -> None:
     run("fit", "seal.csv", "--arms", "2", "-o", "fitted.json")
     light = " ".join(run("predict", "fitted.json", "--mass", "0.104g").split())
-    assert light.startswith("use with care: the mass is 0.104 g, less than an accelerometer weighs")
+    assert light.startswith(
+        "Use with care: the mass is 0.104 g. An accelerometer alone weighs more."
+    )
     heavy = " ".join(run("predict", "fitted.json", "--mass", "1kg").split())
-    assert re.match(r"do not use: the seals are pressed by 4\d\.\d+ mm, [56]\.\d+ times", heavy)
+    assert re.match(r"Do not use: the seals are pressed by 4\d\.\d+ mm, [56]\.\d+ times", heavy)
     comma = " ".join(run("predict", "fitted.json", "--mass", "104,0g", code=2).split())
     assert "'104,0g' has a decimal comma; write '104.0g' with a point" in comma
 
@@ -202,12 +194,12 @@ def test_a_cycle_is_chosen_by_its_number(lab: Path) -> None:
     (lab / "twice.csv").write_text(bench(twice, time=time))
     ends = []
     for number in (1, 2):
-        found = json.loads(run("inspect", "twice.csv", "--cycle", str(number), "--json"))
+        found = told("inspect", "twice.csv", "--part", f"cycle={number}")
         ends.append(found["files"][0]["preparation"]["hold_end"])
     assert ends == pytest.approx([16, 36], abs=0.1)
-    assert "cycle 3 was asked for" in run("fit", "twice.csv", "--cycle", "3", code=2)
+    assert "cycle 3 was asked for" in run("fit", "twice.csv", "--part", "cycle=3", code=2)
     noted = " ".join(run("inspect", "twice.csv", "-v").split())
-    assert "another can be chosen (--cycle N)" in noted
+    assert "Choose another. (--part cycle=N)" in noted
 
 
 def test_a_sweep_is_chosen_by_its_temperature(lab: Path) -> None:
@@ -215,11 +207,11 @@ def test_a_sweep_is_chosen_by_its_temperature(lab: Path) -> None:
     head, *rows = text.splitlines()
     both = [f"{row},{degrees}" for degrees in (20, 60) for row in rows]
     (lab / "both.csv").write_text("\n".join([f"{head},temperature [degC]", *both]))
-    found = json.loads(run("fit", "both.csv", "--at", "60degC", "--json"))
+    found = told("fit", "both.csv", "--only", "60degC")
     assert found["model"]["k_inf"] == pytest.approx(0.2e6, rel=1e-3)
     assert found["temperature"] is None
-    assert "--at takes one of them" in run("fit", "both.csv", "--temperature", "60degC", code=2)
-    both = " ".join(run("fit", "both.csv", "--at", "60degC", "--shift", "wlf", code=2).split())
+    assert "--only takes one of them" in run("fit", "both.csv", "--temperature", "60degC", code=2)
+    both = " ".join(run("fit", "both.csv", "--only", "60degC", "--shift", "wlf", code=2).split())
     assert "leave out --reference, --shift, --vertical and --shifts" in both
 
 
@@ -230,7 +222,7 @@ def test_the_residual_of_a_sweep_is_per_cent(lab: Path, noise: float) -> None:
     values[:, 2:] *= 1 + noise * np.random.default_rng(5).standard_normal((len(values), 2))
     lines = [head, *(",".join(map(repr, row)) for row in values.tolist())]
     (lab / "noisy.csv").write_text("\n".join(lines))
-    found = json.loads(run("fit", "noisy.csv", "--json"))["residual"]
+    found = told("fit", "noisy.csv")["residual"]
     assert found["unit"] == "1"
     assert found["rms"] == pytest.approx(noise, rel=0.25)
     assert f"{100 * found['rms']:.3g} % rms" in run("fit", "noisy.csv")
@@ -242,47 +234,39 @@ def test_the_end_of_the_band_is_no_peak(lab: Path) -> None:
     assert "that is the end of the band, and no peak: add --band" in far
     band = far.partition("--band ")[2].partition(",")[0]
     assert "peaks at" in run("predict", "fit.json", "--mass", "104kg", "--band", band)
-    found = json.loads(run("predict", "fit.json", "--mass", "104kg", "--json"))
+    found = told("predict", "fit.json", "--mass", "104kg")
     assert found["peak"]["at_edge"]
 
 
 def test_an_frf_without_coherence_says_so_first(lab: Path) -> None:
-    run("impact", "hammer.csv", "-o", "full.csv")
+    run("fit", "hammer.csv", "-o", "full.csv")
     lines = [line for line in (lab / "full.csv").read_text().splitlines() if line[0] != "#"]
     bare = "\n".join(",".join(line.split(",")[:3]) for line in lines)
     (lab / "bare.csv").write_text(bare + "\n")
-    said = " ".join(run("identify", "bare.csv", "--mass", "104g", "--seals", "2").split())
-    assert (
-        "the FRF came without coherence or scatter: nothing tells whether the hits agreed" in said
-    )
-    assert not said.startswith("use:")
+    said = " ".join(run("fit", "bare.csv", "--mass", "104g", "--seals", "2").split())
+    assert "The FRF has neither coherence nor scatter, so every line counts alike" in said
+    assert not said.startswith("Use:")
 
 
 @pytest.mark.parametrize(
     ("words", "says"),
     [
-        (
-            "fit seal.csv --mass 104g",
-            "--mass is an option of dashpot predict, impact, modes, level, indent",
-        ),
-        ("report seal.csv hammer.csv --mass 104g", "hits of the hammer are given by --impact"),
         ("fit seal.csv --units kraft=N", "'kraft' is no role .* and no column of seal.csv"),
-        ("report seal.csv --impact hammer.csv --mass 104g --units kraft=N", "'kraft' is no role"),
-        ("fit seal.csv --sheet Foo", "--sheet Foo: this file has no sheets or groups"),
+        ("report seal.csv hammer.csv --mass 104g --units kraft=N", "'kraft' is no role"),
+        ("fit seal.csv --part sheet=Foo", "sheet.Foo: this file has no sheets or groups"),
         ("fit seal.csv --temperature -300degC", "-300 degC, below absolute zero"),
         ("fit seal.csv --temperature 296.15degC", "at, 100 to 550 K"),
         ("fit seal.csv --length 100m", "length = 100 m; expected at most 50 m: is the unit mm"),
         ("fit seal.csv --height 12m", "height = 12 m; expected at most 1 m: is the unit mm"),
         ("predict fit.json --mass 104g --seal-mass 5kg", "seals would weigh 5000 g on a block"),
-        ("identify hammer.csv --mass 104g --damping-ratio 2.85", "in per cent, give 0.0285"),
-        ("identify hammer.csv --mass 104g --mass-sd 1kg", "mass_sd = 1 kg of a mass of 0.104 kg"),
+        ("fit hammer.csv --mass 104g --known damping=2.85", "in per cent, give 0.0285"),
+        ("fit hammer.csv --mass 104g --mass-sd 1kg", "mass_sd = 1 kg of a mass of 0.104 kg"),
         ("verify fit.json", "fit.json is not a project: it is a file; .* --project FOLDER"),
-        ("identify seal.csv --mass 104g", "where an FRF or hits, .* are expected"),
-        ("impact hammer.csv --band 900:950Hz", "the FRF has lines from .* to"),
-        ("fit seal.csv -o fit.pdf", "this is written as .json, not as .pdf"),
+        ("fit hammer.csv --band 900:950Hz", "the FRF has lines from .* to"),
+        ("fit seal.csv -o fit.pdf", "a fit is written as .json, not as .pdf"),
         ("report seal.csv -o seal.pdf", "this is written as .html or .htm, not as .pdf"),
-        ("impact hammer.csv -o frf.json", "this is written as .csv or .uff or .unv, not as .json"),
-        ("predict fit.json --mass 104g -o frf.uff", "this is written as .csv, not as .uff"),
+        ("fit hammer.csv -o frf.pdf", "is written as .csv or .uff or .unv or .json, not as .pdf"),
+        ("predict fit.json --mass 104g -o frf.uff", "is written as .csv or .json"),
     ],
 )
 def test_what_was_typed_wrong_is_said_with_the_answer(lab: Path, words: str, says: str) -> None:
@@ -292,7 +276,7 @@ def test_what_was_typed_wrong_is_said_with_the_answer(lab: Path, words: str, say
 
 
 def test_units_of_columns_of_either_file_are_known(lab: Path) -> None:
-    run("report", "seal.csv", "--impact", "hammer.csv", "--mass", "104g", "--seals", "2",
+    run("report", "seal.csv", "hammer.csv", "--mass", "104g", "--seals", "2",
         "--no-joint", "--units", "acceleration 1=m/s^2")  # fmt: skip
 
 
@@ -305,7 +289,7 @@ def test_fewer_arms_than_asked_for_are_said_first(lab: Path) -> None:
 
 def test_the_next_command_says_again_what_was_said_of_the_file(lab: Path) -> None:
     (lab / "odd.csv").write_text(bench(ramp_and_hold(), head="a,b,c"))
-    said = ("--time", "1", "--displacement", "2", "--force", "3",
+    said = ("--column", "time=1,displacement=2,force=3",
             "--units", "time=s,displacement=mm,force=N")  # fmt: skip
     for command in ("inspect", "fit"):
         follow = run(command, "odd.csv", *said).partition("next: ")[2]
@@ -326,7 +310,7 @@ def test_a_simulated_record_is_a_measurement_to_other_commands(lab: Path) -> Non
 
 
 def test_identify_takes_what_is_known_of_the_seals(lab: Path) -> None:
-    words = ("identify", "hammer.csv", "--mass", "104g", "--seals", "2", "--arms", "1")
+    words = ("fit", "hammer.csv", "--mass", "104g", "--seals", "2", "--arms", "1")
     follow = run(*words, "--temperature", "23degC", "--length", "100mm").partition("next: ")[2]
     run(*shlex.split(follow.partition("#")[0])[1:])
     known = json.loads((lab / "joint.json").read_text())["specimen"]

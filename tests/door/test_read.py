@@ -228,3 +228,44 @@ def test_what_a_line_file_must_not_say(tmp_path, line, sentence):
 def test_a_line_file_that_is_missing_is_named(tmp_path):
     with pytest.raises(ReadError, match=r"line\.csv: cannot be read"):
         door_of(tmp_path, LEAST)
+
+
+@pytest.mark.parametrize("word", ["/etc/passwd", "../fit.json", "a/../../fit.json"])
+def test_a_door_opens_no_file_outside_its_folder(tmp_path, word):
+    place = tmp_path / "door.toml"
+    place.write_text(WHOLE.replace('fit = "fit.json"', f'fit = "{word}"'))
+    with pytest.raises(ReadError, match="lies outside the folder of the door's file"):
+        read_door(place)
+
+
+def test_a_link_that_leads_out_is_outside(tmp_path):
+    (tmp_path / "beside").mkdir()
+    (tmp_path / "fit.json").write_text("{}")
+    (tmp_path / "beside" / "fit.json").symlink_to(tmp_path / "fit.json")
+    place = tmp_path / "beside" / "door.toml"
+    place.write_text(WHOLE)
+    with pytest.raises(ReadError, match="outside"):
+        read_door(place)
+
+
+@pytest.mark.parametrize(("count", "refused"), [(198, False), (199, True)])
+def test_a_door_has_no_thousand_hinges(tmp_path, count, refused):
+    more = '[[hinge]]\nat = "0, 300, 0 mm"\nstiffness = "5kN/mm"\n\n' * count
+    place = tmp_path / "door.toml"
+    place.write_text(WHOLE.replace("[latch]", more + "[latch]"))
+    if not refused:
+        assert len(read_door(place).hinges) == 200
+        return
+    with pytest.raises(ReadError, match="201 tables; expected at most 200"):
+        read_door(place)
+
+
+@pytest.mark.parametrize(("pitch", "refused"), [("0.3mm", False), ("0.1mm", True)])
+def test_a_pitch_makes_no_thousand_stations_a_metre(tmp_path, pitch, refused):
+    place = tmp_path / "door.toml"
+    place.write_text(WHOLE.replace('pitch = "25mm"', f'pitch = "{pitch}"'))
+    if not refused:
+        assert read_door(place).seal.pitch == pytest.approx(3e-4)
+        return
+    with pytest.raises(ReadError, match="stations; expected at most 20000"):
+        read_door(place)

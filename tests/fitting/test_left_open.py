@@ -116,7 +116,6 @@ def test_it_is_kept_in_the_archive(broad_fit: Fit) -> None:
 def test_the_sentence_says_what_is_known_and_what_is_not() -> None:
     end = EndOfHold(40.0, (181.9, 196.9), (153.0, 195.0), (0.0, 195.0), 4.0)
     assert end.says == (
-        "after 40.0 s of hold the stiffness is 0.1819 to 0.1969 N/mm; what it relaxes to is at "
-        "most 0.1950 N/mm, and no record sets a lower limit; a longer hold would tell more, and so "
-        "would a known drift of the load cell"
+        "the stiffness after the hold. At 40.0 s it is 0.1819 to 0.1969 N/mm; it may fall further, "
+        "and ends at 0.1950 N/mm or below. Hold longer, or give the drift of the load cell."
     )

@@ -9,6 +9,7 @@ import pytest
 
 import dashpot as dp
 from dashpot.base.errors import DataError
+from dashpot.fitting.relaxation import fit
 from dashpot.io.readers.bench import read_bench
 from dashpot.io.write import write_relaxation
 from dashpot.simulation.axis import Axis
@@ -38,13 +39,13 @@ def test_a_recovery_takes_the_load_off() -> None:
 
 def test_without_noise_the_fit_is_the_seal() -> None:
     made = simulate_creep(PAPER, rig=Rig(rate=200).noise_free())
-    found = dp.fit(made.test)
+    found = fit(made.test)
     assert found.model.k == pytest.approx(PAPER.k, rel=1e-4)
     assert found.model.tau == pytest.approx(PAPER.tau, rel=1e-4)
 
 
 def test_an_encoders_counts_and_a_drifting_cell_are_in_the_intervals() -> None:
-    found = dp.fit(simulate_creep(PAPER, hold_time=60, seed=0).test, arms=2)
+    found = fit(simulate_creep(PAPER, hold_time=60, seed=0).test, arms=2)
     between = found.intervals()
     assert between["k_inf"][0] < PAPER.k_inf < between["k_inf"][1]
     for k, (low, high) in zip(PAPER.k, between["k"], strict=True):

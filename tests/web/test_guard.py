@@ -89,6 +89,15 @@ def test_what_is_no_json_object_is_told_so(guarded, body):
     assert "JSON" in answer.json()["error"]
 
 
+@pytest.mark.parametrize(
+    "body", ['{"files": 3}', '{"open": [1]}', '{"folders": [{}]}', '{"open": {"a": []}}']
+)
+def test_a_state_of_other_types_is_told_so(guarded, body):
+    answer = admitted(guarded).request("PUT", "/api/state", body.encode())
+    assert answer.status_code == 422
+    assert "no list of" in answer.json()["error"]
+
+
 def test_a_request_that_no_page_sends_is_cut_short(guarded):
     answer = admitted(guarded).request("POST", "/api/settle", b" " * ((1 << 20) + 1))
     assert answer.status_code == 413

@@ -86,12 +86,15 @@ def projects(draw: st.DrawFn) -> bytes:
         lines = [json.loads(line) for line in files[name].splitlines()]
         at = draw(st.integers(0, len(lines) - 1))
         lines[at] = json.loads(draw(altered(lines[at])))
-        before = history.GENESIS
-        for line in lines if draw(st.booleans()) else ():
-            if isinstance(line, dict):
+        before, sealed = history.GENESIS, draw(st.booleans())
+        texts = []
+        for line in lines:
+            text = json.dumps(line).encode()
+            if sealed and isinstance(line, dict):
                 line["previous"] = before
-                before = line["hash"] = history.chained(line)
-        files[name] = b"".join(json.dumps(line).encode() + b"\n" for line in lines)
+                text, before = history.sealed(line)
+            texts.append(text + b"\n")
+        files[name] = b"".join(texts)
         files["history.head"] = f"{len(lines)} {before}\n".encode()
     out = io.BytesIO()
     with zipfile.ZipFile(out, "w") as packed:

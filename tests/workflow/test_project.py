@@ -29,7 +29,7 @@ from dashpot.workflow.job import Job
 from dashpot.workflow.study import run
 from dashpot.workflow.verification import same_page, verify
 
-WRITES = 9
+WRITES = 11
 """How often a run writes to the disk or moves a file: three results, a line, its head."""
 
 
@@ -155,8 +155,8 @@ def rewritten(project, entries):
     before, lines = history.GENESIS, []
     for number, entry in enumerate(entries, start=1):
         entry |= {"previous": before, "line": number}
-        entry["hash"] = before = history.chained(entry)
-        lines.append(json.dumps(entry) + "\n")
+        text, before = history.sealed(entry)
+        lines.append(text.decode() + "\n")
     project.history_file.write_text("".join(lines))
     (project.folder / "history.head").write_text(f"{len(lines)} {before}\n")
 
@@ -206,14 +206,69 @@ def test_what_is_cut_off_the_history_is_missed(kept, raw, loss):
         assert (kept.history_file.read_bytes() if left is not None else None) == left
 
 
-def test_without_its_head_nobody_claims_that_a_history_is_whole(kept, raw):
-    """As of a project of an earlier dashpot; the next line brings the head."""
-    (kept.folder / "history.head").unlink()
-    judged = {check.name: check.passed for check in verified(kept)}
-    assert judged["history_whole"] is None
-    assert False not in judged.values()
-    folder.record(kept, Job(str(raw), arms=1), page=page)
-    assert {check.name: check.passed for check in verified(kept)}["history_whole"]
+@pytest.mark.parametrize("head", [None, "1 {first}", "2 {foreign}", "1 {first}\n2 {foreign}"])
+def test_a_head_that_is_lost_older_or_foreign_is_missed(kept, raw, head):
+    """Without it nobody knows whether lines were cut off; the next line brings it again."""
+    place, first = kept.folder / "history.head", entries(kept)[0]["hash"]
+    if head is None:
+        place.unlink()
+    else:
+        place.write_text(head.format(first=first, foreign="f" * 64) + "\n")
+    assert failures(kept) == ["history_whole"]
+    if head is None or head.endswith("first}"):
+        folder.record(kept, Job(str(raw), arms=1), page=page)
+        assert not failures(kept)
+
+
+def test_a_line_that_its_head_announced_is_whole(kept):
+    """Killed after the line was written, before the head was."""
+    first, second = (one["hash"] for one in entries(kept))
+    (kept.folder / "history.head").write_text(f"1 {first}\n2 {second}\n")
+    assert not failures(kept)
+
+
+TAMPERED = {
+    "a blank more": lambda text: text.replace('", "', '",  "', 1),
+    "a blank less": lambda text: text.replace('": "', '":"', 1),
+    "a key twice": lambda text: text.replace('"user": ', '"user": "nobody", "user": ', 1),
+    "keys in another order": lambda text: json.dumps(dict(sorted(json.loads(text).items()))),
+    "keys of the job in another order": lambda text: json.dumps(
+        json.loads(text) | {"job": dict(sorted(json.loads(text)["job"].items()))}
+    ),
+    "an escape for a letter": lambda text: text.replace('"report"', '"\\u0072eport"', 1),
+    "a number written otherwise": lambda text: text.replace('"line": 2', '"line": 2e0', 1),
+    "an end of line of another system": lambda text: text + "\r",
+    "a blank before it": lambda text: " " + text,
+    "a blank before the hash": lambda text: text.replace(', "hash"', ',  "hash"', 1),
+}
+
+
+@pytest.mark.parametrize("how", TAMPERED)
+def test_the_bytes_of_a_line_are_hashed(kept, how):
+    first, second = kept.history_file.read_text().splitlines()
+    changed = TAMPERED[how](second)
+    assert changed != second
+    kept.history_file.write_bytes(f"{first}\n{changed}\n".encode())
+    try:
+        assert "history_unchanged" in failures(kept)
+    except ReadError as error:
+        assert "it was changed" in str(error)  # noqa: PT017 -- either way it is told
+
+
+def test_a_line_of_the_second_edition_is_still_held_to_its_hash(kept):
+    """Its hash was of its content, sorted, and its bytes were those of plain JSON."""
+    before, lines = history.GENESIS, []
+    for entry in entries(kept):
+        entry["previous"] = before
+        del entry["hash"]
+        ordered = json.dumps(entry, sort_keys=True, ensure_ascii=False).encode()
+        entry["hash"] = before = history.sha256(ordered)
+        lines.append(json.dumps(entry))
+    kept.history_file.write_text("\n".join(lines) + "\n")
+    (kept.folder / "history.head").write_text(f"2 {before}\n")
+    assert not failures(kept)
+    kept.history_file.write_text("\n".join(lines).replace('": ', '":  ', 1) + "\n")
+    assert failures(kept) == ["history_unchanged"]
 
 
 def test_who_notes_the_head_misses_even_a_forged_end(kept, raw):
@@ -264,12 +319,18 @@ def test_another_version_may_draw_another_page(kept):
     ("kept_text", "again", "same"),
     [
         ("f = 12.710 Hz", "f = 12.711 Hz", True),
+        ("f = 12.710 Hz", "f = 12.712 Hz", False),
         ("f = 12.71 Hz", "f = 12.75 Hz", False),
         ("use", "do not use", False),
-        ('<svg d="M10 20l3 4"></svg>', '<svg d="M10 20l4 4"></svg>', True),
-        ('<svg d="M10 20l3 4"></svg>', '<svg d="M10 20l5 4"></svg>', False),
-        ("0.01 <svg></svg>", "0.02 <svg></svg>", False),
-        ("href=data:x;base64,MC4xMDAw", "href=data:x;base64,MC4xMDAwMQ==", True),
+        ('<svg d="M10 20.5l3 4"></svg>', '<svg d="M10 20.6l3 4"></svg>', True),
+        ('<svg d="M10 20.5l3 4"></svg>', '<svg d="M10 21.5l3 4"></svg>', False),
+        ("<svg><text>12.51 Hz</text></svg>", "<svg><text>13.51 Hz</text></svg>", False),
+        ("<svg><text>12.51 Hz</text></svg>", "<svg><text>12.53 Hz</text></svg>", False),
+        ("0.01 <svg></svg>", "0.03 <svg></svg>", False),
+        ("1e-05", "2e-05", True),
+        ("1e-05", "3e-05", False),
+        ("href=data:x;base64,MC4xMDAw", "href=data:x;base64,MC4xMDAx", True),
+        ("href=data:x;base64,MC4xMDAw", "href=data:x;base64,MC4xMDAy", False),
         ("href=data:x;base64,MC4xMDAw", "href=data:x;base64,MC4yMDAw", False),
     ],
 )

@@ -345,16 +345,15 @@ def refuse_others(verb: Verb, ctx: click.Context, kinds: Mapping[str, str]) -> N
     click.UsageError
         If one was typed.
     """
-    from dashpot.cli._recognised import called
+    from dashpot.cli._recognised import called, overruled
 
     have = set(kinds.values())
     for one in verb.options:
         if not one.suits(have) and one.typed(ctx):
             *others, last = dict.fromkeys(called(word) for word in sorted(one.kinds))
             wanted = f"{', '.join(others)} or {last}" if others else last
-            (word, *more) = one.kinds
-            overruled = "" if more or len(kinds) > 1 else f" If it is that after all: --as {word}."
-            raise click.UsageError(f"{one.flag} is for {wanted}. {_called(kinds)}.{overruled}")
+            but = overruled(one.kinds) if len(kinds) == 1 else ""
+            raise click.UsageError(f"{one.flag} is for {wanted}. {_called(kinds)}.{but}")
 
 
 def _called(kinds: Mapping[str, str]) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -33,8 +33,8 @@ def kinds_of(found: Mapping[str, Recognised]) -> dict[str, str]:
     for path, one in found.items():
         if one.kind in {"unclear", "not-a-test"}:
             raise click.UsageError(
-                f"{path} is no test that dashpot knows: {one.reason}. "
-                f"To see what it holds: dashpot inspect {path}"
+                f"{path} is no test that dashpot knows: {one.reason}. Say what it is, such as "
+                f"--as relaxation; to see what it holds: dashpot inspect {path}"
             )
     return {path: one.kind for path, one in found.items()}
 
@@ -44,6 +44,14 @@ def called(kind: str) -> str:
     from dashpot.io.readers import recognise
 
     return recognise.called(kind)
+
+
+def overruled(kinds: Collection[str]) -> str:
+    """Return how a file is said to be of this kind after all; nothing of a choice of several."""
+    from dashpot.io.columns.kinds import RECOGNISED
+
+    (word, *more) = kinds
+    return f" If it is one after all: --as {word}." if word in RECOGNISED and not more else ""
 
 
 def tell(found: Mapping[str, Recognised]) -> None:

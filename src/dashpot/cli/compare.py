@@ -11,7 +11,6 @@ import click
 import dashpot as dp
 from dashpot import workflow
 from dashpot.base.choices import Method, words
-from dashpot.base.units import written
 from dashpot.cli import _options as options
 from dashpot.cli._grammar import group, of, opt, refuse_others, rest, verb
 from dashpot.cli._options import HITS, MASS, READING, VIBRATION
@@ -55,24 +54,25 @@ def command(*, files: tuple[str, ...], **said: Any) -> Outcome:
         raise click.UsageError(f"Give what {first} is compared with: a measurement, an FRF, a lot.")
     found = recognised([_place(path) for path in files], said["options"])
     kinds = {path: kinds_of(found)[_place(path)] for path in files}
-    refuse_others(command, click.get_current_context(), {first: kinds[first]})
     one, rest_ = kinds[first], {kinds[path] for path in others}
-    if one == _LOT and rest_ == {_LOT} and len(others) == 1:
+    lots = one == _LOT and rest_ == {_LOT} and len(others) == 1
+    if not (lots or (one in {_SOLID, *_MEASURED} and rest_ <= _MEASURED)):
+        is_ = "; ".join(f"{path} is {called(kinds[path])}" for path in files)
+        raise click.UsageError(
+            f"{is_}. Compare a fit with a measurement, an FRF with an FRF, or a lot with a lot."
+        )
+    refuse_others(command, click.get_current_context(), {first: one})
+    if lots:
         return _lots(first, others[0], said["quantities"])
-    if one == _SOLID and rest_ <= _MEASURED:
+    if one == _SOLID:
         tell({path: found[path] for path in others})
         names = ("records", "mass", "seal_mass", "compression", "band", "hammer")
         return _prediction(
             first, others, seals=said["seals"], picture=said["picture"], reading=said["options"],
             **{name: said[name] for name in names},
         )  # fmt: skip
-    if one in _MEASURED and rest_ <= _MEASURED:
-        tell(found)
-        return _frfs(first, others, said)
-    is_ = "; ".join(f"{path} is {called(kinds[path])}" for path in files)
-    raise click.UsageError(
-        f"{is_}. Compare a fit with a measurement, an FRF with an FRF, or a lot with a lot."
-    )
+    tell(found)
+    return _frfs(first, others, said)
 
 
 def _place(path: str) -> str:
@@ -107,15 +107,7 @@ def _prediction(
             found.comparison, band=found.limits, interval=found.interval, stamp=named
         )
         write_figure(picture, drawn)
-    lines = text_of.comparison(found.comparison)
-    if str(found.at_rest):
-        lines.append(str(found.at_rest))
     inferred = found.mass_inferred
-    if inferred:
-        lines.append(
-            f"  mass        {written(found.mass, 'g', '.5g')}, inferred from the measured FRF: the "
-            "agreement in frequency then proves nothing; give --mass to test it"
-        )
     block = "MASS" if inferred else grams(found.mass)
     family = ("--model", "auto") if fitted.alternative is not None else ()
     follow = ""
@@ -125,8 +117,8 @@ def _prediction(
         again = options.given(READING, HITS)
         why = "fits both tests together"
         follow = typed("fit", *tests, *measured, *family, *rig, *again, why=why)
-    arms = [f"  {arm}" for arm in found.comparison.arms]
-    return Outcome(found, Text(lines, arms), found.checks, verdict=found.verdict, follow=follow)
+    said = text_of.agreement(found)
+    return Outcome(found, said, found.checks, verdict=found.verdict, follow=follow)
 
 
 def _frfs(first: str, others: Sequence[str], said: dict[str, Any]) -> Outcome:

@@ -190,7 +190,7 @@ class _Doors:
         back |= {VISCOUS: self.seal.stored(), **{one.name: one.stored() for one in self.chambers}}
         return {name: back.get(name, np.zeros(each.shape[1])) for name, each in work.items()}
 
-    def step(self, angle: float, kinetic: FloatArray, moment: FloatArray) -> _Step:
+    def step(self, angle: float, kinetic: FloatArray, moment: FloatArray) -> _Instants:
         """Turn to an angle, with the moment of the step before to tell how long it takes."""
         ends = np.array([self.angle, angle])
         turned = float(ends[0] - ends[1])
@@ -203,10 +203,10 @@ class _Doors:
         for one in self.chambers:
             work[one.name] = one.step(angle, seconds)
         self.angle = angle
-        return _Step(work, sum(work.values()), seconds)  # type: ignore[arg-type]
+        return _Instants(work, sum(work.values()), seconds)  # type: ignore[arg-type]
 
 
-class _Step(NamedTuple):
+class _Instants(NamedTuple):
     work: dict[str, FloatArray | float]
     taken: FloatArray
     seconds: FloatArray

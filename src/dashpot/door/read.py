@@ -12,6 +12,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError, ReadError
+from dashpot.base.plausible import SIZES
 from dashpot.base.provenance import Source
 from dashpot.door.read_closing import closing_of
 from dashpot.door.record import Door, DoorPoint, ModesChoice, RigidPart, SealChoice, Support
@@ -20,7 +21,7 @@ from dashpot.io.readers.by_name import by_name, in_si
 from dashpot.io.toml import Section, Vector, tables_of
 from dashpot.records.seal_line import Joint, SealLine
 
-LARGEST = 30.0
+LARGEST = SIZES["door"].hard[1]
 """m; no door lies further from the origin of its car's axes, and no seal line is longer."""
 LIGHTEST, HEAVIEST = 0.05, 500.0
 """kg, of a door: from that of a glove box to a gate's."""
@@ -61,6 +62,12 @@ def read_door(path: str | Path) -> Door:
     return Door(**found)
 
 
+_MOST_PARTS = 200
+"""Hinges, bumpers, joints or points of one kind: no door has more."""
+_MOST_POINTS = 20_000
+"""Of a seal line, and stations along it: one each millimetre of the longest."""
+
+
 @dataclass(frozen=True)
 class _Here:
     """Where a table stands, and the folder of the files that it names."""
@@ -76,10 +83,20 @@ class _Here:
         rows = [entries] if isinstance(entries, Mapping) else entries
         if not isinstance(rows, list):
             raise ReadError(f"{self.where}: expected tables, such as [[{self.where[:-1]}]]")
+        if len(rows) > _MOST_PARTS:
+            raise ReadError(f"{self.where}: {len(rows)} tables; expected at most {_MOST_PARTS}")
         return [Section(f"{self.where} {i}", row, known) for i, row in enumerate(rows, start=1)]
 
     def path(self, word: str | None) -> str:
-        return str(self.folder / word) if word else ""
+        """A file beside the door's own, or below; a door of others opens nothing else."""
+        if not word:
+            return ""
+        place = self.folder / word
+        if not place.resolve().is_relative_to(self.folder.resolve()):
+            raise ReadError(
+                f"{self.where}: '{word}' lies outside the folder of the door's file; copy it there"
+            )
+        return str(place)
 
 
 _RIGID = ("mass", "inertia", "width", "height", "centre", "motions")
@@ -113,6 +130,8 @@ def _door(here: _Here, entries: Any) -> dict[str, Any]:
             f"{section.where}: mass {rigid.mass:g} kg; expected that of a door, {LIGHTEST:g} to "
             f"{HEAVIEST:g} kg: is its unit kg?"
         )
+    for name, size in sizes.items():
+        SIZES["door"].refuse(size or 0.0, f"{section.where}: {name} = {size or 0.0:g} m")
     return {"rigid": rigid, **sizes}
 
 
@@ -203,6 +222,8 @@ def _seal(here: _Here, entries: Any) -> dict[str, Any]:
         section.quantity("temperature", "temperature"),
         _size(section, "pitch"),
     )
+    if choice.pitch:
+        _refuse_more(f"{section.where}: pitch", line.length / choice.pitch, "stations")
     return {"line": line, "seal": choice}
 
 
@@ -216,6 +237,7 @@ def _points(here: _Here, section: Section) -> tuple[FloatArray, dict[str, FloatA
             f"{section.where}: points = {given!r}; expected a file of x, y, z, or a list such as "
             '["0, 0, 0 mm", "1100, 0, 0 mm"]'
         )
+    _refuse_more(section.where, len(given), "points")
     rows = [Section(section.where, {"points": row}, ("points",)) for row in given]
     return np.array([row.vector("points", "length") for row in rows], dtype=float), {}
 
@@ -238,7 +260,14 @@ def _line_file(path: str, unit: str | None) -> tuple[FloatArray, dict[str, Float
             advice = "add unit to [seal] of the door"
             columns[name] = in_si(known[name], columns[name], "length", unit, advice)
     points = np.stack([columns.pop(axis) for axis in _PLACE], axis=1)
+    _refuse_more(Path(path).name, len(points), "points")
     return points, columns
+
+
+def _refuse_more(where: str, count: float, what: str) -> None:
+    """Refuse more of a seal line than any door has."""
+    if count > _MOST_POINTS:
+        raise ReadError(f"{where}: {count:.0f} {what}; expected at most {_MOST_POINTS}")
 
 
 def _compression(
@@ -314,9 +343,9 @@ def _base(here: _Here, entries: Any) -> dict[str, Any]:
     section = here.section(entries, "psd", "along")
     section.needs("psd")
     word = section.word("psd") or ""
-    beside = here.folder / word
     along = section.direction("along") or _Z
-    return {"base": str(beside) if beside.is_file() else word, "base_along": along}
+    beside = here.folder / word
+    return {"base": here.path(word) if beside.is_file() else word, "base_along": along}
 
 
 def _place(section: Section, name: str) -> Vector:

@@ -95,7 +95,7 @@ def tabulate(
         raise ExportError(f"tolerance = {tolerance!r}; expected a number between 0 and 1")
     if solid.k_0 == 0:
         raise ExportError("a dashpot alone has no storage stiffness to tabulate; export its arms")
-    lines = _Lines(solid, damping, rounded)
+    lines = _Chords(solid, damping, rounded)
     points = [rounded(low)]
     stops = sorted({rounded(edge) for edge in edges if low < edge < high} | {rounded(high)})
     reach = 0.1  # in ln f
@@ -113,7 +113,7 @@ def tabulate(
 
 
 @dataclass(frozen=True)
-class _Lines:
+class _Chords:
     """Straight lines between printed points of a solid's stiffness and damping."""
 
     solid: Solid

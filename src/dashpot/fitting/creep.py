@@ -22,6 +22,7 @@ from dashpot.base.arrays import FloatArray, median
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.provenance import Step, sources_of
+from dashpot.base.sentences import lowered
 from dashpot.engine.blocks.block import DataBlock, retarding
 from dashpot.engine.blocks.hold import hold_block
 from dashpot.engine.blocks.recorded import recorded_block
@@ -429,7 +430,7 @@ def _of_curve(
     t, values = curve.time[later], curve.compliance[later]
     rises = checks.compliance_rises(values)
     if rises.failed:
-        raise DataError(f"this is no creep compliance: {rises.says}")
+        raise DataError(f"this is no creep compliance: {lowered(rises.told)}")
     bad = np.flatnonzero(values <= 0)
     if bad.size:
         i = int(bad[0])

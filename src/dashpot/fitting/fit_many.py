@@ -167,7 +167,7 @@ def fit_many(
     )
 
 
-class _History(NamedTuple):
+class _SharedMotion(NamedTuple):
     """The motion that all records answer to.
 
     Attributes
@@ -198,14 +198,14 @@ class _History(NamedTuple):
         return solve_many(self.family(), given, arms)
 
 
-def _ideal(clock: FloatArray, ramp: tuple[float, float], *, method: str) -> _History:
+def _ideal(clock: FloatArray, ramp: tuple[float, float], *, method: str) -> _SharedMotion:
     depth, ramp_time = ramp
     if not (depth > 0 and ramp_time >= 0):
         raise DataError(f"ramp = {ramp!r}; expected (depth > 0 in m, ramp_time >= 0 in s)")
     since = clock - clock[0]
     x = depth * np.minimum(since / ramp_time, 1.0) if ramp_time else np.full(len(since), depth)
     if method == "full" and ramp_time > 0:
-        return _History(
+        return _SharedMotion(
             x,
             0,
             slice(None),
@@ -214,7 +214,7 @@ def _ideal(clock: FloatArray, ramp: tuple[float, float], *, method: str) -> _His
         )
     first = int(np.searchsorted(since, ramp_time))
     held = since[first:] - ramp_time
-    return _History(
+    return _SharedMotion(
         x,
         first,
         slice(first, None),
@@ -223,7 +223,7 @@ def _ideal(clock: FloatArray, ramp: tuple[float, float], *, method: str) -> _His
     )
 
 
-def _recorded(clock: FloatArray, x: FloatArray, *, method: str) -> _History:
+def _recorded(clock: FloatArray, x: FloatArray, *, method: str) -> _SharedMotion:
     if len(x) != len(clock):
         raise DataError(f"displacement has {len(x)} samples, time has {len(clock)}")
     if not x.max() > 0:
@@ -231,7 +231,7 @@ def _recorded(clock: FloatArray, x: FloatArray, *, method: str) -> _History:
     first = int(np.argmax(x >= 0.99 * x.max())) if method == "hold" else 0
     window = slice(first, len(clock))
     shared = shares_correlation(clock, x)
-    return _History(
+    return _SharedMotion(
         x,
         first,
         slice(None),
@@ -254,7 +254,7 @@ def _status(found: ManySolutions, row: int, arms: int) -> Status:
 
 
 def _errors(
-    clock: FloatArray, records: FloatArray, history: _History, found: ManySolutions
+    clock: FloatArray, records: FloatArray, history: _SharedMotion, found: ManySolutions
 ) -> ManyErrors:
     error = many_errors(clock, history.x, records, history.first, found)
     arms = found.arms.shape[1]

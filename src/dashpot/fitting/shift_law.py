@@ -133,7 +133,7 @@ class _Shifts:
         return Rows(W @ self.log10, (W @ column)[:, None], by)
 
 
-class _Laid(NamedTuple):
+class _SolvedLaw(NamedTuple):
     """A law, the problem that it solves, and its constants out of theta and beta."""
 
     law: TemperatureLaw
@@ -259,14 +259,14 @@ def _whitener(covariance: FloatArray) -> FloatArray:
     return np.asarray((vectors / np.sqrt(np.maximum(values, floor))).T)
 
 
-def _arrhenius(shifts: _Shifts) -> _Laid | None:
+def _arrhenius(shifts: _Shifts) -> _SolvedLaw | None:
     column = (1 / shifts.temperature - 1 / shifts.reference) / (GAS * np.log(10.0))
     best = solved(Problem(lambda _: shifts.rows(column), positive=True))
     energy = float(best.beta[0])
-    return _Laid(Arrhenius(energy, shifts.reference), best, np.array) if energy > 0 else None
+    return _SolvedLaw(Arrhenius(energy, shifts.reference), best, np.array) if energy > 0 else None
 
 
-def _wlf(shifts: _Shifts) -> _Laid | None:
+def _wlf(shifts: _Shifts) -> _SolvedLaw | None:
     """The law, unless the best is a straight line in T."""
     above = shifts.temperature - shifts.reference
     least = max(0.0, -float(above.min(initial=0.0)))
@@ -283,7 +283,7 @@ def _wlf(shifts: _Shifts) -> _Laid | None:
     if best.beta[0] <= 0 or best.theta[0] <= range_.low:
         return None
     c1, c2 = _constants(best.values)
-    return _Laid(WLF(float(c1), float(c2), shifts.reference), best, _constants)
+    return _SolvedLaw(WLF(float(c1), float(c2), shifts.reference), best, _constants)
 
 
 def _constants(values: FloatArray) -> FloatArray:
@@ -292,4 +292,4 @@ def _constants(values: FloatArray) -> FloatArray:
     return np.array([beta / u, 1 / u])
 
 
-_LAID: dict[str, Callable[[_Shifts], _Laid | None]] = {"arrhenius": _arrhenius, "wlf": _wlf}
+_LAID: dict[str, Callable[[_Shifts], _SolvedLaw | None]] = {"arrhenius": _arrhenius, "wlf": _wlf}

@@ -350,7 +350,8 @@ class Fit(ByValue, Pictured, Documented):
         stiffness, loss_factor = self.error_in_band
         if not (np.isfinite(stiffness) and stiffness < 1):
             return f"{sentence(where)} {beyond}"
-        how = f"{where} the stiffness is known to ±{100 * stiffness:.2g} %"
+        of = "modulus" if self.unit == "Pa" else "stiffness"
+        how = f"{where} the {of} is known to ±{100 * stiffness:.2g} %"
         if np.isfinite(loss_factor) and loss_factor < 1:
             how += f", the loss factor to ±{100 * loss_factor:.2g} %"
         return f"{sentence(how)} {beyond}"
@@ -730,9 +731,6 @@ class Fit(ByValue, Pictured, Documented):
             f"{self.solid} ({self.unit}, s), method {self.method}",
             f"optimiser: {self.status.value}",
         )
-
-    def __str__(self) -> str:
-        return "\n".join(self.described)
 
     def in_parallel(self, count: float) -> Fit:
         """The fit of `count` such parts side by side: stiffnesses, errors and length scale alike.

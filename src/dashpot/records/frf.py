@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -26,7 +26,10 @@ from dashpot.base.facts import Fact
 from dashpot.base.offered import Pictured, verb
 from dashpot.base.provenance import Source, Step
 from dashpot.base.said import SI, put_into_si, said_units, words_of
-from dashpot.base.units import parse_unit
+from dashpot.base.units import Quantity, parse_unit
+
+if TYPE_CHECKING:
+    from dashpot.vibration.modal.dynamic_stiffness import DynamicStiffness
 
 
 class Kind(StrEnum):
@@ -170,6 +173,15 @@ class FRF(ByValue, Pictured, Documented):
         same_length(
             frequency=self.frequency, value=self.value, coherence=self.coherence, sd=self.sd
         )
+
+    def stiffness(self, *, mass: Quantity, seals: float = 1.0, **how: Any) -> DynamicStiffness:
+        """Stiffness, damping and loss factor of one seal under a mass, line by line.
+
+        As :func:`~dashpot.vibration.modal.dynamic_stiffness.dynamic_stiffness` finds them.
+        """
+        of = verb("vibration.modal.dynamic_stiffness", "dynamic_stiffness")
+        found: DynamicStiffness = of(self, mass, seals=seals, **how)
+        return found
 
     def _into_si(self) -> None:
         """Put lines and values into SI: a ratio of two units tells what the values relate."""

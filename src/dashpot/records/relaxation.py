@@ -15,7 +15,7 @@ from dashpot.base.checks import Check
 from dashpot.base.demands import positive
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
-from dashpot.base.offered import Described, Pictured
+from dashpot.base.offered import Described, Pictured, verb
 from dashpot.base.plausible import refuse_absurd_record
 from dashpot.base.provenance import Source, Step, of_file
 from dashpot.base.said import into_si, said_units
@@ -68,6 +68,15 @@ class RelaxationTest(ByValue, Described, Documented):
         into_si(self, time="time", displacement="length", force="force")
         hold_measured(self, "time", "displacement", "force", minimum=8)
         refuse_absurd_record(self)
+
+    def prepare(self, **how: Any) -> RampHold:
+        """Cut, tare and judge the test, as :func:`~dashpot.preparation.prepare.prepare` does.
+
+        A fit does so by itself; `how` says it otherwise: ``filter``, ``machine``, ``onset``,
+        ``ramp_end``, ``hold_end``, ``cycle``.
+        """
+        ready: RampHold = verb("preparation.prepare", "prepare")(self, **how)
+        return ready
 
     @property
     def series(self) -> Mapping[str, tuple[Any, str]]:

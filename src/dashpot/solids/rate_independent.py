@@ -228,7 +228,7 @@ class InParallel(AmplitudeDependent):
         return InParallel(tuple(part * count for part in self.parts))
 
     @cached_property
-    def _marched(self) -> tuple[AmplitudeDependent | _Arms, ...]:
+    def _marched(self) -> tuple[AmplitudeDependent | _Stepped, ...]:
         return tuple(_marched(part) for part in self.parts)
 
 
@@ -259,7 +259,7 @@ class InSeries(AmplitudeDependent):
 
     def start(self) -> tuple[Any, Any, float]:
         """Both at rest, and the displacement of the part behind."""
-        return _Arms(self.solid).start(), self.behind.start(), 0.0
+        return _Stepped(self.solid).start(), self.behind.start(), 0.0
 
     def advance(
         self, state: tuple[Any, Any, float], dt: float, x: float
@@ -268,7 +268,7 @@ class InSeries(AmplitudeDependent):
         from scipy.optimize import brentq  # costs an import that few need
 
         first, second, before = state
-        arms = _Arms(self.solid)
+        arms = _Stepped(self.solid)
 
         def over(y: float) -> float:
             return self.behind.advance(second, dt, y)[0] - arms.advance(first, dt, x - y)[0]
@@ -343,7 +343,7 @@ class Linearised(Solid):
 
 
 @dataclass(frozen=True)
-class _Arms:
+class _Stepped:
     """A solid, stepped along a path that is straight between its samples."""
 
     solid: Solid
@@ -395,8 +395,8 @@ def above_zero(element: Any, *names: str) -> None:
     positive(f"{type(element).__name__}: ", **picked(element, *names))
 
 
-def _marched(part: Solid | AmplitudeDependent) -> AmplitudeDependent | _Arms:
-    return part if isinstance(part, AmplitudeDependent) else _Arms(part)
+def _marched(part: Solid | AmplitudeDependent) -> AmplitudeDependent | _Stepped:
+    return part if isinstance(part, AmplitudeDependent) else _Stepped(part)
 
 
 def _half_cycle() -> tuple[FloatArray, FloatArray]:

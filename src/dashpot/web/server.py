@@ -90,6 +90,27 @@ class Desk:
         self.store.remove()
 
 
+_LISTS: dict[str, type] = {"files": dict, "open": dict, "folders": str}
+"""What the state of a page lists, and of what."""
+
+
+def state_of(body: bytes) -> dict[str, Any]:
+    """Return what a page keeps of itself, of the types that it is kept in.
+
+    Raises
+    ------
+    DataError
+        If it is not a JSON object, or lists something else.
+    """
+    found = json_of(body)
+    for name, kind in _LISTS.items():
+        rows = found.get(name, [])
+        if not (isinstance(rows, list) and all(isinstance(one, kind) for one in rows)):
+            what = "texts" if kind is str else "objects"
+            raise DataError(f"the state's '{name}' is no list of {what}")
+    return found
+
+
 def json_of(body: bytes) -> dict[str, Any]:
     """Return what must be a JSON object.
 
@@ -158,7 +179,7 @@ def application(desk: Desk) -> Starlette:
 
     async def state(request: Request) -> Response:
         if request.method == "PUT":
-            desk.state = json_of(await _body(request))
+            desk.state = state_of(await _body(request))
         return JSONResponse(desk.state)
 
     async def sentence(_: Request, error: Exception) -> Response:

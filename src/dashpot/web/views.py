@@ -52,7 +52,7 @@ from dashpot.workflow.study import Study
 
 ROLES = ("time", "displacement", "force", "hammer", "acceleration")
 """What a column of a relaxation test or of a hammer test can be."""
-_ALONE = ("response", "bench", "level")
+_ALONE = ("response", "base", "bench", "level")
 """Places of the page where a file is no part of a job, or not of one only."""
 ASKED: tuple[Dimension, ...] = ("time", "length", "force", "acceleration")
 """What its unit can be one of."""

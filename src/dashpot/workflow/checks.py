@@ -28,7 +28,7 @@ def prediction_informed(peak: float, band: tuple[float, float]) -> Finding:
     """The predicted peak lies where a test informs the solid."""
     low, high = band
     factor = max(peak / high, low / peak) if high > 0 else math.inf
-    side = "above" if peak > high else "below"
+    side = "higher" if peak > high else "lower"
     if not high > 0:
         return Finding(
             f"The predicted peak ({peak:.4g} Hz) lies in no valid band; the fit has none",
@@ -39,7 +39,7 @@ def prediction_informed(peak: float, band: tuple[float, float]) -> Finding:
         f"The predicted peak ({peak:.4g} Hz) lies in the valid band of the test",
         factor,
         instead=f"The damping at {peak:.3g} Hz is not known. The test covers {low:.2g} to "
-        f"{high:.2g} Hz; the peak lies a factor of {factor:.3g} {side}",
+        f"{high:.2g} Hz; the peak lies {factor:.3g} times {side}",
         remedy="Measure it with a hammer.",
     )
 
@@ -108,15 +108,21 @@ def history_complete(lines: int, *, torn: bool) -> Finding:
 
 
 @criterion("lines that differ", "<=", 0, "the count and the hash in history.head", grade="stop")
-def history_whole(lines: int, written: int, *, shortened: bool) -> Finding:
-    """No line was cut off the end of the history."""
-    if not written:
-        return Finding("There is no history.head, so lines cut off the end would not be seen")
+def history_whole(lines: int, written: int, *, shortened: bool, headed: bool) -> Finding:
+    """No line was cut off the end of the history, and its head says so."""
+    if not lines and not written:
+        return Finding("The history has no line that its head could be of")
+    lost = "is missing" if not written else f"is older: it is of line {written} of {lines}"
+    instead = f"history.head {lost}, so lines cut off the end would not be seen"
+    if shortened:
+        instead = f"The history has {lines} lines; {written} were written, or others"
     return Finding(
         "No line is missing at the end of the history",
-        max(written - lines, 1) if shortened else 0,
-        instead=f"The history has {lines} lines; {written} were written, or others",
-        remedy="Restore history.jsonl from a copy.",
+        max(written - lines, 1) if shortened else int(not headed),
+        instead=instead,
+        remedy="Restore history.jsonl from a copy."
+        if shortened
+        else "Restore history.head from a copy, and compare the last hash with one that you noted.",
     )
 
 

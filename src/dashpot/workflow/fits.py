@@ -353,3 +353,8 @@ def _creep(
 
     curves = [measured_compliance(one) if isinstance(one, LoadHold) else one for one in tests]
     return one_temperature(curves, shifting, specimen)  # type: ignore[return-value]
+
+
+def of_order(test: RampHold, arms: int, *, method: Method = "full") -> Fit:
+    """The optimum with so many arms alone, which is drawn, not judged."""
+    return fit_relaxation(test, arms=arms, method=method, intervals=False)

@@ -1,7 +1,8 @@
 """The history of a project: one line per operation, each with the hash of the line before it.
 
-``history.jsonl`` only grows, by one write for each line. ``history.head`` says how many lines were
-written and the hash of the last: what was cut off the end is missed.
+``history.jsonl`` only grows, by one write for each line, and the hash of a line is that of its
+bytes up to the hash. ``history.head`` says how many lines were written and the hash of the last, so
+that what was cut off the end is missed; while a line is written it announces that one, too.
 """
 
 from __future__ import annotations
@@ -46,7 +47,7 @@ class HistoryLine:
     software : dict
         Version by name.
     previous, hash : str
-        Of the line before, and of this one without its hash.
+        Of the line before, and of the bytes of this one before its hash.
     line : int
         Counted from 1.
     """
@@ -79,6 +80,8 @@ class History:
         How many lines there once were, by ``history.head``.
     head : str
         The hash of the last line there was, by ``history.head``; empty if it says nothing.
+    announced : str
+        The hash of a line that was about to be written, by ``history.head``.
     """
 
     lines: tuple[HistoryLine, ...] = ()
@@ -86,6 +89,7 @@ class History:
     torn: bytes = b""
     written: int = 0
     head: str = ""
+    announced: str = ""
     raw: tuple[bytes, ...] = field(default=(), repr=False)
 
     @property
@@ -98,6 +102,13 @@ class History:
         """Whether lines were cut off its end."""
         kept = self.written <= len(self.lines)
         return not (kept and self.head in {"", *(line.hash for line in self.lines)})
+
+    @property
+    def headed(self) -> bool:
+        """Whether ``history.head`` is of its last line: not lost, not older, not another's."""
+        last = (len(self.lines), self.last)
+        told = (self.written, self.head)
+        return not self.lines or last in (told, (self.written + 1, self.announced))
 
 
 def file_of(folder: Path) -> Path:
@@ -127,7 +138,7 @@ def read_history(folder: Path) -> History:
     lines = [_line(text, number) for number, text in enumerate(raw, start=1)]
     before = [GENESIS, *(line.hash for line in lines)]
     intact = tuple(
-        line.hash == chained(json.loads(text)) and (line.previous, line.line) == (previous, number)
+        _as_written(text, line.hash) and (line.previous, line.line) == (previous, number)
         for number, (line, text, previous) in enumerate(zip(lines, raw, before, strict=False), 1)
     )
     return History(tuple(lines), intact, rest, *_head(folder), tuple(raw))
@@ -160,20 +171,43 @@ def append(folder: Path, content: dict[str, Any]) -> str:
         "software": software(),
         "previous": history.last,
     }
-    entry["hash"] = chained(entry)
+    text, mark = sealed(entry)
+    head = head_of(folder)
+    told = f"{len(history.lines)} {history.last}\n"
+    write_whole(head, f"{told}{entry['line']} {mark}\n".encode())
     with file.open("ab") as log:
-        log.write(json.dumps(entry).encode() + b"\n")
+        log.write(text + b"\n")
         log.flush()
         os.fsync(log.fileno())
-    write_whole(head_of(folder), f"{entry['line']} {entry['hash']}\n".encode())
-    return str(entry["hash"])
+    write_whole(head, f"{entry['line']} {mark}\n".encode())
+    return mark
 
 
-def chained(entry: dict[str, Any]) -> str:
-    """Return the hash of a line's content but its hash."""
+def sealed(entry: dict[str, Any]) -> tuple[bytes, str]:
+    """Return a line as it is written, and its hash: that of its bytes before the hash."""
+    body = json.dumps({key: value for key, value in entry.items() if key != "hash"}).encode()[:-1]
+    mark = sha256(body)
+    return body + _end(mark), mark
+
+
+def _end(mark: str) -> bytes:
+    return f', "hash": "{mark}"}}'.encode()
+
+
+def _as_written(text: bytes, mark: str) -> bool:
+    """Whether the bytes of a line are those that its hash is of."""
+    if text.endswith(_end(mark)) and sha256(text.removesuffix(_end(mark))) == mark:
+        return True
+    return _as_written_before(text, mark)
+
+
+def _as_written_before(text: bytes, mark: str) -> bool:
+    """The same of a line of the second edition, whose hash was that of its content, sorted."""
+    entry = json.loads(text)
     without = {key: value for key, value in entry.items() if key != "hash"}
-    text = json.dumps(without, sort_keys=True, ensure_ascii=False)
-    return sha256(text.encode("utf-8", "surrogatepass"))
+    ordered = json.dumps(without, sort_keys=True, ensure_ascii=False)
+    same = sha256(ordered.encode("utf-8", "surrogatepass")) == mark
+    return same and json.dumps(entry).encode() == text
 
 
 def sha256(content: bytes) -> str:
@@ -197,7 +231,8 @@ def software() -> dict[str, str]:
 def _is_whole(text: bytes, before: list[bytes]) -> bool:
     try:
         entry, last = json.loads(text), json.loads(before[-1]) if before else {"hash": GENESIS}
-        return bool(entry["hash"] == chained(entry) and entry["previous"] == last["hash"])
+        whole = _as_written(text, str(entry["hash"]))
+        return bool(whole and entry["previous"] == last["hash"])
     except (ValueError, TypeError, KeyError, RecursionError):
         return False
 
@@ -218,13 +253,15 @@ def _line(text: bytes, number: int) -> HistoryLine:
         ) from None
 
 
-def _head(folder: Path) -> tuple[int, str]:
+def _head(folder: Path) -> tuple[int, str, str]:
+    """How many lines there were, the hash of the last, and of one that was about to be written."""
     try:
-        count, head = head_of(folder).read_text(encoding="ascii").split()
-        return int(count), head
-    except FileNotFoundError:  # of a project made before there was one
-        return 0, ""
-    except ValueError:
+        told, *announced = head_of(folder).read_text(encoding="ascii").splitlines()
+        count, head = told.split()
+        return int(count), head, announced[0].split()[1] if announced else ""
+    except FileNotFoundError:
+        return 0, "", ""
+    except (ValueError, IndexError):
         raise ReadError(f"{head_of(folder)} is not as dashpot writes it: it was changed") from None
 
 

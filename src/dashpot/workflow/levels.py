@@ -13,6 +13,7 @@ from dashpot.base.arrays import FloatArray, median
 from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.documents import Documented
 from dashpot.base.errors import ReadError
+from dashpot.base.offered import Judged
 from dashpot.base.provenance import Source
 from dashpot.base.units import Quantity, si
 from dashpot.io.options import ReadOptions
@@ -39,8 +40,8 @@ from dashpot.workflow.at_level import HITS, amplitude_file
 from dashpot.workflow.measured import as_measured
 
 
-@dataclass(frozen=True)
-class Levels(Documented):
+@dataclass(frozen=True, repr=False)
+class Levels(Judged, Documented):
     """What ``dashpot fit`` found.
 
     Attributes

@@ -16,6 +16,7 @@ from dashpot.base.choices import Family
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.numbers import hertz
+from dashpot.base.offered import Judged
 from dashpot.fitting.temperature.checks import temperature_tested
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.psd import read_psd
@@ -123,8 +124,8 @@ class RivalModes(NamedTuple):
     modes: tuple[Mode, ...]
 
 
-@dataclass(frozen=True)
-class Prediction(Documented):
+@dataclass(frozen=True, repr=False)
+class Prediction(Judged, Documented):
     """The FRF of a mass on `seals` seals, and what is known of it.
 
     Attributes
@@ -357,7 +358,7 @@ def _sound(frf: FRF, peak: tuple[float, float], found: Fit) -> str:
     hz, height = peak
     name, unit = frf.kind.replace("_", " "), frf.unit
     return (
-        f"peak of the {name}: {height:.4g}{f' {unit}' if unit != '1' else ''} at {hz:.4g} Hz. "
+        f"peak of the {name} {height:.4g}{f' {unit}' if unit != '1' else ''} at {hz:.4g} Hz. "
         f"The model is valid from {hertz(found.band)}"
     )
 

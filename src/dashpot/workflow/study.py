@@ -37,6 +37,7 @@ from dashpot.vibration.modal.peaks import find_peak
 from dashpot.vibration.systems.operating_point import OperatingPoint
 from dashpot.vibration.systems.prediction import REACH, highest_peak, predict_frf
 from dashpot.workflow.checks import hold_fit_possible, prediction_informed
+from dashpot.workflow.fits import of_order
 from dashpot.workflow.impacts import held_against, weighed
 from dashpot.workflow.job import Cuts, Job
 from dashpot.workflow.measured import read_measured, relieved, total_mass
@@ -376,7 +377,7 @@ def _of_order(arms: int, chosen: Fit, prepared: RampHold) -> Fit:
     """The fit with so many arms, which is drawn, not judged."""
     if chosen.family == "maxwell" and chosen.model.arms == arms:
         return chosen
-    return fit(prepared, arms=arms, intervals=False)
+    return of_order(prepared, arms)
 
 
 def of_solid(chosen: Fit, tests: Sequence[RampHold]) -> int:

@@ -173,7 +173,7 @@ class Problem:
         most: int,
         finished: float,
         flat: float,
-    ) -> Local[_Trial] | None:
+    ) -> Local[_AtTheta] | None:
         """Where a descent from one start ends, in sizes of the parameters; None if met before."""
         low, high, scale = self.bounds
         low, high = low / scale, high / scale
@@ -184,7 +184,7 @@ class Problem:
         )  # fmt: skip
         return descend(objective, first.theta, met=met, limit=most, finished=finished, flat=flat)
 
-    def _tried(self, theta: FloatArray, last: _Trial | None) -> _Trial:
+    def _tried(self, theta: FloatArray, last: _AtTheta | None) -> _AtTheta:
         """The best beta at a theta in sizes; where the model says nothing it is infinitely bad."""
         scale = self.bounds[2]
         near = None if last is None else last.beta > 0
@@ -192,11 +192,11 @@ class Problem:
         try:
             found = self.at(meant if self.gauge is None else self.gauge(meant), near)
         except DataError:
-            return _Trial(theta, scale, None)
-        return _Trial(found.theta / scale, scale, found)
+            return _AtTheta(theta, scale, None)
+        return _AtTheta(found.theta / scale, scale, found)
 
 
-class _Trial:
+class _AtTheta:
     """An optimum at some theta, in sizes of the parameters, as a descent wants it."""
 
     def __init__(self, theta: FloatArray, scale: FloatArray, found: Optimum | None) -> None:
@@ -223,7 +223,7 @@ class _Trial:
     def curvature(self) -> FloatArray:
         return self.optimum.curvature * np.outer(self.scale, self.scale)
 
-    def ahead(self, step: FloatArray) -> _Trial:
+    def ahead(self, step: FloatArray) -> _AtTheta:
         """The trial a short step away."""
         beside = self.optimum.problem._tried(self.theta + step, self)
         return beside if beside.sse <= self.sse * (1 + 1e-8) + self.rounding else self

@@ -78,7 +78,7 @@ def nastran(
 
 
 @dataclass(frozen=True)
-class _Element:
+class _Standing:
     """Where one stands, deck units, and what it carries of the tested stiffness."""
 
     place: tuple[float, ...] = (0.0, 0.0, 0.0)
@@ -87,8 +87,8 @@ class _Element:
 
 
 @dataclass(frozen=True)
-class _Row:
-    elements: tuple[_Element, ...] = (_Element(),)
+class _BushRow:
+    elements: tuple[_Standing, ...] = (_Standing(),)
     remarks: tuple[str, ...] = ()
 
     @property
@@ -105,9 +105,9 @@ class _Row:
         return {normal: rank for rank, normal in enumerate(turned)}
 
 
-def _row_of(deck: Deck, line: Stations | None) -> _Row:
+def _row_of(deck: Deck, line: Stations | None) -> _BushRow:
     if line is None:
-        return _Row()
+        return _BushRow()
     if deck.specimen.length is None:
         raise ExportError(
             "a seal line needs the contact length that the model stands for; give "
@@ -131,9 +131,9 @@ def _row_of(deck: Deck, line: Stations | None) -> _Row:
         remark += f"; {int((~carried).sum())} more do not touch and are left out"
     # shares that differ by rounding are one
     rows = zip(line.place / unit, line.normal, shares.tolist(), carried, strict=True)
-    return _Row(
+    return _BushRow(
         tuple(
-            _Element(tuple(place.tolist()), tuple(np.round(normal, 9).tolist()), float(f"{s:.9g}"))
+            _Standing(tuple(place.tolist()), tuple(np.round(normal, 9).tolist()), float(f"{s:.9g}"))
             for place, normal, s, touches in rows
             if touches
         ),
@@ -143,7 +143,7 @@ def _row_of(deck: Deck, line: Stations | None) -> _Row:
 
 def _table(
     deck: Deck,
-    row: _Row,
+    row: _BushRow,
     *,
     asked: tuple[tuple[float, float], float],
     damping: Damping,
@@ -210,7 +210,7 @@ def bush_property(
     ]
 
 
-def _bushings(row: _Row, first_id: int) -> list[str]:
+def _bushings(row: _BushRow, first_id: int) -> list[str]:
     cards, shares, normals = [], row.shares, row.normals
     for normal, rank in normals.items():
         cards += _coordinates(first_id + rank, normal)
@@ -233,7 +233,7 @@ def _coordinates(number: int, normal: Sequence[float]) -> list[str]:
     return _card("CORD2R*", values)
 
 
-def _arms(deck: Deck, row: _Row, first_id: int) -> DeckText:
+def _arms(deck: Deck, row: _BushRow, first_id: int) -> DeckText:
     per = 2 + 2 * deck.model.arms + 2
     cards: list[str] = []
     for i, one in enumerate(row.elements):

@@ -230,7 +230,7 @@ class FamilyChoice:
         )
 
 
-class _Candidate(NamedTuple):
+class _Contender(NamedTuple):
     """One solid of a family: what it leaves, N^2, and how many parameters it has."""
 
     family: Chosen
@@ -251,14 +251,14 @@ def chosen_family(arms: Chosen, family: str, one: ChosenElement | None = None) -
     effective = fewest.estimate.effective
     floor = arms.solution.samples * rounding(arms.data.peak) ** 2
 
-    def criterion(found: _Candidate) -> float:
+    def criterion(found: _Contender) -> float:
         return bic(found.sse, effective=effective, parameters=found.parameters, floor=floor)
 
-    def explained(found: _Candidate, best: _Candidate) -> bool:
+    def explained(found: _Contender, best: _Contender) -> bool:
         own, least = (deviance(one.sse, effective=effective, floor=floor) for one in (found, best))
         return not needed(own - least, max(best.parameters - found.parameters, 1))
 
-    def spread(found: _Candidate) -> float:
+    def spread(found: _Contender) -> float:
         # many arms leave less of few samples by chance alone
         return (found.sse + floor) / max(effective - found.parameters, 1.0)
 
@@ -281,11 +281,11 @@ def chosen_family(arms: Chosen, family: str, one: ChosenElement | None = None) -
     )
 
 
-def _candidate(found: Chosen) -> _Candidate:
-    return _Candidate(found, found.solid, found.solution.sse, len(found.estimate.names))
+def _candidate(found: Chosen) -> _Contender:
+    return _Contender(found, found.solid, found.solution.sse, len(found.estimate.names))
 
 
-def _of_orders(arms: Chosen) -> list[_Candidate]:
+def _of_orders(arms: Chosen) -> list[_Contender]:
     """The number of arms that was taken, and the larger ones that were tried."""
     own = _candidate(arms)
     more = [score.solution for score in arms.scores if score.solution.order > arms.solution.order]
@@ -293,7 +293,7 @@ def _of_orders(arms: Chosen) -> list[_Candidate]:
     return [
         own,
         *(
-            _Candidate(
+            _Contender(
                 arms,
                 solid_of(solution),
                 solution.sse,

@@ -134,7 +134,7 @@ def superpose(
     )
 
 
-class _Alone(NamedTuple):
+class _Apart(NamedTuple):
     """What the isotherms leave, each with a spectrum of its own."""
 
     sse: float
@@ -153,10 +153,10 @@ class _Alone(NamedTuple):
         return best.variance / self.variance, float(by_chance)
 
 
-def _alone(isotherms: Sequence[Isotherm]) -> _Alone:
+def _alone(isotherms: Sequence[Isotherm]) -> _Apart:
     at = np.zeros(1)
     own = [spectrum_at([one], at, at, grid_of([one], at)) for one in isotherms]
-    return _Alone(sum(one.sse for one in own), sum(one.values - one.parameters for one in own))
+    return _Apart(sum(one.sse for one in own), sum(one.values - one.parameters for one in own))
 
 
 def _reference(t: FloatArray, asked: float | None) -> int:

@@ -34,7 +34,7 @@ _KEYS = re.compile(
 
 
 @dataclass(frozen=True)
-class _Segment:
+class _LvmHead:
     """The header of one segment, its cells as text."""
 
     channels: int
@@ -47,13 +47,13 @@ class _Segment:
 
 
 @dataclass(frozen=True)
-class _Rows:
+class _LvmRows:
     """The rows under the headers, and whether their time (column 0) is counted."""
 
     dialect: Dialect
     clocks: tuple[int, ...]
     counted: bool
-    segments: tuple[_Segment, ...]
+    segments: tuple[_LvmHead, ...]
 
     def __post_init__(self) -> None:
         if not self.signals():
@@ -95,7 +95,7 @@ def read(raw: Raw, options: ReadOptions) -> FileTable:
     names, clocks = _names(lines[top - 1], sign)
     counted = not any(_filled(line, clocks, sign) for line in lines[top : top + 20])
     dialect = Dialect(sign, mark, _contents(names, clocks, lines[top : top + 200], sign, mark), top)
-    rows = _Rows(dialect, tuple(clocks), counted, tuple(segments))
+    rows = _LvmRows(dialect, tuple(clocks), counted, tuple(segments))
     columns = _columns(names, clocks, segments[0], dialect.contents)
     if _unlike(segments[0], len(columns)):
         raise ReadError("channels have different Delta_X; export them at one rate")
@@ -145,7 +145,7 @@ def _mark(head: str, rows: Sequence[str], sign: str, options: ReadOptions) -> Ma
     return "," if sign != "," and any("," in row and "." not in row for row in rows) else "."
 
 
-def _segments(blocks: Iterable[str], sign: str, mark: Mark) -> list[_Segment]:
+def _segments(blocks: Iterable[str], sign: str, mark: Mark) -> list[_LvmHead]:
     found = [_segment(header, mark) for header in _headers(blocks, sign) if "Channels" in header]
     if len({segment.channels for segment in found}) != 1:
         raise ReadError("the LVM segments differ in their channels; export them apart")
@@ -173,14 +173,14 @@ def _headers(blocks: Iterable[str], sign: str) -> list[dict[str, list[str]]]:
     return headers
 
 
-def _segment(header: dict[str, list[str]], mark: Mark) -> _Segment:
+def _segment(header: dict[str, list[str]], mark: Mark) -> _LvmHead:
     def numbers(key: str) -> tuple[float, ...]:
         values = (cell.number(text, mark) for text in header.get(key, []) if text)
         return tuple(value for value in values if value is not None)
 
     step = next((text for text in header.get("Delta_X", []) if text), "")
     count = numbers("Channels")
-    return _Segment(
+    return _LvmHead(
         channels=int(count[0]) if count else 0,
         names=tuple(header.get("X_Value", [])),
         samples=tuple(int(value) for value in numbers("Samples")),
@@ -200,7 +200,7 @@ def _half_digit(text: str) -> float:
     return 0.5 * 10.0**exponent if isinstance(exponent, int) and abs(exponent) < 300 else 0.0
 
 
-def _unlike(segment: _Segment, columns: int) -> bool:
+def _unlike(segment: _LvmHead, columns: int) -> bool:
     """Whether the channels that hold samples differ in their step."""
     filled = {step for step, n in zip(segment.step, segment.samples, strict=False) if n > 0}
     return len(set(segment.step[:columns])) > 1 and len(filled) > 1
@@ -226,7 +226,7 @@ def _contents(
 
 
 def _columns(
-    names: Sequence[str], clocks: Sequence[int], segment: _Segment, contents: Sequence[Content]
+    names: Sequence[str], clocks: Sequence[int], segment: _LvmHead, contents: Sequence[Content]
 ) -> list[Column]:
     """Names, and the unit labels, which stand over the channels."""
     columns = []
@@ -242,7 +242,7 @@ def _columns(
     return columns
 
 
-def _rate(segment: _Segment) -> tuple[tuple[str, ...], tuple[Question, ...]]:
+def _rate(segment: _LvmHead) -> tuple[tuple[str, ...], tuple[Question, ...]]:
     """A note where the step is printed with so few digits that the rate is uncertain."""
     if not segment.step or segment.step[0] <= 0:
         says = "there is no column of time and no Delta_X; give the rate, --rate 1000Hz"
@@ -264,14 +264,14 @@ def _likely(rate: float) -> int:
     return power if abs(power / rate - 1) < 1e-3 else max(1, round(rate))
 
 
-def _parts(loaded: Loaded, segments: Sequence[_Segment]) -> Iterator[tuple[int, int, _Segment]]:
+def _parts(loaded: Loaded, segments: Sequence[_LvmHead]) -> Iterator[tuple[int, int, _LvmHead]]:
     """First row, end and header of each part; what has no header of its own has the last."""
     stops = (*loaded.starts[1:], len(loaded.values))
     for k, (start, stop) in enumerate(zip(loaded.starts, stops, strict=True)):
         yield start, stop, segments[min(k, len(segments) - 1)]
 
 
-def _stacked(loaded: Loaded, segments: Sequence[_Segment]) -> Loaded:
+def _stacked(loaded: Loaded, segments: Sequence[_LvmHead]) -> Loaded:
     """Part each segment where it holds several records of ``Samples`` rows."""
     starts: list[int] = []
     notes = list(loaded.notes)
@@ -287,7 +287,7 @@ def _stacked(loaded: Loaded, segments: Sequence[_Segment]) -> Loaded:
     return replace(loaded, starts=tuple(starts), segments=names, notes=tuple(notes))
 
 
-def _counted(loaded: Loaded, segments: Sequence[_Segment]) -> FloatArray:
+def _counted(loaded: Loaded, segments: Sequence[_LvmHead]) -> FloatArray:
     """Time of every row, from X0 and Delta_X of its segment; NaN without, asked for before use."""
     time = np.full(len(loaded.values), np.nan)
     for start, stop, segment in _parts(loaded, segments):

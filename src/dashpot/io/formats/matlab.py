@@ -93,7 +93,7 @@ def check_elements(stream: BinaryIO) -> None:
     if order is not None and 0 not in header[:4]:
         size = stream.seek(0, 2)
         stream.seek(_HEADER)
-        file = _File(order)
+        file = _MatFile(order)
         try:
             while stream.tell() < size:
                 _element(stream.read, file, size - stream.tell(), _VARIABLES, depth=0)
@@ -110,7 +110,7 @@ class _Damaged(Exception):  # noqa: N818
 
 
 @dataclass
-class _File:
+class _MatFile:
     """The order of the bytes of a file, and the numbers that have been met in it."""
 
     order: str
@@ -121,7 +121,7 @@ class _File:
         limits.within(self.numbers, "the variables hold")
 
 
-def _element(take: Take, file: _File, room: int, kinds: frozenset[int], *, depth: int) -> int:
+def _element(take: Take, file: _MatFile, room: int, kinds: frozenset[int], *, depth: int) -> int:
     """Walk one element, of these kinds and at most `room` bytes; return how many it took."""
     kind, size, short = _tag(take, file, room, kinds)
     if short is not None:
@@ -137,7 +137,7 @@ def _element(take: Take, file: _File, room: int, kinds: frozenset[int], *, depth
 
 
 def _tag(
-    take: Take, file: _File, room: int, kinds: frozenset[int]
+    take: Take, file: _MatFile, room: int, kinds: frozenset[int]
 ) -> tuple[int, int, bytes | None]:
     """Kind and size of the next element, and its data if they stand in the tag."""
     if room < _TAG:
@@ -154,7 +154,7 @@ def _tag(
     return kind, size, None
 
 
-def _content(take: Take, file: _File, room: int, kinds: frozenset[int]) -> tuple[int, bytes]:
+def _content(take: Take, file: _MatFile, room: int, kinds: frozenset[int]) -> tuple[int, bytes]:
     """How many bytes the next element took, and its data."""
     _, size, short = _tag(take, file, room, kinds)
     if short is not None:
@@ -163,7 +163,7 @@ def _content(take: Take, file: _File, room: int, kinds: frozenset[int]) -> tuple
     return 8 + padded, _exactly(take, padded)[:size]
 
 
-def _array(take: Take, file: _File, size: int, *, depth: int) -> None:
+def _array(take: Take, file: _MatFile, size: int, *, depth: int) -> None:
     """The elements of an array: class, dimensions, name, then as many as its class holds."""
     if not size:
         return
@@ -193,7 +193,7 @@ def _array(take: Take, file: _File, size: int, *, depth: int) -> None:
     _passed(take, left)
 
 
-def _indices(take: Take, file: _File, room: int, shape: Sequence[int]) -> int:
+def _indices(take: Take, file: _MatFile, room: int, shape: Sequence[int]) -> int:
     """Rows and starts of the columns of a sparse array, which SciPy follows without a look."""
     first, rows = _content(take, file, room, _INT32)
     second, starts = _content(take, file, room - first, _INT32)
@@ -211,7 +211,7 @@ def _indices(take: Take, file: _File, room: int, shape: Sequence[int]) -> int:
 
 
 def _inside(
-    take: Take, file: _File, room: int, *, class_: int, cells: int, parts: int
+    take: Take, file: _MatFile, room: int, *, class_: int, cells: int, parts: int
 ) -> tuple[int, frozenset[int], int]:
     """Bytes that name the fields, and the kinds and number of the elements that follow them."""
     if class_ in {_STRUCT, _OBJECT}:
@@ -232,11 +232,11 @@ def _inside(
     return 0, _NUMBERS, parts + 2 * (class_ == _SPARSE)
 
 
-def _integers(data: bytes, file: _File) -> tuple[int, ...]:
+def _integers(data: bytes, file: _MatFile) -> tuple[int, ...]:
     return struct.unpack(f"{file.order}{len(data) // 4}i", data[: len(data) // 4 * 4])
 
 
-def _inflated(take: Take, file: _File, size: int, *, depth: int) -> None:
+def _inflated(take: Take, file: _MatFile, size: int, *, depth: int) -> None:
     """A compressed element: the one inside, inflated a stretch at a time."""
     inflate = zlib.decompressobj()
     waiting, packed = b"", size

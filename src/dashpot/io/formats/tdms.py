@@ -20,7 +20,7 @@ _WHOLE = 0.01
 
 
 @dataclass(frozen=True, eq=False)
-class _Channel:
+class _TdmsChannel:
     name: str
     unit: str | None
     values: FloatArray
@@ -61,7 +61,7 @@ def read(raw: Raw, options: ReadOptions) -> FileTable:
     )
 
 
-def _groups(file: Any, sheet: str | None) -> dict[str, list[_Channel]]:
+def _groups(file: Any, sheet: str | None) -> dict[str, list[_TdmsChannel]]:
     """The groups that hold numbers, or the one named; all with the same channels."""
     found = {group.name: _channels(group) for group in file.groups()}
     groups = {name: channels for name, channels in found.items() if channels}
@@ -79,7 +79,7 @@ def _groups(file: Any, sheet: str | None) -> dict[str, list[_Channel]]:
     return groups
 
 
-def _channels(group: Any) -> list[_Channel]:
+def _channels(group: Any) -> list[_TdmsChannel]:
     found = []
     for channel in group.channels():
         values = np.asarray(channel[:])
@@ -92,14 +92,14 @@ def _channels(group: Any) -> list[_Channel]:
             step = properties.get("wf_increment")
             offset = float(properties.get("wf_start_offset", 0.0))
             found.append(
-                _Channel(
+                _TdmsChannel(
                     channel.name, unit, values.astype(float), float(step) if step else None, offset
                 )
             )
     return found
 
 
-def _block(channels: list[_Channel], notes: list[str]) -> FloatArray:
+def _block(channels: list[_TdmsChannel], notes: list[str]) -> FloatArray:
     """One group as rows: with its time in front if the channels carry it."""
     steps = {channel.step for channel in channels}
     if len(steps) > 1:
@@ -117,7 +117,7 @@ def _block(channels: list[_Channel], notes: list[str]) -> FloatArray:
     return np.column_stack([time, *(_aligned(c, time, step, notes) for c in channels)])
 
 
-def _common(channels: list[_Channel], step: float) -> FloatArray:
+def _common(channels: list[_TdmsChannel], step: float) -> FloatArray:
     """The times at which every channel was sampled."""
     start = max(channel.offset for channel in channels)
     end = min(channel.offset + step * (channel.values.size - 1) for channel in channels)
@@ -127,7 +127,7 @@ def _common(channels: list[_Channel], step: float) -> FloatArray:
     return start + step * np.arange(count, dtype=float)
 
 
-def _aligned(channel: _Channel, time: FloatArray, step: float, notes: list[str]) -> FloatArray:
+def _aligned(channel: _TdmsChannel, time: FloatArray, step: float, notes: list[str]) -> FloatArray:
     """A channel's samples at the common times; its own where they fall together."""
     shift = (time[0] - channel.offset) / step
     whole = round(shift)
@@ -143,5 +143,5 @@ def _aligned(channel: _Channel, time: FloatArray, step: float, notes: list[str])
     return np.interp(time, own, channel.values)
 
 
-def _list(groups: dict[str, list[_Channel]]) -> str:
+def _list(groups: dict[str, list[_TdmsChannel]]) -> str:
     return ", ".join(f"'{name}'" for name in list(groups)[:8])

@@ -235,17 +235,22 @@ def with_units(file: Opened, chosen: Sequence[Assigned]) -> list[Channel]:
     return found
 
 
-def refuse_sizes(file: Opened, answers: Sequence[tuple[Channel, Sequence[Check]]]) -> None:
-    """Ask for the first unit that makes an unbelievable size, but for those that the user said.
+def refuse_sizes(file: Opened, answers: Sequence[tuple[Channel, Sequence[Check]]]) -> list[str]:
+    """Ask for the first unit that makes an unbelievable size; return notes on unusual ones.
+
+    The user's own word for a unit is not doubted.
 
     Raises
     ------
     ReadError
     """
+    notes = []
     for one, checks in answers:
-        failed = [check for check in checks if check.failed]
-        if failed and not is_stated(file, one):
-            raise ReadError(failed[0].typed)
+        failed = [check for check in checks if check.failed and not is_stated(file, one)]
+        if asked := [check.typed for check in failed if check.grade == "stop"]:
+            raise ReadError(asked[0])
+        notes += [check.typed for check in failed]
+    return notes
 
 
 def is_stated(file: Opened, one: Channel) -> bool:

@@ -13,6 +13,7 @@ from dashpot.base.capability import Capability, capability
 from dashpot.base.checks import Check, Checked, worst
 from dashpot.base.documents import Documented
 from dashpot.base.errors import ReadError
+from dashpot.base.offered import Judged
 from dashpot.base.units import Quantity, Range, written
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import about
@@ -53,8 +54,8 @@ class PieceStatistics:
     deviation: float
 
 
-@dataclass(frozen=True)
-class Pieces(Checked, Documented):
+@dataclass(frozen=True, repr=False)
+class Pieces(Checked, Judged, Documented):
     """What ``dashpot fit`` found.
 
     Attributes
@@ -165,7 +166,7 @@ def cld_of(
     `names` are put before what is wrong with one of them, `cycle` is the one of the figures.
     """
     if limits is not None and len(tests) < 2:
-        raise ReadError("--limits are of several pieces; name a file for each, or leave them out")
+        raise ReadError("--force-limits are of several pieces: name a file for each, or leave out")
     pieces = _figures(tests, names or [""] * len(tests), cycle, at=at, between=between)
     found = Pieces(pieces, (), None, _worst(pieces))
     if not memory and limits is None and _several_speeds(pieces):

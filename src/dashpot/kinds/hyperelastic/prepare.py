@@ -23,7 +23,7 @@ _SCATTERED = 4
 """Samples of a stroke below which rows are points in no order."""
 
 
-class _Chosen(NamedTuple):
+class _LoadingRows(NamedTuple):
     """Rows of the loading, and what the others say of it."""
 
     rows: IndexArray
@@ -72,15 +72,15 @@ def _without(memory: GeneralizedMaxwell, test: StressStrainTest) -> FloatArray:
     return memory.displacement(test.time, test.stress * test.stretch) / test.stretch
 
 
-def _chosen(stretch: FloatArray, stress: FloatArray, cycle: int | None) -> _Chosen:
+def _chosen(stretch: FloatArray, stress: FloatArray, cycle: int | None) -> _LoadingRows:
     strain = stretch - 1
     far = strain[np.argmax(np.abs(strain))]
     if min(float(strain.max()), -float(strain.min())) > _BOTH * abs(far):
-        return _Chosen(np.argsort(stretch, kind="stable"), None, None)
+        return _LoadingRows(np.argsort(stretch, kind="stable"), None, None)
     away = np.sign(far) * strain
     strokes = strokes_of(away, resolution=0.0)
     if len(stretch) < _SCATTERED * len(strokes):
-        return _Chosen(np.argsort(away, kind="stable"), None, None)
+        return _LoadingRows(np.argsort(away, kind="stable"), None, None)
     loadings = _loadings(away, strokes)
     if cycle is not None and cycle > len(loadings):
         raise FitError(f"cycle = {cycle}, but the test has {len(loadings)} whole loadings")
@@ -89,7 +89,7 @@ def _chosen(stretch: FloatArray, stress: FloatArray, cycle: int | None) -> _Chos
     if len(loadings) > 1:
         softer = 1 - _middle(away, stress, loadings[-1]) / _middle(away, stress, loadings[0])
     lost = _lost(away, stress, taken, strokes)
-    return _Chosen(np.arange(taken.first, taken.last + 1), lost, softer)
+    return _LoadingRows(np.arange(taken.first, taken.last + 1), lost, softer)
 
 
 def _loadings(away: FloatArray, strokes: Sequence[Stroke]) -> list[Stroke]:

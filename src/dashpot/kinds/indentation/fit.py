@@ -23,6 +23,7 @@ from dashpot.base.arrays import BoolArray, FloatArray
 from dashpot.base.choices import ImpactLawAsked, refuse_other
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.facts import Fact
+from dashpot.base.plausible import SIZES
 from dashpot.base.units import read_in
 from dashpot.engine.inference.covariance import noise_of
 from dashpot.engine.inference.estimate import Estimate, Slice, estimate, score
@@ -71,7 +72,7 @@ _DECIDED = 10.0
 
 
 @dataclass(frozen=True, eq=False)
-class _Window:
+class _NearHit:
     """The samples about one contact, and the columns of what the sensor adds."""
 
     test: IndentationTest
@@ -167,7 +168,8 @@ def fit_indentation(test: IndentationTest, *, law: ImpactLawAsked = "auto") -> I
     Raises
     ------
     DataError
-        If the mass is missing, or no contact stands out.
+        If the mass is missing, no contact stands out, or mass and radius make a modulus or a
+        pressure of it that no rubber has.
     FitError
         If no law can follow the record.
     """
@@ -193,6 +195,7 @@ def fit_indentation(test: IndentationTest, *, law: ImpactLawAsked = "auto") -> I
     tried.sort(key=lambda one: scores[one.name])
     best = tried[0]
     found = _found(window, best)
+    _refuse_absurd(found, test.indenter.radius)
     in_contact = _in_contact(window, best)
     flight = best.residual[~in_contact]
     noise = float(np.sqrt(np.mean(flight**2))) if len(flight) > 8 else 0.0
@@ -212,7 +215,18 @@ def fit_indentation(test: IndentationTest, *, law: ImpactLawAsked = "auto") -> I
     return replace(fitted, checks=judged)
 
 
-def _window(test: IndentationTest, contact: ContactInterval) -> _Window:
+def _refuse_absurd(found: Sequence[Fact], radius: float | None) -> None:
+    """Refuse what mass and radius make of a contact where no rubber does so."""
+    known = {one.name: one.value for one in found}
+    remedy = "Check the mass and the radius of the indenter, and their units."
+    if radius is None or "modulus" not in known:
+        return
+    SIZES["modulus"].refuse(known["modulus"], remedy=remedy)
+    pressure = known["largest_force"] / (np.pi * radius * known["depth"])
+    SIZES["contact pressure"].refuse(float(pressure), remedy=remedy)
+
+
+def _window(test: IndentationTest, contact: ContactInterval) -> _NearHit:
     mass = test.indenter.mass
     if mass is None:
         raise DataError("the mass of the indenter is not known; give it (--mass 5g)")
@@ -234,7 +248,7 @@ def _window(test: IndentationTest, contact: ContactInterval) -> _Window:
     if test.of == "velocity":
         scatter = float(np.std(np.diff(signal, 2))) / np.sqrt(6)
         prior[:] = scatter / (_VELOCITY_OFFSET * float(np.ptp(signal)) / 2)
-    return _Window(test, contact, time, signal, kept, clipped, mass, columns[kept], prior)
+    return _NearHit(test, contact, time, signal, kept, clipped, mass, columns[kept], prior)
 
 
 def _clipped(signal: FloatArray, of: str) -> BoolArray:
@@ -248,7 +262,7 @@ def _clipped(signal: FloatArray, of: str) -> BoolArray:
     return clipped
 
 
-def _change(window: _Window) -> float:
+def _change(window: _NearHit) -> float:
     """Of the speed by the contact, roughly."""
     signal, of = window.signal, window.test.of
     if of == "velocity":
@@ -262,7 +276,7 @@ def _change(window: _Window) -> float:
     return max(change, 1e-12) / (window.mass if of == "force" else 1.0)
 
 
-def _solved(window: _Window, name: str) -> _LawOptimum | None:
+def _solved(window: _NearHit, name: str) -> _LawOptimum | None:
     """Least squares from each start of a law; None if none leads to a motion."""
     law, change, duration = LAWS[name], _change(window), window.contact.duration
     begin, far = window.contact.start, _FAR * duration
@@ -310,7 +324,7 @@ def _valleys(cost: FloatArray) -> list[int]:
     return order[: min(int(np.count_nonzero(~beaten)), _STARTS)]
 
 
-def _known(window: _Window, name: str, best: Optimum, found: Sequence[Optimum]) -> _LawOptimum:
+def _known(window: _NearHit, name: str, best: Optimum, found: Sequence[Optimum]) -> _LawOptimum:
     """A law with what its residual says of its noise, and so of its parameters."""
     hit = window.struck(LAWS[name], best.theta)
     seen = window.seen(hit, float(best.theta[-1]))
@@ -332,12 +346,12 @@ def _rounding(model: FloatArray) -> float:
     return _ROUNDING * float(np.ptp(model))
 
 
-def _in_contact(window: _Window, one: _LawOptimum) -> BoolArray:
+def _in_contact(window: _NearHit, one: _LawOptimum) -> BoolArray:
     since = window.time[window.kept] - one.touch
     return np.asarray((since >= 0) & (since <= one.hit.duration))
 
 
-def _found(window: _Window, one: _LawOptimum) -> tuple[Fact, ...]:
+def _found(window: _NearHit, one: _LawOptimum) -> tuple[Fact, ...]:
     """The law's parameters and what follows from them, each with its interval."""
     named = _follows(window, one.law, one.optimum.theta)
 
@@ -393,7 +407,7 @@ def _slices(one: _LawOptimum) -> list[Slice]:
     return found
 
 
-def _follows(window: _Window, law: Law, theta: FloatArray) -> dict[str, tuple[float, str]]:
+def _follows(window: _NearHit, law: Law, theta: FloatArray) -> dict[str, tuple[float, str]]:
     """Each number that a law's parameters give, by name, with its unit."""
     contact, hit = law.contact(theta, window.mass), window.struck(law, theta)
     radius = window.test.indenter.radius

@@ -111,7 +111,7 @@ def fit_levels(
     count = max(round(_PER_DECADE * np.log10(high / low)), 2)
     inertia, yields = kilograms / seals, np.geomspace(low, high, count + 1)[:-1]
     known = weight * np.abs(K - inertia * omega**2)
-    problem = _Problem(omega, X, weight, known, inertia, yields)
+    problem = _LineData(omega, X, weight, known, inertia, yields)
     tried = [problem.solved(K, terms) for terms in _TERMS]
     plain, best = tried[0], min(tried, key=lambda one: one.deviance + MATTERS * len(one.terms))
     draws = _draws(problem, K, best, seed)
@@ -153,7 +153,9 @@ def _name(frf: FRF, number: int) -> str:
     return ", ".join(one.file for one in frf.source) or f"FRF {number}"
 
 
-def _draws(problem: _Problem, K: ComplexArray, best: _TermsOptimum, seed: int) -> tuple[Parts, ...]:
+def _draws(
+    problem: _LineData, K: ComplexArray, best: _TermsOptimum, seed: int
+) -> tuple[Parts, ...]:
     """The same fit of records that chance might have given."""
     rng, inertia = np.random.default_rng(seed), problem.inertia * problem.omega**2
     direct = K + best.left / best.problem.weight - inertia  # F/X of the fit itself
@@ -172,7 +174,7 @@ def _draws(problem: _Problem, K: ComplexArray, best: _TermsOptimum, seed: int) -
 class _TermsOptimum:
     """Coefficients >= 0 of one set of terms, and the weighted residual."""
 
-    problem: _Problem
+    problem: _LineData
     terms: tuple[Term, ...]
     k: FloatArray
     left: ComplexArray
@@ -210,7 +212,7 @@ class _TermsOptimum:
 
 
 @dataclass(frozen=True, eq=False)
-class _Problem:
+class _LineData:
     omega: FloatArray
     X: FloatArray
     weight: FloatArray
@@ -246,7 +248,7 @@ class _Problem:
             found = found.problem.about(found.parts, K)._solve(K, terms)
         return found
 
-    def about(self, parts: Parts, K: ComplexArray) -> _Problem:
+    def about(self, parts: Parts, K: ComplexArray) -> _LineData:
         r"""With what is known once a solution is: the third harmonic, and what its X do.
 
         A relative error e of the FRF is an error :math:`-e F/X` of K and, through the amplitude
@@ -316,7 +318,7 @@ def _knowledge(lines: FRF) -> FloatArray:
     return np.asarray(np.minimum(np.median(relative) / relative, 1.0))
 
 
-def _noise(problem: _Problem, K: ComplexArray, parts: IndexArray) -> float | None:
+def _noise(problem: _LineData, K: ComplexArray, parts: IndexArray) -> float | None:
     """Relative scatter of F/X from line to line: what no smooth stiffness follows.
 
     By third differences within a level (which begin at `parts`), sqrt(20) times the scatter: an

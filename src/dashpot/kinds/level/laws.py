@@ -108,7 +108,7 @@ def fitted(sweep: AmplitudeSweep, law: str, exponent: float | None = None) -> Fi
     exponent : float, optional
         Set; else it is found.
     """
-    problem = _Law(sweep, law, exponent)
+    problem = _LawOnSweep(sweep, law, exponent)
     best = solved(problem.stated, problem.starts)
     left, n = problem.left(best), len(best.residual)
     numbers = problem.numbers(best.values)
@@ -143,7 +143,7 @@ def fitted(sweep: AmplitudeSweep, law: str, exponent: float | None = None) -> Fi
 
 
 @dataclass(frozen=True, eq=False)
-class _Law:
+class _LawOnSweep:
     """A law on a sweep; sought are ln X_c, the exponent and, of a factor, the share."""
 
     sweep: AmplitudeSweep

@@ -1,0 +1,49 @@
+"""Stress over strain from files: a clock is kept where it is sound, and not asked for."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from dashpot.base.errors import ReadError
+from dashpot.kinds.cld.read import read_cld
+from dashpot.kinds.hyperelastic.read import read_stress_strain
+from tests.kit.kinds import csv
+
+PULL = np.linspace(0, 50, 40)
+CLOCK = np.arange(40) / 4
+
+
+def pulled(folder: Path, head: str, clock: np.ndarray) -> Path:
+    path = folder / "pull.csv"
+    path.write_text(csv(f"{head},strain [%],stress [MPa]", clock, PULL, np.sqrt(PULL)))
+    return path
+
+
+def test_a_sound_clock_is_kept(tmp_path: Path) -> None:
+    found = read_stress_strain(pulled(tmp_path, "time [s]", CLOCK), "uniaxial")
+    np.testing.assert_allclose(found.time, CLOCK)
+
+
+@pytest.mark.parametrize(
+    ("head", "clock", "says"),
+    [("time", CLOCK, "has no unit"), ("time [s]", CLOCK % 5, "time falls from 4.75 s")],
+    ids=["no unit", "starts again"],
+)
+def test_a_clock_that_is_none_is_left_out_with_a_note(
+    tmp_path: Path, head: str, clock: np.ndarray, says: str
+) -> None:
+    found = read_stress_strain(pulled(tmp_path, head, clock), "uniaxial")
+    assert found.time is None
+    assert len(found.stress) == len(PULL)
+    (note,) = [one for one in found.source.notes if "the clock is left out" in one]
+    assert says in note
+
+
+def test_where_the_speed_matters_it_is_asked_for(tmp_path: Path) -> None:
+    path = tmp_path / "press.csv"
+    path.write_text(csv("time,displacement [mm],force [N]", CLOCK, PULL / 5, PULL / 10))
+    with pytest.raises(ReadError, match="has no unit"):
+        read_cld(path)
