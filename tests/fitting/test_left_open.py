@@ -100,7 +100,7 @@ def test_several_depths_leave_open_what_the_deepest_feels() -> None:
     for name, t in (("k_end", T), ("k_3end", 3 * T)):
         for solid in (truth, found.model):
             assert left[name][0] < solid.relaxation(t) < left[name][1]  # type: ignore[literal-required]
-    assert np.ptp(left["k_end"]) < 0.02 * left["k_end"][1]
+    assert np.ptp(left["k_end"]) < 0.04 * left["k_end"][1]
 
 
 def test_it_is_kept_in_the_archive(broad_fit: Fit) -> None:
