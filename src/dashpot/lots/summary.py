@@ -18,6 +18,7 @@ from dashpot.base.numbers import ascii_only, counted
 from dashpot.lots.checks import (
     asked_in_band,
     capability_as_asked,
+    scatter_normal,
     seals_within_limits,
     stands_out_of_lot,
 )
@@ -318,6 +319,10 @@ def _checks(lot: Lot, each: Sequence[OfQuantity], flags: Sequence[Flag]) -> Iter
             yield from _of_limits(one, one.limits)
     seals = {(one.lot, one.seal, one.file) for one in flags if one.weighty}
     yield stands_out_of_lot(len(seals), len(each[0].seals))
+    told = [one for one in each[0].components if one.normal is not None]
+    if told:
+        least = min(told, key=lambda one: one.normal or 0.0)
+        yield scatter_normal(least.source, least.normal)
     beyond = {frequency: _out_of_band(lot, frequency) for frequency in _frequencies(lot)}
     if beyond:
         asked = [frequency for frequency, count in beyond.items() if count]
