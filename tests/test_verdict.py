@@ -167,7 +167,7 @@ def test_a_prediction_that_nothing_has_tested_is_used_with_care() -> None:
     found = characterise(bench, mass=PAPER_MASS, seals=2).verdict
     assert found.use == "use with care"
     assert [check.name for check in found.because] == ["prediction_informed"]
-    assert "hit the mass with a hammer" in found.says
+    assert "Measure it with a hammer" in found.says
 
 
 # -- in words and in exit codes -------------------------------------------------------------------

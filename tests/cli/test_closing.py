@@ -95,7 +95,7 @@ def test_the_least_speed_of_a_file(folder):
     taken = {one["name"]: one["work"] for one in told["terms"]}
     assert taken["seal, elastic"] == pytest.approx(0.45, rel=1e-3)
     assert "it closes" in ran(folder / "door.toml", "--close", "1m/s")
-    assert "it does not close" in ran(folder / "door.toml", "--close", "0.3m/s")
+    assert "The door does not close" in ran(folder / "door.toml", "--close", "0.3m/s")
 
 
 def test_every_term_has_its_table(folder, tmp_path):

@@ -250,7 +250,7 @@ def test_what_a_lag_between_the_channels_does_to_loops_is_said(tmp_path):
         1e-3 * found["loss_factor_per_lag"], rel=0.02
     )
     printed = shell.ran("fit", path).stdout
-    assert "1 ms between force and displacement is 0.031 of the loss factor" in printed
+    assert "A delay of 1 ms between the channels would add 0.031 to the loss factor" in printed
 
 
 def frfs(folder, levels, friction=SLIDER):

@@ -183,7 +183,7 @@ def test_a_compliance_is_fitted_as_the_curve_it_is() -> None:
     assert found.model.tau == pytest.approx(material.tau, rel=1e-6)
     of_part = CreepCompliance(time, material.creep(time), "m/N", units="SI")
     assert fit(of_part).unit == "N/m"
-    with pytest.raises(DataError, match="it falls with time"):
+    with pytest.raises(DataError, match="the compliance falls with time"):
         fit(CreepCompliance(time, material.relaxation(time), units="SI"))
 
 

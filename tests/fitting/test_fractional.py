@@ -289,7 +289,7 @@ def test_the_report_shows_what_both_families_make_of_the_resonance() -> None:
     assert asked.failed
     for mode in modes:
         assert f"{mode.frequency:.4g} Hz with" in asked.says
-    assert "a colder test or a faster ramp" in asked.says
+    assert "a hammer test or a colder test, or ramp faster" in asked.told
     alone = replace(found, evidence=replace(found.evidence, alternative=None))
     assert replace(study, fit=alone).rival is None
 

@@ -107,7 +107,7 @@ def test_the_point_alone_is_that_of_the_whole_fit(pair):
 def test_two_temperatures_are_told_that_three_see_more(pair, triple):
     told = {check.name: check for check in pair.checks}["shifts_told_apart"]
     assert told.failed
-    assert "three can" in told.says
+    assert "three are needed" in told.says
     assert "shifts_told_apart" not in failed(triple)
 
 

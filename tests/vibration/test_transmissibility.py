@@ -246,11 +246,11 @@ def lossy(eta, f, *, mass=0.1, peak=12.7):
 WRONG = {
     "upside down": (lambda T: 1 / T, "the base over the mass"),
     "turned": (lambda T: -T, "opposite polarity"),
-    "relative": (lambda T: T - 1, "not relative to the base"),
-    "relative, turned": (lambda T: 1 - T, "not relative to the base"),
-    "g over m/s^2": (lambda T: T / 9.80665, "the unit of each sensor"),
-    "m/s^2 over g": (lambda T: 9.80665 * T, "the unit of each sensor"),
-    "per cent": (lambda T: 100 * T, "the unit of each sensor"),
+    "relative": (lambda T: T - 1, "relative to the base"),
+    "relative, turned": (lambda T: 1 - T, "relative to the base"),
+    "g over m/s^2": (lambda T: T / 9.80665, "A unit may be wrong"),
+    "m/s^2 over g": (lambda T: 9.80665 * T, "A unit may be wrong"),
+    "per cent": (lambda T: 100 * T, "A unit may be wrong"),
 }
 ETA = (0.02, 0.1, 0.3, 0.6)
 
@@ -349,7 +349,7 @@ def test_the_command_line_predicts_over_a_base(tmp_path):
     plain = told(*words[:-1])
     assert plain["limits"]["kind"] == "accelerance"
     text = ran(*words).output
-    assert "above 17.975 Hz the mass moves less than its base" in text
+    assert "the mass moves less than its base above 17.975 Hz" in text
     refused = ran(*words, "--kind", "mobility")
     assert refused.exit_code == 2
     assert "--base" in refused.output

@@ -401,7 +401,7 @@ def test_one_solid_carries_every_mass_or_it_is_said(tmp_path):
     on_seals(tmp_path, 0.25, stiffer=1.03)
     result = CliRunner().invoke(main, words)
     assert result.exit_code == 0, result.output
-    assert "no linear solid has the poles under 104, 250, 600 g" in " ".join(result.output.split())
+    assert "no linear model has the poles under 104, 250, 600 g" in " ".join(result.output.split())
 
 
 @pytest.mark.once

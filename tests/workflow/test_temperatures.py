@@ -137,7 +137,7 @@ def test_the_main_job_takes_a_cold_test_too(bench, tmp_path):
     assert study.fit.model.arms == 3
     page = html(study)
     assert "One solid at several temperatures" in page
-    assert "three can" in page
+    assert "three are needed" in page
     assert not [check for check in verify(project, page=html) if check.failed]
 
 

@@ -303,10 +303,10 @@ def about_decks(found: Recommendation) -> str:
         return ""
     made = decks(found)
     if not made:
-        return "No deck: the tests do not determine every parameter."
+        return "No deck is here, because the tests do not determine every parameter."
     unknown = " and ".join(words for name, words in UNSTATED.items() if name in made[0].options)
-    marked = f"; {unknown} not stated" if unknown else ""
-    return f"Decks hold from {hertz(found.solid.band)}{marked}."
+    asked = f" Before you use one, state {unknown}." if unknown else ""
+    return f"Decks are valid from {hertz(found.solid.band)}.{asked}"
 
 
 def _decks(found: Recommendation, solid: str) -> list[Attachment]:

@@ -353,9 +353,7 @@ def prediction(found: Prediction) -> Text:
     kind = found.frf.quantity.replace("_", " ")
     lines = [f"{on}: {does} of the {kind} {height:.5g} {found.frf.unit} at {hz:.5g} Hz"]
     if found.isolation is not None:
-        lines.append(
-            f"  isolation above {found.isolation:.5g} Hz: the mass moves less than its base"
-        )
+        lines.append(f"  the mass moves less than its base above {found.isolation:.5g} Hz")
     if found.shaken is not None:
         lines += _shaken(found.shaken)
     if found.at_edge:

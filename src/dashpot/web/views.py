@@ -340,7 +340,7 @@ def _pads(texts: Sequence[str]) -> list[str]:
 def check_list(checks: Sequence[Check]) -> str:
     """What failed, the gravest first, and how many were judged."""
     distinct = list(dict.fromkeys(checks))
-    failed = [(GRADES[one.grade], one.says) for one in distinct if one.failed]
+    failed = [(GRADES[one.grade], one.told) for one in distinct if one.failed]
     failed.sort(key=lambda pair: -answer.ORDER.index(pair[0]))
     passed = sum(one.passed is True for one in distinct)
     return piece("checks", failed=failed, passed=passed, judged=passed + len(failed))

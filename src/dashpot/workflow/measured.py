@@ -14,7 +14,7 @@ from dashpot.base.plausible import SIZES
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.frf import read_frf
 from dashpot.io.readers.impact import HITS, hits_in
-from dashpot.io.readers.inspect import inspect_file
+from dashpot.io.readers.recognise import recognise
 from dashpot.io.readers.shaken import read_shaken
 from dashpot.kinds import RESPONSES
 from dashpot.records.frf import FRF, Mode
@@ -58,7 +58,7 @@ def read_measured(
         if mass is None:
             raise ReadError(_NO_MASS)
         return None, shaken(paths, choices=choices, options=options, mass=mass, band=band)[0]
-    if len(paths) == 1 and inspect_file(paths[0], options=options).kind in RESPONSES:
+    if len(paths) == 1 and recognise(paths[0], options).kind in RESPONSES:
         frf = as_measured(read_frf(paths[0], options=options), choices.motion)
         if frf.quantity.over_base and mass is None:
             raise ReadError(_NO_MASS)
