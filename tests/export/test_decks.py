@@ -230,7 +230,7 @@ def test_a_prony_series_cannot_hold_a_dashpot(paper_seal, target, extra):
 @every_deck
 def test_bad_choices(paper_seal, target, form, extra):
     choices = {
-        "no unit system is given; add --units, one of SI, mm-t-s, mm-kg-ms": {"units": None},
+        "no unit system is given; add --unit-system, one of SI, mm-t-s, mm-kg-ms": {"units": None},
         "'inch' is no unit system": {"units": "inch"},
         "'everything' is nothing that could be allowed": {"allow": ("everything",)},
         "has no form 'poem'; expected one of": {"form": "poem"},
@@ -494,7 +494,7 @@ def test_connector_rows_read_back(paper_seal):
 
 
 def test_every_deck_has_its_row_in_the_documents():
-    page = (Path(__file__).parents[2] / "docs" / "md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[2] / "docs" / "export.md").read_text(encoding="utf-8")
     for target, form, _ in DECKS:
         assert re.search(rf"^\| `{target}` .*`{form}`", page, flags=re.MULTILINE), (target, form)
     tests = set(re.findall(r"`(tests/\S+?\.py)`", page))

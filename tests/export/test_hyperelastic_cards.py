@@ -148,7 +148,7 @@ def test_a_foam_without_swelling_is_no_division_by_zero():
 @pytest.mark.parametrize(
     ("words", "says"),
     [
-        ({"units": None, "bulk_modulus": K}, "--units"),
+        ({"units": None, "bulk_modulus": K}, "--unit-system"),
         ({}, "--bulk-modulus"),
         ({"bulk_modulus": K, "temperature": None, "cold": True}, "--temperature 23degC"),
         ({"bulk_modulus": K, "seals": 2.0}, "no --seals"),

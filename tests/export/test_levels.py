@@ -312,12 +312,12 @@ def test_what_is_not_known_of_levels_is_refused():
         TARGETS["opensees"](bare, units="SI")
     assert "OVERRIDE: the test temperature" in TARGETS["opensees"](bare, units="SI", allow=("all",))
     stopped = a_level_fit(checks=(Check("levels_followed", False, "no such seal", grade="stop"),))
-    with pytest.raises(ExportError, match="no such seal"):
+    with pytest.raises(ExportError, match="No such seal"):
         TARGETS["opensees"](stopped, units="SI")
     deck = TARGETS["opensees"](stopped, units="SI", allow=("not_identified",))
-    assert "DO NOT USE: no such seal" in deck
+    assert "DO NOT USE: No such seal" in deck
     careful = a_level_fit(checks=(Check("levels_followed", False, "a little off"),))
-    assert "USE WITH CARE: a little off" in TARGETS["opensees"](careful, units="SI")
+    assert "USE WITH CARE: A little off" in TARGETS["opensees"](careful, units="SI")
 
 
 def test_what_has_no_sense_beside_friction_is_refused():

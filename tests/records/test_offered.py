@@ -71,7 +71,7 @@ def test_a_long_description_is_cut():
 def test_verdicts_lead(nouns):
     for name in ("Fit", "Comparison", "Study"):
         verdict = nouns[name].verdict
-        assert repr(nouns[name]).startswith(f"{name}: {verdict.use}: {verdict.says}")
+        assert repr(nouns[name]).startswith(f"{name}: {verdict}")
 
 
 class Tags(HTMLParser):
