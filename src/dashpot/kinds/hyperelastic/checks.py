@@ -60,7 +60,7 @@ def judge(
         stable_in_use(least, where, fit.stable),
         modes_enough(len({one.mode for one in shaped}), both=_both_ways(shaped), foam=foam),
         modes_told(*_untold(fit, chosen, tried, known, times)),
-        modes_in_scale(*_scaled(through, fit.law.poisson, flexible)),
+        modes_in_scale(*_scaled(through, fit.law.poisson, min(flexible, chosen.rms))),
         use_measured(_beyond(shaped, fit.law.poisson, asked)),
         constants_known(fit.law.constant_names[wide], float(half[wide]) / largest),
         rows_enough(len(chosen.optimum.residual), len(chosen.optimum.values)),
@@ -185,7 +185,7 @@ def _scaled(
     if len(modes) < 2:
         return None, 0.0, ""
     found = (best, 0.0, "")
-    for mode in modes:
+    for mode in modes if best > SMALL else ():
         for size in (*_FACTORS, *(-each for each in _FACTORS)):
             scaled = [
                 replace(one, stress=one.stress * math.exp(size)) if one.mode == mode else one
@@ -277,7 +277,7 @@ def modes_enough(modes: int, *, both: bool, foam: bool) -> Finding:
     """Two modes tell a law: one is followed by many that differ in the others."""
     return Finding(
         f"{modes} modes were tested" if modes != 1 else "One mode was tested",
-        modes,
+        float(modes),
         "Laws that follow it differ in the others by up to 18 %",
         Remedy("Test a second mode, or use the law in that mode alone.", "test"),
         # pressed one way is pulled both others; a foam's Poisson's ratio is given
