@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.capability import Capability
-from dashpot.base.checks import Check
+from dashpot.base.checks import Check, Checked
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.facts import Fact
@@ -156,7 +156,7 @@ class OfQuantity(Documented):
 
 
 @dataclass(frozen=True, eq=False)
-class Summary(Documented):
+class Summary(Checked, Documented):
     """What a lot says.
 
     Attributes
@@ -182,6 +182,21 @@ class Summary(Documented):
     def each(self) -> tuple[OfQuantity, ...]:
         """The statistics of every quantity, the main one first."""
         return (self.main, *self.others)
+
+    @property
+    def sound(self) -> str:
+        """How many files were fitted, the mean of the quantity, and the alarms of its charts."""
+        fitted, files = self.lot.outcomes.get("fitted", 0), self.lot.table.height
+        how = f"all {files} files were fitted" if fitted == files else f"{fitted} of {files} fitted"
+        one = self.main
+        if len(one.seals) < 2:
+            return how
+        signals = sum(len(chart.means.signals) for chart in one.charts.values())
+        mean = one.quantity.read(float(seal_means(one.seals).mean()))
+        return (
+            f"{how}. {one.quantity.title}: mean {mean} of {len(one.seals)} seals. "
+            f"{counted(signals, 'control-chart alarm').capitalize()}"
+        )
 
     @property
     def lines(self) -> list[str]:
@@ -346,7 +361,8 @@ def _lines(one: OfQuantity) -> Iterator[str]:
     mean = ascii_only(one.quantity.read(float(seal_means(one.seals).mean())))
     yield (
         f"{one.quantity.words}: mean {mean} of {len(one.seals)} seals in "
-        f"{counted(len(by_lot(one.seals)), 'lot')}, {signals} signals of control charts"
+        f"{counted(len(by_lot(one.seals)), 'lot')}; "
+        f"{counted(signals, 'control-chart alarm')}"
     )
     if one.gauge is not None:
         yield f"  gauge R&R   {ascii_only(one.gauge.says)}"
