@@ -50,7 +50,9 @@ def named(found: Fit, name: str) -> Check:
 
 def test_a_sound_test_passes(test: RampHold) -> None:
     found = fit(test)
-    assert [check.name for check in found.checks if check.failed] == []
+    # a machine of which nothing is known leaves the end of the hold open by some per cent
+    assert [check.name for check in found.checks if check.failed] == ["hold_long_enough"]
+    assert found.verdict.use == "use"
     assert len({check.name for check in found.checks}) == len(found.checks)
     assert all(check.says for check in found.checks)
     longer = record_of(GeneralizedMaxwell(196.5, (117.5, 17.8), (0.5, 10.0)))

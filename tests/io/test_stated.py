@@ -10,7 +10,6 @@ import pytest
 from kit.look_alikes import truth
 
 from dashpot.fitting.relaxation import fit
-from dashpot.io.readers.bench import read_bench
 from dashpot.io.readers.modulus import read_modulus
 from dashpot.io.readers.relaxation import read_relaxation
 from dashpot.preparation.prepare import prepare
@@ -20,6 +19,7 @@ from dashpot.records.specimen import Specimen
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.simulation.rig import Rig
 from dashpot.solids.table_1 import PAPER
+from dashpot.workflow.fits import read_test
 
 
 def read(path: Path, *header: str, specimen: Specimen | None = None) -> RelaxationTest:
@@ -140,14 +140,14 @@ def test_sweeps_and_curves_take_it_too(tmp_path: Path) -> None:
     path = tmp_path / "a.csv"
     rows = "".join(f"{f},{1 + f},{0.1 * f}\n" for f in np.geomspace(0.1, 10, 9))
     path.write_text("# temperature: 40 degC\nFrequency [Hz],E' [MPa],E'' [MPa]\n" + rows)
-    sweep = read_bench(path)
+    sweep = read_test(path)
     assert isinstance(sweep, DynamicTest)
     assert sweep.specimen.temperature == 313.15
     path.write_text(
         "# temperature: 40 degC\nFrequency [Hz],E' [MPa],E'' [MPa],Temperature [degC]\n"
         + rows.replace("\n", ",20\n")
     )
-    sweep = read_bench(path)
+    sweep = read_test(path)
     assert isinstance(sweep, DynamicTest)
     assert sweep.specimen.temperature is None
     assert sweep.temperature is not None

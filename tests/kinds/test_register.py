@@ -61,12 +61,14 @@ def words(kind: KindOfTest) -> list[str]:
 
 SOURCE = Path(dp.__file__).parent
 NAMED = {
+    "base/former.py": "a former name of Python",
     "cli/": "a command is called so, too",
     "io/columns/kinds.py": "what a table must hold",
     "io/readers/": "which files a reader takes",
     "kinds/": "the register, and the rooms",
     "lots/row.py": "a sweep as wide as no machine makes one is a master curve",
     "signals/": "what the moves of a record show",
+    "verbs/": "what a type checker knows of each, and the words that its reader and its fit take",
     "workflow/examples.py": "what an example is",
 }
 """Where a kind of file is named, and why; everybody else asks the register."""

@@ -72,7 +72,7 @@ def test_a_force_filter_is_found_as_a_delay_and_given_back_by_name():
     bench = Bench(force_filter=10.0)
     unnamed = fitted(bench)
     assert unnamed.verdict.use != "use"
-    assert {"clocks_agree", "ramp_followed"} & {check.name for check in unnamed.verdict.because}
+    assert {"clocks_agree", "ramp_followed", "tangent_told"} & set(unnamed.verdict.reasons)
     assert loss(unnamed) / sound == pytest.approx(1, abs=0.05)
     assert loss(fitted(bench, dp.Machine(force_filter=10.0))) / sound == pytest.approx(1, abs=0.01)
 

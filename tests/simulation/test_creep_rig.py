@@ -10,13 +10,13 @@ import pytest
 import dashpot as dp
 from dashpot.base.errors import DataError
 from dashpot.fitting.relaxation import fit
-from dashpot.io.readers.bench import read_bench
 from dashpot.io.write import write_relaxation
 from dashpot.simulation.axis import Axis
 from dashpot.simulation.creep import simulate_creep
 from dashpot.simulation.rig import Rig
 from dashpot.simulation.truth import stamp, truth_json
 from dashpot.solids.table_1 import PAPER
+from dashpot.workflow.fits import read_test
 
 
 def test_the_seal_answers_the_force_it_felt() -> None:
@@ -56,7 +56,7 @@ def test_what_is_written_is_read_as_a_creep_test(tmp_path) -> None:
     made = simulate_creep(PAPER, hold_time=5, rig=Rig(rate=100))
     path = tmp_path / "creep.csv"
     write_relaxation(made.test, path, comments=(*stamp(made.truth), "creep test"))
-    read = read_bench(path)
+    read = read_test(path)
     assert isinstance(read, dp.CreepTest)
     assert read.force == pytest.approx(made.test.force)
     assert read.source is not None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TypedDict
 
 import numpy as np
@@ -35,6 +35,9 @@ class EndOfHold(Documented):
         Where it ends. An arm slower than the hold is a spring to the test, so the lower limit is 0.
     falling : float
         The steepest :math:`-dk/d\ln t` at T, N/m.
+    beyond : float
+        How far the fit's own k(T) lay outside its limits before they were widened to hold it, in
+        their width; no document holds it.
     """
 
     keys = ("k_inf", "k_end", "k_3end", "time", "falling")
@@ -44,6 +47,7 @@ class EndOfHold(Documented):
     k_3end: tuple[float, float]
     k_inf: tuple[float, float]
     falling: float
+    beyond: float = field(default=0.0, repr=False, compare=False)
 
     @property
     def says(self) -> str:
@@ -73,6 +77,7 @@ class EndOfHold(Documented):
             scaled(self.k_3end),
             scaled(self.k_inf),
             count * self.falling,
+            self.beyond,
         )
 
 

@@ -87,14 +87,16 @@ def opened(path: str | Path, options: ReadOptions | None, *, sure: bool = True) 
         If it cannot be read, or, where it must be `sure`, its numbers can be read two ways.
     """
     options = (options or ReadOptions()).of(path)
-    file = _LEFT_OPEN.pop(_key(path, options), None)
-    if file is None:
-        raw = open_raw(path)
-        file = Opened(raw, read_table(raw, options), options)
+    file = left_open(path, options) or open_table(open_raw(path), options)
     with about(file.raw.name):
         if sure and file.table.doubts:
             raise ReadError(file.table.doubts[0].says)
         yield file
+
+
+def open_table(raw: Raw, options: ReadOptions) -> Opened:
+    """Return a file with the table found in it."""
+    return Opened(raw, read_table(raw, options), options)
 
 
 _LEFT_OPEN: dict[object, Opened] = {}
@@ -110,6 +112,11 @@ def leave_open(path: str | Path, file: Opened) -> None:
         while len(_LEFT_OPEN) >= _MOST:
             _LEFT_OPEN.pop(next(iter(_LEFT_OPEN)), None)
         _LEFT_OPEN[key] = file
+
+
+def left_open(path: str | Path, options: ReadOptions) -> Opened | None:
+    """Return a file that was left open, which then is so no longer."""
+    return _LEFT_OPEN.pop(_key(path, options), None)
 
 
 def _key(path: str | Path, options: ReadOptions) -> object:
