@@ -473,9 +473,10 @@ def export(
     }  # fmt: skip
     if isinstance(found, Solid):
         found, choices = _solid_for(found, choices, seals, kelvin, metres)
+        seals, kelvin = 1.0, None
     deck = deck_for(
-        to, found, seals=1.0 if isinstance(found, Solid) else seals,
-        compression=si(compression, "length"), temperature=kelvin, **choices,
+        to, found, seals=seals, compression=si(compression, "length"), temperature=kelvin,
+        **choices,
     )  # fmt: skip
     if path is not None:
         from dashpot.base.atomic import write_whole
