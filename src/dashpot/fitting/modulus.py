@@ -9,9 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.errors import DataError
+from dashpot.base.errors import DataError, FitError
 from dashpot.base.provenance import Source, Step, sources_of
-from dashpot.base.sentences import FitError, lowered
+from dashpot.base.sentences import lowered
 from dashpot.engine.blocks.block import DataBlock
 from dashpot.engine.blocks.hold import hold_block
 from dashpot.fitting.assembly import assembled

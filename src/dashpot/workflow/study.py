@@ -16,6 +16,7 @@ from dashpot.base.errors import DataError, FitError
 from dashpot.base.numbers import hertz
 from dashpot.base.offered import Pictured
 from dashpot.base.progress import doing
+from dashpot.base.sentences import paragraph
 from dashpot.base.units import Quantity, Range, si, si_range, written
 from dashpot.fitting.identification.identify import identify
 from dashpot.fitting.relaxation import fit
@@ -206,7 +207,7 @@ class Study(Pictured, Documented):
         """What to say of the study where no check of weight failed."""
         if self.joint is not None and self.joint_comparison is not None:
             where = f"From {hertz(self.joint.band)} one model matches both tests"
-            return f"{where}: {self.joint_comparison.matched}."
+            return paragraph(where, self.joint_comparison.matched)
         if self.joint is None and self.comparison is not None:
             return self.comparison.says
         return (self.joint or self.fit).sound
