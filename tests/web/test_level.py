@@ -38,7 +38,7 @@ def files_in(folder):
         H = dp.systems.predict_frf(SOLID, mass=levels.MASS, frequency=f, kind=kind)
         for i in range(2):
             noise = 1 + 0.003 * (rng.normal(size=41) + 1j * rng.normal(size=41))
-            write_frf(dp.FRF(f, H.value * noise, H.kind, units="SI"), folder / f"{name}{i}.csv")
+            write_frf(dp.FRF(f, H.value * noise, H.quantity, units="SI"), folder / f"{name}{i}.csv")
     return folder
 
 

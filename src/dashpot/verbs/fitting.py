@@ -258,7 +258,7 @@ def kind_of(record: object) -> str:
     if isinstance(record, Fit):
         return "fit"
     if isinstance(record, FRF):
-        return "transmissibility" if record.kind.over_base else "frf"
+        return "transmissibility" if record.quantity.over_base else "frf"
     if isinstance(record, FRFSet):
         return "frf"
     if isinstance(record, ShakenTest):

@@ -210,7 +210,7 @@ def held_against(
         found,
         mass=mass,
         frequency=measured.frequency,
-        kind=measured.kind,
+        kind=measured.quantity,
         shift=measured.shift,
         seals=seals,
         compression=compression,

@@ -19,7 +19,7 @@ from dashpot.base.units import Quantity, si
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.frf import read_frf
 from dashpot.io.readers.impact import read_impacts
-from dashpot.io.readers.inspect import inspect_file
+from dashpot.io.readers.recognise import recognise
 from dashpot.io.source import about
 from dashpot.kinds import RESPONSES
 from dashpot.kinds.level.checks import level_covered, levels_as_struck
@@ -130,7 +130,7 @@ def level_files(
     options : ReadOptions, optional
         What the user said of the files.
     """
-    kinds = [inspect_file(path, options=options).kind for path in files]
+    kinds = [recognise(path, options).kind for path in files]
     if all(kind in RESPONSES for kind in kinds):
         _refuse_law(law, "FRFs")
         frfs = [as_measured(read_frf(path, options=options), motion) for path in files]
