@@ -10,15 +10,10 @@ from click.testing import CliRunner
 
 import dashpot as dp
 from dashpot.cli import main
-from dashpot.fitting.fit_many import fit_many
-from dashpot.io.readers.impact import read_impact
-from dashpot.io.readers.relaxation import read_relaxation
 from dashpot.io.write import write_impact, write_relaxation
-from dashpot.preparation.prepare import prepare
 from dashpot.simulation.impact import Hammer, simulate_impact
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.solids.table_1 import BROAD, BROAD_MASS
-from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.workflow.archive import from_json, to_json
 
 MASS = ["--mass", f"{BROAD_MASS} kg", "--seals", "2"]
@@ -45,24 +40,65 @@ def document(*words, expect=0):
     return json.loads(run(*words, "--json", expect=expect).stdout)
 
 
-def test_python_contract(folder):
-    test = read_relaxation(folder / "seal_8mm.csv")
-    prepared = prepare(test)
-    fit = dp.fit(prepared, arms=2)
-    assert fit.certificate.says
-    intervals = fit.intervals(level=0.95)
-    assert intervals["k_inf"][0] < fit.model.k_inf < intervals["k_inf"][1]
-    assert len(intervals["k"]) == len(intervals["tau"]) == 2
-    assert dp.fit(prepared, arms=2, method="hold").model.arms == 2
-    many = fit_many(
-        test.time, np.array([test.force, 2 * test.force]), displacement=test.displacement, arms=2
-    )
-    assert len(many.k_inf) == 2
-    assert many.k_inf[1] == pytest.approx(2 * many.k_inf[0], rel=1e-6)
-    frf = estimate_frf(read_impact(folder / "impact.csv"))
-    modes = frf.modes()
+def test_python_contract(folder, tmp_path, monkeypatch):
+    """The page of the design on Python, as it is written there, in one script."""
+    monkeypatch.chdir(folder)
+    (folder / "hammer.csv").write_text((folder / "impact.csv").read_text())
+    names = {"dp": dp, "tests": tmp_path / "tests", "lot_folder": tmp_path / "lot"}
+    names["tests"].mkdir()
+    (names["tests"] / "seal_8mm.csv").write_text((folder / "seal_8mm.csv").read_text())
+    cold, at_rest = dp.read("seal_8mm.csv"), dp.read("seal_8mm.csv")
+    names["cold"] = dp.simulate("relaxation", seal="broad", temperature="-20degC", seed=4)
+    names["at_rest"] = dp.simulate("relaxation", seal="broad", temperature="23degC", seed=5)
+    assert cold == at_rest
+    t, x, f = cold.time, 1e3 * cold.displacement, cold.force
+    exec(SCRIPT, names | {"t": t, "x": x, "f": f, "found": names})  # noqa: S102
+    test, fit, joint, modes, lot = (names[one] for one in ("test", "fit", "joint", "modes", "lot"))
+    np.testing.assert_allclose(test.displacement, cold.displacement, rtol=1e-15)
+    assert fit.model.arms == 2
+    assert names["intervals"]["k_inf"][0] < fit.model.k_inf < names["intervals"]["k_inf"][1]
+    assert names["loss_factor"] == fit.model.loss_factor(omega=2 * np.pi * 12.71)
     assert modes[0].frequency == pytest.approx(12.70, abs=0.05)
     assert modes[0].damping_ratio == pytest.approx(0.02856, rel=0.05)
+    assert joint.method == "joint"
+    assert "damping ratio" in names["printed"]
+    assert "PBUSHT" in (folder / "seal.bdf").read_text()
+    assert "<svg" in (folder / "report.html").read_text(encoding="utf-8")
+    assert names["warm"].tau[0] > names["shared"].model.tau[0]
+    assert lot.table.height == 1
+
+
+SCRIPT = """
+test, hits = dp.read("seal_8mm.csv"), dp.read("hammer.csv")
+test = dp.RelaxationTest(time=t, displacement=x, force=f, units="s, mm, N")
+fit = dp.fit(test, arms=2)
+intervals = fit.intervals(level=0.95)
+assert fit.verdict and fit.left_open and fit.certificate and fit.elastic_law
+assert fit.model_at(2.6e-3) == fit.model
+loss_factor = fit.model.loss_factor(frequency="12.71Hz")
+modes = dp.fit(hits)
+joint = dp.fit(test, hits, mass="114.8g", seals=2)
+pred = dp.predict(joint, mass="114.8g", seals=2, band=(1, 50))
+printed = str(dp.compare(pred, hits.frf()))
+piece = {"temperature": "23degC", "length": "50mm"}
+dp.export(joint, "seal.bdf", to="nastran", unit_system="mm-t-s", **piece)
+dp.report(test, hits, mass="114.8g", seals=2).save("report.html")
+shared = dp.fit(cold, at_rest)
+warm = shared.at(253.15)
+lot = dp.batch(tests, to=lot_folder, jobs=2)
+found.update(locals())
+"""
+
+
+def test_many_arrays_on_one_clock(folder):
+    test = dp.read(folder / "seal_8mm.csv").prepare()
+    many = dp.batch(
+        [test.force, 2 * test.force], time=test.time, displacement=1e3 * test.displacement,
+        units="s, mm, N", arms=2,
+    )  # fmt: skip
+    assert len(many.k_inf) == 2
+    assert many.k_inf[1] == pytest.approx(2 * many.k_inf[0], rel=1e-6)
+    assert dp.fit(test, arms=2, method="hold").model.arms == 2
 
 
 def test_exponential_sums():
