@@ -32,6 +32,7 @@ import numpy as np
 import dashpot as dp
 from dashpot.base.processes import long_lived
 from dashpot.io.write import write_relaxation
+from dashpot.lots.batches import batch
 from dashpot.lots.choices import BatchChoices
 from dashpot.lots.entries import entries
 from dashpot.lots.parts import tasks
@@ -180,7 +181,7 @@ def in_its_loop(folder: str, how: str, count: str, i: str) -> None:
 def by_processes(folder: str, how: dict[str, Any]) -> int:
     """Make them by processes of this machine, with their table."""
     with TemporaryDirectory() as output:
-        return dp.batch(folder, output=output, **how).outcomes["fitted"]
+        return batch(folder, output=output, **how).outcomes["fitted"]
 
 
 def by_command(folder: str, _how: dict[str, Any]) -> int:
@@ -213,7 +214,7 @@ def by_cluster(folder: str, how: dict[str, Any]) -> int:
     warnings.filterwarnings("ignore")
     side = {"n_workers": processors(), "threads_per_worker": 1, "dashboard_address": None}
     with TemporaryDirectory() as output, LocalCluster(**side, silence_logs=50) as cluster:
-        lot = dp.batch(folder, output=output, scheduler=cluster.scheduler_address, **how)
+        lot = batch(folder, output=output, scheduler=cluster.scheduler_address, **how)
         return lot.outcomes["fitted"]
 
 

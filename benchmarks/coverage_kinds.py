@@ -19,6 +19,15 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 import dashpot as dp
+from dashpot.fitting.depth import fit_depths
+from dashpot.fitting.relaxation import fit
+from dashpot.kinds.cld.prepare import cld
+from dashpot.kinds.cld.record import CLD
+from dashpot.kinds.cld.relaxed import relaxed_law
+from dashpot.kinds.cld.speeds import fit_speeds
+from dashpot.kinds.indentation.fit import fit_indentation
+from dashpot.kinds.indentation.indenter import Indenter
+from dashpot.preparation.prepare import prepare
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
@@ -40,7 +49,7 @@ def seal_of(seed: int) -> Seal:
     return Seal(TABLE_1, DEPTH, a=np.random.default_rng([seed, 1]).uniform(0, 0.6))
 
 
-def bends(law: dp.ElasticLaw, seal: Seal) -> Held:
+def bends(law: dp.solids.ElasticLaw, seal: Seal) -> Held:
     """Its tangent over its secant at the depth."""
     for part in (0.0, 0.5, 1.0):
         at, step = part * law.depth, 1e-3 * law.depth
@@ -49,7 +58,7 @@ def bends(law: dp.ElasticLaw, seal: Seal) -> Held:
         yield within(name, true, float(law.factor(at)), float(law.factor_se(at)))
 
 
-def pressed_once(seal: Seal, speed: float, seed: int, air: bool) -> dp.CLD:
+def pressed_once(seal: Seal, speed: float, seed: int, air: bool) -> CLD:
     """From air or from contact, in and back to a quarter of the depth, 400 rows to a stroke."""
     step = DEPTH / speed / 400
     rows = np.arange(-100, 701)
@@ -57,7 +66,7 @@ def pressed_once(seal: Seal, speed: float, seed: int, air: bool) -> dp.CLD:
     pressed = np.maximum(plate, 0.0)
     force = seal.force(pressed, step)
     noise = 2e-3 * np.random.default_rng([seed, round(1e9 * speed)]).standard_normal(len(rows))
-    return dp.cld(
+    return cld(
         dp.CompressionTest(
             plate if air else pressed, force + noise, step * (rows + 100), units="SI"
         )
@@ -70,7 +79,7 @@ def figures(seed: int) -> Held:
     x, pure = 1e-3 * sheet["displacement"], sheet.truth["pure"]
     test = dp.CompressionTest(x, sheet["force"], sheet["time"], units="SI")
     for name, at in (("halfway", DEPTH / 2), ("at the depth", DEPTH)):
-        found = dp.cld(test, at=at)
+        found = cld(test, at=at)
         rows = found.loading.samples
         rows = slice(rows.start + 1, rows.stop - 1)  # between the turns the force is smooth
         true = CubicSpline(x[rows], pure[rows])
@@ -83,13 +92,13 @@ def figures(seed: int) -> Held:
 def memory() -> dp.Fit:
     """Table 1's, known to rounding."""
     one = sampled(pressed(Seal(TABLE_1), Protocol(rate=200.0)), None)
-    return dp.fit(dp.RelaxationTest(one.time, one.displacement, one.force, units="SI"), arms=2)
+    return fit(dp.RelaxationTest(one.time, one.displacement, one.force, units="SI"), arms=2)
 
 
 def relaxed(seed: int, air: bool) -> Held:
     """Tangents of the law under one cycle whose memory is known."""
     seal, speed = seal_of(seed), np.random.default_rng([seed, 2]).choice([1e-4, 5e-4, 2e-3])
-    law = dp.relaxed_law(pressed_once(seal, speed, seed, air), memory()).law
+    law = relaxed_law(pressed_once(seal, speed, seed, air), memory()).law
     yield from bends(law, seal)
 
 
@@ -107,7 +116,7 @@ def intervals(found: dp.Fit, prefix: str = "") -> Held:
 def speeds(seed: int, air: bool) -> Held:
     """One memory at three speeds, its number of arms chosen."""
     seal = seal_of(seed)
-    found = dp.fit_speeds([pressed_once(seal, speed, seed, air) for speed in (2e-4, 2e-3, 2e-2)])
+    found = fit_speeds([pressed_once(seal, speed, seed, air) for speed in (2e-4, 2e-3, 2e-2)])
     yield from intervals(found)
     yield from bends(found.elastic_law, seal)
 
@@ -119,10 +128,8 @@ def depths(seed: int) -> Held:
     for depth in (4e-3, 6e-3, 8e-3):
         one = sampled(pressed(seal, Protocol(depth=depth, rate=200.0)), random)
         one = noisy(one, random, sd=4e-3)
-        tests.append(
-            dp.prepare(dp.RelaxationTest(one.time, one.displacement, one.force, units="SI"))
-        )
-    found = dp.fit_depths(tests, arms=2)
+        tests.append(prepare(dp.RelaxationTest(one.time, one.displacement, one.force, units="SI")))
+    found = fit_depths(tests, arms=2)
     for at in found.by_depth:
         name = f"k_inf at {1e3 * at.depth:.0f} mm"
         secant = TABLE_1.k_inf * float(seal.elastic(at.depth)) / at.depth
@@ -135,11 +142,11 @@ def indentation(seed: int) -> Held:
     """A ball on rubber with one arm."""
     sheet = kinds.indentation(4 * (seed // 3) + 1 + seed % 3)  # every fourth has no arm
     true, solid = sheet.truth, sheet.truth["contact"]
-    ball = dp.Indenter(true["mass"], impact_velocity=true["speed"])
+    ball = Indenter(true["mass"], impact_velocity=true["speed"])
     test = dp.IndentationTest(
         1e-3 * sheet["time"], sheet["indenter"], "acceleration", ball, units="SI"
     )
-    found = dp.fit_indentation(test, law="hertz-maxwell")
+    found = fit_indentation(test, law="hertz-maxwell")
     numbers = {
         "k": solid.k_inf, "g": solid.k[0] / solid.k_inf, "tau": solid.tau[0],
         "impact_velocity": true["speed"], "depth": true["depth"],

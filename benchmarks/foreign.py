@@ -19,6 +19,8 @@ from pathlib import Path
 import numpy as np
 
 import dashpot as dp
+from dashpot.fitting.relaxation import fit
+from dashpot.preparation.prepare import prepare
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
@@ -31,7 +33,7 @@ def cost(record: dp.RampHold, **words) -> tuple[dp.Fit, float]:
     spent = []
     for _ in range(3):
         start = time.process_time()
-        found = dp.fit(record, **words)
+        found = fit(record, **words)
         spent.append(1e3 * (time.process_time() - start))
     return found, min(spent)
 
@@ -67,7 +69,7 @@ class Tally:
     def add(self, one: Record, **words) -> None:
         test = dp.RelaxationTest(one.time, one.displacement, one.force, units="SI")
         try:
-            record = dp.prepare(test)
+            record = prepare(test)
             found, ms = cost(record, **words)
         except dp.DashpotError as error:
             self.uses["refused"] += 1

@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 from scipy.optimize import curve_fit
 
-from dashpot.engine.sums import fit_exponential_sum
+from dashpot.engine.sums import exponential_sum
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "engine"))
 from test_sums import CERTIFIED, LANCZOS_X, MGH17, MGH17_X, digits, typed
@@ -39,7 +39,7 @@ def main() -> None:
     for name, (table, amplitudes, rates, _, _) in CERTIFIED.items():
         y = typed(table)
         start = time.perf_counter()
-        found = fit_exponential_sum(LANCZOS_X, y, terms=3)
+        found = exponential_sum(LANCZOS_X, y, terms=3)
         spent = time.perf_counter() - start
         ours = digits(np.concatenate((found.amplitudes, found.rates)), (*amplitudes, *rates))
         rival = curve_fit(three, LANCZOS_X, y, START, maxfev=10_000)[0]
@@ -47,7 +47,7 @@ def main() -> None:
         print(f"{name:10s} {ours:8.1f} {spent * 1e3:7.2f} {theirs:10.1f}")
     y = typed(MGH17)
     start = time.perf_counter()
-    found = fit_exponential_sum(MGH17_X, y, terms=2, constant=True, signed=True)
+    found = exponential_sum(MGH17_X, y, terms=2, constant=True, signed=True)
     spent = time.perf_counter() - start
     certified = (*MGH17_VALUES, MGH17_CONSTANT)
     ours = digits(np.concatenate((found.amplitudes, found.rates, [found.constant])), certified)

@@ -14,11 +14,13 @@ from pathlib import Path
 
 from cold_start import cpu_and_wall
 
-import dashpot as dp
 from dashpot.io.write import write_impact, write_relaxation
+from dashpot.report import html
 from dashpot.simulation.impact import simulate_impact
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.solids.table_1 import BROAD, BROAD_MASS
+from dashpot.vibration.impact.frf_estimation import estimate_frf
+from dashpot.workflow.study import characterise
 
 ROUNDS = 7
 
@@ -44,12 +46,12 @@ def main() -> None:
         for name, command in commands.items():
             spent = [cpu_and_wall(command)[0] for _ in range(ROUNDS)]
             print(f"{name:24} {statistics.median(spent):5.2f} s CPU (least {min(spent):.2f})")
-    frf = dp.estimate_frf(hammer, mass=BROAD_MASS)
-    study = dp.characterise(bench, frf, impact=hammer, mass=BROAD_MASS, seals=2)
+    frf = estimate_frf(hammer, mass=BROAD_MASS)
+    study = characterise(bench, frf, impact=hammer, mass=BROAD_MASS, seals=2)
     spent = []
     for _ in range(ROUNDS):
         start = time.process_time()
-        page = dp.report.html(study)
+        page = html(study)
         spent.append(time.process_time() - start)
     size = len(page.encode()) / 1000
     print(f"{'the page of both':24} {statistics.median(spent):5.2f} s CPU, {size:.0f} kB")

@@ -20,6 +20,7 @@ import numpy as np
 import polars as pl
 
 import dashpot as dp
+from dashpot.lots.batches import batch
 
 LOTS, REPEATS = 4, 4
 SCATTER = {"lot": 0.02, "seal": 0.03, "repeat": 0.01}
@@ -159,7 +160,7 @@ def main() -> None:
         sound, spoilt = made(folder, how.tests)
         size = sum(path.stat().st_size for path in folder.iterdir()) / 1e6
         began = time.perf_counter()
-        lot = dp.batch(folder, output=Path(place) / "lot", arms=2, by=BY, jobs=how.jobs)
+        lot = batch(folder, output=Path(place) / "lot", arms=2, by=BY, jobs=how.jobs)
         wall = time.perf_counter() - began
         used = resource.getrusage(resource.RUSAGE_CHILDREN)
         cpu = used.ru_utime + used.ru_stime

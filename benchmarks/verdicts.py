@@ -32,6 +32,26 @@ import numpy as np
 from scipy.stats import beta
 
 import dashpot as dp
+from dashpot.fitting.creep import fit_creep
+from dashpot.fitting.dynamic import fit_dynamic
+from dashpot.fitting.identification.identify import identify
+from dashpot.fitting.modulus import fit_modulus
+from dashpot.fitting.relaxation import fit
+from dashpot.fitting.uncertainty.prediction_bounds import frf_band
+from dashpot.io.readers.creep import read_creep
+from dashpot.io.readers.dynamic import read_dynamic
+from dashpot.io.readers.frf import read_frf
+from dashpot.io.readers.impact import read_impact
+from dashpot.io.readers.modulus import read_modulus
+from dashpot.kinds.cld.prepare import cld
+from dashpot.kinds.cld.read import read_cld
+from dashpot.kinds.hyperelastic.fit import fit_hyperelastic
+from dashpot.kinds.indentation.fit import fit_indentation
+from dashpot.kinds.indentation.indenter import Indenter
+from dashpot.kinds.indentation.read import read_indentation
+from dashpot.kinds.level.fit import fit_amplitude
+from dashpot.preparation.prepare import prepare
+from dashpot.vibration.impact.frf_estimation import estimate_frf
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
@@ -56,10 +76,10 @@ WIDTHS = {"k_end": 0.035, "k_3end": 0.11, "frf": 1.75}
 def limits_of(one: Record) -> tuple[dp.Fit, dict[str, tuple[float, float, float]]]:
     """The fit, and by name the lower limit, the truth and the upper limit of what it claims."""
     test = dp.RelaxationTest(one.time, one.displacement, one.force, units="SI")
-    record = dp.prepare(test, machine=dp.Machine(**one.told))
-    found = dp.fit(record)
+    record = prepare(test, machine=dp.Machine(**one.told))
+    found = fit(record)
     mass = one.seal.mass_at(HERTZ, SEALS)
-    bound = dp.frf_band(found, record, mass=mass, frequency=[HERTZ], seals=SEALS)
+    bound = frf_band(found, record, mass=mass, frequency=[HERTZ], seals=SEALS)
     there = abs(one.seal.accelerance(HERTZ, mass, SEALS))
     limits = {"frf": (bound.unseen[0, 0], there, bound.unseen[1, 0])}
     # the bound's resonance is where K' = m w^2/n: where the mass was chosen to have it
@@ -261,16 +281,16 @@ def _error(found, truth) -> float:
 
 def _of_hits(one: Sheet, path: Path) -> Answer:
     """K at the resonance, by the mass."""
-    return _on_mass(one, dp.estimate_frf(dp.read_impact(path)), one.truth["mass"])
+    return _on_mass(one, estimate_frf(read_impact(path)), one.truth["mass"])
 
 
 def _of_frf(one: Sheet, path: Path) -> Answer:
     """K at the resonance, by the mass that the lab names."""
-    return _on_mass(one, dp.read_frf(path), one.truth["stated"])
+    return _on_mass(one, read_frf(path), one.truth["stated"])
 
 
 def _on_mass(one: Sheet, frf: dp.FRF, mass: float) -> Answer:
-    found = dp.identify(frf, mass=mass, seals=one.truth["seals"])
+    found = identify(frf, mass=mass, seals=one.truth["seals"])
     seal = one.truth["seal"]
     there = 2 * np.pi * seal.peak(one.truth["mass"], one.truth["seals"])[0]
     error = _error(found.solid.complex_stiffness(omega=there), seal.stiffness(there))
@@ -279,21 +299,21 @@ def _on_mass(one: Sheet, frf: dp.FRF, mass: float) -> Answer:
 
 def _of_creep(one: Sheet, path: Path) -> Answer:
     """k(t) at .1 s to the end of the record."""
-    found = dp.fit_creep(dp.read_creep(path))
+    found = fit_creep(read_creep(path))
     t = np.geomspace(0.1, one["time"][-1] - 1, 20)
     return found.verdict.use, _error(found.solid.relaxation(t), one.truth["solid"].relaxation(t))
 
 
 def _of_modulus(one: Sheet, path: Path) -> Answer:
     """E(t) from the first row to three times the last."""
-    found = dp.fit_modulus(dp.read_modulus(path))
+    found = fit_modulus(read_modulus(path))
     t = np.geomspace(0.01, 3 * one.truth["end"], 40)
     return found.verdict.use, _error(found.solid.relaxation(t), one.truth["solid"].relaxation(t))
 
 
 def _of_dma(one: Sheet, path: Path) -> Answer:
     """E* over the lines, at 20 degC."""
-    found = dp.fit_dynamic(dp.read_dynamic(path))
+    found = fit_dynamic(read_dynamic(path))
     if one.kind == "dma temperatures":
         found = found.at_temperature(293.15)
     omega = 2 * np.pi * np.geomspace(0.1, 30.0, 40)
@@ -305,7 +325,7 @@ def _of_amplitude(one: Sheet, _: Path) -> Answer:
     """G* over the amplitudes, at the first frequency, of what was tested, spoilt or not."""
     f, X = one["frequency"], one["strain"] / 100
     storage, loss = 1e6 * one["storage"], 1e6 * one["loss"]
-    found = dp.fit_amplitude(dp.AmplitudeSweep(f, X, storage, loss, units="SI"))
+    found = fit_amplitude(dp.AmplitudeSweep(f, X, storage, loss, units="SI"))
     first = f == f[0]
     return found.verdict.use, _error(found.stiffness(X[first]), one.truth["pure"][first])
 
@@ -335,7 +355,7 @@ def _of_loops(one: Sheet, path: Path) -> Answer:
 def _of_cld(one: Sheet, path: Path) -> Answer:
     """Force of the pressing at .6 of the depth in the cycle that is told, read as it was."""
     at = 0.6 * one.truth["seal"].depth
-    found = dp.cld(dp.read_cld(path), at=at)
+    found = cld(read_cld(path), at=at)
     plate = 1e-3 * one["displacement"]
     rows = np.arange(len(plate)) * one.truth["cycles"] * 2 // len(plate)
     told = rows == 2 * (found.cycle.number - 1)
@@ -365,7 +385,7 @@ def _of_stretch(one: Sheet, _: Path) -> Answer:
     law, constants = one.truth["law"], one.truth["constants"]
     modes, stretch = ("uniaxial", "equibiaxial", "planar"), 1 + one["strain"]
     tests = [dp.StressStrainTest(mode, stretch, 1e6 * one[mode], units="SI") for mode in modes]
-    found = dp.fit_hyperelastic(tests, poisson=0.0 if law == "hyperfoam" else None)
+    found = fit_hyperelastic(tests, poisson=0.0 if law == "hyperfoam" else None)
     worst = 0.0
     for mode in modes:
         truth = nominal(law, mode, stretch, constants)
@@ -376,8 +396,8 @@ def _of_stretch(one: Sheet, _: Path) -> Answer:
 
 def _of_indentation(one: Sheet, path: Path) -> Answer:
     """The deepest point: of the ball's path, which Hertz and one arm give."""
-    indenter = dp.Indenter(mass=one.truth["mass"])
-    found = dp.fit_indentation(dp.read_indentation(path, indenter=indenter))
+    indenter = Indenter(mass=one.truth["mass"])
+    found = fit_indentation(read_indentation(path, indenter=indenter))
     depth = next(fact.value for fact in found.found if fact.name == "depth")
     return found.verdict.use, _error(depth, one.truth["depth"])
 

@@ -60,6 +60,7 @@ from dashpot.records.shaken import ShakenTest
 from dashpot.records.specimen import Specimen
 from dashpot.records.temperature import Shift, TemperatureShifts
 from dashpot.signals.segments import MotionSegment, RampHoldCycle
+from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.interconversion import CreepSpectrum
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.table_1 import PAPER
@@ -144,9 +145,10 @@ def sinking(share: float) -> RampHold:
     return replace(plate(shape), force=np.clip(TIME, 0, 1))
 
 
-def bending(share: float) -> RampHold:
-    """A ramp of alternate speeds, missed between samples by this share of the noise."""
-    wave = np.where(np.arange(len(TIME)) % 2, 1.0, -1.0) * (TIME > 0.5) * (TIME < 0.9)
+def bending(share: float, *, bends: int = 5) -> RampHold:
+    """A ramp that swings so often, missed between samples by this share of the noise."""
+    at = np.arange(len(TIME)) - int(np.searchsorted(TIME, 0.5))
+    wave = np.where(at % 2, 1.0, -1.0) * (at > 0) * (at <= bends)
     tie = 1e-9 * (np.abs(PLATE - 0.2 * DEPTH) < 1e-9)  # no sample at the very limit
     scatter = 5e-6  # of the encoder; three of its standard deviations explain as much of a bend
     size, noise = 0.0, 0.1
@@ -154,8 +156,16 @@ def bending(share: float) -> RampHold:
         x = PLATE + size * wave + tie
         pressed = x > 0.2 * DEPTH
         stiffness = (RECORD.force[pressed] / x[pressed]).max()
-        size = 2 * (share * noise / stiffness + 3 * 6**0.5 / 8 * scatter)
+        # of few bends the sixth is one of the two ends, a quarter of those between
+        size = (8 if bends < 8 else 2) * (share * noise / stiffness + 3 * 6**0.5 / 8 * scatter)
     return replace(RECORD, displacement=x, force_noise=noise, displacement_noise=scatter)
+
+
+def leaping(share: float) -> RampHold:
+    """A clock that leaps in mid-hold by this part of the time since onset."""
+    late = TIME > 10
+    leap = share * TIME[~late][-1] - 0.01
+    return replace(RECORD, time=TIME + late * leap, hold_end=41 + leap)
 
 
 def creeping(readings: int) -> RampHold:
@@ -227,6 +237,7 @@ def peak(lines: float) -> Peak:
     return Peak(12.7, 1000.0, 0.004, 0.0, 0.0, lines, 0.0)
 
 
+BENT = ElasticLaw((0.0, DEPTH), (0.8, 1.2), 200.0)
 SEEN = a_fit(PAPER, band=(0.1, 2.0))
 GRAVITY = 9.80665
 
@@ -328,6 +339,12 @@ def known(width: float) -> Check:
     """k_inf within an interval of this part of the stiffness at the end of the hold."""
     spring = GeneralizedMaxwell(1.0)
     return relaxation.k_inf_known(spring, width / 4, [RECORD])
+
+
+def known_at_the_end(width: float) -> Check:
+    """k(T) = 1 N/m within an interval of this width, and k_inf anywhere."""
+    end = EndOfHold(40.0, (1 - width / 2, 1 + width / 2), (0.0, 9.0), (0.0, 9.0), 0.0)
+    return relaxation.k_inf_known(GeneralizedMaxwell(1.0), np.inf, [RECORD], end)
 
 
 def falling(share: float) -> RampHold:
@@ -434,6 +451,13 @@ PREPARATION = [
     ),
     Case("columns_plausible", lambda x: preparation.columns_plausible(sinking(x)), 0.0299, 0.0301),
     Case("motion_resolved", lambda x: preparation.motion_resolved(bending(x)), 0.1249, 0.1251),
+    Case(
+        "motion_resolved",
+        lambda x: preparation.motion_resolved(bending(x, bends=40)),
+        0.0599,
+        0.0601,
+    ),
+    Case("clock_steady", lambda x: preparation.clock_steady(leaping(x)), 0.2499, 0.2501),
     Case("motion_measured", whole(lambda n: preparation.motion_measured(creeping(n))), 1, None),
     Case("range_used", lambda x: preparation.range_used(70 * x, 70.0), 0.0501, 0.0499),
     Case("force_not_clipped", whole(lambda n: preparation.force_not_clipped(flat_top(n))), 4, 5),
@@ -519,6 +543,7 @@ FITTING = [
     Case("uncertainty_estimated", lambda x: solid.uncertainty_estimated(made=bool(x)), 1, 0),
     Case("optimum_found", lambda x: solid.optimum_found(stationary=bool(x)), 1, 0),
     Case("k_inf_known", known, 0.499, 0.501),
+    Case("k_inf_known", known_at_the_end, 0.499, 0.501),
     Case(
         "arms_where_force_relaxes",
         lambda x: relaxation.arms_where_force_relaxes(GeneralizedMaxwell(1.0), falling(x)),
@@ -667,10 +692,11 @@ RAMP = [
         0.01,
         0.0101,
     ),
-    Case("ramp_followed", lambda x: ramp.ramp_followed(0.03, x, 3.0, "linear"), 0.0201, 0.0199),
+    Case("ramp_followed", lambda x: ramp.ramp_followed(0.03, x, 3.0, "piecewise"), 0.0201, 0.0199),
+    Case("ramp_followed", lambda x: ramp.ramp_followed(0.0, 1.0, x, "linear"), 1.5, 1.51),
     Case("hold_followed", lambda x: ramp.hold_followed([1.0, x], [1.0, 1.0]), 1.249, 1.251),
     Case("hold_followed", lambda x: ramp.hold_followed([9.0], [x]), 0.005, 0.0051),
-    Case("tangent_told", lambda x: ramp.tangent_told("piecewise", int(x)), 2, 1),
+    Case("tangent_told", lambda x: ramp.tangent_told(BENT, int(x)), 2, 1),
     Case(
         "k_inf_believable",
         lambda x: ramp.k_inf_believable(GeneralizedMaxwell(1.0, (), ()), 0.0, 1 / (1 - x), 1.0),
@@ -816,7 +842,7 @@ SEALS = [
     ),
     Case(
         "seal_touches",
-        lambda x: seals.seal_touches(x, length=4.0, least=-1e-3, where=1.0),
+        lambda x: seals.seal_touches(x, length=4.0, least=-1e-3, where=1.0, most=1e-3),
         0.0,
         0.01,
     ),
@@ -967,6 +993,7 @@ MODAL = [
 ROD = [
     Case("rod_usable", whole(lambda n: rod.rod_usable(n, (10.0, 20.0))), 8, 7),
     Case("mass_beside_rod", rod.mass_beside_rod, 99.9, 100.1),
+    Case("lines_of_one_solid", rod.lines_of_one_solid, 1.499, 1.501),
     Case("waves_plane", lambda x: rod.waves_plane(x, 300.0), 0.0499, 0.0501),
     Case(
         "sensors_agree", lambda x: rod.sensors_agree(x / 100, 0.0, known=(0.01, 0.02)), 2.99, 3.01
@@ -1125,6 +1152,10 @@ INDENTATION = [
 ]
 
 
+def possible(travel: float) -> Check:
+    return reading.size_possible("travel", travel, "mm", role="displacement")
+
+
 def bears(size: float, unit: str) -> Check:
     return reading.stress_of_a_rubber(1e6 * size, unit)
 
@@ -1135,6 +1166,8 @@ HYPERELASTIC = [
     Case("no_law_closer", lambda x: hyper.no_law_closer(0.005 * x, 0.0), 1.99, 2.01),
     Case("stable_in_use", lambda x: hyper.stable_in_use(x, "", ()), 1e-6, 0.0),
     Case("modes_told", lambda x: hyper.modes_told(x, "planar", "it is"), 0.0999, 0.1001),
+    Case("modes_enough", whole(lambda n: hyper.modes_enough(n, both=False, foam=False)), 2, 1),
+    Case("modes_in_scale", lambda x: hyper.modes_in_scale(x, 0.05, "planar"), 1.099, 1.101),
     Case("use_measured", hyper.use_measured, 1.0, 1.001),
     Case("constants_known", lambda x: hyper.constants_known("C01", x), 0.249, 0.251),
     Case("rows_enough", lambda x: hyper.rows_enough(int(2 * x), 2), 4.0, 3.5),
@@ -1233,6 +1266,7 @@ CLD = [
 LOTS = [
     Case("files_fitted", lambda x: lots.files_fitted(int(x), 9), 0, 1),
     Case("fits_usable", lambda x: lots.fits_usable(int(x), 9), 0, 1),
+    Case("scatter_normal", lambda x: lots.scatter_normal("seal", x), 0.251, 0.249),
     Case("hammers_compared", lambda x: lots.hammers_compared(int(x), 9), 0, 1),
     Case("tests_alike", lambda x: lots.tests_alike(int(x), 9), 0, 1),
     Case("records_distinct", lambda x: lots.records_distinct(int(x), 9), 0, 1),
@@ -1330,6 +1364,8 @@ READING = [
         "force_of_a_bench", lambda x: reading.force_of_a_bench(x, "N", travel=5e-4), 0.0101, 0.0099
     ),
     Case("ramp_not_slow", lambda x: reading.ramp_not_slow(x, "s"), 199, 201),
+    Case("size_possible", lambda x: possible(0.5 * x), 0.999, 1.001),
+    Case("size_possible", lambda x: possible(1e-9 / x), 0.999, 1.001),
     Case("ramp_not_fast", lambda x: reading.ramp_not_fast(x, "s"), 0.299, 0.301),
     Case("hammer_not_heavy", lambda x: reading.hammer_not_heavy(x, "kN"), 999, 1001),
     Case("hammer_felt", lambda x: reading.hammer_felt(x, "mN"), 0.0501, 0.0499),
@@ -1381,7 +1417,7 @@ LIMITS = {
     "io/readers": {
         "travel_of_a_seal": 0.2, "force_of_a_seal": 1000, "time_of_a_test": 0.1,
         "travel_of_a_bench": 2e-5, "force_of_a_bench": 0.01, "ramp_not_slow": 200,
-        "ramp_not_fast": 0.3, "hammer_not_heavy": 1000, "hammer_felt": 0.05,
+        "ramp_not_fast": 0.3, "size_possible": 1, "hammer_not_heavy": 1000, "hammer_felt": 0.05,
         "shock_not_large": 1e6, "indenter_not_fast": 100, "contact_rate": 500,
         "strain_of_a_rubber": 0.01,
         "stress_of_a_rubber": 1e4,
@@ -1392,6 +1428,7 @@ LIMITS = {
         "baseline_recorded": 5, "contact_found": 0.01, "preload_absent": 0.05, "single_loading": 1,
         "ramp_recorded": 1.1,
         "overshoot_small": 0.05, "samples_unbroken": 0.2, "spikes_absent": 0,
+        "clock_steady": 0.25,
         "temperature_as_stated": 1, "temperature_held": 1,
         "columns_plausible": 0.03, "motion_resolved": 0.125, "motion_measured": 0,
         "range_used": 0.05, "force_not_clipped": 5, "force_resolved": 20,
@@ -1443,7 +1480,7 @@ LIMITS = {
         "law_followed": 0.05, "no_law_closer": 2, "stable_in_use": 0, "modes_told": 0.1,
         "use_measured": 1, "constants_known": 0.25, "rows_enough": 4, "files_agree": 0.05,
         "loading_returned": 0.1, "conditioned": 0.05, "zero_known": 0.005, "labels_agree": 3,
-        "measures_stated": 0.1,
+        "measures_stated": 0.1, "modes_enough": 2, "modes_in_scale": 1.1,
     },
     "kinds/indentation": {
         "contact_sampled": 20, "flights_recorded": 0.1, "sensor_in_range": 0, "first_contact": 0,
@@ -1451,7 +1488,10 @@ LIMITS = {
         "velocity_agrees": 1.1, "gravity_known": 0.01, "force_agrees": 1.1,
         "indentation_shallow": 0.3, "sensor_fast_enough": 0.03,
     },
-    "kinds/rod": {"rod_usable": 8, "waves_plane": 0.05, "sensors_agree": 3, "mass_beside_rod": 100},
+    "kinds/rod": {
+        "rod_usable": 8, "waves_plane": 0.05, "sensors_agree": 3, "mass_beside_rod": 100,
+        "lines_of_one_solid": 1.5,
+    },
     "kinds/level": {
         "level_matters": 20, "amplitudes_spread": 3, "softening_seen": 2, "law_followed": 0.03,
         "levels_followed": 1.4, "loss_followed": 0.15, "spring_cubic": 20, "ways_agree": 0.03,
@@ -1460,7 +1500,7 @@ LIMITS = {
     "lots": {"files_fitted": 0, "fits_usable": 0, "hammers_compared": 0,
              "tests_alike": 0, "records_distinct": 0, "seals_within_limits": 0,
              "stands_out_of_lot": 0, "asked_in_band": 0, "lots_tested_alike": 0,
-             "seals_named": 0},
+             "seals_named": 0, "scatter_normal": 0.25},
     "planning": {"tip_excites": -10},
     "door": {
         "door_modes_informed": 1, "seal_touches": 0, "stations_suffice": 1e-3,
@@ -1497,11 +1537,11 @@ LIMITS = {
 GRADES = {
     "note": {
         "door": {"line_closed", "faster_doors_close"},
-        "lots": {"stands_out_of_lot"},
+        "lots": {"stands_out_of_lot", "scatter_normal"},
         "kinds/cld": {"unloading_recorded", "length_given"},
         "preparation": {
             "baseline_recorded", "single_loading", "overshoot_small", "range_used",
-            "hold_outlasts_ramp", "load_held",
+            "hold_outlasts_ramp", "load_held", "motion_resolved", "preload_absent",
         },
         "fitting": {
             "hold_long_enough", "tau_inside_window", "residuals_random", "step_bias",
@@ -1511,6 +1551,7 @@ GRADES = {
         "fitting/temperature": {"shifts_told_apart"},
         "kinds/level": {"level_matters"},
         "kinds/hyperelastic": {"volume_known"},
+        "io/readers": {"travel_of_a_seal", "force_of_a_seal", "ramp_not_slow"},
         "fitting/nonlinear_ramp": {"clocks_agree", "offset_believable", "drift_believable"},
         "workflow": {
             "hold_fit_possible", "history_complete", "files_listed", "base_band_informed",
@@ -1523,8 +1564,8 @@ GRADES = {
             "ramp_recorded",
         },
         "io/readers": {
-            "travel_of_a_seal", "force_of_a_seal", "time_of_a_test", "travel_of_a_bench",
-            "force_of_a_bench", "ramp_not_slow", "ramp_not_fast", "hammer_not_heavy",
+            "time_of_a_test", "travel_of_a_bench", "size_possible",
+            "force_of_a_bench", "ramp_not_fast", "hammer_not_heavy",
             "shock_not_large", "indenter_not_fast", "contact_rate",
             "strain_of_a_rubber", "stress_of_a_rubber",
             "hammer_felt", "acceleration_not_large", "hammer_sampled", "hammer_not_oversampled",
@@ -1666,6 +1707,8 @@ def test_no_document_and_no_comparison_of_checks_holds_the_status_that_they_set(
     ("at", "limit", "stop"),
     [
         pytest.param(known, 0.99, 1.01, id="k_inf_known"),
+        pytest.param(known_at_the_end, 0.99, 1.01, id="k_end"),
+        pytest.param(lambda x: preparation.clock_steady(leaping(x)), 4.09, 4.11, id="clock_steady"),
         pytest.param(
             lambda x: seals.shapes_known_there(x, "latch"), 0.299, 0.301, id="shapes_known_there"
         ),
@@ -1742,6 +1785,35 @@ def test_what_another_condition_makes_harmless_is_a_note() -> None:
     assert relaxation.hold_and_full_agree(arm(), other, np.zeros(3)).grade == "note"
     other = GeneralizedMaxwell(2.0, (1.0,), (1.0,))
     assert relaxation.hold_and_full_agree(arm(), other, np.zeros(3)).grade == "limit"
+    # where the end of the hold is known, it is what both must agree on, to 2 % of it
+    for most, grade in ((1.979, "limit"), (1.981, "note")):
+        end = EndOfHold(40.0, (0.9, most), (0.0, 9.0), (0.0, 9.0), 0.0)
+        assert relaxation.hold_and_full_agree(arm(), other, np.zeros(3), end=end).grade == grade
+    for beyond, grade in ((0.249, "note"), (0.251, "limit")):
+        far = ramp.drift_believable([(9.1, 0.0, 1.0, 9.0)], beyond)
+        assert far.failed
+        assert far.grade == grade
+    # a tangent of 1 + a at the depth: told by one ramp where it hardly bends
+    for bent, grade in ((0.099, "note"), (-0.099, "note"), (0.101, "limit")):
+        law = ElasticLaw((0.0, DEPTH), (1 - bent, 1 + bent), 200.0)
+        assert ramp.tangent_told(law, 1).grade == grade
+    # as little at the depth, but all of it in a toe, as friction leaves it
+    for steep, grade in ((1.2, "note"), (1.3, "limit")):
+        last = (1 - 0.05 * (steep + 0.95)) / 0.45 - 0.95
+        toe = ElasticLaw((0.0, 0.1 * DEPTH, DEPTH), (steep, 0.95, last), 200.0)
+        assert abs(last - 1) < 0.04
+        assert ramp.tangent_told(toe, 1).grade == grade
+    slow = wandering(9.0)
+    rms = float(np.sqrt(np.mean(slow * slow)))
+    for peak, grade in ((rms / 0.00499, "note"), (rms / 0.00501, "limit")):
+        assert relaxation.residuals_steady([slow], peak=peak).grade == grade
+    loose = GeneralizedMaxwell(1.0)
+    at_end = EndOfHold(40.0, (0.9, 1.1), (0.0, 1.1), (0.0, 1.1), 0.0)
+    assert relaxation.k_inf_positive(loose, 1.0).grade == "limit"
+    assert relaxation.k_inf_positive(loose, 1.0, at_end).grade == "note"
+    assert preparation.motion_resolved(bending(0.499)).grade == "note"
+    assert preparation.motion_resolved(bending(0.501)).grade == "limit"
+    assert preparation.motion_resolved(bending(0.13, bends=40)).grade == "limit"
 
 
 def test_no_registered_check_is_missing_here() -> None:
@@ -1839,7 +1911,7 @@ def test_what_cannot_be_judged_neither_passes_nor_fails() -> None:
         relaxation.residuals_steady([np.full(1000, 1e-9)], rounding=1e-6),
         relaxation.arms_where_force_relaxes(spring, replace(RECORD, hold_end=1.1)),
         solid.tau_inside_window(spring, (0.1, 1.0), "it"),
-        ramp.tangent_told("linear", 1),
+        ramp.tangent_told(ElasticLaw.linear(1.0, DEPTH), 1),
         ramp.offset_believable([]),
         ramp.drift_believable([]),
         relaxation.separable(None, None),
@@ -1888,8 +1960,11 @@ def test_what_the_method_bears_is_excused() -> None:
     assert preparation.hold_is_still(creeping, method="full").passed
     assert preparation.single_loading(0, loadings(3), asked=True).passed
     for share, moving, grade in (
+        (0.099, True, "note"),
+        (0.101, True, "limit"),
         (0.199, True, "limit"),
         (0.201, True, "stop"),
+        (0.099, False, "note"),
         (9, False, "limit"),
     ):
         assert preparation.preload_absent(share, 1.0, moving=moving).grade == grade

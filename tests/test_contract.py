@@ -11,10 +11,16 @@ from kit.shell import ran
 
 import dashpot as dp
 from dashpot.cli import main
+from dashpot.fitting.fit_many import fit_many
+from dashpot.io.readers.impact import read_impact
+from dashpot.io.readers.relaxation import read_relaxation
 from dashpot.io.write import write_impact, write_relaxation
+from dashpot.preparation.prepare import prepare
 from dashpot.simulation.impact import Hammer, simulate_impact
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.solids.table_1 import BROAD, BROAD_MASS
+from dashpot.vibration.impact.frf_estimation import estimate_frf
+from dashpot.workflow.archive import from_json, to_json
 
 MASS = ["--mass", f"{BROAD_MASS} kg", "--seals", "2"]
 
@@ -41,20 +47,20 @@ def document(*words, expect=0):
 
 
 def test_python_contract(folder):
-    test = dp.read_relaxation(folder / "seal_8mm.csv")
-    prepared = dp.prepare(test)
+    test = read_relaxation(folder / "seal_8mm.csv")
+    prepared = prepare(test)
     fit = dp.fit(prepared, arms=2)
     assert fit.certificate.says
     intervals = fit.intervals(level=0.95)
     assert intervals["k_inf"][0] < fit.model.k_inf < intervals["k_inf"][1]
     assert len(intervals["k"]) == len(intervals["tau"]) == 2
     assert dp.fit(prepared, arms=2, method="hold").model.arms == 2
-    many = dp.fit_many(
+    many = fit_many(
         test.time, np.array([test.force, 2 * test.force]), displacement=test.displacement, arms=2
     )
     assert len(many.k_inf) == 2
     assert many.k_inf[1] == pytest.approx(2 * many.k_inf[0], rel=1e-6)
-    frf = dp.estimate_frf(dp.read_impact(folder / "impact.csv"))
+    frf = estimate_frf(read_impact(folder / "impact.csv"))
     modes = frf.modes()
     assert modes[0].frequency == pytest.approx(12.70, abs=0.05)
     assert modes[0].damping_ratio == pytest.approx(0.02856, rel=0.05)
@@ -62,7 +68,7 @@ def test_python_contract(folder):
 
 def test_exponential_sums():
     x = np.linspace(0, 3, 60)
-    sums = dp.fit_exponential_sum(x, 2 * np.exp(-x) + 0.5 * np.exp(-5 * x), terms=2)
+    sums = dp.solids.exponential_sum(x, 2 * np.exp(-x) + 0.5 * np.exp(-5 * x), terms=2)
     assert sorted(sums.rates) == pytest.approx([1, 5], rel=1e-8)
     assert sorted(sums.amplitudes) == pytest.approx([0.5, 2], rel=1e-8)
 
@@ -92,7 +98,7 @@ def test_impact_compare_identify_json(folder, tmp_path):
     assert len(impact["hits"]) == 4
     assert {"accepted", "reasons"} <= set(impact["hits"][0])
     assert impact["file"] == str(tmp_path / "frf.csv")
-    assert json.loads(dp.to_json(dp.from_json(json.dumps(impact)))) == impact
+    assert json.loads(to_json(from_json(json.dumps(impact)))) == impact
     for measured in (folder / "impact.csv", tmp_path / "frf.csv"):
         found = document("compare", tmp_path / "fit.json", measured, *MASS)
         assert {"predicted_hz", "measured_hz", "ratio_db"} <= set(found["peak"])
@@ -124,7 +130,7 @@ def test_predict_plan_inspect_export_json(folder, tmp_path):
     assert pressed["tangent"]["frequency"] == predicted["secant"]["frequency"]
     assert document("plan", "--frequency", "12.71Hz")["expected"]["loss_factor_sd"] > 0.1
     told = document("inspect", folder / "seal_8mm.csv", folder / "impact.csv")
-    assert json.loads(dp.to_json(dp.from_json(json.dumps(told)))) == told
+    assert json.loads(to_json(from_json(json.dumps(told)))) == told
     seen, hammer = told["files"]
     assert "preparation" not in hammer
     assert seen["kind"] == "relaxation"

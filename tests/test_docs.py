@@ -12,9 +12,11 @@ from typing import NamedTuple
 import pytest
 from click.testing import CliRunner
 
-import dashpot as dp
 from dashpot import workflow
 from dashpot.cli import COMMANDS, main
+from dashpot.fitting.relaxation import fit as fit_tests
+from dashpot.io.readers.relaxation import read_relaxation
+from dashpot.workflow.archive import to_json
 
 ROOT = Path(__file__).resolve().parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -71,8 +73,8 @@ def example(tmp_path_factory):
     folder = tmp_path_factory.mktemp("example")
     for name, made in workflow.EXAMPLES.items():
         (folder / name).write_text(made(), encoding="utf-8")
-    fit = dp.fit(dp.read_relaxation(folder / "seal_8mm.csv"))
-    (folder / "fit.json").write_text(dp.to_json(fit), encoding="utf-8")
+    fit = fit_tests(read_relaxation(folder / "seal_8mm.csv"))
+    (folder / "fit.json").write_text(to_json(fit), encoding="utf-8")
     return folder
 
 

@@ -33,6 +33,7 @@ from dashpot.kinds.hyperelastic.asked import Measures
 from dashpot.kinds.indentation.indenter import Indenter
 from dashpot.kinds.rod.record import RodErrors
 from dashpot.lots import batches
+from dashpot.lots.batches import batch
 from dashpot.lots.choices import BatchChoices
 from dashpot.records.machine import Machine
 from dashpot.records.specimen import Specimen
@@ -51,6 +52,7 @@ from dashpot.workflow.job import (
     RodChoices,
 )
 from dashpot.workflow.shifting import ShiftChoices
+from dashpot.workflow.study import characterise
 
 RIG = ("seal_mass", "seals", "compression")
 TESTED = tuple(one.name for one in offered(Specimen) if one.name != "temperature")
@@ -134,7 +136,7 @@ def test_no_command_lists_the_words_of_a_choice_by_hand() -> None:
     [
         (Job, workflow.fit_files), (LevelJob, workflow.level_files),
         (ModesJob, workflow.modes_files), (ModesJob, workflow.modes_by_mass),
-        (BatchChoices, dp.batch), (Job, dp.characterise),
+        (BatchChoices, batch), (Job, characterise),
     ],
 )  # fmt: skip
 def test_what_python_takes_where_nothing_is_said_is_the_same(

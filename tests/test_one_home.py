@@ -82,8 +82,8 @@ IDEAS: dict[str, tuple[str, tuple[str, ...], dict[str, str]]] = {
         _SCALED,
         ("base/units.py",),
         {
+            "base/plausible.py": "prefixes before any unit of SI",
             "cli/demo.py": "a refrigerator is at 0 degC",
-            "io/readers/checks.py": "prefixes before any unit of SI",
             "io/write.py": "an example of 0 degC",
             "planning/advice.py": "an example of 0 degC",
             "planning/plan.py": "a refrigerator is at 0 degC",

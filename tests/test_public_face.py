@@ -11,7 +11,9 @@ from pathlib import Path
 import pytest
 
 import dashpot as dp
+from dashpot.base.former import FORMER
 
+USE = Path(__file__).with_name("public_use.py")
 API = (Path(__file__).resolve().parents[1] / "docs" / "api.md").read_text(encoding="utf-8")
 # one interpreter that has imported dashpot and nothing else; a child of its own for each name
 EACH_ALONE = """
@@ -22,7 +24,7 @@ for name in dashpot.__all__:
         try:
             thing = getattr(dashpot, name)
             told = bool(isinstance(thing, str) or thing.__doc__)
-            if name in ("networks", "recording", "simulation"):
+            if name in ("files", "lots", "plot", "simulation", "solids", "systems"):
                 told &= bool([getattr(thing, inner) for inner in dir(thing)])
         except BaseException as error:
             print(name, repr(error), flush=True)
@@ -39,6 +41,49 @@ def test_every_public_name_is_there_first_and_alone():
         [sys.executable, "-c", EACH_ALONE], capture_output=True, text=True, check=True
     )
     assert done.stdout + done.stderr == ""
+
+
+def test_there_are_at_most_sixty_names():
+    assert len(dp.__all__) == len(set(dp.__all__)) <= 60
+    assert dir(dp) == dp.__all__
+
+
+@pytest.mark.parametrize("name", FORMER)
+def test_a_former_name_says_what_is_typed_now(name):
+    assert name not in dp.__all__
+    with pytest.raises(AttributeError, match=re.escape(f"dp.{name} is now {FORMER[name]}")):
+        getattr(dp, name)
+    new = re.match(r"dp((?:\.\w+)+)", FORMER[name])
+    if new:
+        thing = dp
+        for word in new[1].lstrip(".").split("."):
+            thing = getattr(thing, word, None) or thing.__annotations__[word]
+
+
+def test_a_name_that_never_was_is_not_explained():
+    with pytest.raises(AttributeError, match="has no attribute 'fitt'"):
+        dp.fitt  # noqa: B018
+
+
+@pytest.mark.once
+def test_a_type_checker_knows_the_results():
+    """Each line of `public_use.py` says in its comment what mypy is to reveal, or to refuse."""
+    lines = USE.read_text(encoding="utf-8").splitlines()
+    done = subprocess.run(
+        [sys.executable, "-m", "mypy", "--strict", "--no-error-summary", str(USE)],
+        capture_output=True, text=True, check=False, cwd=USE.parents[1],
+    )  # fmt: skip
+    said = {}
+    for line in done.stdout.splitlines():
+        found = re.match(r".*public_use\.py:(\d+): (error:|note: Revealed type is) (.*)", line)
+        if found:
+            said.setdefault(int(found[1]), found[0])
+    wanted = {i: line.partition("  # ")[2] for i, line in enumerate(lines, 1) if "  # " in line}
+    assert wanted.keys() == said.keys(), done.stdout + done.stderr
+    for i, what in wanted.items():
+        refused = what.startswith("refused")
+        assert ("error" in said[i]) == refused, said[i]
+        assert refused or re.search(rf'type is "[\w.]*\.{what}"', said[i]), said[i]
 
 
 def documented(name: str) -> bool:

@@ -7,8 +7,17 @@ from kit import handmade
 
 import dashpot as dp
 from dashpot.base.units import si, si_range
+from dashpot.export import TARGETS
+from dashpot.fitting.identification.identify import identify
 from dashpot.io.options import ReadOptions
+from dashpot.planning.asked import HammerPlan
+from dashpot.planning.bench import Bench
+from dashpot.planning.plan import plan
+from dashpot.planning.supposed import SupposedSeal
+from dashpot.preparation.prepare import prepare
 from dashpot.solids.table_1 import BROAD_MASS, PAPER
+from dashpot.vibration.comparison.compare import compare
+from dashpot.vibration.modal.dynamic_stiffness import dynamic_stiffness
 
 
 def test_a_number_is_in_si_and_a_text_has_its_unit():
@@ -20,19 +29,22 @@ def test_a_number_is_in_si_and_a_text_has_its_unit():
 
 SOLID = PAPER.complex_stiffness
 CALLS = {
-    "predict": lambda m, x, f: dp.predict_frf(handmade.two_arms(), mass=m, compression=x),
-    "compare": lambda m, x, f: dp.compare(
+    "predict": lambda m, x, f: dp.systems.predict_frf(handmade.two_arms(), mass=m, compression=x),
+    "compare": lambda m, x, f: compare(
         handmade.study().prediction, handmade.measured(), fit=handmade.two_arms(), mass=m, band=f
     ),
     "identify": lambda m, x, f: (
-        dp.identify(handmade.measured(), mass=m, seals=2, arms=1, band=f).model
+        identify(handmade.measured(), mass=m, seals=2, arms=1, band=f).model
     ),
-    "stiffness": lambda m, x, f: dp.dynamic_stiffness(handmade.measured(), m, band=f).storage[0],
+    "stiffness": lambda m, x, f: dynamic_stiffness(handmade.measured(), m, band=f).storage[0],
     "model_at": lambda m, x, f: handmade.two_arms().model_at(x),
-    "body": lambda m, x, f: (dp.point_mass("block", m), dp.planar_body("block", m, 1e-4)),
+    "body": lambda m, x, f: (
+        dp.systems.point_mass("block", m),
+        dp.systems.planar_body("block", m, 1e-4),
+    ),
     "specimen": lambda m, x, f: dp.Specimen(length=x),
-    "deck": lambda m, x, f: dp.export.calculix(PAPER, units="SI", mass=m, frequency_range=f),
-    "table": lambda m, x, f: dp.export.csv(PAPER, units="SI", frequency_range=f),
+    "deck": lambda m, x, f: TARGETS["calculix"](PAPER, units="SI", mass=m, frequency_range=f),
+    "table": lambda m, x, f: TARGETS["csv"](PAPER, units="SI", frequency_range=f),
 }
 
 
@@ -43,17 +55,17 @@ def test_quantities_and_numbers_give_the_same(name):
 
 
 def test_a_plan_in_the_words_of_the_bench():
-    words = dp.plan(
-        dp.Bench(depth="8mm", ramp_time="1s", noise="5mN", machine=dp.Machine(sync="0.5ms")),
+    words = plan(
+        Bench(depth="8mm", ramp_time="1s", noise="5mN", machine=dp.Machine(sync="0.5ms")),
         at="12.71Hz",
-        seal=dp.SupposedSeal(arm=("0.05N/mm", "12ms"), temperature="23degC"),
-        hammer=dp.HammerPlan(mass="104g", record="8s"),
+        seal=SupposedSeal(arm=("0.05N/mm", "12ms"), temperature="23degC"),
+        hammer=HammerPlan(mass="104g", record="8s"),
     )
-    numbers = dp.plan(
-        dp.Bench(8e-3, 1.0, noise=5e-3, machine=dp.Machine(sync=5e-4)),
+    numbers = plan(
+        Bench(8e-3, 1.0, noise=5e-3, machine=dp.Machine(sync=5e-4)),
         at=12.71,
-        seal=dp.SupposedSeal(arm=(50.0, 0.012), temperature=296.15),
-        hammer=dp.HammerPlan(0.104, record=8.0),
+        seal=SupposedSeal(arm=(50.0, 0.012), temperature=296.15),
+        hammer=HammerPlan(0.104, record=8.0),
     )
     assert str(words) == str(numbers)
     assert words.arm == pytest.approx(numbers.arm, rel=1e-12)
@@ -68,16 +80,16 @@ def test_a_bench_and_a_machine_in_their_words():
     made = dp.simulation.simulate_relaxation(PAPER, depth="8mm", ramp_time="1s", hold_time="2s")
     assert made.truth.depth == 8e-3
     test = made.test
-    assert dp.prepare(test, contact="0.1mm").depth == dp.prepare(test, contact=1e-4).depth
+    assert prepare(test, contact="0.1mm").depth == prepare(test, contact=1e-4).depth
 
 
 @pytest.mark.parametrize(
     ("call", "says"),
     [
-        (lambda: dp.predict_frf(PAPER, mass="104"), "has no unit"),
-        (lambda: dp.predict_frf(PAPER, mass="104mm"), "is a unit of length"),
-        (lambda: dp.Bench(depth="8s"), "of time"),
-        (lambda: dp.compare(handmade.measured(), handmade.measured(), band="5Hz"), "low:high"),
+        (lambda: dp.systems.predict_frf(PAPER, mass="104"), "has no unit"),
+        (lambda: dp.systems.predict_frf(PAPER, mass="104mm"), "is a unit of length"),
+        (lambda: Bench(depth="8s"), "of time"),
+        (lambda: compare(handmade.measured(), handmade.measured(), band="5Hz"), "low:high"),
         (lambda: dp.Specimen(length="long"), "length|number"),
     ],
 )

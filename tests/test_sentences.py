@@ -2,24 +2,33 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Iterator
 from dataclasses import replace
+from pathlib import Path
 
+import click
 import pytest
+from click.testing import CliRunner
 from kit import handmade
 from kit.trials import DISTURBANCES, KINDS, LAWS, relaxation_test, trial
 from test_checks import STAGES
 
 import dashpot as dp
 from dashpot.base import checks
-from dashpot.base.checks import MOST_WORDS, Check, Finding, criterion, verdict
+from dashpot.base.checks import MOST_WORDS, Check, Finding, Verdict, criterion, verdict
 from dashpot.base.errors import DashpotError
 from dashpot.base.numbers import readable
 from dashpot.base.sentences import sentences, words
+from dashpot.cli import main
+from dashpot.fitting.relaxation import fit
+from dashpot.preparation.prepare import prepare
 from dashpot.simulation.impact import simulate_impact
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.solids.table_1 import BROAD, BROAD_MASS
+from dashpot.vibration.impact.frf_estimation import estimate_frf
+from dashpot.workflow.study import characterise
 
 pytestmark = pytest.mark.once
 
@@ -63,7 +72,7 @@ def of_readers() -> Iterator[Check]:
 
 def of_fit(test: dp.RelaxationTest) -> Iterator[str]:
     try:
-        found = dp.fit(dp.prepare(test))
+        found = fit(prepare(test))
     except DashpotError:
         return
     yield from (check.says for check in found.checks)
@@ -79,7 +88,7 @@ def wrong(sentences: Iterator[str]) -> list[str]:
 MOST_IN_A_SENTENCE = 25
 BANNED = re.compile(
     r"\b(?:tells?|told|telling|informs?|informed|informing|bears? out|borne out|speaks? for|"
-    r"weighs? on|nuisances?|doubt(?:ed|s|ful)?|rings?|answers?|stands? at exactly|as said above|"
+    r"weighs? on|nuisances?|doubt(?:ed|s|ful)?|rings?|stands? at exactly|as said above|"
     r"foretold|foretells?|vouch(?:es)?|believed?|worth 1/)\b",
     re.IGNORECASE,
 )
@@ -130,6 +139,75 @@ def test_every_check_that_could_lead_a_verdict_says_it_in_35_words_with_a_number
     assert not faults, "\n".join(faults)
 
 
+def options() -> Iterator[tuple[str, str]]:
+    """Every option of the command line with its help, by command and name."""
+    context = click.Context(main)
+    for name in main.list_commands(context):
+        command = main.get_command(context, name)
+        assert command is not None
+        for one in command.params:
+            if isinstance(one, click.Option) and one.help:
+                yield f"{name} {one.opts[0]}", one.help
+
+
+#: its help is the list of what it takes
+LISTS = {"export --to"}
+
+
+def test_the_help_of_an_option_is_a_short_noun_phrase() -> None:
+    each = dict(options())
+    assert len(each) > 150
+    assert {name for name, says in each.items() if len(says) > 60} <= LISTS
+    assert not [name for name, says in each.items() if says.startswith(("Of ", "At which"))]
+    assert not [f"{name}: {says}" for name, says in each.items() if BANNED.search(says)]
+
+
+#: the example files together as the how-to pages take them, and what is asked of them
+EXAMPLES = (
+    "fit seal_8mm.csv", "fit short_hold.csv", "fit hammer.csv", "fit sweep.csv", "fit curve.csv",
+    "fit depth_4mm.csv depth_6mm.csv depth_8mm.csv --elastic by-depth",
+    "fit at_23degC.csv at_10degC.csv at_0degC.csv", "fit sweeps.csv --reference 25degC",
+    "fit seal_8mm.csv hammer.csv --mass 114.8g --seals 2 -o joint.json",
+    "fit seal_8mm.csv hammer.csv --mass 90g --seals 2", "fit hammer.csv --mass 114.8g --seals 2",
+    "fit cld_1.csv cld_2.csv cld_3.csv --length 100mm --compression 6mm", "fit cld_1.csv",
+    "fit cld_slow.csv cld_fast.csv", "fit loops.csv", "fit shaker_20mN.csv",
+    "fit shaker_20mN.csv shaker_500mN.csv --level 0.02N --level 0.5N --mass 114.8g --seals 2",
+    "fit shaker_20mN.csv shaker_500mN.csv --mass 104g --mass 114.8g",
+    "fit hit.csv --mass 5g --radius 5mm --drop-height 51mm",
+    "fit rod.csv --shape disc:20mm,20mm --density 1000 --mass 31.4g",
+    "fit tension.csv biaxial.csv --test uniaxial --test biaxial",
+    "fit seal_8mm.csv -o fit.json", "predict fit.json --mass 114.8g --seals 2",
+    "predict joint.json --mass 114.8g --seals 2", "compare fit.json hammer.csv --mass 114.8g",
+    "compare joint.json hammer.csv --mass 114.8g --seals 2", "predict door.toml",
+    "compare shaker_20mN.csv shaker_500mN.csv",
+    "plan --frequency 12.71Hz --ramp 1s --hold 40s",
+    "report seal_8mm.csv hammer.csv --mass 114.8g --seals 2 -o report.html",
+    "report seal_8mm.csv -o report.html --overwrite",
+)  # fmt: skip
+
+
+@pytest.mark.slow
+def test_the_verdict_on_every_example_is_one_line_with_a_number(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert CliRunner().invoke(main, ["demo", "--files", "--all", "-o", "."]).exit_code == 0
+    faults = []
+    for command in EXAMPLES:
+        found = CliRunner().invoke(main, [*command.split(), "--json"])
+        document = json.loads(found.stdout) if found.exit_code in {0, 1} else {}
+        if "verdict" not in document:
+            faults.append(f"{command}: no verdict: {found.output[:200]}")
+            continue
+        line = str(Verdict(document["verdict"]["use"], document["verdict"]["says"]))
+        faults += [f"{command}: {one}" for one in style(line)]
+        if words(line) > MOST_WORDS:
+            faults.append(f"{command}: {words(line)} words: {line}")
+        if not re.search(r"\d", line):
+            faults.append(f"{command}: no number: {line}")
+    assert not faults, "\n".join(faults)
+
+
 def test_every_check_speaks_in_words_passed_or_failed() -> None:
     assert not wrong(check.says for check in of_cases())
 
@@ -150,7 +228,7 @@ def test_a_disturbed_record_is_answered_in_words() -> None:
 def test_two_tests_that_disagree_are_answered_in_words(stiffer: float, mass: float) -> None:
     bench = simulate_relaxation(BROAD, seed=3).test
     hammer = simulate_impact(stiffer * BROAD, mass=BROAD_MASS, hits=3, seed=3).test
-    study = dp.characterise(bench, dp.estimate_frf(hammer, mass=mass), mass=mass, seals=2)
+    study = characterise(bench, estimate_frf(hammer, mass=mass), mass=mass, seals=2)
     assert study.verdict.use == "do not use"
     assert not wrong(check.says for check in (*study.weighed, *study.every_check))
     said = [study.verdict.says, study.comparison.says]

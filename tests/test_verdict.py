@@ -21,13 +21,19 @@ from dashpot.cli._grammar import verb
 from dashpot.cli._options import result
 from dashpot.cli._shell import Outcome
 from dashpot.cli._terminal import shown
+from dashpot.fitting.identification.identify import identify
+from dashpot.fitting.relaxation import fit as fit_tests
+from dashpot.preparation.prepare import prepare
 from dashpot.simulation.impact import Hammer, simulate_impact
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.simulation.rig import Rig
 from dashpot.solids.table_1 import BROAD, BROAD_MASS, PAPER, PAPER_MASS
 from dashpot.told import text as text_of
 from dashpot.told.layout import Text
+from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.vibration.systems.prediction import predict_frf
+from dashpot.workflow.archive import from_json, to_json
+from dashpot.workflow.study import characterise
 
 pytestmark = pytest.mark.once
 
@@ -67,8 +73,8 @@ def test_a_noise_free_perfect_pair_fails_nothing(seal: dp.GeneralizedMaxwell, ma
     """The broad seal's fast arms are out of the bench's reach, so its first prediction misses."""
     bench = simulate_relaxation(seal, rig=Rig().noise_free(), seed=1).test
     hammer = simulate_impact(seal, mass=mass, hits=5, rig=Hammer().noise_free(), seed=1).test
-    frf = dp.estimate_frf(hammer, mass=mass)
-    study = dp.characterise(bench, frf, impact=hammer, mass=mass, seals=2)
+    frf = estimate_frf(hammer, mass=mass)
+    study = characterise(bench, frf, impact=hammer, mass=mass, seals=2)
     assert study.verdict.use == "use", study.verdict
     checks = [*study.fit.checks, *frf.checks, *study.joint.checks, *study.joint_comparison.checks]
     if seal is PAPER:
@@ -78,10 +84,10 @@ def test_a_noise_free_perfect_pair_fails_nothing(seal: dp.GeneralizedMaxwell, ma
     assert study.joint.ok
     printed = shown(text_of.study(study), study.verdict, checks, verbose=False)
     assert click.unstyle(printed[0]).startswith("Use: ")
-    document = json.loads(dp.to_json(study))
+    document = json.loads(to_json(study))
     assert document["verdict"] == {"use": "use", "says": study.verdict.says, "because": []}
     assert document["comparison"]["verdict"]["says"] == study.comparison.says
-    assert dp.from_json(dp.to_json(study)).verdict == study.verdict
+    assert from_json(to_json(study)).verdict == study.verdict
 
 
 # -- what must not --------------------------------------------------------------------------------
@@ -96,7 +102,7 @@ def prepared(force: np.ndarray, *, hold: float = 40.0, noise: float = 1e-3) -> d
         force=force + noise * random.standard_normal(len(time)),
         units="SI",
     )
-    return dp.prepare(record)
+    return prepare(record)
 
 
 def answer(solid: dp.GeneralizedMaxwell, *, hold: float = 40.0) -> np.ndarray:
@@ -107,7 +113,7 @@ def answer(solid: dp.GeneralizedMaxwell, *, hold: float = 40.0) -> np.ndarray:
 def test_a_residual_of_500_noise_sd_is_not_to_be_used() -> None:
     clean = answer(PAPER)
     wave = 0.7 * np.sin(np.linspace(0, 60, len(clean))) * (np.arange(len(clean)) > 200)
-    found = dp.fit(prepared(clean + wave), arms=2)
+    found = fit_tests(prepared(clean + wave), arms=2)
     assert found.residual.rms > 0.4
     assert found.verdict.use == "do not use"
     assert "force_followed" in {check.name for check in found.verdict.because}
@@ -116,7 +122,7 @@ def test_a_residual_of_500_noise_sd_is_not_to_be_used() -> None:
 
 def test_an_equilibrium_stiffness_of_0_to_93_is_not_to_be_used() -> None:
     flowing = dp.GeneralizedMaxwell(30.0, (150.0,), (60.0,))
-    found = dp.fit(prepared(answer(flowing, hold=4.0), hold=4.0, noise=5e-3))
+    found = fit_tests(prepared(answer(flowing, hold=4.0), hold=4.0, noise=5e-3))
     low, high = found.intervals()["k_inf"]
     assert low < 1
     assert high > 93
@@ -126,7 +132,7 @@ def test_an_equilibrium_stiffness_of_0_to_93_is_not_to_be_used() -> None:
 
 def test_no_arms_on_a_force_that_relaxes_is_not_to_be_used() -> None:
     falling = dp.GeneralizedMaxwell(90.0, (120.0,), (5.0,))
-    found = dp.fit(prepared(answer(falling)), arms=0)
+    found = fit_tests(prepared(answer(falling)), arms=0)
     assert found.verdict.use == "do not use"
     assert "arms_where_force_relaxes" in {check.name for check in found.verdict.because}
     assert not found.ok
@@ -134,10 +140,10 @@ def test_no_arms_on_a_force_that_relaxes_is_not_to_be_used() -> None:
 
 
 def test_tests_that_disagree_have_not_converged() -> None:
-    bench = dp.prepare(simulate_relaxation(PAPER, seed=3).test)
+    bench = prepare(simulate_relaxation(PAPER, seed=3).test)
     other = predict_frf(2.6 * PAPER, mass=PAPER_MASS, frequency=np.arange(5, 40, 0.05))
     other = replace(other, averages=5, sd=0.002 * np.abs(other.value))
-    joint = dp.identify(other, tests=[bench], mass=PAPER_MASS, seals=2)
+    joint = identify(other, tests=[bench], mass=PAPER_MASS, seals=2)
     assert joint.status is Status.TESTS_DISAGREE
     assert joint.verdict.use != "use"
     assert not joint.ok
@@ -160,10 +166,10 @@ def test_a_study_is_judged_by_the_solid_that_it_ends_with() -> None:
 
 def test_a_prediction_that_nothing_has_tested_is_used_with_care() -> None:
     bench = simulate_relaxation(PAPER, hold_time=10.0, seed=1).test
-    found = dp.characterise(bench, mass=PAPER_MASS, seals=2).verdict
+    found = characterise(bench, mass=PAPER_MASS, seals=2).verdict
     assert found.use == "use with care"
     assert [check.name for check in found.because] == ["prediction_informed"]
-    assert "hit the mass with a hammer" in found.says
+    assert "Measure it with a hammer" in found.says
 
 
 # -- in words and in exit codes -------------------------------------------------------------------
@@ -184,7 +190,7 @@ def test_the_first_line_of_a_fit_is_its_verdict_and_the_optimiser_stands_below()
     assert any(line.split()[:1] == ["optimiser"] for line in lines)
     assert "1 failed, 1 note, 1 not applicable" in "\n".join(lines)
     assert lines[-2:] == ["  !! (first line) (--band 1:5Hz) a_stop", "  - A note. a_note"]
-    document = json.loads(dp.to_json(fit))
+    document = json.loads(to_json(fit))
     assert document["ok"] is False
     assert [check["passed"] for check in document["checks"]] == [False, None, False]
     assert [check["grade"] for check in document["checks"]] == ["stop", "stop", "note"]

@@ -1,9 +1,36 @@
 """dashpot: from the relaxation test of a seal to a validated vibration model.
 
+>>> import dashpot as dp
+>>> test, hits = dp.read("seal_8mm.csv"), dp.read("hammer.csv")
+>>> fit = dp.fit(test, hits, mass="114.8g", seals=2)
+>>> fit.verdict.use
+'use'
+>>> deck = dp.export(
+...     fit, to="nastran", unit_system="mm-t-s", temperature="23degC", length="50mm"
+... )
+
+A quantity is a number with its unit (``"114.8g"``, ``"8mm"``, ``"12.71Hz"``). A bare number is in
+SI. Arrays say their units, in their order: ``dp.RelaxationTest(..., units="s, mm, N")``.
+Frequencies are named: ``solid.loss_factor(frequency="12.71Hz")``, or ``omega=``.
+
 The public names stand in ``__init__.pyi``; each is imported when it is first used, so that
 ``import dashpot`` and ``dashpot --help`` cost next to nothing.
 """
 
-from dashpot.base.lazy import names_of
+from typing import Any
 
-__getattr__, __dir__, __all__ = names_of(__name__, __file__)
+from dashpot.base.lazy import names_of, verbs_first
+
+_find, __dir__, __all__ = names_of(__name__, __file__)
+verbs_first(__name__, "report", "export")
+
+
+def __getattr__(name: str) -> Any:
+    """A public name; of one that was public once, an error that says what is typed now."""
+    if name in __all__:
+        return _find(name)
+    from dashpot.base.former import FORMER
+
+    if name in FORMER:
+        raise AttributeError(f"dp.{name} is now {FORMER[name]}")
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

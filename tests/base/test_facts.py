@@ -38,6 +38,14 @@ def test_a_bound_alone_says_no_value() -> None:
     assert found.says == "viscous time below 22.0 ms"
 
 
+def test_a_value_that_is_at_most_so_much_says_both_and_no_error() -> None:
+    found = Fact("k_inf", 204.4, math.nan, 208.6, "N/m")
+    assert found.says == "k_inf 0.2044 N/mm, at most 0.2086"
+    assert found.cells[1:] == ("0.2044", "", "at most 0.2086", "N/mm")
+    # one that meets its bound has the digits of a thousandth of it
+    assert Fact("k_inf", 204.4, math.nan, 204.4, "N/m").cells.interval == "at most 0.20440"
+
+
 @dataclass(frozen=True)
 class Part:
     length: float

@@ -10,6 +10,7 @@ from kit.shell import ran
 from scipy.optimize import brentq
 
 import dashpot as dp
+from dashpot.kinds.level.fit import fit_amplitude
 
 pytestmark = pytest.mark.once
 
@@ -167,7 +168,7 @@ def test_what_stands_beside_a_solid_is_the_change_since_its_own_amplitude(law, s
     X = np.geomspace(1e-4, 0.1, 24)
     E = 4e6 * payne(X) + (0.75 * 2e9 * X**2 if "cubic" in law else 0)
     sweep = dp.AmplitudeSweep(10 + 0 * X, X, E.real, E.imag, "Pa", "strain", units="SI")
-    found = dp.fit_amplitude(sweep, law=law)
+    found = fit_amplitude(sweep, law=law)
     start = 4e6 * (payne(since) if since else 1.0)
     solid = dp.GeneralizedMaxwell(start.real, (1e-9,), (1.0,))
     change = found.beside(solid * 1e-3, 1e-3, stretch=0.02, since=since)

@@ -7,7 +7,9 @@ import json
 import pytest
 from kit.shell import told
 
-import dashpot as dp
+from dashpot.fitting.uncertainty.prediction_bounds import unseen_arm_band
+from dashpot.io.readers.relaxation import read_relaxation
+from dashpot.workflow.archive import from_json
 
 
 @pytest.mark.slow
@@ -18,9 +20,9 @@ def test_the_cold_test_answers_the_puzzle_without_the_hammer(tmp_path, seed):
     assert alone["predicted_damping"] / alone["measured_damping"] < 0.5
     assert cold["predicted_hz"] == pytest.approx(cold["measured_hz"], rel=0.01)
     assert cold["predicted_damping"] == pytest.approx(cold["measured_damping"], rel=0.1)
-    tests = [dp.read_relaxation(tmp_path / f"broad_{name}.csv") for name in ("relaxation", "cold")]
+    tests = [read_relaxation(tmp_path / f"broad_{name}.csv") for name in ("relaxation", "cold")]
     assert [test.specimen.temperature for test in tests] == [296.15, 273.15]
-    fit = dp.from_json(json.dumps(seal["cold"]["fit"]))
-    low, high = dp.unseen_arm_band(fit, tests, [12.71]).loss_factor[:, 0]
+    fit = from_json(json.dumps(seal["cold"]["fit"]))
+    low, high = unseen_arm_band(fit, tests, [12.71]).loss_factor[:, 0]
     assert low < 0.0561894 < high
     assert high / low < 1.3

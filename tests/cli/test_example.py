@@ -9,7 +9,12 @@ from kit.shell import ran, told
 
 import dashpot as dp
 from dashpot import workflow
+from dashpot.fitting.relaxation import fit as fit_tests
+from dashpot.io.readers.impact import read_impact
+from dashpot.io.readers.relaxation import read_relaxation
 from dashpot.solids.table_1 import BROAD
+from dashpot.vibration.impact.frf_estimation import estimate_frf
+from dashpot.workflow.study import characterise
 
 
 @pytest.fixture(scope="module")
@@ -39,10 +44,10 @@ def test_they_are_small_stamped_and_always_the_same(folder):
 
 
 def test_the_first_seal_is_the_one_that_was_simulated(folder):
-    test, hits = dp.read_relaxation(folder / "seal_8mm.csv"), dp.read_impact(folder / "hammer.csv")
+    test, hits = read_relaxation(folder / "seal_8mm.csv"), read_impact(folder / "hammer.csv")
     assert test.source.simulated
-    study = dp.characterise(
-        test, dp.estimate_frf(hits, mass=workflow.MASS), impact=hits, mass=workflow.MASS, seals=2
+    study = characterise(
+        test, estimate_frf(hits, mass=workflow.MASS), impact=hits, mass=workflow.MASS, seals=2
     )
     assert study.verdict.use == "use"
     assert study.joint_comparison.damping_ratio_error == pytest.approx(0, abs=0.02)
@@ -55,14 +60,14 @@ def test_the_first_seal_is_the_one_that_was_simulated(folder):
 
 def test_the_bad_tests_are_found_out(folder):
     with pytest.raises(dp.DataError, match="saturated"):
-        dp.fit(dp.read_relaxation(folder / "clipped.csv"))
-    short = dp.fit(dp.read_relaxation(folder / "short_hold.csv"))
+        fit_tests(read_relaxation(folder / "clipped.csv"))
+    short = fit_tests(read_relaxation(folder / "short_hold.csv"))
     assert short.verdict.use != "use"
 
 
 def test_three_depths_have_one_elastic_law(folder):
-    tests = [dp.read_relaxation(folder / f"depth_{depth}mm.csv") for depth in (4, 6, 8)]
-    fit = dp.fit(tests)
+    tests = [read_relaxation(folder / f"depth_{depth}mm.csv") for depth in (4, 6, 8)]
+    fit = fit_tests(tests)
     assert fit.verdict.use == "use"
     law = fit.elastic_law
     for x in (2e-3, 5e-3, 8e-3):

@@ -11,6 +11,8 @@ from kit.rubber import FOAM, MEMORY, RUBBER, at_rate
 
 import dashpot as dp
 from dashpot import workflow
+from dashpot.io.readers.inspect import inspect_file
+from dashpot.workflow.archive import from_json, to_json
 from dashpot.workflow.examples import EXAMPLES
 
 pytestmark = pytest.mark.once
@@ -44,9 +46,9 @@ def test_the_examples_end_to_end(tmp_path):
     assert told.stdout.startswith("Use: ")
     assert "dashpot export" in told.stderr
     assert "planar" in figure.read_text("utf-8")
-    found = dp.from_json(law.read_text("utf-8"))
+    found = from_json(law.read_text("utf-8"))
     assert isinstance(found, dp.HyperelasticFit)
-    assert dp.to_json(found) == law.read_text("utf-8").rstrip("\n")
+    assert to_json(found) == law.read_text("utf-8").rstrip("\n")
     assert found["C10"].low < 0.15e6 < found["C10"].high
     assert found["C01"].low < 0.05e6 < found["C01"].high
     stated = ["--temperature", "23degC", "--bulk-modulus", "2000MPa", "--unit-system", "mm-t-s"]
@@ -69,7 +71,7 @@ def test_stretch_or_strain_nominal_or_true_is_one_law(tmp_path, head, columns):
     file = table(tmp_path / "a.csv", head, *columns(X, RUBBER.nominal("uniaxial", X)))
     found = law_of(file, "--model", "mooney-rivlin")
     np.testing.assert_allclose(found["constants"], RUBBER.constants, rtol=1e-4)
-    assert dp.inspect_file(file).kind == "stress-strain"
+    assert inspect_file(file).kind == "stress-strain"
 
 
 def test_a_pressed_foam_is_one_law_whatever_the_signs(tmp_path):

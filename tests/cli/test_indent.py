@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from kit import contacts, shell
 
-import dashpot as dp
+from dashpot.io.readers.inspect import inspect_file
 from dashpot.workflow.examples import EXAMPLES
 
 pytestmark = pytest.mark.once
@@ -36,7 +36,7 @@ def hit():
 def test_the_example_end_to_end(tmp_path):
     path, figure = tmp_path / "hit.csv", tmp_path / "hit.svg"
     path.write_text(EXAMPLES["hit.csv"](), encoding="utf-8")
-    assert dp.inspect_file(path).kind == "indentation"
+    assert inspect_file(path).kind == "indentation"
     words = [path, *BALL, "--drop-height", "51mm"]
     found = json.loads(ran(*words, "--json", "--plot", figure).stdout)
     assert found["schema"] == "dashpot/indentation@1"

@@ -23,9 +23,11 @@ from dashpot.cli._grammar import verb
 from dashpot.cli._options import result as told
 from dashpot.cli._shell import Outcome
 from dashpot.cli._terminal import COLUMNS, LINES, shown, wrapped
+from dashpot.export import TARGETS
 from dashpot.records.fit import AtDepth
 from dashpot.told import text as text_of
 from dashpot.told.layout import Text
+from dashpot.workflow.archive import from_json, to_json
 
 STOP = Check("a_stop", False, "a stop; do that", grade="stop")
 LONG = Check("long_winded", False, "So much is to be said of it that it goes on. " * 12)
@@ -259,7 +261,7 @@ def test_nobody_listens_by_default():
 def fit_file(tmp_path_factory):
     path = tmp_path_factory.mktemp("fit") / "fit.json"
     # a band that reaches the peak of 104 g on two of these seals, at about 12.7 Hz
-    path.write_text(dp.to_json(altered(handmade.two_arms(), band=(0.004, 30.0), checks=())))
+    path.write_text(to_json(altered(handmade.two_arms(), band=(0.004, 30.0), checks=())))
     return path
 
 
@@ -268,9 +270,9 @@ def strict(*words):
 
 
 def narrowed(path, band):
-    fit = dp.from_json(path.read_text())
+    fit = from_json(path.read_text())
     beside = path.with_name(f"narrow{band[1]:g}.json")
-    beside.write_text(dp.to_json(altered(fit, band=band)))
+    beside.write_text(to_json(altered(fit, band=band)))
     return beside
 
 
@@ -284,9 +286,9 @@ def test_strict_predict_heeds_extrapolation(fit_file):
 
 
 def test_strict_predict_heeds_the_fit_behind_it(fit_file):
-    fit = dp.from_json(fit_file.read_text())
+    fit = from_json(fit_file.read_text())
     spoilt = fit_file.with_name("spoilt.json")
-    spoilt.write_text(dp.to_json(altered(fit, checks=(STOP,))))
+    spoilt.write_text(to_json(altered(fit, checks=(STOP,))))
     found = strict("predict", spoilt, "--mass", "104g", "--seals", 2)
     assert found.exit_code == 1
     assert found.stdout.startswith("Do not use: a stop; do that.")
@@ -309,12 +311,12 @@ def test_strict_export_heeds_rows_that_the_test_does_not_inform(fit_file, tmp_pa
 
 
 def test_the_arms_of_a_spoilt_fit_say_so_in_their_deck(fit_file):
-    spoilt = altered(dp.from_json(fit_file.read_text()), checks=(STOP,))
+    spoilt = altered(from_json(fit_file.read_text()), checks=(STOP,))
     specimen = dp.Specimen(temperature=296.15, length=0.1)
-    deck = dp.export.csv(spoilt, units="mm-t-s", form="arms", specimen=specimen)
+    deck = TARGETS["csv"](spoilt, units="mm-t-s", form="arms", specimen=specimen)
     assert deck.splitlines()[1] == "# DO NOT USE: A stop; do that."
     assert deck.verdict.use == "do not use"
-    bare_solid = dp.export.csv(spoilt.model, units="mm-t-s", form="arms")
+    bare_solid = TARGETS["csv"](spoilt.model, units="mm-t-s", form="arms")
     assert bare_solid.verdict is None
     assert "USE" not in bare_solid.splitlines()[1]
 

@@ -24,6 +24,8 @@ from dashpot.door.closing_record import (
 )
 from dashpot.door.record import Door, RigidPart, Support
 from dashpot.door.slam import SealDoubt, close_door, least_speed, scattered
+from dashpot.fitting.relaxation import fit as fit_tests
+from dashpot.preparation.prepare import prepare
 from dashpot.records.seal_line import SealLine, SealSection
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -379,7 +381,7 @@ def ramp_and_hold(fast, *, lag=0.0, seed=0):
 @pytest.mark.parametrize("lag", [-2e-3, 0.0, 2e-3])
 @pytest.mark.parametrize("fast", [(1e-3, 1e-3), (300.0, 1e-3), (150.0, 5e-3), (80.0, 12e-3)])
 def test_the_interval_holds_a_seal_whose_fast_arms_look_like_clocks(fast, lag):
-    fit = dp.fit(dp.prepare(ramp_and_hold(fast, lag=lag)), arms=2)
+    fit = fit_tests(prepare(ramp_and_hold(fast, lag=lag)), arms=2)
     per = K / 196.5
     felt = close_door(a_door(per * fit.model), speed=1.0, doubt=SealDoubt.of(fit))
     k, tau = (117.5, 17.8, fast[0]), (0.5021, 16.416, fast[1])
@@ -389,8 +391,8 @@ def test_the_interval_holds_a_seal_whose_fast_arms_look_like_clocks(fast, lag):
 
 
 def test_what_limits_no_fast_arm_leaves_the_least_speed_open():
-    test = dp.prepare(ramp_and_hold((150.0, 5e-3)))
-    held = SealDoubt.of(dp.fit(test, arms=2, method="hold"))
+    test = prepare(ramp_and_hold((150.0, 5e-3)))
+    held = SealDoubt.of(fit_tests(test, arms=2, method="hold"))
     assert held.delay == np.inf
     low, high = close_door(a_door(TABLE_1), speed=1.0, doubt=held).interval
     assert (low > 0.4, high) == (True, np.inf)
@@ -414,27 +416,27 @@ def a_file_door(**closing) -> Door:
 
 
 def test_a_door_of_a_file():
-    found = dp.close_door(a_file_door(), speed="1m/s")
+    found = dp.systems.close_door(a_file_door(), speed="1m/s")
     assert found.door.inertia == pytest.approx(10.08333, abs=1e-5)
     assert found.minimum == pytest.approx(0.328634, abs=1e-5)
     assert found.monotone
     flipped = a_file_door()
     flipped = replace(flipped, hinges=flipped.hinges[::-1])
-    assert dp.close_door(flipped).minimum == pytest.approx(found.minimum)
+    assert dp.systems.close_door(flipped).minimum == pytest.approx(found.minimum)
 
 
 def test_gravity_on_a_tilted_hinge():
     # the axis leans by 2 degrees towards the opening side: closing lifts or lowers the door
     lean = np.radians(2.0)
     door = a_file_door(gravity=(0.0, -np.cos(lean), np.sin(lean)), start=0.5)
-    found = dp.close_door(door, speed=2.0)
+    found = dp.systems.close_door(door, speed=2.0)
     drop = 25 * 9.80665 * 0.55 * np.sin(lean) * np.sin(0.5)
     assert abs(found.share(GRAVITY).work) == pytest.approx(drop, rel=1e-4)
-    other = dp.close_door(
+    other = dp.systems.close_door(
         a_file_door(gravity=(0.0, -np.cos(lean), -np.sin(lean)), start=0.5), speed=2.0
     )
     assert other.share(GRAVITY).work == pytest.approx(-found.share(GRAVITY).work, rel=1e-9)
-    upright = dp.close_door(a_file_door(gravity=(0.0, -1.0, 0.0), start=0.5), speed=2.0)
+    upright = dp.systems.close_door(a_file_door(gravity=(0.0, -1.0, 0.0), start=0.5), speed=2.0)
     assert upright.share(GRAVITY).work == pytest.approx(0.0, abs=1e-9)
 
 
@@ -457,9 +459,9 @@ def test_what_cannot_be_is_refused():
         lambda: march(a_door(vents=replace(VENTS, section=7e-5)), np.array([1.0])),
         lambda: replace(a_door(), inertia=0.0),
         lambda: replace(a_door(), lever=np.zeros(3)),
-        lambda: dp.close_door(Door(line=a_file_door().line)),
-        lambda: dp.close_door(replace(a_file_door(), rigid=None)),
-        lambda: dp.close_door(replace(a_file_door(), hinges=a_file_door().hinges[:1])),
+        lambda: dp.systems.close_door(Door(line=a_file_door().line)),
+        lambda: dp.systems.close_door(replace(a_file_door(), rigid=None)),
+        lambda: dp.systems.close_door(replace(a_file_door(), hinges=a_file_door().hinges[:1])),
     ):
         with pytest.raises(DataError):
             bad()

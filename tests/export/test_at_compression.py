@@ -10,6 +10,7 @@ from kit.fits import a_fit
 from kit.pictures import first
 
 import dashpot as dp
+from dashpot.export import TARGETS
 from dashpot.records.fit import Fit
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.table_1 import PAPER
@@ -42,13 +43,13 @@ def test_a_straight_law_changes_nothing() -> None:
 
 
 def test_a_deck_says_which_stiffness_it_holds() -> None:
-    secant = dp.export.csv(bent(), units="SI", allow=("all",))
+    secant = TARGETS["csv"](bent(), units="SI", allow=("all",))
     assert "elastic law: not straight; its tangent k_inf is 147.4 N/m at 0 m" in secant
     assert "feels the tangent there" in secant
-    tangent = dp.export.csv(bent().at_compression(2e-3), units="SI", allow=("all",))
+    tangent = TARGETS["csv"](bent().at_compression(2e-3), units="SI", allow=("all",))
     assert "tangent at 2 mm, 0.85 times the secant of fit" in tangent
     assert "elastic law" not in tangent
-    straight = dp.export.csv(a_fit(PAPER), units="SI", allow=("all",))
+    straight = TARGETS["csv"](a_fit(PAPER), units="SI", allow=("all",))
     assert "elastic law" not in straight
 
 

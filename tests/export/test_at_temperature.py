@@ -16,6 +16,7 @@ from dashpot.records.specimen import Specimen
 from dashpot.records.temperature import Shift, TemperatureShifts
 from dashpot.solids.table_1 import BROAD, SHIFT
 from dashpot.solids.temperature import Arrhenius, FreeShifts, TemperatureLaw
+from dashpot.workflow.archive import to_json
 
 ROOM = SHIFT.reference
 TESTED = (273.15, 283.15, ROOM)
@@ -183,7 +184,7 @@ def test_too_near_the_glass_is_refused():
 
 def test_the_command_asks_for_a_temperature(tmp_path):
     fit, deck = tmp_path / "fit.json", tmp_path / "a.inp"
-    fit.write_text(dp.to_json(moving()))
+    fit.write_text(to_json(moving()))
     words = ["export", fit, "--to", "abaqus", "--unit-system", "SI", "--seals", 2, "-o", deck]
     assert ran(*words, "--temperature", "-20degC").exit_code == 0
     text = deck.read_text()

@@ -18,14 +18,14 @@ from kit.fits import a_fit, altered
 from kit.fractional import SEAL
 from kit.levels import a_level_fit
 
-from dashpot import export
 from dashpot.base.checks import Check
 from dashpot.base.choices import DECKS as DECK_NAMES
 from dashpot.base.errors import ExportError
 from dashpot.base.provenance import Source
 from dashpot.base.status import Status
 from dashpot.base.version import __version__
-from dashpot.export import UNIT_SYSTEMS
+from dashpot.export import FORMS, NEEDS, SUFFIXES, TARGETS, UNIT_SYSTEMS
+from dashpot.export import deck as decks
 from dashpot.export.beside import CARRIERS
 from dashpot.export.notation import packed, text
 from dashpot.fitting.dynamic import fit_dynamic
@@ -42,9 +42,9 @@ SPECIMEN = Specimen(length=0.1, temperature=296.15)
 MATERIAL = {"modulus": 1e6, "bulk_modulus": 1e8, "density": 700.0}
 # every deck there is: target, form, and what a material card needs besides
 DECKS = [
-    (target, form, {name: MATERIAL[name] for name in export.NEEDS[target].get(form, ())})
-    for target in export.TARGETS
-    for form in export.FORMS[target]
+    (target, form, {name: MATERIAL[name] for name in NEEDS[target].get(form, ())})
+    for target in TARGETS
+    for form in FORMS[target]
 ]
 every_deck = pytest.mark.parametrize(
     ("target", "form", "extra"), DECKS, ids=[f"{target}-{form}" for target, form, _ in DECKS]
@@ -64,7 +64,7 @@ def fit(paper_seal) -> Fit:
 
 
 def write(target, solid, **arguments) -> str:
-    return export.TARGETS[target](solid, **{"units": "mm-t-s"} | arguments)
+    return TARGETS[target](solid, **{"units": "mm-t-s"} | arguments)
 
 
 # -- the header ------------------------------------------------------------------------------------
@@ -125,14 +125,14 @@ def test_a_file_name_cannot_break_out_of_its_comment(fit, sign):
 
 def test_extrapolated_rows_are_marked(fit):
     wide = altered(fit, band=(2.0, 20.0))
-    table = export.nastran(wide, units="mm-t-s")
+    table = TARGETS["nastran"](wide, units="mm-t-s")
     assert re.search(r"\$ EXTRAPOLATED: \d+ of \d+ rows, from 1 to 100 Hz", table)
-    connector = export.abaqus(wide, units="mm-t-s", form="connector").splitlines()
+    connector = TARGETS["abaqus"](wide, units="mm-t-s", form="connector").splitlines()
     at = {line: i for i, line in enumerate(connector)}
     assert "** EXTRAPOLATED" in at
     assert "** identified" in at
     rows = list(comma.DictReader(
-        line for line in export.csv(wide, units="mm-t-s").splitlines() if line[0] != "#"
+        line for line in TARGETS["csv"](wide, units="mm-t-s").splitlines() if line[0] != "#"
     ))  # fmt: skip
     for row in rows:
         inside = 2.0 <= float(row["frequency [Hz]"]) <= 20.0
@@ -230,7 +230,7 @@ def test_a_prony_series_cannot_hold_a_dashpot(paper_seal, target, extra):
 @every_deck
 def test_bad_choices(paper_seal, target, form, extra):
     choices = {
-        "no unit system is given; add --units, one of SI, mm-t-s, mm-kg-ms": {"units": None},
+        "no unit system is given; add --unit-system, one of SI, mm-t-s, mm-kg-ms": {"units": None},
         "'inch' is no unit system": {"units": "inch"},
         "'everything' is nothing that could be allowed": {"allow": ("everything",)},
         "has no form 'poem'; expected one of": {"form": "poem"},
@@ -249,26 +249,26 @@ def test_nothing_is_nothing_to_write(target, form, extra):
 @pytest.mark.parametrize(
     ("call", "sentence"),
     [
-        (lambda s: export.radioss(s, units="SI"), "needs the instantaneous shear modulus"),
-        (lambda s: export.lsdyna(s, units="SI", form="prony"), "needs the instantaneous shear"),
+        (lambda s: TARGETS["radioss"](s, units="SI"), "needs the instantaneous shear modulus"),
+        (lambda s: TARGETS["lsdyna"](s, units="SI", form="prony"), "needs the instantaneous shear"),
         (
-            lambda s: export.lsdyna(s, units="SI", form="prony", modulus=1e6),
+            lambda s: TARGETS["lsdyna"](s, units="SI", form="prony", modulus=1e6),
             "needs --bulk-modulus, such as 2000MPa, and --density",
         ),
-        (lambda s: export.lsdyna(s, units="SI", modulus=1e6), "belong to the material card"),
+        (lambda s: TARGETS["lsdyna"](s, units="SI", modulus=1e6), "belong to the material card"),
         (
-            lambda s: export.lsdyna(
+            lambda s: TARGETS["lsdyna"](
                 GeneralizedMaxwell(1.0, (1.0,) * 18, tuple(range(1, 19))),
                 units="SI", form="prony", **MATERIAL,
             ),
             "holds 18 terms, found 19",
         ),
         (
-            lambda s: export.adams(GeneralizedMaxwell(0.0, (1.0,), (1.0,)), units="SI"),
+            lambda s: TARGETS["adams"](GeneralizedMaxwell(0.0, (1.0,), (1.0,)), units="SI"),
             "needs a static stiffness",
         ),
-        (lambda s: export.calculix(s, units="SI", mass=0.0), "mass = 0.0 kg"),
-        (lambda s: export.calculix(s, units="SI", frequency_range=(5, 1)), "0 < low < high"),
+        (lambda s: TARGETS["calculix"](s, units="SI", mass=0.0), "mass = 0.0 kg"),
+        (lambda s: TARGETS["calculix"](s, units="SI", frequency_range=(5, 1)), "0 < low < high"),
     ],
 )  # fmt: skip
 def test_what_single_targets_refuse(paper_seal, call, sentence):
@@ -285,17 +285,17 @@ def golden_decks(fit: Fit) -> dict[str, str]:
         options = dict(extra)
         if "table" in form or form in ("connector", "frequency"):
             options |= {"tolerance": 0.01, "frequency_range": (1.0, 30.0)}
-        name = f"{target}-{form}.{export.SUFFIXES[target]}"
+        name = f"{target}-{form}.{SUFFIXES[target]}"
         decks[name] = write(target, fit, form=form, **options)
-    decks["calculix-response.inp"] = export.calculix(
+    decks["calculix-response.inp"] = TARGETS["calculix"](
         fit, units="mm-t-s", mass=0.05202, frequency_range=(1.0, 30.0), points=100
     )
-    decks["nastran-line.bdf"] = export.nastran(
+    decks["nastran-line.bdf"] = TARGETS["nastran"](
         fit, units="mm-t-s", tolerance=0.01, frequency_range=(1.0, 30.0),
         line=SealLine([(0, 0, 0), (0.5, 0, 0), (0.5, 0.25, 0)]).stations(0.25),
     )  # fmt: skip
     for target in CARRIERS:
-        decks[f"{target}-levels.{export.SUFFIXES[target]}"] = write(target, a_level_fit())
+        decks[f"{target}-levels.{SUFFIXES[target]}"] = write(target, a_level_fit())
     return decks
 
 
@@ -338,7 +338,7 @@ def stiffness(arms, k_inf, b=0.0):
 def test_lsdyna_arms(solid):
     """k(t) = ki + (k0 - ki) exp(-beta t) on each *MAT_SPRING_MAXWELL, fields of ten columns."""
     solid = solid + GeneralizedMaxwell(0.0, b=7.0)
-    lines = export.lsdyna(solid, units="SI").splitlines()
+    lines = TARGETS["lsdyna"](solid, units="SI").splitlines()
     cards = {
         keyword: [
             [float(lines[i + 1][a : a + 10]) for a in range(0, len(lines[i + 1]), 10)]
@@ -359,7 +359,7 @@ def test_lsdyna_arms(solid):
 
 def test_lsdyna_pulls_along_a_vector_that_does_not_turn(paper_seal):
     """As the manual lays it out: IOP 0 and a vector; VID in the fifth field of eight columns."""
-    lines = export.lsdyna(paper_seal, units="SI").splitlines()
+    lines = TARGETS["lsdyna"](paper_seal, units="SI").splitlines()
     vector = lines[lines.index("*DEFINE_SD_ORIENTATION") + 2]
     assert [float(vector[i : i + 10]) for i in range(0, 70, 10)] == [1, 0, 1, 0, 0, 0, 0]
     elements = [lines[i + 1] for i, line in enumerate(lines) if line == "*ELEMENT_DISCRETE"]
@@ -369,7 +369,7 @@ def test_lsdyna_pulls_along_a_vector_that_does_not_turn(paper_seal):
 @given(solids)
 def test_ansys_arms(solid):
     """Each real constant set is an element; arms are two of them through a node of their own."""
-    lines = export.ansys(solid, units="SI").splitlines()
+    lines = TARGETS["ansys"](solid, units="SI").splitlines()
     K, C, ends = [], [], []
     for i, line in enumerate(lines):
         if line.startswith("R,"):
@@ -393,18 +393,18 @@ def test_ansys_arms(solid):
 def test_prony_cards_hold_the_same_series(solid):
     if 1 - solid.k_inf / solid.k_0 > 1 - 1e-9:
         solid = solid + GeneralizedMaxwell(solid.k_0)
-    rows = export.abaqus(solid, units="SI", form="prony").splitlines()
+    rows = TARGETS["abaqus"](solid, units="SI", form="prony").splitlines()
     rows = rows[rows.index("*VISCOELASTIC, TIME=PRONY") + 1 :]
     abaqus = [tuple(numbers(row)) for row in rows]
     assert all(g == k for g, k, _ in abaqus)
     ansys = [
         value
-        for line in export.ansys(solid, units="SI", form="prony").splitlines()
+        for line in TARGETS["ansys"](solid, units="SI", form="prony").splitlines()
         if line.startswith("TBDATA")
         for value in numbers(line[7:])[1:]
     ]
     assert np.array(ansys).reshape(-1, 2).tolist() == [[g, tau] for g, _, tau in abaqus]
-    radioss = export.radioss(solid, units="SI", modulus=1.0).splitlines()
+    radioss = TARGETS["radioss"](solid, units="SI", modulus=1.0).splitlines()
     start = radioss.index("#                G_i              beta_i") + 1
     pairs = [(float(row[:20]), 1 / float(row[20:40])) for row in radioss[start:]]
     for found in ([(g, tau) for g, _, tau in abaqus], pairs):
@@ -416,17 +416,17 @@ def test_prony_cards_hold_the_same_series(solid):
 
 def test_table_1_as_a_prony_series(paper_seal):
     """g = 0.354129, 0.053647; beta = 1.991525, 0.0609172 1/s."""
-    deck = export.abaqus(paper_seal, units="mm-t-s", form="prony")
+    deck = TARGETS["abaqus"](paper_seal, units="mm-t-s", form="prony")
     assert "\n0.354128993" in deck
     assert "\n0.053646775" in deck
-    maxwell = export.lsdyna(paper_seal, units="mm-t-s")
+    maxwell = TARGETS["lsdyna"](paper_seal, units="mm-t-s")
     assert "1.9915254" in maxwell
     assert ".06091718" in maxwell
 
 
 @given(solids)
 def test_transfer_function(solid):
-    deck = export.adams(solid, units="SI")
+    deck = TARGETS["adams"](solid, units="SI")
     parts = re.split(r"^\[(\w+)\].*$", deck, flags=re.MULTILINE)
     block = {name: numbers(body) for name, body in zip(parts[1::2], parts[2::2], strict=True)}
     s = 1j * OMEGA
@@ -447,7 +447,7 @@ def test_state_space(solid):
     solid = solid + GeneralizedMaxwell(0.0, b=2.0)
     rows = {
         line[0]: np.array(numbers(line[1:]))
-        for line in export.statespace(solid, units="SI").splitlines()
+        for line in TARGETS["statespace"](solid, units="SI").splitlines()
         if line[1:3] == " ="
     }
     s = 1j * OMEGA[:, None]
@@ -458,7 +458,7 @@ def test_state_space(solid):
 @pytest.mark.parametrize("units", list(UNIT_SYSTEMS))
 def test_comma_separated_values(paper_seal, units):
     system = UNIT_SYSTEMS[units]
-    lines = export.csv(paper_seal, units=units).splitlines()
+    lines = TARGETS["csv"](paper_seal, units=units).splitlines()
     assert not any(line[0] in "=+-@" for line in lines)
     text = "\n".join(line for line in lines if not line.startswith("#"))
     for row in list(comma.reader(io.StringIO(text)))[1:]:
@@ -483,7 +483,7 @@ def test_units_are_consistent():
 
 
 def test_connector_rows_read_back(paper_seal):
-    lines = export.abaqus(paper_seal, units="mm-t-s", form="connector").splitlines()
+    lines = TARGETS["abaqus"](paper_seal, units="mm-t-s", form="connector").splitlines()
     start = lines.index("*CONNECTOR ELASTICITY, COMPONENT=1")
     middle = lines.index("*CONNECTOR DAMPING, COMPONENT=1, TYPE=STRUCTURAL")
     K = np.array([numbers(line) for line in lines[start + 1 : middle]])
@@ -504,14 +504,12 @@ def test_every_deck_has_its_row_in_the_documents():
 
 
 def test_every_file_of_a_deck_is_offered():
-    files = {path.stem for path in Path(export.__file__).with_name("decks").glob("*.py")}
-    assert files - {"__init__"} == set(DECK_NAMES) == set(export.TARGETS)
+    files = {path.stem for path in Path(decks.__file__).with_name("decks").glob("*.py")}
+    assert files - {"__init__"} == set(DECK_NAMES) == set(TARGETS)
 
 
 def test_forms_and_targets_are_the_same_list():
-    assert set(export.FORMS) == set(export.TARGETS)
-    for name, function in export.TARGETS.items():
-        assert getattr(export, name) is function
+    assert set(FORMS) == set(TARGETS)
 
 
 def test_a_material_goes_into_material_cards_only():
@@ -521,8 +519,8 @@ def test_a_material_goes_into_material_cards_only():
     fit = fit_dynamic(DynamicTest(omega / (2 * np.pi), K.real, K.imag, units="SI"), arms=1)
     assert fit.unit == "Pa"
     with pytest.raises(ExportError, match=r"springs and dashpots are in N/m.*--form prony"):
-        export.nastran(fit, units="SI", allow=("all",))
-    assert "TB,PRONY" in export.ansys(fit, units="SI", allow=("all",), form="prony")
+        TARGETS["nastran"](fit, units="SI", allow=("all",))
+    assert "TB,PRONY" in TARGETS["ansys"](fit, units="SI", allow=("all",), form="prony")
 
 
 @every_deck
@@ -540,7 +538,7 @@ def test_a_solid_that_is_no_sum_of_arms_is_written_by_the_arms_that_stand_for_it
 
 
 def test_a_table_is_of_the_solid_itself_not_of_its_arms():
-    rows = [row for row in export.csv(SEAL, units="SI").splitlines() if row[0].isdigit()]
+    rows = [row for row in TARGETS["csv"](SEAL, units="SI").splitlines() if row[0].isdigit()]
     f, storage, loss = np.array([numbers(row)[:3] for row in rows]).T
     exact = SEAL.complex_stiffness(omega=2 * np.pi * f)
     assert storage + 1j * loss == pytest.approx(exact, rel=1e-9)
@@ -556,7 +554,7 @@ def test_numbers_that_no_seal_has_are_refused(target, form, extra, size):
         GeneralizedMaxwell(1.0, (1.0,), (size,)),
     ):
         with pytest.raises(ExportError, match="a deck holds 0 or numbers from 1e-30"):
-            export.TARGETS[target](solid, units="SI", form=form, **extra)
+            TARGETS[target](solid, units="SI", form=form, **extra)
 
 
 @pytest.mark.parametrize("value", [math.inf, -math.inf, math.nan])

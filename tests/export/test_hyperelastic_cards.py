@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from kit.rubber import MEMORY, loaded
 
-from dashpot import export
 from dashpot.base.errors import ExportError
+from dashpot.export import deck_for, hyperelastic_card
 from dashpot.kinds.hyperelastic.fit import fit_hyperelastic
 from dashpot.solids.hyperelastic import SHEARING, Hyperelastic
 
@@ -42,7 +42,7 @@ def fitted(name):
 def card(target, name, fit=None, **words):
     bulk = {} if name == "hyperfoam" else {"bulk_modulus": K}
     density = {"density": 1200.0} if target == "lsdyna" else {}
-    return export.deck_for(
+    return deck_for(
         target, fit or fitted(name), units="mm-t-s", **bulk, **density, **words
     )  # fmt: skip
 
@@ -148,7 +148,7 @@ def test_a_foam_without_swelling_is_no_division_by_zero():
 @pytest.mark.parametrize(
     ("words", "says"),
     [
-        ({"units": None, "bulk_modulus": K}, "--units"),
+        ({"units": None, "bulk_modulus": K}, "--unit-system"),
         ({}, "--bulk-modulus"),
         ({"bulk_modulus": K, "temperature": None, "cold": True}, "--temperature 23degC"),
         ({"bulk_modulus": K, "seals": 2.0}, "no --seals"),
@@ -161,17 +161,17 @@ def test_what_a_card_lacks_is_asked_for(words, says):
     fit = fitted("mooney-rivlin")
     fit = replace(fit, temperature=None) if words.pop("cold", False) else fit
     with pytest.raises(ExportError, match=says):
-        export.deck_for("abaqus", fit, **{"units": "SI", **words})
+        deck_for("abaqus", fit, **{"units": "SI", **words})
 
 
 def test_others_are_refused():
     for target, says in (("nastran", "abaqus, calculix, ansys"), ("lsdyna", "--density")):
         with pytest.raises(ExportError, match=says):
-            export.hyperelastic_card(
+            hyperelastic_card(
                 target, fitted("yeoh"), units="SI", bulk_modulus=K
             )  # fmt: skip
     with pytest.raises(ExportError, match="Poisson's ratio says"):
-        export.hyperelastic_card("abaqus", fitted("hyperfoam"), units="SI", bulk_modulus=K)
+        hyperelastic_card("abaqus", fitted("hyperfoam"), units="SI", bulk_modulus=K)
 
 
 # -- CalculiX -------------------------------------------------------------------------------------

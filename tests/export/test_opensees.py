@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from kit.solvers import PULSE, run_opensees
 
-from dashpot import export
+from dashpot.export import TARGETS
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.systems.bodies import Mount, point_mass
 from dashpot.vibration.systems.state_space import respond
@@ -17,7 +17,7 @@ from dashpot.vibration.systems.system import System
 def test_ramp_and_hold_is_equation_5(paper_seal, b):
     """8 mm in 1 s, held 40 s: the force within 1e-5 of the largest, every 10 ms."""
     model = paper_seal + GeneralizedMaxwell(0.0, b=b)
-    deck = export.opensees(model, units="mm-t-s", first_tag=5)
+    deck = TARGETS["opensees"](model, units="mm-t-s", first_tag=5)
     material = 5 + 3 + (b > 0)
     dt, steps = 0.01, 4100
     force = run_opensees(
@@ -45,7 +45,7 @@ def test_a_struck_block_moves_as_ours_does(paper_seal):
         pulse = {"path_time": [0.0, 0.005, 0.01, 10.0], "path_value": [0.0, 2.0, 0.0, 0.0]}
         moved = run_opensees(
             {
-                "deck": export.opensees(paper_seal, units="SI"), "material": 4, "mass": mass,
+                "deck": TARGETS["opensees"](paper_seal, units="SI"), "material": 4, "mass": mass,
                 "dt": dt, "steps": len(t) - 1,
             } | pulse,
             script=PULSE,
@@ -60,8 +60,8 @@ def test_a_struck_block_moves_as_ours_does(paper_seal):
 
 def test_python_and_tcl_say_the_same(paper_seal):
     model = paper_seal + GeneralizedMaxwell(0.0, b=2.0)
-    python = export.opensees(model, units="SI", form="python").splitlines()
-    tcl = export.opensees(model, units="SI", form="tcl").splitlines()
+    python = TARGETS["opensees"](model, units="SI", form="python").splitlines()
+    tcl = TARGETS["opensees"](model, units="SI", form="tcl").splitlines()
     calls = [line for line in python if line.startswith("ops.")]
     commands = [line for line in tcl if not line.startswith("#")]
     words = [

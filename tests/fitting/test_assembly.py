@@ -22,7 +22,9 @@ from dashpot.fitting.assembly import (
     provenance_of,
 )
 from dashpot.fitting.checks.solid import arms_supported, optimum_found
+from dashpot.fitting.relaxation import fit as fit_tests
 from dashpot.preparation.checks import force_relaxes
+from dashpot.preparation.prepare import prepare
 from dashpot.records.estimate import Nuisance
 from dashpot.records.fit import Evidence, Provenance
 from dashpot.records.relaxation import RampHold
@@ -95,7 +97,7 @@ def test_a_fit_ends_as_its_optimum_and_its_checks_say(
 def rising(kelvin: float | None = None) -> RampHold:
     """A prepared test whose force climbs back in the hold, as no relaxing solid's does."""
     rig, seed = Rig(rate=100), int(kelvin or 0)
-    made = dp.prepare(simulate_relaxation(PAPER, hold_time=10.0, rig=rig, seed=seed).test)
+    made = prepare(simulate_relaxation(PAPER, hold_time=10.0, rig=rig, seed=seed).test)
     more = 0.2 * made.force.max() * np.clip((made.time - made.ramp_end) / 5, 0, 1)
     specimen = replace(made.specimen, temperature=kelvin)
     return replace(made, force=made.force + more, specimen=specimen)
@@ -104,9 +106,9 @@ def rising(kelvin: float | None = None) -> RampHold:
 @pytest.mark.parametrize(
     "fit",
     [
-        pytest.param(lambda: dp.fit(rising()), id="linear"),
-        pytest.param(lambda: dp.fit(rising(), law="nonlinear"), id="bent"),
-        pytest.param(lambda: dp.fit([rising(296.0), rising(283.0)], arms=1), id="temperatures"),
+        pytest.param(lambda: fit_tests(rising()), id="linear"),
+        pytest.param(lambda: fit_tests(rising(), law="nonlinear"), id="bent"),
+        pytest.param(lambda: fit_tests([rising(296.0), rising(283.0)], arms=1), id="temperatures"),
     ],
 )
 def test_a_force_that_rises_ends_every_fit_of_it(fit: Callable[[], dp.Fit]):

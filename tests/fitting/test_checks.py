@@ -50,7 +50,9 @@ def named(found: Fit, name: str) -> Check:
 
 def test_a_sound_test_passes(test: RampHold) -> None:
     found = fit(test)
-    assert [check.name for check in found.checks if check.failed] == []
+    # a machine of which nothing is known leaves the end of the hold open by some per cent
+    assert [check.name for check in found.checks if check.failed] == ["hold_long_enough"]
+    assert found.verdict.use == "use"
     assert len({check.name for check in found.checks}) == len(found.checks)
     assert all(check.says for check in found.checks)
     longer = record_of(GeneralizedMaxwell(196.5, (117.5, 17.8), (0.5, 10.0)))
@@ -61,8 +63,8 @@ def test_a_clipped_force(test: RampHold) -> None:
     found = fit(replace(test, force=np.minimum(test.force, 1.9)), arms=2)
     check = named(found, "force_not_clipped")
     assert check.failed
-    assert "stand at exactly 1.9 N" in check.says
-    assert "raise the range of the sensor" in check.says
+    assert "is clipped at 1.9 N" in check.says
+    assert "Use a larger range of the sensor" in check.told
     assert not found.ok
     assert record_checks.force_not_clipped(test).passed
     spring = record_of(GeneralizedMaxwell(200.0), noise=0.0)
@@ -77,7 +79,7 @@ def test_a_force_below_the_resolution(test: RampHold) -> None:
     assert check.failed
     assert check.value is not None
     assert check.value < 20
-    assert "cannot show a decay: press deeper" in check.says
+    assert "cannot show a decay. Press deeper" in check.told
     fine = record_checks.force_resolved(np.round(test.force * 1280) / 1280)
     assert fine.passed
     assert fine.value == pytest.approx(np.ptp(test.force) * 1280, rel=0.01)
@@ -88,7 +90,7 @@ def test_a_coarse_encoder_widens_the_intervals(paper_seal: GeneralizedMaxwell) -
     coarse = replace(test, displacement=np.round(test.displacement / 2e-4) * 2e-4)
     check = named(fit(coarse, arms=2), "depth_resolved")
     assert check.failed
-    assert "use a finer encoder" in check.says
+    assert "Use a finer encoder" in check.told
     sharp, blunt = fit(test, arms=2).standard_error, fit(coarse, arms=2).standard_error
     assert blunt["k_inf"] > 2 * sharp["k_inf"]
     assert blunt["k_inf"] == pytest.approx(
@@ -103,14 +105,14 @@ def test_a_plate_that_creeps(test: RampHold) -> None:
     creeping = replace(test, displacement=test.displacement * (1 + 1e-3 * test.time.clip(0)))
     check = named(fit(creeping, arms=2), "hold_is_still")
     assert check.passed  # the recorded motion is fitted
-    assert "the fit uses the recorded motion" in check.says
+    assert "The fit uses the recorded motion" in check.says
     assert record_checks.hold_is_still(creeping, method="hold").failed
 
 
 def test_a_hold_too_short_for_the_ramp(paper_seal: GeneralizedMaxwell) -> None:
     check = named(fit(record_of(paper_seal, hold=6.0), arms=1), "hold_outlasts_ramp")
     assert check.failed
-    assert "hold longer or ramp faster" in check.says
+    assert "Hold longer, or ramp faster." in check.told
 
 
 def test_a_hold_too_short_for_the_slowest_arm(paper_seal: GeneralizedMaxwell) -> None:
@@ -119,14 +121,14 @@ def test_a_hold_too_short_for_the_slowest_arm(paper_seal: GeneralizedMaxwell) ->
     assert check.failed
     # 17.8 N/m at 16.4 s fall by 1/e of it per factor e of time, and a drift may add to it
     assert 17.8 * np.exp(-1) / 203 < check.value < 0.05
-    assert "k_inf rests on extrapolation" in check.says
+    assert "k_inf is extrapolated" in check.says
     assert named(fit(record_of(paper_seal, hold=15.0), arms=1), "hold_long_enough").failed
 
 
 def test_a_ramp_with_too_few_samples(paper_seal: GeneralizedMaxwell) -> None:
     check = named(fit(record_of(paper_seal, rate=5.0), arms=1), "ramp_sampled")
     assert check.failed
-    assert "an arm as fast as the ramp cannot be told: sample faster" in check.says
+    assert "An arm as fast as the ramp cannot be seen. Sample faster." in check.told
 
 
 def test_a_force_that_rises_is_not_fitted_silently(test: RampHold) -> None:
@@ -135,8 +137,8 @@ def test_a_force_that_rises_is_not_fitted_silently(test: RampHold) -> None:
         found = fit(swelling, method=method)  # type: ignore[arg-type]
         assert found.status is Status.FORCE_RISES
         assert not found.ok
-        assert "no relaxing solid does that" in named(found, "force_relaxes").says
-        assert "no relaxing solid does that" in found.status.value
+        assert "No relaxing part does that" in named(found, "force_relaxes").says
+        assert "no relaxing part does that" in found.status.value
 
 
 def test_a_drift_of_the_rig_is_no_rise(test: RampHold) -> None:
@@ -160,7 +162,7 @@ def test_arms_that_merge() -> None:
     assert found.model.arms == 2
     check = named(found, "arms_distinct")
     assert check.failed
-    assert "cannot tell two arms from one: fit 1 arm" in check.says
+    assert "cannot separate two arms. Use 1 arm." in check.told
 
 
 def test_more_arms_than_the_data_support(test: RampHold) -> None:
@@ -169,8 +171,8 @@ def test_more_arms_than_the_data_support(test: RampHold) -> None:
     check = named(found, "arms_supported")
     if found.model.arms > 2:
         assert check.failed
-        assert "cannot be told from noise" in check.says
-        assert "fit fewer arms" in check.says
+        assert "cannot be separated from noise" in check.says
+        assert "Use fewer arms" in check.told
 
 
 def test_an_arm_slower_than_the_hold() -> None:
@@ -187,17 +189,17 @@ def test_a_seal_that_flows_has_no_equilibrium() -> None:
     found = fit(record_of(fluid), arms=1)
     check = named(found, "k_inf_positive")
     assert check.failed
-    assert "not told from zero" in check.says
+    assert "It may be zero" in check.says
     assert found.status is not Status.CONVERGED
 
 
 def test_a_curve_left_in_the_residuals(test: RampHold) -> None:
     check = named(fit(test, arms=1), "residuals_random")
     assert check.failed
-    assert "the model misses part of the curve" in check.says
+    assert "The model misses part of the curve" in check.says
     smooth = np.convolve(np.random.default_rng(1).standard_normal(len(test.time) + 80), np.ones(81))
     filtered = replace(test, force=test.force + 1e-3 * smooth[80:-80], force_noise=1e-2)
-    assert "filtered or drifts" in named(fit(filtered, arms=2), "residuals_random").says
+    assert "was filtered, or drifts" in named(fit(filtered, arms=2), "residuals_random").says
 
 
 def test_slow_wandering_cannot_be_told_from_an_arm(test: RampHold) -> None:
@@ -206,7 +208,7 @@ def test_slow_wandering_cannot_be_told_from_an_arm(test: RampHold) -> None:
     found = fit(replace(test, force=test.force + 1e-3 * walk), arms=2)
     check = named(found, "residuals_steady")
     assert check.failed
-    assert "no fit can tell that from a slow arm" in check.says
+    assert "The force wanders slowly" in check.says
     assert named(fit(test, arms=2), "residuals_steady").passed
 
 
@@ -221,7 +223,7 @@ def test_an_arm_lost_in_the_ramp() -> None:
     quick = GeneralizedMaxwell(196.5, (150.0, 20.0), (0.03, 5.0))
     check = named(fit(record_of(quick, rate=1000.0, noise=1e-3), arms=2), "fast_arm_visible")
     assert check.failed
-    assert "only its b = k tau is seen" in check.says
+    assert "Only the product b = k tau is known" in check.says
 
 
 def test_drift_that_hides_a_slow_arm() -> None:
@@ -229,25 +231,25 @@ def test_drift_that_hides_a_slow_arm() -> None:
     loose = replace(record_of(slow, noise=2e-2), machine=Machine(drift=1.0))
     check = named(fit(loose, arms=1), "drift_told_from_arm")
     assert check.failed
-    assert "record a baseline before contact" in check.says
+    assert "Record a longer baseline before contact" in check.told
     without = named(fit(record_of(slow), arms=1, method="hold"), "drift_told_from_arm")
     assert without.passed is None
-    assert "no drift is fitted" in without.says
+    assert "No drift is fitted" in without.says
 
 
 def test_rules_that_disagree_say_so() -> None:
     agreed = solid.order_agreed(Choice(2, 2, 2))
     assert agreed.passed
-    assert agreed.says == "both rules choose 2 arms"
+    assert agreed.says == "Both rules choose 2 arms."
     torn = solid.order_agreed(Choice(1, 3, 1))
     assert torn.failed
-    assert "BIC supports 3 arms, the significance of k and tau supports 1 arm; 1 arm" in torn.says
+    assert "BIC supports 3 arms, the significance of k and tau 1 arm; 1 arm taken" in torn.says
 
 
 def test_a_choice_at_the_end_of_what_was_tried_says_so(test: RampHold) -> None:
     check = named(fit(test, max_arms=1), "order_agreed")
     assert check.failed
-    assert "that is the most that was tried: ask for more than 1" in check.says
+    assert "That is the most that was tried. Ask for more than 1 arms." in check.told
     assert named(fit(test), "order_agreed").passed
 
 
@@ -259,7 +261,7 @@ def test_eq_5_and_the_recorded_motion_disagree(test: RampHold) -> None:
     found = fit(replace(test, displacement=eased, force=seal.force(test.time, eased)), arms=2)
     check = named(found, "hold_and_full_agree")
     assert check.failed
-    assert "trust the recorded motion" in check.says
+    assert "Use the fit of ramp and hold" in check.told
     assert found.model.k[0] == pytest.approx(117.5, rel=1e-5)
     assert named(fit(test, arms=2), "hold_and_full_agree").passed
 
@@ -269,7 +271,7 @@ def test_the_worst_of_several_tests_speaks(test: RampHold, paper_seal: Generaliz
     clipped = replace(again, force=np.minimum(again.force, 1.9))
     check = named(fit([test, clipped], arms=2), "force_not_clipped")
     assert check.failed
-    assert check.says.startswith("test 2 of 2: ")
+    assert check.says.startswith("In test 2 of 2, the force is clipped")
 
 
 def test_a_test_of_nothing_but_noise_informs_no_frequency(test: RampHold) -> None:
@@ -277,6 +279,9 @@ def test_a_test_of_nothing_but_noise_informs_no_frequency(test: RampHold) -> Non
     found = fit(replace(test, force=noise, force_noise=1.0))
     check = named(found, "frequencies_informed")
     assert check.failed
-    assert "reduce the noise, press deeper or hold longer" in check.says
+    assert "Reduce the noise, press deeper, or hold longer." in check.told
     assert found.band[0] == found.band[1]
-    assert "this test informs 0.004 to 0.32 Hz" in named(fit(test), "frequencies_informed").says
+    assert (
+        "The valid band of this test is 0.004 to 0.32 Hz"
+        in named(fit(test), "frequencies_informed").says
+    )

@@ -11,7 +11,11 @@ from kit import cold
 
 import dashpot as dp
 from dashpot.base.errors import DataError, FitError
+from dashpot.fitting.compliance import measured_compliance
+from dashpot.fitting.relaxation import fit
 from dashpot.fitting.uncertainty.load_error import felt
+from dashpot.io.readers.creep import read_creep
+from dashpot.io.readers.inspect import inspect_file
 from dashpot.preparation.creep import load_hold
 from dashpot.records.creep import CreepCompliance, CreepTest
 from dashpot.solids.interconversion import (
@@ -23,6 +27,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.networks import creep_of, from_creep
 from dashpot.solids.table_1 import PAPER
 from dashpot.workflow import fit_files
+from dashpot.workflow.archive import from_json, to_json
 
 T1 = creep_of(PAPER)
 
@@ -65,7 +70,7 @@ def test_displacement_is_the_inverse_of_force() -> None:
 
 
 def test_without_noise_the_fit_is_the_seal_to_rounding() -> None:
-    found = dp.fit(record())
+    found = fit(record())
     assert found.ok
     assert found.method == "creep"
     assert found.creep is not None
@@ -106,7 +111,7 @@ def test_the_sensitivity_is_the_derivative_of_the_interconversion(creep: CreepSp
 
 def test_a_part_that_flows_is_said_to_flow() -> None:
     fluid = CreepSpectrum(2e-3, (1e-3,), (0.8,), 4e-5)
-    found = dp.fit(record(fluid, noise=1e-6))
+    found = fit(record(fluid, noise=1e-6))
     assert found.creep is not None
     assert found.creep.spectrum.flow == pytest.approx(4e-5, rel=1e-2)
     assert found.model.k_inf == 0
@@ -119,7 +124,7 @@ def test_a_part_that_flows_is_said_to_flow() -> None:
 
 def test_a_solid_cut_short_says_that_its_end_is_open() -> None:
     slow = CreepSpectrum(2e-3, (1e-3, 2e-3), (0.8, 60.0))
-    found = dp.fit(record(slow, noise=1e-6))
+    found = fit(record(slow, noise=1e-6))
     checks = {check.name: check for check in found.checks}
     assert checks["creep_finished"].failed or checks["flow_told"].failed
     assert found.verdict.use != "use"
@@ -127,7 +132,7 @@ def test_a_solid_cut_short_says_that_its_end_is_open() -> None:
 
 def test_a_step_at_the_first_sample_needs_no_baseline() -> None:
     time = np.arange(0.0, 40.0, 0.01)
-    found = dp.fit(CreepTest(time, T1.compliance(time), np.ones(len(time)), units="SI"))
+    found = fit(CreepTest(time, T1.compliance(time), np.ones(len(time)), units="SI"))
     assert found.model.k == pytest.approx(PAPER.k, rel=1e-6)
     checks = {check.name: check for check in found.checks}
     assert checks["load_begins_at_rest"].failed
@@ -138,7 +143,7 @@ def test_a_recovery_is_part_of_the_history() -> None:
     load = np.interp(time, [0, 1, 30, 31], [0, 1, 1, 0])
     x = ramped(time) - ramped(time - 30)
     random = np.random.default_rng(0)
-    found = dp.fit(CreepTest(time, x + 2e-6 * random.standard_normal(len(x)), load, units="SI"))
+    found = fit(CreepTest(time, x + 2e-6 * random.standard_normal(len(x)), load, units="SI"))
     assert found.model.tau == pytest.approx(PAPER.tau, rel=5e-3)
     assert found.verdict.use == "use"
 
@@ -149,7 +154,7 @@ def test_signs_and_zeros_do_not_matter(sign: int, shift: float) -> None:
     turned = CreepTest(
         test.time, sign * test.displacement + shift, -sign * test.force - 0.3, units="SI"
     )
-    found = dp.fit(turned)
+    found = fit(turned)
     assert found.model.k_inf == pytest.approx(PAPER.k_inf, rel=1e-6)
     assert load_hold(turned).preload == pytest.approx(0.3 * sign)
 
@@ -161,7 +166,7 @@ def test_proportion_is_judged_between_levels_of_load() -> None:
     random = np.random.default_rng(0)
     for bend, failed in ((0.0, False), (0.1, True)):
         x = straight * (1 - bend * straight / straight.max())
-        found = dp.fit(
+        found = fit(
             CreepTest(time, x + 2e-6 * random.standard_normal(len(x)), load, units="SI"), arms=2
         )
         (check,) = [one for one in found.checks if one.name == "levels_agree"]
@@ -172,42 +177,42 @@ def test_a_compliance_is_fitted_as_the_curve_it_is() -> None:
     time = np.geomspace(0.01, 200, 120)
     material = GeneralizedMaxwell(2e5, (3e5, 1e5), (0.05, 4.0))
     curve = CreepCompliance(time, material.creep(time), units="SI")
-    found = dp.fit(curve)
+    found = fit(curve)
     assert found.unit == "Pa"
     assert found.model.k == pytest.approx(material.k, rel=1e-6)
     assert found.model.tau == pytest.approx(material.tau, rel=1e-6)
     of_part = CreepCompliance(time, material.creep(time), "m/N", units="SI")
-    assert dp.fit(of_part).unit == "N/m"
-    with pytest.raises(DataError, match="it falls with time"):
-        dp.fit(CreepCompliance(time, material.relaxation(time), units="SI"))
+    assert fit(of_part).unit == "N/m"
+    with pytest.raises(DataError, match="the compliance falls with time"):
+        fit(CreepCompliance(time, material.relaxation(time), units="SI"))
 
 
 def test_a_material_is_fitted_by_its_stress_and_strain() -> None:
     test = record()
-    found = dp.fit(CreepTest(test.time, test.displacement, test.force, "Pa", units="SI"))
+    found = fit(CreepTest(test.time, test.displacement, test.force, "Pa", units="SI"))
     assert found.unit == "Pa"
     assert found.residual.unit == "1"
     assert found.model.k == pytest.approx(PAPER.k, rel=1e-9)
 
 
 def test_arms_are_those_of_the_solid() -> None:
-    assert dp.fit(record(), arms=2).model.arms == 2
-    assert dp.fit(record(), arms=0).model.arms == 0
-    flowing = dp.fit(record(CreepSpectrum(2e-3, (1e-3,), (0.8,), 4e-5)), arms=2)
+    assert fit(record(), arms=2).model.arms == 2
+    assert fit(record(), arms=0).model.arms == 0
+    flowing = fit(record(CreepSpectrum(2e-3, (1e-3,), (0.8,), 4e-5)), arms=2)
     assert flowing.model.arms == 2
 
 
 def test_what_makes_no_sense_is_refused() -> None:
     with pytest.raises(FitError, match="leave them out"):
-        dp.fit(record(), method="hold")
+        fit(record(), method="hold")
     noise = np.random.default_rng(0).standard_normal((2, 500))
     with pytest.raises(DataError, match="no force is held"):
-        dp.fit(CreepTest(np.arange(500.0), 1e-3 * noise[0], noise[1], units="SI"))
+        fit(CreepTest(np.arange(500.0), 1e-3 * noise[0], noise[1], units="SI"))
 
 
 def test_a_fit_is_kept_whole() -> None:
-    found = dp.fit(record(noise=1e-6))
-    again = dp.from_json(dp.to_json(found))
+    found = fit(record(noise=1e-6))
+    again = from_json(to_json(found))
     assert again == found
     assert again.creep == found.creep
     for noun in (
@@ -215,7 +220,7 @@ def test_a_fit_is_kept_whole() -> None:
         load_hold(record()),
         CreepCompliance([1.0, 2.0], [1.0, 2.0], units="SI"),
     ):
-        assert dp.from_json(dp.to_json(noun)) == noun
+        assert from_json(to_json(noun)) == noun
 
 
 CASES = {
@@ -232,7 +237,7 @@ def test_noise_of_the_load_is_in_the_errors(case: str) -> None:
         random, load = np.random.default_rng(seed), CASES[case](CLOCK)
         x = PAPER.displacement(CLOCK, load) + 5e-6 * random.standard_normal(len(CLOCK))
         noisy = load + 4e-3 * random.standard_normal(len(CLOCK))
-        found = dp.fit(CreepTest(CLOCK, x, noisy, units="SI"))
+        found = fit(CreepTest(CLOCK, x, noisy, units="SI"))
         assert found.model.arms == 2
         known = found.standard_error
         off.append([
@@ -271,7 +276,7 @@ def test_intervals_cover_the_truth() -> None:
     inside = []
     for seed in range(100):
         test = record(noise=5e-6, force_noise=4e-3, seed=seed)
-        between = dp.fit(test, arms=2).intervals()
+        between = fit(test, arms=2).intervals()
         truths = (PAPER.k_inf, *PAPER.k, *PAPER.tau)
         ends = (between["k_inf"], *between["k"], *between["tau"])
         inside.append(
@@ -285,7 +290,7 @@ def test_a_part_that_moves_before_the_load_has_no_zero(moved: float, fails: bool
     x = ramped(CLOCK)
     # the medians of the first and the last third lie 1 s apart
     rate = moved * float(x.max()) / (1 - 1.5 * moved)
-    found = dp.fit(CreepTest(CLOCK, x + rate * np.minimum(CLOCK, 0), LOAD, units="SI"))
+    found = fit(CreepTest(CLOCK, x + rate * np.minimum(CLOCK, 0), LOAD, units="SI"))
     (check,) = [check for check in found.checks if check.name == "load_begins_at_rest"]
     assert check.failed is fails
     assert "% of the travel" in check.says
@@ -295,8 +300,8 @@ def test_a_curve_called_by_its_symbol_and_unit_is_a_compliance(tmp_path: Path) -
     time = np.geomspace(0.01, 100, 40)
     rows = "".join(f"{t:.6g},{j:.6g}\n" for t, j in zip(time, T1.compliance(time), strict=True))
     (tmp_path / "curve.csv").write_text("time [s],J(t) [1/Pa]\n" + rows)
-    assert dp.inspect_file(tmp_path / "curve.csv").kind == "creep"
-    assert isinstance(dp.read_creep(tmp_path / "curve.csv"), dp.CreepCompliance)
+    assert inspect_file(tmp_path / "curve.csv").kind == "creep"
+    assert isinstance(read_creep(tmp_path / "curve.csv"), dp.CreepCompliance)
 
 
 def at_temperature(celsius: float, *, noise: float = 1e-6) -> CreepTest:
@@ -314,7 +319,7 @@ def at_temperature(celsius: float, *, noise: float = 1e-6) -> CreepTest:
 def test_a_test_measures_the_compliance_that_a_step_would_have_shown() -> None:
     """Also in the cold, where slow creep looks like a drift of the reading."""
     for celsius in (23.0, 0.0):
-        found = dp.measured_compliance(at_temperature(celsius))
+        found = measured_compliance(at_temperature(celsius))
         kelvin = celsius + 273.15
         reduced = found.time / 10 ** cold.log10_a(kelvin)
         expected = T1.compliance(reduced) * cold.REFERENCE / kelvin
@@ -324,7 +329,7 @@ def test_a_test_measures_the_compliance_that_a_step_would_have_shown() -> None:
     kept = short.time < 2.0
     cut = CreepTest(short.time[kept], short.displacement[kept], short.force[kept], units="SI")
     with pytest.raises(FitError, match="hold longer"):
-        dp.measured_compliance(cut)
+        measured_compliance(cut)
 
 
 @pytest.mark.once
@@ -338,7 +343,7 @@ def test_creep_tests_at_several_temperatures_are_one_seal(tmp_path: Path) -> Non
         np.savetxt(files[-1], columns, delimiter=",", header=head, comments="")
     kelvin = [one + 273.15 for one in temperatures]
     found, (curve,) = fit_files(files, temperatures=kelvin)
-    assert isinstance(curve, dp.Superposition)
+    assert isinstance(curve, dp.solids.Superposition)
     for one in found.shifts:
         assert one.log10_a_t == pytest.approx(cold.log10_a(one.temperature), abs=0.01)
     assert found.temperatures.vertical == "T/T_r"

@@ -81,7 +81,7 @@ def test_a_shape_that_changes_with_depth_is_found(paper_seal: GeneralizedMaxwell
     ]
     found = fit_depths(tests, arms=2)
     assert found.separable.failed
-    assert "use each depth's own stiffnesses" in found.separable.says
+    assert "Use the stiffnesses of each depth." in found.separable.told
     shallow, deep = (at.k[0] / at.k_inf for at in found.by_depth)
     assert deep / shallow == pytest.approx(1.2, rel=0.02)
 

@@ -261,7 +261,7 @@ def test_two_pieces_that_differ_are_told() -> None:
     )
     check = next(check for check in found.checks if check.name == "data_agree")
     assert check.failed
-    assert "the tests contradict each other" in check.says
+    assert "The tests contradict each other" in check.says
 
 
 def test_a_gap_between_the_tests_is_told() -> None:
@@ -292,7 +292,7 @@ def test_a_loss_that_storage_does_not_allow_is_found(factor: float) -> None:
     assert check.failed
     assert check.value is not None
     assert check.value > 0.05
-    assert "storage and loss contradict each other (Kramers-Kronig)" in check.says
+    assert "Storage and loss contradict each other (Kramers-Kronig)" in check.says
 
 
 def test_mass_that_moves_along_is_found() -> None:
@@ -300,7 +300,7 @@ def test_mass_that_moves_along_is_found() -> None:
     found = fit_dynamic(replace(data, storage=data.storage - 1e-5 * data.omega**2), arms=1)
     check = next(check for check in found.checks if check.name == "storage_rises")
     assert check.failed
-    assert "% at 1000 Hz, which no relaxing solid does: mass moved along" in check.says
+    assert "% at 1000 Hz. No relaxing part does that: mass moved along" in check.says
 
 
 def test_amplitudes_that_no_solid_explains_are_fitted_and_told() -> None:
@@ -330,7 +330,7 @@ def test_an_arm_beyond_the_sweep_is_an_extrapolation() -> None:
     found = fit_dynamic(sweep(slow, np.geomspace(1.0, 50.0, 30)), arms=1)
     assert found.status is Status.TAU_AT_BOUND
     says = next(check.says for check in found.checks if check.name == "tau_inside_window")
-    assert "only the tail of this arm was measured" in says
+    assert "Only the tail of this arm was measured" in says
 
 
 # -- what is refused ------------------------------------------------------------------------------

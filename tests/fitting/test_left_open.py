@@ -56,8 +56,9 @@ def test_a_hold_that_is_long_enough_passes() -> None:
 def test_a_known_drift_tells_the_end() -> None:
     """A free drift is what hides the end: the data sheet's narrows it."""
     test = pressed(PAPER)
-    free = fit(test).left_open
-    known = fit(replace(test, machine=Machine(drift=1e-5))).left_open
+    rigid = {"compliance": 0.0, "creep": 0.0}
+    free = fit(replace(test, machine=Machine(**rigid))).left_open
+    known = fit(replace(test, machine=Machine(drift=1e-5, **rigid))).left_open
     assert free is not None
     assert known is not None
     assert np.ptp(known["k_end"]) < 0.7 * np.ptp(free["k_end"])
@@ -99,7 +100,7 @@ def test_several_depths_leave_open_what_the_deepest_feels() -> None:
     for name, t in (("k_end", T), ("k_3end", 3 * T)):
         for solid in (truth, found.model):
             assert left[name][0] < solid.relaxation(t) < left[name][1]  # type: ignore[literal-required]
-    assert np.ptp(left["k_end"]) < 0.02 * left["k_end"][1]
+    assert np.ptp(left["k_end"]) < 0.04 * left["k_end"][1]
 
 
 def test_it_is_kept_in_the_archive(broad_fit: Fit) -> None:
@@ -115,7 +116,6 @@ def test_it_is_kept_in_the_archive(broad_fit: Fit) -> None:
 def test_the_sentence_says_what_is_known_and_what_is_not() -> None:
     end = EndOfHold(40.0, (181.9, 196.9), (153.0, 195.0), (0.0, 195.0), 4.0)
     assert end.says == (
-        "after 40.0 s of hold the stiffness is 0.1819 to 0.1969 N/mm; what it relaxes to is at "
-        "most 0.1950 N/mm, and no record sets a lower limit; a longer hold would tell more, and so "
-        "would a known drift of the load cell"
+        "the stiffness after the hold. At 40.0 s it is 0.1819 to 0.1969 N/mm; it may fall further, "
+        "and ends at 0.1950 N/mm or below. Hold longer, or give the drift of the load cell."
     )

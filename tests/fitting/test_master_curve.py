@@ -8,7 +8,12 @@ from kit.shell import ran, told
 from kit.sweeps import REFERENCE, TEMPERATURES, moduli, modulus, sweeps, wlf
 
 import dashpot as dp
+from dashpot.fitting.dynamic import fit_dynamic
+from dashpot.fitting.modulus import fit_modulus
 from dashpot.io.options import ReadOptions
+from dashpot.io.readers.dynamic import read_dynamic
+from dashpot.io.readers.modulus import read_modulus
+from dashpot.workflow.archive import from_json, to_json
 
 ZENER = dp.GeneralizedMaxwell(1e6, (4e6,), (0.1,))
 
@@ -34,7 +39,7 @@ def written(path, test):
 
 @pytest.fixture(scope="module")
 def fitted():
-    return dp.fit_dynamic(sweeps())
+    return fit_dynamic(sweeps())
 
 
 def test_a_fit_of_several_temperatures_is_that_of_their_reference(fitted):
@@ -57,7 +62,7 @@ def test_it_foretells_a_temperature_that_was_not_tested(fitted):
 
 
 def test_it_comes_back_from_its_document(fitted):
-    back = dp.from_json(dp.to_json(fitted))
+    back = from_json(to_json(fitted))
     assert back.temperatures == fitted.temperatures
     assert back.model == fitted.model
 
@@ -76,21 +81,21 @@ def test_few_arms_stay_where_they_follow_as_closely():
         np.repeat([273.15, 293.15, 313.15], 12),
         units="SI",
     )
-    found = dp.fit_dynamic(data)
+    found = fit_dynamic(data)
     assert found.model.arms == 1
     assert found.model.tau[0] == pytest.approx(0.1, rel=0.02)
     assert found.shifts[0].log10_a_t == pytest.approx(np.log10(6), abs=0.02)
     assert found.verdict.use == "use"
-    alone = dp.fit_dynamic(data, arms=1, temperature=293.15)
+    alone = fit_dynamic(data, arms=1, temperature=293.15)
     assert alone.model.tau[0] == pytest.approx(found.model.tau[0], rel=0.02)
     assert alone.temperatures is None
 
 
 def test_moduli_of_several_temperatures_are_fitted_alike():
-    found = dp.fit_modulus(moduli())
+    found = fit_modulus(moduli())
     assert found.temperature_law.kind == "wlf"
     time = np.geomspace(1e-3, 1e4, 20)
-    true = dp.fit_modulus(dp.superpose(moduli(noise=0.0))).model.relaxation(time)
+    true = fit_modulus(dp.solids.superpose(moduli(noise=0.0))).model.relaxation(time)
     np.testing.assert_allclose(found.model.relaxation(time), true, rtol=0.03)
 
 
@@ -144,12 +149,12 @@ def test_blocks_that_say_their_temperature_are_as_a_column_of_it(tmp_path, said)
     data = sweeps()
     columns = (data.frequency, data.storage / 1e6, data.loss / 1e6)
     file = blocks(tmp_path / "a.txt", data, "Frequency [Hz]\tE' [MPa]\tE'' [MPa]", columns, said)
-    found = dp.read_dynamic(file)
+    found = read_dynamic(file)
     np.testing.assert_allclose(found.temperature, data.temperature)
     curves = moduli()
     columns = (curves.time, curves.modulus / 1e6)
     file = blocks(tmp_path / "b.txt", curves, "time [s]\tE(t) [MPa]", columns, said)
-    found = dp.read_modulus(file, options=ReadOptions(modulus="E(t)"))
+    found = read_modulus(file, options=ReadOptions(modulus="E(t)"))
     np.testing.assert_allclose(found.temperature, curves.temperature)
 
 
@@ -158,11 +163,11 @@ def test_a_block_that_says_none_is_as_warm_as_the_one_before(tmp_path):
     head, rows = "Frequency [Hz]\tE' [MPa]\tE'' [MPa]", "1\t10\t2\n2\t11\t2\n"
     texts = (f"Temperature: {t} degC\n{head}\n{rows}\n{head}\n{rows}\n" for t in (0, 20))
     file.write_text("".join(texts))
-    assert set(dp.read_dynamic(file).temperature[:4]) == {273.15}
-    assert set(dp.read_dynamic(file).temperature[4:]) == {293.15}
+    assert set(read_dynamic(file).temperature[:4]) == {273.15}
+    assert set(read_dynamic(file).temperature[4:]) == {293.15}
     file.write_text(f"Temperature: 5 degC\n{head}\n{rows}\n{head}\n{rows}")
-    assert dp.read_dynamic(file).temperature is None
-    assert dp.read_dynamic(file).specimen.temperature == 278.15
+    assert read_dynamic(file).temperature is None
+    assert read_dynamic(file).specimen.temperature == 278.15
 
 
 @pytest.mark.parametrize(
@@ -178,7 +183,7 @@ def test_a_block_that_says_none_is_as_warm_as_the_one_before(tmp_path):
 def test_tables_of_shifts_speak_of_a_t_in_many_ways(tmp_path, head, of):
     table = tmp_path / "shifts.csv"
     table.write_text("\n".join([head, *(f"{t},{of(a):.12g}" for t, a in ((60, -2.0), (0, 1.5)))]))
-    found = dp.read_shifts(table)
+    found = dp.files.read_shifts(table)
     assert [one.temperature for one in found] == pytest.approx([273.15, 333.15])
     assert [one.log10_a_t for one in found] == pytest.approx([1.5, -2.0])
 
@@ -187,7 +192,7 @@ def test_a_table_of_shifts_comes_back(tmp_path):
     file, table = written(tmp_path / "sweeps.csv", sweeps()), tmp_path / "shifts.csv"
     said = told("fit", file, "--save-shifts", table)
     found = [one["log10_a_t"] for one in said["temperature"]["shifts"]]
-    back = dp.read_shifts(table)
+    back = dp.files.read_shifts(table)
     assert [one.log10_a_t for one in back] == found
     assert back[0].se == pytest.approx(0.055, abs=0.02)
     assert back[0].b_t == pytest.approx(253.15 / 293.15)
@@ -202,13 +207,13 @@ def test_a_table_that_is_none_is_refused(tmp_path):
     table = tmp_path / "shifts.csv"
     table.write_text("T [degC],a_T\n0,-1.5\n20,0\n")
     with pytest.raises(dp.ReadError, match="is the column its logarithm"):
-        dp.read_shifts(table)
+        dp.files.read_shifts(table)
     table.write_text("T [degC],log aT\n20,1.5\n20,0\n")
     with pytest.raises(dp.ReadError, match="twice"):
-        dp.read_shifts(table)
+        dp.files.read_shifts(table)
     table.write_text("T [degC],force [N]\n20,1.5\n30,0\n")
     with pytest.raises(dp.ReadError, match="no column is named a_T"):
-        dp.read_shifts(table)
+        dp.files.read_shifts(table)
 
 
 def test_a_column_of_one_temperature_is_no_reason_to_shift(tmp_path):

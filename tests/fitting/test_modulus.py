@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from kit.shell import ran
 
-import dashpot as dp
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.status import Status
 from dashpot.fitting.modulus import fit_modulus
@@ -18,6 +17,7 @@ from dashpot.io.readers.inspect import inspect_file
 from dashpot.io.readers.modulus import read_modulus
 from dashpot.records.modulus import RelaxationModulus
 from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.workflow.archive import from_json
 
 SOLID = GeneralizedMaxwell(1e6, (2e6, 1e6), (0.1, 20.0))
 TIME = np.geomspace(1e-3, 1e3, 200)
@@ -88,7 +88,7 @@ def test_the_shell_fits_the_column_that_is_named(tmp_path: Path) -> None:
     content = json.loads(fit.read_text())
     assert [arm["tau"] for arm in content["model"]["arms"]] == pytest.approx([0.1, 20.0], rel=1e-5)
     assert content["model"]["k_inf"] == pytest.approx(1e6, rel=1e-5)
-    assert dp.from_json(fit.read_text()).unit == "Pa"
+    assert from_json(fit.read_text()).unit == "Pa"
     card = shell(
         "export", fit, "--to", "abaqus", "--form", "prony", "--unit-system", "mm-t-s",
         "--temperature", "23degC",

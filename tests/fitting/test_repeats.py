@@ -11,7 +11,9 @@ from kit.trials import Bench, Seal, record, relaxation_test
 import dashpot as dp
 from dashpot.base.provenance import Source
 from dashpot.fitting.checks.relaxation import same_specimen
+from dashpot.fitting.relaxation import fit as fit_tests
 from dashpot.fitting.repeats import end_stiffnesses, noise_correlation, refuse_copies
+from dashpot.preparation.prepare import prepare
 
 PAPER = Seal.of_arms(196.5, (117.5, 17.8), (0.5021, 16.416))
 BENCH = Bench(hold=15.0, drift=0.2e-3)
@@ -29,17 +31,17 @@ def resampled(test: dp.RelaxationTest, rate: float, start: float = 0.0) -> dp.Re
 
 @pytest.fixture(scope="module")
 def one() -> dp.RampHold:
-    return dp.prepare(pressed())
+    return prepare(pressed())
 
 
 def test_a_record_given_twice_is_refused(one):
     with pytest.raises(dp.FitError, match="tests 1 and 3 are one record, sample for sample"):
-        dp.fit([one, dp.prepare(pressed(seed=1)), one], arms=2)
+        fit_tests([one, prepare(pressed(seed=1)), one], arms=2)
 
 
 def test_a_file_given_twice_is_refused_but_two_parts_of_it_are_not(one):
     named = replace(one, source=Source("a.csv", "abc"))
-    other = replace(dp.prepare(pressed(seed=1)), source=named.source)
+    other = replace(prepare(pressed(seed=1)), source=named.source)
     with pytest.raises(dp.FitError, match=r"the same part of a\.csv"):
         refuse_copies([named, other])
     later = replace(
@@ -52,7 +54,7 @@ def test_a_file_given_twice_is_refused_but_two_parts_of_it_are_not(one):
 
 @pytest.mark.parametrize(("rate", "start"), [(1000, 0.37e-3), (500, 0), (1400, 0.2e-3), (250, 0)])
 def test_a_resampled_copy_scatters_alike(one, rate, start):
-    copy = dp.prepare(resampled(pressed(), rate, start))
+    copy = prepare(resampled(pressed(), rate, start))
     assert noise_correlation(one, copy) > 0.45
     with pytest.raises(dp.FitError, match="one record, resampled"):
         refuse_copies([one, copy])
@@ -61,7 +63,7 @@ def test_a_resampled_copy_scatters_alike(one, rate, start):
 @pytest.mark.parametrize("hum", [0.0, 5e-3, 30e-3])
 def test_two_tests_do_not_scatter_alike_whatever_the_hum(hum):
     bench = replace(BENCH, hum=hum)
-    tests = [dp.prepare(pressed(bench=bench, seed=seed)) for seed in range(6)]
+    tests = [prepare(pressed(bench=bench, seed=seed)) for seed in range(6)]
     for i, a in enumerate(tests):
         for b in tests[:i]:
             assert abs(noise_correlation(a, b)) < 0.2
@@ -69,12 +71,12 @@ def test_two_tests_do_not_scatter_alike_whatever_the_hum(hum):
 
 def test_noise_as_slow_as_the_hold_is_no_copy():
     bench = replace(BENCH, noise_time=0.5)
-    first, second = (dp.prepare(pressed(bench=bench, seed=seed)) for seed in (0, 1))
+    first, second = (prepare(pressed(bench=bench, seed=seed)) for seed in (0, 1))
     assert abs(noise_correlation(first, second)) < 0.3
 
 
 def test_repeats_on_one_seal_pass_with_their_load_cells_drift():
-    tests = [dp.prepare(pressed(seed=seed), machine=dp.Machine(drift=0.2e-3)) for seed in range(4)]
+    tests = [prepare(pressed(seed=seed), machine=dp.Machine(drift=0.2e-3)) for seed in range(4)]
     assert same_specimen(end_stiffnesses(tests)).passed
 
 
@@ -82,7 +84,7 @@ def test_repeats_on_one_seal_pass_with_their_load_cells_drift():
 def test_two_lots_are_told_apart_and_each_is_given(baseline):
     bench = replace(BENCH, baseline=baseline)
     stiff = pressed(PAPER.scaled(1.5), bench, seed=1)
-    fit = dp.fit([dp.prepare(pressed(bench=bench)), dp.prepare(stiff)], arms=2)
+    fit = fit_tests([prepare(pressed(bench=bench)), prepare(stiff)], arms=2)
     check = next(check for check in fit.checks if check.name == "same_specimen")
     assert check.failed
     assert check.grade == "stop"
@@ -91,11 +93,11 @@ def test_two_lots_are_told_apart_and_each_is_given(baseline):
 
 
 def test_several_depths_and_temperatures_are_not_lots():
-    shallow = dp.prepare(pressed(bench=replace(BENCH, depth=4e-3), seed=1))
-    deep = dp.prepare(pressed(PAPER.scaled(1.5)))
+    shallow = prepare(pressed(bench=replace(BENCH, depth=4e-3), seed=1))
+    deep = prepare(pressed(PAPER.scaled(1.5)))
     assert same_specimen(end_stiffnesses([shallow, deep])).passed is None
     cold, warm = (
-        replace(dp.prepare(pressed(seal, seed=seed)), specimen=dp.Specimen(temperature=kelvin))
+        replace(prepare(pressed(seal, seed=seed)), specimen=dp.Specimen(temperature=kelvin))
         for seed, (seal, kelvin) in enumerate([(PAPER.scaled(1.5), 253.0), (PAPER, 296.0)])
     )
     assert same_specimen(end_stiffnesses([cold, warm])).passed is None

@@ -8,8 +8,8 @@ from dashpot.fitting.shift_law import law_through
 
 REFERENCE = 293.15
 TEMPERATURES = REFERENCE + np.arange(-40.0, 41.0, 10.0)
-WLF = dp.WLF(8.0, 110.0, REFERENCE)
-ARRHENIUS = dp.Arrhenius(90e3, REFERENCE)
+WLF = dp.solids.WLF(8.0, 110.0, REFERENCE)
+ARRHENIUS = dp.solids.Arrhenius(90e3, REFERENCE)
 AWAY = TEMPERATURES != REFERENCE
 
 
@@ -63,8 +63,8 @@ def test_the_derivatives_of_wlf_are_those_of_the_law():
     h = 1e-4
     jacobian = np.column_stack(
         [
-            (dp.WLF(8 + a, 110 + b, REFERENCE).log10_a_t(TEMPERATURES)
-             - dp.WLF(8 - a, 110 - b, REFERENCE).log10_a_t(TEMPERATURES)) / (2 * h)
+            (dp.solids.WLF(8 + a, 110 + b, REFERENCE).log10_a_t(TEMPERATURES)
+             - dp.solids.WLF(8 - a, 110 - b, REFERENCE).log10_a_t(TEMPERATURES)) / (2 * h)
             for a, b in ((h, 0), (0, h))
         ]
     )[AWAY]  # fmt: skip
@@ -88,7 +88,7 @@ def test_two_temperatures_keep_their_shift_and_three_have_a_law():
     t = np.array([273.15, 293.15, 313.15])
     s = ARRHENIUS.log10_a_t(t)
     two = law_through(t[:2], s[:2], np.diag([1e-4, 0.0]), reference=REFERENCE)
-    assert two.law == dp.FreeShifts(tuple(t[:2]), tuple(s[:2]), REFERENCE)
+    assert two.law == dp.solids.FreeShifts(tuple(t[:2]), tuple(s[:2]), REFERENCE)
     assert law_through(t, s, np.diag([1e-4, 0, 1e-4]), reference=REFERENCE).law.kind == "arrhenius"
     asked = law_through(t[:2], s[:2], np.diag([1e-4, 0.0]), reference=REFERENCE, law="arrhenius")
     assert asked.law.energy == pytest.approx(90e3)

@@ -9,6 +9,9 @@ from kit.foreign.rigs import Protocol, Rig, read
 from kit.foreign.truths import BROAD, TABLE_1, TRUTHS, Seal, Solid, slider
 
 import dashpot as dp
+from dashpot.fitting.relaxation import fit
+from dashpot.io.readers.relaxation import read_relaxation
+from dashpot.preparation.prepare import prepare
 from dashpot.solids.friction import Jenkins
 
 T = np.geomspace(1e-3, 1e3, 40)
@@ -34,7 +37,7 @@ def test_relaxation_stiffness_and_force_agree(solid):
 
 
 def test_the_fractional_solid_agrees():
-    ours = dp.FractionalZener(336.5, 196.5, 0.6, 0.6)
+    ours = dp.solids.FractionalZener(336.5, 196.5, 0.6, 0.6)
     theirs = Solid.fractional("", 196.5, 140.0, 0.6, 0.6)
     np.testing.assert_allclose(ours.relaxation(T), theirs.relaxation(T), rtol=1e-8)
     np.testing.assert_allclose(
@@ -44,7 +47,7 @@ def test_the_fractional_solid_agrees():
 
 def test_the_response_of_a_block_agrees():
     lines = np.linspace(1, 60, 600)
-    ours = dp.predict_frf(2 * model(BROAD), mass=0.1148, frequency=lines)
+    ours = dp.systems.predict_frf(2 * model(BROAD), mass=0.1148, frequency=lines)
     np.testing.assert_allclose(ours.value, Seal(BROAD).accelerance(lines, 0.1148, 2), rtol=1e-12)
 
 
@@ -59,7 +62,7 @@ def test_creep_friction_and_rubber_agree():
     np.testing.assert_allclose(path, slider(x, 2.0, 5e3), atol=1e-12)
     stretch = np.linspace(1.1, 2.0, 9)
     for mode in ("uniaxial", "equibiaxial", "planar"):
-        ours = dp.Hyperelastic("mooney-rivlin", (0.15e6, 0.05e6)).nominal(mode, stretch)
+        ours = dp.solids.Hyperelastic("mooney-rivlin", (0.15e6, 0.05e6)).nominal(mode, stretch)
         theirs = nominal("mooney-rivlin", mode, stretch, (0.15e6, 0.05e6))
         np.testing.assert_allclose(ours, theirs, rtol=1e-12)
 
@@ -68,11 +71,11 @@ def test_a_record_reads_back_and_is_fitted_within_its_interval(tmp_path):
     one = read(Seal(TABLE_1), Protocol(), Rig(noise=1e-3, bias=0.0), name="Table 1")
     path = tmp_path / "one.csv"
     path.write_text(one.text(), "utf-8")
-    test = dp.read_relaxation(path)
+    test = read_relaxation(path)
     np.testing.assert_array_equal(test.force, one.force)
     np.testing.assert_array_equal(test.time, one.time)
-    record = dp.prepare(test)
-    found = dp.fit(record, arms=2)
+    record = prepare(test)
+    found = fit(record, arms=2)
     bounds = found.left_open
     assert bounds is not None
     for name, times in (("k_end", 1), ("k_3end", 3), ("k_inf", np.inf)):

@@ -112,7 +112,7 @@ def test_gauges_are_counted(tmp_path: Path) -> None:
     with pytest.raises(ReadError, match="needs six columns of gauge voltages, found 5"):
         read_relaxation(tmp_path / "a.csv", options=options)
     (tmp_path / "a.csv").write_text(text)
-    with pytest.raises(ReadError, match="--axis Fq: expected one of Fx"):
+    with pytest.raises(ReadError, match=r"--calibration \.\.\.,axis=Fq: expected one of Fx"):
         read_relaxation(
             tmp_path / "a.csv", options=ReadOptions(calibration=str(tmp_path / "a.cal"), axis="Fq")
         )

@@ -48,7 +48,7 @@ def lines(**changed: str) -> str:
 # row 1: decimal marks
 def test_thousand_or_decimal_is_asked(tmp_path: Path) -> None:
     rows = "".join(f"{i};1,{i:03d};2,{i:03d}\n" for i in range(100, 130))
-    refused(tmp_path, HEAD + rows, "'1,100' can mean 1.100 or 1100", '--decimal ","')
+    refused(tmp_path, HEAD + rows, "'1,100' can mean 1.100 or 1100", '--text decimal=","')
     as_decimal = read(tmp_path, HEAD + rows, decimal=",")
     assert as_decimal.displacement[0] == pytest.approx(1.1e-3)
     as_thousand = read(tmp_path, HEAD + rows, decimal=".")
@@ -126,10 +126,10 @@ def test_clock_reset_names_the_line(tmp_path: Path) -> None:
 
 def test_segments_that_start_again_are_asked(tmp_path: Path) -> None:
     text = HEAD + table(";") + "\nSegment: two\n" + HEAD + table(";")
-    refused(tmp_path, text, "2 segments (1, 2 two)", "clock starts again", "--segment 1")
+    refused(tmp_path, text, "2 segments (1, 2 two)", "clock starts again", "--part segment=1")
     test = read(tmp_path, text, segment=2)
     assert len(test.time) == ROWS
-    refused(tmp_path, text, "--segment 3, but the file has 2 segments", segment=3)
+    refused(tmp_path, text, "--part segment=3, but the file has 2 segments", segment=3)
 
 
 def test_one_remark_does_not_part_a_record(tmp_path: Path) -> None:
@@ -184,7 +184,7 @@ def test_columns_at_different_rates_are_refused(tmp_path: Path) -> None:
 def test_swapped_columns_are_refused_unless_they_are_named(tmp_path: Path) -> None:
     time, moved, force = truth()
     text = HEAD + table(";", columns=(time, force, moved))
-    refused(tmp_path, text, "look swapped", "--displacement", "--force")
+    refused(tmp_path, text, "look swapped", "--column displacement=", "--column force=")
     read(tmp_path, text, force="Force")
 
 
@@ -214,7 +214,9 @@ def test_no_file_and_a_folder(tmp_path: Path) -> None:
 
 # what is what
 def test_no_header_asks_for_every_column(tmp_path: Path) -> None:
-    message = refused(tmp_path, table(","), '--time "1"', '--displacement "2"', "--rate 1000Hz")
+    message = refused(
+        tmp_path, table(","), '--column time="1"', '--column displacement="2"', "--rate 1000Hz"
+    )
     assert "1 (no name), 2 (no name), 3 (no name)" in message
     named = {"time": "1", "displacement": "2", "force": "3"}
     refused(tmp_path, table(","), "'column 1' (time) has no unit", **named)
@@ -239,7 +241,7 @@ def test_two_specimens_side_by_side_are_asked_by_number(tmp_path: Path) -> None:
     time, moved, force = truth()
     text = head + table(";", columns=(time, moved, force, time + 1, moved + 1, 2 * force))
     message = refused(tmp_path, text, "column 1 'Time' [s] and column 4 'Time' [s] could each be")
-    assert '--time "1"' in message
+    assert '--column time="1"' in message
     refused(tmp_path, text, "columns 1 and 4 have that name; give the number", time="Time")
     named = {"time": "4", "displacement": "5", "force": "6"}
     assert len(read(tmp_path, text, **named).time) == ROWS
@@ -263,7 +265,9 @@ def test_a_column_that_stands_twice_is_no_question(
     again[-1] += apart * np.ptp(force)
     text = "t [s];z [mm];F1 [N];F2 [mN]\n" + table(";", columns=(time, moved, force, 1e3 * again))
     if asks:
-        refused(tmp_path, text, "'F1 [N]' and 'F2 [mN]' could each be the force", '--force "F1"')
+        refused(
+            tmp_path, text, "'F1 [N]' and 'F2 [mN]' could each be the force", '--column force="F1"'
+        )
         return
     source = read(tmp_path, text).source
     assert "force: F1 [N] ('F1 [N]' and 'F2 [mN]' hold the same numbers)" in source.columns
@@ -315,12 +319,14 @@ def test_a_row_with_more_numbers_is_refused(tmp_path: Path) -> None:
 
 def test_wrong_encoding_names_the_option(tmp_path: Path) -> None:
     content = ("Zeit (s);Weg (mm);Kräfte (N)\n" + table(";")).encode("cp1252")
-    refused(tmp_path, content, "--encoding", encoding="utf-8")
+    refused(tmp_path, content, "--text encoding=cp1252", encoding="utf-8")
 
 
 @pytest.mark.parametrize("word", ["klingon", "zlib", "rot13", "undefined", "idna", "punycode"])
 def test_what_is_no_encoding_of_text_is_refused(word: str) -> None:
-    with pytest.raises(DataError, match=f"encoding '{word}' is unknown; give --encoding utf-8"):
+    with pytest.raises(
+        DataError, match=f"encoding '{word}' is unknown; give --text encoding=utf-8"
+    ):
         ReadOptions(encoding=word)
 
 

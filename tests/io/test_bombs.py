@@ -127,7 +127,7 @@ def test_what_is_linked_twice_is_read_once(tmp_path: Path) -> None:
         assert len(found.columns) == 3
     np.testing.assert_allclose(read_relaxation(path).force, truth()[2])
     for sheet in ("soft", "nowhere", "none/run", "run/time_s/more"):
-        with pytest.raises(ReadError, match=f"--sheet {sheet}: there is no such group"):
+        with pytest.raises(ReadError, match=f"--part sheet={sheet}: there is no such group"):
             inspect_file(path, options=ReadOptions(sheet=sheet))
 
 

@@ -10,10 +10,10 @@ import pytest
 
 from dashpot.base.errors import ReadError
 from dashpot.io.options import ReadOptions
-from dashpot.io.readers.bench import read_bench
 from dashpot.io.readers.creep import read_creep
 from dashpot.io.readers.inspect import inspect_file
 from dashpot.records.creep import CreepCompliance, CreepTest
+from dashpot.workflow.fits import read_test
 from tests.kit.kinds import csv
 
 TIME = np.geomspace(0.02, 60.0, 40)
@@ -52,7 +52,7 @@ def written(path: Path, text: str) -> Path:
     return path
 
 
-@pytest.mark.parametrize("reader", [read_creep, read_bench])
+@pytest.mark.parametrize("reader", [read_creep, read_test])
 def test_a_rheometers_export_is_a_creep_compliance(tmp_path: Path, reader) -> None:
     found = reader(written(tmp_path / "gel.txt", rheometer("Creep - 1")))
     assert isinstance(found, CreepCompliance)
@@ -79,7 +79,7 @@ def test_stress_and_strain_without_a_compliance_are_a_creep_test_of_a_material(
 
 def test_of_several_steps_one_must_be_chosen(tmp_path: Path) -> None:
     path = written(tmp_path / "gel.txt", rheometer("Creep - 1", "Creep recovery - 2"))
-    with pytest.raises(ReadError, match=r"2 segments .*--segment 1"):
+    with pytest.raises(ReadError, match=r"2 segments .*--part segment=1"):
         read_creep(path)
     found = read_creep(path, options=ReadOptions(segment=1))
     assert len(found.time) == len(TIME)
@@ -108,11 +108,11 @@ def test_who_names_the_columns_knows(tmp_path: Path) -> None:
     options = ReadOptions(
         time="t", strain="a", stress="b", units={"time": "s", "strain": "%", "stress": "MPa"}
     )
-    found = read_bench(path, options=options)
+    found = read_test(path, options=options)
     assert isinstance(found, CreepTest)
     assert found.displacement == pytest.approx(STRESS * COMPLIANCE)
     curve = ReadOptions(time="t", creep_compliance="a", units={"t": "s", "a": "1/kPa"})
-    assert read_bench(path, options=curve).compliance == pytest.approx(0.1 * STRESS * COMPLIANCE)
+    assert read_test(path, options=curve).compliance == pytest.approx(0.1 * STRESS * COMPLIANCE)
 
 
 def test_a_bench_that_says_creep_is_read_by_force_and_displacement(tmp_path: Path) -> None:
@@ -120,7 +120,7 @@ def test_a_bench_that_says_creep_is_read_by_force_and_displacement(tmp_path: Pat
         "time [s],displacement [mm],force [N],stress [MPa],strain [%]",
         TIME, COMPLIANCE, 1 + 0 * TIME, STRESS + 0 * TIME, COMPLIANCE,
     )  # fmt: skip
-    found = read_bench(written(tmp_path / "seal.csv", text))
+    found = read_test(written(tmp_path / "seal.csv", text))
     assert isinstance(found, CreepTest)
     assert found.unit == "N/m"
     assert found.force == pytest.approx(1.0)
@@ -138,7 +138,7 @@ def test_a_column_of_temperature_tells_the_curves_of_one_file_apart(tmp_path: Pa
     head = "temperature [degC],time [s],creep compliance [1/MPa]"
     warm = np.repeat([23.0, 0.0], each)
     text = csv(head, warm, np.tile(TIME, 2), np.tile(COMPLIANCE, 2))
-    found = read_bench(written(tmp_path / "creep.csv", text))
+    found = read_test(written(tmp_path / "creep.csv", text))
     assert isinstance(found, CreepCompliance)
     assert found.several_temperatures
     assert found.at("0degC").compliance == pytest.approx(1e-6 * COMPLIANCE)

@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from dashpot.io.readers.bench import read_bench
 from dashpot.io.readers.inspect import inspect_file
 from dashpot.kinds.level.read import read_amplitude
 from dashpot.records.dynamic import DynamicTest
+from dashpot.workflow.fits import read_test
 
 pytestmark = pytest.mark.once
 
@@ -75,7 +75,7 @@ def test_a_sweep_of_frequency(tmp_path: Path, name: str) -> None:
     path = tmp_path / "export.txt"
     path.write_text(FREQUENCY[name], encoding="utf-8")
     assert inspect_file(path).kind == "dma"
-    test = read_bench(path)
+    test = read_test(path)
     assert isinstance(test, DynamicTest)
     np.testing.assert_allclose(test.frequency, F, rtol=1e-8)
     np.testing.assert_allclose(test.storage, STORAGE, rtol=1e-7)
@@ -104,7 +104,7 @@ def test_blocks_under_titles_have_their_own_temperature(tmp_path: Path) -> None:
         ),
         encoding="utf-8",
     )
-    test = read_bench(path)
+    test = read_test(path)
     assert isinstance(test, DynamicTest)
     assert test.temperature is not None
     assert sorted(set(np.round(test.temperature, 2))) == [273.15, 296.15]
@@ -116,4 +116,4 @@ def test_a_comment_before_a_tab_is_no_unit(tmp_path: Path) -> None:
         "%\tfrequency [Hz]\tE' [MPa]\tE'' [MPa]\n"
         + rows("%.9g\t%.9g\t%.9g", F, STORAGE / 1e6, LOSS / 1e6)
     )
-    np.testing.assert_allclose(read_bench(path).storage, STORAGE, rtol=1e-7)  # type: ignore[union-attr]
+    np.testing.assert_allclose(read_test(path).storage, STORAGE, rtol=1e-7)  # type: ignore[union-attr]

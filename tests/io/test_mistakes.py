@@ -23,8 +23,6 @@ UNITS = {
     "micrometres under mm": ((1, 1e3, 1), "", "displacement=um"),
     "millimetres under um": ((1, 1, 1), "displacement [um]", "displacement=mm"),
     "newtons under mN": ((1, 1, 1), "force [mN]", "force=N"),
-    "newtons under kN": ((1, 1, 1), "force [kN]", "force=N"),
-    "millinewtons under N": ((1, 1, 1e3), "", "force=mN"),
     "kilonewtons under N": ((1, 1, 1e-3), "", "force=kN"),
     "milliseconds under s": ((1e3, 1, 1), "", "time=ms"),
     "minutes under s": ((1 / 60, 1, 1), "", "time=min"),
@@ -32,6 +30,11 @@ UNITS = {
     "seconds under h": ((1, 1, 1), "time [h]", "time=s"),
 }
 """What is done to the columns, the heading that is wrong, and the answer."""
+NOTED = {
+    "newtons under kN": ((1, 1, 1), "force [kN]", "force=N"),
+    "millinewtons under N": ((1, 1, 1e3), "", "force=mN"),
+}
+"""So too, where the size is one of a press: large, and stated by the file."""
 HITS = {
     "newtons under kN": ("hammer [kN]", "hammer=N"),
     "newtons under mN": ("hammer [mN]", "hammer=N"),
@@ -50,12 +53,33 @@ def answer(message: str) -> ReadOptions:
     """The options that a message proposes, as a user would paste them."""
     words = shlex.split(re.search(r"if so, add (.*)", message)[1])  # type: ignore[index]
     given: dict[str, list[str]] = {}
+    units: dict[str, str] = {}
     for flag, value in zip(words[::2], words[1::2], strict=True):
-        given.setdefault(flag.removeprefix("--"), []).append(value)
-    units = parse_units(given.pop("units")[0])
+        if flag == "--units":
+            units = parse_units(value)
+            continue
+        assert flag == "--column"
+        role, _, name = value.partition("=")
+        given.setdefault(role, []).append(name)
     several = tuple(given.pop("acceleration", ()))
     named = {name: values[0] for name, values in given.items()}
     return ReadOptions(units=units, acceleration=several, **named)
+
+
+@pytest.mark.parametrize(("factors", "heading", "meant"), NOTED.values(), ids=NOTED.keys())
+def test_a_large_force_is_a_note(
+    tmp_path: Path, factors: tuple[float, ...], heading: str, meant: str
+) -> None:
+    path = tmp_path / "seal.csv"
+    path.write_text(
+        bench(*factors, head=under(heading, ("time [s]", "displacement [mm]", "force [N]")))
+    )
+    source = read_relaxation(path).source
+    assert source is not None
+    assert any(f"--units {meant}" in note for note in source.notes)
+    answered = read_relaxation(path, options=ReadOptions(units=parse_units(meant))).source
+    assert answered is not None
+    assert not any("--units" in note for note in answered.notes)
 
 
 @pytest.mark.parametrize(("factors", "heading", "meant"), UNITS.values(), ids=UNITS.keys())
@@ -66,7 +90,7 @@ def test_a_unit_that_makes_no_test_is_asked_about(
     path.write_text(
         bench(*factors, head=under(heading, ("time [s]", "displacement [mm]", "force [N]")))
     )
-    with pytest.raises(ReadError, match=f'Then add --units "{meant}"'):
+    with pytest.raises(ReadError, match=f"--units {meant}"):
         read_relaxation(path)
     test = read_relaxation(path, options=ReadOptions(units=parse_units(meant)))
     wanted = [
@@ -116,7 +140,7 @@ def test_a_unit_that_makes_no_hammer_is_asked_about(
         heading, ("time [s]", "hammer [N]", "acceleration 1 [m/s^2]", "acceleration 2 [m/s^2]")
     )
     path.write_text(hammer(head=head))
-    with pytest.raises(ReadError, match=f'Then add --units "{meant}"'):
+    with pytest.raises(ReadError, match=f"--units {meant}"):
         read_impact(path)
     test = read_impact(path, options=ReadOptions(units=parse_units(meant)))
     np.testing.assert_allclose(test.force, np.array(rows("hammer.csv"))[:, 1])

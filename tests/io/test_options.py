@@ -32,7 +32,7 @@ OPTIONS = st.builds(
 
 
 def test_every_field_is_drawn_above() -> None:
-    names = {one.name for one in fields(ReadOptions)}
+    names = {one.name for one in fields(ReadOptions)} - {"own"}
     drawn = {name for name in names if f"{name}=" in Path(__file__).read_text(encoding="utf-8")}
     assert drawn == names
 
@@ -42,6 +42,12 @@ def test_profile_round_trip(tmp_path_factory: pytest.TempPathFactory, options: R
     path = tmp_path_factory.mktemp("p") / "lab.toml"
     path.write_text(dump_profile(options), encoding="utf-8")
     assert load_profile(path) == options
+
+
+def test_what_is_of_some_files_alone_is_in_no_profile() -> None:
+    scoped = ReadOptions(own=(("h*.csv", ReadOptions(force="F")),))
+    with pytest.raises(DataError, match=r"GLOB:lab\.toml"):
+        dump_profile(scoped)
 
 
 def test_a_profile_reads_well(tmp_path: Path) -> None:

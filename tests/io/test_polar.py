@@ -64,7 +64,9 @@ def test_size_and_angle_are_storage_and_loss(tmp_path: Path, size: str, angle: s
 
 def test_a_stiffness_that_does_not_say_which_is_asked_for(tmp_path: Path) -> None:
     path = written(tmp_path, "Frequency (Hz),Stiffness (N/mm),tan delta", F, SIZE, np.tan(DELTA))
-    with pytest.raises(ReadError, match='say which: --storage "Stiffness" or --magnitude'):
+    with pytest.raises(
+        ReadError, match='say which: --column storage="Stiffness" or --column magnitude='
+    ):
         read_dynamic(path)
     of_size = read_dynamic(path, options=ReadOptions(magnitude="Stiffness"))
     np.testing.assert_allclose(of_size.storage, 1e3 * STORAGE, rtol=1e-12)

@@ -18,7 +18,7 @@ from dashpot.io.readers.inspect import inspect_file
 from dashpot.io.readers.modulus import read_modulus
 from dashpot.io.readers.recognise import called, recognise
 from dashpot.io.readers.relaxation import read_relaxation
-from dashpot.signals.loading import CREPT
+from dashpot.signals.loading import CREPT, STEADY
 from dashpot.solids.table_1 import PAPER
 from dashpot.workflow.archive import to_json
 from dashpot.workflow.examples import FILES
@@ -118,6 +118,17 @@ def test_so_is_a_stress_under_which_a_strain_goes_on(
     assert recognise(path).kind == kind
     if kind == "creep":
         assert read_creep(path).unit == "Pa"
+
+
+@pytest.mark.parametrize(
+    ("part", "kind"), [(0.9 * STEADY, "creep"), (1.1 * STEADY, "stress-strain")]
+)
+def test_a_stress_that_was_on_from_the_first_sample_makes_it_creep(
+    tmp_path: Path, part: float, kind: str
+) -> None:
+    stress = 1 - part / 2 + part * CLOCK / CLOCK[-1]
+    going_on = csv("time [s],strain [%],stress [MPa]", CLOCK, 1 + np.sqrt(CLOCK), stress)
+    assert recognise(written(tmp_path, going_on)).kind == kind
 
 
 def test_a_tension_test_with_a_clock_is_none(tmp_path: Path) -> None:

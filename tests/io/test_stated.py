@@ -9,16 +9,17 @@ import numpy as np
 import pytest
 from kit.look_alikes import truth
 
-import dashpot as dp
-from dashpot.io.readers.bench import read_bench
+from dashpot.fitting.relaxation import fit
 from dashpot.io.readers.modulus import read_modulus
 from dashpot.io.readers.relaxation import read_relaxation
+from dashpot.preparation.prepare import prepare
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.relaxation import RelaxationTest
 from dashpot.records.specimen import Specimen
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.simulation.rig import Rig
 from dashpot.solids.table_1 import PAPER
+from dashpot.workflow.fits import read_test
 
 
 def read(path: Path, *header: str, specimen: Specimen | None = None) -> RelaxationTest:
@@ -111,11 +112,11 @@ def test_a_column_of_temperature_says_it_and_how_far_it_rose(tmp_path: Path) -> 
     risen = with_column(tmp_path / "a.csv", np.linspace(272.65, 274.65, count)).specimen
     assert risen.temperature == pytest.approx(273.65, abs=0.01)
     assert risen.warmed == pytest.approx(2.0, rel=1e-3)
-    checks = {one.name: one for one in dp.prepare(read_relaxation(tmp_path / "a.csv")).checks}
+    checks = {one.name: one for one in prepare(read_relaxation(tmp_path / "a.csv")).checks}
     assert checks["temperature_held"].failed
     other = read_relaxation(tmp_path / "a.csv", specimen=Specimen(temperature=296.15))
     assert other.specimen.temperature == 296.15
-    assert {one.name: one for one in dp.prepare(other).checks}["temperature_as_stated"].failed
+    assert {one.name: one for one in prepare(other).checks}["temperature_as_stated"].failed
     # what rubber is not tested at, and what has no unit, is not taken
     assert with_column(tmp_path / "b.csv", np.zeros(count)).specimen == Specimen()
     path = tmp_path / "a.csv"
@@ -126,8 +127,8 @@ def test_a_column_of_temperature_says_it_and_how_far_it_rose(tmp_path: Path) -> 
 def test_the_first_line_says_that_the_file_was_overruled() -> None:
     test = simulate_relaxation(PAPER, rig=Rig(rate=100.0)).test
     overruled = Specimen(temperature=346.55, stated_temperature=296.15)
-    found = dp.fit(dp.prepare(replace(test, specimen=overruled)), arms=2, law="linear")
-    assert "the file says 23 degC, and 73.4 degC was given" in found.verdict.says
+    found = fit(prepare(replace(test, specimen=overruled)), arms=2, law="linear")
+    assert "The file says 23 degC, and 73.4 degC was given" in found.verdict.says
 
 
 def test_the_rest_of_the_specimen_is_kept(tmp_path: Path) -> None:
@@ -139,14 +140,14 @@ def test_sweeps_and_curves_take_it_too(tmp_path: Path) -> None:
     path = tmp_path / "a.csv"
     rows = "".join(f"{f},{1 + f},{0.1 * f}\n" for f in np.geomspace(0.1, 10, 9))
     path.write_text("# temperature: 40 degC\nFrequency [Hz],E' [MPa],E'' [MPa]\n" + rows)
-    sweep = read_bench(path)
+    sweep = read_test(path)
     assert isinstance(sweep, DynamicTest)
     assert sweep.specimen.temperature == 313.15
     path.write_text(
         "# temperature: 40 degC\nFrequency [Hz],E' [MPa],E'' [MPa],Temperature [degC]\n"
         + rows.replace("\n", ",20\n")
     )
-    sweep = read_bench(path)
+    sweep = read_test(path)
     assert isinstance(sweep, DynamicTest)
     assert sweep.specimen.temperature is None
     assert sweep.temperature is not None

@@ -17,16 +17,25 @@ import dashpot as dp
 from dashpot.base.checks import REGISTER
 from dashpot.base.documents import Documented
 from dashpot.cli import COMMANDS
+from dashpot.fitting.compliance import measured_compliance
 from dashpot.io.columns.kinds import RECOGNISED, SWEEPS, FileKind
 from dashpot.io.options import ReadOptions
+from dashpot.io.readers.dynamic import read_dynamic
+from dashpot.io.readers.frf import read_frf
+from dashpot.io.readers.impact import read_impact
+from dashpot.io.readers.relaxation import read_relaxation
 from dashpot.kinds import KINDS, KindOfTest, Piece, figure_of, load, row_of
+from dashpot.kinds.hyperelastic.fit import fit_hyperelastic
+from dashpot.kinds.hyperelastic.read import read_stress_strain
+from dashpot.kinds.level.fit_frfs import fit_levels
 from dashpot.lots.columns import NUMBERS
 from dashpot.plot.picture import Picture
 from dashpot.preparation.creep import load_hold
+from dashpot.preparation.prepare import prepare
 from dashpot.records.creep import CreepTest
 from dashpot.simulation.creep import simulate_creep
 from dashpot.solids.table_1 import PAPER
-from dashpot.workflow.archive import SCHEMAS
+from dashpot.workflow.archive import SCHEMAS, from_json, to_json
 from dashpot.workflow.examples import FILES
 from dashpot.workflow.inspections import inspect_files
 
@@ -52,12 +61,14 @@ def words(kind: KindOfTest) -> list[str]:
 
 SOURCE = Path(dp.__file__).parent
 NAMED = {
+    "base/former.py": "a former name of Python",
     "cli/": "a command is called so, too",
     "io/columns/kinds.py": "what a table must hold",
     "io/readers/": "which files a reader takes",
     "kinds/": "the register, and the rooms",
     "lots/row.py": "a sweep as wide as no machine makes one is a master curve",
     "signals/": "what the moves of a record show",
+    "verbs/": "what a type checker knows of each, and the words that its reader and its fit take",
     "workflow/examples.py": "what an example is",
 }
 """Where a kind of file is named, and why; everybody else asks the register."""
@@ -160,20 +171,20 @@ def crept() -> CreepTest:
 
 
 MADE: dict[str, Callable[[Path], object]] = {
-    "RelaxationTest": lambda folder: dp.read_relaxation(folder / "seal_8mm.csv"),
-    "RampHold": lambda folder: dp.prepare(dp.read_relaxation(folder / "seal_8mm.csv")),
-    "ImpactTest": lambda folder: dp.read_impact(folder / "hammer.csv"),
-    "FRF": lambda folder: dp.read_frf(folder / "shaker_20mN.csv"),
-    "DynamicTest": lambda folder: dp.read_dynamic(folder / "sweep.csv"),
+    "RelaxationTest": lambda folder: read_relaxation(folder / "seal_8mm.csv"),
+    "RampHold": lambda folder: prepare(read_relaxation(folder / "seal_8mm.csv")),
+    "ImpactTest": lambda folder: read_impact(folder / "hammer.csv"),
+    "FRF": lambda folder: read_frf(folder / "shaker_20mN.csv"),
+    "DynamicTest": lambda folder: read_dynamic(folder / "sweep.csv"),
     "CreepTest": lambda _: crept(),
     "LoadHold": lambda _: load_hold(crept()),
-    "CreepCompliance": lambda _: dp.measured_compliance(load_hold(crept())),
-    "LevelFit": lambda folder: dp.fit_levels(
-        [dp.read_frf(folder / f"shaker_{size}mN.csv") for size in (20, 500)],
+    "CreepCompliance": lambda _: measured_compliance(load_hold(crept())),
+    "LevelFit": lambda folder: fit_levels(
+        [read_frf(folder / f"shaker_{size}mN.csv") for size in (20, 500)],
         [0.02, 0.5], mass=0.1148, seals=2,
     ),
-    "HyperelasticFit": lambda folder: dp.fit_hyperelastic(
-        [dp.read_stress_strain(folder / "tension.csv", "uniaxial")]
+    "HyperelasticFit": lambda folder: fit_hyperelastic(
+        [read_stress_strain(folder / "tension.csv", "uniaxial")]
     ),
 }  # fmt: skip
 """Of every noun with a schema that is of one kind, one."""
@@ -188,7 +199,7 @@ def test_every_noun_with_a_schema_is_made_here() -> None:
 @pytest.mark.parametrize("name", MADE)
 def test_a_document_comes_back_as_it_was(folder: Path, name: str) -> None:
     noun = MADE[name](folder)
-    text = dp.to_json(noun)
+    text = to_json(noun)
     found = json.loads(text)
     assert SCHEMAS[found["schema"]] is type(noun)
-    assert json.loads(dp.to_json(dp.from_json(text))) == found
+    assert json.loads(to_json(from_json(text))) == found

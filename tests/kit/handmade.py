@@ -68,7 +68,7 @@ def prepared() -> RampHold:
         specimen=test.specimen,
         source=test.source,
         steps=(Step("tare", (("offset", "0.0012 N"),), "took 1.2 mN off the force"),),
-        checks=(Check("sampling", True, "200 samples per second resolve the ramp", 200.0, 50.0),),
+        checks=(Check("sampling", True, "At 200 Hz the ramp is resolved.", 200.0, 50.0),),
     )
 
 
@@ -89,10 +89,10 @@ def fit_at(tau: tuple[float, ...]) -> Fit:
     checks = (
         Check(
             "residuals_white", arms > 1,
-            "the residuals wander: neighbouring samples agree far more than noise would let them",
+            "The residuals wander: neighbouring samples agree far more than noise would let them.",
             0.3, 1.5,
         ),
-        Check("hold_long_enough", True, "the hold is 2.4 of the longest relaxation time", 2.4, 2.0),
+        Check("hold_long_enough", True, "The hold is 2.4 of the longest tau.", 2.4, 2.0),
     )  # fmt: skip
     return a_fit(
         model,
@@ -135,7 +135,7 @@ def joint() -> Fit:
         model, method="joint", residual=Residual(n=8300, sse=8300.0, rms=0.005),
         covariance=np.diag([0.05**2, *[0.3**2] * 4, *[0.02**2] * 4]), dof=900.0, band=(0.004, 40.0),
         nuisance=(Nuisance("mass", 0.1149, 1e-4, "kg"), Nuisance("delay", 2e-5, 1e-5, "s")),
-        checks=(Check("mass_prior", True, "the mass moved by 0.3 standard errors", 0.3, 2.0),),
+        checks=(Check("mass_prior", True, "The mass moved by 0.3 standard errors.", 0.3, 2.0),),
     )  # fmt: skip
 
 
@@ -162,7 +162,7 @@ def measured() -> FRF:
             )
             for i in range(1, 6)
         ),
-        checks=(Check("coherence", True, "coherence is above 0.9 from 4 to 45 Hz", 0.97, 0.9),),
+        checks=(Check("coherence", True, "Coherence is above 0.9 from 4 to 45 Hz.", 0.97, 0.9),),
         source=(Source("impact.csv", SHA[::-1], simulated=True),),
         steps=(Step("average", (("estimator", "H1"), ("hits", "4"))),), units="SI",
     )  # fmt: skip
@@ -229,7 +229,7 @@ def study() -> Study:
         frf_band=frf_limits(),
         at_rest=at_rest(fit, mass=BROAD_MASS, seals=2.0),
         direct=dynamic_stiffness(target, BROAD_MASS, seals=2.0),
-        checks=(Check("operating_point", False, "the mass sags 2.9 mm; the test held 8 mm", 2.9),),
+        checks=(Check("operating_point", False, "The mass sags 2.9 mm; the test held 8 mm.", 2.9),),
     )
 
 

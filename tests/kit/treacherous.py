@@ -238,8 +238,8 @@ def _marks() -> list[Case]:
         f"{i},{x:.5f},{f:.5f}\n".replace(".", ",") for i, (_, x, f) in enumerate(rows)
     )
     return [
-        Case("points group the thousands beside small numbers", grouped.replace(",", ".").encode(), ("--decimal",), answer={"decimal": ","}, coarse=1e-3),
-        Case("commas group the thousands beside small numbers", grouped.encode(), ("--decimal",), answer={"decimal": "."}, coarse=1e-3),
+        Case("points group the thousands beside small numbers", grouped.replace(",", ".").encode(), ("--text decimal=",), answer={"decimal": ","}, coarse=1e-3),
+        Case("commas group the thousands beside small numbers", grouped.encode(), ("--text decimal=",), answer={"decimal": "."}, coarse=1e-3),
         Case("points group thousands and millions", grouped.replace(",", ".").replace("Kraft [mN]", "Kraft [mN];Hits").replace("\n", ";1.234.567\n").replace("Hits;1.234.567", "Hits").encode(), coarse=1e-3),
         Case("apostrophes group the thousands", ("Time (ms);Position (mm);Load (N)\n" + late).encode()),
         Case("typeset apostrophes group the thousands", ("Time (ms);Position (mm);Load (N)\n" + late.replace("'", "\u2019")).encode()),
@@ -334,7 +334,7 @@ def _printed() -> list[Case]:
         Case("a row of blank cells", put(joined(rows), LINE, ";;").encode()),
         Case("rows of blank cells at the end", (joined(rows) + ";;\n" * 9).encode()),
         Case("a negative number as an accountant writes it", joined(odd).encode(), (f"line {LINE} lacks force",)),
-        Case("rows wrapped over two lines", wrapped.encode(), ("--time",)),
+        Case("rows wrapped over two lines", wrapped.encode(), ("--column time=",)),
         Case("a sentence about units", put(joined(rows), LINE, "Load still in N").encode(), noted="Load still in N"),
         Case("a gain in the header", ("Gain (Load): 0.01\n" + joined(rows)).encode(), noted="no factor is applied"),
         Case("a gain of one", ("Scale;1;1,0;1.00\n" + joined(rows)).encode()),

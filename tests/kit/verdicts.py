@@ -18,6 +18,8 @@ import numpy as np
 
 import dashpot as dp
 from dashpot.base.errors import DashpotError
+from dashpot.fitting.relaxation import fit as fit_tests
+from dashpot.preparation.prepare import prepare
 from kit.trials import Trial, relaxation_test
 
 #: relative errors that make a result wrong: of k(T), of K* in the informed band, of the tangent
@@ -49,8 +51,8 @@ def judged(one: Trial, *, bounds: bool = False) -> Judged:
     unseen arms hold the truth at every line of `LINES`.
     """
     try:
-        record = dp.prepare(relaxation_test(one))
-        fit = dp.fit(record)
+        record = prepare(relaxation_test(one))
+        fit = fit_tests(record)
     except DashpotError as error:
         return Judged(one.name, "do not use", ((type(error).__name__, "stop"),), {})
     failed = tuple((check.name, check.grade) for check in fit.checks if check.failed)

@@ -11,11 +11,11 @@ from pathlib import Path
 
 import pytest
 
-import dashpot as dp
 from dashpot.base.errors import DataError
 from dashpot.base.version import __version__
 from dashpot.io.write import write_relaxation
 from dashpot.lots import batches
+from dashpot.lots.batches import batch
 from dashpot.lots.choices import BatchChoices
 from dashpot.lots.cluster_worker import let_go, rows_of
 from dashpot.lots.entries import Entry
@@ -49,7 +49,7 @@ def as_bytes(table):
 @pytest.mark.filterwarnings("ignore")  # of dask, beside processes that are killed
 def test_a_cluster_makes_the_same_table_though_a_worker_is_killed(folder, tmp_path, monkeypatch):
     distributed = pytest.importorskip("distributed")
-    whole = dp.batch(folder, jobs=1, **QUICK).table
+    whole = batch(folder, jobs=1, **QUICK).table
     monkeypatch.setattr(batches, "CHUNK", 1)
     killed = []
 
@@ -68,11 +68,11 @@ def test_a_cluster_makes_the_same_table_though_a_worker_is_killed(folder, tmp_pa
     with distributed.LocalCluster(
         n_workers=2, threads_per_worker=1, dashboard_address=None, silence_logs=50
     ) as cluster:
-        found = dp.batch(folder, output="lot", scheduler=cluster.scheduler_address, **QUICK)
+        found = batch(folder, output="lot", scheduler=cluster.scheduler_address, **QUICK)
     assert killed
     assert as_bytes(found.table) == as_bytes(whole)
     assert len(list(Path("lot").glob("part-*.parquet"))) == 7
-    assert dp.batch(folder, output="lot", jobs=1, **QUICK).computed == 0
+    assert batch(folder, output="lot", jobs=1, **QUICK).computed == 0
 
 
 def asked(entries, **changes):
@@ -100,6 +100,6 @@ def test_a_scheduler_that_is_none_is_refused_at_once(folder):
         nobody = f"tcp://127.0.0.1:{taken.getsockname()[1]}"
         for address in (nobody, "127.0.0.1", "tcp://[", "foo://x:1"):
             with pytest.raises(DataError, match="no scheduler answers there"):
-                dp.batch(folder, scheduler=address, **QUICK)
+                batch(folder, scheduler=address, **QUICK)
     with pytest.raises(DataError, match="--jobs are processes of this machine"):
-        dp.batch(folder, scheduler=nobody, jobs=2, **QUICK)
+        batch(folder, scheduler=nobody, jobs=2, **QUICK)

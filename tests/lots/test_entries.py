@@ -13,6 +13,7 @@ from dashpot.base.errors import DataError, ReadError
 from dashpot.lots.choices import BatchChoices
 from dashpot.lots.entries import Entry, entries
 from dashpot.lots.parts import Task, tasks
+from dashpot.lots.row import row
 
 
 @pytest.fixture
@@ -225,3 +226,27 @@ def test_a_task_gives_back_what_it_was_made_of(entry):
     assert task.hashes == tuple(f"{len(file):064x}" for file in (entry.file, *entry.hammer))
     assert len(task.key) == 64
     assert Task.of(task.entry, task.hashes, task.key) == task
+
+
+def test_a_link_out_of_the_folder_and_a_pipe_are_said_and_not_read(tmp_path):
+    rig, beside = tmp_path / "rig", tmp_path / "beside.csv"
+    rig.mkdir()
+    beside.write_text("secret\n")
+    (rig / "own.csv").write_text("own\n")
+    (rig / "alias.csv").symlink_to(rig / "own.csv")
+    (rig / "out.csv").symlink_to(beside)
+    (rig / "gone.csv").symlink_to(tmp_path / "nowhere.csv")
+    os.mkfifo(rig / "pipe.csv")
+    found = entries([rig], without=tmp_path / "lot")
+    asides = {Path(one.file).name: one.aside for one in found}
+    # one file by two names is one test, and what a broken link names is not there
+    assert asides.keys() == {"alias.csv", "gone.csv", "out.csv", "pipe.csv"}
+    assert not asides["alias.csv"]
+    assert "leads out of the folder" in asides["out.csv"]
+    assert "a pipe" in asides["pipe.csv"]
+    (out,) = [one for one in found if one.file.endswith("out.csv")]
+    assert out.hashes() == ("",)
+    answer = row(out, out.hashes(), BatchChoices())
+    assert (answer["outcome"], answer["reason"]) == ("refused", out.aside)
+    (named,) = entries([rig / "out.csv"], without=tmp_path / "lot")
+    assert not named.aside

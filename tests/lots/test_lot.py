@@ -21,9 +21,13 @@ from kit.shell import ran, told
 import dashpot as dp
 from dashpot.base.errors import DataError, ExportError, ReadError
 from dashpot.base.version import is_ours
+from dashpot.fitting.relaxation import fit as fit_tests
+from dashpot.io.readers.relaxation import read_relaxation
 from dashpot.io.write import write_impact, write_relaxation
 from dashpot.lots import batches, parts
+from dashpot.lots.batches import batch
 from dashpot.lots.processes import LIVES
+from dashpot.preparation.prepare import prepare
 from dashpot.simulation.impact import simulate_impact
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.solids.table_1 import PAPER
@@ -52,7 +56,7 @@ def folder(tmp_path_factory):
 @pytest.fixture(scope="module")
 def whole(folder):
     """The table of a run that nothing stopped."""
-    return dp.batch(folder, jobs=2, **QUICK).table
+    return batch(folder, jobs=2, **QUICK).table
 
 
 def as_bytes(table):
@@ -82,9 +86,9 @@ def test_every_file_is_a_row_and_says_what_it_is(whole):
 
 def test_the_numbers_are_those_of_a_fit_to_the_last_digit(folder):
     path = folder / "lotA_seal0_rep0.csv"
-    (row,) = dp.batch(path, arms=2, mass="104g", seals=2).table.to_dicts()
-    test = dp.prepare(dp.read_relaxation(path))
-    fit = dp.fit(test, arms=2)
+    (row,) = batch(path, arms=2, mass="104g", seals=2).table.to_dicts()
+    test = prepare(read_relaxation(path))
+    fit = fit_tests(test, arms=2)
     assert row["k_inf_N_per_m"] == fit.model.k_inf
     assert (row["k_1_N_per_m"], row["k_2_N_per_m"]) == fit.model.k
     assert (row["tau_1_s"], row["tau_2_s"]) == fit.model.tau
@@ -97,15 +101,15 @@ def test_the_numbers_are_those_of_a_fit_to_the_last_digit(folder):
     failed = [one.name for one in fit.checks if one.failed and one.grade != "note"]
     assert row["failed_checks"].split() == list(dict.fromkeys(failed))
     assert row["sha256"] == test.source.sha256
-    mode = dp.predict_frf(2 * fit.model, mass=0.104).modes()[0]
+    mode = dp.systems.predict_frf(2 * fit.model, mass=0.104).modes()[0]
     assert row["frequency_Hz"] == pytest.approx(mode.frequency, rel=1e-4)
 
 
 def test_stiffness_and_loss_are_those_of_the_fit_where_they_were_asked_for(folder):
     path = folder / "lotA_seal0_rep0.csv"
-    (row,) = dp.batch(path, arms=2, at=["12.7Hz", 0.1], compression="2.6mm").table.to_dicts()
-    test = dp.prepare(dp.read_relaxation(path))
-    fit = dp.fit(test, arms=2)
+    (row,) = batch(path, arms=2, at=["12.7Hz", 0.1], compression="2.6mm").table.to_dicts()
+    test = prepare(read_relaxation(path))
+    fit = fit_tests(test, arms=2)
     solid = fit.model_at(2.6e-3)
     for name, frequency in (("12.7Hz", 12.7), ("0.1Hz", 0.1)):
         value = solid.complex_stiffness(omega=2 * np.pi * frequency)
@@ -114,12 +118,12 @@ def test_stiffness_and_loss_are_those_of_the_fit_where_they_were_asked_for(folde
         assert row[f"loss_factor_at_{name}_2.6mm"] == value.imag / value.real
     assert row["k_end_at_2.6mm_N_per_m"] == solid.relaxation(test.hold_time)
     assert (row["band_low_Hz"], row["band_high_Hz"]) == fit.band
-    (deep,) = dp.batch(path, at="5Hz", compression=1.0, mass=0.1, **QUICK).table.to_dicts()
+    (deep,) = batch(path, at="5Hz", compression=1.0, mass=0.1, **QUICK).table.to_dicts()
     assert "compression" in deep["reason"]
     assert deep["storage_at_5Hz_1000mm_N_per_m"] is None
     assert deep["frequency_Hz"] > 0
     with pytest.raises(DataError, match="at = -1"):
-        dp.batch(path, at=-1.0, **QUICK)
+        batch(path, at=-1.0, **QUICK)
 
 
 def test_a_second_run_computes_nothing_and_a_changed_file_alone_is_fitted_again(
@@ -130,30 +134,30 @@ def test_a_second_run_computes_nothing_and_a_changed_file_alone_is_fitted_again(
     for path in folder.iterdir():
         (tests / path.name).write_bytes(path.read_bytes())
     out = tmp_path / "lot"
-    first = dp.batch(tests, output=out, jobs=1, **QUICK)
+    first = batch(tests, output=out, jobs=1, **QUICK)
     assert first.computed == 11
-    again = dp.batch(tests, output=out, jobs=2, **QUICK)
+    again = batch(tests, output=out, jobs=2, **QUICK)
     assert again.computed == 0
     assert as_bytes(again.table) == as_bytes(first.table)
     (tests / "junk.csv").write_bytes((folder / "lotA_seal0_rep0.csv").read_bytes())
-    changed = dp.batch(tests, output=out, **QUICK)
+    changed = batch(tests, output=out, **QUICK)
     assert changed.computed == 1
     assert row_of(changed.table, "junk.csv")["outcome"] == "fitted"
     # the parts hold what the table holds: no row of the old file, none twice
     on_disk = pl.read_parquet(out / "*.parquet").sort("file")
     assert as_bytes(on_disk) == as_bytes(changed.table)
-    other = dp.batch(tests, output=out, **{**QUICK, "arms": 2})
+    other = batch(tests, output=out, **{**QUICK, "arms": 2})
     assert other.computed == 11
     assert pl.read_parquet(out / "*.parquet").height == 11
     assert other.table["k_2_N_per_m"].drop_nulls().len() > 0
 
 
 def test_a_part_that_is_damaged_is_made_again(folder, whole, tmp_path):
-    dp.batch(folder, output=tmp_path, jobs=2, **QUICK)
+    batch(folder, output=tmp_path, jobs=2, **QUICK)
     victim = sorted(tmp_path.glob("part-*.parquet"))[0]
     victim.write_bytes(victim.read_bytes()[:100])
     (tmp_path / ".0.part").write_text("half of a part")
-    again = dp.batch(folder, output=tmp_path, jobs=2, **QUICK)
+    again = batch(folder, output=tmp_path, jobs=2, **QUICK)
     assert 0 < again.computed < 11
     assert as_bytes(again.table) == as_bytes(whole)
     assert not list(tmp_path.glob(".*.part"))
@@ -254,7 +258,7 @@ def in_chunks_of_one(folder, out):
     """The words that run a batch so, in Python."""
     code = (
         "import sys, dashpot as dp, dashpot.lots.batches as batches; batches.CHUNK = 1;"
-        f"dp.batch(sys.argv[1], output=sys.argv[2], jobs=2, **{QUICK!r})"
+        f"batch(sys.argv[1], output=sys.argv[2], jobs=2, **{QUICK!r})"
     )
     return [sys.executable, "-c", code, str(folder), str(out)]
 
@@ -297,7 +301,7 @@ def killed_and_completed(folder, whole, out, seed, lasts):
     run_and_kill(folder, out, chance, lasts, parent=seed % 2 == 0)
     parts = [pl.read_parquet(one) for one in out.glob("part-*.parquet")]
     there = sum((one["outcome"] != "died").sum() for one in parts)
-    again = dp.batch(folder, output=out, jobs=2, **QUICK)
+    again = batch(folder, output=out, jobs=2, **QUICK)
     assert again.computed == 11 - there
     assert as_bytes(again.table) == as_bytes(whole)
     return there
@@ -340,7 +344,7 @@ def test_a_full_disk_says_what_is_kept(folder, tmp_path, monkeypatch):
 
     monkeypatch.setattr(batches, "write_part", full)
     with pytest.raises(ExportError, match=r"lot: No space left on device: 0 of \d+ rows are made"):
-        dp.batch(folder, output=tmp_path / "lot", jobs=1, **QUICK)
+        batch(folder, output=tmp_path / "lot", jobs=1, **QUICK)
 
 
 def test_interrupted_it_says_what_is_kept_and_goes_on_from_there(folder, whole, tmp_path):
@@ -363,7 +367,7 @@ def test_interrupted_it_says_what_is_kept_and_goes_on_from_there(folder, whole, 
         f"dashpot: interrupted: {kept} of 11 rows are made and kept in {tmp_path}, and the same "
         "command goes on from there\n"
     )
-    again = dp.batch(folder, output=tmp_path, jobs=1, **QUICK)
+    again = batch(folder, output=tmp_path, jobs=1, **QUICK)
     assert again.computed == 11 - kept
     assert as_bytes(again.table) == as_bytes(whole)
 
@@ -379,7 +383,7 @@ def test_the_results_may_lie_among_the_tests(folder, tmp_path):
     for i in range(3):
         shutil.copy(folder / f"lotA_seal{i}_rep0.csv", tmp_path)
     for computed in (3, 0):
-        found = dp.batch(tmp_path, output=tmp_path, jobs=1, **QUICK)
+        found = batch(tmp_path, output=tmp_path, jobs=1, **QUICK)
         assert (found.outcomes, found.computed) == ({"fitted": 3}, computed)
 
 
@@ -391,7 +395,7 @@ def test_a_folder_in_which_nothing_can_be_written_is_said_before_the_work(
 
     monkeypatch.setattr(parts, "NamedTemporaryFile", read_only)
     with pytest.raises(ExportError, match="cannot be written to: Read-only file system; give"):
-        dp.batch(folder, output=tmp_path, **QUICK)
+        batch(folder, output=tmp_path, **QUICK)
 
 
 @ON_LINUX
@@ -410,9 +414,7 @@ def test_a_file_that_its_workers_die_of_is_a_row_and_is_tried_again(folder, whol
     )
     deaths, out = tmp_path / "deaths", tmp_path / "lot"
     path = os.pathsep.join(filter(None, (str(deadly), os.environ.get("PYTHONPATH"))))
-    code = (
-        f"import dashpot as dp; dp.batch({str(folder)!r}, output={str(out)!r}, jobs=1, **{QUICK!r})"
-    )
+    code = f"import dashpot as dp; batch({str(folder)!r}, output={str(out)!r}, jobs=1, **{QUICK!r})"
     env = {**os.environ, "PYTHONPATH": path, "DEATHS": str(deaths)}
     subprocess.run([sys.executable, "-c", code], env=env, check=True)
     assert deaths.read_text() == "x" * LIVES
@@ -420,7 +422,7 @@ def test_a_file_that_its_workers_die_of_is_a_row_and_is_tried_again(folder, whol
     assert row_of(found, "lotA_seal1_rep0.csv")["outcome"] == "died"
     assert f"died {LIVES} times" in row_of(found, "lotA_seal1_rep0.csv")["reason"]
     assert sum(found["outcome"] == "fitted") == 7
-    again = dp.batch(folder, output=out, jobs=1, **QUICK)
+    again = batch(folder, output=out, jobs=1, **QUICK)
     assert again.computed == 1
     assert as_bytes(again.table) == as_bytes(whole)
 
@@ -463,28 +465,28 @@ def test_the_command_prints_logs_and_judges(folder, tmp_path):
 )  # fmt: skip
 def test_a_choice_that_makes_no_sense_is_refused(folder, tmp_path, given, says):
     with pytest.raises(DataError, match=says):
-        dp.batch(folder, output=tmp_path / "lot", **given)
+        batch(folder, output=tmp_path / "lot", **given)
     assert not (tmp_path / "lot").exists()
 
 
 def test_a_folder_of_something_else_is_refused_and_two_runs_do_not_share_one(folder, tmp_path):
     (tmp_path / "sales.parquet").write_bytes(b"PAR1")
     with pytest.raises(ExportError, match=r"sales\.parquet was not written by dashpot batch"):
-        dp.batch(folder, output=tmp_path, **QUICK)
+        batch(folder, output=tmp_path, **QUICK)
     file = tmp_path / "file"
     file.write_text("x")
     with pytest.raises(ExportError, match="is a file; give a folder"):
-        dp.batch(folder, output=file, **QUICK)
+        batch(folder, output=file, **QUICK)
     with pytest.raises(ExportError, match=r"lot: cannot be written to: .*; give another place"):
-        dp.batch(folder, output=file / "lot", **QUICK)
+        batch(folder, output=file / "lot", **QUICK)
     out = tmp_path / "lot"
     with batches.occupied(out), pytest.raises(DataError, match="in use by another"):
-        dp.batch(folder, output=out, **QUICK)
+        batch(folder, output=out, **QUICK)
 
 
 def test_a_path_that_names_nothing_is_refused(tmp_path):
     for path in ("nowhere.csv", "*.none"):
         with pytest.raises(ReadError, match=r"no such file|fits no file"):
-            dp.batch(tmp_path / path, **QUICK)
+            batch(tmp_path / path, **QUICK)
     with pytest.raises(ReadError, match="no file is there"):
-        dp.batch(tmp_path, **QUICK)
+        batch(tmp_path, **QUICK)

@@ -11,9 +11,9 @@ import polars as pl
 import pytest
 from kit import browser
 
-import dashpot as dp
 from dashpot.io.write import write_relaxation
 from dashpot.lots import page as page_of_lots
+from dashpot.lots.batches import batch
 from dashpot.lots.page import html
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.simulation.rig import Rig
@@ -35,7 +35,7 @@ def lot(tmp_path_factory):
         name = f"lot{of}_seal{seal}_rep{repeat}.csv"
         (place / name).write_text(write_relaxation(made.test))
     (place / "<b>junk & co.csv").write_text("no table\nat all\n")
-    return dp.batch(place, arms=1, by=BY, jobs=1)
+    return batch(place, arms=1, by=BY, jobs=1)
 
 
 def test_the_page_says_what_the_lot_is(lot):

@@ -11,8 +11,13 @@ from kit.kinds import ARMS, MASS, STIFFNESS, files
 
 import dashpot as dp
 from dashpot.base.errors import DataError
+from dashpot.fitting.relaxation import fit as fit_tests
 from dashpot.io.options import ReadOptions
+from dashpot.io.readers.relaxation import read_relaxation
 from dashpot.io.write import write_frf
+from dashpot.kinds.cld.prepare import cld
+from dashpot.kinds.cld.read import read_cld
+from dashpot.lots.batches import batch
 from dashpot.lots.choices import BatchChoices
 from dashpot.lots.columns import AGAIN
 from dashpot.lots.entries import Entry
@@ -87,7 +92,7 @@ def test_a_load_deflection_is_a_row_as_its_command_has_it(tmp_path):
     path = pressed(softening=0.05).write(tmp_path / "p1.csv")
     choices = BatchChoices(compression=(6e-3,), length=0.05)
     found = row_of(Entry(str(path)), choices)
-    alone = dp.cld(dp.read_cld(path, specimen=dp.Specimen(length="50mm")), at="6mm")
+    alone = cld(read_cld(path, specimen=dp.Specimen(length="50mm")), at="6mm")
     assert found["cld_force_N"] == alone.nominal.loading
     assert found["cld_per_100mm_N"] == 2 * alone.nominal.loading
     assert (found["cld_at_m"], found["cld_set_m"]) == (6e-3, alone.set)
@@ -103,7 +108,7 @@ def test_a_lot_of_pieces_is_judged_by_their_force(tmp_path):
     for number, scale in enumerate((1.0, 1.04, 0.97), start=1):
         truth = pressed(scale=scale, seed=number, softening=0.05, cycles=2)
         truth.write(tmp_path / f"p{number}.csv")
-    lot = dp.batch(tmp_path, length="50mm", compression="6mm", jobs=1)
+    lot = batch(tmp_path, length="50mm", compression="6mm", jobs=1)
     assert lot.main == "cld_per_100mm"
     forces = [float(one.mean) for one in lot.seals(lot.main)]
     assert forces[1] / forces[0] == pytest.approx(1.04, abs=0.01)
@@ -143,7 +148,7 @@ def test_a_file_of_no_kind_is_refused_in_the_words_of_its_reader(folder):
 def test_a_hammer_is_held_against_its_test_as_the_comparison_does_it(folder):
     bench, hammer = str(folder / "seal.csv"), str(folder / "hammer.csv")
     found = row_of(Entry(bench, hammer=(hammer,), mass=MASS), replace(ONE_ARM, seals=2))
-    fit = dp.fit(dp.read_relaxation(bench), arms=1)
+    fit = fit_tests(read_relaxation(bench), arms=1)
     agreed = compare_files(
         fit, [hammer], hammer=HammerChoices(), options=ReadOptions(), mass=MASS, seals=2
     )
@@ -191,7 +196,7 @@ def test_a_hammer_at_another_temperature_says_its_resonance_and_no_agreement(
 def test_a_joint_fit_finds_the_damping_that_the_bench_alone_misses(folder, tmp_path):
     """Beside the arms of the bench's file the hammer's seals have one of 10 ms."""
     seal = dp.GeneralizedMaxwell(STIFFNESS, (40.0, *(k for k, _ in ARMS)), (0.01, 0.5, 16.0))
-    frf = dp.predict_frf(2 * seal, mass=MASS, frequency=np.linspace(6, 30, 60))
+    frf = dp.systems.predict_frf(2 * seal, mass=MASS, frequency=np.linspace(6, 30, 60))
     noise = np.random.default_rng(7).standard_normal((2, 60)) * abs(frf.value) / 200
     hammer = tmp_path / "frf.csv"
     hammer.write_text(write_frf(replace(frf, value=frf.value + noise[0] + 1j * noise[1])))

@@ -251,7 +251,7 @@ def test_frequencies_beyond_the_band_are_said():
             for row in scattered(1, 3, 1)]  # fmt: skip
     (check,) = [one for one in summary(lot_of(rows)).checks if one.name == "asked_in_band"]
     assert check.value == 3
-    assert "12.7 Hz lies beyond" in check.says
+    assert "12.7 Hz lies outside" in check.says
 
 
 def test_the_command_judges_by_limits_and_strict_ends_in_1(tmp_path):

@@ -13,10 +13,9 @@ from pathlib import Path
 import pytest
 from kit.kinds import bench, ramp_and_hold
 
-import dashpot as dp
 from dashpot.base.errors import DataError, ReadError
 from dashpot.lots import batches
-from dashpot.lots.batches import BatchJob
+from dashpot.lots.batches import BatchJob, batch
 from dashpot.lots.choices import BatchChoices
 from dashpot.lots.parts import KEY, SMALL
 from dashpot.lots.processes import Engine
@@ -83,7 +82,7 @@ def test_a_file_is_fitted_when_it_has_been_still_for_two_seconds(rig):
     both = {"old": "fitted", "new": "fitted"}
     # seen first at 0 and at 2 s, and not a beat earlier than still for two
     assert story.tables == [(STILL, {"old": "fitted"}), (4 * BEAT + STILL, both)]
-    assert story.lot.table.equals(dp.batch("rig", jobs=1, **QUICK).table)
+    assert story.lot.table.equals(batch("rig", jobs=1, **QUICK).table)
 
 
 def test_a_file_that_grows_waits_and_one_that_paused_is_fitted_again(rig):
@@ -179,7 +178,7 @@ def test_many_tests_one_by_one_end_in_few_parts(rig):
     story = Story(*acts, until(2 * SMALL * BEAT + STILL))
     assert story.lot.table.height == 2 * SMALL
     assert len(list(Path("lot").glob("*.parquet"))) <= SMALL
-    assert dp.batch("rig", output="lot", jobs=1, **QUICK).computed == 0
+    assert batch("rig", output="lot", jobs=1, **QUICK).computed == 0
 
 
 def test_what_makes_no_sense_is_refused_before_anything_comes(rig):

@@ -31,7 +31,7 @@ def test_the_ramp_has_101_set_points_and_its_ends_are_exact():
 def test_a_file_of_them_reads_back(tmp_path, depth: float):
     motion = planned_trajectory(**USUAL | {"depth": depth, "along": (0, 3, 4)})
     write_trajectory(motion, tmp_path / "a.csv", comments=["a plan"])
-    back = dp.read_trajectory(tmp_path / "a.csv")
+    back = dp.files.read_trajectory(tmp_path / "a.csv")
     np.testing.assert_array_equal(back.time, motion.time)
     np.testing.assert_allclose(back.displacement, motion.displacement, atol=1e-15)
     assert back.position is None
@@ -77,8 +77,8 @@ def test_rows_without_a_number_are_left_out_and_a_rate_is_a_clock(tmp_path):
     file = tmp_path / "a.csv"
     rows = "".join(f"{i / 10},{i if i != 3 else ''}\n" for i in range(10))
     file.write_text("time [s],displacement [mm]\n" + rows)
-    motion = dp.read_trajectory(file)
+    motion = dp.files.read_trajectory(file)
     assert len(motion.time) == 9
     assert any("1 rows lack a number" in note for note in motion.source.notes)
     with pytest.raises(DataError, match="expected 10 rows of x, y, z"):
-        dp.Trajectory(np.arange(10.0), np.arange(10.0), np.zeros((9, 3)))
+        dp.files.Trajectory(np.arange(10.0), np.arange(10.0), np.zeros((9, 3)))

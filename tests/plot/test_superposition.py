@@ -5,6 +5,7 @@ import pytest
 from kit.sweeps import moduli, sweeps
 
 import dashpot as dp
+from dashpot.fitting.dynamic import fit_dynamic
 from dashpot.plot.picture import Area, Dots, Line
 from dashpot.plot.tokens import SEQUENTIAL
 from dashpot.workflow.frames import frame
@@ -14,7 +15,7 @@ from dashpot.workflow.frames import frame
     ("data", "panels"), [(sweeps(), 4), (moduli(), 3)], ids=["sweeps", "moduli"]
 )
 def test_every_sample_is_drawn_from_cold_to_warm(data, panels):
-    found = dp.superpose(data)
+    found = dp.solids.superpose(data)
     picture = found.plot()
     assert len(picture.panels) == panels
     for panel in picture.panels[:-1]:
@@ -25,7 +26,7 @@ def test_every_sample_is_drawn_from_cold_to_warm(data, panels):
 
 
 def test_the_shifts_are_drawn_with_their_law_and_its_errors():
-    found = dp.superpose(sweeps())
+    found = dp.solids.superpose(sweeps())
     marks = found.plot().panels[-1].marks
     area, line, dots = (
         next(m for m in marks if isinstance(m, kind)) for kind in (Area, Line, Dots)
@@ -33,13 +34,13 @@ def test_the_shifts_are_drawn_with_their_law_and_its_errors():
     assert line.label == "WLF"
     assert dots.error == pytest.approx([2 * one.se for one in found.temperatures.shifts])
     assert ((area.low <= line.y) & (line.y <= area.high)).all()
-    free = dp.superpose(sweeps(), law="free").plot().panels[-1]
+    free = dp.solids.superpose(sweeps(), law="free").plot().panels[-1]
     assert not any(isinstance(mark, Area) for mark in free.marks)
 
 
 @pytest.mark.parametrize("data", [sweeps(), moduli()], ids=["sweeps", "moduli"])
 def test_a_notebook_shows_it_and_a_table_holds_it(data):
-    found = dp.superpose(data)
+    found = dp.solids.superpose(data)
     assert "<svg" in found._repr_html_()
     assert repr(found).startswith("Superposition: 9 temperatures, -20 degC to 60 degC, at 20 degC")
     made = frame(found)
@@ -48,7 +49,7 @@ def test_a_notebook_shows_it_and_a_table_holds_it(data):
 
 
 def test_few_temperatures_are_as_far_apart_in_colour_as_many():
-    found = dp.superpose(sweeps(temperatures=np.array([283.15, 293.15])))
+    found = dp.solids.superpose(sweeps(temperatures=np.array([283.15, 293.15])))
     dots = [mark for mark in found.plot().panels[0].marks if isinstance(mark, Dots)]
     assert [(mark.colour, mark.label) for mark in dots] == [
         ("coldest", "10 °C"),
@@ -58,10 +59,13 @@ def test_few_temperatures_are_as_far_apart_in_colour_as_many():
 
 def test_a_fit_is_drawn_in_the_place_of_the_spectrum():
     data = sweeps()
-    few = dp.fit_dynamic(data, arms=3)
+    few = fit_dynamic(data, arms=3)
     lines = [
         next(mark for mark in picture.panels[0].marks if isinstance(mark, Line))
-        for picture in (dp.superpose(data).plot(), dp.plot.superposition(dp.superpose(data), few))
+        for picture in (
+            dp.solids.superpose(data).plot(),
+            dp.plot.superposition(dp.solids.superpose(data), few),
+        )
     ]
     assert [line.label for line in lines] == ["spectrum of all temperatures", "fit"]
     assert not np.allclose(lines[0].y, lines[1].y)

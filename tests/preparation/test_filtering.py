@@ -88,7 +88,7 @@ def test_a_notch_takes_out_the_hum_and_a_median_the_glitch():
 def test_the_bias_on_eq_5_is_the_references(ideal: RampHold, text: str, k_1: float, tau_1: float):
     check = filter_bias(filtered(ideal, parse_filter(text)))
     found = dict(
-        part.rsplit(" by ", 1) for part in check.says.split("hold, ")[1].split("; ")[0].split(", ")
+        part.rsplit(" by ", 1) for part in check.says.split("hold, ")[1].split(". ")[0].split(", ")
     )
     assert float(found["k_1"].strip(" %")) == pytest.approx(k_1, abs=0.3)
     assert float(found["tau_1"].strip(" %")) == pytest.approx(tau_1, abs=0.35)
@@ -102,10 +102,10 @@ def test_a_slow_or_causal_filter_fails_its_check_and_a_fast_one_passes(ideal: Ra
     assert fast.value is not None
     assert fast.value < 0.003
     assert slow.failed
-    assert "the cut-off is below 5/tau_1 = 9.96 Hz" in slow.says
-    assert "fit the raw record" in slow.says
+    assert "The cut-off is below 5/tau_1 = 9.96 Hz" in slow.says
+    assert "Fit the raw record." in slow.told
     assert late.failed
-    assert "a causal filter delays the force" in late.says
+    assert "A causal filter delays the force" in late.says
 
 
 def test_a_linear_filter_on_both_channels_leaves_the_full_history_alone(

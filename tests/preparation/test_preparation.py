@@ -250,7 +250,7 @@ def test_contact_can_be_given(raw: RelaxationTest):
     found = prepare(raw, contact=1e-3)
     assert found.depth == pytest.approx(7e-3, abs=1e-6)
     assert found.onset == pytest.approx(prepare(raw).onset + 0.125, abs=1e-3)
-    assert "contact was given" in check(found, "contact_found").says
+    assert "Contact was given" in check(found, "contact_found").says
     turned = replace(raw, displacement=-raw.displacement)
     assert prepare(turned, contact=-1e-3).depth == found.depth
 
@@ -260,7 +260,7 @@ def test_an_uncertain_contact_fails_its_check():
     found = prepare(simulate_relaxation(PAPER, rig=rig, seed=1).test)
     assert found.depth == pytest.approx(8e-3, abs=0.3e-3)
     assert check(found, "contact_found").failed
-    assert "leaves the depth uncertain by" in check(found, "contact_found").says
+    assert "The depth is known to" in check(found, "contact_found").says
 
 
 def test_a_preload_is_told_from_a_small_offset(raw: RelaxationTest):
@@ -283,7 +283,7 @@ def test_a_record_that_starts_on_the_ramp_has_no_tare():
         )
     )
     assert failed(found) == ["baseline_recorded", "preload_absent"]
-    assert "only 1 sample before contact" in check(found, "baseline_recorded").says
+    assert "The record has 1 sample before contact" in check(found, "baseline_recorded").says
     assert step(found, "tare").startswith("no tare: the record starts on the ramp")
     assert found.onset == pytest.approx(1.5, abs=1e-6)
     assert found.preload == pytest.approx(0.2)
@@ -329,10 +329,10 @@ def test_a_staircase_keeps_its_first_ramp_and_its_last_hold():
     assert found.hold_end == pytest.approx(43.5)
     assert found.depth == pytest.approx(8e-3, abs=QUANTUM)
     says = check(found, "single_loading").says
-    assert "2 ramps belong to it: the fit of ramp and hold follows them all" in says
+    assert "It has 2 ramps. The fit of ramp and hold follows them all" in says
     first = prepare(test, hold_end=12.0)
     assert first.depth == pytest.approx(4e-3, abs=QUANTUM)
-    assert "ramps belong" not in check(first, "single_loading").says
+    assert "ramps. The fit" not in check(first, "single_loading").says
 
 
 @pytest.mark.parametrize("gap", [5e-3, 5.5e-3])
@@ -344,7 +344,7 @@ def test_an_approach_through_air_is_no_ramp(gap: float):
     assert found.onset == pytest.approx(1.5 + 6.0 + (gap - 5e-3) / 8e-3 + lag, abs=5e-3)
     assert found.ramp_end == pytest.approx(1.5 + 7.0625 + lag, abs=5e-3)
     assert found.depth == pytest.approx(truth[-1] - gap, abs=QUANTUM)
-    assert "ramps belong" not in check(found, "single_loading").says
+    assert "ramps. The fit" not in check(found, "single_loading").says
     assert failed(found) == []
     np.testing.assert_array_equal(prepare(replace(test, force=-test.force)).force, found.force)
 
@@ -380,8 +380,8 @@ def test_of_several_loadings_the_longest_hold_is_used_and_the_choice_listed(
     assert found.hold_time == pytest.approx(20.0, abs=0.05)
     assert failed(found) == ["single_loading"]
     says = check(found, "single_loading").says
-    assert "the record holds 3 loadings (cycle 1: ramp" in says
-    assert "cycle 3 is used, which has the longest hold" in says
+    assert "The record has 3 loadings; cycle 3 is used" in says
+    assert "cycle 3 is used, because its hold is the longest" in says
     second = prepare(cycles, cycle=2)
     assert second.onset == pytest.approx(7.526, abs=3e-3)
     assert failed(second) == []
@@ -415,7 +415,7 @@ def test_the_error_names_the_file(raw: RelaxationTest):
 def test_swapped_columns_are_noticed(raw: RelaxationTest):
     found = prepare(replace(raw, displacement=1e-3 * raw.force, force=1e3 * raw.displacement))
     assert "columns_plausible" in failed(found)
-    assert "are force and displacement swapped?" in check(found, "columns_plausible").says
+    assert "Force and displacement look swapped" in check(found, "columns_plausible").says
 
 
 # -- times given ----------------------------------------------------------------------------------
@@ -459,7 +459,7 @@ def test_times_that_cannot_be_are_refused(
 
 @pytest.mark.parametrize("ceiling", [0.5, 1.5, 2.0, 2.14])
 def test_a_saturated_force_is_refused(raw: RelaxationTest, ceiling: float):
-    with pytest.raises(DataError, match=r"the force stands at exactly .* saturated.*larger range"):
+    with pytest.raises(DataError, match=r"force is clipped at .* larger load-cell range"):
         prepare(replace(raw, force=np.minimum(raw.force, ceiling)))
 
 
@@ -468,7 +468,7 @@ def test_a_record_that_is_not_judged_is_the_same_and_refused_all_the_same(raw: R
     found = prepare(raw, judged=False)
     assert found.checks == ()
     assert replace(found, checks=prepare(raw).checks) == prepare(raw)
-    with pytest.raises(DataError, match="saturated"):
+    with pytest.raises(DataError, match="clipped"):
         prepare(replace(raw, force=np.minimum(raw.force, 0.7 * raw.force.max())), judged=False)
 
 
@@ -476,7 +476,7 @@ def test_swapped_columns_are_not_called_saturated():
     time = np.arange(0, 42, 0.01)
     held = 8 * np.clip(time - 1, 0, 1)
     force = PAPER.force(time, 1e-3 * held) + 0.005 * np.sin(1e3 * time**2)
-    with pytest.raises(DataError, match="are force and displacement swapped"):
+    with pytest.raises(DataError, match="force and displacement look swapped"):
         prepare(RelaxationTest(time, 1e-3 * force, held, units="SI"))
 
 
@@ -488,7 +488,7 @@ def test_an_elastic_or_a_coarse_force_is_not_called_saturated():
 
 
 def test_a_force_of_few_quanta_is_refused(raw: RelaxationTest):
-    with pytest.raises(DataError, match=r"14 steps of the sensor's 150 mN: .*below resolution"):
+    with pytest.raises(DataError, match=r"14 steps of the sensor's 150 mN; at least 20 are needed"):
         prepare(replace(raw, force=np.round(raw.force / 0.15) * 0.15))
 
 
@@ -520,7 +520,7 @@ def test_a_hole_in_the_ramp_is_told(raw: RelaxationTest):
     found = prepare(some(raw, (raw.time < 1.7) | (raw.time > 2.3)))
     assert failed(found) == ["samples_unbroken"]
     assert (
-        "the longest pause between samples, from onset to a ramp after it, is 0.6"
+        "The longest pause between samples, up to one ramp time after the ramp, is 0.6"
         in check(found, "samples_unbroken").says
     )
     assert found.ramp_time == pytest.approx(1.0, abs=0.02)
@@ -576,7 +576,7 @@ def test_lone_glitches_move_nothing_and_are_told(raw: RelaxationTest):
     x[[2000, 9500]] += 5e-3
     found = prepare(replace(raw, force=force, displacement=x))
     assert failed(found) == ["spikes_absent"]
-    assert "3 samples of the force and 2 of the displacement" in check(found, "spikes_absent").says
+    assert "3 are of the force, 2 of the displacement" in check(found, "spikes_absent").says
     assert found.onset == pytest.approx(expected.onset, abs=1e-3)
     assert found.ramp_end == pytest.approx(expected.ramp_end, abs=1e-3)
     assert found.force[5000] == pytest.approx(expected.force[5000], abs=1e-5)
@@ -660,4 +660,4 @@ def test_the_adhesive_climbs_in_steps(shared_data: Path, name: str, columns, ram
     rows = np.array([row[:3] for row in sheet.iter_rows(values_only=True)], dtype=float)
     time, force, x = (rows[:, i] for i in columns)
     found = prepare(RelaxationTest(time=time, displacement=x, force=force, units="SI"))
-    assert f"{ramps} ramps belong to it" in check(found, "single_loading").says
+    assert f"It has {ramps} ramps" in check(found, "single_loading").says

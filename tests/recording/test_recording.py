@@ -16,6 +16,8 @@ from kit.shell import ran
 import dashpot as dp
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.version import is_ours
+from dashpot.fitting.relaxation import fit
+from dashpot.io.readers.relaxation import read_relaxation
 from dashpot.io.write import write_relaxation
 from dashpot.recording.keep import record
 from dashpot.recording.lines import SerialLine
@@ -72,11 +74,11 @@ def test_a_serial_instrument_becomes_a_record_that_is_fitted(tmp_path):
         rows, notes = record(line, tmp_path / "seal.csv", seen=sender.next)
     assert rows == len(ROWS)
     assert notes == ("the device closed the line",)
-    back = dp.read_relaxation(tmp_path / "seal.csv")
+    back = read_relaxation(tmp_path / "seal.csv")
     np.testing.assert_allclose(back.time, TEST.time, atol=1e-4)
     np.testing.assert_allclose(back.displacement, TEST.displacement, atol=1e-7)
     np.testing.assert_allclose(back.force, TEST.force, atol=1e-6)
-    assert dp.fit(back).model.k_inf == pytest.approx(dp.fit(TEST).model.k_inf, rel=1e-3)
+    assert fit(back).model.k_inf == pytest.approx(fit(TEST).model.k_inf, rel=1e-3)
     text = (tmp_path / "seal.csv").read_text().splitlines()
     assert text[0].startswith("# serial line /dev/")
     assert text[1] == "time [s],displacement [mm],force [N]"
@@ -100,7 +102,7 @@ def test_what_the_line_loses_is_counted_and_said(tmp_path):
     assert notes[1] == "one line left out that came no later than the line before"
     # 5, then 2, then 1 sample: steps of 6, 3 and 2 times 5 ms
     assert notes[2] == "three gaps in the clock, 8 samples missing, the longest gap 0.03 s"
-    back = dp.read_trajectory(tmp_path / "a.csv")
+    back = dp.files.read_trajectory(tmp_path / "a.csv")
     assert len(back.time) == rows
 
 
@@ -210,7 +212,7 @@ def test_a_replay_is_the_record(tmp_path):
     write_relaxation(TEST, tmp_path / "a.csv", comments=["simulated"])
     rows, notes = record(replay(tmp_path / "a.csv", speed=np.inf), tmp_path / "b.csv")
     assert (rows, notes) == (len(TEST.time), ())
-    back = dp.read_relaxation(tmp_path / "b.csv")
+    back = read_relaxation(tmp_path / "b.csv")
     np.testing.assert_array_equal(back.force, TEST.force)
     np.testing.assert_allclose(back.displacement, TEST.displacement, atol=1e-15)
     assert back.source.simulated
@@ -224,7 +226,7 @@ def test_the_virtual_rig_is_a_device_and_stops_after_its_seconds(tmp_path):
     played = simulated(speed=400.0)
     rows, _ = record(played, tmp_path / "a.csv", seconds=5.0)
     assert 5000 <= rows < 42501
-    assert dp.read_relaxation(tmp_path / "a.csv").source.simulated
+    assert read_relaxation(tmp_path / "a.csv").source.simulated
 
 
 class Silent:
@@ -264,7 +266,7 @@ class Broken(Paced):
 def test_what_was_read_before_a_fault_is_in_the_file(tmp_path):
     with pytest.raises(OSError, match="the card is gone"):
         record(Broken(TEST, "a card", speed=np.inf), tmp_path / "a.csv")
-    assert len(dp.read_relaxation(tmp_path / "a.csv").time) == 50
+    assert len(read_relaxation(tmp_path / "a.csv").time) == 50
 
 
 def test_a_full_disk_leaves_whole_rows(tmp_path, monkeypatch):

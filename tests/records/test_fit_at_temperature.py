@@ -12,7 +12,7 @@ from dashpot.records.temperature import Shift, TemperatureShifts
 from dashpot.solids.table_1 import BROAD
 
 REFERENCE = 296.15
-LAW = dp.WLF.universal(glass=218.15, reference=REFERENCE)
+LAW = dp.solids.WLF.universal(glass=218.15, reference=REFERENCE)
 
 TESTED = (273.15, 283.15, REFERENCE)
 
@@ -27,7 +27,7 @@ def moved(law=LAW, vertical="T/T_r", parameters=("c1", "c2"), doubt=((1e-2, 0.1)
 
 FIT = replace(a_fit(BROAD, specimen=Specimen(temperature=REFERENCE)), temperatures=moved())
 FREE = TemperatureShifts(
-    dp.FreeShifts((273.15, REFERENCE), (1.5, 0.0), REFERENCE),
+    dp.solids.FreeShifts((273.15, REFERENCE), (1.5, 0.0), REFERENCE),
     (Shift(273.15, 1.5, 0.01), Shift(REFERENCE, 0.0, 0.0)),
     np.diag([1e-4, 0.0, 0.0, 0.0]),
 )
@@ -63,7 +63,7 @@ def test_the_whole_fit_moves_with_its_solid():
 def test_there_and_back_is_where_it_was(kind, slope):
     law, names, doubt = {
         "wlf": (LAW, ("c1", "c2"), ((1e-2, 0.1), (0.1, 4.0))),
-        "arrhenius": (dp.Arrhenius(6e4, REFERENCE), ("energy",), ((1e6,),)),
+        "arrhenius": (dp.solids.Arrhenius(6e4, REFERENCE), ("energy",), ((1e6,),)),
         "free": (FREE.law, (), ((),)),
     }[kind]
     known = FREE if kind == "free" else moved(law, "free", names, doubt)
@@ -97,7 +97,7 @@ def test_a_law_is_refused_nearer_than_ten_kelvin_to_the_glass_transition():
     with pytest.raises(dp.DataError, match="glass transition"):
         FIT.at(228.1)
     # what was tested is known whatever the law says of the glass
-    glassy = dp.WLF(LAW.c1, 60.0, REFERENCE)
+    glassy = dp.solids.WLF(LAW.c1, 60.0, REFERENCE)
     assert replace(FIT, temperatures=moved(glassy)).at(273.15).arms == BROAD.arms
 
 

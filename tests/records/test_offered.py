@@ -12,7 +12,10 @@ from kit import handmade
 
 import dashpot as dp
 from dashpot.base.offered import LINES, Described
+from dashpot.fitting.relaxation import fit as fit_tests
+from dashpot.io.readers.inspect import inspect_file
 from dashpot.io.write import write_relaxation
+from dashpot.preparation.prepare import prepare
 from dashpot.simulation.impact import Hammer, simulate_impact
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.solids.table_1 import PAPER
@@ -31,7 +34,7 @@ def nouns(tmp_path_factory):
         "FRF": study.measured,
         "Comparison": study.comparison,
         "Study": study,
-        "Inspection": dp.inspect_file(path),
+        "Inspection": inspect_file(path),
         "RampHold": study.prepared,
         "RelaxationTest": study.test,
         "ImpactTest": study.impact,
@@ -68,7 +71,7 @@ def test_a_long_description_is_cut():
 def test_verdicts_lead(nouns):
     for name in ("Fit", "Comparison", "Study"):
         verdict = nouns[name].verdict
-        assert repr(nouns[name]).startswith(f"{name}: {verdict.use}: {verdict.says}")
+        assert repr(nouns[name]).startswith(f"{name}: {verdict}")
 
 
 class Tags(HTMLParser):
@@ -183,14 +186,14 @@ def test_pandas_and_xarray_take_every_noun(nouns, name):
 
 def test_a_fit_of_a_record_as_read_says_that_it_prepared_it():
     test = simulate_relaxation(PAPER, hold_time=5.0, seed=1).test
-    raw, prepared = dp.fit(test, arms=1), dp.fit(dp.prepare(test), arms=1)
+    raw, prepared = fit_tests(test, arms=1), fit_tests(prepare(test), arms=1)
     assert raw.model == prepared.model
     assert raw.steps[0].name == "by_default"
     assert "prepared by default" in raw.steps[0].says
     assert raw.steps[1:] == prepared.steps
-    both = dp.fit(
-        [test, dp.prepare(simulate_relaxation(PAPER, hold_time=5.0, seed=2).test)], arms=1
+    both = fit_tests(
+        [test, prepare(simulate_relaxation(PAPER, hold_time=5.0, seed=2).test)], arms=1
     )
     assert [step.name for step in both.steps].count("by_default") == 1
     with pytest.raises(dp.FitError, match="found a str"):
-        dp.fit(["seal.csv"])
+        fit_tests(["seal.csv"])

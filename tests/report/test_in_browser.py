@@ -188,7 +188,7 @@ def test_the_first_sheet_is_a_certificate_however_many_checks_failed(tmp_path):
             capture_output=True, text=True,
         ).stdout for n in "12"
     )  # fmt: skip
-    for part in ("Use with care", "Peak frequency", "Identified band", "more stand",
+    for part in ("Use with care", "Peak frequency", "Valid band", " more ",
                  "Tested by, date", "Released by, date"):  # fmt: skip
         assert part in first
     assert second.strip().startswith("The test and its fit")

@@ -9,13 +9,14 @@ import pytest
 
 import dashpot as dp
 from dashpot.base.errors import DataError
-from dashpot.io.readers.bench import read_bench
+from dashpot.fitting.relaxation import fit
 from dashpot.io.write import write_relaxation
 from dashpot.simulation.axis import Axis
 from dashpot.simulation.creep import simulate_creep
 from dashpot.simulation.rig import Rig
 from dashpot.simulation.truth import stamp, truth_json
 from dashpot.solids.table_1 import PAPER
+from dashpot.workflow.fits import read_test
 
 
 def test_the_seal_answers_the_force_it_felt() -> None:
@@ -38,13 +39,13 @@ def test_a_recovery_takes_the_load_off() -> None:
 
 def test_without_noise_the_fit_is_the_seal() -> None:
     made = simulate_creep(PAPER, rig=Rig(rate=200).noise_free())
-    found = dp.fit(made.test)
+    found = fit(made.test)
     assert found.model.k == pytest.approx(PAPER.k, rel=1e-4)
     assert found.model.tau == pytest.approx(PAPER.tau, rel=1e-4)
 
 
 def test_an_encoders_counts_and_a_drifting_cell_are_in_the_intervals() -> None:
-    found = dp.fit(simulate_creep(PAPER, hold_time=60, seed=0).test, arms=2)
+    found = fit(simulate_creep(PAPER, hold_time=60, seed=0).test, arms=2)
     between = found.intervals()
     assert between["k_inf"][0] < PAPER.k_inf < between["k_inf"][1]
     for k, (low, high) in zip(PAPER.k, between["k"], strict=True):
@@ -55,7 +56,7 @@ def test_what_is_written_is_read_as_a_creep_test(tmp_path) -> None:
     made = simulate_creep(PAPER, hold_time=5, rig=Rig(rate=100))
     path = tmp_path / "creep.csv"
     write_relaxation(made.test, path, comments=(*stamp(made.truth), "creep test"))
-    read = read_bench(path)
+    read = read_test(path)
     assert isinstance(read, dp.CreepTest)
     assert read.force == pytest.approx(made.test.force)
     assert read.source is not None

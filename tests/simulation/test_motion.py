@@ -11,20 +11,23 @@ from kit.shell import ran
 import dashpot as dp
 from dashpot.base.errors import DataError
 from dashpot.io.write import write_trajectory
+from dashpot.kinds.cld.prepare import cld
+from dashpot.kinds.cld.read import read_cld
 from dashpot.planning.setpoints import planned_trajectory
 from dashpot.simulation.motion import simulate_motion, softened
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.simulation.rig import Climate, Rig
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.table_1 import BROAD, PAPER
+from dashpot.workflow.archive import to_json
 
 
-def triangles(cycles: int, *, depth: float = 8e-3, half: float = 2.0) -> dp.Trajectory:
+def triangles(cycles: int, *, depth: float = 8e-3, half: float = 2.0) -> dp.files.Trajectory:
     time = np.arange(round((2 * cycles * half + 1) * 100)) / 100.0
     up = np.interp(
         time, 0.5 + half * np.arange(2 * cycles + 1), depth * (np.arange(2 * cycles + 1) % 2)
     )
-    return dp.Trajectory(time, up)
+    return dp.files.Trajectory(time, up)
 
 
 def test_a_planned_test_replayed_is_the_test_that_was_planned():
@@ -40,7 +43,7 @@ def test_a_record_can_be_replayed():
     # what was recorded is sent again: late by the loop's own lag, 2 zeta / omega, and no more
     first = simulate_relaxation(PAPER, hold_time=4.0, rig=Rig().noise_free()).test
     again = simulate_motion(
-        PAPER, dp.Trajectory(first.time, first.displacement), rig=Rig().noise_free()
+        PAPER, dp.files.Trajectory(first.time, first.displacement), rig=Rig().noise_free()
     ).test
     middle = (first.displacement > 3e-3) & (first.displacement < 5e-3)
     late = (first.displacement - again.displacement)[middle] / 8e-3
@@ -87,13 +90,13 @@ def test_the_temperature_of_a_motion_is_stated():
 def test_cycles_of_a_seal_that_softens_are_read_as_such(tmp_path):
     write_trajectory(triangles(4), tmp_path / "cycles.csv")
     spring = dp.GeneralizedMaxwell(200.0, (1e-3,), (1e-3,))
-    (tmp_path / "spring.json").write_text(dp.to_json(spring))
+    (tmp_path / "spring.json").write_text(to_json(spring))
     words = "simulate motion --noise-free --softening 0.12 --seal spring.json"
     with pytest.MonkeyPatch.context() as here:
         here.chdir(tmp_path)
         made = ran(*words.split(), "--follow", "cycles.csv", "-o", "cld.csv")
         assert made.exit_code == 0, made.output
-        found = dp.cld(dp.read_cld("cld.csv"))
+        found = cld(read_cld("cld.csv"))
     # of a spring nothing else changes: the fourth carries 1 - 0.12 (1 - e^-2) of the first
     assert found.softening == pytest.approx(0.12 * (1 - np.exp(-2)), abs=1e-4)
 

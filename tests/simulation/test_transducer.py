@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 from kit.shell import ran
 
-import dashpot as dp
 from dashpot.base.errors import DataError
+from dashpot.fitting.relaxation import fit as fit_tests
 from dashpot.io.formats.ati import read_calibration
 from dashpot.io.options import ReadOptions
+from dashpot.io.readers.relaxation import read_relaxation
 from dashpot.io.write import write_gauges
 from dashpot.simulation.daq import Daq
 from dashpot.simulation.relaxation import simulate_relaxation
@@ -96,10 +97,10 @@ def test_a_fit_of_the_voltages_gives_the_seal_back(tmp_path):
     volts = Instrument().read(made.test.time, made.truth.force, rig=Rig(), seed=3)
     write_gauges(made.test, volts, tmp_path / "a.csv", comments=["simulated"])
     (tmp_path / "a.cal").write_text(Transducer().calibration())
-    test = dp.read_relaxation(
+    test = read_relaxation(
         tmp_path / "a.csv", options=ReadOptions(calibration=str(tmp_path / "a.cal"))
     )
-    fit = dp.fit(test)
+    fit = fit_tests(test)
     assert fit.model.arms == 2
     assert fit.model.k_inf == pytest.approx(PAPER.k_inf, rel=2e-3)
     np.testing.assert_allclose(fit.model.k, PAPER.k, rtol=0.03)

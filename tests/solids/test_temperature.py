@@ -8,7 +8,7 @@ from dashpot.records.temperature import Shift, TemperatureShifts
 
 REFERENCE = 296.15
 CELSIUS = np.array([-40.0, -20.0, 0.0, 40.0, 80.0]) + 273.15
-WLF = dp.WLF.universal(glass=218.15, reference=REFERENCE)
+WLF = dp.solids.WLF.universal(glass=218.15, reference=REFERENCE)
 
 
 def test_universal_wlf_gives_the_numbers_computed_apart():
@@ -21,12 +21,12 @@ def test_universal_wlf_gives_the_numbers_computed_apart():
 
 
 def test_arrhenius_gives_the_numbers_computed_apart():
-    law = dp.Arrhenius(60e3, REFERENCE)
+    law = dp.solids.Arrhenius(60e3, REFERENCE)
     expected = [1.797547, 0.891079, -0.574495, -1.708069]
     np.testing.assert_allclose(law.log10_a_t(CELSIUS[1:]), expected, atol=6e-7)
 
 
-@pytest.mark.parametrize("law", [WLF, dp.Arrhenius(60e3, REFERENCE)])
+@pytest.mark.parametrize("law", [WLF, dp.solids.Arrhenius(60e3, REFERENCE)])
 def test_the_energy_is_the_slope_of_the_shift_over_inverse_temperature(law):
     t, h = 281.0, 1e-3
     slope = (law.log10_a_t(t + h) - law.log10_a_t(t - h)) / (1 / (t + h) - 1 / (t - h))
@@ -50,7 +50,7 @@ def test_wlf_refuses_where_it_diverges():
 
 
 def test_free_shifts_follow_the_tests_and_reach_no_further():
-    law = dp.FreeShifts((273.15, 296.15), (1.5, 0.0), 296.15)
+    law = dp.solids.FreeShifts((273.15, 296.15), (1.5, 0.0), 296.15)
     inverse = (1 / 273.15 + 1 / 296.15) / 2
     assert law.log10_a_t(1 / inverse) == pytest.approx(0.75)
     assert law.activation_energy(280.0) == pytest.approx(
@@ -60,7 +60,7 @@ def test_free_shifts_follow_the_tests_and_reach_no_further():
     with pytest.raises(dp.DataError, match="third temperature"):
         law.log10_a_t(273.14)
     with pytest.raises(dp.DataError, match="reference"):
-        dp.FreeShifts((273.15, 296.15), (1.5, 0.1), 296.15)
+        dp.solids.FreeShifts((273.15, 296.15), (1.5, 0.1), 296.15)
 
 
 def test_a_shifted_solid_answers_slower_and_stiffer():
@@ -77,7 +77,7 @@ def test_a_shifted_solid_answers_slower_and_stiffer():
 
 
 def test_stiffness_between_and_beyond_the_tests():
-    law = dp.FreeShifts((273.15, 296.15), (1.5, 0.0), 296.15)
+    law = dp.solids.FreeShifts((273.15, 296.15), (1.5, 0.0), 296.15)
     shifts = (Shift(273.15, 1.5, 0.01, 0.9, 0.001), Shift(296.15, 0.0, 0.0))
     found = TemperatureShifts(law, shifts, np.zeros((4, 4)))
     assert found.tested == (273.15, 296.15)

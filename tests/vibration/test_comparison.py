@@ -140,7 +140,7 @@ def test_without_a_covariance_the_band_decides() -> None:
 def test_with_two_curves_only_there_are_no_arms() -> None:
     bare = compare(predicted(PAPER), predicted(BROAD))
     assert bare.arms == ()
-    assert bare.says.startswith("Damping ratio: ")
+    assert bare.says.startswith("Damping ratio 0.")
     assert "The frequency agrees (-4.8 %)" in bare.says
     assert {c.name for c in bare.checks}.isdisjoint({"damping_tested", "operating_point"})
 

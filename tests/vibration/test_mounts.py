@@ -51,7 +51,7 @@ def test_what_each_share_of_the_mounts_mass_leaves():
 
 def test_there_and_back():
     f = np.array([5.0, 12.71, 20.0])
-    light = dp.predict_frf(SOLID, mass=0.11, frequency=f, kind="transmissibility")
+    light = dp.systems.predict_frf(SOLID, mass=0.11, frequency=f, kind="transmissibility")
     heavy = on_heavy_mounts(light, mass=0.11, coupled=0.002)
     back = on_light_mounts(heavy, mass=0.11, coupled=0.002)
     assert back.value == pytest.approx(light.value, rel=1e-12)

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from pathlib import Path
+
 import numpy as np
 import pytest
 from kit.shell import ran, told
@@ -9,15 +12,18 @@ from scipy.optimize import brentq, minimize_scalar
 
 import dashpot as dp
 from dashpot.base.errors import DataError
+from dashpot.fitting.dynamic import fit_dynamic
+from dashpot.kinds.level.fit import fit_amplitude
 from dashpot.kinds.level.record import AmplitudeSweep
 from dashpot.records.dynamic import DynamicTest
-from dashpot.solids.part import Block, Bulb, Bush, Disc
+from dashpot.solids.part import Block, Bulb, Bush, Disc, bonded_block, bonded_cylinder
 from dashpot.solids.softening import Softening
 from dashpot.vibration.systems.bodies import Mount, point_mass
 from dashpot.vibration.systems.level import response_at_level
 from dashpot.vibration.systems.prediction import geometry_factor, mass_for_peak
 from dashpot.vibration.systems.system import System
 
+ELEMENTS = Path(__file__).parents[1] / "solids"
 TAU = np.geomspace(1e-7, 1e3, 21)
 RUBBER = dp.GeneralizedMaxwell(
     3e6, tuple(2e6 * np.exp(-0.5 * ((np.log10(TAU) + 3) / 2.5) ** 2)), tuple(TAU)
@@ -29,14 +35,39 @@ class TestFactors:
     def test_a_disc_between_plates(self):
         disc = Disc(0.02, 0.02)
         assert 1e6 * disc.factor(bonded=False) == pytest.approx(15707.963, rel=1e-7)
-        assert 1e6 * disc.factor() == pytest.approx(17671.459, rel=1e-7)
+        assert 1e6 * disc.factor() == pytest.approx(15707.963 * bonded_cylinder(0.25), rel=1e-7)
         assert disc.factor("shear") == pytest.approx(disc.area / 0.02 / 3)
         assert Disc("20mm", "20mm") == disc
 
-    def test_a_block_is_a_disc_where_both_are_flat(self):
-        wide = Block(0.1, 0.1, 0.01)
-        assert wide.shape_factor == pytest.approx(2.5)
-        assert wide.factor() == pytest.approx(wide.factor(bonded=False) * (1 + 2 * 2.5**2))
+    def test_bonded_cylinders_are_those_of_finite_elements(self):
+        """Within .41 %, where 1 + 2 S^2 is off by 6 %."""
+        rows = np.genfromtxt(ELEMENTS / "bonded_cylinder.csv", delimiter=",", comments="#")
+        S, nu = rows[0, 1:], rows[1:, 0]
+        ours = np.array([[bonded_cylinder(s, n) for s in S] for n in nu])
+        assert np.abs(ours / rows[1:, 1:] - 1).max() < 0.0041
+        soft = rows[1 + np.argmin(np.abs(nu - 0.499)), 1:]
+        assert np.abs((1 + 2 * S**2) / soft - 1)[S < 1.5].max() > 0.055
+
+    def test_bonded_blocks_are_those_of_finite_elements(self):
+        rows = np.genfromtxt(ELEMENTS / "bonded_block.csv", delimiter=",", comments="#")
+        for wide, S, *factors in rows[1:]:
+            ours = [bonded_block(S, 1 / wide, nu) for nu in rows[0, 2:]]
+            assert ours == pytest.approx(factors, rel=0.0125), (wide, S)
+        # a, b = 20, 40 mm: S = 6.667 / h
+        block = Block(0.02, 0.04, 0.02)
+        assert block.shape_factor == pytest.approx(1 / 3)
+        stiffer = block.factor() / block.factor(bonded=False)
+        assert stiffer == bonded_block(1 / 3, 0.5) == Block(0.04, 0.02, 0.02).factor() / 0.04
+        assert replace(block, poisson=0.35).factor() < block.factor()
+
+    def test_a_thin_layer_is_that_of_lubrication(self):
+        """A flat disc: 2 S^2; a flat square 2.249, a strip 4/3 of its own, incompressible."""
+        S = 60.0
+        for thin, factor in (
+            (2.0, bonded_cylinder(S, 0.5)), (2.24923, bonded_block(S, 1.0, 0.5)),
+            (4 / 3, bonded_block(S, 1e-4, 0.5)),
+        ):  # fmt: skip
+            assert factor / S**2 == pytest.approx(thin, rel=0.02)
 
     def test_a_thin_bush_is_a_flat_pad_in_shear(self):
         a, t, L = 0.05, 1e-5, 0.03
@@ -72,6 +103,8 @@ class TestFactors:
             lambda: Disc(0.02, 0.02).factor("torsion"),
             lambda: Bulb(0.023, 0.00301, 0.1),
             lambda: Bulb(0.02, 0.002, 0.1, poisson=0.51),
+            lambda: Disc(0.02, 0.02, poisson=0.19),
+            lambda: Block(0.02, 0.02, 0.02, poisson=0.51),
         ],
     )
     def test_shapes_that_are_none(self, ask):
@@ -135,7 +168,7 @@ class TestResonance:
     def test_the_factor_comes_back(self, kind):
         factor, mass = 0.0234, 0.15
         f = np.linspace(40, 300, 200001)
-        frf = dp.predict_frf(RUBBER * factor, mass=mass, frequency=f, kind=kind)
+        frf = dp.systems.predict_frf(RUBBER * factor, mass=mass, frequency=f, kind=kind)
         at = f[np.abs(frf.value).argmax()]
         assert geometry_factor(RUBBER, mass=mass, peak=at, kind=kind) == pytest.approx(
             factor, rel=1e-4
@@ -148,7 +181,7 @@ class TestResonance:
 
     def test_what_has_no_peak(self):
         with pytest.raises(DataError, match="no part of this material has a peak"):
-            geometry_factor(dp.networks.dashpot(5.0), mass=1.0, peak=10.0)
+            geometry_factor(dp.solids.networks.dashpot(5.0), mass=1.0, peak=10.0)
         with pytest.raises(DataError, match="peak = -1"):
             geometry_factor(RUBBER, mass=1.0, peak=-1.0)
 
@@ -169,8 +202,8 @@ def sweeps(seed=0, noise=0.01):
 @pytest.mark.once
 def test_from_sweeps_to_two_discs_on_a_shaker():
     """One factor from the lightest mass; the others, and ten times the level, are foretold."""
-    master = dp.superpose(sweeps(), reference="23degC")
-    found = dp.fit_dynamic(master)
+    master = dp.solids.superpose(sweeps(), reference="23degC")
+    found = fit_dynamic(master)
     true = RUBBER * (2 * Disc(0.02, 0.012).factor() * 0.93)  # bonds that are not perfect
     masses = (0.15, 0.4, 1.0)
     real = [peak_of(true.complex_stiffness, mass) for mass in masses]
@@ -189,7 +222,7 @@ def test_from_sweeps_to_two_discs_on_a_shaker():
     # an amplitude sweep of the material at 10 Hz tells the softening, in displacement of the part
     X = np.geomspace(1e-6, 1e-3, 16)
     E = RUBBER.complex_stiffness(omega=2 * np.pi * 10) * phi(X)
-    law = dp.fit_amplitude(
+    law = fit_amplitude(
         AmplitudeSweep(np.full(16, 10.0), X, E.real, E.imag, of="m", units="SI"), law="factor"
     )
     solid = part.solid.maxwell

@@ -10,6 +10,7 @@ from kit.shell import ran, told
 import dashpot as dp
 from dashpot.base.errors import DataError
 from dashpot.fitting.identification.frf_data import frf_data_of
+from dashpot.fitting.identification.identify import identify
 from dashpot.fitting.uncertainty.prediction_bounds import PredictedFRF
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.frf import read_frf
@@ -19,6 +20,7 @@ from dashpot.records.frf import Kind
 from dashpot.records.shaken import ShakenTest
 from dashpot.solids.table_1 import BROAD, BROAD_MASS, PAPER, PAPER_MASS
 from dashpot.vibration.impact.shaken import estimate_transmissibility
+from dashpot.vibration.modal.dynamic_stiffness import dynamic_stiffness
 
 pytestmark = pytest.mark.once
 
@@ -28,7 +30,7 @@ SIZES = {"mm": (0, 1e-3), "m": (0, 1.0), "mm/s": (1, 1e-3), "m/s^2": (2, 1.0), "
 
 
 def over_base(f, kind=RELATIVE):
-    return dp.predict_frf(2 * PAPER, mass=PAPER_MASS, frequency=f, kind=kind)
+    return dp.systems.predict_frf(2 * PAPER, mass=PAPER_MASS, frequency=f, kind=kind)
 
 
 def exported(path, frf, over, under, *, header=None):
@@ -49,7 +51,7 @@ def test_a_motion_over_a_motion_of_any_derivative(tmp_path, over, under, kind):
     known = over_base(np.arange(2.0, 40.0, 1.0), kind)
     read = read_frf(exported(tmp_path / "t.csv", known, over, under))
     assert read.value == pytest.approx(known.value, rel=1e-12)
-    assert read.kind == "transmissibility"  # whose motion it is a unit does not tell
+    assert read.quantity == "transmissibility"  # whose motion it is a unit does not tell
 
 
 F = np.arange(5.0, 40.0, 1.0)
@@ -76,7 +78,7 @@ def test_a_transmissibility_as_other_labs_write_it(tmp_path, head, scale, units)
     np.savetxt(path, rows, delimiter=",", comments="", header=head)
     read = read_frf(path, options=ReadOptions(units=units))
     assert read.value == pytest.approx(known.value, rel=1e-9)
-    assert read.kind == "transmissibility"
+    assert read.quantity == "transmissibility"
 
 
 def test_a_name_says_that_it_is_relative(tmp_path):
@@ -84,7 +86,7 @@ def test_a_name_says_that_it_is_relative(tmp_path):
     head = "Frequency [Hz],Relative transmissibility Re [-],Im [-]"
     rows = np.column_stack((F, known.value.real, known.value.imag))
     np.savetxt(path, rows, delimiter=",", comments="", header=head)
-    assert read_frf(path).kind == RELATIVE
+    assert read_frf(path).quantity == RELATIVE
 
 
 @pytest.mark.parametrize(
@@ -127,7 +129,7 @@ def test_a_degree_of_a_relative_sensor_hurts_above_the_resonance_and_not_below()
     f = np.array([5.0, 8.0, 10.0, 12.7, 15.0, 20.0, 50.0])
     share = []
     for kind in (RELATIVE, "transmissibility"):
-        found = dp.dynamic_stiffness(over_base(f, kind), PAPER_MASS)
+        found = dynamic_stiffness(over_base(f, kind), PAPER_MASS)
         K = found.storage + 1j * found.loss
         share.append(np.pi / 180 * np.abs(found.by_phase / K)[[0, -1]])
     assert share[0] == pytest.approx([0.015, 0.25], rel=0.05)
@@ -146,11 +148,11 @@ def test_lines_without_scatter_count_by_what_was_measured():
 def test_a_solid_is_identified_whatever_the_gain_and_delay_of_the_sensor():
     gain, delay = 1.012, -1e-4
     f, rng = np.arange(6.0, 30.0, 0.2), np.random.default_rng(1)
-    known = dp.predict_frf(2 * BROAD, mass=BROAD_MASS, frequency=f, kind=RELATIVE)
+    known = dp.systems.predict_frf(2 * BROAD, mass=BROAD_MASS, frequency=f, kind=RELATIVE)
     sd = 0.003 * np.abs(known.value) / np.sqrt(2)
     noise = sd * (rng.normal(size=len(f)) + 1j * rng.normal(size=len(f)))
     seen = gain * np.exp(-known.s * delay) * known.value
-    found = dp.identify(replace(known, value=seen + noise, sd=sd), mass=BROAD_MASS, seals=2, arms=2)
+    found = identify(replace(known, value=seen + noise, sd=sd), mass=BROAD_MASS, seals=2, arms=2)
     w = 2 * np.pi * np.array([9.0, 12.71, 18.0])
     assert found.model.storage(omega=w) == pytest.approx(BROAD.storage(omega=w), rel=0.01)
     told = {one.name: one for one in found.nuisance}
@@ -195,10 +197,10 @@ def written(path, test, *, sign=1, more=""):
 def test_a_displacement_beside_the_bases_acceleration(recorded, tmp_path):
     frf = estimate_transmissibility(recorded, segment=8.0)
     near = (frf.frequency > 5) & (frf.frequency < 30)
-    T = dp.predict_frf(
+    T = dp.systems.predict_frf(
         2 * BROAD, mass=BROAD_MASS, frequency=frf.frequency[near], kind="transmissibility"
     )
-    assert frf.kind == RELATIVE
+    assert frf.quantity == RELATIVE
     assert np.median(np.abs((1 + frf.value[near]) / T.value - 1)) < 0.01
     path = written(tmp_path / "laser.csv", recorded)
     read = read_shaken([path], ReadOptions(base_acceleration="table"))
@@ -246,7 +248,7 @@ def test_the_command_line_takes_it(recorded, tmp_path):
     turned = written(tmp_path / "turned.csv", recorded, sign=-1)
     said = " ".join(ran("fit", turned, *words).stdout.split())
     assert said.startswith("Do not use: ")
-    assert "the relative motion has the opposite sign" in said
+    assert "The relative motion has the opposite sign" in said
 
 
 @pytest.mark.parametrize(
@@ -283,7 +285,7 @@ def test_a_motion_said_to_be_relative_that_is_not_is_told(tmp_path):
     path = tmp_path / "t.csv"
     write_frf(over_base(np.arange(3.0, 30.0, 0.1), "transmissibility"), path)
     heard = " ".join(ran("fit", path, *MASS, "--relative").output.split())
-    assert "the motion looks absolute" in heard
+    assert "The motion looks absolute" in heard
     forced = tmp_path / "forced.csv"
     write_frf(over_base(np.arange(3.0, 30.0, 0.5), "accelerance"), forced)
     assert "leave out" in ran("fit", forced, *MASS, "--relative").output

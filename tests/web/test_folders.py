@@ -11,6 +11,7 @@ import dashpot as dp
 from dashpot import workflow
 from dashpot.io.options import ReadOptions
 from dashpot.io.write import write_relaxation
+from dashpot.lots.batches import batch
 from dashpot.records.machine import Machine
 from dashpot.records.specimen import Specimen
 from dashpot.simulation.relaxation import simulate_relaxation
@@ -142,7 +143,7 @@ def test_a_lot_shows_its_table_and_opens_the_tests_that_it_knows(store, tmp_path
     tests.mkdir()
     (tests / "lot1_seal1.csv").write_text(text)
     (tests / "noise.csv").write_text("no table\nat all\n")
-    made = dp.batch(tests, output=tmp_path / "lot", arms=2, by=r"lot(\w+)_seal(\w+)", jobs=1)
+    made = batch(tests, output=tmp_path / "lot", arms=2, by=r"lot(\w+)_seal(\w+)", jobs=1)
     head = ask("folder", store, folder=str(tmp_path / "lot"))
     assert head["kind"] == "lot"
     for name in head["columns"]:

@@ -13,8 +13,8 @@ from kit.app import Page, chromium, served
 from kit.browser import needs_browser
 from kit.shell import ran
 
-import dashpot as dp
 from dashpot import workflow
+from dashpot.lots.batches import batch
 
 pytest.importorskip("playwright", reason="Playwright drives the browser: pip install playwright")
 pytestmark = [needs_browser, pytest.mark.once]
@@ -317,7 +317,7 @@ def test_a_lot_is_opened_a_test_of_it_and_a_project(browser, tmp_path):
     pytest.importorskip("polars")
     for name in ("depth_4mm.csv", "depth_8mm.csv"):
         (tmp_path / name).write_text(workflow.EXAMPLES[name]())
-    dp.batch([tmp_path], output=tmp_path / "lot", arms=2, jobs=1)
+    batch([tmp_path], output=tmp_path / "lot", arms=2, jobs=1)
     # a server of its own: what it lists as recent is on the first page of every later visit
     with served(str(tmp_path / "lot")) as address:
         page = Page(browser, address, fresh=False)

@@ -34,10 +34,10 @@ def files_in(folder):
     write_relaxation(levels.loops(), folder / "loops.csv")
     f, rng = np.linspace(8, 22, 41), np.random.default_rng(5)
     for kind, name in (("receptance", "frf"), ("transmissibility", "base")):
-        H = dp.predict_frf(SOLID, mass=levels.MASS, frequency=f, kind=kind)
+        H = dp.systems.predict_frf(SOLID, mass=levels.MASS, frequency=f, kind=kind)
         for i in range(2):
             noise = 1 + 0.003 * (rng.normal(size=41) + 1j * rng.normal(size=41))
-            write_frf(dp.FRF(f, H.value * noise, H.kind, units="SI"), folder / f"{name}{i}.csv")
+            write_frf(dp.FRF(f, H.value * noise, H.quantity, units="SI"), folder / f"{name}{i}.csv")
     return folder
 
 

@@ -46,7 +46,7 @@ def home(tmp_path_factory):
         )  # fmt: skip
     for mass in MASSES:
         m = float(mass[:-1]) / 1000
-        keep(f"{mass}.csv", dp.predict_frf(SOLID, mass=m, frequency=f).value)
+        keep(f"{mass}.csv", dp.systems.predict_frf(SOLID, mass=m, frequency=f).value)
     return home
 
 

@@ -10,7 +10,10 @@ from kit.shell import ran
 
 import dashpot as dp
 from dashpot import workflow
+from dashpot.fitting.relaxation import fit as fit_tests
+from dashpot.io.readers.relaxation import read_relaxation
 from dashpot.io.write import write_relaxation
+from dashpot.preparation.prepare import prepare
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.simulation.rig import Rig
 from dashpot.solids.table_1 import BROAD
@@ -18,6 +21,7 @@ from dashpot.web import results, wire
 from dashpot.web.requests import job_of
 from dashpot.web.store import Store
 from dashpot.web.verbs import VERBS
+from dashpot.workflow.archive import from_json, to_json
 from dashpot.workflow.command_lines import line
 
 pytestmark = pytest.mark.once
@@ -82,14 +86,14 @@ def test_the_command_line_gives_the_pages_numbers(store, asked, at_home, joint):
     head = ask("study", store, job=asked | {"joint": joint})
     study = typed(head["command"], "-o", "r.html", "--json")
     page = results.study(job_of(asked | {"joint": joint}, store.folder))
-    mine = json.loads(dp.to_json(page))
+    mine = json.loads(to_json(page))
     for part in ("fit", "joint", "comparison"):
         assert mine[part] == study[part]
 
 
 def test_what_is_shown_are_the_digits_of_the_fit(store, asked):
     head = ask("settle", store, job=asked)
-    fit = dp.from_json(ask("take", store, job=asked, what="fit")["text"])
+    fit = from_json(ask("take", store, job=asked, what="fit")["text"])
     assert f"{1e-3 * fit.model.k[0]:.4f}"[:5] in head["solid"]
     assert fit.verdict.use.capitalize() in head["verdict"]
     assert set(head["panels"]) == {"ramp", "hold", "residual", "spectrum", "frf"}
@@ -106,10 +110,10 @@ def test_a_record_is_read_once_for_every_lane(store):
     results.prepared.cache_clear()
     job = {"relaxation": identity, "specimen": {"name": "A"}}
     again = json.loads(ask("take", store, job=job, what="fit")["text"])
-    fresh = dp.fit(dp.prepare(dp.read_relaxation(store.folder / store.put("once.csv", text.encode())
+    fresh = fit_tests(prepare(read_relaxation(store.folder / store.put("once.csv", text.encode())
                                                  / "once.csv")))  # fmt: skip
-    assert again["model"] == json.loads(dp.to_json(fresh))["model"]
-    assert again["source"] == json.loads(dp.to_json(fresh))["source"]
+    assert again["model"] == json.loads(to_json(fresh))["model"]
+    assert again["source"] == json.loads(to_json(fresh))["source"]
     assert again["specimen"]["name"] == "A"
 
 
@@ -205,7 +209,7 @@ def test_a_hammer_without_a_mass_is_no_verdict_yet(store, asked):
     bare = {key: value for key, value in asked.items() if key not in {"mass", "seals"}}
     head = ask("study", store, job=bare | {"joint": False})
     assert "mass of the block" in head["hint"]
-    fit = dp.from_json(ask("take", store, job=bare, what="fit")["text"])
+    fit = from_json(ask("take", store, job=bare, what="fit")["text"])
     assert fit.verdict.use.capitalize() in head["verdict"]
     assert not ask("study", store, job=asked | {"joint": False})["hint"]
 

@@ -201,7 +201,7 @@ def test_the_coherence_of_a_file_is_used_and_checked_in_the_band(foreign):
     )
     fit, straight, noted = found.fit, found.direct.of, found.noted
     (lines,) = [check for check in fit.checks if check.name == "lines_explained"]
-    assert "came with coherence" in lines.says
+    assert "It has coherence but no number of hits" in lines.says
     assert lines.value < 0.1
     assert fit.model.storage(omega=80.0) == pytest.approx(PAPER.storage(omega=80.0), rel=0.01)
     assert "coherence" in [check.name for check in noted]

@@ -8,6 +8,8 @@ from kit.shell import ran, told
 
 import dashpot as dp
 from dashpot.base.numbers import rounded
+from dashpot.io.readers.frf import read_frf
+from dashpot.io.readers.frf_set import read_frfs
 from dashpot.io.write import frf_uff, write_frf
 from dashpot.records.frf import FRF
 from dashpot.vibration.impact.checks import modes_within_band
@@ -103,7 +105,9 @@ def test_without_a_resonance_nothing_is_told(tmp_path):
 
 
 def test_a_mode_beyond_the_lines_is_named():
-    mode = dp.predict_frf(dp.GeneralizedMaxwell(400.0, (30.0,), (0.01,)), mass=0.1, frequency=F)
+    mode = dp.systems.predict_frf(
+        dp.GeneralizedMaxwell(400.0, (30.0,), (0.01,)), mass=0.1, frequency=F
+    )
     (mode,) = mode.modes()
     assert modes_within_band((mode,), (mode.frequency, 40.0)).passed
     beyond = modes_within_band((mode,), (mode.frequency * 1.001, 40.0))
@@ -173,7 +177,7 @@ def test_poles_two_per_cent_apart_are_parted_by_their_shapes(tmp_path):
     mac = np.array(found["mac"])
     assert mac.diagonal() == pytest.approx(1)
     true = np.array([shape for *_, shape in CLOSE], dtype=complex).T
-    assert mac[0, 1] == pytest.approx(dp.mac(true, true)[0, 1], abs=0.1)
+    assert mac[0, 1] == pytest.approx(dp.systems.mac(true, true)[0, 1], abs=0.1)
     # one point alone cannot: it tells one mode between the two
     (alone,) = modes_of(written(tmp_path, points()[0]), band=(5, 79)).modes
     assert 20.0 < alone.frequency_hz < 20.4
@@ -184,7 +188,7 @@ def test_columns_files_and_a_uff_tell_the_same(tmp_path):
     frfs = [replace(frf, sd=None) for frf in points(noise=0.002)]
     files = [written(tmp_path, frf, f"p{i}.csv") for i, frf in enumerate(frfs)]
     text = as_text(tmp_path, [replace(frf, sd=np.ones(len(G))) for frf in frfs])
-    every = dp.read_frfs(files), dp.read_frfs(text), dp.read_frfs(as_uff(tmp_path, frfs))
+    every = read_frfs(files), read_frfs(text), read_frfs(as_uff(tmp_path, frfs))
     assert [one.points for one in every] == [
         ("p0", "p1", "p2", "p3"),
         ("a", "b", "c", "d"),
@@ -194,7 +198,7 @@ def test_columns_files_and_a_uff_tell_the_same(tmp_path):
         for mine, its in zip(one.frfs, frfs, strict=True):
             np.testing.assert_allclose(mine.value, its.value, rtol=1e-5)
     with pytest.raises(dp.ReadError, match=r"4 FRFs in the file: .* takes them together"):
-        dp.read_frf(tmp_path / "points.uff")
+        read_frf(tmp_path / "points.uff")
 
 
 def test_points_on_other_lines_are_refused(tmp_path):
@@ -321,7 +325,7 @@ def test_hum_on_one_line_is_no_mode_and_a_file_is_one_point(tmp_path):
 def test_light_and_heavy_modes_stand_at_most_orders_and_nothing_else_does(ratio, count):
     modes = [(20.0, ratio, 0.1, CLOSE[0][3][:count]), (47.0, ratio, 0.15, CLOSE[1][3][:count])]
     measured = dp.FRFSet(points(modes, noise=0.02))
-    chart = dp.stabilisation(measured, band=(5, 79))
+    chart = dp.systems.stabilisation(measured, band=(5, 79))
     found = measured.modes(band=(5, 79))
     assert len(found) == 2
     assert min(chart.orders_with(one.mode) for one in found) > 15
@@ -392,7 +396,7 @@ def test_one_solid_carries_every_mass_or_it_is_said(tmp_path):
     on_seals(tmp_path, 0.25, stiffer=1.03)
     result = ran(*words)
     assert result.exit_code == 0, result.output
-    assert "no linear solid has the poles under 104, 250, 600 g" in " ".join(result.output.split())
+    assert "no linear model has the poles under 104, 250, 600 g" in " ".join(result.output.split())
 
 
 @pytest.mark.once

@@ -17,6 +17,7 @@ from dashpot.base.version import is_ours
 from dashpot.export import TARGETS
 from dashpot.io.options import ReadOptions, dump_profile
 from dashpot.io.write import frf_uff, write_frf
+from dashpot.workflow.archive import to_json
 from dashpot.workflow.outputs import Outputs
 
 MODEL = dp.GeneralizedMaxwell(196.5, (117.5,), (0.5,))
@@ -30,14 +31,14 @@ def mine(tmp_path):
 
 
 def an_frf():
-    return dp.predict_frf(MODEL, mass=0.1, frequency=[1.0, 2.0, 3.0])
+    return dp.systems.predict_frf(MODEL, mass=0.1, frequency=[1.0, 2.0, 3.0])
 
 
 WRITTEN = {
     "FRF": lambda: write_frf(an_frf()).encode(),
     "UFF": lambda: frf_uff(an_frf()),
-    "fit": lambda: dp.to_json(a_fit(MODEL)).encode(),
-    "compact": lambda: dp.to_json(MODEL, indent=None).encode(),
+    "fit": lambda: to_json(a_fit(MODEL)).encode(),
+    "compact": lambda: to_json(MODEL, indent=None).encode(),
     "profile": lambda: dump_profile(ReadOptions(force="F")).encode(),
     **{
         suffix: lambda suffix=suffix: dp.plot.rendered(dp.plot.stiffness(a_fit(MODEL)), suffix)
@@ -121,7 +122,7 @@ def test_what_may_not_be_written_is_refused_before_the_work(tmp_path):
 def test_the_files_of_a_project_are_not_replaced(tmp_path):
     (tmp_path / "dashpot.toml").write_text("")
     place = tmp_path / "records" / "a.json"
-    Outputs().write(place, dp.to_json(MODEL))
+    Outputs().write(place, to_json(MODEL))
     with pytest.raises(ExportError, match="belongs to a project"):
         Outputs(replace=True).claim([place])
 

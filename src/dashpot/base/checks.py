@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import operator
+import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from types import EllipsisType
@@ -190,7 +191,12 @@ def verdict(checks: Iterable[Check], *, sound: str = "") -> Verdict:
     use: Use = "do not use" if stops else "use with care"
     more = len(because) - 1
     others = f"{more} more check{'s' * (more > 1)} failed." if more else ""
-    return Verdict(use, shortly(because[0], VERDICT_WORDS, others), because)
+    says = shortly(because[0], VERDICT_WORDS, others)
+    if stops or re.search(r"\d", says):
+        return Verdict(use, says, because)
+    # a reader who may use the number is told it
+    first = sentences(sentence(sound))[:1]
+    return Verdict(use, within(VERDICT_WORDS, [*first, *sentences(says)]), because)
 
 
 def shortly(check: Check, most: int = VERDICT_WORDS, then: str = "") -> str:

@@ -59,7 +59,8 @@ class Fact(Documented):
     value : float
         SI; nan where only the bound `high` is known.
     low, high : float
-        95 % interval, SI; nan where none is known, `low` 0 where it is a bound alone.
+        95 % interval, SI; nan where none is known, `low` 0 where it is a bound alone, and nan of a
+        value that is at most `high`.
     unit : str
         Of SI; empty for a plain number.
     error : float or None
@@ -107,6 +108,11 @@ class Fact(Documented):
         return self.low == 0 and self.error is None
 
     @property
+    def topped(self) -> bool:
+        """Whether nothing is known of how small it may be beside its value."""
+        return math.isnan(self.low) and not math.isnan(self.high)
+
+    @property
     def called(self) -> str:
         """How a table calls it."""
         return self.words or _WORD.sub(" ", self.name)
@@ -132,9 +138,14 @@ class Fact(Documented):
 
     @property
     def size(self) -> float:
-        """Its standard error in the unit that people read; else a quarter of its interval."""
+        """Its standard error in the unit that people read; else a quarter of its interval.
+
+        Of a value that is at most so much half of what lies between, and a thousandth at least.
+        """
         if self.error is not None:
             return self.error * self.scale
+        if self.topped:
+            return max((self.high - self.value) / 2, 1e-3 * self.high) * self.scale
         return (self.high - self.low) / 4 * self.scale
 
     @property
@@ -143,6 +154,9 @@ class Fact(Documented):
         value, low, high = map(self.shown, (self.value, self.low, self.high))
         if self.bound_alone:
             return Cells(self.called, "", "", f"below {rounded(high)}", self.word)
+        if self.topped:
+            told, most = rounded(value, self.size), rounded(high, self.size)
+            return Cells(self.called, told, "", f"at most {most}", self.word)
         error = "" if self.error is None else _error(self.size)
         between = ""
         if self.bounded and error not in (HELD, UNKNOWN):
@@ -173,6 +187,8 @@ class Fact(Documented):
         cells = self.cells
         if self.bound_alone:
             return f"{self.called} {cells.interval} {cells.unit}".rstrip()
+        if self.topped:
+            return f"{self.called} {cells.with_unit}, {cells.interval}"
         own = f"{self.called} {cells.with_unit}"
         return f"{own}, 95 % {cells.interval}" if cells.interval else own
 

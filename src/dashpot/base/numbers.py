@@ -136,7 +136,13 @@ def decibels(value: float) -> str:
 
 def hertz(band: tuple[float, float]) -> str:
     """A band of frequencies."""
-    return f"{rounded(band[0], digits=2)} to {rounded(band[1], digits=2)} Hz"
+    low, high = (rounded(end, digits=2) for end in band)
+    return f"{_short(low)} to {_short(high)} Hz"
+
+
+def _short(number: str) -> str:
+    """A number without the zeros behind its point."""
+    return number.rstrip("0").rstrip(".") if "." in number and "·" not in number else number
 
 
 def duration(seconds: float) -> str:

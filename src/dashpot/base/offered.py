@@ -8,7 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from importlib import import_module
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+    from dashpot.plot.picture import Picture
 
 LINES = 15
 """Of a noun in a shell."""
@@ -20,7 +27,26 @@ def verb(module: str, name: str) -> Callable[..., Any]:
     return found
 
 
-class Described:
+class Told:
+    """A result that prints what its command prints, and writes itself to a file."""
+
+    def __str__(self) -> str:
+        text: str = verb("told", "printed")(self)
+        return text
+
+    def save(self, path: str | Path) -> Path:
+        """Write it: ``.json``, ``.csv``, ``.html``, or its picture as ``.png``, ``.svg``, ``.pdf``.
+
+        Raises
+        ------
+        ExportError
+            If it is not written so.
+        """
+        saved: Path = verb("report.saving", "save")(self, path)
+        return saved
+
+
+class Described(Told):
     """A noun that says in a few lines what it is, and gives its numbers as a table.
 
     The dataclass that inherits it is declared ``repr=False`` and has `described`.
@@ -44,7 +70,7 @@ class Described:
         cut = [*lines[: LINES - 1], "..."] if len(lines) > LINES else lines
         return "\n".join((f"{type(self).__name__}: {cut[0]}", *cut[1:]))
 
-    def to_pandas(self) -> Any:
+    def to_pandas(self) -> pd.DataFrame:
         """The numbers as a :class:`pandas.DataFrame`; units stand in its ``attrs``.
 
         Raises
@@ -52,9 +78,10 @@ class Described:
         DataError
             If pandas is not installed (``pip install "dashpot[frames]"``).
         """
-        return verb("workflow.frames", "to_pandas")(self)
+        frame: pd.DataFrame = verb("workflow.frames", "to_pandas")(self)
+        return frame
 
-    def to_xarray(self) -> Any:
+    def to_xarray(self) -> xr.Dataset:
         """The numbers as an :class:`xarray.Dataset`; each variable carries its unit.
 
         Raises
@@ -62,17 +89,30 @@ class Described:
         DataError
             If xarray is not installed (``pip install "dashpot[frames]"``).
         """
-        return verb("workflow.frames", "to_xarray")(self)
+        dataset: xr.Dataset = verb("workflow.frames", "to_xarray")(self)
+        return dataset
 
 
 class Pictured(Described):
     """One that has a picture, too: in a notebook it shows itself."""
 
-    def plot(self) -> Any:
+    def plot(self) -> Picture:
         """Its :class:`~dashpot.plot.picture.Picture`, which :func:`dashpot.plot.save` writes."""
-        return verb("report.notebook", "picture")(self)
+        drawn: Picture = verb("report.notebook", "picture")(self)
+        return drawn
 
     def _repr_html_(self) -> str:
         """Its picture and its words, for a notebook."""
         page: str = verb("report.notebook", "html")(self)
         return page
+
+
+class Judged(Pictured):
+    """A result of a verdict: a shell shows that, and `print` all that its command prints."""
+
+    verdict: Any
+
+    @property
+    def described(self) -> tuple[str, ...]:
+        """The verdict."""
+        return (str(self.verdict),)

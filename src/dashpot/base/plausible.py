@@ -1,59 +1,137 @@
-"""What no one means: quantities beyond every seal, machine and test, so that a unit is wrong."""
+"""Sizes that tests of seals have: one table of what is doubted, and of what no one means.
+
+A soft range holds nearly every test. What lies outside is a note where a unit was said, for large
+and small ones do exist. Outside a hard range no test of rubber lies: whoever said it is asked
+again, in a file, an option or an array alike, and where a result would imply it. Needs no NumPy.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from dashpot.base.errors import DataError
-from dashpot.base.units import written
+
+Span = tuple[float, float]
 
 
-class Limits(NamedTuple):
-    """Between which values a quantity is meant, SI, and the unit in which people read it."""
+class Size(NamedTuple):
+    """What a quantity of one kind may be, SI.
 
-    least: float
-    most: float
+    Attributes
+    ----------
+    what : str
+        As a sentence calls it.
+    unit : str
+    soft, hard : (float, float)
+        Nearly every test lies in the one, every test in the other.
+    """
+
+    what: str
     unit: str
-    verb: str = "is"
+    soft: Span
+    hard: Span
+
+    def absurd(self, size: float) -> bool:
+        """Whether no test has it; what is no number is no such size, and 0 is said elsewhere."""
+        low, high = self.hard
+        return not (size == 0 or low <= abs(size) <= high or math.isnan(size))
+
+    def unusual(self, size: float) -> bool:
+        """Whether hardly any test has it."""
+        low, high = self.soft
+        return not (size == 0 or low <= abs(size) <= high or math.isnan(size))
+
+    def refuse(self, size: float, told: str = "", *, remedy: str = "Check its unit.") -> None:
+        """Refuse a size that no test has.
+
+        Parameters
+        ----------
+        size : float
+            SI.
+        told : str
+            The beginning of the sentence; by default what the quantity is, and the size.
+        remedy : str
+            Its end.
+
+        Raises
+        ------
+        DataError
+
+        >>> SIZES["mass"].refuse(0.104)
+        >>> SIZES["mass"].refuse(5000.0)
+        Traceback (most recent call last):
+        dashpot.base.errors.DataError: the mass is 5 t; expected 1 ug to 1 t. Check its unit.
+        """
+        if self.absurd(size):
+            low, high = (short(one, self.unit) for one in self.hard)
+            begun = told or f"{self.what} is {short(size, self.unit)}"
+            raise DataError(f"{begun}; expected {low} to {high}. {remedy}")
 
 
-HARD: Mapping[str, Limits] = MappingProxyType({
-    "displacement": Limits(1e-6, 0.5, "mm", "spans"),
-    "force": Limits(0.0, 1e6, "N", "reaches"),
-    "time": Limits(0.0, 30 * 86400.0, "s", "spans"),
-    "mass": Limits(0.0, 1000.0, "kg"),
-})  # fmt: skip
-"""By the name of the quantity: span of a displacement, size of a force, length of a record."""
+SIZES = MappingProxyType(
+    {
+        "travel": Size("the travel", "m", (2e-5, 0.2), (1e-9, 0.5)),
+        "force": Size("the force", "N", (1e-2, 1e3), (1e-13, 2e5)),
+        "stiffness": Size("the stiffness", "N/m", (10.0, 1e7), (0.05, 1e9)),
+        "ramp": Size("the time of the ramp", "s", (1e-3, 200.0), (1e-4, 900.0)),
+        "record": Size("the length of the record", "s", (0.1, 1e6), (1e-3, 3e7)),
+        "amplitude": Size("the amplitude", "m", (1e-9, 5e-3), (1e-12, 0.2)),
+        "modulus": Size("the modulus", "Pa", (1e3, 1e9), (10.0, 2e9)),
+        "contact pressure": Size("the mean pressure", "Pa", (0.0, 5e7), (0.0, 2e8)),
+        "radius": Size("the radius", "m", (1e-7, 0.1), (1e-9, 1.0)),
+        "part": Size("the length of the part", "m", (1e-3, 3.0), (1e-4, 30.0)),
+        "door": Size("the largest length of the door", "m", (0.1, 3.0), (0.02, 30.0)),
+        "seal length": Size("the length of the seal", "m", (1e-3, 5.0), (1e-4, 50.0)),
+        "seal height": Size("the height of the seal", "m", (1e-3, 0.1), (1e-4, 1.0)),
+        "sag": Size("the sag under the mass", "m", (0.0, 0.02), (0.0, 0.2)),
+        "resonance": Size("the resonance", "Hz", (1.0, 2e3), (0.2, 2e4)),
+        "acceleration": Size("the acceleration", "m/s^2", (1e-3, 1e4), (0.0, 1e7)),
+        "mass": Size("the mass", "kg", (1e-3, 200.0), (1e-9, 1e3)),
+        "density": Size("the density", "kg/m^3", (50.0, 3e3), (5.0, 2e4)),
+    }
+)
+"""By the kind of quantity. The hard ranges are our choice, and hold every public record that we
+read: forces to 40 kN, ramps of 315 s, travels of 401 mm, holds of a day, creep of 1000 h."""
 
 
 def refuse_absurd_record(noun: Any) -> None:
-    """Refuse a record of force over displacement that no one means; its time may be None."""
-    spans = {name: getattr(noun, name) for name in ("displacement", "time")}
-    refuse_absurd(
-        'Check the unit: units="s, mm, N" in Python, --units displacement=mm at the command line',
-        force=float(abs(noun.force).max()),
-        **{
-            name: None if one is None else float(one.max() - one.min())
-            for name, one in spans.items()
-        },
-    )
-
-
-def refuse_absurd(hint: str = "Check its unit", **values: float | None) -> None:
-    """Refuse a quantity that no one means, SI; None is not known, and 0 nothing that moved.
+    """Refuse a record of force over displacement that no one means; its time may be None.
 
     Raises
     ------
     DataError
-        If one lies beyond its limits of :data:`HARD`.
     """
-    for name, value in values.items():
-        limits = HARD[name]
-        if value and not limits.least <= abs(value) <= limits.most:
-            least = f"{written(limits.least, limits.unit)} to " if limits.least else "at most "
-            raise DataError(
-                f"{name} {limits.verb} {written(value, limits.unit)}; expected {least}"
-                f"{written(limits.most, limits.unit)}. {hint}"
-            )
+    remedy = 'Check the unit: units="s, mm, N" in Python, --units displacement=mm in a shell.'
+    SIZES["force"].refuse(float(abs(noun.force).max()), remedy=remedy)
+    for name, size in (("displacement", "travel"), ("time", "record")):
+        values = getattr(noun, name)
+        if values is not None:
+            SIZES[size].refuse(float(values.max() - values.min()), remedy=remedy)
+
+
+_PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "u"), (1e-9, "n"))
+_OWN = {
+    "kg": ((1e3, "t"), (1.0, "kg"), (1e-3, "g"), (1e-6, "mg"), (1e-9, "ug")),
+    "s": ((86400.0, "days"), (3600.0, "h"), (1.0, "s"), (1e-3, "ms"), (1e-6, "us")),
+}  # fmt: skip
+_PLAIN = frozenset({"m/s^2", "kg/m^3"})
+
+
+def short(value: float, unit: str) -> str:
+    """Return an SI size as people say it.
+
+    >>> short(2100.0, "N"), short(0.041, "s"), short(0.104, "kg"), short(259200.0, "s")
+    ('2.1 kN', '41 ms', '104 g', '3 days')
+    """
+    steps = _OWN.get(unit, () if unit in _PLAIN else _prefixed(unit))
+    for factor, word in steps:
+        if abs(value) >= factor * (1 - 1e-12):
+            return f"{value / factor:.3g} {word}"
+    return f"{value:.3g} {unit}"
+
+
+def _prefixed(unit: str) -> tuple[tuple[float, str], ...]:
+    # metres above 1 are said in metres
+    return tuple((by, f"{word}{unit}") for by, word in _PREFIXES if by <= 1 or unit != "m")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import field
+from types import SimpleNamespace
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -60,7 +61,7 @@ def into_si(noun: Any, **of: Dimensions) -> Mapping[str, Dimension]:
 
 def words_of(noun: Any, given: Mapping[str, Dimensions]) -> list[str]:
     """Return the words of the units, one for each array."""
-    kind, names = type(noun).__name__, ", ".join(given)
+    kind, names = _called(noun), ", ".join(given)
     example = ", ".join(usual(_several(own)[0]) for own in given.values())
     if not noun.units:
         raise DataError(
@@ -76,6 +77,10 @@ def words_of(noun: Any, given: Mapping[str, Dimensions]) -> list[str]:
     return words
 
 
+def _called(noun: Any) -> str:
+    return "a batch" if isinstance(noun, SimpleNamespace) else type(noun).__name__
+
+
 def _several(own: Dimensions) -> tuple[Dimension, ...]:
     return (own,) if isinstance(own, str) else own
 
@@ -87,7 +92,7 @@ def _unit(noun: Any, name: str, word: str, own: Dimensions) -> Unit:
         wanted = " or ".join(_several(own))
         example = " or ".join(dict.fromkeys(map(usual, _several(own))))
         raise DataError(
-            f"{type(noun).__name__}: '{word}' is no unit of {wanted}, and {name} is one. "
+            f"{_called(noun)}: '{word}' is no unit of {wanted}, and {name} is one. "
             f"Write for example {example}"
         )
     return unit
@@ -116,3 +121,17 @@ def own_unit(noun: Any, said: Mapping[str, Dimension], *names: str, name: str = 
             "Give both as a modulus, or both as a stiffness"
         )
     object.__setattr__(noun, name, found.pop())
+
+
+def arrays_in_si(units: str, **given: tuple[Any, Dimension]) -> list[Any]:
+    """Return arrays in SI, each given with what it is of; None stays None.
+
+    Raises
+    ------
+    DataError
+        As :func:`into_si`.
+    """
+    holder = SimpleNamespace(units=units, **{name: values for name, (values, _) in given.items()})
+    if units != SI:
+        into_si(holder, **{name: of for name, (_, of) in given.items()})
+    return [getattr(holder, name) for name in given]

@@ -171,7 +171,7 @@ def outcome(job: BatchJob, found: Summary) -> Outcome:
         *found.lines,
         *_out(lot, quantity),
     ]
-    return Outcome(filled, Text(lines, _others(lot)), found.checks)
+    return Outcome(filled, Text(lines, _others(lot)), found.checks, verdict=found.verdict)
 
 
 def _told(lot: dp.Lot) -> list[str]:
@@ -181,7 +181,7 @@ def _told(lot: dp.Lot) -> list[str]:
     files = lot.table.height
     lines = [
         f"files       {files}: {tallied(lot.outcomes)}",
-        f"computed    {lot.computed} now, {files - lot.computed} were there",
+        f"computed    {lot.computed} now, {files - lot.computed} taken from an earlier run",
     ]
     judged = {"verdicts": lot.verdicts, "hammers": lot.agreements}
     if lot.simulated:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import click
 
-import dashpot as dp
+from dashpot import workflow
 from dashpot.base.errors import DashpotError, ReadError
 from dashpot.cli._shell import is_json, reads
 from dashpot.io.options import ReadOptions
@@ -70,7 +70,7 @@ def _refuse_unknown_units(records: Sequence[str], said: ReadOptions) -> None:
     inputs = [path for path in records if not is_json(path)] if names else []
     for path in inputs:
         with suppress(DashpotError):
-            columns = dp.inspect_file(path, options=said).columns
+            columns = workflow.inspect_file(path, options=said).columns
             names -= {one.name.strip().casefold() for one in columns}
     if names and inputs:
         wrong = next(name for name in dict(said.units) if name.strip().casefold() in names)

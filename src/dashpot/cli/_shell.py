@@ -18,9 +18,10 @@ from dashpot.base.errors import ReadError
 from dashpot.base.escapes import escaped_json
 from dashpot.base.units import in_unit
 from dashpot.cli._echo import to_stderr, to_stdout
-from dashpot.cli._terminal import progress, shown
+from dashpot.cli._terminal import progress
 from dashpot.io.source import like_json
 from dashpot.told.layout import Text
+from dashpot.told.screen import shown
 from dashpot.workflow.outputs import Outputs
 
 if TYPE_CHECKING:
@@ -97,7 +98,8 @@ def _printed(outcome: Outcome, *, as_json: bool, verbose: bool) -> str:
         return printed(outcome.found)
     if click.get_current_context().meta.get(_TAKEN):
         return ""
-    return "\n".join(shown(outcome.text, outcome.verdict, outcome.checks, verbose=verbose))
+    told = outcome.text, outcome.verdict, outcome.checks
+    return "\n".join(shown(*told, verbose=verbose, style=click.style))
 
 
 def printed(found: Documented) -> str:
@@ -224,7 +226,7 @@ def read_model(path: str) -> tuple[dp.GeneralizedMaxwell, TemperatureLaw | None]
     found = workflow.stored(path)
     if isinstance(found, dp.Fit):
         return found.model, found.temperature_law
-    if isinstance(found, dp.GeneralizedMaxwell | dp.FractionalZener | dp.Parallel):
+    if isinstance(found, dp.GeneralizedMaxwell | dp.solids.FractionalZener | dp.solids.Parallel):
         return found.maxwell, None
     raise ReadError(f"{path} holds a {type(found).__name__}; expected a fit or a model")
 

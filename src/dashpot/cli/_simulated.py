@@ -50,7 +50,7 @@ def replayed(*, seal: str, follow: str, **choices: Any) -> tuple[Any, ...]:
     """Return the record of a motion as CSV, its truth as JSON, and what gauges add to it."""
     known, rig, climate = _bench(seal, choices)
     with as_it_stands(follow):
-        sent = dp.read_trajectory(follow)
+        sent = dp.files.read_trajectory(follow)
     made = dp.simulation.simulate_motion(
         known.solid, sent, rig=rig, climate=climate, seed=choices.get("seed", 0)
     )

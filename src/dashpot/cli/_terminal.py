@@ -1,138 +1,19 @@
-"""Text on a terminal: wrapped, coloured where it may be, no longer than a screen; and progress."""
+"""Text on a terminal: coloured where it may be; and progress."""
 
 from __future__ import annotations
 
-import re
 import sys
-import textwrap
 import threading
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
-
-import click
 
 from dashpot.base.escapes import escaped
-from dashpot.base.numbers import ascii_only
 from dashpot.base.progress import listening
-from dashpot.told.layout import Text
-
-if TYPE_CHECKING:
-    from dashpot.base.checks import Check, Verdict
-
-COLUMNS = 100
-"""A line is not longer, unless one word is, such as a path."""
-
-LINES = 36
-"""Of a result, unless all is asked for; with the files written and what comes next, 40."""
-
-CHECK_LINES = 3
-"""Of one check there."""
+from dashpot.told.screen import COLUMNS
 
 PATIENCE, BEAT = 1.0, 0.25
 """Seconds until progress shows, and between its changes."""
-
-MARKS = {"stop": ("!!", "red"), "limit": ("!", "yellow"), "note": ("-", None)}
-"""How a failed check is marked and coloured, by its grade."""
-
-USES = {"use": "green", "use with care": "yellow", "do not use": "red"}
-"""The colours of a verdict."""
-
-
-def shown(
-    text: Text, verdict: Verdict | None, checks: Sequence[Check], *, verbose: bool
-) -> list[str]:
-    """Return a result line by line: its verdict, its numbers, and the checks that failed.
-
-    Those are all that failed if all is asked for; else those that made the verdict or, without
-    one, those of weight. If that is longer than a screen the numbers are cut.
-    """
-    head = [] if verdict is None else lead(verdict)
-    body, details = _lines(text.lines), _lines(text.details)
-    counted = [f"  checks      {_counted(checks)}"] if checks else []
-    failed = [_check(each, verdict) for each in _listed(verdict, checks, everything=verbose)]
-    if verbose:
-        return [*head, *body, *details, *counted, *(part for each in failed for part in each)]
-    tail = counted + [part for each in failed for part in _short(each)]
-    left = max(LINES - 1 - len(head) - len(tail), 0)
-    if len(body) > left:
-        body, whole = [*body[: max(left - 1, 0)], "  ..."], len(body)
-    else:
-        whole = len(body)
-    kept = [*head, *body, *tail][: LINES - 1]
-    cut = len(kept) < len(head) + whole + sum(map(len, failed)) + len(counted)
-    return [*kept, "  more with -v"] if cut or details else kept
-
-
-def _lines(paragraphs: Sequence[str]) -> list[str]:
-    return [part for text in paragraphs for line in text.split("\n") for part in wrapped(line)]
-
-
-def lead(verdict: Verdict) -> list[str]:
-    """Return a verdict and why, as the first lines of a result."""
-    mark, _, says = str(verdict).partition(": ")
-    return _coloured(f"{mark}:", says, USES[verdict.use], hang=2)
-
-
-def wrapped(line: str, *, hang: int | None = None) -> list[str]:
-    """Return a line as lines of the terminal's width, the later ones under the text of the first.
-
-    In a row of columns that is the last one that begins in the left half.
-    """
-    line = escaped(line)
-    if len(line) <= COLUMNS:
-        return [line]
-    if hang is None:
-        columns = [found.end() for found in re.finditer(r"(?:^|\S) {2,}(?=\S)", line)]
-        hang = max((start for start in columns if start <= COLUMNS // 2), default=2)
-    return textwrap.wrap(
-        line,
-        COLUMNS,
-        subsequent_indent=" " * hang,
-        break_long_words=False,
-        break_on_hyphens=False,
-    )
-
-
-def _coloured(mark: str, sentence: str, colour: str | None, *, hang: int) -> list[str]:
-    """Return a sentence in lines, its mark in colour."""
-    first, *others = wrapped(ascii_only(f"{mark} {sentence}"), hang=hang)
-    return [click.style(mark, fg=colour, bold=True) + first[len(mark) :], *others]
-
-
-def _listed(
-    verdict: Verdict | None, checks: Sequence[Check], *, everything: bool
-) -> Sequence[Check]:
-    """Return the failed checks to list, the gravest first."""
-    if verdict is not None and not everything:
-        return verdict.because
-    grades = ("stop", "limit", "note") if everything else ("stop", "limit")
-    return [each for grade in grades for each in checks if each.failed and each.grade == grade]
-
-
-def _check(check: Check, verdict: Verdict | None) -> list[str]:
-    mark, colour = MARKS[check.grade]
-    above = verdict is not None and verdict.says.startswith(check.told)
-    says = check.typed.replace(check.told, "(first line)") if above else check.typed
-    first, *others = _coloured(f"  {mark}", f"{says} {check.name}", colour, hang=5)
-    lines = [first, *others]
-    # the name is for searching, not for reading
-    lines[-1] = f"{lines[-1][: -len(check.name)]}{click.style(check.name, dim=True)}"
-    return lines
-
-
-def _short(check: list[str]) -> list[str]:
-    """Return a check's first lines, and a sign where there are more."""
-    kept = check[:CHECK_LINES]
-    return kept if len(check) == len(kept) else [*kept[:-1], f"{kept[-1][: COLUMNS - 4]} ..."]
-
-
-def _counted(checks: Sequence[Check]) -> str:
-    """Return how many checks passed, failed, are a note, and have nothing to judge."""
-    states = ["note" if one.failed and one.grade == "note" else one.passed for one in checks]
-    words = ((True, "passed"), (False, "failed"), ("note", "note"), (None, "not applicable"))
-    return ", ".join(f"{states.count(state)} {word}" for state, word in words if state in states)
 
 
 @contextmanager

@@ -11,7 +11,6 @@ import click
 import dashpot as dp
 from dashpot import workflow
 from dashpot.base.choices import Method, words
-from dashpot.base.units import written
 from dashpot.cli import _options as options
 from dashpot.cli._grammar import group, of, opt, refuse_others, rest, verb
 from dashpot.cli._options import HITS, MASS, READING, VIBRATION
@@ -108,15 +107,7 @@ def _prediction(
             found.comparison, band=found.limits, interval=found.interval, stamp=named
         )
         write_figure(picture, drawn)
-    lines = text_of.comparison(found.comparison)
-    if str(found.at_rest):
-        lines.append(str(found.at_rest))
     inferred = found.mass_inferred
-    if inferred:
-        lines.append(
-            f"  mass        {written(found.mass, 'g', '.5g')}, inferred from the measured FRF: the "
-            "agreement in frequency then proves nothing; give --mass to test it"
-        )
     block = "MASS" if inferred else grams(found.mass)
     family = ("--model", "auto") if fitted.alternative is not None else ()
     follow = ""
@@ -126,8 +117,8 @@ def _prediction(
         again = options.given(READING, HITS)
         why = "fits both tests together"
         follow = typed("fit", *tests, *measured, *family, *rig, *again, why=why)
-    arms = [f"  {arm}" for arm in found.comparison.arms]
-    return Outcome(found, Text(lines, arms), found.checks, verdict=found.verdict, follow=follow)
+    said = text_of.agreement(found)
+    return Outcome(found, said, found.checks, verdict=found.verdict, follow=follow)
 
 
 def _frfs(first: str, others: Sequence[str], said: dict[str, Any]) -> Outcome:

@@ -141,16 +141,13 @@ def _story(name: str, folder: Path, seed: int) -> Study:
     hammer = impact(seal=name, seals=SEALS, seed=seed)
     for file, text in zip(FILES, (*bench, *hammer), strict=False):
         write(folder / f"{name}{file}", text)
-    hits = dp.read_impact(folder / f"{name}_impact.csv")
-    mass = seal_named(name).mass
-    story = dp.characterise(
-        dp.read_relaxation(folder / f"{name}_relaxation.csv"),
-        dp.estimate_frf(hits, mass=mass),
-        impact=hits,
-        mass=mass,
+    story = dp.report(
+        dp.read(folder / f"{name}_relaxation.csv", kind="relaxation"),
+        dp.read(folder / f"{name}_impact.csv", kind="impact"),
+        mass=seal_named(name).mass,
         seals=SEALS,
     )
-    write(folder / f"{name}.html", dp.report.html(story))
+    write(folder / f"{name}.html", workflow.html(story))
     return story
 
 
@@ -164,12 +161,13 @@ def _in_the_cold(
     made = relaxation(seal=PUZZLE, seed=seed + 1, temperature=FRIDGE, hold=COLD_HOLD)
     for file, text in zip(COLD, made, strict=True):
         write(folder / f"{PUZZLE}{file}", text)
-    tests = [dp.read_relaxation(folder / f"{PUZZLE}{file}") for file in (FILES[0], COLD[0])]
-    found = dp.fit(tests)
-    mass = KNOWN[PUZZLE][1]
-    predicted = dp.predict_frf(found, mass=mass, seals=SEALS, frequency=measured.frequency)
-    held = dp.compare(predicted, measured, fit=found, mass=mass, seals=SEALS)
-    return found, held, dp.unseen_arm_band(found, tests, [held.measured_hz])
+    warm, cold = (
+        dp.read(folder / f"{PUZZLE}{file}", kind="relaxation").prepare()
+        for file in (FILES[0], COLD[0])
+    )
+    found = dp.fit(warm, cold)
+    held = dp.compare(found, measured, mass=KNOWN[PUZZLE][1], seals=SEALS).comparison
+    return found, held, workflow.unseen_arm_band(found, (warm, cold), [held.measured_hz])
 
 
 def _loss(fit: dp.Fit, bound: StiffnessBounds, both: dp.Fit | None) -> str:

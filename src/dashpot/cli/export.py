@@ -114,7 +114,7 @@ def command(
     elif isinstance(found, LevelFit):
         found = replace(found, specimen=_described(found.specimen, specimen))
     choices["line"] = None if line is None else _seal_line(line, pitch, normal, units)
-    deck = dp.export.deck_for(
+    deck = workflow.deck_for(
         target,
         found,
         seals=seals,
@@ -145,7 +145,7 @@ _ASKED = "temperature"
 
 def _line_of_door(path: str, pitch: float | None, normal: str | None) -> Stations:
     """Return the stations of a door's seal, with its own compression, joints and normals."""
-    door = dp.read_door(path)
+    door = workflow.read_door(path)
     if door.line is None or door.seal is None or normal is not None:
         raise ExportError(
             f"{path}: --normal is for a file of points; the [seal] of a door says its own"
@@ -170,7 +170,7 @@ def _seal_line(path: str, pitch: float | None, normal: str | None, units: str | 
     """Return the polyline in a CSV file of x, y, z in the deck's unit of length."""
     import numpy as np
 
-    systems = dp.export.UNIT_SYSTEMS
+    systems = workflow.UNIT_SYSTEMS
     if Path(path).suffix.lower() == ".toml":
         return _line_of_door(path, pitch, normal)
     if pitch is None or units is None or units not in systems:
@@ -183,7 +183,7 @@ def _seal_line(path: str, pitch: float | None, normal: str | None, units: str | 
         raise ExportError(f"{path} has {points.shape[1]} columns; expected x, y, z")
     named = bool(np.isnan(points[0, :3]).any())  # a first row of names reads as NaN
     corners = points[1 if named else 0 :, :3] * systems[units].length
-    line = dp.SealLine(corners, normal=np.array(_normal(normal or "0,0,1")))
+    line = dp.systems.SealLine(corners, normal=np.array(_normal(normal or "0,0,1")))
     if line.length > LONGEST_LINE:
         raise ExportError(
             f"{path}: the line is {line.length:.4g} m long in the deck's unit of length ({units}): "

@@ -106,7 +106,7 @@ _OPTIONS = (
             "Stress over strain",
             opt("--test", type=OneOf(tuple(MODES)), multiple=True, metavar="MODE", kinds=_STRAIN,
                 help="Test of each file: uniaxial, biaxial, planar, ..."),
-            opt("--poisson", type=float, metavar="NUMBER", kinds=_STRAIN,
+            opt("--poisson", type=float, metavar="NUMBER", kinds=f"{_STRAIN} {VIBRATION}",
                 help="Poisson's ratio of a foam; selects a foam law."),
             opt("--stretches", type=LowHigh(), metavar="LOW:HIGH", kinds=_STRAIN,
                 help="Stretches of use, e.g. 0.7:1.5."),

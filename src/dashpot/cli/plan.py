@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 import dashpot as dp
+from dashpot import workflow
 from dashpot.base.errors import DataError
 from dashpot.base.version import byline
 from dashpot.cli import _options as options
@@ -111,11 +112,11 @@ def command(
     if arm_stiffness is not None:
         arm = (arm_stiffness, arm_time if arm_time is not None else 1 / (2 * math.pi * frequency))
     supposed = seal_named("paper" if guess is None else guess)
-    planned = dp.Bench(**vars(bench), machine=machine)
-    found = dp.plan(
+    planned = workflow.Bench(**vars(bench), machine=machine)
+    found = workflow.plan(
         planned,
         at=frequency,
-        seal=dp.SupposedSeal(supposed.solid, arm, temperature, wlf or supposed.law),
+        seal=workflow.SupposedSeal(supposed.solid, arm, temperature, wlf or supposed.law),
         hammer=hammer,
         cold=cold,
         wanted=wanted / 100,
@@ -123,7 +124,7 @@ def command(
     if setpoints is not None:
         from dashpot.io.write import write_trajectory
 
-        motion = dp.planned_trajectory(
+        motion = dp.files.planned_trajectory(
             depth=bench.depth,
             ramp_time=bench.ramp_time,
             hold_time=bench.hold_time,

@@ -127,7 +127,7 @@ def _under_mass(
         _keep(found, output)
     return Outcome(
         found,
-        text_of.prediction(found, mass=mass, seals=seals),
+        text_of.prediction(found),
         found.checks,
         verdict=found.verdict,
         follow="" if found.of_part else _follow(fit, mass, seals),

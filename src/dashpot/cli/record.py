@@ -69,7 +69,7 @@ def command(*, driver: str, output: str, seconds: float | None, **choices: Any) 
     device = recorder.describe().device
     doing(f"recording from {device}; Ctrl-C ends it")
     with _stopped_by_signals(recorder):
-        rows, notes = dp.recording.record(
+        rows, notes = dp.files.recording.record(
             recorder,
             output,
             seconds=math.inf if seconds is None else seconds,
@@ -81,7 +81,7 @@ def command(*, driver: str, output: str, seconds: float | None, **choices: Any) 
 
 
 @contextmanager
-def _stopped_by_signals(recorder: dp.recording.Recorder) -> Iterator[None]:
+def _stopped_by_signals(recorder: dp.files.recording.Recorder) -> Iterator[None]:
     """Let Ctrl-C end the record in good order, not between a read and its write."""
     before = {}
     with suppress(ValueError):  # not the main thread of whoever calls
@@ -103,15 +103,15 @@ def _device(
     played: str | None,
     seal: str,
     speed: float,
-) -> dp.recording.Recorder:
+) -> dp.files.recording.Recorder:
     """Return the device that was asked for."""
     if driver == "serial":
         if port is None:
             raise DataError("--driver serial needs the line: add --port, e.g. /dev/ttyUSB0")
-        return dp.recording.SerialLine(port, columns=columns.split(","), baud=baud)
+        return dp.files.recording.SerialLine(port, columns=columns.split(","), baud=baud)
     if driver == "simulated":
-        return dp.recording.simulated(seal_named(seal).solid, speed=speed)
+        return dp.files.recording.simulated(seal_named(seal).solid, speed=speed)
     if played is None:
         raise DataError("--driver replay needs the record: add --from FILE")
     with as_it_stands(played):
-        return dp.recording.replay(played, speed=speed)
+        return dp.files.recording.replay(played, speed=speed)

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-import dashpot as dp
 from dashpot import workflow
 from dashpot.base.documents import Documented
 from dashpot.base.progress import doing
@@ -121,7 +120,7 @@ def command(
     history = None
     if project:
         home = workflow.create(project)
-        study, place = workflow.record(home, job, page=dp.report.html)
+        study, place = workflow.record(home, job, page=workflow.html)
         note_written(place)
         history = home.head
         written.append(str(place))
@@ -130,11 +129,11 @@ def command(
     if output:
         doing("drawing the report")
         written.append(output)
-        write(written[-1], dp.report.html(study))
+        write(written[-1], workflow.html(study))
     return Outcome(
         Reported(study, written[-1], history),
         text_of.study(study),
-        study.every_check,
+        study.weighed,
         verdict=study.verdict,
         follow=typed("verify", project, "--expect", history, why="recomputes it")
         if project
@@ -168,7 +167,7 @@ def _amplitude(files: tuple[str, ...], output: str | None, reading: ReadOptions)
     found = workflow.level_files(files, options=reading)
     output = output or "report.html"
     claim([output])
-    write(output, dp.report.html(found))
+    write(output, workflow.html(found))
     return Outcome(found, text_of.levels(found), found.checks, verdict=found.verdict)
 
 

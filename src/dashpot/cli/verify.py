@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import click
 
-import dashpot as dp
 from dashpot import workflow
 from dashpot.base.checks import Check, verdict
 from dashpot.base.documents import Documented
@@ -52,7 +51,7 @@ class Verification(Documented):
 def command(*, project: str, expect: str | None) -> Outcome:
     """Recompute every result; leave with 1 if anything differs."""
     place = workflow.open_project(project)
-    checks = workflow.verify(place, page=dp.report.html, expect=expect)
+    checks = workflow.verify(place, page=workflow.html, expect=expect)
     every = [
         f"  {'ok' if check.passed else '--'}  {check.says}" for check in checks if not check.failed
     ]

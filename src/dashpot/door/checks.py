@@ -35,20 +35,34 @@ def door_modes_informed(
     away = {f: max(f / high, low / f) for f in felt}
     outside = [f for f in felt if away[f] > 1]
     worst = max(away.values())
-    listed = ", ".join(f"{f:.4g}" for f in outside[:4]) + (", ..." if len(outside) > 4 else "")
+    first = [f"{f:.3g}" for f in outside[:3]]
+    listed = " and ".join(first) if len(outside) < 3 else ", ".join(first)
+    listed += " and more" if len(outside) > 3 else ""
     return Finding(
         f"All {len(felt)} modes that the seal affects lie in the valid band of its test",
         worst,
         instead=f"The seal's damping is not known at {listed} Hz. Its test covers {low:.2g} to "
-        f"{high:.3g} Hz; {len(outside)} of {len(felt)} modes that it affects lie outside, up to "
+        f"{high:.2g} Hz. {len(outside)} of {len(felt)} modes that it affects lie outside, up to "
         f"{worst:.3g} times",
         remedy="Test the seal with a hammer, or in the cold.",
     )
 
 
-@criterion("part of the line", "<=", 0.0, "by definition: there it leaks")
-def seal_touches(part: float, *, length: float, least: float, where: float) -> Finding:
+@criterion(
+    "part of the line", "<=", 0.0, "by definition: there it leaks",
+    otherwise="stop where nothing is pressed",
+)  # fmt: skip
+def seal_touches(part: float, *, length: float, least: float, where: float, most: float) -> Finding:
     """The seal reaches its counterpart all along the line."""
+    if most <= 0:
+        return Finding(
+            f"No station of the seal is pressed: the compression is {written(most, 'mm', '.3g')} "
+            "at most",
+            part,
+            remedy="Check compression, gap and height in [seal], and their units.",
+            faulted=True,
+            grade="stop",
+        )
     return Finding(
         "The seal touches all along the line",
         part,
@@ -150,16 +164,16 @@ def closing_informed(
     factor = 1 / (4 * seconds) / band[1]
     speeds = ""
     if known is not None:
-        ends = f"{known[0]:.3g} to {known[1]:.3g} m/s"
+        ends = f"lies between {known[0]:.3g} and {known[1]:.3g} m/s"
         if math.isinf(known[1]):
-            ends = f"{known[0]:.3g} m/s or more"
-        speeds = f"The least closing speed is {ends}, because the test leaves faster arms open. "
+            ends = f"is {known[0]:.3g} m/s or more"
+        speeds = f"The least closing speed {ends}. "
     return Finding(
         f"The door presses its seal in {written(seconds, 'ms', '.3g')}, as slowly as its test",
         factor,
         instead=f"{speeds}The door presses its seal in {written(seconds, 'ms', '.3g')}, "
-        f"{factor:.3g} times faster than its test covers. There the fit gives {glassy:.3g} times "
-        "the relaxed force",
+        f"{factor:.3g} times faster than its test did. There the fit gives {glassy:.3g} times the "
+        "relaxed force",
         remedy="Test the seal faster, or in the cold.",
     )
 

@@ -10,9 +10,9 @@ import numpy as np
 from dashpot.base.checks import Check
 from dashpot.door import checks as asked
 from dashpot.door.closing_result import ClosingResult
-from dashpot.door.from_files import open_door, touches_along
+from dashpot.door.from_files import named, open_door, touches_along
+from dashpot.door.record import Door
 from dashpot.door.slam import Closing, SealDoubt, close_door
-from dashpot.io.source import about
 from dashpot.records.fit import Fit
 from dashpot.vibration.checks import compression_tested
 
@@ -20,13 +20,13 @@ __all__ = ["ClosingResult", "close_file"]
 
 
 def close_file(
-    path: str | Path, speed: float, *, temperature: float | None = None
+    path: str | Path | Door, speed: float, *, temperature: float | None = None
 ) -> ClosingResult:
     """Close the door of a file against its seal.
 
     Parameters
     ----------
-    path : path
+    path : path or Door
         TOML, as :func:`~dashpot.door.read.read_door` reads it.
     speed : float
         At the door's edge where it begins, m/s.
@@ -41,7 +41,7 @@ def close_file(
         If the file lacks what closing needs.
     """
     assembly, fit = open_door(path, temperature=temperature)
-    with about(Path(path).name):
+    with named(path):
         found = close_door(
             assembly.door, speed=speed, doubt=None if fit is None else SealDoubt.of(fit)
         )

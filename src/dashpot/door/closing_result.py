@@ -8,14 +8,15 @@ from dataclasses import dataclass
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Checked
 from dashpot.base.documents import Documented
+from dashpot.base.offered import Judged
 from dashpot.base.provenance import Source
 from dashpot.door.record import Door
 from dashpot.door.slam import Closing
 from dashpot.records.fit import Fit
 
 
-@dataclass(frozen=True)
-class ClosingResult(Checked, Documented):
+@dataclass(frozen=True, repr=False)
+class ClosingResult(Checked, Judged, Documented):
     """What ``dashpot predict --close`` found.
 
     Attributes

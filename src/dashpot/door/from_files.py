@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from pathlib import Path
 
@@ -46,13 +47,15 @@ LINES = 2001
 """Of an FRF."""
 
 
-def open_door(path: str | Path, *, temperature: float | None = None) -> tuple[Assembly, Fit | None]:
+def open_door(
+    path: str | Path | Door, *, temperature: float | None = None
+) -> tuple[Assembly, Fit | None]:
     """Return the door of a file with its seal, parts and modes, and the fit of its seal.
 
     Parameters
     ----------
-    path : path
-        TOML, as :func:`~dashpot.door.read.read_door` reads it.
+    path : path or Door
+        TOML, as :func:`~dashpot.door.read.read_door` reads it, or what it reads.
     temperature : float, optional
         Of the seal, K, instead of what the file says.
 
@@ -61,7 +64,7 @@ def open_door(path: str | Path, *, temperature: float | None = None) -> tuple[As
     ReadError
         If a file cannot be read, or what it says cannot be.
     """
-    door = read_door(path)
+    door = path if isinstance(path, Door) else read_door(path)
     modes = None
     if door.modes is not None:
         choice = door.modes
@@ -72,7 +75,7 @@ def open_door(path: str | Path, *, temperature: float | None = None) -> tuple[As
         if not kept.any():
             raise ReadError(f"{choice.path}: no mode lies below {choice.most:g} Hz (most)")
         modes = modes.only(kept)
-    with about(Path(path).name):
+    with named(path):
         fit = None
         if door.seal is not None and door.line is not None:
             choice_of_seal = door.seal
@@ -85,6 +88,11 @@ def open_door(path: str | Path, *, temperature: float | None = None) -> tuple[As
                 refuse_far(most, fit.elastic_law, fit.specimen.height)
             door = replace(door, line=replace(door.line, section=section))
         return Assembly(door, modes, dict(_parts_of(door))), fit
+
+
+def named(path: str | Path | Door) -> AbstractContextManager[None]:
+    """Put a file's name before what is wrong; a door that was read has none."""
+    return nullcontext() if isinstance(path, Door) else about(Path(path).name)
 
 
 def _parts_of(door: Door) -> Iterator[tuple[str, Solid]]:
@@ -103,7 +111,7 @@ def _parts_of(door: Door) -> Iterator[tuple[str, Solid]]:
 
 
 def door_file(
-    path: str | Path,
+    path: str | Path | Door,
     *,
     band: tuple[float, float] = (1.0, 200.0),
     temperature: float | None = None,
@@ -112,8 +120,8 @@ def door_file(
 
     Parameters
     ----------
-    path : path
-        TOML, as :func:`~dashpot.door.read.read_door` reads it.
+    path : path or Door
+        TOML, as :func:`~dashpot.door.read.read_door` reads it, or what it reads.
     band : (float, float)
         Of the FRFs and modes, Hz.
     temperature : float, optional
@@ -125,7 +133,7 @@ def door_file(
         If a file cannot be read, or what it says cannot be.
     """
     assembly, fit = open_door(path, temperature=temperature)
-    with about(Path(path).name):
+    with named(path):
         system, bare = assembly.system(), assembly.system(sealed=False)
         modes = door_modes(assembly, band[1])
         points = _points(assembly)
@@ -244,6 +252,7 @@ def touches_along(pressed: FloatArray, along: FloatArray, length: float) -> Chec
         length=length,
         least=float(pressed[worst]),
         where=float(along[worst]),
+        most=float(pressed.max()),
     )
 
 

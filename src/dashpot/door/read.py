@@ -12,6 +12,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError, ReadError
+from dashpot.base.plausible import SIZES
 from dashpot.base.provenance import Source
 from dashpot.door.read_closing import closing_of
 from dashpot.door.record import Door, DoorPoint, ModesChoice, RigidPart, SealChoice, Support
@@ -20,7 +21,7 @@ from dashpot.io.readers.by_name import by_name, in_si
 from dashpot.io.toml import Section, Vector, tables_of
 from dashpot.records.seal_line import Joint, SealLine
 
-LARGEST = 30.0
+LARGEST = SIZES["door"].hard[1]
 """m; no door lies further from the origin of its car's axes, and no seal line is longer."""
 LIGHTEST, HEAVIEST = 0.05, 500.0
 """kg, of a door: from that of a glove box to a gate's."""
@@ -129,6 +130,8 @@ def _door(here: _Here, entries: Any) -> dict[str, Any]:
             f"{section.where}: mass {rigid.mass:g} kg; expected that of a door, {LIGHTEST:g} to "
             f"{HEAVIEST:g} kg: is its unit kg?"
         )
+    for name, size in sizes.items():
+        SIZES["door"].refuse(size or 0.0, f"{section.where}: {name} = {size or 0.0:g} m")
     return {"rigid": rigid, **sizes}
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from dashpot.base.checks import Check, Checked
 from dashpot.base.documents import Documented
+from dashpot.base.offered import Judged
 from dashpot.base.provenance import Source
 from dashpot.door.assembly import Assembly
 from dashpot.door.modes import DoorMode
@@ -109,8 +110,8 @@ class SealOfDoor(Documented):
         return float((self.along.length * self.along.factor) @ self.section.force(x))
 
 
-@dataclass(frozen=True)
-class DoorResult(Checked, Documented):
+@dataclass(frozen=True, repr=False)
+class DoorResult(Checked, Judged, Documented):
     """What ``dashpot predict`` found.
 
     Attributes

@@ -51,7 +51,7 @@ class ExponentialSum(Frozen):
         return np.asarray(self.constant + np.exp(-at[..., None] * self.rates) @ self.amplitudes)
 
 
-def fit_exponential_sum(
+def exponential_sum(
     x: npt.ArrayLike,
     y: npt.ArrayLike,
     *,
@@ -96,7 +96,7 @@ def fit_exponential_sum(
     >>> import numpy as np
     >>> x = np.arange(24) / 20
     >>> y = 0.0951 * np.exp(-x) + 0.8607 * np.exp(-3 * x) + 1.5576 * np.exp(-5 * x)
-    >>> fit_exponential_sum(x, y, terms=3).rates.round(6)
+    >>> exponential_sum(x, y, terms=3).rates.round(6)
     array([1., 3., 5.])
     """
     if terms < 1:

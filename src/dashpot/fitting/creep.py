@@ -22,6 +22,7 @@ from dashpot.base.arrays import FloatArray, median
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.provenance import Step, sources_of
+from dashpot.base.sentences import lowered
 from dashpot.engine.blocks.block import DataBlock, retarding
 from dashpot.engine.blocks.hold import hold_block
 from dashpot.engine.blocks.recorded import recorded_block
@@ -196,21 +197,20 @@ def known_before(record: LoadHold) -> _BeforeLoad:
     # load cell and displacement both drift
     both, duration = float(np.sqrt(2)) * travel, float(record.time[-1] - record.onset)
     usual = Machine().drift_sd(both, duration)
-    drift, told_drift = Prior(0.0, usual), False
+    slope = Prior(0.0, np.inf)
     if first >= _FEWEST:
         offset, at, slope = at_rest(time[:first], x[:first], record.displacement_noise)
         # a reading that stands on one count hides a part of the next
         offset = Prior(offset.mean, max(offset.sd, _OF_A_COUNT * count))
-        told = max(slope.sd, count / float(time[first - 1]))
-        if Machine.drift_told(told, both, duration):
-            drift, told_drift = Prior(slope.mean, told), True
+        slope = Prior(slope.mean, max(slope.sd, count / float(time[first - 1])))
     else:
         # under load from the first sample on, the channel's own zero is all there is
         loaded = abs(record.load[0]) > 0.5 * record.level
         offset, at, first = Prior(0.0 if loaded else float(x[0]), noise), 0.0, 0
+    *drift, told_drift = Machine().drift_told(slope, both, duration)
     delay = Prior(0.0, median(np.diff(record.time)))
     return _BeforeLoad(
-        offset, at, drift, delay, first, noise, _ROUNDING * travel, usual, told_drift
+        offset, at, Prior(*drift), delay, first, noise, _ROUNDING * travel, usual, told_drift
     )
 
 
@@ -430,7 +430,7 @@ def _of_curve(
     t, values = curve.time[later], curve.compliance[later]
     rises = checks.compliance_rises(values)
     if rises.failed:
-        raise DataError(f"this is no creep compliance: {rises.says}")
+        raise DataError(f"this is no creep compliance: {lowered(rises.told)}")
     bad = np.flatnonzero(values <= 0)
     if bad.size:
         i = int(bad[0])

@@ -37,7 +37,11 @@ def filter_bias(test: RampHold) -> Check:
     try:
         model = _supported(raw)
         clean = replace(
-            raw, force=model.force(raw.time, raw.displacement), machine=Machine(), checks=()
+            raw,
+            force=model.force(raw.time, raw.displacement),
+            machine=Machine(),
+            given=None,
+            checks=(),
         )
         changes = {
             "hold": _changes(clean, by, model.arms, "hold"),

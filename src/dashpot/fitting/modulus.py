@@ -11,6 +11,7 @@ import numpy.typing as npt
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.provenance import Source, Step, sources_of
+from dashpot.base.sentences import lowered
 from dashpot.engine.blocks.block import DataBlock
 from dashpot.engine.blocks.hold import hold_block
 from dashpot.fitting.assembly import assembled
@@ -105,7 +106,7 @@ def fit_modulus(
     t, values, unit = data.time, data.modulus, data.unit
     falls = modulus_falls(values)
     if falls.failed:
-        raise DataError(f"this is no relaxation modulus: {falls.says}")
+        raise DataError(f"this is no relaxation modulus: {lowered(falls.told)}")
     most = asked_arms(arms, max_arms)
     window = _window(t)
     block = _weighed(t, values, weights, window, most)

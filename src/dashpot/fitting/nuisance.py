@@ -19,6 +19,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, kept, median
 from dashpot.engine.blocks.block import DataBlock, prior_block
 from dashpot.engine.inference.covariance import noise_of
+from dashpot.records.machine import USUAL
 from dashpot.records.relaxation import RampHold
 from dashpot.records.specimen import Specimen
 from dashpot.signals.noise import scatter
@@ -133,6 +134,9 @@ class Priors(NamedTuple):
         Of the force behind the displacement, s.
     first : int
         The first sample that the fit may use: those before contact are spent on the priors.
+    doubt : Prior
+        Of the drift, N/s, for whatever is claimed as a limit. A fit whose own drift were as free
+        would trade slow arms for it.
     """
 
     offset: Prior
@@ -141,6 +145,7 @@ class Priors(NamedTuple):
     drift_from: str
     delay: Prior
     first: int
+    doubt: Prior
 
 
 @kept
@@ -149,10 +154,9 @@ def priors(record: RampHold) -> Priors:
 
     The offset is the mean of the samples before contact, with standard error
     :math:`s\sqrt{\kappa/n}`; of a record that begins on the ramp it is the first reading, with
-    the force that the first compression may have given. The drift is the slope of those samples
-    where they tell it to 1e-3 of the final force over the record; else 0 with the standard
-    deviation of the data sheet (`Machine.drift`), or 3.5e-3 of the final force over the record.
-    The delay is 0 with the larger of one sample, `Machine.sync` and 1/(2 pi f) of a named filter.
+    the force that the first compression may have given. The drift is what the slope of those
+    samples and the cell say together (:meth:`~dashpot.records.machine.Machine.drift_told`). The
+    delay is 0 with the larger of one sample, `Machine.sync` and 1/(2 pi f) of a named filter.
     """
     time, force = record.time - record.time[0], record.force
     first = _first_motion(record)
@@ -166,19 +170,30 @@ def priors(record: RampHold) -> Priors:
         offset, at = _first_reading(record, noise), 0.0
         first = max(first, 1) if record.displacement[0] <= 0 else 0
         slope = Prior(0.0, np.inf)
-    if record.machine.drift_told(slope.sd, final, duration):
-        drift, told = slope, "baseline"
-    else:
-        drift = Prior(0.0, record.machine.drift_sd(final, duration))
-        told = "unknown" if record.machine.drift is None else "data sheet"
-    return Priors(offset, at, drift, told, delay_prior(record), first)
+    machine, known = record.machine, (final, duration)
+    mean, sd, _ = machine.drift_told(slope, *known)
+    *doubt, told = machine.drift_told(slope, *known, record.force_noise)
+    source = "unknown" if machine.drift is None else "data sheet"
+    return Priors(
+        offset,
+        at,
+        Prior(mean, sd),
+        "baseline" if told else source,
+        delay_prior(record),
+        first,
+        Prior(*doubt),
+    )
 
 
-def terms_of(record: RampHold) -> Terms:
-    """Return what is known of offset, drift and delay, their columns counting from its start."""
+def terms_of(record: RampHold, *, claimed: bool = False) -> Terms:
+    """Return what is known of offset, drift and delay, their columns counting from its start.
+
+    Of what is `claimed` as a limit the drift is as doubtful as it may be.
+    """
     known = priors(record)
     least = _ROUNDING * float(np.abs(record.force).max())
-    each = {"offset": known.offset, "drift": known.drift, "delay": known.delay}
+    drift = known.doubt if claimed else known.drift
+    each = {"offset": known.offset, "drift": drift, "delay": known.delay}
     return Terms(each, -known.at, least)
 
 
@@ -272,6 +287,16 @@ def _first_reading(record: RampHold, noise: float) -> Prior:
 def warmed(specimen: Specimen) -> Prior:
     """Return by how much the seal may have warmed over its record, K: as recorded, if it was."""
     return WARMING if specimen.warmed is None else Prior(specimen.warmed, _RECORDED)
+
+
+def unseen_warmth(specimen: Specimen) -> Prior:
+    """By how much a seal of one temperature may warm unseen over its record, K.
+
+    A rise that was recorded says how much, but not what it does to the seal.
+    """
+    if specimen.warmed is None:
+        return Prior(0.0, USUAL["warming"].size)
+    return Prior(0.0, float(np.hypot(specimen.warmed, _RECORDED)))
 
 
 def warming(

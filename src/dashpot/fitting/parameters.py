@@ -52,9 +52,21 @@ def values(fit: Fit) -> FloatArray | None:
 
 
 def axes(covariance: FloatArray) -> FloatArray:
-    """Return one standard error along each axis of a covariance, a row each, shape (p, p)."""
+    """Return one standard error along each axis of a covariance, a row each, shape (p, p).
+
+    The sign of an axis is that of its first part that is not small: no library chooses it.
+    """
     size, turn = np.linalg.eigh(covariance)
-    return np.asarray((turn * np.sqrt(np.maximum(size, 0.0))).T)
+    rows = (turn * np.sqrt(np.maximum(size, 0.0))).T
+    parts = np.abs(turn.T)
+    first = np.argmax(parts > 0.5 * parts.max(axis=1, keepdims=True), axis=1)
+    return np.asarray(rows * np.sign(turn.T[np.arange(len(first)), first])[:, None])
+
+
+def root(covariance: FloatArray) -> FloatArray:
+    """Return the symmetric square root of a covariance, shape (p, p), which is the only one."""
+    size, turn = np.linalg.eigh(covariance)
+    return np.asarray((turn * np.sqrt(np.maximum(size, 0.0))) @ turn.T)
 
 
 def off_by_error(fit: Fit) -> tuple[Solid, ...]:

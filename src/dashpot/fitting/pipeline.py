@@ -312,10 +312,10 @@ def certified(blocks: Sequence[DataBlock], solution: Solution) -> Certificate:
     """Return how far the optimum can be from the best positive spectrum."""
     found = certificate(blocks, solution)
     if found.optimal:
-        says = "no positive spectrum, with any number of arms, fits better"
+        says = "no spectrum with any number of arms fits better"
     else:
         says = (
-            f"the best positive spectrum with any number of arms would lower the sum of squares "
-            f"by {100 * found.gap:.2g} %"
+            f"no spectrum of arms fits better by more than {100 * found.gap:.2g} % of the squared "
+            "residual"
         )
     return Certificate(found.optimal, found.gap, found.tau, says)

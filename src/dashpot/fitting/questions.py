@@ -87,7 +87,7 @@ def solid_checks(
     answers = [
         *of_records(records, method=method),
         hold_long_enough(end),
-        *of_solid(records, model, error, left, window, needed=needed, in_arms=in_arms),
+        *of_solid(records, model, error, left, window, end=end, needed=needed, in_arms=in_arms),
     ]
     if len(records) > 1:
         answers.append(same_specimen(end_stiffnesses(records)))
@@ -110,6 +110,7 @@ def of_solid(
     window: RelaxationWindow,
     *,
     solids: Sequence[GeneralizedMaxwell] = (),
+    end: EndOfHold | None = None,
     needed: bool = False,
     in_arms: bool = True,
 ) -> list[Check]:
@@ -121,13 +122,13 @@ def of_solid(
     each = zip(solids or [model] * len(records), records, strict=True)
     return [
         *(_of_arms(model, error, window, needed=needed) if in_arms else ()),
-        k_inf_positive(model, float(error[0])),
-        k_inf_known(model, float(error[0]), records),
+        k_inf_positive(model, float(error[0]), end),
+        k_inf_known(model, float(error[0]), records, end),
         worst(arms_where_force_relaxes(one, record) for one, record in each),
         worst(map(force_followed, records, left.every)),
         residuals_random(left.kappa, left.rms, max(record.force_noise for record in records)),
         *(_of_fast_arms(records, model, error) if in_arms and not solids else ()),
-        residuals_steady(left.every, rounding=_ROUNDING * peak),
+        residuals_steady(left.every, rounding=_ROUNDING * peak, peak=peak),
     ]
 
 

@@ -319,7 +319,7 @@ def _by_ramp(records: Sequence[RampHold], found: RampLaw, arms: int | None) -> F
     end = end_of_hold(
         data,
         time=max(record.hold_time for record in records),
-        tau=found.model.tau,
+        own=found.model,
         dof=max(found.estimate.dof, 1.0),
     )
     from dashpot.fitting.nonlinear_ramp.assembly import ramp_fit
@@ -339,7 +339,7 @@ def _end_of_hold(records: Sequence[RampHold], found: Chosen, design: Design) -> 
     return end_of_hold(
         data,
         time=max(record.hold_time for record in records),
-        tau=model.tau,
+        own=model,
         dof=max(found.estimate.dof, 1.0),
     )
 
@@ -367,36 +367,37 @@ def _checks(
     if in_arms:
         slow = _drift_correlation(estimate)
         answers.append(checks.drift_told_from_arm(model, slow, float(error[-1])))
-    answers += _load_cells(records, found)
+    answers += _load_cells(records, found, end)
     if choice is not None:
         answers.append(order_agreed(choice))
     if design.method == "full" and in_arms:
-        answers.append(checks.hold_and_full_agree(model, holds.by_eq5(model.arms), error))
+        answers.append(checks.hold_and_full_agree(model, holds.by_eq5(model.arms), error, end=end))
     return tuple(answers)
 
 
-def _load_cells(records: Sequence[RampHold], found: Chosen) -> list[Check]:
+def _load_cells(records: Sequence[RampHold], found: Chosen, end: EndOfHold | None) -> list[Check]:
     """Return how far offset, drift and clocks had to go from what was known of them."""
     estimate = found.estimate
-    believable = {
-        "offset": ramp_checks.offset_believable,
-        "drift": ramp_checks.drift_believable,
-    }
-    answers = []
-    for kind, judge in believable.items():
-        terms = [
-            (f"{kind}@{i}", getattr(priors(record), kind), getattr(material(record), kind))
-            for i, record in enumerate(records)
-        ]
-        answers.append(
-            judge(
-                [
-                    (estimate.solution.coefficient(name), *prior, matters)
-                    for name, prior, matters in terms
-                    if name in estimate.solution.fixed_names
-                ]
-            )
-        )
+
+    value, names = estimate.solution.coefficient, estimate.solution.fixed_names
+
+    def away(kind: str) -> list[tuple[float, float, float, float]]:
+        found = []
+        for i, record in enumerate(records):
+            if f"{kind}@{i}" in names:
+                known = priors(record)
+                departure = value(f"{kind}@{i}")
+                if kind == "offset" and f"drift@{i}" in names:
+                    # where it is known: the fit's own is that at the first sample
+                    departure += known.at * value(f"drift@{i}")
+                found.append((departure, *getattr(known, kind), getattr(material(record), kind)))
+        return found
+
+    beyond = np.inf if end is None else end.beyond
+    answers = [
+        ramp_checks.offset_believable(away("offset")),
+        ramp_checks.drift_believable(away("drift"), beyond),
+    ]
     solution = estimate.solution
     late = [
         (solution.coefficient(name), estimate.standard_error(name), priors(record).delay.sd)

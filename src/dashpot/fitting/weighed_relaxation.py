@@ -15,11 +15,21 @@ from dashpot.engine.blocks.block import DataBlock
 from dashpot.engine.blocks.compression import uniform_step
 from dashpot.engine.blocks.hold import window_of
 from dashpot.engine.blocks.recorded import FARTHEST
-from dashpot.fitting.design import block_of, motion
-from dashpot.fitting.nuisance import Prior, kind_of, terms_of, warmed, warming
+from dashpot.fitting.design import block_of, first_sample, motion
+from dashpot.fitting.nuisance import (
+    Prior,
+    delay_prior,
+    kind_of,
+    priors,
+    terms_of,
+    unseen_warmth,
+    warmed,
+    warming,
+)
 from dashpot.fitting.relaxation_data import DASHPOT, LN_10, RelaxationData, ThermalShift
-from dashpot.preparation.denoising import rests, true_motion
+from dashpot.preparation.denoising import between_samples, rests, true_motion
 from dashpot.records.fit import Fit
+from dashpot.records.machine import USUAL
 from dashpot.records.relaxation import RampHold
 from dashpot.records.temperature import SAME_TEMPERATURE
 from dashpot.solids.elastic import ElasticLaw
@@ -32,6 +42,8 @@ SHORTEST = 1e-6
 RESTS = 8
 # the rate of a force is that of the arms slower than so many samples
 SLOW_ARM = 5.0
+# a force that is later than this does not change in proportion, s
+LINEAR_DELAY = 2e-3
 # cycles per record between which noise is what an arm is told from
 SLOWEST_NOISE, FASTEST_NOISE = 8, 160
 # a line of the periodogram so far above its middle is a hum, and no noise
@@ -51,6 +63,7 @@ def relaxation_data(
     fit: Fit,
     *,
     alone: Fit | None = None,
+    claimed: bool = True,
     moved: ThermalShift | None = None,
     warms: tuple[float, float] = (0.0, 0.0),
 ) -> RelaxationData:
@@ -68,6 +81,10 @@ def relaxation_data(
         The solid whose response to a small motion stands for the doubt; its method is kept.
     alone : Fit, optional
         Of this test alone, where `fit` is of more than this test: its solid leaves the noise.
+    claimed : bool
+        For limits, which bear all that a rig may have done unseen (:func:`unseen`). A fit of
+        several tests is a point, and not of the doubtful rig: what could be moved by so much would
+        hide that the tests disagree.
     moved : ThermalShift, optional
         How the solid that is asked about lies at the temperature of the test and of `fit`: the
         seal may then have warmed while it was recorded.
@@ -80,20 +97,34 @@ def relaxation_data(
         If the fit is of several temperatures, and the test of none of them.
     """
     if fit.temperatures is not None:
-        return _at_its_temperature(test, fit, alone)
+        return _at_its_temperature(test, fit, alone, claimed=claimed)
     model, own = fit.few_arms, (alone or fit).few_arms
     if fit.method == "hold":
-        return held_data(test, model, _left_by(own, block_of(test, method="hold", terms=_CELL)))
+        held = _left_by(own, block_of(test, method="hold", terms=_CELL))
+        return held_data(test, model, held, claimed=claimed)
     law = fit.elastic_law
     if law is not None and law.kind == "linear":
         law = None
     (time, x, _), left = motion(test), true_motion(test)[1]
+    left = np.hypot(left, between_samples(test, time, x, left))
     if law is not None:
         x, left = law.path(x), left * law.factor(x)
-    motions = _doubts(test, time)
-    columns = {name: model.force(time, 1.0 * moved) for name, (moved, _) in motions.items()}
+    doubts = {
+        name: (model.force(time, 1.0 * there), sd)
+        for name, (there, sd) in _doubts(test, time).items()
+    }
+    doubts |= unseen(test, time, x, model) if claimed else {}
     if moved is not None:
-        columns["warming"] = warming(time, x, model, by_a=warms[0], by_b=warms[1])
+        by_a, by_b = warms
+        doubts["warming"] = warming(time, x, model, by_a=by_a, by_b=by_b), 0.0
+    late = _lateness(alone or fit)
+    if late:
+        # of the size that was found: the chord is exact there, where the tangent is not
+        slow = _slower(model, SLOW_ARM * median(np.diff(time)))
+        behind = np.interp(time - late, time, x, left=0.0)
+        chord = (slow.force(time, behind) - slow.force(time, x)) / late
+        doubts["delay"] = chord, delay_prior(test).sd
+    columns = {name: column for name, (column, _) in doubts.items()}
     certain = block_of(test, terms=_CELL, law=law, reach=_reach(test, 1.0))
     residual = _left_by(own, certain)
     power = max(noise_power(residual), certain.rounding_floor)
@@ -111,8 +142,11 @@ def relaxation_data(
         certain,
         model,
         residual,
-        doubts={name.partition("@")[0]: sd for name, (_, sd) in motions.items()},
+        size=_left_of_law(law),
+        doubts={kind_of(name): sd for name, (_, sd) in doubts.items()},
+        claimed=claimed,
     )
+    found = replace(found, delay=0.0) if late else found
     if moved is None:
         return found
     found = replace(found, terms=found.terms.beside(warming=warmed(test.specimen)))
@@ -120,7 +154,32 @@ def relaxation_data(
     return replace(found, moved=moved, size=float(np.hypot(found.size, gain)))
 
 
-def _at_its_temperature(test: RampHold, fit: Fit, alone: Fit | None) -> RelaxationData:
+def _lateness(fit: Fit) -> float:
+    """The delay of the force of one test, s, where it is too large for the tangent; else 0."""
+    found = [one.value for one in fit.nuisance if one.name == "delay"]
+    late = found[0] if fit.method == "full" and found else 0.0
+    return late if abs(late) > LINEAR_DELAY else 0.0
+
+
+def _slower(solid: GeneralizedMaxwell, tau: float) -> GeneralizedMaxwell:
+    """The arms of a solid that are no faster than this, s."""
+    slow = [j for j, own in enumerate(solid.tau) if own >= tau]
+    return GeneralizedMaxwell(
+        solid.k_inf, tuple(solid.k[j] for j in slow), tuple(solid.tau[j] for j in slow)
+    )
+
+
+def _left_of_law(law: ElasticLaw | None) -> float:
+    """What the size of a vibration's force is not known to, where a gentle law bends.
+
+    About the depth it is the tangent's, about the middle of the way the secant's.
+    """
+    return abs(float(law.factor(law.depth)) - 1) if law is not None and law.gentle else 0.0
+
+
+def _at_its_temperature(
+    test: RampHold, fit: Fit, alone: Fit | None, *, claimed: bool
+) -> RelaxationData:
     """A test of several temperatures: what it says of the solid at their reference.
 
     Its shifts are as free as other spectra may want them, within what the line through the fit
@@ -149,7 +208,7 @@ def _at_its_temperature(test: RampHold, fit: Fit, alone: Fit | None) -> Relaxati
         0.0 if at_reference else max(_FREE * shift.se * LN_10, _LEAST_SHIFT),
         0.0 if at_reference else _FREE * slope_sd,
     )
-    return relaxation_data(test, here, alone=alone, moved=where, warms=rates)
+    return relaxation_data(test, here, alone=alone, claimed=claimed, moved=where, warms=rates)
 
 
 def held_data(
@@ -158,11 +217,28 @@ def held_data(
     residual: FloatArray,
     *,
     law: ElasticLaw | None = None,
+    claimed: bool = True,
 ) -> RelaxationData:
     """The hold after an ideal ramp, whose depth scales the force, by way of its elastic law."""
     block = block_of(test, method="hold", terms=_CELL, law=law)
     since = float(test.ramp_end - test.time[0])
-    return _weighed(test, block, block, answer, residual, size=test.depth_doubt, since=since)
+    felt = test.depth if law is None else float(law.path(test.depth))
+    time = test.time[: test.hold.stop] - test.time[0]
+    ramp = felt * np.clip((time - (test.onset - test.time[0])) / test.ramp_time, 0.0, 1.0)
+    wider, doubts = _doubted(
+        block, test.settled, unseen(test, time, ramp, answer) if claimed else {}
+    )
+    return _weighed(
+        test,
+        wider,
+        block,
+        answer,
+        residual,
+        doubts=doubts,
+        size=test.depth_doubt,
+        since=since,
+        claimed=claimed,
+    )
 
 
 def fitted_data(
@@ -174,9 +250,20 @@ def fitted_data(
     ramp's corners is not in it, so it serves no question about fast arms.
     """
     size = float(np.hypot(test.depth_doubt, test.contact_error / test.depth))
-    found = _weighed(test, block, block, answer, residual, size=size)
+    time, x, _ = motion(test)
+    wider, doubts = _doubted(block, slice(first_sample(test), None), unseen(test, time, x, answer))
+    found = _weighed(test, wider, block, answer, residual, doubts=doubts, size=size)
     late = any(kind_of(name) == "delay" for name in block.fixed_names)
     return replace(found, delay=0.0) if late else found
+
+
+def _doubted(
+    block: DataBlock, used: slice, adds: Mapping[str, tuple[FloatArray, float]]
+) -> tuple[DataBlock, dict[str, float]]:
+    """A block of the `used` samples with columns of what its rig `adds`, and their sd."""
+    for name, (column, _) in adds.items():
+        block = block.with_column(name, column[used])
+    return block, {name: sd for name, (_, sd) in adds.items()}
 
 
 def noise_power(residual: FloatArray) -> float:
@@ -209,10 +296,10 @@ def _weighed(
     doubts: Mapping[str, float] = MappingProxyType({}),
     size: float = 0.0,
     since: float = 0.0,
+    claimed: bool = True,
 ) -> RelaxationData:
-    terms, step = terms_of(test), median(np.diff(test.time))
+    terms, step = terms_of(test, claimed=claimed), median(np.diff(test.time))
     power = max(noise_power(residual), certain.rounding_floor)
-    slow = [j for j, tau in enumerate(answer.tau) if tau >= SLOW_ARM * step]
     return RelaxationData(
         block=block,
         weight=1 / float(np.sqrt(power)),
@@ -220,9 +307,7 @@ def _weighed(
         terms=replace(terms, since=since + terms.since).beside(
             **{name: Prior(0.0, sd) for name, sd in doubts.items()}
         ),
-        answer=GeneralizedMaxwell(
-            answer.k_inf, tuple(answer.k[j] for j in slow), tuple(answer.tau[j] for j in slow)
-        ),
+        answer=_slower(answer, SLOW_ARM * step),
         delay=terms.known["delay"].sd,
         size=size,
         certain=certain,
@@ -256,6 +341,41 @@ def _doubts(test: RampHold, time: FloatArray) -> dict[str, tuple[BoolArray, floa
         found["rest@last"] = clock >= reaches, float(count)
         for i, (start, stop) in enumerate(between):
             found[f"rest@{i}"] = (clock >= start) & (clock < stop), float(count)
+    return found
+
+
+def unseen(
+    test: RampHold, time: FloatArray, x: FloatArray, answer: GeneralizedMaxwell
+) -> dict[str, tuple[FloatArray, float]]:
+    """What a rig may add to the force that no record shows, in N a unit, and its sd in units.
+
+    The machine gives under the force; its crosshead settles after its stop, where no reading moves;
+    what the cell carries before the ramp may be a seal that was pressed already; the seal warms.
+
+    Parameters
+    ----------
+    test : RampHold
+    time, x : array, shape (n,)
+        Since the first sample, s, and the motion that the solid `answer` is thought to feel, m.
+    """
+    force, since = answer.force(time, x), time + test.time[0] - test.ramp_end
+    found: dict[str, tuple[FloatArray, float]] = {}
+    peak = float(np.abs(force).max())
+    give = test.machine.give_sd(test.depth, peak)
+    if give > 0 and peak > 0:
+        found["give"] = answer.force(time, force / peak), give
+    settles = test.machine.creep_sd(test.depth)
+    if settles > 0 and not test.readings_moved:
+        way = np.log1p(np.maximum(since, 0.0) / test.ramp_time)
+        found["settling"] = answer.force(time, way), settles
+    if test.preload and peak > 0:
+        # pressed when the record begins; what it carries in the middle of the rest is offset
+        relaxing = answer.force(time, np.ones(len(time)))
+        tared = float(np.interp(priors(test).at, time, relaxing))
+        found["preload"] = relaxing - tared, test.preload * test.depth / peak
+    by_a = -USUAL["faster by warmth"].size
+    warms = unseen_warmth(test.specimen).sd
+    found["warming"] = warming(time, x, answer, by_a=by_a, by_b=0.0), warms
     return found
 
 

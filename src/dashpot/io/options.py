@@ -315,7 +315,19 @@ def _decimal(word: str | None) -> str | None:
 
 
 def dump_profile(options: ReadOptions) -> str:
-    """Return the options as a profile: TOML that :func:`load_profile` reads back."""
+    """Return the options as a profile: TOML that :func:`load_profile` reads back.
+
+    Raises
+    ------
+    DataError
+        If some of them are of some files alone.
+    """
+    if options.own:
+        globs = ", ".join(f"'{glob}:'" for glob, _ in options.own)
+        raise DataError(
+            f"A profile is of one kind of file; {globs} is of some files alone. Save one for each, "
+            "without the pattern, and give it as --profile GLOB:lab.toml."
+        )
     default = ReadOptions()
     lines = ["# dashpot reading profile"]
     for section, names in sorted(_SECTIONS.items()):

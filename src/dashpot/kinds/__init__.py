@@ -90,8 +90,9 @@ class KindOfTest:
     checks : str
         The module of what it is asked.
     page : str
-        Where the app takes it: ``"job"`` a test or a hammer, ``"response"`` that or one of several
-        levels, ``"bench"`` and ``"level"`` fitted by themselves; empty where it does not.
+        Where the app takes it: ``"test"`` and ``"hammer"`` of a job, ``"response"`` (of a mass to a
+        force) and ``"base"`` (to a motion), that or one of several levels, ``"bench"`` and
+        ``"level"`` fitted by themselves; empty where it does not.
     row : str
         Its own row in a lot: from a file and what is known of its piece to result and numbers.
     columns : tuple of str
@@ -112,7 +113,7 @@ class KindOfTest:
     nouns: Mapping[str, str] = field(default_factory=dict)
     meant: Meant | Literal[""] = ""
     checks: str = ""
-    page: Literal["", "job", "response", "bench", "level"] = ""
+    page: Literal["", "test", "hammer", "response", "base", "bench", "level"] = ""
     row: str = ""
     columns: tuple[str, ...] = ()
     needs: str = ""
@@ -123,7 +124,7 @@ class KindOfTest:
 
 KINDS: Mapping[str, KindOfTest] = MappingProxyType({kind.name: kind for kind in (
     KindOfTest(
-        "relaxation", _RELAXATION, FIT_FILES, page="job", meant="bench",
+        "relaxation", _RELAXATION, FIT_FILES, page="test", meant="bench",
         nouns={
             "records.relaxation:RelaxationTest": "",
             "records.relaxation:RampHold": "plot.relaxation:segments",
@@ -132,7 +133,7 @@ KINDS: Mapping[str, KindOfTest] = MappingProxyType({kind.name: kind for kind in 
     ),
     KindOfTest(
         "impact", "io.readers.impact:read_impact", "workflow.impacts:impact_files",
-        page="job", says=_PAIR, resonates=True, meant="hits",
+        page="hammer", says=_PAIR, resonates=True, meant="hits",
         nouns={"records.impact:ImpactTest": ""},
         checks="vibration.impact.checks",
     ),
@@ -142,7 +143,7 @@ KINDS: Mapping[str, KindOfTest] = MappingProxyType({kind.name: kind for kind in 
         nouns={"records.frf:FRF": "plot.vibration:frf"},
         checks="vibration.modal.checks",
     ),
-    KindOfTest("transmissibility", "io.readers.frf:read_frf", page="response"),
+    KindOfTest("transmissibility", "io.readers.frf:read_frf", page="base"),
     KindOfTest(
         "dma", _DYNAMIC, FIT_FILES, page="bench", meant="bench",
         nouns={"records.dynamic:DynamicTest": ""},
@@ -235,7 +236,7 @@ KINDS: Mapping[str, KindOfTest] = MappingProxyType({kind.name: kind for kind in 
 )})  # fmt: skip
 """Every kind, in the order in which columns and examples stand."""
 
-RESPONSES = tuple(kind.name for kind in KINDS.values() if kind.page == "response")
+RESPONSES = tuple(kind.name for kind in KINDS.values() if kind.page in {"response", "base"})
 """Kinds that are what a mass on its seals does, over frequency."""
 
 _NOUNS = {noun: kind for kind in KINDS.values() for noun in kind.nouns}

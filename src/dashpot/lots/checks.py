@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dashpot.base.capability import Capability
 from dashpot.base.checks import Finding, Remedy, criterion
 from dashpot.base.numbers import counted
+from dashpot.lots.statistics.scatter import NOT_NORMAL
 
 
 @criterion("files without a fit", "<=", 0, "by definition")
@@ -103,6 +104,21 @@ def capability_as_asked(
         "" if high >= asked else "The seals scatter too much, or lie off centre",
         "Test more seals." if high >= asked else "Look at scatter and mean of that lot.",
         limit=asked,
+    )
+
+
+@criterion("probability if normal", ">=", NOT_NORMAL, "S. S. Shapiro, M. B. Wilk (1965)",
+           grade="note")  # fmt: skip
+def scatter_normal(source: str, normal: float | None) -> Finding:
+    """What differs between seals, lots and repeats scatters as normal values do."""
+    if normal is None:
+        return Finding("Too few values tell whether the scatter is normal")
+    return Finding(
+        f"The values of each {source} would scatter so with a probability of {normal:.2g} if they "
+        "were normal",
+        normal,
+        "The interval of their scatter is Bonett's, which needs no normal values",
+        "Test more of each, or look for two kinds among them.",
     )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 from dashpot.base.checks import Check
@@ -173,11 +173,7 @@ def compared(
             lots_tested_alike(tuple(_otherwise(one, other))),
             seals_named(unnamed, tests),
             records_distinct(again, tests),
-            *(
-                replace(check, says=f"{name}: {check.says}")
-                for name, lot in (first, second)
-                for check in lot.checks
-            ),
+            *(check.within(f"in {name}") for name, lot in (first, second) for check in lot.checks),
         ),
     )
 

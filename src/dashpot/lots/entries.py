@@ -51,6 +51,8 @@ class Entry:
         Who, or which rig, tested; empty where nobody said.
     hammer_temperature : float or None
         Of the seals under the hammer, K; None where it is the test's.
+    aside : str
+        Why it is not read; empty of what is.
     """
 
     file: str
@@ -62,15 +64,16 @@ class Entry:
     hammer: tuple[str, ...] = ()
     operator: str = ""
     hammer_temperature: float | None = None
+    aside: str = ""
 
     @staticmethod
     def from_plain(plain: dict[str, Any]) -> Entry:
         """From what JSON held of it."""
         return Entry(**{**plain, "hammer": tuple(plain["hammer"])})
 
-    def hashes(self) -> tuple[str, ...]:
-        """SHA-256 of the contents of its file and of its hammer's."""
-        return tuple(map(hashed, (self.file, *self.hammer)))
+    def hashes(self, by: Callable[[str], str] | None = None) -> tuple[str, ...]:
+        """SHA-256 of the contents of its file and of its hammer's; of what is not read, none."""
+        return ("",) if self.aside else tuple(map(by or hashed, (self.file, *self.hammer)))
 
 
 def hashed(path: str) -> str:
@@ -99,7 +102,8 @@ def entries(
     ----------
     paths : sequence of path
         Of a folder every file is taken, at any depth, but for hidden ones and for results that
-        dashpot wrote.
+        dashpot wrote. A link that leads out of it, a device, a pipe is an entry that is not read:
+        it is read where it is named itself.
     manifest : path, optional
         CSV or TOML; the files it lists are added to the paths, and its labels win over `by`.
     by : str, optional
@@ -122,7 +126,7 @@ def entries(
     """
     listed = _manifest(manifest)
     given = (one for path in paths for one in _expanded(str(path), without))
-    found = _by_place((*given, *listed))
+    found = _by_place((*given, *((path, "") for path in listed)))
     if manifest is not None:
         found.pop(os.path.realpath(manifest), None)
     if not found and not growing:
@@ -140,13 +144,13 @@ def entries(
     return _tests(_paired(every, pair, growing=growing))
 
 
-def _by_place(paths: Iterable[str]) -> dict[str, Entry]:
-    """Each file once, by its real path."""
+def _by_place(paths: Iterable[tuple[str, str]]) -> dict[str, Entry]:
+    """Each file once, by its real path; what is not read by its own, with the reason."""
     found: dict[str, Entry] = {}
-    for path in paths:
-        place = os.path.realpath(path)
+    for path, aside in paths:
+        place = path if aside else os.path.realpath(path)
         # one text where both are the same: there may be many files
-        found.setdefault(path if path == place else place, Entry(_named(path)))
+        found.setdefault(path if path == place else place, Entry(_named(path), aside=aside))
     return found
 
 
@@ -229,11 +233,12 @@ def _hammers(one: Entry, pair: str) -> tuple[str, ...]:
     return tuple(sorted(path for path in found if Path(path).is_file()))
 
 
-def _expanded(path: str, without: Path) -> Iterator[str]:
+def _expanded(path: str, without: Path) -> Iterator[tuple[str, str]]:
+    """The files of a path, each with the reason why it is not read, if there is one."""
     if Path(path).is_dir():
         yield from _in_folder(Path(path), without)
     elif Path(path).exists():
-        yield path
+        yield path, ""
     elif glob.has_magic(path):
         named = sorted(glob.glob(path, recursive=True))  # noqa: PTH207 -- it may be absolute
         if not named:
@@ -244,8 +249,8 @@ def _expanded(path: str, without: Path) -> Iterator[str]:
         raise ReadError(f"{path}: there is no such file or folder; give one that is there")
 
 
-def _in_folder(folder: Path, without: Path) -> Iterator[str]:
-    results = without.resolve()
+def _in_folder(folder: Path, without: Path) -> Iterator[tuple[str, str]]:
+    results, inside = without.resolve(), folder.resolve()
     for above, folders, files in os.walk(folder, onerror=_unreadable):
         folders[:] = sorted(
             one
@@ -254,8 +259,18 @@ def _in_folder(folder: Path, without: Path) -> Iterator[str]:
         )
         for one in sorted(files):
             path = Path(above) / one
-            if not one.startswith(".") and path.is_file() and not _result(path):
-                yield str(path)
+            aside = "" if one.startswith(".") else _aside(path, inside)
+            if aside or (not one.startswith(".") and path.is_file() and not _result(path)):
+                yield str(path), aside
+
+
+def _aside(path: Path, folder: Path) -> str:
+    """Why what stands in a folder is not read; empty of a file of its own, and of what went."""
+    if path.is_symlink() and not path.resolve().is_relative_to(folder):
+        return "a link that leads out of the folder is not followed; name it to read it"
+    if path.exists() and not path.is_file():
+        return "a device, a pipe or a socket is no file of a folder; name it to read it"
+    return ""
 
 
 def _unreadable(error: OSError) -> None:

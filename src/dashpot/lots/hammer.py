@@ -7,6 +7,7 @@ from typing import Any
 from dashpot.base.checks import verdict
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import SIMULATED, Source
+from dashpot.base.sentences import lowered
 from dashpot.lots.choices import BatchChoices
 from dashpot.lots.entries import Entry
 from dashpot.records.fit import Fit
@@ -61,7 +62,7 @@ def held_against_hammer(
         "agreement": agreed.use,
         "peak_dB": held.ratio_db,
         "frac": held.frac,
-        "reason": "" if agreed.use == "use" else f"hammer: {agreed.says}",
+        "reason": "" if agreed.use == "use" else f"hammer: {lowered(agreed.says)}",
     }
     return fit, numbers
 

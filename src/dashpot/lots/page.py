@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from dashpot.base.checks import verdict
 from dashpot.base.numbers import counted, rounded
 from dashpot.base.units import written
 from dashpot.base.version import byline
@@ -56,8 +55,8 @@ def html(lot: Lot, *, title: str = "Lot", found: Summary | None = None) -> str:
     """
     found = found or summary(lot)
     style = f"{tokens.css()}\n{_part('lot.css')}"
-    said = verdict(found.checks, sound="every file is a test whose fit may be used")
-    says, *because = [one.says for one in said.because] or [said.says]
+    said = found.verdict
+    because = [one.told for one in said.because[1:]]
     main = found.main
     further = _further(lot, main)
     labels = [name for name in LABELS if (lot.table[name] != "").any()]
@@ -71,7 +70,6 @@ def html(lot: Lot, *, title: str = "Lot", found: Summary | None = None) -> str:
             policy=f"default-src 'none'; style-src {digest(style)}; base-uri 'none'; "
             "form-action 'none'",
             verdict=said,
-            says=says,
             colour=COLOURS[said.use],
             because=because,
             counts=_counts(lot, main),

@@ -80,7 +80,7 @@ def tasks(
     common = hashlib.sha256(json.dumps(decides, sort_keys=True).encode())
 
     def task(entry: Entry) -> Task:
-        key, hashes = common.copy(), tuple(map(hashed, (entry.file, *entry.hammer)))
+        key, hashes = common.copy(), entry.hashes(hashed)
         key.update(json.dumps([asdict(entry), hashes], sort_keys=True).encode())
         return Task.of(entry, hashes, key.hexdigest())
 

@@ -48,6 +48,8 @@ def row(entry: Entry, hashes: Sequence[str], choices: BatchChoices) -> dict[str,
     if entry.mass is None:
         found["mass_kg"] = choices.mass
     answer: dict[str, Any]
+    if entry.aside:
+        return found | {"outcome": "refused", "reason": entry.aside}
     try:
         answer = _answered(entry, choices, found)
     except DashpotError as error:

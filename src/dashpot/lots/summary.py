@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.capability import Capability
-from dashpot.base.checks import Check
+from dashpot.base.checks import Check, Checked
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.facts import Fact
@@ -18,10 +18,11 @@ from dashpot.base.numbers import ascii_only, counted
 from dashpot.lots.checks import (
     asked_in_band,
     capability_as_asked,
+    scatter_normal,
     seals_within_limits,
     stands_out_of_lot,
 )
-from dashpot.lots.judgement import Judged, judged
+from dashpot.lots.judgement import Decided, judged
 from dashpot.lots.limits import Limits
 from dashpot.lots.lot import Lot, LotCharts
 from dashpot.lots.quantities import Quantity
@@ -95,7 +96,7 @@ class OfQuantity(Documented):
     limits : Limits or None
     capability : dict
         Of each lot with two seals, where there are limits.
-    judged : tuple of Judged
+    judged : tuple of Decided
         Of each seal, where there are limits.
     """
 
@@ -112,7 +113,7 @@ class OfQuantity(Documented):
     gauge: Gauge | None
     limits: Limits | None
     capability: dict[str, Capability]
-    judged: tuple[Judged, ...]
+    judged: tuple[Decided, ...]
 
     @property
     def by_lot(self) -> tuple[ChartsOfLot, ...]:
@@ -127,7 +128,7 @@ class OfQuantity(Documented):
         return None if self.limits is None else each
 
     @property
-    def decided(self) -> tuple[Judged, ...] | None:
+    def decided(self) -> tuple[Decided, ...] | None:
         """The judgement of each seal; None without limits."""
         return None if self.limits is None else self.judged
 
@@ -155,7 +156,7 @@ class OfQuantity(Documented):
 
 
 @dataclass(frozen=True, eq=False)
-class Summary(Documented):
+class Summary(Checked, Documented):
     """What a lot says.
 
     Attributes
@@ -181,6 +182,21 @@ class Summary(Documented):
     def each(self) -> tuple[OfQuantity, ...]:
         """The statistics of every quantity, the main one first."""
         return (self.main, *self.others)
+
+    @property
+    def sound(self) -> str:
+        """How many files were fitted, the mean of the quantity, and the alarms of its charts."""
+        fitted, files = self.lot.outcomes.get("fitted", 0), self.lot.table.height
+        how = f"all {files} files were fitted" if fitted == files else f"{fitted} of {files} fitted"
+        one = self.main
+        if len(one.seals) < 2:
+            return how
+        signals = sum(len(chart.means.signals) for chart in one.charts.values())
+        mean = one.quantity.read(float(seal_means(one.seals).mean()))
+        return (
+            f"{how}. {one.quantity.title}: mean {mean} of {len(one.seals)} seals. "
+            f"{counted(signals, 'control-chart alarm').capitalize()}"
+        )
 
     @property
     def lines(self) -> list[str]:
@@ -303,6 +319,10 @@ def _checks(lot: Lot, each: Sequence[OfQuantity], flags: Sequence[Flag]) -> Iter
             yield from _of_limits(one, one.limits)
     seals = {(one.lot, one.seal, one.file) for one in flags if one.weighty}
     yield stands_out_of_lot(len(seals), len(each[0].seals))
+    told = [one for one in each[0].components if one.normal is not None]
+    if told:
+        least = min(told, key=lambda one: one.normal or 0.0)
+        yield scatter_normal(least.source, least.normal)
     beyond = {frequency: _out_of_band(lot, frequency) for frequency in _frequencies(lot)}
     if beyond:
         asked = [frequency for frequency, count in beyond.items() if count]
@@ -341,7 +361,8 @@ def _lines(one: OfQuantity) -> Iterator[str]:
     mean = ascii_only(one.quantity.read(float(seal_means(one.seals).mean())))
     yield (
         f"{one.quantity.words}: mean {mean} of {len(one.seals)} seals in "
-        f"{counted(len(by_lot(one.seals)), 'lot')}, {signals} signals of control charts"
+        f"{counted(len(by_lot(one.seals)), 'lot')}; "
+        f"{counted(signals, 'control-chart alarm')}"
     )
     if one.gauge is not None:
         yield f"  gauge R&R   {ascii_only(one.gauge.says)}"
@@ -356,7 +377,7 @@ def _lines(one: OfQuantity) -> Iterator[str]:
     yield from (_judged(judge, one.quantity) for judge in one.judged if judge.decision != "pass")
 
 
-def _judged(judge: Judged, quantity: Quantity) -> str:
+def _judged(judge: Decided, quantity: Quantity) -> str:
     value = "" if judge.value is None else f", {ascii_only(quantity.read(judge.value))}"
     where = f"{judge.lot} " if judge.lot else ""
     return f"  {judge.decision:<11} {where}seal {judge.seal}{value}"

@@ -85,8 +85,7 @@ class Bench(PlannedRamp):
         )
         offset = self.noise / np.sqrt(self.baseline * self.rate)
         slope = float(np.sqrt(12.0) * offset / self.baseline)
-        told = machine.drift_told(slope, final, length)
-        drift = slope if told else machine.drift_sd(final, length)
+        _, drift, _ = machine.drift_told((0.0, slope), final, length, self.noise)
         return np.array([offset, drift, machine.delay_sd(1 / self.rate)])
 
     def rows(self, model: GeneralizedMaxwell) -> FloatArray:

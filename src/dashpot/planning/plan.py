@@ -75,6 +75,7 @@ class Plan(Checked, Documented):
     """
 
     schema = "dashpot/plan@1"
+    keys = ("verdict", "*")
 
     at: float
     model: GeneralizedMaxwell

@@ -48,6 +48,7 @@ def averaged(record: RampHold) -> RampHold:
         hold_end=min(record.hold_end, float(time[-1])),
         force_noise=scatter(time[late], force[late]),
         displacement_noise=noise,
+        given=None if record.given is None else block_means(record.given, count),
         steps=(*record.steps, Step("average", (("samples", str(count)),), says)),
     )
 
@@ -57,7 +58,7 @@ def _neighbours(record: RampHold) -> int:
     step = float(record.time[-1] - record.time[0]) / (len(record.time) - 1)
     most = int(record.ramp_time / step / ON_THE_RAMP)
     count = min(len(record.time) // ENOUGH, most)
-    in_counts_of_force = record.machine.compliance > 0 and record.encoder_step > 0
+    in_counts_of_force = record.given is not None and record.encoder_step > 0
     if count < 2 or in_counts_of_force or not evenly_sampled(record.time):
         return 1
     return count - 1 + count % 2

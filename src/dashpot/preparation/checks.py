@@ -15,7 +15,7 @@ from dashpot.base.sentences import lowered
 from dashpot.base.status import Status
 from dashpot.base.units import celsius, written
 from dashpot.preparation.contact import MIN_BASELINE, Baseline, Touch
-from dashpot.preparation.denoising import true_motion
+from dashpot.preparation.denoising import CORNERS, LOST, bends, but_corners, true_motion
 from dashpot.records.creep import LoadHold
 from dashpot.records.relaxation import MAX_CREEP, RampHold, quantum
 from dashpot.records.specimen import Specimen
@@ -26,6 +26,8 @@ LAW = "by law; a tenth for noise and drift"
 MIN_QUANTA = 20.0
 MAX_PRELOAD = 0.05
 LATE_START = 0.2
+# what a smaller one still relaxes is in the limits, and no law bends by so much of its depth
+LARGE_PRELOAD = 0.1
 MAX_OVERSHOOT = 0.05
 MIN_HOLD_OVER_RAMP = 10.0
 MIN_RAMP_SAMPLES = 10.0
@@ -37,8 +39,12 @@ MAX_STIR = 0.01
 MAX_LOAD_CHANGE = 0.02
 # K that a temperature may be misread by, and that a chamber may drift over a record
 MAX_MISREAD, MAX_WARMED = 1.0, 1.0
-# so many samples may lie beside the sharp corners of a ramp
-CORNERS = 6
+# a loss, in noises, that the weights of the ramp's rows do not count
+GROSSLY = 0.5
+# bends of a motion that steps, at least
+TO_AND_FRO = 8
+# pauses on either side of one, to compare it with
+BESIDE = 5
 
 
 # -- what the file says of the temperature --------------------------------------------------------
@@ -121,7 +127,8 @@ def contact_found(touch: Touch, depth: float, *, given: bool) -> Finding:
     "preload / rise of the force",
     "<=",
     MAX_PRELOAD,
-    otherwise=f"stop beyond {LATE_START} where the plate moves already",
+    grade="note",
+    otherwise=f"limit beyond {LARGE_PRELOAD}; stop beyond {LATE_START} of a plate that moves",
 )
 def preload_absent(carried: float, rise: float, *, moving: bool = False) -> Finding:
     """The load cell reads zero, near enough, before the ramp."""
@@ -142,7 +149,7 @@ def preload_absent(carried: float, rise: float, *, moving: bool = False) -> Find
         else "If this is the cell's offset, the tare is right. If the seal was pressed, the "
         "stiffnesses are those about that preload",
         "Record from a second before the ramp." if late else "Tare in air, or start from rest.",
-        grade="stop" if late else None,
+        grade="stop" if late else "limit" if share > LARGE_PRELOAD else None,
     )
 
 
@@ -217,6 +224,32 @@ def samples_unbroken(test: RampHold) -> Finding:
     )
 
 
+@criterion(
+    "pause / time since onset",
+    "<=",
+    0.25,
+    "our choice; or 3 times the pauses beside it, or 5 % of the rest",
+    otherwise="stop if it is longer than all the rest",
+)
+def clock_steady(test: RampHold) -> Finding:
+    """The clock runs on without a jump, from onset to the end of the hold."""
+    used = test.time[int(np.searchsorted(test.time, test.onset)) : test.hold.stop]
+    if len(used) <= BESIDE:
+        return Finding("The record is too short to judge its clock")
+    pauses, since = np.diff(used), np.maximum(used[:-1] - test.onset, test.ramp_time)
+    worst = int(np.argmax(pauses / since))
+    jump, rest = float(pauses[worst]), float(used[-1] - used[0] - pauses[worst])
+    near = np.delete(pauses[max(worst - BESIDE, 0) : worst + BESIDE + 1], min(worst, BESIDE))
+    return Finding(
+        f"The longest pause for its place is {jump:.3g} s, {since[worst]:.3g} s after onset",
+        float(jump / since[worst]),
+        "The clock jumped, or the record was interrupted. Later times and slow arms are not known",
+        Remedy("Cut the record before the pause, or correct its clock.", "cuts", "hold-end=..."),
+        excused=jump <= 3 * float(near.max()) or jump <= 0.05 * rest,
+        grade="stop" if jump > rest else None,
+    )
+
+
 @criterion("lone samples", "<=", 0.0, source="by definition")
 def spikes_absent(test: RampHold) -> Finding:
     """No lone sample stands apart in either channel."""
@@ -235,7 +268,12 @@ def spikes_absent(test: RampHold) -> Finding:
 
 
 @criterion(
-    "force lost / noise", "<=", MAX_UNRESOLVED, "our choice: 1 noise SD over the samples of a step"
+    "force lost / noise",
+    "<=",
+    MAX_UNRESOLVED,
+    "our choice: 1 noise SD over the samples of a step",
+    grade="note",
+    otherwise=f"limit where the motion steps, and beyond {GROSSLY}",
 )
 def motion_resolved(test: RampHold) -> Finding:
     r"""The samples follow the motion between them.
@@ -248,30 +286,30 @@ def motion_resolved(test: RampHold) -> Finding:
     time, force = test.time[: len(x)], test.force[: len(x)]
     if len(x) < 4 * CORNERS:
         return Finding("The ramp has too few samples to show how its motion bends between them")
-    steps = np.diff(time)
-    missed = np.abs(np.diff(np.diff(x) / steps)) * np.maximum(steps[1:], steps[:-1]) / 8
-    if not test.encoder_step:
-        # three standard deviations of what noise alone bends
-        missed = np.maximum(missed - 3 * 6**0.5 / 8 * left[1:-1], 0.0)
+    missed = bends(ramp, time, x, left)
     pressed = x > 0.2 * test.depth
     stiffness = float(((force[pressed] - test.preload) / x[pressed]).max(initial=0.0))
-    worst = float(np.partition(missed, -CORNERS)[-CORNERS]) * stiffness
+    worst = but_corners(np.abs(missed)) * stiffness
     value = worst / max(test.force_noise, 1e-3 * float(force.max()))
-    needed = np.sqrt(value / MAX_UNRESOLVED) / median(steps)
+    needed = np.sqrt(value / MAX_UNRESOLVED) / median(np.diff(time))
+    # a motor bends to and fro all along the ramp, a servo swings a few times
+    seen = missed[np.abs(missed) * stiffness * value > LOST * worst]
+    steps_on = value > LOST and np.count_nonzero(np.diff(np.sign(seen))) >= TO_AND_FRO
     return Finding(
         f"Between two samples the bend of the motion is worth {written(worst, 'mN', '.2g')}",
         value,
         f"That is {value:.2g} times the noise at many samples. Fast arms follow what is missed",
         f"Sample at {rounded(needed, digits=2)} Hz or faster.",
+        faulted=bool(steps_on),
+        grade="limit" if steps_on or value > GROSSLY else None,
     )
 
 
 @criterion("readings that moved in the later half", ">", 0.0, "by definition")
 def motion_measured(test: RampHold) -> Finding:
     """The displacement of the hold is a reading that would show a creeping crosshead."""
-    x, force = test.travel[test.hold], test.force[test.hold]
+    force, moved = test.force[test.hold], test.readings_moved
     part, middle = max(len(force) // 20, 1), len(force) // 2
-    moved = int(np.count_nonzero(np.diff(x[middle:])))
     if moved:
         return Finding("The displacement of the hold is measured, not commanded", float(moved))
     fall = float(force[middle : middle + part].mean() - force[-part:].mean())

@@ -12,7 +12,7 @@ from itertools import product
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray, kept
+from dashpot.base.arrays import FloatArray, IndexArray, kept
 from dashpot.engine.blocks.compression import IN_CACHE
 from dashpot.records.relaxation import RampHold
 from dashpot.solids.maxwell import arm_response
@@ -29,6 +29,12 @@ NARROW = 0.1
 REST = 4.0
 # readings so few samples apart repeat their errors, as counts beat with samples
 BEAT = 5.0
+# sharp corners that lie between samples of any motion
+CORNERS = 6
+# a force lost between samples that counts, in noises; samples that share an error count twice
+LOST, ALIKE = 0.06, 2.0
+# the most that counts bend a motion, in counts, and three standard deviations of what noise does
+BENT_BY_COUNTS, BENT_BY_NOISE = 0.11, 3 * 6**0.5 / 8
 # equal neighbours so much closer than the depth are arithmetic, not counts
 LEAST_COUNT = 1e-6
 # a reading that returns within half as many samples has flickered
@@ -44,8 +50,7 @@ TO_MEDIAN = (
 def true_motion(test: RampHold) -> tuple[FloatArray, FloatArray]:
     r"""Displacement of a test up to the end of its hold, freed of counts and noise.
 
-    What the machine gives, C F, is taken off with the force as it is read: its noise comes back
-    as C k of itself. A first-order low-pass in the force channel, which a linear solid cannot
+    A first-order low-pass in the force channel, which a linear solid cannot
     tell from one in its motion, is passed by the motion too,
 
     .. math:: x_f(t) = x(t) - \int_0^t e^{-2\pi f (t-u)} \dot x(u)\,\mathrm du
@@ -60,13 +65,63 @@ def true_motion(test: RampHold) -> tuple[FloatArray, FloatArray]:
     used = slice(0, test.hold.stop)
     time, travel = test.time[used], test.travel[used]
     x, left = _freed(test, time, travel)
-    if test.machine.compliance:
-        x = x - (travel - test.displacement[used])
+    if test.given is not None:
+        x = x - test.given[used]
     if test.machine.force_filter:
         # at rest before the record, as the force is
         moved = x - x[0]
         x = x - arm_response(time, moved, 1 / (2 * np.pi * test.machine.force_filter))
     return x, left
+
+
+def between_samples(
+    test: RampHold, time: FloatArray, x: FloatArray, left: FloatArray
+) -> FloatArray:
+    r"""What a straight line between samples misses of a motion, as white noise, m, shape (n,).
+
+    A bend misses :math:`m = h^2 \ddot x/8`, always to its hollow side: samples that bend alike
+    share the error, :math:`2\sqrt{|m_i| \sum_j |m_j|}`. Counted up to a ramp after the ramp, and
+    where what is lost of the force shows in its noise.
+
+    Parameters
+    ----------
+    test : RampHold
+    time, x, left : array, shape (n,)
+        s, and what :func:`true_motion` returns, m.
+    """
+    missed = bends(test, time, x, left)
+    missed[time > test.ramp_end + test.ramp_time] = 0.0
+    size, peak = np.abs(missed), float(np.abs(test.force).max())
+    noise = max(test.force_noise, 1e-3 * peak)
+    if len(x) < 4 * CORNERS or peak / test.depth * but_corners(size) <= LOST * noise:
+        return np.zeros(len(x))
+    side = np.sign(missed)
+    run = np.cumsum(np.append(True, side[1:] != side[:-1])) - 1
+    return np.asarray(ALIKE * np.sqrt(size * np.bincount(run, weights=size)[run]))
+
+
+def bends(test: RampHold, time: FloatArray, x: FloatArray, left: FloatArray) -> FloatArray:
+    r"""Return what a straight line between samples misses, m, shape (n,): :math:`h^2 \ddot x/8`.
+
+    Less what counts and noise bend; parameters as for :func:`between_samples`.
+    """
+    steps = np.diff(time)
+    missed = np.zeros(len(x))
+    missed[1:-1] = np.diff(np.diff(x) / steps) * np.maximum(steps[1:], steps[:-1]) / 8
+    if test.encoder_step:
+        least = np.full(len(x), BENT_BY_COUNTS * test.encoder_step)
+    else:
+        # of three readings; nor is a mean as good as the truth where the next is over more
+        around = np.pad(left, 1, mode="edge")
+        around = np.maximum(np.maximum(around[2:], around[:-2]), left)
+        least = BENT_BY_NOISE * np.maximum(around, NARROW * test.displacement_noise)
+    beyond = np.maximum(np.abs(missed) - np.maximum(least, 1e-9 * test.depth), 0.0)
+    return np.asarray(np.sign(missed) * beyond)
+
+
+def but_corners(missed: FloatArray) -> float:
+    """Return the largest of what is missed but for a few sharp corners."""
+    return float(np.partition(missed, -CORNERS)[-CORNERS])
 
 
 def _freed(test: RampHold, time: FloatArray, x: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -107,7 +162,22 @@ def between_counts(time: FloatArray, displacement: FloatArray) -> FloatArray:
     values = np.concatenate((half_way, np.tile(level[long], 2)[inner]))
     order = np.argsort(knots, kind="stable")
     knots, values = knots[order], values[order]
-    return np.asarray(np.interp(time, knots, values, left=displacement[0], right=displacement[-1]))
+    found = np.interp(time, knots, values, left=displacement[0], right=displacement[-1])
+    return _unflattened(time, found, change)
+
+
+def _unflattened(time: FloatArray, x: FloatArray, change: IndexArray) -> FloatArray:
+    r"""Where every reading is a new one, without what a line from half way to half way flattens.
+
+    There :math:`y_i = (x_{i-1} + 2 x_i + x_{i+1})/4` is off by :math:`h^2 \ddot x/4`, always to the
+    hollow side; doing the same to y shows by how much, 2 y - S y (Tukey's twicing).
+    """
+    anew = np.zeros(len(x) - 1, dtype=bool)
+    anew[change] = True
+    every = np.zeros(len(x), dtype=bool)
+    every[2:-2] = anew[:-3] & anew[1:-2] & anew[2:-1] & anew[3:]
+    half_way = np.interp(time, 0.5 * (time[1:] + time[:-1]), 0.5 * (x[1:] + x[:-1]))
+    return np.where(every, 2 * x - half_way, x)
 
 
 def rests(time: FloatArray, displacement: FloatArray) -> tuple[tuple[float, float], ...]:

@@ -113,6 +113,7 @@ def filtered(test: RampHold, by: Filter) -> RampHold:
         test,
         force=by(test.time, test.force),
         displacement=by(test.time, test.displacement),
+        given=None if test.given is None else by(test.time, test.given),
         unfiltered=test,
         steps=(*test.steps, step),
     )

@@ -20,6 +20,7 @@ from dashpot.preparation.contact import (
     touch_of,
     zeroed,
 )
+from dashpot.preparation.denoising import denoised
 from dashpot.preparation.filters import filtered, parse_filter
 from dashpot.preparation.hum import hum_lines, hum_step
 from dashpot.preparation.motion import PlateMotion, find_motion, from_contact, given_motion
@@ -126,6 +127,7 @@ def prepare(
             checks.preload_absent(preload, rise, moving=motion.cycle.rest is None),
             checks.overshoot_small(record, moves=motion.cycle.moves),
             checks.samples_unbroken(record),
+            checks.clock_steady(record),
             checks.spikes_absent(record),
             checks.columns_plausible(record),
             checks.motion_resolved(record),
@@ -368,8 +370,12 @@ def _on_the_machine(record: RampHold, preload: float, machine: Machine) -> RampH
     """The record of that machine: its give, C F, is off displacement and depth."""
     if not machine.compliance:
         return replace(record, preload=preload, machine=machine)
-    given = machine.compliance * (record.force - preload)
-    x = np.where(record.displacement > 0, record.displacement - given, 0.0)
+    # the noise of the force moved no plate: answered as motion, it would rule out fast arms
+    force = record.force
+    if record.force_noise > 0:
+        force, _ = denoised(force, record.force_noise)
+    pressed = record.displacement > 0
+    given = np.where(pressed, machine.compliance * (force - preload), 0.0)
     sank = _mean(record.time[record.hold], given[record.hold])
     if not sank < record.depth:
         raise DataError(
@@ -378,7 +384,12 @@ def _on_the_machine(record: RampHold, preload: float, machine: Machine) -> RampH
             "unit of the compliance"
         )
     return replace(
-        record, displacement=x, depth=record.depth - sank, preload=preload, machine=machine
+        record,
+        displacement=record.displacement - given,
+        depth=record.depth - sank,
+        preload=preload,
+        machine=machine,
+        given=given,
     )
 
 
@@ -388,7 +399,8 @@ def _known(machine: Machine) -> tuple[Step, ...]:
         ("sync_s", machine.sync, "clocks known to {:.4g} s"),
         ("drift_n_per_s", machine.drift, "load cell that drifts by {:.4g} N/s (one SD)"),
         ("compliance_m_per_n", machine.compliance or None,
-         "machine that gives {:.4g} m/N, taken off the displacement with the force as read"),
+         "machine that gives {:.4g} m/N, taken off the displacement with the force freed of noise"),
+        ("creep_m", machine.creep, "crosshead that creeps by {:.4g} m in e-fold time (one SD)"),
         ("force_filter_hz", machine.force_filter,
          "force behind a first-order low-pass of {:.4g} Hz, which the fit's motion passes too"),
     )  # fmt: skip

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TypedDict
 
 import numpy as np
@@ -35,6 +35,9 @@ class EndOfHold(Documented):
         Where it ends. An arm slower than the hold is a spring to the test, so the lower limit is 0.
     falling : float
         The steepest :math:`-dk/d\ln t` at T, N/m.
+    beyond : float
+        How far the fit's own k(T) lay outside its limits before they were widened to hold it, in
+        their width; no document holds it.
     """
 
     keys = ("k_inf", "k_end", "k_3end", "time", "falling")
@@ -44,6 +47,7 @@ class EndOfHold(Documented):
     k_3end: tuple[float, float]
     k_inf: tuple[float, float]
     falling: float
+    beyond: float = field(default=0.0, repr=False, compare=False)
 
     @property
     def says(self) -> str:
@@ -51,9 +55,9 @@ class EndOfHold(Documented):
         low, high = (in_unit(end, "N/mm") for end in self.k_end)
         most = rounded(in_unit(self.k_inf[1], "N/mm"), (high - low) / 4)
         return (
-            f"after {rounded(self.time)} s of hold the stiffness is {interval(low, high)} N/mm; "
-            f"what it relaxes to is at most {most} N/mm, and no record sets a lower limit; a "
-            "longer hold would tell more, and so would a known drift of the load cell"
+            f"the stiffness after the hold. At {rounded(self.time)} s it is {interval(low, high)} "
+            f"N/mm; it may fall further, and ends at {most} N/mm or below. Hold longer, or give "
+            "the drift of the load cell."
         )
 
     def fact(self, solid: Solid, unit: str) -> Fact:
@@ -73,6 +77,7 @@ class EndOfHold(Documented):
             scaled(self.k_3end),
             scaled(self.k_inf),
             count * self.falling,
+            self.beyond,
         )
 
 
@@ -159,13 +164,13 @@ class FRFBounds(Frozen):
     def peak_says(self) -> str:
         """Where and how high the test allows the peak to be, in words."""
         if self.peak_frequency is None:
-            return "no resonance was found in the solids that the relaxation test does not reject"
+            return "No model that the relaxation test allows has a resonance."
         low, high = self.peak_frequency
-        most = "and above" if math.isinf(high) else f"to {rounded(high, digits=4)} Hz"
-        where = f"the relaxation test allows a resonance at {rounded(low, digits=4)} Hz {most}"
+        most = "Hz and above" if math.isinf(high) else f"to {rounded(high, digits=3)} Hz"
+        where = f"The relaxation test alone limits the resonance to {rounded(low, digits=3)} {most}"
         if self.peak_height is None:
-            return where
+            return f"{where}."
         low, high = self.peak_height
         unit = " 1/kg" if self.kind is Kind.ACCELERANCE else " m/m"
-        most = "unlimited" if math.isinf(high) else f"{rounded(high)}{unit}"
-        return f"{where}, {rounded(low)}{unit} to {most} high"
+        most = f"{unit} and above" if math.isinf(high) else f" to {rounded(high)}{unit}"
+        return f"{where}, and the peak to {rounded(low)}{most}."

@@ -250,7 +250,7 @@ class ParameterEstimate(ByValue):
         given = 0.0 if isinstance(solid, FractionalZener) else solid.maxwell.b
         if given > 0:
             error = self._error("b") if "b" in self.parameters else None
-            reach = nan if error is None else self._quantile(level) * error
+            reach = nan if error is None else self.quantile(level) * error
             low, high = max(given - reach, 0.0), given + reach
             found.append(Fact("b", given, low, high, units["b"], error))
         return tuple(found)
@@ -295,7 +295,7 @@ class ParameterEstimate(ByValue):
         DataError
             If `level` is not between 0 and 1.
         """
-        quantile = self._quantile(level)
+        quantile = self.quantile(level)
         profiles = {profile.parameter: profile for profile in self.profiles}
         found = {}
         for row in self._rows(solid):
@@ -310,7 +310,8 @@ class ParameterEstimate(ByValue):
             found[row.name] = ends
         return found
 
-    def _quantile(self, level: float) -> float:
+    def quantile(self, level: float) -> float:
+        """Standard errors to either end of an interval at `level`."""
         # Student's distribution costs an import that a fit alone does not pay
         from dashpot.base.student_t import t_quantile
 

@@ -350,7 +350,8 @@ class Fit(ByValue, Pictured, Documented):
         stiffness, loss_factor = self.error_in_band
         if not (np.isfinite(stiffness) and stiffness < 1):
             return f"{sentence(where)} {beyond}"
-        how = f"{where} the stiffness is known to ±{100 * stiffness:.2g} %"
+        of = "modulus" if self.unit == "Pa" else "stiffness"
+        how = f"{where} the {of} is known to ±{100 * stiffness:.2g} %"
         if np.isfinite(loss_factor) and loss_factor < 1:
             how += f", the loss factor to ±{100 * loss_factor:.2g} %"
         return f"{sentence(how)} {beyond}"
@@ -510,14 +511,26 @@ class Fit(ByValue, Pictured, Documented):
     def intervals(self, level: float = 0.95) -> Intervals:
         """Confidence intervals at `level`, SI units: Student's, or the profile's where stored.
 
-        An end that the data leave open is 0 or infinite.
+        An end that the data leave open is 0 or infinite. Of relaxation tests k_inf is at most the
+        upper end of `left_open`, and no record bounds it from below; that end is computed at 95 %,
+        and at another level its distance from the fit is in the ratio of Student's quantiles.
 
         Raises
         ------
         DataError
             If `level` is not between 0 and 1.
         """
-        return self._of_arms.intervals(self.model, level)
+        found = self._of_arms.intervals(self.model, level)
+        return {**found, "k_inf": self._k_inf_between(found["k_inf"], level)}
+
+    def _k_inf_between(self, formal: Interval, level: float) -> Interval:
+        """The interval of k_inf: what relaxation tests leave of it, else that of the estimate."""
+        end = self.end_of_hold
+        if end is None:
+            return formal
+        most = replace(self.estimate, dof=max(self.dof, 1.0))
+        reach = most.quantile(level) / most.quantile(0.95)
+        return 0.0, self.model.k_inf + reach * (end.k_inf[1] - self.model.k_inf)
 
     @property
     def solid_standard_error(self) -> dict[str, float]:
@@ -538,16 +551,24 @@ class Fit(ByValue, Pictured, Documented):
         DataError
             If `level` is not between 0 and 1.
         """
-        return _own(self.estimate.ends(self.solid, level))
+        found = self.estimate.ends(self.solid, level)
+        return _own({**found, "k_inf": self._k_inf_between(found["k_inf"], level)})
 
     def facts(self, *, arms: bool = False) -> tuple[Fact, ...]:
         """Every parameter of the solid with its standard error and 95 % interval.
 
-        `arms` are those that stand for a fractional solid, in place of its own four.
+        Of relaxation tests k_inf is at most so much, and has no error. `arms` are those that stand
+        for a fractional solid, in place of its own four.
         """
         if arms:
-            return self._of_arms.facts(self.model, self.unit)
-        return self.estimate.facts(self.solid, self.unit)
+            found = self._of_arms.facts(self.model, self.unit)
+        else:
+            found = self.estimate.facts(self.solid, self.unit)
+        end = self.end_of_hold
+        if end is None:
+            return found
+        most = {"low": np.nan, "high": end.k_inf[1], "error": None}
+        return tuple(replace(one, **most) if one.name == "k_inf" else one for one in found)
 
     @property
     def known(self) -> tuple[Fact, ...]:
@@ -710,9 +731,6 @@ class Fit(ByValue, Pictured, Documented):
             f"{self.solid} ({self.unit}, s), method {self.method}",
             f"optimiser: {self.status.value}",
         )
-
-    def __str__(self) -> str:
-        return "\n".join(self.described)
 
     def in_parallel(self, count: float) -> Fit:
         """The fit of `count` such parts side by side: stiffnesses, errors and length scale alike.

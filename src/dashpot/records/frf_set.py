@@ -44,7 +44,7 @@ class FRFSet(ByValue):
             )
         first = self.frfs[0]
         for name, one in zip(names, self.frfs, strict=True):
-            if one.kind.over_base:
+            if one.quantity.over_base:
                 raise DataError(
                     f"'{name}' is a transmissibility, a motion over another; expected motion per "
                     "force (Python: frf.to('accelerance', mass=m))"

@@ -5,16 +5,19 @@ from __future__ import annotations
 import itertools
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from dashpot.base.arrays import ByValue, FloatArray, frozen, measured, same_length, slices
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
-from dashpot.base.offered import Described
+from dashpot.base.offered import Described, verb
 from dashpot.base.provenance import Source, of_file
 from dashpot.base.said import into_si, said_units
+
+if TYPE_CHECKING:
+    from dashpot.records.frf import FRF
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -109,6 +112,15 @@ class ImpactTest(ByValue, Described, Documented):
                 f"hammer to {np.abs(self.force).max():.4g} N, {', '.join(self.channels)}"
             ),
         )
+
+    def frf(self, **how: Any) -> FRF:
+        """The FRF of the hits: :func:`~dashpot.vibration.impact.frf_estimation.estimate_frf`.
+
+        `how` says it otherwise: ``estimator``, ``window``, ``combine``, ``accept``, ``reject``,
+        ``record``, ``mass``.
+        """
+        found: FRF = verb("vibration.impact.frf_estimation", "estimate_frf")(self, **how)
+        return found
 
     def records(self) -> tuple[slice, ...]:
         """The continuous records, as slices of the samples."""

@@ -3,31 +3,93 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
+from typing import NamedTuple
 
 from dashpot.base.demands import not_negative, picked, positive
 from dashpot.base.options import option
 from dashpot.base.units import si_fields
 
-# a load cell of which nothing is known drifts by this part of the final force over the record
-UNKNOWN_DRIFT = 3.5e-3
-# a baseline tells the drift if it leaves less than this part of the final force over the record
-TOLD_DRIFT = 1e-3
+# a baseline tells the drift where it leaves less than this part of what is usual
+_TOLD = 0.7
+
+
+class Usual(NamedTuple):
+    """What a machine may do unseen if nothing is said of it: one standard deviation.
+
+    Attributes
+    ----------
+    size : float
+    of : str
+        What it is measured by.
+    source : str
+        Why so much, and no more.
+    """
+
+    size: float
+    of: str
+    source: str
+
+
+USUAL: Mapping[str, Usual] = MappingProxyType({
+    "drift over the record": Usual(
+        3.5e-3, "of the final force", "data sheets of load cells: zero drift of a warm amplifier"
+    ),
+    "drift rate": Usual(
+        2.4e-4, "1/s, of the final force, until it is warm",
+        "simulation: .5 mN/s on a seal of 1 N, one in twenty",
+    ),
+    "drift of a noisy cell": Usual(
+        0.06, "1/s, of the scatter of its readings", "simulation: a cell too large for its test"
+    ),
+    "warm after": Usual(
+        120.0, "s; later it drifts as the root of time", "amplifiers settle within minutes"
+    ),
+    "drift changes": Usual(
+        1e-3, "of the final force over the record", "a slope before contact may be another later on"
+    ),
+    "delay": Usual(5e-3, "s, and one sample at least", "two converters, each with its own filter"),
+    "give": Usual(
+        0.0125, "of the depth, under the largest force",
+        "cells give .2 to .5 mm at full scale, of which a test uses a tenth to a third",
+    ),
+    "give, named": Usual(0.1, "of the named one", "pressed steel on steel, once"),
+    "crosshead": Usual(
+        1.25e-3, "of the depth in a factor e of time after its stop",
+        "20 um in a factor e of time, of 8 mm, is two standard deviations",
+    ),
+    "warming": Usual(0.7, "K, of the seal over its record", "a room without a chamber"),
+    "faster by warmth": Usual(
+        0.19, "of ln a_T in a kelvin", "WLF's universal constants 75 K above a glass transition"
+    ),
+})  # fmt: skip
+"""One standard deviation each of what limits take into account, and no fitted value does.
+
+The table of a machine that nobody has described; what `Machine` names takes its place.
+"""
 
 
 @dataclass(frozen=True)
 class Machine:
     r"""What the record cannot show of the machine, or shows badly.
 
+    Of what is None nothing is known, and `USUAL` stands for it.
+
     Attributes
     ----------
     sync : float or None
-        Standard deviation of the delay between the clocks of force and displacement, s; by
-        default one sample.
+        Standard deviation of the delay between the clocks of force and displacement, s; one
+        sample at least.
     drift : float or None
         Standard deviation of the drift of the load cell, N/s, as its data sheet gives it.
-    compliance : float
-        Of machine and load cell, m/N: the seal is compressed by :math:`x - C F`.
+    compliance : float or None
+        Of machine and load cell, m/N: the seal is compressed by :math:`x - C F`; 0 if the
+        displacement is measured at the seal.
+    creep : float or None
+        Standard deviation of what its crosshead settles by in a factor e of time after its stop,
+        m, where no reading shows it.
     force_filter : float or None
         Cut-off of a first-order low-pass in the force channel, Hz.
     """
@@ -39,8 +101,11 @@ class Machine:
     drift: float | None = option(
         None, "Drift of the load cell, e.g. 0.2mN/s.", unit="force rate", under="machine"
     )
-    compliance: float = option(
-        0.0, "Compliance of the machine, e.g. 50um/N.", unit="compliance", under="machine"
+    compliance: float | None = option(
+        None, "Compliance of the machine, e.g. 50um/N.", unit="compliance", under="machine"
+    )
+    creep: float | None = option(
+        None, "Creep of the crosshead in e-fold time, e.g. 5um.", unit="length", under="machine"
     )
     force_filter: float | None = option(
         None,
@@ -52,25 +117,62 @@ class Machine:
     def delay_sd(self, sample: float) -> float:
         """Standard deviation of the delay of the force, s, for samples so far apart, s."""
         filtered = 1 / (2 * math.pi * self.force_filter) if self.force_filter else 0.0
-        return max(sample, self.sync or 0.0, filtered)
+        known = USUAL["delay"].size if self.sync is None else self.sync
+        return max(sample, known, filtered)
 
-    @staticmethod
-    def drift_told(sd: float, final: float, duration: float) -> bool:
-        """True if a baseline whose slope has this error, N/s, tells the drift over a record.
+    def give_sd(self, depth: float, peak: float) -> float:
+        """Standard deviation of what it gives, unsaid, under the `peak` of the force, N, in m."""
+        if self.compliance is None:
+            return USUAL["give"].size * depth
+        return USUAL["give, named"].size * self.compliance * peak
 
-        `final` is the force at its end, N, and `duration` its length, s.
+    def creep_sd(self, depth: float) -> float:
+        """Standard deviation of what its crosshead settles by in a factor e of time, m."""
+        return USUAL["crosshead"].size * depth if self.creep is None else self.creep
+
+    def drift_sd(self, final: float, duration: float, noise: float | None = None) -> float:
+        r"""Standard deviation of the drift, N/s; of a cell not described, from the final force, N.
+
+        Over a record of `duration` T, s, it may drift by :math:`3.5 \cdot 10^{-3} F_e`: what a fit
+        is bound to. A limit bears more. With the `noise` of the force s, N, that is
+
+        .. math:: \max\Bigl(3.5 \cdot 10^{-3} F_e/T,\
+                  \sqrt{(2.4 \cdot 10^{-4} F_e)^2 + (0.06\,s)^2}\,/\sqrt{1 + T/120\,\mathrm s}\Bigr)
         """
-        return sd < TOLD_DRIFT * final / duration
+        if self.drift is not None:
+            return self.drift
+        usual = USUAL["drift over the record"].size * final / duration
+        if noise is None:
+            return usual
+        each = USUAL["drift rate"].size * final, USUAL["drift of a noisy cell"].size * noise
+        return max(usual, math.hypot(*each) / math.sqrt(1 + duration / USUAL["warm after"].size))
 
-    def drift_sd(self, final: float, duration: float) -> float:
-        """Standard deviation of the drift, N/s; of a cell not described, from the final force, N.
+    def drift_told(
+        self,
+        slope: tuple[float, float],
+        final: float,
+        duration: float,
+        noise: float | None = None,
+    ) -> tuple[float, float, bool]:
+        r"""What a baseline and the cell say of the drift together: N/s.
 
-        It may drift by 0.35 % of that over a record of `duration`, s.
+        Mean and standard deviation, and whether the baseline told it.
+
+        A baseline with the `slope` m and its error e, N/s, may have drifted otherwise than the
+        record, by :math:`w = 10^{-3} F_e/T`. With s that of :meth:`drift_sd`
+
+        .. math:: 1/\sigma^2 = 1/s^2 + 1/(e^2 + w^2), \qquad \mu = m\,\sigma^2/(e^2 + w^2)
         """
-        return UNKNOWN_DRIFT * final / duration if self.drift is None else self.drift
+        mean, error = slope
+        usual = self.drift_sd(final, duration, noise)
+        if not math.isfinite(error) or usual == 0:
+            return 0.0, usual, False
+        seen = error**2 + (USUAL["drift changes"].size * final / duration) ** 2
+        sd = 1 / math.sqrt(1 / seen + 1 / usual**2)
+        return mean * sd**2 / seen, sd, sd < _TOLD * usual
 
     def __post_init__(self) -> None:
         si_fields(self)
-        known = picked(self, "sync", "drift", "compliance")
+        known = picked(self, "sync", "drift", "compliance", "creep")
         not_negative("machine ", **known, expected="a number >= 0 in SI units", optional=True)
         positive("machine ", force_filter=self.force_filter, unit=" Hz", optional=True)

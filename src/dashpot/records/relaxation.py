@@ -15,7 +15,7 @@ from dashpot.base.checks import Check
 from dashpot.base.demands import positive
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
-from dashpot.base.offered import Described, Pictured
+from dashpot.base.offered import Described, Pictured, verb
 from dashpot.base.plausible import refuse_absurd_record
 from dashpot.base.provenance import Source, Step, of_file
 from dashpot.base.said import into_si, said_units
@@ -68,6 +68,15 @@ class RelaxationTest(ByValue, Described, Documented):
         into_si(self, time="time", displacement="length", force="force")
         hold_measured(self, "time", "displacement", "force", minimum=8)
         refuse_absurd_record(self)
+
+    def prepare(self, **how: Any) -> RampHold:
+        """Cut, tare and judge the test, as :func:`~dashpot.preparation.prepare.prepare` does.
+
+        A fit does so by itself; `how` says it otherwise: ``filter``, ``machine``, ``onset``,
+        ``ramp_end``, ``hold_end``, ``cycle``.
+        """
+        ready: RampHold = verb("preparation.prepare", "prepare")(self, **how)
+        return ready
 
     @property
     def series(self) -> Mapping[str, tuple[Any, str]]:
@@ -164,6 +173,8 @@ class RampHold(ByValue, Pictured, Documented):
         What the user knows of the machine.
     hum : tuple of Hum
         Lines found in the force and taken off it.
+    given : array, shape (n,), or None
+        What the machine gave, m, and is off `displacement`; None if nothing was taken off.
     """
 
     schema = "dashpot/ramp-hold@1"
@@ -186,9 +197,10 @@ class RampHold(ByValue, Pictured, Documented):
     unfiltered: RampHold | None = None
     machine: Machine = field(default_factory=Machine)
     hum: tuple[Hum, ...] = ()
+    given: FloatArray | None = None
 
     def __post_init__(self) -> None:
-        hold_measured(self, "time", "displacement", "force", minimum=8)
+        hold_measured(self, "time", "displacement", "force", "given", minimum=8)
         if not self.onset < self.ramp_end < self.hold_end:
             raise DataError(
                 f"the ramp must start, end and be held in that order, found onset "
@@ -233,14 +245,11 @@ class RampHold(ByValue, Pictured, Documented):
 
     @property
     def travel(self) -> FloatArray:
-        r"""Travel of the plate from first contact, m: the encoder's readings.
+        """Travel of the plate from first contact, m: the encoder's readings.
 
-        Compression and the machine's give, :math:`x + C (F - F_\text{preload})`.
+        Compression and what the machine gave.
         """
-        if not self.machine.compliance:
-            return self.displacement
-        given = self.machine.compliance * (self.force - self.preload)
-        return np.where(self.displacement == 0, 0.0, self.displacement + given)
+        return self.displacement if self.given is None else self.displacement + self.given
 
     @cached_property
     def displacement_quantum(self) -> float:
@@ -263,6 +272,12 @@ class RampHold(ByValue, Pictured, Documented):
         Depth is the difference of two readings, each uniform within one step q: :math:`q/\sqrt6`.
         """
         return self.encoder_step / float(np.sqrt(6.0)) / self.depth
+
+    @cached_property
+    def readings_moved(self) -> int:
+        """How many readings of the later half of the hold differ from the one before."""
+        x = self.travel[self.hold]
+        return int(np.count_nonzero(np.diff(x[len(x) // 2 :])))
 
     @cached_property
     def hold_creep(self) -> float:

@@ -8,10 +8,11 @@ from dataclasses import dataclass, fields, replace
 from dashpot.base.demands import picked, positive
 from dashpot.base.errors import DataError
 from dashpot.base.options import option
+from dashpot.base.plausible import SIZES
 from dashpot.base.units import in_unit, si_fields, written
 
-# m; around all doors of a car, and across the widest profile
-_LARGEST = {"length": 50.0, "height": 1.0}
+# around all doors of a car, and across the widest profile
+_SIZES = {"length": SIZES["seal length"], "height": SIZES["seal height"]}
 # K; no elastomer is tested beyond
 _COLDEST, _HOTTEST = 100.0, 550.0
 
@@ -69,14 +70,11 @@ class Specimen:
                 ) from None
         if self.temperature is not None:
             tested_at("specimen temperature", self.temperature)
-        sizes = picked(self, *_LARGEST)
+        sizes = picked(self, *_SIZES)
         positive("specimen ", **sizes, expected="a number > 0 in SI units", optional=True)
-        for name, most in _LARGEST.items():
-            value = sizes[name]
-            if value is not None and value > most:
-                raise DataError(
-                    f"specimen {name} = {value:g} m; expected at most {most:g} m: is the unit mm?"
-                )
+        for name, size in _SIZES.items():
+            value = sizes[name] or 0.0
+            size.refuse(value, f"specimen {name} = {value:g} m", remedy="Check its unit: mm or m?")
 
 
 def tested_at(name: str, *temperatures: float) -> None:

@@ -7,12 +7,11 @@ from collections.abc import Collection, Iterable
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from typing import NamedTuple
 
-from dashpot import export
 from dashpot.base.checks import Check
 from dashpot.base.errors import ExportError
 from dashpot.base.numbers import counted, decibels, duration, hertz, percent, rounded, shown
 from dashpot.base.units import in_unit, written
-from dashpot.export import DeckText
+from dashpot.export import TARGETS, DeckText
 from dashpot.report.pages import held
 from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.workflow.archive import to_json
@@ -75,7 +74,7 @@ def header(study: Study) -> tuple[tuple[str, str], ...]:
     what = ", ".join(part for part in (specimen.name, length) if part)
     kelvin = specimen.temperature
     mass = "" if study.mass is None else shown(study.mass, "g", digits=4)
-    inferred = " (inferred)" if study.mass_inferred else ""
+    inferred = " (found from the FRF)" if study.mass_inferred else ""
     rows = (
         ("Specimen", what),
         ("Lot", specimen.lot),
@@ -105,7 +104,7 @@ def tally(checks: Iterable[Check], weighed: Collection[Check]) -> tuple[str, str
     """
     judged = [check for check in checks if check.passed is not None]
     if not judged:
-        return "note", "nothing judged"
+        return "note", "not applicable"
     failed = [check for check in judged if check.failed]
     notes = sum(check.grade == "note" for check in failed)
     said = f"{len(judged) - len(failed)} of {len(judged)}"
@@ -123,7 +122,7 @@ def lights(study: Study, found: Recommendation) -> tuple[Light, Light, Light]:
     """
     hammer = () if study.measured is None else study.measured.checks
     mark = mark_of((*study.fit.checks, *hammer))
-    says = {"good": "sound", "note": "sound, with notes", "care": "with limits", "bad": "unsound"}
+    says = {"good": "valid", "note": "valid, with notes", "care": "limited", "bad": "not valid"}
     held = study.joint_comparison if found.joint else study.comparison
     if held is None:
         untested = "no hammer test"
@@ -134,8 +133,15 @@ def lights(study: Study, found: Recommendation) -> tuple[Light, Light, Light]:
         )
     return (
         Light("Test", mark, says[mark]),
-        _light("Stiffness", held, {"stiffness_agrees"}, percent(held.frequency_error)),
-        _light("Damping", held, {"peak_agrees", "damping_agrees"}, decibels(held.ratio_db)),
+        _light(
+            "Stiffness", held, {"stiffness_agrees"}, f"{percent(held.frequency_error)} in frequency"
+        ),
+        _light(
+            "Damping",
+            held,
+            {"peak_agrees", "damping_agrees"},
+            f"{decibels(held.ratio_db)} at the peak",
+        ),
     )
 
 
@@ -151,8 +157,8 @@ def _light(name: str, held: Comparison, asked: set[str], off: str) -> Light:
 def heading(found: Recommendation) -> str:
     """Which solid to take, or that none is recommended."""
     if not found.recommended:
-        return "No solid is recommended"
-    return f"Recommended: solid of {source(found)}, {found.solid.called}"
+        return "No model is recommended"
+    return f"Recommended: model of {source(found)}, {found.solid.called}"
 
 
 def source(found: Recommendation) -> str:
@@ -163,14 +169,14 @@ def source(found: Recommendation) -> str:
 def solid_heading(found: Recommendation) -> str:
     """What the table of the solid's parameters is of."""
     if not found.recommended:
-        return "Solid of the relaxation test, not recommended, one seal"
-    return f"The recommended solid, of {source(found)}, one seal"
+        return "Model of the relaxation test, not recommended, one seal"
+    return f"The recommended model, of {source(found)}, one seal"
 
 
 def band_row(found: Recommendation) -> Row:
     """The frequencies that the solid is known at."""
     low, high = (rounded(end, digits=2) for end in found.solid.band)
-    return Row("Identified band", "", low, high, "Hz", "", bound=False)
+    return Row("Valid band", "", low, high, "Hz", "", bound=False)
 
 
 def under_mass(study: Study, found: Recommendation) -> tuple[str, tuple[Row, ...]]:
@@ -180,7 +186,7 @@ def under_mass(study: Study, found: Recommendation) -> tuple[str, tuple[Row, ...
     weight, seals = shown(study.mass, "g", digits=4), study.seals
     said = f"{weight} on {seals:g} seal{'' if seals == 1 else 's'}"
     if study.mass_inferred:
-        said += ", the mass inferred from the FRF"
+        said += ", the mass found from the FRF"
     elif not found.recommended:
         said += ", as given"
     return said, rows(found.under_mass)
@@ -221,7 +227,7 @@ def files(study: Study, found: Recommendation) -> tuple[Attachment, ...]:
         fits["joint.json"] = (study.joint, "the fit of both tests")
     name = "joint.json" if found.joint else "fit.json"
     solid, about = fits.pop(name)
-    label = "Download this solid" if found.recommended else "Download anyway"
+    label = "Download this model" if found.recommended else "Download anyway"
     made = [_json(name, label, about if found.recommended else f"DO NOT USE: {about}", solid)]
     made += _decks(found, name)
     if study.comparison is not None:
@@ -275,9 +281,7 @@ def decks(found: Recommendation) -> tuple[AttachedDeck, ...]:
     made = []
     for target, label, suffix in DECKS:
         try:
-            text = export.TARGETS[target](
-                fit, units="mm-t-s", allow=unknown, frequency_range=(low, high)
-            )
+            text = TARGETS[target](fit, units="mm-t-s", allow=unknown, frequency_range=(low, high))
         except ExportError:
             return ()
         made.append(AttachedDeck(text, label, suffix, ("--to", target, *options)))
@@ -299,10 +303,10 @@ def about_decks(found: Recommendation) -> str:
         return ""
     made = decks(found)
     if not made:
-        return "No deck: the tests do not determine every parameter."
+        return "No deck is here, because the tests do not determine every parameter."
     unknown = " and ".join(words for name, words in UNSTATED.items() if name in made[0].options)
-    marked = f"; {unknown} not stated" if unknown else ""
-    return f"Decks hold from {hertz(found.solid.band)}{marked}."
+    asked = f" Before you use one, state {unknown}." if unknown else ""
+    return f"Decks are valid from {hertz(found.solid.band)}.{asked}"
 
 
 def _decks(found: Recommendation, solid: str) -> list[Attachment]:

@@ -13,7 +13,12 @@ from dashpot.kinds import figure_of
 from dashpot.plot import Picture
 from dashpot.records.fit import Fit
 from dashpot.vibration.comparison.comparison import Comparison
+from dashpot.workflow.impacts import Agreement
+from dashpot.workflow.levels import Levels
+from dashpot.workflow.modes import Modes
+from dashpot.workflow.predictions import Prediction
 from dashpot.workflow.study import Study
+from dashpot.workflow.under_masses import ModesByMass
 
 
 @singledispatch
@@ -29,6 +34,31 @@ def picture(noun: object) -> Picture:
 picture.register(Fit, plot.stiffness)
 picture.register(Comparison, plot.comparison)
 picture.register(Study, plot.hero)
+
+
+@picture.register
+def _(noun: Modes) -> Picture:
+    return plot.frf(noun.frf, labels=("measured",), stamp=plot.stamp(noun.frf.source))
+
+
+@picture.register
+def _(noun: Agreement) -> Picture:
+    return plot.comparison(noun.comparison, band=noun.limits, interval=noun.interval)
+
+
+@picture.register
+def _(noun: Prediction) -> Picture:
+    return plot.frf(noun.frf, labels=("predicted",), band=noun.limits, interval=noun.interval)
+
+
+@picture.register
+def _(noun: Levels) -> Picture:
+    return plot.level(noun.fit, noun.records)
+
+
+@picture.register
+def _(noun: ModesByMass) -> Picture:
+    return plot.several_masses(noun.together, [one.frf for one in noun.tests])
 
 
 @picture.register

@@ -42,14 +42,13 @@ def sentences(study: Study, found: Recommendation) -> tuple[str, ...]:
 
 def _solid(found: Recommendation) -> str:
     fit = found.solid
-    tests = "both tests tell" if found.joint else "the relaxation test tells"
     arms = counted(fit.model.arms, "Maxwell arm")
     if isinstance(fit.solid, FractionalZener):
         arms = f"a springpot of slope {rounded(fit.solid.alpha)} beside it"
+    tests = "both tests" if found.joint else "the relaxation test"
     return (
-        f"One seal behaves as a spring of {shown(fit.model.k_inf, 'N/mm')} with "
-        f"{arms}, {shown(fit.model.k_0, 'N/mm')} at once; "
-        f"{tests} its stiffness and damping from {hertz(fit.band)}."
+        f"One seal behaves as a spring of {shown(fit.model.k_inf, 'N/mm')} with {arms}. At once it "
+        f"has {shown(fit.model.k_0, 'N/mm')}. The valid band of {tests} is {hertz(fit.band)}."
     )
 
 
@@ -63,11 +62,11 @@ def _resting(study: Study) -> str:
         "" if one.frequency is None else f" ({rounded(one.frequency, digits=4)} Hz)"
         for one in (tangent, secant)
     )
-    beyond = ", beyond what was tested" if rests.point.beyond else ""
+    beyond = ", deeper than tested" if rests.point.beyond else ""
     return (
-        f"The mass rests at {shown(rests.point.compression, 'mm')}{beyond}; what vibrates "
-        f"there is the tangent, {shown(tangent.stiffness, 'N/mm', tangent.stiffness_se)}{here}, "
-        f"not the secant of {shown(secant.stiffness, 'N/mm')} at {shown(depth, 'mm')}{there}."
+        f"The mass rests at {shown(rests.point.compression, 'mm')}{beyond}. It vibrates on the "
+        f"tangent stiffness, {shown(tangent.stiffness, 'N/mm', tangent.stiffness_se)}{here}. The "
+        f"secant at {shown(depth, 'mm')} is {shown(secant.stiffness, 'N/mm')}{there}."
     )
 
 
@@ -76,12 +75,12 @@ def _hammer(study: Study) -> str:
         return study.comparison.says
     if study.mass is None:
         return (
-            "No mass was given, so no vibration was predicted; outside that band the solid is an "
-            "extrapolation."
+            "No mass was given, so no vibration was predicted. Outside the valid band the model is "
+            "an extrapolation."
         )
     return (
-        "No hammer test was given: the predicted vibration lies outside that band wherever the "
-        "figures are dashed, and nothing here has tested it."
+        "No hammer test was given, so nothing has tested the predicted vibration. Where the "
+        "figures are dashed it lies outside the valid band."
     )
 
 
@@ -91,39 +90,37 @@ def _joint(study: Study) -> str:
         return ""
     if joint.explanations:
         lead = joint.explanations[0]
-        how = "that would explain both" if lead.explains else "nothing tried explains both; nearest"
-        return (
-            f"Relaxation test and hammer do not belong to one seal and rig as described: "
-            f"{how}: {lead.says}."
-        )
+        if lead.explains:
+            return f"The two tests match only if {lead.says}."
+        return f"No single seal matches both tests. The closest change is that {lead.says}."
     return (
-        f"Fitted to both tests at once, {_named(joint)} "
+        f"Fitted to both tests together, {_named(joint)} "
         f"{_meets(after)} in frequency and {max(abs(after.ratio_db), 0.1):.1f} dB at the peak."
     )
 
 
 def _named(fit: Fit) -> str:
-    return "a fractional solid" if fit.family == "fractional" else f"a solid of {fit.called}"
+    return "a fractional model" if fit.family == "fractional" else f"a model of {fit.called}"
 
 
 def _meets(c: Comparison) -> str:
     """How far a prediction is from the hammer; a failure does not read as a success."""
     missed = any(check.name in {"stiffness_agrees", "peak_agrees"} for check in c.verdict.because)
     error = f"{max(100 * abs(c.frequency_error), 0.01):.2f} %"
-    return f"misses the hammer by {error}" if missed else f"meets the hammer within {error}"
+    return f"misses the hammer by {error}" if missed else f"matches the hammer within {error}"
 
 
 def straight(study: Study) -> str:
-    """Where the FRF alone tells stiffness and damping, and what limits it."""
+    """Where the FRF alone gives stiffness and damping, and what limits it."""
     d = study.direct
     if d is None:
         return ""
     mass, phase = 100 * d.mass_sd / d.mass, math.degrees(d.phase_sd)
     return (
-        f"With {mass:.2g} % of doubt about the mass and {phase:.2g}° about the phase, the storage "
-        f"stiffness is good to 10 % {_where(d.storage_band)}, the loss to 30 % "
-        f"{_where(d.loss_band)}. Above that the mass hides the seal; below it the phase hides its "
-        "damping."
+        f"With an uncertainty of {mass:.2g} % of the mass and {phase:.2g}° of the phase, the "
+        f"storage stiffness is known to 10 % {_where(d.storage_band)}. The loss is known to 30 % "
+        f"{_where(d.loss_band)}. At higher frequencies the mass hides the seal; at lower ones the "
+        "phase hides its damping."
     )
 
 
@@ -136,7 +133,7 @@ def inferred_mass(study: Study) -> str:
     if not (study.mass_inferred and study.mass is not None):
         return ""
     return (
-        f"The mass of {shown(study.mass, 'g', digits=4)} was inferred from the measured FRF, "
+        f"The mass of {shown(study.mass, 'g', digits=4)} was found from the measured FRF, "
         "so the agreement in frequency proves nothing. Weigh the block."
     )
 
@@ -160,8 +157,8 @@ def sources(study: Study) -> tuple[Source, ...]:
 # what a check of each stage speaks of
 SUBJECTS = {
     "relaxation": "Relaxation test", "fit": "Fit of the relaxation test", "hammer": "Hammer test",
-    "FRF": "FRF", "comparison": "Prediction from relaxation", "joint fit": "Solid of both tests",
-    "after joint fit": "Solid of both tests", "story": "",
+    "FRF": "FRF", "comparison": "Prediction from relaxation", "joint fit": "Model of both tests",
+    "after joint fit": "Model of both tests", "story": "",
 }  # fmt: skip
 
 MOST_WORDS = 100
@@ -193,7 +190,7 @@ def weighty(study: Study, found: Recommendation) -> tuple[tuple[Weighty, ...], i
         if not (found.joint and check.grade == "note" and subject.get(check) == "fit")
     ]
     failed.sort(key=lambda one: -GRADES.index(one.check.grade))
-    words = np.cumsum([len(one.check.says.split()) for one in failed])
+    words = np.cumsum([len(one.check.told.split()) for one in failed])
     shown = max(int(np.sum(words <= MOST_WORDS)), min(len(failed), 1))
     return tuple(failed[:shown]), len(failed) - shown
 

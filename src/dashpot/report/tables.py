@@ -75,7 +75,7 @@ def checks(groups: Sequence[tuple[str, Sequence[Check]]], weighed: Collection[Ch
         for check in found:
             distinct.setdefault((check.name, check.says), (stage, check))
     ordered = sorted(distinct.values(), key=lambda pair: _gravity(pair[1], weighed))
-    rows = tuple((_state(check, weighed), stage, words(check.name), readable(check.says))
+    rows = tuple((_state(check, weighed), stage, words(check.name), readable(check.told))
                  for stage, check in ordered)  # fmt: skip
     marks = tuple(_mark(check, weighed) for _, check in ordered)
     return TextTable(("", "stage", "question", "answer"), rows, marks)

@@ -46,6 +46,11 @@ def loading_in(time: FloatArray, displacement: FloatArray, force: FloatArray) ->
     return loading_of(segments)
 
 
+def held_throughout(force: FloatArray) -> bool:
+    """Whether a load was on before the record began, and stays."""
+    return float(np.ptp(force)) < STEADY * abs(median(force))
+
+
 def turned(time: FloatArray, displacement: FloatArray) -> tuple[int, tuple[MotionSegment, ...]]:
     """Return the sign that makes the first ramp rise, and what then is found."""
     segments = find_segments(time, displacement)

@@ -19,6 +19,11 @@ from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.units import in_unit, written
 
+# a law is gentle if its tangent at the depth, and its path, leave the secant by no more than this
+GENTLE, STRAIGHT = 0.10, 0.025
+# and even, if its path leaves it by no more than this part of its tangent's, and this more
+SMOOTH, SLACK = 0.30, 0.004
+
 
 class BareLaw(NamedTuple):
     """The kind of an elastic law, compressions, m, and the tangent stiffness there, N/m."""
@@ -127,6 +132,19 @@ class ElasticLaw(Documented):
     def factor(self, x: npt.ArrayLike) -> FloatArray:
         """Tangent stiffness over `stiffness`: what small vibration about x does to every arm."""
         return np.asarray(np.interp(np.asarray(x, dtype=float), self.knots, self.ratio))
+
+    @property
+    def gentle(self) -> bool:
+        r"""Whether it bends little and evenly: its tangent at the depth is the secant within 10 %.
+
+        A quadratic law with the tangent 1 + a at its depth departs from its secant by a/4 at most;
+        friction and a toe depart by more of their tangent.
+        """
+        u = np.linspace(0.0, 1.0, 41)
+        whole = float(self.path(self.depth))
+        gap = float(np.max(np.abs(self.path(u * self.depth) / whole - u)))
+        bent = abs(float(self.factor(self.depth)) - 1)
+        return bent <= GENTLE and gap <= min(STRAIGHT, SMOOTH * bent + SLACK)
 
     def factor_se(self, x: npt.ArrayLike) -> FloatArray:
         """Standard error of `factor`, at most: errors of neighbouring knots taken as one; or 0."""

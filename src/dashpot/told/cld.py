@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-import dashpot as dp
 from dashpot import workflow
 from dashpot.base.units import in_unit, read_in, written
 from dashpot.told import text as text_of
@@ -58,15 +57,15 @@ def _capability(found: Capability | None) -> list[str]:
     return [f"  {found.says}, {found.outside} of {found.count} outside"]
 
 
-def _choice(rate: dp.RateLaw) -> str:
+def _choice(rate: workflow.RateLaw) -> str:
     better = "better" if rate.bic < 0 else "worse"
     return (
-        f"  a spring and a dashpot that depend on compression explain the speeds {better} than one "
-        f"memory does, BIC {rate.bic:+.3g}"
+        f"  A spring and a dashpot that depend on compression explain the speeds {better} than one "
+        f"memory (BIC {rate.bic:+.3g})."
     )
 
 
-def _rate(rate: dp.RateLaw) -> list[str]:
+def _rate(rate: workflow.RateLaw) -> list[str]:
     rows = [["F_e + c(x) v, mm", "force, N", "tangent, N/mm", "c, N s/m"]]
     for knot in rate.knots[1:]:
         c, error = rate.c(knot)
@@ -87,7 +86,7 @@ def _rate(rate: dp.RateLaw) -> list[str]:
     return [*table(rows), f"  arms beside it: {arms or 'none'}"]
 
 
-def _relaxed(found: dp.RelaxedLaw, one: dp.CLD) -> list[str]:
+def _relaxed(found: workflow.RelaxedLaw, one: workflow.CLD) -> list[str]:
     law = found.law
     rows = [["relaxed, mm", "force, N", "secant, N/mm", "tangent, N/mm"]]
     for mark in (at.compression for at in one.marked):
@@ -102,7 +101,7 @@ def _relaxed(found: dp.RelaxedLaw, one: dp.CLD) -> list[str]:
         )
     said = f"  softer than cycle 1 by {100 * found.softening:.3g} % without the memory"
     if found.left is not None and found.hysteresis is not None:
-        said += f"; of {100 * found.hysteresis:.3g} % hysteresis {100 * found.left:.2g} % are left"
+        said += f"; hysteresis {100 * found.left:.2g} % instead of {100 * found.hysteresis:.3g} %"
     return [*table(rows), said]
 
 
@@ -126,7 +125,7 @@ def _overview(found: workflow.Pieces) -> list[str]:
     return table(rows)
 
 
-def _piece(one: dp.CLD) -> list[str]:
+def _piece(one: workflow.CLD) -> list[str]:
     per, of = one.per, one.unit.removeprefix("N")
     rows = [["compression, mm", f"loading, {one.unit}", "unloading", f"slope, N/mm{of}",
              f"energy, mJ{of}"]]  # fmt: skip
@@ -150,13 +149,13 @@ def _piece(one: dp.CLD) -> list[str]:
     if len(one.cycles) > 1:
         said.append(f"softer than cycle 1 by {100 * one.softening:.3g} %")
     if one.set is not None:
-        said.append(f"set {written(one.set, 'mm', '.3g')} when it was next met")
+        said.append(f"set {written(one.set, 'mm', '.3g')} at the next contact")
     if cycle.speed is not None:
         said.append(written(cycle.speed, "mm/s"))
     return [*table(rows), f"  {'; '.join(said)}"] if said else table(rows)
 
 
-def _cycles(one: dp.CLD) -> list[str]:
+def _cycles(one: workflow.CLD) -> list[str]:
     rows = [["cycle", "depth, mm", "peak, N", "in, mJ", "back, mJ", "hysteresis, %", "met, mm"]]
     for each in one.cycles:
         lost, back = each.hysteresis, each.returned

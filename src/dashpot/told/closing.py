@@ -10,7 +10,13 @@ from dashpot.told.layout import Text, table
 from dashpot.told.text import rounded
 
 if TYPE_CHECKING:
-    from dashpot import Closing
+    from dashpot.door.closing_result import ClosingResult
+    from dashpot.door.slam import Closing
+
+
+def closed(found: ClosingResult) -> Text:
+    """Return how a door closes."""
+    return closing_text(found.closing)
 
 
 def closing_text(found: Closing) -> Text:
@@ -26,11 +32,12 @@ def closing_text(found: Closing) -> Text:
     pressed = found.door.compression
     force = found.door.section.force(pressed)
     lines.append(
-        f"  closed, the seal is pressed {rounded(in_unit(float(pressed.min()), 'mm'), digits=3)} "
-        f"mm at least, with {rounded(float(force.min()), digits=3)} N/m when it has relaxed"
+        "  Closed, the seal is compressed by at least "
+        f"{rounded(in_unit(float(pressed.min()), 'mm'), digits=3)} mm, with "
+        f"{rounded(float(force.min()), digits=3)} N/m after relaxation."
     )
     lines += _scatter(found)
-    rows = [["term", "J", "% of what is taken", "would give back, J", "highest moment, N m"]]
+    rows = [["term", "J", "% of all", "recoverable, J", "highest moment, N m"]]
     taken = sum(one.work for one in found.terms)
     for one in found.terms:
         rows.append(
@@ -53,31 +60,31 @@ def closing_text(found: Closing) -> Text:
 def _outcome(found: Closing) -> str:
     if found.latched:
         return (
-            f"  it closes in {rounded(found.seconds, digits=3)} s, "
-            f"{rounded(in_unit(found.sealing, 'ms'), digits=3)} ms of them for nine tenths of its "
-            f"seal, with {rounded(found.left, digits=3)} J left"
+            f"  The door closes in {rounded(found.seconds, digits=3)} s; the last "
+            f"{rounded(in_unit(found.sealing, 'ms'), digits=3)} ms compress the seal. "
+            f"{rounded(found.left, digits=3)} J are left when it latches."
         )
     return (
-        "  it does not close: its edge stops "
+        "  The door does not close. Its edge stops "
         f"{rounded(in_unit(found.stopped or 0.0, 'mm'), digits=3)} mm short and comes back at "
-        f"{rounded(found.rebound, digits=3)} m/s"
+        f"{rounded(found.rebound, digits=3)} m/s."
     )
 
 
 def _least(found: Closing) -> str:
     if not math.isfinite(found.minimum):
-        return "  no speed closes it"
+        return "  No speed closes it."
     if found.minimum == 0:
-        return "  it closes by itself"
+        return "  It closes by itself."
     known = ""
     if found.interval is not None:
         low, high = (rounded(one, digits=3) for one in found.interval)
         known = (
-            f"; {low} to {high} as far as the test knows its seal"
+            f" ({low} to {high} by the test of the seal)"
             if math.isfinite(found.interval[1])
-            else f"; {low} or more: its test does not limit how stiff the seal is so fast"
+            else f" ({low} or more: the test sets no upper limit to a seal so fast)"
         )
-    return f"  least speed that closes it: {rounded(found.minimum)} m/s{known}"
+    return f"  Least closing speed: {rounded(found.minimum)} m/s{known}"
 
 
 def _scatter(found: Closing) -> list[str]:
@@ -86,13 +93,15 @@ def _scatter(found: Closing) -> list[str]:
         return []
     one = scatter.variation
     alike = (
-        "all along alike" if one.correlation is None else f"over {rounded(one.correlation)} m alike"
+        "the same all along"
+        if one.correlation is None
+        else f"the same over {rounded(one.correlation)} m"
     )
     low, middle, high = (scatter.quantile(part) for part in (0.05, 0.5, 0.95))
     said = [
         (
-            f"  {one.count} doors, gap +-{written(one.gap, 'mm', '.3g')} {alike}, force of the "
-            f"seal +-{100 * one.load:.3g} % (three standard deviations, seed {one.seed}):"
+            f"  {one.count} doors, gap ±{written(one.gap, 'mm', '.3g')} {alike}, force of the "
+            f"seal ±{100 * one.load:.3g} % (three standard deviations, seed {one.seed}):"
         ),
         (
             f"  least speed {rounded(low, digits=3)}, {rounded(middle, digits=3)}, "

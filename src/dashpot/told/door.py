@@ -11,13 +11,13 @@ _ROUNDING = 1e-9
 """Of a damping, %."""
 
 
-def door(found: workflow.DoorResult, *, every: bool) -> Text:
+def door(found: workflow.DoorResult, *, every: bool = False) -> Text:
     """The seal line, every mode with what it shares, and what a shaken base does."""
     lines = _line(found)
     parts = list(dict.fromkeys(one.name for mode in found.modes for one in mode.shares))
     rows = [
         ["mode", "Hz", "without seal", "damping, %", "loss factor", "seal, % of energy", "of loss",
-         "beyond its test"]
+         "times outside"]
     ]  # fmt: skip
     for number, one in enumerate(found.modes, start=1):
         rows.append(
@@ -34,7 +34,7 @@ def door(found: workflow.DoorResult, *, every: bool) -> Text:
         )
     bare = ", ".join(rounded(f) for f in found.bare) or "none"
     lines += table(rows) if found.modes else [f"  no mode in {hertz(found.band)}"]
-    lines.append(f"  without the seal: {bare} Hz")
+    lines.append(f"  modes without the seal: {bare} Hz")
     shares = [["% of the energy", *parts], *_shares(found, parts, loss=False)]
     losses = [["% of the loss", *parts], *_shares(found, parts, loss=True)]
     tables = [*table(shares), *table(losses)] if found.modes else []
@@ -53,7 +53,7 @@ def _beyond(found: workflow.DoorResult, frequency: float) -> str:
         return ""
     low, high = found.fit.band
     factor = max(frequency / high, low / frequency) if high > 0 else float("inf")
-    return "inside" if factor <= 1 else f"x{factor:.3g}"
+    return "inside" if factor <= 1 else f"{factor:.3g}"
 
 
 def _shares(found: workflow.DoorResult, parts: list[str], *, loss: bool) -> list[list[str]]:
@@ -76,10 +76,11 @@ def _line(found: workflow.DoorResult) -> list[str]:
     if seal.compression is not None and seal.force is not None:
         least, mean, most = (rounded(in_unit(one, "mm"), digits=3) for one in seal.compression)
         said.append(
-            f"  pressed {least} to {most} mm (mean {mean}), relaxed {rounded(seal.force)} N in all"
+            f"  compressed by {least} to {most} mm (mean {mean}); {rounded(seal.force)} N in all "
+            "after relaxation"
         )
     if seal.fit is not None:
-        said.append(f"  its test informs {hertz(seal.fit.band)}")
+        said.append(f"  valid band of its test {hertz(seal.fit.band)}")
     return said
 
 

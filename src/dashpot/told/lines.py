@@ -8,7 +8,7 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
 from dashpot.base.units import read_in
-from dashpot.told.layout import table
+from dashpot.told.layout import Text, table
 from dashpot.told.text import rounded, with_error
 
 ERRORS = {
@@ -55,6 +55,11 @@ class Measured(Protocol):
     def changes(self, of: str, by: float) -> tuple[FloatArray, FloatArray]:
         """What an error of so much does to both."""
         ...
+
+
+def plainly(found: object) -> Text:
+    """Return what a result says of itself."""
+    return Text(str(found).splitlines())
 
 
 def sensitive(of: Measured, *, errors: tuple[str, ...], unit: str, shown: int) -> list[str]:

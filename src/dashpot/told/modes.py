@@ -36,7 +36,7 @@ def modes(found: MeasuredModes) -> Text:
         )
     near = found.frf.band(*found.band)
     at = f" at each of {len(found.points)} points" if found.points else ""
-    sought = f"  {len(near.frequency)} lines, {hertz(found.band)}, of the {found.frf.kind}{at}"
+    sought = f"  {len(near.frequency)} lines, {hertz(found.band)}, of the {found.frf.quantity}{at}"
     lines = [*(table(rows) if found.modes else ()), sought]
     if found.points and found.modes:
         lines += ["", *_shapes(found), "", *_macs(found)]
@@ -87,7 +87,7 @@ def modes_by_mass(found: ModesByMass) -> Text:
     """Return the main mode under each mass, the stiffness there, and how near one solid comes."""
     held = found.together
     modes = [["mass, g", "frequency, Hz", "damping ratio, %"]]
-    at_poles = [["mass, g", "K', N/mm", "K'', N/mm", "solid K', %", "solid K'', %"]]
+    at_poles = [["mass, g", "K', N/mm", "K'', N/mm", "model K', %", "model K'', %"]]
     each = zip(held.masses, held.modes, held.stiffness, held.spread, held.at_poles, strict=True)
     for mass, mode, k, se, solid in each:
         name = f"{in_unit(mass, 'g'):.5g}"
@@ -101,5 +101,5 @@ def modes_by_mass(found: ModesByMass) -> Text:
                 f"{100 * (solid.imag / k.imag - 1):+.2f}",
             ]
         )
-    note = "  of one seal, at each pole; solid: the linear one that comes closest to all"
+    note = "  of one seal, at each pole; model: the linear one closest to all"
     return Text([*table(modes), "", *table(at_poles), note])

@@ -32,7 +32,7 @@ def rod(found: workflow.Rod) -> Text:
     )
     lines += _lines(found, _ROWS)
     if found.fit is None:
-        lines.append(f"  no solid was fitted: {found.reason}")
+        lines.append(f"  No model was fitted: {found.reason}")
         return Text(lines, _lines(found, len(of.frequency)))
     fitted = text_of.fit(found.fit)
     details = ["every line", *_lines(found, len(of.frequency))]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from dashpot.base import numbers
 from dashpot.base.facts import Fact
@@ -16,11 +16,13 @@ if TYPE_CHECKING:
     from dashpot import Comparison
     from dashpot.base.provenance import Source
     from dashpot.kinds.indentation.from_files import Indentation
+    from dashpot.kinds.indentation.record import IndentationFit
+    from dashpot.records.estimate import Residual
     from dashpot.records.fit import Fit
     from dashpot.records.frf import Mode
     from dashpot.records.temperature import TemperatureShifts
     from dashpot.solids.elastic import ElasticLaw
-    from dashpot.workflow.impacts import ImpactResult
+    from dashpot.workflow.impacts import Agreement, ImpactResult
     from dashpot.workflow.levels import Levels
     from dashpot.workflow.predictions import Prediction, ShakenMass
     from dashpot.workflow.study import Study
@@ -58,9 +60,9 @@ def fit(found: Fit, *, asked: int | str = "auto") -> Text:
     files = ", ".join(source.file for source in found.source) or "arrays in memory"
     arms = f"{found.model.arms} Maxwell arm{'s' * (found.model.arms != 1)}"
     if found.family == "fractional":
-        arms = f"fractional Zener solid ({arms} stand for it)"
+        arms = f"fractional Zener model ({arms} stand for it)"
     residual = found.residual
-    size = f"{residual.rms:.3g} of the noise"
+    size = f"{residual.rms:.3g} times the noise"
     if residual.unit != "sd":
         size = f"{written(residual.rms, _RESIDUAL.get(residual.unit, residual.unit), '.3g')} rms"
     short = asked not in ("auto", found.model.arms) and found.family == "maxwell"
@@ -69,8 +71,8 @@ def fit(found: Fit, *, asked: int | str = "auto") -> Text:
         f"{files}: {arms}, method {found.method}{kept}",
         *facts(found.known),
         "",
-        f"  residual    {size} over {residual.n} samples (each worth 1/{residual.kappa:.3g})",
-        f"  informed    {hertz(found.band)}; outside it the model is an extrapolation",
+        f"  residual    {size}; {_samples(residual)}",
+        f"  valid band  {hertz(found.band)}",
     ]
     for section in (
         _creep, _bent, _left_open, _beside, _temperatures, _by_depth, _explained, _moved,
@@ -78,9 +80,18 @@ def fit(found: Fit, *, asked: int | str = "auto") -> Text:
         lines += section(found)
     details = [f"  optimiser   {found.status.value}"]
     if found.certificate:
-        details.append(f"  certificate {found.certificate.says}")
+        details.append(f"  optimality  {found.certificate.says}")
     (details if residual.unit == "N" else lines).extend(_nuisance(found))
     return Text(lines, [*details, *_read(found.source), *_orders(found)])
+
+
+def _samples(residual: Residual) -> str:
+    """How many samples were fitted, and how many independent ones they are equal to."""
+    count, worth = residual.n, residual.n / residual.kappa
+    independent = float(f"{worth:.3g}")
+    if abs(independent / count - 1) < 0.005:
+        return f"{count:,} independent samples"
+    return f"{count:,} samples, equal to {independent:,.0f} independent ones"
 
 
 def _bent(found: Fit) -> list[str]:
@@ -91,7 +102,7 @@ def _bent(found: Fit) -> list[str]:
 
 def _left_open(found: Fit) -> list[str]:
     end = found.end_of_hold
-    return [f"  left open   {ascii_only(end.says)}"] if end else []
+    return [f"  not known   {ascii_only(end.says)}"] if end else []
 
 
 def _beside(found: Fit) -> list[str]:
@@ -106,8 +117,8 @@ def _beside(found: Fit) -> list[str]:
 
 def _nuisance(found: Fit) -> list[str]:
     each = (item.fact for item in found.nuisance)
-    listed = ascii_only("; ".join(f"{one.called} {one.cells.with_unit}" for one in each))
-    return [f"  nuisance    {listed}"] if listed else []
+    listed = ascii_only(", ".join(f"{one.called} {one.cells.with_unit}" for one in each))
+    return [f"  also fitted {listed}"] if listed else []
 
 
 def _read(sources: Sequence[Source]) -> list[str]:
@@ -150,7 +161,7 @@ def _temperatures(found: Fit) -> list[str]:
         f"  law         {_shift_law(moved)}",
         *table(rows),
         *(
-            f"  advice      {check.says}"
+            f"  advice      {check.told}"
             for check in found.checks
             if check.name == "shifts_told_apart" and check.failed
         ),
@@ -192,8 +203,8 @@ def _explained(found: Fit) -> list[str]:
     """Return what would explain two tests that disagree, the best first."""
     return [
         ascii_only(
-            f"  explained?  {'yes' if one.explains else 'no'}: {one.says} "
-            f"(chi2 falls by {one.fall:.4g})"
+            f"  tried       {one.says} ({'a match' if one.explains else 'closer, but no match'}; "
+            f"chi-square falls by {one.fall:.4g})"
         )
         for one in found.explanations
     ]
@@ -223,11 +234,11 @@ def impact(found: ImpactResult) -> Text:
     for mode in found.modes:
         frequency, ratio, _ = (fact.cells.ascii.with_unit for fact in mode.mode.facts)
         lines.append(f"  mode  {frequency}, damping ratio {ratio} ({mode.method})")
-    used = f"{frf.averages} of {len(frf.hits)} hit{'s' * (len(frf.hits) != 1)} averaged"
+    used = f"{frf.averages} of {len(frf.hits)} hit{'s' * (len(frf.hits) != 1)} used"
     spacing = frf.frequency[1] - frf.frequency[0]
-    if frf.kind.over_base:
-        used = f"base shaken, worth {frf.averages} averages"
-    lines.append(f"{used}, {found.estimator}, {spacing:.4g} Hz between lines")
+    if frf.quantity.over_base:
+        used = f"base shaken, equal to {frf.averages} averages"
+    lines.append(f"{used}; {found.estimator}; frequency resolution {spacing:.3g} Hz")
     if not frf.hits:
         return Text(lines)
     # hits of records that each begin at 0 strike at the same time
@@ -255,9 +266,9 @@ def levels(found: Levels) -> Text:
     lines = [f"  {line}" for line in found.fit.described[1:]]
     if found.loss_per_lag is not None:
         lines.append(
-            f"  1 ms between force and displacement is {1e-3 * found.loss_per_lag:.2g} of the loss "
-            f"factor at {found.loss_per_lag / 2 / math.pi:.4g} Hz, whatever the amplitude: loops "
-            "of one frequency do not tell it"
+            f"  A delay of 1 ms between the channels would add {1e-3 * found.loss_per_lag:.2g} to "
+            f"the loss factor at {found.loss_per_lag / 2 / math.pi:.4g} Hz. Loops at one frequency "
+            "cannot show such a delay."
         )
     rows = [["level, N", "peak, Hz", "95 %", "motion, mm/N", "95 %", "seal, mm"]]
     for one in found.at:
@@ -277,6 +288,33 @@ def indentation(found: Indentation) -> Text:
     )
 
 
+def contact(found: IndentationFit) -> Text:
+    """Return the same of a fit alone."""
+    from dashpot.kinds.indentation.from_files import Indentation
+
+    return indentation(Indentation(found))
+
+
+def amplitude(found: Any) -> Text:
+    """Return what moves with amplitude, of a fit alone."""
+    from dashpot.workflow.levels import Levels
+
+    return levels(Levels(found, (), found.checks, ()))
+
+
+def agreement(found: Agreement) -> Text:
+    """Return predicted against measured, where the mass rests, and whether it was inferred."""
+    lines = comparison(found.comparison)
+    if str(found.at_rest):
+        lines.append(str(found.at_rest))
+    if found.mass_inferred:
+        lines.append(
+            f"  mass        {written(found.mass, 'g', '.5g')}, inferred from the measured FRF: the "
+            "agreement in frequency then proves nothing; give the mass to test it"
+        )
+    return Text(lines, [f"  {arm}" for arm in found.comparison.arms])
+
+
 def comparison(found: Comparison, joint: Comparison | None = None) -> list[str]:
     """Return predicted against measured, and what both tests together make of it."""
     rows = [["", "predicted", "measured", "difference"], *(list(row) for row in found.rows)]
@@ -291,35 +329,35 @@ def study(found: Study) -> Text:
     """Return the seal under the mass and its solid; the fits behind it for who asks."""
     lines, details = [], []
     if found.mass is not None and found.comparison is not None:
-        inferred = " (inferred from the FRF)" if found.mass_inferred else ""
+        inferred = " (found from the FRF)" if found.mass_inferred else ""
         lines.append(f"{written(found.mass, 'g', '.6g')}{inferred} on {found.seals:g} seals")
         lines += comparison(found.comparison, found.joint_comparison)
-        details += ["", "the prediction from the relaxation test alone", str(found.comparison)]
+        details += ["", "prediction from the relaxation test alone", str(found.comparison)]
     if found.at_rest is not None and str(found.at_rest):
         lines.append(str(found.at_rest))
     solid = fit(found.fit if found.joint is None else found.joint)
     if lines:
         lines.append("")
     if found.joint is not None:
-        lines.append("relaxation and hammer fitted together")
+        lines.append("relaxation test and hammer fitted together")
         alone = fit(found.fit)
-        details += ["", "the relaxation test alone", *alone.lines, *alone.details]
+        details += ["", "relaxation test alone", *alone.lines, *alone.details]
     return Text([*lines, *solid.lines], [*solid.details, *details])
 
 
-def prediction(found: Prediction, *, mass: float, seals: float) -> Text:
+def prediction(found: Prediction) -> Text:
     """Return a prediction's peak, modes and limits."""
-    hz, height = found.peak
-    on = f"{written(mass, 'g', '.6g')} on {seals:g} seal{'s' * (seals != 1)}"
-    does = "is largest" if found.at_edge else "peaks"
-    kind = found.frf.kind.replace("_", " ")
-    lines = [f"{on}: {kind} {does} at {hz:.5g} Hz with {height:.5g} {found.frf.unit}"]
+    (hz, height), seals = found.peak, found.seals
+    on = f"{written(found.mass, 'g', '.6g')} on {seals:g} seal{'s' * (seals != 1)}"
+    does = "largest value" if found.at_edge else "peak"
+    kind = found.frf.quantity.replace("_", " ")
+    lines = [f"{on}: {does} of the {kind} {height:.5g} {found.frf.unit} at {hz:.5g} Hz"]
     if found.isolation is not None:
-        lines.append(f"  above {found.isolation:.5g} Hz the mass moves less than its base")
+        lines.append(f"  the mass moves less than its base above {found.isolation:.5g} Hz")
     if found.shaken is not None:
         lines += _shaken(found.shaken)
     if found.at_edge:
-        lines.append(f"  that is the end of the band, and no peak{_wider(found.modes)}")
+        lines.append(f"  This is the end of the band, not a peak.{_wider(found.modes)}")
     lines += _at_levels(found)
     for mode in found.modes:
         ratio = f"{100 * mode.damping_ratio:.4g} %"
@@ -360,7 +398,7 @@ def _at_levels(found: Prediction) -> list[str]:
     last = found.levels[-1]
     if last is not of:
         change = 100 * (last.frequency / of.frequency - 1)
-        says += f"; from first to last the peak moves by {change:+.3g} %"
+        says += f"; the peak moves by {change:+.3g} % from first to last"
     return [*table(rows), says]
 
 
@@ -369,16 +407,16 @@ def _shaken(found: ShakenMass) -> list[str]:
     band, response = found.band, found.response
     reach = "" if band is None else f" ({band[0]:.4g} to {band[1]:.4g} Hz)"
     does = (
-        f"  shaken by {found.of}{reach} the mass feels {response.acceleration:.4g} m/s^2 rms "
-        f"and the seals move {written(response.stretch, 'mm')} rms, {response.crossings:.4g} times "
-        "a second"
+        f"  shaken by {found.of}{reach}, the mass has {response.acceleration:.4g} m/s^2 rms and "
+        f"the seals move {written(response.stretch, 'mm')} rms, {response.crossings:.4g} times a "
+        "second"
     )
     lines = [does]
     if (limits := found.limits) is not None:
         felt, moved = _reach(limits.acceleration), _reach(limits.stretch, "mm")
         low, high = limits.band_hz
         part = "" if band is not None else f", to the noise from {low:.4g} to {high:.4g} Hz"
-        lines.append(f"  the relaxation test allows {felt} m/s^2 rms and {moved} mm rms{part}")
+        lines.append(f"  the relaxation test limits these to {felt} m/s^2 and {moved} mm rms{part}")
     return lines
 
 
@@ -394,7 +432,7 @@ def _wider(modes: Iterable[Mode]) -> str:
     if not lowest > 0:
         return ""
     low, high = (rounded(end, digits=2) for end in (lowest / 4, 4 * lowest))
-    return f": add --band {low}:{high}Hz, about the mode at {lowest:.4g} Hz"
+    return f" Add --band {low}:{high}Hz for the mode at {lowest:.4g} Hz."
 
 
 def _law(law: ElasticLaw) -> str:

@@ -8,12 +8,14 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from dashpot import export, plot, report, workflow
+from dashpot import plot, workflow
 from dashpot.base.errors import DataError
 from dashpot.base.progress import doing
+from dashpot.export import SUFFIXES, deck_for
 from dashpot.io.options import ReadOptions, dump_profile
 from dashpot.io.write import write_frf
 from dashpot.records.fit import Fit
+from dashpot.report import html as report_html
 from dashpot.report.figures import stamp
 from dashpot.web import recent, results, wire
 from dashpot.web.requests import deck_choices, job_of, part
@@ -27,7 +29,7 @@ def take(request: Mapping[str, Any], folder: Path) -> bytes:
     job = job_of(request.get("job"), folder)
     what = request.get("what")
     makers: dict[object, Callable[[], tuple[str, str, str]]] = {
-        "report": lambda: ("report.html", "text/html", report.html(_told(job))),
+        "report": lambda: ("report.html", "text/html", report_html(_told(job))),
         "fit": lambda: (
             "fit.json",
             "application/json",
@@ -80,14 +82,14 @@ def _deck(request: Mapping[str, Any], job: Job) -> tuple[str, str, str]:
         if request.get("joint") is True
         else results.fitted(results.of_fit(job), True, None)
     )
-    text = export.deck_for(
+    text = deck_for(
         target,
         solid,
         units=request.get("units", "mm-t-s"),
         allow=("all",) if request.get("anyway") is True else (),
         **deck_choices(request),
     )
-    return f"{target}.{export.SUFFIXES[target]}", "text/plain", str(text)
+    return f"{target}.{SUFFIXES[target]}", "text/plain", str(text)
 
 
 def _picture(job: Job) -> tuple[str, str, str]:
@@ -113,6 +115,6 @@ def project(request: Mapping[str, Any], folder: Path) -> bytes:
     if not isinstance(place, str) or not place.strip():
         raise DataError("no folder is named: type where the project is to be kept")
     home = workflow.create(Path(place).expanduser())
-    _, page = workflow.record(home, job, page=report.html)
+    _, page = workflow.record(home, job, page=report_html)
     recent.remember(home.folder)
     return wire.packed({"folder": str(home.folder), "report": str(page), "head": home.head})

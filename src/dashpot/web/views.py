@@ -52,7 +52,7 @@ from dashpot.workflow.study import Study
 
 ROLES = ("time", "displacement", "force", "hammer", "acceleration")
 """What a column of a relaxation test or of a hammer test can be."""
-_ALONE = ("response", "bench", "level")
+_ALONE = ("response", "base", "bench", "level")
 """Places of the page where a file is no part of a job, or not of one only."""
 ASKED: tuple[Dimension, ...] = ("time", "length", "force", "acceleration")
 """What its unit can be one of."""
@@ -148,7 +148,7 @@ def _scale(panel: Panel) -> float:
 
 def response_panel(predicted: FRF, sizes: Sizes) -> str:
     """The predicted response before anything bounds it."""
-    if predicted.kind is Kind.TRANSMISSIBILITY:
+    if predicted.quantity is Kind.TRANSMISSIBILITY:
         curve = Curve(predicted, "predicted from relaxation", PREDICTED)
         return drawn("frf", magnitude_panel([curve]), sizes)
     return drawn("frf", plot.resonance(None, predicted).panels[0], sizes)
@@ -262,7 +262,7 @@ def live_response(predicted: FRF) -> LiveCurves:
     top = int(size.argmax())
     words = (
         f"{rounded(float(predicted.frequency[top]), digits=4)} Hz, {rounded(float(size[top]))} "
-        f"{SHOWN[predicted.kind][0]}"
+        f"{SHOWN[predicted.quantity][0]}"
     )
     return LiveCurves({"frf/predicted/x": predicted.frequency, "frf/predicted/y": size}, words)
 
@@ -340,7 +340,7 @@ def _pads(texts: Sequence[str]) -> list[str]:
 def check_list(checks: Sequence[Check]) -> str:
     """What failed, the gravest first, and how many were judged."""
     distinct = list(dict.fromkeys(checks))
-    failed = [(GRADES[one.grade], one.says) for one in distinct if one.failed]
+    failed = [(GRADES[one.grade], one.told) for one in distinct if one.failed]
     failed.sort(key=lambda pair: -answer.ORDER.index(pair[0]))
     passed = sum(one.passed is True for one in distinct)
     return piece("checks", failed=failed, passed=passed, judged=passed + len(failed))

@@ -3,11 +3,23 @@ from dashpot.door.closing_files import close_file as close_file
 from dashpot.door.from_files import DoorResult as DoorResult
 from dashpot.door.from_files import door_file as door_file
 from dashpot.door.from_files import open_door as open_door
+from dashpot.door.read import read_door as read_door
+from dashpot.export import UNIT_SYSTEMS as UNIT_SYSTEMS
+from dashpot.export import deck_for as deck_for
+from dashpot.fitting.uncertainty.prediction_bounds import unseen_arm_band as unseen_arm_band
+from dashpot.io.readers.inspect import inspect_file as inspect_file
 from dashpot.kinds.cld.from_files import Pieces as Pieces
 from dashpot.kinds.cld.from_files import cld_files as cld_files
+from dashpot.kinds.cld.record import CLD as CLD
+from dashpot.kinds.cld.record import RateLaw as RateLaw
+from dashpot.kinds.cld.record import RelaxedLaw as RelaxedLaw
 from dashpot.kinds.hyperelastic.from_files import hyperelastic_files as hyperelastic_files
 from dashpot.kinds.indentation.from_files import Indentation as Indentation
 from dashpot.kinds.indentation.from_files import indent_file as indent_file
+from dashpot.planning.bench import Bench as Bench
+from dashpot.planning.plan import plan as plan
+from dashpot.planning.supposed import SupposedSeal as SupposedSeal
+from dashpot.report import html as html
 
 from .archive import document as document
 from .examples import CAPTIONS as CAPTIONS
@@ -15,6 +27,7 @@ from .examples import EXAMPLES as EXAMPLES
 from .examples import FIRST as FIRST
 from .examples import MASS as MASS
 from .fits import fit_files as fit_files
+from .fits import of_order as of_order
 from .impacts import Agreement as Agreement
 from .impacts import ImpactResult as ImpactResult
 from .impacts import compare_files as compare_files

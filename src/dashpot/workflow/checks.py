@@ -28,7 +28,7 @@ def prediction_informed(peak: float, band: tuple[float, float]) -> Finding:
     """The predicted peak lies where a test informs the solid."""
     low, high = band
     factor = max(peak / high, low / peak) if high > 0 else math.inf
-    side = "above" if peak > high else "below"
+    side = "higher" if peak > high else "lower"
     if not high > 0:
         return Finding(
             f"The predicted peak ({peak:.4g} Hz) lies in no valid band; the fit has none",
@@ -39,7 +39,7 @@ def prediction_informed(peak: float, band: tuple[float, float]) -> Finding:
         f"The predicted peak ({peak:.4g} Hz) lies in the valid band of the test",
         factor,
         instead=f"The damping at {peak:.3g} Hz is not known. The test covers {low:.2g} to "
-        f"{high:.2g} Hz; the peak lies a factor of {factor:.3g} {side}",
+        f"{high:.2g} Hz; the peak lies {factor:.3g} times {side}",
         remedy="Measure it with a hammer.",
     )
 

@@ -200,7 +200,7 @@ def fit_files(
         arms, method, depth_law, thorough, law, family, intervals, filter, cuts or Cuts(), machine,
         options.cycle, shifting, each[0],
     )  # fmt: skip
-    tests = [_read(path, options, one) for path, one in zip(files, each, strict=True)]
+    tests = [read_test(path, options, one) for path, one in zip(files, each, strict=True)]
     return _fitted(tests, asked, Path(files[0]).name)
 
 
@@ -267,14 +267,25 @@ def _named(name: str) -> AbstractContextManager[None]:
     return about(name) if name else nullcontext()
 
 
-def _read(path: str | Path, options: ReadOptions, specimen: Specimen | None) -> Any:
-    """Return the record in a file, by the reader of its kind; what is of none asks as a ramp."""
-    kind, reason = (found := recognise(path, options)).kind, found.reason
-    row = KINDS.get(kind, KINDS["relaxation"])
+def read_test(
+    path: str | Path, options: ReadOptions | None = None, specimen: Specimen | None = None
+) -> Bench:
+    """Return the test of a bench in a file, by the reader of its kind.
+
+    What is of no kind is asked for the columns of a ramp and hold.
+
+    Raises
+    ------
+    ReadError
+        If the file is of another kind, or leaves open which column is what or in which unit.
+    """
+    found = recognise(path, options)
+    row = KINDS.get(found.kind, KINDS["relaxation"])
     if row.fit != FIT_FILES:
         with about(Path(path).name):
-            raise ReadError(other_kind(kind, reason, "a test of a bench is"))
-    return load(row.reader)(path, options=options, specimen=specimen)
+            raise ReadError(other_kind(found.kind, found.reason, "a test of a bench is"))
+    test: Bench = load(row.reader)(path, options=options, specimen=specimen)
+    return test
 
 
 def _crept(
@@ -353,3 +364,8 @@ def _creep(
 
     curves = [measured_compliance(one) if isinstance(one, LoadHold) else one for one in tests]
     return one_temperature(curves, shifting, specimen)  # type: ignore[return-value]
+
+
+def of_order(test: RampHold, arms: int, *, method: Method = "full") -> Fit:
+    """The optimum with so many arms alone, which is drawn, not judged."""
+    return fit_relaxation(test, arms=arms, method=method, intervals=False)

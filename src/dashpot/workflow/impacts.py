@@ -13,7 +13,7 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError, ReadError
-from dashpot.base.numbers import counted
+from dashpot.base.offered import Judged
 from dashpot.base.units import written
 from dashpot.base.version import byline
 from dashpot.io.options import ReadOptions
@@ -44,6 +44,7 @@ from dashpot.workflow.measured import (
     shaken,
     total_mass,
 )
+from dashpot.workflow.modes import ImpactMode, Modes
 from dashpot.workflow.prepared import prepared_files, refuse_others
 from dashpot.workflow.resting import LIMIT_LINES, AtRest, at_rest, formal_limits, frf_limits
 
@@ -51,36 +52,9 @@ from dashpot.workflow.resting import LIMIT_LINES, AtRest, at_rest, formal_limits
 WEIGHINGS = 100
 
 
-@dataclass(frozen=True)
-class ImpactMode:
-    """A mode as the document tells it: what a method cannot tell is None."""
-
-    frequency_hz: float
-    damping_ratio: float
-    frequency_se_hz: float | None
-    damping_ratio_se: float | None
-    method: str
-
-    @property
-    def mode(self) -> Mode:
-        """The pole with its errors: nan where a method cannot tell."""
-        known = (self.frequency_se_hz, self.damping_ratio_se)
-        frequency, ratio = (np.nan if se is None else se for se in known)
-        return Mode(self.frequency_hz, self.damping_ratio, 0j, frequency, ratio, 0.0, self.method)
-
-
-def modes_told(modes: Sequence[Mode]) -> str:
-    """Return frequency and damping of the first of some modes, and how many there are."""
-    if not modes:
-        return "0 modes were found"
-    frequency, ratio, _ = (fact.cells.with_unit for fact in modes[0].facts)
-    count = "" if len(modes) == 1 else f", the first of {counted(len(modes), 'mode')}"
-    return f"resonance at {frequency}, damping ratio {ratio}{count}"
-
-
-@dataclass(frozen=True)
-class ImpactResult(Documented):
-    """What ``dashpot fit`` found.
+@dataclass(frozen=True, repr=False)
+class ImpactResult(Modes):
+    """What hits tell: an FRF that one can trust, and its modes.
 
     Attributes
     ----------
@@ -99,16 +73,9 @@ class ImpactResult(Documented):
         "frf.source", "file", "frf",
     )  # fmt: skip
 
-    frf: FRF
-    modes: tuple[ImpactMode, ...]
     estimator: str
     window: str
     file: str | None = None
-
-    @property
-    def verdict(self) -> Verdict:
-        """What to make of the FRF and its modes."""
-        return verdict(self.frf.checks, sound=modes_told([one.mode for one in self.modes]))
 
     @property
     def peak(self) -> dict[str, float]:
@@ -243,7 +210,7 @@ def held_against(
         found,
         mass=mass,
         frequency=measured.frequency,
-        kind=measured.kind,
+        kind=measured.quantity,
         shift=measured.shift,
         seals=seals,
         compression=compression,
@@ -253,8 +220,8 @@ def held_against(
     )
 
 
-@dataclass(frozen=True)
-class Agreement(Documented):
+@dataclass(frozen=True, repr=False)
+class Agreement(Judged, Documented):
     """What ``dashpot compare`` found.
 
     Attributes
@@ -443,8 +410,8 @@ class Direct(Documented):
         return head + "".join(",".join(map(repr, row)) + "\n" for row in rows)
 
 
-@dataclass(frozen=True)
-class Identified(Documented):
+@dataclass(frozen=True, repr=False)
+class Identified(Judged, Documented):
     """What ``dashpot fit`` found.
 
     Attributes

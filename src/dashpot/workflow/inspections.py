@@ -12,9 +12,9 @@ from dashpot.base.documents import Documented
 from dashpot.base.errors import DashpotError
 from dashpot.base.provenance import Step
 from dashpot.io.options import ReadOptions
-from dashpot.io.readers.channels import Opened, opened, read_once
+from dashpot.io.readers.channels import Opened, read_once
 from dashpot.io.readers.inspect import Inspection, inspect_opened, inspected
-from dashpot.io.readers.recognise import without_table
+from dashpot.io.readers.recognise import Recognised, look
 from dashpot.io.readers.relaxation import relaxation_in
 from dashpot.io.source import about
 from dashpot.preparation.prepare import prepare
@@ -108,11 +108,11 @@ def _prepared(record: RelaxationTest, options: ReadOptions) -> RampHold:
 def _inspected(
     path: str | Path, options: ReadOptions, read: Reader, prepared: Preparer
 ) -> InspectedFile:
-    own = without_table(path)
-    if own is not None:
-        return _plain(inspected(path, own))
-    with opened(path, options, sure=False) as bare:
-        file = read_once(bare)
+    bare = look(path, options)
+    if isinstance(bare, Recognised):
+        return _plain(inspected(path, bare))
+    file = read_once(bare)
+    with about(file.raw.name):
         found = inspect_opened(file)
     if found.kind != "relaxation" or found.questions:
         return _plain(found)

@@ -190,7 +190,7 @@ class Job(Documented):
     )
     family: FamilyAsked = option(
         "maxwell",
-        "Solid: maxwell, fractional, or what suits (auto).",
+        "Model of the seal: Maxwell arms, or fractional.",
         choices=FamilyAsked,
         flag="model",
         decides="fit",
@@ -206,7 +206,7 @@ class Job(Documented):
         True, "Do not fit both tests together.", flag="no-joint", is_flag=True, parse=not_
     )
     compression: float | None = option(
-        None, "Compression under the mass, e.g. 2.6mm.", unit="length", word="weight"
+        None, "Compression of the seals under the mass.", unit="length", word="weight"
     )
     specimen: Specimen = part(Specimen, decides="test")
     machine: Machine = part(Machine, decides="test")

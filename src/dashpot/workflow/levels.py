@@ -13,12 +13,13 @@ from dashpot.base.arrays import FloatArray, median
 from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.documents import Documented
 from dashpot.base.errors import ReadError
+from dashpot.base.offered import Judged
 from dashpot.base.provenance import Source
 from dashpot.base.units import Quantity, si
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.frf import read_frf
 from dashpot.io.readers.impact import read_impacts
-from dashpot.io.readers.inspect import inspect_file
+from dashpot.io.readers.recognise import recognise
 from dashpot.io.source import about
 from dashpot.kinds import RESPONSES
 from dashpot.kinds.level.checks import level_covered, levels_as_struck
@@ -39,8 +40,8 @@ from dashpot.workflow.at_level import HITS, amplitude_file
 from dashpot.workflow.measured import as_measured
 
 
-@dataclass(frozen=True)
-class Levels(Documented):
+@dataclass(frozen=True, repr=False)
+class Levels(Judged, Documented):
     """What ``dashpot fit`` found.
 
     Attributes
@@ -129,7 +130,7 @@ def level_files(
     options : ReadOptions, optional
         What the user said of the files.
     """
-    kinds = [inspect_file(path, options=options).kind for path in files]
+    kinds = [recognise(path, options).kind for path in files]
     if all(kind in RESPONSES for kind in kinds):
         _refuse_law(law, "FRFs")
         frfs = [as_measured(read_frf(path, options=options), motion) for path in files]

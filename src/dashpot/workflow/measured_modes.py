@@ -8,8 +8,6 @@ from pathlib import Path
 
 import numpy as np
 
-from dashpot.base.checks import Verdict, verdict
-from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.frf_set import read_frfs
@@ -25,8 +23,9 @@ from dashpot.vibration.modal.checks import modes_explain_lines, modes_stable, po
 from dashpot.vibration.modal.several_points import shapes_of, within
 from dashpot.vibration.modal.shapes import mac, phase_collinearity, phase_deviation
 from dashpot.vibration.modal.stabilisation import Stabilisation, stabilisation
-from dashpot.workflow.impacts import ImpactMode, finite, modes_told
+from dashpot.workflow.impacts import finite
 from dashpot.workflow.measured import judged
+from dashpot.workflow.modes import ImpactMode, Modes
 
 SAME_MODE = 0.2
 """Relative: no mode of another set is the same one farther off than this."""
@@ -86,9 +85,9 @@ class SameMode:
     mac: float | None
 
 
-@dataclass(frozen=True)
-class MeasuredModes(Documented):
-    """What ``dashpot fit`` found.
+@dataclass(frozen=True, repr=False)
+class MeasuredModes(Modes):
+    """What FRFs tell: the modes that they share.
 
     Attributes
     ----------
@@ -111,18 +110,12 @@ class MeasuredModes(Documented):
     schema = "dashpot/modes@1"
     keys = ("frf.checks", "verdict", "frf.source", "*")
 
-    frf: FRF
     modes: tuple[MeasuredMode, ...]
     band: tuple[float, float]
     points: tuple[str, ...] = ()
     highest_order: int = 0
     mac: tuple[tuple[float, ...], ...] = ()
     against: tuple[SameMode, ...] = ()
-
-    @property
-    def verdict(self) -> Verdict:
-        """What to make of the modes."""
-        return verdict(self.frf.checks, sound=modes_told([one.mode for one in self.modes]))
 
 
 def modes_files(

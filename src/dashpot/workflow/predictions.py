@@ -16,6 +16,8 @@ from dashpot.base.choices import Family
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.numbers import hertz
+from dashpot.base.offered import Judged
+from dashpot.base.plausible import SIZES
 from dashpot.fitting.temperature.checks import temperature_tested
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.psd import read_psd
@@ -123,8 +125,8 @@ class RivalModes(NamedTuple):
     modes: tuple[Mode, ...]
 
 
-@dataclass(frozen=True)
-class Prediction(Documented):
+@dataclass(frozen=True, repr=False)
+class Prediction(Judged, Documented):
     """The FRF of a mass on `seals` seals, and what is known of it.
 
     Attributes
@@ -163,7 +165,7 @@ class Prediction(Documented):
 
     schema = "dashpot/prediction@1"
     keys = (
-        "mass", "moving_mass", "seals", "temperature=fit.specimen.temperature", "frf.kind",
+        "mass", "moving_mass", "seals", "temperature=fit.specimen.temperature", "kind=frf.quantity",
         "frf.unit", "*at_rest.told", "peak=largest", "modes", "alternative=rival",
         "band_hz=fit.band", "extrapolated", "frequency_hz=frf.frequency", "frf.value.real",
         "frf.value.imag", "limits=limited", "levels=by_level?", "sweep=swept?", "random=shaken?",
@@ -300,6 +302,7 @@ def prediction(
 
     The other parameters are those of :func:`predict_files`; `swept` is what the sweep says.
     """
+    SIZES["mass"].refuse(mass)
     asked, choices = Kind(kind), at_level or LevelChoices()
     moving, noted = moving_mass(mass, seal=seal_mass or 0.0, seals=seals)
     here = found if temperature is None else found.at_temperature(temperature)
@@ -355,9 +358,9 @@ def prediction(
 def _sound(frf: FRF, peak: tuple[float, float], found: Fit) -> str:
     """Return where the predicted peak lies, how high it is, and where the model is valid."""
     hz, height = peak
-    name, unit = frf.kind.replace("_", " "), frf.unit
+    name, unit = frf.quantity.replace("_", " "), frf.unit
     return (
-        f"peak of the {name}: {height:.4g}{f' {unit}' if unit != '1' else ''} at {hz:.4g} Hz. "
+        f"peak of the {name} {height:.4g}{f' {unit}' if unit != '1' else ''} at {hz:.4g} Hz. "
         f"The model is valid from {hertz(found.band)}"
     )
 

@@ -89,13 +89,13 @@ class AtRest:
             return ""
         where = "as given" if point.given else "under its weight"
         here, depth = (written(one or 0.0, "mm", ".3g") for one in (point.compression, point.depth))
-        lines = [f"the seals are compressed by {here} {where}, and were tested to {depth}"]
+        lines = [f"The seals are compressed by {here} {where}; they were tested to {depth}."]
         for name, one in ((f"secant at {depth}", secant), (f"tangent at {here}", tangent)):
             peak = "no resonance" if one.frequency is None else f"{one.frequency:.5g} Hz"
-            error = f" +- {in_unit(one.stiffness_se, 'N/mm'):.2g}" if one.stiffness_se > 0 else ""
+            error = f" ± {in_unit(one.stiffness_se, 'N/mm'):.2g}" if one.stiffness_se > 0 else ""
             lines.append(f"  {name}  {in_unit(one.stiffness, 'N/mm'):.4g}{error} N/mm, {peak}")
         if point.beyond:
-            lines.append("  ! deeper than tested: the last tangent was taken on")
+            lines.append("  ! deeper than tested: the last tangent is used")
         return "\n".join(lines)
 
 

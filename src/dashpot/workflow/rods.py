@@ -14,6 +14,7 @@ from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.choices import FamilyAsked
 from dashpot.base.documents import Documented, plain
 from dashpot.base.errors import DataError, FitError
+from dashpot.base.offered import Judged
 from dashpot.base.provenance import Step
 from dashpot.base.units import written
 from dashpot.io.options import ReadOptions
@@ -24,17 +25,18 @@ from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF
 from dashpot.records.specimen import Specimen
 from dashpot.solids.part import Block, Disc
+from dashpot.vibration.impact.checks import scatter_known
 from dashpot.workflow.job import HammerChoices, RodChoices
 from dashpot.workflow.measured import read_measured
 from dashpot.workflow.part import pad
 
 _LIGHTEST, _HEAVIEST = 5.0, 2e4
 """Of a foam and of a metal, kg/m^3."""
-_ERRORS = ("gain", "phase", "mass", "length", "area", "density")
+_ERRORS = ("gain", "phase", "mass", "length", "area", "density", "poisson")
 
 
-@dataclass(frozen=True)
-class Rod(Documented):
+@dataclass(frozen=True, repr=False)
+class Rod(Judged, Documented):
     """What ``dashpot fit`` found.
 
     Attributes
@@ -74,7 +76,9 @@ class Rod(Documented):
     @property
     def checks(self) -> tuple[Check, ...]:
         """Of the FRF, of the inversion, and of the fit."""
-        own = (*self.frf.checks, *self.modulus.checks)
+        # of an FRF without coherence the lines themselves show how they scatter
+        seen = tuple(one for one in self.frf.checks if one.name != scatter_known.name)
+        own = (*seen, *self.modulus.checks)
         return own if self.fit is None else self.fit.checks
 
     @property
@@ -112,6 +116,8 @@ def rod_files(
     arms: int | Literal["auto"] = "auto",
     family: FamilyAsked = "maxwell",
     band: tuple[float, float] | None = None,
+    mass_sd: float | None = None,
+    poisson: float | None = None,
     hammer: HammerChoices | None = None,
     specimen: Specimen | None = None,
     options: ReadOptions | None = None,
@@ -132,6 +138,10 @@ def rod_files(
         Of the solid that is fitted to the usable band.
     band : (float, float), optional
         Lines to use, Hz.
+    mass_sd : float, optional
+        Standard deviation of the mass, kg; 1 % by default: no line shows a mass that is off.
+    poisson : float, optional
+        Of the rod, which its bonded ends ask; by default that of a rubber.
     hammer, options, specimen
         How the files are read.
     """
@@ -141,7 +151,7 @@ def rod_files(
     )  # fmt: skip
     return rod_under(
         frf, mass=mass, density=density, rod=rod, arms=arms, family=family, band=band,
-        specimen=specimen,
+        mass_sd=mass_sd, poisson=poisson, specimen=specimen,
     )  # fmt: skip
 
 
@@ -154,13 +164,25 @@ def rod_under(
     arms: int | Literal["auto"] = "auto",
     family: FamilyAsked = "maxwell",
     band: tuple[float, float] | None = None,
+    mass_sd: float | None = None,
+    poisson: float | None = None,
     specimen: Specimen | None = None,
 ) -> Rod:
     """Find the modulus of a rod's material from the FRF of the mass on it, judged.
 
     The parameters are those of :func:`rod_files`.
     """
-    part, errors, bonded = _part(rod), _errors(rod), not rod.lubricated
+    part, errors, bonded = (
+        _part(rod),
+        RodErrors(rod.gain_error, rod.phase_error),
+        not rod.lubricated,
+    )
+    if mass_sd is not None:
+        errors = replace(errors, mass=mass_sd / mass)
+    if poisson is not None:
+        if rod.lubricated:
+            raise DataError("Poisson's ratio is asked of bonded ends: give it, or let them slide")
+        part = replace(part, poisson=poisson)
     if not _LIGHTEST <= density <= _HEAVIEST:
         raise DataError(
             f"--density {density:g}: expected {_LIGHTEST:g} to {_HEAVIEST:g} kg/m^3, such as 1100 "
@@ -170,9 +192,9 @@ def rod_under(
         frf, part, mass=mass, density=density, bonded=bonded, errors=errors, band=band
     )
     own = density * part.area * part.height
-    found = Rod(frf, modulus, part, bonded, mass, own, errors, None)
+    found = Rod(frf, modulus, part, bonded, mass, own, modulus.errors, None)
     try:
-        fit = fit_rod(modulus, errors=errors, arms=arms, family=family, specimen=specimen)
+        fit = fit_rod(modulus, arms=arms, family=family, specimen=specimen)
     except FitError as error:
         return replace(found, reason=str(error))
     step = Step(
@@ -197,8 +219,3 @@ def _part(rod: RodChoices) -> Disc | Block:
             "--shape disc:DIAMETER,LENGTH or --shape block:WIDTH,WIDTH,LENGTH"
         )
     return pad("disc", rod.disc) if rod.block is None else pad("block", rod.block)
-
-
-def _errors(rod: RodChoices) -> RodErrors:
-    """As standard deviations."""
-    return RodErrors(gain=rod.gain_error, phase=rod.phase_error)

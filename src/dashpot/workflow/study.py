@@ -16,6 +16,7 @@ from dashpot.base.errors import DataError, FitError
 from dashpot.base.numbers import hertz
 from dashpot.base.offered import Pictured
 from dashpot.base.progress import doing
+from dashpot.base.sentences import paragraph
 from dashpot.base.units import Quantity, Range, si, si_range, written
 from dashpot.fitting.identification.identify import identify
 from dashpot.fitting.relaxation import fit
@@ -37,6 +38,7 @@ from dashpot.vibration.modal.peaks import find_peak
 from dashpot.vibration.systems.operating_point import OperatingPoint
 from dashpot.vibration.systems.prediction import REACH, highest_peak, predict_frf
 from dashpot.workflow.checks import hold_fit_possible, prediction_informed
+from dashpot.workflow.fits import of_order
 from dashpot.workflow.impacts import held_against, weighed
 from dashpot.workflow.job import Cuts, Job
 from dashpot.workflow.measured import read_measured, relieved, total_mass
@@ -205,7 +207,7 @@ class Study(Pictured, Documented):
         """What to say of the study where no check of weight failed."""
         if self.joint is not None and self.joint_comparison is not None:
             where = f"From {hertz(self.joint.band)} one model matches both tests"
-            return f"{where}: {self.joint_comparison.matched}."
+            return paragraph(where, self.joint_comparison.matched)
         if self.joint is None and self.comparison is not None:
             return self.comparison.says
         return (self.joint or self.fit).sound
@@ -376,7 +378,7 @@ def _of_order(arms: int, chosen: Fit, prepared: RampHold) -> Fit:
     """The fit with so many arms, which is drawn, not judged."""
     if chosen.family == "maxwell" and chosen.model.arms == arms:
         return chosen
-    return fit(prepared, arms=arms, intervals=False)
+    return of_order(prepared, arms)
 
 
 def of_solid(chosen: Fit, tests: Sequence[RampHold]) -> int:

@@ -13,6 +13,7 @@ import numpy as np
 from dashpot.base.checks import Check, Checked
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
+from dashpot.base.offered import Judged
 from dashpot.base.units import in_unit, written
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.frf_set import read_frfs
@@ -40,8 +41,8 @@ class StiffnessAtMode(NamedTuple):
     loss_se: float
 
 
-@dataclass(frozen=True)
-class ModesByMass(Checked, Documented):
+@dataclass(frozen=True, repr=False)
+class ModesByMass(Checked, Judged, Documented):
     """What ``dashpot fit`` found under several masses.
 
     Attributes

@@ -10,14 +10,17 @@ from kit.cld import ARMS, answered, bulb, dashpot_and_arms, fit_of, pressed, sti
 
 import dashpot as dp
 from dashpot.base.errors import DataError, FitError
+from dashpot.kinds.cld.prepare import cld
+from dashpot.kinds.cld.rate import fit_rate
+from dashpot.kinds.cld.relaxed import relaxed_law
+from dashpot.kinds.cld.speeds import fit_speeds
+from dashpot.workflow.archive import from_json, to_json
 
 AT = np.array([1e-3, 2e-3, 4e-3, 6e-3, 7.5e-3])
 
 
 def found(truth, **how):
-    return dp.cld(
-        dp.CompressionTest(truth.displacement, truth.force, truth.time, units="SI"), **how
-    )
+    return cld(dp.CompressionTest(truth.displacement, truth.force, truth.time, units="SI"), **how)
 
 
 pytestmark = pytest.mark.once
@@ -28,7 +31,7 @@ EXACT = {"noise": 0.0, "count": 0.0, "bias": 0.0}
 @pytest.mark.parametrize("speed", [0.5e-3, 5e-3])
 def test_the_law_is_that_of_the_truth_at_any_speed_and_loading_is_not(law, speed):
     one = found(pressed(law, speed=speed, softening=0.0, rate=2e4 * speed, **EXACT))
-    relaxed = dp.relaxed_law(one, fit_of(law))
+    relaxed = relaxed_law(one, fit_of(law))
     slope = (law(AT + 1e-6) - law(AT - 1e-6)) / 2e-6
     # first contact is known to some 10 um where a force begins to rise between two samples
     assert (np.abs(relaxed.law.force(AT) - law(AT)) <= 1e-3 * law(AT) + 1e-5 * slope).all()
@@ -43,7 +46,7 @@ def test_the_law_is_that_of_the_truth_at_any_speed_and_loading_is_not(law, speed
 @pytest.mark.parametrize("seed", range(4))
 def test_noise_counts_and_drift_leave_the_law_near(seed):
     one = found(pressed(seed=seed, softening=0.0, drift=2e-4, count=2e-5))
-    relaxed = dp.relaxed_law(one, fit_of(stiffening))
+    relaxed = relaxed_law(one, fit_of(stiffening))
     assert relaxed.law.force(AT[2:]) == pytest.approx(stiffening(AT[2:]), rel=0.015)
     z = (relaxed.law.tangent(AT) - 150 - 3 * 7.2656e5 * AT**2) / relaxed.law.stiffness
     assert np.abs(z / relaxed.law.factor_se(AT)).max() < 5
@@ -51,7 +54,7 @@ def test_noise_counts_and_drift_leave_the_law_near(seed):
 
 def test_softening_without_the_memory_is_mullins_alone():
     one = found(pressed(softening=0.12, **EXACT))
-    relaxed = dp.relaxed_law(one, fit_of(stiffening))
+    relaxed = relaxed_law(one, fit_of(stiffening))
     assert relaxed.softening == pytest.approx(0.12 * (1 - np.exp(-2)), abs=1e-3)
     assert one.softening > relaxed.softening + 0.015
 
@@ -59,21 +62,21 @@ def test_softening_without_the_memory_is_mullins_alone():
 def test_another_memory_leaves_hysteresis_and_another_seal_another_force():
     one = found(pressed(softening=0.0))
     half = tuple((g / 2, tau) for g, tau in ARMS)
-    wrong = dp.relaxed_law(one, fit_of(stiffening, arms=half))
+    wrong = relaxed_law(one, fit_of(stiffening, arms=half))
     assert "memory_explains" in {check.name for check in wrong.checks if check.failed}
-    other = dp.relaxed_law(one, fit_of(stiffening, scale=1.1))
+    other = relaxed_law(one, fit_of(stiffening, scale=1.1))
     agrees = next(check for check in other.checks if check.name == "relaxed_agrees")
     assert agrees.value == pytest.approx(1 / 1.1 - 1, abs=0.01)
     # of a fit to several depths, at each
-    law = dp.relaxed_law(one, fit_of(stiffening)).law
+    law = relaxed_law(one, fit_of(stiffening)).law
     depths = tuple(
-        dp.relaxed_law(one, fit_of(stiffening, depth=h)).checks[-1].value for h in (4e-3, 6e-3)
+        relaxed_law(one, fit_of(stiffening, depth=h)).checks[-1].value for h in (4e-3, 6e-3)
     )
     assert depths == pytest.approx(law.force([4e-3, 6e-3]) / stiffening(np.array([4e-3, 6e-3])) - 1)
 
 
 def test_the_fit_with_the_law_is_the_tangent_where_a_mass_rests():
-    relaxed = dp.relaxed_law(found(pressed(softening=0.0, **EXACT)), fit_of(stiffening))
+    relaxed = relaxed_law(found(pressed(softening=0.0, **EXACT)), fit_of(stiffening))
     for held in (5e-3, 8e-3):
         fit = fit_of(stiffening, depth=held).with_elastic_law(relaxed.law, checks=relaxed.checks)
         for x in (2.6e-3, 5e-3):
@@ -84,20 +87,20 @@ def test_the_fit_with_the_law_is_the_tangent_where_a_mass_rests():
             float(stiffening(np.array([held]))[0]) / held, rel=2e-3
         )
         assert relaxed.checks[0] in fit.checks
-        assert dp.from_json(dp.to_json(fit)).elastic_law == fit.elastic_law
+        assert from_json(to_json(fit)).elastic_law == fit.elastic_law
 
 
 def test_what_has_no_clock_no_rest_or_no_depth_is_refused():
     truth = pressed(softening=0.0)
     fit = fit_of(stiffening)
-    bare = dp.cld(dp.CompressionTest(truth.displacement, truth.force, units="SI"))
+    bare = cld(dp.CompressionTest(truth.displacement, truth.force, units="SI"))
     with pytest.raises(FitError, match="no clock"):
-        dp.relaxed_law(bare, fit)
+        relaxed_law(bare, fit)
     one = found(truth)
     loose = replace(fit, solid=dp.GeneralizedMaxwell(0.0, (1.0,), (1.0,)))
     with pytest.raises(FitError, match="no stiffness at rest"):
-        dp.relaxed_law(one, loose)
-    law = dp.relaxed_law(one, fit).law
+        relaxed_law(one, loose)
+    law = relaxed_law(one, fit).law
     with pytest.raises(DataError, match="at least as deep"):
         fit_of(stiffening, depth=9e-3).with_elastic_law(law)
     with pytest.raises(DataError, match="no pressed part"):
@@ -114,7 +117,7 @@ def at_speeds(speeds, law=bulb, **how):
 
 def test_several_speeds_tell_law_and_memory():
     """Softening of the first cycle and the free recovery in air are not taken for memory."""
-    fit = dp.fit_speeds(at_speeds((0.2e-3, 2e-3, 20e-3), softening=0.1))
+    fit = fit_speeds(at_speeds((0.2e-3, 2e-3, 20e-3), softening=0.1))
     assert fit.model.arms == 2
     for j, (g, tau) in enumerate(ARMS):
         assert fit.model.k[j] / fit.model.k_inf == pytest.approx(g, rel=0.05)
@@ -124,12 +127,12 @@ def test_several_speeds_tell_law_and_memory():
     softer = 1 - 0.1 * (1 - np.exp(-1 / 1.5))
     assert fit.elastic_law.force(AT[1:]) == pytest.approx(softer * bulb(AT[1:]), rel=0.01)
     assert fit.ok
-    assert dp.from_json(dp.to_json(fit)).solid == fit.solid
+    assert from_json(to_json(fit)).solid == fit.solid
 
 
 def test_one_arm_at_two_speeds_and_what_they_do_not_tell():
     (fit, near) = (
-        dp.fit_speeds(at_speeds(speeds, softening=0.0, arms=((0.3, 2.0),)), arms=1)
+        fit_speeds(at_speeds(speeds, softening=0.0, arms=((0.3, 2.0),)), arms=1)
         for speeds in ((0.5e-3, 8e-3), (2e-3, 4e-3))
     )
     assert fit.model.k[0] / fit.model.k_inf == pytest.approx(0.3, rel=0.03)
@@ -141,7 +144,7 @@ def test_one_arm_at_two_speeds_and_what_they_do_not_tell():
 def test_pieces_that_differ_are_no_memory():
     slow, fast = at_speeds((0.5e-3, 8e-3), softening=0.0, arms=((0.3, 2.0),))
     other = replace(fast, force=1.03 * fast.force)
-    fit = dp.fit_speeds([slow, other], arms=1)
+    fit = fit_speeds([slow, other], arms=1)
     assert "speeds_followed" in {check.name for check in fit.checks if check.failed}
 
 
@@ -149,10 +152,10 @@ def test_one_speed_is_refused():
     truth = pressed()
     one = found(truth)
     with pytest.raises(FitError, match="one speed alone"):
-        dp.fit_speeds([one, one])
-    bare = dp.cld(dp.CompressionTest(truth.displacement, truth.force, units="SI"))
+        fit_speeds([one, one])
+    bare = cld(dp.CompressionTest(truth.displacement, truth.force, units="SI"))
     with pytest.raises(FitError, match="no clock"):
-        dp.fit_speeds([one, bare])
+        fit_speeds([one, bare])
 
 
 def known(fit, part=0.05):
@@ -169,9 +172,9 @@ def known(fit, part=0.05):
 def test_what_is_not_known_of_the_memory_is_not_known_of_the_law():
     one, sure = found(pressed(softening=0.0), at=6e-3), fit_of(stiffening)
     fit, at = known(sure), 6e-3
-    relaxed = dp.relaxed_law(one, fit)
+    relaxed = relaxed_law(one, fit)
     assert len(relaxed.others) == 7
-    exact = dp.relaxed_law(one, known(sure, 1e-9))
+    exact = relaxed_law(one, known(sure, 1e-9))
     # the zeros alone
     zeros = exact.law.tangent(at) * one.contact_se, one.zero_se
     assert exact.force_se(at) == pytest.approx(np.linalg.norm(zeros), rel=0.1)
@@ -179,7 +182,7 @@ def test_what_is_not_known_of_the_memory_is_not_known_of_the_law():
     # one arm larger by a standard error, and nothing else
     k = (1.05 * sure.model.k[0], sure.model.k[1])
     more = replace(sure, solid=dp.GeneralizedMaxwell(sure.model.k_inf, k, sure.model.tau))
-    off = abs(dp.relaxed_law(one, more).law.force(at) - relaxed.law.force(at))
+    off = abs(relaxed_law(one, more).law.force(at) - relaxed.law.force(at))
     assert 0 < off < relaxed.force_se(at) < 5 * off
 
 
@@ -191,7 +194,7 @@ def between(back, speed, arms=((0.3, 2.0),)):
     x = 8e-3 * np.interp(time / step, [-50, *(rows - 100)], [-0.125, *turns])
     force = answered(stiffening(np.maximum(x, 0.0)), x > 0, arms, step)
     noise = 2e-3 * np.random.default_rng(1).standard_normal(len(x))
-    return dp.cld(dp.CompressionTest(x, force + noise, time - time[0], units="SI"))
+    return cld(dp.CompressionTest(x, force + noise, time - time[0], units="SI"))
 
 
 @pytest.mark.parametrize("back", [0.0, 0.4])
@@ -201,11 +204,11 @@ def test_a_cycle_between_two_compressions_tells_the_law_as_one_from_contact_does
     memory = fit_of(stiffening, arms=((0.3, 2.0),))
     x = np.linspace(max(back, 0.1) * 8e-3, 8e-3, 9)
     slope = (stiffening(x + 1e-6) - stiffening(x - 1e-6)) / 2e-6
-    speeds = dp.fit_speeds(records, arms=1)
+    speeds = fit_speeds(records, arms=1)
     assert speeds.model.tau[0] == pytest.approx(2.0, rel=0.05)
-    dashpot = dp.fit_rate(records, speeds)
+    dashpot = fit_rate(records, speeds)
     assert np.isfinite(dashpot.damping_se).all()
-    for law in (dp.relaxed_law(records[0], memory).law, speeds.elastic_law):
+    for law in (relaxed_law(records[0], memory).law, speeds.elastic_law):
         assert law.force(x) == pytest.approx(stiffening(x), rel=0.01)
         assert law.tangent(x) == pytest.approx(slope, rel=0.05)
 
@@ -213,16 +216,16 @@ def test_a_cycle_between_two_compressions_tells_the_law_as_one_from_contact_does
 def test_several_relaxation_tests_are_held_against_the_law_and_each_other():
     one = found(pressed(softening=0.0), at=4e-3)
     shallow, deep = fit_of(stiffening, depth=4e-3), fit_of(stiffening, depth=8e-3)
-    both = dp.relaxed_law(one, [deep, shallow])
+    both = relaxed_law(one, [deep, shallow])
     agreed = [check for check in both.checks if check.name == "relaxed_agrees"]
     assert [check.passed for check in agreed] == [True, True]
-    assert both.memory == dp.relaxed_law(one, shallow).memory
+    assert both.memory == relaxed_law(one, shallow).memory
     assert "memories_agree" not in {check.name for check in both.checks if check.failed}
     slower = fit_of(stiffening, arms=((0.35, 1.5), (0.15, 16.0)))
-    apart = dp.relaxed_law(one, [shallow, slower])
+    apart = relaxed_law(one, [shallow, slower])
     assert "memories_agree" in {check.name for check in apart.checks if check.failed}
     with pytest.raises(FitError, match="no fit"):
-        dp.relaxed_law(one, [])
+        relaxed_law(one, [])
 
 
 def test_a_dashpot_that_depends_on_compression_comes_back_from_four_speeds():
@@ -231,8 +234,8 @@ def test_a_dashpot_that_depends_on_compression_comes_back_from_four_speeds():
         found(dashpot_and_arms(v, c=lambda x: 2 + 400 * x, arms=arms, seed=i))
         for i, v in enumerate((1e-4, 1e-3, 1e-2, 1e-1))
     ]
-    fit = dp.fit_speeds(tests, arms=1)
-    rate = dp.fit_rate(tests, fit)
+    fit = fit_speeds(tests, arms=1)
+    rate = fit_rate(tests, fit)
     assert rate.law.force(AT) == pytest.approx(stiffening(AT), rel=0.02)
     assert rate.law.tangent(AT) == pytest.approx(150 + 3 * 7.2656e5 * AT**2, rel=0.02)
     for x in AT.tolist():
@@ -248,6 +251,6 @@ def test_a_dashpot_that_depends_on_compression_comes_back_from_four_speeds():
 
 def test_one_memory_is_not_taken_for_a_dashpot():
     tests = at_speeds((0.2e-3, 2e-3, 20e-3), softening=0.0)
-    rate = dp.fit_rate(tests, dp.fit_speeds(tests))
+    rate = fit_rate(tests, fit_speeds(tests))
     assert rate.bic > 10
     assert "memory_suffices" not in {check.name for check in rate.checks if check.failed}

@@ -10,6 +10,7 @@ from kit.cld import ARMS, LENGTH, bulb, pressed, stiffening
 
 import dashpot as dp
 from dashpot.base.errors import DataError
+from dashpot.kinds.cld.prepare import cld
 from dashpot.preparation.strokes import LEAST_STROKE, strokes_of
 
 SPECIMEN = dp.Specimen(length=LENGTH)
@@ -18,7 +19,7 @@ ELASTIC = {"arms": (), "softening": 0.0}
 
 def found(truth, **how):
     test = dp.CompressionTest(truth.displacement, truth.force, truth.time, SPECIMEN, units="SI")
-    return dp.cld(test, **how)
+    return cld(test, **how)
 
 
 def true_force(truth, at, *, cycle, inward=True):
@@ -44,7 +45,7 @@ def test_a_spring_stores_what_it_is_given():
             replace(SPECIMEN, length=length),
             units="SI",
         )
-        one = dp.cld(test)
+        one = cld(test)
         assert one.unit == "N per 100 mm"
         assert one.per * one.nominal.loading == pytest.approx(5, rel=1e-9)
         assert one.per * one.nominal.slope == pytest.approx(5 / 6e-3, rel=1e-9)
@@ -131,7 +132,7 @@ def test_a_stop_in_the_stroke_is_no_turning_point_but_no_even_speed():
     i = int(still[-1]) - 60
     held = [np.insert(one, i, np.full(100, one[i])) for one in (truth.displacement, truth.force)]
     test = dp.CompressionTest(*held, np.arange(len(held[0])) / 100, SPECIMEN, units="SI")
-    one = dp.cld(test, at=6e-3)
+    one = cld(test, at=6e-3)
     assert len(one.cycles) == 3
     assert "speed_even" in failed(one)
 
@@ -156,7 +157,7 @@ def test_the_cycle_asked_for_and_the_one_that_reaches():
 def test_without_a_clock_the_curve_is_the_same_and_no_speed_is_said():
     truth = pressed()
     timed = found(truth, at=6e-3)
-    one = dp.cld(dp.CompressionTest(truth.displacement, truth.force, units="SI"), at=6e-3)
+    one = cld(dp.CompressionTest(truth.displacement, truth.force, units="SI"), at=6e-3)
     assert one.nominal.loading == pytest.approx(timed.nominal.loading, abs=1e-4)
     assert one.cycle.speed is None
     assert (one.unit, one.per) == ("N", 1)
@@ -168,7 +169,7 @@ def test_nothing_pressed_is_refused(still):
     signals = {"displacement": np.linspace(0, 1e-3, 50), "force": np.linspace(0, 1, 50)}
     signals[still] = np.ones(50)
     with pytest.raises(DataError, match=f"the {still} never changes"):
-        dp.cld(dp.CompressionTest(**signals, units="SI"))
+        cld(dp.CompressionTest(**signals, units="SI"))
 
 
 @pytest.mark.parametrize(("share", "strokes"), [(0.98, 1), (1.02, 3)])
@@ -201,7 +202,7 @@ def test_swapped_columns_make_energy_and_are_not_to_be_used():
     swapped = dp.CompressionTest(
         1e-3 * truth.force, 1e3 * truth.displacement, truth.time, units="SI"
     )
-    one = dp.cld(swapped)
+    one = cld(swapped)
     assert one.verdict.use == "do not use"
     assert "swapped" in one.verdict.says
 
@@ -209,12 +210,12 @@ def test_swapped_columns_make_energy_and_are_not_to_be_used():
 def test_a_curve_typed_from_a_sheet_begins_where_it_begins():
     """A few rows from 0 mm and 0 N, without a clock, a rest or the way back."""
     x = np.linspace(0, 8e-3, 17)
-    one = dp.cld(dp.CompressionTest(x, 200.0 * x, units="SI"), at=6e-3)
+    one = cld(dp.CompressionTest(x, 200.0 * x, units="SI"), at=6e-3)
     assert one.nominal.loading == pytest.approx(1.2)
     assert one.preload == 0
     assert failed(one) == {"conditioned", "unloading_recorded", "length_given"}
     up = np.concatenate((x, x[-2::-1]))
-    assert dp.cld(dp.CompressionTest(up, 200.0 * up, units="SI")).cycle.hysteresis == pytest.approx(
+    assert cld(dp.CompressionTest(up, 200.0 * up, units="SI")).cycle.hysteresis == pytest.approx(
         0, abs=1e-9
     )
 

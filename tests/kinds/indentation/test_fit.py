@@ -10,12 +10,14 @@ import pytest
 from kit import contacts
 from kit.slopes import hold_slopes
 
-from dashpot import IndentationTest, Indenter, fit_indentation
 from dashpot.base.errors import DataError
 from dashpot.kinds.indentation import fit
 from dashpot.kinds.indentation.checks import parameters_known
+from dashpot.kinds.indentation.fit import fit_indentation
+from dashpot.kinds.indentation.indenter import Indenter
 from dashpot.kinds.indentation.laws import LAWS
 from dashpot.kinds.indentation.prepare import largest_contact
+from dashpot.kinds.indentation.record import IndentationTest
 
 pytestmark = pytest.mark.once
 

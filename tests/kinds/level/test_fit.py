@@ -181,7 +181,7 @@ class TestSweep:
                 )
                 unseen = found.k3_unseen * Xs.max() ** 2
                 assert abs(k3) < unseen < 6 * abs(k3)
-                assert "no cubic spring is seen: one of up to" in " ".join(found.described)
+                assert "No cubic spring is seen. One of up to" in " ".join(found.described)
         found = fit_amplitude(sweep(K + 80 * added, Xs, noise=0.003, unit="N/m", of="m"))
         assert found.k3 > 0
         assert found.k3_unseen == 0
@@ -276,9 +276,9 @@ def measured(level, f, friction=jenkins, *, noise=0.01, seed=0, kind=Kind.ACCELE
     ("said", "says"),
     [
         ([20.0, 2.0], "belong to each other's files"),
-        ([2000.0, 20000.0], "in mN or kN"),
-        ([0.002, 0.02], "in mN or kN"),
-        ([2.0, 50.0], "peak force of its hits"),
+        ([2000.0, 20000.0], "looks like mN or kN"),
+        ([0.002, 0.02], "looks like mN or kN"),
+        ([2.0, 50.0], "sensitivity of the force"),
     ],
 )
 def test_levels_that_hits_contradict_are_told_why(said, says):
@@ -344,7 +344,7 @@ class TestLevels:
         heavier = (replace(found, mass=1.3 * MASS) for found in (one, other))
         here, there = (resonance_at_level(found, 0.05)[0] for found in heavier)
         assert there / here - 1 == pytest.approx(0.005, abs=1e-3)
-        assert "of another by 0.5 %" in " ".join(one.described)
+        assert "that of another mass moves by 0.5 %" in " ".join(one.described)
 
     def test_a_linear_truth_needs_no_sliders(self):
         def nothing(X):
@@ -365,7 +365,7 @@ class TestLevels:
         for one in three(noise=0.0):
             off = part * (rng.normal(size=len(F)) + 1j * rng.normal(size=len(F)))
             sd = part * np.abs(one.value) if said else None
-            noisy.append(FRF(F, one.value * (1 + off), one.kind, sd=sd, units="SI"))
+            noisy.append(FRF(F, one.value * (1 + off), one.quantity, sd=sd, units="SI"))
         found = fit_levels(noisy, LEVELS, mass=MASS)
         assert bool(worst(found) < 0.002) is said
         assert found.verdict.use == use
@@ -377,7 +377,7 @@ class TestLevels:
         noisy = []
         for one in three(noise=0.0):
             off = part * (rng.normal(size=len(F)) + 1j * rng.normal(size=len(F)))
-            noisy.append(FRF(F, one.value * (1 + off), one.kind, units="SI"))
+            noisy.append(FRF(F, one.value * (1 + off), one.quantity, units="SI"))
         found = fit_levels(noisy, LEVELS, mass=MASS)
         ratio = next(c.value for c in found.checks if c.name == "levels_followed")
         assert 0.8 < ratio < 1.2
@@ -413,7 +413,7 @@ class TestLevels:
         odd = wrong.get("gain", 1.0) * np.exp(1j * wrong.get("phase", 0.0))
         which = slice(1, 2) if "gain" in wrong else slice(None)
         frfs[which] = [
-            FRF(one.frequency, one.value * odd, one.kind, units="SI") for one in frfs[which]
+            FRF(one.frequency, one.value * odd, one.quantity, units="SI") for one in frfs[which]
         ]
         found = fit_levels(frfs, wrong.get("levels", LEVELS), mass=wrong.get("mass", MASS))
         assert found.verdict.use == use

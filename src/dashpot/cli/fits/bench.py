@@ -67,5 +67,5 @@ def _figure(found: dp.Fit, records: tuple[Any, ...]) -> dp.plot.Picture:
     others: list[dp.Fit] = []
     if len(records) == 1 and isinstance(records[0], dp.RampHold):
         method: Method = "hold" if found.method == "hold" else "full"
-        others = [dp.fit(records, arms=n, method=method, intervals=False) for n in (1, 2)]  # Fig. 4
+        others = [workflow.of_order(records[0], n, method=method) for n in (1, 2)]  # Fig. 4
     return dp.plot.bench(found, records, alternatives=others)

@@ -12,12 +12,9 @@ from dashpot.base.choices import FamilyAsked
 from dashpot.cli._shell import Outcome, is_json, printed, typed, write
 from dashpot.cli.fits import hits
 from dashpot.cli.fits._given import Given
-from dashpot.told import text as text_of
-from dashpot.told.layout import Text
-from dashpot.told.lines import sensitive
+from dashpot.told.joint import identified
+from dashpot.workflow.impacts import Identified
 
-_ROWS = 3
-"""Lines of a transmissibility that are shown: both ends of its band, and between."""
 _A_DECK = ("--to", "nastran", "--unit-system", "mm-t-s", "-o", "seal.bdf")
 VIBRATION = ("impact", "frf", "transmissibility")
 
@@ -50,12 +47,12 @@ def run(given: Given) -> Outcome:
     if given.output:
         _keep(found, given.output)
     return Outcome(
-        found, _told(found), found.checks, verdict=found.verdict,
+        found, identified(found), found.checks, verdict=found.verdict,
         follow=_follow(given, found.fit),
     )  # fmt: skip
 
 
-def _keep(found: workflow.Identified, path: str) -> None:
+def _keep(found: Identified, path: str) -> None:
     """Write the fit, or the FRF that it was fitted to."""
     if path.lower().endswith(hits.FRF):
         if found.vibration is None:
@@ -63,18 +60,6 @@ def _keep(found: workflow.Identified, path: str) -> None:
         hits.keep(found.vibration, found.vibration.frf, path)
     else:
         write(path, printed(found.fit) + "\n")
-
-
-def _told(found: workflow.Identified) -> Text:
-    """The solid, and the modes of what was measured where nothing else was fitted."""
-    (named, *lines), details = text_of.fit(found.fit)
-    first, straight = [named], found.direct.of
-    if straight.over_base:
-        errors = ("phase", "mass")
-        first += sensitive(straight, errors=errors, unit="N/m", shown=_ROWS)
-    rests = [str(found.at_rest)] if str(found.at_rest) else []
-    modes = text_of.impact(found.vibration) if found.vibration else Text()
-    return Text([*first, *lines, *rests, *modes.lines], [*details, *modes.details])
 
 
 def _follow(given: Given, found: dp.Fit) -> str:

@@ -25,5 +25,5 @@ def run(given: Given) -> Outcome:
     )
     given.draw(lambda: dp.plot.level(found.fit, found.records))
     if given.output:
-        write(given.output, dp.report.html(found) if kept in PAGE else printed(found) + "\n")
+        write(given.output, workflow.html(found) if kept in PAGE else printed(found) + "\n")
     return Outcome(found, text_of.levels(found), found.checks, verdict=found.verdict)

@@ -26,7 +26,8 @@ def run(given: Given) -> Outcome:
         family=given.model(FamilyAsked, "maxwell"),
         specimen=given.specimen,
         options=given.reading,
-        **given.some("density", "rod", "arms", "band", "hammer"),
+        mass_sd=given["rig"].mass_sd,
+        **given.some("density", "rod", "arms", "band", "hammer", "poisson"),
     )
     if given.output:
         if found.fit is None:

@@ -33,6 +33,10 @@ from dashpot.engine.blocks.late_force import Late, Steps, late_lags, turned_back
 #: relative sum of squares below which a Gram matrix holds rounding only
 ROUNDING = 1e-14
 _SIGNS = np.array([[1.0], [-1.0]])
+#: of the energy of all steps: an arm with less in a window is nothing there
+NOTHING = 1e-15
+#: a ridge that takes no digit that counts
+LARGEST_RIDGE = 1e-9
 #: part of the whole motion that is rest: rounding
 RESTS = 1e-13
 #: so many columns of decays are dependent to rounding
@@ -56,6 +60,8 @@ class ConvolvedMotion(ByValue):
         Conjugate Fourier transform of the displacement's steps, zero padded.
     energy : float
         Sum of squared steps in the window.
+    rounding : float
+        What is rounding of the energy of an arm without decay: a part of all steps' energy.
     start, count, step
         First sample of the window, samples up to its end, sample interval in s.
     steps : Steps or None
@@ -69,6 +75,7 @@ class ConvolvedMotion(ByValue):
     lagged: ComplexArray
     size: int
     energy: float
+    rounding: float
     start: int
     count: int
     step: float
@@ -125,6 +132,14 @@ class ConvolvedMotion(ByValue):
             _mirror(gram, y, there, arm.dg * arm.y + arm.g * arm.dy)
             _mirror(gram, here, there, products.qp)
             gram[..., there, there] = products.pp
+        own = np.diagonal(gram, axis1=-2, axis2=-1)[..., here]
+        lost = own < arm.g * arm.g * self.rounding
+        if lost.any():
+            gone = np.zeros((*tau.shape[:-1], size), dtype=bool)
+            gone[..., here] = lost
+            if derivative:
+                gone[..., there] = lost
+            gram[gone[..., :, None] | gone[..., None, :]] = 0.0
         return gram
 
     def products(self, tau: FloatArray, sequences: FloatArray) -> FloatArray:
@@ -153,15 +168,16 @@ class ConvolvedMotion(ByValue):
         )
 
 
-def _own_lag(d: FloatArray, start: int, moving: int) -> FloatArray:
-    """Correlation of the steps from `start` on with all steps, the last of which is at `moving`."""
+def _own_lag(bare: ConvolvedMotion, d: FloatArray, moving: int) -> FloatArray:
+    """Correlation of the steps of the window with all steps, the last of which is at `moving`."""
+    if d[: bare.start].any():
+        # never the difference of two correlations: the last creep of a motion is lost in it
+        return bare.lag(d[bare.start :])
     found = np.zeros(len(d))
-    for count, sign in ((moving, 1.0), (min(start, moving), -1.0)):
-        if d[:count].any():
-            size = fast_length(2 * count)
-            spectrum = np.fft.rfft(d[:count], size)
-            power = spectrum.real**2 + spectrum.imag**2
-            found[:count] += sign * np.fft.irfft(power, size)[:count]
+    size = fast_length(2 * moving)
+    spectrum = np.fft.rfft(d[:moving], size)
+    power = spectrum.real**2 + spectrum.imag**2
+    found[:moving] = np.fft.irfft(power, size)[:moving]
     return found
 
 
@@ -261,15 +277,20 @@ def _mirror(gram: FloatArray, row: slice | int, column: slice, values: FloatArra
 def upper_factor(gram: FloatArray) -> FloatArray:
     """Upper factors R with R'R = gram, (..., c, c), scaled to a unit diagonal first.
 
-    Dependent columns leave a ridge of rounding size, never an error.
+    Dependent columns leave a ridge of rounding size; a column that is nothing stays nothing.
 
     Raises
     ------
     FitError
-        If a number is not finite.
+        If a number is not finite, or rounding takes more than 1e-9 of the columns.
     """
-    scale = np.sqrt(np.maximum(np.diagonal(gram, axis1=-2, axis2=-1), 1e-300))
-    unit = gram / (scale[..., :, None] * scale[..., None, :])
+    own = np.diagonal(gram, axis1=-2, axis2=-1)
+    there = ~(own <= 0)  # what is no number is not passed over
+    scale = np.sqrt(np.where(there, own, 0.0))
+    shrink = np.where(there, 1 / np.where(there, scale, 1.0), 0.0)
+    unit = gram * (shrink[..., :, None] * shrink[..., None, :])
+    if not there.all():
+        unit += (~there)[..., None] * np.eye(unit.shape[-1])
     ridge = 0.0
     if unit.shape[-1] > MANY:
         ridge = ROUNDING
@@ -279,10 +300,11 @@ def upper_factor(gram: FloatArray) -> FloatArray:
             lower = np.linalg.cholesky(unit)
         except np.linalg.LinAlgError:
             ridge = max(10 * ridge, 1e-15)
-            if not ridge < 1.0:
+            if not ridge < LARGEST_RIDGE:
                 raise FitError(
-                    "the terms of the fit are no finite numbers on this record: its times and "
-                    "those of the records fitted with it lie too far apart; check their units"
+                    "the terms of the fit are no finite numbers on this record, or no two of them "
+                    "can be told apart: its times and those of the records fitted with it lie too "
+                    "far apart; check their units"
                 ) from None
             unit = unit + ridge * np.eye(unit.shape[-1])
         else:
@@ -318,11 +340,12 @@ def convolved(
         lagged=np.conjugate(lagged, out=lagged),
         size=size,
         energy=float(d[start:] @ d[start:]),
+        rounding=NOTHING * float(d @ d),
         start=start,
         count=stop,
         step=float(time[-1] - time[0]) / (len(time) - 1),
     )
-    own = _own_lag(d, start, moving)
+    own = _own_lag(bare, d, moving)
     rows = [_lagged(bare, column, x, d, own) for column in fixed.T]
     nodes = lags.nodes_of_each([*rows, own, d[::-1]])
     sequences = np.concatenate((nodes[:-1], before[None], nodes[-1:]))

@@ -52,7 +52,8 @@ def recorded_block(
     .. math:: F_i = k_\infty x_i + \sum_j k_j q_j(t_i) + F_0 + \dot F (t_i - t_0)
 
     The form is chosen by the record: correlation on a uniform grid from where every weight is 1,
-    recursion otherwise, reduced (:mod:`dashpot.engine.blocks.kernels`) if it is long.
+    if it moves there, recursion otherwise, reduced (:mod:`dashpot.engine.blocks.kernels`) if it is
+    long.
 
     Parameters
     ----------
@@ -100,7 +101,9 @@ def recorded_block(
     # the first sample from which on every weight is 1
     even = 0 if weights is None else int(np.flatnonzero(weights[:stop] != 1)[-1:].sum()) + 1
     near = reach is None or reach[1] <= FARTHEST * limits[1]
-    if x[0] != 0 or len(time) <= SMALL or step is None or even > stop // 2 or not near:
+    # the correlation of a plate at rest is rounding: it is none where the weights end there
+    rests = even > 0 and not np.diff(x[even - 1 : stop]).any()
+    if x[0] != 0 or len(time) <= SMALL or step is None or even > stop // 2 or not near or rests:
         whole = replace(exact(start, stop, weights), window=limits)
         return whole if reach is None and stop - start < LONG else reduced_block(whole, reach=reach)
     if even <= start:

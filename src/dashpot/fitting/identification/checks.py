@@ -7,6 +7,7 @@ from typing import Protocol
 import numpy as np
 
 from dashpot.base.checks import Check, Finding, Remedy, criterion
+from dashpot.base.sentences import paragraph
 from dashpot.base.status import Status
 from dashpot.engine.inference.order import DECISIVE, MAX_SE_LN_TAU
 from dashpot.records.fit import Explanation
@@ -17,6 +18,7 @@ UNEXPLAINED = 0.1
 # a squared residual so many times as large is another seal
 CONTRADICTED = 4.0
 REMEDY = Remedy("Weigh the block. Check number, length and compression of the seals.", "mass")
+_APART = "Hammer and relaxation test contradict each other"
 # a force missed by less than this part of its peak changes no use of the solid
 IMMATERIAL = 1e-4
 # a stiffness, mass or gain this far off moves a peak by half of it
@@ -86,7 +88,7 @@ def relaxation_still_explained(
         f"In the joint fit relaxation test {number} has {ratio:.3g} times the squared residual "
         "of its own fit",
         ratio,
-        f"Hammer and relaxation test contradict each other. {why}",
+        paragraph(_APART, why),
         REMEDY,
         excused=missed < IMMATERIAL,
         grade="stop" if ratio > CONTRADICTED else None,
@@ -100,7 +102,7 @@ def earlier_fit_kept(off: float, *, why: str = "") -> Finding:
         f"The joint fit moves the parameters of the earlier fit by {off:.2g} of their standard "
         "deviations",
         off,
-        f"Hammer and relaxation test contradict each other. {why}",
+        paragraph(_APART, why),
         REMEDY,
     )
 
@@ -119,11 +121,11 @@ def tests_agree(lead: Explanation | None) -> Finding:
     if lead is None:
         return Finding("One seal explains relaxation test and hammer", 0.0)
     if lead.explains:
-        says = f"Relaxation test and hammer match if {lead.says}"
+        says = f"Both tests match only if {lead.says}"
     else:
         says = (
-            f"No single seal as described matches both tests. The closest change is that "
-            f"{lead.says}, and it is not enough"
+            f"No single seal matches both tests; the closest change is that {lead.says}. It is "
+            "not enough"
         )
     slight = lead.explains and abs(lead.departure) <= SLIGHT
     return Finding(

@@ -130,7 +130,7 @@ def disagreement(
         if one.explains and candidate.criterion <= alike
     ]
     if told[0].explains and rivals:
-        says = f"{told[0].says} (as well explained if {', or if '.join(rivals)})"
+        says = f"{told[0].says}. It is as well explained if {', or if '.join(rivals)}"
         told[0] = replace(told[0], says=says)
     return Disagreement(tuple(told), freed(before, told[0].name).point.model)
 
@@ -256,19 +256,15 @@ def as_other_count(value: float) -> str:
     times = max(value, 1 / value)
     if round(times) < 2 or abs(times / round(times) - 1) > _LIKE_A_COUNT:
         return ""
-    many = f"{round(times)} times as many" if value > 1 else f"one in {round(times)}"
-    return f", as {many} of them would be"
+    many = f"{round(times)} times as many seals" if value > 1 else f"one seal in {round(times)}"
+    return f". So would be {many}"
 
 
 _SENTENCES: dict[str, Callable[[float, float], str]] = {
     "stiffness": lambda value, error: (
-        f"the seals under the hammer are {_percent(value, error)} than in the relaxation test"
-        f"{as_other_count(value)}"
+        f"the seals are {_percent(value, error)} under the hammer{as_other_count(value)}"
     ),
-    "k_inf": lambda value, error: (
-        f"at rest alone (k_inf) the seals under the hammer are {_percent(value, error)} than in "
-        "the relaxation test"
-    ),
+    "k_inf": lambda value, error: f"k_inf alone is {_percent(value, error)} under the hammer",
     "mass": lambda value, error: (
         f"the mass is {with_error(in_unit(value, 'g'), in_unit(error, 'g'))} g"
     ),
@@ -286,8 +282,8 @@ def _elsewhere(
         return ""
     shape = np.asarray(law.ratio)
     if not shape.min() <= value <= shape.max():
-        return ", which its elastic law gives at no compression tested"
+        return ". Their elastic law gives this at no compression tested"
     x = np.linspace(0.0, law.depth, 2001)
     at = float(x[np.argmin(np.abs(law.factor(x) - value))])
     supposed = "" if compression is None else f", not {written(compression, 'mm', '.3g')}"
-    return f", as its elastic law is at a compression of {written(at, 'mm', '.3g')}{supposed}"
+    return f". Their elastic law gives this at {written(at, 'mm', '.3g')}{supposed}"

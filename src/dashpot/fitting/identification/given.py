@@ -74,7 +74,7 @@ def before_hammer(
     same = len(records) == 1 and before.method in words(Method)
     alone = [before] if same else [fit_tests(record) for record in records]
     found = tuple(
-        relaxation_data(record, before, alone=own)
+        relaxation_data(record, before, alone=own, claimed=False)
         for record, own in zip(records, alone, strict=True)
     )
     bent = before.elastic_law is not None and before.elastic_law.kind != "linear"

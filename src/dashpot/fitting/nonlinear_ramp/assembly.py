@@ -112,10 +112,12 @@ def law_checks(
         for one, test in zip(found.residuals, tests, strict=True)
     ]
     left = Residuals(held, residual.rms, residual.kappa)
-    return (*solid_checks(tests, found.model, error, left, end), *ramp_checks(tests, found))
+    return (*solid_checks(tests, found.model, error, left, end), *ramp_checks(tests, found, end))
 
 
-def ramp_checks(tests: Sequence[RampHold], found: RampLaw) -> tuple[Check, ...]:
+def ramp_checks(
+    tests: Sequence[RampHold], found: RampLaw, end: EndOfHold | None
+) -> tuple[Check, ...]:
     """Return the checks of elastic law and load cell, each at its worst over the records."""
     rows = found.followed.weighted.solid.rows
     worst = int(np.argmax(found.missed))
@@ -133,7 +135,7 @@ def ramp_checks(tests: Sequence[RampHold], found: RampLaw) -> tuple[Check, ...]:
         checks.hold_followed(
             found.rho, [one / rows.peak(i) for i, one in enumerate(found.followed.hold)]
         ),
-        checks.tangent_told(found.law.kind, different_ramps(tests)),
+        checks.tangent_told(found.law, different_ramps(tests)),
         checks.k_inf_believable(
             found.model,
             float(np.hypot(error[0], found.hold.plateau_error[deepest])),
@@ -150,7 +152,8 @@ def ramp_checks(tests: Sequence[RampHold], found: RampLaw) -> tuple[Check, ...]:
             [
                 (values[f"drift@{i}"], *known.drift, material(tests[i]).drift)
                 for i, known in enumerate(rows.known)
-            ]
+            ],
+            np.inf if end is None else end.beyond,
         ),
     )
 

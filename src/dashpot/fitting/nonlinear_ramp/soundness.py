@@ -8,6 +8,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.engine.inference.covariance import noise_of
+from dashpot.fitting.checks.relaxation import slow_noise
 from dashpot.fitting.nonlinear_ramp.thinning import relaxes_from
 from dashpot.preparation.denoising import true_motion
 from dashpot.records.relaxation import RampHold
@@ -101,7 +102,7 @@ def linear_soundness(test: RampHold, whole: FloatArray, alone: FloatArray) -> So
         rms,
         float(np.sqrt(np.mean(held**2))),
         least,
-        noise=sample_noise(test.force_noise, least),
+        noise=max(sample_noise(test.force_noise, least), slow_noise(alone, peak)),
         discrepancy=rms / max(least, 1e-300) * float(np.sqrt(noises[0].kappa / noises[1].kappa)),
         samples=len(ramp) / noises[1].kappa,
         peak=peak,

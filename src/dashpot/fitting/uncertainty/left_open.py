@@ -19,43 +19,53 @@ from dashpot.fitting.relaxation_data import RelaxationData
 from dashpot.fitting.uncertainty.admissible_spectra import AdmissibleSpectra, deviance_limit
 from dashpot.records.bounds import EndOfHold
 from dashpot.records.estimate import Interval
+from dashpot.solids.maxwell import GeneralizedMaxwell
 
 
 def end_of_hold(
     relaxations: Sequence[RelaxationData],
     *,
     time: float,
-    tau: Sequence[float],
+    own: GeneralizedMaxwell,
     dof: float,
     level: float = 0.95,
 ) -> EndOfHold:
     """Return the limits of k(T), k(3 T), k_inf, and of the slope at T.
+
+    They hold the fit itself: nothing is printed outside its own interval.
 
     Parameters
     ----------
     relaxations : sequence of RelaxationData
     time : float
         T, how long the longest of them was held, s.
-    tau : sequence of float
-        Relaxation times of the fit, s.
+    own : GeneralizedMaxwell
+        The fit.
     dof : float
         Degrees of freedom of the noise.
     level : float
         Coverage of each limit, nearly.
     """
     spectra = AdmissibleSpectra(
-        relaxations, fastest=1 / time, limit=deviance_limit(level, dof), further=tau
+        relaxations, fastest=1 / time, limit=deviance_limit(level, dof), further=own.tau
     )
     at_once = spectra.relaxed_to(np.inf)
     k_end, k_3end = (_above_zero(spectra.reach(spectra.relaxed_to(n * time))) for n in (1, 3))
     falling = spectra.falling_at(time)
+    here, later = (float(own.relaxation(n * time)) for n in (1, 3))
+    missed = max(k_end[0] - here, here - k_end[1], 0.0)
     return EndOfHold(
         time=time,
-        k_end=k_end,
-        k_3end=k_3end,
-        k_inf=(0.0, float(at_once @ spectra.farthest(at_once))),
+        k_end=_holding(k_end, here),
+        k_3end=_holding(k_3end, later),
+        k_inf=(0.0, max(float(at_once @ spectra.farthest(at_once)), own.k_inf)),
         falling=float(falling @ spectra.farthest(falling)),
+        beyond=missed / max(k_end[1] - k_end[0], 1e-300),
     )
+
+
+def _holding(reach: Interval, own: float) -> Interval:
+    return min(reach[0], own), max(reach[1], own)
 
 
 def _above_zero(reach: Interval) -> Interval:

@@ -13,7 +13,7 @@ from dashpot.base.arrays import ComplexArray, FloatArray, samples
 from dashpot.base.choices import Method, words
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, si
-from dashpot.fitting.parameters import axes, own
+from dashpot.fitting.parameters import own, root
 from dashpot.fitting.uncertainty.admissible_spectra import AdmissibleSpectra, deviance_limit
 from dashpot.fitting.uncertainty.stiffness_set import distances, ratios
 from dashpot.fitting.weighed_relaxation import relaxation_data
@@ -281,7 +281,7 @@ def _draws(mean: FloatArray, covariance: FloatArray, widest: FloatArray) -> Floa
     covariance[lost, :] = covariance[:, lost] = 0.0
     covariance[lost, lost] = widest[lost] ** 2
     normal = np.random.default_rng(SEED).standard_normal((DRAWS, len(mean)))
-    return np.asarray(mean + normal @ axes(covariance))
+    return np.asarray(mean + normal @ root(covariance))
 
 
 def _quantiles(values: FloatArray, own: FloatArray, level: float) -> FloatArray:

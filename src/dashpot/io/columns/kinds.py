@@ -309,10 +309,13 @@ def kind_of(table: FileTable, options: ReadOptions) -> tuple[FileKind, str]:
     if options.kind is not None:
         return known_kind(options.kind), "as was said"
     named = _NamedColumns(table, options)
-    peaks = None if named.swept() else cycle_peaks(table)
+    swept = named.swept()
+    peaks = None if swept else cycle_peaks(table)
     if peaks:
         return "not-a-test", peaks
     said = {kind for role, kinds in _OF_ROLE.items() if named.names(role) for kind in kinds}
+    if named.names("stress", "strain") and not swept:  # of a sweep they are amplitudes
+        said.add("stress-strain")
     rules = sorted(_RULES, key=lambda rule: rule[0] not in said)
     kind, reason = next((kind, reason) for kind, reason, holds in rules if holds(named))
     if kind == "dma":

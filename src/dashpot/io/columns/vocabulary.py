@@ -180,11 +180,16 @@ _SPAN = re.compile(
     r"|峰峰|[双両全]振幅"
 )
 _RMS = ("rms", "effektiv", "effektivwert", "eff")
-_STEMS = tuple(
-    (word, roles)
-    for word, roles in FIRST.items()
-    if len(word) >= 4 or word in {"weg", "čas"} or ord(word[0]) > 0x3000
+_EAST = MappingProxyType({word: roles for word, roles in FIRST.items() if ord(word[0]) > 0x3000})
+"""Words that stand in others without a blank."""
+_STEMS = MappingProxyType(
+    {
+        word: roles
+        for word, roles in FIRST.items()
+        if len(word) >= 4 or word in {"weg", "čas"} or word in _EAST
+    }
 )
+"""Words that others end with."""
 
 
 def tokens(name: str) -> list[str]:
@@ -192,7 +197,7 @@ def tokens(name: str) -> list[str]:
     return plain(name).split()
 
 
-@lru_cache(maxsize=4096)
+@lru_cache(maxsize=1 << 16)
 def has_word(name: str, words: tuple[str, ...]) -> bool:
     """Whether one of the words stands in the name, alone or (CJK) as a part."""
     found = {part for word in tokens(name) for part in (word, word.rstrip("0123456789"))}
@@ -204,11 +209,15 @@ def _roles(spelling: str) -> Iterator[tuple[Role, float]]:
     first = FIRST.get(spelling, ())
     yield from ((role, 3.0) for role in first)
     yield from ((role, 1.5) for role in SECOND.get(spelling, ()))
-    for stem, roles in () if first else _STEMS:
-        # German puts the head of a compound last: Standardkraft is a force
-        east = ord(stem[0]) > 0x3000 and stem in spelling
-        if len(spelling) > len(stem) and (spelling.endswith(stem) or east):
-            yield from ((role, 2.5) for role in roles)
+    if first:
+        return
+    # German puts the head of a compound last: Standardkraft is a force
+    for start in range(1, len(spelling)):
+        yield from ((role, 2.5) for role in _STEMS.get(spelling[start:], ()))
+    if not spelling.isascii():
+        for stem, roles in _EAST.items():
+            if stem in spelling:
+                yield from ((role, 2.5) for role in roles)
 
 
 def says_size(name: str) -> bool:
@@ -235,7 +244,7 @@ def over_amplitude(name: str) -> tuple[float, str]:
     return (2**-0.5, "an rms") if has_word(name, _RMS) else (1.0, "")
 
 
-@lru_cache(maxsize=4096)
+@lru_cache(maxsize=1 << 16)
 def matches(name: str) -> MappingProxyType[Role, float]:
     """How well a name says each role: 3 exactly, 2.5 as a part of a word, 1.5 perhaps."""
     scores: dict[Role, float] = {}

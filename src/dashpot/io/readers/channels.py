@@ -87,14 +87,16 @@ def opened(path: str | Path, options: ReadOptions | None, *, sure: bool = True) 
         If it cannot be read, or, where it must be `sure`, its numbers can be read two ways.
     """
     options = (options or ReadOptions()).of(path)
-    file = _LEFT_OPEN.pop(_key(path, options), None)
-    if file is None:
-        raw = open_raw(path)
-        file = Opened(raw, read_table(raw, options), options)
+    file = left_open(path, options) or open_table(open_raw(path), options)
     with about(file.raw.name):
         if sure and file.table.doubts:
             raise ReadError(file.table.doubts[0].says)
         yield file
+
+
+def open_table(raw: Raw, options: ReadOptions) -> Opened:
+    """Return a file with the table found in it."""
+    return Opened(raw, read_table(raw, options), options)
 
 
 _LEFT_OPEN: dict[object, Opened] = {}
@@ -110,6 +112,11 @@ def leave_open(path: str | Path, file: Opened) -> None:
         while len(_LEFT_OPEN) >= _MOST:
             _LEFT_OPEN.pop(next(iter(_LEFT_OPEN)), None)
         _LEFT_OPEN[key] = file
+
+
+def left_open(path: str | Path, options: ReadOptions) -> Opened | None:
+    """Return a file that was left open, which then is so no longer."""
+    return _LEFT_OPEN.pop(_key(path, options), None)
 
 
 def _key(path: str | Path, options: ReadOptions) -> object:
@@ -235,17 +242,22 @@ def with_units(file: Opened, chosen: Sequence[Assigned]) -> list[Channel]:
     return found
 
 
-def refuse_sizes(file: Opened, answers: Sequence[tuple[Channel, Sequence[Check]]]) -> None:
-    """Ask for the first unit that makes an unbelievable size, but for those that the user said.
+def refuse_sizes(file: Opened, answers: Sequence[tuple[Channel, Sequence[Check]]]) -> list[str]:
+    """Ask for the first unit that makes an unbelievable size; return notes on unusual ones.
+
+    The user's own word for a unit is not doubted.
 
     Raises
     ------
     ReadError
     """
+    notes = []
     for one, checks in answers:
-        failed = [check for check in checks if check.failed]
-        if failed and not is_stated(file, one):
-            raise ReadError(failed[0].typed)
+        failed = [check for check in checks if check.failed and not is_stated(file, one)]
+        if asked := [check.typed for check in failed if check.grade == "stop"]:
+            raise ReadError(asked[0])
+        notes += [check.typed for check in failed]
+    return notes
 
 
 def is_stated(file: Opened, one: Channel) -> bool:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from typing import TypedDict
 
-from dashpot.base.checks import Criterion, Finding, Remedy, criterion
+from dashpot.base.checks import Criterion, Finding, Grade, Remedy, criterion
+from dashpot.base.plausible import SIZES, short
 from dashpot.base.units import in_unit
 
-LEAST_TRAVEL = 2e-5
-LEAST_FORCE = 1e-2
+LEAST_TRAVEL = SIZES["travel"].soft[0]
+LEAST_FORCE = SIZES["force"].soft[0]
 LEAST_STRAIN = 0.01
 MOST_STRESS_FACTOR = 1e4
 
@@ -28,9 +29,18 @@ _COARSE = {"mm", "cm", "in", "ft"}
 
 
 def _of_size(
-    name: str, question: str, measure: str, because: str, *, says: str, role: str
+    name: str,
+    question: str,
+    measure: str,
+    because: str,
+    *,
+    says: str,
+    role: str,
+    grade: Grade = "stop",
 ) -> Criterion[[float, str]]:
     """A question to one size, whose unit is that of a role; `says` is how the size is told.
+
+    Graded a note it asks nothing: a file states its units, and there are some such tests.
 
     `measure` is the size with its rule, limit and unit, such as ``"travel <= 0.2 m"``.
     """
@@ -41,10 +51,10 @@ def _of_size(
 
     @criterion(
         f"{what}, {symbol}", rule, float(limit), f"our choice: {because}",
-        grade="stop", name=name, question=question,
+        grade=grade, name=name, question=question,
     )  # fmt: skip
     def judge(size: float, unit: str) -> Finding:
-        told = f"{says} {_short(size, symbol)}"
+        told = f"{says} {short(size, symbol)}"
         return Finding(told, size, **_asked(told, role, unit, likely))
 
     return judge
@@ -53,8 +63,8 @@ def _of_size(
 travel_of_a_seal = _of_size(
     "travel_of_a_seal",
     "The displacement goes no farther than a bench presses a seal.",
-    "travel <= 0.2 m", "no bench presses a seal so far",
-    says="The displacement goes over", role="displacement",
+    f"travel <= {SIZES['travel'].soft[1]!r} m", "few benches press a seal so far",
+    says="The displacement goes over", role="displacement", grade="note",
 )  # fmt: skip
 
 
@@ -67,9 +77,9 @@ travel_of_a_seal = _of_size(
 )
 def travel_of_a_bench(travel: float, unit: str, *, force: float) -> Finding:
     """The displacement goes as far as a force of that size presses rubber."""
-    says = f"The displacement goes over {_short(travel, 'm')}"
+    says = f"The displacement goes over {short(travel, 'm')}"
     probe = force < 10 * LEAST_FORCE and unit not in _COARSE
-    beside = f"{says} under {_short(force, 'N')}"
+    beside = f"{says} under {short(force, 'N')}"
     return Finding(
         says,
         travel,
@@ -81,8 +91,8 @@ def travel_of_a_bench(travel: float, unit: str, *, force: float) -> Finding:
 force_of_a_seal = _of_size(
     "force_of_a_seal",
     "The force is no greater than a seal carries.",
-    "rise of the force <= 1e3 N", "ten times what a seal carries",
-    says="The force goes over", role="force",
+    f"rise of the force <= {SIZES['force'].soft[1]!r} N", "ten times what a seal carries",
+    says="The force goes over", role="force", grade="note",
 )  # fmt: skip
 
 
@@ -95,8 +105,8 @@ force_of_a_seal = _of_size(
 )
 def force_of_a_bench(force: float, unit: str, *, travel: float) -> Finding:
     """The force is as great as rubber answers such a travel with."""
-    says = f"The force goes over {_short(force, 'N')}"
-    beside = f"{says} while the displacement goes over {_short(travel, 'm')}"
+    says = f"The force goes over {short(force, 'N')}"
+    beside = f"{says} while the displacement goes over {short(travel, 'm')}"
     return Finding(
         says,
         force,
@@ -108,15 +118,31 @@ def force_of_a_bench(force: float, unit: str, *, travel: float) -> Finding:
 time_of_a_test = _of_size(
     "time_of_a_test",
     "The record is as long as a ramp and a hold take.",
-    "length of the record >= 0.1 s", "a ramp alone takes longer",
+    f"length of the record >= {SIZES['record'].soft[0]!r} s", "a ramp alone takes longer",
     says="The record lasts", role="time",
 )  # fmt: skip
 ramp_not_slow = _of_size(
     "ramp_not_slow",
     "The ramp is over before most of the relaxation is.",
-    "length of the ramp <= 200.0 s", "the seal relaxes as it is pressed",
-    says="The ramp takes", role="time",
+    f"length of the ramp <= {SIZES['ramp'].soft[1]!r} s", "the seal relaxes as it is pressed",
+    says="The ramp takes", role="time", grade="note",
 )  # fmt: skip
+
+
+@criterion(
+    "size / largest, or least / size", "<=", 1.0, "the table of plausible sizes", grade="stop"
+)
+def size_possible(kind: str, size: float, unit: str, *, role: str) -> Finding:
+    """The size is one that some test of rubber has."""
+    row = SIZES[kind]
+    low, high = row.hard
+    says = f"{row.what} is {short(size, row.unit)}"
+    expected = f"{says}, where {short(low, row.unit)} to {short(high, row.unit)} is expected"
+    likely = _SMALLER if size > high else _LARGER
+    far = max(size / high, low / size) if size > 0 else 0.0
+    return Finding(says, far, **_asked(expected, role, unit, likely))
+
+
 ramp_not_fast = _of_size(
     "ramp_not_fast",
     "The ramp is no faster than a bench drives.",
@@ -190,7 +216,7 @@ def strain_of_a_rubber(strain: float, unit: str) -> Finding:
 )
 def stress_of_a_rubber(stress: float, unit: str) -> Finding:
     """The stress is one that rubber or foam bears."""
-    says = f"The stress reaches {_short(stress, 'Pa')}"
+    says = f"The stress reaches {short(stress, 'Pa')}"
     likely = {"Pa": "MPa", "kPa": "MPa"} if stress < 1e6 else {"GPa": "MPa", "MPa": "Pa"}
     return Finding(says, in_unit(stress, "MPa"), **_asked(says, "stress", unit, likely))
 
@@ -212,11 +238,3 @@ def _asked(says: str, role: str, unit: str, likely: dict[str, str]) -> _Advice:
         "instead": question,
         "remedy": Remedy(words, "units", f"{role}={likelier or unit}"),
     }
-
-
-def _short(value: float, unit: str) -> str:
-    """A size as people say it: 2.1 kN, 41 ms."""
-    for factor, prefix in ((1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "u")):
-        if value >= factor:
-            return f"{value / factor:.3g} {prefix}{unit}"
-    return f"{value:.3g} {unit}"

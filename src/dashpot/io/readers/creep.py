@@ -81,23 +81,27 @@ def creep_in(file: Opened, specimen: Specimen) -> CreepTest | CreepCompliance:
     values, notes = recorded(file, chosen)
     time, moved, pushed = (values[role] for role in wanted)
     if wanted is _PART:
-        _refuse_sizes(file, chosen, values)
+        notes += _refuse_sizes(file, chosen, values)
     unit = "Pa" if wanted is _MATERIAL else "N/m"
     return CreepTest(time, moved, pushed, unit, specimen, source(notes), units="SI")
 
 
 def _refuse_sizes(
     file: Opened, chosen: Sequence[Channel], values: Mapping[Role, FloatArray]
-) -> None:
-    """Ask for the units again that make a size no test of a seal has."""
-    asked: dict[str, Callable[[float, str], Check]] = {
-        "displacement": checks.travel_of_a_seal,
-        "force": checks.force_of_a_seal,
-        "time": checks.time_of_a_test,
+) -> list[str]:
+    """Ask for the units again that make a size no test of a seal has; notes on unusual ones."""
+    asked: dict[str, tuple[str, Callable[[float, str], Check]]] = {
+        "displacement": ("travel", checks.travel_of_a_seal),
+        "force": ("force", checks.force_of_a_seal),
+        "time": ("record", checks.time_of_a_test),
     }
-    spans = [(one, float(np.ptp(values[one.role]))) for one in chosen]
-    answers = [(one, [asked[one.role](span, one.unit.word)]) for one, span in spans]
-    channels.refuse_sizes(file, answers)
+    answers: list[tuple[Channel, list[Check]]] = []
+    for one in chosen:
+        span, unit = float(np.ptp(values[one.role])), one.unit.word
+        kind, unusual = asked[one.role]
+        possible = checks.size_possible(kind, span, unit, role=one.role)
+        answers.append((one, [possible, unusual(span, unit)]))
+    return channels.refuse_sizes(file, answers)
 
 
 def _curve(file: Opened, specimen: Specimen, said: list[str]) -> CreepCompliance:

@@ -23,9 +23,9 @@ from dashpot.io.readers.channels import Opened
 from dashpot.io.readers.clocks import own_clocks
 from dashpot.io.readers.dynamic import sweep_columns
 from dashpot.io.readers.frf import settled
-from dashpot.io.readers.recognise import Recognised, recognise_opened, used, without_table
+from dashpot.io.readers.recognise import Recognised, look, recognise_opened, used
 from dashpot.io.readers.shaken import of_mass
-from dashpot.io.source import open_raw
+from dashpot.io.source import about, open_raw
 from dashpot.io.table import FileTable, Loaded, Question
 
 COURSE_ROWS = 400
@@ -161,10 +161,10 @@ def inspect_file(path: str | Path, *, options: ReadOptions | None = None) -> Ins
     ReadError
         If the file cannot be opened, or holds no table and nothing that dashpot knows.
     """
-    own = without_table(path)
-    if own is not None:
-        return inspected(path, own)
-    with channels.opened(path, options, sure=False) as file:
+    file = look(path, options)
+    if isinstance(file, Recognised):
+        return inspected(path, file)
+    with about(file.raw.name):
         return inspect_opened(file)
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
 
-from dashpot.base.arrays import kept, measured
+from dashpot.base.arrays import FloatArray, kept, measured
 from dashpot.base.errors import DataError, ReadError
 from dashpot.io.columns.kinds import RECOGNISED, KindOfFile, kind_of
 from dashpot.io.columns.vocabulary import Role
@@ -16,9 +16,9 @@ from dashpot.io.options import PROFILE, ReadOptions
 from dashpot.io.readers import channels
 from dashpot.io.readers.channels import Opened
 from dashpot.io.readers.relaxation import moving_columns, recorded
-from dashpot.io.source import Raw, like_json, open_raw
+from dashpot.io.source import Raw, about, like_json, open_raw
 from dashpot.io.toml import tables_of
-from dashpot.signals.loading import loading_in
+from dashpot.signals.loading import held_throughout, loading_in
 
 _SCHEMA = re.compile(rb'"schema"\s*:\s*"dashpot/([a-z-]+)@')
 _HEAD = 1 << 16
@@ -127,14 +127,14 @@ def recognise(
     """
     options = options or ReadOptions()
     options = options if kind is None else replace(options, kind=kind)
-    own = without_table(path)
-    if own is not None:
-        return own
-    with channels.opened(path, options, sure=False) as bare:
-        file = channels.read_once(bare)
+    bare = look(path, options)
+    if isinstance(bare, Recognised):
+        return bare
+    file = channels.read_once(bare)
+    with about(file.raw.name):
         found = Recognised(*recognise_opened(file), simulated=file.table.simulated)
-        channels.leave_open(path, file)
-        return found
+    channels.leave_open(path, file)
+    return found
 
 
 @kept
@@ -144,39 +144,50 @@ def recognise_opened(file: Opened) -> tuple[str, str]:
     if file.options.kind is not None:
         return kind, reason
     if kind == "relaxation":
-        shown = _loading(file, _PART)
+        record = _record(file, _PART)
+        shown = loading_in(*record) if record else ""
         return (shown, _SHOWN[shown]) if shown in _SHOWN else (kind, reason)
-    if kind == "stress-strain" and _loading(file, _MATERIAL) == "creep":
-        return "creep", "its stress is held while its strain goes on"
+    if kind == "stress-strain":
+        record = _record(file, _MATERIAL)
+        if record and (held_throughout(record[2]) or loading_in(*record) == "creep"):
+            return "creep", "its stress is held while its strain goes on"
     return kind, reason
 
 
-def _loading(file: Opened, pair: tuple[Role, ...]) -> str:
-    """What the motion of a record shows; nothing of one that asks or is broken: its reader says."""
+def _record(file: Opened, pair: tuple[Role, ...]) -> tuple[FloatArray, ...]:
+    """Time and signals; nothing of a record that asks or is broken: its reader says so."""
     try:
         chosen, clocks = moving_columns(file, *pair)
         values, _ = recorded(file, chosen, clocks)
-        shown = [measured(role, values[role], minimum=_LEAST) for role in ("time", *pair)]
+        return tuple(measured(role, values[role], minimum=_LEAST) for role in ("time", *pair))
     except (ReadError, DataError):
-        return ""
-    return loading_in(*shown)
+        return ()
 
 
-def without_table(path: str | Path) -> Recognised | None:
-    """Return what dashpot itself, or a user for it, wrote, or what a folder is; None of a table.
+def look(path: str | Path, options: ReadOptions | None) -> Opened | Recognised:
+    """Return the open table of a file, or what it is if there is none.
+
+    That is what dashpot itself, or a user for it, wrote, or a folder.
 
     Raises
     ------
     ReadError
-        If there is no such file, or it is no TOML although it is called so.
+        If there is no such file, it cannot be read, or it is no TOML although it is called so.
     """
-    place = Path(path)
-    if place.is_dir():
-        return _folder(place)
+    options = (options or ReadOptions()).of(path)
+    file = channels.left_open(path, options)
+    if file is not None:
+        return file
+    if Path(path).is_dir():
+        return _folder(Path(path))
     raw = open_raw(path)
-    if like_json(raw.head(64)):
-        return _document(raw)
-    if place.suffix.casefold() != ".toml":
+    own = _document(raw) if like_json(raw.head(64)) else _toml(path)
+    return channels.open_table(raw, options) if own is None else own
+
+
+def _toml(path: str | Path) -> Recognised | None:
+    """What a file that is called TOML states; None of one that is not."""
+    if Path(path).suffix.casefold() != ".toml":
         return None
     _, tables = tables_of(path)
     if "door" in tables:

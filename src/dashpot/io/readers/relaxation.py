@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -63,7 +64,7 @@ def relaxation_in(file: Opened, specimen: Specimen) -> RelaxationTest:
     values, notes = recorded(file, chosen, clocks)
     time, moved, force = (values[role] for role in ("time", "displacement", "force"))
     _refuse_swapped(file, chosen, moved, force)
-    _refuse_sizes(file, chosen, time, moved, force)
+    notes += _refuse_sizes(file, chosen, time, moved, force)
     specimen, said = stated_specimen(file, specimen, recorded_temperature(file, chosen))
     source = channels.source(file, [c.says for c in chosen], [*notes, *said])
     return RelaxationTest(time, moved, force, specimen, source, units="SI")
@@ -148,8 +149,8 @@ def _refuse_sizes(
     time: FloatArray,
     moved: FloatArray,
     force: FloatArray,
-) -> None:
-    """Ask for the units again that make a size no test of a seal has."""
+) -> list[str]:
+    """Ask for the units again that make a size no test of a seal has; notes on unusual ones."""
     travel, rise = float(np.ptp(moved)), float(np.ptp(force))
     begun, full = cleaning.ramp_samples(moved)
     away = np.abs(force - force[begun])
@@ -158,23 +159,28 @@ def _refuse_sizes(
     shown = pressed and full - begun >= _SHOWN
     stated = any(channels.is_stated(file, one) for one in chosen if one.role == "displacement")
     ramp = float(time[full] - time[begun]) if shown and not stated else 0.0
-    # a speed is made of both: the travel is asked for first
+    # a speed is made of both: of an unusual travel that is too fast the travel is asked for first
+    fast = bool(ramp) and checks.ramp_not_fast(travel / ramp, "s").failed
     answers: dict[Role, Callable[[str], list[Check]]] = {
         "displacement": lambda unit: [
-            checks.travel_of_a_seal(travel, unit),
+            checks.size_possible("travel", travel, unit, role="displacement"),
+            replace(checks.travel_of_a_seal(travel, unit), grade="stop" if fast else "note"),
             *([checks.travel_of_a_bench(travel, unit, force=rise)] if pressed else []),
         ],
         "force": lambda unit: [
+            checks.size_possible("force", rise, unit, role="force"),
             checks.force_of_a_seal(rise, unit),
             checks.force_of_a_bench(rise, unit, travel=travel),
         ],
         "time": lambda unit: [
             checks.time_of_a_test(float(np.ptp(time)), unit),
+            checks.size_possible("record", float(np.ptp(time)), unit, role="time"),
+            checks.size_possible("ramp", ramp, unit, role="time"),
             checks.ramp_not_slow(ramp, unit),
             *([checks.ramp_not_fast(travel / ramp, unit)] if ramp else []),
         ],
     }
-    channels.refuse_sizes(
+    return channels.refuse_sizes(
         file, [(one, answers[one.role](one.unit.word)) for one in reversed(chosen)]
     )
 

@@ -13,6 +13,7 @@ from dashpot.base.capability import Capability, capability
 from dashpot.base.checks import Check, Checked, worst
 from dashpot.base.documents import Documented
 from dashpot.base.errors import ReadError
+from dashpot.base.offered import Judged
 from dashpot.base.units import Quantity, Range, written
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import about
@@ -53,8 +54,8 @@ class PieceStatistics:
     deviation: float
 
 
-@dataclass(frozen=True)
-class Pieces(Checked, Documented):
+@dataclass(frozen=True, repr=False)
+class Pieces(Checked, Judged, Documented):
     """What ``dashpot fit`` found.
 
     Attributes

@@ -55,7 +55,7 @@ def cld_in(file: Opened, specimen: Specimen) -> CompressionTest:
     chosen, values, notes = signals(file, *_SIGNALS)
     if "time" not in values:
         notes.append("the file has no clock: nothing is known of the speed")
-    _refuse_sizes(file, chosen, values)
+    notes += _refuse_sizes(file, chosen, values)
     specimen, said = stated_specimen(file, specimen, recorded_temperature(file, chosen))
     source = channels.source(file, [one.says for one in chosen], [*notes, *said])
     return CompressionTest(
@@ -68,19 +68,21 @@ def cld_in(file: Opened, specimen: Specimen) -> CompressionTest:
     )
 
 
-def _refuse_sizes(file: Opened, chosen: list[Channel], values: dict[Role, FloatArray]) -> None:
-    """Ask for the units again that make a size no test of a seal has."""
+def _refuse_sizes(file: Opened, chosen: list[Channel], values: dict[Role, FloatArray]) -> list[str]:
+    """Ask for the units again that make a size no test of a seal has; notes on unusual ones."""
     travel, rise = (float(np.ptp(values[role])) for role in _SIGNALS)
     unit = {one.role: one.unit.word for one in chosen}
     asked = {
         "displacement": lambda word: [
+            checks.size_possible("travel", travel, word, role="displacement"),
             checks.travel_of_a_seal(travel, word),
             checks.travel_of_a_bench(travel, word, force=rise),
         ],
         "force": lambda word: [
+            checks.size_possible("force", rise, word, role="force"),
             checks.force_of_a_seal(rise, word),
             checks.force_of_a_bench(rise, word, travel=travel),
         ],
         "time": lambda word: [checks.time_of_a_test(float(np.ptp(values["time"])), word)],
     }
-    channels.refuse_sizes(file, [(one, asked[one.role](unit[one.role])) for one in chosen])
+    return channels.refuse_sizes(file, [(one, asked[one.role](unit[one.role])) for one in chosen])

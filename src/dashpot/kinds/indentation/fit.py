@@ -23,6 +23,7 @@ from dashpot.base.arrays import BoolArray, FloatArray
 from dashpot.base.choices import ImpactLawAsked, refuse_other
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.facts import Fact
+from dashpot.base.plausible import SIZES
 from dashpot.base.units import read_in
 from dashpot.engine.inference.covariance import noise_of
 from dashpot.engine.inference.estimate import Estimate, Slice, estimate, score
@@ -167,7 +168,8 @@ def fit_indentation(test: IndentationTest, *, law: ImpactLawAsked = "auto") -> I
     Raises
     ------
     DataError
-        If the mass is missing, or no contact stands out.
+        If the mass is missing, no contact stands out, or mass and radius make a modulus or a
+        pressure of it that no rubber has.
     FitError
         If no law can follow the record.
     """
@@ -193,6 +195,7 @@ def fit_indentation(test: IndentationTest, *, law: ImpactLawAsked = "auto") -> I
     tried.sort(key=lambda one: scores[one.name])
     best = tried[0]
     found = _found(window, best)
+    _refuse_absurd(found, test.indenter.radius)
     in_contact = _in_contact(window, best)
     flight = best.residual[~in_contact]
     noise = float(np.sqrt(np.mean(flight**2))) if len(flight) > 8 else 0.0
@@ -210,6 +213,17 @@ def fit_indentation(test: IndentationTest, *, law: ImpactLawAsked = "auto") -> I
         fitted, best.hit, test, contact=window.contact, clipped=window.clipped, others=others
     )
     return replace(fitted, checks=judged)
+
+
+def _refuse_absurd(found: Sequence[Fact], radius: float | None) -> None:
+    """Refuse what mass and radius make of a contact where no rubber does so."""
+    known = {one.name: one.value for one in found}
+    remedy = "Check the mass and the radius of the indenter, and their units."
+    if radius is None or "modulus" not in known:
+        return
+    SIZES["modulus"].refuse(known["modulus"], remedy=remedy)
+    pressure = known["largest_force"] / (np.pi * radius * known["depth"])
+    SIZES["contact pressure"].refuse(float(pressure), remedy=remedy)
 
 
 def _window(test: IndentationTest, contact: ContactInterval) -> _NearHit:

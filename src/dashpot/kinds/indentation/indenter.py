@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from dashpot.base.demands import positive
 from dashpot.base.options import option
+from dashpot.base.plausible import SIZES
 from dashpot.base.units import GRAVITY, si_fields
 
 
@@ -40,6 +41,8 @@ class Indenter:
     def __post_init__(self) -> None:
         si_fields(self)
         positive(**vars(self), expected="a number > 0 in SI units", optional=True)
+        SIZES["mass"].refuse(self.mass or 0.0)
+        SIZES["radius"].refuse(self.radius or 0.0)
 
     @property
     def pull(self) -> float:

@@ -148,7 +148,8 @@ class IndentationFit(ByValue, Described, Numbered):
         first = next(filter(None, map(named.get, _CAME_FOR)), self.found[0])
         bounce = named.get("restitution")
         more = f", {bounce.called} {bounce.cells.with_unit}" if bounce else ""
-        return f"{first.called} {first.cells.with_unit}{more}"
+        between = f" ({first.cells.interval})" if first.cells.interval else ""
+        return f"{first.called} {first.cells.with_unit}{between}{more}"
 
     @property
     def described(self) -> tuple[str, ...]:

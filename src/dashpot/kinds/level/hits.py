@@ -86,8 +86,8 @@ class HitLevels(Checked, Documented):
                 f"{_with_error(trend.damping_line)}"
             ),
             (
-                f"found would be {100 * trend.stiffness_found:.2g} % of stiffness and "
-                f"{100 * trend.damping_found:.2g} % of damping per doubling (four of five tests)"
+                f"four of five such tests find {100 * trend.stiffness_found:.2g} % of stiffness "
+                f"and {100 * trend.damping_found:.2g} % of damping per doubling"
             ),
             *(check.told for check in self.checks if check.failed),
         )

@@ -243,13 +243,13 @@ class LevelFit(ByValue, Described, Checked, Documented):
                 f"{written(ends[1].real, 'N/mm')}, loss factor {factor[0]:.3g} to {factor[1]:.3g}"
             ),
             (
-                f"{counted(self.solid.arms, 'arm')} and {counted(len(self.sliders), 'slider')} "
-                f"leave {100 * self.residual:.2g} % of F/X; arms alone "
-                f"{100 * self.linear_residual:.2g} %"
+                f"model: {counted(self.solid.arms, 'Maxwell arm')} and "
+                f"{counted(len(self.sliders), 'friction slider')}; residual "
+                f"{100 * self.residual:.2g} % ({100 * self.linear_residual:.2g} % without sliders)"
             ),
             (
-                "1 % of mass is 1 % of the stiffness at the resonance: of this mass it moves "
-                "that at no level, of another by 0.5 %"
+                "A mass wrong by 1 % makes the stiffness wrong by 1 %. The resonance of this mass "
+                "stays right; that of another mass moves by 0.5 %."
             ),
             *self._stiffening,
             *(check.told for check in self.checks if check.failed),

@@ -255,16 +255,15 @@ class AmplitudeFit(ByValue, Described, Checked, Documented):
             share = 0.75 * self.k3_unseen * self.amplitudes[1] ** 2
             part = share / float(np.abs(self.stiffness(self.amplitudes[1])))
             lines.append(
-                f"no cubic spring is seen: one of up to {written(share, unit, '.2g')} "
-                f"({100 * part:.2g} %) at the largest amplitude would not be"
+                f"No cubic spring is seen. One of up to {written(share, unit, '.2g')} "
+                f"({100 * part:.2g} %) at the largest amplitude would stay unseen."
             )
         lines.append(
-            f"leaves {100 * self.residual:.2g} % rms from {low:.3g} to {high:.3g} {of}; "
-            "beyond it nothing is known"
+            f"residual {100 * self.residual:.2g} % rms; valid from {low:.3g} to {high:.3g} {of}"
         )
         if self.left_out:
             lines.append(
-                f"left out: {self.left_out} samples of the smallest amplitudes, that scatter"
+                f"left out: {self.left_out} samples of the smallest amplitudes, which scatter"
             )
         return tuple(lines)
 

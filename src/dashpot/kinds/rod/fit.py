@@ -23,7 +23,7 @@ from dashpot.base.provenance import Source
 from dashpot.fitting.dynamic import fit_dynamic
 from dashpot.fitting.parameters import values
 from dashpot.kinds.rod.checks import ROD_LINES
-from dashpot.kinds.rod.record import RodErrors, RodModulus
+from dashpot.kinds.rod.record import RodModulus
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.fit import Fit
 from dashpot.records.specimen import Specimen
@@ -34,7 +34,6 @@ _PER_OCTAVE = 24
 def fit_rod(
     found: RodModulus,
     *,
-    errors: RodErrors | None = None,
     arms: int | Literal["auto"] = "auto",
     family: FamilyAsked = "maxwell",
     specimen: Specimen | None = None,
@@ -45,8 +44,6 @@ def fit_rod(
     Parameters
     ----------
     found : RodModulus
-    errors : RodErrors, optional
-        Those that `found` was made with.
     arms, family
         As in :func:`~dashpot.fitting.dynamic.fit_dynamic`.
     specimen, source
@@ -77,7 +74,7 @@ def fit_rod(
     if here is None:  # a dense spectrum has no errors of its own
         return fit
     added = np.zeros_like(fit.covariance)
-    for shifted in _shifted(lines, errors or RodErrors()):
+    for shifted in _shifted(lines):
         _, moved = _averaged(lines, shifted)
         there = _refitted(fit, replace(test, storage=moved.real, loss=moved.imag))
         by = np.zeros(len(here)) if there is None else there - here
@@ -94,9 +91,9 @@ def fit_rod(
     return replace(fit, estimate=estimate)
 
 
-def _shifted(lines: RodModulus, errors: RodErrors) -> Iterator[ComplexArray]:
+def _shifted(lines: RodModulus) -> Iterator[ComplexArray]:
     """E* as it would be with each error, one standard deviation of it."""
-    for name, size in asdict(errors).items():
+    for name, size in asdict(lines.errors).items():
         if size:
             yield lines.modulus * (1 + size * getattr(lines, f"by_{name}"))
 

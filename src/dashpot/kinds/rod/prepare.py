@@ -9,22 +9,34 @@ With m = rho A L the mass of the rod, M the mass on it and
 Either is inverted line by line for the complex :math:`w = z^2`, by Newton's method from the line of
 the resonance, where a spring with a third of the rod's mass is near, outwards; so the root is the
 one that continues it. E* is that of the rod: bonded between plates a short cylinder is stiffer than
-its material by :math:`1 + 2S^2`, S = D/4L, which is taken off.
+its material, :func:`~dashpot.solids.part.bonded_cylinder`, which is taken off. A phase between the
+sensors looks like loss, and no law of physics tells the two apart; but far below the resonance both
+sensors see one motion. What gain and phase they show there is taken out.
 Source: V. M. Kulik et al., Exp. Mech. (2009) (base excitation, two accelerometers).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray
+from dashpot.base.checks import Check
 from dashpot.base.demands import positive
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, Range, si, si_range
-from dashpot.kinds.rod.checks import mass_beside_rod, rod_usable, sensors_agree, waves_plane
+from dashpot.kinds.rod.checks import (
+    PLANE,
+    ROD_LINES,
+    lines_of_one_solid,
+    mass_beside_rod,
+    rod_usable,
+    sensors_agree,
+    waves_plane,
+)
+from dashpot.kinds.rod.one_solid import misfit_of_one_solid
 from dashpot.kinds.rod.record import RodErrors, RodModulus
 from dashpot.records.frf import FRF, Kind
 from dashpot.solids.part import Block, Disc
@@ -37,6 +49,9 @@ _FEW = 3
 """Lines that make a median."""
 _EXACT = 1e-3
 """No two sensors are known to agree better, as a part, or in rad."""
+_GAIN_LEFT, _PHASE_LEFT = 0.003, float(np.radians(0.3))
+"""What is left of gain and phase that were seen at rest and taken out: standard deviations."""
+_TURNS = 3
 _GOOD = 0.1
 """Error of storage and of loss factor in the band that is called usable."""
 
@@ -73,7 +88,7 @@ def rod_modulus(
     density : float
         Of the rod, kg/m^3.
     bonded : bool
-        To its plates: 1 + 2 S^2 is taken off.
+        To its plates: what that stiffens is taken off.
     errors : RodErrors, optional
     band : (float, float), optional
         Lines to use, Hz.
@@ -87,36 +102,86 @@ def rod_modulus(
     positive(mass=top, density=density, expected="a finite number above 0")
     if frf.shift:
         raise DataError("a rod's waves need an FRF without an exponential window")
-    over_base, relative_sensor = frf.kind.over_base, frf.kind is Kind.RELATIVE_TRANSMISSIBILITY
+    over_base, relative_sensor = (
+        frf.quantity.over_base,
+        frf.quantity is Kind.RELATIVE_TRANSMISSIBILITY,
+    )
     measured = frf.to(Kind.TRANSMISSIBILITY if over_base else Kind.DYNAMIC_STIFFNESS)
     measured = measured if limits is None else measured.band(*limits)
     measured = measured.only(measured.usable)
-    omega = 2 * np.pi * measured.frequency
     own = density * part.area * part.height
-    ratio = top / own
-    y = 1 / measured.value if over_base else measured.value / (own * omega**2)
+    rod = _Setup(part, top / own, own, density, bonded)
+    found = _inverted(measured, rod, errors or RodErrors(), relative_sensor=relative_sensor)
+    # a sensor between both ends is not seen at rest
+    beside = []
+    if over_base and not relative_sensor:
+        found, seen = _at_one(found, measured, rod)
+        beside = [seen]
+    return replace(found, checks=(*found.checks, mass_beside_rod(rod.ratio), *beside))
+
+
+@dataclass(frozen=True)
+class _Setup:
+    """A rod as it stands: `ratio` of the mass on it to its own, kg; kg/m^3."""
+
+    part: Disc | Block
+    ratio: float
+    own: float
+    density: float
+    bonded: bool
+
+
+def _at_one(found: RodModulus, measured: FRF, rod: _Setup) -> tuple[RodModulus, Check]:
+    """The modulus without the gain and phase that sensors show at rest, and what they show."""
+    said, whole = found.errors, 0j
+    known = max(said.gain, _EXACT), max(said.phase, _EXACT)
+    off = _at_rest(found, measured, rod.ratio)
+    if off is None:
+        return found, sensors_agree(None, 0.0, known=known)
+    left = replace(said, gain=min(said.gain, _GAIN_LEFT), phase=min(said.phase, _PHASE_LEFT))
+    if left == said:  # who calibrated them as well knows as much
+        return found, sensors_agree(off.real, off.imag, known=known)
+    for _ in range(_TURNS):  # it moves the modulus, and so what is expected at rest
+        if off is None:
+            break
+        whole += off
+        seen = replace(measured, value=measured.value * np.exp(-whole))
+        found = _inverted(seen, rod, left, relative_sensor=False)
+        off = _at_rest(found, seen, rod.ratio)
+    return found, sensors_agree(whole.real, whole.imag, known=known)
+
+
+def _inverted(
+    measured: FRF, rod: _Setup, errors: RodErrors, *, relative_sensor: bool
+) -> RodModulus:
+    """E* line by line, and all that is asked of its lines."""
+    part, ratio, density, over_base = rod.part, rod.ratio, rod.density, measured.quantity.over_base
+    omega = 2 * np.pi * measured.frequency
+    y = 1 / measured.value if over_base else measured.value / (rod.own * omega**2)
     equation = _base if over_base else _force
     w = _tracked(equation, y, omega, ratio)
+    told = np.isfinite(w)
+    measured, omega, y, w = measured.only(told), omega[told], y[told], w[told]
     _, by_w, by_ratio = equation(w, ratio)
     # the bonded factor goes with the area over the length squared
-    shape = part.factor(bonded=bonded) * part.height / part.area
-    steep = 2 * (shape - 1) / shape
+    shape = part.factor(bonded=rod.bonded) * part.height / part.area
+    steep, by_poisson = part.bonded_slopes() if rod.bonded else (0.0, 0.0)
     E = density * omega**2 * part.height**2 / w / shape
     relative = y / (by_w * w)  # d ln E for a gain of the response over the base, or over the force
     heavy = ratio * by_ratio / (by_w * w)
     # F / (m omega^2) falls as the rod grows heavier; 1/T does not know its mass
-    rod = np.zeros_like(y) if over_base else relative
+    own = np.zeros_like(y) if over_base else relative
     # of a sensor between both ends the gain is that of T - 1
     gained = relative * (1 - y) if relative_sensor else relative
     sensitivity = {
         "by_gain": gained,
         "by_phase": 1j * gained,
         "by_mass": heavy,
-        "by_length": 2 + steep - heavy + rod,
-        "by_area": -steep / 2 - heavy + rod,
-        "by_density": 1 - heavy + rod,
+        "by_length": 2 - steep - heavy + own,
+        "by_area": steep / 2 - heavy + own,
+        "by_density": 1 - heavy + own,
+        "by_poisson": np.full_like(y, -by_poisson),
     }
-    errors = errors or RodErrors()
     spread = [getattr(errors, name.removeprefix("by_")) * d for name, d in sensitivity.items()]
     random = measured.random_sd
     if random is None:
@@ -126,17 +191,15 @@ def rod_modulus(
     spread += [part_of, 1j * part_of]
     none = np.zeros(len(E))
     found = RodModulus(
-        measured.frequency, E, **sensitivity,
-        storage_sd=none, loss_factor_sd=none, band=(np.nan, np.nan), checks=(),
+        measured.frequency, E, w, **sensitivity,
+        storage_sd=none, loss_factor_sd=none, band=(np.nan, np.nan), checks=(), errors=errors,
     )  # fmt: skip
     response = np.abs(measured.value if over_base else 1 / measured.value)
     found = _judged(found, spread, response, np.abs(w) / part.height**2 * _across(part))
-    gain, phase = _at_rest(found, measured, w, ratio) if over_base else (None, 0.0)
-    known = max(errors.gain, _EXACT), max(errors.phase, _EXACT)
-    # a sensor between both ends is not seen at rest
-    both = over_base and not relative_sensor
-    beside = [sensors_agree(gain, phase, known=known)] if both else []
-    return replace(found, checks=(*found.checks, mass_beside_rod(ratio), *beside))
+    usable = found.usable
+    scatter = np.hypot(np.abs(part_of), _EXACT * np.abs(relative))
+    left = misfit_of_one_solid(found.only(usable), scatter[usable])
+    return replace(found, checks=(*found.checks, lines_of_one_solid(left)))
 
 
 def _judged(
@@ -148,6 +211,9 @@ def _judged(
     storage_sd = np.sqrt(sum(one.real**2 for one in changes))
     loss_sd = np.sqrt(sum(((one.imag - loss * one.real) / storage) ** 2 for one in changes))
     good = (storage_sd < _GOOD * np.abs(storage)) & (loss_sd < _GOOD * np.abs(loss)) & (storage > 0)
+    plane = good & (bulging <= PLANE)
+    if np.count_nonzero(plane) >= ROD_LINES:  # what is beyond is not the rod's wave equation
+        good = plane
     band = _about(found.frequency, good, int(response.argmax()))
     found = replace(found, storage_sd=storage_sd, loss_factor_sd=loss_sd, band=band)
     widest = float(bulging[found.usable].max()) if found.usable.any() else None
@@ -156,18 +222,18 @@ def _judged(
     )
 
 
-def _at_rest(
-    found: RodModulus, measured: FRF, w: ComplexArray, ratio: float
-) -> tuple[float | None, float]:
-    """How far T below the band is from what the modulus where it begins makes of it, 1 and rad."""
+def _at_rest(found: RodModulus, measured: FRF, ratio: float) -> complex | None:
+    """The logarithm of T below the band over what the modulus where it begins makes of it."""
     f, usable = measured.frequency, np.flatnonzero(found.usable)
     low = f < 0.5 * found.band[0]
     if not usable.size or np.count_nonzero(low) < _FEW:
-        return None, 0.0
+        return None
     first = int(usable[0])
-    expected, _, _ = _base(w[first] * (f[low] / f[first]) ** 2, ratio)
+    # a modulus that falls towards rest as its loss there says: E* as f^(2 delta/pi)
+    power = 2 - 2 / np.pi * float(np.angle(found.modulus[first]))
+    expected, _, _ = _base(found.wave[first] * (f[low] / f[first]) ** power, ratio)
     off = np.log(measured.value[low] * expected)
-    return float(np.median(off.real)), float(np.median(off.imag))
+    return complex(np.median(off.real), np.median(off.imag))
 
 
 def _scatter(lines: ComplexArray) -> FloatArray:
@@ -213,7 +279,15 @@ def _force(w: ComplexArray, ratio: float) -> tuple[ComplexArray, ComplexArray, C
 
 
 def _tracked(equation: _Equation, y: ComplexArray, omega: FloatArray, ratio: float) -> ComplexArray:
-    """The root w of every line: from the resonance outwards, each from its neighbour's."""
+    """The root w of every line: from the resonance outwards, each from its neighbour's.
+
+    nan where noise leaves none: far from the resonance T hardly depends on the modulus.
+
+    Raises
+    ------
+    DataError
+        If less than half of the lines have one.
+    """
     peak = int(np.abs(y / (1 if equation is _base else 1 / omega**2)).argmin())
     w = np.zeros(len(y), dtype=complex)
     guess = (1 - y[peak]) / (ratio + 0.5) if equation is _base else 1 / (y[peak] + ratio + 1 / 3)
@@ -221,22 +295,26 @@ def _tracked(equation: _Equation, y: ComplexArray, omega: FloatArray, ratio: flo
         before = peak
         for i in order:
             start = guess if i == peak else w[before] * (omega[i] / omega[before]) ** 2
-            w[i] = _root(equation, complex(start), complex(y[i]), ratio, omega[i] / (2 * np.pi))
-            before = i
+            w[i] = _root(equation, complex(start), complex(y[i]), ratio)
+            before = i if np.isfinite(w[i]) else before
+    lost = np.flatnonzero(~np.isfinite(w))
+    if np.isnan(w[peak]) or 2 * len(lost) > len(w):
+        line = omega[peak if np.isnan(w[peak]) else lost[0]] / (2 * np.pi)
+        raise DataError(
+            f"no modulus explains the line at {line:.5g} Hz: expected the FRF of a mass on the "
+            "rod. Check mass and density, or narrow the band (--band)"
+        )
     return w
 
 
-def _root(equation: _Equation, w: complex, y: complex, ratio: float, line: float) -> complex:
+def _root(equation: _Equation, w: complex, y: complex, ratio: float) -> complex:
     for _ in range(_ROUNDS):
         value, slope, _ = equation(np.asarray(w), ratio)
         step = complex((value - y) / slope)
         w -= step * min(1.0, 0.5 * abs(w) / max(abs(step), 1e-300))
         if abs(step) <= _CLOSE * abs(w):
             return w
-    raise DataError(
-        f"no modulus explains the line at {line:.5g} Hz: expected the FRF of a mass on the rod; "
-        "check mass and density, or leave the line out (Python: band=)"
-    )
+    return complex(np.nan, np.nan)
 
 
 def _about(frequency: FloatArray, good: np.ndarray, peak: int) -> tuple[float, float]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 
 import numpy as np
 
@@ -23,14 +23,20 @@ class RodErrors:
         Between them, rad.
     mass, length, area, density : float
         Of the mass on top, and of the rod, relative.
+    poisson : float
+        Of Poisson's ratio, absolute: what is not known of a rubber's, 0.4985 to 0.4999.
     """
 
     gain: float = 0.01
     phase: float = float(np.pi / 180)
-    mass: float = 0.002
+    mass: float = 0.01
     length: float = 0.005
     area: float = 0.005
     density: float = 0.005
+    poisson: float = 0.0007
+
+
+_PER_LINE = ("frequency", "modulus", "wave", "by_", "storage_sd", "loss_factor_sd")
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,28 +49,35 @@ class RodModulus(ByValue):
         Hz.
     modulus : complex array, shape (n,)
         E*, Pa.
-    by_gain, by_phase, by_mass, by_length, by_area, by_density : complex array, shape (n,)
-        :math:`d\ln E^*` for each relative change of these, for each rad of phase; what that does to
-        storage and loss factor is :meth:`changes`.
+    wave : complex array, shape (n,)
+        Square of the wave number times the length, :math:`z^2`.
+    by_gain, by_phase, by_mass, by_length, by_area, by_density, by_poisson : complex array, (n,)
+        :math:`d\ln E^*` for each relative change of these, for each rad of phase, for 1 of
+        Poisson's ratio; what that does to storage and loss factor is :meth:`changes`.
     storage_sd, loss_factor_sd : array, shape (n,)
         All errors together, random ones too: Pa, and absolute.
     band : (float, float)
         About the resonance, where both are known to 10 %, Hz; (nan, nan) if nowhere.
     checks : tuple of Check
+    errors : RodErrors
+        Those that are counted: of sensors that are seen at rest what is left of gain and phase.
     """
 
     frequency: FloatArray
     modulus: ComplexArray
+    wave: ComplexArray
     by_gain: ComplexArray
     by_phase: ComplexArray
     by_mass: ComplexArray
     by_length: ComplexArray
     by_area: ComplexArray
     by_density: ComplexArray
+    by_poisson: ComplexArray
     storage_sd: FloatArray
     loss_factor_sd: FloatArray
     band: tuple[float, float]
     checks: tuple[Check, ...] = ()
+    errors: RodErrors = field(default_factory=RodErrors)
 
     @property
     def storage(self) -> FloatArray:
@@ -83,7 +96,7 @@ class RodModulus(ByValue):
 
     def only(self, lines: BoolArray | IndexArray) -> RodModulus:
         """The same at some of its lines."""
-        per_line = [one.name for one in fields(self) if one.name not in ("band", "checks")]
+        per_line = [one.name for one in fields(self) if one.name.startswith(_PER_LINE)]
         return replace(self, **{name: getattr(self, name)[lines] for name in per_line})
 
     @property

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from statistics import NormalDist
 from typing import TypeAlias
@@ -21,6 +21,12 @@ STANDS_OUT = 3.5
 """Robust standard deviations from the median, of many values (Iglewicz and Hoaglin, 1993)."""
 _EFFICIENCY = 0.5
 """Degrees of freedom of a median absolute deviation, for each value but one; a little careful."""
+NOT_NORMAL = 0.25
+"""Probability by Shapiro and Wilk below which values are not taken for normal ones: few show it."""
+_FEWEST = 6
+"""Values whose kurtosis is asked."""
+_OF_THREE = 2 / 3
+"""Degrees of freedom of a value where each mean is of three."""
 SHORT = 0.95
 """Of the median hold."""
 _PER_MAD = 1.482602218505602
@@ -43,6 +49,9 @@ class Component:
         Degrees of freedom of its mean square.
     share : float
         Of the sum of all variances.
+    normal : float or None
+        Probability of such values if they were normal (Shapiro and Wilk 1965); None of fewer than
+        six, of pairs, or of the fits' errors. Below :data:`NOT_NORMAL` the interval is Bonett's.
     """
 
     source: str
@@ -50,6 +59,12 @@ class Component:
     interval: tuple[float, float] | None
     freedom: int | None
     share: float = 0.0
+    normal: float | None = None
+
+    @property
+    def by_kurtosis(self) -> bool:
+        """Whether its interval is that of values that are not normal."""
+        return self.normal is not None and self.normal < NOT_NORMAL
 
 
 @dataclass(frozen=True)
@@ -60,6 +75,43 @@ class _Stratum:
     square: float
     freedom: int
     expects: tuple[float, ...]
+    away: FloatArray  # of each value from its own mean
+
+    def normal(self) -> float | None:
+        """Probability of such values if they were normal; None where they are too few to tell."""
+        from scipy.stats import shapiro  # few need it, and it costs time to import
+
+        # what is left of pairs is symmetric, whatever they are
+        alone = self.freedom < _OF_THREE * len(self.away)
+        if alone or len(self.away) < _FEWEST or not np.ptp(self.away) > 0:
+            return None
+        return float(shapiro(self.away).pvalue)
+
+    def limits(self, level: float) -> tuple[float, float]:
+        r"""Both ends of the interval of the mean square, as parts of it.
+
+        Of normal values :math:`n / \chi^2`. Of others, with the kurtosis
+        :math:`g = N \sum d^4 / (\sum d^2)^2` about a trimmed mean and :math:`c = N/(N - z)`,
+
+        .. math:: \exp\Bigl(\ln c \pm z c \sqrt{\frac{g - (N - 3)/N}{n}}\Bigr)
+
+        (D. G. Bonett, Comput. Stat. Data Anal. 50 (2006) 775).
+        """
+        normal = self.normal()
+        if normal is None or normal >= NOT_NORMAL:
+            from scipy.stats import chi2
+
+            tail = (1 - level) / 2
+            upper, lower = (chi2.ppf(p, self.freedom) for p in (1 - tail, tail))
+            return float(self.freedom / upper), float(self.freedom / lower)
+        d, count = self.away, len(self.away)
+        z = NormalDist().inv_cdf((1 + level) / 2)
+        cut = int(count / (2 * np.sqrt(count - 4)))
+        middle = float(np.sort(d)[cut : count - cut].mean())
+        kurtosis = count * float(np.sum((d - middle) ** 4)) / float(np.sum(d**2)) ** 2
+        c = count / (count - z)
+        wide = z * c * np.sqrt(max(kurtosis - (count - 3) / count, 0.0) / self.freedom)
+        return float(c * np.exp(-wide)), float(c * np.exp(wide))
 
 
 def components(
@@ -76,8 +128,9 @@ def components(
     squares of unweighted means: each lot counts as one, each seal as one of its lot (Burdick and
     Graybill, Confidence Intervals on Variance Components, 1992, chapter 5). The last component,
     called as `within` says, is what is left inside the innermost level, less the mean square of the
-    fits' own errors, ``"fit"``, if those are given. The innermost interval is that of
-    :math:`\chi^2`; the others are those of Ting et al. (1990) for a difference of mean squares.
+    fits' own errors, ``"fit"``, if those are given. The innermost interval is that of its mean
+    square, of :math:`\chi^2`, or of Bonett where the values are not normal; the others are those of
+    Ting et al. (1990) for a difference of mean squares with such limits.
 
     Parameters
     ----------
@@ -106,11 +159,7 @@ def components(
     if errors is not None:
         found = [*found[:-1], *_split(found[-1], float(np.mean(np.square(errors))))]
     whole = sum(one.variance for one in found)
-    return tuple(
-        Component(one.source, one.variance, one.interval, one.freedom,
-                  one.variance / whole if whole > 0 else 0.0)
-        for one in found
-    )  # fmt: skip
+    return tuple(replace(one, share=one.variance / whole if whole > 0 else 0.0) for one in found)
 
 
 def _strata(values: FloatArray, groups: list[Groups], names: list[str]) -> list[_Stratum]:
@@ -131,9 +180,10 @@ def _strata(values: FloatArray, groups: list[Groups], names: list[str]) -> list[
         parent[nested[depth]] = nested[depth - 1]
         size = np.bincount(parent)
         above = np.bincount(parent, means) / size
-        square = float(np.sum((means - above[parent]) ** 2)) / freedom
+        away = means - above[parent]
+        square = float(np.sum(away**2)) / freedom
         expects = inside @ (1 - 1 / size)[parent] / freedom
-        found.insert(0, _Stratum(names[depth - 1], square, freedom, tuple(expects)))
+        found.insert(0, _Stratum(names[depth - 1], square, freedom, tuple(expects), away))
         means = above
         inside = np.array([np.bincount(parent, row) / size**2 for row in inside])
         inside = np.vstack([np.ones(len(above)), inside])
@@ -150,35 +200,28 @@ def _estimates(strata: list[_Stratum], level: float) -> list[Component]:
         below = sum(c * v for c, v in zip(inside, estimates, strict=True))
         variance = (stratum.square - below) / own
         if place == len(strata) - 1:
-            ends = _of_square(stratum, level)
+            low, high = stratum.limits(level)
+            ends = low * stratum.square, high * stratum.square
         else:
             ends = _of_difference(stratum, strata[place + 1], below, own, level)
-        found.insert(0, Component(stratum.source, max(variance, 0.0), ends, stratum.freedom))
+        known = max(variance, 0.0), ends, stratum.freedom, 0.0, stratum.normal()
+        found.insert(0, Component(stratum.source, *known))
         estimates.insert(0, variance)
     return found
-
-
-def _of_square(stratum: _Stratum, level: float) -> tuple[float, float]:
-    from scipy.stats import chi2  # few need it, and it costs time to import
-
-    tail = (1 - level) / 2
-    total = stratum.freedom * stratum.square
-    upper, lower = (chi2.ppf(p, stratum.freedom) for p in (1 - tail, tail))
-    return float(total / upper), float(total / lower)
 
 
 def _of_difference(
     outer: _Stratum, inner: _Stratum, below: float, own: float, level: float
 ) -> tuple[float, float]:
     """Modified large-sample limits of (outer mean square - below) / own."""
-    from scipy.stats import chi2, f
+    from scipy.stats import f
 
     tail, n1, n2 = (1 - level) / 2, outer.freedom, inner.freedom
     m2 = max(below, 0.0) / own
     # an estimate below 0 is known no better than one of 0
     m1 = max(outer.square / own, m2)
-    g1, h2 = 1 - n1 / chi2.ppf(1 - tail, n1), n2 / chi2.ppf(tail, n2) - 1
-    h1, g2 = n1 / chi2.ppf(tail, n1) - 1, 1 - n2 / chi2.ppf(1 - tail, n2)
+    (low1, high1), (low2, high2) = outer.limits(level), inner.limits(level)
+    g1, h1, g2, h2 = 1 - low1, high1 - 1, 1 - low2, high2 - 1
     high, low = f.ppf(1 - tail, n1, n2), f.ppf(tail, n1, n2)
     g12 = ((high - 1) ** 2 - (g1 * high) ** 2 - h2**2) / high
     h12 = ((1 - low) ** 2 - (h1 * low) ** 2 - g2**2) / low
@@ -195,7 +238,7 @@ def _split(within: Component, fit: float) -> tuple[Component, Component]:
     low, high = (max(end - fit, 0.0) for end in within.interval)
     left = max(within.variance - fit, 0.0)
     return (
-        Component(within.source, left, (low, high), within.freedom),
+        Component(within.source, left, (low, high), within.freedom, 0.0, within.normal),
         Component("fit", fit, None, None),
     )
 

@@ -298,7 +298,7 @@ def conclusion(c: Comparison) -> str:
     if c.predicted_damping is None or c.measured_damping is None:
         second = f"The peak is {c.ratio_db:+z.1f} dB off."
     else:
-        second = f"Damping ratio: {100 * c.predicted_damping:.3g} % predicted, "
+        second = f"Damping ratio {100 * c.predicted_damping:.3g} % predicted, "
         second += f"{100 * c.measured_damping:.3g} % measured."
     why, advice = "", TOGETHER if stiff else _ASTRAY
     if tested is not None and tested.failed:

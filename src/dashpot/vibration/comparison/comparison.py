@@ -187,10 +187,10 @@ class Comparison(Pictured, Documented):
     @property
     def lines(self) -> str:
         """How well the lines agree, in words."""
-        z = "" if self.z_rms is None else f", rms z {self.z_rms:.2f}"
+        z = "" if self.z_rms is None else f", or {self.z_rms:.3g} times the noise"
         return (
-            f"{self.band[0]:.4g} to {self.band[1]:.4g} Hz, {len(self.measured.frequency)} lines: "
-            f"FRAC {self.frac:.4f}, rms {self.rms_db:.2f} dB{z}"
+            f"{len(self.measured.frequency)} lines from {self.band[0]:.3g} to {self.band[1]:.3g} "
+            f"Hz: FRAC {self.frac:.3f}; rms error {self.rms_db:.2f} dB{z}"
         )
 
     @property

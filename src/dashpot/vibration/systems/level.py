@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray, Frozen, samples
 from dashpot.base.errors import DataError
+from dashpot.base.plausible import SIZES, short
 from dashpot.base.units import Quantity, si
 from dashpot.records.frf import FRF, Kind
 from dashpot.solids.maxwell import Solid
@@ -166,6 +167,11 @@ def mass_at_level(
     frequency : array, shape (n,)
         Hz, rising: where the resonance folds, what a sweep upwards shows.
     kind : Kind or str
+
+    Raises
+    ------
+    DataError
+        If the level moves the mass farther than any test does.
     """
     omega = 2 * np.pi * frequency
     kind = Kind(kind)
@@ -185,6 +191,13 @@ def mass_at_level(
             ).stretch[0]
         X = stretch
         K = K + beside.equivalent(omega, X)
+    far = float(X.max(initial=0.0))
+    SIZES["travel"].refuse(
+        far,
+        f"at a level of {short(level, 'm/s^2' if kind.over_base else 'N')} the mass would move by "
+        f"{short(far, 'm')}",
+        remedy="Check the level and its unit, and the mass.",
+    )
     if kind.over_base:
         return FRF(frequency, K / (K - inertia), Kind.TRANSMISSIBILITY, units="SI").to(kind), X
     return FRF.of_receptance(frequency, 1 / (K - inertia), kind=kind), X

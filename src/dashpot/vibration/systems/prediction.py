@@ -14,7 +14,8 @@ from dashpot.base.arrays import ComplexArray, FloatArray, samples
 from dashpot.base.checks import Check
 from dashpot.base.demands import not_negative, positive
 from dashpot.base.errors import DataError
-from dashpot.base.units import Quantity, si, written
+from dashpot.base.plausible import SIZES, short
+from dashpot.base.units import GRAVITY, Quantity, si, written
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF, Kind, Mode
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
@@ -80,7 +81,8 @@ def predict_frf(
     Raises
     ------
     DataError
-        If the mass or a frequency cannot be, the response is infinite at a line, seals, a
+        If the mass or a frequency cannot be, the mass would sink farther into the solid than any
+        does, the response is infinite at a line, seals, a
         compression or a temperature were given with a solid, or the fit knows of no such
         temperature.
     """
@@ -89,6 +91,7 @@ def predict_frf(
     if temperature is not None:
         model = _at(model, temperature)
     model = _assembled(model, mass, seals, compression)
+    _refuse_sag(model, mass)
     f = _lines(model.k_0, mass) if frequency is None else samples("frequency", frequency)
     s = 2j * np.pi * f + shift
     stiffness = model.stiffness_at(s)
@@ -127,6 +130,18 @@ def isolation_frequency(model: Solid, mass: float) -> float:
         stiffness = float(arms.complex_stiffness(omega=np.array([omega])).real[0])
         omega, last = float(np.sqrt(2 * max(stiffness, 0.0) / mass)), omega
     return omega / (2 * np.pi)
+
+
+def _refuse_sag(model: Solid, mass: float) -> None:
+    """Refuse a mass whose weight would press the solid farther than any seal is."""
+    k_inf = model.maxwell.k_inf
+    if k_inf > 0:
+        sag = mass * GRAVITY / k_inf
+        SIZES["sag"].refuse(
+            sag,
+            f"a mass of {short(mass, 'kg')} would press the solid by {short(sag, 'm')}",
+            remedy="Check the mass and its unit (is it g?).",
+        )
 
 
 def _at(model: Solid | Fit, temperature: Quantity) -> Fit:

@@ -48,7 +48,7 @@ export async function opened(
     }
   }
   const asks = added.find((one) => one.asked);
-  const first = added.find((one) => one.kind === "relaxation") ||
+  const first = added.find((one) => one.page === "test") ||
     added.find((one) => isBench(one) && !(isModes(one) && test()));
   state.current = (asks || first || shown() || added[0] || state.files[0])?.id || "";
   fileList();

@@ -9,7 +9,7 @@ import { call } from "./wire.js";
  * @property {string} name
  * @property {Options} options
  * @property {string} [kind]
- * @property {string} [page] Where it is taken: part of a job, one of several responses, or by itself
+ * @property {string} [page] Where it is taken, as the register of kinds says: "test", "hammer", ...
  * @property {string} [line]
  * @property {string} [mark]
  * @property {string} [asked]
@@ -39,7 +39,6 @@ import { call } from "./wire.js";
 
 /** What is shown where no file is. */
 export const LOT = "lot";
-const HAMMERS = ["impact", "frf"];
 const STEPS_BACK = 100;
 const KEY = 18;
 
@@ -65,28 +64,27 @@ export function become(/** @type {Partial<State>} */ kept) {
   state = { ...fresh(), ...kept };
 }
 
-export const isTest = (/** @type {OpenFile} */ one) =>
-  one.kind === "relaxation" && one.mark === "good";
 /** @returns {(one: OpenFile) => boolean} */
-const isGood = (/** @type {string[]} */ kinds) => (one) =>
-  kinds.includes(one.kind || "") && one.mark === "good";
-/** @returns {(one: OpenFile) => boolean} */
-const isTaken = (/** @type {string} */ page) => (one) => one.page === page && one.mark === "good";
+const isTaken = (/** @type {string[]} */ ...pages) => (one) =>
+  pages.includes(one.page || "") && one.mark === "good";
+export const isTest = isTaken("test");
+export const isHits = isTaken("hammer");
 /** An FRF of a level goes with those of other levels, and with no relaxation test. */
-export const isHammer = (/** @type {OpenFile} */ one) => isGood(HAMMERS)(one) && !one.level;
-export const isResponse = isTaken("response");
+export const isHammer = (/** @type {OpenFile} */ one) =>
+  isTaken("hammer", "response")(one) && !one.level;
+export const isResponse = isTaken("response", "base");
 /** A file, or one of several, in which amplitude was varied. */
 export const isLevel = (/** @type {OpenFile} */ one) =>
   isTaken("level")(one) || (isResponse(one) && !!one.level);
 /** An FRF whose modes are sought. */
 export const isModes = (/** @type {OpenFile} */ one) =>
-  isGood(["frf"])(one) && !one.level && state.frfs.of !== "levels";
+  isTaken("response")(one) && !one.level && state.frfs.of !== "levels";
 /** What the page fits by itself. */
 export const isBench = (/** @type {OpenFile} */ one) =>
   isTaken("bench")(one) || isLevel(one) || isModes(one);
 /** The unit in which the level of an FRF is said. */
 export const levelUnit = (/** @type {OpenFile | undefined} */ one) =>
-  one?.kind === "transmissibility" ? "m/s^2" : "N";
+  one?.page === "base" ? "m/s^2" : "N";
 export const shown = () => state.files.find((one) => one.id === state.current);
 
 /** The test that is fitted. */

@@ -3,6 +3,7 @@ import { $, all, field, made, panelCard, put } from "./dom.js";
 import {
   hammers,
   isBench,
+  isHits,
   isLevel,
   isModes,
   isResponse,
@@ -122,7 +123,7 @@ const levelWords = (/** @type {OpenFile} */ one) => `${levelNumber(one)} ${unitW
 /** Which page is shown: a question, the hits, the panels, or what is missing. */
 export function views() {
   const one = shown(), asks = one?.asked || "";
-  const hits = one?.kind === "impact" && one.mark === "good" && !!test();
+  const hits = !!one && isHits(one) && !!test();
   const fitted = !!one && isBench(one), lot = state.current === LOT;
   document.body.classList.toggle("in-lot", lot);
   $("lot-page").hidden = !lot;
@@ -137,7 +138,7 @@ export function views() {
   $("hits-page").hidden = !hits || !!asks;
   // a transmissibility goes with no relaxation test on this page
   const alone = response && !level && !modes;
-  $("frfs").hidden = lot || !!asks || one?.kind !== "frf" || !response;
+  $("frfs").hidden = lot || !!asks || one?.page !== "response" || !response;
   $("alone").hidden = !!test();
   $("missing").hidden = lot || !!asks || fitted || response || !!test() || !hammers().length;
   $("no-level").hidden = lot || !response || fitted || !(alone || !test());

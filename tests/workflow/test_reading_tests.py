@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from dashpot.base.errors import ReadError
-from dashpot.io.readers.bench import read_bench
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.relaxation import RelaxationTest
 from dashpot.records.specimen import Specimen
+from dashpot.workflow.fits import read_test
 
 
 def test_a_ramp_and_hold_is_a_relaxation_test(tmp_path: Path) -> None:
@@ -20,13 +20,13 @@ def test_a_ramp_and_hold_is_a_relaxation_test(tmp_path: Path) -> None:
     path = tmp_path / "seal.csv"
     rows = "\n".join(f"{a:.3f},{b:.4f},{0.2 * b:.5f}" for a, b in zip(t, x, strict=True))
     path.write_text(f"time [s],displacement [mm],force [N]\n{rows}\n")
-    assert isinstance(read_bench(path), RelaxationTest)
+    assert isinstance(read_test(path), RelaxationTest)
 
 
 def test_a_sweep_is_a_dynamic_test(tmp_path: Path) -> None:
     path = tmp_path / "dma.csv"
     path.write_text("f,E_stor,E_loss\nHz,MPa,MPa\n1,10,1\n2,11,1.1\n5,12,1.2\n")
-    found = read_bench(path, specimen=Specimen(temperature=296.0))
+    found = read_test(path, specimen=Specimen(temperature=296.0))
     assert isinstance(found, DynamicTest)
     assert found.storage[0] == pytest.approx(10e6)
     assert found.specimen.temperature == 296.0
@@ -36,7 +36,7 @@ def test_anything_else_keeps_the_sentence_of_the_relaxation_reader(tmp_path: Pat
     path = tmp_path / "odd.csv"
     path.write_text("time [s],colour\n1,2\n2,3\n3,4\n")
     with pytest.raises(ReadError, match="displacement"):
-        read_bench(path)
+        read_test(path)
 
 
 @pytest.mark.parametrize(
@@ -56,5 +56,5 @@ def test_a_file_is_opened_once(
         return plain(self, *args, **kwargs)
 
     monkeypatch.setattr(Path, "open", counted)
-    read_bench(path)
+    read_test(path)
     assert opened == [path]

@@ -1,0 +1,8 @@
+"""What is read and written besides records: profiles, motions, instruments, tables.
+
+The names stand in ``files.pyi``; each is imported when it is first used.
+"""
+
+from dashpot.base.lazy import names_of
+
+__getattr__, __dir__, __all__ = names_of(__name__, __file__)

@@ -1,0 +1,16 @@
+from dashpot import recording as recording
+from dashpot.door.read_modes import read_modes as read_modes
+from dashpot.io.options import ReadOptions as ReadOptions
+from dashpot.io.options import dump_profile as dump_profile
+from dashpot.io.options import load_profile as load_profile
+from dashpot.io.readers.shifts import read_shifts as read_shifts
+from dashpot.io.readers.trajectory import read_trajectory as read_trajectory
+from dashpot.io.write import frf_uff as frf_uff
+from dashpot.io.write import write_frf as write_frf
+from dashpot.io.write import write_impact as write_impact
+from dashpot.io.write import write_relaxation as write_relaxation
+from dashpot.io.write import write_trajectory as write_trajectory
+from dashpot.planning.setpoints import planned_trajectory as planned_trajectory
+from dashpot.records.trajectory import Trajectory as Trajectory
+from dashpot.workflow.archive import from_json as from_json
+from dashpot.workflow.archive import to_json as to_json

@@ -1,0 +1,91 @@
+"""A record or a result to a file, by how the file's name ends."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from dashpot.base.atomic import write_whole
+from dashpot.base.choices import Drawn, words
+from dashpot.base.documents import Documented
+from dashpot.base.errors import ExportError
+from dashpot.io.write import write_frf, write_impact, write_relaxation
+from dashpot.records.frf import FRF
+from dashpot.records.impact import ImpactTest
+from dashpot.records.relaxation import RelaxationTest
+from dashpot.workflow.levels import Levels
+from dashpot.workflow.study import Study
+
+_TABLES: dict[type, Callable[..., str]] = {
+    FRF: write_frf,
+    ImpactTest: write_impact,
+    RelaxationTest: write_relaxation,
+}
+"""What is written as a table that every tool here reads back."""
+
+
+def save(noun: Any, path: str | Path) -> Path:
+    """Write a record or a result, and return where it stands.
+
+    ``.json``: its document, which ``dashpot.read`` takes back where it has a schema; ``.png``,
+    ``.svg``, ``.pdf``: its picture; ``.html``: its page; ``.csv``: its numbers.
+
+    Raises
+    ------
+    ExportError
+        If it has none of the kind that the name asks for, or the file cannot be written.
+    """
+    target = Path(path)
+    suffix = target.suffix.lower().lstrip(".")
+    writers = {"json": _document, "html": _page, "csv": _table}
+    if suffix in words(Drawn):
+        from dashpot.plot.files import save as save_picture
+
+        save_picture(_picture(noun), target)
+    elif suffix in writers:
+        text = writers[suffix](noun, target.name)
+        try:
+            write_whole(target, text.encode())
+        except OSError as error:
+            reason = error.strerror or error
+            raise ExportError(f"{target}: it cannot be written: {reason}") from None
+    else:
+        known = ", ".join(f".{one}" for one in (*writers, *words(Drawn)))
+        raise ExportError(f"{target.name}: a result is written as {known}. Name the file so")
+    return target
+
+
+def _picture(noun: Any) -> Any:
+    if not hasattr(noun, "plot"):
+        raise ExportError(f"a {type(noun).__name__} has no picture. Write it as .json")
+    return noun.plot()
+
+
+def _document(noun: Any, name: str) -> str:
+    if not isinstance(noun, Documented):
+        raise ExportError(f"{name}: a {type(noun).__name__} has no document")
+    return json.dumps(noun.document, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def _page(noun: Any, name: str) -> str:
+    from dashpot.report import html
+
+    if not isinstance(noun, Study | Levels):
+        raise ExportError(
+            f"{name}: a {type(noun).__name__} has no page of its own. Write it as .json, or make a "
+            'report: dp.report(test, hits).save("report.html")'
+        )
+    return html(noun)
+
+
+def _table(noun: Any, name: str) -> str:
+    frf = getattr(noun, "frf", None)
+    noun = frf if isinstance(frf, FRF) else noun
+    for kind, write in _TABLES.items():
+        if isinstance(noun, kind):
+            return str(write(noun))
+    if callable(getattr(noun, "csv", None)):
+        return str(noun.csv())
+    raise ExportError(f"{name}: a {type(noun).__name__} has no table. Write it as .json")

@@ -1,0 +1,8 @@
+"""What vibrates on seals: bodies, mounts, seal lines, doors, and what they are asked.
+
+The names stand in ``systems.pyi``; each is imported when it is first used.
+"""
+
+from dashpot.base.lazy import names_of
+
+__getattr__, __dir__, __all__ = names_of(__name__, __file__)

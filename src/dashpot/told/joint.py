@@ -1,0 +1,26 @@
+"""The solid behind vibration, and what was measured beside it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from dashpot.told.layout import Text
+from dashpot.told.lines import sensitive
+from dashpot.told.text import fit, impact
+
+if TYPE_CHECKING:
+    from dashpot.workflow.impacts import Identified
+
+_ROWS = 3
+"""Lines of a transmissibility that are shown: both ends of its band, and between."""
+
+
+def identified(found: Identified) -> Text:
+    """Return the solid, and the modes of what was measured where nothing else was fitted."""
+    (named, *lines), details = fit(found.fit)
+    first, straight = [named], found.direct.of
+    if straight.over_base:
+        first += sensitive(straight, errors=("phase", "mass"), unit="N/m", shown=_ROWS)
+    rests = [str(found.at_rest)] if str(found.at_rest) else []
+    modes = impact(found.vibration) if found.vibration else Text()
+    return Text([*first, *lines, *rests, *modes.lines], [*details, *modes.details])

@@ -1,0 +1,220 @@
+"""Before a test: what it will tell, and a test of a known seal to try everything on."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, Literal, overload
+
+from dashpot.base.choices import Method
+from dashpot.base.errors import DataError
+from dashpot.base.units import Quantity, si
+from dashpot.records.fit import Fit
+from dashpot.records.machine import Machine
+from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
+
+if TYPE_CHECKING:
+    from dashpot.planning.plan import Plan
+    from dashpot.records.creep import CreepTest
+    from dashpot.records.impact import ImpactTest
+    from dashpot.records.relaxation import RelaxationTest
+    from dashpot.solids.temperature import TemperatureLaw
+
+
+def plan(
+    *,
+    frequency: Quantity,
+    depth: Quantity = "8mm",
+    ramp: Quantity = "1s",
+    hold: Quantity = "40s",
+    rate: Quantity = "1kHz",
+    noise: Quantity = "5mN",
+    baseline: Quantity = "1s",
+    method: Method = "full",
+    machine: Machine | None = None,
+    seal: str | Fit | GeneralizedMaxwell = "paper",
+    cold: Sequence[Quantity] = (),
+    mass: Quantity | None = None,
+    seals: float = 1.0,
+    hits: int = 5,
+    wanted: float = 0.1,
+) -> Plan:
+    """Say what a planned test will tell about stiffness and loss factor at a frequency.
+
+    Parameters
+    ----------
+    frequency : float or str
+        That matters, Hz or ``"12.71Hz"``.
+    depth, ramp, hold, rate, noise, baseline, method
+        Of the ramp and hold, m, s, s, Hz, N and s.
+    machine : Machine, optional
+        What is known of the testing machine.
+    seal : str, Fit or GeneralizedMaxwell
+        A guess at the seal: ``"paper"``, ``"broad"`` or ``"hidden"``, or a solid.
+    cold : sequence of float or str
+        Temperatures at which the test is repeated, K or ``"0degC"``.
+    mass, seals, hits
+        Of a hammer test besides.
+    wanted : float
+        Relative standard deviation of the loss factor that would do.
+
+    Raises
+    ------
+    DataError
+        If a number makes no sense.
+
+    Examples
+    --------
+    >>> import dashpot as dp
+    >>> planned = dp.plan(frequency="12.71Hz", ramp="1s", hold="40s")
+    >>> planned.expected.loss_factor_sd > 0.1
+    True
+    """
+    from dashpot.planning.asked import HammerPlan
+    from dashpot.planning.bench import Bench
+    from dashpot.planning.plan import plan as planned
+    from dashpot.planning.supposed import SupposedSeal
+
+    solid, law, _ = _known(seal)
+    bench = Bench(
+        depth=si(depth, "length"), ramp_time=si(ramp, "time"), hold_time=si(hold, "time"),
+        rate=si(rate, "frequency"), noise=si(noise, "force"), method=method,
+        baseline=si(baseline, "time"), machine=machine or Machine(),
+    )  # fmt: skip
+    return planned(
+        bench,
+        at=frequency,
+        seal=SupposedSeal(model=solid.maxwell, law=law),
+        hammer=HammerPlan(mass=si(mass, "mass"), seals=seals, hits=hits),
+        cold=[si(one, "temperature") for one in cold],
+        wanted=wanted,
+    )
+
+
+@overload
+def simulate(
+    what: Literal["relaxation"],
+    *,
+    seal: str | Fit | Solid = ...,
+    depth: Quantity = ...,
+    ramp: Quantity = ...,
+    hold: Quantity = ...,
+    rate: Quantity | None = ...,
+    temperature: Quantity | None = ...,
+    noise_free: bool = ...,
+    seed: int = ...,
+) -> RelaxationTest: ...
+@overload
+def simulate(
+    what: Literal["creep"],
+    *,
+    seal: str | Fit | Solid = ...,
+    load: Quantity = ...,
+    ramp: Quantity = ...,
+    hold: Quantity = ...,
+    rate: Quantity | None = ...,
+    temperature: Quantity | None = ...,
+    noise_free: bool = ...,
+    seed: int = ...,
+) -> CreepTest: ...
+@overload
+def simulate(
+    what: Literal["impact"],
+    *,
+    seal: str | Fit | Solid = ...,
+    mass: Quantity | None = ...,
+    seals: float = ...,
+    hits: int = ...,
+    hit_length: Quantity | None = ...,
+    rate: Quantity | None = ...,
+    temperature: Quantity | None = ...,
+    noise_free: bool = ...,
+    seed: int = ...,
+) -> ImpactTest: ...
+def simulate(
+    what: Literal["relaxation", "creep", "impact"],
+    *,
+    seal: str | Fit | Solid = "paper",
+    seed: int = 0,
+    temperature: Quantity | None = None,
+    noise_free: bool = False,
+    rate: Quantity | None = None,
+    **how: Any,
+) -> Any:
+    """Simulate a test of a known seal; the record says that it is simulated.
+
+    Parameters
+    ----------
+    what : str
+        ``"relaxation"``, ``"creep"`` or ``"impact"``.
+    seal : str, Fit or solid
+        ``"paper"`` (its Table 1), ``"broad"`` (three faster arms) or ``"hidden"`` (one), or one's
+        own.
+    depth, load, ramp, hold : float or str
+        Of the ramp and hold, m or N, s and s.
+    mass, seals, hits, hit_length
+        Of the block, kg; how many seals carry it; and of the hits, s.
+    temperature : float or str, optional
+        Of the test, K.
+    noise_free : bool
+        Without noise, drift, bias, hum and steps.
+    seed : int
+
+    Raises
+    ------
+    DataError
+        If there is no such seal, or a word does not suit the test.
+
+    Examples
+    --------
+    >>> import dashpot as dp
+    >>> test = dp.simulate("relaxation", seal="broad", hold="5s", noise_free=True)
+    >>> dp.fit(test, arms=2).model.arms
+    2
+    """
+    from dashpot import simulation
+
+    solid, law, mass = _known(seal)
+    makers: dict[str, tuple[Any, Any, dict[str, str]]] = {
+        "relaxation": (simulation.simulate_relaxation, simulation.Rig, _TIMES | {"depth": "depth"}),
+        "creep": (simulation.simulate_creep, simulation.Rig, _TIMES | {"load": "load"}),
+        "impact": (simulation.simulate_impact, simulation.Hammer, _HITS),
+    }  # fmt: skip
+    if what not in makers:
+        raise DataError(f"'{what}' is not simulated; expected one of {', '.join(makers)}")
+    maker, instrument, words = makers[what]
+    strange = sorted(how.keys() - words.keys() - {"hit_length"})
+    if strange or ("hit_length" in how and what != "impact"):
+        raise DataError(f"{(strange or ['hit_length'])[0]}= is not of a {what} test")
+    given = {words[name]: value for name, value in how.items() if name in words}
+    if what == "impact":
+        given.setdefault("mass", mass)
+        given.setdefault("seals", 2.0)
+        if given["mass"] is None:
+            raise DataError('the mass under the hammer is not known for this seal: mass="104g"')
+        given["mass"] = si(given["mass"], "mass")
+    rig: Any = instrument().noise_free() if noise_free else instrument()
+    stated = {"rate": si(rate, "frequency"), "record": si(how.get("hit_length"), "time")}
+    rig = replace(rig, **{name: one for name, one in stated.items() if one is not None})
+    climate = None
+    if temperature is not None:
+        climate = simulation.Climate(si(temperature, "temperature"), law)
+    return maker(solid, rig=rig, seed=seed, climate=climate, **given).test
+
+
+_TIMES = {"ramp": "ramp_time", "hold": "hold_time"}
+_HITS = {"mass": "mass", "seals": "seals", "hits": "hits"}
+
+
+def _known(seal: str | Fit | Solid) -> tuple[Any, TemperatureLaw, float | None]:
+    """A solid, how it follows temperature, and the block that is known to peak on two of it."""
+    from dashpot.solids.table_1 import SEALS, SHIFT
+
+    if isinstance(seal, str):
+        if seal not in SEALS:
+            raise DataError(f"seal='{seal}': expected one of {', '.join(SEALS)}, or a solid")
+        solid, mass = SEALS[seal]
+        return solid, SHIFT, mass
+    if isinstance(seal, Fit):
+        return seal.solid, seal.temperature_law or SHIFT, None
+    return seal, SHIFT, None

@@ -1,0 +1,52 @@
+"""The table of plausible sizes: its ends, on both sides, and what real tests have."""
+
+from __future__ import annotations
+
+import pytest
+
+from dashpot.base.errors import DataError
+from dashpot.base.plausible import SIZES, short
+
+ENDS = {
+    "travel": (1e-9, 0.5), "force": (1e-13, 2e5), "stiffness": (0.05, 1e9), "ramp": (1e-4, 900),
+    "record": (1e-3, 3e7), "amplitude": (1e-12, 0.2), "modulus": (10, 2e9),
+    "contact pressure": (0, 2e8), "radius": (1e-9, 1), "part": (1e-4, 30), "door": (0.02, 30),
+    "seal length": (1e-4, 50), "seal height": (1e-4, 1), "sag": (0, 0.2), "resonance": (0.2, 2e4),
+    "acceleration": (0, 1e7), "mass": (1e-9, 1e3), "density": (5, 2e4),
+}  # fmt: skip
+
+
+def test_every_row_is_typed_here():
+    assert {name: row.hard for name, row in SIZES.items()} == ENDS
+
+
+@pytest.mark.parametrize("name", SIZES)
+def test_each_end_is_the_last_that_passes(name):
+    row = SIZES[name]
+    for low, high, said in ((*row.hard, row.absurd), (*row.soft, row.unusual)):
+        for inside in (low * 1.001, high * 0.999, -high * 0.999, 0.0, float("nan")):
+            assert not said(inside), inside
+        assert said(high * 1.001)
+        assert not low or said(low * 0.999)
+    assert row.hard[0] <= row.soft[0] < row.soft[1] <= row.hard[1]
+
+
+def test_real_tests_pass_and_slips_do_not():
+    for name, size in (
+        ("force", 40e3), ("ramp", 315.0), ("travel", 0.401), ("record", 86400.0),
+        ("record", 3.6e6), ("mass", 0.104),
+    ):  # fmt: skip
+        SIZES[name].refuse(size)
+    for name, size in (
+        ("travel", 8.0), ("travel", 1.0), ("mass", 5e3), ("modulus", 4e9), ("radius", 5.0),
+        ("contact pressure", 649e6), ("door", 2e-3), ("sag", 2.6), ("ramp", 1e3),
+    ):  # fmt: skip
+        with pytest.raises(DataError, match=r"expected .* to .*Check"):
+            SIZES[name].refuse(size)
+
+
+def test_a_size_is_said_as_people_do():
+    said = [short(8.71, "m"), short(2e-3, "m"), short(4e9, "Pa"), short(3.2e4, "m/s^2")]
+    assert said == ["8.71 m", "2 mm", "4 GPa", "3.2e+04 m/s^2"]
+    assert short(7200.0, "s") == "2 h"
+    assert short(0.0, "N") == "0 N"
