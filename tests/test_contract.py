@@ -138,7 +138,8 @@ def test_predict_plan_inspect_export_json(folder, tmp_path):
     assert seen["preparation"]["ramp_time"] == pytest.approx(1, abs=0.02)
     deck = document(
         "export", tmp_path / "fit.json", "--to", "nastran", "--unit-system", "mm-t-s",
-        "--temperature", "23degC", "--length", "100mm", "--allow", "all", "-o", tmp_path / "seal.bdf",
+        "--temperature", "23degC", "--length", "100mm", "--allow", "all",
+        "-o", tmp_path / "seal.bdf",
     )  # fmt: skip
     assert deck["target"] == "nastran"
     assert "PBUSHT" in (tmp_path / "seal.bdf").read_text()

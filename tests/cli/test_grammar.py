@@ -265,7 +265,7 @@ def test_what_a_file_is_taken_for_is_said_and_may_be_overruled() -> None:
 SUITS = (
     ("--radius 5mm", "hammer.csv", "--radius is for a contact of an indenter. hammer.csv is a"),
     ("--drop-height 5cm", "seal.csv", "--drop-height is for a contact of an indenter. seal.csv"),
-    ("--poisson 0.3", "seal.csv", "--poisson is for stress over strain of a material. seal.csv"),
+    ("--terms 2", "seal.csv", "--terms is for stress over strain of a material. seal.csv is a"),
     ("--between 4:8mm", "seal.csv", "--between is for a compression load deflection"),
     ("--memory fit.json", "seal.csv", "--memory is for"),
     ("--cuts onset=1s", "hammer.csv", "--cuts is for a relaxation test. hammer.csv is a hammer"),
