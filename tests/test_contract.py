@@ -7,6 +7,7 @@ import json
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from kit.shell import ran
 
 import dashpot as dp
 from dashpot.cli import main
@@ -31,8 +32,8 @@ def folder(tmp_path_factory):
 
 
 def run(*words, expect=0):
-    result = CliRunner().invoke(main, [str(word) for word in words])
-    assert result.exit_code == expect, result.output + result.stderr
+    result = ran(*words)
+    assert result.exit_code == expect, result.output
     return result
 
 
@@ -127,7 +128,7 @@ def test_fit_json(folder, tmp_path):
 
 def test_impact_compare_identify_json(folder, tmp_path):
     run("fit", folder / "seal_8mm.csv", "--arms", "2", "-o", tmp_path / "fit.json")
-    impact = document("impact", folder / "impact.csv", "-o", tmp_path / "frf.csv")
+    impact = document("fit", folder / "impact.csv", "-o", tmp_path / "frf.csv")
     mode = impact["modes"][0]
     assert {"frequency_hz", "damping_ratio", "frequency_se_hz", "damping_ratio_se"} <= set(mode)
     assert len(impact["hits"]) == 4
@@ -141,7 +142,7 @@ def test_impact_compare_identify_json(folder, tmp_path):
         assert 0 < found["frac"] < 1
         assert {"tau", "loss_share", "seen_by_relaxation"} <= set(found["arms"][0])
     joint = document(
-        "identify", folder / "impact.csv", "--with", folder / "seal_8mm.csv", *MASS,
+        "fit", folder / "impact.csv", folder / "seal_8mm.csv", *MASS,
         "-o", tmp_path / "joint.json",
     )  # fmt: skip
     assert joint["schema"] == "dashpot/fit@1"
@@ -163,7 +164,7 @@ def test_predict_plan_inspect_export_json(folder, tmp_path):
     assert pressed["compression"] == 5e-3
     # a straight law vibrates alike at any compression
     assert pressed["tangent"]["frequency"] == predicted["secant"]["frequency"]
-    assert document("plan", "--at", "12.71Hz")["expected"]["loss_factor_sd"] > 0.1
+    assert document("plan", "--frequency", "12.71Hz")["expected"]["loss_factor_sd"] > 0.1
     told = document("inspect", folder / "seal_8mm.csv", folder / "impact.csv")
     assert json.loads(to_json(from_json(json.dumps(told)))) == told
     seen, hammer = told["files"]
@@ -172,8 +173,9 @@ def test_predict_plan_inspect_export_json(folder, tmp_path):
     assert [column["role"] for column in seen["columns"]] == ["time", "displacement", "force"]
     assert seen["preparation"]["ramp_time"] == pytest.approx(1, abs=0.02)
     deck = document(
-        "export", tmp_path / "fit.json", "--to", "nastran", "--units", "mm-t-s",
-        "--temperature", "23degC", "--length", "100mm", "--force", "-o", tmp_path / "seal.bdf",
+        "export", tmp_path / "fit.json", "--to", "nastran", "--unit-system", "mm-t-s",
+        "--temperature", "23degC", "--length", "100mm", "--allow", "all",
+        "-o", tmp_path / "seal.bdf",
     )  # fmt: skip
     assert deck["target"] == "nastran"
     assert "PBUSHT" in (tmp_path / "seal.bdf").read_text()
@@ -181,7 +183,7 @@ def test_predict_plan_inspect_export_json(folder, tmp_path):
 
 def test_the_main_job(folder, tmp_path):
     found = document(
-        "report", folder / "seal_8mm.csv", "--impact", folder / "impact.csv", *MASS,
+        "report", folder / "seal_8mm.csv", folder / "impact.csv", *MASS,
         "-o", tmp_path / "report.html",
     )  # fmt: skip
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
@@ -213,23 +215,23 @@ def test_pipes(folder):
         (("fit", "nowhere.csv"), "nowhere.csv"),
         (("fit",), "FILE"),
         (("fit", "{seal}", "--arms", "many"), "'many' is not a number of arms"),
-        (("fit", "{seal}", "--force", "Load"), "Load"),
+        (("fit", "{seal}", "--column", "force=Load"), "Load"),
         (("fit", "{seal}", "--units", "force"), "role=unit"),
         (("fit", "{seal}", "--length", "100"), "has no unit"),
-        (("predict", "{seal}", "--mass", "104g"), "not a JSON document"),
+        (("predict", "{seal}", "--mass", "104g"), "is a relaxation test"),
         (("predict", "{fit}", "--mass", "104"), "has no unit"),
         (("predict", "{fit}", "--mass", "104mm"), "is a unit of length"),
         (("predict", "{fit}", "--mass", "-104g"), "mass"),
         (("predict", "{fit}", "--mass", "104g", "--band", "50:1Hz"), "50 is not below 1"),
-        (("impact", "{seal}"), "acceleration"),
-        (("report", "{fit}", "-o", "x.html"), "commands that take FIT"),
+        (("fit", "{seal}", "--as", "impact"), "acceleration"),
+        (("report", "{fit}", "-o", "x.html"), "is a fit"),
         (("export", "{fit}", "--to", "nastran"), "unit"),
-        (("export", "{fit}", "--to", "nastran", "--units", "mm-t-s"), "--temperature"),
-        (("export", "{fit}", "--to", "adams", "--units", "SI", "--mass", "1kg"), "no --mass"),
+        (("export", "{fit}", "--to", "nastran", "--unit-system", "mm-t-s"), "--temperature"),
+        (("export", "{fit}", "--to", "adams", "--unit-system", "SI", "--mass", "1kg"), "no --mass"),
         (("verify", "{folder}"), "is not a project"),
-        (("plan", "--at", "12.71"), "has no unit"),
-        (("plan", "--at", "12Hz", "--arm-time", "1ms"), "--arm-stiffness"),
-        (("simulate", "impact", "--model", "{fit}", "-o", "x.csv"), "--mass"),
+        (("plan", "--frequency", "12.71"), "has no unit"),
+        (("plan", "--frequency", "12Hz", "--arm-time", "1ms"), "--arm-stiffness"),
+        (("simulate", "impact", "--seal", "{fit}", "-o", "x.csv"), "--mass"),
     ],
 )
 def test_the_first_wrong_thing_a_user_does(folder, tmp_path, monkeypatch, words, says):
@@ -256,10 +258,10 @@ def test_one_profile_for_the_bench_and_one_for_the_hammer(folder, tmp_path):
     plain = (folder / "impact.csv").read_text().splitlines()
     lines = [head if line.startswith("time") else line for line in plain]
     (tmp_path / "raw.csv").write_text("\n".join(lines) + "\n")
-    run("inspect", tmp_path / "raw.csv", "--force", "ch1", "--units", "force=N",
-        "--save-profile", tmp_path / "hammer.toml")  # fmt: skip
+    run("inspect", tmp_path / "raw.csv", "--column", "force=ch1", "--units", "force=N",
+        "--save", tmp_path / "hammer.toml")  # fmt: skip
     found = document(
-        "report", folder / "seal_8mm.csv", "--impact", tmp_path / "raw.csv", *MASS, "--no-joint",
-        "--impact-profile", tmp_path / "hammer.toml", "-o", tmp_path / "r.html",
+        "report", folder / "seal_8mm.csv", tmp_path / "raw.csv", *MASS, "--no-joint",
+        "--profile", f"raw.csv:{tmp_path / 'hammer.toml'}", "-o", tmp_path / "r.html",
     )  # fmt: skip
     assert found["comparison"]["peak"]["measured_hz"] == pytest.approx(12.71, abs=0.1)
