@@ -263,7 +263,7 @@ def frfs(folder, levels, friction=SLIDER):
         rng = np.random.default_rng(i)
         H = one.value * (1 + 0.005 * (rng.normal(size=61) + 1j * rng.normal(size=61)))
         paths.append(folder / f"frf{i}.csv")
-        write_frf(dp.FRF(f, H, one.kind, sd=0.005 * np.abs(H), units="SI"), paths[-1])
+        write_frf(dp.FRF(f, H, one.quantity, sd=0.005 * np.abs(H), units="SI"), paths[-1])
     return paths, system
 
 

@@ -130,7 +130,7 @@ def test_a_complex_response_of_a_binary_file_is_an_frf(tmp_path: Path, suffix: s
         read_frf(path)
     units = {"frequency": "Hz", "real": "(m/s^2)/N"}
     found = read_frf(path, options=ReadOptions(units=units))
-    assert found.kind is Kind.ACCELERANCE
+    assert found.quantity is Kind.ACCELERANCE
     np.testing.assert_allclose(found.value, value)
     np.testing.assert_allclose(found.coherence, coherence)
 

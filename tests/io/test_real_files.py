@@ -184,7 +184,7 @@ def test_uff_varieties(shared_data: Path) -> None:
     assert (sine.rows, sine.columns[1].unit) == (250, "g")
     assert inspect_file(folder / "time-history-not-all-columns-filled.uff").rows == 13
     frf = read_frf(folder / "non_ascii_header.uff")
-    assert frf.kind is Kind.ACCELERANCE
+    assert frf.quantity is Kind.ACCELERANCE
     assert frf.value[1] == pytest.approx(-5.99924e-02 - 5.53260e-02j)
 
 

@@ -137,7 +137,7 @@ def test_frf_of_another_origin(tmp_path: Path) -> None:
     rows = "".join(f"{f};{f / 10};{-90}\n" for f in range(1, 20))
     path.write_text("Frequency (Hz);Magnitude (g/N);Phase (deg)\n" + rows)
     found = read_frf(path)
-    assert found.kind is Kind.ACCELERANCE
+    assert found.quantity is Kind.ACCELERANCE
     np.testing.assert_allclose(found.value, -1j * np.arange(1, 20) / 10 * 9.80665)
     path.write_text("Frequency (Hz);Magnitude;Phase (deg)\n" + rows)
     with pytest.raises(ReadError, match=r"no unit, and so tells no FRF; expected motion per force"):
@@ -164,7 +164,7 @@ def test_uff_round_trip(tmp_path: Path, kind: Kind) -> None:
     written = frf(kind)
     (tmp_path / "a.uff").write_bytes(frf_uff(written))
     found = read_frf(tmp_path / "a.uff")
-    assert (found.kind, found.shift, found.record, found.averages) == (kind, 0.25, 8.0, 5)
+    assert (found.quantity, found.shift, found.record, found.averages) == (kind, 0.25, 8.0, 5)
     np.testing.assert_allclose(found.frequency, written.frequency, rtol=1e-6)
     np.testing.assert_allclose(found.value, written.value, rtol=1e-10)
     np.testing.assert_allclose(found.coherence, written.coherence, rtol=1e-6)

@@ -437,7 +437,7 @@ def test_a_high_pass_in_the_hammer_is_noticed(strike):
 def test_the_result_is_an_frf_with_its_story(strike):
     frf = estimate_frf(strike(hits=3, noise=NOISE), window="exponential:0.1", estimator="Hv")
     assert isinstance(frf, FRF)
-    assert frf.kind is Kind.ACCELERANCE
+    assert frf.quantity is Kind.ACCELERANCE
     assert [step.name for step in frf.steps] == ["cut", "exponential_window", "estimate"]
     assert frf.frequency[0] > 0
 

@@ -51,7 +51,7 @@ def test_a_motion_over_a_motion_of_any_derivative(tmp_path, over, under, kind):
     known = over_base(np.arange(2.0, 40.0, 1.0), kind)
     read = read_frf(exported(tmp_path / "t.csv", known, over, under))
     assert read.value == pytest.approx(known.value, rel=1e-12)
-    assert read.kind == "transmissibility"  # whose motion it is a unit does not tell
+    assert read.quantity == "transmissibility"  # whose motion it is a unit does not tell
 
 
 F = np.arange(5.0, 40.0, 1.0)
@@ -78,7 +78,7 @@ def test_a_transmissibility_as_other_labs_write_it(tmp_path, head, scale, units)
     np.savetxt(path, rows, delimiter=",", comments="", header=head)
     read = read_frf(path, options=ReadOptions(units=units))
     assert read.value == pytest.approx(known.value, rel=1e-9)
-    assert read.kind == "transmissibility"
+    assert read.quantity == "transmissibility"
 
 
 def test_a_name_says_that_it_is_relative(tmp_path):
@@ -86,7 +86,7 @@ def test_a_name_says_that_it_is_relative(tmp_path):
     head = "Frequency [Hz],Relative transmissibility Re [-],Im [-]"
     rows = np.column_stack((F, known.value.real, known.value.imag))
     np.savetxt(path, rows, delimiter=",", comments="", header=head)
-    assert read_frf(path).kind == RELATIVE
+    assert read_frf(path).quantity == RELATIVE
 
 
 @pytest.mark.parametrize(
@@ -200,7 +200,7 @@ def test_a_displacement_beside_the_bases_acceleration(recorded, tmp_path):
     T = dp.systems.predict_frf(
         2 * BROAD, mass=BROAD_MASS, frequency=frf.frequency[near], kind="transmissibility"
     )
-    assert frf.kind == RELATIVE
+    assert frf.quantity == RELATIVE
     assert np.median(np.abs((1 + frf.value[near]) / T.value - 1)) < 0.01
     path = written(tmp_path / "laser.csv", recorded)
     read = read_shaken([path], ReadOptions(base_acceleration="table"))

@@ -141,7 +141,7 @@ def write_frf(frf: FRF, path: str | Path | None = None, *, comments: Sequence[st
     above = [
         byline("frequency response function"),
         *_stamped(frf.source, comments),
-        f"kind: {frf.kind.value}",
+        f"kind: {frf.quantity.value}",
         f"shift [1/s]: {float(frf.shift)!r}",
         *([] if frf.record is None else [f"record [s]: {float(frf.record)!r}"]),
         f"averages: {frf.averages}",
@@ -169,14 +169,14 @@ def frf_uff(frf: FRF, *, title: str = "dashpot FRF") -> bytes:
     second dataset 58 (function type 6). The window's shift, the record and the number of averages
     stand in the identification lines.
     """
-    if frf.kind.over_base:
+    if frf.quantity.over_base:
         raise DataError(
             "UFF 58 is written of a motion and a force; write a transmissibility as text"
         )
     pyuff = extra("pyuff", "pyuff", "UFF files")
-    motion = frf.to(Kind.RECEPTANCE) if frf.kind is Kind.DYNAMIC_STIFFNESS else frf
+    motion = frf.to(Kind.RECEPTANCE) if frf.quantity is Kind.DYNAMIC_STIFFNESS else frf
     stamp = "simulated" if any(source.simulated for source in frf.source) else "NONE"
-    number, unit = _NUMERATOR[motion.kind]
+    number, unit = _NUMERATOR[motion.quantity]
     identification = {
         "id1": title[:_ID],
         "id2": stamp,
@@ -203,7 +203,7 @@ def frf_uff(frf: FRF, *, title: str = "dashpot FRF") -> bytes:
         pyuff.prepare_164(units_code=1, units_description="SI: m, N, K", temp_mode=1, length=1.0,
                           force=1.0, temp=1.0, temp_offset=0.0),
         {**common, "func_type": FRF_, "ord_data_type": 6, "data": motion.value,
-         "ordinate_spec_data_type": number, "ordinate_axis_lab": motion.kind.value,
+         "ordinate_spec_data_type": number, "ordinate_axis_lab": motion.quantity.value,
          "ordinate_axis_units_lab": unit, "orddenom_spec_data_type": 13,
          "orddenom_axis_lab": "force", "orddenom_axis_units_lab": "N"},
     ]  # fmt: skip

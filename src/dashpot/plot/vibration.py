@@ -132,7 +132,7 @@ def frf(
     stamp : str
         What the figure says of its origin; by default the files of the first FRF.
     """
-    same = [measured, *(other.to(measured.kind) for other in others)]
+    same = [measured, *(other.to(measured.quantity) for other in others)]
     names = [*labels, *[""] * (len(same) - len(labels))]
     pens: tuple[Pen, ...] = PENS
     if measured.averages == 0:
@@ -247,8 +247,8 @@ def nyquist(
         What the figure says of its origin; by default the files of the first FRF.
     """
     pens = (*PENS[:2], joint_pen(failed=failed)[0], *PENS[3:])
-    unit, scale = SHOWN[measured.kind]
-    same = [measured, *(other.to(measured.kind) for other in others)]
+    unit, scale = SHOWN[measured.quantity]
+    same = [measured, *(other.to(measured.quantity) for other in others)]
     marks: list[Mark] = []
     ranges = []
     # the first one, which was measured, over all others
@@ -265,7 +265,7 @@ def nyquist(
             marks.append(Line(value.real, value.imag, pen, label))
         marks.append(Dots(value[ends].real, value[ends].imag, pen.colour, size=8, hollow=True))
     every = np.concatenate(ranges)
-    what = measured.kind.value.replace("_", " ")
+    what = measured.quantity.value.replace("_", " ")
     panel = Panel(
         Scale(f"real part of {what}, {unit}", around(every.real, margin=0.08)),
         Scale(f"imaginary part of {what}, {unit}", around(every.imag, margin=0.08)),
@@ -306,7 +306,7 @@ def magnitude_panel(
     tagged: bool = False,
 ) -> Panel:
     """Magnitudes of FRFs of one kind, log-log, with what the prediction leaves open."""
-    kind = curves[0].frf.kind
+    kind = curves[0].frf.quantity
     unit, scale = SHOWN[kind]
     f = curves[0].frf.frequency
     view = view or (max(float(f[0]), 1e-3 * float(f[-1])), float(f[-1]))

@@ -8,7 +8,7 @@ from dashpot.base.errors import DataError
 from dashpot.base.units import written
 from dashpot.solids.elastic import ElasticLaw
 
-FARTHEST = 10.0
+FARTHEST = 3.0
 """Times the depth tested, at most."""
 
 

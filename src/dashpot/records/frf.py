@@ -117,8 +117,9 @@ class FRF(ByValue, Pictured, Documented):
     frequency : array, shape (n,)
         Hz, increasing.
     value : complex array, shape (n,)
-        In the SI unit of `kind`.
-    kind : Kind
+        In the SI unit of `quantity`.
+    quantity : Kind
+        What it relates: ``"accelerance"``, ``"receptance"``, ``"transmissibility"``...
     coherence : array, shape (n,) or None
         Ordinary coherence; None when predicted or when there was one hit only.
     sd : array, shape (n,) or None
@@ -139,13 +140,25 @@ class FRF(ByValue, Pictured, Documented):
         As in a fit.
     units : str
         Of `frequency` and `value`: ``"Hz, (m/s^2)/N"``, or ``"SI"``. Within they are in SI.
+
+    Examples
+    --------
+    >>> import dashpot as dp, numpy as np
+    >>> t = np.linspace(0, 10, 50)
+    >>> frf = dp.FRF(frequency=t, value=t + 1j, quantity="accelerance", units="Hz, (m/s^2)/N")
+    >>> frf.unit, frf.to("receptance").unit
+    ('(m/s^2)/N', 'm/N')
     """
 
     schema = "dashpot/frf@1"
+    keys = (
+        "frequency", "value", "kind=quantity", "coherence", "sd", "shift", "record", "pulse",
+        "averages", "hits", "checks", "source", "steps",
+    )  # fmt: skip
 
     frequency: FloatArray
     value: ComplexArray
-    kind: Kind = Kind.ACCELERANCE
+    quantity: Kind = Kind.ACCELERANCE
     coherence: FloatArray | None = None
     sd: FloatArray | None = None
     shift: float = 0.0
@@ -165,7 +178,7 @@ class FRF(ByValue, Pictured, Documented):
             raise DataError(f"frequency[0] = {frequency[0]:g} Hz; expected >= 0")
         object.__setattr__(self, "frequency", frequency)
         object.__setattr__(self, "value", complex_samples("value", self.value))
-        object.__setattr__(self, "kind", Kind(self.kind))
+        object.__setattr__(self, "quantity", Kind(self.quantity))
         for name in ("coherence", "sd"):
             values = getattr(self, name)
             if values is not None:
@@ -189,15 +202,15 @@ class FRF(ByValue, Pictured, Documented):
             return
         hertz, of_value = words_of(self, {"frequency": "frequency", "value": "compliance"})
         ratio = verb("io.columns.ratios", "ratio")(of_value)
-        if ratio is None or ratio.order or ratio.kind.over_base != Kind(self.kind).over_base:
+        if ratio is None or ratio.order or ratio.kind.over_base != Kind(self.quantity).over_base:
             raise DataError(
-                f"FRF: '{of_value}' is no unit of {Kind(self.kind).value}. Write for example "
-                f'units="Hz, {UNITS[Kind(self.kind)]}"'
+                f"FRF: '{of_value}' is no unit of {Kind(self.quantity).value}. Write for example "
+                f'units="Hz, {UNITS[Kind(self.quantity)]}"'
             )
-        if ratio.kind != self.kind and not ratio.kind.over_base:
+        if ratio.kind != self.quantity and not ratio.kind.over_base:
             raise DataError(
                 f"FRF: '{of_value}' is a unit of {ratio.kind.value}, and the quantity is "
-                f"{Kind(self.kind).value}. Say one of both otherwise"
+                f"{Kind(self.quantity).value}. Say one of both otherwise"
             )
         put_into_si(self, "frequency", parse_unit(hertz, "frequency"))
         for name in ("value", "sd"):
@@ -240,8 +253,9 @@ class FRF(ByValue, Pictured, Documented):
         files = ", ".join(one.file for one in self.source)
         return (
             (
-                f"{self.kind}, {self.unit}, {len(self.value)} lines, {self.frequency[0]:.6g} to "
-                f"{self.frequency[-1]:.6g} Hz, {made}{f', {files}' if files else ''}"
+                f"{self.quantity}, {self.unit}, {len(self.value)} lines, "
+                f"{self.frequency[0]:.6g} to {self.frequency[-1]:.6g} Hz, "
+                f"{made}{f', {files}' if files else ''}"
             ),
             f"highest line: {size[top]:.5g} {self.unit} at {self.frequency[top]:.6g} Hz",
         )
@@ -264,7 +278,7 @@ class FRF(ByValue, Pictured, Documented):
     @property
     def unit(self) -> str:
         """The SI unit of `value`."""
-        return UNITS[self.kind]
+        return UNITS[self.quantity]
 
     def to(self, kind: Kind | str, *, mass: float | None = None) -> FRF:
         r"""The same FRF as receptance, mobility, accelerance or dynamic stiffness.
@@ -292,23 +306,23 @@ class FRF(ByValue, Pictured, Documented):
             If the mass cannot be, or is needed and missing.
         """
         kind = Kind(kind)
-        if kind is self.kind:
+        if kind is self.quantity:
             return self
-        if kind.over_base and self.kind.over_base:
+        if kind.over_base and self.quantity.over_base:
             # a sum with 1 keeps the scatter, and the coherence not
             add = 1 if kind is Kind.TRANSMISSIBILITY else -1
-            return replace(self, value=self.value + add, kind=kind, sd=self.line_scatter)
-        if kind.over_base or self.kind.over_base:
+            return replace(self, value=self.value + add, quantity=kind, sd=self.line_scatter)
+        if kind.over_base or self.quantity.over_base:
             return self._over_base(kind, mass)
         old = self.only((np.abs(self.s) > 0) & (np.abs(self.value) > 0))
-        if old.kind in _POWERS:
-            receptance = old.value / old.s ** _POWERS[old.kind]
+        if old.quantity in _POWERS:
+            receptance = old.value / old.s ** _POWERS[old.quantity]
         else:
             receptance = 1 / old.value
         value = _as_kind(receptance, old.s, kind)
         # a relative error is the same for every kind
         sd = None if old.sd is None else old.sd * np.abs(value) / np.abs(old.value)
-        return replace(old, value=value, kind=kind, sd=sd)
+        return replace(old, value=value, quantity=kind, sd=sd)
 
     def _over_base(self, kind: Kind, mass: float | None) -> FRF:
         """The same to or from the motion of a mass over a base; see :meth:`to`."""
@@ -320,14 +334,14 @@ class FRF(ByValue, Pictured, Documented):
                 "(Python: frf.to(kind, mass=m))"
             )
         relative = Kind.RELATIVE_TRANSMISSIBILITY
-        if self.kind.over_base:
+        if self.quantity.over_base:
             return self.to(relative)._scaled(-1 / mass, Kind.ACCELERANCE).to(kind)
         return self.to(Kind.ACCELERANCE)._scaled(-mass, relative).to(kind)
 
     def _scaled(self, factor: float, kind: Kind) -> FRF:
         """So many times as large, and of another kind."""
         sd = None if self.sd is None else abs(factor) * self.sd
-        return replace(self, value=factor * self.value, kind=kind, sd=sd)
+        return replace(self, value=factor * self.value, quantity=kind, sd=sd)
 
     @property
     def random_sd(self) -> FloatArray | None:
@@ -451,6 +465,12 @@ class Mode(Documented):
         Standard errors; 0 for a model's mode, nan where a method cannot tell.
     method : str
         How it was found.
+
+    Examples
+    --------
+    >>> import dashpot as dp
+    >>> round(dp.Mode(12.7, 0.0285, 0j).bandwidth, 3)
+    0.724
     """
 
     keys = ("frequency_hz=frequency", "damping_ratio")

@@ -177,7 +177,7 @@ def _of_vibration(study: Study) -> Iterator[plot.Picture]:
 
 def chart_of(study: Study) -> plot.Picture | None:
     """The stabilisation chart of the measured FRF with its modes; none of a transmissibility."""
-    if study.measured is None or study.measured.kind.over_base:
+    if study.measured is None or study.measured.quantity.over_base:
         return None
     band = None if study.comparison is None else study.comparison.band
     chart = stabilisation(FRFSet((study.measured,)), band=band)

@@ -36,7 +36,7 @@ def modes(found: MeasuredModes) -> Text:
         )
     near = found.frf.band(*found.band)
     at = f" at each of {len(found.points)} points" if found.points else ""
-    sought = f"  {len(near.frequency)} lines, {hertz(found.band)}, of the {found.frf.kind}{at}"
+    sought = f"  {len(near.frequency)} lines, {hertz(found.band)}, of the {found.frf.quantity}{at}"
     lines = [*(table(rows) if found.modes else ()), sought]
     if found.points and found.modes:
         lines += ["", *_shapes(found), "", *_macs(found)]

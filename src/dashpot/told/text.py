@@ -236,7 +236,7 @@ def impact(found: ImpactResult) -> Text:
         lines.append(f"  mode  {frequency}, damping ratio {ratio} ({mode.method})")
     used = f"{frf.averages} of {len(frf.hits)} hit{'s' * (len(frf.hits) != 1)} used"
     spacing = frf.frequency[1] - frf.frequency[0]
-    if frf.kind.over_base:
+    if frf.quantity.over_base:
         used = f"base shaken, equal to {frf.averages} averages"
     lines.append(f"{used}; {found.estimator}; frequency resolution {spacing:.3g} Hz")
     if not frf.hits:
@@ -350,7 +350,7 @@ def prediction(found: Prediction) -> Text:
     (hz, height), seals = found.peak, found.seals
     on = f"{written(found.mass, 'g', '.6g')} on {seals:g} seal{'s' * (seals != 1)}"
     does = "largest value" if found.at_edge else "peak"
-    kind = found.frf.kind.replace("_", " ")
+    kind = found.frf.quantity.replace("_", " ")
     lines = [f"{on}: {does} of the {kind} {height:.5g} {found.frf.unit} at {hz:.5g} Hz"]
     if found.isolation is not None:
         lines.append(f"  the mass moves less than its base above {found.isolation:.5g} Hz")

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias, overload
 
 from dashpot.base.choices import Method
 from dashpot.base.errors import DataError
+from dashpot.base.plausible import SIZES
 from dashpot.base.units import Quantity, Range, si, si_range
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF
@@ -161,7 +162,9 @@ def _bare(
     from dashpot.vibration.systems.prediction import predict_frf
 
     hertz = np.linspace(*si_range(band, "frequency"), lines)
-    return predict_frf(solid, mass=si(mass, "mass"), seals=seals, frequency=hertz, kind=quantity)
+    kilograms = si(mass, "mass")
+    SIZES["mass"].refuse(kilograms)
+    return predict_frf(seals * solid, mass=kilograms, frequency=hertz, kind=quantity)
 
 
 def _under_mass(

@@ -148,7 +148,7 @@ def _scale(panel: Panel) -> float:
 
 def response_panel(predicted: FRF, sizes: Sizes) -> str:
     """The predicted response before anything bounds it."""
-    if predicted.kind is Kind.TRANSMISSIBILITY:
+    if predicted.quantity is Kind.TRANSMISSIBILITY:
         curve = Curve(predicted, "predicted from relaxation", PREDICTED)
         return drawn("frf", magnitude_panel([curve]), sizes)
     return drawn("frf", plot.resonance(None, predicted).panels[0], sizes)
@@ -262,7 +262,7 @@ def live_response(predicted: FRF) -> LiveCurves:
     top = int(size.argmax())
     words = (
         f"{rounded(float(predicted.frequency[top]), digits=4)} Hz, {rounded(float(size[top]))} "
-        f"{SHOWN[predicted.kind][0]}"
+        f"{SHOWN[predicted.quantity][0]}"
     )
     return LiveCurves({"frf/predicted/x": predicted.frequency, "frf/predicted/y": size}, words)
 

@@ -18,7 +18,7 @@ from dashpot.base.provenance import Source
 from dashpot.base.units import Dimension, si
 from dashpot.io.columns.kinds import RECOGNISED
 from dashpot.io.options import ReadOptions
-from dashpot.io.readers.inspect import inspect_file
+from dashpot.io.readers.recognise import recognise
 from dashpot.io.readers.relaxation import read_relaxation
 from dashpot.io.source import about
 from dashpot.kinds import RESPONSES
@@ -309,7 +309,7 @@ def swept_part(
             "--resonance-level is the level at which a --resonance was measured; add that, or "
             "leave it out"
         )
-    kind = inspect_file(choices.sweep, options=options).kind
+    kind = recognise(choices.sweep, options).kind
     if kind in {*RESPONSES, *HITS}:
         raise DataError(
             f"{Path(choices.sweep).name} is of a mass ({kind}), not of the rubber; expected "

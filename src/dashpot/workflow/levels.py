@@ -19,7 +19,7 @@ from dashpot.base.units import Quantity, si
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.frf import read_frf
 from dashpot.io.readers.impact import read_impacts
-from dashpot.io.readers.inspect import inspect_file
+from dashpot.io.readers.recognise import recognise
 from dashpot.io.source import about
 from dashpot.kinds import RESPONSES
 from dashpot.kinds.level.checks import level_covered, levels_as_struck
@@ -52,6 +52,13 @@ class Levels(Judged, Documented):
     checks : tuple of Check
     records : tuple of AmplitudeSweep, RelaxationTest or FRF
         What it was found from: one sweep, one record of loops, or the FRF of each level.
+
+    Examples
+    --------
+    >>> import dashpot as dp
+    >>> hits = dp.simulate("impact", hits=4)
+    >>> type(dp.fit(hits, hits, levels=["3N", "3N"])).__name__  # doctest: +SKIP
+    'Levels'
     """
 
     schema = "dashpot/levels@1"
@@ -130,7 +137,7 @@ def level_files(
     options : ReadOptions, optional
         What the user said of the files.
     """
-    kinds = [inspect_file(path, options=options).kind for path in files]
+    kinds = [recognise(path, options).kind for path in files]
     if all(kind in RESPONSES for kind in kinds):
         _refuse_law(law, "FRFs")
         frfs = [as_measured(read_frf(path, options=options), motion) for path in files]

@@ -10,10 +10,11 @@ import numpy as np
 
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, FitError, ReadError
+from dashpot.base.plausible import SIZES
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.frf import read_frf
 from dashpot.io.readers.impact import HITS, hits_in
-from dashpot.io.readers.inspect import inspect_file
+from dashpot.io.readers.recognise import recognise
 from dashpot.io.readers.shaken import read_shaken
 from dashpot.kinds import RESPONSES
 from dashpot.records.frf import FRF, Mode
@@ -57,9 +58,9 @@ def read_measured(
         if mass is None:
             raise ReadError(_NO_MASS)
         return None, shaken(paths, choices=choices, options=options, mass=mass, band=band)[0]
-    if len(paths) == 1 and inspect_file(paths[0], options=options).kind in RESPONSES:
+    if len(paths) == 1 and recognise(paths[0], options).kind in RESPONSES:
         frf = as_measured(read_frf(paths[0], options=options), choices.motion)
-        if frf.kind.over_base and mass is None:
+        if frf.quantity.over_base and mass is None:
             raise ReadError(_NO_MASS)
         return None, judged(frf, band, mass=mass)
     impact = hits_in(list(paths), options, f"an FRF or {HITS}")
@@ -110,7 +111,7 @@ def as_measured(frf: FRF, motion: str) -> FRF:
     """The same, relative where the user says so of the motion of a mass over a base."""
     if motion == "absolute":
         return frf
-    if not frf.kind.over_base:
+    if not frf.quantity.over_base:
         raise ReadError(_NO_BASE)
     return as_relative(frf)
 
@@ -148,7 +149,7 @@ def judged(
     peak = find_peak(near) if main is None else main
     at = int(np.argmin(np.abs(near.frequency - peak.frequency)))
     judged = [frf_dissipates(complex(near.value[at]), float(near.frequency[at]))] * driven
-    if frf.kind.over_base:
+    if frf.quantity.over_base:
         judged.insert(0, mass_over_base(frf))
     if frf.coherence is not None:
         judged.append(coherence(near, at))
@@ -175,6 +176,8 @@ def total_mass(
     block: float | None, *, seal: float | None, seals: float
 ) -> tuple[float | None, tuple[Check, ...]]:
     """Return the block's mass with what moves of the seals, where both are known."""
+    if block is not None:
+        SIZES["mass"].refuse(block)
     if block is None or seal is None:
         return block, ()
     mass, check = moving_mass(block, seal=seal, seals=seals)
@@ -183,6 +186,6 @@ def total_mass(
 
 def relieved(frf: FRF, mass: float | None, seal_mass: float | None, seals: float) -> FRF:
     """Return a transmissibility as seals without mass would show it; another FRF as it is."""
-    if not frf.kind.over_base or mass is None:
+    if not frf.quantity.over_base or mass is None:
         return frf
     return on_light_mounts(frf, mass=mass, coupled=entrained(seal_mass, seals))

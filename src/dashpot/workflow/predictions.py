@@ -17,6 +17,7 @@ from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.numbers import hertz
 from dashpot.base.offered import Judged
+from dashpot.base.plausible import SIZES
 from dashpot.fitting.temperature.checks import temperature_tested
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.psd import read_psd
@@ -160,11 +161,18 @@ class Prediction(Judged, Documented):
         Over a base that shakes at random.
     isolation : float or None
         Above it the mass moves less than its base, Hz.
+
+    Examples
+    --------
+    >>> import dashpot as dp
+    >>> fit = dp.fit(dp.simulate("relaxation", hold="5s", noise_free=True), arms=2)
+    >>> dp.predict(fit, mass="104g", seals=2).frf.unit
+    '(m/s^2)/N'
     """
 
     schema = "dashpot/prediction@1"
     keys = (
-        "mass", "moving_mass", "seals", "temperature=fit.specimen.temperature", "frf.kind",
+        "mass", "moving_mass", "seals", "temperature=fit.specimen.temperature", "kind=frf.quantity",
         "frf.unit", "*at_rest.told", "peak=largest", "modes", "alternative=rival",
         "band_hz=fit.band", "extrapolated", "frequency_hz=frf.frequency", "frf.value.real",
         "frf.value.imag", "limits=limited", "levels=by_level?", "sweep=swept?", "random=shaken?",
@@ -301,6 +309,7 @@ def prediction(
 
     The other parameters are those of :func:`predict_files`; `swept` is what the sweep says.
     """
+    SIZES["mass"].refuse(mass)
     asked, choices = Kind(kind), at_level or LevelChoices()
     moving, noted = moving_mass(mass, seal=seal_mass or 0.0, seals=seals)
     here = found if temperature is None else found.at_temperature(temperature)
@@ -356,7 +365,7 @@ def prediction(
 def _sound(frf: FRF, peak: tuple[float, float], found: Fit) -> str:
     """Return where the predicted peak lies, how high it is, and where the model is valid."""
     hz, height = peak
-    name, unit = frf.kind.replace("_", " "), frf.unit
+    name, unit = frf.quantity.replace("_", " "), frf.unit
     return (
         f"peak of the {name} {height:.4g}{f' {unit}' if unit != '1' else ''} at {hz:.4g} Hz. "
         f"The model is valid from {hertz(found.band)}"

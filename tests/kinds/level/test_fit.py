@@ -365,7 +365,7 @@ class TestLevels:
         for one in three(noise=0.0):
             off = part * (rng.normal(size=len(F)) + 1j * rng.normal(size=len(F)))
             sd = part * np.abs(one.value) if said else None
-            noisy.append(FRF(F, one.value * (1 + off), one.kind, sd=sd, units="SI"))
+            noisy.append(FRF(F, one.value * (1 + off), one.quantity, sd=sd, units="SI"))
         found = fit_levels(noisy, LEVELS, mass=MASS)
         assert bool(worst(found) < 0.002) is said
         assert found.verdict.use == use
@@ -377,7 +377,7 @@ class TestLevels:
         noisy = []
         for one in three(noise=0.0):
             off = part * (rng.normal(size=len(F)) + 1j * rng.normal(size=len(F)))
-            noisy.append(FRF(F, one.value * (1 + off), one.kind, units="SI"))
+            noisy.append(FRF(F, one.value * (1 + off), one.quantity, units="SI"))
         found = fit_levels(noisy, LEVELS, mass=MASS)
         ratio = next(c.value for c in found.checks if c.name == "levels_followed")
         assert 0.8 < ratio < 1.2
@@ -413,7 +413,7 @@ class TestLevels:
         odd = wrong.get("gain", 1.0) * np.exp(1j * wrong.get("phase", 0.0))
         which = slice(1, 2) if "gain" in wrong else slice(None)
         frfs[which] = [
-            FRF(one.frequency, one.value * odd, one.kind, units="SI") for one in frfs[which]
+            FRF(one.frequency, one.value * odd, one.quantity, units="SI") for one in frfs[which]
         ]
         found = fit_levels(frfs, wrong.get("levels", LEVELS), mass=wrong.get("mass", MASS))
         assert found.verdict.use == use

@@ -144,7 +144,7 @@ def frf_data_of(
     DataError
         If fewer than 8 lines remain, or a transmissibility comes without the mass, kg.
     """
-    over_base = frf.kind.over_base
+    over_base = frf.quantity.over_base
     if over_base and mass is None:
         raise DataError(
             "a transmissibility tells the stiffness over the mass, and neither alone: give the mass"
@@ -166,9 +166,9 @@ def frf_data_of(
         # of an unknown number of hits: the lines' shares of the misfit, which tells its size
         share = np.hypot(lines.scatter_of_one / size, FLOOR)
         scatter = size * share / np.sqrt(np.mean(share**2))
-    sd = _size(lines, frf.kind, mass) if scatter is None else np.hypot(scatter, FLOOR * size)
+    sd = _size(lines, frf.quantity, mass) if scatter is None else np.hypot(scatter, FLOOR * size)
     weighed = mass if over_base else None
-    return FRFData(lines, sd, known, float(seals), peak, frf.kind, weighed)
+    return FRFData(lines, sd, known, float(seals), peak, frf.quantity, weighed)
 
 
 def _size(lines: FRF, kind: Kind, mass: float | None) -> FloatArray:

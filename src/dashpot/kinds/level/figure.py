@@ -264,7 +264,7 @@ def _over_amplitude(sweep: AmplitudeSweep, fit: AmplitudeFit | None) -> list[Pan
 
 def _magnitudes(fit: LevelFit, frfs: Sequence[FRF]) -> Panel:
     """Magnitudes as measured, the fit at each level, and the backbone."""
-    kind = frfs[0].kind
+    kind = frfs[0].quantity
     unit, scale = SHOWN[kind]
     dense = np.linspace(*fit.band, _LINES)
     marks: list[Mark] = []

@@ -280,7 +280,7 @@ class _LineData:
 
 def _level(frf: FRF, level: Quantity) -> float:
     """Amplitude of the force, N, or of the ground's acceleration, m/s^2."""
-    size = si(level, "acceleration" if frf.kind.over_base else "force")
+    size = si(level, "acceleration" if frf.quantity.over_base else "force")
     if not size > 0:
         raise DataError(f"level = {level!r}; expected an amplitude > 0")
     return size
@@ -302,7 +302,7 @@ def rows_at_level(
         raise DataError(
             f"{len(lines.value)} usable lines at the level {level:g}; expected {_LEAST} or more"
         )
-    pull = mass * level if lines.kind.over_base else level
+    pull = mass * level if lines.quantity.over_base else level
     receptance = lines.to(Kind.RECEPTANCE, mass=mass)
     direct = 1 / receptance.value
     K = (direct + mass * lines.omega**2) / seals

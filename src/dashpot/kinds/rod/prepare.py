@@ -102,7 +102,10 @@ def rod_modulus(
     positive(mass=top, density=density, expected="a finite number above 0")
     if frf.shift:
         raise DataError("a rod's waves need an FRF without an exponential window")
-    over_base, relative_sensor = frf.kind.over_base, frf.kind is Kind.RELATIVE_TRANSMISSIBILITY
+    over_base, relative_sensor = (
+        frf.quantity.over_base,
+        frf.quantity is Kind.RELATIVE_TRANSMISSIBILITY,
+    )
     measured = frf.to(Kind.TRANSMISSIBILITY if over_base else Kind.DYNAMIC_STIFFNESS)
     measured = measured if limits is None else measured.band(*limits)
     measured = measured.only(measured.usable)
@@ -152,7 +155,7 @@ def _inverted(
     measured: FRF, rod: _Setup, errors: RodErrors, *, relative_sensor: bool
 ) -> RodModulus:
     """E* line by line, and all that is asked of its lines."""
-    part, ratio, density, over_base = rod.part, rod.ratio, rod.density, measured.kind.over_base
+    part, ratio, density, over_base = rod.part, rod.ratio, rod.density, measured.quantity.over_base
     omega = 2 * np.pi * measured.frequency
     y = 1 / measured.value if over_base else measured.value / (rod.own * omega**2)
     equation = _base if over_base else _force

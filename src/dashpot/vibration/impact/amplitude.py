@@ -133,7 +133,7 @@ def with_resonances(frf: FRF, spectra: Spectra, main: Mode) -> tuple[Hit, ...]:
         own = FRF(
             frf.frequency[near],
             value,
-            frf.kind,
+            frf.quantity,
             shift=frf.shift,
             record=frf.record,
             pulse=frf.pulse,

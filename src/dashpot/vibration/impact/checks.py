@@ -191,7 +191,7 @@ def mass_over_base(frf: FRF) -> Finding:
             "transmissibility at rest is not judged"
         )
     r2 = (f[low] / f[at]) ** 2
-    if frf.kind is Kind.RELATIVE_TRANSMISSIBILITY:
+    if frf.quantity is Kind.RELATIVE_TRANSMISSIBILITY:
         # (1 - 1/T) / r^2 of a mass on a spring, linear in the gain of the one sensor
         part = float(np.median((T[low] - 1).real * (1 - r2) / r2))
         cause = _relative_cause(part, complex(np.median(T[low].real) - 1, np.median(T[low].imag)))

@@ -171,7 +171,7 @@ def dynamic_stiffness(
     mass, mass_sd, band = si(mass, "mass"), si(mass_sd, "mass"), si_range(band, "frequency")
     positive(mass=mass, seals=seals)
     mass_sd = 0.01 * mass if mass_sd is None else mass_sd
-    over_base = frf.kind.over_base
+    over_base = frf.quantity.over_base
     measured = frf.to(Kind.ACCELERANCE, mass=mass)
     measured = measured if band is None else measured.band(*band)
     measured = measured.only(measured.usable)
@@ -181,7 +181,7 @@ def dynamic_stiffness(
     by_phase, by_mass = -1j * raw / seals, -mass * s**2 / seals
     if over_base:  # the stiffness is proportional to the mass
         by_mass = K
-    if frf.kind is Kind.TRANSMISSIBILITY:  # the phase is that of T = 1 - m A
+    if frf.quantity is Kind.TRANSMISSIBILITY:  # the phase is that of T = 1 - m A
         by_phase = by_phase * (1 - 1 / (mass * value))
     random = np.zeros(len(s)) if scatter is None else scatter * np.abs(raw / value) / seals
     arrays = {

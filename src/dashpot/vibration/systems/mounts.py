@@ -48,14 +48,14 @@ def on_light_mounts(frf: FRF, *, mass: float, coupled: float) -> FRF:
 
 def _scaled(frf: FRF, factor: float) -> FRF:
     """The motion relative to the base, so many times, as the kind that it was."""
-    if not frf.kind.over_base:
-        raise DataError(f"the FRF is a {frf.kind}; expected a transmissibility")
+    if not frf.quantity.over_base:
+        raise DataError(f"the FRF is a {frf.quantity}; expected a transmissibility")
     relative = frf.to(Kind.RELATIVE_TRANSMISSIBILITY)
     sd = None if relative.sd is None else factor * relative.sd
-    return replace(relative, value=factor * relative.value, sd=sd).to(frf.kind)
+    return replace(relative, value=factor * relative.value, sd=sd).to(frf.quantity)
 
 
 def as_relative(frf: FRF) -> FRF:
     """The same numbers, of a sensor on both ends: mass less base, over the base."""
     step = Step("as_relative", (), "the motion of the mass was measured relative to the base")
-    return replace(frf, kind=Kind.RELATIVE_TRANSMISSIBILITY, steps=(*frf.steps, step))
+    return replace(frf, quantity=Kind.RELATIVE_TRANSMISSIBILITY, steps=(*frf.steps, step))
