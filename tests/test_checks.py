@@ -1166,6 +1166,8 @@ HYPERELASTIC = [
     Case("no_law_closer", lambda x: hyper.no_law_closer(0.005 * x, 0.0), 1.99, 2.01),
     Case("stable_in_use", lambda x: hyper.stable_in_use(x, "", ()), 1e-6, 0.0),
     Case("modes_told", lambda x: hyper.modes_told(x, "planar", "it is"), 0.0999, 0.1001),
+    Case("modes_enough", whole(lambda n: hyper.modes_enough(n, both=False, foam=False)), 2, 1),
+    Case("modes_in_scale", lambda x: hyper.modes_in_scale(x, 0.05, "planar"), 1.099, 1.101),
     Case("use_measured", hyper.use_measured, 1.0, 1.001),
     Case("constants_known", lambda x: hyper.constants_known("C01", x), 0.249, 0.251),
     Case("rows_enough", lambda x: hyper.rows_enough(int(2 * x), 2), 4.0, 3.5),
@@ -1478,7 +1480,7 @@ LIMITS = {
         "law_followed": 0.05, "no_law_closer": 2, "stable_in_use": 0, "modes_told": 0.1,
         "use_measured": 1, "constants_known": 0.25, "rows_enough": 4, "files_agree": 0.05,
         "loading_returned": 0.1, "conditioned": 0.05, "zero_known": 0.005, "labels_agree": 3,
-        "measures_stated": 0.1,
+        "measures_stated": 0.1, "modes_enough": 2, "modes_in_scale": 1.1,
     },
     "kinds/indentation": {
         "contact_sampled": 20, "flights_recorded": 0.1, "sensor_in_range": 0, "first_contact": 0,

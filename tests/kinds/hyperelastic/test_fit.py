@@ -140,7 +140,7 @@ def test_three_rates_are_one_law_without_their_memory():
     assert check(fit, "files_agree").value < 0.01
     taken = fit_hyperelastic(tests, law="mooney-rivlin")
     assert "files_agree" in failed(taken)
-    assert "--with" in check(taken, "files_agree").says
+    assert check(taken, "files_agree").remedy.option == "memory"
 
 
 def test_a_memory_needs_a_clock():
@@ -259,3 +259,38 @@ def test_what_does_not_fit_together_is_refused(words, says):
 def test_a_volume_alone_is_no_law():
     with pytest.raises(FitError, match="tells no law of shape"):
         fit_hyperelastic([loaded(replace(RUBBER, bulk=2e9), "volumetric", (0.97, 1))])
+
+
+# -- what one mode, or a factor between two, leaves open ------------------------------------------
+
+
+def scattered(law, mode, span, seed, factor=1.0):
+    one = loaded(law, mode, span)
+    stress = factor * one.stress
+    error = 5e-3 * np.abs(stress).max() * np.random.default_rng(seed).standard_normal(len(stress))
+    return replace(one, stress=stress + error, units="SI")
+
+
+@pytest.mark.parametrize("law", [RUBBER, OGDEN], ids=lambda law: law.kind)
+@pytest.mark.parametrize(("factor", "use"), [(1.0, "use"), (0.9, "use with care")])
+def test_modes_that_part_by_a_factor_are_told(law, factor, use):
+    """A piece that Mullins softened by a tenth; .5 % of scatter."""
+    for seed in range(3):
+        tests = [scattered(law, mode, (1, 2), seed) for mode in ("equibiaxial", "planar")]
+        tests.append(scattered(law, "uniaxial", (1, 2), seed + 9, factor))
+        fit = fit_hyperelastic(tests)
+        assert fit.verdict.use == use
+        assert check(fit, "modes_in_scale").failed is (factor != 1.0)
+    assert check(fit, "modes_enough").passed
+
+
+def test_one_mode_of_a_rubber_is_with_care():
+    one = fit_hyperelastic([scattered(RUBBER, "uniaxial", (1, 2), 0)])
+    assert check(one, "modes_enough").failed
+    assert one.verdict.use == "use with care"
+    assert check(one, "modes_in_scale").passed is None
+    # tension and compression of one piece are as two modes; a foam's Poisson's ratio is given
+    both = fit_hyperelastic([scattered(RUBBER, "uniaxial", (0.7, 2), 0)])
+    assert check(both, "modes_enough").passed
+    foam = fit_hyperelastic([scattered(FOAM, "uniaxial", (0.4, 1), 0)], poisson=0.0)
+    assert check(foam, "modes_enough").passed

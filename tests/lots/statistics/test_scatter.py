@@ -92,8 +92,9 @@ def test_seals_that_are_not_normal_have_a_wider_interval(name, least):
         held += seal.interval[0] <= truth <= seal.interval[1]
         normal += not seal.by_kurtosis
     assert held / seeds > least - 2 * np.sqrt(least * (1 - least) / seeds), held / seeds
-    # what is normal is mostly taken for it
-    assert (normal / seeds > 0.6) == (name == "normal")
+    # what is normal is mostly taken for it, what is skewed is not
+    assert normal / seeds > 0.6 or name != "normal"
+    assert normal / seeds < 0.5 or name != "lognormal"
 
 
 def test_an_interval_of_bonett():
