@@ -15,8 +15,9 @@ HEAD = """\
 # Checks
 
 Every way in which a record, a fit or a comparison can deceive is a named check: a value, a limit,
-what was found, what it means, and what to do. This page is written from their register by `python docs/checks.py`. Some records set a
-limit of their own, as the last column says; *our choice* is a limit that no standard sets.
+what was found, what it means, and what to do. This page is written from their register by
+`python docs/checks.py`. Some records set a limit of their own, as the last column says; *our
+choice* is a limit that no standard sets.
 
 A check has three states: it *passed*, it *failed*, or it was *not judged*, because the record does
 not answer its question; what was not judged has not passed (`"passed": true`, `false`, `null` in
@@ -30,9 +31,9 @@ JSON). A failure has one of three grades:
 
 The verdict of a fit, a comparison or a study is that of the gravest failure: *do not use* after any
 stop, else *use with care* after any limit, else *use*. It leads every report in one line: what the
-check that decided found and what to do about it, or the number that the reader came for. `--strict` leaves with exit code
-1 after a failure graded limit or stop; a note is no reason to stop a batch. Some checks grade a
-failure by its size, as the column says.
+check that decided found and what to do about it, or the number that the reader came for. `--strict`
+leaves with exit code 1 after a failure graded limit or stop; a note is no reason to stop a batch.
+Some checks grade a failure by its size, as the column says.
 
 How the optimiser ended is another matter, and stands below the verdict: it is the gravest status
 that a failed check sets, whatever its grade, or that the optimum itself shows. The gravest first:
