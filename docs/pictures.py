@@ -15,19 +15,7 @@ from tempfile import TemporaryDirectory
 import dashpot as dp
 from dashpot import workflow
 from dashpot.cli import main as run
-from dashpot.fitting.relaxation import fit
-from dashpot.fitting.superposition.superpose import superpose
-from dashpot.io.readers.dynamic import read_dynamic
-from dashpot.io.readers.impact import read_impact
-from dashpot.io.readers.inspect import inspect_file
-from dashpot.io.readers.relaxation import read_relaxation
-from dashpot.io.write import write_relaxation
-from dashpot.lots.lot import Lot
-from dashpot.simulation.impact import simulate_impact
-from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.solids.table_1 import BROAD, BROAD_MASS, PAPER
-from dashpot.vibration.impact.frf_estimation import estimate_frf
-from dashpot.workflow.study import characterise
 
 DOCS = Path(__file__).parent
 HERO = DOCS / "pictures" / "hero.png"
@@ -58,12 +46,9 @@ SEALS, REPEATS = (1.0, 1.03, 0.98, 1.01), 3
 
 def main() -> None:
     """Run the whole story and save its picture."""
-    bench = simulate_relaxation(BROAD, seed=0)
-    hammer = simulate_impact(BROAD, mass=BROAD_MASS, seed=0)
-    frf = estimate_frf(hammer.test, mass=BROAD_MASS)
-    study = characterise(
-        bench.test, frf, impact=hammer.test, mass=BROAD_MASS, seals=2, arms=2, band=(4.0, 40.0)
-    )
+    bench = dp.simulation.simulate_relaxation(BROAD, seed=0)
+    hammer = dp.simulation.simulate_impact(BROAD, mass=BROAD_MASS, seed=0)
+    study = dp.report(bench.test, hammer.test, mass=BROAD_MASS, seals=2, arms=2, band=(4.0, 40.0))
     HERO.parent.mkdir(exist_ok=True)
     dp.plot.save(dp.plot.hero(study), HERO, dpi=200)
 
@@ -93,11 +78,11 @@ def _printed(line: str) -> str:
 
 
 def _drawn() -> dict[str, dp.plot.Picture]:
-    hits = read_impact("hammer.csv")
-    frf = estimate_frf(hits, mass=workflow.MASS)
-    test = read_relaxation("seal_8mm.csv")
-    study = characterise(test, frf, impact=hits, mass=workflow.MASS, seals=2)
-    depths = fit([read_relaxation(f"depth_{d}mm.csv") for d in (4, 6, 8)])
+    hits = dp.read("hammer.csv", kind="impact")
+    frf = hits.frf(mass=workflow.MASS)
+    test = dp.read("seal_8mm.csv", kind="relaxation")
+    study = dp.report(test, hits, mass=workflow.MASS, seals=2)
+    depths = dp.fit(*(dp.read(f"depth_{d}mm.csv", kind="relaxation") for d in (4, 6, 8)))
     return {
         "hero": study.plot(),
         "segments": study.prepared.plot(),
@@ -113,11 +98,11 @@ def _drawn() -> dict[str, dp.plot.Picture]:
         "comparison": dp.plot.comparison(
             study.comparison, joint=study.joint_comparison, band=study.frf_band
         ),
-        "superposition": superpose(read_dynamic("sweeps.csv")).plot(),
+        "superposition": dp.solids.superpose(dp.read("sweeps.csv")).plot(),
         "elastic_law": dp.plot.elastic_law(depths),
-        "columns": inspect_file("seal_8mm.csv").plot(),
-        "clipped": inspect_file("clipped.csv").plot(),
-        "gauges": inspect_file("gauges.csv").plot(),
+        "columns": dp.inspect("seal_8mm.csv").plot(),
+        "clipped": dp.inspect("clipped.csv").plot(),
+        "gauges": dp.inspect("gauges.csv").plot(),
     }
 
 
@@ -127,12 +112,14 @@ def _lot() -> dp.plot.Picture:
     folder.mkdir()
     for seal, factor in enumerate(SEALS, start=1):
         for repeat in range(1, REPEATS + 1):
-            made = simulate_relaxation(factor * PAPER, hold_time=10.0, seed=10 * seal + repeat)
-            text = write_relaxation(made.test, comments=dp.simulation.stamp(made.truth))
+            made = dp.simulation.simulate_relaxation(
+                factor * PAPER, hold_time=10.0, seed=10 * seal + repeat
+            )
+            text = dp.files.write_relaxation(made.test, comments=dp.simulation.stamp(made.truth))
             (folder / f"lotA_seal{seal}_rep{repeat}.csv").write_text(text, encoding="utf-8")
     by = r"lot(\w+)_seal(\d+)_rep(\d+)"
     _printed(f"batch {folder} -o lot --by '{by}' --arms 2 --jobs 1")
-    return Lot.read("lot").plot()
+    return dp.Lot.read("lot").plot()
 
 
 def _in_a_shell(text: str) -> str:
