@@ -21,10 +21,7 @@ def main() -> None:
     """Run the whole story and save its picture."""
     bench = simulate_relaxation(BROAD, seed=0)
     hammer = simulate_impact(BROAD, mass=BROAD_MASS, seed=0)
-    frf = dp.estimate_frf(hammer.test, mass=BROAD_MASS)
-    study = dp.characterise(
-        bench.test, frf, impact=hammer.test, mass=BROAD_MASS, seals=2, arms=2, band=(4.0, 40.0)
-    )
+    study = dp.report(bench.test, hammer.test, mass=BROAD_MASS, seals=2, arms=2, band=(4.0, 40.0))
     HERO.parent.mkdir(exist_ok=True)
     dp.plot.save(dp.plot.hero(study), HERO, dpi=200)
 
@@ -42,11 +39,11 @@ def gallery() -> None:
 
 
 def _drawn(files: dict[str, Path]) -> dict[str, dp.plot.Picture]:
-    hits = dp.read_impact(files["hammer.csv"])
-    frf = dp.estimate_frf(hits, mass=workflow.MASS)
-    test = dp.read_relaxation(files["seal_8mm.csv"])
-    study = dp.characterise(test, frf, impact=hits, mass=workflow.MASS, seals=2)
-    depths = dp.fit([dp.read_relaxation(files[f"depth_{d}mm.csv"]) for d in (4, 6, 8)])
+    hits = dp.read(files["hammer.csv"], kind="impact")
+    frf = hits.frf(mass=workflow.MASS)
+    test = dp.read(files["seal_8mm.csv"], kind="relaxation")
+    study = dp.report(test, hits, mass=workflow.MASS, seals=2)
+    depths = dp.fit(*(dp.read(files[f"depth_{d}mm.csv"], kind="relaxation") for d in (4, 6, 8)))
     return {
         "hero": study.plot(),
         "segments": study.prepared.plot(),
@@ -62,9 +59,9 @@ def _drawn(files: dict[str, Path]) -> dict[str, dp.plot.Picture]:
         "comparison": dp.plot.comparison(
             study.comparison, joint=study.joint_comparison, band=study.frf_band
         ),
-        "superposition": dp.superpose(dp.read_dynamic(files["sweeps.csv"])).plot(),
+        "superposition": dp.solids.superpose(dp.read(files["sweeps.csv"])).plot(),
         "elastic_law": dp.plot.elastic_law(depths),
-        "columns": dp.inspect_file(files["seal_8mm.csv"]).plot(),
+        "columns": dp.inspect(files["seal_8mm.csv"]).plot(),
     }
 
 
