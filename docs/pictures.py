@@ -25,7 +25,7 @@ fit seal_8mm.csv -o fit.json
 predict fit.json --mass 114.8g --seals 2 --record seal_8mm.csv --plot bound.svg
 fit seal_8mm.csv --model fractional --plot fractional.svg
 fit at_23degC.csv at_10degC.csv at_0degC.csv --plot moving.svg
-simulate creep --load 1N --hold 20s -o creep.csv
+simulate creep --load 1N --hold 40s -o creep.csv
 fit creep.csv --plot creep.svg
 fit cld_1.csv --length 100mm --compression 6mm --between 4:8mm --plot cld.svg
 fit tension.csv biaxial.csv --test uniaxial --test biaxial --plot law.svg

@@ -153,11 +153,15 @@ def test_commands_are_found_and_output_is_compared():
     assert not agree("use: 1.2 N", "use: 1.2 N and more")
 
 
-@pytest.mark.parametrize("page", ["README.md", "docs/first_seal.md", "docs/howto/own_file.md",
-                                  "docs/howto/notebook.md", "docs/howto/joint.md",
-                                  "docs/howto/level.md"])  # fmt: skip
+def scripts(page: str) -> list[str]:
+    """The Python of a page that is no session of doctest."""
+    found = re.findall(r"```python\n(.*?)```", (ROOT / page).read_text("utf-8"), re.DOTALL)
+    return [code for code in found if ">>>" not in code]
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if scripts(page)])
 def test_the_python_of_a_page_runs_as_it_stands(page, bench):
-    (code,) = re.findall(r"```python\n(.*?)```", (ROOT / page).read_text("utf-8"), re.DOTALL)
+    (code,) = scripts(page)
     names = {}
     exec(compile(code, page, "exec"), names)  # noqa: S102
     if "deck" in names:
