@@ -215,6 +215,24 @@ def test_pictures_of_the_readme_exist():
         assert (ROOT / picture).is_file()
 
 
+@pytest.mark.parametrize("page", [page for page in PAGES if "/howto/" in page])
+def test_every_how_to_shows_a_picture_and_the_index_shows_it(page):
+    text = (ROOT / page).read_text("utf-8")
+    assert re.search(r"_pictures/\w+\.svg", text)
+    index = (ROOT / "docs" / "index.md").read_text("utf-8")
+    name = Path(page).name
+    assert re.search(rf"\]\(howto/{name}\)", index)
+
+
+def test_every_picture_of_the_pages_is_drawn():
+    drawn = (ROOT / "docs" / "pictures.py").read_text("utf-8")
+    text = "".join((ROOT / page).read_text("utf-8") for page in PAGES)
+    shown = set(re.findall(r"_pictures/(\w+)\.(svg|png)", text))
+    assert shown
+    for name, ending in shown:
+        assert f'"{name}"' in drawn or f"{name}.{ending}" in drawn, name
+
+
 @pytest.mark.parametrize("page", ["CONTRIBUTING.md", "docs/architecture.md"])
 def test_every_path_that_a_page_names_is_there(page):
     text = re.sub(r"^```.*?^```", "", (ROOT / page).read_text("utf-8"), flags=re.DOTALL | re.M)
