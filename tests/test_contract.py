@@ -7,18 +7,14 @@ import json
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from kit.shell import ran
 
 import dashpot as dp
 from dashpot.cli import main
-from dashpot.fitting.fit_many import fit_many
-from dashpot.io.readers.impact import read_impact
-from dashpot.io.readers.relaxation import read_relaxation
 from dashpot.io.write import write_impact, write_relaxation
-from dashpot.preparation.prepare import prepare
 from dashpot.simulation.impact import Hammer, simulate_impact
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.solids.table_1 import BROAD, BROAD_MASS
-from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.workflow.archive import from_json, to_json
 
 MASS = ["--mass", f"{BROAD_MASS} kg", "--seals", "2"]
@@ -36,8 +32,8 @@ def folder(tmp_path_factory):
 
 
 def run(*words, expect=0):
-    result = CliRunner().invoke(main, [str(word) for word in words])
-    assert result.exit_code == expect, result.output + result.stderr
+    result = ran(*words)
+    assert result.exit_code == expect, result.output
     return result
 
 
@@ -45,24 +41,65 @@ def document(*words, expect=0):
     return json.loads(run(*words, "--json", expect=expect).stdout)
 
 
-def test_python_contract(folder):
-    test = read_relaxation(folder / "seal_8mm.csv")
-    prepared = prepare(test)
-    fit = dp.fit(prepared, arms=2)
-    assert fit.certificate.says
-    intervals = fit.intervals(level=0.95)
-    assert intervals["k_inf"][0] < fit.model.k_inf < intervals["k_inf"][1]
-    assert len(intervals["k"]) == len(intervals["tau"]) == 2
-    assert dp.fit(prepared, arms=2, method="hold").model.arms == 2
-    many = fit_many(
-        test.time, np.array([test.force, 2 * test.force]), displacement=test.displacement, arms=2
-    )
-    assert len(many.k_inf) == 2
-    assert many.k_inf[1] == pytest.approx(2 * many.k_inf[0], rel=1e-6)
-    frf = estimate_frf(read_impact(folder / "impact.csv"))
-    modes = frf.modes()
+def test_python_contract(folder, tmp_path, monkeypatch):
+    """The page of the design on Python, as it is written there, in one script."""
+    monkeypatch.chdir(folder)
+    (folder / "hammer.csv").write_text((folder / "impact.csv").read_text())
+    names = {"dp": dp, "tests": tmp_path / "tests", "lot_folder": tmp_path / "lot"}
+    names["tests"].mkdir()
+    (names["tests"] / "seal_8mm.csv").write_text((folder / "seal_8mm.csv").read_text())
+    cold, at_rest = dp.read("seal_8mm.csv"), dp.read("seal_8mm.csv")
+    names["cold"] = dp.simulate("relaxation", seal="broad", temperature="-20degC", seed=4)
+    names["at_rest"] = dp.simulate("relaxation", seal="broad", temperature="23degC", seed=5)
+    assert cold == at_rest
+    t, x, f = cold.time, 1e3 * cold.displacement, cold.force
+    exec(SCRIPT, names | {"t": t, "x": x, "f": f, "found": names})  # noqa: S102
+    test, fit, joint, modes, lot = (names[one] for one in ("test", "fit", "joint", "modes", "lot"))
+    np.testing.assert_allclose(test.displacement, cold.displacement, rtol=1e-15)
+    assert fit.model.arms == 2
+    assert names["intervals"]["k_inf"][0] < fit.model.k_inf < names["intervals"]["k_inf"][1]
+    assert names["loss_factor"] == fit.model.loss_factor(omega=2 * np.pi * 12.71)
     assert modes[0].frequency == pytest.approx(12.70, abs=0.05)
     assert modes[0].damping_ratio == pytest.approx(0.02856, rel=0.05)
+    assert joint.method == "joint"
+    assert "damping ratio" in names["printed"]
+    assert "PBUSHT" in (folder / "seal.bdf").read_text()
+    assert "<svg" in (folder / "report.html").read_text(encoding="utf-8")
+    assert names["warm"].tau[0] > names["shared"].model.tau[0]
+    assert lot.table.height == 1
+
+
+SCRIPT = """
+test, hits = dp.read("seal_8mm.csv"), dp.read("hammer.csv")
+test = dp.RelaxationTest(time=t, displacement=x, force=f, units="s, mm, N")
+fit = dp.fit(test, arms=2)
+intervals = fit.intervals(level=0.95)
+assert fit.verdict and fit.left_open and fit.certificate and fit.elastic_law
+assert fit.model_at(2.6e-3) == fit.model
+loss_factor = fit.model.loss_factor(frequency="12.71Hz")
+modes = dp.fit(hits)
+joint = dp.fit(test, hits, mass="114.8g", seals=2)
+pred = dp.predict(joint, mass="114.8g", seals=2, band=(1, 50))
+printed = str(dp.compare(pred, hits.frf()))
+piece = {"temperature": "23degC", "length": "50mm"}
+dp.export(joint, "seal.bdf", to="nastran", unit_system="mm-t-s", **piece)
+dp.report(test, hits, mass="114.8g", seals=2).save("report.html")
+shared = dp.fit(cold, at_rest)
+warm = shared.at(253.15)
+lot = dp.batch(tests, to=lot_folder, jobs=2)
+found.update(locals())
+"""
+
+
+def test_many_arrays_on_one_clock(folder):
+    test = dp.read(folder / "seal_8mm.csv").prepare()
+    many = dp.batch(
+        [test.force, 2 * test.force], time=test.time, displacement=1e3 * test.displacement,
+        units="s, mm, N", arms=2,
+    )  # fmt: skip
+    assert len(many.k_inf) == 2
+    assert many.k_inf[1] == pytest.approx(2 * many.k_inf[0], rel=1e-6)
+    assert dp.fit(test, arms=2, method="hold").model.arms == 2
 
 
 def test_exponential_sums():
@@ -91,7 +128,7 @@ def test_fit_json(folder, tmp_path):
 
 def test_impact_compare_identify_json(folder, tmp_path):
     run("fit", folder / "seal_8mm.csv", "--arms", "2", "-o", tmp_path / "fit.json")
-    impact = document("impact", folder / "impact.csv", "-o", tmp_path / "frf.csv")
+    impact = document("fit", folder / "impact.csv", "-o", tmp_path / "frf.csv")
     mode = impact["modes"][0]
     assert {"frequency_hz", "damping_ratio", "frequency_se_hz", "damping_ratio_se"} <= set(mode)
     assert len(impact["hits"]) == 4
@@ -105,7 +142,7 @@ def test_impact_compare_identify_json(folder, tmp_path):
         assert 0 < found["frac"] < 1
         assert {"tau", "loss_share", "seen_by_relaxation"} <= set(found["arms"][0])
     joint = document(
-        "identify", folder / "impact.csv", "--with", folder / "seal_8mm.csv", *MASS,
+        "fit", folder / "impact.csv", folder / "seal_8mm.csv", *MASS,
         "-o", tmp_path / "joint.json",
     )  # fmt: skip
     assert joint["schema"] == "dashpot/fit@1"
@@ -127,7 +164,7 @@ def test_predict_plan_inspect_export_json(folder, tmp_path):
     assert pressed["compression"] == 5e-3
     # a straight law vibrates alike at any compression
     assert pressed["tangent"]["frequency"] == predicted["secant"]["frequency"]
-    assert document("plan", "--at", "12.71Hz")["expected"]["loss_factor_sd"] > 0.1
+    assert document("plan", "--frequency", "12.71Hz")["expected"]["loss_factor_sd"] > 0.1
     told = document("inspect", folder / "seal_8mm.csv", folder / "impact.csv")
     assert json.loads(to_json(from_json(json.dumps(told)))) == told
     seen, hammer = told["files"]
@@ -136,8 +173,9 @@ def test_predict_plan_inspect_export_json(folder, tmp_path):
     assert [column["role"] for column in seen["columns"]] == ["time", "displacement", "force"]
     assert seen["preparation"]["ramp_time"] == pytest.approx(1, abs=0.02)
     deck = document(
-        "export", tmp_path / "fit.json", "--to", "nastran", "--units", "mm-t-s",
-        "--temperature", "23degC", "--length", "100mm", "--force", "-o", tmp_path / "seal.bdf",
+        "export", tmp_path / "fit.json", "--to", "nastran", "--unit-system", "mm-t-s",
+        "--temperature", "23degC", "--length", "100mm", "--allow", "all",
+        "-o", tmp_path / "seal.bdf",
     )  # fmt: skip
     assert deck["target"] == "nastran"
     assert "PBUSHT" in (tmp_path / "seal.bdf").read_text()
@@ -145,7 +183,7 @@ def test_predict_plan_inspect_export_json(folder, tmp_path):
 
 def test_the_main_job(folder, tmp_path):
     found = document(
-        "report", folder / "seal_8mm.csv", "--impact", folder / "impact.csv", *MASS,
+        "report", folder / "seal_8mm.csv", folder / "impact.csv", *MASS,
         "-o", tmp_path / "report.html",
     )  # fmt: skip
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
@@ -177,23 +215,23 @@ def test_pipes(folder):
         (("fit", "nowhere.csv"), "nowhere.csv"),
         (("fit",), "FILE"),
         (("fit", "{seal}", "--arms", "many"), "'many' is not a number of arms"),
-        (("fit", "{seal}", "--force", "Load"), "Load"),
+        (("fit", "{seal}", "--column", "force=Load"), "Load"),
         (("fit", "{seal}", "--units", "force"), "role=unit"),
         (("fit", "{seal}", "--length", "100"), "has no unit"),
-        (("predict", "{seal}", "--mass", "104g"), "not a JSON document"),
+        (("predict", "{seal}", "--mass", "104g"), "is a relaxation test"),
         (("predict", "{fit}", "--mass", "104"), "has no unit"),
         (("predict", "{fit}", "--mass", "104mm"), "is a unit of length"),
         (("predict", "{fit}", "--mass", "-104g"), "mass"),
         (("predict", "{fit}", "--mass", "104g", "--band", "50:1Hz"), "50 is not below 1"),
-        (("impact", "{seal}"), "acceleration"),
-        (("report", "{fit}", "-o", "x.html"), "commands that take FIT"),
+        (("fit", "{seal}", "--as", "impact"), "acceleration"),
+        (("report", "{fit}", "-o", "x.html"), "is a fit"),
         (("export", "{fit}", "--to", "nastran"), "unit"),
-        (("export", "{fit}", "--to", "nastran", "--units", "mm-t-s"), "--temperature"),
-        (("export", "{fit}", "--to", "adams", "--units", "SI", "--mass", "1kg"), "no --mass"),
+        (("export", "{fit}", "--to", "nastran", "--unit-system", "mm-t-s"), "--temperature"),
+        (("export", "{fit}", "--to", "adams", "--unit-system", "SI", "--mass", "1kg"), "no --mass"),
         (("verify", "{folder}"), "is not a project"),
-        (("plan", "--at", "12.71"), "has no unit"),
-        (("plan", "--at", "12Hz", "--arm-time", "1ms"), "--arm-stiffness"),
-        (("simulate", "impact", "--model", "{fit}", "-o", "x.csv"), "--mass"),
+        (("plan", "--frequency", "12.71"), "has no unit"),
+        (("plan", "--frequency", "12Hz", "--arm-time", "1ms"), "--arm-stiffness"),
+        (("simulate", "impact", "--seal", "{fit}", "-o", "x.csv"), "--mass"),
     ],
 )
 def test_the_first_wrong_thing_a_user_does(folder, tmp_path, monkeypatch, words, says):
@@ -220,10 +258,10 @@ def test_one_profile_for_the_bench_and_one_for_the_hammer(folder, tmp_path):
     plain = (folder / "impact.csv").read_text().splitlines()
     lines = [head if line.startswith("time") else line for line in plain]
     (tmp_path / "raw.csv").write_text("\n".join(lines) + "\n")
-    run("inspect", tmp_path / "raw.csv", "--force", "ch1", "--units", "force=N",
-        "--save-profile", tmp_path / "hammer.toml")  # fmt: skip
+    run("inspect", tmp_path / "raw.csv", "--column", "force=ch1", "--units", "force=N",
+        "--save", tmp_path / "hammer.toml")  # fmt: skip
     found = document(
-        "report", folder / "seal_8mm.csv", "--impact", tmp_path / "raw.csv", *MASS, "--no-joint",
-        "--impact-profile", tmp_path / "hammer.toml", "-o", tmp_path / "r.html",
+        "report", folder / "seal_8mm.csv", tmp_path / "raw.csv", *MASS, "--no-joint",
+        "--profile", f"raw.csv:{tmp_path / 'hammer.toml'}", "-o", tmp_path / "r.html",
     )  # fmt: skip
     assert found["comparison"]["peak"]["measured_hz"] == pytest.approx(12.71, abs=0.1)

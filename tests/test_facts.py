@@ -12,13 +12,12 @@ from html import unescape
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from kit import handmade
 from kit.lots import lot_of, scattered
+from kit.shell import ran
 
 from dashpot import workflow
 from dashpot.base.units import find, of_column
-from dashpot.cli import main
 from dashpot.io.options import ReadOptions
 from dashpot.kinds import Piece
 from dashpot.kinds.indentation.indenter import Indenter
@@ -52,7 +51,7 @@ TESTS = {
 def bench(tmp_path_factory):
     """A folder with the files to learn on, a compliance and a sweep of strain."""
     folder = tmp_path_factory.mktemp("bench")
-    assert CliRunner().invoke(main, ["example", "--all", "-o", str(folder)]).exit_code == 0
+    assert ran("demo", "--files", "--all", "-o", folder).exit_code == 0
     draw = np.random.default_rng(1).standard_normal
     strain = np.geomspace(0.01, 20, 25)
     softer = 1 / (1 + (strain / 1.2) ** 1.2)
@@ -340,14 +339,11 @@ def test_a_peak_at_a_level_says_the_same_in_text_and_page(bench):
 
 
 def test_modes_say_the_same_in_text_and_app(bench):
-    made = CliRunner().invoke(
-        main,
-        ["impact", str(bench / "hammer.csv"), "--mass", "114.8g", "-o", str(bench / "frf.csv")],
-    )
+    made = ran("fit", bench / "hammer.csv", "-o", bench / "frf.csv")
     line = next(one for one in made.output.splitlines() if one.startswith("  mode "))
     found, _ = workflow.modes_files([str(bench / "frf.csv")], band=(5.0, 40.0))
     assert found.modes
-    text = CliRunner().invoke(main, ["modes", str(bench / "frf.csv"), "--band", "5:40Hz"]).output
+    text = ran("fit", bench / "frf.csv", "--band", "5:40Hz").output
     app = {one.name: one for one in modes._terms([("1", found.modes[0].mode)])}
     frequency, ratio, residue = found.modes[0].mode.facts
     assert "Hz, damping ratio" in line

@@ -17,7 +17,9 @@ from kit.verdicts import failures, judged, table
 import dashpot as dp
 from dashpot.base.checks import Check, Remedy, verdict, worst
 from dashpot.base.status import Status
-from dashpot.cli._shell import Outcome, reports
+from dashpot.cli._grammar import verb
+from dashpot.cli._options import result
+from dashpot.cli._shell import Outcome
 from dashpot.cli._terminal import shown
 from dashpot.fitting.identification.identify import identify
 from dashpot.fitting.relaxation import fit as fit_tests
@@ -175,7 +177,7 @@ def test_a_prediction_that_nothing_has_tested_is_used_with_care() -> None:
 
 @pytest.mark.parametrize(("check", "code"), [(OPEN, 0), (NOTE, 0), (LIMIT, 1), (STOP, 1)])
 def test_strict_heeds_what_limits_the_use(check: Check, code: int) -> None:
-    command = click.command()(reports(lambda: Outcome({}, Text(["text"]), (check,))))
+    command = verb("story", "", result())(lambda **_: Outcome({}, Text(["text"]), (check,)))
     assert CliRunner().invoke(command, ["--strict"]).exit_code == code
     assert CliRunner().invoke(command, []).exit_code == 0
 

@@ -30,7 +30,7 @@ def test_a_displacement_that_settles_while_the_force_relaxes_began_late(
     x = level * (1 - settling * SETTLES * np.exp(-TIME))  # its median is the level
     force = 1 + np.exp(-TIME / 9)
     assert (loading_in(TIME, x, force) == "other") == late
-    with pytest.raises(DataError, match="the record begins after its ramp"):
+    with pytest.raises(DataError, match="the record begins within its ramp, or after it"):
         prepare(RelaxationTest(TIME, x, force, units="SI"))
 
 

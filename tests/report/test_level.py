@@ -7,10 +7,9 @@ import re
 from html import unescape
 
 import pytest
-from click.testing import CliRunner
 from kit import levels
+from kit.shell import told
 
-from dashpot.cli import main
 from dashpot.io.write import write_relaxation
 
 pytestmark = pytest.mark.once
@@ -20,9 +19,7 @@ def test_the_page_holds_what_the_command_prints(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     name = "<b>loops & co.csv"
     write_relaxation(levels.loops(), tmp_path / name)
-    found = CliRunner().invoke(main, ["level", name, "-o", "level.html", "--json"])
-    assert found.exit_code == 0, found.output
-    printed = json.loads(found.stdout)
+    printed = told("fit", name, "-o", "level.html")
     page = (tmp_path / "level.html").read_text(encoding="utf-8")
     assert page.startswith("<!DOCTYPE html>")
     assert "<b>loops" not in page

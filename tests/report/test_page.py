@@ -14,17 +14,16 @@ from html.parser import HTMLParser
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from kit import handmade
 from kit.fits import a_fit, altered
 from kit.fractional import SEAL
+from kit.shell import ran
 from test_sentences import CODE
 
 from dashpot.base.checks import Check, Remedy
 from dashpot.base.numbers import decibels, percent, rounded, with_error
 from dashpot.base.provenance import Source, Step
 from dashpot.base.status import Status
-from dashpot.cli import main
 from dashpot.plot import tokens
 from dashpot.records.estimate import Nuisance
 from dashpot.records.fit import Explanation, Moved
@@ -356,7 +355,7 @@ def test_a_deck_of_the_page_is_that_of_the_command_line(tmp_path, known):
     commands = re.findall(r"the same as (dashpot export [^<]*)", unescape(page))
     for deck, command in zip(found.values(), commands, strict=True):
         words = shlex.split(command)[2:]
-        said = CliRunner().invoke(main, ["export", str(kept), *words[1:]])
+        said = ran("export", kept, *words[1:])
         assert said.exit_code == 0, said.output
         assert said.stdout == deck
         assert ("OVERRIDE: the test temperature is not stated" in deck) is not known

@@ -9,12 +9,11 @@ import sys
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
 from kit.app import Page, chromium, served
 from kit.browser import needs_browser
+from kit.shell import ran
 
 from dashpot import workflow
-from dashpot.cli import main
 from dashpot.lots.batches import batch
 
 pytest.importorskip("playwright", reason="Playwright drives the browser: pip install playwright")
@@ -164,18 +163,18 @@ def test_a_handle_is_dragged_and_the_fit_follows(visit, files):
     assert page.at.get_by_role("button", name="as found").is_visible()
     page.at.mouse.up()
     page.done()
-    assert re.search(r"--hold-end [\d.]+s", page.at.locator("#command").inner_text())
+    assert re.search(r"--cuts hold-end=[\d.]+s", page.at.locator("#command").inner_text())
     assert page.at.locator('[data-panel="hold"] path[data-name=fit]').get_attribute("d") != before
     page.at.get_by_role("button", name="as found").click()
     page.done()
     command, moved = page.at.locator("#command"), handle.get_attribute("aria-valuenow")
-    assert "--hold-end" not in command.inner_text()
+    assert "hold-end=" not in command.inner_text()
     page.at.keyboard.press("Control+z")
-    command.filter(has_text="--hold-end").wait_for()
+    command.filter(has_text="hold-end=").wait_for()
     page.done()
     assert handle.get_attribute("aria-valuenow") != moved
     page.at.keyboard.press("Control+z")
-    command.filter(has_not_text="--hold-end").wait_for()
+    command.filter(has_not_text="hold-end=").wait_for()
     page.done()
     assert handle.get_attribute("aria-valuenow") == moved
 
@@ -209,7 +208,7 @@ def test_everything_goes_by_keyboard(visit, files):
     handle = page.at.get_by_role("slider", name="ramp end")
     found = float(handle.get_attribute("aria-valuenow"))
     page.at.keyboard.press("Shift+ArrowRight")
-    command.filter(has_text="--ramp-end").wait_for()
+    command.filter(has_text="ramp-end=").wait_for()
     step = 1 / 200
     assert float(handle.get_attribute("aria-valuenow")) == pytest.approx(
         found + 10 * step, abs=step
@@ -221,11 +220,11 @@ def test_everything_goes_by_keyboard(visit, files):
     page.at.keyboard.press("Control+z")
     command.filter(has_not_text="--arms").wait_for()
     page.at.keyboard.press("Home")
-    page.at.locator("#command").filter(has_not_text="--ramp-end").wait_for()
+    page.at.locator("#command").filter(has_not_text="ramp-end=").wait_for()
     contact = page.at.get_by_role("slider", name="contact")
     contact.focus()
     page.at.keyboard.press("PageDown")  # out of the panel, where it must still be let go
-    page.at.locator("#command").filter(has_text="--onset").wait_for()
+    page.at.locator("#command").filter(has_text="onset=").wait_for()
     page.done()
     page.at.keyboard.press("t")
     tab_to(page, "fit.json")
@@ -242,9 +241,9 @@ def test_everything_goes_by_keyboard(visit, files):
 
 def test_a_warm_and_a_cold_test_are_fitted_together(visit, tmp_path):
     for i, name in enumerate(("warm.csv", "cold.csv")):
-        words = ["simulate", "relaxation", "--model", "broad", "--seed", str(i), "-o", name]
+        words = ["simulate", "relaxation", "--seal", "broad", "--seed", i, "-o", name]
         with contextlib.chdir(tmp_path):
-            made = CliRunner().invoke(main, [*words, "--temperature", f"{23 - 23 * i}degC"])
+            made = ran(*words, "--temperature", f"{23 - 23 * i}degC")
         assert made.exit_code == 0, made.output
     page = visit(tmp_path / "warm.csv", tmp_path / "cold.csv")
     page.done()

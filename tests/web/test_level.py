@@ -1,4 +1,4 @@
-"""Levels in the app: sweeps, loops and FRFs as ``dashpot level`` fits them, digit for digit."""
+"""Levels in the app: sweeps, loops and FRFs as ``dashpot fit`` fits them, digit for digit."""
 
 import json
 import re
@@ -6,13 +6,12 @@ import shlex
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from kit import levels
 from kit.app import Page, chromium, served
 from kit.browser import needs_browser
+from kit.shell import ran
 
 import dashpot as dp
-from dashpot.cli import main
 from dashpot.io.write import write_frf, write_relaxation
 from dashpot.web import wire
 from dashpot.web.store import Store
@@ -91,8 +90,7 @@ def test_levels_are_fitted_as_by_the_command(store, ids, names, more, shown):
     words = re.sub(r"\s+", " ", re.sub("<[^>]*>", "", told["solid"]))
     assert all(one in words for one in terms), words
     assert "unknown" not in words
-    typed = [*shlex.split(told["command"])[1:], "--json"]
-    shell = CliRunner().invoke(main, typed, catch_exceptions=False)
+    shell = ran(*shlex.split(told["command"])[1:], "--json")
     taken = ask("take-level", store, **request)
     assert taken["name"] == "levels.json"
     assert taken["text"] == shell.stdout.rstrip("\n")
@@ -139,21 +137,21 @@ def test_levels_in_the_browser(home):
         command.filter(has_text="--level 0.02N --level 0.5N --mass 104g").wait_for()
         page.done()
         typed("Resonance wanted at", "0,1 0.2")
-        command.filter(has_text="--at 0.1N --at 0.2N").wait_for()
+        command.filter(has_text="--resonance-at 0.1N --resonance-at 0.2N").wait_for()
         page.done()
         assert "peak at 0.2 N" in table.inner_text()
         assert page.at.locator("#files").get_by_text("an FRF, at 0.5 N").is_visible()
         page.at.locator("#pick").set_input_files(str(home / "payne.csv"))
         page.at.get_by_role("button", name=re.compile("payne.csv")).first.click()
         page.at.get_by_label("Law of amplitude").select_option("additive")
-        command.filter(has_text="payne.csv --law additive").wait_for()
+        command.filter(has_text="payne.csv --model additive").wait_for()
         page.done()
         assert page.at.locator("#bench-page svg.figure").count() == 2
         with page.at.expect_download() as taken:
             page.at.get_by_role("button", name="levels.json").click()
         assert json.loads(taken.value.path().read_text())["law"] == "additive"
         page.at.keyboard.press("Control+z")
-        command.filter(has_not_text="--law").wait_for()
+        command.filter(has_not_text="--model").wait_for()
         page.done()
         for width in (1366, 390):
             page.at.set_viewport_size({"width": width, "height": 844})

@@ -1,4 +1,4 @@
-"""Modes of FRFs in the app: as ``dashpot modes`` tells them, digit for digit."""
+"""Modes of FRFs in the app: as ``dashpot fit`` tells them, digit for digit."""
 
 import json
 import re
@@ -6,12 +6,11 @@ import shlex
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from kit.app import Page, chromium, served
 from kit.browser import needs_browser
+from kit.shell import ran
 
 import dashpot as dp
-from dashpot.cli import main
 from dashpot.io.write import write_frf
 from dashpot.web import wire
 from dashpot.web.store import Store
@@ -79,7 +78,7 @@ def test_modes_are_those_of_the_command(store, home, monkeypatch, case):
     assert [title for title, _ in told["figures"]] == titles
     assert "use" in told["verdict"].lower()
     monkeypatch.chdir(home)
-    shell = CliRunner().invoke(main, [*shlex.split(told["command"])[1:], "--json"])
+    shell = ran(*shlex.split(told["command"])[1:], "--json")
     taken = json.loads(ask("take-modes", store, home, names, **more)["text"])
     mine, its = (one.get("modes", one.get("tests")) for one in (taken, json.loads(shell.stdout)))
     assert mine == its
@@ -102,7 +101,7 @@ def test_modes_in_the_browser(home):
             page.at.get_by_label(what).press("Enter")
 
         page.at.locator("#pick").set_input_files(str(home / "point0.csv"))
-        command.filter(has_text="dashpot modes point0.csv").wait_for()
+        command.filter(has_text="dashpot fit point0.csv").wait_for()
         page.done()
         assert page.at.get_by_text("Stabilisation chart").is_visible()
         typed("Modes sought from", "5 to 50")

@@ -5,11 +5,11 @@ import shlex
 from dataclasses import replace
 
 import pytest
-from click.testing import CliRunner
+from kit import shell
+from kit.shell import ran
 
 import dashpot as dp
 from dashpot import workflow
-from dashpot.cli import main
 from dashpot.fitting.relaxation import fit as fit_tests
 from dashpot.io.readers.relaxation import read_relaxation
 from dashpot.io.write import write_relaxation
@@ -70,17 +70,15 @@ def at_home(store, files, tmp_path, monkeypatch):
 
 
 def typed(command, *more):
-    words = shlex.split(command)[1:]
-    found = CliRunner().invoke(main, [*words, *more], catch_exceptions=False)
+    found = ran(*shlex.split(command)[1:], *more)
     assert found.exit_code == 0, found.output
     return json.loads(found.stdout)
 
 
 def test_the_fit_is_that_of_the_command_digit_for_digit(store, asked, at_home):
     told = json.loads(ask("take", store, job=asked, what="fit")["text"])
-    words = ("--arms", "2", "--ramp-end", "2.6s", "--temperature", "23degC", "--json")
-    shell = CliRunner().invoke(main, ["fit", "seal_8mm.csv", *words], catch_exceptions=False)
-    assert told == json.loads(shell.stdout)
+    words = ("--arms", "2", "--cuts", "ramp-end=2.6s", "--temperature", "23degC")
+    assert told == shell.told("fit", "seal_8mm.csv", *words)
 
 
 @pytest.mark.parametrize("joint", [False, True])
@@ -198,10 +196,9 @@ def test_a_warm_and_a_cold_test_share_one_solid(store, at_home):
         ids.append(store.put(name, text.encode()))
     job = {"relaxation": ids[0], "further": [ids[1]], "temperatures": ["23degC", "0degC"]}
     head = ask("settle", store, job=job)
-    words = ("warm.csv", "cold.csv", "--temperature", "23degC", "--temperature", "0degC", "--json")
-    shell = CliRunner().invoke(main, ["fit", *words], catch_exceptions=False)
+    words = ("warm.csv", "cold.csv", "--temperature", "23degC", "--temperature", "0degC")
     told = json.loads(ask("take", store, job=job, what="fit")["text"])
-    assert told == json.loads(shell.stdout)
+    assert told == shell.told("fit", *words)
     assert len(told["temperature"]["shifts"]) == 2
     assert head["command"].startswith("dashpot report warm.csv cold.csv")
     with pytest.raises(dp.DataError, match="cut one relaxation test"):
@@ -220,7 +217,7 @@ def test_a_hammer_without_a_mass_is_no_verdict_yet(store, asked):
 def test_a_fractional_solid_shows_its_own_four(store, asked):
     head = ask("settle", store, job=asked | {"arms": "auto", "family": "fractional"})
     assert head["solid"].count('scope="row"') == 5  # its four, and the end of the hold
-    assert "--family fractional" in head["command"]
+    assert "--model fractional" in head["command"]
     assert ask("live", store, job=asked | {"arms": "auto", "family": "fractional"})["beside"]
 
 
@@ -329,9 +326,8 @@ def test_a_deck_is_that_of_the_command(store, asked, at_home, more, words):
     job = asked | {"joint": False, "specimen": {"temperature": "23degC", "length": "100mm"}}
     deck = ask("take", store, job=job, what="deck", **more)["text"]
     (at_home / "fit.json").write_text(ask("take", store, job=job, what="fit")["text"])
-    typed = ("export", "fit.json", "--units", "mm-t-s", *words)
-    shell = CliRunner().invoke(main, typed, catch_exceptions=False)
-    assert shell.stdout == deck
+    typed = ("export", "fit.json", "--unit-system", "mm-t-s", *words)
+    assert ran(*typed).stdout == deck
     with pytest.raises(dp.ExportError, match="take no --modulus"):
         ask("take", store, job=job, what="deck", target="csv", modulus="3MPa")
 

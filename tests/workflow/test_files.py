@@ -73,7 +73,7 @@ def test_a_law_of_the_depth_heeds_or_refuses_what_is_asked(two_depths):
         {"thorough": True}, {"shifting": ShiftChoices(law="wlf")},
     )  # fmt: skip
     for choice in choices:
-        with pytest.raises(FitError, match="leave out --method, --law, --family, --thorough, --r"):
+        with pytest.raises(FitError, match="leave out --method, --elastic, --model, --thorough"):
             fit_files(two_depths, depth_law=True, **choice)
     with pytest.raises(FitError, match="a depth law needs at least two depths"):
         fit_files(two_depths[:1], depth_law=True)
@@ -93,7 +93,7 @@ def test_a_sweep_excludes_what_belongs_to_a_hold(sweep, choice):
 
 @pytest.mark.parametrize("choice", [{"law": "nonlinear"}, {"filter": "median:3"}])
 def test_a_sweep_is_not_bent_and_not_filtered(sweep, choice):
-    with pytest.raises(FitError, match="leave out --law and --filter"):
+    with pytest.raises(FitError, match="leave out --elastic and --filter"):
         fit_files([sweep], arms=2, **choice)
 
 

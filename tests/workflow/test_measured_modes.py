@@ -1,15 +1,13 @@
 """Modes of the FRF in a file: the truth within their errors, and what the lines do not carry."""
 
-import json
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from kit.shell import ran, told
 
 import dashpot as dp
 from dashpot.base.numbers import rounded
-from dashpot.cli import main
 from dashpot.io.readers.frf import read_frf
 from dashpot.io.readers.frf_set import read_frfs
 from dashpot.io.write import frf_uff, write_frf
@@ -48,9 +46,7 @@ def modes_of(*paths, **choices):
 
 def asked(path, *words):
     paths = path if isinstance(path, list) else [path]
-    result = CliRunner().invoke(main, ["modes", *map(str, paths), *words, "--json"])
-    assert result.exit_code == 0, result.output
-    return json.loads(result.stdout)
+    return told("fit", *paths, *words)
 
 
 @pytest.mark.parametrize("kind", ["accelerance", "mobility", "receptance", "dynamic_stiffness"])
@@ -97,8 +93,8 @@ def test_what_the_file_cannot_tell_is_said(tmp_path):
     other_sign = replace(measured(), value=measured().value.conj())
     failed = {c.name for c in modes_of(written(tmp_path, other_sign)).frf.checks if c.failed}
     assert "frf_dissipates" in failed or "resonance" in failed
-    result = CliRunner().invoke(main, ["modes", str(written(tmp_path, other_sign))])
-    assert result.output.startswith("do not use:")
+    result = ran("fit", written(tmp_path, other_sign))
+    assert result.stdout.startswith("Do not use:")
 
 
 def test_without_a_resonance_nothing_is_told(tmp_path):
@@ -284,20 +280,19 @@ def test_collinear_and_circular_shapes_are_the_two_ends():
 @pytest.mark.once
 def test_another_test_of_the_same_points_is_found_again(tmp_path):
     first, second = (as_text(tmp_path, points(seed=i), f"{i}.csv") for i in (0, 1))
-    found = asked(first, "--band", "5:79Hz", "--against", str(second))
+    found = told("compare", first, second, "--band", "5:79Hz")
     assert [one["other"] for one in found["against"]] == [1, 2]
     assert min(one["mac"] for one in found["against"]) > 0.98
-    one = str(written(tmp_path, points()[0]))
-    result = CliRunner().invoke(main, ["modes", str(first), "--against", one])
+    result = ran("compare", first, written(tmp_path, points()[0]))
     assert result.exit_code == 2
-    assert "4 points are held against 1 (--against)" in result.output
+    assert "4 points are held against 1" in result.output
 
 
 @pytest.mark.once
 def test_the_chart_is_drawn(tmp_path):
     figure = tmp_path / "chart.svg"
-    words = ["modes", str(as_text(tmp_path, points())), "--band", "5:79Hz", "--plot", str(figure)]
-    assert CliRunner().invoke(main, words).exit_code == 0
+    words = ("--band", "5:79Hz", "--plot", figure)
+    assert ran("fit", as_text(tmp_path, points()), *words).exit_code == 0
     assert "stable in frequency, damping and shape" in figure.read_text()
 
 
@@ -391,15 +386,15 @@ def test_one_solid_carries_every_mass_or_it_is_said(tmp_path):
         assert k.imag == pytest.approx(true.imag, rel=2e-2)
     figure = tmp_path / "masses.svg"
     words = [word for mass in masses for word in ("--mass", f"{1e3 * mass:g}g")]
-    words = ["modes", *map(str, files), *words, "--seals", "2"]
-    assert CliRunner().invoke(main, [*words, "--plot", str(figure)]).exit_code == 0
+    words = ["fit", *files, *words, "--seals", "2"]
+    assert ran(*words, "--plot", figure).exit_code == 0
     drawn = figure.read_text()
     assert all(
         f"{rounded(hz, digits=4)} Hz" in drawn for hz in (m.frequency for m in found.together.modes)
     )
     # one seal 3 % stiffer under the middle mass is no arm's doing
     on_seals(tmp_path, 0.25, stiffer=1.03)
-    result = CliRunner().invoke(main, words)
+    result = ran(*words)
     assert result.exit_code == 0, result.output
     assert "no linear model has the poles under 104, 250, 600 g" in " ".join(result.output.split())
 
@@ -407,9 +402,9 @@ def test_one_solid_carries_every_mass_or_it_is_said(tmp_path):
 @pytest.mark.once
 def test_masses_and_files_go_together(tmp_path):
     file = str(on_seals(tmp_path, 0.25))
-    result = CliRunner().invoke(main, ["modes", file, "--mass", "250g"])
+    result = ran("fit", file, "--mass", "250g", "--mass", "104g")
     assert result.exit_code == 2
-    assert "1 masses (--mass) for 1 files; expected two or more" in result.output
+    assert "--mass was given 2 times for 1 files" in result.output
     again = tmp_path / "again.csv"
     again.write_bytes((tmp_path / "0.25.csv").read_bytes())
     for other, names in ((file, "0.25.csv"), (str(again), "0.25.csv and again.csv")):

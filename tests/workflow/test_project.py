@@ -11,11 +11,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from kit.gauges import cal
+from kit.shell import ran
 
 from dashpot.base.errors import DataError, ReadError
-from dashpot.cli import main
 from dashpot.io.formats.ati import AXES
 from dashpot.io.options import ReadOptions, load_profile
 from dashpot.io.write import write_relaxation
@@ -114,8 +113,7 @@ def test_what_was_said_of_reading_is_kept_as_a_profile(kept, raw):
 
 def test_the_fit_in_a_project_goes_into_a_deck(kept):
     place = next((kept.folder / "records").glob("*.fit.json"))
-    words = ["export", str(place), "--to", "csv", "--units", "SI", "--force"]
-    result = CliRunner().invoke(main, words)
+    result = ran("export", place, "--to", "csv", "--unit-system", "SI", "--allow", "all")
     assert result.exit_code == 0, result.output
     identity = json.loads(place.read_text())["id"]
     assert f"fit: {identity}" in result.stdout
@@ -512,18 +510,17 @@ def test_a_full_folder_is_not_taken_over(tmp_path):
 
 
 def test_on_the_command_line(raw, tmp_path, work_done_again):
-    place = str(tmp_path / "door")
-    runner = CliRunner()
-    made = runner.invoke(main, ["report", str(raw), "--mass", "104g", "--project", place])
+    place = tmp_path / "door"
+    made = ran("report", raw, "--mass", "104g", "--project", place)
     assert made.exit_code == 0, made.output
     head = folder.open_project(place).head
     assert f"--expect {head}" in made.stderr
-    told = runner.invoke(main, ["verify", place, "--expect", head])
+    told = ran("verify", place, "--expect", head)
     assert told.exit_code == 0, told.output
     assert head in told.stdout
-    assert runner.invoke(main, ["verify", place, "--expect", "0" * 64]).exit_code == 1
+    assert ran("verify", place, "--expect", "0" * 64).exit_code == 1
     copied = tmp_path / "door" / "raw" / "seal.csv"
     copied.write_bytes(copied.read_bytes() + b"0,0,0\n")
-    found = runner.invoke(main, ["verify", place, "--json"])
+    found = ran("verify", place, "--json")
     assert found.exit_code == 1
     assert json.loads(found.stdout)["ok"] is False

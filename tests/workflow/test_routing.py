@@ -6,6 +6,7 @@ import pytest
 
 from dashpot.base.errors import ReadError
 from dashpot.kinds import KINDS
+from dashpot.workflow.examples import FILES
 from dashpot.workflow.routing import BENCH, VIBRATION, route
 
 HITS, FRF, BASE = "impact", "frf", "transmissibility"
@@ -77,3 +78,14 @@ def test_every_kind_that_is_fitted_goes_one_way() -> None:
     assert not BENCH & VIBRATION
     assert {HITS, FRF, BASE} == VIBRATION
     assert {KINDS[kind].fit for kind in BENCH} == {"workflow.fits:fit_files"}
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_every_example_is_fitted_or_says_in_one_sentence_why_not(name: str) -> None:
+    kind = FILES[name].kind
+    if kind in KINDS and KINDS[kind].meant:
+        assert route({name: kind}) == KINDS[kind].meant
+        return
+    with pytest.raises(ReadError) as caught:
+        route({name: kind})
+    assert str(caught.value).startswith(f"{name} is ")

@@ -90,6 +90,13 @@ class Check(Documented):
     ends : Status or None
         How a fit that fails it ended, as its criterion says; no document holds it, and no
         comparison of two checks.
+
+    Examples
+    --------
+    >>> import dashpot as dp
+    >>> check = dp.Check("hold", False, "The hold is short.", value=2.0, limit=10.0)
+    >>> check.failed, check.grade
+    (True, 'limit')
     """
 
     keys = ("name", "passed", "grade", "value", "limit", "says", "remedy")
@@ -137,6 +144,12 @@ class Verdict(Documented):
         where it holds; or why not, and what to do.
     because : tuple of Check
         The failed checks that decided, the gravest first.
+
+    Examples
+    --------
+    >>> import dashpot as dp
+    >>> dp.Verdict("use", "from 0.004 to 25 Hz").use
+    'use'
     """
 
     keys = ("use", "says", "because=reasons")

@@ -15,20 +15,56 @@ it is a :class:`~dashpot.base.status.Status` or a failed :class:`~dashpot.base.c
 
 
 class DashpotError(Exception):
-    """The root of everything that dashpot refuses."""
+    """The root of everything that dashpot refuses.
+
+    >>> import dashpot as dp
+    >>> try:
+    ...     dp.read("nowhere.csv")
+    ... except dp.DashpotError as error:
+    ...     type(error).__name__
+    'ReadError'
+    """
 
 
 class ReadError(DashpotError):
-    """A file is not what it should be."""
+    """A file is not what it should be.
+
+    >>> import dashpot as dp
+    >>> dp.read("nowhere.csv")
+    Traceback (most recent call last):
+        ...
+    dashpot.base.errors.ReadError: ...
+    """
 
 
 class DataError(DashpotError, ValueError):
-    """Numbers or units that cannot be what they claim to be."""
+    """Numbers or units that cannot be what they claim to be.
+
+    >>> import dashpot as dp
+    >>> dp.Specimen(length="50")
+    Traceback (most recent call last):
+        ...
+    dashpot.base.errors.DataError: ...
+    """
 
 
 class FitError(DashpotError, ValueError):
-    """A fit that cannot be asked for with this data or these options."""
+    """A fit that cannot be asked for with this data or these options.
+
+    >>> import dashpot as dp
+    >>> dp.fit(dp.simulate("relaxation", hold="5s", noise_free=True), seals=2)
+    Traceback (most recent call last):
+        ...
+    dashpot.base.errors.FitError: seals= does not suit tests on a bench. ...
+    """
 
 
 class ExportError(DashpotError, ValueError):
-    """A deck that must not be written."""
+    """A deck that must not be written.
+
+    >>> import dashpot as dp
+    >>> dp.save(dp.GeneralizedMaxwell(1.0), "solid.xlsx")
+    Traceback (most recent call last):
+        ...
+    dashpot.base.errors.ExportError: ...
+    """

@@ -28,6 +28,12 @@ class Source:
         What the reader noticed or changed, one sentence each.
     simulated : bool
         True if the file says that it was made by the virtual rig or hammer.
+
+    Examples
+    --------
+    >>> import dashpot as dp
+    >>> dp.Source("seal.csv", "0" * 64).file
+    'seal.csv'
     """
 
     file: str

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 
 _END = re.compile(r"(?<=[.?!])(?<!eq\.)(?<!e\.g\.) (?=[A-Z\d])")
 # "eq. 5" ends nothing; "k_inf" and "seal.csv" are names, and keep their letters
-_WORD = re.compile(r"(?!tau\b)[a-z]+(?=[\s,;:?!'-]|\.(?:\s|$)|$)")
+_WORD = re.compile(r"(?!tau\b)(?:a|[a-z]{2,})(?=[\s,;:?!'-]|\.(?:\s|$)|$)")
 _NAMES = re.compile(r"Maxwell|Poisson|Zener|Ogden|Mooney|Neo|Hertz|Prony|Arrhenius|Table|Cpk|Hz")
 """What is written with a capital within a sentence, too."""
 
@@ -17,6 +17,8 @@ def sentence(text: str) -> str:
 
     >>> sentence("the hold is too short"), sentence("k_inf is not known."), sentence("which file?")
     ('The hold is too short.', 'k_inf is not known.', 'Which file?')
+    >>> sentence("a hold is needed"), sentence("c is not known")
+    ('A hold is needed.', 'c is not known.')
     """
     if not text:
         return ""
@@ -36,7 +38,7 @@ def lowered(text: str) -> str:
     >>> lowered("The hold is too short."), lowered("FRF lines are missing."), lowered("Maxwell arm")
     ('the hold is too short.', 'FRF lines are missing.', 'Maxwell arm')
     """
-    first = re.match(r"[A-Z](?:[a-z]+)?(?=[\s,;:'-])", text)
+    first = re.match(r"(?:A|[A-Z][a-z]+)(?=[\s,;:'-])", text)
     if first is None or _NAMES.match(text):
         return text
     return text[0].lower() + text[1:]

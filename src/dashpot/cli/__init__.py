@@ -91,7 +91,7 @@ class _Lazy(click.Group):
             sys.exit(leave(error, sys.argv[1:] if words is None else list(words)))
 
 
-@click.group(cls=_Lazy, context_settings={"help_option_names": ["-h", "--help"]})
+@click.group("dashpot", cls=_Lazy, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, prog_name="dashpot")
 @click.option("--traceback", is_flag=True, expose_value=False, help="Show where a fault happened.")
 def main() -> None:

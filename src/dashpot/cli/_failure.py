@@ -45,7 +45,7 @@ def leave(error: BaseException, words: Sequence[str]) -> int:
     stderr gets the sentence; stdout, if the words of the command hold ``--json``, one JSON
     document. With ``--traceback`` both say where in the code it happened.
     """
-    failure = _failure(error)
+    failure = _failure(error, words)
     where = "".join(traceback.format_exception(error)) if _given("--traceback", words) else ""
     to_stderr(where + failure.shown)
     if _given("--json", words) and sys.stdout is not None:
@@ -60,12 +60,12 @@ def _given(option: str, words: Sequence[str]) -> bool:
     return option in (asked[: asked.index("--")] if "--" in asked else asked)
 
 
-def _failure(error: BaseException) -> Failure:
+def _failure(error: BaseException, words: Sequence[str]) -> Failure:
     kind = type(error).__name__
     if isinstance(error, click.ClickException):
         page = io.StringIO()
         error.show(page)
-        hint = _hint(error)
+        hint = _hint(error, words)
         says, shown = error.format_message() + hint, page.getvalue().rstrip("\n") + hint
         return Failure("UsageError", says, shown, error.exit_code)
     if isinstance(error, click.Abort | KeyboardInterrupt):
@@ -87,17 +87,21 @@ def _failure(error: BaseException) -> Failure:
     return _sentence("InternalError", says, FAULT)
 
 
-def _hint(error: click.ClickException) -> str:
-    """Say which command has an option that this one lacks, or which option takes a further file."""
+def _hint(error: click.ClickException, words: Sequence[str]) -> str:
+    """Say what an option is called today, or which command has one that this one lacks."""
     context = getattr(error, "ctx", None)
     if context is None or context.parent is None:
         return ""
     if isinstance(error, click.NoSuchOption):
+        from dashpot.cli._former import renamed
+
+        name = str(context.command.name)
+        after = list(words)[list(words).index(name) + 1 :] if name in words else []
+        today = renamed(name, error.option_name, after)
+        if today:
+            return f" {today}"
         having = ", ".join(_having(error.option_name, context.parent.command, context.parent))
         return f" {error.option_name} is an option of dashpot {having}." if having else ""
-    files = [param.opts[0] for param in context.command.params if param.name == "impact"]
-    if "unexpected extra argument" in error.format_message() and files:
-        return f". The files of the hammer are given by {files[0]} FILE"
     return ""
 
 

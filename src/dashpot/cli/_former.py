@@ -49,6 +49,8 @@ _FLAGS = (
     "--json", "--strict", "-v", "--verbose", "--overwrite", "--open", "--lubricated", "--all",
     "--modes", "--quick", "--joint", "--parallel-dashpot", "--base", "--thorough",
 )  # fmt: skip
+_MODES = ("uniaxial", "biaxial", "planar", "compression", "volumetric")
+_SHAPES = ("--disc", "--block", "--bush", "--bulb")
 _FIT = ("fit",)
 FORMER = {
     "impact": _Former(_FIT),
@@ -64,20 +66,44 @@ FORMER = {
     "example": _Former(("demo", "--files")),
 }
 """Commands that are no more; with 1.0 this table goes."""
+_BENCH = {"--law": "--elastic", "--family": "--model", "--at": "--only"}
+CHANGED = {
+    "inspect": _Former(("inspect",), {"--save-profile": "--save"}),
+    "fit": _Former(_FIT, _BENCH),
+    "report": _Former(("report",), _BENCH, files=("--impact",)),
+    "predict": _Former(
+        ("predict",), {"--with": "--record", "--record": "--record", "--lines": "--points"}
+    ),
+    "compare": _Former(("compare",), {"--with": "--record", "--record": "--record"}),
+    "export": _Former(("export",), {"--units": "--unit-system", "--range": "--band"}),
+    "plan": _Former(("plan",), {"--at": "--frequency", "--model": "--seal"}),
+    "simulate": _Former(("simulate",), {"--model": "--seal", "--motion": "--follow"}),
+    "record": _Former(("record",), {"--model": "--seal"}),
+    "batch": _Former(("batch",), {"--at": "--frequency", "--limits": "--limits"}),
+}
+"""Verbs whose options were called otherwise."""
 
 
 def instead(name: str, rest: Sequence[str]) -> str:
     """Return what to type in place of a word that is no verb."""
     if name in FORMER:
-        return f"Type: {shlex.join(['dashpot', *_translated(name, list(rest))])}"
+        return f"Type: {shlex.join(['dashpot', *_translated(FORMER[name], name, list(rest))])}"
     if Path(name).exists():
         return f"To see what it is: dashpot inspect {shlex.quote(name)}"
     return nearest(name, COMMANDS)
 
 
-def _translated(name: str, words: list[str]) -> list[str]:
+def renamed(name: str, option: str, rest: Sequence[str]) -> str:
+    """Return what to type where a verb was given an option by its former name; else nothing."""
+    known = {*_KEYS, *_SAME, *_SHAPES, "--motion", "--depth-law", "--force"}
+    former = CHANGED.get(name)
+    if former is None or option not in {*known, *former.renamed, *former.files}:
+        return ""
+    return f"Type: {shlex.join(['dashpot', *_translated(former, name, list(rest))])}"
+
+
+def _translated(former: _Former, name: str, words: list[str]) -> list[str]:
     """Return a former command in the words of today."""
-    former = FORMER[name]
     verb, files, options = former.verb, [], []
     if name == "modes" and "--against" in words:
         verb = ("compare",)
@@ -85,6 +111,10 @@ def _translated(name: str, words: list[str]) -> list[str]:
     for word in left:
         if not word.startswith("-"):
             files.append(word)
+        elif word == "--depth-law":
+            options += ["--elastic", "by-depth"]
+        elif word == "--force" and name == "export":
+            options += ["--allow", "all"]
         elif word in _FLAGS:
             options.append(_SAME.get(word, word))
         else:
@@ -101,7 +131,7 @@ def _option(former: _Former, name: str, word: str, value: str, files: list[str])
     if name == "hyperelastic" and word in {f"--{mode}" for mode in _MODES}:
         files.append(value)
         return ["--test", word[2:]]
-    if word in {"--disc", "--block"}:
+    if word in _SHAPES:
         return ["--shape", f"{word[2:]}:{value}"]
     if word in former.renamed:
         return [former.renamed[word], value]
@@ -111,6 +141,3 @@ def _option(former: _Former, name: str, word: str, value: str, files: list[str])
         option, key = _KEYS[word]
         return [option, f"{key}={value}"]
     return [_SAME.get(word, word), value]
-
-
-_MODES = ("uniaxial", "biaxial", "planar", "compression", "volumetric")

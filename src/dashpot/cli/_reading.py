@@ -29,7 +29,7 @@ def over_profiles(
     """
     from dashpot.io.options import load_profile
 
-    known = ReadOptions()
+    known, records = ReadOptions(), ctx.obj.inputs
     for glob, path in profiles:
         profile = load_profile(path)
         reads(ctx, path)
@@ -41,7 +41,7 @@ def over_profiles(
         if one.calibration:
             reads(ctx, one.calibration)
     _refuse_strange_patterns(ctx, said)
-    _refuse_unknown_units(ctx, said)
+    _refuse_unknown_units(records, said)
     return said
 
 
@@ -63,11 +63,11 @@ def _refuse_strange_patterns(ctx: click.Context, said: ReadOptions) -> None:
             raise click.UsageError(f"'{glob}:' matches none of the files {listed}.")
 
 
-def _refuse_unknown_units(ctx: click.Context, said: ReadOptions) -> None:
+def _refuse_unknown_units(records: Sequence[str], said: ReadOptions) -> None:
     """Refuse a unit that was given to no role, nor to a column of any file that is read."""
     roles = {one.name for one in fields(ReadOptions)}
     names = said.by_name().keys() - roles
-    inputs = [path for path in ctx.obj.inputs if not is_json(path)] if names else []
+    inputs = [path for path in records if not is_json(path)] if names else []
     for path in inputs:
         with suppress(DashpotError):
             columns = workflow.inspect_file(path, options=said).columns

@@ -220,11 +220,11 @@ class Keyed(click.ParamType[Any]):
     def _field(
         self, part: str, number: int, param: click.Parameter | None, ctx: click.Context | None
     ) -> tuple[Field[Any], str]:
-        if self.first is not None and number == 0:
-            return self.first, part
         key, sign, text = part.partition(self.sign)
         key = re.sub(r"[ _]", "-", key.strip().lower())
         named = [word for word in self.fields if self.first is None or f"--{word}" != self.flag]
+        if self.first is not None and number == 0 and key not in named:
+            return self.first, part
         if not sign or not text.strip():
             self.fail(f"'{part}': write {self.flag} {named[0]}{self.sign}VALUE", param, ctx)
         if key not in named:
@@ -270,7 +270,9 @@ class Units(Scoped):
 
         if not isinstance(value, str):
             return value
-        found = re.match(r"^(?P<glob>[^=]+):(?P<rest>[^:]+=.*)$", value, re.DOTALL)
+        # a pattern has the look of a file; what else stands before a colon is a column's name
+        named = r"(?:[A-Za-z]:)?[^=:]*[*?\[./\\][^=:]*"
+        found = re.match(rf"^(?P<glob>{named}):(?P<rest>\S[^=]*=.*)$", value, re.DOTALL)
         glob, text = (found["glob"], found["rest"]) if found else ("", value)
         try:
             return glob, parse_units(text)

@@ -14,7 +14,7 @@ from dashpot.base.choices import FrfKind, words
 from dashpot.base.documents import Documented
 from dashpot.cli import _options as options
 from dashpot.cli._grammar import group, of, opt, refuse_others, rest, verb
-from dashpot.cli._options import MASS
+from dashpot.cli._options import MASS, RAMP
 from dashpot.cli._recognised import recognised
 from dashpot.cli._shell import File, Outcome, grams, printed, typed, write, write_figure
 from dashpot.cli._values import OneOf, WithUnit
@@ -74,7 +74,7 @@ _QUESTION, _PART = "Question", "Part of a material"
             help="Close it: energy, least closing speed."),
         opt("--modes", "every", kinds=_DOOR, help="Share of every part in every mode."),
     ),
-    rest(options.machine(_SOLID), options.reading()),
+    rest(group(RAMP, options.machine(_SOLID)), options.reading()),
     options.result("FRF as .csv; of a door .json."),
 )  # fmt: skip
 def command(*, path: str, **said: Any) -> Outcome:

@@ -159,6 +159,12 @@ class Door(ByValue):
     closing : ClosingSetup
         What else meets it as it closes.
     source : Source or None
+
+    Examples
+    --------
+    >>> import dashpot as dp
+    >>> dp.predict(dp.read("door.toml"), close="1.2m/s").verdict.use  # doctest: +SKIP
+    'use'
     """
 
     rigid: RigidPart | None = None

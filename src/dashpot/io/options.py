@@ -47,6 +47,10 @@ def _unit_words(units: Sequence[tuple[str, str]]) -> list[str]:
     return [f"{name}={unit}" for name, unit in units]
 
 
+def _mark_words(mark: str) -> list[str]:
+    return [{"\t": "tab", " ": "space"}.get(mark, mark)]
+
+
 def _column(says: str, **how: Any) -> Any:
     """Return the field that names the column of a role: ``--column ROLE=NAME``."""
     return option(() if "multiple" in how else None, says, under="column", section="columns", **how)
@@ -134,8 +138,9 @@ class ReadOptions:
         None, "Sampling rate of a file without time.", section="", unit="frequency"
     )
     delimiter: str | None = option(
-        None, "tab, space, comma, semicolon or fixed.", section="text", under="text"
-    )
+        None, "tab, space, comma, semicolon or fixed.", section="text", under="text",
+        typed=_mark_words,
+    )  # fmt: skip
     decimal: str | None = option(None, "point or comma.", section="text", under="text")
     encoding: str | None = option(
         None, "E.g. utf-8, cp1250, gb18030.", section="text", under="text"

@@ -20,7 +20,7 @@ SURE = 0.95
 """Probability with which a seal that passes keeps the limit (ISO 14253-1:2017)."""
 
 
-class Judged(NamedTuple):
+class Decided(NamedTuple):
     """What the limits make of one seal.
 
     Attributes
@@ -49,7 +49,7 @@ class Judged(NamedTuple):
         return f"inside the limits by less than its guard band, {guard}"
 
 
-def judged(lot: Lot, limits: Limits) -> tuple[Judged, ...]:
+def judged(lot: Lot, limits: Limits) -> tuple[Decided, ...]:
     r"""Return what limits make of every seal that was tested, in the order of lot and seal.
 
     The guard band is :math:`t_{0.95,\nu}\,u`, the decision rule of ISO 14253-1, with the standard
@@ -66,10 +66,12 @@ def judged(lot: Lot, limits: Limits) -> tuple[Judged, ...]:
         if freedom:
             own = math.hypot(deviation / math.sqrt(len(one.values)), between)
             guard = t_quantile(2 * SURE - 1, freedom) * own
-        found.append(Judged(one.lot, one.name, _decision(limits, one.mean, guard), one.mean, guard))
+        found.append(
+            Decided(one.lot, one.name, _decision(limits, one.mean, guard), one.mean, guard)
+        )
     known = {(one.lot, one.name) for one in seals}
     lost = (key for key in _tested(lot) if key not in known)
-    return (*found, *(Judged(of, seal, "no result", None, None) for of, seal in lost))
+    return (*found, *(Decided(of, seal, "no result", None, None) for of, seal in lost))
 
 
 def _tested(lot: Lot) -> dict[tuple[str, str], None]:

@@ -80,6 +80,13 @@ class Lot:
         Sorted by file; SI units, which the names of the columns end in.
     computed : int
         Rows that this run made; the others were there.
+
+    Examples
+    --------
+    >>> import dashpot as dp
+    >>> lot = dp.batch("tests/", to="lot", jobs=2)  # doctest: +SKIP
+    >>> lot.outcomes  # doctest: +SKIP
+    {'fitted': 12}
     """
 
     table: pl.DataFrame

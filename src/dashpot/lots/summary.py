@@ -22,7 +22,7 @@ from dashpot.lots.checks import (
     seals_within_limits,
     stands_out_of_lot,
 )
-from dashpot.lots.judgement import Judged, judged
+from dashpot.lots.judgement import Decided, judged
 from dashpot.lots.limits import Limits
 from dashpot.lots.lot import Lot, LotCharts
 from dashpot.lots.quantities import Quantity
@@ -96,7 +96,7 @@ class OfQuantity(Documented):
     limits : Limits or None
     capability : dict
         Of each lot with two seals, where there are limits.
-    judged : tuple of Judged
+    judged : tuple of Decided
         Of each seal, where there are limits.
     """
 
@@ -113,7 +113,7 @@ class OfQuantity(Documented):
     gauge: Gauge | None
     limits: Limits | None
     capability: dict[str, Capability]
-    judged: tuple[Judged, ...]
+    judged: tuple[Decided, ...]
 
     @property
     def by_lot(self) -> tuple[ChartsOfLot, ...]:
@@ -128,7 +128,7 @@ class OfQuantity(Documented):
         return None if self.limits is None else each
 
     @property
-    def decided(self) -> tuple[Judged, ...] | None:
+    def decided(self) -> tuple[Decided, ...] | None:
         """The judgement of each seal; None without limits."""
         return None if self.limits is None else self.judged
 
@@ -377,7 +377,7 @@ def _lines(one: OfQuantity) -> Iterator[str]:
     yield from (_judged(judge, one.quantity) for judge in one.judged if judge.decision != "pass")
 
 
-def _judged(judge: Judged, quantity: Quantity) -> str:
+def _judged(judge: Decided, quantity: Quantity) -> str:
     value = "" if judge.value is None else f", {ascii_only(quantity.read(judge.value))}"
     where = f"{judge.lot} " if judge.lot else ""
     return f"  {judge.decision:<11} {where}seal {judge.seal}{value}"

@@ -52,6 +52,13 @@ class CreepTest(ByValue, Described, Documented):
     ------
     DataError
         If the arrays differ in length, hold fewer than 8 samples, are not finite, or time stalls.
+
+    Examples
+    --------
+    >>> import dashpot as dp, numpy as np
+    >>> t = np.linspace(0, 10, 50)
+    >>> dp.CreepTest(time=t, displacement=t, force=1 + 0 * t, units="s, mm, N").unit
+    'N/m'
     """
 
     schema = "dashpot/creep-test@1"
@@ -117,6 +124,13 @@ class CreepCompliance(ByValue, Described, Documented):
     ------
     DataError
         If the arrays differ in length, are not finite, or time falls or starts below 0.
+
+    Examples
+    --------
+    >>> import dashpot as dp, numpy as np
+    >>> t = np.linspace(0, 10, 50)
+    >>> dp.CreepCompliance(time=t, compliance=1 + t, units="s, 1/MPa").unit
+    '1/Pa'
     """
 
     schema = "dashpot/creep-compliance@1"

@@ -52,6 +52,14 @@ class DynamicTest(ByValue, Described, Documented):
     ------
     DataError
         If the arrays differ in length, are not finite, or a frequency is not above 0.
+
+    Examples
+    --------
+    >>> import dashpot as dp, numpy as np
+    >>> t = np.linspace(0, 10, 50)
+    >>> sweep = dp.DynamicTest(frequency=1 + t, storage=2 + t, loss=1 + t, units="Hz, MPa, MPa")
+    >>> sweep.unit, float(sweep.storage[0])
+    ('Pa', 2000000.0)
     """
 
     schema = "dashpot/dynamic-test@1"

@@ -276,6 +276,13 @@ class Fit(ByValue, Pictured, Documented):
     temperatures : TemperatureShifts or None
         How the solid moves with temperature, where tests at several were fitted; `solid` is that
         of their reference.
+
+    Examples
+    --------
+    >>> import dashpot as dp
+    >>> fit = dp.fit(dp.simulate("relaxation", hold="5s", noise_free=True), arms=2)
+    >>> fit.model.arms, sorted(fit.intervals(level=0.95))
+    (2, ['b', 'k', 'k_inf', 'tau'])
     """
 
     schema = "dashpot/fit@1"

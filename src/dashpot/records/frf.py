@@ -140,6 +140,14 @@ class FRF(ByValue, Pictured, Documented):
         As in a fit.
     units : str
         Of `frequency` and `value`: ``"Hz, (m/s^2)/N"``, or ``"SI"``. Within they are in SI.
+
+    Examples
+    --------
+    >>> import dashpot as dp, numpy as np
+    >>> t = np.linspace(0, 10, 50)
+    >>> frf = dp.FRF(frequency=t, value=t + 1j, quantity="accelerance", units="Hz, (m/s^2)/N")
+    >>> frf.unit, frf.to("receptance").unit
+    ('(m/s^2)/N', 'm/N')
     """
 
     schema = "dashpot/frf@1"
@@ -457,6 +465,12 @@ class Mode(Documented):
         Standard errors; 0 for a model's mode, nan where a method cannot tell.
     method : str
         How it was found.
+
+    Examples
+    --------
+    >>> import dashpot as dp
+    >>> round(dp.Mode(12.7, 0.0285, 0j).bandwidth, 3)
+    0.724
     """
 
     keys = ("frequency_hz=frequency", "damping_ratio")

@@ -26,6 +26,14 @@ class FRFSet(ByValue):
     points : tuple of str
         What each is called, such as ``"3+Z/1+Z"``: where it moves, and where it is struck. By
         default their numbers.
+
+    Examples
+    --------
+    >>> import dashpot as dp, numpy as np
+    >>> t = np.linspace(0, 10, 50)
+    >>> one = dp.FRF(frequency=t, value=t + 1j, units="Hz, (m/s^2)/N")
+    >>> dp.FRFSet((one, one), ("1+Z/1+Z", "2+Z/1+Z")).points
+    ('1+Z/1+Z', '2+Z/1+Z')
     """
 
     frfs: tuple[FRF, ...]

@@ -42,6 +42,14 @@ class ImpactTest(ByValue, Described, Documented):
         One per file read.
     units : str
         Of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
+
+    Examples
+    --------
+    >>> import dashpot as dp, numpy as np
+    >>> t = np.linspace(0, 10, 50)
+    >>> hits = dp.ImpactTest(time=t, force=t, acceleration=[t], units="s, N, g")
+    >>> round(float(hits.acceleration[0, -1]), 4)
+    98.0665
     """
 
     schema = "dashpot/impact-test@1"

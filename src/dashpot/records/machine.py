@@ -92,6 +92,12 @@ class Machine:
         m, where no reading shows it.
     force_filter : float or None
         Cut-off of a first-order low-pass in the force channel, Hz.
+
+    Examples
+    --------
+    >>> import dashpot as dp
+    >>> dp.Machine(drift="0.2mN/s").drift
+    0.0002
     """
 
     sync: float | None = option(

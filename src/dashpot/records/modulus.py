@@ -40,6 +40,13 @@ class RelaxationModulus(ByValue, Described):
     ------
     DataError
         If the arrays differ in length, are not finite, or time falls or starts below 0.
+
+    Examples
+    --------
+    >>> import dashpot as dp, numpy as np
+    >>> t = np.linspace(0, 10, 50)
+    >>> dp.RelaxationModulus(time=t, modulus=2 - t / 20, units="s, MPa").unit
+    'Pa'
     """
 
     time: FloatArray

@@ -53,6 +53,14 @@ class RelaxationTest(ByValue, Described, Documented):
     ------
     DataError
         If the arrays differ in length, hold fewer than 8 samples, are not finite, or time stalls.
+
+    Examples
+    --------
+    >>> import dashpot as dp, numpy as np
+    >>> t = np.linspace(0, 10, 50)
+    >>> test = dp.RelaxationTest(time=t, displacement=8 + 0 * t, force=t, units="s, mm, N")
+    >>> float(test.displacement[0])
+    0.008
     """
 
     schema = "dashpot/relaxation-test@1"
@@ -175,6 +183,13 @@ class RampHold(ByValue, Pictured, Documented):
         Lines found in the force and taken off it.
     given : array, shape (n,), or None
         What the machine gave, m, and is off `displacement`; None if nothing was taken off.
+
+    Examples
+    --------
+    >>> import dashpot as dp
+    >>> ready = dp.simulate("relaxation", hold="5s", noise_free=True).prepare()
+    >>> round(ready.ramp_time, 2)
+    1.0
     """
 
     schema = "dashpot/ramp-hold@1"

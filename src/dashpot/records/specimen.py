@@ -41,6 +41,12 @@ class Specimen:
         What the file itself says where `temperature` was given otherwise, K.
     warmed : float or None
         By how much the file's own column of temperature rises over the record, K.
+
+    Examples
+    --------
+    >>> import dashpot as dp
+    >>> dp.Specimen(length="50mm", temperature="23degC").temperature
+    296.15
     """
 
     length: float | None = option(None, "Contact length of the seal, e.g. 50mm.", unit="length")

@@ -278,6 +278,8 @@ def _name(record: Any, place: int, known: Mapping[str, str]) -> str:
     return name if name not in known else f"{name} ({place})"
 
 
+_VIBRATION = (ImpactTest, ShakenTest, FRF, FRFSet)
+
 # -- what each meaning of `route` is done by ------------------------------------------------------
 
 
@@ -367,12 +369,11 @@ def _joint(
 ) -> Fit:
     (block,) = mass if isinstance(mass, list | tuple) else (mass,)
     kilograms, hertz = si(block, "mass"), si_range(band, "frequency")
-    beside = [one for one in records if kind_of(one) in BENCH]
-    fits = [one for one in beside if isinstance(one, Fit)]
-    tests = [one for one in beside if not isinstance(one, Fit)]
+    fits = [one for one in records if isinstance(one, Fit)]
+    tests = [one for one in records if kind_of(one) in BENCH]
     if len(fits) > 1 or (fits and tests):
         raise FitError("tests are fitted together, or one fit with vibration: leave the fit out")
-    struck = [one for one in records if one not in beside]
+    struck = [one for one in records if isinstance(one, _VIBRATION)]
     frf = frf_of(struck, mass=kilograms, band=hertz, hammer=hammer)
     said: dict[str, Any] = {"known": known, "rig": rig}
     said = {name: one for name, one in said.items() if one is not None}

@@ -189,7 +189,7 @@ def _options(how: Mapping[str, Any], kind: str | None) -> ReadOptions:
     except TypeError:
         known = ", ".join(ReadOptions.__dataclass_fields__)
         strange = next(name for name in stated if name not in ReadOptions.__dataclass_fields__)
-        raise DataError(f"'{strange}' is no role and no key of a file; known are {known}") from None
+        raise DataError(f"'{strange}' is no role and no key of a file. Known are {known}") from None
     return options.over(load_profile(how["profile"])) if "profile" in how else options
 
 

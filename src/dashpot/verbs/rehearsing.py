@@ -185,7 +185,8 @@ def simulate(
     maker, instrument, words = makers[what]
     strange = sorted(how.keys() - words.keys() - {"hit_length"})
     if strange or ("hit_length" in how and what != "impact"):
-        raise DataError(f"{(strange or ['hit_length'])[0]}= is not of a {what} test")
+        name = (strange or ["hit_length"])[0]
+        raise DataError(f"{name}= is not of a test of {what}. It takes {', '.join(words)}")
     given = {words[name]: value for name, value in how.items() if name in words}
     if what == "impact":
         given.setdefault("mass", mass)

@@ -53,7 +53,7 @@ def level(request: Mapping[str, Any], folder: Path) -> bytes:
             "checks": views.check_list(found.checks),
             "figures": views.bench_panels(picture, sizes_of(request).get("bench", WIDE)[0]),
             "simulated": any(source.simulated for source in found.source),
-            "command": line("level", asked),
+            "command": line("fit", asked),
         }
     )
 

@@ -81,7 +81,7 @@ def modes(request: Mapping[str, Any], folder: Path) -> bytes:
             "checks": views.check_list(checks),
             "figures": drawn,
             "simulated": any(source.simulated for one in frfs for source in one.source),
-            "command": line("modes", asked),
+            "command": line("fit", asked),
         }
     )
 

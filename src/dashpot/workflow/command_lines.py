@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import shlex
 from dataclasses import fields, replace
+from glob import escape
 from pathlib import Path
 
 from dashpot.base.options import words_of
-from dashpot.io.options import OF_HAMMER, ReadOptions
+from dashpot.io.options import ReadOptions
 from dashpot.records.frf import FRF
 from dashpot.workflow.job import Job, LevelJob, ModesJob, with_paths
 
@@ -43,9 +44,18 @@ def predict_command(job: Job, frf: FRF, fit: str = FIT) -> str:
 
 
 def _of_both(job: Job) -> ReadOptions:
-    """What all files are read by: of the impact files what they share, or what is theirs alone."""
-    known = job.reading_impact.only(("units", *OF_HAMMER))
-    if known == job.reading_impact and known.units in {(), job.reading.units}:
-        return known.only(OF_HAMMER).over(job.reading)
-    own = tuple((path, job.reading_impact) for path in job.impact)
-    return replace(job.reading, own=(*job.reading.own, *own))
+    """What the files are read by: the units of all of them, and of each what is its own.
+
+    A column or a mark of one file would make the other another kind of test.
+    """
+    if not job.impact:
+        return job.reading
+    bench, hammer = job.reading, job.reading_impact
+    shared = ("units",) if bench.units == hammer.units else ()
+    sides = ((job.relaxation, *job.further), bench), (job.impact, hammer)
+    own = [
+        (escape(path), replace(said, own=()).without(shared))
+        for paths, said in sides
+        for path in dict.fromkeys(paths)
+    ]
+    return replace(bench.only(shared), own=(*own, *bench.own, *hammer.own))

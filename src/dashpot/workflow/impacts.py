@@ -241,6 +241,14 @@ class Agreement(Judged, Documented):
         By both kinds of ignorance, if the relaxation record is at hand.
     seals : float
         How many carry the block.
+
+    Examples
+    --------
+    >>> import dashpot as dp
+    >>> hits = dp.simulate("impact", hits=3)
+    >>> fit = dp.fit(dp.simulate("relaxation", hold="5s", noise_free=True), arms=2)
+    >>> dp.compare(fit, hits).mass_inferred
+    True
     """
 
     # the verdict is of the measured FRF too, not of the comparison alone

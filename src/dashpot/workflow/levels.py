@@ -52,6 +52,13 @@ class Levels(Judged, Documented):
     checks : tuple of Check
     records : tuple of AmplitudeSweep, RelaxationTest or FRF
         What it was found from: one sweep, one record of loops, or the FRF of each level.
+
+    Examples
+    --------
+    >>> import dashpot as dp
+    >>> hits = dp.simulate("impact", hits=4)
+    >>> type(dp.fit(hits, hits, levels=["3N", "3N"])).__name__  # doctest: +SKIP
+    'Levels'
     """
 
     schema = "dashpot/levels@1"

@@ -162,6 +162,13 @@ class Prediction(Judged, Documented):
         Over a base that shakes at random.
     isolation : float or None
         Above it the mass moves less than its base, Hz.
+
+    Examples
+    --------
+    >>> import dashpot as dp
+    >>> fit = dp.fit(dp.simulate("relaxation", hold="5s", noise_free=True), arms=2)
+    >>> dp.predict(fit, mass="104g", seals=2).frf.unit
+    '(m/s^2)/N'
     """
 
     schema = "dashpot/prediction@1"

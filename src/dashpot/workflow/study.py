@@ -111,6 +111,12 @@ class Study(Pictured, Documented):
         Tests of the same seal at other temperatures, fitted with `prepared`.
     title, logo : str
         What heads its report: words, and an image as a data URI.
+
+    Examples
+    --------
+    >>> import dashpot as dp
+    >>> dp.report(dp.simulate("relaxation", hold="5s", noise_free=True), arms=2).joint is None
+    True
     """
 
     schema = "dashpot/study@1"

@@ -52,6 +52,14 @@ class ModesByMass(Checked, Judged, Documented):
     together : SeveralMasses
     checks : tuple of Check
         Of every test, with its mass, and whether one solid has all poles.
+
+    Examples
+    --------
+    >>> import dashpot as dp
+    >>> light, heavy = dp.simulate("impact", mass="90g"), dp.simulate("impact", mass="120g")
+    >>> found = dp.fit(light.frf(), heavy.frf(), mass=["90g", "120g"], seals=2)
+    >>> found.verdict.use in ("use", "use with care", "do not use")
+    True
     """
 
     schema = "dashpot/modes-by-mass@1"

@@ -116,7 +116,7 @@ def _end_of_hold(found: Thermal, made: Fit) -> EndOfHold | None:
     return end_of_hold(
         [relaxation_data(record, made) for record in records],
         time=max(record.hold_time for record in records),
-        tau=made.model.tau,
+        own=made.model,
         dof=max(made.dof, 1.0),
     )
 

@@ -74,6 +74,15 @@ class Pieces(Checked, Judged, Documented):
         That of the relaxation test with this law; or, of records at several speeds, theirs.
     rate : RateLaw or None
         Of records at several speeds: a spring and a dashpot that depend on compression.
+
+    Examples
+    --------
+    >>> import dashpot as dp, numpy as np
+    >>> x = 8 * np.sin(np.linspace(0, np.pi, 400))
+    >>> t = np.linspace(0, 20, 400)
+    >>> piece = dp.CompressionTest(displacement=x, force=x / 4, time=t, units="mm, N, s")
+    >>> round(dp.fit(piece, compression="6mm").pieces[0].nominal.loading, 2)
+    1.5
     """
 
     schema = "dashpot/cld@1"

@@ -44,6 +44,14 @@ class CompressionTest(ByValue, Described):
     ------
     DataError
         If the arrays differ in length, hold fewer than 8 samples, are not finite, or time stalls.
+
+    Examples
+    --------
+    >>> import dashpot as dp, numpy as np
+    >>> t = np.linspace(0, 10, 50)
+    >>> piece = dp.CompressionTest(displacement=t, force=t**2, units="mm, N")
+    >>> float(piece.displacement[-1])
+    0.01
     """
 
     displacement: FloatArray

@@ -50,6 +50,14 @@ class StressStrainTest(ByValue, Described):
     DataError
         If the arrays differ in length, hold fewer than four samples or no stretch other than 1,
         or stretch and stress cannot be those of a test.
+
+    Examples
+    --------
+    >>> import dashpot as dp, numpy as np
+    >>> t = np.linspace(0, 10, 50)
+    >>> test = dp.StressStrainTest("uniaxial", stretch=1 + t / 10, stress=t, units="1, MPa")
+    >>> float(test.stress[-1])
+    10000000.0
     """
 
     mode: Mode
@@ -150,6 +158,15 @@ class HyperelasticFit(ByValue, Described, Numbered, Documented):
     checks : tuple of Check
     temperature : float or None
         Of the tests, K.
+
+    Examples
+    --------
+    >>> import dashpot as dp, numpy as np
+    >>> stretch = np.linspace(1, 2, 40)
+    >>> stress = stretch - 1 / stretch**2
+    >>> test = dp.StressStrainTest("uniaxial", stretch, stress, units="1, MPa")
+    >>> dp.fit(test, model="neo-hooke").law.kind
+    'neo-hooke'
     """
 
     schema = "dashpot/hyperelastic@1"

@@ -52,6 +52,15 @@ class IndentationTest(ByValue, Described):
     DataError
         If the arrays differ in length, hold fewer than 16 samples, are not finite, or sampling is
         not even.
+
+    Examples
+    --------
+    >>> import dashpot as dp, numpy as np
+    >>> t = np.linspace(0, 10, 50)
+    >>> from dashpot.kinds.indentation.indenter import Indenter
+    >>> hit = dp.IndentationTest(t, t, "velocity", Indenter("5g"), units="ms, mm/s")
+    >>> float(hit.signal[-1])
+    0.01
     """
 
     time: FloatArray
@@ -123,6 +132,13 @@ class IndentationFit(ByValue, Described, Numbered):
         Time of the first touch in the record, and length of the contact, s.
     checks : tuple of Check
     source : Source or None
+
+    Examples
+    --------
+    >>> import dashpot as dp
+    >>> found = dp.fit(dp.read("hit.csv", mass="5g", radius="2.5mm"))  # doctest: +SKIP
+    >>> found.law  # doctest: +SKIP
+    'hertz'
     """
 
     law: str

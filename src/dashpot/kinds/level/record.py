@@ -52,6 +52,14 @@ class AmplitudeSweep(ByValue, Described):
     ------
     DataError
         If the arrays differ in length, are not finite, or a frequency or amplitude is not above 0.
+
+    Examples
+    --------
+    >>> import dashpot as dp, numpy as np
+    >>> t = np.linspace(0, 10, 50)
+    >>> sweep = dp.AmplitudeSweep(1 + 0 * t, 1 + t, 5 - t / 9, 1 + 0 * t, units="Hz, %, MPa, MPa")
+    >>> sweep.of, float(sweep.amplitude[0])
+    ('strain', 0.01)
     """
 
     frequency: FloatArray
@@ -166,6 +174,15 @@ class AmplitudeFit(ByValue, Described, Checked, Documented):
     loss_per_lag : float or None
         What a second between the channels of recorded loops makes of the loss factor, 1/s. It does
         so at every amplitude alike, so loops of one frequency do not tell it from loss.
+
+    Examples
+    --------
+    >>> import dashpot as dp, numpy as np
+    >>> X = np.geomspace(0.1, 10, 30)
+    >>> E = 5 - 2 * X / (1 + X)
+    >>> sweep = dp.AmplitudeSweep(1 + 0 * X, X, E, 0.3 + 0 * X, units="Hz, %, MPa, MPa")
+    >>> dp.fit(sweep).unit
+    'Pa'
     """
 
     keys = (

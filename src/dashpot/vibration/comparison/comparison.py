@@ -69,6 +69,14 @@ class Comparison(Pictured, Documented):
         First and last of the lines that `frac`, `rms_db` and `z_rms` were taken over, Hz.
     measured_hz_se, measured_damping_se : float or None
         Random standard errors of the measured peak frequency, Hz, and damping ratio.
+
+    Examples
+    --------
+    >>> import dashpot as dp
+    >>> fit = dp.fit(dp.simulate("relaxation", hold="5s", noise_free=True), arms=2)
+    >>> frf = dp.predict(fit, mass="104g", seals=2).frf
+    >>> round(dp.compare(frf, frf).frac, 6)
+    1.0
     """
 
     schema = "dashpot/comparison@1"

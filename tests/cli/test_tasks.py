@@ -1,0 +1,145 @@
+"""Forty things that people do, as they are typed; and what a former line is answered with."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+from kit.kinds import bench, ramp_and_hold
+from kit.shell import ran
+
+from dashpot import workflow
+from dashpot.cli import COMMANDS
+from dashpot.cli._former import FORMER
+
+pytestmark = pytest.mark.once
+
+RIG = "--mass 114.8g --seals 2"
+LEVELS = f"shaker_20mN.csv shaker_500mN.csv --level 0.02N --level 0.5N {RIG}"
+TASKS = (
+    ("", "inspect seal_8mm.csv"),
+    (("inspect raw.txt --force Kraft --displacement Weg --units force=N,displacement=mm "
+     "--save-profile lab.toml --overwrite"),
+     ("inspect raw.txt --column force=Kraft --column displacement=Weg "
+     "--units force=N,displacement=mm --save lab.toml --overwrite")),
+    ("", "fit raw.txt --profile lab.toml"),
+    (("fit raw.txt --force 3 --displacement 2 --units force=N,displacement=mm --delimiter ';' "
+     "--decimal comma"),
+     ("fit raw.txt --column force=3 --column displacement=2 --units force=N,displacement=mm "
+     "--text 'delimiter=;,decimal=comma'")),
+    ("", "fit seal_8mm.csv -o fit.json"),
+    ("", "fit seal_8mm.csv --arms 2 --method hold"),
+    ("fit depth_4mm.csv depth_6mm.csv depth_8mm.csv --depth-law",
+     "fit depth_4mm.csv depth_6mm.csv depth_8mm.csv --elastic by-depth"),
+    ("", "fit at_23degC.csv at_10degC.csv at_0degC.csv -o warm.json"),
+    ("fit seal_8mm.csv --family auto", "fit seal_8mm.csv --model auto"),
+    ("", "fit sweep.csv -o dma.json"),
+    ("", "fit sweeps.csv --reference 25degC -o master.json --save-shifts shifts.csv"),
+    ("fit sweeps.csv --at 25degC", "fit sweeps.csv --only 25degC"),
+    ("fit curve.csv --modulus 'E(t)'", "fit curve.csv"),
+    ("impact hammer.csv -o frf.csv --overwrite", "fit hammer.csv -o frf.csv --overwrite"),
+    ("impact hammer.csv --reject 3 --window exponential",
+     "fit hammer.csv --reject 3 --window exponential"),
+    ("modes frf.csv --band 5:40Hz", "fit frf.csv --band 5:40Hz"),
+    ("modes frf.csv --against shaker_20mN.csv", "compare frf.csv shaker_20mN.csv"),
+    (f"identify hammer.csv {RIG}", f"fit hammer.csv {RIG}"),
+    (f"identify hammer.csv --with seal_8mm.csv {RIG} -o joint.json --overwrite",
+     f"fit seal_8mm.csv hammer.csv {RIG} -o joint.json --overwrite"),
+    (f"identify frf.csv {RIG} --direct k.csv --overwrite",
+     f"fit frf.csv {RIG} --stiffness-table k.csv --overwrite"),
+    ("level loops.csv", "fit loops.csv"),
+    (f"level {LEVELS} --at 0.1N", f"fit {LEVELS} --resonance-at 0.1N"),
+    ("cld cld_1.csv cld_2.csv cld_3.csv --length 100mm --at 6mm --between 4:8mm",
+     "fit cld_1.csv cld_2.csv cld_3.csv --length 100mm --compression 6mm --between 4:8mm"),
+    ("cld cld_1.csv --at 6mm --with fit.json",
+     "fit cld_1.csv --compression 6mm --memory fit.json"),
+    ("indent hit.csv --mass 5g --radius 5mm --drop-height 51mm",
+     "fit hit.csv --mass 5g --radius 5mm --drop-height 51mm"),
+    ("rod rod.csv --disc 20mm,20mm --density 1000 --mass 31.4g",
+     "fit rod.csv --shape disc:20mm,20mm --density 1000 --mass 31.4g"),
+    ("hyperelastic --uniaxial tension.csv --biaxial biaxial.csv -o law.json --overwrite",
+     "fit tension.csv biaxial.csv --test uniaxial --test biaxial -o law.json --overwrite"),
+    ("", f"predict fit.json {RIG} --band 1:50Hz -o p.csv"),
+    (f"predict fit.json {RIG} --with seal_8mm.csv",
+     f"predict fit.json {RIG} --record seal_8mm.csv"),
+    ("", f"predict fit.json {RIG} --base"),
+    ("predict master.json --disc 20mm,20mm --mass 400g --seals 2 --base",
+     "predict master.json --shape disc:20mm,20mm --mass 400g --seals 2 --base"),
+    ("door door.toml", "predict door.toml"),
+    ("door door.toml --close 1.2m/s", "predict door.toml --close 1.2m/s"),
+    ("", f"compare fit.json hammer.csv {RIG}"),
+    (f"report seal_8mm.csv --impact hammer.csv {RIG} -o report.html --overwrite",
+     f"report seal_8mm.csv hammer.csv {RIG} -o report.html --overwrite"),
+    (("export joint.json --to nastran --units mm-t-s --range 1:20Hz --temperature 23degC "
+     "--length 50mm -o seal.bdf --overwrite"),
+     ("export joint.json --to nastran --unit-system mm-t-s --band 1:20Hz --temperature 23degC "
+     "--length 50mm -o seal.bdf --overwrite")),
+    ("plan --ramp 1s --hold 40s --at 12.71Hz", "plan --frequency 12.71Hz --ramp 1s --hold 40s"),
+    ("batch lotdir -o lot --arms 2 --quick --at 12.7Hz",
+     "batch lotdir -o lot --arms 2 --quick --frequency 12.7Hz"),
+    ("simulate relaxation --model broad --depth 6mm -o sim.csv",
+     "simulate relaxation --seal broad --depth 6mm -o sim.csv"),
+    ("example -o ex2 --all", "demo --files -o ex2 --all"),
+)  # fmt: skip
+"""A former line, where it was another, and what is typed today; in the order of their files."""
+TELLS = ("fit", "compare", "report")
+"""Verbs that say what they took records for."""
+
+
+def lab(folder: Path) -> None:
+    """Write the examples, a file of another lab, and a folder of tests."""
+    for name, made in workflow.EXAMPLES.items():
+        (folder / name).write_text(made(), encoding="utf-8")
+    german = bench(ramp_and_hold()).replace(",", ";").replace(".", ",").splitlines()
+    (folder / "raw.txt").write_text("\n".join(["Zeit [s];Weg;Kraft", *german[1:]]) + "\n")
+    (folder / "lotdir").mkdir()
+    for number in range(3):
+        text = bench((1 + 0.02 * number) * ramp_and_hold(), seed=number)
+        (folder / "lotdir" / f"seal_{number}.csv").write_text(text)
+
+
+def does(line: str) -> str:
+    """Run a line, which must do its work, and say what it took records for."""
+    words = shlex.split(line)
+    done = ran(*words)
+    assert done.exit_code == 0, f"{line}\n{done.output}"
+    assert "Traceback" not in done.output
+    if words[0] in TELLS and "lot" not in words:
+        files = [word for word in words[1:] if Path(word).suffix in {".csv", ".txt"}]
+        assert "recognised " in done.stderr, line
+        told = done.stderr.partition("recognised ")[2].splitlines()[0]
+        named = [file for file in files if f" {file}" in f" {told}"]
+        assert named, f"{line}\n{told}"
+    return done.stdout
+
+
+def test_forty_tasks_and_what_their_former_lines_are_answered_with(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert len(TASKS) == 40
+    monkeypatch.chdir(tmp_path)
+    lab(tmp_path)
+    for _, today in TASKS:
+        does(today)
+    for former, today in TASKS:
+        if not former:
+            continue
+        answer = ran(*shlex.split(former))
+        assert answer.exit_code == 2, former
+        assert "Traceback" not in answer.output
+        found = re.search("Type: dashpot (.*)", answer.stderr)
+        assert found is not None, f"{former}\n{answer.output}"
+        if sorted(shlex.split(found[1])) != sorted(shlex.split(today)):
+            does(found[1])
+
+
+@pytest.mark.parametrize("name", FORMER)
+def test_a_former_command_without_words_is_answered_too(name: str) -> None:
+    answer = ran(name)
+    assert answer.exit_code == 2
+    found = re.search(r"There is no command '(\w+)'\. Type: dashpot (\w+)", answer.stderr)
+    assert found is not None
+    assert found[1] == name
+    assert found[2] in COMMANDS
