@@ -88,7 +88,7 @@ def spring_unseen(part: float) -> Finding:
         f"A cubic spring of up to {100 * part:.2g} % of the stiffness at the largest amplitude "
         "would stay unseen",
         part,
-        "The law cannot be told from friction with a spring beside it",
+        "Another friction with a spring beside it would look the same",
         "Sweep to larger amplitudes, or with less scatter.",
     )
 
