@@ -14,9 +14,10 @@ PAGE = Path(__file__).with_suffix(".md")
 HEAD = """\
 # Checks
 
-Every way in which a record, a fit or a comparison can deceive is a named check: a value, a limit, a
-sentence. This page is written from their register by `python docs/checks.py`. Some records set a
-limit of their own, as the last column says; *our choice* is a limit that no standard sets.
+Every way in which a record, a fit or a comparison can deceive is a named check: a value, a limit,
+what was found, what it means, and what to do. This page is written from their register by
+`python docs/checks.py`. Some records set a limit of their own, as the last column says; *our
+choice* is a limit that no standard sets.
 
 A check has three states: it *passed*, it *failed*, or it was *not judged*, because the record does
 not answer its question; what was not judged has not passed (`"passed": true`, `false`, `null` in
@@ -29,10 +30,10 @@ JSON). A failure has one of three grades:
 | `stop` | do not use the result |
 
 The verdict of a fit, a comparison or a study is that of the gravest failure: *do not use* after any
-stop, else *use with care* after any limit, else *use*. It leads every report, with the sentence of
-the check that decided: what was found, and what would change it. `--strict` leaves with exit code
-1 after a failure graded limit or stop; a note is no reason to stop a batch. Some checks grade a
-failure by its size, as the column says.
+stop, else *use with care* after any limit, else *use*. It leads every report in one line: what the
+check that decided found and what to do about it, or the number that the reader came for. `--strict`
+leaves with exit code 1 after a failure graded limit or stop; a note is no reason to stop a batch.
+Some checks grade a failure by its size, as the column says.
 
 How the optimiser ended is another matter, and stands below the verdict: it is the gravest status
 that a failed check sets, whatever its grade, or that the optimum itself shows. The gravest first:

@@ -118,7 +118,7 @@ def test_every_term_has_its_table(folder, tmp_path):
     assert all(name in picture.read_text() for name in names)
     told = json.loads(output.read_text())
     assert len(told["scatter"]["least_speed"]) == 12
-    assert "12 doors, gap +-1 mm over 0.4" in words
+    assert "12 doors, gap ±1 mm the same over 0.4" in words
 
 
 @pytest.mark.parametrize(
@@ -160,6 +160,6 @@ def test_modes_and_closing_go_together(folder, monkeypatch):
     )
     said = ran("door.toml", "--modes", "--close", "1m/s", "-v")
     assert "% of the energy" in said
-    assert "least speed that closes it" in said
+    assert "Least closing speed" in said
     refused = ran("door.toml", "--modes", "--close", "1m/s", "--plot", "both.png", code=2)
     assert "leave out --modes or --close" in refused

@@ -210,7 +210,7 @@ def test_capability_that_is_asked_for_and_not_there_leads_the_page(tmp_path):
     asked = limits(tmp_path, '[k_end]\nlower = "150N/m"\nupper = "250N/m"\ncpk = 3\n')
     found = summary(lot, limits=asked)
     page = html(lot, found=found)
-    assert "where 3.00 is asked" in page
+    assert "3.00 is asked" in page
     (check,) = [one for one in found.checks if one.name == "capability_as_asked"]
     worst = min(one.cpk for one in found.main.capability.values())
     assert check.failed

@@ -209,7 +209,7 @@ def test_paper_has_all_that_is_folded(tmp_path, page):
             text=True,
         ).stdout  # fmt: skip
         words = re.sub(r"\s+", " ", printed)
-        for part in ("Use with care", "Recommended: solid of both tests", "Tested by, date",
+        for part in ("Use with care", "Recommended: model of both tests", "Tested by, date",
                      "How many arms", "The numbers to take along", "residual of two arms, mN",
                      "measured 12.71"):  # fmt: skip
             assert part in words, (name, part)

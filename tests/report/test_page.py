@@ -229,14 +229,14 @@ def test_a_title_and_a_logo_are_set_on_the_page():
     [("note", "good", "Use"), ("limit", "care", "Use with care"), ("stop", "bad", "Do not use")],
 )
 def test_the_verdict_leads_in_words_in_colour_and_in_form(grade, colour, words):
-    failed = Check("strain_small", False, "The strain is large.", grade=grade)
+    failed = Check("strain_small", False, "The strain is 0.3.", grade=grade)
     study = replace(handmade.bench_only(), fit=altered(S.fit, checks=(failed,)), checks=())
     page = html(study)
     bar = page[page.index('<div class="verdict') : page.index('<div class="first">')]
     assert bar.startswith(f'<div class="verdict {colour}"')
     assert f'<use href="#i-{colour}"/></svg>{words}</div>' in bar
     text = Page(page).text
-    assert (f"{words} The strain is large." in text) == (grade != "note")
+    assert (f"{words} The strain is 0.3." in text) == (grade != "note")
 
 
 @pytest.mark.parametrize(
@@ -246,7 +246,7 @@ def test_the_verdict_leads_in_words_in_colour_and_in_form(grade, colour, words):
      ("stop", "No model is recommended", ["fit.json"])],
 )  # fmt: skip
 def test_what_must_not_be_used_is_not_offered(sketch, grade, heading, names):
-    failed = Check("strain_small", False, "The strain is large.", grade=grade)
+    failed = Check("strain_small", False, "The strain is 0.3.", grade=grade)
     study = replace(handmade.bench_only(), fit=altered(S.fit, checks=(failed,)), checks=())
     text = sketch(study)
     assert heading in text
@@ -407,7 +407,7 @@ def test_a_note_on_a_solid_that_is_not_recommended_stands_in_the_list_alone(sket
         return text[: text.index("The test and its fit")]
 
     assert "fastest arm is too fast" not in first(study)
-    quoted = Check("strain_small", False, "The strain is large.")
+    quoted = Check("strain_small", False, "The strain is 0.3.")
     earlier = altered(study.fit, checks=(quoted, *study.fit.checks))
     assert "Fit of the relaxation test. The plateau is open." in first(replace(study, fit=earlier))
     alone = replace(study, joint=None, joint_comparison=None, comparison=None, measured=None)

@@ -17,6 +17,7 @@ from dashpot.records.frf_set import FRFSet
 from dashpot.records.impact import ImpactTest
 from dashpot.records.machine import Machine
 from dashpot.records.relaxation import RampHold, RelaxationTest
+from dashpot.records.specimen import Specimen
 from dashpot.verbs.fitting import Arms, Vibration, frf_of, kind_of, prepared, shape_words
 from dashpot.verbs.reading import Place
 from dashpot.workflow.impacts import Agreement, agreement
@@ -410,7 +411,7 @@ def export(
     /,
     *,
     to: To,
-    unit_system: Literal["SI", "mm-t-s", "mm-kg-ms"],
+    unit_system: Literal["SI", "mm-t-s", "mm-kg-ms"] | None = None,
     temperature: Quantity | None = None,
     length: Quantity | None = None,
     seals: float = 1.0,
@@ -471,24 +472,20 @@ def export(
         "allow": (allow,) if isinstance(allow, str) else tuple(allow), "units": unit_system,
         **of_solver,
     }  # fmt: skip
-    if isinstance(found, Solid):
-        found, choices = _solid_for(found, choices, seals, kelvin, metres)
+    bare = isinstance(found, Solid)
+    if bare:
+        choices["specimen"] = Specimen(temperature=kelvin, length=metres)
+        found = seals * found
     deck = deck_for(
-        to, found, seals=1.0 if isinstance(found, Solid) else seals,
-        compression=si(compression, "length"), temperature=kelvin, **choices,
-    )  # fmt: skip
+        to,
+        found,
+        seals=1.0 if bare else seals,
+        compression=si(compression, "length"),
+        temperature=None if bare else kelvin,
+        **choices,
+    )
     if path is not None:
         from dashpot.base.atomic import write_whole
 
         write_whole(Path(path), str(deck).encode())
     return str(deck)
-
-
-def _solid_for(
-    solid: Any, choices: dict[str, Any], seals: float, kelvin: float | None, metres: float | None
-) -> tuple[Any, dict[str, Any]]:
-    """A bare solid, of so many seals, with what is said of its piece."""
-    from dashpot.records.specimen import Specimen
-
-    piece = Specimen(temperature=kelvin, length=metres)
-    return solid * seals, {**choices, "specimen": piece}

@@ -71,7 +71,7 @@ def _told(job: Job) -> Study:
 def _joint(job: Job) -> Fit:
     found = results.study(job).joint
     if found is None:
-        raise DataError("there is no solid of both tests: open a hammer test and fit both")
+        raise DataError("there is no model of both tests. Open a hammer test and fit both")
     return found
 
 

@@ -311,7 +311,7 @@ def solid_table(fit: Fit) -> str:
             f"and a spectrum of {fit.model.arms} arms from {fit.model.tau[0]:.3g} to "
             f"{fit.model.tau[-1]:.3g} s, a table for a solver: fit.json holds it."
         )
-    return term_table("Solid of one seal", found, more)
+    return term_table("Model of one seal", found, more)
 
 
 def term_table(title: str, found: Sequence[Term], more: str = "") -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from pathlib import Path
@@ -15,6 +15,7 @@ from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.choices import Family
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
+from dashpot.base.facts import Fact
 from dashpot.base.numbers import hertz
 from dashpot.base.offered import Judged
 from dashpot.base.plausible import SIZES
@@ -198,6 +199,16 @@ class Prediction(Judged, Documented):
     swept: SweptPart | None = None
     shaken: ShakenMass | None = None
     isolation: float | None = None
+
+    @property
+    def facts(self) -> tuple[Fact, ...]:
+        """Frequency, damping ratio and residue of each mode."""
+        return tuple(fact for mode in self.modes for fact in mode.facts)
+
+    @property
+    def series(self) -> Mapping[str, tuple[Any, str]]:
+        """The response over frequency."""
+        return self.frf.series
 
     @property
     def limits(self) -> FRFBounds | None:

@@ -71,7 +71,7 @@ export function strips(
     const card = { class: drawn.length > 1 ? "card" : "card only" };
     return made("figure", card, made("figcaption", {}, title), body, out);
   }));
-  const what = SAVED[verb] || "Save the solid (fit.json)";
+  const what = SAVED[verb] || "Save the model (fit.json)";
   const button = made("button", { "data-act": "take-bench" }, what);
   home.append(made("p", { class: "buttons" }, button));
 }
