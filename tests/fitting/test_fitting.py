@@ -77,7 +77,7 @@ def test_table_1_comes_back_exactly(
 
 
 def test_one_arm_on_the_hold_as_the_paper_compares(paper_seal: GeneralizedMaxwell) -> None:
-    found = fit(ideal(paper_seal), arms=1, method="hold")
+    found = fit(ideal(paper_seal), arms=1, method="hold", nuisance=())
     assert found.model.k_inf == pytest.approx(200.5, abs=0.05)
     assert found.model.k[0] == pytest.approx(35.2, abs=0.05)
     assert found.model.tau[0] == pytest.approx(4.015, abs=0.0015)
@@ -93,7 +93,7 @@ def test_one_arm_on_the_full_history(paper_seal: GeneralizedMaxwell) -> None:
 
 
 def test_every_order_is_kept_for_the_comparison(paper_seal: GeneralizedMaxwell) -> None:
-    found = fit(ideal(paper_seal, noise=5e-3), arms=2, method="hold")
+    found = fit(ideal(paper_seal, noise=5e-3), arms=2, method="hold", nuisance=())
     assert [order.arms for order in found.orders] == [0, 1, 2]
     assert found.orders[1].model.tau[0] == pytest.approx(4.0, abs=0.3)
     assert found.orders[2].model == found.model
@@ -104,7 +104,7 @@ def test_every_order_is_kept_for_the_comparison(paper_seal: GeneralizedMaxwell) 
 def test_the_full_history_knows_fast_arms_twice_as_well(paper_seal: GeneralizedMaxwell) -> None:
     test = ideal(paper_seal, noise=5e-3, seed=3)
     full = fit(test, arms=2, nuisance=()).standard_error
-    hold = fit(test, arms=2, method="hold").standard_error
+    hold = fit(test, arms=2, method="hold", nuisance=()).standard_error
     assert 100 * hold["k"][0] / 117.5 == pytest.approx(0.65, abs=0.05)
     assert 100 * full["k"][0] / 117.5 == pytest.approx(0.28, abs=0.05)
     assert 100 * hold["tau"][0] / 0.502 == pytest.approx(0.60, abs=0.05)
@@ -284,7 +284,7 @@ def test_same_input_same_output(paper_seal: GeneralizedMaxwell) -> None:
 def test_intervals_are_asymmetric_in_tau_and_widen_with_level(
     paper_seal: GeneralizedMaxwell,
 ) -> None:
-    found = fit(ideal(paper_seal, noise=5e-3), arms=2, method="hold")
+    found = fit(ideal(paper_seal, noise=5e-3), arms=2, method="hold", nuisance=())
     assert found.profiles == ()
     narrow, wide = found.intervals(0.68), found.intervals(0.99)
     for tau, (low, high), (lower, higher) in zip(

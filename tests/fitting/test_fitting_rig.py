@@ -17,6 +17,7 @@ from dashpot.base.status import Status
 from dashpot.fitting.relaxation import fit
 from dashpot.preparation.prepare import prepare
 from dashpot.records.fit import Fit
+from dashpot.records.machine import Machine
 from dashpot.records.relaxation import RelaxationTest
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.simulation.rig import Rig
@@ -236,7 +237,8 @@ def test_what_was_taken_out_of_the_motion_is_a_step() -> None:
 
 
 def test_arms_asked_for_are_tried_beyond_what_auto_would() -> None:
-    prepared = prepare(simulate_relaxation(PAPER).test)
+    # a delay that may be 5 ms does for a fast arm
+    prepared = prepare(simulate_relaxation(PAPER).test, machine=Machine(sync=1e-3))
     auto, asked = fit(prepared), fit(prepared, arms=5)
     tried = [order.arms for order in auto.orders]
     assert tried == [0, 1, 2, 3]

@@ -39,7 +39,7 @@ def test_what_is_known_before_the_fit() -> None:
     usual, final = 3.5e-3 * 1.573 / 41, 1.573
     assert 0.8 * usual < known.drift.sd < usual
     # a limit bears more: of the force and of the scatter, while the cell warms up
-    doubt = np.hypot(2.4e-4 * final, 0.06 * 4.06e-3) / np.sqrt(1 + 41 / 120)
+    doubt = np.hypot(2.4e-4 * final, 0.1 * 4.06e-3) / np.sqrt(1 + 41 / 120)
     assert 0.4 * doubt < known.doubt.sd < doubt
     assert known.drift_from == "baseline"
     short = priors(replace(late(0), machine=dp.Machine(drift=1e-4)))

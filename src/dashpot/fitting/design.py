@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from types import MappingProxyType
 from typing import NamedTuple
 
@@ -40,6 +41,11 @@ class Design(NamedTuple):
 
     method: Method
     nuisance: tuple[str, ...] = NUISANCE
+
+    @property
+    def terms(self) -> tuple[str, ...]:
+        """Those that have a column from the beginning; eq. 5 has no motion to come late."""
+        return tuple(name for name in self.nuisance if name != "delay")
 
 
 def block_of(
@@ -100,9 +106,9 @@ def block_of(
 
 def compressed(tests: Sequence[RampHold], design: Design) -> tuple[DataBlock, ...]:
     """Return one block per test, a few hundred rows each, on which the fit is the full fit."""
-    terms = design.nuisance if design.method == "full" else ()
     return tuple(
-        block_of(test, method=design.method, terms=terms, index=i) for i, test in enumerate(tests)
+        block_of(test, method=design.method, terms=design.terms, index=i)
+        for i, test in enumerate(tests)
     )
 
 
@@ -134,13 +140,21 @@ def bound(
     """Return what is known of each load cell and its clock before the fit, a block per test.
 
     `spreads` holds the standard deviation of one independent residual of each test, N; that of
-    the record's scatter by default. Eq. 5 has no such terms.
+    the record's scatter by default. Eq. 5 has no ramp that would tell slow arms from a drift, which
+    is there as free as it may be; its clock begins at the end of the ramp.
     """
-    if design.method == "hold" or not design.nuisance:
+    hold = design.method == "hold"
+    if not (design.terms if hold else design.nuisance):
         return ()
     given = spreads or [test.force_noise for test in tests]
-    every = zip(tests, blocks, given, strict=True)
-    return tuple(terms_of(test).rows(block, spread) for test, block, spread in every)
+    known = [terms_of(test, claimed=hold) for test in tests]
+    if hold:
+        known = [
+            replace(one, since=one.since + float(test.ramp_end - test.time[0]))
+            for one, test in zip(known, tests, strict=True)
+        ]
+    every = zip(known, blocks, given, strict=True)
+    return tuple(one.rows(block, spread) for one, block, spread in every)
 
 
 def _late(test: RampHold, block: DataBlock, rough: Solution) -> Late:

@@ -11,7 +11,7 @@ from dashpot.base.choices import Method
 from dashpot.base.errors import DashpotError, FitError
 from dashpot.engine.solver.variable_projection import solve
 from dashpot.fitting.checks import relaxation as checks
-from dashpot.fitting.design import Design, compressed, eq5_obstacle, solid_of
+from dashpot.fitting.design import NUISANCE, Design, compressed, eq5_obstacle, solid_of
 from dashpot.fitting.fit_data import data_of
 from dashpot.fitting.pipeline import chosen_arms
 from dashpot.preparation.filters import Filter, filter_of, filtered
@@ -76,7 +76,9 @@ def _solved(record: RampHold, arms: int, method: Method) -> dict[str, float]:
     obstacle = eq5_obstacle(record) if method == "hold" else None
     if obstacle is not None:
         raise FitError(obstacle)
-    model = solid_of(solve(compressed([record], Design(method)), arms))
+    model = solid_of(
+        solve(compressed([record], Design(method, NUISANCE if method == "full" else ())), arms)
+    )
     named = {"k_inf": model.k_inf}
     for j, (k, tau) in enumerate(zip(model.k, model.tau, strict=True), start=1):
         named |= {f"k_{j}": k, f"tau_{j}": tau}

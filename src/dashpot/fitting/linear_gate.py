@@ -63,7 +63,7 @@ class Holds:
     def blocks(self) -> tuple[DataBlock, ...]:
         """By eq. 5, or, where the plate creeps, as the answer to the recorded motion."""
         return tuple(
-            compressed([record], Design("hold"))[0]
+            compressed([record], Design("hold", ()))[0]
             if eq5_obstacle(record) is None
             else block_of(record, terms=("offset",), start=record.settled.start)
             for record in self.records

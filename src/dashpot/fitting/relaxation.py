@@ -108,8 +108,8 @@ def fit(
     thorough : bool
         Add quasi-random starts; a ramp that is bent has its own.
     nuisance : sequence of str
-        Which terms ``method="full"`` fits along with the solid: ``"offset"``, ``"drift"`` and
-        ``"delay"``. Eq. (5) has none.
+        Which terms are fitted along with the solid: ``"offset"``, ``"drift"`` and, of the recorded
+        motion, ``"delay"``.
     max_arms : int
         The most that ``"auto"`` tries.
     law : "auto", "linear" or "nonlinear"

@@ -8,7 +8,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from dashpot.base.arrays import BoolArray, FloatArray, median, slow_periodogram
+from dashpot.base.arrays import BoolArray, FloatArray, IndexArray, median, slow_periodogram
 from dashpot.base.errors import DataError
 from dashpot.base.units import celsius
 from dashpot.engine.blocks.block import DataBlock
@@ -44,6 +44,8 @@ RESTS = 8
 SLOW_ARM = 5.0
 # a force that is later than this does not change in proportion, s
 LINEAR_DELAY = 2e-3
+# samples, of the hold, at which doubts are laid out; three times as many of the ramp
+LAID_OUT = 200
 # cycles per record between which noise is what an arm is told from
 SLOWEST_NOISE, FASTEST_NOISE = 8, 160
 # a line of the periodogram so far above its middle is a hum, and no noise
@@ -358,25 +360,39 @@ def unseen(
     time, x : array, shape (n,)
         Since the first sample, s, and the motion that the solid `answer` is thought to feel, m.
     """
-    force, since = answer.force(time, x), time + test.time[0] - test.ramp_end
+    # a doubt is smooth, and needs few digits: it is laid out at some of the samples
+    at = _laid_out(test, time)
+    few = time[at]
+    force, since = answer.force(few, x[at]), few + test.time[0] - test.ramp_end
     found: dict[str, tuple[FloatArray, float]] = {}
     peak = float(np.abs(force).max())
     give = test.machine.give_sd(test.depth, peak)
     if give > 0 and peak > 0:
-        found["give"] = answer.force(time, force / peak), give
+        found["give"] = answer.force(few, force / peak), give
     settles = test.machine.creep_sd(test.depth)
     if settles > 0 and not test.readings_moved:
         way = np.log1p(np.maximum(since, 0.0) / test.ramp_time)
-        found["settling"] = answer.force(time, way), settles
+        found["settling"] = answer.force(few, way), settles
     if test.preload and peak > 0:
         # pressed when the record begins; what it carries in the middle of the rest is offset
-        relaxing = answer.force(time, np.ones(len(time)))
-        tared = float(np.interp(priors(test).at, time, relaxing))
+        relaxing = answer.force(few, np.ones(len(few)))
+        tared = float(np.interp(priors(test).at, few, relaxing))
         found["preload"] = relaxing - tared, test.preload * test.depth / peak
     by_a = -USUAL["faster by warmth"].size
     warms = unseen_warmth(test.specimen).sd
-    found["warming"] = warming(time, x, answer, by_a=by_a, by_b=0.0), warms
-    return found
+    found["warming"] = warming(few, x[at], answer, by_a=by_a, by_b=0.0), warms
+    return {name: (np.interp(time, few, column), sd) for name, (column, sd) in found.items()}
+
+
+def _laid_out(test: RampHold, time: FloatArray) -> IndexArray:
+    """Some hundred samples that follow a motion, and some that follow what relaxes after it."""
+    corner = test.ramp_end - test.time[0]
+    even = int(np.searchsorted(time, corner + test.ramp_time))
+    late = np.searchsorted(time, corner + np.geomspace(test.ramp_time, time[-1], LAID_OUT))
+    early = np.arange(0, even, max(even // (3 * LAID_OUT), 1))
+    chosen = np.concatenate((early, np.minimum(late, len(time) - 1), [len(time) - 1]))
+    chosen.sort()
+    return np.asarray(chosen[np.append(True, np.diff(chosen) > 0)])
 
 
 def _few_rests(test: RampHold, clock: FloatArray) -> list[tuple[float, float]]:

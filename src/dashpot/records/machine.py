@@ -42,7 +42,7 @@ USUAL: Mapping[str, Usual] = MappingProxyType({
         "simulation: .5 mN/s on a seal of 1 N, one in twenty",
     ),
     "drift of a noisy cell": Usual(
-        0.06, "1/s, of the scatter of its readings", "simulation: a cell too large for its test"
+        0.1, "1/s, of the scatter of its readings", "simulation: a cell too large for its test"
     ),
     "warm after": Usual(
         120.0, "s; later it drifts as the root of time", "amplifiers settle within minutes"
@@ -143,7 +143,7 @@ class Machine:
         is bound to. A limit bears more. With the `noise` of the force s, N, that is
 
         .. math:: \max\Bigl(3.5 \cdot 10^{-3} F_e/T,\
-                  \sqrt{(2.4 \cdot 10^{-4} F_e)^2 + (0.06\,s)^2}\,/\sqrt{1 + T/120\,\mathrm s}\Bigr)
+                  \sqrt{(2.4 \cdot 10^{-4} F_e)^2 + (0.1\,s)^2}\,/\sqrt{1 + T/120\,\mathrm s}\Bigr)
         """
         if self.drift is not None:
             return self.drift

@@ -220,7 +220,7 @@ class TestRefusals:
 def test_what_nothing_shows_is_not_given_a_factor():
     assert "c is known within a factor of 99" in parameters_known("c", 99.0).says
     assert parameters_known("c", 5e21).says.startswith("c is not known, not even in its size")
-    assert parameters_known("k", 1.0, "c is below 2 N s/m").says.endswith("; c is below 2 N s/m")
+    assert parameters_known("k", 1.0, "c is below 2 N s/m").says.endswith("; c is below 2 N s/m.")
 
 
 def relaxing(seed, noise=0.003):

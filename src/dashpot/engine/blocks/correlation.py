@@ -35,8 +35,8 @@ ROUNDING = 1e-14
 _SIGNS = np.array([[1.0], [-1.0]])
 #: of the energy of all steps: an arm with less in a window is nothing there
 NOTHING = 1e-15
-#: a ridge that takes no digit that counts
-LARGEST_RIDGE = 1e-9
+#: a ridge that takes no digit that counts: 1e-9, and not ten times that
+LARGEST_RIDGE = 2e-9
 #: part of the whole motion that is rest: rounding
 RESTS = 1e-13
 #: so many columns of decays are dependent to rounding
@@ -300,7 +300,7 @@ def upper_factor(gram: FloatArray) -> FloatArray:
             lower = np.linalg.cholesky(unit)
         except np.linalg.LinAlgError:
             ridge = max(10 * ridge, 1e-15)
-            if not ridge < LARGEST_RIDGE:
+            if not ridge <= LARGEST_RIDGE:
                 raise FitError(
                     "the terms of the fit are no finite numbers on this record, or no two of them "
                     "can be told apart: its times and those of the records fitted with it lie too "

@@ -30,6 +30,8 @@ from dashpot.engine.blocks.stretches import even_arms
 
 #: samples from which the recursion is worth reducing
 LONG = 2000
+#: of its way, a plate that moves by less is at rest
+RESTING = 1e-5
 #: correlations cannot tell apart arms that are slower than a record's window by more than this
 FARTHEST = 10.0
 
@@ -101,8 +103,8 @@ def recorded_block(
     # the first sample from which on every weight is 1
     even = 0 if weights is None else int(np.flatnonzero(weights[:stop] != 1)[-1:].sum()) + 1
     near = reach is None or reach[1] <= FARTHEST * limits[1]
-    # the correlation of a plate at rest is rounding: it is none where the weights end there
-    rests = even > 0 and not np.diff(x[even - 1 : stop]).any()
+    # the correlation of a plate that all but rests is rounding beside that of its whole way
+    rests = even > 0 and np.ptp(x[even - 1 : stop]) <= RESTING * np.ptp(x[:stop])
     if x[0] != 0 or len(time) <= SMALL or step is None or even > stop // 2 or not near or rests:
         whole = replace(exact(start, stop, weights), window=limits)
         return whole if reach is None and stop - start < LONG else reduced_block(whole, reach=reach)

@@ -206,7 +206,7 @@ def parameters_known(name: str, factor: float, bounded: str = "") -> Finding:
     word = name.replace("_", " ")
     within = f"{word} is known within a factor of {factor:.4g}"
     if factor >= _UNKNOWN:
-        within = f"{word} is not known (a factor of {factor:.2g})"
+        within = f"{word} is not known, not even in its size"
     return Finding(
         within + f"; {bounded}" * bool(bounded),
         factor,

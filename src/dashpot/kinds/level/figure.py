@@ -273,7 +273,7 @@ def _magnitudes(fit: LevelFit, frfs: Sequence[FRF]) -> Panel:
     for i in np.argsort(fit.levels):
         colour = sequential(len(frfs))[int(np.searchsorted(np.sort(fit.levels), fit.levels[i]))]
         lines = frfs[i].to(kind, mass=fit.mass).band(*fit.band)
-        over_base = frfs[i].kind.over_base
+        over_base = frfs[i].quantity.over_base
         force = fit.levels[i] * (fit.mass if over_base else 1.0)
         said = f"{fit.levels[i]:.3g} {'m/s²' if over_base else 'N'}"
         size = scale * np.abs(lines.value)
