@@ -156,7 +156,7 @@ def app() -> bool:
                 browser = on.chromium.launch(executable_path=program, args=["--no-sandbox"])
                 _photographed(browser, server.stdout.readline().strip())
         except Error as error:
-            print(f"the app is not shown: {error}", file=sys.stderr)
+            sys.stderr.write(f"the app is not shown: {error}\n")
             return False
         finally:  # who leaves the server waits for its end
             server.terminate()
