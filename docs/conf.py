@@ -5,12 +5,16 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
+import click
 from docutils import nodes
+from docutils.parsers.rst import Directive
 from latex2mathml.converter import convert
 from sphinx.application import Sphinx
 from sphinx.util.math import get_node_equation_number
 
 from dashpot import __version__
+from dashpot.cli import GROUPS
+from dashpot.cli import main as command_line
 
 sys.path.insert(0, str(Path(__file__).parent))
 import pictures
@@ -23,11 +27,12 @@ extensions = [
     "myst_parser",
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
-    "sphinx_click",
 ]
 myst_enable_extensions = ["dollarmath", "amsmath", "colon_fence", "deflist"]
 myst_heading_anchors = 3
 html_theme = "furo"
+html_static_path = ["_static"]
+html_css_files = ["cards.css"]
 html_title = "dashpot"
 html_math_renderer = "mathml"
 exclude_patterns = ["_build"]
@@ -60,8 +65,33 @@ def block_math(translator: nodes.NodeVisitor, node: nodes.math_block) -> None:
     raise nodes.SkipNode
 
 
+class Commands(Directive):
+    """The whole help of every command, as ``--help-all`` prints it, group by group."""
+
+    def run(self) -> list[nodes.Node]:
+        """Return a section for each group, and in it one for each command."""
+        above = click.Context(command_line, info_name="dashpot")
+        parts: list[nodes.Node] = []
+        for title, group in GROUPS.items():
+            part = _section(title)
+            for name in group:
+                verb = command_line.get_command(above, name)
+                one = click.Context(verb, info_name=name, parent=above)
+                section = _section(f"dashpot {name}")
+                section += nodes.literal_block(text=verb.shown(one, every=True), language="text")
+                part += section
+            parts.append(part)
+        return parts
+
+
+def _section(title: str) -> nodes.section:
+    name = nodes.fully_normalize_name(title)
+    return nodes.section("", nodes.title(text=title), ids=[nodes.make_id(name)], names=[name])
+
+
 def setup(app: Sphinx) -> None:
     """Register the renderer, and draw the gallery before anything is read."""
+    app.add_directive("commands", Commands)
     app.add_html_math_renderer("mathml", (inline_math, None), (block_math, None))
     app.connect("builder-inited", lambda _: pictures.gallery())
     if pictures.app():

@@ -1,26 +1,53 @@
-"""Draw the picture of the README, and the gallery of the documentation."""
+"""Draw the picture of the README, and every picture of the documentation."""
 
+from __future__ import annotations
+
+import html
+import io
+import shlex
 import shutil
 import subprocess
 import sys
+from contextlib import chdir, redirect_stderr, redirect_stdout
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import dashpot as dp
 from dashpot import workflow
-from dashpot.simulation.impact import simulate_impact
-from dashpot.simulation.relaxation import simulate_relaxation
-from dashpot.solids.table_1 import BROAD, BROAD_MASS
+from dashpot.cli import main as run
+from dashpot.solids.table_1 import BROAD, BROAD_MASS, PAPER
 
 DOCS = Path(__file__).parent
 HERO = DOCS / "pictures" / "hero.png"
 GALLERY = DOCS / "_pictures"
+COMMANDS = """
+fit seal_8mm.csv -o fit.json
+predict fit.json --mass 114.8g --seals 2 --record seal_8mm.csv --plot bound.svg
+fit seal_8mm.csv --model fractional --plot fractional.svg
+fit at_23degC.csv at_10degC.csv at_0degC.csv --plot moving.svg
+simulate creep --load 1N --hold 20s -o creep.csv
+fit creep.csv --plot creep.svg
+fit cld_1.csv --length 100mm --compression 6mm --between 4:8mm --plot cld.svg
+fit tension.csv biaxial.csv --test uniaxial --test biaxial --plot law.svg
+fit hit.csv --mass 5g --radius 5mm --drop-height 51mm --plot hit.svg
+fit rod.csv --shape disc:20mm,20mm --density 1000 --mass 31.4g --arms 1 --plot rod.svg
+fit shaker_20mN.csv shaker_500mN.csv --level 0.02N --level 0.5N --mass 114.8g --plot levels.svg
+fit loops.csv --plot loops.svg
+predict door.toml --modes --plot door.svg
+predict door.toml --close 1.2m/s --plot closing.svg
+simulate relaxation --hold 4s --gauges --misaligned 2deg -o gauges.csv
+"""
+"""What makes the pictures of the how-to pages, in a folder with the example files."""
+PRINTED = "fit seal_8mm.csv"
+"""The command whose output is shown as a shell shows it."""
+SEALS, REPEATS = (1.0, 1.03, 0.98, 1.01), 3
+"""Stiffnesses of the seals of a lot over that of the paper, and the tests of each."""
 
 
 def main() -> None:
     """Run the whole story and save its picture."""
-    bench = simulate_relaxation(BROAD, seed=0)
-    hammer = simulate_impact(BROAD, mass=BROAD_MASS, seed=0)
+    bench = dp.simulation.simulate_relaxation(BROAD, seed=0)
+    hammer = dp.simulation.simulate_impact(BROAD, mass=BROAD_MASS, seed=0)
     study = dp.report(bench.test, hammer.test, mass=BROAD_MASS, seals=2, arms=2, band=(4.0, 40.0))
     HERO.parent.mkdir(exist_ok=True)
     dp.plot.save(dp.plot.hero(study), HERO, dpi=200)
@@ -28,22 +55,34 @@ def main() -> None:
 
 def gallery() -> None:
     """Draw one picture of every kind, of the example files."""
-    with TemporaryDirectory() as place:
-        files = {name: Path(place) / name for name in workflow.EXAMPLES}
-        for name, path in files.items():
-            path.write_text(workflow.EXAMPLES[name](), encoding="utf-8")
-        made = _drawn(files)
     GALLERY.mkdir(exist_ok=True)
-    for name, picture in made.items():
-        dp.plot.save(picture, GALLERY / f"{name}.svg")
+    with TemporaryDirectory() as place, chdir(place):
+        for name, made in workflow.EXAMPLES.items():
+            Path(name).write_text(made(), encoding="utf-8")
+        for line in COMMANDS.strip().splitlines():
+            _printed(line)
+        for path in Path().glob("*.svg"):
+            shutil.copy(path, GALLERY)
+        for name, picture in (_drawn() | {"lot": _lot()}).items():
+            dp.plot.save(picture, GALLERY / f"{name}.svg")
+        shown = _in_a_shell(f"$ dashpot {PRINTED}\n{_printed(PRINTED)}")
+        (GALLERY / "shell.svg").write_text(shown, encoding="utf-8")
 
 
-def _drawn(files: dict[str, Path]) -> dict[str, dp.plot.Picture]:
-    hits = dp.read(files["hammer.csv"], kind="impact")
+def _printed(line: str) -> str:
+    """Run a command; return what it prints."""
+    out = io.StringIO()
+    with redirect_stdout(out), redirect_stderr(io.StringIO()):
+        run(shlex.split(line), standalone_mode=False)
+    return out.getvalue()
+
+
+def _drawn() -> dict[str, dp.plot.Picture]:
+    hits = dp.read("hammer.csv", kind="impact")
     frf = hits.frf(mass=workflow.MASS)
-    test = dp.read(files["seal_8mm.csv"], kind="relaxation")
+    test = dp.read("seal_8mm.csv", kind="relaxation")
     study = dp.report(test, hits, mass=workflow.MASS, seals=2)
-    depths = dp.fit(*(dp.read(files[f"depth_{d}mm.csv"], kind="relaxation") for d in (4, 6, 8)))
+    depths = dp.fit(*(dp.read(f"depth_{d}mm.csv", kind="relaxation") for d in (4, 6, 8)))
     return {
         "hero": study.plot(),
         "segments": study.prepared.plot(),
@@ -59,10 +98,43 @@ def _drawn(files: dict[str, Path]) -> dict[str, dp.plot.Picture]:
         "comparison": dp.plot.comparison(
             study.comparison, joint=study.joint_comparison, band=study.frf_band
         ),
-        "superposition": dp.solids.superpose(dp.read(files["sweeps.csv"])).plot(),
+        "superposition": dp.solids.superpose(dp.read("sweeps.csv")).plot(),
         "elastic_law": dp.plot.elastic_law(depths),
-        "columns": dp.inspect(files["seal_8mm.csv"]).plot(),
+        "columns": dp.inspect("seal_8mm.csv").plot(),
+        "clipped": dp.inspect("clipped.csv").plot(),
+        "gauges": dp.inspect("gauges.csv").plot(),
     }
+
+
+def _lot() -> dp.plot.Picture:
+    """Draw the control chart of four seals, each tested three times."""
+    folder = Path("tests")
+    folder.mkdir()
+    for seal, factor in enumerate(SEALS, start=1):
+        for repeat in range(1, REPEATS + 1):
+            made = dp.simulation.simulate_relaxation(
+                factor * PAPER, hold_time=10.0, seed=10 * seal + repeat
+            )
+            text = dp.files.write_relaxation(made.test, comments=dp.simulation.stamp(made.truth))
+            (folder / f"lotA_seal{seal}_rep{repeat}.csv").write_text(text, encoding="utf-8")
+    by = r"lot(\w+)_seal(\d+)_rep(\d+)"
+    _printed(f"batch {folder} -o lot --by '{by}' --arms 2 --jobs 1")
+    return dp.Lot.read("lot").plot()
+
+
+def _in_a_shell(text: str) -> str:
+    """Draw printed text as a shell shows it."""
+    lines = text.rstrip().splitlines()
+    wide, high = 8 * max(map(len, lines)) + 32, 18 * len(lines) + 32
+    rows = "".join(
+        f'<text x="16" y="{18 * row + 30}">{html.escape(line)}</text>'
+        for row, line in enumerate(lines)
+    )
+    return (
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {wide} {high}" xml:space="preserve" '
+        'font-family="DejaVu Sans Mono, Consolas, monospace" font-size="13" fill="#e8e8e8">'
+        f'<rect width="100%" height="100%" rx="8" fill="#1e2430"/>{rows}</svg>'
+    )
 
 
 def app() -> bool:

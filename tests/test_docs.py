@@ -133,7 +133,7 @@ def test_every_command_runs_as_it_stands(page, bench):
         result = CliRunner().invoke(main, [name, *(words[:-2] if sent else words)])
         if sent:
             Path(words[-1]).write_text(result.stdout, encoding="utf-8")
-        refused = prints is not None and prints.startswith("dashpot: ")
+        refused = re.search("^dashpot: ", prints or "", re.M) is not None
         assert result.exit_code == 2 * refused, f"{line}\n{result.output}"
         if prints is not None and not sent:
             assert agree(prints, result.output), f"{line}\n{prints}\n--- printed\n{result.output}"

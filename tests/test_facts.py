@@ -184,7 +184,7 @@ def test_the_document_has_every_fact_in_si(fit):
     error, between = whole["standard_error"], whole["interval_95"]
     if fit.family != "maxwell":
         error, between = solid["standard_error"], solid["interval_95"]
-    for fact in fit.facts():
+    for fact in fit.facts:
         kind, _, place = fact.name.partition("_")
         if place.isdecimal() and fit.family == "maxwell":
             j = int(place) - 1
@@ -212,7 +212,7 @@ def test_the_frame_has_every_fact_but_dashpots(fit):
             strict=True,
         )
     }
-    shown = [fact for fact in fit.facts() if fact.name[0] != "b"]
+    shown = [fact for fact in fit.facts if fact.name[0] != "b"]
     assert len(found) == len(shown)
     for one in shown:
         told = (one.value, one.error, one.low, one.high, one.unit)
@@ -222,7 +222,7 @@ def test_the_frame_has_every_fact_but_dashpots(fit):
 def test_a_row_of_a_lot_has_every_fact_of_the_arms(fit):
     room = fit.model.arms
     row_of = row._of_fit(fit, 40.0, room) | row._judged(fit, room)
-    for one in fit.facts(arms=True):
+    for one in fit.arm_facts:
         if one.name[0] == "b":
             continue
         column = row._column(one)

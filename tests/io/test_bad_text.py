@@ -276,7 +276,7 @@ def test_a_column_that_stands_twice_is_no_question(
 def test_no_clock_asks_for_the_rate(tmp_path: Path) -> None:
     _, moved, force = truth()
     text = "Kraft_N;Position_mm\n" + table(";", columns=(force, moved), decimal=",")
-    refused(tmp_path, text, "no column is recognised as time", "--rate 1000Hz")
+    refused(tmp_path, text, "looks like time", "--rate 1000Hz")
     refused(tmp_path, "Sampling rate: 10 Hz\n" + text, "header says", "--rate 10Hz")
     test = read(tmp_path, text, rate=10.0)
     np.testing.assert_allclose(test.time, truth()[0], atol=1e-9)

@@ -335,7 +335,7 @@ def test_dma_export(tmp_path: Path) -> None:
     )
     assert read_dynamic(path).unit == "N/m"
     path.write_text("Time (s);Force (N)\n" + table(";", columns=truth()[:2]))
-    with pytest.raises(ReadError, match="no column is recognised as frequency"):
+    with pytest.raises(ReadError, match="looks like frequency"):
         read_dynamic(path)
 
 

@@ -146,6 +146,12 @@ def test_a_header_that_says_creep_is_believed_until_columns_are_named(
     assert recognise(path, ReadOptions(force="force")).kind == "relaxation"
 
 
+@pytest.mark.parametrize("content", [",0.0,0.0", "0.0,,0.0"])
+def test_a_column_that_is_named_may_be_empty(tmp_path: Path, content: str) -> None:
+    named = ReadOptions(time="1", displacement="2", force="3")
+    assert inspect_file(written(tmp_path, content), options=named).kind == "relaxation"
+
+
 # -- who names a column, or a kind -----------------------------------------------------------------
 
 

@@ -212,7 +212,7 @@ def test_curves_are_counted_as_records_are(
 def test_logarithms_are_no_moduli(tmp_path: Path, head: str) -> None:
     path = tmp_path / "log.csv"
     path.write_text(joined([[f"{i}.5", "1.0", "0.1"] for i in range(20)], f"Frequency (Hz);{head}"))
-    with pytest.raises(ReadError, match="no column is recognised as storage or loss"):
+    with pytest.raises(ReadError, match="looks like storage or loss"):
         read_dynamic(path)
 
 

@@ -200,7 +200,7 @@ def test_compression_is_made_positive(raw: RelaxationTest, plate: int, cell: int
 def test_a_sign_can_be_said(raw: RelaxationTest):
     turned = replace(raw, displacement=-raw.displacement, force=-raw.force)
     assert prepare(turned, sign=-1).depth == prepare(raw).depth
-    with pytest.raises(DataError, match="turned round it would ramp and rest"):
+    with pytest.raises(DataError, match="ith the other sign it would ramp and rest"):
         prepare(turned, sign=1)
     with pytest.raises(DataError, match="sign = 2; expected 1, -1 or None"):
         prepare(raw, sign=2)
@@ -393,16 +393,14 @@ def test_no_hold_is_an_error_that_shows_the_motion():
     test, _, _ = simulate_path(PAPER, path=((1.0, 8e-3), (2.0, 0.0), (3.0, 8e-3)))
     with pytest.raises(
         DataError,
-        match=r"no hold after a ramp was found: the displacement shows hold 0 to .*, ramp .*"
-        r"unloading .*check the columns and the units",
+        match=r"no hold after a ramp was found. The displacement shows hold 0 to .*, ramp .*"
+        r"unloading .*Check the columns and the units",
     ):
         prepare(test)
 
 
 def test_a_plate_that_never_moves_is_an_error(raw: RelaxationTest):
-    with pytest.raises(
-        DataError, match="the displacement never moves by more than its own scatter"
-    ):
+    with pytest.raises(DataError, match="the displacement never moves by more than its scatter"):
         prepare(replace(raw, displacement=np.zeros(len(raw.time))))
 
 

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
+    from dashpot.base.facts import Fact
     from dashpot.plot.picture import Picture
 
 LINES = 15
@@ -111,6 +112,11 @@ class Judged(Pictured):
     """A result of a verdict: a shell shows that, and `print` all that its command prints."""
 
     verdict: Any
+
+    @property
+    def facts(self) -> tuple[Fact, ...]:
+        """The numbers that it tells, each with its unit and how well it is known."""
+        return ()
 
     @property
     def described(self) -> tuple[str, ...]:

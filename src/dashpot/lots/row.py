@@ -236,7 +236,7 @@ def _trusted(verdict: Verdict, checks: Iterable[Check]) -> dict[str, Any]:
 
 def _shown(fit: Fit, room: int) -> Iterator[Fact]:
     """k_inf and the arms; a curve may have more than a row has room for."""
-    each = (one for one in fit.facts(arms=True) if not one.name.startswith("b"))
+    each = (one for one in fit.arm_facts if not one.name.startswith("b"))
     return islice(each, 1 + 2 * room)
 
 

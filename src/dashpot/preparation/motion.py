@@ -29,8 +29,8 @@ from dashpot.signals.segments import (
 )
 
 _BEGINS_LATE = (
-    "yet the force relaxes: the record begins after its ramp. Its speed and the force before it "
-    "are needed: start recording a second before the ramp"
+    "yet the force relaxes: the record begins after its ramp. Start recording a second before the "
+    "ramp, because its speed and the force before it are needed"
 )
 
 
@@ -169,8 +169,8 @@ def find_motion(
     driven = began_late(x, force) or at_one_speed(time, x, segments)
     if not driven and creeps(time, x, force, cycles_of(segments)):
         raise DataError(
-            f"{where}: this is a creep test: the force is held while the displacement goes on; "
-            "use dashpot fit (Python: fit of a CreepTest)"
+            f"{where}: this is a creep test, because the force is held while the displacement goes "
+            "on. Use dashpot fit (Python: fit of a CreepTest)"
         )
     if not cycles_of(segments):
         if began_late(x, force):
@@ -271,12 +271,12 @@ def _advice(time: FloatArray, x: FloatArray, force: FloatArray) -> str:
     """What may be wrong with a displacement that is never held."""
     moves = any(part.kind != "hold" for part in find_segments(time, x))
     if cycles_of(find_segments(time, -x)):
-        return "turned round it would ramp and rest: leave out sign, or give the other"
+        return "with the other sign it would ramp and rest. Leave out sign, or give the other"
     if not moves and relaxes(force):
         return _BEGINS_LATE
     if moves and any(held_by_plate(time, turn * force) for turn in (1, -1)):
-        return "the force column ramps and rests instead: are force and displacement swapped?"
-    return "expected a ramp and then a displacement that rests; check the columns and the units"
+        return "the force column ramps and rests instead. Check whether the two are swapped"
+    return "expected a ramp and then a rest. Check the columns and the units"
 
 
 def _resting(x: FloatArray, rest: MotionSegment | None, ramp: MotionSegment) -> float:

@@ -146,7 +146,8 @@ class Explanation:
     ----------
     name : str
         ``"stiffness"``, a factor of the seals under the hammer; ``"k_inf"``, such a factor of
-        their stiffness at rest alone; ``"mass"``; ``"gain"`` of acceleration over force.
+        their stiffness at rest alone; ``"mass"``; ``"gain"`` of acceleration over force; or one of
+        the last two with a stiffness: ``"mass and stiffness"``.
     value, standard_error : float
         What it would have to be.
     unit : str
@@ -157,6 +158,7 @@ class Explanation:
     explains : bool
         Nothing else is then beyond what is known.
     says : str
+        With its value only where it explains both tests.
     """
 
     name: str
@@ -561,16 +563,21 @@ class Fit(ByValue, Pictured, Documented):
         found = self.estimate.ends(self.solid, level)
         return _own({**found, "k_inf": self._k_inf_between(found["k_inf"], level)})
 
-    def facts(self, *, arms: bool = False) -> tuple[Fact, ...]:
+    @property
+    def facts(self) -> tuple[Fact, ...]:
         """Every parameter of the solid with its standard error and 95 % interval.
 
-        Of relaxation tests k_inf is at most so much, and has no error. `arms` are those that stand
-        for a fractional solid, in place of its own four.
+        Of relaxation tests k_inf is at most so much, and has no error.
         """
-        if arms:
-            found = self._of_arms.facts(self.model, self.unit)
-        else:
-            found = self.estimate.facts(self.solid, self.unit)
+        return self._at_most(self.estimate.facts(self.solid, self.unit))
+
+    @property
+    def arm_facts(self) -> tuple[Fact, ...]:
+        """The same of the arms: those that stand for a fractional solid, not its own four."""
+        return self._at_most(self._of_arms.facts(self.model, self.unit))
+
+    def _at_most(self, found: tuple[Fact, ...]) -> tuple[Fact, ...]:
+        """Facts with what relaxation tests leave of k_inf: a bound."""
         end = self.end_of_hold
         if end is None:
             return found
@@ -584,7 +591,7 @@ class Fit(ByValue, Pictured, Documented):
         The stiffness at the end of the hold, then every parameter; of a spectrum, whose single
         arms mean nothing, its ends.
         """
-        found, model, end = self.facts(), self.model, self.end_of_hold
+        found, model, end = self.facts, self.model, self.end_of_hold
         if not self.parameters:
             ends = [("k_inf", model.k_inf, self.unit), ("k_0", model.k_0, self.unit)]
             if model.arms:

@@ -11,6 +11,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray, median
 from dashpot.base.errors import DataError
+from dashpot.base.sentences import sentence
 from dashpot.base.units import written
 from dashpot.records.relaxation import quantum
 from dashpot.signals.noise import median_of_three, usual_scatter
@@ -283,18 +284,18 @@ def nothing_held(segments: tuple[MotionSegment, ...], where: str, advice: str) -
     """The sentence for a record without a ramp and a hold."""
     found = loading_of(segments)
     if found == "still":
-        return f"{where}: the displacement never moves by more than its own scatter; {advice}"
+        return f"{where}: the displacement never moves by more than its scatter. {sentence(advice)}"
     shown = ", ".join(_in_words(segment) for segment in segments[:4])
     more = f", and {len(segments) - 4} more" if len(segments) > 4 else ""
     names = {"cld": "a triangle, a ramp up and down", "cyclic": "a cyclic (fatigue) run"}
     if found in names:
         return (
-            f"{where}: this is {names[found]} without a hold ({shown}{more}); expected a ramp and "
-            "then a displacement that rests: it is the hold that tells the relaxation times; "
-            "dashpot fit takes a seal that is pressed and released (Python: cld)"
+            f"{where}: there is no hold, but {names[found]} ({shown}{more}). Relaxation times need "
+            "a ramp and then a rest. For force and hysteresis use dashpot fit"
         )
     return (
-        f"{where}: no hold after a ramp was found: the displacement shows {shown}{more}; {advice}"
+        f"{where}: no hold after a ramp was found. The displacement shows {shown}{more}. "
+        f"{sentence(advice)}"
     )
 
 

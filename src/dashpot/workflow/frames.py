@@ -86,7 +86,7 @@ def _frame(**columns: tuple[Any, str]) -> UnitFrame:
 @frame.register
 def _(noun: Fit) -> UnitFrame:
     """One row per parameter of the solid, with its standard error and 95 % interval."""
-    rows = [one for one in noun.facts() if not one.name.startswith("b")]
+    rows = [one for one in noun.facts if not one.name.startswith("b")]
     return _frame(
         parameter=([one.name for one in rows], ""), value=(_column(rows, "value"), ""),
         standard_error=(_column(rows, "error"), ""), low=(_column(rows, "low"), ""),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -13,6 +13,7 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError, ReadError
+from dashpot.base.facts import Fact
 from dashpot.base.offered import Judged
 from dashpot.base.units import written
 from dashpot.base.version import byline
@@ -264,6 +265,11 @@ class Agreement(Judged, Documented):
     seals: float = 1.0
 
     @property
+    def series(self) -> Mapping[str, tuple[Any, str]]:
+        """Measured and predicted, line by line."""
+        return self.comparison.series
+
+    @property
     def checks(self) -> tuple[Check, ...]:
         """Those of the comparison and what was noted, what forbids the use of the FRF first."""
         useless = _useless(self.comparison.measured)
@@ -444,6 +450,11 @@ class Identified(Judged, Documented):
     noted: tuple[Check, ...]
     at_rest: AtRest
     vibration: ImpactResult | None = None
+
+    @property
+    def facts(self) -> tuple[Fact, ...]:
+        """Those of the fit."""
+        return self.fit.facts
 
     @property
     def checks(self) -> tuple[Check, ...]:

@@ -245,9 +245,8 @@ def acceleration_question(table: FileTable) -> Question:
         f'--column acceleration="{handle(table.columns, i)}"' for i in numbers[2:4] or numbers[-1:]
     ]
     says = (
-        "no column is recognised as acceleration; the columns are "
-        f"{list_columns(table.columns)}; name each by its name or number, for example "
-        f"{' '.join(named)}"
+        f"none of its columns ({list_columns(table.columns)}) looks like acceleration. Name each "
+        f"by its name or number: {' '.join(named)}"
     )
     return Question(
         says, "--column acceleration=NAME", role="acceleration", example=" ".join(named)
@@ -269,15 +268,15 @@ def _nothing(table: FileTable, role: Role) -> Question:
     kind = f" (a unit of {DIMENSION[role]} would show it)" if role in DIMENSION else ""
     example = f'{option}="{_example(table, role)}"'
     if role == "time":
-        guess = "or --rate 1000Hz if the rows are evenly spaced in time"
-        example += "; " + "; ".join(table.hints) if table.hints else f", {guess}"
+        guess = "Without a time column: --rate 1000Hz"
+        example += ". " + ". ".join(table.hints or [guess])
     free = dict(enumerate(table.columns))
     if role == "hammer" and len(_likely_accelerations(free, ReadOptions())) > 1:
-        example += "; where a base was shaken instead, name its acceleration, for example "
+        example += ". Where a base was shaken, name its acceleration: "
         example += f'{flag("base_acceleration")}="{_example(table, "acceleration")}"'
     says = (
-        f"no column is recognised as {_word(role)}{kind}; the columns are "
-        f"{list_columns(table.columns)}; name it by its name or number, for example {example}"
+        f"none of its columns ({list_columns(table.columns)}) looks like {_word(role)}{kind}. Name "
+        f"it by its name or number: {example}"
     )
     return Question(says, answer, role=_word(role), example=example)
 
@@ -286,14 +285,14 @@ def ask(table: FileTable, questions: Sequence[Question]) -> str:
     """All questions in one sentence each; what no column was found for, in one for all."""
     lacking = [one for one in questions if one.role]
     if len(lacking) < 2:
-        return "; ".join(one.says for one in questions)
+        return ". ".join(one.says for one in questions)
     examples = " ".join(one.example for one in reversed(lacking))
     says = (
-        f"no column is recognised as {listed([one.role for one in lacking], 'or')}; the columns "
-        f"are {list_columns(table.columns)}; name each by its name or number, for example "
+        f"none of its columns ({list_columns(table.columns)}) looks like "
+        f"{listed([one.role for one in lacking], 'or')}. Name each by its name or number: "
         f"{examples}"
     )
-    return "; ".join([says, *(one.says for one in questions if not one.role)])
+    return ". ".join([says, *(one.says for one in questions if not one.role)])
 
 
 def _is_mislabelled(column: Column, role: Role) -> bool:

@@ -313,7 +313,7 @@ def _time(
     if file.options.rate is not None:
         return np.arange(rows) / file.options.rate
     index = next((i for i, (role, _) in roles.items() if role == "time"), None)
-    if index is None:
+    if index is None or index not in by_index:  # the column that is named may be empty
         return None
     try:
         unit = file.unit(index, "time")
