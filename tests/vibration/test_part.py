@@ -312,7 +312,7 @@ class TestCommand:
         ("words", "says"),
         [
             (["--shape", "disc:20mm,12mm", "--resonance", "60Hz"], "both tell the geometry"),
-            (["--shape", "disc:20mm"], "1 length; expected 2"),
+            (["--shape", "disc:20mm"], "has one length; expected 2"),
             (["--resonance", "60Hz"], "needs the mass"),
             (["--lubricated"], "belong to a --shape"),
             (["--shape", "disc:20mm,12mm", "--resonance-mass", "1kg"], "belongs to a --resonance"),
@@ -331,6 +331,6 @@ def test_a_part_is_named_in_words():
     E = dp.GeneralizedMaxwell(1e6, k=(4e5,), tau=(0.02,)).complex_stiffness(frequency=f)
     material = dp.fit(dp.DynamicTest(f, E.real, E.imag, units="Hz, Pa, Pa"), arms=1)
     assert material.part("disc:20mm,10mm").solid == material.part(Disc("20mm", "10mm")).solid
-    for words, says in (("disk:1mm,1mm", "is no shape"), ("disc:1mm", "expected 2, diameter")):
+    for words, says in (("disk:1mm,1mm", "is no shape"), ("disc:1mm", "expected 2: diameter")):
         with pytest.raises(DataError, match=says):
             material.part(words)

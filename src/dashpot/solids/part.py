@@ -368,7 +368,7 @@ def named_shape(words: str) -> Geometry:
     given = lengths.split(",")
     if len(given) != len(asked):
         raise DataError(
-            f"'{words}': {counted(len(given), 'length')}; expected {len(asked)}, {', '.join(asked)}, with "
-            "their units and commas between them"
+            f"'{words}' has {counted(len(given), 'length')}; expected {len(asked)}: "
+            f"{', '.join(asked)}, with their units and commas between them"
         )
     return kind(*(si(one.strip(), "length") for one in given))
