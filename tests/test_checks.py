@@ -1190,11 +1190,12 @@ LEVEL = [
         19.9,
     ),
     Case("spring_cubic", level.spring_cubic, 19.9, 20.1),
+    Case("spring_unseen", level.spring_unseen, 0.099, 0.101),
     Case("amplitudes_spread", lambda x: level.amplitudes_spread(x, "m"), 3.01, 2.99),
     Case("softening_seen", level.softening_seen, 2.01, 1.99),
     Case("law_followed", level.law_followed, 0.0299, 0.0301),
     Case("ways_agree", lambda x: level.ways_agree(-x), 0.0299, 0.0301),
-    Case("loss_followed", level.loss_followed, 0.149, 0.151),
+    Case("loss_followed", level.loss_followed, 0.119, 0.121),
     Case("levels_followed", lambda x: level.levels_followed(x * 0.01, 0.01), 1.39, 1.41),
     Case("levels_as_struck", lambda x: level.levels_as_struck([2.0, x], [2.0, 1.0]), 1.99, 2.01),
     Case("levels_as_struck", lambda x: level.levels_as_struck([2.0, x], [2.0, 1.0]), 0.51, 0.49),
@@ -1343,6 +1344,7 @@ WORKFLOW = [
         0,
         1,
     ),
+    Case("fit_is_tested", lambda x: workflow.fit_is_tested(int(x)), 0, 1),
     Case("inputs_listed", lambda _: workflow.inputs_listed(["raw.csv"], 1), None, 0),
     Case("files_listed", lambda x: workflow.files_listed(["raw.csv"] * int(x)), 0, 1),
     Case("page_redrawn", lambda x: workflow.page_redrawn(1, same=not x, alike=True), 0, 1),
@@ -1494,7 +1496,8 @@ LIMITS = {
     },
     "kinds/level": {
         "level_matters": 20, "amplitudes_spread": 3, "softening_seen": 2, "law_followed": 0.03,
-        "levels_followed": 1.4, "loss_followed": 0.15, "spring_cubic": 20, "ways_agree": 0.03,
+        "levels_followed": 1.4, "loss_followed": 0.12, "spring_unseen": 0.1,
+        "spring_cubic": 20, "ways_agree": 0.03,
         "levels_as_struck": 2, "levels_held": 0, "level_covered": 1,
     },
     "lots": {"files_fitted": 0, "fits_usable": 0, "hammers_compared": 0,
@@ -1527,7 +1530,7 @@ LIMITS = {
     },
     "workflow": {
         "result_recomputed": 1e-7, "prediction_informed": 1,
-        "base_band_informed": 1,
+        "base_band_informed": 1, "fit_is_tested": 0,
         "history_present": 1,
         "families_predict_alike": 1.1,
         "files_listed": 0, "page_redrawn": 0, "history_whole": 0,
@@ -1555,6 +1558,7 @@ GRADES = {
         "fitting/nonlinear_ramp": {"clocks_agree", "offset_believable", "drift_believable"},
         "workflow": {
             "hold_fit_possible", "history_complete", "files_listed", "base_band_informed",
+            "fit_is_tested",
         },
     },
     "stop": {

@@ -21,7 +21,7 @@ from hypothesis import strategies as st
 
 import dashpot as dp
 from dashpot import workflow
-from dashpot.base.choices import Driver, words
+from dashpot.base.choices import Driver, OverBase, words
 from dashpot.base.options import flag_of, key_of, names_files, offered, words_of
 from dashpot.cli import COMMANDS, main
 from dashpot.cli._values import Keyed, Scoped
@@ -237,7 +237,9 @@ HITS = st.lists(NAMES.map(lambda name: f"hits [{name}"), max_size=3, unique=True
 SOUND = st.floats(1e-6, 1e6)
 OWN: dict[tuple[str, str], st.SearchStrategy[Any]] = {
     ("Job", "impact"): HITS,
-    ("Specimen", "length"): st.floats(1e-6, 50), ("Specimen", "height"): st.floats(1e-6, 1),
+    ("Specimen", "length"): st.floats(1e-3, 50), ("Specimen", "height"): st.floats(1e-3, 1),
+    ("HammerChoices", "motion"): st.sampled_from(words(OverBase)),
+    ("LevelJob", "motion"): st.sampled_from(words(OverBase)),
     ("Specimen", "temperature"): st.none(),  # a job says it for each of its tests
     ("Specimen", "date"): st.dates().map(lambda day: day.isoformat()),
     ("ReadOptions", "delimiter"): st.sampled_from([";", ",", "\t", "fixed"]),

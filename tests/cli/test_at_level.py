@@ -11,12 +11,15 @@ from scipy.optimize import brentq
 
 import dashpot as dp
 from dashpot.kinds.level.fit import fit_amplitude
+from dashpot.kinds.level.record import AmplitudeSweep
+from dashpot.solids.part import bonded_cylinder
+from dashpot.workflow.at_level import Anchor, SweptPart
 
 pytestmark = pytest.mark.once
 
 # two discs, 20 mm by 12 mm, under 0.4 kg
 HEIGHT, MASS, PARTS = 0.012, 0.4, 2
-FACTOR = PARTS * np.pi / 4 * 0.02**2 / HEIGHT * (1 + 2 * (20 / 48) ** 2)
+FACTOR = PARTS * np.pi / 4 * 0.02**2 / HEIGHT * bonded_cylinder(20 / 48)
 SHARE, HALF, POWER = 0.35, 0.4e-2, 0.55
 LOW, HIGH = 0.5, 5.0
 
@@ -232,3 +235,37 @@ def test_one_level_is_written_and_drawn(place, tmp_path):
     top = rows[np.hypot(rows[:, 1], rows[:, 2]).argmax()]
     assert top[0] == pytest.approx(peak(HIGH)[0], abs=1.0)
     assert "at 5 m/s^2" in (tmp_path / "frf.svg").read_text()
+
+
+def test_limits_at_a_level_count_what_the_law_leaves(place, tmp_path):
+    """Loss and storage of the sweep off by so much about the strain in use: the limits are as wide.
+
+    s_K: .02 of a stiffness, r' there and where the part was measured, half of the level's change.
+    """
+    strain = np.geomspace(1e-4, 0.1, 24)
+    swept = modulus(10.0) * payne(strain)
+    wave = 0.05 * np.cos(np.pi * np.arange(24))  # a law cannot follow it
+    for off in (0.0, 1.0):
+        E = swept.real * (1 + 0.2 * off * wave) + 1j * swept.imag * (1 + 2 * off * wave)
+        record = AmplitudeSweep(np.full(24, 10.0), strain, E.real, E.imag, units="SI")
+        law = fit_amplitude(record, law="factor")
+        part = SweptPart((law,), (1.0,), HEIGHT, 0.0, None, record)
+        f, T = part.doubt(2e-3, 100.0, Anchor(None, 0.0))
+        change = 0.5 * abs(np.log(payne(2e-3).real / payne(1e-7).real))
+        left = 0.2 * 0.05 * off
+        assert f == pytest.approx(np.sqrt(0.02**2 + 2 * left**2 + change**2), rel=0.08)
+        loss = 2 * 0.05 * off
+        assert pytest.approx(2 * np.sqrt(loss**2 + 0.1**2 + 0.05**2), rel=0.1) == T
+        far, _ = part.doubt(2e-3, 100.0, Anchor(200.0, 0.0))
+        assert far**2 - f**2 == pytest.approx((0.05 * np.log(2)) ** 2)
+
+
+def test_limits_at_a_level_hold_the_truth(place):
+    for one, level in zip(answered(place, *DISC, *BASE)["levels"], (LOW, HIGH), strict=True):
+        hz, height = peak(level)
+        low, high = one["frequency_between_hz"]
+        assert low < hz < high
+        assert 0.01 < high / low - 1 < 0.25
+        least, most = one["value_between"]
+        assert least < height < most
+        assert 0.1 < most / least - 1 < 1.0

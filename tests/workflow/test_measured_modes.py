@@ -404,7 +404,7 @@ def test_masses_and_files_go_together(tmp_path):
     file = str(on_seals(tmp_path, 0.25))
     result = ran("fit", file, "--mass", "250g", "--mass", "104g")
     assert result.exit_code == 2
-    assert "--mass was given 2 times for 1 files" in result.output
+    assert "--mass was given 2 times for 1 file. Give the mass of each" in result.output
     again = tmp_path / "again.csv"
     again.write_bytes((tmp_path / "0.25.csv").read_bytes())
     for other, names in ((file, "0.25.csv"), (str(again), "0.25.csv and again.csv")):

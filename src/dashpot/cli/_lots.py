@@ -79,7 +79,7 @@ def job_of(
     from dashpot.lots.quantities import quantity
 
     if output is None:
-        raise click.UsageError("say which folder to fill: -o LOT")
+        raise click.UsageError("Say which folder to fill: -o LOT")
     # columns named for one kind of file need not exist in the other's; units do no harm
     choices = replace(
         choices,

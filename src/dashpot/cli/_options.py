@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Container, Sequence
 from dataclasses import fields
+from typing import Any
 
 import click
 
@@ -79,8 +80,8 @@ def result(
     """Return the options that say where a result goes and how it is told."""
     found: list[Opt] = []
     if says:
-        found.append(Opt("-o", "--output", type=Output(suffixes), metavar="FILE", help=says,
-                         default=default, required=required))  # fmt: skip
+        how: dict[str, Any] = {"required": True} if required else {"default": default}
+        found.append(Opt("-o", "--output", type=Output(suffixes), metavar="FILE", help=says, **how))
     if plot:
         found.append(opt("--plot", "picture", type=Figure(), metavar="FILE",
                          help="Draw the result: .png, .svg or .pdf."))  # fmt: skip

@@ -10,9 +10,18 @@ from pathlib import Path
 import click
 
 from dashpot import workflow
+from dashpot.base import units
 from dashpot.base.errors import DashpotError, ReadError
 from dashpot.cli._shell import is_json, reads
+from dashpot.io.columns.roles import EXAMPLE
+from dashpot.io.columns.vocabulary import DIMENSION
 from dashpot.io.options import ReadOptions
+
+_MEASURED = {
+    role: DIMENSION[role]
+    for role in ("time", "displacement", "force", "hammer", "acceleration", "velocity", "frequency")
+}
+"""Roles that are measured in one dimension, of a part as of a material."""
 
 
 def over_profiles(
@@ -64,7 +73,17 @@ def _refuse_strange_patterns(ctx: click.Context, said: ReadOptions) -> None:
 
 
 def _refuse_unknown_units(records: Sequence[str], said: ReadOptions) -> None:
-    """Refuse a unit that was given to no role, nor to a column of any file that is read."""
+    """Refuse a unit that was given to no role, nor to a column of any file that is read.
+
+    Nor is one of another dimension that of a role; a signal is in volts before it is calibrated.
+    """
+    for name, word in said.by_name().items():
+        meant, found = _MEASURED.get(name), units.dimensions(word)
+        if meant and found and not {meant, "voltage"} & set(found):
+            raise ReadError(
+                f"--units {name}={word}: '{word}' is a unit of {' or '.join(found)}. Give one of "
+                f"{meant}, such as --units {name}={EXAMPLE[name]}"
+            )
     roles = {one.name for one in fields(ReadOptions)}
     names = said.by_name().keys() - roles
     inputs = [path for path in records if not is_json(path)] if names else []

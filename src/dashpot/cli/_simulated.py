@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import dashpot as dp
 from dashpot.base.errors import DataError, ReadError
 from dashpot.cli._shell import read_model
+from dashpot.cli._values import nearest
 
 if TYPE_CHECKING:
     from dashpot.solids.temperature import TemperatureLaw
@@ -30,6 +31,8 @@ def seal_named(name: str) -> SimulatedSeal:
 
     if name in SEALS:
         return SimulatedSeal(*SEALS[name], SHIFT)
+    if not Path(name).exists() and not Path(name).suffix:
+        raise ReadError(f"--seal: there is no seal and no file '{name}'. {nearest(name, SEALS)}")
     solid, law = read_model(name)
     return SimulatedSeal(solid, None, law or SHIFT)
 

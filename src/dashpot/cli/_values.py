@@ -82,6 +82,8 @@ class LowHigh(click.ParamType[Any]):
             low, high = map(float, value.split(":"))
         except ValueError:
             self.fail(f"'{value}': expected LOW:HIGH, such as 0.7:1.5", param, ctx)
+        if not 0 < low < high:
+            self.fail(f"'{value}': expected 0 < LOW < HIGH, such as 0.7:1.5", param, ctx)
         return low, high
 
 

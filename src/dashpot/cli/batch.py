@@ -45,13 +45,15 @@ A stopped batch goes on where it was. Two lots: dashpot compare LOT LOT.""",
 )
 def command(*, paths: tuple[str, ...], watch: bool, dry_run: bool, **said: Any) -> Outcome:
     """Fit what is there, or what comes."""
+    if not paths and said["manifest"] is None:
+        raise click.UsageError(
+            "Give files, folders or patterns, and the folder to fill: dashpot batch tests/ -o LOT"
+        )
     asked = job_of(paths, **said)
     if watch:
         if dry_run:
             raise click.UsageError("--watch waits for files, --dry-run does nothing: leave one out")
         return _watched(asked)
-    if not paths and asked.manifest is None:
-        raise click.UsageError("give files, folders or patterns, or --manifest FILE")
     from dashpot.lots.batches import plan_batch, run_batch
 
     if dry_run:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -58,8 +59,10 @@ def command(*, files: tuple[str, ...], **said: Any) -> Outcome:
     lots = one == _LOT and rest_ == {_LOT} and len(others) == 1
     if not (lots or (one in {_SOLID, *_MEASURED} and rest_ <= _MEASURED)):
         is_ = "; ".join(f"{path} is {called(kinds[path])}" for path in files)
+        turned = shlex.join(["dashpot", "compare", others[-1], first])
         raise click.UsageError(
             f"{is_}. Compare a fit with a measurement, an FRF with an FRF, or a lot with a lot."
+            + (f" Type: {turned}" if one in _MEASURED and rest_ == {_SOLID} else "")
         )
     refuse_others(command, click.get_current_context(), {first: one})
     if lots:

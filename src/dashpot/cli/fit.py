@@ -10,11 +10,11 @@ from typing import Any
 import click
 
 from dashpot.base.choices import Method, RampLawAsked, words
-from dashpot.base.errors import DashpotError
+from dashpot.base.errors import DashpotError, ReadError
 from dashpot.cli import _options as options
 from dashpot.cli._grammar import Opt, group, of, opt, refuse_others, rest, verb
 from dashpot.cli._options import MASS, MODEL, RAMP, SOLIDS, VIBRATION, WARM
-from dashpot.cli._recognised import kinds_of, recognised, tell
+from dashpot.cli._recognised import kinds_of, recognised, said_of_all, tell
 from dashpot.cli._shell import File, Outcome, Output
 from dashpot.cli._values import LowHigh, OneOf, Range, WithUnit
 from dashpot.fitting.identification.asked import HammerRig, KnownSolid
@@ -156,16 +156,38 @@ def command(*, files: tuple[str, ...], **said: Any) -> Outcome:
     kinds = kinds_of(found)
     context = click.get_current_context()
     refuse_others(command, context, kinds)
-    meant = route(
-        kinds, masses=len(said["mass"]), levels=bool(said["levels"] or said["at"]),
-        rod=said["density"] is not None or said["rod"] != RodChoices(),
-    )  # fmt: skip
+    try:
+        meant = route(
+            kinds, masses=len(said["mass"]), levels=bool(said["levels"] or said["at"]),
+            rod=said["density"] is not None or said["rod"] != RodChoices(),
+        )  # fmt: skip
+    except ReadError as error:
+        raise ReadError(f"{error}{said_of_all(files)}") from None
+    if meant in {"hits", "modes"}:
+        _refuse_what_needs_a_mass(context)
     module, _, name = _RUN[meant].partition(":")
     run: Callable[[Given], Outcome] = getattr(
         import_module(f"dashpot.cli.fits.{module}"), name or "run"
     )
     tell(found)
     return run(Given(files, kinds, said))
+
+
+_OF_SOLID = (
+    "--model", "--arms", "--seals", "--seal-mass", "--compression", "--mass-sd", "--known",
+    "--dashpot", "--stiffness-table", "--hammer-temperature",
+)  # fmt: skip
+"""What is asked of the solid under a mass, and not of modes."""
+
+
+def _refuse_what_needs_a_mass(context: click.Context) -> None:
+    """Refuse what hits and FRFs without a mass would not heed."""
+    for one in command.options:
+        if one.flag in _OF_SOLID and one.typed(context):
+            raise click.UsageError(
+                f"{one.flag} is for the solid under a mass. Give the mass of the block, such as "
+                "--mass 104g, or leave it out: then modes are found."
+            )
 
 
 _RUN = {

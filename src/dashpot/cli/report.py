@@ -14,7 +14,7 @@ from dashpot.base.progress import doing
 from dashpot.cli import _options as options
 from dashpot.cli._grammar import group, of, opt, rest, verb
 from dashpot.cli._options import MASS, MODEL, PIECE, RAMP
-from dashpot.cli._recognised import called, kinds_of, recognised, tell
+from dashpot.cli._recognised import called, kinds_of, recognised, said_of_all, tell
 from dashpot.cli._shell import (
     Folder,
     Outcome,
@@ -143,11 +143,15 @@ def command(
 
 def _refuse_others(kinds: dict[str, str], tests: Sequence[str], impact: Sequence[str]) -> None:
     """Refuse what no page of a seal is about."""
+    from dashpot.io.readers.recognise import used
+    from dashpot.kinds import KINDS
+
     for path, kind in kinds.items():
         if path not in (*tests, *impact):
+            line = f"Type: dashpot fit {path}" if kind in KINDS else f"{used(kind)}.".capitalize()
             raise click.UsageError(
                 f"{path} is {called(kind)}. The report is of relaxation tests and a hammer. "
-                f"Type: dashpot fit {path}"
+                f"{said_of_all(tuple(kinds)).strip() or line}"
             )
     if not tests:
         raise click.UsageError(

@@ -146,7 +146,8 @@ class Explanation:
     ----------
     name : str
         ``"stiffness"``, a factor of the seals under the hammer; ``"k_inf"``, such a factor of
-        their stiffness at rest alone; ``"mass"``; ``"gain"`` of acceleration over force.
+        their stiffness at rest alone; ``"mass"``; ``"gain"`` of acceleration over force; or one of
+        the last two with a stiffness: ``"mass and stiffness"``.
     value, standard_error : float
         What it would have to be.
     unit : str
@@ -157,6 +158,7 @@ class Explanation:
     explains : bool
         Nothing else is then beyond what is known.
     says : str
+        With its value only where it explains both tests.
     """
 
     name: str

@@ -381,7 +381,9 @@ def near(temperature: FloatArray | None, asked: float) -> BoolArray:
         If there are no temperatures, or none is that near.
     """
     if temperature is None:
-        raise DataError(f"{celsius(asked)} was asked for, but the test has no temperatures")
+        raise DataError(
+            f"{celsius(asked)} was asked for, but the test has no temperatures: leave --only out"
+        )
     within = np.abs(temperature - asked) <= ONE_TEMPERATURE / 2
     if not within.any():
         listed = ", ".join(

@@ -92,7 +92,7 @@ def _joint(study: Study) -> str:
         lead = joint.explanations[0]
         if lead.explains:
             return f"The two tests match only if {lead.says}."
-        return f"No single seal matches both tests. The closest change is that {lead.says}."
+        return "No single seal matches both tests, whatever mass, gain or stiffness is taken."
     return (
         f"Fitted to both tests together, {_named(joint)} "
         f"{_meets(after)} in frequency and {max(abs(after.ratio_db), 0.1):.1f} dB at the peak."

@@ -8,6 +8,7 @@ from typing import Literal, get_args, overload
 
 from dashpot.base.choices import PartMode
 from dashpot.base.errors import DataError
+from dashpot.base.numbers import counted
 from dashpot.base.units import si
 from dashpot.records.fit import Fit
 from dashpot.solids.maxwell import Solid
@@ -113,7 +114,7 @@ def pad(flag: str, lengths: str | None) -> Geometry:
     words = str(lengths).split(",")
     if len(words) != len(names):
         raise DataError(
-            f"--{flag} {lengths}: {len(words)} lengths; expected {len(names)}, "
+            f"--shape {flag}:{lengths}: {counted(len(words), 'length')}; expected {len(names)}, "
             f"{', '.join(names)}, with their units and commas between them"
         )
     return kind(*(si(word.strip(), "length") for word in words))

@@ -43,6 +43,7 @@ from dashpot.vibration.systems.random_base import (
 )
 from dashpot.workflow.at_level import (
     VANISHING,
+    Anchor,
     AtLevel,
     SweptPart,
     level_of,
@@ -341,7 +342,8 @@ def prediction(
     limited = on.limited(frf, bounded)
     peak, at_edge = on.peak(frf)
     about = on.modes[0].frequency if on.modes else peak[0]
-    levels = on.at(swept, choices.levels, frf, scale=seals * stiffer, about=about)
+    anchor = _anchor(swept, choices, part, on.solid, kind=asked, scale=seals * stiffer)
+    levels = on.at(swept, choices.levels, frf, scale=seals * stiffer, about=about, anchor=anchor)
     checks = (
         # what the test must inform is the resonance, inside the band or not
         *_led_by(on, mass=mass, band=band, felt=about if at_edge else peak[0]),
@@ -491,6 +493,7 @@ class _OnSeals:
         *,
         scale: float,
         about: float,
+        anchor: Anchor | None = None,
     ) -> tuple[AtLevel, ...]:
         """The resonance at each level; of no sweep at none."""
         if swept is None:
@@ -504,6 +507,7 @@ class _OnSeals:
             about=about,
             frequency=frf.frequency[frf.frequency > 0],
             coupled=self.coupled,
+            anchor=anchor,
         )
 
 
@@ -545,6 +549,29 @@ def _asked_of(found: Fit, temperature: float | None) -> tuple[Check, ...]:
     if temperature is None or found.temperatures is None:
         return ()
     return (temperature_tested(found.temperatures, temperature),)
+
+
+def _anchor(
+    swept: SweptPart | None,
+    choices: LevelChoices,
+    part: PartChoices | None,
+    solid: Solid,
+    *,
+    kind: Kind,
+    scale: float,
+) -> Anchor | None:
+    """The resonance that told the geometry, and the strain there; None where a shape did."""
+    if swept is None or part is None or part.resonance is None or part.resonance_mass is None:
+        return None
+    if not choices.resonance_level:
+        return Anchor(part.resonance, swept.fitted_at)
+    how = {
+        "scale": scale, "mass": part.resonance_mass, "kind": kind,
+        "level": level_of(choices.resonance_level, kind),
+    }  # fmt: skip
+    factor = swept.factors[0]
+    _, _, moved = swept.peak(solid, swept.law, factor, about=part.resonance, **how)
+    return Anchor(part.resonance, moved / swept.stretch(factor))
 
 
 def _measured_at(

@@ -53,6 +53,11 @@ def route(
     if shaken and have <= VIBRATION:
         return _of_vibration(kinds, masses=masses, levels=levels, rod=rod)
     if shaken and have <= VIBRATION | BENCH | {"fit"}:
+        if masses and (levels or rod):
+            raise ReadError(
+                f"{_said(kinds)}. A level, a density and a shape are of the vibration alone. Leave "
+                "them out, or fit the files one by one."
+            )
         if masses:
             _refuse_several(kinds)
             return "joint"

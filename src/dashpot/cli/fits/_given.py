@@ -68,7 +68,7 @@ class Given:
         masses = self.said["mass"]
         if len(masses) > 1:
             raise click.UsageError(
-                f"--mass was given {len(masses)} times; one mass is on the seals."
+                f"--mass was given {len(masses)} times. Give it once, for these files together."
             )
         return masses[0] if masses else None
 

@@ -6,6 +6,7 @@ import click
 
 import dashpot as dp
 from dashpot import workflow
+from dashpot.base.numbers import counted
 from dashpot.cli._shell import Outcome, printed, write
 from dashpot.cli.fits._given import Given
 from dashpot.told import modes as text
@@ -30,7 +31,10 @@ def under_masses(given: Given) -> Outcome:
     """Find the modes under each mass, and whether one solid carries them all."""
     masses, files = given["mass"], given.files
     if len(masses) != len(files):
-        raise click.UsageError(f"--mass was given {len(masses)} times for {len(files)} files.")
+        raise click.UsageError(
+            f"--mass was given {len(masses)} times for {counted(len(files), 'file')}. Give the "
+            "mass of each file, in their order."
+        )
     given.kept_as(".json", what="the modes under several masses")
     seals = given["seals"]
     found = workflow.modes_by_mass(

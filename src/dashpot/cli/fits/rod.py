@@ -16,10 +16,18 @@ from dashpot.told import rod as text
 def run(given: Given) -> Outcome:
     """Find the modulus and the loss factor of a rod's material from the motion of a mass on it."""
     given.kept_as(".json", what="the fit of a rod")
-    if given.mass is None:
-        raise click.UsageError("A rod bears a mass. Give it: --mass 31.4g")
-    if given["density"] is None:
-        raise click.UsageError("The rod's own mass is counted. Give its density: --density 1000")
+    asked = {
+        "--shape disc:20mm,20mm": given["rod"].disc or given["rod"].block,
+        "--density 1000": given["density"],
+        "--mass 31.4g": given.mass,
+    }
+    missing = [words for words, said in asked.items() if said is None]
+    if missing:
+        raise click.UsageError(
+            "A rod is known by its shape, its density and the mass on it. Give what is missing: "
+            f"{' '.join(missing)}"
+        )
+    assert given.mass is not None  # noqa: S101
     found = workflow.rod_files(
         given.files,
         mass=given.mass,

@@ -124,8 +124,8 @@ def tests_agree(lead: Explanation | None) -> Finding:
         says = f"Both tests match only if {lead.says}"
     else:
         says = (
-            f"No single seal matches both tests; the closest change is that {lead.says}. It is "
-            "not enough"
+            "No single seal matches both tests, whatever mass, gain or stiffness is taken. "
+            f"Chi-square falls by {lead.fall:.3g} at most"
         )
     slight = lead.explains and abs(lead.departure) <= SLIGHT
     return Finding(

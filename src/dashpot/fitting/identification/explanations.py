@@ -7,7 +7,10 @@ made again with one quantity free at a time:
   temperature or length;
 * their :math:`k_\infty` alone: another preload of a seal whose arms stay as they are;
 * the mass;
-* the gain of acceleration over force.
+* the gain of acceleration over force;
+
+and where none of these alone explains both tests, mass or gain together with a stiffness: held
+exactly, the one takes what belongs to the other. A value is told only of what explains both.
 
 The lines count alike in all of them, by the scatter that the best one leaves. A cause is ranked by
 :math:`\chi^2 + p \ln n`; it explains both tests if nothing else is then beyond what is known.
@@ -40,6 +43,8 @@ from dashpot.solids.maxwell import Solid
 #: what the model lacks may decide between causes by this part of what they explain
 LACKING = 0.02
 TOLERANCE = 1e-11
+# standard errors beyond which a stiffness is said to be another
+_OTHER = 2.0
 # stiffnesses within this part of a whole multiple look like another number of seals
 _LIKE_A_COUNT = 0.1
 
@@ -50,22 +55,34 @@ class Cause(NamedTuple):
     Attributes
     ----------
     name : str
+    noun : str
+        As a sentence calls it where its value is not told.
     quantity : str
         What it is called among the priors, at a point, and in the vector, a logarithm there.
     unit : str
+    beside : str
+        The stiffness that is free with it; empty of one that is free alone.
     """
 
     name: str
+    noun: str
     quantity: str
     unit: str = "1"
+    beside: str = ""
 
 
 CAUSES = (
-    Cause("stiffness", "factor"),
-    Cause("k_inf", "spring"),
-    Cause("mass", "mass", "kg"),
-    Cause("gain", "gain"),
+    Cause("stiffness", "another stiffness of the seals", "factor"),
+    Cause("k_inf", "another stiffness of the seals at rest", "spring"),
+    Cause("mass", "another mass", "mass", "kg"),
+    Cause("gain", "another gain of the channels", "gain"),
 )
+PAIRS = (
+    Cause("mass and stiffness", "another mass and stiffness of the seals", "mass", "kg", "factor"),
+    Cause("gain and stiffness", "another gain and stiffness of the seals", "gain", "1", "factor"),
+    Cause("mass and k_inf", "another mass and stiffness at rest", "mass", "kg", "spring"),
+)
+NOUNS = {cause.name: cause.noun for cause in (*CAUSES, *PAIRS)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,6 +127,10 @@ def disagreement(
         return None
     free = [cause for cause in CAUSES if problem.priors.each[cause.quantity] is not None]
     found = [refit(_freed(problem, cause)) for cause in free]
+    if all(map(in_conflict, found)):
+        pairs = [cause for cause in PAIRS if problem.priors.each[cause.quantity] is not None]
+        free += pairs
+        found += [refit(_freed(problem, cause)) for cause in pairs]
     scale = min(candidate.line_scale for candidate in found)
     found = [_again(candidate, scale) for candidate in found]
     before = _again(plain, scale)
@@ -137,7 +158,8 @@ def disagreement(
 
 def freed(candidate: Candidate, name: str) -> Candidate:
     """The optimum of the same arms, or of the element, where the cause of that name is free."""
-    problem = _freed(candidate.problem, next(cause for cause in CAUSES if cause.name == name))
+    cause = next(cause for cause in (*CAUSES, *PAIRS) if cause.name == name)
+    problem = _freed(candidate.problem, cause)
     return descend(problem, problem.pack(candidate.point), tolerance=TOLERANCE)
 
 
@@ -212,8 +234,12 @@ def _of_rig(candidate: Candidate, why: str) -> list[Check]:
 
 
 def _freed(problem: IdentificationProblem, cause: Cause) -> IdentificationProblem:
-    free = (problem.priors.each[cause.quantity] or UNCHANGED)._replace(sd=np.inf)
-    return replace(problem, priors=replace(problem.priors, **{cause.quantity: free}))
+    free = {
+        name: (problem.priors.each[name] or UNCHANGED)._replace(sd=np.inf)
+        for name in (cause.quantity, cause.beside)
+        if name
+    }
+    return replace(problem, priors=replace(problem.priors, **free))
 
 
 def _again(candidate: Candidate, scale: float) -> Candidate:
@@ -228,9 +254,9 @@ def _told(
     law: ElasticLaw | None,
     compression: float | None,
 ) -> Explanation:
-    place = found.problem.at[cause.quantity]
-    value = float(getattr(found.point, cause.quantity))
-    error = value * float(np.sqrt(found.covariance[place, place]))
+    explains = not in_conflict(found)
+    value, error = _known(found, cause.quantity)
+    says = _SENTENCES[cause.quantity](value, error)
     supposed = float(getattr(before.problem.priors, cause.quantity).mean)
     return Explanation(
         name=cause.name,
@@ -239,11 +265,31 @@ def _told(
         unit=cause.unit,
         departure=value / supposed - 1,
         fall=before.cost - found.cost,
-        explains=not in_conflict(found),
-        says=_SENTENCES[cause.name](value, error)
-        + (f", not {written(supposed, 'g', '.5g')}" if cause.name == "mass" else "")
-        + _elsewhere(cause, value, law, compression),
+        explains=explains,
+        says=says
+        + (f", not {written(supposed, 'g', '.5g')}" if cause.quantity == "mass" else "")
+        + _beside(cause, found)
+        + _elsewhere(cause, value, law, compression)
+        if explains
+        else cause.noun,
     )
+
+
+def _known(found: Candidate, quantity: str) -> tuple[float, float]:
+    """What a free quantity came to, and its standard error."""
+    place = found.problem.at[quantity]
+    value = float(getattr(found.point, quantity))
+    return value, value * float(np.sqrt(found.covariance[place, place]))
+
+
+def _beside(cause: Cause, found: Candidate) -> str:
+    """The stiffness that goes with a mass or a gain, where it is another one at all."""
+    if not cause.beside:
+        return ""
+    value, error = _known(found, cause.beside)
+    if abs(value - 1) < _OTHER * error:
+        return ""
+    return f", and {_SENTENCES[cause.beside](value, error)}"
 
 
 def _percent(value: float, error: float) -> str:
@@ -261,10 +307,10 @@ def as_other_count(value: float) -> str:
 
 
 _SENTENCES: dict[str, Callable[[float, float], str]] = {
-    "stiffness": lambda value, error: (
+    "factor": lambda value, error: (
         f"the seals are {_percent(value, error)} under the hammer{as_other_count(value)}"
     ),
-    "k_inf": lambda value, error: f"k_inf alone is {_percent(value, error)} under the hammer",
+    "spring": lambda value, error: f"k_inf alone is {_percent(value, error)} under the hammer",
     "mass": lambda value, error: (
         f"the mass is {with_error(in_unit(value, 'g'), in_unit(error, 'g'))} g"
     ),

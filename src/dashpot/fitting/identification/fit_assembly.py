@@ -13,7 +13,7 @@ from dashpot.base.provenance import Step, sources_of, steps_of
 from dashpot.fitting.assembly import FoundSolid, assembled
 from dashpot.fitting.checks.solid import optimum_found
 from dashpot.fitting.identification import checks
-from dashpot.fitting.identification.explanations import Disagreement, agreement
+from dashpot.fitting.identification.explanations import NOUNS, Disagreement, agreement
 from dashpot.fitting.identification.families import Rival, edged, family_checks
 from dashpot.fitting.identification.likelihood import DELAY_UNIT, UNCHANGED, Candidate
 from dashpot.fitting.identification.parametrisation import Arms
@@ -26,12 +26,6 @@ from dashpot.records.temperature import TemperatureShifts
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import Solid
 
-NOUNS = {
-    "stiffness": "another stiffness of the seals",
-    "k_inf": "another stiffness of the seals at rest",
-    "mass": "another mass",
-    "gain": "another gain of the channels",
-}
 # arms nearer than this in ln tau are the same arm
 SAME = 1.0
 

@@ -11,6 +11,7 @@ from dashpot.base.units import in_unit, read_in
 
 MATTERS = 20.0
 FAR_ENOUGH = 2.0
+UNSEEN = 0.1
 LOST = 0.1
 """Part of F/X that is left where nothing was explained."""
 
@@ -77,6 +78,21 @@ def spring_cubic(gain: float) -> Finding:
     )
 
 
+@criterion(
+    "0.75 k3 X^2 / K', 95 %", "<=", UNSEEN,
+    "own sweeps: at a half of it 7 of 16 sound ones fail, without it 2 springs are missed",
+)  # fmt: skip
+def spring_unseen(part: float) -> Finding:
+    """No cubic spring of any size could stand beside the law unseen."""
+    return Finding(
+        f"A cubic spring of up to {100 * part:.2g} % of the stiffness at the largest amplitude "
+        "would stay unseen",
+        part,
+        "Another friction with a spring beside it would look the same",
+        "Sweep to larger amplitudes, or with less scatter.",
+    )
+
+
 @criterion("residual / modulus", "<=", 0.03, "real sweeps of filled rubbers leave 0.3 to 3 %")
 def law_followed(residual: float) -> Finding:
     """The law follows the sweep."""
@@ -100,11 +116,13 @@ def ways_agree(change: float) -> Finding:
     )
 
 
-@criterion("loss left / loss", "<=", 0.15, "our choice: a sixth of the damping")
+@criterion(
+    "loss left / loss, worst third of ln X", "<=", 0.12, "own sweeps: 58 of 61 sound ones keep it"
+)
 def loss_followed(left: float) -> Finding:
-    """The law follows the loss by itself, which is small beside the storage."""
+    """The law follows the loss at small, middle and large amplitudes, each by itself."""
     return Finding(
-        f"The law misses the loss by {100 * left:.2g} %",
+        f"In one third of the amplitudes the law misses the loss by {100 * left:.2g} %",
         left,
         "A damping from the law is as much off",
         "Use the loss where it was measured.",

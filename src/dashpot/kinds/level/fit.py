@@ -17,6 +17,7 @@ from dashpot.kinds.level.checks import (
     loss_followed,
     softening_seen,
     spring_cubic,
+    spring_unseen,
     ways_agree,
 )
 from dashpot.kinds.level.laws import LAWS, SET, Fitted, fitted
@@ -98,8 +99,14 @@ def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
         checks.insert(2, softening_seen(reach))
     if back is not None:
         checks.append(ways_agree(back))
+    unseen = 0.0
     if "k3" in best.numbers:
         checks.append(spring_cubic(best.bends))
+    else:
+        unseen = _unseen(sweep, best)
+        top = sweep.amplitude == sweep.amplitude.max()
+        storage = float(sweep.storage[top].min())
+        checks.append(spring_unseen(0.75 * unseen * range_[1] ** 2 / max(storage, 1e-300)))
     return AmplitudeFit(
         best.law,
         np.unique(sweep.frequency),
@@ -118,7 +125,7 @@ def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
         tuple(checks),
         sweep.source,
         best.numbers.get("k3", 0.0),
-        0.0 if "k3" in best.numbers else _unseen(sweep, best),
+        unseen,
     )
 
 

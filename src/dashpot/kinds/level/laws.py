@@ -59,7 +59,7 @@ class Fitted:
     left : complex array, shape (n,)
         Fit less sample, over the size of the sample.
     loss_left : float
-        What is left of the loss over the loss, rms.
+        What is left of the loss over the loss, rms, of the worst third of the amplitudes.
     bic, deviance : float
         n ln(rss/n), with and without what the parameters cost.
     sound : bool
@@ -126,7 +126,6 @@ def fitted(sweep: AmplitudeSweep, law: str, exponent: float | None = None) -> Fi
         # the number depends on what is taken for the spring, or for the friction beside it
         others = [other] * (bends > MATTERS) + [problem.among_sliders()] * problem.kraus
         se["k3"] = float(np.hypot(se["k3"], sum(abs(one - numbers["k3"]) for one in others)))
-    loss = np.sqrt(np.mean((left.imag * problem.size) ** 2) / np.mean(sweep.loss**2))
     return Fitted(
         law,
         _paired(levels),
@@ -134,12 +133,24 @@ def fitted(sweep: AmplitudeSweep, law: str, exponent: float | None = None) -> Fi
         numbers,
         se,
         left,
-        float(loss),
+        _worst_third(sweep, left.imag * problem.size),
         bic(best.sse / n, parameters=len(best.values), **closeness),
         deviance(best.sse / n, **closeness),
         numbers.get("lost", 0.0) >= 0 and problem.rises(left),
         bends,
     )
+
+
+def _worst_third(sweep: AmplitudeSweep, left: FloatArray) -> float:
+    """Rms of the loss that is left over the loss, in the worst third of ln X: they differ."""
+    place = np.log(sweep.amplitude)
+    third = np.floor(3 * (place - place.min()) / max(float(np.ptp(place)), 1e-12)).clip(0, 2)
+    parts = [
+        float(np.sqrt(np.sum(left[here] ** 2) / max(np.sum(sweep.loss[here] ** 2), 1e-300)))
+        for here in (third == i for i in range(3))
+        if here.any()
+    ]
+    return max(parts)
 
 
 @dataclass(frozen=True, eq=False)

@@ -192,8 +192,8 @@ def mass_at_level(
         X = stretch
         K = K + beside.equivalent(omega, X)
     far = float(X.max(initial=0.0))
-    SIZES["travel"].refuse(
-        far,
+    SIZES["amplitude"].refuse(
+        max(far, SIZES["amplitude"].hard[0]),  # however little, a level is asked for
         f"at a level of {short(level, 'm/s^2' if kind.over_base else 'N')} the mass would move by "
         f"{short(far, 'm')}",
         remedy="Check the level and its unit, and the mass.",

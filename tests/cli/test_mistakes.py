@@ -1,0 +1,267 @@
+"""What people type wrong: one sentence, no traceback, and the advice obeyed leads on."""
+
+from __future__ import annotations
+
+import json
+import shlex
+from pathlib import Path
+
+import pytest
+from kit.kinds import bench, files, hammer, ramp_and_hold
+from kit.shell import ran
+
+from dashpot import workflow
+
+pytestmark = pytest.mark.once
+
+EXAMPLES = (
+    "rod.csv", "loops.csv", "hit.csv", "cld_1.csv", "tension.csv", "biaxial.csv",
+    "shaker_20mN.csv", "shaker_500mN.csv", "door_line.csv", "sweeps.csv",
+)  # fmt: skip
+FIT = {
+    "schema": "dashpot/fit@1",
+    "model": {"k_inf": 200.0, "arms": [{"k": 120.0, "tau": 0.5}, {"k": 18.0, "tau": 16.0}]},
+}
+NAMES = "--column time=1,displacement=2,force=3 --units time=s,displacement=mm,force=N"
+ROD = "--shape disc:20mm,20mm --density 1000 --mass 31.4g"
+RIG = "--mass 104g --seals 2"
+TWO = "shaker_20mN.csv shaker_500mN.csv"
+DECK = "export fit.json --to csv --unit-system SI --temperature 23degC --length 100mm"
+
+MISTAKES = (
+    # which files
+    ("fit none.csv", "none.csv: cannot be read: No such file", "fit seal.csv --arms 1"),
+    ("fit", "Missing argument 'FILE...'", "fit seal.csv --arms 1"),
+    ("fit .", "is a folder: use dashpot batch", ""),
+    ("fit fit.json", "is a fit: use dashpot predict", f"predict fit.json {RIG}"),
+    ("fit line.csv", "for dashpot predict", ""),
+    ("fit warming.csv", "sweep the frequency", "fit dma.csv --arms 1"),
+    ("fit seal.csv hammer.csv", "such as --mass 104g",
+     "fit seal.csv hammer.csv --mass 104g"),
+    ("fit seal.csv tension.csv", "Fit them one by one", "fit seal.csv --arms 1"),
+    ("fit seal.csv triangle.csv", "Fit them one by one", "fit triangle.csv"),
+    ("fit hammer.csv frf.csv", "Fit them one by one", "fit frf.csv"),
+    ("fit hammer.csv frf.csv --mass 104g", "Fit them one by one",
+     "fit frf.csv --mass 104g --arms 1"),
+    ("fit creep.csv seal.csv", "a creep test is fitted alone", "fit creep.csv --arms 1"),
+    ("fit base.csv", "such as --mass 104g", "fit base.csv --mass 104g --arms 1"),
+    (f"fit {TWO} --mass 114.8g", "--level 0.02N --level 0.5N",
+     f"fit {TWO} --mass 114.8g --level 0.02N --level 0.5N"),
+    ("predict seal.csv --mass 104g", "as 'dashpot fit FILE -o fit.json' writes it",
+     "fit seal.csv --arms 1 -o new.json"),
+    ("compare fit.json", "what fit.json is compared with", f"compare fit.json hammer.csv {RIG}"),
+    ("compare hammer.csv fit.json", "Type: dashpot compare fit.json hammer.csv",
+     "compare fit.json hammer.csv"),
+    ("compare fit.json base.csv", "give the mass (--mass)",
+     ""),
+    ("report hammer.csv", "For hits or an FRF alone: dashpot fit hammer.csv", "fit hammer.csv"),
+    ("report dma.csv", "Type: dashpot fit dma.csv", "fit dma.csv"),
+    ("report fit.json", "Use dashpot predict", f"predict fit.json {RIG}"),
+    ("export seal.csv --to csv --unit-system SI", "as 'dashpot fit FILE -o fit.json' writes it",
+     "fit seal.csv --arms 1 -o new.json"),
+    ("batch", "dashpot batch tests/ -o LOT", "batch lotdir -o lot --quick --arms 1"),
+    ("batch lotdir", "which folder to fill: -o LOT", "batch lotdir -o lot --quick --arms 1"),
+    ("batch seal.csv -o lot --watch", "looks at one folder", "batch lotdir -o lot --dry-run"),
+    ("batch lotdir -o lot --watch --dry-run", "leave one out", "batch lotdir -o lot --dry-run"),
+    ("verify fit.json", "--project FOLDER", "report seal.csv --project kept"),
+    # what is in them
+    ("fit odd.csv", f"such as {NAMES}; to see them: dashpot inspect odd.csv",
+     f"fit odd.csv {NAMES}"),
+    ("fit bare.csv", '--units "time=s,displacement=mm,force=N"',
+     "fit bare.csv --units time=s,displacement=mm,force=N --arms 1"),
+    ("fit seal.csv --column force=Kraft", "the columns are 1 'time [s]', 2 'displacement [mm]'",
+     "fit seal.csv --column force=3 --arms 1"),
+    ("fit seal.csv --column forse=3", "Did you mean 'force'?",
+     "fit seal.csv --column force=3 --arms 1"),
+    ("fit seal.csv --units kraft=N", "To see the columns: dashpot inspect seal.csv",
+     "inspect seal.csv"),
+    ("fit seal.csv --units force", 'write for example --units "force=N',
+     "fit seal.csv --units force=N --arms 1"),
+    ("fit seal.csv --units force=Nm", "'Nm' is a unit of", "fit seal.csv --units force=N --arms 1"),
+    ("fit seal.csv --text decimal=komma", "expected '.' or ','",
+     "fit seal.csv --text decimal=. --arms 1"),
+    ("fit seal.csv --text encoding=zlib", "give --text encoding=utf-8",
+     "fit seal.csv --text encoding=utf-8 --arms 1"),
+    ("fit seal.csv --part cycle=9", "holds 1 loading", "fit seal.csv --part cycle=1 --arms 1"),
+    ("fit seal.csv --part sheet=Foo", "leave it out", "fit seal.csv --arms 1"),
+    ("fit seal.csv --rate 1kHz", "leave --rate out", "fit seal.csv --arms 1"),
+    ("fit cld_1.csv --part cycle=9", "holds 4 cycles", "fit cld_1.csv --part cycle=4"),
+    ("fit cld_1.csv cld_1.csv", "each piece once", "fit cld_1.csv"),
+    (("report odd.csv hammer.csv --mass 104g --column time=1,displacement=2,force=3 "
+     "--units time=s,displacement=mm,force=N"), "--column odd.csv:time=1,displacement=2,force=3",
+     ("report odd.csv hammer.csv --mass 104g --no-joint -o r.html "
+     "--column odd.csv:time=1,displacement=2,force=3 --units time=s,displacement=mm,force=N")),
+    # numbers and their units
+    ("fit hammer.csv --mass 104", "for example '104g'", "fit hammer.csv --mass 104g --arms 1"),
+    ("fit hammer.csv --mass 104g --mass 104g", "Give the mass of each file",
+     "fit hammer.csv --mass 104g --arms 1"),
+    ("fit seal.csv --temperature 23", "for example '23degC'",
+     "fit seal.csv --temperature 23degC --arms 1"),
+    ("fit seal.csv --temperature 23K", "is the unit degC or K",
+     "fit seal.csv --temperature 23degC --arms 1"),
+    ("fit seal.csv --length 100", "for example '100mm'", "fit seal.csv --length 100mm --arms 1"),
+    ("fit seal.csv --length 100m", "mm or m?", "fit seal.csv --length 100mm --arms 1"),
+    ("fit seal.csv --machine 0.5ms", "write --machine sync=VALUE",
+     "fit seal.csv --machine sync=0.5ms --arms 1"),
+    ("fit seal.csv --machine compliance=50um", "expected a unit of compliance, one of: um/N",
+     "fit seal.csv --machine compliance=5um/N --arms 1"),
+    ("fit hammer.csv --band 40:5Hz", "40 is not below 5Hz", "fit hammer.csv --band 5:40Hz"),
+    ("fit hammer.csv --band 5Hz", "expected 'low:high'", "fit hammer.csv --band 5:40Hz"),
+    ("fit hammer.csv --known damping=2.85 --mass 104g", "give 0.0285",
+     "fit hammer.csv --known damping=0.0285 --mass 104g --arms 1"),
+    ("fit hammer.csv --mass 104g --mass-sd 1kg", "check its unit",
+     "fit hammer.csv --mass 104g --mass-sd 1g --arms 1"),
+    ("predict fit.json", "--mass 104g", "predict fit.json --mass 104g"),
+    ("predict fit.json --mass 104g --base-psd 1g", "expected a density in g^2/Hz",
+     "predict fit.json --mass 104g --base-psd 0.01g^2/Hz"),
+    ("plan --frequency 12.71", "for example '12.71Hz'", "plan --frequency 12.71Hz"),
+    ("plan --frequency 12Hz --cold 0", "for example '0degC'", "plan --frequency 12Hz --cold 0degC"),
+    ("plan --frequency 12Hz --arm-time 1ms", "--arm-stiffness 0.05N/mm",
+     "plan --frequency 12Hz --arm-time 1ms --arm-stiffness 0.05N/mm"),
+    # options that do not suit
+    ("fit seal.csv --mass 104g", "--mass is for", "fit seal.csv --arms 1"),
+    ("fit hammer.csv --arms 2", "such as --mass 104g, or leave it out",
+     "fit hammer.csv --arms 2 --mass 104g"),
+    ("fit hammer.csv --seals 2", "such as --mass 104g, or leave it out", "fit hammer.csv"),
+    ("fit hammer.csv --relative", "leave out", "fit hammer.csv"),
+    ("fit hammer.csv --reject 9", "the hits are 1, 2, 3", "fit hammer.csv --reject 3"),
+    ("fit hammer.csv --window hann", "expected one of none", "fit hammer.csv --window none"),
+    ("fit seal.csv hammer.csv --mass 104g --level 1N", "Leave them out",
+     "fit seal.csv hammer.csv --mass 104g"),
+    ("fit seal.csv --reference 23degC", "leave out --reference", "fit seal.csv --arms 1"),
+    ("fit seal.csv --save-shifts s.csv", "leave out --save-shifts", "fit seal.csv --arms 1"),
+    ("fit seal.csv --elastic by-depth", "at least two depths", "fit seal.csv --arms 1"),
+    ("fit dma.csv --only 25degC", "leave --only out", "fit dma.csv --arms 1"),
+    ("fit sweeps.csv --temperature 23degC", "--only takes one of them",
+     "fit sweeps.csv --only 25degC"),
+    ("predict fit.json --mass 104g --close 1m/s", "--close is for a door",
+     "predict fit.json --mass 104g"),
+    ("predict fit.json --mass 104g --relative", "add --base",
+     "predict fit.json --mass 104g --relative --base"),
+    ("predict fit.json --mass 104g --base --kind mobility", "leave one out",
+     "predict fit.json --mass 104g --base"),
+    ("predict fit.json --mass 104g --machine sync=1ms", "or leave it out",
+     "predict fit.json --mass 104g"),
+    ("predict fit.json --mass 104g --shape disc:20mm,20mm", "given to a material's modulus",
+     "predict fit.json --mass 104g"),
+    ("predict fit.json --mass 104g --kind mobilty", "Did you mean 'mobility'?",
+     "predict fit.json --mass 104g --kind mobility"),
+    ("compare frf.csv polar.csv --mass 104g", "--mass is for a fit", "compare frf.csv polar.csv"),
+    # the newer kinds
+    ("fit ball.csv", "--mass 5g", "fit ball.csv --mass 5g"),
+    ("fit ball.csv --mass 5g --radius 5m", "Check its unit", "fit ball.csv --mass 5g --radius 5mm"),
+    ("fit ball.csv ball.csv --mass 5g", "dashpot batch", "fit ball.csv --mass 5g"),
+    ("fit hit.csv --mass 5g --radius 5mm --model ogden", "Known are auto, kelvin-voigt",
+     "fit hit.csv --mass 5g --radius 5mm --model kelvin-voigt"),
+    ("fit hammer.csv --radius 5mm", "If it is one after all: --as indentation", "fit hammer.csv"),
+    ("fit triangle.csv --compression 12mm", "at most 8 mm", "fit triangle.csv --compression 6mm"),
+    ("fit triangle.csv --compression 6N", "expected a unit of length",
+     "fit triangle.csv --compression 6mm"),
+    ("fit triangle.csv --force-limits 1:2N", "a file for each, or leave", "fit triangle.csv"),
+    ("fit triangle.csv --between 8:4mm", "8 is not below 4mm",
+     "fit triangle.csv --compression 6mm --between 4:8mm"),
+    ("fit triangle.csv --memory seal.csv", "as 'dashpot fit FILE -o fit.json' writes it",
+     "fit seal.csv --arms 1 -o new.json"),
+    ("fit tension.csv --test planar --test biaxial", "once for each file",
+     "fit tension.csv --test planar"),
+    ("fit tension.csv --test biaxal", "Did you mean 'biaxial'?", "fit tension.csv --test biaxial"),
+    ("fit tension.csv --model mooney", "Did you mean 'mooney-rivlin'?",
+     "fit tension.csv --model mooney-rivlin"),
+    ("fit tension.csv --stretches 1.5:0.7", "such as 0.7:1.5",
+     "fit tension.csv --stretches 0.7:1.5"),
+    ("fit tension.csv --stretches 0.7", "such as 0.7:1.5", "fit tension.csv --stretches 0.7:1.5"),
+    ("fit tension.csv --compression 3mm", "--compression is for", "fit tension.csv"),
+    ("fit tension.csv --terms 9", "1<=x<=3", "fit tension.csv --model ogden --terms 1"),
+    ("fit rod.csv --density 1000", "--shape disc:20mm,20mm --mass 31.4g", f"fit rod.csv {ROD}"),
+    ("fit rod.csv --shape disk:20mm,20mm --density 1000 --mass 31.4g", "Did you mean 'disc'?",
+     f"fit rod.csv {ROD}"),
+    ("fit rod.csv --shape disc --density 1000 --mass 31.4g", "write --shape disc:VALUE",
+     f"fit rod.csv {ROD}"),
+    ("fit rod.csv --shape disc:20,20 --density 1000 --mass 31.4g", "for example '20mm'",
+     f"fit rod.csv {ROD}"),
+    ("fit rod.csv --shape disc:20mm --density 1000 --mass 31.4g", "expected 2, diameter, height",
+     f"fit rod.csv {ROD}"),
+    ("fit rod.csv --shape disc:20mm,20mm --density 1 --mass 31.4g", "such as 1100 of rubber",
+     f"fit rod.csv {ROD}"),
+    ("fit loops.csv --model ogden", "Known are auto, factor", "fit loops.csv --model additive"),
+    ("fit loops.csv strain.csv", "one amplitude sweep at a time", "fit loops.csv"),
+    ("fit loops.csv --resonance-at 1N", "--resonance-at is for", "fit loops.csv"),
+    (f"fit {TWO} --mass 114.8g --level 0.02N", "the level of each FRF",
+     f"fit {TWO} --mass 114.8g --level 0.02N --level 0.5N"),
+    (f"fit {TWO} --level 0.02N --level 0.5N", "expected the mass (--mass)",
+     f"fit {TWO} --mass 114.8g --level 0.02N --level 0.5N"),
+    (f"fit {TWO} --mass 114.8g --level 0.02 --level 0.5", "for example '0.02N'",
+     f"fit {TWO} --mass 114.8g --level 0.02N --level 0.5N"),
+    ("predict fit.json --mass 104g --level 1N", "give both, or neither",
+     "predict fit.json --mass 104g"),
+    # what is written, and where
+    ("fit seal.csv -o seal.csv", "give the output another name",
+     "fit seal.csv --arms 1 -o new.json"),
+    ("fit seal.csv -o fit.pdf", "written as .json", "fit seal.csv --arms 1 -o new.json"),
+    ("fit seal.csv --plot fit.bmp", ".pdf, .png or .svg", "fit seal.csv --arms 1 --plot fit.svg"),
+    ("report seal.csv -o r.pdf", "written as .html", "report seal.csv -o r.html"),
+    ("inspect seal.csv --save lab.json", "written as .toml", "inspect seal.csv --save lab.toml"),
+    ("inspect seal.csv --profile seal.csv", "not a profile", "inspect seal.csv"),
+    ("predict fit.json --mass 104g -o f.uff", "written as .csv or .json",
+     "predict fit.json --mass 104g -o f.csv"),
+    ("export fit.json", "Missing option '--to'. Choose from: nastran", f"{DECK} --allow all"),
+    ("export fit.json --to csv --temperature 23degC --length 100mm --allow all",
+     "add --unit-system, one of SI", f"{DECK} --allow all"),
+    (DECK, "--allow", f"{DECK} --allow all"),
+    (f"{DECK} --allow all --form cards", "expected one of frequency, arms",
+     f"{DECK} --allow all --form arms"),
+    ("simulate relaxation", "Missing option '-o'", "simulate relaxation --hold 3s -o sim.csv"),
+    ("simulate relaxation -o x.json", "written as .csv or .txt",
+     "simulate relaxation --hold 3s -o sim.csv"),
+    ("simulate motion -o x.csv", "simulate motion --follow FILE",
+     "simulate motion --follow seal.csv -o sim.csv"),
+    ("simulate relaxation --misaligned 2deg -o x.csv", "add --gauges",
+     "simulate relaxation --hold 3s --misaligned 2deg --gauges -o sim.csv"),
+    ("simulate impact --seal fit.json -o x.csv", "add --mass",
+     "simulate impact --seal fit.json --mass 104g --hits 2 -o sim.csv"),
+    ("plan --frequency 12Hz --seal papper", "Did you mean 'paper'?",
+     "plan --frequency 12Hz --seal paper"),
+    ("record --driver replay -o x.csv", "add --from FILE", ""),
+    ("record --driver serial -o x.csv", "add --port", ""),
+    ("demo --all", "add --files", "demo --files -o shown"),
+)  # fmt: skip
+"""What is typed, what must be said of it, and what is typed by who heeds that."""
+
+
+@pytest.fixture(scope="module")
+def lab(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a small file of each kind, and some that leave much open."""
+    folder = tmp_path_factory.mktemp("mistakes")
+    for name, (text, _) in files().items():
+        (folder / name).write_text(text, encoding="utf-8")
+    for name in EXAMPLES:
+        (folder / name).write_text(workflow.EXAMPLES[name](), encoding="utf-8")
+    (folder / "fit.json").write_text(json.dumps(FIT))
+    (folder / "odd.csv").write_text(bench(ramp_and_hold(), head="a,b,c"))
+    (folder / "bare.csv").write_text(bench(ramp_and_hold(), head="time,displacement,force"))
+    (folder / "channels.csv").write_text(hammer("ch1,ch2,ch3"))
+    (folder / "lotdir").mkdir()
+    (folder / "lotdir" / "one.csv").write_text(bench(ramp_and_hold()))
+    return folder
+
+
+def test_there_are_many() -> None:
+    assert len({typed for typed, *_ in MISTAKES}) == len(MISTAKES)
+    assert len(MISTAKES) > 100
+
+
+@pytest.mark.parametrize(("typed", "says", "obeyed"), MISTAKES, ids=[one[0] for one in MISTAKES])
+def test_a_mistake_is_answered_with_what_to_do(
+    lab: Path, monkeypatch: pytest.MonkeyPatch, typed: str, says: str, obeyed: str
+) -> None:
+    monkeypatch.chdir(lab)
+    wrong = ran(*shlex.split(typed))
+    assert wrong.exit_code == 2, wrong.output
+    assert wrong.stdout == ""
+    assert "Traceback" not in wrong.stderr
+    assert says in " ".join(wrong.stderr.split())
+    if obeyed:
+        writes = any(word in obeyed for word in (" -o ", "--plot", "--save ", "--project"))
+        more = ["--overwrite"] if writes and not obeyed.startswith("batch") else []
+        right = ran(*shlex.split(obeyed), *more)
+        assert right.exit_code == 0, right.output
