@@ -375,7 +375,8 @@ class Fit(ByValue, Pictured, Documented):
         low, high = self.band
         if not (0 < high < np.inf):
             return np.inf, np.inf
-        s = 2j * np.pi * np.geomspace(low or 1e-3 * high, high, _LINES_IN_BAND)
+        lines = np.geomspace(low or 1e-3 * high, high, _LINES_IN_BAND)
+        s = np.asarray(2j * np.pi * lines, dtype=complex)
         return self._of_arms.errors_of_vibration(self.model, s)
 
     def model_at(self, compression: Quantity, *, secant: bool = False) -> GeneralizedMaxwell:
