@@ -41,7 +41,7 @@ from dashpot.records.temperature import SAME_TEMPERATURE, Shift, TemperatureShif
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, MaxwellArm, Solid
-from dashpot.solids.part import Geometry
+from dashpot.solids.part import Geometry, named_shape
 from dashpot.solids.temperature import TemperatureLaw
 
 _One = TypeVar("_One")
@@ -375,7 +375,8 @@ class Fit(ByValue, Pictured, Documented):
         low, high = self.band
         if not (0 < high < np.inf):
             return np.inf, np.inf
-        s = 2j * np.pi * np.geomspace(low or 1e-3 * high, high, _LINES_IN_BAND)
+        lines = np.geomspace(low or 1e-3 * high, high, _LINES_IN_BAND)
+        s = np.asarray(2j * np.pi * lines, dtype=complex)
         return self._of_arms.errors_of_vibration(self.model, s)
 
     def model_at(self, compression: Quantity, *, secant: bool = False) -> GeneralizedMaxwell:
@@ -818,17 +819,17 @@ class Fit(ByValue, Pictured, Documented):
             evidence=replace(scaled.evidence, checks=(*self.checks, *checks), end_of_hold=None),
         )
 
-    def as_part(
-        self, shape: Geometry | float, mode: PartMode | None = None, *, bonded: bool = True
+    def part(
+        self, shape: Geometry | str | float, mode: PartMode | None = None, *, bonded: bool = True
     ) -> Fit:
         """The fit of a part of this material: modulus, errors and bounds times a geometry factor.
 
         Parameters
         ----------
-        shape : Geometry or float
-            A :class:`~dashpot.solids.part.Disc`, ``Block``, ``Bush`` or ``Bulb``, or the factor
-            itself, m: as ``geometry_factor`` of :mod:`dashpot.vibration.systems.prediction` finds
-            it.
+        shape : Geometry, str or float
+            A :class:`~dashpot.solids.part.Disc`, ``Block``, ``Bush`` or ``Bulb``, or in words
+            ``"disc:20mm,20mm"``; or the factor itself, m: as ``geometry_factor`` of
+            :mod:`dashpot.vibration.systems.prediction` finds it.
         mode : str, optional
             How the shape is loaded.
         bonded : bool
@@ -843,6 +844,8 @@ class Fit(ByValue, Pictured, Documented):
             raise DataError(
                 f"the fit is of a part, in {self.unit}; a shape is given to a material's modulus"
             )
+        if isinstance(shape, str):
+            shape = named_shape(shape)
         drawn = isinstance(shape, Geometry)
         factor = shape.factor(mode, bonded=bonded) if isinstance(shape, Geometry) else shape
         positive("geometry ", factor=factor, unit=" m")
