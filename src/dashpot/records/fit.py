@@ -15,7 +15,7 @@ from dashpot.base.choices import Family, PartMode
 from dashpot.base.demands import positive
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
-from dashpot.base.facts import Fact
+from dashpot.base.facts import NORMAL, Fact
 from dashpot.base.numbers import counted, hertz
 from dashpot.base.offered import Pictured
 from dashpot.base.provenance import Source, Step
@@ -369,15 +369,21 @@ class Fit(ByValue, Pictured, Documented):
     def error_in_band(self) -> tuple[float, float]:
         r"""Largest standard error of stiffness and of loss factor in the band, each over its value.
 
-        Of :math:`|K^*|` and :math:`\eta = K''/K'`, by the covariance of the arms; infinite where
-        none is known.
+        Of :math:`|K^*|` and :math:`\eta = K''/K'`, by the covariance of the arms, and by the limits
+        at the end of the hold where they are wider; infinite where none is known.
         """
         low, high = self.band
         if not (0 < high < np.inf):
             return np.inf, np.inf
         lines = np.geomspace(low or 1e-3 * high, high, _LINES_IN_BAND)
         s = np.asarray(2j * np.pi * lines, dtype=complex)
-        return self._of_arms.errors_of_vibration(self.model, s)
+        stiffness, loss_factor = self._of_arms.errors_of_vibration(self.model, s)
+        end = self.end_of_hold
+        if end is not None and np.isfinite(end.k_end[1]):
+            # its limits hold for every rig that may have made the test, the covariance for one
+            wide = (end.k_end[1] - end.k_end[0]) / (2 * NORMAL)
+            stiffness = max(stiffness, wide / float(self.model.relaxation(end.time)))
+        return stiffness, loss_factor
 
     def model_at(self, compression: Quantity, *, secant: bool = False) -> GeneralizedMaxwell:
         """The solid that small vibration about a compression, m, feels: its tangent.
