@@ -2,7 +2,7 @@
 
 Run: OMP_NUM_THREADS=1 python benchmarks/engine.py
 
-The doors are `dashpot.fit` and `dashpot.fit_many` as a user calls them, on a record of the virtual
+The doors are `dashpot.fit` and `dashpot.batch` as a user calls them, on a record of the virtual
 rig with hum, drift, encoder and delay: gate, priors, order, intervals, checks and bounds included.
 
 Times are medians of thread CPU seconds. The rival is `scipy.optimize.least_squares` as it is
@@ -233,7 +233,7 @@ def doors() -> None:
     """The public functions, beside scipy's optimum alone, from good starts, on the same record."""
     seal = dashpot.GeneralizedMaxwell(1e3 * K_INF, tuple(1e3 * np.array(TRUTH[2][0])), TRUTH[2][1])
     test = dashpot.simulation.simulate_relaxation(seal, seed=1).test
-    record = dashpot.prepare(test)
+    record = test.prepare()
     rows, since = len(record.time), record.time - record.time[0]
     x = 1e3 * record.displacement
 
@@ -258,8 +258,8 @@ def doors() -> None:
     motion = 8e-3 * np.clip(seconds - 0.5, 0, 1)
     force = seal.force(seconds, motion) + 3e-3 * GENERATOR.standard_normal(rows)
     test = dashpot.RelaxationTest(time=seconds, displacement=motion, force=force, units="SI")
-    print(f"{'prepare, 3 M rows':44s} {1e3 * cpu(lambda: dashpot.prepare(test), 1):8.0f}")
-    record = dashpot.prepare(test)
+    print(f"{'prepare, 3 M rows':44s} {1e3 * cpu(test.prepare, 1):8.0f}")
+    record = test.prepare()
     print(f"{'fit full, the same':44s} {1e3 * cpu(lambda: dashpot.fit(record, arms=2), 3):8.0f}")
 
 
@@ -274,11 +274,10 @@ def many_doors() -> None:
         for errors in (False, True):
 
             def call(count: int = count, errors: bool = errors) -> object:
-                return dashpot.fit_many(
-                    time, forces[:count], ramp=(8e-3, 1.0), method="hold", errors=errors
-                )
+                how = {"ramp": (8e-3, 1.0), "method": "hold", "errors": errors}
+                return dashpot.batch(forces[:count], time=time, units="SI", **how)
 
-            label = f"fit_many hold, R = {count}, {'errors' if errors else 'no errors'}, per record"
+            label = f"batch, hold, R = {count}, {'errors' if errors else 'no errors'}, per record"
             door(label, cpu(call, 9) / count, theirs, target * (1 + errors))
 
 

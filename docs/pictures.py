@@ -11,11 +11,15 @@ import sys
 from contextlib import chdir, redirect_stderr, redirect_stdout
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING
 
 import dashpot as dp
 from dashpot import workflow
 from dashpot.cli import main as run
 from dashpot.solids.table_1 import BROAD, BROAD_MASS, PAPER
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
 
 DOCS = Path(__file__).parent
 HERO = DOCS / "pictures" / "hero.png"
@@ -25,7 +29,7 @@ fit seal_8mm.csv -o fit.json
 predict fit.json --mass 114.8g --seals 2 --record seal_8mm.csv --plot bound.svg
 fit seal_8mm.csv --model fractional --plot fractional.svg
 fit at_23degC.csv at_10degC.csv at_0degC.csv --plot moving.svg
-simulate creep --load 1N --hold 20s -o creep.csv
+simulate creep --load 1N --hold 40s -o creep.csv
 fit creep.csv --plot creep.svg
 fit cld_1.csv --length 100mm --compression 6mm --between 4:8mm --plot cld.svg
 fit tension.csv biaxial.csv --test uniaxial --test biaxial --plot law.svg
@@ -138,29 +142,39 @@ def _in_a_shell(text: str) -> str:
 
 
 def app() -> bool:
-    """Photograph the app with the example in it; False where no browser is installed."""
+    """Photograph the app with the example in it; False where no browser does."""
     program = shutil.which("chromium") or shutil.which("chromium-browser")
     if program is None:
         return False
-    from playwright.sync_api import sync_playwright
+    from playwright.sync_api import Error, sync_playwright
 
     words = [sys.executable, "-m", "dashpot", "app", "--no-browser"]
     GALLERY.mkdir(exist_ok=True)
-    server = subprocess.Popen(words, stdout=subprocess.PIPE, text=True)  # noqa: S603
-    with server, sync_playwright() as on:
-        browser = on.chromium.launch(executable_path=program, args=["--no-sandbox"])
-        page = browser.new_page(viewport={"width": 1366, "height": 768})
-        page.goto(server.stdout.readline().strip())
-        page.get_by_role("button", name="Try the example").click()
-        done = page.get_by_role("status").filter(has_text="done in")
-        done.wait_for()
-        page.screenshot(path=GALLERY / "app.png")
-        page.get_by_role("button", name="hammer.csv").first.click()
-        done.wait_for()
-        page.screenshot(path=GALLERY / "app_hits.png")
-        browser.close()
-        server.terminate()
+    with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as server:  # noqa: S603
+        try:
+            with sync_playwright() as on:
+                browser = on.chromium.launch(executable_path=program, args=["--no-sandbox"])
+                _photographed(browser, server.stdout.readline().strip())
+        except Error as error:
+            sys.stderr.write(f"the app is not shown: {error}\n")
+            return False
+        finally:  # who leaves the server waits for its end
+            server.terminate()
     return True
+
+
+def _photographed(browser: Browser, address: str) -> None:
+    page = browser.new_page(viewport={"width": 1366, "height": 768})
+    page.set_default_timeout(120_000)
+    page.goto(address)
+    page.get_by_role("button", name="Try the example").click()
+    done = page.get_by_role("status").filter(has_text="done in")
+    done.wait_for()
+    page.screenshot(path=GALLERY / "app.png")
+    page.get_by_role("button", name="hammer.csv").first.click()
+    done.wait_for()
+    page.screenshot(path=GALLERY / "app_hits.png")
+    browser.close()
 
 
 if __name__ == "__main__":

@@ -1344,6 +1344,7 @@ WORKFLOW = [
         0,
         1,
     ),
+    Case("fit_is_tested", lambda x: workflow.fit_is_tested(int(x)), 0, 1),
     Case("inputs_listed", lambda _: workflow.inputs_listed(["raw.csv"], 1), None, 0),
     Case("files_listed", lambda x: workflow.files_listed(["raw.csv"] * int(x)), 0, 1),
     Case("page_redrawn", lambda x: workflow.page_redrawn(1, same=not x, alike=True), 0, 1),
@@ -1529,7 +1530,7 @@ LIMITS = {
     },
     "workflow": {
         "result_recomputed": 1e-7, "prediction_informed": 1,
-        "base_band_informed": 1,
+        "base_band_informed": 1, "fit_is_tested": 0,
         "history_present": 1,
         "families_predict_alike": 1.1,
         "files_listed": 0, "page_redrawn": 0, "history_whole": 0,
@@ -1557,6 +1558,7 @@ GRADES = {
         "fitting/nonlinear_ramp": {"clocks_agree", "offset_believable", "drift_believable"},
         "workflow": {
             "hold_fit_possible", "history_complete", "files_listed", "base_band_informed",
+            "fit_is_tested",
         },
     },
     "stop": {

@@ -153,11 +153,15 @@ def test_commands_are_found_and_output_is_compared():
     assert not agree("use: 1.2 N", "use: 1.2 N and more")
 
 
-@pytest.mark.parametrize("page", ["README.md", "docs/first_seal.md", "docs/howto/own_file.md",
-                                  "docs/howto/notebook.md", "docs/howto/joint.md",
-                                  "docs/howto/level.md"])  # fmt: skip
+def scripts(page: str) -> list[str]:
+    """The Python of a page that is no session of doctest."""
+    found = re.findall(r"```python\n(.*?)```", (ROOT / page).read_text("utf-8"), re.DOTALL)
+    return [code for code in found if ">>>" not in code]
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if scripts(page)])
 def test_the_python_of_a_page_runs_as_it_stands(page, bench):
-    (code,) = re.findall(r"```python\n(.*?)```", (ROOT / page).read_text("utf-8"), re.DOTALL)
+    (code,) = scripts(page)
     names = {}
     exec(compile(code, page, "exec"), names)  # noqa: S102
     if "deck" in names:
@@ -209,6 +213,24 @@ def test_pictures_of_the_readme_exist():
     assert pictures
     for picture in pictures:
         assert (ROOT / picture).is_file()
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if "/howto/" in page])
+def test_every_how_to_shows_a_picture_and_the_index_shows_it(page):
+    text = (ROOT / page).read_text("utf-8")
+    assert re.search(r"_pictures/\w+\.svg", text)
+    index = (ROOT / "docs" / "index.md").read_text("utf-8")
+    name = Path(page).name
+    assert re.search(rf"\]\(howto/{name}\)", index)
+
+
+def test_every_picture_of_the_pages_is_drawn():
+    drawn = (ROOT / "docs" / "pictures.py").read_text("utf-8")
+    text = "".join((ROOT / page).read_text("utf-8") for page in PAGES)
+    shown = set(re.findall(r"_pictures/(\w+)\.(svg|png)", text))
+    assert shown
+    for name, ending in shown:
+        assert f'"{name}"' in drawn or f"{name}.{ending}" in drawn, name
 
 
 @pytest.mark.parametrize("page", ["CONTRIBUTING.md", "docs/architecture.md"])

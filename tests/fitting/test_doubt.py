@@ -16,8 +16,9 @@ from dashpot.engine.blocks.correlation import upper_factor
 from dashpot.engine.blocks.recorded import recorded_block
 from dashpot.fitting.nuisance import priors, terms_of
 from dashpot.fitting.relaxation import fit
+from dashpot.fitting.uncertainty.left_open import end_of_hold
 from dashpot.fitting.uncertainty.prediction_bounds import frf_band
-from dashpot.fitting.weighed_relaxation import relaxation_data, unseen
+from dashpot.fitting.weighed_relaxation import laid_out, relaxation_data, unseen
 from dashpot.preparation.prepare import prepare
 from dashpot.records.fit import Fit
 from dashpot.records.machine import USUAL, Machine
@@ -145,14 +146,25 @@ def test_a_seal_may_have_been_pressed_or_warm_up(record: RampHold) -> None:
     assert columns(noted)["warming"][1] == pytest.approx(math.hypot(0.3, 0.1))
 
 
-def test_a_doubt_at_few_samples_is_that_at_every_one(
-    record: RampHold, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    few = columns(record)
-    module = "dashpot.fitting.weighed_relaxation._laid_out"
-    monkeypatch.setattr(module, lambda _, time: np.arange(len(time)))
+def test_a_doubt_at_few_samples_is_that_at_every_one(record: RampHold) -> None:
+    time = record.time[: record.hold.stop] - record.time[0]
+    at = laid_out(record, time)
+    assert len(at) < 1000
+    few = unseen(record, time[at], record.displacement[at], PAPER)
     for name, (column, _) in columns(record).items():
-        np.testing.assert_allclose(few[name][0], column, atol=0.01 * np.abs(column).max())
+        between = np.interp(time, time[at], few[name][0])
+        np.testing.assert_allclose(between, column, atol=0.01 * np.abs(column).max())
+
+
+def test_a_sum_of_columns_that_are_there_doubts_as_a_column_does(record: RampHold) -> None:
+    """The end of the hold by the fit's own block, and by one in which each doubt has a column."""
+    found = fit(record)
+    wide = end_of_hold(
+        [relaxation_data(record, found)], time=record.hold_time, own=found.model, dof=found.dof
+    )
+    for name in ("k_end", "k_3end", "k_inf"):
+        ends, others = getattr(wide, name), getattr(found.end_of_hold, name)
+        np.testing.assert_allclose(ends, others, atol=0.03 * np.ptp(wide.k_end))
 
 
 def test_the_point_knows_nothing_of_it_and_every_limit_does(record: RampHold) -> None:

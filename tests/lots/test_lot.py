@@ -258,7 +258,7 @@ def in_chunks_of_one(folder, out):
     """The words that run a batch so, in Python."""
     code = (
         "import sys, dashpot as dp, dashpot.lots.batches as batches; batches.CHUNK = 1;"
-        f"batch(sys.argv[1], output=sys.argv[2], jobs=2, **{QUICK!r})"
+        f"dp.batch(sys.argv[1], to=sys.argv[2], jobs=2, **{QUICK!r})"
     )
     return [sys.executable, "-c", code, str(folder), str(out)]
 
@@ -414,7 +414,7 @@ def test_a_file_that_its_workers_die_of_is_a_row_and_is_tried_again(folder, whol
     )
     deaths, out = tmp_path / "deaths", tmp_path / "lot"
     path = os.pathsep.join(filter(None, (str(deadly), os.environ.get("PYTHONPATH"))))
-    code = f"import dashpot as dp; batch({str(folder)!r}, output={str(out)!r}, jobs=1, **{QUICK!r})"
+    code = f"import dashpot as dp; dp.batch({str(folder)!r}, to={str(out)!r}, jobs=1, **{QUICK!r})"
     env = {**os.environ, "PYTHONPATH": path, "DEATHS": str(deaths)}
     subprocess.run([sys.executable, "-c", code], env=env, check=True)
     assert deaths.read_text() == "x" * LIVES

@@ -77,6 +77,26 @@ class ThermalShift(NamedTuple):
         )
 
 
+class Unseen(NamedTuple):
+    """What a rig may add unseen, d terms, as sums of the columns that a block has.
+
+    Attributes
+    ----------
+    log_tau : array, shape (m,)
+        Ln of the relaxation times of its arms, s.
+    fixed, arms : array, shape (q, d) and (m, d)
+        Weights of the block's fixed columns and of those arms', times a standard deviation.
+    """
+
+    log_tau: FloatArray
+    fixed: FloatArray
+    arms: FloatArray
+
+    def columns(self, fixed: FloatArray, arms: FloatArray) -> FloatArray:
+        """One column a term, in the coordinates of these."""
+        return np.asarray(fixed @ self.fixed + arms @ self.arms)
+
+
 class RelaxationRows(NamedTuple):
     """A relaxation test at some relaxation times, each row worth one sample of unit noise.
 
@@ -113,6 +133,8 @@ class RelaxationData:
         The test without the columns that only doubt the motion.
     moved : ThermalShift or None
         How the solid that is asked about lies at the temperature of the test.
+    unseen : Unseen or None
+        Doubts beside those that have a column of their own.
     """
 
     block: DataBlock
@@ -124,6 +146,7 @@ class RelaxationData:
     size: float
     certain: DataBlock
     moved: ThermalShift | None = None
+    unseen: Unseen | None = None
 
     @property
     def window(self) -> tuple[float, float]:
@@ -159,17 +182,19 @@ class RelaxationData:
         shortest = np.log(DASHPOT * self.block.window[0])
         moved = self.moved or ThermalShift()
         doubtful = moved.shift_sd > 0
+        known, own = self.unseen, slice(count, count + self.answer.arms)
+        others = np.zeros(0) if known is None else known.log_tau
         found = self.block.evaluate(
-            np.concatenate((moved.log_tau(log_tau), np.log(self.answer.tau), [shortest])),
+            np.concatenate((moved.log_tau(log_tau), np.log(self.answer.tau), others, [shortest])),
             slopes or doubtful,
         )
         spring = found.fixed[:, kinds.index("k_inf")]
         fast = found.arms[:, -1] / np.exp(shortest)
-        of_answer = _of_answer(self.answer, spring, fast, found.arms[:, count:-1])
+        of_answer = _of_answer(self.answer, spring, fast, found.arms[:, own])
         doubts, mean = self.terms.doubts(found.fixed, self.block.fixed_names)
-        of_shift = (
-            moved.doubts(self.answer, found.d_arms[:, count:-1]) if doubtful else doubts[:, :0]
-        )
+        if known is not None:
+            doubts = np.hstack((doubts, known.columns(found.fixed, found.arms[:, own.stop : -1])))
+        of_shift = moved.doubts(self.answer, found.d_arms[:, own]) if doubtful else doubts[:, :0]
         b_t = float(np.exp(moved.log_b))
         free = [kind not in SOLID and kind not in self.terms.known for kind in kinds]
         every = np.column_stack((doubts, of_shift, of_answer * (self.delay, self.size)))

@@ -26,14 +26,20 @@ from dashpot.fitting.nuisance import (
     warmed,
     warming,
 )
-from dashpot.fitting.relaxation_data import DASHPOT, LN_10, RelaxationData, ThermalShift
+from dashpot.fitting.relaxation_data import (
+    DASHPOT,
+    LN_10,
+    RelaxationData,
+    ThermalShift,
+    Unseen,
+)
 from dashpot.preparation.denoising import between_samples, rests, true_motion
 from dashpot.records.fit import Fit
 from dashpot.records.machine import USUAL
 from dashpot.records.relaxation import RampHold
 from dashpot.records.temperature import SAME_TEMPERATURE
 from dashpot.solids.elastic import ElasticLaw
-from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.solids.maxwell import GeneralizedMaxwell, arm_response
 
 _CELL = ("offset", "drift")
 # relaxation times of a record on an uneven clock are asked about from this on, s
@@ -44,8 +50,9 @@ RESTS = 8
 SLOW_ARM = 5.0
 # a force that is later than this does not change in proportion, s
 LINEAR_DELAY = 2e-3
-# samples, of the hold, at which doubts are laid out; three times as many of the ramp
-LAID_OUT = 200
+# a doubt is smooth, and needs few digits: samples of the hold at which it is laid out, three times
+# as many of the ramp, and relaxation times of which it is a sum
+LAID_OUT, MIXED = 200, 20
 # cycles per record between which noise is what an arm is told from
 SLOWEST_NOISE, FASTEST_NOISE = 8, 160
 # a line of the periodogram so far above its middle is a hum, and no noise
@@ -115,7 +122,10 @@ def relaxation_data(
         name: (model.force(time, 1.0 * there), sd)
         for name, (there, sd) in _doubts(test, time).items()
     }
-    doubts |= unseen(test, time, x, model) if claimed else {}
+    if claimed:
+        at = laid_out(test, time)
+        for name, (column, sd) in unseen(test, time[at], x[at], model).items():
+            doubts[name] = np.interp(time, time[at], column), sd
     if moved is not None:
         by_a, by_b = warms
         doubts["warming"] = warming(time, x, model, by_a=by_a, by_b=by_b), 0.0
@@ -227,20 +237,11 @@ def held_data(
     felt = test.depth if law is None else float(law.path(test.depth))
     time = test.time[: test.hold.stop] - test.time[0]
     ramp = felt * np.clip((time - (test.onset - test.time[0])) / test.ramp_time, 0.0, 1.0)
-    wider, doubts = _doubted(
-        block, test.settled, unseen(test, time, ramp, answer) if claimed else {}
+    found = _weighed(
+        test, block, block, answer, residual, size=test.depth_doubt, since=since, claimed=claimed
     )
-    return _weighed(
-        test,
-        wider,
-        block,
-        answer,
-        residual,
-        doubts=doubts,
-        size=test.depth_doubt,
-        since=since,
-        claimed=claimed,
-    )
+    start = float(test.time[test.settled.start] - test.time[0])
+    return found if not claimed else _doubted(found, test, (time, ramp), since=since, start=start)
 
 
 def fitted_data(
@@ -253,19 +254,40 @@ def fitted_data(
     """
     size = float(np.hypot(test.depth_doubt, test.contact_error / test.depth))
     time, x, _ = motion(test)
-    wider, doubts = _doubted(block, slice(first_sample(test), None), unseen(test, time, x, answer))
-    found = _weighed(test, wider, block, answer, residual, doubts=doubts, size=size)
+    found = _weighed(test, block, block, answer, residual, size=size)
+    found = _doubted(found, test, (time, x), start=float(time[first_sample(test)]))
     late = any(kind_of(name) == "delay" for name in block.fixed_names)
     return replace(found, delay=0.0) if late else found
 
 
 def _doubted(
-    block: DataBlock, used: slice, adds: Mapping[str, tuple[FloatArray, float]]
-) -> tuple[DataBlock, dict[str, float]]:
-    """A block of the `used` samples with columns of what its rig `adds`, and their sd."""
-    for name, (column, _) in adds.items():
-        block = block.with_column(name, column[used])
-    return block, {name: sd for name, (_, sd) in adds.items()}
+    data: RelaxationData,
+    test: RampHold,
+    moved: tuple[FloatArray, FloatArray],
+    *,
+    start: float,
+    since: float = 0.0,
+) -> RelaxationData:
+    """The data with what its rig may add, as sums of its own columns: right to some per cent.
+
+    The motion that is answered is `moved`, s and m; the rows begin at `start`, s, and their drift
+    counts from `since`, s, all from the first sample on.
+    """
+    time, x = (part[laid_out(test, moved[0])] for part in moved)
+    adds = unseen(test, time, x, data.answer)
+    step = median(np.diff(moved[0]))
+    tau = np.geomspace(max(test.ramp_time / 100, step), 10 * test.hold_time, MIXED)
+    shapes = {"k_inf": x, "offset": np.ones(len(time)), "drift": time - since}
+    kinds = [kind_of(name) for name in data.block.fixed_names]
+    there = [kind in shapes for kind in kinds]
+    own = [shapes[kind] for kind in kinds if kind in shapes]
+    basis = np.column_stack((*own, *(arm_response(time, x, one) for one in tau)))[time >= start]
+    scale = np.linalg.norm(basis, axis=0)
+    wanted = np.column_stack([sd * column[time >= start] for column, sd in adds.values()])
+    weights = np.linalg.lstsq(basis / scale, wanted, rcond=1e-9)[0] / scale[:, None]
+    fixed = np.zeros((len(kinds), wanted.shape[1]))
+    fixed[there] = weights[: len(own)]
+    return replace(data, unseen=Unseen(np.log(tau), fixed, weights[len(own) :]))
 
 
 def noise_power(residual: FloatArray) -> float:
@@ -360,32 +382,29 @@ def unseen(
     time, x : array, shape (n,)
         Since the first sample, s, and the motion that the solid `answer` is thought to feel, m.
     """
-    # a doubt is smooth, and needs few digits: it is laid out at some of the samples
-    at = _laid_out(test, time)
-    few = time[at]
-    force, since = answer.force(few, x[at]), few + test.time[0] - test.ramp_end
+    force, since = answer.force(time, x), time + test.time[0] - test.ramp_end
     found: dict[str, tuple[FloatArray, float]] = {}
     peak = float(np.abs(force).max())
     give = test.machine.give_sd(test.depth, peak)
     if give > 0 and peak > 0:
-        found["give"] = answer.force(few, force / peak), give
+        found["give"] = answer.force(time, force / peak), give
     settles = test.machine.creep_sd(test.depth)
     if settles > 0 and not test.readings_moved:
         way = np.log1p(np.maximum(since, 0.0) / test.ramp_time)
-        found["settling"] = answer.force(few, way), settles
+        found["settling"] = answer.force(time, way), settles
     if test.preload and peak > 0:
         # pressed when the record begins; what it carries in the middle of the rest is offset
-        relaxing = answer.force(few, np.ones(len(few)))
-        tared = float(np.interp(priors(test).at, few, relaxing))
+        relaxing = answer.force(time, np.ones(len(time)))
+        tared = float(np.interp(priors(test).at, time, relaxing))
         found["preload"] = relaxing - tared, test.preload * test.depth / peak
     by_a = -USUAL["faster by warmth"].size
     warms = unseen_warmth(test.specimen).sd
-    found["warming"] = warming(few, x[at], answer, by_a=by_a, by_b=0.0), warms
-    return {name: (np.interp(time, few, column), sd) for name, (column, sd) in found.items()}
+    found["warming"] = warming(time, x, answer, by_a=by_a, by_b=0.0), warms
+    return found
 
 
-def _laid_out(test: RampHold, time: FloatArray) -> IndexArray:
-    """Some hundred samples that follow a motion, and some that follow what relaxes after it."""
+def laid_out(test: RampHold, time: FloatArray) -> IndexArray:
+    """Return some hundred samples of a motion, and some of what relaxes after it."""
     corner = test.ramp_end - test.time[0]
     even = int(np.searchsorted(time, corner + test.ramp_time))
     late = np.searchsorted(time, corner + np.geomspace(test.ramp_time, time[-1], LAID_OUT))

@@ -287,7 +287,7 @@ def curves_of(
     c = comparison
     curves = [
         Curve(c.measured, "measured", MEASURED, (c.measured_hz, c.measured_peak)),
-        Curve(c.predicted, "predicted from relaxation", PREDICTED,
+        Curve(c.predicted, c.legend, PREDICTED,
               (c.predicted_hz, c.predicted_peak)),
     ]  # fmt: skip
     if joint is not None:

@@ -44,6 +44,18 @@ def prediction_informed(peak: float, band: tuple[float, float]) -> Finding:
     )
 
 
+@criterion("files that were fitted", "<=", 0, "by definition", grade="note")
+def fit_is_tested(fitted: int) -> Finding:
+    """The measurement is one that the fit was not made from."""
+    return Finding(
+        "The fit was not made from this measurement",
+        fitted,
+        instead=f"The fit was made from this measurement ({fitted} files)",
+        because="Its agreement tests nothing",
+        remedy="Compare it with other hits, or leave a hit out.",
+    )
+
+
 @criterion("distance from the band, a factor", "<=", 1.0, "the band of the fit", grade="note")
 def base_band_informed(
     asked: tuple[float, float], peak: float, band: tuple[float, float]

@@ -36,7 +36,9 @@ from dashpot.vibration.modal.dynamic_stiffness import (
 )
 from dashpot.vibration.systems.operating_point import operating_point
 from dashpot.vibration.systems.prediction import predict_frf
+from dashpot.workflow.checks import fit_is_tested
 from dashpot.workflow.job import HammerChoices, known_of_a_test
+from dashpot.workflow.left_out import LeftOut, left_out
 from dashpot.workflow.measured import (
     average,
     judged_base,
@@ -242,6 +244,11 @@ class Agreement(Judged, Documented):
         By both kinds of ignorance, if the relaxation record is at hand.
     seals : float
         How many carry the block.
+    in_sample : bool
+        The fit was made from this very record: its agreement tests nothing.
+    unseen : LeftOut or None
+        Of such a fit: how well hits that were left out in turn are predicted, if the relaxation
+        record is at hand.
 
     Examples
     --------
@@ -253,7 +260,10 @@ class Agreement(Judged, Documented):
     """
 
     # the verdict is of the measured FRF too, not of the comparison alone
-    keys = ("*comparison", "mass", "mass_inferred", "seals", "verdict", "*at_rest.told")
+    keys = (
+        "*comparison", "mass", "mass_inferred", "seals", "in_sample", "unseen", "verdict",
+        "*at_rest.told",
+    )  # fmt: skip
 
     comparison: Comparison
     mass: float
@@ -263,6 +273,8 @@ class Agreement(Judged, Documented):
     interval: tuple[FloatArray, FloatArray] = field(compare=False)
     limits: FRFBounds | None = None
     seals: float = 1.0
+    in_sample: bool = False
+    unseen: LeftOut | None = None
 
     @property
     def series(self) -> Mapping[str, tuple[Any, str]]:
@@ -282,12 +294,25 @@ class Agreement(Judged, Documented):
         found = verdict(self.checks)
         if _useless(self.comparison.measured):
             return found
+        if self.in_sample:
+            return replace(found, says=self._circular())
         if not self.mass_inferred:
             return replace(found, says=self.comparison.says)
         return replace(
             found,
             says=f"The mass, {written(self.mass, 'g')}, was found from the measured peak, so the "
             "stiffness is not tested. Weigh the block, and give its mass.",
+        )
+
+    def _circular(self) -> str:
+        """What a comparison with the hits that were fitted shows."""
+        first = "In sample: the fit was made from these hits, so the agreement tests nothing."
+        if self.unseen is None:
+            return f"{first} Compare it with other hits, or give the fitted relaxation record too."
+        low, high = (100 * one for one in self.unseen.height)
+        return (
+            f"{first} Each hit left out in turn is predicted within "
+            f"{100 * self.unseen.error:.2g} % rms, its peak {low:+.2g} to {high:+.2g} % high."
         )
 
 
@@ -327,12 +352,19 @@ def compare_files(
     options_with : ReadOptions, optional
         What the user said of those.
     """
-    _, frf = read_measured(measured, choices=hammer, options=options, mass=mass, band=band)
+    impact, frf = read_measured(measured, choices=hammer, options=options, mass=mass, band=band)
     tests = prepared_files(records, options=options_with)
-    return agreement(
+    held = agreement(
         found, frf, tests=tests, mass=mass, seal_mass=seal_mass, seals=seals, band=band,
         compression=compression,
     )  # fmt: skip
+    if not (held.in_sample and impact is not None and tests):
+        return held
+    unseen = left_out(
+        impact, tests, found, mass=held.mass, seals=seals, choices=hammer, band=band,
+        compression=compression,
+    )  # fmt: skip
+    return replace(held, unseen=unseen)
 
 
 def agreement(
@@ -360,12 +392,21 @@ def agreement(
     lines = comparison.measured.frequency[comparison.measured.frequency > 0]
     formal = formal_limits(found, rests.point, mass=known, frequency=lines, seals=seals)
     limits = None
-    if tests:
+    circular = fitted_to(found, frf)
+    if tests and not circular:  # the unseen arms of a joint fit have no bound
         refuse_others(tests, found)
         about = np.linspace(lines[0], lines[-1], min(len(lines), LIMIT_LINES))
         limits = frf_limits(found, tests, rests.point, mass=known, frequency=about, seals=seals)
-    noted = (*frf.checks, *noted)
-    return Agreement(comparison, known, mass is None, noted, rests, (lines, formal), limits, seals)
+    noted = (*frf.checks, *noted, fit_is_tested(len(circular)))
+    return Agreement(
+        comparison, known, mass is None, noted, rests, (lines, formal), limits, seals,
+        in_sample=bool(circular),
+    )  # fmt: skip
+
+
+def fitted_to(found: Fit, frf: FRF) -> frozenset[str]:
+    """The files of an FRF, by what they hold, that a fit was made from."""
+    return frozenset(one.sha256 for one in found.source) & {one.sha256 for one in frf.source} - {""}
 
 
 def _refuse_unmatched(

@@ -142,5 +142,5 @@ def _signed(
         return stretch, -stress, turned
     raise ReadError(
         "the stress falls where the strain grows: one of them has the other sign; if the specimen "
-        "was pressed, say so: --test compression (Python: pressed=True)"
+        "was pressed, say so: --test compression (Python: test='compression')"
     )

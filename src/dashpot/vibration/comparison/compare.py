@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, ComplexArray, kept
+from dashpot.base.choices import Method, words
 from dashpot.base.errors import DashpotError, DataError
 from dashpot.base.units import GRAVITY, Quantity, Range, si, si_range
 from dashpot.engine.inference.order import significant
@@ -106,6 +107,7 @@ def compare(
         frac=_frac(given.value, measured.value),
         rms_db=_rms_db(given.value, measured.value),
         z_rms=None,
+        legend=_legend(fit, measured),
         arms=_evidence(model, fit, measured_peak.frequency),
         checks=(),
         says="",
@@ -161,6 +163,16 @@ def infer_mass(model: Solid, frf: FRF) -> tuple[float, float]:
 
 
 # -- bringing both to the same lines ----------------------------------------------------------
+
+
+def _legend(fit: Fit | None, measured: FRF) -> str:
+    """How a figure calls the prediction of a fit."""
+    if fit is None:
+        return "predicted"
+    if {one.sha256 for one in fit.source} & {one.sha256 for one in measured.source} - {""}:
+        return "fitted to these hits"
+    alone = fit.method in words(Method)
+    return "predicted from relaxation" if alone else "predicted by the joint fit"
 
 
 def _on_lines(predicted: FRF, measured: FRF) -> FRF:

@@ -69,6 +69,8 @@ class Comparison(Pictured, Documented):
         First and last of the lines that `frac`, `rms_db` and `z_rms` were taken over, Hz.
     measured_hz_se, measured_damping_se : float or None
         Random standard errors of the measured peak frequency, Hz, and damping ratio.
+    legend : str
+        How a figure calls the prediction: by the solid that it is of.
 
     Examples
     --------
@@ -99,6 +101,7 @@ class Comparison(Pictured, Documented):
     band: tuple[float, float] = (0.0, float("inf"))
     measured_hz_se: float | None = None
     measured_damping_se: float | None = None
+    legend: str = "predicted"
 
     @property
     def verdict(self) -> Verdict:

@@ -1,0 +1,66 @@
+"""A fit held against the hits that it was made from says so, and what a hit left out shows."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from kit.shell import ran
+
+import dashpot as dp
+from dashpot.plot.vibration import curves_of
+from dashpot.workflow.examples import EXAMPLES
+
+pytestmark = pytest.mark.once
+RIG = ("--mass", "114.8g", "--seals", "2")
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("joint")
+    for name in ("seal_8mm.csv", "hammer.csv"):
+        (folder / name).write_text(EXAMPLES[name](), encoding="utf-8")
+    made = ran(
+        "fit", folder / "seal_8mm.csv", folder / "hammer.csv", *RIG, "--arms", "4",
+        "-o", folder / "joint.json",
+    )  # fmt: skip
+    assert made.exit_code == 0, made.output
+    return folder
+
+
+def compared(folder, *words):
+    told = ran("compare", folder / "joint.json", folder / "hammer.csv", *RIG, *words, "--json")
+    assert told.exit_code == 0, told.output
+    return json.loads(told.stdout)
+
+
+def test_a_comparison_with_the_hits_that_were_fitted_says_so_first(files):
+    found = compared(files)
+    assert found["in_sample"] is True
+    assert found["unseen"] is None
+    assert found["verdict"]["says"].startswith("In sample: the fit was made from these hits")
+
+
+def test_hits_left_out_in_turn_are_predicted(files):
+    found = compared(files, "--record", files / "seal_8mm.csv")
+    unseen = found["unseen"]
+    assert unseen["hits"] >= 3
+    assert 0.001 < unseen["error"] < 0.1
+    low, high = unseen["height_error"]
+    assert -0.1 < low <= high < 0.1
+    assert f"{100 * unseen['error']:.2g} % rms" in found["verdict"]["says"]
+
+
+def test_another_record_is_no_circle_and_the_legend_says_which_solid(files):
+    joint, hits = dp.read(files / "joint.json"), dp.read(files / "hammer.csv")
+    alone = dp.fit(dp.read(files / "seal_8mm.csv"), arms=2)
+    own = dp.compare(joint, hits, mass="114.8g", seals=2)
+    other = dp.compare(alone, hits, mass="114.8g", seals=2)
+    fresh = dp.compare(joint, dp.simulate("impact", hits=3), mass="114.8g", seals=2)
+    assert (own.in_sample, other.in_sample, fresh.in_sample) == (True, False, False)
+    (check,) = [one for one in own.checks if one.name == "fit_is_tested"]
+    assert (check.passed, check.grade) == (False, "note")
+    names = [curves_of(one.comparison, None)[1].label for one in (own, other, fresh)]
+    assert names == [
+        "fitted to these hits", "predicted from relaxation", "predicted by the joint fit",
+    ]  # fmt: skip
