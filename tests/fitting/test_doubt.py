@@ -180,6 +180,19 @@ def test_the_point_knows_nothing_of_it_and_every_limit_does(record: RampHold) ->
         assert np.ptp(fit(less).left_open["k_end"]) > 1.02 * np.ptp(known.left_open["k_end"])
 
 
+def test_what_naming_the_machine_would_leave_is_said(record: RampHold) -> None:
+    end = fit(record).end_of_hold
+    assert end is not None
+    known = replace(record, machine=replace(KNOWN, drift=priors(record).doubt.sd / 5))
+    assert end.named * np.ptp(end.k_end) == pytest.approx(
+        np.ptp(fit(known).left_open["k_end"]), rel=0.6
+    )
+    assert "give the drift, compliance and creep of the machine" in end.says
+    assert replace(end, named=0.79).remedy.startswith("Record a baseline")
+    assert replace(end, named=0.81).remedy == "Hold longer."
+    assert replace(end, named=math.nan).remedy == "Hold longer."
+
+
 def test_several_tests_together_are_a_point(record: RampHold) -> None:
     found = fit(record)
     names = relaxation_data(record, found, claimed=False).block.fixed_names
