@@ -6,7 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from kit.fits import a_fit
 
+from dashpot.base.facts import NORMAL
 from dashpot.fitting.relaxation import fit
 from dashpot.preparation.prepare import prepare
 from dashpot.records.bounds import EndOfHold
@@ -123,3 +125,13 @@ def test_the_sentence_says_what_is_known_and_what_is_not() -> None:
         "or below. Record a baseline of 10 s, and give the drift, compliance and creep of the "
         "machine: k(40.0 s) is then known to about 0.8 %."
     )
+
+
+def test_a_verdict_is_no_surer_of_the_stiffness_than_the_limits_at_the_end_of_the_hold() -> None:
+    found = a_fit(PAPER, band=(0.004, 0.32))
+    exact = replace(found.estimate, covariance=1e-12 * np.eye(len(found.parameters)))
+    k = float(found.model.relaxation(40.0))
+    end = EndOfHold(40.0, (0.95 * k, 1.05 * k), (0.9 * k, k), (0.0, k), 0.1 * k)
+    told = replace(found, estimate=exact, evidence=replace(found.evidence, end_of_hold=end))
+    assert told.error_in_band[0] == pytest.approx(0.05 / NORMAL)
+    assert "the stiffness is known to ±2.6 %" in told.verdict.says
