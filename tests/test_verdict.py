@@ -20,7 +20,6 @@ from dashpot.base.status import Status
 from dashpot.cli._grammar import verb
 from dashpot.cli._options import result
 from dashpot.cli._shell import Outcome
-from dashpot.cli._terminal import shown
 from dashpot.fitting.identification.identify import identify
 from dashpot.fitting.relaxation import fit as fit_tests
 from dashpot.preparation.prepare import prepare
@@ -30,6 +29,7 @@ from dashpot.simulation.rig import Rig
 from dashpot.solids.table_1 import BROAD, BROAD_MASS, PAPER, PAPER_MASS
 from dashpot.told import text as text_of
 from dashpot.told.layout import Text
+from dashpot.told.screen import shown
 from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.vibration.systems.prediction import predict_frf
 from dashpot.workflow.archive import from_json, to_json

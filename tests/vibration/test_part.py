@@ -208,7 +208,7 @@ def test_from_sweeps_to_two_discs_on_a_shaker():
     masses = (0.15, 0.4, 1.0)
     real = [peak_of(true.complex_stiffness, mass) for mass in masses]
     factor = geometry_factor(found.solid, mass=masses[0], peak=real[0][0])
-    part = found.as_part(factor)
+    part = found.part(factor)
     assert part.unit == "N/m"
     for mass, (hz, height) in zip(masses, real, strict=True):
         told, peak = peak_of(part.solid.complex_stiffness, mass)
@@ -312,9 +312,9 @@ class TestCommand:
         ("words", "says"),
         [
             (["--shape", "disc:20mm,12mm", "--resonance", "60Hz"], "both tell the geometry"),
-            (["--shape", "disc:20mm"], "1 lengths; expected 2"),
+            (["--shape", "disc:20mm"], "has one length; expected 2"),
             (["--resonance", "60Hz"], "needs the mass"),
-            (["--lubricated"], "belong to a shape"),
+            (["--lubricated"], "belong to a --shape"),
             (["--shape", "disc:20mm,12mm", "--resonance-mass", "1kg"], "belongs to a --resonance"),
             (["--shape", "bush:12mm,30mm,40mm", "--loading", "shear"], "expected one of axial"),
             ([], "in Pa"),
@@ -324,3 +324,13 @@ class TestCommand:
         refused = ran("predict", dma, "--mass", "400g", *words)
         assert refused.exit_code == 2, refused.output
         assert says in refused.stderr
+
+
+def test_a_part_is_named_in_words():
+    f = np.geomspace(0.1, 100, 30)
+    E = dp.GeneralizedMaxwell(1e6, k=(4e5,), tau=(0.02,)).complex_stiffness(frequency=f)
+    material = dp.fit(dp.DynamicTest(f, E.real, E.imag, units="Hz, Pa, Pa"), arms=1)
+    assert material.part("disc:20mm,10mm").solid == material.part(Disc("20mm", "10mm")).solid
+    for words, says in (("disk:1mm,1mm", "is no shape"), ("disc:1mm", "expected 2: diameter")):
+        with pytest.raises(DataError, match=says):
+            material.part(words)

@@ -276,3 +276,10 @@ def test_what_nothing_limits_stays_without_limit_however_the_tangent_slides():
     assert (slid[1] >= limits[1]).all()
     certain = operating_point(hard(), mass=0.104, seals=2)
     np.testing.assert_array_equal(_slid(f, limits, certain), limits)
+
+
+def test_what_was_inspected_is_drawn(tmp_path):
+    path = tmp_path / "seal.csv"
+    table = "\n".join(f"{t / 10},{min(t, 20) / 10},{min(t, 20) / 50}" for t in range(200))
+    path.write_text(f"time [s],displacement [mm],force [N]\n{table}\n", encoding="utf-8")
+    assert inspect_files([path]).files[0].plot().panels

@@ -359,13 +359,11 @@ class Criterion(Generic[P]):
         found = self.judge(*args, **kwargs)
         limit = self.limit if isinstance(found.limit, EllipsisType) else found.limit
         passed = self._passed(found, limit)
-        told, remedy = (found.says,), None
+        told, remedy = found.says, None
         if passed is False:
-            told, remedy = (found.instead or found.says, found.because), found.advice
-            if found.because[:1] in {",", ":", ";", ".", " "}:  # until every one is a sentence
-                told = ("".join(told),)
+            told, remedy = paragraph(found.instead or found.says, found.because), found.advice
         return Check(
-            self.name, passed, spelled(paragraph(*told)), found.value, limit,
+            self.name, passed, spelled(sentence(told)), found.value, limit,
             found.grade or self.grade, remedy, self.ends,
         )  # fmt: skip
 

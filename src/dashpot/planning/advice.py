@@ -102,7 +102,10 @@ def _ramp_advice(
 
 def remedy(expected: ExpectedError, alternatives: Sequence[ExpectedError], *, wanted: float) -> str:
     """Return what gives the loss factor as it is wanted: each way, in a sentence."""
-    return sentence(", or ".join(how for how, _ in _ways(expected, alternatives, wanted)))
+    *faster, hammer = (how for how, _ in _ways(expected, alternatives, wanted))
+    if not faster:
+        return sentence(hammer)
+    return f"{sentence(', or '.join(faster))} Or {hammer}."
 
 
 def _ways(

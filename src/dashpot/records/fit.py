@@ -15,7 +15,7 @@ from dashpot.base.choices import Family, PartMode
 from dashpot.base.demands import positive
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
-from dashpot.base.facts import Fact
+from dashpot.base.facts import NORMAL, Fact
 from dashpot.base.numbers import counted, hertz
 from dashpot.base.offered import Pictured
 from dashpot.base.provenance import Source, Step
@@ -41,7 +41,7 @@ from dashpot.records.temperature import SAME_TEMPERATURE, Shift, TemperatureShif
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, MaxwellArm, Solid
-from dashpot.solids.part import Geometry
+from dashpot.solids.part import Geometry, named_shape
 from dashpot.solids.temperature import TemperatureLaw
 
 _One = TypeVar("_One")
@@ -369,14 +369,21 @@ class Fit(ByValue, Pictured, Documented):
     def error_in_band(self) -> tuple[float, float]:
         r"""Largest standard error of stiffness and of loss factor in the band, each over its value.
 
-        Of :math:`|K^*|` and :math:`\eta = K''/K'`, by the covariance of the arms; infinite where
-        none is known.
+        Of :math:`|K^*|` and :math:`\eta = K''/K'`, by the covariance of the arms, and by the limits
+        at the end of the hold where they are wider; infinite where none is known.
         """
         low, high = self.band
         if not (0 < high < np.inf):
             return np.inf, np.inf
-        s = 2j * np.pi * np.geomspace(low or 1e-3 * high, high, _LINES_IN_BAND)
-        return self._of_arms.errors_of_vibration(self.model, s)
+        lines = np.geomspace(low or 1e-3 * high, high, _LINES_IN_BAND)
+        s = np.asarray(2j * np.pi * lines, dtype=complex)
+        stiffness, loss_factor = self._of_arms.errors_of_vibration(self.model, s)
+        end = self.end_of_hold
+        if end is not None and np.isfinite(end.k_end[1]):
+            # its limits hold for every rig that may have made the test, the covariance for one
+            wide = (end.k_end[1] - end.k_end[0]) / (2 * NORMAL)
+            stiffness = max(stiffness, wide / float(self.model.relaxation(end.time)))
+        return stiffness, loss_factor
 
     def model_at(self, compression: Quantity, *, secant: bool = False) -> GeneralizedMaxwell:
         """The solid that small vibration about a compression, m, feels: its tangent.
@@ -581,8 +588,11 @@ class Fit(ByValue, Pictured, Documented):
         end = self.end_of_hold
         if end is None:
             return found
-        most = {"low": np.nan, "high": end.k_inf[1], "error": None}
-        return tuple(replace(one, **most) if one.name == "k_inf" else one for one in found)
+        high = end.k_inf[1]
+        return tuple(
+            replace(one, low=np.nan, high=high, error=None) if one.name == "k_inf" else one
+            for one in found
+        )
 
     @property
     def known(self) -> tuple[Fact, ...]:
@@ -818,17 +828,17 @@ class Fit(ByValue, Pictured, Documented):
             evidence=replace(scaled.evidence, checks=(*self.checks, *checks), end_of_hold=None),
         )
 
-    def as_part(
-        self, shape: Geometry | float, mode: PartMode | None = None, *, bonded: bool = True
+    def part(
+        self, shape: Geometry | str | float, mode: PartMode | None = None, *, bonded: bool = True
     ) -> Fit:
         """The fit of a part of this material: modulus, errors and bounds times a geometry factor.
 
         Parameters
         ----------
-        shape : Geometry or float
-            A :class:`~dashpot.solids.part.Disc`, ``Block``, ``Bush`` or ``Bulb``, or the factor
-            itself, m: as ``geometry_factor`` of :mod:`dashpot.vibration.systems.prediction` finds
-            it.
+        shape : Geometry, str or float
+            A :class:`~dashpot.solids.part.Disc`, ``Block``, ``Bush`` or ``Bulb``, or in words
+            ``"disc:20mm,20mm"``; or the factor itself, m: as ``geometry_factor`` of
+            :mod:`dashpot.vibration.systems.prediction` finds it.
         mode : str, optional
             How the shape is loaded.
         bonded : bool
@@ -843,6 +853,8 @@ class Fit(ByValue, Pictured, Documented):
             raise DataError(
                 f"the fit is of a part, in {self.unit}; a shape is given to a material's modulus"
             )
+        if isinstance(shape, str):
+            shape = named_shape(shape)
         drawn = isinstance(shape, Geometry)
         factor = shape.factor(mode, bonded=bonded) if isinstance(shape, Geometry) else shape
         positive("geometry ", factor=factor, unit=" m")

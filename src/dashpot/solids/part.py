@@ -16,13 +16,14 @@ them and nearly incompressible, :math:`G = E/3`:
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
 import numpy as np
 
 from dashpot.base.choices import PartMode
 from dashpot.base.errors import DataError
+from dashpot.base.numbers import counted
 from dashpot.base.units import si
 
 RUBBER = 0.4995
@@ -347,3 +348,29 @@ def _lengths(shape: Geometry, *names: str) -> None:
         if not (np.isfinite(value) and value > 0):
             raise DataError(f"{type(shape).__name__}: {name} = {value!r} m; expected a length > 0")
         object.__setattr__(shape, name, float(value))
+
+
+def named_shape(words: str) -> Geometry:
+    """Return the shape that words name, its lengths with their units: ``"disc:20mm,20mm"``.
+
+    >>> named_shape("disc:20mm,10mm")
+    Disc(diameter=0.02, height=0.01, poisson=0.4995)
+
+    Raises
+    ------
+    DataError
+        If there is no such shape, or it has other lengths.
+    """
+    shapes: dict[str, type[Geometry]] = {"disc": Disc, "block": Block, "bush": Bush, "bulb": Bulb}
+    name, _, lengths = words.partition(":")
+    if name not in shapes:
+        raise DataError(f"'{words}' is no shape. Write {', '.join(shapes)}, such as disc:20mm,20mm")
+    kind = shapes[name]
+    asked = [one.name for one in fields(kind) if not one.kw_only]  # type: ignore[arg-type]
+    given = lengths.split(",")
+    if len(given) != len(asked):
+        raise DataError(
+            f"'{words}' has {counted(len(given), 'length')}; expected {len(asked)}: "
+            f"{', '.join(asked)}, with their units and commas between them"
+        )
+    return kind(*(si(one.strip(), "length") for one in given))

@@ -127,4 +127,6 @@ def _inspected(
 
 
 def _plain(found: Inspection, **more: Any) -> InspectedFile:
-    return InspectedFile(**{one.name: getattr(found, one.name) for one in fields(found)}, **more)
+    made = InspectedFile(**{one.name: getattr(found, one.name) for one in fields(found)}, **more)
+    vars(made).update({name: kept for name, kept in vars(found).items() if name not in vars(made)})
+    return made  # with the course of its columns, which is drawn and no field

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import fields
 from typing import Literal, get_args, overload
 
 from dashpot.base.choices import PartMode
 from dashpot.base.errors import DataError
-from dashpot.base.numbers import counted
-from dashpot.base.units import si
 from dashpot.records.fit import Fit
 from dashpot.solids.maxwell import Solid
-from dashpot.solids.part import Block, Bulb, Bush, Disc, Geometry
+from dashpot.solids.part import Block, Bulb, Bush, Disc, Geometry, named_shape
 from dashpot.vibration.systems.prediction import geometry_factor
 from dashpot.workflow.job import PartChoices
 
@@ -56,11 +53,11 @@ def applied(
     if part.resonance is None:
         if part.resonance_mass is not None:
             raise DataError("--resonance-mass belongs to a --resonance; add that, or leave it")
-        return fit.as_part(
+        return fit.part(
             pad(given[0], getattr(part, given[0])), _mode(part.mode), bonded=not part.lubricated
         )
     factor = _factor(part, part.resonance, fit.solid, base=base, peak=peak)
-    return fit.as_part(factor / seals)
+    return fit.part(factor / seals)
 
 
 def _factor(
@@ -109,15 +106,7 @@ def pad(flag: str, lengths: str | None) -> Geometry:
     DataError
         If there are too few or too many, or one is no length > 0.
     """
-    kind = _SHAPES[flag]
-    names = [one.name for one in fields(kind) if not one.kw_only]
-    words = str(lengths).split(",")
-    if len(words) != len(names):
-        raise DataError(
-            f"--shape {flag}:{lengths}: {counted(len(words), 'length')}; expected {len(names)}, "
-            f"{', '.join(names)}, with their units and commas between them"
-        )
-    return kind(*(si(word.strip(), "length") for word in words))
+    return named_shape(f"{flag}:{lengths}")
 
 
 def _mode(word: str | None) -> PartMode | None:

@@ -133,7 +133,7 @@ def tests_agree(lead: Explanation | None) -> Finding:
     )
 
 
-REMEDIES = {
+REMEDIES: dict[str, Remedy | str] = {
     "mass": Remedy("Weigh the block again.", "mass"),
     "gain": "Check the sensitivities of hammer and accelerometer.",
     "delay": "Check the delay between hammer and accelerometer.",
