@@ -218,7 +218,7 @@ def test_pipes(folder):
         (("fit", "{seal}", "--column", "force=Load"), "Load"),
         (("fit", "{seal}", "--units", "force"), "role=unit"),
         (("fit", "{seal}", "--length", "100"), "has no unit"),
-        (("predict", "{seal}", "--mass", "104g"), "is a relaxation test"),
+        (("predict", "{seal}", "--mass", "104g"), "expected a fit"),
         (("predict", "{fit}", "--mass", "104"), "has no unit"),
         (("predict", "{fit}", "--mass", "104mm"), "is a unit of length"),
         (("predict", "{fit}", "--mass", "-104g"), "mass"),

@@ -11,10 +11,15 @@ import dashpot as dp
 from dashpot import workflow
 from dashpot.fitting.relaxation import fit as fit_tests
 from dashpot.io.readers.impact import read_impact
+from dashpot.io.readers.recognise import recognise
 from dashpot.io.readers.relaxation import read_relaxation
 from dashpot.solids.table_1 import BROAD
 from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.workflow.study import characterise
+
+ROD = ("--shape", "disc:20mm,20mm", "--density", "1000", "--mass", "31.4g")
+NO_FIT = {"line.csv", "door.toml", "door_line.csv", "door_modes.csv"}
+"""What is no record: lines of seals, a door and its modes."""
 
 
 @pytest.fixture(scope="module")
@@ -95,3 +100,23 @@ def test_a_temperature_other_than_the_files_own_is_told_in_full(folder, monkeypa
     said = "the header says 'temperature: 23 degC'; the temperature is 60 degC, as given"
     for given, differs in (("60degC", True), ("23degC", False)):
         assert (said in " ".join(ran(*words, given).stdout.split())) is differs
+
+
+@pytest.mark.once
+@pytest.mark.parametrize("name", workflow.EXAMPLES)
+def test_fit_takes_every_example_or_says_why_not(folder, monkeypatch, name):
+    """And takes it for what `inspect` says that it is."""
+    monkeypatch.chdir(folder)
+    words = {"hit.csv": ("--mass", "5g"), "rod.csv": ROD}.get(name, ())
+    done = ran("fit", name, *words)
+    seen = recognise(name)
+    assert dp.inspect(name).kind == seen.kind if name != "door.toml" else seen.kind == "door"
+    if name in NO_FIT:
+        assert done.exit_code == 2
+        (sentence,) = done.stderr.strip().splitlines()
+        assert sentence.startswith(f"dashpot: {name} is {seen.what}: ")
+    else:
+        assert done.stderr.startswith(f"recognised {name}: {seen.what}\n")
+        # a test that cannot be used is not fitted, and it is said why
+        assert done.exit_code == (2 if name == "clipped.csv" else 0), done.output
+        assert "Traceback" not in done.output

@@ -22,11 +22,12 @@ from dashpot.cli import _shell, _terminal
 from dashpot.cli._grammar import verb
 from dashpot.cli._options import result as told
 from dashpot.cli._shell import Outcome
-from dashpot.cli._terminal import COLUMNS, LINES, shown, wrapped
 from dashpot.export import TARGETS
 from dashpot.records.fit import AtDepth
+from dashpot.told import screen
 from dashpot.told import text as text_of
 from dashpot.told.layout import Text
+from dashpot.told.screen import COLUMNS, LINES, shown, wrapped
 from dashpot.workflow.archive import from_json, to_json
 
 STOP = Check("a_stop", False, "a stop; do that", grade="stop")
@@ -166,10 +167,10 @@ def test_colour_is_for_terminals_that_want_it(monkeypatch):
 
 @pytest.mark.parametrize("use", ["use", "use with care", "do not use"])
 def test_every_verdict_has_a_colour_of_its_own(use):
-    (line,) = _terminal.lead(Verdict(use, "because"))
+    (line,) = screen.lead(Verdict(use, "because"))
     assert click.unstyle(line) == f"{use.capitalize()}: because"
-    others = {_terminal.USES[other] for other in _terminal.USES if other != use}
-    assert _terminal.USES[use] not in others
+    others = {screen.USES[other] for other in screen.USES if other != use}
+    assert screen.USES[use] not in others
 
 
 # -- what comes last -------------------------------------------------------------------------------
@@ -281,8 +282,8 @@ def test_strict_predict_heeds_extrapolation(fit_file):
     assert strict("predict", fit_file, *words).exit_code == 0
     outside = strict("predict", narrowed(fit_file, (0.004, 0.32)), *words)
     assert outside.exit_code == 1
-    assert outside.stdout.startswith("Use with care: the predicted peak at")
-    assert "is extrapolated" in outside.stdout
+    assert outside.stdout.startswith("Use with care: the damping at 12.9 Hz is not known.")
+    assert "prediction_informed" in outside.stdout
 
 
 def test_strict_predict_heeds_the_fit_behind_it(fit_file):

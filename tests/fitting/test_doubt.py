@@ -12,6 +12,7 @@ from kit.foreign.catalogue import verdict_records
 from kit.foreign.rigs import Record
 from kit.foreign.truths import TRUTHS
 
+from dashpot.base.arrays import FloatArray
 from dashpot.engine.blocks.correlation import upper_factor
 from dashpot.engine.blocks.recorded import recorded_block
 from dashpot.fitting.nuisance import priors, terms_of
@@ -43,6 +44,13 @@ def foreign(truth: int, rig: str) -> tuple[Record, RampHold, Fit]:
     test = RelaxationTest(one.time, one.displacement, one.force, units="SI")
     record = prepare(test, machine=Machine(**one.told))
     return one, record, fit(record)
+
+
+def width(found: Fit) -> float:
+    """Of k(T), N/m."""
+    assert found.end_of_hold is not None
+    low, high = found.end_of_hold.k_end
+    return high - low
 
 
 # -- the table ------------------------------------------------------------------------------------
@@ -100,7 +108,9 @@ def test_a_baseline_and_a_cell_speak_together() -> None:
 # -- what a rig may add ---------------------------------------------------------------------------
 
 
-def columns(record: RampHold, solid: GeneralizedMaxwell = PAPER) -> dict:
+def columns(
+    record: RampHold, solid: GeneralizedMaxwell = PAPER
+) -> dict[str, tuple[FloatArray, float]]:
     time = record.time[: record.hold.stop] - record.time[0]
     return unseen(record, time, record.displacement[: len(time)], solid)
 
@@ -172,12 +182,23 @@ def test_the_point_knows_nothing_of_it_and_every_limit_does(record: RampHold) ->
     assert blind.sd < wide.sd
     usual, known = fit(record), fit(replace(record, machine=KNOWN))
     assert usual.model.k_inf == pytest.approx(known.model.k_inf, rel=5e-3)
-    assert np.ptp(usual.left_open["k_end"]) > 3 * np.ptp(known.left_open["k_end"])
+    assert width(usual) > 3 * width(known)
     # each value that is named narrows the stiffness at the end
     rest = {"compliance": None, "creep": None, "drift": None}
     for name in rest:
         less = replace(record, machine=replace(KNOWN, **{name: None}))
-        assert np.ptp(fit(less).left_open["k_end"]) > 1.02 * np.ptp(known.left_open["k_end"])
+        assert width(fit(less)) > 1.02 * width(known)
+
+
+def test_what_naming_the_machine_would_leave_is_said(record: RampHold) -> None:
+    end = fit(record).end_of_hold
+    assert end is not None
+    known = replace(record, machine=replace(KNOWN, drift=priors(record).doubt.sd / 5))
+    assert end.named * np.ptp(end.k_end) == pytest.approx(width(fit(known)), rel=0.6)
+    assert "give the drift, compliance and creep of the machine" in end.says
+    assert replace(end, named=0.79).remedy.startswith("Record a baseline")
+    assert replace(end, named=0.81).remedy == "Hold longer."
+    assert replace(end, named=math.nan).remedy == "Hold longer."
 
 
 def test_several_tests_together_are_a_point(record: RampHold) -> None:
@@ -193,7 +214,8 @@ def test_several_tests_together_are_a_point(record: RampHold) -> None:
 def test_k_inf_is_at_most_and_k_of_t_lies_in_its_interval(record: RampHold) -> None:
     found = fit(record)
     low, high = found.intervals()["k_inf"]
-    assert (low, high) == (0.0, found.left_open["k_inf"][1])
+    assert found.end_of_hold is not None
+    assert (low, high) == (0.0, found.end_of_hold.k_inf[1])
     assert found.solid_intervals()["k_inf"] == (low, high)
     k = found.model.k_inf
     narrow, wide = found.intervals(0.68)["k_inf"][1], found.intervals(0.99)["k_inf"][1]
@@ -279,12 +301,12 @@ HIDDEN = ("drift .2 mN/s", "compliance 50 um/N", "crosshead creep 20 um", "seal 
 
 def holds(truth: int, rig: str) -> bool:
     one, _, found = foreign(truth, rig)
-    left, end = found.left_open, found.end_of_hold
-    assert left is not None
+    end = found.end_of_hold
     assert end is not None
     wanted = {n: one.seal.secant(times * end.time) for n, times in (("k_end", 1), ("k_3end", 3))}
     wanted["k_inf"] = one.seal.secant(np.inf)
-    return all(left[name][0] <= value <= left[name][1] for name, value in wanted.items())
+    ends = {name: getattr(end, name) for name in wanted}
+    return all(ends[name][0] <= value <= ends[name][1] for name, value in wanted.items())
 
 
 @pytest.mark.parametrize("rig", HIDDEN)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Container, Sequence
 from dataclasses import fields
+from pathlib import Path
 from typing import Any
 
 import click
@@ -159,3 +161,18 @@ def given(*titles: str, but: Container[str] = ()) -> list[str]:
         if (not titles or one.group in titles) and one.name not in but and one.group != RESULT
         for word in one.typed(context)
     ]
+
+
+def said_of_all(files: Sequence[str]) -> str:
+    """Return how a column is said of one file alone, where one was said of several; else nothing.
+
+    A number, or a name that two files share, may make another kind of test of the second.
+    """
+    context = click.get_current_context()
+    assert isinstance(context.command, Verb)  # noqa: S101
+    words = [one.typed(context) for one in context.command.options if one.flag == "--column"]
+    plain = [word for word in words[0][1::2] if ":" not in word.partition("=")[0]] if words else []
+    if len(files) < 2 or not plain:
+        return ""
+    alone = shlex.join(["--column", f"{Path(files[0]).name}:{plain[0]}"])
+    return f" What --column says is for every file; for one alone: {alone}"

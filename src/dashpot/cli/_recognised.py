@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -54,23 +53,6 @@ def overruled(kinds: Collection[str]) -> str:
 
     (word, *more) = kinds
     return f" If it is one after all: --as {word}." if word in RECOGNISED and not more else ""
-
-
-def said_of_all(files: Sequence[str]) -> str:
-    """Return how a column is said of one file alone, where one was said of several; else nothing.
-
-    A number, or a name that two files share, may make another kind of test of the second.
-    """
-    from dashpot.cli._grammar import Verb
-
-    context = click.get_current_context()
-    assert isinstance(context.command, Verb)  # noqa: S101
-    words = [one.typed(context) for one in context.command.options if one.flag == "--column"]
-    plain = [word for word in words[0][1::2] if ":" not in word.partition("=")[0]] if words else []
-    if len(files) < 2 or not plain:
-        return ""
-    alone = shlex.join(["--column", f"{Path(files[0]).name}:{plain[0]}"])
-    return f" What --column says is for every file; for one alone: {alone}"
 
 
 def tell(found: Mapping[str, Recognised]) -> None:

@@ -14,7 +14,7 @@ from dashpot.base.errors import DashpotError, ReadError
 from dashpot.cli import _options as options
 from dashpot.cli._grammar import Opt, group, of, opt, refuse_others, rest, verb
 from dashpot.cli._options import MASS, MODEL, RAMP, SOLIDS, VIBRATION, WARM
-from dashpot.cli._recognised import kinds_of, recognised, said_of_all, tell
+from dashpot.cli._recognised import kinds_of, recognised, tell
 from dashpot.cli._shell import File, Outcome, Output
 from dashpot.cli._values import LowHigh, OneOf, Range, WithUnit
 from dashpot.fitting.identification.asked import HammerRig, KnownSolid
@@ -162,7 +162,7 @@ def command(*, files: tuple[str, ...], **said: Any) -> Outcome:
             rod=said["density"] is not None or said["rod"] != RodChoices(),
         )  # fmt: skip
     except ReadError as error:
-        raise ReadError(f"{error}{said_of_all(files)}") from None
+        raise ReadError(f"{error}{options.said_of_all(files)}") from None
     if meant in {"hits", "modes"}:
         _refuse_what_needs_a_mass(context)
     module, _, name = _RUN[meant].partition(":")

@@ -13,8 +13,8 @@ from dashpot.base.documents import Documented
 from dashpot.base.progress import doing
 from dashpot.cli import _options as options
 from dashpot.cli._grammar import group, of, opt, rest, verb
-from dashpot.cli._options import MASS, MODEL, PIECE, RAMP
-from dashpot.cli._recognised import called, kinds_of, recognised, said_of_all, tell
+from dashpot.cli._options import MASS, MODEL, PIECE, RAMP, said_of_all
+from dashpot.cli._recognised import called, kinds_of, recognised, tell
 from dashpot.cli._shell import (
     Folder,
     Outcome,

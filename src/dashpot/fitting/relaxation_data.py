@@ -14,7 +14,7 @@ column of the record: with the elongations q_j of unit arms,
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -22,13 +22,15 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.engine.blocks.block import DataBlock
 from dashpot.engine.inference.whitening import marginal
-from dashpot.fitting.nuisance import Terms, kind_of
+from dashpot.fitting.nuisance import Prior, Terms, kind_of
 from dashpot.records.temperature import decades, shifted_log_tau
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 # a dashpot is an arm far faster than anything in the window
 DASHPOT = 1e-3
 SOLID = ("k_inf", "b")
+# of a doubtful drift, what a baseline of 10 s and a data sheet leave
+NAMED_DRIFT = 0.2
 LN_10 = float(np.log(10.0))
 
 
@@ -154,6 +156,13 @@ class RelaxationData:
         low, high = self.block.window
         a_t = 1.0 if self.moved is None else self.moved.a_t
         return low / a_t, high / a_t
+
+    @property
+    def on_a_named_rig(self) -> RelaxationData:
+        """The data if nothing was unseen, and of the drift a fifth were left in doubt."""
+        mean, sd = self.terms.known["drift"]
+        terms = self.terms.beside(drift=Prior(mean, NAMED_DRIFT * sd))
+        return replace(self, unseen=None, terms=terms)
 
     @property
     def floor(self) -> float:

@@ -17,6 +17,9 @@ from dashpot.base.units import in_unit
 from dashpot.records.frf import Kind
 from dashpot.solids.maxwell import Solid
 
+# naming the machine is worth a sentence if it leaves less than this part of the width
+WORTH_NAMING = 0.8
+
 
 @dataclass(frozen=True)
 class EndOfHold(Documented):
@@ -38,9 +41,12 @@ class EndOfHold(Documented):
     beyond : float
         How far the fit's own k(T) lay outside its limits before they were widened to hold it, in
         their width; no document holds it.
+    named : float
+        Part of the width of k(T) that would be left if the drift, the compliance and the creep of
+        the machine were named; nan where they are, or it was not asked.
     """
 
-    keys = ("k_inf", "k_end", "k_3end", "time", "falling")
+    keys = ("k_inf", "k_end", "k_3end", "time", "falling", "named")
 
     time: float
     k_end: tuple[float, float]
@@ -48,6 +54,7 @@ class EndOfHold(Documented):
     k_inf: tuple[float, float]
     falling: float
     beyond: float = field(default=0.0, repr=False, compare=False)
+    named: float = field(default=math.nan, compare=False)
 
     @property
     def says(self) -> str:
@@ -56,8 +63,19 @@ class EndOfHold(Documented):
         most = rounded(in_unit(self.k_inf[1], "N/mm"), (high - low) / 4)
         return (
             f"the stiffness after the hold. At {rounded(self.time)} s it is {interval(low, high)} "
-            f"N/mm; it may fall further, and ends at {most} N/mm or below. Hold longer, or give "
-            "the drift of the load cell."
+            f"N/mm; it may fall further, and ends at {most} N/mm or below. {self.remedy}"
+        )
+
+    @property
+    def remedy(self) -> str:
+        """What would tell more of it, and how much."""
+        low, high = self.k_end
+        if not self.named < WORTH_NAMING or not low + high > 0:
+            return "Hold longer."
+        half = self.named * (high - low) / (high + low)
+        return (
+            "Record a baseline of 10 s, and give the drift, compliance and creep of the machine: "
+            f"k({duration(self.time)}) is then known to about {rounded(100 * half, digits=1)} %."
         )
 
     def fact(self, solid: Solid, unit: str) -> Fact:
@@ -78,6 +96,7 @@ class EndOfHold(Documented):
             scaled(self.k_inf),
             count * self.falling,
             self.beyond,
+            self.named,
         )
 
 

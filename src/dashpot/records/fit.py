@@ -588,8 +588,11 @@ class Fit(ByValue, Pictured, Documented):
         end = self.end_of_hold
         if end is None:
             return found
-        most = {"low": np.nan, "high": end.k_inf[1], "error": None}
-        return tuple(replace(one, **most) if one.name == "k_inf" else one for one in found)
+        high = end.k_inf[1]
+        return tuple(
+            replace(one, low=np.nan, high=high, error=None) if one.name == "k_inf" else one
+            for one in found
+        )
 
     @property
     def known(self) -> tuple[Fact, ...]:

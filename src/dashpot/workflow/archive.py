@@ -310,7 +310,7 @@ _FILLED: dict[type, Callable[[dict[str, Any]], dict[str, Any]]] = {
     ElasticLaw: _elastic,
     TemperatureShifts: _shifts,
     # the bare contract does not say how long the seal was held, nor how the force still falls
-    EndOfHold: lambda found: {"time": np.nan, "falling": np.nan} | found,
+    EndOfHold: lambda found: {"time": np.nan, "falling": np.nan, "named": np.nan} | found,
     InspectedFile: _inspected,
     LevelFit: _levels,
 }

@@ -61,7 +61,31 @@ def end_of_hold(
         k_inf=(0.0, max(float(at_once @ spectra.farthest(at_once)), own.k_inf)),
         falling=float(falling @ spectra.farthest(falling)),
         beyond=missed / max(k_end[1] - k_end[0], 1e-300),
+        named=_left_if_named(relaxations, spectra, time),
     )
+
+
+def _left_if_named(
+    relaxations: Sequence[RelaxationData], spectra: AdmissibleSpectra, time: float
+) -> float:
+    """What is left of the width of k(T) if give, settling and drift were named; nan if they are.
+
+    About the best spectrum, whose arms are free: to first order.
+    """
+    if not any(data.unseen for data in relaxations):
+        return float("nan")
+    tau = spectra.tau[spectra.best[2:] > 0]
+    goal = np.append(1.0, np.exp(-time / tau))
+
+    def variance(data: Sequence[RelaxationData]) -> float:
+        rows = [one.rows(np.log(tau), slopes=False) for one in data]
+        matrix = np.vstack([np.column_stack((one.spring, one.arms)) for one in rows])
+        scale = np.maximum(np.linalg.norm(matrix, axis=0), 1e-300)
+        along = np.linalg.lstsq((matrix / scale).T, goal / scale, rcond=1e-9)[0]
+        return float(along @ along)
+
+    return float(np.sqrt(variance([one.on_a_named_rig for one in relaxations])
+                         / variance(relaxations)))  # fmt: skip
 
 
 def _holding(reach: Interval, own: float) -> Interval:
