@@ -331,11 +331,11 @@ class SweptPart(Documented):
         moved, lossy = [], []
         for one in each:
             alone = fit_amplitude(one, law=self.law.law if self.law.law != "none" else "auto")
-            ends = alone.stiffness([before, strain])
-            moved.append(float(np.log(ends[1].real / ends[0].real)))
+            both = alone.stiffness([before, strain])
+            moved.append(float(np.log(both[1].real / both[0].real)))
             factor = alone.linear[0].imag / alone.linear[0].real
             lossy.append(
-                float(np.log(max(ends[1].imag / ends[1].real, 1e-12) / max(factor, 1e-12)))
+                float(np.log(max(both[1].imag / both[1].real, 1e-12) / max(factor, 1e-12)))
             )
         return float(np.ptp(moved)), float(np.ptp(lossy))
 

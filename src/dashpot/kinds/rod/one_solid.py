@@ -58,8 +58,8 @@ def misfit_of_one_solid(lines: RodModulus, scatter: FloatArray) -> float | None:
     beta, _ = linear(A, y, must)
     left = y - A @ beta
     free = len(y) - known - np.count_nonzero(beta[must])
-    return float(left @ left / max(free, 1))
+    return float(left @ left) / max(int(free), 1)
 
 
-def _parts(rows: ComplexArray) -> FloatArray:
+def _parts(rows: ComplexArray | FloatArray) -> FloatArray:
     return np.concatenate((rows.real, rows.imag))
