@@ -47,12 +47,14 @@ def reading(*, short: Sequence[str] = ("--column", "--units", "--profile")) -> l
     part = [one.name for one in own if one.metadata.get("under") == "part"]
     found = [
         *of(ReadOptions, *columns, into="options"),
-        *of(ReadOptions, "units", type=Units(), help="Unit of a role or column: force=N.", into="options"),
+        *of(ReadOptions, "units", type=Units(), into="options",
+            help="Unit of a role or column: force=N."),
         opt("--profile", type=Scoped(File()), multiple=True, metavar="FILE",
             help="Answers saved by 'inspect --save'."),
         *of(ReadOptions, *text, into="options"),
         *of(ReadOptions, *part, into="options"),
-        *of(ReadOptions, "rate", type=Scoped(_rate()), multiple=True, metavar="FREQUENCY", into="options"),
+        *of(ReadOptions, "rate", type=Scoped(_rate()), multiple=True, metavar="FREQUENCY",
+            into="options"),
         *of(ReadOptions, "calibration", "axis", into="options"),
         *of(ReadOptions, "kind", type=Scoped(click.STRING), multiple=True, metavar="KIND",
             help="What a file is, if taken for another: FILE:KIND.", into="options"),

@@ -157,7 +157,7 @@ def _unstated(curves: Sequence[ElasticCurve]) -> float:
 
 def _slack(curves: Sequence[ElasticCurve], poisson: float, best: float) -> tuple[float, str]:
     """The shift of one curve's zero without which no stable law comes half as close."""
-    found: tuple[float, float, str] = (best, 0.0, "")
+    found = (best, 0.0, "")
     for i, one in enumerate(curves):
         far = float(one.stretch[np.argmax(np.abs(one.stretch - 1))] - 1)
         for part in (*_SHIFTS, *(-each for each in _SHIFTS)):
@@ -192,8 +192,8 @@ def _scaled(
                 for one in curves
             ]
             found = min(found, (closest(scaled, poisson), size, mode))
-    left, size, scaled_mode = found
-    return best / max(left, SMALL), math.expm1(size), scaled_mode
+    left, size, which = found
+    return best / max(left, SMALL), math.expm1(size), which
 
 
 def _reading(
