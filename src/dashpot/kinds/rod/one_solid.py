@@ -59,8 +59,8 @@ def misfit_of_one_solid(lines: RodModulus, scatter: FloatArray) -> float | None:
     must = np.arange(A.shape[1]) < solid.shape[1]
     beta, _ = linear(A, y, must)
     left = y - A @ beta
-    free = len(y) - known - np.count_nonzero(beta[must])
-    return float(left @ left / max(free, 1))
+    free = len(y) - known - int(np.count_nonzero(beta[must]))
+    return float(left @ left) / max(free, 1)
 
 
 def _parts(rows: npt.NDArray[Any]) -> FloatArray:
