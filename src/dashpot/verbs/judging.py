@@ -353,7 +353,7 @@ def report(
     mass : float or str, optional
         Of the block, kg; inferred from the hits, and said so, if missing.
     seals, arms, method, model, elastic, band, filter, cuts, machine, compression
-        As :func:`fit` takes them.
+        As ``dp.fit`` takes them.
     joint : bool
         Whether to fit tests and hits together, too.
     title : str

@@ -319,7 +319,8 @@ def save(noun: N, path: Place) -> N:
 
     Parameters
     ----------
-    noun : record or result
+    noun : object
+        A record or a result.
     path : path
         How its name ends says how it is written: ``.json``, which :func:`read` takes back;
         ``.png``, ``.svg`` or ``.pdf``, its picture; ``.html``, its page; ``.csv``, its numbers.

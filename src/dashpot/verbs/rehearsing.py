@@ -147,7 +147,7 @@ def simulate(
     ----------
     what : str
         ``"relaxation"``, ``"creep"`` or ``"impact"``.
-    seal : str, Fit or solid
+    seal : str, Fit or Solid
         ``"paper"`` (its Table 1), ``"broad"`` (three faster arms) or ``"hidden"`` (one), or one's
         own.
     depth, load, ramp, hold : float or str
