@@ -135,7 +135,8 @@ def _in_a_shell(text: str) -> str:
         for row, line in enumerate(lines)
     )
     return (
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {wide} {high}" xml:space="preserve" '
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {wide} {high}" '
+        'style="white-space:pre" '
         'font-family="DejaVu Sans Mono, Consolas, monospace" font-size="13" fill="#e8e8e8">'
         f'<rect width="100%" height="100%" rx="8" fill="#1e2430"/>{rows}</svg>'
     )

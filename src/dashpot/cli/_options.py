@@ -45,18 +45,19 @@ def reading(*, short: Sequence[str] = ("--column", "--units", "--profile")) -> l
     columns = [one.name for one in own if one.metadata.get("under") == "column"]
     text = [one.name for one in own if one.metadata.get("under") == "text"]
     part = [one.name for one in own if one.metadata.get("under") == "part"]
-    into = {"into": "options"}
     found = [
-        *of(ReadOptions, *columns, **into),
-        *of(ReadOptions, "units", type=Units(), help="Unit of a role or column: force=N.", **into),
+        *of(ReadOptions, *columns, into="options"),
+        *of(ReadOptions, "units", type=Units(), into="options",
+            help="Unit of a role or column: force=N."),
         opt("--profile", type=Scoped(File()), multiple=True, metavar="FILE",
             help="Answers saved by 'inspect --save'."),
-        *of(ReadOptions, *text, **into),
-        *of(ReadOptions, *part, **into),
-        *of(ReadOptions, "rate", type=Scoped(_rate()), multiple=True, metavar="FREQUENCY", **into),
-        *of(ReadOptions, "calibration", "axis", **into),
+        *of(ReadOptions, *text, into="options"),
+        *of(ReadOptions, *part, into="options"),
+        *of(ReadOptions, "rate", type=Scoped(_rate()), multiple=True, metavar="FREQUENCY",
+            into="options"),
+        *of(ReadOptions, "calibration", "axis", into="options"),
         *of(ReadOptions, "kind", type=Scoped(click.STRING), multiple=True, metavar="KIND",
-            help="What a file is, if taken for another: FILE:KIND.", **into),
+            help="What a file is, if taken for another: FILE:KIND.", into="options"),
     ]  # fmt: skip
     for one in found:
         one.more = one.flag not in short

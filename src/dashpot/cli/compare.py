@@ -141,5 +141,6 @@ def _lots(first: str, second: str, quantities: tuple[str, ...]) -> Outcome:
     """Tell whether two lots differ; ``FOLDER:NAME`` is one lot of several."""
     from dashpot.lots.comparison import compared, opened_both
 
-    found = compared(*opened_both((first, second)), quantities)
+    one, other = opened_both((first, second))
+    found = compared(one, other, quantities)
     return Outcome(found, Text(str(found).splitlines()), found.checks)

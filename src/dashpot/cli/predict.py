@@ -203,8 +203,10 @@ def _door(
         found = workflow.door_file(path, band=band or _DOOR_BAND, temperature=temperature)
     if speed is not None:
         closed = workflow.close_file(path, speed, temperature=temperature)
-    if picture:
-        write_figure(picture, dp.plot.door(found) if closed is None else dp.plot.closing(closed))
+    if picture and closed is not None:
+        write_figure(picture, dp.plot.closing(closed))
+    elif picture and found is not None:
+        write_figure(picture, dp.plot.door(found))
     outcome = _of_door(found, closed, every=every)
     if output:
         write(output, printed(outcome.found) + "\n")

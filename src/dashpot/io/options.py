@@ -166,7 +166,7 @@ class ReadOptions:
     axis: str = option(
         "Fz", "Axis of the calibrated transducer.", section="transducer", under="calibration"
     )
-    own: tuple[tuple[str, ReadOptions], ...] = ()
+    own: tuple[tuple[str, Any], ...] = ()
 
     def __post_init__(self) -> None:
         scoped = tuple(

@@ -17,6 +17,7 @@ them and nearly incompressible, :math:`G = E/3`:
 from __future__ import annotations
 
 from dataclasses import dataclass, field, fields, replace
+from typing import Any
 
 import numpy as np
 
@@ -189,8 +190,9 @@ class _Pad(Geometry):
             return float(np.log(one._stiffer() / other._stiffer()) / apart)
 
         step, nu = 1e-4, min(self.poisson, _HIGHEST - _WITHIN)
-        tall, flat = (replace(self, height=self.height * np.exp(by)) for by in (step, -step))
-        stiff, soft = (replace(self, poisson=nu + by) for by in (_WITHIN, -_WITHIN))
+        own: Any = self  # a dataclass, as every pad is
+        tall, flat = (replace(own, height=self.height * np.exp(by)) for by in (step, -step))
+        stiff, soft = (replace(own, poisson=nu + by) for by in (_WITHIN, -_WITHIN))
         return slope(tall, flat, 2 * step), slope(stiff, soft, 2 * _WITHIN)
 
 

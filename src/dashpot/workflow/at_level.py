@@ -331,12 +331,10 @@ class SweptPart(Documented):
         moved, lossy = [], []
         for one in each:
             alone = fit_amplitude(one, law=self.law.law if self.law.law != "none" else "auto")
-            ends = alone.stiffness([before, strain])
-            moved.append(float(np.log(ends[1].real / ends[0].real)))
+            first, last = alone.stiffness([before, strain]).tolist()
+            moved.append(float(np.log(last.real / first.real)))
             factor = alone.linear[0].imag / alone.linear[0].real
-            lossy.append(
-                float(np.log(max(ends[1].imag / ends[1].real, 1e-12) / max(factor, 1e-12)))
-            )
+            lossy.append(float(np.log(max(last.imag / last.real, 1e-12) / max(factor, 1e-12))))
         return float(np.ptp(moved)), float(np.ptp(lossy))
 
     def covered(self, found: Sequence[AtLevel]) -> tuple[Check, ...]:

@@ -184,7 +184,7 @@ def _scaled(
     modes = dict.fromkeys(one.mode for one in curves if one.mode != "volumetric")
     if len(modes) < 2:
         return None, 0.0, ""
-    found = (best, 0.0, "")
+    found: tuple[float, float, str] = (best, 0.0, "")
     for mode in modes if best > SMALL else ():
         for size in (*_FACTORS, *(-each for each in _FACTORS)):
             scaled = [
@@ -192,8 +192,8 @@ def _scaled(
                 for one in curves
             ]
             found = min(found, (closest(scaled, poisson), size, mode))
-    left, size, mode = found
-    return best / max(left, SMALL), math.expm1(size), mode
+    left, size, which = found
+    return best / max(left, SMALL), math.expm1(size), which
 
 
 def _reading(

@@ -12,10 +12,12 @@ error that all lines share, whose size is known (:class:`~dashpot.kinds.rod.reco
 from __future__ import annotations
 
 from dataclasses import asdict
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
-from dashpot.base.arrays import ComplexArray, FloatArray
+from dashpot.base.arrays import FloatArray
 from dashpot.engine.least_squares.nnls import linear
 from dashpot.kinds.rod.record import RodModulus
 
@@ -53,13 +55,13 @@ def misfit_of_one_solid(lines: RodModulus, scatter: FloatArray) -> float | None:
         _parts(np.column_stack((solid, *errors)) * weight[:, None]),
         np.eye(known, solid.shape[1] + known, solid.shape[1]),
     ))  # fmt: skip
-    y = np.concatenate((_parts(E * weight), np.zeros(known)))
+    y = np.concatenate((_parts(np.asarray(E * weight)), np.zeros(known)))
     must = np.arange(A.shape[1]) < solid.shape[1]
     beta, _ = linear(A, y, must)
     left = y - A @ beta
-    free = len(y) - known - np.count_nonzero(beta[must])
-    return float(left @ left / max(free, 1))
+    free = len(y) - known - int(np.count_nonzero(beta[must]))
+    return float(left @ left) / max(free, 1)
 
 
-def _parts(rows: ComplexArray) -> FloatArray:
+def _parts(rows: npt.NDArray[Any]) -> FloatArray:
     return np.concatenate((rows.real, rows.imag))

@@ -51,7 +51,7 @@ class Component:
         Of the sum of all variances.
     normal : float or None
         Probability of such values if they were normal (Shapiro and Wilk 1965); None of fewer than
-        six, of pairs, or of the fits' errors. Below :data:`NOT_NORMAL` the interval is Bonett's.
+        six, of pairs, or of the fits' errors. Below ``NOT_NORMAL`` the interval is Bonett's.
     """
 
     source: str
