@@ -81,6 +81,7 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "workflow/outputs.py": ("fit", "report", "export", "predict", "inspect"),
     "lots/": ("batch",),
     "recording/": ("record",),
+    "records/temperature.py": ("fit",),
     "told/": ("fit", "predict", "compare", "report"),
     "web/server.py": ("app",),
     "web/": ("report",),

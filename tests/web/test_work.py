@@ -270,7 +270,15 @@ def test_a_job_and_its_command_say_the_same(store, asked):
         "hammer": {"reject": ["3"], "polarity": [1, -1]}, "title": "A seal's title",
     }  # fmt: skip
     words = shlex.split(line("report", job_of(asked | more, store.folder)))
-    for one in ("--compression", "2.6mm", "5.0:40Hz", "0.0005s", "linear", "-1", "A seal's title"):
+    for one in (
+        "--compression",
+        "2.6mm",
+        "5.0:40Hz",
+        "sync=0.0005s",
+        "linear",
+        "-1",
+        "A seal's title",
+    ):
         assert one in words
 
 
