@@ -639,9 +639,7 @@ def test_the_afm_record_holds_15_s_and_its_retraction_is_left_out(shared_data: P
 def test_the_tiny_record_of_101_rows(shared_data: Path):
     rows = np.loadtxt(shared_data / "rheos-data-time" / "data_time.csv", delimiter=",")
     found = prepare(
-        RelaxationTest(
-            time=rows[:, 0], displacement=rows[:, 1], force=rows[:, 2], units="s, mm, N"
-        )
+        RelaxationTest(time=rows[:, 0], displacement=rows[:, 1], force=rows[:, 2], units="s, mm, N")
     )
     assert found.onset == pytest.approx(1.0, abs=1e-9)
     assert found.ramp_end == pytest.approx(3.0, abs=1e-9)

@@ -551,9 +551,7 @@ class TestRandomBase:
         seal, fit = bench
         words = ["predict", str(fit), "--mass", "114.8g", "--seals", "2", "--record", seal]
         heard = ran(*words, "--base-psd", "1m^2/s^3").output
-        said = (
-            r"limits these to [\d.]+ to [\d.]+ m/s\^2 and [\d.]+ to [\d.]+ mm rms, to the noise from"
-        )
+        said = r"limits these to [\d.]+ to [\d.]+ m/s\^2 and [\d.]+ to [\d.]+ mm rms, to the noise from"
         assert re.search(said, " ".join(heard.split()))
 
     @pytest.mark.parametrize("coupled", [0.0, 3e-3])
