@@ -11,6 +11,7 @@ from collections import Counter, defaultdict
 from dataclasses import replace
 from html import unescape
 from html.parser import HTMLParser
+from importlib import import_module
 
 import numpy as np
 import pytest
@@ -100,7 +101,8 @@ def sketch(monkeypatch):
     """The words of a report whose figures are left blank, to be quick."""
     blank = Drawn("blank", "", "", (), (), (), (), 1)
     everything = defaultdict(lambda: blank)
-    monkeypatch.setattr("dashpot.report.figures_of", lambda study: everything)
+    # by its module: the attribute of the package is the verb
+    monkeypatch.setattr(import_module("dashpot.report"), "figures_of", lambda study: everything)
     return lambda study: Page(html(study)).text
 
 
