@@ -110,9 +110,18 @@ def test_what_does_not_go_is_refused(folder, words, says):
 @pytest.mark.parametrize(
     ("head", "says"),
     [
-        ("time [s],displacement [m],force [N]", "is the unit mm?"),
-        ("time [s],displacement [um],force [N]", "is the unit mm?"),
-        ("time [s],displacement [mm],force [MN]", "is the unit kN?"),
+        (
+            "time [s],displacement [m],force [N]",
+            "mm. Give mm as the unit of the displacement",
+        ),
+        (
+            "time [s],displacement [um],force [N]",
+            "mm. Give mm as the unit of the displacement",
+        ),
+        (
+            "time [s],displacement [mm],force [MN]",
+            "kN. Give kN as the unit of the force",
+        ),
         ("time [s],displacement [mm],force", "unit"),
     ],
 )
@@ -157,6 +166,7 @@ def test_records_at_several_speeds_are_one_seal(folder, tmp_path):
     assert len(found["rate"]["damping"]) == len(found["rate"]["knots"])
     said = ran(folder, *words).stdout
     assert "elastic law" in said
-    assert "explain the speeds worse than one memory does" in " ".join(said.split())
     assert "c, N s/m" not in said
-    assert "c, N s/m" in ran(folder, *words, "-v").stdout
+    every = ran(folder, *words, "-v").stdout
+    assert "explain the speeds worse than one memory" in " ".join(every.split())
+    assert "c, N s/m" in every

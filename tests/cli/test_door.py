@@ -124,7 +124,7 @@ def test_the_example_end_to_end(tmp_path):
     fit = a_fit(BROAD, specimen=Specimen(length=0.1, temperature=296.15))
     (tmp_path / "fit.json").write_text(to_json(fit))
     written, figure = tmp_path / "door.json", tmp_path / "door.svg"
-    text = ran(tmp_path / "door.toml", "--modes", "--plot", figure, "-o", written).output
+    text = ran(tmp_path / "door.toml", "--modes", "-v", "--plot", figure, "-o", written).output
     assert "damping is not known at" in " ".join(text.split())
     assert "% of the loss" in text
     document = json.loads(written.read_text())
@@ -232,7 +232,7 @@ def test_what_a_door_cannot_be(folder, old, new, sentence):
         (("uz", "ux"), "", "no rigid motions of their points"),
         (("x [mm],y [mm],z [mm]", "x [m],y [m],z [m]"), "", "mm from the seal at"),
         (("mode,", "number,"), "", "no column is named mode"),
-        (("mode,frequency", "mode,frequency"), 'most = "0.5Hz"', "too few to tell"),
+        (("mode,frequency", "mode,frequency"), 'most = "0.5Hz"', "too few to judge"),
     ],
 )
 def test_modes_that_are_not_what_was_said(tmp_path, change, word, sentence):

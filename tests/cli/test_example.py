@@ -64,7 +64,7 @@ def test_the_first_seal_is_the_one_that_was_simulated(folder):
 
 
 def test_the_bad_tests_are_found_out(folder):
-    with pytest.raises(dp.DataError, match="saturated"):
+    with pytest.raises(dp.DataError, match="The force is clipped"):
         fit_tests(read_relaxation(folder / "clipped.csv"))
     short = fit_tests(read_relaxation(folder / "short_hold.csv"))
     assert short.verdict.use != "use"

@@ -179,7 +179,7 @@ MISTAKES = (
      f"fit rod.csv {ROD}"),
     ("fit rod.csv --shape disc:20,20 --density 1000 --mass 31.4g", "for example '20mm'",
      f"fit rod.csv {ROD}"),
-    ("fit rod.csv --shape disc:20mm --density 1000 --mass 31.4g", "expected 2, diameter, height",
+    ("fit rod.csv --shape disc:20mm --density 1000 --mass 31.4g", "expected 2: diameter, height",
      f"fit rod.csv {ROD}"),
     ("fit rod.csv --shape disc:20mm,20mm --density 1 --mass 31.4g", "such as 1100 of rubber",
      f"fit rod.csv {ROD}"),

@@ -118,7 +118,7 @@ def test_a_part_that_flows_is_said_to_flow() -> None:
     assert found.model.arms == 2
     checks = {check.name: check for check in found.checks}
     assert checks["flow_told"].passed
-    assert "the part flows" in checks["creep_finished"].says
+    assert "The part flows" in checks["creep_finished"].says
     assert "k_inf" not in found.parameters
 
 

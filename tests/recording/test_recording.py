@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
@@ -288,6 +289,21 @@ def test_a_full_disk_leaves_whole_rows(tmp_path, monkeypatch):
     assert len(text) < 3000
     rows = text.splitlines()[2:]
     assert [float(row.split(",")[0]) for row in rows] == TEST.time[: len(rows)].tolist()
+
+
+def test_a_stop_between_any_two_steps_ends_the_reading():
+    # the handler of a signal runs in the thread that reads, whatever that thread holds
+    device = simulated(speed=0.5)
+
+    def read():
+        sys.setprofile(lambda *_: device.stop())
+        for _ in device.blocks():
+            pass
+
+    reading = threading.Thread(target=read, daemon=True)
+    reading.start()
+    reading.join(timeout=5)
+    assert not reading.is_alive()
 
 
 @pytest.mark.once

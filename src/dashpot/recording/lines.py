@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import select
 import stat
-import threading
 from collections.abc import Iterator, Sequence
 
 from dashpot.base.errors import DataError, ReadError
@@ -39,7 +38,7 @@ class SerialLine:
     """
 
     def __init__(self, port: str, *, columns: Sequence[str] = COLUMNS, baud: int = 115200) -> None:
-        self._lines, self._over = Lines(columns), threading.Event()
+        self._lines, self._over = Lines(columns), False
         self._device, self._said = f"serial line {port}, {baud} baud", ""
         self._handle = _opened(port, baud)
 
@@ -51,7 +50,7 @@ class SerialLine:
     def blocks(self) -> Iterator[Block]:
         """Yield the samples that came, until the line is closed or the clock begins again."""
         try:
-            while not self._over.is_set() and not self._lines.begun_again:
+            while not self._over and not self._lines.begun_again:
                 ready, _, _ = select.select([self._handle], [], [], BEAT)
                 data = self._read() if ready else b""
                 if data is None:
@@ -63,7 +62,7 @@ class SerialLine:
 
     def stop(self) -> None:
         """End the reading within a tenth of a second."""
-        self._over.set()
+        self._over = True
 
     def _read(self) -> bytes | None:
         """What has come; None at the end of the line."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -36,7 +35,8 @@ class Paced:
             raise DataError(f"speed = {speed!r}; expected a number > 0, such as 10")
         self._time = test.time
         self._values = np.column_stack([in_unit(test.displacement, "mm"), test.force])
-        self._device, self._speed, self._over = device, speed, threading.Event()
+        # a flag: a signal's handler must not wait for a lock that its own thread holds
+        self._device, self._speed, self._over = device, speed, False
 
     def describe(self) -> Description:
         """Return what is played."""
@@ -50,12 +50,14 @@ class Paced:
             due = int(np.searchsorted(self._time, now, side="right"))
             yield self._time[sent:due], self._values[sent:due]
             sent = due
-            if self._over.wait(0 if sent == len(self._time) else BEAT):
+            if sent < len(self._time):
+                time.sleep(BEAT)
+            if self._over:
                 return
 
     def stop(self) -> None:
-        """End the playing."""
-        self._over.set()
+        """End the playing within a beat."""
+        self._over = True
 
 
 def replay(path: str | Path, *, speed: float = 1.0) -> Paced:

@@ -353,7 +353,9 @@ class Fit(ByValue, Pictured, Documented):
 
     @property
     def sound(self) -> str:
-        """How well stiffness and loss factor are known, and where."""
+        """How well stiffness and loss factor are known, and where; empty without a band."""
+        if not self.band[1] > 0:
+            return ""
         where = f"from {hertz(self.band)}"
         beyond = "Outside this band the model is an extrapolation."
         stiffness, loss_factor = self.error_in_band
