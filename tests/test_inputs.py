@@ -84,7 +84,7 @@ ASKED_OTHERWISE = {
     "filter": "nothing is filtered here", "title": "of a report", "logo": "of a report",
     "impact_temperature": "of several tests", "joint": "a button that fits both",
     "temperatures": "of each file, in the field of the one that is shown",
-    "impact": "dropped", "machine": "of the command line", "reading": "asked of each file",
+    "machine": "of the command line", "reading": "asked of each file",
     "reading_impact": "asked of each file",
 }  # fmt: skip
 """What of a job stands in no field of the page, and why."""
@@ -245,8 +245,11 @@ OWN: dict[tuple[str, str], st.SearchStrategy[Any]] = {
     ("ReadOptions", "delimiter"): st.sampled_from([";", ",", "\t", "fixed"]),
     ("ReadOptions", "decimal"): st.sampled_from([".", ","]),
     ("ReadOptions", "encoding"): st.sampled_from(["utf-8", "cp1252"]),
-    ("ReadOptions", "units"): st.dictionaries(
-        st.sampled_from(["force", "time", "my column"]), st.sampled_from(["N", "s", "m/s^2"])
+    ("ReadOptions", "units"): st.fixed_dictionaries(  # of a role's own dimension
+        {}, optional={
+            "force": st.sampled_from(["N", "kN", "V"]), "time": st.sampled_from(["s", "ms"]),
+            "my column": st.sampled_from(["N", "s", "m/s^2"]),
+        },
     ).map(lambda units: tuple(units.items())),
     ("HammerChoices", "polarity"): st.lists(st.sampled_from([1, -1]), min_size=1).map(tuple),
     ("ShiftChoices", "vertical"): st.sampled_from(["auto", "1", "T/T_r", "free"]),

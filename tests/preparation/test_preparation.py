@@ -639,11 +639,11 @@ def test_the_afm_record_holds_15_s_and_its_retraction_is_left_out(shared_data: P
 def test_the_tiny_record_of_101_rows(shared_data: Path):
     rows = np.loadtxt(shared_data / "rheos-data-time" / "data_time.csv", delimiter=",")
     found = prepare(
-        RelaxationTest(time=rows[:, 0], displacement=rows[:, 1], force=rows[:, 2], units="SI")
+        RelaxationTest(time=rows[:, 0], displacement=rows[:, 1], force=rows[:, 2], units="s, mm, N")
     )
     assert found.onset == pytest.approx(1.0, abs=1e-9)
     assert found.ramp_end == pytest.approx(3.0, abs=1e-9)
-    assert found.depth == pytest.approx(2.0)
+    assert found.depth == pytest.approx(2e-3)
     assert failed(found) == []
 
 
@@ -657,5 +657,5 @@ def test_the_adhesive_climbs_in_steps(shared_data: Path, name: str, columns, ram
     sheet = openpyxl.load_workbook(path).active
     rows = np.array([row[:3] for row in sheet.iter_rows(values_only=True)], dtype=float)
     time, force, x = (rows[:, i] for i in columns)
-    found = prepare(RelaxationTest(time=time, displacement=x, force=force, units="SI"))
+    found = prepare(RelaxationTest(time=time, displacement=x, force=force, units="s, mm, N"))
     assert f"It has {ramps} ramps" in check(found, "single_loading").says

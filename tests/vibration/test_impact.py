@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from dashpot.base.checks import Remedy
 from dashpot.base.errors import DataError
 from dashpot.base.student_t import t_quantile
 from dashpot.records.frf import FRF, Hit, Kind
@@ -260,7 +261,7 @@ def test_a_short_record_is_told_how_long_to_be(strike):
     assert long_enough.failed
     assert long_enough.limit == pytest.approx(6 / 0.354171, rel=0.02)
     assert lines.failed
-    assert "record 17" in lines.says
+    assert lines.remedy == Remedy("Record 17 s after each hit.", "hit-length", "17s")
     assert lines.value == pytest.approx(0.112747 * 4, rel=0.02)
 
 
@@ -277,8 +278,9 @@ def test_the_tip_is_judged_by_its_force_at_the_resonance(strike, milliseconds, l
 
 def test_a_tip_too_soft_is_said(strike, paper_seal):
     frf = estimate_frf(strike(hits=3, pulse=0.1, noise=(0.0, 1e-4)), band=(2, 40))
-    assert check(frf, "hammer_excites").failed
-    assert "harder tip" in check(frf, "hammer_excites").says
+    excites = check(frf, "hammer_excites")
+    assert excites.failed
+    assert excites.remedy == Remedy("Use a harder tip.")
 
 
 def test_a_heavily_damped_seal_needs_no_more(strike, broad_seal):

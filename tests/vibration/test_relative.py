@@ -248,7 +248,7 @@ def test_the_command_line_takes_it(recorded, tmp_path):
     turned = written(tmp_path / "turned.csv", recorded, sign=-1)
     said = " ".join(ran("fit", turned, *words).stdout.split())
     assert said.startswith("Do not use: ")
-    assert "The relative motion has the opposite sign" in said
+    assert "the relative motion has the opposite sign" in said
 
 
 @pytest.mark.parametrize(
@@ -258,7 +258,7 @@ def test_the_command_line_takes_it(recorded, tmp_path):
         ("mm", "(mm/s)/(m/s^2)", "relative", "a quarter turn off"),
         ("mm", "(mm/s)/(m/s^2)", "absolute", "is not that of a mass over its base"),
         ("mm", "m/(m/s^2)", "relative", "times that of a mass on a spring"),
-        ("mm", "mm/(m/s^2)", "absolute", "not relative to the base (--relative)"),
+        ("mm", "mm/(m/s^2)", "absolute", "(first line) (--relative) mass_over_base"),
         ("mm", "", "relative", "no unit"),
     ],
 )

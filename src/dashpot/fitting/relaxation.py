@@ -320,7 +320,7 @@ def _by_ramp(records: Sequence[RampHold], found: RampLaw, arms: int | None) -> F
         data,
         time=max(record.hold_time for record in records),
         own=found.model,
-        dof=max(found.estimate.dof, 1.0),
+        dof=found.estimate.dof,
     )
     from dashpot.fitting.nonlinear_ramp.assembly import ramp_fit
 
@@ -340,7 +340,7 @@ def _end_of_hold(records: Sequence[RampHold], found: Chosen, design: Design) -> 
         data,
         time=max(record.hold_time for record in records),
         own=model,
-        dof=max(found.estimate.dof, 1.0),
+        dof=found.estimate.dof,
     )
 
 

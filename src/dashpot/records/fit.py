@@ -618,10 +618,10 @@ class Fit(ByValue, Pictured, Documented):
 
     @property
     def errors_by_arm(self) -> dict[str, Any]:
-        """Standard errors laid out as the document of a model is."""
-        error = self.standard_error
+        """Standard errors laid out as the document of a model is, as `facts` tell them."""
+        error, k_inf = self.standard_error, self.arm_facts[0]
         arms = zip(error["k"], error["tau"], error["b"], strict=True)
-        return {"k_inf": error["k_inf"], "arms": tuple(MaxwellArm(*one) for one in arms)}
+        return {"k_inf": k_inf.error, "arms": tuple(MaxwellArm(*one) for one in arms)}
 
     @property
     def own_solid(self) -> dict[str, Any]:
@@ -631,7 +631,7 @@ class Fit(ByValue, Pictured, Documented):
         return {
             "family": self.family,
             **{one.name: getattr(self.solid, one.name) for one in fields(self.solid)},  # type: ignore[arg-type]
-            "standard_error": self.solid_standard_error,
+            "standard_error": {one.name: one.error for one in self.facts},
             "interval_95": self.solid_intervals(level=0.95),
         }
 

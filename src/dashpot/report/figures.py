@@ -17,7 +17,7 @@ from dashpot.workflow.study import Study
 PHONE, PAPER, PAGE = 350.0, 680.0, 1204.0
 """Widths of the drawing for a phone, for paper, and of all the columns on a screen, px."""
 
-LOW = 180.0
+LOW = 172.0
 """Height of the first figure where the numbers must stand beneath it on one screen or sheet, px."""
 
 LEAD, HALF = 728.0, 590.0

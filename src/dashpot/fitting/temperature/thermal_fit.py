@@ -117,7 +117,7 @@ def _end_of_hold(found: Thermal, made: Fit) -> EndOfHold | None:
         [relaxation_data(record, made) for record in records],
         time=max(record.hold_time for record in records),
         own=made.model,
-        dof=max(made.dof, 1.0),
+        dof=made.dof,
     )
 
 

@@ -58,9 +58,10 @@ def deviance_limit(level: float, dof: float) -> float:
     level : float
         Coverage of each limit.
     dof : float
-        Degrees of freedom of the noise.
+        Degrees of freedom of the noise; fewer than one count as one, the widest limit that there
+        is, where too few arms leave what is no noise.
     """
-    return CALIBRATION * t_quantile(level, dof) ** 2
+    return CALIBRATION * t_quantile(level, max(dof, 1.0)) ** 2
 
 
 class AdmissibleSpectra:

@@ -194,46 +194,52 @@ def mass_over_base(frf: FRF) -> Finding:
     if frf.quantity is Kind.RELATIVE_TRANSMISSIBILITY:
         # (1 - 1/T) / r^2 of a mass on a spring, linear in the gain of the one sensor
         part = float(np.median((T[low] - 1).real * (1 - r2) / r2))
-        cause = _relative_cause(part, complex(np.median(T[low].real) - 1, np.median(T[low].imag)))
+        cause, remedy = _relative_cause(
+            part, complex(np.median(T[low].real) - 1, np.median(T[low].imag))
+        )
     else:
         part = float(np.median((1 - 1 / T[low]).real / r2))
-        cause = _absolute_cause(complex(np.median(T[low].real), np.median(T[low].imag)))
+        cause, remedy = _absolute_cause(complex(np.median(T[low].real), np.median(T[low].imag)))
     return Finding(
         f"The transmissibility rises from 1 towards the resonance at {f[at]:.4g} Hz",
         part,
-        instead=f"Below {f[at]:.4g} Hz the transmissibility is not that of a mass over its base. "
+        # one sentence: a verdict must not lose the cause where it is short of words
+        instead=f"Below {f[at]:.4g} Hz the transmissibility is not that of a mass over its base; "
         + cause,
-        remedy=Remedy("Check sensors, units, and whether the motion is relative.", "relative"),
+        remedy=remedy,
     )
 
 
-def _absolute_cause(size: complex) -> str:
-    """Why a transmissibility may be of this size below its resonance."""
+def _absolute_cause(size: complex) -> tuple[str, Remedy]:
+    """Why a transmissibility may be of this size below its resonance, and what to do."""
     if 0.5 < abs(size) < 2:
         if size.real > 0:
-            return "It looks like the base over the mass; the mass over the base is needed"
-        return f"It is {size.real:.3g} there, as if one sensor had the opposite polarity"
+            return "it looks like the base over the mass", Remedy("Take mass over base.")
+        return (
+            f"it is {size.real:.3g}, as if one sensor had the opposite polarity",
+            Remedy("Turn its sign."),
+        )
     return (
-        f"It is {abs(size):.3g} there, not 1 or a little more. A unit may be wrong, or the motion "
-        "relative to the base"
+        f"it is {abs(size):.3g}, not about 1",
+        Remedy("Check units, or read it as relative to the base.", "relative"),
     )
 
 
-def _relative_cause(part: float, size: complex) -> str:
-    """Why a relative motion may be so many times that of a mass on a spring, below its resonance.
+def _relative_cause(part: float, size: complex) -> tuple[str, Remedy]:
+    """Why a relative motion may be so many times that of a mass on a spring, and what to do.
 
-    Over the motion of the base it is `size` there.
+    Below its resonance; over the motion of the base it is `size` there.
     """
     if abs(size.imag) > abs(size.real):
-        return "The relative motion is a quarter turn off, as a velocity is from a displacement"
+        return (
+            "it is a quarter turn off, as a velocity is from a displacement",
+            Remedy("Check its unit."),
+        )
     if part < 0:
-        return "The relative motion has the opposite sign; mass less base is needed"
+        return "the relative motion has the opposite sign", Remedy("Take mass less base.")
     if 0.5 < size.real < 2:
-        return "The motion looks absolute, not relative to the base"
-    return (
-        f"The relative motion is {part:.3g} times that of a mass on a spring. A unit may be wrong, "
-        "or a velocity taken for a displacement"
-    )
+        return "the motion looks absolute, not relative", Remedy("Read it as absolute.")
+    return f"it is {part:.3g} times that of a mass on a spring", Remedy("Check its unit.")
 
 
 def _turn(size: FloatArray) -> int | None:
