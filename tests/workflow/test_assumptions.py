@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from importlib import import_module
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
@@ -12,6 +13,7 @@ import pytest
 import dashpot
 from dashpot.base.checks import REGISTER, Check
 from dashpot.cli import COMMANDS, main
+from dashpot.cli._values import Keyed
 from dashpot.workflow.assumptions import ASSUMPTIONS, Assumption
 
 ROOT = Path(__file__).parents[2]
@@ -25,11 +27,21 @@ def test_every_check_and_option_named_exists(one: Assumption) -> None:
     context = click.Context(main)
     commands = [main.get_command(context, name) for name in COMMANDS]
     options = {
-        word for command in commands if command for each in command.params for word in each.opts
+        way for command in commands if command for each in command.params for way in typed(each)
     }
     assert set(one.checks) <= {name for _, name in REGISTER}
     assert set(one.options) <= options
     assert one.checks
+
+
+def typed(option: click.Parameter) -> Iterator[str]:
+    """An option as it may be named: alone, with a word that it takes, or with a key."""
+    for word in option.opts:
+        yield word
+        if isinstance(option.type, Keyed):
+            yield from (f"{word} {key}{option.type.sign}" for key in option.type.fields)
+        elif isinstance(option.type, click.Choice):
+            yield from (f"{word} {choice}" for choice in option.type.choices)
 
 
 def test_the_page_is_the_list() -> None:
