@@ -120,14 +120,24 @@ def test_a_residual_of_500_noise_sd_is_not_to_be_used() -> None:
     assert not found.ok
 
 
-def test_an_equilibrium_stiffness_of_0_to_93_is_not_to_be_used() -> None:
+def test_a_hold_that_ends_early_tells_its_end_and_no_equilibrium_stiffness() -> None:
+    """What is used is the stiffness at the end of the hold; k_inf is at most so much."""
     flowing = dp.GeneralizedMaxwell(30.0, (150.0,), (60.0,))
     found = fit_tests(prepared(answer(flowing, hold=4.0), hold=4.0, noise=5e-3))
     low, high = found.intervals()["k_inf"]
-    assert low < 1
+    assert low == 0
     assert high > 93
-    assert found.verdict.use == "do not use"
-    assert "k_inf_known" in {check.name for check in found.verdict.because}
+    (k_inf,) = [fact for fact in found.facts if fact.name == "k_inf"]
+    assert k_inf.error is None
+    assert k_inf.topped
+    assert found.left_open is not None
+    low, high = found.left_open["k_end"]
+    assert 0.9 * flowing.relaxation(4.0) < low < flowing.relaxation(4.0) < high
+    assert high < 1.1 * flowing.relaxation(4.0)
+    assert found.verdict.use == "use"
+    assert found.band[0] > 0.03  # not at rest
+    outside = {check.name for check in found.checks if check.passed is False}
+    assert {"hold_long_enough", "k_inf_positive"} <= outside
 
 
 def test_no_arms_on_a_force_that_relaxes_is_not_to_be_used() -> None:

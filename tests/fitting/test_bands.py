@@ -12,7 +12,7 @@ from kit.fits import altered
 from dashpot.base.errors import DataError
 from dashpot.fitting.relaxation import fit
 from dashpot.fitting.uncertainty import admissible_spectra
-from dashpot.fitting.uncertainty.admissible_spectra import AdmissibleSpectra
+from dashpot.fitting.uncertainty.admissible_spectra import AdmissibleSpectra, deviance_limit
 from dashpot.fitting.uncertainty.prediction_bounds import (
     frf_band,
     parameter_band,
@@ -26,6 +26,7 @@ from dashpot.records.frf import FRF
 from dashpot.records.machine import Machine
 from dashpot.records.relaxation import RampHold, RelaxationTest
 from dashpot.simulation.relaxation import simulate_relaxation
+from dashpot.simulation.rig import Rig
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.table_1 import BROAD, BROAD_MASS, PAPER
 
@@ -54,6 +55,27 @@ def test_the_band_opens_where_the_test_is_blind(broad_fit: Fit, broad_test: Ramp
     assert np.ptp(unknown.loss) > 2 * np.ptp(band.loss[:, 1])
     assert width[4] > 1.0  # 12.71 Hz: it does not
     assert width[5] > width[4]
+
+
+def test_a_fit_of_too_few_arms_has_limits_although_it_leaves_no_degree_of_freedom() -> None:
+    """One arm for Table 1's two, no noise: what is left are some six slow swings."""
+    test = prepare(simulate_relaxation(PAPER, rig=Rig().noise_free()).test)
+    one = fit(test, arms=1)
+    assert one.dof < 1
+    with np.errstate(all="raise", under="ignore"):
+        band = unseen_arm_band(one, test, AT)
+    truth = PAPER.complex_stiffness(omega=2 * np.pi * AT)
+    for limits, value in ((band.storage, truth.real), (band.loss, truth.imag)):
+        assert np.isfinite(limits).all()
+        assert (limits[0] <= value).all()
+        assert (value <= limits[1]).all()
+
+
+def test_the_limit_of_the_deviance_is_widest_at_one_degree_of_freedom() -> None:
+    at = [deviance_limit(0.95, dof) for dof in (0.0, 0.99, 1.0, 1.01, 1e6)]
+    assert at[0] == at[1] == at[2] > at[3] > at[4]
+    assert at[2] == pytest.approx(5.0 / 3.841 * 12.7062**2, rel=1e-5)
+    assert at[4] == pytest.approx(5.0, rel=1e-3)
 
 
 def test_the_formal_band_of_two_arms_is_absurdly_narrow() -> None:

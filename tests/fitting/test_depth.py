@@ -130,7 +130,9 @@ def test_what_cannot_be_asked_is_refused(paper_seal: GeneralizedMaxwell) -> None
         replace(quasi_linear(paper_seal, depth), specimen=Specimen(temperature=kelvin))
         for depth, kelvin in ((4e-3, 296.15), (8e-3, 273.15))
     )
-    with pytest.raises(FitError, match=r"at several temperatures .* leave out .*--depth-law"):
+    with pytest.raises(
+        FitError, match=r"at several temperatures .* leave out .*--elastic by-depth"
+    ):
         fit_depths([warm, chilled])
     with pytest.raises(FitError, match=r"a nonlinear law .*: leave out --thorough"):
         fit(warm, law="nonlinear", thorough=True)

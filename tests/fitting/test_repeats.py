@@ -88,7 +88,7 @@ def test_two_lots_are_told_apart_and_each_is_given(baseline):
     check = next(check for check in fit.checks if check.name == "same_specimen")
     assert check.failed
     assert check.grade == "stop"
-    assert "+50 % apart" in check.says
+    assert "differ by +50 % at one depth" in check.says
     assert fit.verdict.use == "do not use"
 
 

@@ -104,7 +104,7 @@ def test_without_labels_every_test_is_a_point(lot):
     nothing = lot.table["lot"].str.slice(0, 0)
     page = html(replace(lot, table=lot.table.with_columns(lot=nothing, seal=nothing)))
     assert "Stiffness at the end of the hold, N/mm: one test each" in page
-    assert "Not told apart" in page
+    assert "Not known. Name the lot, seal and repeat of each test" in page
 
 
 @browser.needs_browser

@@ -188,7 +188,8 @@ def test_lots_tested_otherwise_are_not_called_the_same_test():
     (check,) = [each for each in found.checks if each.name == "lots_tested_alike"]
     assert check.failed
     assert "depth 0.008 and 0.006 m" in check.says
-    assert [each.says[:3] for each in found.checks if each.name == "files_fitted"] == ["A: ", "B: "]
+    fitted = [each.says[:5] for each in found.checks if each.name == "files_fitted"]
+    assert fitted == ["In A,", "In B,"]
     assert not compared(("A", lot_of(one)), ("B", lot_of(one))).checks[0].failed
 
 

@@ -216,25 +216,27 @@ def _ranges(when: FloatArray, values: FloatArray, at: FloatArray) -> tuple[Float
 def fitted_force(one: Fit, prepared: RampHold) -> tuple[FloatArray, FloatArray]:
     """Time from first contact and the force that the fit says at it, N.
 
-    A fit of the hold answers to the ideal ramp of the paper's eq. (5), on the hold only. Every
-    other answers to the motion behind the recorded displacement, bent by the elastic law, with the
-    offset, drift and delay that the fit found.
+    A fit of the hold answers to the ideal ramp of the paper's eq. (5), on the hold only, and its
+    drift begins there. Every other answers to the motion behind the recorded displacement, bent by
+    the elastic law. Offset, drift and delay are those that the fit found.
     """
     one = _at_temperature(one, prepared)
     solid = _at_depth(one, prepared.depth)
     if one.method == "hold":
-        since = prepared.time[prepared.hold] - prepared.onset
-        return since, solid.maxwell.ramp_hold_force(
-            since, depth=prepared.depth, ramp_time=prepared.ramp_time
+        used = prepared.hold
+        time, begun = prepared.time[used], prepared.ramp_end
+        force = solid.maxwell.ramp_hold_force(
+            time - prepared.onset, depth=prepared.depth, ramp_time=prepared.ramp_time
         )
-    used = slice(0, prepared.hold.stop)
-    time, (x, _) = prepared.time[used], true_motion(prepared)
-    law = one.elastic_law
-    path = x - x[0] if law is None or law.kind == "linear" else law.path(x - x[0])
-    force = solid.force(time, path)
+    else:
+        used = slice(0, prepared.hold.stop)
+        time, (x, _) = prepared.time[used], true_motion(prepared)
+        law, begun = one.elastic_law, time[0]
+        path = x - x[0] if law is None or law.kind == "linear" else law.path(x - x[0])
+        force = solid.force(time, path)
     terms = {
         "offset": np.ones(len(time)),
-        "drift": time - time[0],
+        "drift": time - begun,
         "delay": -np.gradient(force, time),
     }
     told = {term.name: term.value for term in one.nuisance if term.name in terms}
