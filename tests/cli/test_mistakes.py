@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import json
 import shlex
+from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 
 import pytest
+from click.testing import Result
 from kit.kinds import bench, files, hammer, ramp_and_hold
 from kit.shell import ran
 
@@ -245,6 +248,21 @@ def lab(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.fixture(scope="module")
+def once() -> Callable[[str], Result]:
+    """A line is run once: many mistakes lead to the same one."""
+    return cache(lambda line: ran(*shlex.split(line)))
+
+
+@pytest.fixture
+def does(
+    lab: Path, once: Callable[[str], Result], monkeypatch: pytest.MonkeyPatch
+) -> Callable[[str], Result]:
+    """What a line does in the laboratory's folder."""
+    monkeypatch.chdir(lab)
+    return once
+
+
 def test_there_are_many() -> None:
     assert len({typed for typed, *_ in MISTAKES}) == len(MISTAKES)
     assert len(MISTAKES) > 100
@@ -252,16 +270,15 @@ def test_there_are_many() -> None:
 
 @pytest.mark.parametrize(("typed", "says", "obeyed"), MISTAKES, ids=[one[0] for one in MISTAKES])
 def test_a_mistake_is_answered_with_what_to_do(
-    lab: Path, monkeypatch: pytest.MonkeyPatch, typed: str, says: str, obeyed: str
+    does: Callable[[str], Result], typed: str, says: str, obeyed: str
 ) -> None:
-    monkeypatch.chdir(lab)
-    wrong = ran(*shlex.split(typed))
+    wrong = does(typed)
     assert wrong.exit_code == 2, wrong.output
     assert wrong.stdout == ""
     assert "Traceback" not in wrong.stderr
     assert says in " ".join(wrong.stderr.split())
     if obeyed:
         writes = any(word in obeyed for word in (" -o ", "--plot", "--save ", "--project"))
-        more = ["--overwrite"] if writes and not obeyed.startswith("batch") else []
-        right = ran(*shlex.split(obeyed), *more)
+        more = " --overwrite" if writes and not obeyed.startswith("batch") else ""
+        right = does(obeyed + more)
         assert right.exit_code == 0, right.output

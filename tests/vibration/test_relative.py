@@ -285,7 +285,7 @@ def test_a_motion_said_to_be_relative_that_is_not_is_told(tmp_path):
     path = tmp_path / "t.csv"
     write_frf(over_base(np.arange(3.0, 30.0, 0.1), "transmissibility"), path)
     heard = " ".join(ran("fit", path, *MASS, "--relative").output.split())
-    assert "The motion looks absolute" in heard
+    assert "the motion looks absolute" in heard
     forced = tmp_path / "forced.csv"
     write_frf(over_base(np.arange(3.0, 30.0, 0.5), "accelerance"), forced)
     assert "leave out" in ran("fit", forced, *MASS, "--relative").output

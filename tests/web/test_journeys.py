@@ -501,7 +501,9 @@ def tree(page, part="body"):
     told = page.at.locator(part).aria_snapshot()
     told = re.sub(r"[−-]?\d[\d.,]*", "#", told)
     told = re.sub(
-        r"(strong|paragraph): \"?(Use|Do not use|From|The damping at)\b.*", r"\1: ...", told
+        r"(strong|paragraph): \"?(Use|Do not use|From|The damping at|The predicted damping)\b.*",
+        r"\1: ...",
+        told,
     )
     told = re.sub(r"(?m)^( +- img) \"(stop|limit|note)\"\n +- text: .*", r"\1: ...", told)
     told = re.sub(r"(?s)( +- listitem:\n +- img: \.\.\.\n)\1+", r"\1", told + "\n")

@@ -201,7 +201,7 @@ def test_a_warm_and_a_cold_test_share_one_solid(store, at_home):
     assert told == shell.told("fit", *words)
     assert len(told["temperature"]["shifts"]) == 2
     assert head["command"].startswith("dashpot report warm.csv cold.csv")
-    with pytest.raises(dp.DataError, match="cut one relaxation test"):
+    with pytest.raises(dp.DataError, match="--cuts cuts one relaxation test, and there are 2 here"):
         ask("settle", store, job=job | {"cuts": {"hold_end": 20.0}})
 
 

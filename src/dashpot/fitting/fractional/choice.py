@@ -399,9 +399,10 @@ def beside(
     else:
         at = max(10.0, 10.0 ** np.ceil(np.log10(apart)))
         a, b = (complex(solid.complex_stiffness(omega=2 * np.pi * at)) for solid in (mine, other))
+        then = sentence(f"{further} separates them")
         says = (
             f"{both}. From {apart:.2g} Hz on the two differ: at {at:g} Hz the loss factor is "
             f"{a.imag / a.real:.3g} by this model and {b.imag / b.real:.3g} by the other, the "
-            f"stiffness {100 * (b.real / a.real - 1):+.2g} %. {further} separates them"
+            f"stiffness {100 * (b.real / a.real - 1):+.2g} %. {then}"
         )
     return Alternative(other, rise, explains, apart, sentence(says))
