@@ -320,3 +320,16 @@ def test_what_a_rig_hides_is_inside_the_limits(rig: str) -> None:
 def test_of_a_third_of_the_truths_at_most_one_is_missed(rig: str) -> None:
     truths = range(1, len(TRUTHS), 3)
     assert sum(not holds(truth, rig) for truth in truths) <= 1
+
+
+def test_limits_hold_the_solid_that_is_shown():
+    """A fractional solid's own k_inf lies above the bound of arms: it is not printed outside it."""
+    record = prepare(simulate_relaxation(PAPER, hold_time=40.0, seed=1).test)
+    found = fit(record, family="fractional")
+    (shown,) = [one for one in found.facts if one.name == "k_inf"]
+    assert shown.value <= shown.high
+    limits = found.left_open
+    assert limits is not None
+    here, later = (float(found.model.relaxation(n * found.end_of_hold.time)) for n in (1, 3))
+    assert limits["k_end"][0] <= here <= limits["k_end"][1]
+    assert limits["k_3end"][0] <= later <= limits["k_3end"][1]

@@ -12,6 +12,7 @@ at the time T that it was held, and less and less of it at 3 T, and how steeply 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -52,16 +53,28 @@ def end_of_hold(
     at_once = spectra.relaxed_to(np.inf)
     k_end, k_3end = (_above_zero(spectra.reach(spectra.relaxed_to(n * time))) for n in (1, 3))
     falling = spectra.falling_at(time)
-    here, later = (float(own.relaxation(n * time)) for n in (1, 3))
+    here = float(own.relaxation(time))
     missed = max(k_end[0] - here, here - k_end[1], 0.0)
-    return EndOfHold(
+    found = EndOfHold(
         time=time,
-        k_end=_holding(k_end, here),
-        k_3end=_holding(k_3end, later),
-        k_inf=(0.0, max(float(at_once @ spectra.farthest(at_once)), own.k_inf)),
+        k_end=k_end,
+        k_3end=k_3end,
+        k_inf=(0.0, float(at_once @ spectra.farthest(at_once))),
         falling=float(falling @ spectra.farthest(falling)),
         beyond=missed / max(k_end[1] - k_end[0], 1e-300),
         named=_left_if_named(relaxations, spectra, time),
+    )
+    return holding(found, own)
+
+
+def holding(end: EndOfHold, own: GeneralizedMaxwell) -> EndOfHold:
+    """Return limits that hold a fit itself, too: nothing is printed outside its own interval."""
+    here, later = (float(own.relaxation(n * end.time)) for n in (1, 3))
+    return replace(
+        end,
+        k_end=_holding(end.k_end, here),
+        k_3end=_holding(end.k_3end, later),
+        k_inf=(0.0, max(end.k_inf[1], own.k_inf)),
     )
 
 
