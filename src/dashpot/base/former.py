@@ -24,8 +24,7 @@ FORMER: Mapping[str, str] = MappingProxyType({
         "isolation_frequency", "mac", "planar_body", "point_mass", "predict_frf", "random_base",
         "random_response", "response_at_level", "stabilisation")},
     **{name: f"{_FILES}.{name}" for name in (
-        "Trajectory", "planned_trajectory", "read_modes", "read_shifts", "read_trajectory",
-        "recording")},
+        "Trajectory", "planned_trajectory", "read_modes", "read_shifts", "read_trajectory")},
     "fit_exponential_sum": "dp.solids.exponential_sum",
     "fit_many": 'dp.batch: dp.batch(forces, time=t, displacement=x, units="s, mm, N")',
     "inspect_file": "dp.inspect",
