@@ -27,6 +27,9 @@ from dashpot.solids.maxwell import GeneralizedMaxwell  # noqa: E402
 from dashpot.solids.table_1 import BROAD, BROAD_MASS  # noqa: E402
 from dashpot.vibration.impact.frf_estimation import estimate_frf  # noqa: E402
 
+collect_ignore = ["public_use.py"]
+"""Read by a type checker, never run."""
+
 # how long an example takes is the machine's affair
 settings.register_profile("dashpot", deadline=None)
 settings.load_profile("dashpot")
