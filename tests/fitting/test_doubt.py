@@ -282,7 +282,8 @@ def test_what_creeps_on_is_correlated_by_itself() -> None:
     own = np.concatenate((found.fixed, found.arms), axis=1)
     direct = np.concatenate((whole.fixed, whole.arms), axis=1)
     scale = np.linalg.norm(direct, axis=0)
-    assert np.abs((own.T @ own - direct.T @ direct) / np.outer(scale, scale)).max() < 1e-9
+    # the ridge may take 1e-9, and rounding beside it as much as the processor's sums leave
+    assert np.abs((own.T @ own - direct.T @ direct) / np.outer(scale, scale)).max() < 2e-9
 
 
 def test_a_column_of_nothing_stays_nothing_and_rounding_is_refused() -> None:
