@@ -302,7 +302,7 @@ def characterise(
                 measured, tests=every, fit=chosen, mass=given, seals=seals, band=band,
                 compression=felt.compression, family=family,
             )  # fmt: skip
-            on = on._replace(mass=_mass_of(both, mass))
+            on = on._replace(mass=both.mass_found or mass, seals=seals * both.under_hammer)
             mended = _Mended(both, *_predicted(both, measured, on))
     doing("bounding what the tests leave open")
     hold_fit, checks = _by_the_paper(every, chosen)
@@ -487,11 +487,6 @@ def _prediction_bounds(
     near = np.geomspace(max(low, 0.75 * top), min(high, 1.3 * top), PEAK_LINES)
     lines = np.union1d(np.geomspace(low, high, BAND_LINES), near if near[0] < near[-1] else ())
     return frf_limits(chosen, prepared, point, mass=mass, frequency=lines, seals=seals)
-
-
-def _mass_of(joint: Fit, mass: float) -> float:
-    """Return the mass that the joint fit settled on."""
-    return next((item.value for item in joint.nuisance if item.name == "mass"), mass)
 
 
 def _by_the_paper(tests: Sequence[RampHold], chosen: Fit) -> tuple[Fit | None, tuple[Check, ...]]:
