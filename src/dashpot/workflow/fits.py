@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
@@ -18,12 +18,12 @@ from dashpot.io.options import ReadOptions
 from dashpot.io.readers.recognise import recognise
 from dashpot.io.source import about
 from dashpot.kinds import FIT_FILES, KINDS, load, row_of
-from dashpot.preparation.prepare import prepare
 from dashpot.records.fit import Fit
 from dashpot.records.machine import Machine
 from dashpot.records.relaxation import RampHold, RelaxationTest
 from dashpot.records.specimen import Specimen
 from dashpot.workflow.job import Cuts, Job, known_of_a_test
+from dashpot.workflow.prepared import prepared_tests
 from dashpot.workflow.shifting import ShiftChoices, each_specimen, one_temperature, shifted_ramps
 
 if TYPE_CHECKING:
@@ -120,37 +120,6 @@ class BenchAsked:
                 "leave out --method, --elastic and --model"
             )
 
-    def prepared(
-        self, tests: Sequence[RelaxationTest | RampHold], *, judged: bool
-    ) -> tuple[RampHold, ...]:
-        """Prepare ramps and holds; what is prepared already stays as it is.
-
-        Raises
-        ------
-        FitError
-            If it is said how to prepare them, and one is prepared.
-        """
-        self.cuts.refuse_several(len(tests))
-        ready = any(isinstance(test, RampHold) for test in tests)
-        if ready and (self.filter or self.machine or self.cuts != Cuts()):
-            raise FitError(
-                "a test that is prepared already is fitted as it is: say filter, machine and cuts "
-                "in test.prepare(...)"
-            )
-        return tuple(
-            test
-            if isinstance(test, RampHold)
-            else prepare(
-                test,
-                filter=self.filter,
-                machine=self.machine,
-                cycle=self.cycle,
-                judged=judged,
-                **asdict(self.cuts),
-            )
-            for test in tests
-        )
-
 
 def fit_files(
     files: Sequence[str | Path],
@@ -212,7 +181,10 @@ def fit_records(
     if crept:
         asked.refuse_beside_creep(others=len(tests) - len(crept))
         return _crept(crept, asked, name)
-    prepared = asked.prepared(pressed, judged=asked.intervals or len(pressed) < len(tests))
+    prepared = prepared_tests(
+        pressed, filter=asked.filter, machine=asked.machine, cuts=asked.cuts, cycle=asked.cycle,
+        judged=asked.intervals or len(pressed) < len(tests),
+    )  # fmt: skip
     known_of_a_test(asked.machine, tests=len(prepared), add="a ramp and hold")
     if len(pressed) == len(tests):
         return _pressed(prepared, asked), prepared
