@@ -215,5 +215,5 @@ def _of_door(
         return Outcome(closed, shuts, closed.checks, verdict=closed.verdict)
     said = door(found, every=every)
     checks = tuple(dict.fromkeys((*found.checks, *closed.checks)))
-    text = Text([*said.lines, *shuts.lines], [*said.details, *shuts.details])
+    text = Text([*said.lines, *shuts.lines], [*said.details, *shuts.details], said.asked)
     return Outcome(Both(found, closed), text, checks, verdict=verdict(checks, sound=closed.sound))
