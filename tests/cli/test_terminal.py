@@ -62,6 +62,14 @@ def test_what_is_cut_is_said_to_be(rows, more):
     assert len(printed) <= LINES
 
 
+def test_what_was_asked_for_is_never_cut():
+    body, wanted = [f"line {i}" for i in range(80)], [f"share {i}" for i in range(50)]
+    found = shown(Text(body, asked=wanted), None, [Check("one", True, "")])
+    assert [line for line in found if line.startswith("share")] == wanted
+    assert found[-2:] == ["  checks      1 passed", "  more with -v"]
+    assert len(found) == LINES + len(wanted)
+
+
 def test_what_an_inspection_asks_stands_above_the_columns(tmp_path):
     names = ",".join(f"channel {i}" for i in range(60))
     rows = "\n".join(",".join(f"{i * j % 7}.5" for j in range(60)) for i in range(40))

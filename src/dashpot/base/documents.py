@@ -40,7 +40,7 @@ class Documented:
 
     @property
     def digested(self) -> bool:
-        """Whether its document ends with a digest of the rest."""
+        """Whether its document ends with a digest of the rest, as one does that takes such in."""
         return False
 
     @property
@@ -50,7 +50,8 @@ class Documented:
         kind: Any = type(self)
         for key in _keys(kind):
             found |= key.item(self)
-        return {**found, DIGEST: digest_of(found)} if self.digested else found
+        sealed = found.pop(DIGEST, None) is not None or self.digested
+        return {**found, DIGEST: digest_of(found)} if sealed else found
 
 
 class _Key(NamedTuple):

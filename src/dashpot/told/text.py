@@ -116,7 +116,7 @@ def _beside(found: Fit) -> list[str]:
 
 
 def _nuisance(found: Fit) -> list[str]:
-    each = (item.fact for item in found.nuisance)
+    each = (item.fact for item in found.also_fitted)
     listed = ascii_only(", ".join(f"{one.called} {one.cells.with_unit}" for one in each))
     return [f"  also fitted {listed}"] if listed else []
 

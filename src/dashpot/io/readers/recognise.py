@@ -17,7 +17,6 @@ from dashpot.io.readers import channels
 from dashpot.io.readers.channels import Opened
 from dashpot.io.readers.relaxation import moving_columns, recorded
 from dashpot.io.source import Raw, about, like_json, open_raw
-from dashpot.io.toml import tables_of
 from dashpot.signals.loading import held_throughout, loading_in
 
 _SCHEMA = re.compile(rb'"schema"\s*:\s*"dashpot/([a-z-]+)@')
@@ -189,6 +188,8 @@ def _toml(path: str | Path) -> Recognised | None:
     """What a file that is called TOML states; None of one that is not."""
     if Path(path).suffix.casefold() != ".toml":
         return None
+    from dashpot.io.toml import tables_of
+
     _, tables = tables_of(path)
     if "door" in tables:
         return Recognised("door", "it has the table [door]")
