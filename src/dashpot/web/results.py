@@ -12,7 +12,7 @@ from dashpot.records.relaxation import RampHold, RelaxationTest
 from dashpot.vibration.systems.prediction import highest_peak
 from dashpot.web import records
 from dashpot.workflow.job import Job, deciding
-from dashpot.workflow.predictions import Prediction, predict_files
+from dashpot.workflow.predictions import Prediction, prediction
 from dashpot.workflow.prepared import prepared_tests
 from dashpot.workflow.shifting import each_specimen
 from dashpot.workflow.study import Study, of_solid, run
@@ -115,12 +115,12 @@ def base_motion(job: Job) -> Prediction:
         raise DataError("no mass is given: say what rests on the seals, such as 104 g")
     solid = found.joint or found.fit
     top = highest_peak(job.seals * solid.solid.k_0, found.mass)
-    return predict_files(
+    return prediction(
         solid,
         mass=found.mass,
         seals=job.seals,
         band=job.band or (float(f"{top / 5:.2g}"), float(f"{4 * top:.2g}")),
-        kind="transmissibility",
+        base=True,
         compression=job.compression,
     )
 
