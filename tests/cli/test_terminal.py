@@ -227,6 +227,14 @@ def test_open_shows_the_page_or_says_why_not(tmp_path, monkeypatch):
     assert "could not be opened" in CliRunner().invoke(command, ["a.png", "--open"]).stderr
 
 
+def test_a_planned_test_is_rehearsed_as_it_was_planned():
+    words = ["--frequency", "12Hz", "--depth", "4mm", "--hold", "5s", "--seal", "broad"]
+    told = ran("plan", *words, "--noise", "2mN").stderr
+    assert told.startswith(
+        "next: dashpot simulate relaxation --depth 4mm --hold 5s --seal broad -o"
+    )
+
+
 def test_next_is_typed_as_the_shell_reads_it():
     assert _shell.typed("fit", "my seal.csv", why="again") == "dashpot fit 'my seal.csv'  # again"
 

@@ -150,6 +150,17 @@ def test_so_does_a_force_where_the_displacement_goes_on(
     assert recognise(path).kind == kind
 
 
+@pytest.mark.parametrize(
+    ("base", "what"), [("a0", "a shaken base with its mass"), (None, "a hammer file")]
+)
+def test_a_base_that_shakes_is_not_called_a_hammer_file(
+    tmp_path: Path, base: str | None, what: str
+) -> None:
+    motion = np.sin(30 * CLOCK)
+    path = written(tmp_path, csv("time [s],a0 [m/s^2],a1 [m/s^2]", CLOCK, motion, 2 * motion))
+    assert recognise(path, ReadOptions(base_acceleration=base)).what == what
+
+
 def test_a_tension_test_with_a_clock_is_none(tmp_path: Path) -> None:
     pulled = csv("time [s],strain [%],stress [MPa]", CLOCK, 2 * CLOCK, np.sqrt(CLOCK))
     assert recognise(written(tmp_path, pulled)).kind == "stress-strain"

@@ -66,17 +66,20 @@ class Recognised:
         Whether it is a result, or a record, that dashpot wrote as JSON.
     simulated : bool
         Whether a table says that it was made by the virtual rig or hammer.
+    on_a_base : bool
+        Whether an acceleration is said to be that of the base: then nothing struck.
     """
 
     kind: str
     reason: str
     stored: bool = False
     simulated: bool = False
+    on_a_base: bool = False
 
     @property
     def what(self) -> str:
         """What such a file is called."""
-        return called(self.kind)
+        return "a shaken base with its mass" if self.on_a_base else called(self.kind)
 
     @property
     def use(self) -> str:
@@ -131,7 +134,9 @@ def recognise(
         return bare
     file = channels.read_once(bare)
     with about(file.raw.name):
-        found = Recognised(*recognise_opened(file), simulated=file.table.simulated)
+        kind, reason = recognise_opened(file)
+        shaken = kind == "impact" and file.options.base_acceleration is not None
+        found = Recognised(kind, reason, simulated=file.table.simulated, on_a_base=shaken)
     channels.leave_open(path, file)
     return found
 
