@@ -86,8 +86,9 @@ def _cleared(folder: str, left: list[str]) -> Outcome:
     """What is said of a folder that is no project."""
     check = workflow.left_by_killed_runs(Path(folder))
     found = Verification(folder, "", (check,))
-    gone = "" if check.failed else f"{counted(len(left), 'half-written file')} cleared"
-    text = Text([] if check.failed else [f"cleared {one}" for one in left], [])
+    did = "left" if check.failed else "cleared"
+    gone = f"{counted(len(left), 'half-written file')} {did}"
+    text = Text([f"{did} {one}" for one in left], [])
     return Outcome(found, text, (check,), verdict=verdict((check,), sound=gone))
 
 
