@@ -100,7 +100,7 @@ def test_what_cannot_be_read_says_so_in_the_readers_words(visit, files):
     page.done()
     # the fit of the other file takes nothing of it back
     assert page.at.get_by_role("alert").inner_text().count("noise.csv") == 1
-    page.at.get_by_role("button", name="remove noise.csv").click()
+    page.at.get_by_role("button", name="Remove noise.csv", exact=True).click()
     page.at.get_by_role("alert").wait_for(state="hidden")
 
 

@@ -38,7 +38,8 @@ class Store:
     def __init__(self, folder: str | Path | None = None) -> None:
         self.folder = Path(folder or tempfile.mkdtemp(prefix=_NAMED))
         self._held = ExitStack()
-        self._held.enter_context(alone(self.folder / _LOCK, str(self.folder)))
+        if folder is None:
+            self._held.enter_context(alone(self.folder / _LOCK, str(self.folder)))
 
     async def keep(self, name: str, blocks: AsyncIterator[bytes], *, limit: int = LIMIT) -> str:
         """Write a file as it comes, and return its identity.
