@@ -33,10 +33,13 @@ class Documented:
         left out where it is None, with ``"~"`` numbers that are not finite are None.
         ``"*fit.values"``: every item of a mapping, or of another document, under its own;
         ``"*"``: every field of the dataclass, as where there are no keys.
+    read_back : bool
+        Whether a document with a schema holds all of the noun, so that it is read again.
     """
 
     schema: ClassVar[str] = ""
     keys: ClassVar[tuple[str, ...]] = ()
+    read_back: ClassVar[bool] = True
 
     @property
     def digested(self) -> bool:

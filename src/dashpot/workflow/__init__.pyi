@@ -14,7 +14,6 @@ from dashpot.kinds.cld.record import CLD as CLD
 from dashpot.kinds.cld.record import RateLaw as RateLaw
 from dashpot.kinds.cld.record import RelaxedLaw as RelaxedLaw
 from dashpot.kinds.hyperelastic.from_files import hyperelastic_files as hyperelastic_files
-from dashpot.kinds.indentation.from_files import Indentation as Indentation
 from dashpot.kinds.indentation.from_files import indent_file as indent_file
 from dashpot.planning.bench import Bench as Bench
 from dashpot.planning.plan import plan as plan
