@@ -10,9 +10,9 @@ import json
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
+from kit.crafted.dialects import DIALECTS
 from kit.fuzzing import Fuzzer
 from kit.instruments import one_of_each
-from kit.look_alikes import DIALECTS
 from kit.mutants import altered, repacked, texts, tries, wounded
 
 pytestmark = pytest.mark.fuzz
