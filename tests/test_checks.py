@@ -738,16 +738,12 @@ IDENTIFICATION = [
         1.299,
         1.301,
     ),
-    Case(
-        "mass_believable", lambda x: identification.mass_believable("", -2 * x, 2.0), 2.499, 2.501
-    ),
-    Case("gain_believable", lambda x: identification.gain_believable("", 2 * x, 2.0), 2.499, 2.501),
-    Case(
-        "delay_believable", lambda x: identification.delay_believable("", 2 * x, 2.0), 2.499, 2.501
-    ),
+    Case("mass_believable", lambda x: identification.mass_believable(-2 * x, 2.0), 2.499, 2.501),
+    Case("gain_believable", lambda x: identification.gain_believable(2 * x, 2.0), 2.499, 2.501),
+    Case("delay_believable", lambda x: identification.delay_believable(2 * x, 2.0), 2.499, 2.501),
     Case(
         "stiffness_believable",
-        lambda x: identification.stiffness_believable("", 2 * x, 2.0),
+        lambda x: identification.stiffness_believable(2 * x, 2.0),
         2.499,
         2.501,
     ),
@@ -1732,7 +1728,7 @@ def test_no_document_and_no_comparison_of_checks_holds_the_status_that_they_set(
             lambda x: identification.relaxation_still_explained(1, x), 3.9, 4.1, id="relaxation"
         ),
         pytest.param(
-            lambda x: identification.mass_believable("", x, 1.0), 9.9, 10.1, id="mass_believable"
+            lambda x: identification.mass_believable(x, 1.0), 9.9, 10.1, id="mass_believable"
         ),
         pytest.param(
             lambda x: comparison.stiffness_agrees(

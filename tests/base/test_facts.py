@@ -95,6 +95,19 @@ def test_what_is_not_known_is_null_and_what_is_not_there_is_left_out() -> None:
     assert seal != digest_of(found | {"high": 1})
 
 
+@dataclass(frozen=True)
+class Taken(Documented):
+    keys = ("*whole", "more")
+
+    whole: Whole
+    more: float = 2.0
+
+
+def test_what_takes_in_a_sealed_document_is_sealed_as_a_whole() -> None:
+    found = Taken(Whole(Part(1.0))).document
+    assert found[DIGEST] == digest_of(found) != Whole(Part(1.0)).document[DIGEST]
+
+
 def test_the_fields_go_back_the_way_they_came() -> None:
     laid = {"law": "linear", "high": 2.0, "k": 3.0, "strange": 4.0}
     assert fields_of(Result, laid) == {

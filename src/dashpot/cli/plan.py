@@ -140,10 +140,8 @@ def command(
     rehearsed = typed(
         "simulate",
         "relaxation",
-        *given(
-            _PLANNED,
-            but=_NOT_REHEARSED,
-        ),
+        *given(_PLANNED, but=_NOT_REHEARSED),
+        *(() if guess is None else ("--seal", guess)),
         "-o",
         "rehearsal.csv",
         why="rehearses it",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,11 +17,13 @@ from dashpot.base.status import Status
 from dashpot.base.units import celsius, written
 from dashpot.preparation.contact import MIN_BASELINE, Baseline, Touch
 from dashpot.preparation.denoising import CORNERS, LOST, bends, but_corners, true_motion
-from dashpot.records.creep import LoadHold
 from dashpot.records.relaxation import MAX_CREEP, RampHold, quantum
 from dashpot.records.specimen import Specimen
 from dashpot.signals.noise import median_of_three, spikes, usual_scatter
 from dashpot.signals.segments import RampHoldCycle
+
+if TYPE_CHECKING:
+    from dashpot.records.creep import LoadHold
 
 LAW = "by law; a tenth for noise and drift"
 MIN_QUANTA = 20.0

@@ -195,8 +195,10 @@ def weighty(study: Study, found: Recommendation) -> tuple[tuple[Weighty, ...], i
     return tuple(failed[:shown]), len(failed) - shown
 
 
-def parts(stages: Iterable[tuple[str, tuple[Check, ...]]]) -> list[tuple[str, list[Check]]]:
-    """The checks of each folded part of the page, and of all."""
+def parts(
+    stages: Iterable[tuple[str, tuple[Check, ...]]], weighed: Iterable[Check]
+) -> list[tuple[str, list[Check]]]:
+    """The checks of each folded part of the page; over the list of all those of the verdict."""
     of_part = {
         "test": ("relaxation",),
         "fit": ("fit",),
@@ -209,7 +211,7 @@ def parts(stages: Iterable[tuple[str, tuple[Check, ...]]]) -> list[tuple[str, li
         (part, [check for stage in names for check in found.get(stage, ())])
         for part, names in of_part.items()
     ]
-    return [*named, ("checks", [check for checks in found.values() for check in checks])]
+    return [*named, ("checks", list(weighed))]
 
 
 def stages(study: Study) -> list[tuple[str, tuple[Check, ...]]]:

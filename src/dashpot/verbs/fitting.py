@@ -22,7 +22,7 @@ from dashpot.records.machine import Machine
 from dashpot.records.modulus import RelaxationModulus
 from dashpot.records.relaxation import RampHold, RelaxationTest
 from dashpot.records.shaken import ShakenTest
-from dashpot.workflow.fits import fit_records
+from dashpot.workflow.fits import BenchAsked, fit_records
 from dashpot.workflow.impacts import identified, modes_of_hits
 from dashpot.workflow.job import Cuts, HammerChoices, RodChoices
 from dashpot.workflow.measured import as_measured, average, judged, judged_base
@@ -305,21 +305,12 @@ def _bench(
         at=si(only, "temperature"), reference=si(reference, "temperature"), law=shift,
         vertical=vertical,
     )  # fmt: skip
-    found, _ = fit_records(
-        records,
-        arms=arms,
-        method=method,
-        depth_law=by_depth,
-        thorough=thorough,
-        law="auto" if elastic == "by-depth" else elastic,
-        family=model,
-        filter=filter,
-        cuts=cuts,
-        machine=machine,
-        cycle=cycle,
-        shifting=shifting,
-    )
-    return found
+    asked = BenchAsked(
+        arms=arms, method=method, depth_law=by_depth, thorough=thorough,
+        law="auto" if elastic == "by-depth" else elastic, family=model, filter=filter,
+        cuts=cuts or Cuts(), machine=machine, cycle=cycle, shifting=shifting,
+    )  # fmt: skip
+    return fit_records(records, asked)[0]
 
 
 def _hits(
