@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from pathlib import Path
 
 import numpy as np
@@ -97,3 +98,15 @@ def test_one_clock_is_taken_where_the_pairs_share_it(tmp_path: Path) -> None:
     path = tmp_path / "pairs.csv"
     path.write_text(pairs(TIME, MOVED))
     assert is_the_truth(path) == ()
+
+
+@pytest.mark.slow
+def test_twenty_thousand_columns_are_read(tmp_path: Path) -> None:
+    more = range(3, 20_000)
+    head = [*"Time [s];Position [mm];Load [N]".split(";"), *(f"gauge {i} [V]" for i in more)]
+    rows = [[*row, *(f"{i % 97}.5" for i in more)] for row in three()]
+    path = tmp_path / "wide.csv"
+    path.write_text(joined(rows, ";".join(head)))
+    begun = time.process_time()
+    is_the_truth(path)
+    assert time.process_time() - begun < 30.0
