@@ -37,7 +37,7 @@ from dashpot.records.estimate import (
     StandardErrors,
 )
 from dashpot.records.specimen import Specimen
-from dashpot.records.temperature import SAME_TEMPERATURE, Shift, TemperatureShifts
+from dashpot.records.temperature import CONTRADICT, SAME_TEMPERATURE, Shift, TemperatureShifts
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, MaxwellArm, Solid
@@ -358,6 +358,8 @@ class Fit(ByValue, Pictured, Documented):
             return ""
         where = f"from {hertz(self.band)}"
         beyond = "Outside this band the model is an extrapolation."
+        if self.method == "full" and 1 < len(self.shifts) < CONTRADICT:
+            beyond += " Test at a third temperature: two cannot show arms that shift apart."
         stiffness, loss_factor = self.error_in_band
         if not (np.isfinite(stiffness) and stiffness < 1):
             return f"{sentence(where)} {beyond}"

@@ -112,7 +112,7 @@ def crept(solid: Solid, t):
         return solid.k_inf - (p[:, None] * k / (rate - p[:, None])).sum(axis=1)
 
     low, high = np.concatenate(([0.0], rate[:-1])), rate.copy()
-    for _ in range(100):
+    for _ in range(48):
         middle = 0.5 * (low + high)
         above = stiff(middle) > 0
         low, high = np.where(above, middle, low), np.where(above, high, middle)
