@@ -117,7 +117,7 @@ def test_a_rig_of_nonsense_is_refused(wrong):
 
 def test_a_ramp_and_hold_has_no_oven():
     test = relaxation_test(record(PAPER, Bench(hold=5.0, rate=RATE)))
-    with pytest.raises(dp.DataError, match="oven= does not suit a ramp and hold. Leave it out"):
+    with pytest.raises(dp.DataError, match="oven= does not suit a ramp and hold"):
         prepare(test, machine=dp.Machine(oven="1K"))
 
 
