@@ -39,6 +39,7 @@ fit shaker_20mN.csv shaker_500mN.csv --level 0.02N --level 0.5N --mass 114.8g --
 fit loops.csv --plot loops.svg
 predict door.toml --modes --plot door.svg
 predict door.toml --close 1.2m/s --plot closing.svg
+demo --paper -o .
 simulate relaxation --hold 4s --gauges --misaligned 2deg -o gauges.csv
 """
 """What makes the pictures of the how-to pages, in a folder with the example files."""

@@ -752,16 +752,12 @@ IDENTIFICATION = [
         1.299,
         1.301,
     ),
-    Case(
-        "mass_believable", lambda x: identification.mass_believable("", -2 * x, 2.0), 2.499, 2.501
-    ),
-    Case("gain_believable", lambda x: identification.gain_believable("", 2 * x, 2.0), 2.499, 2.501),
-    Case(
-        "delay_believable", lambda x: identification.delay_believable("", 2 * x, 2.0), 2.499, 2.501
-    ),
+    Case("mass_believable", lambda x: identification.mass_believable(-2 * x, 2.0), 2.499, 2.501),
+    Case("gain_believable", lambda x: identification.gain_believable(2 * x, 2.0), 2.499, 2.501),
+    Case("delay_believable", lambda x: identification.delay_believable(2 * x, 2.0), 2.499, 2.501),
     Case(
         "stiffness_believable",
-        lambda x: identification.stiffness_believable("", 2 * x, 2.0),
+        lambda x: identification.stiffness_believable(2 * x, 2.0),
         2.499,
         2.501,
     ),
@@ -1387,7 +1383,7 @@ READING = [
     Case("hammer_felt", lambda x: reading.hammer_felt(x, "mN"), 0.0501, 0.0499),
     Case("shock_not_large", lambda x: reading.shock_not_large(x, "g"), 9.99e5, 1.01e6),
     Case("indenter_not_fast", lambda x: reading.indenter_not_fast(x, "m/s"), 99.9, 100.1),
-    Case("strain_of_a_rubber", lambda x: reading.strain_of_a_rubber(x, "%"), 0.0101, 0.0099),
+    Case("strain_of_a_rubber", lambda x: reading.strain_of_a_rubber(x, "%"), 0.0501, 0.0499),
     Case("stress_of_a_rubber", lambda x: bears(x, "Pa"), 1.01e-4, 0.99e-4),
     Case("stress_of_a_rubber", lambda x: bears(x, "GPa"), 9999, 10001),
     Case("contact_rate", lambda x: reading.contact_rate(x, "s"), 501, 499),
@@ -1435,7 +1431,7 @@ LIMITS = {
         "travel_of_a_bench": 2e-5, "force_of_a_bench": 0.01, "ramp_not_slow": 200,
         "ramp_not_fast": 0.3, "size_possible": 1, "hammer_not_heavy": 1000, "hammer_felt": 0.05,
         "shock_not_large": 1e6, "indenter_not_fast": 100, "contact_rate": 500,
-        "strain_of_a_rubber": 0.01,
+        "strain_of_a_rubber": 0.05,
         "stress_of_a_rubber": 1e4,
         "acceleration_not_large": 1e4, "hammer_sampled": 50, "hammer_not_oversampled": 2.5e5,
     },
@@ -1747,7 +1743,7 @@ def test_no_document_and_no_comparison_of_checks_holds_the_status_that_they_set(
             lambda x: identification.relaxation_still_explained(1, x), 3.9, 4.1, id="relaxation"
         ),
         pytest.param(
-            lambda x: identification.mass_believable("", x, 1.0), 9.9, 10.1, id="mass_believable"
+            lambda x: identification.mass_believable(x, 1.0), 9.9, 10.1, id="mass_believable"
         ),
         pytest.param(
             lambda x: comparison.stiffness_agrees(

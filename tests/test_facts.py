@@ -281,16 +281,16 @@ def test_a_contact_says_the_same_in_text_document_and_lot(bench):
     indenter = Indenter(mass=0.005, radius=0.005)
     ball = workflow.indent_file(bench / "hit.csv", indenter=indenter)
     plain = ball.document
-    held(ball.fit.found, table(text_of.indentation(ball).lines))
+    held(ball.found, table(text_of.indentation(ball).lines))
     piece = Piece(ReadOptions(), mass=indenter.mass, radius=indenter.radius)
     _, row_of = indentation_row(bench / "hit.csv", piece)
-    modulus = ball.fit["modulus"]
-    assert row_of["indent_depth_m"] == ball.fit["depth"].value
-    assert row_of["restitution"] == ball.fit["restitution"].value
+    modulus = ball["modulus"]
+    assert row_of["indent_depth_m"] == ball["depth"].value
+    assert row_of["restitution"] == ball["restitution"].value
     ends = {"": modulus.value, "_low": modulus.low, "_high": modulus.high}
     for end, value in ends.items():
         assert row_of[f"indent_modulus{end}_Pa"] == value
-    for fact in ball.fit.found:
+    for fact in ball.found:
         assert plain[fact.name] == fact.value
         assert plain["intervals"][fact.name] == [fact.low, fact.high]
         assert plain["units"][fact.name] == fact.unit

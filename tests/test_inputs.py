@@ -41,6 +41,7 @@ from dashpot.web.form import filled, usual
 from dashpot.web.requests import job_of, noun_of, page_of, said_of
 from dashpot.web.store import Store
 from dashpot.workflow.command_lines import line
+from dashpot.workflow.fits import BenchAsked
 from dashpot.workflow.job import (
     Cuts,
     HammerChoices,
@@ -134,7 +135,7 @@ def test_no_command_lists_the_words_of_a_choice_by_hand() -> None:
 @pytest.mark.parametrize(
     ("noun", "function"),
     [
-        (Job, workflow.fit_files), (LevelJob, workflow.level_files),
+        (Job, BenchAsked), (LevelJob, workflow.level_files),
         (ModesJob, workflow.modes_files), (ModesJob, workflow.modes_by_mass),
         (BatchChoices, batch), (Job, characterise),
     ],

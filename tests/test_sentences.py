@@ -230,6 +230,9 @@ def test_two_tests_that_disagree_are_answered_in_words(stiffer: float, mass: flo
     hammer = simulate_impact(stiffer * BROAD, mass=BROAD_MASS, hits=3, seed=3).test
     study = characterise(bench, estimate_frf(hammer, mass=mass), mass=mass, seals=2)
     assert study.verdict.use == "do not use"
+    # what the page shows of both tests is of the one cause that explains them
+    assert study.joint.explanations[0].explains
+    assert abs(study.joint_comparison.frequency_error) < 2e-3
     assert not wrong(check.says for check in (*study.weighed, *study.every_check))
     said = [study.verdict.says, study.comparison.says]
     said += [one.says for one in study.joint.explanations]

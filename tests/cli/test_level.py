@@ -233,6 +233,8 @@ def test_recorded_loops_tell_the_same(tmp_path, noise, drift):
     )
     assert found["linear"][0]["storage"] == pytest.approx(stuck, rel=0.05)
     assert found["lost"] == pytest.approx(stuck - free, rel=0.2)
+    # the law is one that its BICs prefer: one that no seal has is not among them
+    assert found["orders"][found["law"]] <= min(found["orders"].values()) + 2.0
 
 
 def test_what_a_lag_between_the_channels_does_to_loops_is_said(tmp_path):

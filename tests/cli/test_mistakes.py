@@ -207,10 +207,15 @@ MISTAKES = (
     ("inspect seal.csv --profile seal.csv", "not a profile", "inspect seal.csv"),
     ("predict fit.json --mass 104g -o f.uff", "written as .csv or .json",
      "predict fit.json --mass 104g -o f.csv"),
-    ("export fit.json", "Missing option '--to'. Choose from: nastran", f"{DECK} --allow all"),
+    # all that is missing at once
+    ("export fit.json", "Name the solver: --to nastran", f"{DECK} --allow not_identified"),
+    ("export fit.json --unit-system SI", "give --temperature 23degC",
+     f"{DECK} --allow not_identified"),
+    ("export fit.json --to csv", ("add --unit-system, one of SI, mm-t-s, mm-kg-ms. The test "
+     "temperature is not stated"), f"{DECK} --allow not_identified"),
     ("export fit.json --to csv --temperature 23degC --length 100mm --allow all",
      "add --unit-system, one of SI", f"{DECK} --allow all"),
-    (DECK, "--allow", f"{DECK} --allow all"),
+    (DECK, "--allow", f"{DECK} --allow not_identified"),
     (f"{DECK} --allow all --form cards", "expected one of frequency, arms",
      f"{DECK} --allow all --form arms"),
     ("simulate relaxation", "Missing option '-o'", "simulate relaxation --hold 3s -o sim.csv"),

@@ -62,6 +62,14 @@ def test_what_is_cut_is_said_to_be(rows, more):
     assert len(printed) <= LINES
 
 
+def test_what_was_asked_for_is_never_cut():
+    body, wanted = [f"line {i}" for i in range(80)], [f"share {i}" for i in range(50)]
+    found = shown(Text(body, asked=wanted), None, [Check("one", True, "")])
+    assert [line for line in found if line.startswith("share")] == wanted
+    assert found[-2:] == ["  checks      1 passed", "  more with -v"]
+    assert len(found) == LINES + len(wanted)
+
+
 def test_what_an_inspection_asks_stands_above_the_columns(tmp_path):
     names = ",".join(f"channel {i}" for i in range(60))
     rows = "\n".join(",".join(f"{i * j % 7}.5" for j in range(60)) for i in range(40))
@@ -217,6 +225,14 @@ def test_open_shows_the_page_or_says_why_not(tmp_path, monkeypatch):
     assert "nothing to open" in CliRunner().invoke(command, ["fit.json", "--open"]).stderr
     monkeypatch.setattr(click, "launch", lambda path: 1)
     assert "could not be opened" in CliRunner().invoke(command, ["a.png", "--open"]).stderr
+
+
+def test_a_planned_test_is_rehearsed_as_it_was_planned():
+    words = ["--frequency", "12Hz", "--depth", "4mm", "--hold", "5s", "--seal", "broad"]
+    told = ran("plan", *words, "--noise", "2mN").stderr
+    assert told.startswith(
+        "next: dashpot simulate relaxation --depth 4mm --hold 5s --seal broad -o"
+    )
 
 
 def test_next_is_typed_as_the_shell_reads_it():

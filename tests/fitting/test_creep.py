@@ -12,7 +12,7 @@ from kit import cold
 import dashpot as dp
 from dashpot.base.errors import DataError, FitError
 from dashpot.fitting.compliance import measured_compliance
-from dashpot.fitting.relaxation import fit
+from dashpot.fitting.creep import fit_creep as fit
 from dashpot.fitting.uncertainty.load_error import felt
 from dashpot.io.readers.creep import read_creep
 from dashpot.io.readers.inspect import inspect_file
@@ -207,8 +207,11 @@ def test_arms_are_those_of_the_solid() -> None:
 
 
 def test_what_makes_no_sense_is_refused() -> None:
-    with pytest.raises(FitError, match="leave them out"):
-        fit(record(), method="hold")
+    for choice in ({"method": "hold"}, {"elastic": "nonlinear"}, {"model": "fractional"}):
+        with pytest.raises(FitError, match="linear solid with arms: leave out --method"):
+            dp.fit(record(), **choice)
+    with pytest.raises(FitError, match=r"shifted to no other: leave out --reference"):
+        dp.fit(record(), reference="0degC")
     noise = np.random.default_rng(0).standard_normal((2, 500))
     with pytest.raises(DataError, match="no force is held"):
         fit(CreepTest(np.arange(500.0), 1e-3 * noise[0], noise[1], units="SI"))

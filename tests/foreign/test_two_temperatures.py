@@ -54,7 +54,7 @@ def test_shifts_that_part_are_said_or_a_third_temperature_is_asked_for() -> None
 
 @pytest.mark.slow
 def test_two_temperatures_tell_the_loss_factor_of_arms() -> None:
-    """Within 3 % in 18 of 20, and within its own 95 % interval in 19: of a soft one 4 % is noise."""
+    """Within 3 % in 18 of 20, within their own 95 % intervals in 19: of soft ones 4 % is noise."""
     solids = [HIDDEN, BROAD, *(drawn(FAMILIES[1 + i % 4], 100 + i) for i in range(2, 20))]
     close = inside = 0
     for seed, solid in enumerate(solids):

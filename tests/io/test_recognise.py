@@ -121,14 +121,44 @@ def test_so_is_a_stress_under_which_a_strain_goes_on(
 
 
 @pytest.mark.parametrize(
-    ("part", "kind"), [(0.9 * STEADY, "creep"), (1.1 * STEADY, "stress-strain")]
+    ("part", "kind"), [(1.05 * STEADY, "creep"), (1.15 * STEADY, "stress-strain")]
 )
 def test_a_stress_that_was_on_from_the_first_sample_makes_it_creep(
     tmp_path: Path, part: float, kind: str
 ) -> None:
+    # the means of the first and the last tenth are 0.9 of it apart
     stress = 1 - part / 2 + part * CLOCK / CLOCK[-1]
+    stress[::2] += 0.04  # however much the samples scatter
     going_on = csv("time [s],strain [%],stress [MPa]", CLOCK, 1 + np.sqrt(CLOCK), stress)
     assert recognise(written(tmp_path, going_on)).kind == kind
+
+
+@pytest.mark.parametrize(
+    ("part", "onward", "kind"),
+    [
+        (1.05 * STEADY, 1.0, "creep"), (1.15 * STEADY, 1.0, "relaxation"),
+        (1.05 * STEADY, 0.0, "relaxation"),
+    ],
+)  # fmt: skip
+def test_so_does_a_force_where_the_displacement_goes_on(
+    tmp_path: Path, part: float, onward: float, kind: str
+) -> None:
+    """Of a plate that only shakes no load is held."""
+    force = 1 - part / 2 + part * CLOCK / CLOCK[-1]
+    moved = 3 + onward * np.sqrt(CLOCK) + 1e-3 * np.sin(40 * CLOCK)
+    path = written(tmp_path, csv("time [s],displacement [mm],force [N]", CLOCK, moved, force))
+    assert recognise(path).kind == kind
+
+
+@pytest.mark.parametrize(
+    ("base", "what"), [("a0", "a shaken base with its mass"), (None, "a hammer file")]
+)
+def test_a_base_that_shakes_is_not_called_a_hammer_file(
+    tmp_path: Path, base: str | None, what: str
+) -> None:
+    motion = np.sin(30 * CLOCK)
+    path = written(tmp_path, csv("time [s],a0 [m/s^2],a1 [m/s^2]", CLOCK, motion, 2 * motion))
+    assert recognise(path, ReadOptions(base_acceleration=base)).what == what
 
 
 def test_a_tension_test_with_a_clock_is_none(tmp_path: Path) -> None:

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from dashpot.base.documents import plain
 from dashpot.base.errors import DataError
 from dashpot.base.version import __version__
 from dashpot.io.write import write_relaxation
@@ -77,7 +78,7 @@ def test_a_cluster_makes_the_same_table_though_a_worker_is_killed(folder, tmp_pa
 
 def asked(entries, **changes):
     """What a worker of a cluster answers."""
-    how = {"choices": json.dumps(CHOICES.plain()), "folder": ".", "version": __version__}
+    how = {"choices": json.dumps(plain(CHOICES)), "folder": ".", "version": __version__}
     return rows_of(json.dumps([one.packed for one in tasks(entries, CHOICES)]), **(how | changes))
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import importlib
+import pkgutil
 import sys
 from html.parser import HTMLParser
 from types import SimpleNamespace
@@ -11,11 +13,13 @@ import pytest
 from kit import handmade
 
 import dashpot as dp
-from dashpot.base.offered import LINES, Described
+from dashpot.base.offered import LINES, Described, Judged, Pictured
 from dashpot.fitting.relaxation import fit as fit_tests
 from dashpot.io.readers.inspect import inspect_file
 from dashpot.io.write import write_relaxation
+from dashpot.kinds import KINDS
 from dashpot.preparation.prepare import prepare
+from dashpot.report.notebook import picture
 from dashpot.simulation.impact import Hammer, simulate_impact
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.solids.table_1 import PAPER
@@ -97,6 +101,26 @@ def test_a_notebook_shows_words_and_picture(nouns, name):
     assert not {"b", "script"} & set(tags.seen)  # a file's name is no markup
     assert page == nouns[name]._repr_html_()
     assert nouns[name].plot().panels
+
+
+def test_every_noun_that_offers_a_picture_has_one() -> None:
+    for module in pkgutil.walk_packages(dp.__path__, "dashpot."):
+        # the app's nouns are those of the work
+        if not module.name.endswith("__main__") and ".web" not in module.name:
+            importlib.import_module(module.name)
+    offered = {kind for kind in descendants(Pictured) if kind is not Judged}
+    assert len(offered) > 15
+    bare = {kind.__name__ for kind in offered if picture.dispatch(kind) is picture.dispatch(object)}
+    nouns = [item for kind in KINDS.values() for item in kind.nouns.items()]
+    of_kinds = {noun.rpartition(":")[2] for noun, figure in nouns if figure}
+    assert bare <= of_kinds
+
+
+def descendants(kind):
+    """Every class that inherits from one."""
+    for one in kind.__subclasses__():
+        yield one
+        yield from descendants(one)
 
 
 def test_an_inspection_draws_its_columns_along_the_time(nouns):

@@ -292,6 +292,14 @@ def test_what_the_joint_fit_mends_does_not_fail_the_page(whole):
     assert not any(check.says in unescape(body) for check in missed)
 
 
+def test_one_count_of_the_checks_stands_on_the_page(whole):
+    counted = [check for check in S.weighed if check.passed is not None]
+    passed = sum(bool(check.passed) for check in counted)
+    heading = whole[whole.index('<details id="checks"') :].partition("</summary>")[0]
+    assert f"{passed} of {len(counted)}" in heading
+    assert {int(one) for one in re.findall(r"\b[Aa]ll (\d+)", Page(whole).text)} <= {len(counted)}
+
+
 def test_the_numbers_of_the_first_table_are_those_of_the_recommendation(whole):
     found = recommendation(S)
     table = whole[whole.index('<table class="answer">') : whole.index("From and to are the 95")]

@@ -9,7 +9,7 @@ import pytest
 
 import dashpot as dp
 from dashpot.base.errors import DataError
-from dashpot.fitting.relaxation import fit
+from dashpot.fitting.creep import fit_creep as fit
 from dashpot.io.write import write_relaxation
 from dashpot.simulation.axis import Axis
 from dashpot.simulation.creep import simulate_creep

@@ -33,14 +33,17 @@ class Documented:
         left out where it is None, with ``"~"`` numbers that are not finite are None.
         ``"*fit.values"``: every item of a mapping, or of another document, under its own;
         ``"*"``: every field of the dataclass, as where there are no keys.
+    read_back : bool
+        Whether a document with a schema holds all of the noun, so that it is read again.
     """
 
     schema: ClassVar[str] = ""
     keys: ClassVar[tuple[str, ...]] = ()
+    read_back: ClassVar[bool] = True
 
     @property
     def digested(self) -> bool:
-        """Whether its document ends with a digest of the rest."""
+        """Whether its document ends with a digest of the rest, as one does that takes such in."""
         return False
 
     @property
@@ -50,7 +53,8 @@ class Documented:
         kind: Any = type(self)
         for key in _keys(kind):
             found |= key.item(self)
-        return {**found, DIGEST: digest_of(found)} if self.digested else found
+        sealed = found.pop(DIGEST, None) is not None or self.digested
+        return {**found, DIGEST: digest_of(found)} if sealed else found
 
 
 class _Key(NamedTuple):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -58,12 +58,7 @@ def command(*, files: tuple[str, ...], **said: Any) -> Outcome:
     one, rest_ = kinds[first], {kinds[path] for path in others}
     lots = one == _LOT and rest_ == {_LOT} and len(others) == 1
     if not (lots or (one in {_SOLID, *_MEASURED} and rest_ <= _MEASURED)):
-        is_ = "; ".join(f"{path} is {called(kinds[path])}" for path in files)
-        turned = shlex.join(["dashpot", "compare", others[-1], first])
-        raise click.UsageError(
-            f"{is_}. Compare a fit with a measurement, an FRF with an FRF, or a lot with a lot."
-            + (f" Type: {turned}" if one in _MEASURED and rest_ == {_SOLID} else "")
-        )
+        raise click.UsageError(_no_pair(kinds))
     refuse_others(command, click.get_current_context(), {first: one})
     if lots:
         return _lots(first, others[0], said["quantities"])
@@ -76,6 +71,16 @@ def command(*, files: tuple[str, ...], **said: Any) -> Outcome:
         )  # fmt: skip
     tell(found)
     return _frfs(first, others, said)
+
+
+def _no_pair(kinds: Mapping[str, str]) -> str:
+    """Why files of these kinds are not compared, and what would be."""
+    first, *others = kinds
+    said = "; ".join(f"{path} is {called(kind)}" for path, kind in kinds.items())
+    says = f"{said}. Compare a fit with a measurement, an FRF with an FRF, or a lot with a lot."
+    if kinds[first] in _MEASURED and {kinds[path] for path in others} == {_SOLID}:
+        says += f" Type: {shlex.join(['dashpot', 'compare', others[-1], first])}"
+    return says
 
 
 def _place(path: str) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,6 +19,7 @@ from dashpot.cli._grammar import group, opt, rest, verb
 from dashpot.cli._options import RESULT
 from dashpot.cli._shell import Folder, Outcome, claim, grams, typed, write
 from dashpot.cli._simulated import impact, relaxation, seal_named
+from dashpot.told import paper as told
 from dashpot.told import text as text_of
 from dashpot.told.layout import Text
 
@@ -25,6 +27,12 @@ if TYPE_CHECKING:
     from dashpot.records.bounds import StiffnessBounds
     from dashpot.workflow.study import Study
 
+PAPER_FILES = (
+    "paper.csv", "paper_steps.csv", "paper_rig.csv", "paper_rig.truth.json", "paper_hammer.csv",
+    "paper_hammer.truth.json", "figure_2.svg", "figure_4.svg", "figure_6.svg", "paper.json",
+    "paper.html",
+)  # fmt: skip
+"""What is written of the paper."""
 SEALS = 2
 NAMES = ("paper", "broad")
 FILES = (
@@ -67,6 +75,7 @@ class Examples(Documented):
   dashpot demo                  reports of both seals in dashpot-demo/
   dashpot demo --files          seal_8mm.csv and hammer.csv, here
   dashpot demo --files --all    the files of every how-to page, too
+  dashpot demo --paper -o DIR   the paper's equations, figures and table, again
 
 The 'paper' seal is the paper's Table 1. The 'broad' seal relaxes alike, but has
 three faster arms that a 1 s ramp cannot see and that a hammer feels.""",
@@ -74,17 +83,24 @@ three faster arms that a 1 s ramp cannot see and that a hammer feels.""",
         RESULT,
         opt("--files", "files_only", help="Write the files only."),
         opt("--all", "every", help="With --files: those of the how-to pages, too."),
+        opt("--paper", help="Make the paper's figures and table again."),
         opt("-o", "--output", type=Folder(), metavar="DIR",
-            help="Where (dashpot-demo; of --files, here)."),
+            help="Where (dashpot-demo; of --files, here; of\n--paper, paper)."),
         rest(opt("--seed", type=click.IntRange(0), default=0, metavar="N",
                  help="Seed of the noise (0).")),
     ),
     options.result(plot=False, opens=False),
 )  # fmt: skip
-def command(*, files_only: bool, every: bool, output: str | None, seed: int) -> Outcome:
+def command(
+    *, files_only: bool, every: bool, paper: bool, output: str | None, seed: int
+) -> Outcome:
     """Tell the whole story, or write the files of it."""
     if every and not files_only:
         raise click.UsageError("--all is of the files to learn on: add --files")
+    if paper:
+        if files_only:
+            raise click.UsageError("--paper makes files of its own: leave out --files")
+        return _paper(Path(output or "paper"), seed)
     if files_only:
         return _examples(Path(output or "."), every=every)
     return _stories(Path(output or "dashpot-demo"), seed)
@@ -103,6 +119,21 @@ def _examples(folder: Path, *, every: bool) -> Outcome:
     words = ("report", bench, hammer, "--mass", grams(workflow.MASS), "--seals", 2)
     found = Examples(tuple(map(str, paths)))
     return Outcome(found, Text(lines), follow=typed(*words, "-o", "report.html"))
+
+
+def _paper(folder: Path, seed: int) -> Outcome:
+    """Make the paper's equations, figures and table again, each beside its statement."""
+    claim(folder / name for name in PAPER_FILES)
+    found = workflow.reproduce(seed)
+    for name, text in workflow.paper_records(found).items():
+        write(folder / name, text)
+    for name, picture in workflow.paper_pictures(found).items():
+        write(folder / f"{name}.svg", dp.plot.rendered(picture, "svg"))
+    write(folder / "paper.json", json.dumps(found.document, indent=2) + "\n")
+    write(folder / "paper.html", workflow.paper_page(found))
+    record = folder / "paper.csv"
+    follow = typed("fit", record, "--arms", 2, "--method", "hold", why="the paper's fit, by hand")
+    return Outcome(found, told.reproduced(found), follow=follow)
 
 
 def _stories(folder: Path, seed: int) -> Outcome:

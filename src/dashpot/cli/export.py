@@ -6,11 +6,14 @@ from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import click
+
 import dashpot as dp
 from dashpot import workflow
 from dashpot.base.choices import DECKS
 from dashpot.base.documents import Documented
 from dashpot.base.errors import ExportError
+from dashpot.base.sentences import paragraph
 from dashpot.cli import _options as options
 from dashpot.cli._echo import to_stderr
 from dashpot.cli._grammar import group, of, opt, rest, verb
@@ -57,7 +60,7 @@ ALL = "all"
     options.files("FIT", "fit", several=False),
     group(
         _SOLVER,
-        opt("--to", "target", type=OneOf(DECKS), metavar="SOLVER", required=True,
+        opt("--to", "target", type=OneOf(DECKS), metavar="SOLVER",
             help=f"{', '.join(DECKS[:-1])} or {DECKS[-1]}."),
         opt("--unit-system", "units", metavar="SYSTEM", help="SI, mm-t-s or mm-kg-ms."),
         opt("--form", metavar="NAME", help=_FORMS),
@@ -92,7 +95,7 @@ ALL = "all"
 def command(
     *,
     fit: str,
-    target: str,
+    target: str | None,
     units: str | None,
     line: str | None,
     pitch: float | None,
@@ -113,6 +116,8 @@ def command(
         found = replace(found, provenance=replace(found.provenance, specimen=added))
     elif isinstance(found, LevelFit):
         found = replace(found, specimen=_described(found.specimen, specimen))
+    if target is None:
+        raise click.UsageError(_unsaid(found, units, specimen, allow))
     choices["line"] = None if line is None else _seal_line(line, pitch, normal, units)
     deck = workflow.deck_for(
         target,
@@ -131,6 +136,18 @@ def command(
     text = Text([f"{output}: {target} deck, {units}, {len(deck.splitlines())} lines"])
     made = Exported(target, units, deck.overrides, *written)
     return Outcome(made, text, deck.checks, verdict=deck.verdict)
+
+
+def _unsaid(found: Any, units: str | None, specimen: Specimen, allow: tuple[str, ...]) -> str:
+    """What to say where no solver is named: that, and all else that a deck would be asked for."""
+    asked = f"Name the solver: --to {', '.join(DECKS[:-1])} or {DECKS[-1]}."
+    try:
+        workflow.deck_for(
+            "abaqus", found, units=units, temperature=specimen.temperature, allow=allow
+        )
+    except ExportError as error:
+        return paragraph(asked, str(error))
+    return asked
 
 
 def _described(known: Specimen, given: Specimen) -> Specimen:

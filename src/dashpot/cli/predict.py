@@ -95,9 +95,7 @@ def _under_mass(
     *,
     picture: str | None,
     output: str | None,
-    base: bool,
     hammer: Any,
-    kind: str | None,
     mass: float | None,
     band: tuple[float, float] | None,
     **choices: Any,
@@ -106,18 +104,10 @@ def _under_mass(
     if mass is None:
         raise click.UsageError("Give the mass of the block: --mass 104g")
     fitted = workflow.read_fit(fit)
-    relative = hammer.motion == "relative"
-    base = base or choices["base_psd"] is not None
-    if base and kind is not None:
-        raise click.UsageError("--kind is of a force on the mass, --base of none: leave one out")
-    if relative and not base:
-        raise click.UsageError("--relative is of a mass over a base that moves: add --base")
     if output and len(choices["at_level"].levels) > 1:
         raise click.UsageError("-o holds the FRF at one level: ask one --level, or leave -o out")
-    if base:
-        kind = "relative_transmissibility" if relative else "transmissibility"
     found = workflow.predict_files(
-        fitted, mass=mass, kind=kind or "accelerance", band=band or _BAND, **choices
+        fitted, mass=mass, band=band or _BAND, relative=hammer.motion == "relative", **choices
     )
     seals = choices["seals"]
     if picture:
@@ -225,5 +215,5 @@ def _of_door(
         return Outcome(closed, shuts, closed.checks, verdict=closed.verdict)
     said = door(found, every=every)
     checks = tuple(dict.fromkeys((*found.checks, *closed.checks)))
-    text = Text([*said.lines, *shuts.lines], [*said.details, *shuts.details])
+    text = Text([*said.lines, *shuts.lines], [*said.details, *shuts.details], said.asked)
     return Outcome(Both(found, closed), text, checks, verdict=verdict(checks, sound=closed.sound))

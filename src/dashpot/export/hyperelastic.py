@@ -105,7 +105,7 @@ def hyperelastic_card(
         )
     system, law = unit_system(units), fit.law
     kelvin = fit.temperature if temperature is None else temperature
-    overrides = _overlooked(fit, kelvin, allow)
+    overrides = _overlooked(fit, kelvin, allow, units)
     bulk, measured = _bulk(law, si(bulk_modulus, "stress"))
     if target == "lsdyna" and not (density and density > 0):
         raise ExportError("an LS-DYNA material needs --density, such as 1200 (kg/m^3)")
@@ -145,7 +145,7 @@ def _bulk(law: Hyperelastic, stated: float | None) -> tuple[float, str]:
 
 
 def _overlooked(
-    fit: HyperelasticFit, kelvin: float | None, allow: Collection[str]
+    fit: HyperelasticFit, kelvin: float | None, allow: Collection[str], units: str | None
 ) -> tuple[str, ...]:
     problems = {}
     if kelvin is None:
@@ -154,7 +154,7 @@ def _overlooked(
         )  # fmt: skip
     if fit.verdict.use == "do not use":
         problems["not_identified"] = fit.verdict.says, "see dashpot fit"
-    return overlooked(problems, allow, "card")
+    return overlooked(problems, allow, "card", units=units)
 
 
 def _described(card: _Card, kelvin: float | None, measured: str) -> list[str]:

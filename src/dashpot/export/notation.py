@@ -96,17 +96,23 @@ UNIT_SYSTEMS = MappingProxyType(
 """The unit systems a deck can be written in."""
 
 
+_UNITS_ASKED = f"add --unit-system, one of {', '.join(UNIT_SYSTEMS)}"
+NO_UNITS = f"no unit system is given; {_UNITS_ASKED}"
+"""What is said, with all else that is missing, where none was chosen."""
+
+
 def unit_system(name: str | None) -> UnitSystem:
-    """Return the unit system of a name.
+    """Return the unit system of a name, or SI until one is chosen.
 
     Raises
     ------
     ExportError
-        If it is missing or unknown.
+        If it is unknown.
     """
-    if name is None or name not in UNIT_SYSTEMS:
-        found = "no unit system is given" if name is None else f"'{name}' is no unit system"
-        raise ExportError(f"{found}; add --unit-system, one of {', '.join(UNIT_SYSTEMS)}")
+    if name is None:
+        return UNIT_SYSTEMS["SI"]
+    if name not in UNIT_SYSTEMS:
+        raise ExportError(f"'{name}' is no unit system; {_UNITS_ASKED}")
     return UNIT_SYSTEMS[name]
 
 

@@ -11,9 +11,10 @@ from typing import Any, Protocol
 
 from dashpot.base.arrays import LEAST, MOST
 from dashpot.base.errors import DataError, ExportError
+from dashpot.base.sentences import paragraph
 from dashpot.base.status import Status
 from dashpot.export.deck import Deck, DeckText, Exportable
-from dashpot.export.notation import unit_system
+from dashpot.export.notation import NO_UNITS, unit_system
 from dashpot.fitting.temperature.checks import temperature_tested
 from dashpot.kinds.level.levels import LevelFit
 from dashpot.records.fit import Fit
@@ -138,7 +139,7 @@ def open_deck(
         )
     _refuse_impossible(deck)
     problems = {name: (says, _REMEDIES[name]) for name, says in _problems(deck).items()}
-    return replace(deck, overrides=overlooked(problems, allow, "deck"))
+    return replace(deck, overrides=overlooked(problems, allow, "deck", units=units))
 
 
 def _at(fit: Fit, specimen: Specimen | None) -> Fit:
@@ -160,25 +161,35 @@ def _at(fit: Fit, specimen: Specimen | None) -> Fit:
 
 
 def overlooked(
-    problems: Mapping[str, tuple[str, str]], allow: Collection[str], what: str
+    problems: Mapping[str, tuple[str, str]],
+    allow: Collection[str],
+    what: str,
+    *,
+    units: str | None,
 ) -> tuple[str, ...]:
     """Return what is wrong and allowed; each problem comes with its remedy.
 
     Raises
     ------
     ExportError
-        If anything is not allowed.
+        If anything is not allowed, or no unit system was chosen: all that is missing at once.
     """
     refused = {name: both for name, both in problems.items() if not {name, "all"} & set(allow)}
+    asked = [NO_UNITS] if units is None else []
     if refused:
         found = "; ".join(
             f"{says} ({remedy})" for says, remedy in (problems[name] for name in refused)
         )
         names = ", ".join(f"'{name}'" for name in refused)
-        raise ExportError(
-            f"{found}. To write the {what} all the same, with a mark in its header, allow {names}: "
-            "--allow NAME for each, or --allow all"
-        )
+        asked += [
+            found,
+            (
+                f"To write the {what} all the same, with a mark in its header, allow {names}: "
+                "--allow NAME for each, or --allow all"
+            ),
+        ]
+    if asked:
+        raise ExportError(". ".join([asked[0], paragraph(*asked[1:])[:-1]] if asked[1:] else asked))
     return tuple(says for says, _ in problems.values())
 
 

@@ -89,15 +89,6 @@ def refuse_shifts(
         )
 
 
-def refuse_for_creep(method: str, law: str, family: str) -> None:
-    """Refuse what a creep test has no other of."""
-    if method != "full" or law != "auto" or family != "maxwell":
-        raise FitError(
-            "a creep test is fitted to its recorded force and to a linear solid with arms: it "
-            "has no other method, no elastic law and no other family; leave them out"
-        )
-
-
 def _refuse_method(records: Sequence[RampHold], method: str) -> None:
     refuse_other("method", method, Method, FitError)
     if method == "full":

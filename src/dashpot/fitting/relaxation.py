@@ -14,7 +14,7 @@ from dashpot.base.choices import FamilyAsked, Method, RampLawAsked, ShiftLaw, Ve
 from dashpot.base.errors import FitError
 from dashpot.base.provenance import Step
 from dashpot.base.units import Quantity, si, written
-from dashpot.fitting.asked import Asked, checked_design, refuse_for_creep, refuse_shifts
+from dashpot.fitting.asked import Asked, checked_design, refuse_shifts
 from dashpot.fitting.assembly import (
     UNJUDGED,
     FoundSolid,
@@ -48,7 +48,6 @@ from dashpot.fitting.uncertainty.left_open import end_of_hold
 from dashpot.fitting.weighed_relaxation import fitted_data, held_data
 from dashpot.preparation.ramp_holds import Tests, ramp_holds
 from dashpot.records.bounds import EndOfHold
-from dashpot.records.creep import Creep
 from dashpot.records.fit import Evidence, Fit
 from dashpot.records.relaxation import RampHold
 from dashpot.solids.elastic import ElasticLaw
@@ -62,7 +61,7 @@ _OWN_ARMS = 6
 
 
 def fit(
-    tests: Tests | Creep,
+    tests: Tests,
     *,
     arms: int | Literal["auto"] = "auto",
     method: Method = "full",
@@ -96,10 +95,9 @@ def fit(
 
     Parameters
     ----------
-    tests : RampHold, RelaxationTest or sequence of them; or one creep test
-        What :func:`~dashpot.preparation.prepare.prepare` returns. A creep test is fitted by
-        :func:`~dashpot.fitting.creep.fit_creep`, with its options alone. Several tests share one
-        solid; each has its own tare and drift.
+    tests : RampHold, RelaxationTest or sequence of them
+        What :func:`~dashpot.preparation.prepare.prepare` returns. Several tests share one solid;
+        each has its own tare and drift.
     arms : int or "auto"
         Number of Maxwell arms; 0 is a spring. ``"auto"`` takes the number that BIC with the
         effective sample size and the significance of every arm both support; under noise as slow
@@ -144,12 +142,6 @@ def fit(
         If an option makes no sense, a test is not prepared, or eq. (5) does not apply to the
         recorded history.
     """
-    if isinstance(tests, Creep):
-        refuse_shifts("a creep test is", vertical, shift_law, reference)
-        refuse_for_creep(method, law, family)
-        from dashpot.fitting.creep import fit_creep  # few need it
-
-        return fit_creep(tests, arms=arms, thorough=thorough, max_arms=max_arms)
     records = ramp_holds(tests)
     if not records:
         raise FitError("there is no test to fit; expected at least one prepared test")

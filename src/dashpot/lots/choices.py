@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import math
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
@@ -113,13 +113,9 @@ class BatchChoices:
         """How a test is read, before it is known to be a modulus."""
         return self.reading.without(("modulus",))
 
-    def plain(self) -> dict[str, Any]:
-        """As JSON holds it."""
-        return asdict(self)
-
     @staticmethod
     def from_plain(plain: dict[str, Any]) -> BatchChoices:
-        """From what :meth:`plain` gave."""
+        """From what JSON held of them."""
         options = {
             name: ReadOptions(**(plain[name] | {"units": dict(plain[name]["units"])}))
             for name in ("reading", "reading_impact")

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
 
+from dashpot.base.documents import plain
 from dashpot.base.errors import DashpotError, DataError, ExportError
 from dashpot.base.version import __version__
 from dashpot.lots.choices import BatchChoices
@@ -94,7 +95,7 @@ def _computed(
     choices: BatchChoices,
 ) -> Iterator[tuple[Chunk, Rows]]:
     common = {
-        "choices": json.dumps(choices.plain()),
+        "choices": json.dumps(plain(choices)),
         "folder": str(Path.cwd()),
         "version": __version__,
     }

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from dashpot.base.checks import verdict
 from dashpot.base.errors import DataError
@@ -15,11 +15,13 @@ from dashpot.records.frf import FRF
 from dashpot.records.relaxation import RampHold
 from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.vibration.modal.peaks import find_peak
-from dashpot.workflow.fits import Record
 from dashpot.workflow.impacts import held_against
 from dashpot.workflow.job import HammerChoices
 from dashpot.workflow.measured import read_measured
 from dashpot.workflow.resting import at_rest
+
+if TYPE_CHECKING:
+    from dashpot.workflow.fits import Record
 
 
 def held_against_hammer(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, astuple, dataclass
+from dataclasses import astuple, dataclass
 from io import BytesIO
 from itertools import islice
 from pathlib import Path
@@ -13,6 +13,7 @@ from tempfile import NamedTemporaryFile
 from typing import TYPE_CHECKING, Any, Literal, cast
 
 from dashpot.base.atomic import PART, write_whole
+from dashpot.base.documents import plain
 from dashpot.base.errors import DataError, ExportError
 from dashpot.base.version import __version__
 from dashpot.lots.choices import BatchChoices
@@ -76,12 +77,12 @@ def tasks(
     entries: Iterable[Entry], choices: BatchChoices, *, hashed: Callable[[str], str] = hashed
 ) -> tuple[Task, ...]:
     """Return one task for each test: its key is of configuration, version and contents."""
-    decides = [_FORM, __version__, choices.plain(), choices.calibration()]
+    decides = [_FORM, __version__, plain(choices), choices.calibration()]
     common = hashlib.sha256(json.dumps(decides, sort_keys=True).encode())
 
     def task(entry: Entry) -> Task:
         key, hashes = common.copy(), entry.hashes(hashed)
-        key.update(json.dumps([asdict(entry), hashes], sort_keys=True).encode())
+        key.update(json.dumps([plain(entry), hashes], sort_keys=True).encode())
         return Task.of(entry, hashes, key.hexdigest())
 
     return tuple(map(task, entries))

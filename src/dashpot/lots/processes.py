@@ -9,10 +9,10 @@ import subprocess
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict
 from functools import partial
 from typing import Any, NamedTuple, TypeAlias
 
+from dashpot.base.documents import plain
 from dashpot.base.processes import interpreter, long_lived
 from dashpot.lots.choices import BatchChoices
 from dashpot.lots.columns import empty
@@ -132,7 +132,7 @@ class Worker:
         try:
             process = self._started()
             assert process.stdin is not None and process.stdout is not None  # noqa: PT018, S101
-            question = {"entry": asdict(task.entry), "hashes": task.hashes}
+            question = {"entry": plain(task.entry), "hashes": task.hashes}
             process.stdin.write(json.dumps(question).encode() + b"\n")
             process.stdin.flush()
             return process.stdout.readline()
@@ -147,7 +147,7 @@ class Worker:
                 cwd=self._folder,
             )  # fmt: skip
             assert self._process.stdin is not None  # noqa: S101
-            self._process.stdin.write(json.dumps(self._choices.plain()).encode() + b"\n")
+            self._process.stdin.write(json.dumps(plain(self._choices)).encode() + b"\n")
         return self._process
 
     def end(self) -> None:

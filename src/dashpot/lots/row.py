@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from itertools import islice
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -30,8 +30,11 @@ from dashpot.records.fit import Fit
 from dashpot.records.modulus import RelaxationModulus
 from dashpot.records.relaxation import RampHold
 from dashpot.records.specimen import Specimen
-from dashpot.workflow.fits import Record, fit_files
+from dashpot.workflow.fits import fit_files
 from dashpot.workflow.resting import at_rest
+
+if TYPE_CHECKING:
+    from dashpot.workflow.fits import Record
 
 
 def row(entry: Entry, hashes: Sequence[str], choices: BatchChoices) -> dict[str, Any]:

@@ -158,7 +158,7 @@ class Explanation:
     explains : bool
         Nothing else is then beyond what is known.
     says : str
-        With its value only where it explains both tests.
+        With its value only where it explains both tests best: one quantity has one value.
     """
 
     name: str
@@ -638,9 +638,23 @@ class Fit(ByValue, Pictured, Documented):
         }
 
     @property
+    def also_fitted(self) -> tuple[Nuisance, ...]:
+        """The nuisances that anything may be said of: none where nothing explains two tests."""
+        lost = any(not one.explains for one in self.explanations[:1])
+        return () if lost else self.nuisance
+
+    @property
     def mass_found(self) -> float | None:
         """The mass that was fitted too, kg."""
-        return next((one.value for one in self.nuisance if one.name == "mass"), None)
+        return next((one.value for one in self.also_fitted if one.name == "mass"), None)
+
+    @property
+    def under_hammer(self) -> float:
+        """Stiffness of a seal under the hammer over its own, where that explains two tests."""
+        bent = self.elastic_law is not None and self.elastic_law.kind != "linear"
+        if bent or not any(one.explains for one in self.explanations[:1]):
+            return 1.0
+        return next((one.value for one in self.nuisance if one.name == "stiffness_factor"), 1.0)
 
     @property
     def _of_arms(self) -> ParameterEstimate:

@@ -66,7 +66,8 @@ def _contents(study: Study) -> dict[str, Any]:
         "straight": summary.straight(study),
         "inferred": summary.inferred_mass(study),
         "tallies": {
-            stage: answer.tally(checks, study.weighed) for stage, checks in summary.parts(stages)
+            stage: answer.tally(checks, study.weighed)
+            for stage, checks in summary.parts(stages, study.weighed)
         },
         "checks": tables.checks(stages, study.weighed),
         "figures": figures_of(study),

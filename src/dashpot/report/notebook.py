@@ -8,15 +8,19 @@ from functools import singledispatch
 from html import escape
 
 from dashpot import plot
+from dashpot.door.closing_result import ClosingResult
+from dashpot.door.result import DoorResult
 from dashpot.io.readers.inspect import Inspection
 from dashpot.kinds import figure_of
+from dashpot.kinds.cld.from_files import Pieces
 from dashpot.plot import Picture
 from dashpot.records.fit import Fit
 from dashpot.vibration.comparison.comparison import Comparison
-from dashpot.workflow.impacts import Agreement
+from dashpot.workflow.impacts import Agreement, Identified
 from dashpot.workflow.levels import Levels
 from dashpot.workflow.modes import Modes
 from dashpot.workflow.predictions import Prediction
+from dashpot.workflow.rods import Rod
 from dashpot.workflow.study import Study
 from dashpot.workflow.under_masses import ModesByMass
 
@@ -34,6 +38,24 @@ def picture(noun: object) -> Picture:
 picture.register(Fit, plot.stiffness)
 picture.register(Comparison, plot.comparison)
 picture.register(Study, plot.hero)
+picture.register(DoorResult, plot.door)
+picture.register(ClosingResult, plot.closing)
+
+
+@picture.register
+def _(noun: Pieces) -> Picture:
+    return plot.cld(noun.pieces)
+
+
+@picture.register
+def _(noun: Identified) -> Picture:
+    return plot.stiffness(noun.fit)
+
+
+@picture.register
+def _(noun: Rod) -> Picture:
+    named = plot.stamp(noun.frf.source, mass=noun.mass)
+    return plot.rod(noun.modulus, fit=noun.fit, stamp=named)
 
 
 @picture.register

@@ -35,7 +35,7 @@ def sentences(study: Study, found: Recommendation) -> tuple[str, ...]:
     """What the tests say, one thought a sentence, below the verdict."""
     return tuple(
         readable(sentence)
-        for sentence in (_solid(found), _resting(study), _hammer(study), _joint(study))
+        for sentence in (_solid(found), _end(found), _resting(study), _hammer(study), _joint(study))
         if sentence
     )
 
@@ -50,6 +50,12 @@ def _solid(found: Recommendation) -> str:
         f"One seal behaves as a spring of {shown(fit.model.k_inf, 'N/mm')} with {arms}. At once it "
         f"has {shown(fit.model.k_0, 'N/mm')}. The valid band of {tests} is {hertz(fit.band)}."
     )
+
+
+def _end(found: Recommendation) -> str:
+    """What naming the machine would give, if that is much."""
+    end = found.solid.end_of_hold
+    return "" if end is None else end.naming
 
 
 def _resting(study: Study) -> str:
@@ -195,8 +201,10 @@ def weighty(study: Study, found: Recommendation) -> tuple[tuple[Weighty, ...], i
     return tuple(failed[:shown]), len(failed) - shown
 
 
-def parts(stages: Iterable[tuple[str, tuple[Check, ...]]]) -> list[tuple[str, list[Check]]]:
-    """The checks of each folded part of the page, and of all."""
+def parts(
+    stages: Iterable[tuple[str, tuple[Check, ...]]], weighed: Iterable[Check]
+) -> list[tuple[str, list[Check]]]:
+    """The checks of each folded part of the page; over the list of all those of the verdict."""
     of_part = {
         "test": ("relaxation",),
         "fit": ("fit",),
@@ -209,7 +217,7 @@ def parts(stages: Iterable[tuple[str, tuple[Check, ...]]]) -> list[tuple[str, li
         (part, [check for stage in names for check in found.get(stage, ())])
         for part, names in of_part.items()
     ]
-    return [*named, ("checks", [check for checks in found.values() for check in checks])]
+    return [*named, ("checks", list(weighed))]
 
 
 def stages(study: Study) -> list[tuple[str, tuple[Check, ...]]]:

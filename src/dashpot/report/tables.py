@@ -204,9 +204,9 @@ def two_routes(study: Study) -> TextTable | None:
 
 def nuisances(fit: Fit | None) -> TextTable | None:
     """What the fit needed and nobody asked for."""
-    if fit is None or not fit.nuisance:
+    if fit is None or not fit.also_fitted:
         return None
-    each = (term.fact for term in fit.nuisance)
+    each = (term.fact for term in fit.also_fitted)
     rows = tuple((one.symbol, one.cells.with_error, one.word or "–") for one in each)
     return TextTable(VALUE, rows)
 
@@ -302,7 +302,8 @@ def resonance(study: Study) -> TextTable | None:
     given = rests.point.compression if rests is not None and rests.point.given else None
     for says, one, mass in _solids(study, study.mass):
         point = operating_point(one, mass=mass, seals=study.seals, compression=given)
-        for mode in model_modes(study.seals * point.solid(one), mass)[:1]:
+        on = study.seals * one.under_hammer * point.solid(one)
+        for mode in model_modes(on, mass)[:1]:
             rows.append((f"{says}: exact pole", rounded(mode.frequency, digits=5),
                          rounded(100 * mode.damping_ratio)))  # fmt: skip
     return TextTable(("", "natural frequency, Hz", "damping ratio, %"), tuple(rows))
@@ -315,8 +316,7 @@ def _solids(study: Study, mass: float) -> Iterator[tuple[str, Fit, float]]:
     if other is not None:
         yield "other family from relaxation", other, mass
     if study.joint is not None:
-        found = next((n.value for n in study.joint.nuisance if n.name == "mass"), mass)
-        yield "model from both tests", study.joint, found
+        yield "model from both tests", study.joint, study.joint.mass_found or mass
 
 
 def _mode_cells(measured: FRF, way: str, c: Comparison) -> tuple[str, str]:

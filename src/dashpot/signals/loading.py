@@ -22,6 +22,10 @@ CREPT = 0.02
 """Part of its travel by which a displacement goes on under a force that is held."""
 EVEN = 0.05
 """Part of a move by which a quarter of it may be early or late where its speed is even."""
+PARTS = 10
+"""Of a record, whose means are held against each other."""
+GONE = 0.1
+"""Part of its travel by which a signal ends elsewhere that does not only scatter."""
 SETTLES = 0.05
 """Part of its level by which a displacement may move that is held from the first sample on."""
 
@@ -36,6 +40,8 @@ def loading_in(time: FloatArray, displacement: FloatArray, force: FloatArray) ->
     time, displacement, force : array, shape (n,)
         s, m and N, sign and zero as recorded; a strain and a stress show the same.
     """
+    if held_throughout(force) and goes_on(displacement):
+        return "creep"
     turn, segments = turned(time, displacement)
     if began_late(displacement, force):
         return "other"
@@ -47,8 +53,15 @@ def loading_in(time: FloatArray, displacement: FloatArray, force: FloatArray) ->
 
 
 def held_throughout(force: FloatArray) -> bool:
-    """Whether a load was on before the record began, and stays."""
-    return float(np.ptp(force)) < STEADY * abs(median(force))
+    """Whether a load was on before the record began, and stays, whatever its samples scatter."""
+    means = [float(part.mean()) for part in np.array_split(force, min(PARTS, len(force)))]
+    return float(np.ptp(means)) < STEADY * abs(median(force))
+
+
+def goes_on(x: FloatArray) -> bool:
+    """Whether a signal ends, by more than a tenth of its travel, elsewhere than it began."""
+    tenth = max(len(x) // 10, 1)
+    return abs(float(x[-tenth:].mean() - x[:tenth].mean())) > GONE * float(np.ptp(x))
 
 
 def turned(time: FloatArray, displacement: FloatArray) -> tuple[int, tuple[MotionSegment, ...]]:

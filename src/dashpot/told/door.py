@@ -39,7 +39,7 @@ def door(found: workflow.DoorResult, *, every: bool = False) -> Text:
     losses = [["% of the loss", *parts], *_shares(found, parts, loss=True)]
     tables = [*table(shares), *table(losses)] if found.modes else []
     lines += _shaken(found)
-    return Text([*lines, *tables]) if every else Text(lines, tables)
+    return Text(lines, asked=tables) if every else Text(lines, tables)
 
 
 def _damped(value: float) -> str:

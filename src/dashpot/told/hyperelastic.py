@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dashpot as dp
 from dashpot.told.layout import Text, facts, table
-from dashpot.told.text import rounded
+from dashpot.told.text import rounded, tried
 
 
 def hyperelastic(found: dp.HyperelasticFit) -> Text:
@@ -14,8 +14,6 @@ def hyperelastic(found: dp.HyperelasticFit) -> Text:
         name = curve.mode if curve.source is None else f"{curve.mode}, {curve.source.file}"
         span = f"{curve.stretch.min():.4g} to {curve.stretch.max():.4g}"
         tests.append([name, span, str(curve.rows), rounded(100 * left, digits=3)])
-    least = min(score for _, score in found.orders)
-    tried = ", ".join(f"{name} {score - least:.1f}" for name, score in found.orders)
     notes = [
         f"  {one.file}: {note}" for one in found.sources for note in one.notes
     ]  # fmt: skip
@@ -23,6 +21,6 @@ def hyperelastic(found: dp.HyperelasticFit) -> Text:
         f"  law: {found.law.kind}",
         *facts(found.found),
         *table(tests),
-        f"  BIC above the least: {tried}",
+        tried(found.orders),
     ]
     return Text(lines, notes)

@@ -17,10 +17,11 @@ _ROWS = 3
 
 def identified(found: Identified) -> Text:
     """Return the solid, and the modes of what was measured where nothing else was fitted."""
-    (named, *lines), details = fit(found.fit)
-    first, straight = [named], found.direct.of
+    solid, straight = fit(found.fit), found.direct.of
+    first, lines = list(solid.lines[:1]), solid.lines[1:]
     if straight.over_base:
         first += sensitive(straight, errors=("phase", "mass"), unit="N/m", shown=_ROWS)
     rests = [str(found.at_rest)] if str(found.at_rest) else []
     modes = impact(found.vibration) if found.vibration else Text()
-    return Text([*first, *lines, *rests, *modes.lines], [*details, *modes.details])
+    shown = [*first, *lines, *rests, *modes.lines]
+    return Text(shown, [*solid.details, *modes.details], solid.asked)

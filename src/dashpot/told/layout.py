@@ -10,10 +10,21 @@ if TYPE_CHECKING:
 
 
 class Text(NamedTuple):
-    """What a command prints: what everyone reads, and what is there for who asks."""
+    """What a command prints: what everyone reads, and what is there for who asks.
+
+    Attributes
+    ----------
+    lines
+        Cut where they are longer than a screen.
+    details
+        For ``-v`` alone.
+    asked
+        What an option asked for: never cut.
+    """
 
     lines: Sequence[str] = ()
     details: Sequence[str] = ()
+    asked: Sequence[str] = ()
 
 
 def table(rows: Sequence[Sequence[str]], *, left: bool = False) -> list[str]:

@@ -50,22 +50,32 @@ def shown(
     """Return a result line by line: its verdict, its numbers, and the checks that failed.
 
     Those are all that failed if all is asked for; else those that made the verdict or, without
-    one, those of weight. If that is longer than a screen the numbers are cut. `style` colours.
+    one, those of weight. If that is longer than a screen the numbers are cut, but for those that
+    were asked for. `style` colours.
     """
     head = [] if verdict is None else lead(verdict, style)
-    body, details = _lines(text.lines), _lines(text.details)
+    body, details, asked = _lines(text.lines), _lines(text.details), _lines(text.asked)
     counted = [f"  checks      {_counted(checks)}"] if checks else []
     failed = [_check(each, verdict, style) for each in _listed(verdict, checks, everything=verbose)]
     if verbose:
-        return [*head, *body, *details, *counted, *(part for each in failed for part in each)]
+        return [
+            *head,
+            *body,
+            *asked,
+            *details,
+            *counted,
+            *(part for each in failed for part in each),
+        ]
     tail = counted + [part for each in failed for part in _short(each)]
     left = max(LINES - 1 - len(head) - len(tail), 0)
     if len(body) > left:
         body, whole = [*body[: max(left - 1, 0)], "  ..."], len(body)
     else:
         whole = len(body)
-    kept = [*head, *body, *tail][: LINES - 1]
-    cut = len(kept) < len(head) + whole + sum(map(len, failed)) + len(counted)
+    head += body
+    kept = [*head, *tail][: LINES - 1]
+    cut = len(kept) < len(head) - len(body) + whole + sum(map(len, failed)) + len(counted)
+    kept[len(head) : len(head)] = asked
     return [*kept, "  more with -v"] if cut or details else kept
 
 

@@ -15,7 +15,6 @@ from dashpot.told.layout import Text, facts, table
 if TYPE_CHECKING:
     from dashpot import Comparison
     from dashpot.base.provenance import Source
-    from dashpot.kinds.indentation.from_files import Indentation
     from dashpot.kinds.indentation.record import IndentationFit
     from dashpot.records.estimate import Residual
     from dashpot.records.fit import Fit
@@ -116,7 +115,7 @@ def _beside(found: Fit) -> list[str]:
 
 
 def _nuisance(found: Fit) -> list[str]:
-    each = (item.fact for item in found.nuisance)
+    each = (item.fact for item in found.also_fitted)
     listed = ascii_only(", ".join(f"{one.called} {one.cells.with_unit}" for one in each))
     return [f"  also fitted {listed}"] if listed else []
 
@@ -279,20 +278,15 @@ def levels(found: Levels) -> Text:
     return Text([*lines, *(table(rows) if found.at else ()), *_read(found.source)])
 
 
-def indentation(found: Indentation) -> Text:
+def indentation(found: IndentationFit) -> Text:
     """Return the law of a contact, its numbers with their intervals, and the laws tried."""
-    least = min(score for _, score in found.fit.orders)
-    tried = ", ".join(f"{name} {score - least:.1f}" for name, score in found.fit.orders)
-    return Text(
-        [f"  law: {found.fit.law}", *facts(found.fit.found), f"  BIC above the least: {tried}"]
-    )
+    return Text([f"  law: {found.law}", *facts(found.found), tried(found.orders)])
 
 
-def contact(found: IndentationFit) -> Text:
-    """Return the same of a fit alone."""
-    from dashpot.kinds.indentation.from_files import Indentation
-
-    return indentation(Indentation(found))
+def tried(orders: Sequence[tuple[str, float]]) -> str:
+    """Return how far each law that was tried is above the best."""
+    least = min(score for _, score in orders)
+    return "  BIC above the least: " + ", ".join(f"{name} {at - least:.1f}" for name, at in orders)
 
 
 def amplitude(found: Any) -> Text:

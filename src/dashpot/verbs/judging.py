@@ -176,7 +176,7 @@ def _under_mass(
     seal_mass: Quantity | None = None,
     band: Range = BAND,
     lines: int = 2001,
-    quantity: str = "accelerance",
+    quantity: str | None = None,
     base: bool | str = False,
     relative: bool = False,
     compression: Quantity | None = None,
@@ -188,10 +188,6 @@ def _under_mass(
     record: Records = (),
     machine: Machine | None = None,
 ) -> Prediction:
-    if relative and not base:
-        raise DataError("relative=True is of a mass over a base that moves: add base=True")
-    if base:
-        quantity = "relative_transmissibility" if relative else "transmissibility"
     part = PartChoices(**shape_words(shape)) if shape is not None else None
     said = (level,) if isinstance(level, str | float | int) else tuple(level)
     levels = tuple(f"{one!r}{'m/s^2' if base else 'N'}" if not isinstance(one, str) else one
@@ -217,6 +213,8 @@ def _under_mass(
         band=si_range(band, "frequency"),
         lines=lines,
         kind=quantity,
+        base=bool(base),
+        relative=relative,
         compression=si(compression, "length"),
         temperature=si(temperature, "temperature"),
         part=part,

@@ -169,12 +169,7 @@ def _options(how: Mapping[str, Any], kind: str | None) -> ReadOptions:
         raise DataError(
             f"{unknown[0]}= says nothing of a file. Known are {', '.join(How.__annotations__)}"
         )
-    columns: dict[str, Any] = {}
-    for role, column in (how.get("columns") or {}).items():
-        several = not isinstance(column, str | int)
-        columns[role] = tuple(map(str, column)) if several else str(column)
-    if isinstance(columns.get("acceleration"), str):
-        columns["acceleration"] = (columns["acceleration"],)
+    columns = {role: _column(role, one) for role, one in (how.get("columns") or {}).items()}
     stated: dict[str, Any] = {**columns, **(how.get("part") or {})}
     stated |= {_TEXT.get(name, name): value for name, value in (how.get("text") or {}).items()}
     stated |= {name: how[name] for name in ("units", "axis") if name in how}
@@ -191,6 +186,13 @@ def _options(how: Mapping[str, Any], kind: str | None) -> ReadOptions:
         strange = next(name for name in stated if name not in ReadOptions.__dataclass_fields__)
         raise DataError(f"'{strange}' is no role and no key of a file. Known are {known}") from None
     return options.over(load_profile(how["profile"])) if "profile" in how else options
+
+
+def _column(role: str, said: Any) -> str | tuple[str, ...]:
+    """The name or number of a role's column as text; of accelerations there may be several."""
+    if not isinstance(said, str | int):
+        return tuple(map(str, said))
+    return (str(said),) if role == "acceleration" else str(said)
 
 
 def _record(path: Place, kind: str, options: ReadOptions, how: Mapping[str, Any]) -> Any:

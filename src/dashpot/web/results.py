@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, replace
+from dataclasses import replace
 from functools import lru_cache
 
 from dashpot.base.errors import DashpotError, DataError
 from dashpot.fitting.relaxation import fit
-from dashpot.preparation.prepare import prepare
 from dashpot.records.fit import Fit
 from dashpot.records.relaxation import RampHold, RelaxationTest
 from dashpot.vibration.systems.prediction import highest_peak
 from dashpot.web import records
 from dashpot.workflow.job import Job, deciding
-from dashpot.workflow.predictions import Prediction, predict_files
+from dashpot.workflow.predictions import Prediction, prediction
+from dashpot.workflow.prepared import prepared_tests
 from dashpot.workflow.shifting import each_specimen
 from dashpot.workflow.study import Study, of_solid, run
 
@@ -39,16 +39,12 @@ def prepared(job: Job, most: int | None) -> tuple[RampHold, ...]:
     every = tests(job)
     if most is not None and all(len(test.time) <= most for test in every):
         return prepared(job, None)
-    job.cuts.refuse_several(len(every))
-    return tuple(
-        prepare(
-            thinned(test, most),
-            filter=job.filter,
-            machine=job.machine,
-            cycle=job.reading.cycle,
-            **asdict(job.cuts),
-        )
-        for test in every
+    return prepared_tests(
+        [thinned(test, most) for test in every],
+        filter=job.filter,
+        machine=job.machine,
+        cuts=job.cuts,
+        cycle=job.reading.cycle,
     )
 
 
@@ -119,12 +115,12 @@ def base_motion(job: Job) -> Prediction:
         raise DataError("no mass is given: say what rests on the seals, such as 104 g")
     solid = found.joint or found.fit
     top = highest_peak(job.seals * solid.solid.k_0, found.mass)
-    return predict_files(
+    return prediction(
         solid,
         mass=found.mass,
         seals=job.seals,
         band=job.band or (float(f"{top / 5:.2g}"), float(f"{4 * top:.2g}")),
-        kind="transmissibility",
+        base=True,
         compression=job.compression,
     )
 

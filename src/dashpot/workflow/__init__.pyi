@@ -14,12 +14,13 @@ from dashpot.kinds.cld.record import CLD as CLD
 from dashpot.kinds.cld.record import RateLaw as RateLaw
 from dashpot.kinds.cld.record import RelaxedLaw as RelaxedLaw
 from dashpot.kinds.hyperelastic.from_files import hyperelastic_files as hyperelastic_files
-from dashpot.kinds.indentation.from_files import Indentation as Indentation
 from dashpot.kinds.indentation.from_files import indent_file as indent_file
 from dashpot.planning.bench import Bench as Bench
 from dashpot.planning.plan import plan as plan
 from dashpot.planning.supposed import SupposedSeal as SupposedSeal
 from dashpot.report import html as html
+from dashpot.report.paper import paper_page as paper_page
+from dashpot.report.paper import paper_pictures as paper_pictures
 
 from .archive import document as document
 from .examples import CAPTIONS as CAPTIONS
@@ -46,6 +47,8 @@ from .levels import Levels as Levels
 from .levels import level_files as level_files
 from .measured_modes import MeasuredModes as MeasuredModes
 from .measured_modes import modes_files as modes_files
+from .paper.reproduced import paper_records as paper_records
+from .paper.reproduced import reproduce as reproduce
 from .predictions import Prediction as Prediction
 from .predictions import predict_files as predict_files
 from .project import create as create

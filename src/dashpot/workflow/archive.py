@@ -42,7 +42,11 @@ SCHEMAS: dict[str, type[Documented]] = {
     for noun in (
         GeneralizedMaxwell, FractionalZener, Parallel, Fit, ImpactResult, MeasuredModes,
         Inspections, Comparison, Plan, Job, Study,
-        *(noun for noun in _OF_KINDS if issubclass(noun, Documented) and noun.schema),
+        *(
+            noun
+            for noun in _OF_KINDS
+            if issubclass(noun, Documented) and noun.schema and noun.read_back
+        ),
     )
 }  # fmt: skip
 """What each versioned schema name holds."""

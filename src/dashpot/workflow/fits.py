@@ -4,63 +4,85 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from dashpot.base.choices import FamilyAsked, Method, RampLawAsked
 from dashpot.base.errors import FitError, ReadError
-from dashpot.base.options import offered
+from dashpot.base.options import like, part
+from dashpot.fitting.asked import refuse_shifts
 from dashpot.fitting.relaxation import fit as fit_relaxation
 from dashpot.io.columns.kinds import other_kind
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.recognise import recognise
 from dashpot.io.source import about
-from dashpot.kinds import FIT_FILES, KINDS, load
-from dashpot.preparation.creep import load_hold
-from dashpot.preparation.prepare import prepare
-from dashpot.records.creep import Creep, CreepCompliance, CreepTest, LoadHold
-from dashpot.records.dynamic import DynamicTest
+from dashpot.kinds import FIT_FILES, KINDS, load, row_of
 from dashpot.records.fit import Fit
 from dashpot.records.machine import Machine
-from dashpot.records.modulus import RelaxationModulus
 from dashpot.records.relaxation import RampHold, RelaxationTest
 from dashpot.records.specimen import Specimen
-from dashpot.records.superposition import Superposition
 from dashpot.workflow.job import Cuts, Job, known_of_a_test
+from dashpot.workflow.prepared import prepared_tests
 from dashpot.workflow.shifting import ShiftChoices, each_specimen, one_temperature, shifted_ramps
 
-Bench: TypeAlias = (
-    RelaxationTest | RampHold | DynamicTest | RelaxationModulus | CreepTest | LoadHold
-    | CreepCompliance
-)  # fmt: skip
-Record: TypeAlias = (
-    RampHold | DynamicTest | RelaxationModulus | LoadHold | CreepCompliance | Superposition
-)
+if TYPE_CHECKING:
+    from dashpot.records.creep import CreepCompliance, CreepTest, LoadHold
+    from dashpot.records.dynamic import DynamicTest
+    from dashpot.records.modulus import RelaxationModulus
+    from dashpot.records.superposition import Superposition
+
+    Bench: TypeAlias = (
+        RelaxationTest | RampHold | DynamicTest | RelaxationModulus | CreepTest | LoadHold
+        | CreepCompliance
+    )  # fmt: skip
+    Record: TypeAlias = (
+        RampHold | DynamicTest | RelaxationModulus | LoadHold | CreepCompliance | Superposition
+    )
 
 
 @dataclass(frozen=True)
-class _FitRequest:
-    """What the user asked for, whatever the records turn out to be."""
+class BenchAsked:
+    """What is asked of the fit of tests on a bench, whatever the records turn out to be.
 
-    arms: int | Literal["auto"]
-    method: Method
-    depth_law: bool
-    thorough: bool
-    law: RampLawAsked
-    family: FamilyAsked
-    intervals: bool
-    filter: str | None
-    cuts: Cuts
-    machine: Machine | None
-    cycle: int | None
-    shifting: ShiftChoices
-    specimen: Specimen | None
+    Attributes
+    ----------
+    arms, method, law, family, filter, machine
+        As of :class:`~dashpot.workflow.job.Job`; `machine` None is a machine of which nothing is
+        known.
+    cuts : Cuts
+        Of one relaxation test, by hand.
+    depth_law : bool
+        Tests of different depths share their relaxation times and an elastic law; each has its own
+        stiffnesses (:func:`~dashpot.fitting.depth.fit_depths`).
+    thorough, intervals : bool
+        As :func:`~dashpot.fitting.relaxation.fit` takes them; sweeps, moduli and creep always have
+        intervals.
+    cycle : int or None
+        The loading to use, where a relaxation test has several.
+    shifting : ShiftChoices
+        Of sweeps or moduli at several temperatures: which one, or how all are shifted.
+    specimen : Specimen or None
+        What was said of the first test: a temperature of its own refuses sweeps at several.
+    """
+
+    arms: int | Literal["auto"] = like(Job, "arms")
+    method: Method = like(Job, "method")
+    depth_law: bool = False
+    thorough: bool = False
+    law: RampLawAsked = like(Job, "law")
+    family: FamilyAsked = like(Job, "family")
+    intervals: bool = True
+    filter: str | None = like(Job, "filter")
+    cuts: Cuts = part(Cuts)
+    machine: Machine | None = None
+    cycle: int | None = None
+    shifting: ShiftChoices = part(ShiftChoices)
+    specimen: Specimen | None = None
 
     def nothing_of(self, *names: str) -> bool:
         """Whether each of these is left at what it is where nothing is said."""
-        usual = {one.name: one.default for one in offered(Job)} | {"depth_law": False}
-        return all(getattr(self, name) == usual[name] for name in names)
+        return all(getattr(self, name) == getattr(BenchAsked, name) for name in names)
 
     def refuse_beside_a_modulus(self, *, others: int) -> None:
         """Refuse what belongs to a ramp, and tests that are no moduli."""
@@ -92,95 +114,32 @@ class _FitRequest:
                 "a creep test is fitted alone, or with others at other temperatures, without "
                 "--filter and --elastic by-depth"
             )
-
-    def prepared(
-        self, tests: Sequence[RelaxationTest | RampHold], *, judged: bool
-    ) -> tuple[RampHold, ...]:
-        """Prepare ramps and holds; what is prepared already stays as it is.
-
-        Raises
-        ------
-        FitError
-            If it is said how to prepare them, and one is prepared.
-        """
-        self.cuts.refuse_several(len(tests))
-        ready = any(isinstance(test, RampHold) for test in tests)
-        if ready and (self.filter or self.machine or self.cuts != Cuts()):
+        if not self.nothing_of("method", "law", "family"):
             raise FitError(
-                "a test that is prepared already is fitted as it is: say filter, machine and cuts "
-                "in test.prepare(...)"
+                "a creep test is fitted to its recorded force and to a linear solid with arms: "
+                "leave out --method, --elastic and --model"
             )
-        return tuple(
-            test
-            if isinstance(test, RampHold)
-            else prepare(
-                test,
-                filter=self.filter,
-                machine=self.machine,
-                cycle=self.cycle,
-                judged=judged,
-                **asdict(self.cuts),
-            )
-            for test in tests
-        )
-
-    def fit(self, tests: Sequence[RampHold] | Creep, **further: Any) -> Fit:
-        """Fit ramps and holds, or one creep test."""
-        return fit_relaxation(
-            tests,
-            arms=self.arms,
-            method=self.method,
-            thorough=self.thorough,
-            law=self.law,
-            family=self.family,
-            intervals=self.intervals,
-            **further,
-        )
 
 
 def fit_files(
     files: Sequence[str | Path],
     *,
-    arms: int | Literal["auto"] = "auto",
-    method: Method = "full",
-    depth_law: bool = False,
-    thorough: bool = False,
-    law: RampLawAsked = "auto",
-    family: FamilyAsked = "maxwell",
-    intervals: bool = True,
-    filter: str | None = None,
-    cuts: Cuts | None = None,
     specimen: Specimen | None = None,
     temperatures: Sequence[float] = (),
-    machine: Machine | None = None,
     options: ReadOptions | None = None,
-    shifting: ShiftChoices = ShiftChoices(),  # noqa: B008
+    **asked: Any,
 ) -> tuple[Fit, tuple[Record, ...]]:
     """Fit one solid to the records in files, each in the way that suits it.
-
-    Ramps and holds are fitted together; a dynamic (DMA) sweep alone or with ramps and holds of
-    the same part; a relaxation modulus, or a creep test, alone; sweeps or moduli at several
-    temperatures by their master curve.
 
     Parameters
     ----------
     files : sequence of path
-    arms, method, thorough, law, family, intervals
-        As in :func:`~dashpot.fitting.relaxation.fit`; sweeps, moduli and creep always have
-        intervals.
-    depth_law : bool
-        Tests of different depths share their relaxation times and an elastic law; each has its own
-        stiffnesses (:func:`~dashpot.fitting.depth.fit_depths`).
-    filter, machine : optional
-        As in :func:`~dashpot.preparation.prepare.prepare`.
-    cuts : Cuts, optional
-        Of one relaxation test, by hand.
     specimen, options
         As in :func:`~dashpot.io.readers.relaxation.read_relaxation`; `cycle` is for preparation.
     temperatures : sequence of float
         Of the tests, K: one for all files, or one for each, in their order.
-    shifting : ShiftChoices
-        Of sweeps or moduli at several temperatures: which one, or how all are shifted.
+    asked
+        Fields of :class:`BenchAsked`.
 
     Returns
     -------
@@ -196,71 +155,45 @@ def fit_files(
     """
     options = options or ReadOptions()
     each = each_specimen(specimen, temperatures, len(files))
-    asked = _FitRequest(
-        arms, method, depth_law, thorough, law, family, intervals, filter, cuts or Cuts(), machine,
-        options.cycle, shifting, each[0],
-    )  # fmt: skip
     tests = [read_test(path, options, one) for path, one in zip(files, each, strict=True)]
-    return _fitted(tests, asked, Path(files[0]).name)
+    said = BenchAsked(**asked, cycle=options.cycle, specimen=each[0])
+    return fit_records(tests, said, name=Path(files[0]).name)
 
 
 def fit_records(
-    tests: Sequence[Bench],
-    *,
-    arms: int | Literal["auto"] = "auto",
-    method: Method = "full",
-    depth_law: bool = False,
-    thorough: bool = False,
-    law: RampLawAsked = "auto",
-    family: FamilyAsked = "maxwell",
-    intervals: bool = True,
-    filter: str | None = None,
-    cuts: Cuts | None = None,
-    specimen: Specimen | None = None,
-    machine: Machine | None = None,
-    cycle: int | None = None,
-    shifting: ShiftChoices = ShiftChoices(),  # noqa: B008
+    tests: Sequence[Bench], asked: BenchAsked, *, name: str = ""
 ) -> tuple[Fit, tuple[Record, ...]]:
     """Fit one solid to the records of a bench, as :func:`fit_files` does to those in files.
 
-    Parameters
-    ----------
-    tests : sequence of RelaxationTest, RampHold, DynamicTest, RelaxationModulus or creep
-        A ramp and hold may be prepared already.
-    specimen : Specimen, optional
-        What was said of the first: a temperature of its own refuses sweeps at several.
-    cycle : int, optional
-        The loading to use, where a relaxation test has several.
+    Ramps and holds are fitted together, also such as are prepared; a dynamic (DMA) sweep alone or
+    with ramps and holds of the same part; a relaxation modulus, or a creep test, alone; sweeps or
+    moduli at several temperatures by their master curve. `name`, of the first file, stands before
+    what is wrong.
     """
-    asked = _FitRequest(
-        arms, method, depth_law, thorough, law, family, intervals, filter, cuts or Cuts(), machine,
-        cycle, shifting, specimen,
-    )  # fmt: skip
-    return _fitted(tests, asked, "")
-
-
-def _fitted(
-    tests: Sequence[Bench], asked: _FitRequest, name: str
-) -> tuple[Fit, tuple[Record, ...]]:
-    """Fit records as it was asked; `name`, of the first file, stands before what is wrong."""
-    curves = [test for test in tests if isinstance(test, RelaxationModulus)]
+    curves, crept, pressed = (_of_kind(tests, one) for one in ("modulus", "creep", "relaxation"))
     if curves:
         asked.refuse_beside_a_modulus(others=len(tests) - len(curves))
         from dashpot.fitting.modulus import fit_modulus
 
         with _named(name):
-            curve = one_temperature(curves, asked.shifting, asked.specimen)
-            return fit_modulus(curve, arms=asked.arms, thorough=asked.thorough), (curve,)  # type: ignore[arg-type]
-    crept = [one for one in tests if isinstance(one, CreepTest | LoadHold | CreepCompliance)]
+            curve: Any = one_temperature(curves, asked.shifting, asked.specimen)
+            return fit_modulus(curve, arms=asked.arms, thorough=asked.thorough), (curve,)
     if crept:
         asked.refuse_beside_creep(others=len(tests) - len(crept))
         return _crept(crept, asked, name)
-    pressed = [test for test in tests if isinstance(test, RelaxationTest | RampHold)]
-    prepared = asked.prepared(pressed, judged=asked.intervals or len(pressed) < len(tests))
+    prepared = prepared_tests(
+        pressed, filter=asked.filter, machine=asked.machine, cuts=asked.cuts, cycle=asked.cycle,
+        judged=asked.intervals or len(pressed) < len(tests),
+    )  # fmt: skip
     known_of_a_test(asked.machine, tests=len(prepared), add="a ramp and hold")
     if len(pressed) == len(tests):
         return _pressed(prepared, asked), prepared
-    return _swept(tests, prepared, asked)
+    return _swept(_of_kind(tests, "dma"), prepared, asked)
+
+
+def _of_kind(tests: Sequence[Bench], name: str) -> list[Any]:
+    """The tests of one kind, by the word of the register."""
+    return [one for one in tests if (row := row_of(one)) is not None and row.name == name]
 
 
 def _named(name: str) -> AbstractContextManager[None]:
@@ -289,30 +222,42 @@ def read_test(
 
 
 def _crept(
-    tests: Sequence[CreepTest | LoadHold | CreepCompliance], asked: _FitRequest, name: str
+    tests: Sequence[CreepTest | LoadHold | CreepCompliance], asked: BenchAsked, name: str
 ) -> tuple[Fit, tuple[Record, ...]]:
     """Fit one creep test, or the master curve of several; `name` is the first file's."""
+    from dashpot.fitting.compliance import measured_compliance
+    from dashpot.fitting.creep import fit_creep
+    from dashpot.preparation.creep import load_hold
+    from dashpot.records.creep import CreepTest, LoadHold
+    from dashpot.records.superposition import Superposition
+
     # a load that is not held says itself of which file it is
     held = [load_hold(one) if isinstance(one, CreepTest) else one for one in tests]
     with _named(name):
-        record = _creep(held, asked.shifting, asked.specimen)
-        if isinstance(record, Superposition):
-            if not asked.nothing_of("method", "law", "family"):
-                raise FitError(
-                    "creep at several temperatures has a linear solid with arms: leave out "
-                    "--method, --elastic and --model"
-                )
-            from dashpot.fitting.creep import fit_creep
-
-            return fit_creep(record, arms=asked.arms, thorough=asked.thorough), (record,)
-        further = {} if asked.shifting.at is not None else shifted_ramps(asked.shifting)
-        return asked.fit(record, **further), (record,)
+        record: Any = held[0]
+        if len(held) > 1 or not isinstance(record, LoadHold):
+            curves = [
+                measured_compliance(one) if isinstance(one, LoadHold) else one for one in held
+            ]
+            record = one_temperature(curves, asked.shifting, asked.specimen)
+        if not isinstance(record, Superposition) and asked.shifting.at is None:
+            refuse_shifts("a creep test is", **shifted_ramps(asked.shifting))
+        return fit_creep(record, arms=asked.arms, thorough=asked.thorough), (record,)
 
 
-def _pressed(tests: tuple[RampHold, ...], asked: _FitRequest) -> Fit:
+def _pressed(tests: tuple[RampHold, ...], asked: BenchAsked) -> Fit:
     """Fit ramps and holds together, or, where a law of the depth is asked for, each by itself."""
     if not asked.depth_law:
-        return asked.fit(tests, **shifted_ramps(asked.shifting))
+        return fit_relaxation(
+            tests,
+            arms=asked.arms,
+            method=asked.method,
+            thorough=asked.thorough,
+            law=asked.law,
+            family=asked.family,
+            intervals=asked.intervals,
+            **shifted_ramps(asked.shifting),
+        )
     usual = asked.nothing_of("method", "law", "family")
     if not usual or asked.thorough or asked.shifting != ShiftChoices():
         raise FitError(
@@ -326,10 +271,9 @@ def _pressed(tests: tuple[RampHold, ...], asked: _FitRequest) -> Fit:
 
 
 def _swept(
-    read: Sequence[object], tests: tuple[RampHold, ...], asked: _FitRequest
+    sweeps: Sequence[DynamicTest], tests: tuple[RampHold, ...], asked: BenchAsked
 ) -> tuple[Fit, tuple[Record, ...]]:
-    """Fit the sweep read, or a master curve, with the ramps and holds of the same part."""
-    sweeps = [one for one in read if isinstance(one, DynamicTest)]
+    """Fit a sweep, or a master curve, with the ramps and holds of the same part."""
     if asked.depth_law or asked.method == "hold" or (tests and len(sweeps) > 1):
         raise FitError(
             "a dynamic sweep is fitted alone, with others at other temperatures, or with "
@@ -343,27 +287,11 @@ def _swept(
         )
     from dashpot.fitting.dynamic import fit_dynamic
 
-    sweep = one_temperature(sweeps, asked.shifting, asked.specimen)
+    sweep: Any = one_temperature(sweeps, asked.shifting, asked.specimen)
     found = fit_dynamic(
-        sweep,  # type: ignore[arg-type]
-        arms=asked.arms,
-        tests=tests,
-        thorough=asked.thorough,
-        family=asked.family,
+        sweep, arms=asked.arms, tests=tests, thorough=asked.thorough, family=asked.family
     )
     return found, (sweep, *tests)
-
-
-def _creep(
-    tests: Sequence[LoadHold | CreepCompliance], shifting: ShiftChoices, specimen: Specimen | None
-) -> LoadHold | CreepCompliance | Superposition:
-    """One record of creep as it is fitted, or the compliances of several, shifted together."""
-    if len(tests) == 1 and isinstance(tests[0], LoadHold):
-        return tests[0]
-    from dashpot.fitting.compliance import measured_compliance
-
-    curves = [measured_compliance(one) if isinstance(one, LoadHold) else one for one in tests]
-    return one_temperature(curves, shifting, specimen)  # type: ignore[return-value]
 
 
 def of_order(test: RampHold, arms: int, *, method: Method = "full") -> Fit:

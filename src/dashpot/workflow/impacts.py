@@ -306,7 +306,9 @@ class Agreement(Judged, Documented):
 
     def _circular(self) -> str:
         """What a comparison with the hits that were fitted shows."""
-        first = "In sample: the fit was made from these hits, so the agreement tests nothing."
+        off = 100 * self.comparison.frequency_error
+        says = f"The peak is off by {off:+.2g} %, which tests nothing"
+        first = f"{says}: the fit was made from these hits."
         if self.unseen is None:
             return f"{first} Compare it with other hits, or give the fitted relaxation record too."
         low, high = (100 * one for one in self.unseen.height)
@@ -323,12 +325,10 @@ def compare_files(
     hammer: HammerChoices,
     options: ReadOptions,
     mass: float | None = None,
-    seal_mass: float | None = None,
-    seals: float = 1.0,
     band: tuple[float, float] | None = None,
-    compression: float | None = None,
     records: Sequence[str | Path] = (),
     options_with: ReadOptions | None = None,
+    **asked: Any,
 ) -> Agreement:
     """Hold the prediction of a fit against the hits or the FRF in files.
 
@@ -339,30 +339,21 @@ def compare_files(
     measured : sequence of path
     hammer, options
         How hits are averaged, and what the user said of the files.
-    mass, seal_mass : float, optional
-        Of the block, inferred from the FRF if missing, and of one seal, kg.
-    seals : float
-        How many carry the block.
-    band : (float, float), optional
-        Lines compared, Hz.
-    compression : float, optional
-        Of the seals, m; by default that of the mass's weight.
     records : sequence of path
         The relaxation tests behind the fit: they bound the unresolved arms.
     options_with : ReadOptions, optional
         What the user said of those.
+    mass, band, asked
+        As of :func:`agreement`.
     """
     impact, frf = read_measured(measured, choices=hammer, options=options, mass=mass, band=band)
     tests = prepared_files(records, options=options_with)
-    held = agreement(
-        found, frf, tests=tests, mass=mass, seal_mass=seal_mass, seals=seals, band=band,
-        compression=compression,
-    )  # fmt: skip
+    held = agreement(found, frf, tests=tests, mass=mass, band=band, **asked)
     if not (held.in_sample and impact is not None and tests):
         return held
     unseen = left_out(
-        impact, tests, found, mass=held.mass, seals=seals, choices=hammer, band=band,
-        compression=compression,
+        impact, tests, found, mass=held.mass, seals=held.seals, choices=hammer, band=band,
+        compression=asked.get("compression"),
     )  # fmt: skip
     return replace(held, unseen=unseen)
 
@@ -378,9 +369,23 @@ def agreement(
     band: tuple[float, float] | None = None,
     compression: float | None = None,
 ) -> Agreement:
-    """Hold the prediction of a fit against an FRF; `tests` are the records behind the fit.
+    """Hold the prediction of a fit against an FRF.
 
-    The other parameters are those of :func:`compare_files`.
+    Parameters
+    ----------
+    found : Fit
+        Of one seal.
+    frf : FRF
+    tests : sequence of RampHold
+        The relaxation tests behind the fit.
+    mass, seal_mass : float, optional
+        Of the block, inferred from the FRF if missing, and of one seal, kg.
+    seals : float
+        How many carry the block.
+    band : (float, float), optional
+        Lines compared, Hz.
+    compression : float, optional
+        Of the seals, m; by default that of the mass's weight.
     """
     total, noted = total_mass(mass, seal=seal_mass, seals=seals)
     frf = relieved(frf, total, seal_mass, seals)
@@ -407,19 +412,6 @@ def agreement(
 def fitted_to(found: Fit, frf: FRF) -> frozenset[str]:
     """The files of an FRF, by what they hold, that a fit was made from."""
     return frozenset(one.sha256 for one in found.source) & {one.sha256 for one in frf.source} - {""}
-
-
-def _refuse_unmatched(
-    fits: Sequence[Fit], tests: Sequence[str | Path], temperatures: Sequence[float]
-) -> None:
-    """Refuse fits, tests and temperatures that do not go together."""
-    if len(fits) > 1 or (fits and tests):
-        raise ReadError("tests are fitted together, or one fit with vibration: leave the fit out")
-    if not tests and len(temperatures) > 1:
-        raise ReadError(
-            f"{len(temperatures)} temperatures and no relaxation test; expected one, that "
-            "of the seals under the hammer"
-        )
 
 
 class Changes(NamedTuple):
@@ -514,18 +506,14 @@ def identify_files(
     hammer: HammerChoices,
     options: ReadOptions,
     mass: float,
-    seal_mass: float | None = None,
-    seals: float = 1.0,
     band: tuple[float, float] | None = None,
-    fits: Sequence[Fit] = (),
     tests: Sequence[str | Path] = (),
-    compression: float | None = None,
     machine: Machine | None = None,
     specimen: Specimen | None = None,
     temperatures: Sequence[float] = (),
     impact_temperature: float | None = None,
     options_with: ReadOptions | None = None,
-    **choices: Any,
+    **asked: Any,
 ) -> Identified:
     """Identify the solid under a mass from hits or an FRF, alone or with the relaxation test.
 
@@ -533,18 +521,8 @@ def identify_files(
     ----------
     measured, tests : sequence of path
         The hammer's files, and relaxation tests to fit together with them.
-    mass, seal_mass : float
-        Of the block and of one seal, kg.
-    band : (float, float), optional
-        Lines fitted, Hz.
-    fits : sequence of Fit
-        At most one, in place of the tests.
-    compression : float, optional
-        Of the seals, m; by default that of the mass's weight.
     machine : Machine, optional
         What is known of the machine of the tests.
-    specimen : Specimen, optional
-        What is known of the seals; it wins over what the tests say.
     temperatures : sequence of float
         Of the tests, K: one for all of them, or one for each, in their order; without tests, of
         the seals.
@@ -552,19 +530,16 @@ def identify_files(
         Of the seals under the hammer, K, where tests at several temperatures are fitted too.
     options_with : ReadOptions, optional
         What the user said of the files of the tests.
-    choices
-        As in :func:`~dashpot.fitting.identification.identify.identify`.
-
-    Returns
-    -------
-    fit : Fit
-    direct : DynamicStiffness
-        Stiffness of one seal straight from the FRF.
-    checks : tuple of Check
-        What the FRF and the mass of the seals say.
+    hammer, mass, band, specimen, asked
+        As of :func:`identified`.
     """
     known_of_a_test(machine, tests=len(tests), add="a relaxation test")
-    _refuse_unmatched(fits, tests, temperatures)
+    _refuse_both(asked.get("fits", ()), tests)
+    if not tests and len(temperatures) > 1:
+        raise ReadError(
+            f"{len(temperatures)} temperatures and no relaxation test; expected one, that "
+            "of the seals under the hammer"
+        )
     _, frf = read_measured(measured, choices=hammer, options=options, mass=mass, band=band)
     prepared = prepared_files(
         tests, machine=machine, options=options_with, temperatures=temperatures
@@ -572,9 +547,8 @@ def identify_files(
     if not tests and temperatures:
         specimen = replace(specimen or Specimen(), temperature=temperatures[0])
     return identified(
-        frf, tests=prepared, fit=fits[0] if fits else None, mass=mass, seal_mass=seal_mass,
-        seals=seals, band=band, compression=compression, temperature=impact_temperature,
-        specimen=specimen, hammer=hammer, **choices,
+        frf, tests=prepared, mass=mass, band=band,
+        temperature=impact_temperature, specimen=specimen, hammer=hammer, **asked,
     )  # fmt: skip
 
 
@@ -582,7 +556,7 @@ def identified(
     frf: FRF,
     *,
     tests: Sequence[RampHold] = (),
-    fit: Fit | None = None,
+    fits: Sequence[Fit] = (),
     mass: float,
     seal_mass: float | None = None,
     seals: float = 1.0,
@@ -595,12 +569,33 @@ def identified(
 ) -> Identified:
     """Identify the solid under a mass from an FRF, alone or with prepared tests or their fit.
 
-    The parameters and what is returned are those of :func:`identify_files`.
+    Parameters
+    ----------
+    frf : FRF
+    tests : sequence of RampHold
+        Relaxation tests to fit together with it.
+    fits : sequence of Fit
+        At most one, in place of the tests.
+    mass, seal_mass : float
+        Of the block and of one seal, kg.
+    band : (float, float), optional
+        Lines fitted, Hz.
+    compression : float, optional
+        Of the seals, m; by default that of the mass's weight.
+    temperature : float, optional
+        Of the seals under the hammer, K, where tests at several temperatures are fitted too.
+    specimen : Specimen, optional
+        What is known of the seals; it wins over what the tests say.
+    hammer : HammerChoices, optional
+        How hits were averaged.
+    choices
+        As in :func:`~dashpot.fitting.identification.identify.identify`.
     """
     from dashpot.fitting.identification.identify import identify
 
+    _refuse_both(fits, tests)
     vibration = None
-    if not tests and fit is None:
+    if not tests and not fits:
         vibration = _vibration(frf, _modes(frf, band)[0], hammer or HammerChoices())
     total, noted = total_mass(mass, seal=seal_mass, seals=seals)
     frf = relieved(frf, total, seal_mass, seals)
@@ -610,7 +605,7 @@ def identified(
         frf,
         band=band,
         tests=tests,
-        fit=fit,
+        fit=fits[0] if fits else None,
         mass=mass,
         seals=seals,
         compression=compression,
@@ -627,6 +622,12 @@ def identified(
     found = replace(found, evidence=evidence)
     rests = at_rest(found, mass=mass, seals=seals, compression=compression)
     return Identified(found, Direct(straight), (*others, *noted), rests, vibration)
+
+
+def _refuse_both(fits: Sequence[Fit], tests: Sequence[Any]) -> None:
+    """Refuse several fits, and a fit beside the tests that it may be of."""
+    if len(fits) > 1 or (fits and tests):
+        raise ReadError("tests are fitted together, or one fit with vibration: leave the fit out")
 
 
 def _useless(frf: FRF) -> tuple[Check, ...]:

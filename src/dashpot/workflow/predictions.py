@@ -242,20 +242,14 @@ def predict_files(
     records: Sequence[str | Path] = (),
     *,
     mass: float,
-    seal_mass: float | None = None,
-    seals: float = 1.0,
     band: tuple[float, float],
-    lines: int = 2001,
-    kind: str = "accelerance",
-    compression: float | None = None,
-    temperature: float | None = None,
     part: PartChoices | None = None,
     at_level: LevelChoices | None = None,
     machine: Machine | None = None,
     options: ReadOptions | None = None,
-    base_psd: str | None = None,
+    **asked: Any,
 ) -> Prediction:
-    """Predict the FRF of a mass on a fitted seal.
+    """Predict the FRF of a mass on a fitted seal, bounded by files of the tests behind the fit.
 
     Parameters
     ----------
@@ -263,27 +257,12 @@ def predict_files(
         Of one seal.
     records : sequence of path
         The relaxation tests behind it: they bound the unresolved arms.
-    mass, seal_mass : float
-        Of the block and of one seal, kg.
-    seals : float
-    band : (float, float)
-        Hz; `lines` lines are laid over it.
-    kind : str
-        What the FRF relates, as in :func:`~dashpot.vibration.systems.prediction.predict_frf`.
-    compression : float, optional
-        Of the seals, m; by default that of the mass's weight.
-    temperature : float, optional
-        K; by default that of the fit's solid.
-    part : PartChoices, optional
-        The geometry of a part, where the fit is of a material's modulus.
-    at_level : LevelChoices, optional
-        How far the part is moved, and the sweep that tells what this does.
     machine : Machine, optional
         What is known of the machine of those tests.
     options : ReadOptions, optional
         What the user said of their files.
-    base_psd : str, optional
-        A file, or a word such as ``"0.01g^2/Hz"``: how the base shakes at random.
+    mass, band, part, at_level, asked
+        As of :func:`prediction`.
 
     Raises
     ------
@@ -292,12 +271,10 @@ def predict_files(
     """
     known_of_a_test(machine, tests=len(records), add="the record (--record)")
     swept = swept_part(at_level or LevelChoices(), unit=found.unit, part=part, options=options)
+    tests = prepared_files(records, machine=machine, options=options)
     return prediction(
-        found, prepared_files(records, machine=machine, options=options), mass=mass,
-        seal_mass=seal_mass, seals=seals, band=band, lines=lines, kind=kind,
-        compression=compression, temperature=temperature, part=part, at_level=at_level,
-        swept=swept, base_psd=base_psd,
-    )  # fmt: skip
+        found, tests, mass=mass, band=band, part=part, at_level=at_level, swept=swept, **asked
+    )
 
 
 def prediction(
@@ -309,7 +286,9 @@ def prediction(
     seals: float = 1.0,
     band: tuple[float, float],
     lines: int = 2001,
-    kind: str = "accelerance",
+    kind: str | None = None,
+    base: bool = False,
+    relative: bool = False,
     compression: float | None = None,
     temperature: float | None = None,
     part: PartChoices | None = None,
@@ -317,12 +296,45 @@ def prediction(
     swept: SweptPart | None = None,
     base_psd: str | None = None,
 ) -> Prediction:
-    """Predict the FRF of a mass on a fitted seal; `tests` are the records behind the fit.
+    """Predict the FRF of a mass on a fitted seal.
 
-    The other parameters are those of :func:`predict_files`; `swept` is what the sweep says.
+    Parameters
+    ----------
+    found : Fit
+        Of one seal.
+    tests : sequence of RampHold
+        The relaxation tests behind it: they bound the unresolved arms.
+    mass, seal_mass : float
+        Of the block and of one seal, kg.
+    seals : float
+    band : (float, float)
+        Hz; `lines` lines are laid over it.
+    kind : str, optional
+        What the FRF of a force relates, as in
+        :func:`~dashpot.vibration.systems.prediction.predict_frf`.
+    base, relative : bool
+        The base moves, and the motion of the mass is taken relative to it.
+    compression : float, optional
+        Of the seals, m; by default that of the mass's weight.
+    temperature : float, optional
+        K; by default that of the fit's solid.
+    part : PartChoices, optional
+        The geometry of a part, where the fit is of a material's modulus.
+    at_level : LevelChoices, optional
+        How far the part is moved.
+    swept : SweptPart, optional
+        What a sweep says that this does to it.
+    base_psd : str, optional
+        A file, or a word such as ``"0.01g^2/Hz"``: how the base shakes at random.
+
+    Raises
+    ------
+    DataError
+        If the choices exclude each other, or a record is not what was fitted.
     """
     SIZES["mass"].refuse(mass)
-    asked, choices = Kind(kind), at_level or LevelChoices()
+    asked = _related(kind, base=base or base_psd is not None, relative=relative)
+    choices = at_level or LevelChoices()
     moving, noted = moving_mass(mass, seal=seal_mass or 0.0, seals=seals)
     here = found if temperature is None else found.at_temperature(temperature)
     stiffer, of_part = 1.0, part is not None and part != PartChoices()
@@ -364,7 +376,7 @@ def prediction(
         at_edge,
         limited,
         checks,
-        verdict(checks, sound=_sound(frf, peak, found)),
+        verdict(checks, sound=_sound(frf, peak, found, at_edge=at_edge)),
         rests,
         on.rival,
         of_part,
@@ -375,14 +387,26 @@ def prediction(
     )
 
 
-def _sound(frf: FRF, peak: tuple[float, float], found: Fit) -> str:
+def _related(kind: str | None, *, base: bool, relative: bool) -> Kind:
+    """What the FRF of a mass relates: to a force on it, or to the motion of its base."""
+    if base and kind is not None:
+        raise DataError("--kind is of a force on the mass, --base of none: leave one out")
+    if relative and not base:
+        raise DataError(
+            "--relative (relative=True) is of a mass over a base that moves: add --base (base=True)"
+        )
+    if not base:
+        return Kind(kind or Kind.ACCELERANCE)
+    return Kind.RELATIVE_TRANSMISSIBILITY if relative else Kind.TRANSMISSIBILITY
+
+
+def _sound(frf: FRF, peak: tuple[float, float], found: Fit, *, at_edge: bool) -> str:
     """Return where the predicted peak lies, how high it is, and where the model is valid."""
     hz, height = peak
     name, unit = frf.quantity.replace("_", " "), frf.unit
-    return (
-        f"peak of the {name} {height:.4g}{f' {unit}' if unit != '1' else ''} at {hz:.4g} Hz. "
-        f"The model is valid from {hertz(found.band)}"
-    )
+    size = f"{height:.4g}{f' {unit}' if unit != '1' else ''} at {hz:.4g} Hz"
+    top = f"the {name} is {size}, the end of the band" if at_edge else f"peak of the {name} {size}"
+    return f"{top}. The model is valid from {hertz(found.band)}"
 
 
 def _refuse_records(tests: Sequence[RampHold]) -> None:

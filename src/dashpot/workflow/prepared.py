@@ -1,19 +1,58 @@
-"""From files of relaxation tests to prepared records; where their questions are answered."""
+"""From relaxation tests, or their files, to prepared records; whose tests they are."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 
-from dashpot.base.errors import DataError
+from dashpot.base.errors import DataError, FitError
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.relaxation import read_relaxation
 from dashpot.preparation.prepare import prepare
 from dashpot.records.fit import Fit
 from dashpot.records.machine import Machine
-from dashpot.records.relaxation import RampHold
+from dashpot.records.relaxation import RampHold, RelaxationTest
+from dashpot.workflow.job import Cuts
 from dashpot.workflow.shifting import each_specimen
+
+
+def prepared_tests(
+    tests: Sequence[RelaxationTest | RampHold],
+    *,
+    filter: str | None = None,
+    machine: Machine | None = None,
+    cuts: Cuts | None = None,
+    cycle: int | None = None,
+    judged: bool = True,
+) -> tuple[RampHold, ...]:
+    """Prepare ramps and holds; what is prepared already stays as it is.
+
+    Parameters
+    ----------
+    tests : sequence of RelaxationTest or RampHold
+    filter, machine, cycle, judged
+        As :func:`~dashpot.preparation.prepare.prepare` takes them.
+    cuts : Cuts, optional
+        Of one test, by hand.
+
+    Raises
+    ------
+    FitError
+        If it is said how to prepare them, and one is prepared.
+    DataError
+        If several are cut by hand, or one cannot be prepared.
+    """
+    cuts = cuts or Cuts()
+    cuts.refuse_several(len(tests))
+    ready = any(isinstance(test, RampHold) for test in tests)
+    if ready and (filter or machine or cuts != Cuts()):
+        raise FitError(
+            "a test that is prepared already is fitted as it is: say filter, machine and cuts "
+            "in test.prepare(...)"
+        )
+    how = {"filter": filter, "machine": machine, "cycle": cycle, "judged": judged, **asdict(cuts)}
+    return tuple(one if isinstance(one, RampHold) else prepare(one, **how) for one in tests)
 
 
 def prepared_files(
@@ -27,11 +66,12 @@ def prepared_files(
 
     `temperatures`, K, are one for all of them, or one for each.
     """
-    cycle = None if options is None else options.cycle
-    return tuple(
-        prepare(read_relaxation(path, options=options, specimen=one), machine=machine, cycle=cycle)
+    tests = [
+        read_relaxation(path, options=options, specimen=one)
         for path, one in zip(files, each_specimen(None, temperatures, len(files)), strict=True)
-    )
+    ]
+    cycle = None if options is None else options.cycle
+    return prepared_tests(tests, machine=machine, cycle=cycle)
 
 
 def refuse_others(tests: Sequence[RampHold], found: Fit) -> None:

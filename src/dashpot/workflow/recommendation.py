@@ -130,7 +130,7 @@ def _resonance(
     rests = study.at_rest
     given = None if rests is None or not rests.point.given else rests.point.compression
     point = operating_point(solid, mass=mass, seals=study.seals, compression=given)
-    seals = study.seals * point.solid(solid)
+    seals = study.seals * solid.under_hammer * point.solid(solid)
     mode = next(iter(model_modes(seals, mass)), None)
     if mode is None:
         return point, None
@@ -139,8 +139,7 @@ def _resonance(
 
 def _mass(study: Study, solid: Fit) -> float | None:
     """What vibrates on the solid: the joint fit has settled on a mass of its own."""
-    told = (item.value for item in solid.nuisance if item.name == "mass")
-    return next(told, study.mass) if study.mass is not None else None
+    return None if study.mass is None else solid.mass_found or study.mass
 
 
 def _peak(solid: Solid, mass: float, near: float) -> float:

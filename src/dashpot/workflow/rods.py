@@ -111,16 +111,10 @@ def rod_files(
     files: Sequence[str | Path],
     *,
     mass: float,
-    density: float,
-    rod: RodChoices,
-    arms: int | Literal["auto"] = "auto",
-    family: FamilyAsked = "maxwell",
     band: tuple[float, float] | None = None,
-    mass_sd: float | None = None,
-    poisson: float | None = None,
     hammer: HammerChoices | None = None,
-    specimen: Specimen | None = None,
     options: ReadOptions | None = None,
+    **asked: Any,
 ) -> Rod:
     """Find the modulus of a rod's material from the motion of the mass on it.
 
@@ -129,30 +123,16 @@ def rod_files(
     files : sequence of path
         A transmissibility, or another FRF of the mass; or records of base and mass in time, or hits
         on the mass.
-    mass : float
-        On the rod, kg.
-    density : float
-        Of the rod, kg/m^3.
-    rod : RodChoices
-    arms, family
-        Of the solid that is fitted to the usable band.
-    band : (float, float), optional
-        Lines to use, Hz.
-    mass_sd : float, optional
-        Standard deviation of the mass, kg; 1 % by default: no line shows a mass that is off.
-    poisson : float, optional
-        Of the rod, which its bonded ends ask; by default that of a rubber.
-    hammer, options, specimen
+    hammer, options
         How the files are read.
+    mass, band, asked
+        As of :func:`rod_under`.
     """
     _, frf = read_measured(
         files, choices=hammer or HammerChoices(), options=options or ReadOptions(), mass=mass,
         band=band,
     )  # fmt: skip
-    return rod_under(
-        frf, mass=mass, density=density, rod=rod, arms=arms, family=family, band=band,
-        mass_sd=mass_sd, poisson=poisson, specimen=specimen,
-    )  # fmt: skip
+    return rod_under(frf, mass=mass, band=band, **asked)
 
 
 def rod_under(
@@ -170,7 +150,23 @@ def rod_under(
 ) -> Rod:
     """Find the modulus of a rod's material from the FRF of the mass on it, judged.
 
-    The parameters are those of :func:`rod_files`.
+    Parameters
+    ----------
+    frf : FRF
+    mass : float
+        On the rod, kg.
+    density : float
+        Of the rod, kg/m^3.
+    rod : RodChoices
+    arms, family
+        Of the solid that is fitted to the usable band.
+    band : (float, float), optional
+        Lines to use, Hz.
+    mass_sd : float, optional
+        Standard deviation of the mass, kg; 1 % by default: no line shows a mass that is off.
+    poisson : float, optional
+        Of the rod, which its bonded ends ask; by default that of a rubber.
+    specimen : Specimen, optional
     """
     part, errors, bonded = (
         _part(rod),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal, NamedTuple, TypeAlias
 
@@ -24,7 +24,6 @@ from dashpot.fitting.uncertainty.prediction_bounds import parameter_band, unseen
 from dashpot.io.logo import read_logo
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.relaxation import read_relaxation
-from dashpot.preparation.prepare import prepare
 from dashpot.records.bounds import FRFBounds, StiffnessBounds
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF
@@ -42,6 +41,7 @@ from dashpot.workflow.fits import of_order
 from dashpot.workflow.impacts import held_against, weighed
 from dashpot.workflow.job import Cuts, Job
 from dashpot.workflow.measured import read_measured, relieved, total_mass
+from dashpot.workflow.prepared import prepared_tests
 from dashpot.workflow.resting import (
     AtRest,
     at_rest,
@@ -278,11 +278,7 @@ def characterise(
     mass, band = si(mass, "mass"), si_range(band, "frequency")
     compression = si(compression, "length")
     doing("fitting the relaxation test")
-    by_hand = asdict(cuts or Cuts())
-    every = [
-        prepare(one, filter=filter, machine=machine, cycle=cycle, **by_hand)
-        for one in (test, *further)
-    ]
+    every = prepared_tests((test, *further), filter=filter, machine=machine, cuts=cuts, cycle=cycle)
     chosen = fit(every, arms=arms, method=method, law=law, family=family)
     if impact_temperature is not None:
         chosen = chosen.at_temperature(impact_temperature)
@@ -302,7 +298,7 @@ def characterise(
                 measured, tests=every, fit=chosen, mass=given, seals=seals, band=band,
                 compression=felt.compression, family=family,
             )  # fmt: skip
-            on = on._replace(mass=_mass_of(both, mass))
+            on = on._replace(mass=both.mass_found or mass, seals=seals * both.under_hammer)
             mended = _Mended(both, *_predicted(both, measured, on))
     doing("bounding what the tests leave open")
     hold_fit, checks = _by_the_paper(every, chosen)
@@ -410,7 +406,6 @@ def run(job: Job, *, read: Reader | None = None) -> Study:
             files, each_specimen(job.specimen, job.temperatures, len(files)), strict=True
         )
     )
-    job.cuts.refuse_several(len(files))
     impact = measured = None
     mass, noted = total_mass(job.mass, seal=job.seal_mass, seals=job.seals)
     if job.impact:
@@ -487,11 +482,6 @@ def _prediction_bounds(
     near = np.geomspace(max(low, 0.75 * top), min(high, 1.3 * top), PEAK_LINES)
     lines = np.union1d(np.geomspace(low, high, BAND_LINES), near if near[0] < near[-1] else ())
     return frf_limits(chosen, prepared, point, mass=mass, frequency=lines, seals=seals)
-
-
-def _mass_of(joint: Fit, mass: float) -> float:
-    """Return the mass that the joint fit settled on."""
-    return next((item.value for item in joint.nuisance if item.name == "mass"), mass)
 
 
 def _by_the_paper(tests: Sequence[RampHold], chosen: Fit) -> tuple[Fit | None, tuple[Check, ...]]:

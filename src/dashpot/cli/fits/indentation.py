@@ -28,7 +28,7 @@ def run(given: Given) -> Outcome:
         law=given.model(ImpactLawAsked),
         options=given.reading,
     )
-    given.draw(lambda: dp.plot.indentation(found.fit))
+    given.draw(lambda: dp.plot.indentation(found))
     if given.output:
         write(given.output, printed(found) + "\n")
     return Outcome(found, text_of.indentation(found), found.checks, verdict=found.verdict)

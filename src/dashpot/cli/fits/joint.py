@@ -42,6 +42,7 @@ def run(given: Given) -> Outcome:
         **given.some("rig", "seal_mass", "seals", "compression", "impact_temperature", "arms",
                      "known", "band", "machine", "temperatures", "specimen", "hammer"),
     )  # fmt: skip
+    given.draw(lambda: dp.plot.stiffness(found.fit))
     if given["stiffness_table"]:
         write(given["stiffness_table"], found.direct.table)
     if given.output:

@@ -7,7 +7,6 @@ from typing import Protocol
 import numpy as np
 
 from dashpot.base.checks import Check, Finding, Remedy, criterion
-from dashpot.base.sentences import paragraph
 from dashpot.base.status import Status
 from dashpot.engine.inference.order import DECISIVE, MAX_SE_LN_TAU
 from dashpot.records.fit import Explanation
@@ -33,19 +32,12 @@ SLIGHT = 0.05
     otherwise="stop beyond 20, and 0.5",
     ends=Status.TESTS_DISAGREE,
 )
-def lines_explained(
-    scale: float, *, known_sd: bool, coherent: bool = False, why: str = ""
-) -> Finding:
-    """The solid explains the lines of the FRF.
-
-    `why` is what explains a contradiction of two tests, where that is known.
-    """
-    advice: Remedy | str = REMEDY
-    if not why:
-        why = "A second mode, leakage or amplitude may cause this"
-        advice = Remedy(
-            "Check the mass and its unit. Then narrow the band, or allow more arms.", "band"
-        )
+def lines_explained(scale: float, *, known_sd: bool, coherent: bool = False) -> Finding:
+    """The solid explains the lines of the FRF."""
+    why = "A second mode, leakage or amplitude may cause this"
+    advice = Remedy(
+        "Check the mass and its unit. Then narrow the band, or allow more arms.", "band"
+    )
     if known_sd:
         return Finding(
             f"The model misses the FRF by {scale:.2g} times its noise",
@@ -77,9 +69,7 @@ def lines_explained(
     otherwise=f"stop beyond {CONTRADICTED:g}",
     ends=Status.TESTS_DISAGREE,
 )
-def relaxation_still_explained(
-    number: int, ratio: float, *, missed: float = np.inf, why: str = ""
-) -> Finding:
+def relaxation_still_explained(number: int, ratio: float, *, missed: float = np.inf) -> Finding:
     """The hammer does not contradict a relaxation test.
 
     `missed` is the rms force that the joint fit adds to the residual, over the peak force.
@@ -88,7 +78,7 @@ def relaxation_still_explained(
         f"In the joint fit relaxation test {number} has {ratio:.3g} times the squared residual "
         "of its own fit",
         ratio,
-        paragraph(_APART, why),
+        _APART,
         REMEDY,
         excused=missed < IMMATERIAL,
         grade="stop" if ratio > CONTRADICTED else None,
@@ -96,13 +86,13 @@ def relaxation_still_explained(
 
 
 @criterion("distance in standard deviations", "<=", STRAINED, "root mean square of all parameters")
-def earlier_fit_kept(off: float, *, why: str = "") -> Finding:
+def earlier_fit_kept(off: float) -> Finding:
     """The hammer does not contradict the earlier fit."""
     return Finding(
         f"The joint fit moves the parameters of the earlier fit by {off:.2g} of their standard "
         "deviations",
         off,
-        paragraph(_APART, why),
+        _APART,
         REMEDY,
     )
 
@@ -145,7 +135,7 @@ REMEDIES: dict[str, Remedy | str] = {
 class Believable(Protocol):
     """A criterion that asks how far a quantity went from what was known of it."""
 
-    def __call__(self, found: str, off: float, sd: float, *, why: str = "") -> Check:
+    def __call__(self, off: float, sd: float) -> Check:
         """Return the answer."""
 
 
@@ -162,13 +152,12 @@ def _believable(quantity: str, ends: Status | None = None) -> Believable:
         name=f"{quantity}_believable",
         question=f"The {quantity} stays near what was known of it.",
     )
-    def judge(found: str, off: float, sd: float, *, why: str = "") -> Finding:
+    def judge(off: float, sd: float) -> Finding:
         return Finding(
-            f"The fit wants a {quantity} of {found}, {abs(off) / sd:.2g} standard deviations from "
-            "what was known",
+            f"The fit wants a {quantity} {abs(off) / sd:.2g} standard deviations from what was "
+            "known",
             abs(off) / sd,
-            why,
-            remedy,
+            remedy=remedy,
             grade="stop" if abs(off) > 4 * STRAINED * sd else None,
         )
 
@@ -212,12 +201,14 @@ def arms_identified(arms: int, worst: float, *, significant: bool, new: int = 0)
 
     `new` of them only with the help of the hammer.
     """
-    how = f"of the {arms} arms is known (largest standard error {100 * worst:.2g} %)"
+    known = f"known (largest standard error {100 * worst:.2g} %)"
     hammer = f"; the hammer test adds {new} of them" if new > 0 else ""
     return Finding(
-        f"Every one {how}{hammer}",
+        f"Every one of the {arms} arms is {known}{hammer}",
         worst,
-        instead=f"Not every one {how}{hammer}",
+        instead=f"Not every one of the {arms} arms is {known}{hammer}"
+        if arms > 1
+        else f"The one arm is not {known}",
         remedy=Remedy("Use fewer arms, widen the band, or add a relaxation test.", "arms"),
         faulted=not significant,
     )

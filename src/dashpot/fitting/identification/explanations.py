@@ -10,7 +10,8 @@ made again with one quantity free at a time:
 * the gain of acceleration over force;
 
 and where none of these alone explains both tests, mass or gain together with a stiffness: held
-exactly, the one takes what belongs to the other. A value is told only of what explains both.
+exactly, the one takes what belongs to the other. The solid is then that of the best cause that
+explains both, and its value alone is told: others that explain as much are named.
 
 The lines count alike in all of them, by the scatter that the best one leaves. A cause is ranked by
 :math:`\chi^2 + p \ln n`; it explains both tests if nothing else is then beyond what is known.
@@ -33,6 +34,8 @@ from dashpot.fitting.identification.likelihood import (
     UNCHANGED,
     Candidate,
     IdentificationProblem,
+    NuisancePriors,
+    Parameters,
     descend,
 )
 from dashpot.fitting.relaxation_data import RelaxationData
@@ -82,7 +85,6 @@ PAIRS = (
     Cause("gain and stiffness", "another gain and stiffness of the seals", "gain", "1", "factor"),
     Cause("mass and k_inf", "another mass and stiffness at rest", "mass", "kg", "spring"),
 )
-NOUNS = {cause.name: cause.noun for cause in (*CAUSES, *PAIRS)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,12 +95,18 @@ class Disagreement:
     ----------
     explanations : tuple of Explanation
         The best first.
-    model : Solid
-        What the best makes of the same arms, or of the element.
+    found : Candidate
+        The optimum of the best where it explains both tests; else that under what is known.
+    other : Solid
+        What the same arms, or the element, are without it, or else with it.
+    known : NuisancePriors
+        What is known of the rig.
     """
 
     explanations: tuple[Explanation, ...]
-    model: Solid
+    found: Candidate
+    other: Solid
+    known: NuisancePriors
 
 
 def disagreement(
@@ -141,7 +149,10 @@ def disagreement(
         zip(free, found, strict=True),
         key=lambda pair: (in_conflict(pair[1]), max(pair[1].criterion, alike)),
     )
-    told = [_told(cause, one, before, law, compression) for cause, one in ranked]
+    told = [
+        _told(cause, one, before, law, compression, leads=not place)
+        for place, (cause, one) in enumerate(ranked)
+    ]
     if not told[0].explains and _failed(plain) == {"lines_explained"}:
         # lines that no cause explains contradict no other test: the FRF holds something else
         return None
@@ -150,16 +161,26 @@ def disagreement(
         for one, (_, candidate) in zip(told[1:], ranked[1:], strict=True)
         if one.explains and candidate.criterion <= alike
     ]
-    if told[0].explains and rivals:
-        says = f"{told[0].says}. It is as well explained if {', or if '.join(rivals)}"
+    if not told[0].explains:
+        return Disagreement(
+            tuple(told), plain, freed(before, told[0].name).point.model, problem.priors
+        )
+    if rivals:
+        says = f"{told[0].says}. It is as well explained by {', or by '.join(rivals)}"
         told[0] = replace(told[0], says=says)
-    return Disagreement(tuple(told), freed(before, told[0].name).point.model)
+    lead = ranked[0][1]
+    held = replace(lead.problem, priors=problem.priors)
+    return Disagreement(tuple(told), lead, _to(held, lead).point.model, problem.priors)
 
 
 def freed(candidate: Candidate, name: str) -> Candidate:
     """The optimum of the same arms, or of the element, where the cause of that name is free."""
     cause = next(cause for cause in (*CAUSES, *PAIRS) if cause.name == name)
-    problem = _freed(candidate.problem, cause)
+    return _to(_freed(candidate.problem, cause), candidate)
+
+
+def _to(problem: IdentificationProblem, candidate: Candidate) -> Candidate:
+    """The optimum of a problem from that of another."""
     return descend(problem, problem.pack(candidate.point), tolerance=TOLERANCE)
 
 
@@ -172,10 +193,10 @@ def _failed(candidate: Candidate) -> set[str]:
     return {check.name for check in agreement(candidate) if check.failed}
 
 
-def agreement(candidate: Candidate, why: str = "") -> list[Check]:
+def agreement(candidate: Candidate, known: NuisancePriors | None = None) -> list[Check]:
     """Every check of whether one seal explains all tests under what is known of the rig.
 
-    `why` is what explains a contradiction, where that is known.
+    `known` is that, where the candidate was found with a cause free.
     """
     problem, frf_data = candidate.problem, candidate.problem.frf_data
     answers = [
@@ -183,12 +204,11 @@ def agreement(candidate: Candidate, why: str = "") -> list[Check]:
             candidate.line_scale,
             known_sd=frf_data.known_sd,
             coherent=frf_data.lines.coherence is not None,
-            why=why,
         )
     ]
     answers += [
         checks.relaxation_still_explained(
-            i, chi2 / relaxation.samples, missed=_missed(relaxation, chi2), why=why
+            i, chi2 / relaxation.samples, missed=_missed(relaxation, chi2)
         )
         for i, (relaxation, chi2) in enumerate(
             zip(problem.relaxations, candidate.relaxation_chi2, strict=True), 1
@@ -197,8 +217,8 @@ def agreement(candidate: Candidate, why: str = "") -> list[Check]:
     earlier = candidate.modelled.earlier[0]
     if len(earlier):
         off = float(np.sqrt(np.mean(earlier**2)))
-        answers.append(checks.earlier_fit_kept(off, why=why))
-    return answers + _of_rig(candidate, why)
+        answers.append(checks.earlier_fit_kept(off))
+    return answers + _of_rig(candidate.point, known or problem.priors)
 
 
 def _missed(relaxation: RelaxationData, chi2: float) -> float:
@@ -208,29 +228,17 @@ def _missed(relaxation: RelaxationData, chi2: float) -> float:
     return float(np.sqrt(added)) / (relaxation.weight * peak) if peak > 0 else np.inf
 
 
-def _of_rig(candidate: Candidate, why: str) -> list[Check]:
+def _of_rig(point: Parameters, priors: NuisancePriors) -> list[Check]:
     """How far each nuisance had to go from what was known of it."""
-    point, priors = candidate.point, candidate.problem.priors
     mass = priors.mass
     known = [
-        (checks.gain_believable, f"{point.gain:.4g}", float(np.log(point.gain)), priors.gain.sd),
-        (
-            checks.delay_believable,
-            written(point.delay, "ms", ".3g"),
-            point.delay,
-            priors.delay.sd,
-        ),
-        (
-            checks.stiffness_believable,
-            f"{point.factor:.4g} times that of the relaxation test",
-            point.factor - priors.factor.mean,
-            priors.factor.sd,
-        ),
+        (checks.gain_believable, float(np.log(point.gain)), priors.gain.sd),
+        (checks.delay_believable, point.delay, priors.delay.sd),
+        (checks.stiffness_believable, point.factor - priors.factor.mean, priors.factor.sd),
     ]
     if mass is not None:
-        off = point.mass - mass.mean
-        known.insert(0, (checks.mass_believable, written(point.mass, "g"), off, mass.sd))
-    return [judge(found, off, sd, why=why) for judge, found, off, sd in known if 0 < sd < np.inf]
+        known.insert(0, (checks.mass_believable, point.mass - mass.mean, mass.sd))
+    return [judge(off, sd) for judge, off, sd in known if 0 < sd < np.inf]
 
 
 def _freed(problem: IdentificationProblem, cause: Cause) -> IdentificationProblem:
@@ -253,11 +261,17 @@ def _told(
     before: Candidate,
     law: ElasticLaw | None,
     compression: float | None,
+    *,
+    leads: bool,
 ) -> Explanation:
     explains = not in_conflict(found)
     value, error = _known(found, cause.quantity)
-    says = _SENTENCES[cause.quantity](value, error)
     supposed = float(getattr(before.problem.priors, cause.quantity).mean)
+    says = cause.noun
+    if explains and leads:
+        says = _SENTENCES[cause.quantity](value, error)
+        says += f", not {written(supposed, 'g', '.5g')}" if cause.quantity == "mass" else ""
+        says += _beside(cause, found) + _elsewhere(cause, value, law, compression)
     return Explanation(
         name=cause.name,
         value=value,
@@ -266,12 +280,7 @@ def _told(
         departure=value / supposed - 1,
         fall=before.cost - found.cost,
         explains=explains,
-        says=says
-        + (f", not {written(supposed, 'g', '.5g')}" if cause.quantity == "mass" else "")
-        + _beside(cause, found)
-        + _elsewhere(cause, value, law, compression)
-        if explains
-        else cause.noun,
+        says=says,
     )
 
 
@@ -289,7 +298,7 @@ def _beside(cause: Cause, found: Candidate) -> str:
     value, error = _known(found, cause.beside)
     if abs(value - 1) < _OTHER * error:
         return ""
-    return f", and {_SENTENCES[cause.beside](value, error)}"
+    return f". Then {_SENTENCES[cause.beside](value, error)}"
 
 
 def _percent(value: float, error: float) -> str:

@@ -13,7 +13,7 @@ from dashpot.base.provenance import Step, sources_of, steps_of
 from dashpot.fitting.assembly import FoundSolid, assembled
 from dashpot.fitting.checks.solid import optimum_found
 from dashpot.fitting.identification import checks
-from dashpot.fitting.identification.explanations import NOUNS, Disagreement, agreement
+from dashpot.fitting.identification.explanations import Disagreement, agreement
 from dashpot.fitting.identification.families import Rival, edged, family_checks
 from dashpot.fitting.identification.likelihood import DELAY_UNIT, UNCHANGED, Candidate
 from dashpot.fitting.identification.parametrisation import Arms
@@ -52,7 +52,7 @@ def identified(
     names, values, physical = _physical(best)
     if apart is not None:
         # which of the two solids is right is a doubt of its own
-        physical = physical + np.outer(*[values - _physical(best, apart.model)[1]] * 2)
+        physical = physical + np.outer(*[values - _physical(best, apart.other)[1]] * 2)
     residual, samples = _residual(best)
     band = _band(best, before)
     other = None if rival is None else rival.alternative(band)
@@ -156,8 +156,11 @@ def _band(best: Candidate, before: Fit | None) -> tuple[float, float]:
 def _nuisance(best: Candidate, covariance: FloatArray) -> tuple[Nuisance, ...]:
     at, point = best.problem.at, best.point
     told = [("mass", "mass", "kg"), ("gain", "gain", "1"), ("delay", "delay", "s")]
-    if best.problem.priors.factor != UNCHANGED:
-        told.append(("stiffness_factor", "factor", "1"))
+    told += [
+        (title, name, "1")
+        for title, name in (("stiffness_factor", "factor"), ("k_inf_factor", "spring"))
+        if getattr(best.problem.priors, name) != UNCHANGED
+    ]
     found = []
     for title, name, unit in told:
         value = float(getattr(point, name))
@@ -237,12 +240,11 @@ def _checks(
     best: Candidate, covariance: FloatArray, before: Fit | None, apart: Disagreement | None
 ) -> tuple[Check, ...]:
     lead = None if apart is None else apart.explanations[0]
-    why = f"{NOUNS[lead.name]} explains both tests" if lead and lead.explains else ""
     answers = [optimum_found(stationary=best.optimum.stationary)]
     if before is not None:
         # before what follows from it
         answers.append(checks.tests_agree(lead))
-    answers += agreement(best, why)
+    answers += agreement(best, None if apart is None else apart.known)
     if isinstance(best.problem.sought, Arms):
         arms = best.problem.sought.count
         worst = float(max(np.sqrt(np.diag(covariance))[1 : 1 + 2 * arms], default=0.0))

@@ -153,9 +153,13 @@ def identify(
     )
     if apart is not None and rival is not None:
         rival = judged_again(rival, lambda one: freed(one, apart.explanations[0].name))
+    orders = [candidate.scaled(scale) for candidate in found]
+    if apart is not None and apart.found is not final:
+        # what explains both tests chose its arms anew
+        final, orders = apart.found, [apart.found]
     return identified(
         final,
-        [candidate.scaled(scale) for candidate in found],
+        orders,
         frf=frf,
         tests=records,
         before=earlier,

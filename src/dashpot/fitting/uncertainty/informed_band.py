@@ -16,14 +16,17 @@ the longest hold.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray, runs
 from dashpot.engine.blocks.block import DataBlock
 from dashpot.engine.solver.descent import Stack
-from dashpot.records.creep import LoadHold
 from dashpot.records.relaxation import RampHold
+
+if TYPE_CHECKING:
+    from dashpot.records.creep import LoadHold
 
 _PER_DECADE = 2
 _PLAUSIBLE = 0.1

@@ -17,7 +17,6 @@ from dashpot.io.readers import channels
 from dashpot.io.readers.channels import Opened
 from dashpot.io.readers.relaxation import moving_columns, recorded
 from dashpot.io.source import Raw, about, like_json, open_raw
-from dashpot.io.toml import tables_of
 from dashpot.signals.loading import held_throughout, loading_in
 
 _SCHEMA = re.compile(rb'"schema"\s*:\s*"dashpot/([a-z-]+)@')
@@ -67,17 +66,20 @@ class Recognised:
         Whether it is a result, or a record, that dashpot wrote as JSON.
     simulated : bool
         Whether a table says that it was made by the virtual rig or hammer.
+    on_a_base : bool
+        Whether an acceleration is said to be that of the base: then nothing struck.
     """
 
     kind: str
     reason: str
     stored: bool = False
     simulated: bool = False
+    on_a_base: bool = False
 
     @property
     def what(self) -> str:
         """What such a file is called."""
-        return called(self.kind)
+        return "a shaken base with its mass" if self.on_a_base else called(self.kind)
 
     @property
     def use(self) -> str:
@@ -132,7 +134,9 @@ def recognise(
         return bare
     file = channels.read_once(bare)
     with about(file.raw.name):
-        found = Recognised(*recognise_opened(file), simulated=file.table.simulated)
+        kind, reason = recognise_opened(file)
+        shaken = kind == "impact" and file.options.base_acceleration is not None
+        found = Recognised(kind, reason, simulated=file.table.simulated, on_a_base=shaken)
     channels.leave_open(path, file)
     return found
 
@@ -189,6 +193,8 @@ def _toml(path: str | Path) -> Recognised | None:
     """What a file that is called TOML states; None of one that is not."""
     if Path(path).suffix.casefold() != ".toml":
         return None
+    from dashpot.io.toml import tables_of
+
     _, tables = tables_of(path)
     if "door" in tables:
         return Recognised("door", "it has the table [door]")

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 
-from dashpot.base.checks import Check, Verdict
 from dashpot.base.choices import ImpactLawAsked
-from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError, ReadError
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import about
@@ -17,61 +14,13 @@ from dashpot.kinds.indentation.read import read_indentation
 from dashpot.kinds.indentation.record import IndentationFit
 
 
-@dataclass(frozen=True)
-class Indentation(Documented):
-    """What ``dashpot fit`` found.
-
-    Attributes
-    ----------
-    fit : IndentationFit
-    """
-
-    schema = "dashpot/indentation@1"
-    keys = (
-        "fit.law", "fit.of", "fit.indenter", "*values", "intervals", "units", "orders", "fit.touch",
-        "fit.noise", "fit.residual", "verdict", "checks", "fit.source",
-    )  # fmt: skip
-
-    fit: IndentationFit
-
-    @property
-    def checks(self) -> tuple[Check, ...]:
-        """Of the contact."""
-        return self.fit.checks
-
-    @property
-    def verdict(self) -> Verdict:
-        """What to make of it."""
-        return self.fit.verdict
-
-    @property
-    def values(self) -> dict[str, float]:
-        """What was found, by its names."""
-        return {one.name: one.value for one in self.fit.found}
-
-    @property
-    def intervals(self) -> dict[str, tuple[float, float]]:
-        """95 %, by the same names."""
-        return {one.name: (one.low, one.high) for one in self.fit.found}
-
-    @property
-    def units(self) -> dict[str, str]:
-        """By the same names."""
-        return {one.name: one.unit for one in self.fit.found}
-
-    @property
-    def orders(self) -> dict[str, float]:
-        """BIC of each law that was tried."""
-        return dict(self.fit.orders)
-
-
 def indent_file(
     path: str | Path,
     *,
     indenter: Indenter,
     law: ImpactLawAsked = "auto",
     options: ReadOptions | None = None,
-) -> Indentation:
+) -> IndentationFit:
     """Find what the largest contact in a file says of the surface.
 
     Parameters
@@ -91,6 +40,6 @@ def indent_file(
     test = read_indentation(path, indenter=indenter, options=options)
     with about(Path(path).name):
         try:
-            return Indentation(fit_indentation(test, law=law))
+            return fit_indentation(test, law=law)
         except DataError as error:
             raise ReadError(str(error)) from None

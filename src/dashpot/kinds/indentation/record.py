@@ -9,6 +9,7 @@ import numpy as np
 
 from dashpot.base.arrays import ByValue, FloatArray, hold_measured, median
 from dashpot.base.checks import Check
+from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.facts import Fact, Numbered
 from dashpot.base.offered import Described
@@ -106,7 +107,7 @@ _CAME_FOR = ("modulus", "k")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class IndentationFit(ByValue, Described, Numbered):
+class IndentationFit(ByValue, Described, Numbered, Documented):
     """What one contact says of a surface.
 
     Attributes
@@ -141,6 +142,13 @@ class IndentationFit(ByValue, Described, Numbered):
     'hertz'
     """
 
+    schema = "dashpot/indentation@1"
+    keys = (
+        "law", "of", "indenter", "*values", "intervals=between", "units", "orders=scores", "touch",
+        "noise", "residual", "verdict", "checks", "source",
+    )  # fmt: skip
+    read_back = False
+
     law: str
     contact: ContactLaw
     found: tuple[Fact, ...]
@@ -156,6 +164,26 @@ class IndentationFit(ByValue, Described, Numbered):
     duration: float
     checks: tuple[Check, ...] = ()
     source: Source | None = None
+
+    @property
+    def values(self) -> dict[str, float]:
+        """What was found, by its names."""
+        return {one.name: one.value for one in self.found}
+
+    @property
+    def between(self) -> dict[str, tuple[float, float]]:
+        """95 %, by the same names."""
+        return {one.name: (one.low, one.high) for one in self.found}
+
+    @property
+    def units(self) -> dict[str, str]:
+        """By the same names."""
+        return {one.name: one.unit for one in self.found}
+
+    @property
+    def scores(self) -> dict[str, float]:
+        """BIC of each law that was tried."""
+        return dict(self.orders)
 
     @property
     def sound(self) -> str:

@@ -138,7 +138,10 @@ def _unseen(sweep: AmplitudeSweep, best: Fitted) -> float:
 
 
 def _ranked(sweep: AmplitudeSweep, law: str) -> list[Fitted]:
-    """The laws, the best first; of two that BIC does not part, the one at home in the unit."""
+    """The laws that may be, the best first; of two that BIC does not part the one at home here.
+
+    One with a spring that is but another way to soften is not among them, whatever its BIC.
+    """
     home = "factor" if sweep.unit == "Pa" else "additive"
     tried = [fitted(sweep, each) for each in LAWS if law in {"auto", each}]
     spring = next((one for one in tried if one.law == "cubic"), None)
@@ -152,11 +155,11 @@ def _ranked(sweep: AmplitudeSweep, law: str) -> list[Fitted]:
         # friction beside a spring shows in the loss, another kind of spring in the storage alone
         return one.sound and spring.loss_deviance - one.loss_deviance > MATTERS / 2
 
-    least = min((cost(one) for one in tried if sound(one)), default=np.inf)
+    tried = [one for one in tried if sound(one)] or tried
+    least = min(map(cost, tried))
     return sorted(
         tried,
         key=lambda one: (
-            not sound(one),
             cost(one) > least + _PARTED,
             one.terms,
             home not in one.law,

@@ -160,7 +160,7 @@ class AmplitudeFit(ByValue, Described, Checked, Documented):
     residual : float
         Rms of what is left, over the size of the modulus.
     orders : tuple of (str, float)
-        BIC of each law that was tried, the smallest best.
+        BIC of each law that may be: the smallest is best, and is taken unless another is as good.
     left_out : int
         Samples of the smallest amplitudes that scatter beyond the rest, and were left out.
     unit, of : str

@@ -10,8 +10,7 @@ moves is added to the covariance,
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import asdict, replace
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -74,8 +73,8 @@ def fit_rod(
     if here is None:  # a dense spectrum has no errors of its own
         return fit
     added = np.zeros_like(fit.covariance)
-    for shifted in _shifted(lines):
-        _, moved = _averaged(lines, shifted)
+    for relative in lines.by_errors:
+        _, moved = _averaged(lines, lines.modulus * (1 + relative))
         there = _refitted(fit, replace(test, storage=moved.real, loss=moved.imag))
         by = np.zeros(len(here)) if there is None else there - here
         added += np.outer(by, by)
@@ -89,13 +88,6 @@ def fit_rod(
     ]
     estimate = replace(fit.estimate, covariance=fit.covariance + added, profiles=tuple(kept))
     return replace(fit, estimate=estimate)
-
-
-def _shifted(lines: RodModulus) -> Iterator[ComplexArray]:
-    """E* as it would be with each error, one standard deviation of it."""
-    for name, size in asdict(lines.errors).items():
-        if size:
-            yield lines.modulus * (1 + size * getattr(lines, f"by_{name}"))
 
 
 def _refitted(fit: Fit, test: DynamicTest) -> FloatArray | None:

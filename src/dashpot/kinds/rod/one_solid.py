@@ -11,7 +11,6 @@ error that all lines share, whose size is known (:class:`~dashpot.kinds.rod.reco
 
 from __future__ import annotations
 
-from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -44,11 +43,7 @@ def misfit_of_one_solid(lines: RodModulus, scatter: FloatArray) -> float | None:
     count = int(np.ceil(np.log10(slowest / fastest) * _PER_DECADE)) + 1
     x = 1j * np.outer(omega, np.geomspace(fastest, slowest, count))
     solid = np.column_stack((np.ones(len(f)), 1j * omega, x / (1 + x)))
-    errors = [
-        E * getattr(lines, f"by_{name}") * size
-        for name, size in asdict(lines.errors).items()
-        if size
-    ]
+    errors = [E * relative for relative in lines.by_errors]
     known = len(errors)
     weight = 1 / (np.abs(E) * scatter)
     A = np.vstack((

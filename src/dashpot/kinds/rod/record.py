@@ -94,6 +94,12 @@ class RodModulus(ByValue):
         slope: ComplexArray = getattr(self, f"by_{of}")
         return changed(by * slope, self.loss_factor)
 
+    @property
+    def by_errors(self) -> tuple[ComplexArray, ...]:
+        """Relative change of the modulus by one standard deviation of each error that is not 0."""
+        sizes = vars(self.errors).items()
+        return tuple(size * getattr(self, f"by_{name}") for name, size in sizes if size)
+
     def only(self, lines: BoolArray | IndexArray) -> RodModulus:
         """The same at some of its lines."""
         per_line = [one.name for one in fields(self) if one.name.startswith(_PER_LINE)]

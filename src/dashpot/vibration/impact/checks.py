@@ -9,7 +9,8 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
 from dashpot.base.checks import Check, Finding, Remedy, criterion
-from dashpot.base.units import GRAVITY, in_unit, written
+from dashpot.base.numbers import with_error
+from dashpot.base.units import GRAVITY, written
 from dashpot.engine.inference.estimate import estimate as knowledge
 from dashpot.engine.inference.estimate import white_noise
 from dashpot.engine.least_squares.problem import ordinary
@@ -537,11 +538,12 @@ def mass_line(apparent: tuple[float, float] | None, mass: float) -> Finding:
             f"No good lines lie above {ABOVE:g} times the natural frequency, so the mass cannot "
             "check the calibration"
         )
-    shown, se = apparent
-    factor = shown / mass
+    # a part, not a mass: that is the fit's to say
+    factor, se = (one / mass for one in apparent)
+    more = "above" if factor > 1 else "below"
     says = (
-        f"Above the resonance the FRF shows {in_unit(shown, 'g'):.4g} ± "
-        f"{written(se, 'g', '.2g')}; {written(mass, 'g')} was given"
+        f"Above the resonance the FRF shows a mass {with_error(100 * abs(factor - 1), 100 * se)} % "
+        f"{more} the {written(mass, 'g')} given"
     )
     return Finding(
         f"{says}. The calibration is right within {100 * (factor - 1):+.1f} %",

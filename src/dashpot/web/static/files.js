@@ -37,6 +37,7 @@ export async function opened(
     .map((one) => ({ ...one, options: {}, ...known(one.id) }));
   state.files.push(...added);
   fileList();
+  const at = state.current;
   for (const one of added) {
     status(`reading ${one.name}`);
     try {
@@ -50,7 +51,9 @@ export async function opened(
   const asks = added.find((one) => one.asked);
   const first = added.find((one) => one.page === "test") ||
     added.find((one) => isBench(one) && !(isModes(one) && test()));
-  state.current = (asks || first || shown() || added[0] || state.files[0])?.id || "";
+  const next = (asks || first || shown() || added[0] || state.files[0])?.id || "";
+  // what the user chose while they were read is kept: what is typed then is of that file
+  if (state.current === at || !shown()) state.current = next;
   fileList();
   settle();
 }
