@@ -359,7 +359,7 @@ class Fit(ByValue, Pictured, Documented):
         where = f"from {hertz(self.band)}"
         beyond = "Outside this band the model is an extrapolation."
         if self.method == "full" and 1 < len(self.shifts) < CONTRADICT:
-            beyond += " Test at a third temperature: two cannot show arms that shift apart."
+            beyond = "Test at a third temperature: two cannot show arms that shift apart."
         stiffness, loss_factor = self.error_in_band
         if not (np.isfinite(stiffness) and stiffness < 1):
             return f"{sentence(where)} {beyond}"
