@@ -123,7 +123,7 @@ def test_the_sentence_says_what_is_known_and_what_is_not() -> None:
     )
     assert replace(end, named=0.2).says.endswith(
         "or below. Record a baseline of 10 s, and give the drift, compliance and creep of the "
-        "machine: k(40.0 s) is then known to about 0.8 %."
+        "machine: k(40.0 s) is then known to about 0.8 % instead of 4.0 %."
     )
 
 

@@ -19,6 +19,27 @@ from dashpot.solids.maxwell import Solid
 
 # naming the machine is worth a sentence if it leaves less than this part of the width
 WORTH_NAMING = 0.8
+#: a spectrum stands at 95 % if it leaves no more than that above the best, in squared noises
+STANDS = 5.0
+
+
+def naming(time: float, now: float, then: float) -> str:
+    """Say what naming the machine gives; nothing where it is not worth a sentence.
+
+    Parameters
+    ----------
+    time : float
+        T, s.
+    now, then : float
+        95 % half widths of k(T), over its value; nan where it is not known.
+    """
+    if not then < WORTH_NAMING * now:
+        return ""
+    return (
+        "Record a baseline of 10 s, and give the drift, compliance and creep of the machine: "
+        f"k({duration(time)}) is then known to about {rounded(100 * then, digits=1)} % instead of "
+        f"{rounded(100 * now, digits=2)} %."
+    )
 
 
 @dataclass(frozen=True)
@@ -69,14 +90,16 @@ class EndOfHold(Documented):
     @property
     def remedy(self) -> str:
         """What would tell more of it, and how much."""
+        return self.naming or "Hold longer."
+
+    @property
+    def naming(self) -> str:
+        """What naming the machine would give, in a sentence; nothing where that is little."""
         low, high = self.k_end
-        if not self.named < WORTH_NAMING or not low + high > 0:
-            return "Hold longer."
-        half = self.named * (high - low) / (high + low)
-        return (
-            "Record a baseline of 10 s, and give the drift, compliance and creep of the machine: "
-            f"k({duration(self.time)}) is then known to about {rounded(100 * half, digits=1)} %."
-        )
+        if not low + high > 0:
+            return ""
+        half = (high - low) / (high + low)
+        return naming(self.time, half, self.named * half)
 
     def fact(self, solid: Solid, unit: str) -> Fact:
         """The stiffness of a solid at the end of the hold, between these limits."""

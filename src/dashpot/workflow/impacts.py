@@ -306,7 +306,9 @@ class Agreement(Judged, Documented):
 
     def _circular(self) -> str:
         """What a comparison with the hits that were fitted shows."""
-        first = "In sample: the fit was made from these hits, so the agreement tests nothing."
+        off = 100 * self.comparison.frequency_error
+        says = f"The peak is off by {off:+.2g} %, which tests nothing"
+        first = f"{says}: the fit was made from these hits."
         if self.unseen is None:
             return f"{first} Compare it with other hits, or give the fitted relaxation record too."
         low, high = (100 * one for one in self.unseen.height)

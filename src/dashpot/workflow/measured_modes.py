@@ -117,6 +117,20 @@ class MeasuredModes(Modes):
     mac: tuple[tuple[float, ...], ...] = ()
     against: tuple[SameMode, ...] = ()
 
+    @property
+    def sound(self) -> str:
+        """Of two tests, where the first mode that both have moves."""
+        if not self.against:
+            return super().sound
+        there = self.against[0]
+        here = self.modes[there.mode - 1]
+        change = 100 * (there.frequency_hz / here.frequency_hz - 1)
+        return (
+            f"mode {there.mode} goes from {here.frequency_hz:.4g} to {there.frequency_hz:.4g} Hz "
+            f"({change:+.2g} %), its damping ratio from {100 * here.damping_ratio:.3g} to "
+            f"{100 * there.damping_ratio:.3g} %"
+        )
+
 
 def modes_files(
     files: Sequence[str | Path],

@@ -376,7 +376,7 @@ def prediction(
         at_edge,
         limited,
         checks,
-        verdict(checks, sound=_sound(frf, peak, found)),
+        verdict(checks, sound=_sound(frf, peak, found, at_edge=at_edge)),
         rests,
         on.rival,
         of_part,
@@ -400,14 +400,13 @@ def _related(kind: str | None, *, base: bool, relative: bool) -> Kind:
     return Kind.RELATIVE_TRANSMISSIBILITY if relative else Kind.TRANSMISSIBILITY
 
 
-def _sound(frf: FRF, peak: tuple[float, float], found: Fit) -> str:
+def _sound(frf: FRF, peak: tuple[float, float], found: Fit, *, at_edge: bool) -> str:
     """Return where the predicted peak lies, how high it is, and where the model is valid."""
     hz, height = peak
     name, unit = frf.quantity.replace("_", " "), frf.unit
-    return (
-        f"peak of the {name} {height:.4g}{f' {unit}' if unit != '1' else ''} at {hz:.4g} Hz. "
-        f"The model is valid from {hertz(found.band)}"
-    )
+    size = f"{height:.4g}{f' {unit}' if unit != '1' else ''} at {hz:.4g} Hz"
+    top = f"the {name} is {size}, the end of the band" if at_edge else f"peak of the {name} {size}"
+    return f"{top}. The model is valid from {hertz(found.band)}"
 
 
 def _refuse_records(tests: Sequence[RampHold]) -> None:

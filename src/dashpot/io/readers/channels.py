@@ -58,6 +58,20 @@ class Opened:
         answer = assign(self.table, role, self.options)
         return answer if isinstance(answer, Assigned) else None
 
+    def one_column(self, role: Role) -> Assigned | None:
+        """As `column`, but where several could play the role it is asked which.
+
+        Raises
+        ------
+        ReadError
+        """
+        answer = assign(self.table, role, self.options)
+        if isinstance(answer, Assigned):
+            return answer
+        if answer.choices:
+            raise ReadError(answer.says)
+        return None
+
     def unit(self, index: int, role: Role) -> Unit:
         """The unit of a column in a role, as :func:`~dashpot.io.columns.roles.unit_for`."""
         return unit_for(self.table.columns[index], index + 1, role, self.options)
@@ -321,6 +335,17 @@ def rivals(file: Opened, chosen: Sequence[Channel]) -> list[str]:
     return notes
 
 
+def beside(file: Opened, role: Role) -> tuple[Assigned | None, list[str]]:
+    """Return the column of a role that a test may have beside its own, and notes.
+
+    Where several could play it none is taken, with a note.
+    """
+    answer = assign(file.table, role, file.options)
+    if isinstance(answer, Assigned):
+        return answer, []
+    return None, [f"no {role} is taken: {answer.says}"] if answer.choices else []
+
+
 def source(file: Opened, columns: Sequence[str], notes: Sequence[str]) -> Source:
     """Return where the numbers came from."""
     raw, table = file.raw, file.table
@@ -400,6 +425,31 @@ def load_test(file: Opened, chosen: Sequence[Channel], least: int = 8) -> Loaded
         plural = "s" * (count != 1)
         raise ReadError(f"only {count} row{plural} of numbers; a test needs at least {least}")
     return loaded
+
+
+def filled_down(loaded: Loaded, roles: Sequence[Role], role: Role) -> Loaded:
+    """Return the rows with a column that is written once for each block filled down, and a note.
+
+    So it is where it stands in less than half of the rows that lack nothing else.
+    """
+    if role not in roles:
+        return loaded
+    place = roles.index(role)
+    column = loaded.values[:, place]
+    whole = np.isfinite(np.delete(loaded.values, place, axis=1)).all(axis=1)
+    known = np.isfinite(column)
+    first = int(np.argmax(known))
+    stands = int(np.count_nonzero(known & whole))
+    late = not known.any() or whole[:first].any()
+    if late or 2 * stands >= np.count_nonzero(whole):
+        return loaded
+    values = loaded.values.copy()
+    values[:, place] = column[np.maximum.accumulate(np.where(known, np.arange(len(column)), first))]
+    note = (
+        f"the {role} stands in {stands} of {np.count_nonzero(whole)} rows, from "
+        f"{loaded.where(first)} on; each holds for the rows below it"
+    )
+    return replace(loaded, values=values, notes=(*loaded.notes, note))
 
 
 def whole_rows(loaded: Loaded) -> tuple[FloatArray, tuple[str, ...]]:

@@ -17,7 +17,7 @@ from dashpot.io.options import ReadOptions
 from dashpot.io.readers import channels, checks, cleaning
 from dashpot.io.readers.channels import Channel, Opened
 from dashpot.io.readers.clocks import on_one_clock, own_clocks
-from dashpot.io.readers.stated import recorded_temperature, stated_specimen
+from dashpot.io.readers.stated import stated_specimen
 from dashpot.io.table import Loaded
 from dashpot.records.relaxation import RelaxationTest
 from dashpot.records.specimen import Specimen
@@ -65,7 +65,7 @@ def relaxation_in(file: Opened, specimen: Specimen) -> RelaxationTest:
     time, moved, force = (values[role] for role in ("time", "displacement", "force"))
     _refuse_swapped(file, chosen, moved, force)
     notes += _refuse_sizes(file, chosen, time, moved, force)
-    specimen, said = stated_specimen(file, specimen, recorded_temperature(file, chosen))
+    specimen, said = stated_specimen(file, specimen, chosen)
     source = channels.source(file, [c.says for c in chosen], [*notes, *said])
     return RelaxationTest(time, moved, force, specimen, source, units="SI")
 
@@ -123,9 +123,14 @@ def signals(
 
     With their columns, and that of the time unless there is none or a rate is given, and notes. A
     clock that does not matter may be broken, or lack its unit: it is left out with a note.
+
+    Raises
+    ------
+    ReadError
+        With what the file leaves open, such as which of two clocks is that of the test.
     """
     left_out = []
-    if file.options.rate or file.column("time"):
+    if file.options.rate or file.one_column("time"):
         try:
             chosen = channels.choose(file, channels.timed(file, *roles))
             return chosen, *recorded(file, chosen)

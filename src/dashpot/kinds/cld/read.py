@@ -12,7 +12,7 @@ from dashpot.io.options import ReadOptions
 from dashpot.io.readers import channels, checks
 from dashpot.io.readers.channels import Channel, Opened
 from dashpot.io.readers.relaxation import signals
-from dashpot.io.readers.stated import recorded_temperature, stated_specimen
+from dashpot.io.readers.stated import stated_specimen
 from dashpot.kinds.cld.record import CompressionTest
 from dashpot.records.specimen import Specimen
 
@@ -56,7 +56,7 @@ def cld_in(file: Opened, specimen: Specimen) -> CompressionTest:
     if "time" not in values:
         notes.append("the file has no clock: nothing is known of the speed")
     notes += _refuse_sizes(file, chosen, values)
-    specimen, said = stated_specimen(file, specimen, recorded_temperature(file, chosen))
+    specimen, said = stated_specimen(file, specimen, chosen)
     source = channels.source(file, [one.says for one in chosen], [*notes, *said])
     return CompressionTest(
         values["displacement"],
