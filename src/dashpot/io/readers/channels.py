@@ -486,7 +486,7 @@ def filled_down(loaded: Loaded, roles: Sequence[Role], role: Role) -> Loaded:
         return loaded
     place = roles.index(role)
     column = loaded.values[:, place]
-    whole = np.isfinite(np.delete(loaded.values, place, axis=1)).all(axis=1)
+    whole: BoolArray = np.all(np.isfinite(np.delete(loaded.values, place, axis=1)), axis=1)
     known = np.isfinite(column)
     first = int(np.argmax(known))
     stands = int(np.count_nonzero(known & whole))

@@ -165,7 +165,8 @@ def _filled_elsewhere(lines: Sequence[str], found: Dialect) -> Dialect:
 
     Such is a temperature that is written once for each block.
     """
-    contents = [*found.contents, *["blank"] * (found.cells - len(found.contents))]
+    none: tuple[Content, ...] = ("blank",)
+    contents = (*found.contents, *none * (found.cells - len(found.contents)))
     blank = [i for i, held in enumerate(contents) if held == "blank"]
     if not blank or found.delimiter == " ":
         return found
