@@ -19,7 +19,6 @@ from dashpot.cli._recognised import recognised
 from dashpot.cli._shell import File, Outcome, grams, printed, typed, write, write_figure
 from dashpot.cli._values import OneOf, WithUnit
 from dashpot.io.options import ReadOptions
-from dashpot.told import text as text_of
 from dashpot.told.closing import closing_text
 from dashpot.told.door import door
 from dashpot.told.layout import Text
@@ -115,13 +114,7 @@ def _under_mass(
         write_figure(picture, _figure(found, named))
     if output:
         _keep(found, output)
-    return Outcome(
-        found,
-        text_of.prediction(found),
-        found.checks,
-        verdict=found.verdict,
-        follow="" if found.of_part else _follow(fit, mass, seals),
-    )
+    return Outcome.of(found, follow="" if found.of_part else _follow(fit, mass, seals))
 
 
 _BAND, _DOOR_BAND = (1.0, 50.0), (1.0, 200.0)
@@ -210,10 +203,9 @@ def _of_door(
     if closed is None:
         assert found is not None  # noqa: S101
         return Outcome(found, door(found, every=every), found.checks, verdict=found.verdict)
-    shuts = closing_text(closed.closing)
     if found is None:
-        return Outcome(closed, shuts, closed.checks, verdict=closed.verdict)
-    said = door(found, every=every)
+        return Outcome.of(closed)
+    said, shuts = door(found, every=every), closing_text(closed.closing)
     checks = tuple(dict.fromkeys((*found.checks, *closed.checks)))
     text = Text([*said.lines, *shuts.lines], [*said.details, *shuts.details], said.asked)
     return Outcome(Both(found, closed), text, checks, verdict=verdict(checks, sound=closed.sound))

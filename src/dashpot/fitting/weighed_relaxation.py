@@ -420,7 +420,7 @@ def laid_out(test: RampHold, time: FloatArray) -> IndexArray:
 
 def _few_rests(test: RampHold, clock: FloatArray) -> list[tuple[float, float]]:
     """The first and the last reading that stand, and the longest of those between them."""
-    found = rests(clock, test.displacement[: len(clock)])
+    found = rests(clock, test.displacement[: len(clock)], test.encoder_step)
     first, last = (-np.inf, test.onset), (test.ramp_end, np.inf)
     if len(found) > 1:
         first, last = found[0], found[-1]

@@ -90,6 +90,7 @@ def load_hold(test: CreepTest) -> LoadHold:
     answers = (
         checks.load_begins_at_rest(record),
         checks.load_held(record),
+        checks.clock_steady(record),
         *checks.of_temperature(test.specimen),
     )
     return replace(record, checks=answers)

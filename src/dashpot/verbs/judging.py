@@ -460,11 +460,8 @@ def export(
 
     found: Any = getattr(solid, "fit", solid) if not isinstance(solid, Fit) else solid
     kelvin, metres = si(temperature, "temperature"), si(length, "length")
-    if metres is not None and hasattr(found, "provenance"):
-        piece = replace(found.specimen, length=metres)
-        found = replace(found, provenance=replace(found.provenance, specimen=piece))
-    elif metres is not None and hasattr(found, "specimen"):
-        found = replace(found, specimen=replace(found.specimen, length=metres))
+    if metres is not None:
+        found = _of_length(found, metres)
     choices: dict[str, Any] = {
         "form": form, "frequency_range": si_range(band, "frequency"), "mass": si(mass, "mass"),
         "allow": (allow,) if isinstance(allow, str) else tuple(allow), "units": unit_system,
@@ -487,3 +484,13 @@ def export(
 
         write_whole(Path(path), str(deck).encode())
     return str(deck)
+
+
+def _of_length(found: Any, metres: float) -> Any:
+    """The fit of a piece whose length in contact is known; a bare solid has no piece."""
+    if hasattr(found, "provenance"):
+        piece = replace(found.specimen, length=metres)
+        return replace(found, provenance=replace(found.provenance, specimen=piece))
+    if hasattr(found, "specimen"):
+        return replace(found, specimen=replace(found.specimen, length=metres))
+    return found
