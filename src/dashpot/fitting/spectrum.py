@@ -321,9 +321,16 @@ def _dense(
     )
     residual = Residual(values, values * dense.rms**2, dense.rms, unit="1")
     estimate = ParameterEstimate((), np.zeros((0, 0)), np.inf, residual, nuisance=few.nuisance)
+    end = few.end_of_hold
+    evidence = replace(
+        few.evidence,
+        certificate=None,
+        checks=(*of_data, check),
+        end_of_hold=None if end is None else end.holding(dense.model),
+    )
     return assembled(
         FoundSolid(dense.model, estimate),
-        replace(few.evidence, certificate=None, checks=(*of_data, check)),
+        evidence,
         few.provenance,
         unit=few.unit,
         temperatures=few.temperatures,

@@ -101,7 +101,7 @@ def _bent(found: Fit) -> list[str]:
 
 def _left_open(found: Fit) -> list[str]:
     end = found.end_of_hold
-    return [f"  not known   {ascii_only(end.says)}"] if end else []
+    return [f"  not known   {ascii_only(end.says(found.unit))}"] if end else []
 
 
 def _beside(found: Fit) -> list[str]:
