@@ -143,7 +143,10 @@ KINDS: Mapping[str, KindOfTest] = MappingProxyType({kind.name: kind for kind in 
         nouns={"records.frf:FRF": "plot.vibration:frf"},
         checks="vibration.modal.checks",
     ),
-    KindOfTest("transmissibility", "io.readers.frf:read_frf", page="base"),
+    KindOfTest(
+        "transmissibility", "io.readers.frf:read_frf", "workflow.measured_modes:modes_files",
+        page="base", meant="modes",
+    ),
     KindOfTest(
         "dma", _DYNAMIC, FIT_FILES, page="bench", meant="bench",
         nouns={"records.dynamic:DynamicTest": ""},
