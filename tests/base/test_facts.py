@@ -33,6 +33,15 @@ def test_what_is_known_of_a_value_is_said(error: float | None, said: str) -> Non
     assert Fact("tau_1", 2.0, unit="s", error=error).cells.with_error == said
 
 
+def test_what_is_known_to_be_at_least_so_much_says_no_value() -> None:
+    found = Fact("life", math.nan, 3.6e6, math.inf, "s", read="h")
+    assert found.says == "life at least 1000 h"
+    assert found.cells[1:] == ("", "", "at least 1000", "h")
+    assert found.ends == ("unknown", "1000", "no limit")
+    # a value of an infinite interval is known
+    assert Fact("life", 7.2e6, 3.6e6, math.inf, "s", read="h").cells.value == "2000"
+
+
 def test_a_bound_alone_says_no_value() -> None:
     found = Fact("viscous_time", 4e-4, 0.0, 2.2e-2, "s", read="ms")
     assert found.says == "viscous time below 22.0 ms"

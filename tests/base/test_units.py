@@ -57,6 +57,7 @@ def test_every_factor_is_that_of_pint() -> None:
     [
         ("mm", "length", "mm"), ("Newtons", "force", "N"), ("µm", "length", "um"),
         ("μm", "length", "um"), ("Sec.", "time", "sec"), ("HZ", "frequency", "Hz"),
+        ("days", "time", "d"), ("Tage", "time", "d"),
         ("m/s²", "acceleration", "m/s^2"), ("m/s2", "acceleration", "m/s^2"),
         ("g", "acceleration", "g"), ("g", "mass", "g"), ("nm", "length", "nm"),
         ("Nm", "torque", "N*m"), ("°C", "temperature", "degC"), ("千牛", "force", "kN"),

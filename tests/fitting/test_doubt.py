@@ -8,13 +8,14 @@ from functools import cache
 
 import numpy as np
 import pytest
-from kit.foreign.catalogue import verdict_records
-from kit.foreign.rigs import Record
-from kit.foreign.truths import TRUTHS
+from kit.foreign.catalogue import protocol_of, verdict_records
+from kit.foreign.rigs import RIGS, Record, read
+from kit.foreign.truths import TRUTHS, Seal
 
 from dashpot.base.arrays import FloatArray
 from dashpot.engine.blocks.correlation import upper_factor
 from dashpot.engine.blocks.recorded import recorded_block
+from dashpot.fitting.nonlinear_ramp.checks import TOO_LATE, clocks_agree
 from dashpot.fitting.nuisance import priors, terms_of
 from dashpot.fitting.relaxation import fit
 from dashpot.fitting.uncertainty.left_open import end_of_hold
@@ -195,10 +196,29 @@ def test_what_naming_the_machine_would_leave_is_said(record: RampHold) -> None:
     assert end is not None
     known = replace(record, machine=replace(KNOWN, drift=priors(record).doubt.sd / 5))
     assert end.named * np.ptp(end.k_end) == pytest.approx(width(fit(known)), rel=0.6)
-    assert "give the drift, compliance and creep of the machine" in end.says
+    assert "give the drift, compliance and creep of the machine" in end.says("N/m")
     assert replace(end, named=0.79).remedy.startswith("Record a baseline")
     assert replace(end, named=0.81).remedy == "Hold longer."
     assert replace(end, named=math.nan).remedy == "Hold longer."
+
+
+def test_a_rig_that_is_known_tells_the_end_of_the_hold_to_less_than_a_hundredth() -> None:
+    """A baseline of 10 s, a compliance of 0 that is named, and an encoder that shows the creep."""
+    rig = replace(
+        RIGS["crosshead creep 20 um, recorded"],
+        protocol={"baseline": 10.0},
+        told={"compliance": 0.0},
+    )
+    half = []
+    for truth in TRUTHS[:3]:
+        one = read(Seal(truth), protocol_of(truth), rig)
+        test = RelaxationTest(one.time, one.displacement, one.force, units="SI")
+        end = fit(prepare(test, machine=Machine(**one.told))).end_of_hold
+        assert end is not None
+        low, high = end.k_end
+        assert low < one.seal.secant(end.time) < high
+        half.append((high - low) / (high + low))
+    assert np.median(half) < 0.008
 
 
 def test_several_tests_together_are_a_point(record: RampHold) -> None:
@@ -266,6 +286,39 @@ def test_a_force_that_is_five_milliseconds_late_leaves_the_bound_right() -> None
     assert bound.peak_frequency is not None
     assert bound.peak_frequency[0] < 12.7 < bound.peak_frequency[1]
     assert bound.unseen[0, 0] <= abs(one.seal.accelerance(12.7, mass, 2)) <= bound.unseen[1, 0]
+
+
+def truth_named(name: str) -> int:
+    return next(i for i, solid in enumerate(TRUTHS) if solid.name == name)
+
+
+def test_a_filter_that_nobody_named_is_told_and_its_bound_holds() -> None:
+    """Its loss at the resonance is 94 % too low; what lags may be a filter, and longer."""
+    one, record, found = foreign(truth_named("springpot, 1"), "filter 10 Hz")
+    assert [check.name for check in found.verdict.because] == ["clocks_agree"]
+    mass = one.seal.mass_at(12.7, 2)
+    bound = frf_band(found, record, mass=mass, frequency=[12.7], seals=2)
+    assert bound.peak_frequency is not None
+    assert bound.peak_frequency[0] < 12.7 < bound.peak_frequency[1]
+    assert bound.unseen[0, 0] <= abs(one.seal.accelerance(12.7, mass, 2)) <= bound.unseen[1, 0]
+
+
+def test_a_force_that_is_late_is_told_where_the_hold_goes_first() -> None:
+    """Its law is bent so little and so evenly that nothing else would be."""
+    _, _, found = foreign(truth_named("fractional, 2"), "filter 10 Hz")
+    assert found.elastic_law is not None
+    assert found.elastic_law.gentle
+    assert "clocks_agree" in [check.name for check in found.verdict.because]
+
+
+def test_a_force_is_too_late_from_so_much_on() -> None:
+    thought = 5e-3
+    for times, grade in ((0.99, "note"), (1.01, "limit")):
+        late = times * TOO_LATE * thought
+        for value in (late, -late):
+            check = clocks_agree([(value, 1e-4, thought)])
+            assert check.failed
+            assert check.grade == grade
 
 
 # -- rounding -------------------------------------------------------------------------------------

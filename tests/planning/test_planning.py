@@ -6,6 +6,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from kit.foreign.rigs import Protocol, read
+from kit.foreign.truths import TABLE_1
+from kit.foreign.truths import Seal as ForeignSeal
 from kit.plans import planned
 from kit.trials import Bench as TrialBench
 from kit.trials import Seal, record, relaxation_test
@@ -23,7 +26,7 @@ from dashpot.planning.expected import (
 )
 from dashpot.preparation.prepare import prepare
 from dashpot.records.machine import Machine
-from dashpot.records.relaxation import RampHold
+from dashpot.records.relaxation import RampHold, RelaxationTest
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.systems.prediction import mass_for_peak, predict_frf
 
@@ -297,6 +300,43 @@ def test_a_good_test_is_left_alone() -> None:
 def test_fit_the_ramp_too() -> None:
     told = planned(ramp_time=0.1, method="hold")
     assert "fit ramp and hold together" in told.advice[0]
+
+
+def test_naming_the_machine_is_said_with_what_it_gives() -> None:
+    """A baseline of 10 s, and a machine whose give and creep are known."""
+    told = planned()
+    assert told.end.time == 40.0
+    assert told.end.stiffness == pytest.approx(float(told.model.relaxation(40.0)))
+    assert told.end.named < 0.5 * told.end.half_width
+    assert told.end.says in str(told)
+    assert "Record a baseline of 10 s" in told.end.says
+    known = planned(baseline=10.0, compliance=0.0, creep=0.0).end
+    assert known.half_width == pytest.approx(told.end.named)
+    assert known.says == (
+        f"At the end of the hold the stiffness k(40.0 s) would be known to about "
+        f"{100 * known.half_width:.2g} %."
+    )
+    # each alone gives a part of it
+    for one in ({"baseline": 10.0}, {"compliance": 0.0}, {"creep": 0.0}, {"drift": 1e-5}):
+        assert known.half_width < planned(**one).end.half_width < told.end.half_width
+    # by eq. 5 as by ramp and hold: what hides the end is in both
+    assert planned(method="hold").end == told.end
+
+
+@pytest.mark.parametrize(
+    ("baseline", "machine"), [(1.0, {}), (10.0, {"compliance": 0.0, "creep": 0.0})]
+)
+def test_the_end_of_the_hold_is_known_as_it_was_planned(
+    baseline: float, machine: dict[str, float]
+) -> None:
+    """A record of another rig: its limits over every spectrum are as wide within a half."""
+    one = read(ForeignSeal(TABLE_1), Protocol(rate=250.0, baseline=baseline))
+    test = RelaxationTest(one.time, one.displacement, one.force, units="SI")
+    end = fit(prepare(test, machine=Machine(**machine))).end_of_hold
+    assert end is not None
+    half = (end.k_end[1] - end.k_end[0]) / sum(end.k_end)
+    foretold = planned(rate=250.0, noise=2e-3, baseline=baseline, **machine).end.half_width
+    assert foretold == pytest.approx(half, rel=0.5)
 
 
 def test_no_ramp_will_do() -> None:

@@ -57,10 +57,10 @@ class Fact(Documented):
     name : str
         Identifier, the same in every face: ``"k_1"``, ``"tau_1"``.
     value : float
-        SI; nan where only the bound `high` is known.
+        SI; nan where only a bound is known.
     low, high : float
-        95 % interval, SI; nan where none is known, `low` 0 where it is a bound alone, and nan of a
-        value that is at most `high`.
+        95 % interval, SI; nan where none is known, `low` 0 where `high` is a bound alone, and nan
+        of a value that is at most `high`; `high` infinite where `low` is a bound alone.
     unit : str
         Of SI; empty for a plain number.
     error : float or None
@@ -113,6 +113,11 @@ class Fact(Documented):
         return math.isnan(self.low) and not math.isnan(self.high)
 
     @property
+    def least_alone(self) -> bool:
+        """Whether all that is known is what it is at least."""
+        return math.isnan(self.value) and self.high == math.inf
+
+    @property
     def called(self) -> str:
         """How a table calls it."""
         return self.words or _WORD.sub(" ", self.name)
@@ -154,6 +159,8 @@ class Fact(Documented):
         value, low, high = map(self.shown, (self.value, self.low, self.high))
         if self.bound_alone:
             return Cells(self.called, "", "", f"below {rounded(high)}", self.word)
+        if self.least_alone:
+            return Cells(self.called, "", "", f"at least {rounded(low)}", self.word)
         if self.topped:
             told, most = rounded(value, self.size), rounded(high, self.size)
             return Cells(self.called, told, "", f"at most {most}", self.word)
@@ -168,6 +175,8 @@ class Fact(Documented):
     def ends(self) -> tuple[str, str, str]:
         """Value and both ends of the interval, each in a cell, to two digits of half of it."""
         value, low, high = map(self.shown, (self.value, self.low, self.high))
+        if self.least_alone:
+            return "unknown", rounded(low), "no limit"
         below, above = value - low, high - value
         # of a lopsided interval each end has the digits of its own distance
         if min(below, above) > LOPSIDED * max(below, above):
@@ -185,7 +194,7 @@ class Fact(Documented):
     def says(self) -> str:
         """In words, with its interval."""
         cells = self.cells
-        if self.bound_alone:
+        if self.bound_alone or self.least_alone:
             return f"{self.called} {cells.interval} {cells.unit}".rstrip()
         if self.topped:
             return f"{self.called} {cells.with_unit}, {cells.interval}"

@@ -48,7 +48,9 @@ GRAVITY = 9.80665
 
 def _table() -> dict[str, Unit]:
     rows: dict[Dimension, dict[str, float]] = {
-        "time": {"s": 1.0, "sec": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0, "h": 3600.0},
+        "time": {
+            "s": 1.0, "sec": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0, "h": 3600.0, "d": 86400.0,
+        },
         "length": {
             "m": 1.0, "mm": 1e-3, "cm": 1e-2, "um": 1e-6, "nm": 1e-9, "in": 0.0254, "ft": 0.3048,
         },
@@ -106,6 +108,7 @@ _SPELLINGS = {
     "us": "µs µsec usec microsecond microseconds мкс 微秒",
     "min": "minute minutes minuten minuty dakika dk мин 分 分钟",
     "h": "hr hrs hour hours stunde stunden std godz 小时 時間",
+    "d": "day days tag tage dni jour jours 天 日",
     "m": "meter metre meters metres м 米",
     "mm": "millimeter millimetre millimeters millimetres milimetr milimetry мм 毫米 ミリ",
     "cm": "centimeter centimetre centimeters centimetres см 厘米",

@@ -78,11 +78,10 @@ def as_it_stands(path: str) -> Iterator[None]:
 def _bench(seal: str, choices: dict[str, Any]) -> tuple[SimulatedSeal, Any, Any]:
     """Return the seal, the rig and its climate that were asked for."""
     given = {name: choices.get(name) for name in ("rate", "softening", "warming")}
-    rig = _chosen(dp.simulation.Rig(), noise_free=bool(choices.get("noise_free")), **given)
+    known, rig, climate = _set_up(dp.simulation.Rig(), seal, choices, given)
     if choices.get("friction"):
         rig = replace(rig, axis=replace(rig.axis, friction=choices["friction"]))
-    known = seal_named(seal)
-    return known, rig, _climate(known, choices.get("temperature"), choices.get("wlf"))
+    return known, rig, climate
 
 
 def _told(made: Any, choices: dict[str, Any]) -> tuple[Any, ...]:
@@ -107,62 +106,53 @@ def _told(made: Any, choices: dict[str, Any]) -> tuple[Any, ...]:
 
 
 def creep(
-    *,
-    seal: str,
-    load: float = 1.0,
-    ramp: float = 1.0,
-    hold: float = 40.0,
-    rate: float | None = None,
-    noise_free: bool = False,
-    seed: int = 0,
-    temperature: float | None = None,
-    wlf: TemperatureLaw | None = None,
-    **_: object,
+    *, seal: str, load: float = 1.0, ramp: float = 1.0, hold: float = 40.0, **choices: Any
 ) -> tuple[str, str]:
     """Return a simulated creep test as CSV, and its truth as JSON."""
     from dashpot.io.write import write_relaxation
 
+    known, rig, climate = _bench(seal, choices)
     room = dp.simulation
-    known = seal_named(seal)
     made = room.simulate_creep(
-        known.solid, load=load, ramp_time=ramp, hold_time=hold, seed=seed,
-        rig=_chosen(room.Rig(), noise_free=noise_free, rate=rate),
-        climate=_climate(known, temperature, wlf),
+        known.solid, load=load, ramp_time=ramp, hold_time=hold, rig=rig, climate=climate,
+        seed=choices.get("seed", 0),
     )  # fmt: skip
     comments = (*room.stamp(made.truth), "creep test: the force is held")
     return write_relaxation(made.test, comments=comments), room.truth_json(made.truth)
 
 
 def impact(
-    *,
-    seal: str,
-    mass: float | None = None,
-    seals: float = 2.0,
-    hits: int = 5,
-    hit_length: float | None = None,
-    rate: float | None = None,
-    noise_free: bool = False,
-    seed: int = 0,
-    temperature: float | None = None,
-    wlf: TemperatureLaw | None = None,
-    **_: object,
+    *, seal: str, mass: float | None = None, seals: float = 2.0, hits: int = 5, **choices: Any
 ) -> tuple[str, str]:
     """Return a simulated hammer test as CSV, and its truth as JSON."""
     from dashpot.io.write import temperature_line, write_impact
 
-    known = seal_named(seal)
+    room = dp.simulation
+    given = {"record": choices.get("hit_length"), "rate": choices.get("rate")}
+    known, rig, climate = _set_up(room.Hammer(), seal, choices, given)
     block = mass if mass is not None else known.mass
     if block is None:
         raise DataError(f"the mass under the hammer is not known for {seal}; add --mass")
-    room = dp.simulation
-    rig = _chosen(room.Hammer(), noise_free=noise_free, record=hit_length, rate=rate)
     made = room.simulate_impact(
-        known.solid, mass=block, seals=seals, hits=hits, rig=rig, seed=seed,
-        climate=_climate(known, temperature, wlf),
+        known.solid, mass=block, seals=seals, hits=hits, rig=rig, climate=climate,
+        seed=choices.get("seed", 0),
     )  # fmt: skip
-    stated = () if temperature is None else (temperature_line(temperature),)
+    kelvin = choices.get("temperature")
+    stated = () if kelvin is None else (temperature_line(kelvin),)
     comments = (*room.stamp(made.truth), *stated)
     return write_impact(made.test, comments=comments), room.truth_json(made.truth)
+
+
+def _set_up(
+    instrument: Any, seal: str, choices: dict[str, Any], given: dict[str, Any]
+) -> tuple[SimulatedSeal, Any, Any]:
+    """Return the seal, the instrument with what was said of it, and where the test is made."""
+    known = seal_named(seal)
+    stated = {name: value for name, value in given.items() if value is not None}
+    # what was asked for by name is there in any case
+    quiet = instrument.noise_free() if choices.get("noise_free") else instrument
+    climate = _climate(known, choices.get("temperature"), choices.get("wlf"))
+    return known, replace(quiet, **stated), climate
 
 
 def _climate(known: SimulatedSeal, temperature: float | None, law: TemperatureLaw | None) -> Any:
@@ -172,10 +162,3 @@ def _climate(known: SimulatedSeal, temperature: float | None, law: TemperatureLa
             raise DataError("--wlf needs the temperature of the test: add --temperature 0degC")
         return None
     return dp.simulation.Climate(temperature, law or known.law)
-
-
-def _chosen(instrument: Any, *, noise_free: bool, **given: float | None) -> Any:
-    """Return an instrument with what the user said of it."""
-    stated = {name: value for name, value in given.items() if value is not None}
-    # what was asked for by name is there in any case
-    return replace(instrument.noise_free() if noise_free else instrument, **stated)

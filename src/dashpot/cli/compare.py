@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -17,8 +17,6 @@ from dashpot.cli._grammar import group, of, opt, refuse_others, rest, verb
 from dashpot.cli._options import HITS, MASS, READING, VIBRATION
 from dashpot.cli._recognised import called, kinds_of, recognised, tell
 from dashpot.cli._shell import File, Outcome, grams, typed, write_figure
-from dashpot.told import modes as modes_text
-from dashpot.told import text as text_of
 from dashpot.told.layout import Text
 from dashpot.workflow.job import Job
 
@@ -58,12 +56,7 @@ def command(*, files: tuple[str, ...], **said: Any) -> Outcome:
     one, rest_ = kinds[first], {kinds[path] for path in others}
     lots = one == _LOT and rest_ == {_LOT} and len(others) == 1
     if not (lots or (one in {_SOLID, *_MEASURED} and rest_ <= _MEASURED)):
-        is_ = "; ".join(f"{path} is {called(kinds[path])}" for path in files)
-        turned = shlex.join(["dashpot", "compare", others[-1], first])
-        raise click.UsageError(
-            f"{is_}. Compare a fit with a measurement, an FRF with an FRF, or a lot with a lot."
-            + (f" Type: {turned}" if one in _MEASURED and rest_ == {_SOLID} else "")
-        )
+        raise click.UsageError(_no_pair(kinds))
     refuse_others(command, click.get_current_context(), {first: one})
     if lots:
         return _lots(first, others[0], said["quantities"])
@@ -76,6 +69,16 @@ def command(*, files: tuple[str, ...], **said: Any) -> Outcome:
         )  # fmt: skip
     tell(found)
     return _frfs(first, others, said)
+
+
+def _no_pair(kinds: Mapping[str, str]) -> str:
+    """Why files of these kinds are not compared, and what would be."""
+    first, *others = kinds
+    said = "; ".join(f"{path} is {called(kind)}" for path, kind in kinds.items())
+    says = f"{said}. Compare a fit with a measurement, an FRF with an FRF, or a lot with a lot."
+    if kinds[first] in _MEASURED and {kinds[path] for path in others} == {_SOLID}:
+        says += f" Type: {shlex.join(['dashpot', 'compare', others[-1], first])}"
+    return says
 
 
 def _place(path: str) -> str:
@@ -120,8 +123,7 @@ def _prediction(
         again = options.given(READING, HITS)
         why = "fits both tests together"
         follow = typed("fit", *tests, *measured, *family, *rig, *again, why=why)
-    said = text_of.agreement(found)
-    return Outcome(found, said, found.checks, verdict=found.verdict, follow=follow)
+    return Outcome.of(found, follow=follow)
 
 
 def _frfs(first: str, others: Sequence[str], said: dict[str, Any]) -> Outcome:
@@ -133,8 +135,7 @@ def _frfs(first: str, others: Sequence[str], said: dict[str, Any]) -> Outcome:
         modes = [one.mode for one in found.modes]
         stamp = dp.plot.stamp(found.frf.source)
         write_figure(said["picture"], dp.plot.stabilisation(chart, modes, stamp=stamp))
-    checks = found.frf.checks
-    return Outcome(found, modes_text.modes(found), checks, verdict=found.verdict)
+    return Outcome.of(found)
 
 
 def _lots(first: str, second: str, quantities: tuple[str, ...]) -> Outcome:

@@ -75,7 +75,7 @@ class Examples(Documented):
   dashpot demo                  reports of both seals in dashpot-demo/
   dashpot demo --files          seal_8mm.csv and hammer.csv, here
   dashpot demo --files --all    the files of every how-to page, too
-  dashpot demo --paper -o DIR   the paper's equations, figures and table, made again
+  dashpot demo --paper -o DIR   the paper's equations, figures and table, again
 
 The 'paper' seal is the paper's Table 1. The 'broad' seal relaxes alike, but has
 three faster arms that a 1 s ramp cannot see and that a hammer feels.""",
@@ -83,7 +83,7 @@ three faster arms that a 1 s ramp cannot see and that a hammer feels.""",
         RESULT,
         opt("--files", "files_only", help="Write the files only."),
         opt("--all", "every", help="With --files: those of the how-to pages, too."),
-        opt("--paper", help="Make the paper's figures and table again, each beside its statement."),
+        opt("--paper", help="Make the paper's figures and table again."),
         opt("-o", "--output", type=Folder(), metavar="DIR",
             help="Where (dashpot-demo; of --files, here; of\n--paper, paper)."),
         rest(opt("--seed", type=click.IntRange(0), default=0, metavar="N",

@@ -66,8 +66,8 @@ _PLANNED, _KNOWN, _CONTROLLER = "Planned test", "Known beforehand", "Controller"
         opt("--wanted", type=float, default=10.0, metavar="PERCENT",
             help="Standard deviation that would do (10)."),
         rest(
-            of(Machine, into="machine", leave=("compliance", "force_filter"),
-               help="sync or drift of the machine."),
+            of(Machine, into="machine", leave=("force_filter",),
+               help="What is known of the machine."),
             opt("--arm-stiffness", type=WithUnit("stiffness"), metavar="STIFFNESS",
                 help="Stiffness of an arm that may hide."),
             opt("--arm-time", type=WithUnit("time"), metavar="TIME",

@@ -23,7 +23,6 @@ from dashpot.records.machine import USUAL
 from dashpot.records.relaxation import RampHold
 from dashpot.records.specimen import Specimen
 from dashpot.signals.noise import scatter
-from dashpot.solids.maxwell import GeneralizedMaxwell
 
 # fewer samples have no scatter, and none a slope, to speak of
 _FEWEST = 5
@@ -31,8 +30,8 @@ _FEWEST = 5
 _LOADED = 0.05
 # part of the ramp for which a plate may move before its encoder shows it
 _UNSEEN = 0.02
-# nothing of a record is known better than this part of its largest force
-_ROUNDING = 1e-9
+# nothing of a record is known better than this part of its largest value: the rest is rounding
+ROUNDING = 1e-9
 # standard deviation of a prior, in those of a row, that is as good as zero
 _TIGHTEST = 1e-5
 # an equality is a prior of this relative width
@@ -191,7 +190,7 @@ def terms_of(record: RampHold, *, claimed: bool = False) -> Terms:
     Of what is `claimed` as a limit the drift is as doubtful as it may be.
     """
     known = priors(record)
-    least = _ROUNDING * float(np.abs(record.force).max())
+    least = ROUNDING * float(np.abs(record.force).max())
     drift = known.doubt if claimed else known.drift
     each = {"offset": known.offset, "drift": drift, "delay": known.delay}
     return Terms(each, -known.at, least)
@@ -297,27 +296,3 @@ def unseen_warmth(specimen: Specimen) -> Prior:
     if specimen.warmed is None:
         return Prior(0.0, USUAL["warming"].size)
     return Prior(0.0, float(np.hypot(specimen.warmed, _RECORDED)))
-
-
-def warming(
-    time: FloatArray, x: FloatArray, solid: GeneralizedMaxwell, *, by_a: float, by_b: float
-) -> FloatArray:
-    r"""Return what a seal that warms by one kelvin over its record adds to the force, N/K.
-
-    It answers in reduced time :math:`\xi = \int dt/a(T(t))`, its stiffnesses times b(T(t)).
-
-    Parameters
-    ----------
-    time, x : array, shape (n,)
-        s and m.
-    solid : GeneralizedMaxwell
-        At the temperature of the test.
-    by_a, by_b : float
-        Slopes of ln a_T and of ln b_T there, 1/K.
-    """
-    rise = WARMING.sd * time / time[-1]
-    # time counts for more as the seal gets faster
-    pace = np.exp(-by_a * rise)
-    reduced = np.concatenate(([0.0], np.cumsum(np.diff(time) * (pace[1:] + pace[:-1]) / 2)))
-    moved = np.exp(by_b * rise) * solid.force(reduced, x) - solid.force(time, x)
-    return np.asarray(moved / WARMING.sd)

@@ -84,15 +84,23 @@ class Unseen(NamedTuple):
 
     Attributes
     ----------
+    names : tuple of str
     log_tau : array, shape (m,)
         Ln of the relaxation times of its arms, s.
     fixed, arms : array, shape (q, d) and (m, d)
         Weights of the block's fixed columns and of those arms', times a standard deviation.
     """
 
+    names: tuple[str, ...]
     log_tau: FloatArray
     fixed: FloatArray
     arms: FloatArray
+
+    def but(self, *names: str) -> Unseen:
+        """The terms without these."""
+        kept = [name not in names for name in self.names]
+        left = tuple(name for name in self.names if name not in names)
+        return Unseen(left, self.log_tau, self.fixed[:, kept], self.arms[:, kept])
 
     def columns(self, fixed: FloatArray, arms: FloatArray) -> FloatArray:
         """One column a term, in the coordinates of these."""
@@ -159,10 +167,11 @@ class RelaxationData:
 
     @property
     def on_a_named_rig(self) -> RelaxationData:
-        """The data if nothing was unseen, and of the drift a fifth were left in doubt."""
+        """The data if machine and crosshead were known, and of the drift a fifth were in doubt."""
         mean, sd = self.terms.known["drift"]
         terms = self.terms.beside(drift=Prior(mean, NAMED_DRIFT * sd))
-        return replace(self, unseen=None, terms=terms)
+        known = self.unseen and self.unseen.but("give", "settling")
+        return replace(self, unseen=known, terms=terms)
 
     @property
     def floor(self) -> float:

@@ -24,7 +24,6 @@ from dashpot.fitting.nuisance import (
     terms_of,
     unseen_warmth,
     warmed,
-    warming,
 )
 from dashpot.fitting.relaxation_data import (
     DASHPOT,
@@ -35,9 +34,9 @@ from dashpot.fitting.relaxation_data import (
 )
 from dashpot.preparation.denoising import between_samples, rests, true_motion
 from dashpot.records.fit import Fit
-from dashpot.records.machine import USUAL
 from dashpot.records.relaxation import RampHold
 from dashpot.records.temperature import SAME_TEMPERATURE
+from dashpot.signals.unseen import machine_terms, warming
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell, arm_response
 
@@ -50,6 +49,8 @@ RESTS = 8
 SLOW_ARM = 5.0
 # a force that is later than this does not change in proportion, s
 LINEAR_DELAY = 2e-3
+# what lags may be a filter, in the difference of the two
+FILTERED = 1.0
 # a doubt is smooth, and needs few digits: samples of the hold at which it is laid out, three times
 # as many of the ramp, and relaxation times of which it is a sum
 LAID_OUT, MIXED = 200, 20
@@ -134,8 +135,12 @@ def relaxation_data(
         # of the size that was found: the chord is exact there, where the tangent is not
         slow = _slower(model, SLOW_ARM * median(np.diff(time)))
         behind = np.interp(time - late, time, x, left=0.0)
-        chord = (slow.force(time, behind) - slow.force(time, x)) / late
-        doubts["delay"] = chord, delay_prior(test).sd
+        moved_late = slow.force(time, behind)
+        # what has lagged once may lag by that, whatever was thought possible
+        doubts["delay"] = (moved_late - slow.force(time, x)) / late, max(delay_prior(test).sd, late)
+        if late > 0:
+            low_passed = x - arm_response(time, x, late)
+            doubts["filter"] = slow.force(time, low_passed) - moved_late, FILTERED
     columns = {name: column for name, (column, _) in doubts.items()}
     certain = block_of(test, terms=_CELL, law=law, reach=_reach(test, 1.0))
     residual = _left_by(own, certain)
@@ -287,7 +292,7 @@ def _doubted(
     weights = np.linalg.lstsq(basis / scale, wanted, rcond=1e-9)[0] / scale[:, None]
     fixed = np.zeros((len(kinds), wanted.shape[1]))
     fixed[there] = weights[: len(own)]
-    return replace(data, unseen=Unseen(np.log(tau), fixed, weights[len(own) :]))
+    return replace(data, unseen=Unseen(tuple(adds), np.log(tau), fixed, weights[len(own) :]))
 
 
 def noise_power(residual: FloatArray) -> float:
@@ -382,24 +387,23 @@ def unseen(
     time, x : array, shape (n,)
         Since the first sample, s, and the motion that the solid `answer` is thought to feel, m.
     """
-    force, since = answer.force(time, x), time + test.time[0] - test.ramp_end
-    found: dict[str, tuple[FloatArray, float]] = {}
-    peak = float(np.abs(force).max())
-    give = test.machine.give_sd(test.depth, peak)
-    if give > 0 and peak > 0:
-        found["give"] = answer.force(time, force / peak), give
-    settles = test.machine.creep_sd(test.depth)
-    if settles > 0 and not test.readings_moved:
-        way = np.log1p(np.maximum(since, 0.0) / test.ramp_time)
-        found["settling"] = answer.force(time, way), settles
+    found = machine_terms(
+        test.machine,
+        answer,
+        time,
+        x,
+        since=time + test.time[0] - test.ramp_end,
+        ramp_time=test.ramp_time,
+        depth=test.depth,
+        settles=not test.readings_moved,
+    )
+    peak = float(np.abs(answer.force(time, x)).max())
     if test.preload and peak > 0:
         # pressed when the record begins; what it carries in the middle of the rest is offset
         relaxing = answer.force(time, np.ones(len(time)))
         tared = float(np.interp(priors(test).at, time, relaxing))
         found["preload"] = relaxing - tared, test.preload * test.depth / peak
-    by_a = -USUAL["faster by warmth"].size
-    warms = unseen_warmth(test.specimen).sd
-    found["warming"] = warming(time, x, answer, by_a=by_a, by_b=0.0), warms
+    found["warming"] = warming(time, x, answer), unseen_warmth(test.specimen).sd
     return found
 
 
@@ -416,7 +420,7 @@ def laid_out(test: RampHold, time: FloatArray) -> IndexArray:
 
 def _few_rests(test: RampHold, clock: FloatArray) -> list[tuple[float, float]]:
     """The first and the last reading that stand, and the longest of those between them."""
-    found = rests(clock, test.displacement[: len(clock)])
+    found = rests(clock, test.displacement[: len(clock)], test.encoder_step)
     first, last = (-np.inf, test.onset), (test.ramp_end, np.inf)
     if len(found) > 1:
         first, last = found[0], found[-1]

@@ -44,10 +44,11 @@ def hammers_compared(without: int, paired: int) -> Finding:
 def tests_alike(unlike: int, tests: int) -> Finding:
     """Tests of a lot have one hold and depth, within 5 %, and one temperature, within 3 K."""
     return Finding(
-        f"{tests - unlike} of {tests} fits have tests that were made alike",
+        f"{counted(tests, 'seal')} tested alike",
         unlike,
-        "The others, which the page names, are left out of the statistics",
+        "Those, which the page names, are left out of the statistics",
         "Test every seal alike.",
+        f"{unlike} of {counted(tests, 'seal')} tested unlike the rest",
     )
 
 
@@ -138,8 +139,8 @@ def asked_in_band(frequencies: Sequence[float], tests: int) -> Finding:
     return Finding(
         "The frequencies asked for lie in the valid band of every test",
         tests,
-        instead=f"{where} Hz lies outside the valid band of {tests} tests. Stiffness and loss "
-        "factor there are extrapolated",
+        instead=f"{where} Hz lies outside the valid band of {counted(tests, 'test')}. "
+        "Stiffness and loss factor there are extrapolated",
         remedy=Remedy("Add a hammer test, or ramp faster.", "pair"),
     )
 

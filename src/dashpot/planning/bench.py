@@ -8,8 +8,12 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray, sample_count
 from dashpot.planning.asked import PlannedRamp
-from dashpot.records.machine import Machine
+from dashpot.records.machine import USUAL, Machine
+from dashpot.signals.unseen import machine_terms, warming
 from dashpot.solids.maxwell import GeneralizedMaxwell
+
+# a doubt is smooth: instants of ramp and hold, each, at which it is laid out
+_LAID_OUT = 300
 
 
 @dataclass(frozen=True)
@@ -88,10 +92,35 @@ class Bench(PlannedRamp):
         _, drift, _ = machine.drift_told((0.0, slope), final, length, self.noise)
         return np.array([offset, drift, machine.delay_sd(1 / self.rate)])
 
-    def rows(self, model: GeneralizedMaxwell) -> FloatArray:
-        """Sensitivities in units of the noise, reduced to a triangle, and priors, shape (m, p)."""
-        seen = np.asarray(np.linalg.qr(self.sensitivity(model), mode="r")) / self.noise
-        if not self.doubted:
-            return seen
-        known = np.diag(1 / np.maximum(self.prior_sd(model), 1e-300))
-        return np.vstack((seen, np.pad(known, ((0, 0), (seen.shape[1] - 3, 0)))))
+    def rows(self, model: GeneralizedMaxwell, *, unseen: bool = False) -> FloatArray:
+        """Sensitivities in units of the noise, reduced to a triangle, and priors, shape (m, p).
+
+        With what may add to the force `unseen`, a further column each.
+        """
+        columns, known = self.sensitivity(model), np.zeros(0)
+        if self.doubted:
+            known = 1 / np.maximum(self.prior_sd(model), 1e-300)
+        if unseen:
+            more = self.unseen(model)
+            columns, known = np.hstack((columns, more)), np.append(known, np.ones(more.shape[1]))
+        seen = np.asarray(np.linalg.qr(columns, mode="r")) / self.noise
+        return np.vstack((seen, np.pad(np.diag(known), ((0, 0), (seen.shape[1] - len(known), 0)))))
+
+    def unseen(self, model: GeneralizedMaxwell) -> FloatArray:
+        """What machine and room may add that no channel shows, in N, one sd each, shape (n, d).
+
+        The crosshead is thought to settle by less than its encoder reads.
+        """
+        machine, held = self.machine or Machine(), self.ramp_time * 1e-3
+        since = np.concatenate((
+            np.linspace(-self.ramp_time, 0.0, _LAID_OUT),
+            np.geomspace(min(held, self.hold_time / 2), self.hold_time, _LAID_OUT),
+        ))  # fmt: skip
+        at = since + self.ramp_time
+        x = self.depth * np.minimum(at / self.ramp_time, 1.0)
+        terms = machine_terms(
+            machine, model, at, x, since=since, ramp_time=self.ramp_time, depth=self.depth
+        )
+        terms["warming"] = warming(at, x, model), USUAL["warming"].size
+        time = self.time()
+        return np.column_stack([np.interp(time, at, one) * sd for one, sd in terms.values()])

@@ -17,18 +17,24 @@ short enough to make it ring.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.numbers import duration, rounded
+from dashpot.base.sentences import paragraph
 from dashpot.planning.bench import Bench
 from dashpot.planning.cold import Elsewhere, rows_with
+from dashpot.records.bounds import STANDS, naming
+from dashpot.records.machine import Machine
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.systems.prediction import accelerance, ringing_pole
 
 # directions with less than this share of the information are not known at all
 SINGULAR = 1e-14
+# of the machine that is named, s
+NAMED_BASELINE = 10.0
 # Trethewey and Cafeo 1992: six time constants leave less than 0.5 % error in the FRF
 TIME_CONSTANTS = 6.0
 LINES = 5.0
@@ -119,6 +125,64 @@ def _gradients(model: GeneralizedMaxwell, at: float) -> tuple[float, float, Floa
     storage = complex_gradient.real
     ratio = (complex_gradient.imag - loss_factor * complex_gradient.real) / stiffness.real
     return stiffness.real, loss_factor, np.array([storage, ratio])
+
+
+# -- the end of the hold ---------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class ExpectedEnd:
+    """How well a test would know the stiffness when it ends, to first order.
+
+    Attributes
+    ----------
+    time : float
+        T, s.
+    stiffness : float
+        k(T) of the solid that was supposed, N/m.
+    half_width : float
+        Of its 95 % limits, over the value: all that machine and room may do unseen is in them.
+    named : float
+        The same with a baseline of 10 s, and compliance and creep of the machine known.
+    """
+
+    time: float
+    stiffness: float
+    half_width: float
+    named: float
+
+    @property
+    def says(self) -> str:
+        """How well it would be known, and what would tell more."""
+        return paragraph(
+            f"At the end of the hold the stiffness k({duration(self.time)}) would be known to "
+            f"about {rounded(100 * self.half_width, digits=2)} %",
+            naming(self.time, self.half_width, self.named),
+        )
+
+
+def expected_end(model: GeneralizedMaxwell, bench: Bench) -> ExpectedEnd:
+    r"""What a test leaves unknown of :math:`k(T) = k_\infty + \sum_j k_j e^{-T/\tau_j}`.
+
+    What machine and room may add unseen stands in J besides, each with a row of 1.
+    """
+    machine = bench.machine or Machine()
+    bench = replace(bench, method="full", machine=machine)
+    told = replace(machine, compliance=machine.compliance or 0.0, creep=machine.creep or 0.0)
+    named = replace(bench, baseline=max(bench.baseline, NAMED_BASELINE), machine=told)
+    value = float(model.relaxation(bench.hold_time))
+    half, least = (_half_width(model, one) / value for one in (bench, named))
+    return ExpectedEnd(bench.hold_time, value, half, min(least, half))
+
+
+def _half_width(model: GeneralizedMaxwell, bench: Bench) -> float:
+    """Of the 95 % limits of k(T), N/m."""
+    rows = bench.rows(model, unseen=True)
+    tau, k = np.asarray(model.tau), np.asarray(model.k)
+    age = bench.hold_time / tau
+    goal = np.concatenate(([1.0], np.exp(-age), k * age * np.exp(-age)))
+    goal = np.pad(goal, (0, rows.shape[1] - len(goal)))
+    return float(np.sqrt(STANDS * max(goal @ _covariance(rows) @ goal, 0.0)))
 
 
 # -- the hammer ------------------------------------------------------------------------------------

@@ -20,9 +20,11 @@ from dashpot.planning.bench import Bench
 from dashpot.planning.checks import known_to, percent
 from dashpot.planning.cold import Elsewhere, elsewhere, refuse_twice
 from dashpot.planning.expected import (
+    ExpectedEnd,
     ExpectedError,
     Pulse,
     RecordNeed,
+    expected_end,
     expected_error,
     half_sine,
     hammer_rows,
@@ -72,6 +74,9 @@ class Plan(Checked, Documented):
         Of the test, K.
     repeats : tuple of Elsewhere
         Where it is repeated, as asked.
+    end : ExpectedEnd
+        How well the test, without its repeats, would know the stiffness when it ends, and how
+        well if the machine were named.
     """
 
     schema = "dashpot/plan@1"
@@ -84,6 +89,7 @@ class Plan(Checked, Documented):
     alternatives: tuple[ExpectedError, ...]
     band: tuple[float, float]
     record: RecordNeed
+    end: ExpectedEnd
     pulse: Pulse | None
     checks: tuple[Check, ...]
     advice: tuple[str, ...]
@@ -105,7 +111,7 @@ class Plan(Checked, Documented):
             for e in (self.expected, *self.alternatives)
         ]
         title = f"expected standard deviation at {self.at:g} Hz"
-        return "\n".join([title, head, *rows, *self.advice])
+        return "\n".join([title, head, *rows, self.end.says, *self.advice])
 
 
 def plan(
@@ -187,7 +193,8 @@ def plan(
     )  # fmt: skip
     return Plan(
         at=at, model=supposed, arm=arm, expected=expected, alternatives=alternatives, band=band,
-        record=need, pulse=tip, checks=answers, advice=words, temperature=room, repeats=repeats,
+        record=need, end=expected_end(supposed, bench), pulse=tip, checks=answers, advice=words,
+        temperature=room, repeats=repeats,
     )  # fmt: skip
 
 

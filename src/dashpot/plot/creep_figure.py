@@ -7,19 +7,17 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.numbers import rounded
 from dashpot.fitting.compliance import fitted_displacement
+from dashpot.plot.modulus_figure import answer_panels
 from dashpot.plot.picture import (
     FIT,
     MEASURED,
     REF,
-    Dots,
     Line,
     Panel,
     Picture,
     Rule,
     Scale,
     around,
-    around_log,
-    read_as,
     unit_of,
 )
 from dashpot.plot.stamps import of_fit
@@ -83,21 +81,7 @@ def _test(fit: Fit, data: LoadHold) -> tuple[Panel, Panel]:
 
 
 def _curve(fit: Fit, data: CreepCompliance) -> tuple[Panel, Panel]:
-    word, scale = read_as(data.unit)
-    known = data.time > 0
-    t, measured = data.time[known], scale * data.compliance[known]
-    dense = np.geomspace(t[0], t[-1], 300)
-    curve = scale * fit.solid.creep(dense)
-    left = 100 * (measured / (scale * fit.solid.creep(t)) - 1)
-    across = Scale("time since the step, s", (float(t[0]), float(t[-1])), log=True)
-    upper = Panel(
-        across, Scale(f"creep compliance, {word}", around_log(measured, curve), log=True),
-        (Dots(t, measured, "measured", "measured"), Line(dense, curve, FIT, "fit")),
-        height=240,
+    return answer_panels(
+        data.time, data.compliance, answer=fit.solid.creep, unit=data.unit,
+        name="creep compliance", axis="time since the step, s",
     )  # fmt: skip
-    lower = Panel(
-        across, Scale("residual, %", around(left, np.zeros(1), margin=0.1)),
-        (Rule(0.0, REF, across=True), Dots(t, left, "fit")),
-        height=90, note=f"rms {rounded(float(np.sqrt(np.mean(left**2))))} %",
-    )  # fmt: skip
-    return upper, lower

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
+from dashpot.base.arrays import FloatArray
 from dashpot.base.numbers import rounded
 from dashpot.plot.picture import (
     FIT,
@@ -36,16 +39,33 @@ def modulus(fit: Fit, data: RelaxationModulus, *, stamp: str = "") -> Picture:
     stamp : str
         What the figure says of its origin; by default the fit's files, specimen and date.
     """
-    word, scale = read_as(data.unit)
-    known = data.time > 0
-    t, measured = data.time[known], scale * data.modulus[known]
+    panels = answer_panels(
+        data.time, data.modulus, answer=fit.solid.relaxation, unit=data.unit,
+        name="relaxation modulus", axis=TIME,
+    )  # fmt: skip
+    caption = "Relaxation modulus: measured, the fit to it, and what that leaves."
+    return Picture("modulus", caption, (panels,), 1, stamp or of_fit(fit))
+
+
+def answer_panels(
+    time: FloatArray,
+    values: FloatArray,
+    *,
+    answer: Callable[[FloatArray], FloatArray],
+    unit: str,
+    name: str,
+    axis: str,
+) -> tuple[Panel, Panel]:
+    """The answer to a step over log time with that of a solid, and the residual in per cent."""
+    word, scale = read_as(unit)
+    known = time > 0
+    t, measured = time[known], scale * values[known]
     dense = np.geomspace(t[0], t[-1], 300)
-    curve = scale * fit.solid.relaxation(dense)
-    left = 100 * (measured / (scale * fit.solid.relaxation(t)) - 1)
-    across = Scale(TIME, (float(t[0]), float(t[-1])), log=True)
-    up = Scale(f"relaxation modulus, {word}", around_log(measured, curve), log=True)
+    curve = scale * answer(dense)
+    left = 100 * (measured / (scale * answer(t)) - 1)
+    across = Scale(axis, (float(t[0]), float(t[-1])), log=True)
     upper = Panel(
-        across, up,
+        across, Scale(f"{name}, {word}", around_log(measured, curve), log=True),
         (Dots(t, measured, "measured", "measured"), Line(dense, curve, FIT, "fit")),
         height=240,
     )  # fmt: skip
@@ -54,5 +74,4 @@ def modulus(fit: Fit, data: RelaxationModulus, *, stamp: str = "") -> Picture:
         (Rule(0.0, REF, across=True), Dots(t, left, "fit")),
         height=90, note=f"rms {rounded(float(np.sqrt(np.mean(left**2))))} %",
     )  # fmt: skip
-    caption = "Relaxation modulus: measured, the fit to it, and what that leaves."
-    return Picture("modulus", caption, ((upper, lower),), 1, stamp or of_fit(fit))
+    return upper, lower

@@ -37,8 +37,12 @@ LOST, ALIKE = 0.06, 2.0
 BENT_BY_COUNTS, BENT_BY_NOISE = 0.11, 3 * 6**0.5 / 8
 # equal neighbours so much closer than the depth are arithmetic, not counts
 LEAST_COUNT = 1e-6
+# second difference, in counts, from which a quarter of it is more than half a count
+SHARP = 2.0
 # a reading that returns within half as many samples has flickered
 FLICKER = 7
+# and by less than so many counts
+MOST_FLICKER = 1.5
 # exchanges that bring the median of so many to the middle
 TO_MEDIAN = (
     (0, 5), (0, 3), (1, 6), (2, 4), (0, 1), (3, 5), (2, 6), (2, 3), (3, 6), (4, 5), (1, 4), (1, 3),
@@ -128,7 +132,7 @@ def _freed(test: RampHold, time: FloatArray, x: FloatArray) -> tuple[FloatArray,
     """A reading freed of counts and noise, and the sd of what may be left of them."""
     step, noise = test.encoder_step, test.displacement_noise
     if step > LEAST_COUNT * test.depth:
-        read, _ = denoised(between_counts(time, x), SCATTER_OF_A_COUNT * step)
+        read, _ = denoised(between_counts(time, x, step), SCATTER_OF_A_COUNT * step)
         return read, _left_of_counts(time, x, step)
     if noise == 0:
         return x, np.zeros(len(x))
@@ -137,15 +141,15 @@ def _freed(test: RampHold, time: FloatArray, x: FloatArray) -> tuple[FloatArray,
     return read, np.where(sd > NARROW * noise, noise, 0.0)
 
 
-def between_counts(time: FloatArray, displacement: FloatArray) -> FloatArray:
-    """Return a quantised displacement as the motion that it samples, shape (n,).
+def between_counts(time: FloatArray, displacement: FloatArray, count: float) -> FloatArray:
+    """Return a displacement in counts, m, as the motion that it samples, shape (n,).
 
     Where a reading changes, the true position is half way between both counts, so a straight
     line from change to change is much nearer to the truth than the staircase. On a reading that
     stays far longer than its neighbours, the reading itself is the better guess
     (:func:`rests`). A reading that changes and returns at once has flickered.
     """
-    displacement = _without_flicker(displacement)
+    displacement = _without_flicker(displacement, count)
     change = np.flatnonzero(np.diff(displacement))
     if len(change) < 2:
         return displacement
@@ -163,7 +167,12 @@ def between_counts(time: FloatArray, displacement: FloatArray) -> FloatArray:
     order = np.argsort(knots, kind="stable")
     knots, values = knots[order], values[order]
     found = np.interp(time, knots, values, left=displacement[0], right=displacement[-1])
-    return _unflattened(time, found, change)
+    found = _unflattened(time, found, change)
+    # a line from half way to half way flattens a bend by a quarter: where that is more than what
+    # a reading is off, it is the better guess
+    bent = np.zeros(len(found), dtype=bool)
+    bent[1:-1] = np.abs(np.diff(displacement, 2)) > SHARP * count
+    return np.where(bent, displacement, found)
 
 
 def _unflattened(time: FloatArray, x: FloatArray, change: IndexArray) -> FloatArray:
@@ -180,12 +189,14 @@ def _unflattened(time: FloatArray, x: FloatArray, change: IndexArray) -> FloatAr
     return np.where(every, 2 * x - half_way, x)
 
 
-def rests(time: FloatArray, displacement: FloatArray) -> tuple[tuple[float, float], ...]:
-    """Begin and end, s, of every reading that stays far longer than its neighbours.
+def rests(
+    time: FloatArray, displacement: FloatArray, count: float
+) -> tuple[tuple[float, float], ...]:
+    """Begin and end, s, of every reading in counts, m, that stays far longer than its neighbours.
 
     The first begins at minus infinity and the last ends at infinity.
     """
-    change = np.flatnonzero(np.diff(_without_flicker(displacement)))
+    change = np.flatnonzero(np.diff(_without_flicker(displacement, count)))
     if len(change) < 2:
         return ((-np.inf, np.inf),)
     start, stop, before, after = _stays(0.5 * (time[change] + time[change + 1]))
@@ -204,7 +215,7 @@ def _left_of_counts(time: FloatArray, displacement: FloatArray, step: float) -> 
     or within the beat of counts with samples, share their error. So weighed, the limits of 40
     seals at two temperatures, 500 Hz and counts of 20 um hold the truth in 95 to 97 %.
     """
-    change = np.flatnonzero(np.diff(_without_flicker(displacement)))
+    change = np.flatnonzero(np.diff(_without_flicker(displacement, step)))
     if len(change) < 2:
         return np.zeros(len(time))
     start, stop, before, after = _stays(0.5 * (time[change] + time[change + 1]))
@@ -231,13 +242,17 @@ def _stays(at: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArr
     return start, stop, before, after
 
 
-def _without_flicker(values: FloatArray) -> FloatArray:
-    """Running median of 7 samples: leaves a rising staircase as it is, flickers not."""
+def _without_flicker(values: FloatArray, count: float) -> FloatArray:
+    """Running median of 7 samples where it is off by a count: a swing turns by more of them.
+
+    It leaves a rising staircase as it is.
+    """
     padded = np.pad(values, FLICKER // 2, mode="edge")
     ranked = list(np.lib.stride_tricks.sliding_window_view(padded, FLICKER).T)
     for i, j in TO_MEDIAN:
         ranked[i], ranked[j] = np.minimum(ranked[i], ranked[j]), np.maximum(ranked[i], ranked[j])
-    return np.asarray(ranked[FLICKER // 2])
+    middle = ranked[FLICKER // 2]
+    return np.where(np.abs(middle - values) < MOST_FLICKER * count, middle, values)
 
 
 def denoised(values: FloatArray, noise: float) -> tuple[FloatArray, FloatArray]:

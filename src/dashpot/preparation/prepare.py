@@ -114,7 +114,9 @@ def prepare(
     record = _without_hum(_record(test, x, force, motion, touch, times=times, count=count))
     rise = _risen(record, before, where)
     preload = _preload(record, before, touch, rise)
-    record = _on_the_machine(record, preload, machine or Machine())
+    machine = machine or Machine()
+    machine.heeds("sync", "drift", "compliance", "creep", "force_filter", of="a ramp and hold")
+    record = _on_the_machine(record, preload, machine)
     checks.refuse_unresolved(where, rise, test.force)
     checks.refuse_saturated(where, record)
     answers = (

@@ -1,4 +1,4 @@
-"""The machine that a relaxation test was made on, as far as its user knows it."""
+"""The machine, or the oven, that a test was made in, as far as its user knows it."""
 
 from __future__ import annotations
 
@@ -9,11 +9,14 @@ from types import MappingProxyType
 from typing import NamedTuple
 
 from dashpot.base.demands import not_negative, picked, positive
-from dashpot.base.options import option
+from dashpot.base.errors import DataError
+from dashpot.base.options import key_of, offered, option
 from dashpot.base.units import si_fields
 
 # a baseline tells the drift where it leaves less than this part of what is usual
 _TOLD = 0.7
+# K: an error larger than that of any oven is a temperature in degC
+_WORST_OVEN = 30.0
 
 
 class Usual(NamedTuple):
@@ -92,6 +95,8 @@ class Machine:
         m, where no reading shows it.
     force_filter : float or None
         Cut-off of a first-order low-pass in the force channel, Hz.
+    oven : float or None
+        Standard deviation of the temperature of an oven from what it says, K.
 
     Examples
     --------
@@ -119,6 +124,24 @@ class Machine:
         unit="frequency",
         under="machine",
     )
+
+    oven: float | None = option(
+        None, "Error of an oven's temperature, e.g. 1K.", unit="temperature", under="machine"
+    )
+
+    def heeds(self, *names: str, of: str) -> None:
+        """Refuse what is said of the machine and a test of another kind does not heed.
+
+        Raises
+        ------
+        DataError
+        """
+        for one in offered(self):
+            if getattr(self, one.name) is not None and one.name not in names:
+                raise DataError(
+                    f"--machine {key_of(one)}= does not suit {of}. Leave it out; it takes "
+                    f"{', '.join(names)}"
+                )
 
     def delay_sd(self, sample: float) -> float:
         """Standard deviation of the delay of the force, s, for samples so far apart, s."""
@@ -182,3 +205,8 @@ class Machine:
         known = picked(self, "sync", "drift", "compliance", "creep")
         not_negative("machine ", **known, expected="a number >= 0 in SI units", optional=True)
         positive("machine ", force_filter=self.force_filter, unit=" Hz", optional=True)
+        if self.oven is not None and not 0 <= self.oven <= _WORST_OVEN:
+            raise DataError(
+                f"machine oven = {self.oven:g} K; expected an error of 0 to {_WORST_OVEN:g} K. "
+                "Write it in K: --machine oven=1K"
+            )

@@ -35,7 +35,7 @@ def sentences(study: Study, found: Recommendation) -> tuple[str, ...]:
     """What the tests say, one thought a sentence, below the verdict."""
     return tuple(
         readable(sentence)
-        for sentence in (_solid(found), _resting(study), _hammer(study), _joint(study))
+        for sentence in (_solid(found), _end(found), _resting(study), _hammer(study), _joint(study))
         if sentence
     )
 
@@ -50,6 +50,12 @@ def _solid(found: Recommendation) -> str:
         f"One seal behaves as a spring of {shown(fit.model.k_inf, 'N/mm')} with {arms}. At once it "
         f"has {shown(fit.model.k_0, 'N/mm')}. The valid band of {tests} is {hertz(fit.band)}."
     )
+
+
+def _end(found: Recommendation) -> str:
+    """What naming the machine would give, if that is much."""
+    end = found.solid.end_of_hold
+    return "" if end is None else end.naming
 
 
 def _resting(study: Study) -> str:

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from dashpot.base.units import in_unit
 from dashpot.told.layout import Text, table
-from dashpot.workflow.paper.reproduced import Coefficient, Reproduced, Statement
+
+if TYPE_CHECKING:
+    from dashpot.workflow.paper.reproduced import Coefficient, Reproduced, Statement
 
 
 def reproduced(found: Reproduced) -> Text:

@@ -360,18 +360,13 @@ def _joint(
 ) -> Fit:
     (block,) = mass if isinstance(mass, list | tuple) else (mass,)
     kilograms, hertz = si(block, "mass"), si_range(band, "frequency")
-    fits = [one for one in records if isinstance(one, Fit)]
-    tests = [one for one in records if kind_of(one) in BENCH]
-    if len(fits) > 1 or (fits and tests):
-        raise FitError("tests are fitted together, or one fit with vibration: leave the fit out")
+    tests = [prepared(one, machine) for one in records if kind_of(one) in BENCH]
     struck = [one for one in records if isinstance(one, _VIBRATION)]
     frf = frf_of(struck, mass=kilograms, band=hertz, hammer=hammer)
-    said: dict[str, Any] = {"known": known, "rig": rig}
-    said = {name: one for name, one in said.items() if one is not None}
     found = identified(
         frf,
-        tests=[prepared(one, machine) for one in tests],
-        fit=fits[0] if fits else None,
+        tests=tests,
+        fits=[one for one in records if isinstance(one, Fit)],
         mass=kilograms,
         seal_mass=si(seal_mass, "mass"),
         seals=seals,
@@ -381,7 +376,8 @@ def _joint(
         hammer=hammer,
         arms=arms,
         family=model,
-        **said,
+        known=known or KnownSolid(),
+        rig=rig or HammerRig(),
     )
     return replace(found.fit, evidence=replace(found.fit.evidence, checks=found.checks))
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypedDict, TypeVar, Unpack, overload
 
@@ -75,6 +75,10 @@ class How(TypedDict, total=False):
 
 _INDENTER = ("mass", "radius", "drop_height", "impact_velocity")
 _TEXT = {"skip": "skip_rows"}
+_TAKEN: Mapping[str, Callable[[Any], Any]] = {
+    "units": dict, "axis": str, "calibration": str, "rate": lambda rate: si(rate, "frequency"),
+}  # fmt: skip
+"""What is said under the names that the reading options have, and what they take of it."""
 
 
 @overload
@@ -169,28 +173,25 @@ def _options(how: Mapping[str, Any], kind: str | None) -> ReadOptions:
         raise DataError(
             f"{unknown[0]}= says nothing of a file. Known are {', '.join(How.__annotations__)}"
         )
-    columns: dict[str, Any] = {}
-    for role, column in (how.get("columns") or {}).items():
-        several = not isinstance(column, str | int)
-        columns[role] = tuple(map(str, column)) if several else str(column)
-    if isinstance(columns.get("acceleration"), str):
-        columns["acceleration"] = (columns["acceleration"],)
+    columns = {role: _column(role, one) for role, one in (how.get("columns") or {}).items()}
     stated: dict[str, Any] = {**columns, **(how.get("part") or {})}
     stated |= {_TEXT.get(name, name): value for name, value in (how.get("text") or {}).items()}
-    stated |= {name: how[name] for name in ("units", "axis") if name in how}
-    if "calibration" in how:
-        stated["calibration"] = str(how["calibration"])
-    if "rate" in how:
-        stated["rate"] = si(how["rate"], "frequency")
-    if kind is not None:
-        stated["kind"] = kind
-    try:
-        options = ReadOptions(**stated)
-    except TypeError:
-        known = ", ".join(ReadOptions.__dataclass_fields__)
-        strange = next(name for name in stated if name not in ReadOptions.__dataclass_fields__)
-        raise DataError(f"'{strange}' is no role and no key of a file. Known are {known}") from None
+    stated |= {name: taken(how[name]) for name, taken in _TAKEN.items() if name in how}
+    known = ReadOptions.__dataclass_fields__
+    strange = next((name for name in stated if name not in known), None)
+    if strange is not None:
+        raise DataError(
+            f"'{strange}' is no role and no key of a file. Known are {', '.join(known)}"
+        )
+    options = ReadOptions(**stated | {"kind": kind})
     return options.over(load_profile(how["profile"])) if "profile" in how else options
+
+
+def _column(role: str, said: Any) -> str | tuple[str, ...]:
+    """The name or number of a role's column as text; of accelerations there may be several."""
+    if not isinstance(said, str | int):
+        return tuple(map(str, said))
+    return (str(said),) if role == "acceleration" else str(said)
 
 
 def _record(path: Place, kind: str, options: ReadOptions, how: Mapping[str, Any]) -> Any:

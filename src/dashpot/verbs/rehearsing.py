@@ -174,37 +174,41 @@ def simulate(
     """
     from dashpot import simulation
 
-    solid, law, mass = _known(seal)
-    makers: dict[str, tuple[Any, Any, dict[str, str]]] = {
-        "relaxation": (simulation.simulate_relaxation, simulation.Rig, _TIMES | {"depth": "depth"}),
-        "creep": (simulation.simulate_creep, simulation.Rig, _TIMES | {"load": "load"}),
-        "impact": (simulation.simulate_impact, simulation.Hammer, _HITS),
-    }  # fmt: skip
-    if what not in makers:
-        raise DataError(f"'{what}' is not simulated; expected one of {', '.join(makers)}")
-    maker, instrument, words = makers[what]
-    strange = sorted(how.keys() - words.keys() - {"hit_length"})
-    if strange or ("hit_length" in how and what != "impact"):
-        name = (strange or ["hit_length"])[0]
-        raise DataError(f"{name}= is not of a test of {what}. It takes {', '.join(words)}")
-    given = {words[name]: value for name, value in how.items() if name in words}
+    if what not in _TESTS:
+        raise DataError(f"'{what}' is not simulated; expected one of {', '.join(_TESTS)}")
+    instrument, words = _TESTS[what]
+    strange = sorted(how.keys() - words.keys())
+    if strange:
+        raise DataError(f"{strange[0]}= is not of a test of {what}. It takes {', '.join(words)}")
+    solid, law, block = _known(seal)
+    given = {words[name]: value for name, value in how.items()}
     if what == "impact":
-        given.setdefault("mass", mass)
-        given.setdefault("seals", 2.0)
+        given = {"mass": block, "seals": 2.0} | given
         if given["mass"] is None:
             raise DataError('the mass under the hammer is not known for this seal: mass="104g"')
         given["mass"] = si(given["mass"], "mass")
-    rig: Any = instrument().noise_free() if noise_free else instrument()
-    stated = {"rate": si(rate, "frequency"), "record": si(how.get("hit_length"), "time")}
-    rig = replace(rig, **{name: one for name, one in stated.items() if one is not None})
+    rig: Any = getattr(simulation, instrument)()
+    stated = {"rate": si(rate, "frequency"), "record": si(given.pop("record", None), "time")}
+    rig = replace(
+        rig.noise_free() if noise_free else rig,
+        **{name: one for name, one in stated.items() if one is not None},
+    )
     climate = None
     if temperature is not None:
         climate = simulation.Climate(si(temperature, "temperature"), law)
-    return maker(solid, rig=rig, seed=seed, climate=climate, **given).test
+    made = getattr(simulation, f"simulate_{what}")
+    return made(solid, rig=rig, seed=seed, climate=climate, **given).test
 
 
 _TIMES = {"ramp": "ramp_time", "hold": "hold_time"}
-_HITS = {"mass": "mass", "seals": "seals", "hits": "hits"}
+_TESTS: dict[str, tuple[str, dict[str, str]]] = {
+    "relaxation": ("Rig", {"depth": "depth", **_TIMES}),
+    "creep": ("Rig", {"load": "load", **_TIMES}),
+    "impact": (
+        "Hammer", {"mass": "mass", "seals": "seals", "hits": "hits", "hit_length": "record"}
+    ),
+}  # fmt: skip
+"""What is simulated: its instrument, and the words of it as the simulation has them."""
 
 
 def _known(seal: str | Fit | Solid) -> tuple[Any, TemperatureLaw, float | None]:

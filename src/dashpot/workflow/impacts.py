@@ -306,7 +306,9 @@ class Agreement(Judged, Documented):
 
     def _circular(self) -> str:
         """What a comparison with the hits that were fitted shows."""
-        first = "In sample: the fit was made from these hits, so the agreement tests nothing."
+        off = 100 * self.comparison.frequency_error
+        says = f"The peak is off by {off:+.2g} %, which tests nothing"
+        first = f"{says}: the fit was made from these hits."
         if self.unseen is None:
             return f"{first} Compare it with other hits, or give the fitted relaxation record too."
         low, high = (100 * one for one in self.unseen.height)
@@ -412,19 +414,6 @@ def fitted_to(found: Fit, frf: FRF) -> frozenset[str]:
     return frozenset(one.sha256 for one in found.source) & {one.sha256 for one in frf.source} - {""}
 
 
-def _refuse_unmatched(
-    fits: Sequence[Fit], tests: Sequence[str | Path], temperatures: Sequence[float]
-) -> None:
-    """Refuse fits, tests and temperatures that do not go together."""
-    if len(fits) > 1 or (fits and tests):
-        raise ReadError("tests are fitted together, or one fit with vibration: leave the fit out")
-    if not tests and len(temperatures) > 1:
-        raise ReadError(
-            f"{len(temperatures)} temperatures and no relaxation test; expected one, that "
-            "of the seals under the hammer"
-        )
-
-
 class Changes(NamedTuple):
     """Of the stiffness, relative, and of the loss factor."""
 
@@ -518,7 +507,6 @@ def identify_files(
     options: ReadOptions,
     mass: float,
     band: tuple[float, float] | None = None,
-    fits: Sequence[Fit] = (),
     tests: Sequence[str | Path] = (),
     machine: Machine | None = None,
     specimen: Specimen | None = None,
@@ -533,8 +521,6 @@ def identify_files(
     ----------
     measured, tests : sequence of path
         The hammer's files, and relaxation tests to fit together with them.
-    fits : sequence of Fit
-        At most one, in place of the tests.
     machine : Machine, optional
         What is known of the machine of the tests.
     temperatures : sequence of float
@@ -548,7 +534,12 @@ def identify_files(
         As of :func:`identified`.
     """
     known_of_a_test(machine, tests=len(tests), add="a relaxation test")
-    _refuse_unmatched(fits, tests, temperatures)
+    _refuse_both(asked.get("fits", ()), tests)
+    if not tests and len(temperatures) > 1:
+        raise ReadError(
+            f"{len(temperatures)} temperatures and no relaxation test; expected one, that "
+            "of the seals under the hammer"
+        )
     _, frf = read_measured(measured, choices=hammer, options=options, mass=mass, band=band)
     prepared = prepared_files(
         tests, machine=machine, options=options_with, temperatures=temperatures
@@ -556,7 +547,7 @@ def identify_files(
     if not tests and temperatures:
         specimen = replace(specimen or Specimen(), temperature=temperatures[0])
     return identified(
-        frf, tests=prepared, fit=fits[0] if fits else None, mass=mass, band=band,
+        frf, tests=prepared, mass=mass, band=band,
         temperature=impact_temperature, specimen=specimen, hammer=hammer, **asked,
     )  # fmt: skip
 
@@ -565,7 +556,7 @@ def identified(
     frf: FRF,
     *,
     tests: Sequence[RampHold] = (),
-    fit: Fit | None = None,
+    fits: Sequence[Fit] = (),
     mass: float,
     seal_mass: float | None = None,
     seals: float = 1.0,
@@ -581,8 +572,10 @@ def identified(
     Parameters
     ----------
     frf : FRF
-    tests, fit
-        Relaxation tests to fit together with it, or their fit in their place.
+    tests : sequence of RampHold
+        Relaxation tests to fit together with it.
+    fits : sequence of Fit
+        At most one, in place of the tests.
     mass, seal_mass : float
         Of the block and of one seal, kg.
     band : (float, float), optional
@@ -600,8 +593,9 @@ def identified(
     """
     from dashpot.fitting.identification.identify import identify
 
+    _refuse_both(fits, tests)
     vibration = None
-    if not tests and fit is None:
+    if not tests and not fits:
         vibration = _vibration(frf, _modes(frf, band)[0], hammer or HammerChoices())
     total, noted = total_mass(mass, seal=seal_mass, seals=seals)
     frf = relieved(frf, total, seal_mass, seals)
@@ -611,7 +605,7 @@ def identified(
         frf,
         band=band,
         tests=tests,
-        fit=fit,
+        fit=fits[0] if fits else None,
         mass=mass,
         seals=seals,
         compression=compression,
@@ -628,6 +622,12 @@ def identified(
     found = replace(found, evidence=evidence)
     rests = at_rest(found, mass=mass, seals=seals, compression=compression)
     return Identified(found, Direct(straight), (*others, *noted), rests, vibration)
+
+
+def _refuse_both(fits: Sequence[Fit], tests: Sequence[Any]) -> None:
+    """Refuse several fits, and a fit beside the tests that it may be of."""
+    if len(fits) > 1 or (fits and tests):
+        raise ReadError("tests are fitted together, or one fit with vibration: leave the fit out")
 
 
 def _useless(frf: FRF) -> tuple[Check, ...]:

@@ -78,7 +78,12 @@ class Modes(Pictured, Documented, Sequence[Mode]):
     @property
     def verdict(self) -> Verdict:
         """What to make of the FRF and its modes."""
-        return verdict(self.frf.checks, sound=modes_told(self))
+        return verdict(self.frf.checks, sound=self.sound)
+
+    @property
+    def sound(self) -> str:
+        """The first mode and how many there are."""
+        return modes_told(self)
 
     @property
     def facts(self) -> tuple[Fact, ...]:

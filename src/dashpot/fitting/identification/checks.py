@@ -201,12 +201,14 @@ def arms_identified(arms: int, worst: float, *, significant: bool, new: int = 0)
 
     `new` of them only with the help of the hammer.
     """
-    how = f"of the {arms} arms is known (largest standard error {100 * worst:.2g} %)"
+    known = f"known (largest standard error {100 * worst:.2g} %)"
     hammer = f"; the hammer test adds {new} of them" if new > 0 else ""
     return Finding(
-        f"Every one {how}{hammer}",
+        f"Every one of the {arms} arms is {known}{hammer}",
         worst,
-        instead=f"Not every one {how}{hammer}",
+        instead=f"Not every one of the {arms} arms is {known}{hammer}"
+        if arms > 1
+        else f"The one arm is not {known}",
         remedy=Remedy("Use fewer arms, widen the band, or add a relaxation test.", "arms"),
         faulted=not significant,
     )

@@ -298,7 +298,7 @@ def _beside(cause: Cause, found: Candidate) -> str:
     value, error = _known(found, cause.beside)
     if abs(value - 1) < _OTHER * error:
         return ""
-    return f", and {_SENTENCES[cause.beside](value, error)}"
+    return f". Then {_SENTENCES[cause.beside](value, error)}"
 
 
 def _percent(value: float, error: float) -> str:

@@ -18,7 +18,7 @@ from dashpot.fitting.nuisance import delay_prior, last_of_hold, material
 from dashpot.fitting.questions import Residuals, solid_checks
 from dashpot.fitting.uncertainty.informed_band import informed_band
 from dashpot.records.bounds import EndOfHold
-from dashpot.records.estimate import ParameterEstimate
+from dashpot.records.estimate import Nuisance, ParameterEstimate
 from dashpot.records.fit import AtDepth, Evidence, Fit
 from dashpot.records.relaxation import RampHold
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -155,7 +155,18 @@ def ramp_checks(
             ],
             np.inf if end is None else end.beyond,
         ),
+        checks.clocks_agree(
+            [
+                (late.value, late.standard_error, delay_prior(test).sd)
+                for late, test in zip(_of_kind("delay", found), tests, strict=False)
+            ]
+        ),
     )
+
+
+def _of_kind(kind: str, found: RampLaw) -> list[Nuisance]:
+    """The nuisances of a kind, in the order of the tests, where they were fitted."""
+    return [one for one in found.estimate.nuisance if one.name.startswith(kind)]
 
 
 def end_stiffness(test: RampHold, rest: float) -> float:

@@ -26,9 +26,10 @@ from dashpot.engine.blocks.kernels import compact_block
 from dashpot.engine.inference.whitening import marginal
 from dashpot.fitting.design import first_sample, motion
 from dashpot.fitting.fit_data import First
-from dashpot.fitting.nuisance import Terms, kind_of, terms_of, warmed, warming
+from dashpot.fitting.nuisance import Terms, kind_of, terms_of, warmed
 from dashpot.records.relaxation import RampHold
 from dashpot.records.temperature import shifted_log_tau
+from dashpot.signals.unseen import warming
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import chain
 from types import MappingProxyType
 from typing import Literal, NamedTuple, TypeAlias, cast
@@ -16,6 +16,7 @@ from dashpot.base import units
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
 from dashpot.io.columns import vocabulary
+from dashpot.io.columns.pairs import two_signals
 from dashpot.io.columns.ratios import ratio
 from dashpot.io.columns.roles import accelerations, find_column, option_of, score
 from dashpot.io.columns.vocabulary import Role
@@ -62,7 +63,7 @@ RECOGNISED: Mapping[str, KindOfFile] = MappingProxyType({
     "impact": KindOfFile("a hammer file", "use dashpot fit", ("time", "hammer"), True),
     "frf": KindOfFile("an FRF", "use dashpot fit or dashpot compare", _RESPONSE),
     "transmissibility": KindOfFile(
-        "a transmissibility", "use dashpot compare, or dashpot fit with the mass", _RESPONSE
+        "a transmissibility", "use dashpot fit, with the mass for the solid, or compare", _RESPONSE
     ),
     "dma": KindOfFile("a dynamic (DMA) sweep", "use dashpot fit", _SWEPT),
     "master-curve": KindOfFile("a master curve of storage and loss", "use dashpot fit", _SWEPT),
@@ -105,14 +106,18 @@ class _NamedColumns:
 
     table: FileTable
     options: ReadOptions
+    known: dict[Role, float] = field(default_factory=dict)
+
+    def _best(self, role: Role) -> float:
+        """How well the likeliest column suits a role."""
+        if role not in self.known:
+            scores = (score(column, role, self.options) for column in self.table.columns)
+            self.known[role] = max(scores, default=0.0)
+        return self.known[role]
 
     def has(self, *roles: Role, least: float = 1.5) -> bool:
         """Whether each role is named by the user, or suits a column that well."""
-        return all(
-            self.names(option_of(role))
-            or any(score(column, role, self.options) >= least for column in self.table.columns)
-            for role in roles
-        )
+        return all(self.names(option_of(role)) or self._best(role) >= least for role in roles)
 
     def names(self, *fields: str) -> bool:
         """Whether the user names a column that is here in one of these fields of the options."""
@@ -179,6 +184,11 @@ class _NamedColumns:
         polar = ratio and self.has("complex_modulus") and not self.has("coherence")
         return self.has("frequency") and (parts or polar)
 
+    def paired(self, *, pushed: bool) -> bool:
+        """Whether there are two amplitudes with two phases, one of them a force or none."""
+        pair = two_signals(self.table, self.options)
+        return pair is not None and pushed == any(one.pushes for one in pair)
+
     def of_motions(self) -> bool:
         return of_motions(self.table)
 
@@ -229,6 +239,16 @@ _RULES: tuple[tuple[FileKind, str, Callable[[_NamedColumns], bool]], ...] = (
         "transmissibility",
         "it has frequency, and a motion over a motion",
         lambda s: s.response() and s.of_motions(),
+    ),
+    (
+        "transmissibility",
+        "it has frequency, and two motions, each with its phase",
+        lambda s: s.paired(pushed=False),
+    ),
+    (
+        "frf",
+        "it has frequency, and a force and a motion, each with its phase",
+        lambda s: s.paired(pushed=True),
     ),
     ("frf", "it has frequency, and a complex value", _NamedColumns.response),
     (
@@ -310,7 +330,7 @@ def kind_of(table: FileTable, options: ReadOptions) -> tuple[FileKind, str]:
         return known_kind(options.kind), "as was said"
     named = _NamedColumns(table, options)
     swept = named.swept()
-    peaks = None if swept else cycle_peaks(table)
+    peaks = None if swept or two_signals(table, options) else cycle_peaks(table)
     if peaks:
         return "not-a-test", peaks
     said = {kind for role, kinds in _OF_ROLE.items() if named.names(role) for kind in kinds}

@@ -8,6 +8,7 @@ from collections.abc import Callable
 
 from dashpot.base import units
 from dashpot.io.columns import vocabulary
+from dashpot.io.columns.factors import off_the_name
 
 _LONGEST = 500
 """Characters of a name; what is longer is cut."""
@@ -19,7 +20,6 @@ _PRIMED = re.compile(r"[A-Za-z]['\"]{1,2}")
 """A modulus as rheologists write it: its quotes are no quotes."""
 _UNIT_FIRST = re.compile(r"\A[\[(]([^\[\]()]++)[\])]\s*+([^\[\]()]++)\Z")
 _SIGNS = re.compile(r"\s*[,/:]\s*|\s+in\s+|[\s_.\-]+")
-_FACTOR = re.compile(r"[*x×·/]\s{0,3}10{1,9}\s{0,3}\^?\s{0,3}[-+]?\d{0,2}\Z|\b1[eE][-+]?\d{1,2}\Z")
 _PLAIN_TAIL = re.compile(r"\A(.*\S)(?:\s+in\s+|\s*,\s+|\s+/\s+)([^\s,:_]+)\Z")
 
 
@@ -51,8 +51,17 @@ def part_unit(name: str) -> tuple[str, str | None]:
 
 def scaled(name: str, unit: str | None) -> str | None:
     """Return the unit with the factor of a name such as ``Load x 10^3``: no unit that is known."""
-    factor = _FACTOR.search(name[:_LONGEST].strip()) if unit else None
-    return f"{factor[0]} {unit}" if factor else unit
+    factor = off_the_name(name[:_LONGEST].strip()) if unit else None
+    return f"{factor[1]} {unit}" if factor else unit
+
+
+def _factored(text: str) -> tuple[str, str] | None:
+    """``Load [N] x 1000``, whose unit then holds the factor, too."""
+    found = off_the_name(text)
+    if found is None or found[0][-1] not in "])":
+        return None
+    name, unit = part_unit(found[0])
+    return (name, f"{found[1]} {unit}") if unit else None
 
 
 def _unit_before(text: str) -> tuple[str, str] | None:
@@ -91,7 +100,7 @@ def _after_sign(text: str) -> tuple[str, str] | None:
 
 
 _SHAPES: tuple[Callable[[str], tuple[str, str | None] | None], ...] = (
-    _unit_before, _bracketed, _mangled, _after_sign,
+    _factored, _unit_before, _bracketed, _mangled, _after_sign,
 )  # fmt: skip
 """The ways to write a unit into a name, the surest first."""
 

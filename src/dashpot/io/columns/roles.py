@@ -12,8 +12,9 @@ from dashpot.base import units
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.units import Dimension, Unit
 from dashpot.io.columns import vocabulary
+from dashpot.io.columns.factors import of_multiple, parted, times
 from dashpot.io.columns.ratios import ratio
-from dashpot.io.columns.vocabulary import DIMENSION, Role
+from dashpot.io.columns.vocabulary import DIMENSION, OF_A_PART, Role
 from dashpot.io.options import ReadOptions, flag
 from dashpot.io.table import Column, FileTable, Question
 
@@ -24,11 +25,6 @@ EXAMPLE = {
     "stretch": "1", "complex_modulus": "MPa", "loss_angle": "deg",
 }  # fmt: skip
 """What a role is measured in most often."""
-_OF_A_PART: dict[Role, Dimension] = {
-    "storage": "stiffness", "loss": "stiffness", "modulus": "stiffness",
-    "creep_compliance": "compliance", "complex_modulus": "stiffness",
-}  # fmt: skip
-"""What a role of a material measures on a part."""
 _LESS = (
     (vocabulary.COMMANDED, 1.5, None),
     (vocabulary.EXTREMES, 1.0, False),
@@ -48,6 +44,8 @@ _PLACE = {
 """Where a role stands in a table that says nothing, counted from 0."""
 _ANGULAR = ("w", "omega", "ω", "angular", "kreisfrequenz")
 _SAME = 0.25
+_LISTED = 12
+"""Columns that a message names."""
 _ROUNDED = 1e-3
 """Part of their range by which columns that are written to a few digits may differ."""
 
@@ -87,7 +85,9 @@ def assign(table: FileTable, role: Role, options: ReadOptions) -> Assigned | Que
     equals = [i for value, i in suited if value > top - _SAME]
     reason = _reason(table.columns[index], role)
     if len(equals) > 1:
-        alike = listed([quoted(table.columns, i) for i in sorted(equals)])
+        named = [quoted(table.columns, i) for i in sorted(equals)[:_LISTED]]
+        more = len(equals) - len(named)
+        alike = listed([*named, f"{more} more"] if more else named)
         if not _same_numbers(table, equals, role, options):
             says = (
                 f"{alike} could each be the {_word(role)}; say which, for example "
@@ -216,7 +216,7 @@ def _fits(word: str, role: Role) -> bool | None:
 
 def _of_a_part(word: str, role: Role) -> Unit | None:
     """The unit of a part's stiffness or compliance, where the role may be one of a part."""
-    return units.find(word, _OF_A_PART[role]) if role in _OF_A_PART else None
+    return units.find(word, OF_A_PART[role]) if role in OF_A_PART else None
 
 
 def _given(column: Column, role: Role, options: ReadOptions, *, by_role: bool) -> str | None:
@@ -375,8 +375,10 @@ def unit_for(column: Column, number: int, role: Role, options: ReadOptions) -> U
         raise ReadError(
             f"{label} has no unit; {advice}, or write the unit into the header as '{header}'"
         )
+    if stated is None:
+        _refuse_factor(word, dimension, role, label)
     try:
-        sensed = sensitivity(word, dimension, column.unit)
+        sensed = sensitivity(word, dimension, column.unit) or of_multiple(word, dimension)
         return sensed or _of_a_part(word, role) or units.parse_unit(word, dimension)
     except DataError as error:
         wrong = stated is None and units.find(word) is not None
@@ -384,6 +386,21 @@ def unit_for(column: Column, number: int, role: Role, options: ReadOptions) -> U
         if " or " in word:
             text = f"{label} stands under two units, {word}: say which is right: {advice}"
         raise ReadError(text) from None
+
+
+def _refuse_factor(word: str, dimension: Dimension, role: Role, label: str) -> None:
+    """Ask what a factor beside a unit does: nobody knows if it is applied to the numbers."""
+    found = parted(word)
+    unit = found and (units.find(found[1], dimension) or _of_a_part(found[1], role))
+    if not found or not unit or sensitivity(word, dimension, None):
+        return
+    factor, plain = found[0], unit.word
+    more, less = times(unit, factor), times(unit, 1 / factor)
+    raise ReadError(
+        f"{label} stands under '{word}', a factor and a unit: if its numbers are {plain} as they "
+        f'stand, add --units "{role}={plain}"; if {factor:g} times each is, --units '
+        f'"{role}={more}"; if they are {factor:g} times too large already, --units "{role}={less}"'
+    )
 
 
 def unit_said(column: Column, role: Role, options: ReadOptions) -> str | None:
@@ -468,9 +485,10 @@ def handle(columns: Sequence[Column], index: int) -> str:
 
 def list_columns(columns: Sequence[Column]) -> str:
     """All columns with their numbers, for a message."""
+    filled = [i for i, c in enumerate(columns) if c.content != "blank"]
     shown = [
-        f"{i + 1} {quoted(columns, i) if c.name else '(no name)'}"
-        for i, c in enumerate(columns)
-        if c.content != "blank"
+        f"{i + 1} {quoted(columns, i) if columns[i].name else '(no name)'}"
+        for i in filled[:_LISTED]
     ]
-    return ", ".join(shown[:12]) + (f" and {len(shown) - 12} more" if len(shown) > 12 else "")
+    more = len(filled) - len(shown)
+    return ", ".join(shown) + (f" and {more} more" if more else "")

@@ -6,6 +6,7 @@ import re
 import unicodedata
 from collections.abc import Iterator
 from functools import lru_cache
+from itertools import pairwise
 from types import MappingProxyType
 from typing import Literal, TypeAlias
 
@@ -27,6 +28,11 @@ DIMENSION: MappingProxyType[str, Dimension] = MappingProxyType({
     "loss_angle": "angle",
 })  # fmt: skip
 """The dimension of the unit that a role has."""
+OF_A_PART: MappingProxyType[str, Dimension] = MappingProxyType({
+    "storage": "stiffness", "loss": "stiffness", "modulus": "stiffness",
+    "creep_compliance": "compliance", "complex_modulus": "stiffness",
+})  # fmt: skip
+"""What a role of a material measures on a part."""
 
 # Names that say exactly this; German and other compounds are met as parts of a word.
 _FIRST: dict[Role, str] = {
@@ -49,11 +55,11 @@ _FIRST: dict[Role, str] = {
         frequenza frequência frequentie frekans taajuus frekvence frekvencia частота 频率 頻率
         周波数 주파수 omega ω kreisfrequenz""",
     "storage": """storage speichermodul e' g' e_stor e_storage g_stor g_storage k' storagemodulus
-        zachowawczy conservation m' 储能模量 貯蔵弾性率 estor gstor""",
+        zachowawczy conservation m' 储能模量 貯蔵弾性率 estor gstor elastic_component""",
     "loss": """verlustmodul e'' g'' e" g" e_loss g_loss k'' k" m'' m" lossmodulus stratności perte
-        损耗模量 損失弾性率 eloss gloss""",
+        损耗模量 損失弾性率 eloss gloss viscous_component""",
     "loss_factor": """tan_delta tandelta tanδ tan_d tand tan_δ verlustfaktor loss_factor
-        lossfactor 损耗因子 tan(delta) tan(d)""",
+        lossfactor loss_tangent 损耗因子 tan(delta) tan(d)""",
     "loss_angle": """loss_angle lossangle phase_angle phase_lag phase phasenwinkel verlustwinkel
         delta δ""",
     "temperature": """temperature temp temperatur temperatura température sıcaklık lämpötila teplota
@@ -100,8 +106,8 @@ _SECOND: dict[Role, str] = {
     "modulus": "g(t) e(t) g e",
 }  # fmt: skip
 COMMANDED = (
-    "soll", "sollwert", "command", "commanded", "cmd", "setpoint", "target", "demand", "zadana",
-    "zadane", "consigne", "nominal", "reference", "ref", "设定", "目标", "hedef",
+    "set", "soll", "sollwert", "command", "commanded", "cmd", "setpoint", "target", "demand",
+    "zadana", "zadane", "consigne", "nominal", "reference", "ref", "设定", "目标", "hedef",
 )  # fmt: skip
 """Words for what was asked of the machine, not what it did."""
 DERIVED = (
@@ -131,6 +137,12 @@ OF_REST = (
     "nominal", "engineering", "eng", "technical", "technische", "nenn", "nennspannung", "piola",
 )  # fmt: skip
 """Words for a stress on the area at rest, or a strain over the length at rest."""
+OF_BASE = (
+    "base", "basis", "table", "tisch", "shaker", "input", "excitation", "erreger", "erregung",
+    "anregung", "fußpunkt", "fundament", "ground", "floor", "boden", "podstawa", "stół",
+    "reference", "control", "drive",
+)  # fmt: skip
+"""Words for what is shaken, of two that move."""
 WHOLE_TIME = ("run",)
 """Clocks of all that an instrument did, before this record too."""
 _ORDERS = ("dmy", "mdy", "ymd", "hms", "hm", "ms")
@@ -256,6 +268,9 @@ def matches(name: str) -> MappingProxyType[Role, float]:
         for spelling in {word, bare(word)}:
             for role, value in _roles(spelling):
                 scores[role] = max(value - less, scores.get(role, 0.0))
+    for phrase in map("_".join, pairwise(found)):  # "tan delta 2"
+        for role in FIRST.get(bare(phrase), ()):
+            scores[role] = 3.0
     if "force" in scores:
         scores["hammer"] = scores["force"]
     if says_size(name):

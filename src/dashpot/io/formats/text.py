@@ -38,7 +38,7 @@ def read(raw: Raw, options: ReadOptions) -> FileTable:
         lines, whole = _lines(raw, encoding, size, found=options.encoding is None)
         lines = [*[""] * min(options.skip_rows, len(lines)), *lines[options.skip_rows :]]
         dialect = find_dialect(lines, delimiter=options.delimiter, decimal=options.decimal)
-        if dialect is not None or whole:
+        if whole or (dialect is not None and len(lines) - dialect.first >= _STEADY):
             break
     if dialect is None:
         raise ReadError(_no_table(lines, options))
@@ -58,7 +58,7 @@ def _lines(raw: Raw, encoding: str, size: int, *, found: bool) -> tuple[list[str
         )
     if not whole:  # an incremental decoder waits for the rest of a character cut in two
         text = "".join(_partial(head, encoding, found=found))
-        return text.split("\n")[:-1], False
+        return text.split("\n")[:-2], False  # the last line is cut
     text = "".join(decoded([head], encoding, found=found))
     return text.removesuffix("\n").split("\n"), True
 
@@ -81,7 +81,7 @@ def _table(
     above = lines[: dialect.first]
     header = [line for line in above if line.strip()]
     found = read_header(above, dialect)
-    notes = [found.misfit] if found.misfit else []
+    notes = list(filter(None, (found.misfit, found.uneven)))
     remarks, doubts = _rows_above(above, dialect)
     notes += [*remarks, *_factors(header), *_odd_first_row(lines[dialect.first :], dialect)]
     if dialect.mark == ".,":

@@ -10,7 +10,7 @@ from dashpot.base.units import in_unit
 
 LEAST_TRAVEL = SIZES["travel"].soft[0]
 LEAST_FORCE = SIZES["force"].soft[0]
-LEAST_STRAIN = 0.01
+LEAST_STRAIN = 0.05
 MOST_STRESS_FACTOR = 1e4
 
 _SMALLER = {

@@ -17,6 +17,10 @@ _FULL = 0.98
 """Part of the travel at which a ramp counts as over; what is left of it, as begun."""
 _LOUD = 0.1
 """Part of its peak beyond which a signal is not at rest."""
+_LEAP, _BESIDE = 10.0, 5
+"""How much longer than the usual of so many steps on either side one is a leap of the clock."""
+_LOOKED_AT, _TOLD = 1000, 3
+"""Steps that are looked at for one, and leaps that are told one by one."""
 _FEW = 1e-3
 """Share of repeated time stamps that may be dropped."""
 
@@ -163,26 +167,52 @@ def drop_repeats(time: FloatArray, loaded: Loaded) -> tuple[BoolArray, list[str]
 
 
 def clock_notes(time: FloatArray) -> list[str]:
-    """Say if the sampling is so fast or slow that the unit of time may be wrong."""
+    """Say where the clock leaps, and if the unit of time may be wrong, so fast or slow it is."""
     steps = np.diff(time)
     step = median(steps) if len(time) > 1 else 0.0
     if step <= 0:
         return []
-    rate = 1 / step
+    rate, leaps = 1 / step, _leaps(time, steps)
     if len(steps) > 1 and steps[-1] / _LAST > steps[:-1].max():
         says = (
             f"the last row stands {steps[-1]:.6g} s behind the one before it, further than any "
             f"other (up to {steps[:-1].max():.6g} s): does it belong to the record?"
         )
-        return [says]
-    if 1 <= rate <= 1e6:
-        return []
+        return [*leaps, says]
+    if leaps or 1 <= rate <= 1e6:
+        return leaps
     unit = "milliseconds or minutes read as seconds" if rate > 1e6 else "these milliseconds"
     says = (
         f"sampled at {rate:.3g} Hz, if the unit of time is right: are {unit}? "
         'Say it with --units "time=ms"'
     )
     return [says]
+
+
+def _leaps(time: FloatArray, steps: FloatArray) -> list[str]:
+    """Say where the clock goes on by far more than on either side: a jump, or an interruption."""
+    if len(steps) < 2 * _BESIDE or not steps.max() > _LEAP * steps.min():
+        return []
+    inner = steps[1:-1]
+    least = _LEAP * np.minimum(steps[:-2], steps[2:])
+    found = [
+        (i, beside)
+        for i in (np.flatnonzero(inner > least) + 1)[:_LOOKED_AT].tolist()
+        if steps[i] > _LEAP * (beside := _usual_beside(steps, i))
+    ]
+    notes = [
+        f"the clock goes on by {steps[i]:.6g} s at t = {time[i]:.6g} s, where its steps are "
+        f"{beside:.3g} s: it jumped, or the record was interrupted"
+        for i, beside in found[:_TOLD]
+    ]
+    more = len(found) - len(notes)
+    return [*notes, f"the clock does so at {more} more places"] if more else notes
+
+
+def _usual_beside(steps: FloatArray, i: int) -> float:
+    """The larger of the usual steps before and after one, s."""
+    before, after = steps[max(i - _BESIDE, 0) : i], steps[i + 1 : i + 1 + _BESIDE]
+    return max(median(before), median(after))
 
 
 def swapped(displacement: FloatArray, force: FloatArray) -> bool:

@@ -19,7 +19,7 @@ from dashpot.io.readers import channels, checks
 from dashpot.io.readers.channels import Channel, Opened
 from dashpot.io.readers.modulus import over_time
 from dashpot.io.readers.relaxation import recorded
-from dashpot.io.readers.stated import recorded_temperature, stated_specimen
+from dashpot.io.readers.stated import stated_specimen
 from dashpot.records.creep import CreepCompliance, CreepTest
 from dashpot.records.specimen import Specimen
 
@@ -29,6 +29,7 @@ _PART: tuple[Role, ...] = ("time", "displacement", "force")
 # a name that says it and a unit that fits; a gap under an axial force is no such pair
 _SURELY = 3.0
 _LIKELY = 2.5
+_NAMED = 1.5
 
 
 def read_creep(
@@ -67,13 +68,13 @@ def creep_in(file: Opened, specimen: Specimen) -> CreepTest | CreepCompliance:
     wanted = roles(file)
     named = ["displacement", "force", "stress", "strain", "creep_compliance"]
     likely: list[FileKind] = ["creep", "relaxation", "cld"]
-    if wanted is _MATERIAL and (file.options.rate or file.column("time")):
+    if wanted is _MATERIAL and (file.options.rate or _suits(file, "time", _NAMED)):
         likely.append("stress-strain")  # what moves in it tells
     channels.expect(file, likely, "a creep test is", named=named)
     if wanted is _CURVE:
         return _curve(file, *stated_specimen(file, specimen))
     chosen = channels.choose(file, channels.timed(file, *wanted[1:]))
-    specimen, said = stated_specimen(file, specimen, recorded_temperature(file, chosen))
+    specimen, said = stated_specimen(file, specimen, chosen)
 
     def source(notes: list[str]) -> Source:
         return channels.source(file, [one.says for one in chosen], [*notes, *said])

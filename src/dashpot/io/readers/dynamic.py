@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray
+from dashpot.base.arrays import FloatArray, median
 from dashpot.base.errors import ReadError
 from dashpot.base.units import si_unit
 from dashpot.io.columns import vocabulary
-from dashpot.io.columns.kinds import kind_of
-from dashpot.io.columns.roles import Assigned, assign, handle, quoted
+from dashpot.io.columns.kinds import amplitude_named, kind_of
+from dashpot.io.columns.roles import Assigned, assign, handle, list_columns, quoted
 from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers import channels
@@ -24,8 +25,13 @@ from dashpot.records.dynamic import DynamicTest
 from dashpot.records.specimen import Specimen
 
 _ROLES: tuple[Role, ...] = ("frequency", "storage", "loss")
+_AMPLITUDES: tuple[Role, ...] = ("strain", "displacement")
 NAMED = ("storage", "magnitude")
 """Options that say that a file is a sweep."""
+_ROUNDED = 1.05
+"""What a loss factor may be of loss over storage, for the digits printed and the harmonics."""
+_FAR = 1.5
+"""What it may be before it is asked which of them is right."""
 
 
 def read_dynamic(
@@ -90,8 +96,42 @@ def sweep_columns(file: Opened) -> tuple[list[Assigned], int | None]:
     _told_apart(file, columns)
     ratio = next((one.index for one in columns if one.role == "loss_factor"), None)
     columns = [one for one in columns if one.role != "loss_factor"]
-    temperature = file.column("temperature")
+    temperature = file.one_column("temperature")
     return [*columns, temperature] if temperature else columns, ratio
+
+
+def swept(file: Opened) -> tuple[Loaded, dict[Role, FloatArray], str, list[str]]:
+    """Return what a sweep holds, as :func:`parts_of`.
+
+    Raises
+    ------
+    ReadError
+        With what the file leaves open.
+    """
+    wanted, ratio = sweep_columns(file)
+    return parts_of(file, channels.with_units(file, wanted), ratio)
+
+
+def amplitude_column(file: Opened) -> Assigned:
+    """Return the column of the amplitude of a sweep: of strain, else of displacement.
+
+    Raises
+    ------
+    ReadError
+        If there is none, or several could be it.
+    """
+    named = amplitude_named(file.table, file.options)
+    for role in _AMPLITUDES:
+        found = assign(file.table, role, named)
+        if isinstance(found, Assigned):
+            return found
+        if found.choices:
+            raise ReadError(found.says)
+    raise ReadError(
+        "no column of strain or displacement amplitude was found; name it with "
+        "--column strain=NAME or displacement=NAME; the columns are "
+        f"{list_columns(file.table.columns)}"
+    )
 
 
 def _parts(file: Opened) -> dict[Role, Assigned | Question]:
@@ -101,11 +141,13 @@ def _parts(file: Opened) -> dict[Role, Assigned | Question]:
     other = _in_place_of_loss(file)
     size = file.column("complex_modulus")
     size = None if options.storage else size
-    apart = _both(found)
+    apart = _both(found) and not options.loss_factor
     if options.loss or apart or other is None:
         if size and not apart:
             _no_size_alone(file, table.columns[size.index].name)
         return found
+    if isinstance(other, Question):
+        return {**found, "loss": other, "storage": size or found["storage"]}
     del found["loss"]
     found[other.role] = other
     if size and _is_size(file, size, found):
@@ -140,11 +182,19 @@ def _both(found: Mapping[Role, Assigned | Question]) -> bool:
     return len(at) == len(pair)
 
 
-def _in_place_of_loss(file: Opened) -> Assigned | None:
-    """The column of the loss factor, or else of the loss angle, whose name may be given."""
-    factor, angle = file.column("loss_factor"), file.column("loss_angle")
-    said = file.options.phase and not file.options.loss_factor
-    return angle if factor is None or said else factor
+def _in_place_of_loss(file: Opened) -> Assigned | Question | None:
+    """The column of the loss factor, or else of the loss angle, whose name may be given.
+
+    Where several could be the one, or the other, what to ask.
+    """
+    roles: list[Role] = ["loss_factor", "loss_angle"]
+    if file.options.phase and not file.options.loss_factor:
+        roles.reverse()
+    for role in roles:
+        found = assign(file.table, role, file.options)
+        if isinstance(found, Assigned) or found.choices:
+            return found
+    return None
 
 
 def _no_size_alone(file: Opened, name: str) -> None:
@@ -194,19 +244,28 @@ def parts_of(
     ReadError
         If storage and loss are of two kinds, or an angle is not that of a solid.
     """
-    indexes = [c.index for c in chosen] + ([] if ratio is None else [ratio])
-    loaded = channels.load(file.table, indexes, file.options.segment)
-    rows, gaps = channels.whole_rows(loaded)
-    values = channels.by_role(rows, chosen)
     of = {c.role: c for c in chosen}
     base = of["storage" if "storage" in of else "complex_modulus"]
-    notes = [*file.table.notes, *gaps]
+    indexes = [c.index for c in chosen] + ([] if ratio is None else [ratio])
+    beside = file.column("loss_factor") if "loss" in of else None
+    columns = [*indexes, *([beside.index] if beside else [])]
+    loaded = channels.load(file.table, columns, file.options.segment)
+    told = loaded.values[:, -1]
+    loaded = replace(loaded, values=loaded.values[:, : len(indexes)])
+    loaded = channels.filled_down(loaded, [c.role for c in chosen], "temperature")
+    rows, gaps = channels.whole_rows(loaded)
+    values = channels.by_role(rows, chosen)
+    warmth = [of["temperature"]] if "temperature" in of else []
+    notes = [*file.table.notes, *gaps, *channels.rivals(file, warmth)]
     if "loss" in of:
         if base.unit.dimension != of["loss"].unit.dimension:
             raise ReadError(
                 f"storage is a {base.unit.dimension} and loss a {of['loss'].unit.dimension}; "
                 "expected both in one kind of unit, such as MPa or N/mm"
             )
+        if beside is not None:
+            told = told[np.isfinite(loaded.values).all(axis=1)]
+            notes += _contradicted(file, of["loss"].index, beside.index, told, values)
         return loaded, values, si_unit(base.unit.dimension).word, notes
     if ratio is None:
         angle = of["loss_angle"]
@@ -226,6 +285,30 @@ def parts_of(
     values["loss"] = values["storage"] * tangent
     notes.append(f"loss is storage times {says}")
     return loaded, values, si_unit(base.unit.dimension).word, notes
+
+
+def _contradicted(
+    file: Opened, loss: int, factor: int, told: FloatArray, values: Mapping[Role, FloatArray]
+) -> list[str]:
+    """Say if a column of loss factors is not loss over storage; ask which is right if by far."""
+    columns = file.table.columns
+    told = told / (100 if columns[factor].unit == "%" else 1)
+    sound = np.isfinite(told) & (told > 0) & (values["storage"] > 0) & (values["loss"] > 0)
+    if not sound.any():
+        return []
+    times = median((told * values["storage"] / np.where(sound, values["loss"], 1.0))[sound])
+    if max(times, 1 / times) <= _ROUNDED:
+        return []
+    says = (
+        f"{quoted(columns, factor)} is {times:.3g} times loss over storage, "
+        f"{quoted(columns, loss)} over the other"
+    )
+    if max(times, 1 / times) <= _FAR or file.options.loss:
+        return [f"{says}; the loss was taken"]
+    raise ReadError(
+        f"{says}: a unit or a column is wrong; say which is right: --column "
+        f'loss="{handle(columns, loss)}" or --column loss-factor="{handle(columns, factor)}"'
+    )
 
 
 def _solid_angle(file: Opened, one: Channel, angle: FloatArray) -> FloatArray:

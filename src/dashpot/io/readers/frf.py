@@ -20,6 +20,7 @@ from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions, flag
 from dashpot.io.readers import channels
 from dashpot.io.readers.channels import Opened
+from dashpot.io.readers.pairs import as_a_ratio, refuse_angle
 from dashpot.io.table import FileTable
 from dashpot.records.frf import FRF, Kind
 
@@ -27,10 +28,6 @@ PAIRS: tuple[tuple[Role, Role], ...] = (("real", "imaginary"), ("magnitude", "ph
 """The parts of a complex value."""
 _HIGHEST = 3e4
 """Hz; no hammer on rubber goes higher."""
-_SEVERAL = 8
-"""Lines that show how far a phase goes."""
-_TURN, _TURNS = 2 * np.pi, 60.0
-"""How far a phase goes in radians, once around; and unwrapped, over ten modes."""
 _COHERENT = 1.01
 _STATED = re.compile(r"\A\W*+kind\s*+:\s*+(\w+)")
 
@@ -48,7 +45,8 @@ def read_frf(path: str | Path, *, options: ReadOptions | None = None) -> FRF:
     """
     with channels.opened(path, options) as file:
         channels.expect(file, ["frf", "transmissibility"], "an FRF is", named=["real", "magnitude"])
-        return built(file, settled(file))
+        whole = as_a_ratio(file)
+        return built(whole, settled(whole))
 
 
 def built(file: Opened, known: Settled) -> FRF:
@@ -70,7 +68,7 @@ def built(file: Opened, known: Settled) -> FRF:
     if not value.any():
         raise ReadError("the FRF is 0 at every line; export its values, or name their columns")
     _refuse_high(file, index["frequency"], hertz * float(column["frequency"].max()))
-    sd = next((i for i, c in enumerate(file.table.columns) if c.name.casefold() == "sd"), None)
+    sd, several = _deviation(file.table)
     stated = _comments(file.table.header)
     scale = _differentiated(factor, order, hertz * column["frequency"], stated.get("shift", 0.0))
     names = [c.name for c in file.table.columns]
@@ -82,8 +80,18 @@ def built(file: Opened, known: Settled) -> FRF:
         sd=None if sd is None else loaded.values[:, sd] * np.abs(scale),
         shift=stated.get("shift", 0.0), record=stated.get("record"),
         averages=int(stated.get("averages", 0)),
-        source=(channels.source(file, names, (*file.table.notes, *loaded.notes)),), units="SI",
+        source=(channels.source(file, names, (*file.table.notes, *several, *loaded.notes)),),
+        units="SI",
     )  # fmt: skip
+
+
+def _deviation(table: FileTable) -> tuple[int | None, list[str]]:
+    """The column of standard deviations, if there is one; of several none is taken, with a note."""
+    found = [i for i, c in enumerate(table.columns) if c.name.casefold() == "sd"]
+    if len(found) < 2:
+        return next(iter(found), None), []
+    listed = " and ".join(str(i + 1) for i in found)
+    return None, [f"columns {listed} are called sd; none is taken"]
 
 
 class Settled(NamedTuple):
@@ -244,21 +252,6 @@ def _refuse_high(file: Opened, index: int, top: float) -> None:
         )
 
 
-def _refuse_angle(file: Opened, index: int, phase: FloatArray, radian: float) -> None:
-    """Ask for the unit of a phase that goes over one turn of the other unit, unless it was said."""
-    stated = file.options.unit_of("phase", file.table.columns[index].name)
-    reach = float(np.nanmax(np.abs(phase), initial=0.0))
-    if stated or len(phase) < _SEVERAL or reach == 0:
-        return
-    in_degrees = radian != 1.0
-    if reach <= _TURN if in_degrees else reach > _TURNS:
-        word, other = ("deg", "rad") if in_degrees else ("rad", "deg")
-        raise ReadError(
-            f"the phase goes to {reach:.3g}, in {word} as the file has it: is the unit {other}? "
-            f'Then add --units "phase={other}"; if it is meant so, say it: --units "phase={word}"'
-        )
-
-
 def _in_parts(file: Opened, index: int, coherence: FloatArray) -> FloatArray:
     """Return a coherence from 0 to 1, whether it was written so or in per cent."""
     if file.unit_word(index, "coherence") == "%":
@@ -285,5 +278,5 @@ def _polar(
             '--units "magnitude=dB re (m/s^2)/N" or --units "magnitude=dB re g/g", or write it '
             "into the header"
         )
-    _refuse_angle(file, index["phase"], column["phase"], radian)
+    refuse_angle(file, index["phase"], column["phase"], radian)
     return np.asarray(magnitude * np.exp(1j * column["phase"] * radian))

@@ -21,8 +21,9 @@ from dashpot.io.options import ReadOptions, flag
 from dashpot.io.readers import channels, cleaning, creep
 from dashpot.io.readers.channels import Opened
 from dashpot.io.readers.clocks import own_clocks
-from dashpot.io.readers.dynamic import sweep_columns
+from dashpot.io.readers.dynamic import amplitude_column, sweep_columns, swept
 from dashpot.io.readers.frf import settled
+from dashpot.io.readers.pairs import as_a_ratio
 from dashpot.io.readers.recognise import Recognised, look, recognise_opened, used
 from dashpot.io.readers.shaken import of_mass
 from dashpot.io.source import about, open_raw
@@ -244,15 +245,26 @@ def _proposal(file: Opened, kind: str) -> tuple[dict[int, tuple[Role, str]], lis
         answer = assign(table, role, options)
         if isinstance(answer, Assigned):
             roles[answer.index] = (role, answer.reason)
-        welcome = role in _WELCOME or (role == "time" and kind in _UNCLOCKED)
+        welcome = role in _WELCOME or (role == "time" and kind in _UNCLOCKED and _none(answer))
         questions += [] if welcome else _asked(file, role, answer)
-    if kind == "frf":
-        questions = _asks(lambda: settled(file), "ROLE")
+    if kind in {"frf", "transmissibility"}:
+        questions = _asks(lambda: settled(as_a_ratio(file)), "ROLE")
+    if kind in SWEEPS and not questions:
+        questions = _asks(lambda: swept(file), "ROLE")
+    if kind == "strain-sweep":
+        questions += _asks(lambda: amplitude_column(file), "strain")
+    if kind == "modulus":
+        questions += _asks(lambda: file.one_column("temperature"), "temperature")
     if kind in RECOGNISED and RECOGNISED[kind].accelerated:
         for found in _moved(file, list(roles)):
             roles[found.index] = (found.role, found.reason)
             questions += _asked(file, found.role, found)
     return roles, questions
+
+
+def _none(answer: Assigned | Question) -> bool:
+    """Whether no two columns could play a role."""
+    return isinstance(answer, Assigned) or not answer.choices
 
 
 def _moved(file: Opened, taken: list[int]) -> list[Assigned]:

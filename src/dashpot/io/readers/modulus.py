@@ -62,11 +62,12 @@ def over_time(
 
     None for the last unless a column, or the lines over the segments, say several.
     """
-    temperature = file.column("temperature")
+    temperature = file.one_column("temperature")
     if temperature is not None and temperature.index not in {one.index for one in columns}:
         columns = [*columns, temperature]
     chosen = channels.with_units(file, columns)
     loaded = channels.load(file.table, [one.index for one in chosen], file.options.segment)
+    loaded = channels.filled_down(loaded, [one.role for one in chosen], "temperature")
     rows, notes = channels.whole_rows(loaded)
     values = channels.by_role(rows, chosen)
     warm = values.get("temperature", temperatures_of_segments(file, loaded))

@@ -105,5 +105,5 @@ def of_mass(file: Opened, taken: Sequence[int]) -> list[Assigned]:
             Assigned("acceleration", i, "of the mass")
             for i in accelerations(file.table, taken, options)
         ]
-    found += filter(None, map(file.column, named if named or found else _SLOWER))
+    found += filter(None, map(file.one_column, named if named or found else _SLOWER))
     return [one for one in found if one.index not in taken]

@@ -33,14 +33,24 @@ _AT = (["at"], ["bei"], ["@"], ["à"])
 
 
 def stated_specimen(
-    file: Opened, specimen: Specimen, recorded: FloatArray | None = None
+    file: Opened, specimen: Specimen, test: Sequence[Channel] | None = None
 ) -> tuple[Specimen, list[str]]:
     """Return the specimen with the temperature that the file says, and notes.
 
-    A column of temperature, `recorded`, K, says it by its middle, and how far it rose; else a line
-    of the header such as ``# temperature: 0 degC`` or ``Prüftemperatur [°C]; 23,0``, which says
-    nothing without a unit, with a range, or beside another that differs. What the user gave stands.
+    A column of temperature beside those of a `test` says it by its middle, and how far it rose;
+    else a line of the header such as ``# temperature: 0 degC`` or ``Prüftemperatur [°C]; 23,0``,
+    which says nothing without a unit, with a range, or beside another that differs. What the user
+    gave stands.
     """
+    recorded, several_columns = (None, []) if test is None else _recorded(file, test)
+    said_of, notes = _said(file, specimen, recorded)
+    return said_of, [*several_columns, *notes]
+
+
+def _said(
+    file: Opened, specimen: Specimen, recorded: FloatArray | None
+) -> tuple[Specimen, list[str]]:
+    """The specimen with the temperature of a column, K, or else of the header, and notes."""
     where = "the header"
     found = {kelvin: f"'{line}'" for kelvin, line in _temperatures(file.table.header)}
     if recorded is not None:
@@ -70,29 +80,29 @@ def stated_specimen(
     return known, [f"temperature {written(kelvin, 'degC')}: {said}"]
 
 
-def recorded_temperature(file: Opened, taken: Sequence[Channel]) -> FloatArray | None:
-    """Return the column of temperature of a test, K, if the file has one beside those taken.
+def _recorded(file: Opened, taken: Sequence[Channel]) -> tuple[FloatArray | None, list[str]]:
+    """Return the column of temperature of a test, K, if there is one beside those taken, and notes.
 
-    One without a unit is left alone, unless it was named.
+    One without a unit is left alone, unless it was named; of several none is taken, with a note.
 
     Raises
     ------
     ReadError
         If the column was named and has no unit.
     """
-    found = file.column("temperature")
+    found, notes = channels.beside(file, "temperature")
     if found is None or found.index in {one.index for one in taken}:
-        return None
+        return None, notes
     try:
         (channel,) = channels.with_units(file, [found])
     except ReadError:
         if file.options.temperature is not None:
             raise
-        return None
+        return None, notes
     loaded = channels.load(file.table, [channel.index], file.options.segment, sure=False)
     kelvin = channels.si(loaded.values[:, 0], channel.unit)
     kelvin = kelvin[np.isfinite(kelvin)]
-    return kelvin if len(kelvin) else None
+    return kelvin if len(kelvin) else None, [*notes, *channels.rivals(file, [channel])]
 
 
 def _rise(kelvin: FloatArray) -> float:

@@ -12,13 +12,17 @@ from itertools import product, zip_longest
 from dashpot.io.table import Content
 from dashpot.io.text import cells as cell
 from dashpot.io.text.cells import Mark
-from dashpot.io.text.clock import moment
+from dashpot.io.text.clock import instant, moment
 
 _DELIMITERS = ("\t", ";", ",", "|", " ", ":")
 _MARKS: tuple[Mark, ...] = (".", ",", ".,")
 _SAMPLE = 60
-LONGEST = 1 << 15
+LONGEST = 1 << 20
 """Characters in a row or a heading; a longer line is neither."""
+_SAMPLED = 1 << 18
+"""Characters of a window of lines, which are fewer where they are long."""
+_ALIGNED = 1 << 13
+"""Characters of a row of fixed width; nobody aligns a longer one."""
 _DIGITS = set("0123456789+-.,:eE")
 _STEADY = 5
 """Rows that show how many digits all are printed with."""
@@ -67,7 +71,7 @@ class Dialect:
         whole, width = len(found) == self.cells, len(self.contents)
         if not cell.trimmed(found) or not (whole or self._ends_well(found)):
             return None
-        if self.contents[0] == "blank" and found[0]:
+        if self.contents[0] == "blank" and found[0] and not cell.is_number(found[0], self.mark):
             return None  # a word where every row is blank: a key of the header
         found = found[:width] + [""] * (width - len(found))
         return found if self._has_numbers(found) else None
@@ -128,7 +132,7 @@ class Dialect:
     def value(self, text: str, column: int) -> float | None:
         """The number in a cell of a column, or None."""
         if self.contents[column] == "clock":
-            found = moment(text)
+            found = instant(text)
             return None if found is None else found.seconds
         return cell.number(text, self.mark)
 
@@ -152,8 +156,33 @@ def find_dialect(
                 highest, best = score, found
     found = None if best is None else _from_the_top(lines, best)
     if found is not None and (found.mark, decimal) == (".", None) and found.delimiter != ",":
-        return _by_the_rows_above(lines, found)
-    return found
+        found = _by_the_rows_above(lines, found)
+    return None if found is None else _filled_elsewhere(lines, found)
+
+
+def _filled_elsewhere(lines: Sequence[str], found: Dialect) -> Dialect:
+    """The dialect, with the columns that were blank where it was found and hold numbers elsewhere.
+
+    Such is a temperature that is written once for each block.
+    """
+    none: tuple[Content, ...] = ("blank",)
+    contents = (*found.contents, *none * (found.cells - len(found.contents)))
+    blank = [i for i, held in enumerate(contents) if held == "blank"]
+    if not blank or found.delimiter == " ":
+        return found
+    texts: dict[int, list[str]] = {i: [] for i in blank}
+    for line in lines[found.first :]:
+        row = cell.split(line, found.delimiter, trim=False)
+        if len(row) == len(contents):
+            for i in blank:
+                texts[i] += filter(None, [row[i]])
+    held = {i: _content(texts[i], found.mark) for i in blank if texts[i]}
+    filled = {i: one for i, one in held.items() if one in {"number", "clock"}}
+    if not filled:
+        return found
+    width = max(len(found.contents), max(filled) + 1)
+    whole = tuple(filled.get(i, one) for i, one in enumerate(contents[:width]))
+    return replace(found, contents=whole)
 
 
 def _by_the_rows_above(lines: Sequence[str], found: Dialect) -> Dialect:
@@ -181,11 +210,20 @@ def _stands_in(sign: str, window: Sequence[str]) -> bool:
 def _windows(lines: Sequence[str]) -> Iterator[list[str]]:
     full = [line for line in lines if line.strip() and len(line) <= LONGEST]
     if len(full) <= 3 * _SAMPLE:
-        yield full
+        yield _sampled(full)
         return
     for part in (0.3, 0.6, 1.0):
         stop = max(_SAMPLE, int(part * len(full)))
-        yield full[stop - _SAMPLE : stop]
+        yield _sampled(full[stop - _SAMPLE : stop])
+
+
+def _sampled(window: list[str]) -> list[str]:
+    """The lines of a window: of thousands of columns the last few are enough."""
+    size, count = 0, 0
+    while count < len(window) and (count < _STEADY or size < _SAMPLED):
+        count += 1
+        size += len(window[-count])
+    return window[len(window) - count :]
 
 
 def _best_run(
@@ -197,20 +235,24 @@ def _best_run(
     if len(rows) * max(map(len, rows), default=0) <= above:  # even if all cells were numbers
         return best
     for run in _runs(rows, mark):
-        score, found = _scored(run, sign, mark)
+        score, found = _scored(run, sign, mark, above=best[0])
         if found.numbers and score > best[0]:
             best = score, found
     return best
 
 
-def _scored(run: Sequence[list[str]], sign: str, mark: Mark) -> tuple[float, Dialect]:
-    """How much like a table a run of lines is, and its dialect."""
+def _scored(
+    run: Sequence[list[str]], sign: str, mark: Mark, *, above: float
+) -> tuple[float, Dialect]:
+    """How much like a table a run of lines is, exactly if it is more than `above`; its dialect."""
     cells = Counter(map(len, run)).most_common(1)[0][0]
     columns = [[*filter(None, column)] for column in list(zip_longest(*run))[:cells]]
     contents = [_content(column, mark) for column in columns]
     while contents and contents[-1] == "blank":
         contents.pop()
     found = Dialect(sign, mark, tuple(contents), cells=cells)
+    if len(run) * len(found.numbers) <= above:  # even without a word
+        return above, found
     texts = (columns[i] for i, held in enumerate(contents) if held == "text")
     words = sum(2.0 if _hides_numbers(column) else 0.5 for column in texts)
     # a lone number on each of a few lines is a header more often than a table
@@ -312,6 +354,8 @@ def _digits(lines: Sequence[str]) -> list[str]:
 def _fixed(lines: Sequence[str]) -> str:
     """Column breaks where every line is blank and the next character is not."""
     width = max((len(line) for line in lines), default=0)
+    if width > _ALIGNED:
+        return " "
     blank = [all(i >= len(line) or line[i] == " " for line in lines) for i in range(width)]
     begin = blank.index(False) if False in blank else width
     breaks = [i for i in range(begin + 1, width) if blank[i - 1] and not blank[i]]

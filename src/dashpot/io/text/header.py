@@ -32,12 +32,14 @@ def uncomment(line: str, delimiter: str) -> str:
 class Header:
     """What the lines above a table say: its columns, and how their clock times are written.
 
-    `misfit` says of a row of names that is not as wide as the table; none of it is taken.
+    `misfit` says of a row of names that is not as wide as the table; none of it is taken. `uneven`
+    says of a row of units that is not, which of them are.
     """
 
     columns: tuple[Column, ...]
     clocks: tuple[str, ...]
     misfit: str = ""
+    uneven: str = ""
 
 
 def read_header(lines: Sequence[str], dialect: Dialect) -> Header:
@@ -45,10 +47,13 @@ def read_header(lines: Sequence[str], dialect: Dialect) -> Header:
     # a row of numbers alone counts columns or rows, and names none
     spoken = list(filter(re.compile(r"[^\W\d]|%|\"|°").search, _whole(lines)))
     rows = [_cells(line, dialect) for line in spoken[-_REACH:]]
-    names, words = _pick(rows, dialect)
+    names, words, odd = _pick(rows, dialect)
     names = _labelled(lines, dialect, "name") or names
     words = _labelled(lines, dialect, "unit") or words
     misfit = "" if names else _misfit(rows[:-3:-1], dialect)
+    uneven = ""
+    if odd and names and not words:
+        words, uneven = _from_the_left(odd, names, dialect)
     width = len(dialect.contents)
     each = zip_longest(names[:width], words[:width], dialect.contents)
     padded = [(name or "", word, content) for name, word, content in each]
@@ -57,7 +62,38 @@ def read_header(lines: Sequence[str], dialect: Dialect) -> Header:
         tuple(replace(column, unit=scaled(column.name, column.unit)) for column in columns),
         tuple(_clock(name, word) for name, word, _ in padded),
         misfit,
+        uneven,
     )
+
+
+def _from_the_left(
+    odd: Sequence[str], names: Sequence[str], dialect: Dialect
+) -> tuple[list[str], str]:
+    """The units of a row that is not as wide as the table, and what to say of it.
+
+    They stand under the names from the left, unless one contradicts its name: then a cell is
+    missing or added further left, nobody knows where, and none is taken.
+    """
+    width = len(dialect.contents)
+    says = f"the row of units has {len(odd)} cells for {width} columns ('{odd[0]}' ... '{odd[-1]}')"
+    pairs = list(zip(names[:width], map(_strip, odd), strict=False))
+    if any(_denies(part_unit(name)[0], word) for name, word in pairs):
+        return [], f"{says}; none was taken, for under the names from the left they do not fit"
+    return list(odd[:width]), f"{says}; they were taken for those of the columns from the left"
+
+
+def _denies(name: str, word: str) -> bool:
+    """Whether a unit is one of something else than what a name surely says."""
+    if units.find(word) is None:
+        return False
+    said = [role for role, value in vocabulary.matches(name).items() if value >= 2.0]
+    measured = [
+        of[role]
+        for role in said
+        for of in (vocabulary.DIMENSION, vocabulary.OF_A_PART)
+        if role in of
+    ]
+    return bool(measured) and not any(units.find(word, one) for one in measured)
 
 
 def _clock(name: str, word: str | None) -> str:
@@ -175,20 +211,26 @@ def _labelled(lines: Sequence[str], dialect: Dialect, what: str) -> list[str]:
     return []
 
 
-def _pick(rows: Sequence[list[str]], dialect: Dialect) -> tuple[list[str], list[str]]:
-    """The row of names and the row of units among the last lines above the table."""
+def _pick(rows: Sequence[list[str]], dialect: Dialect) -> tuple[list[str], list[str], list[str]]:
+    """The row of names and the row of units among the last lines above the table.
+
+    Behind them a row of units that is not as wide as the table, if one stands there.
+    """
     width = len(dialect.contents)
     words: list[str] = []
+    odd: list[str] = []
     for i in range(len(rows) - 1, -1, -1):
         row, above = rows[i], rows[i - 1] if i else []
         if _is_units(row, dialect):
             words = _both(row, words) if words else row
         elif _is_names(row, dialect):
             beside = not words and len(above) == len(row) and _is_units(above, dialect)
-            return row, above if beside else words
+            return row, above if beside else words, odd
+        elif not words and not odd and len(row) > 1 and _holds_units(row):
+            odd = row
         elif any(row) and (words or len(row) >= max(2, width - 1)):
             break
-    return [], words
+    return [], words, odd
 
 
 def _both(above: Sequence[str], below: Sequence[str]) -> list[str]:
@@ -211,9 +253,14 @@ def _fits(row: Sequence[str], dialect: Dialect) -> bool:
 
 
 def _is_units(row: Sequence[str], dialect: Dialect) -> bool:
-    """Whether a row as wide as the table holds units: most filled cells are unit words."""
+    """Whether a row as wide as the table holds units."""
+    return _fits(row, dialect) and _holds_units(row)
+
+
+def _holds_units(row: Sequence[str]) -> bool:
+    """Whether most filled cells of a row are unit words."""
     filled = [_strip(text) for text in row if text.strip(" -[]()")]
-    if not filled or not _fits(row, dialect):
+    if not filled:
         return False
     known = sum(units.find(word) is not None or _unit_shape(word) for word in filled)
     named = any(vocabulary.plain(word) in vocabulary.FIRST for word in filled)

@@ -21,6 +21,8 @@ from dashpot.io.text.plain import PlainRows, line_count
 _PATIENT = 64
 _MENTIONED = 50
 _HEADING = 2000
+_WIDE, _NARROW = 16, 1 << 15
+"""Lines of a heading that are kept whole, and characters of the others."""
 _TAIL = 4096
 _DATED = 4
 """Digits that a date has and a label has not."""
@@ -335,7 +337,7 @@ class _Reader:
         if re.search(r"\w", line):
             if len(between) >= _HEADING:
                 between.pop()
-            between.append((number, line[:LONGEST]))
+            between.append((number, line[: LONGEST if len(between) < _WIDE else _NARROW]))
 
     def _full(self, row: Sequence[str]) -> bool:
         """Whether no word stands where a number is expected."""
@@ -350,10 +352,29 @@ class _Reader:
         return not comment and self.dialect.resembles_row(one[1])
 
     def _refuse(self, number: int, line: str) -> None:
-        count = len(cell.split(line, self.dialect.delimiter))
+        found = cell.split(line, self.dialect.delimiter)
         width = self.dialect.cells or len(self.dialect.contents)
+        shown = f"'{line.strip()[:60]}'"
+        if len(found) in {width, len(self.dialect.contents)}:
+            odd = self._odd_cell(found)
+            raise ReadError(
+                f"line {number} has the {len(found)} cells of the table, but {odd}: {shown}; "
+                "correct that line or take it out, or split the file there"
+            )
         raise ReadError(
-            f"line {number} has {count} cell{'s' * (count != 1)} where the table has {width}: "
-            f"'{line.strip()[:60]}'; which one is missing, added or not parted cannot be known: "
+            f"line {number} has {len(found)} cell{'s' * (len(found) != 1)} where the table has "
+            f"{width}: {shown}; which one is missing, added or not parted cannot be known: "
             "correct that line or take it out, or split the file there"
         )
+
+    def _odd_cell(self, found: Sequence[str]) -> str:
+        """What is odd of a line that has the cells of a row and is none."""
+        contents = self.dialect.contents
+        for i in self.dialect.numbers:
+            text = found[i] if i < len(found) else ""
+            if not cell.is_missing(text) and self.dialect.value(text, i) is None:
+                held = "a time" if contents[i] == "clock" else "a number"
+                return f"'{text[:20]}' in column {i + 1}, where {held} is expected"
+        if contents[0] == "blank" and found and found[0]:
+            return f"'{found[0][:20]}' in column 1, which is blank in every row"
+        return "too few of them are numbers"

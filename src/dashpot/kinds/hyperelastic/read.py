@@ -57,7 +57,9 @@ def read_stress_strain(
         _expected(file, elongated)
         chosen, values, notes = signals(file, elongated, "stress", least=4, clock_matters=False)
         strain, stress = values[elongated], values["stress"]
-        _refuse_sizes(file, chosen, strain - (elongated == "stretch"), stress)
+        # of a volume a hundredth is much
+        told = None if mode == "volumetric" else strain - (elongated == "stretch")
+        _refuse_sizes(file, chosen, told, stress)
         stated = True
         if elongated == "strain":
             true, stated, said = _is_true(file, chosen[-2], measures.strain_is)
@@ -79,14 +81,15 @@ def read_stress_strain(
 
 
 def _refuse_sizes(
-    file: Opened, chosen: list[Channel], strain: FloatArray, stress: FloatArray
+    file: Opened, chosen: list[Channel], strain: FloatArray | None, stress: FloatArray
 ) -> None:
     """Ask for the units again that make a size no test of a rubber has."""
-    far, most = (float(np.abs(x).max()) for x in (strain, stress))
-    answers = [
-        (chosen[-2], [checks.strain_of_a_rubber(far, chosen[-2].unit.word)]),
-        (chosen[-1], [checks.stress_of_a_rubber(most, chosen[-1].unit.word)]),
-    ]
+    of_strain, of_stress = chosen[-2:]
+    most = float(np.abs(stress).max())
+    answers = [(of_stress, [checks.stress_of_a_rubber(most, of_stress.unit.word)])]
+    if strain is not None:
+        far = float(np.abs(strain).max())
+        answers.insert(0, (of_strain, [checks.strain_of_a_rubber(far, of_strain.unit.word)]))
     channels.refuse_sizes(file, answers)
 
 

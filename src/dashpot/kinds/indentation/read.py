@@ -33,7 +33,7 @@ def read_indentation(
         If the file cannot be read, or leaves open which column is what or in which unit.
     """
     with channels.opened(path, options) as file:
-        beside = file.column("force")
+        beside, noted = channels.beside(file, "force")
         # an acceleration beside a force is a hammer's, unless the file speaks of an indenter
         kinds: list[FileKind] = ["indentation"] if beside else ["indentation", "impact"]
         channels.expect(file, kinds, "the motion of an indenter is", named=_NAMED)
@@ -47,7 +47,7 @@ def read_indentation(
         rate = file.options.rate
         time = np.arange(len(rows)) / rate if rate else values["time"]
         _refuse_sizes(file, chosen, time, float(np.abs(values[of]).max()))
-        source = channels.source(file, [c.says for c in chosen], [*file.table.notes, *gaps])
+        source = channels.source(file, [c.says for c in chosen], [*file.table.notes, *gaps, *noted])
         return IndentationTest(
             time, values[of], of, indenter or Indenter(),
             values["force"] if forces else None, source, units="SI",
@@ -58,7 +58,7 @@ def _motion(file: Opened) -> tuple[Assigned, Motion]:
     """The column that is fitted, and what it is."""
     named = [role for role in _NAMED if getattr(file.options, role)]
     for role in named or _NAMED:
-        answer = _acceleration(file) if role == "acceleration" else file.column(role)
+        answer = _acceleration(file) if role == "acceleration" else file.one_column(role)
         if answer is not None:
             return answer, role
     raise ReadError(

@@ -10,15 +10,12 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
 from dashpot.base.units import in_unit
 from dashpot.io.columns import vocabulary
-from dashpot.io.columns.kinds import ONE_FREQUENCY, amplitude_named, groups
-from dashpot.io.columns.roles import Assigned, assign, list_columns
+from dashpot.io.columns.kinds import ONE_FREQUENCY, groups
 from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers import channels
-from dashpot.io.readers.channels import Opened
-from dashpot.io.readers.dynamic import NAMED, parts_of, sweep_columns
+from dashpot.io.readers.dynamic import NAMED, amplitude_column, parts_of, sweep_columns
 from dashpot.io.readers.stated import stated_specimen
-from dashpot.io.table import Question
 from dashpot.kinds.level.record import AmplitudeSweep
 from dashpot.records.specimen import Specimen
 
@@ -51,7 +48,7 @@ def read_amplitude(
             named=NAMED,
         )
         wanted, ratio = sweep_columns(file)
-        column = _swept(file)
+        column = amplitude_column(file)
         chosen = channels.with_units(file, [*wanted, column])
         _, values, unit, notes = parts_of(file, chosen, ratio)
         called = file.table.columns[column.index]
@@ -75,23 +72,6 @@ def read_amplitude(
             channels.source(file, [c.says for c in chosen], (*notes, *said)),
             units="SI",
         )
-
-
-def _swept(file: Opened) -> Assigned:
-    """The column of the amplitude: of strain, else of displacement."""
-    named = amplitude_named(file.table, file.options)
-    found = [assign(file.table, role, named) for role in _OF]
-    for one in found:
-        if isinstance(one, Assigned):
-            return one
-    for one in found:
-        if isinstance(one, Question) and one.choices:
-            raise ReadError(one.says)
-    raise ReadError(
-        "no column of strain or displacement amplitude was found; name it with "
-        "--column strain=NAME or displacement=NAME; the columns are "
-        f"{list_columns(file.table.columns)}"
-    )
 
 
 def _tones(frequency: FloatArray) -> FloatArray:

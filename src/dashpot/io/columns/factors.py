@@ -1,0 +1,77 @@
+"""A factor beside a unit, as in ``x 1000 N`` or ``10 mN``: it multiplies the numbers, or did."""
+
+from __future__ import annotations
+
+import re
+
+from dashpot.base import units
+from dashpot.base.units import Dimension, Unit
+
+_NUMBER = (
+    r"(10\s?(?:\^|\*\*)?\s?[-+]\d{1,2}|10\s?(?:\^|\*\*)\s?\d{1,2}"
+    r"|\d{1,9}(?:\.\d{1,9})?(?:[eE][-+]?\d{1,2})?)"
+)
+_TIMES = r"\s{0,3}[*x×·]?\s{0,3}"
+_BEFORE = re.compile(rf"\A{_TIMES}{_NUMBER}{_TIMES}([^\d\s].{{0,40}})\Z")
+_BEHIND = re.compile(rf"\A([^\d\s].{{0,40}}?)\s{{0,3}}[*x×·/]\s{{0,3}}{_NUMBER}\Z")
+_POWER = re.compile(r"10\s?(?:\^|\*\*)?\s?([-+]?\d{1,2})\Z")
+_BEHIND_NAME = re.compile(
+    rf"\A(.*\S)\s{{0,3}}([*x×·/]\s{{0,3}}{_NUMBER}|(?<=\s)1[eE][-+]?\d{{1,2}})\Z"
+)
+
+
+def parted(word: str) -> tuple[float, str] | None:
+    """Return the factor and the unit of a word that holds both, None of any other.
+
+    >>> parted("10 mN"), parted("N x 10^3"), parted("x1000 N"), parted("mm")
+    ((10.0, 'mN'), (1000.0, 'N'), (1000.0, 'N'), None)
+    """
+    for pattern, number, unit in ((_BEFORE, 1, 2), (_BEHIND, 2, 1)):
+        match = pattern.match(word.strip())
+        if match and units.find(match[unit].strip()) is not None:
+            factor = _value(match[number])
+            return (factor, match[unit].strip()) if factor not in {0.0, 1.0} else None
+    return None
+
+
+def off_the_name(text: str) -> tuple[str, str] | None:
+    """Return a heading without the factor behind it, and the factor, None if there is none.
+
+    >>> off_the_name("Load [N] x 1000"), off_the_name("Run 2")
+    (('Load [N]', 'x 1000'), None)
+    """
+    match = _BEHIND_NAME.match(text)
+    return (match[1], match[2]) if match else None
+
+
+def _value(number: str) -> float:
+    power = _POWER.match(number) if re.search(r"[-+^*]", number[2:]) else None
+    if power and "e" not in number.lower():
+        return float(10.0 ** int(power[1]))
+    return float(number)
+
+
+def of_multiple(word: str, dimension: Dimension) -> Unit | None:
+    """Return the unit that a user gives as a multiple of one, such as ``10mN``; None of any other.
+
+    >>> of_multiple("10mN", "force").factor
+    0.01
+    """
+    found = parted(word)
+    unit = units.find(found[1], dimension) if found else None
+    if found is None or unit is None or unit.offset:
+        return None
+    return Unit(word, dimension, float(f"{found[0] * unit.factor:.12g}"))
+
+
+def times(unit: Unit, factor: float) -> str:
+    """Return the word for a unit times a factor: that of another unit, or with the number.
+
+    >>> times(units.parse_unit("N", "force"), 1e3), times(units.parse_unit("mN", "force"), 10.0)
+    ('kN', '10mN')
+    """
+    size = factor * unit.factor
+    for one in units.TABLE.values():
+        if one.dimension == unit.dimension and abs(one.factor / size - 1) < 1e-9 and not one.offset:
+            return one.word
+    return f"{factor:g}{unit.word}"

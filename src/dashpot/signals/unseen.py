@@ -1,0 +1,82 @@
+"""What a machine and a room may add to the force of a seal that no channel shows."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray
+from dashpot.records.machine import USUAL, Machine
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+# K, of which the change is taken
+_RISE = 0.5
+
+
+def machine_terms(
+    machine: Machine,
+    solid: GeneralizedMaxwell,
+    time: FloatArray,
+    x: FloatArray,
+    *,
+    since: FloatArray,
+    ramp_time: float,
+    depth: float,
+    settles: bool = True,
+) -> dict[str, tuple[FloatArray, float]]:
+    """What machine and crosshead may add, in N a m, and its standard deviation in m.
+
+    The machine gives under the force; its crosshead settles after its stop.
+
+    Parameters
+    ----------
+    machine : Machine
+    solid : GeneralizedMaxwell
+    time, x : array, shape (n,)
+        s, and the motion that it is thought to feel, m.
+    since : array, shape (n,)
+        Since the end of the ramp, s.
+    ramp_time, depth : float
+        s and m.
+    settles : bool
+        No reading would show it if the crosshead did.
+    """
+    force = solid.force(time, x)
+    found: dict[str, tuple[FloatArray, float]] = {}
+    peak = float(np.abs(force).max())
+    give = machine.give_sd(depth, peak)
+    if give > 0 and peak > 0:
+        found["give"] = solid.force(time, force / peak), give
+    creep = machine.creep_sd(depth)
+    if creep > 0 and settles:
+        way = np.log1p(np.maximum(since, 0.0) / ramp_time)
+        found["settling"] = solid.force(time, way), creep
+    return found
+
+
+def warming(
+    time: FloatArray,
+    x: FloatArray,
+    solid: GeneralizedMaxwell,
+    *,
+    by_a: float = -USUAL["faster by warmth"].size,
+    by_b: float = 0.0,
+) -> FloatArray:
+    r"""Return what a seal that warms by one kelvin over its record adds to the force, N/K.
+
+    It answers in reduced time :math:`\xi = \int dt/a(T(t))`, its stiffnesses times b(T(t)).
+
+    Parameters
+    ----------
+    time, x : array, shape (n,)
+        s and m.
+    solid : GeneralizedMaxwell
+        At the temperature of the test.
+    by_a, by_b : float
+        Slopes of ln a_T and of ln b_T there, 1/K.
+    """
+    rise = _RISE * time / time[-1]
+    # time counts for more as the seal gets faster
+    pace = np.exp(-by_a * rise)
+    reduced = np.concatenate(([0.0], np.cumsum(np.diff(time) * (pace[1:] + pace[:-1]) / 2)))
+    moved = np.exp(by_b * rise) * solid.force(reduced, x) - solid.force(time, x)
+    return np.asarray(moved / _RISE)
