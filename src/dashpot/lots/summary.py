@@ -15,6 +15,7 @@ from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.facts import Fact
 from dashpot.base.numbers import ascii_only, counted
+from dashpot.base.sentences import sentence
 from dashpot.lots.checks import (
     asked_in_band,
     capability_as_asked,
@@ -194,7 +195,7 @@ class Summary(Checked, Documented):
         signals = sum(len(chart.means.signals) for chart in one.charts.values())
         mean = one.quantity.read(float(seal_means(one.seals).mean()))
         return (
-            f"{how}. {one.quantity.title}: mean {mean} of {len(one.seals)} seals. "
+            f"{how}. {sentence(one.quantity.words)[:-1]}: mean {mean} of {len(one.seals)} seals. "
             f"{counted(signals, 'control-chart alarm').capitalize()}"
         )
 
