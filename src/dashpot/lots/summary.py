@@ -188,7 +188,9 @@ class Summary(Checked, Documented):
     def sound(self) -> str:
         """How many files were fitted, the mean of the quantity, and the alarms of its charts."""
         fitted, files = self.lot.outcomes.get("fitted", 0), self.lot.table.height
-        how = f"all {files} files were fitted" if fitted == files else f"{fitted} of {files} fitted"
+        how = f"{fitted} of {files} files were fitted"
+        if fitted == files:
+            how = f"all {files} files were fitted" if files > 1 else "the one file was fitted"
         one = self.main
         if len(one.seals) < 2:
             return how

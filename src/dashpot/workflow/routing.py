@@ -88,7 +88,7 @@ def _of_vibration(kinds: Mapping[str, str], *, masses: int, levels: bool, rod: b
     if massless:
         raise ReadError(
             f"{_said(massless)}, which tells the stiffness over the mass. Give the mass of the "
-            "block, such as --mass 104g, or of a rod its --density and --shape."
+            "block, such as --mass 104g. For a rod add --shape disc:20mm,20mm --density 1000."
         )
     meant = _alone(set(kinds.values()))
     if meant:
