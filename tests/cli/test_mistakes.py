@@ -244,7 +244,6 @@ MISTAKES = (
      "fit hit.csv --mass 5g --radius 5mm --model kelvin-voigt"),
     ("fit hit.csv --mass 5g --seals 2", "hit.csv is a contact of an indenter",
      "fit hit.csv --mass 5g --model hertz"),
-    ("fit rod.csv", "For a rod add --shape disc:20mm,20mm --density 1000", f"fit rod.csv {ROD}"),
     ("fit rod.csv --shape block:20mm,20mm --density 1000 --mass 31.4g",
      "expected 3: length, width, height", f"fit rod.csv {ROD}"),
     ("fit rod.csv --density 1g/cm3 --shape disc:20mm,20mm --mass 31.4g",
