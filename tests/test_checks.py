@@ -1357,6 +1357,7 @@ WORKFLOW = [
     Case("fit_is_tested", lambda x: workflow.fit_is_tested(int(x)), 0, 1),
     Case("inputs_listed", lambda _: workflow.inputs_listed(["raw.csv"], 1), None, 0),
     Case("files_listed", lambda x: workflow.files_listed(["raw.csv"] * int(x)), 0, 1),
+    Case("nothing_half_written", lambda x: workflow.nothing_half_written(["a"] * int(x)), 0, 1),
     Case("page_redrawn", lambda x: workflow.page_redrawn(1, same=not x, alike=True), 0, 1),
     Case("history_unchanged", lambda x: workflow.history_unchanged(1, whole=bool(x)), 1, 0),
     Case("file_present", lambda _: workflow.file_present("raw.csv", 1), None, 0),
@@ -1544,7 +1545,7 @@ LIMITS = {
         "base_band_informed": 1, "fit_is_tested": 0,
         "history_present": 1,
         "families_predict_alike": 1.1,
-        "files_listed": 0, "page_redrawn": 0, "history_whole": 0,
+        "files_listed": 0, "page_redrawn": 0, "history_whole": 0, "nothing_half_written": 0,
     },
 }  # fmt: skip
 #: what a failure means; of every other check, that the result is to be used with care
@@ -1569,7 +1570,7 @@ GRADES = {
         "fitting/nonlinear_ramp": {"clocks_agree", "offset_believable", "drift_believable"},
         "workflow": {
             "hold_fit_possible", "history_complete", "files_listed", "base_band_informed",
-            "fit_is_tested",
+            "fit_is_tested", "nothing_half_written",
         },
     },
     "stop": {

@@ -96,7 +96,6 @@ def _under_mass(
     output: str | None,
     hammer: Any,
     mass: float | None,
-    band: tuple[float, float] | None,
     **choices: Any,
 ) -> Outcome:
     """Predict the response of a mass on the seals, or on parts of a material."""
@@ -106,7 +105,7 @@ def _under_mass(
     if output and len(choices["at_level"].levels) > 1:
         raise click.UsageError("-o holds the FRF at one level: ask one --level, or leave -o out")
     found = workflow.predict_files(
-        fitted, mass=mass, band=band or _BAND, relative=hammer.motion == "relative", **choices
+        fitted, mass=mass, relative=hammer.motion == "relative", **choices
     )
     seals = choices["seals"]
     if picture:
@@ -115,10 +114,6 @@ def _under_mass(
     if output:
         _keep(found, output)
     return Outcome.of(found, follow="" if found.of_part else _follow(fit, mass, seals))
-
-
-_BAND, _DOOR_BAND = (1.0, 50.0), (1.0, 200.0)
-"""Hz, where none is said."""
 
 
 def _keep(found: workflow.Prediction, path: str) -> None:
@@ -183,14 +178,13 @@ def _door(
         raise click.UsageError(f"-o {output}: of a door everything is written, as .json.")
     found = closed = None
     if speed is None or every:
-        found = workflow.door_file(path, band=band or _DOOR_BAND, temperature=temperature)
+        found = workflow.door_file(path, band=band, temperature=temperature)
     if speed is not None:
         closed = workflow.close_file(path, speed, temperature=temperature)
-    if picture and closed is not None:
-        write_figure(picture, dp.plot.closing(closed))
-    elif picture and found is not None:
-        write_figure(picture, dp.plot.door(found))
     outcome = _of_door(found, closed, every=every)
+    if picture:
+        shown: Any = found if closed is None else closed
+        write_figure(picture, shown.plot())
     if output:
         write(output, printed(outcome.found) + "\n")
     return outcome

@@ -40,9 +40,9 @@ from dashpot.fitting.checks.solid import (
     residuals_random,
     tau_inside_window,
 )
-from dashpot.fitting.design import evened
+from dashpot.fitting.design import NUISANCE, evened
 from dashpot.fitting.fit_data import DOUBTED, FitData, determinable_arms
-from dashpot.fitting.nuisance import Prior, Terms, at_rest
+from dashpot.fitting.nuisance import ROUNDING, Prior, Terms, at_rest
 from dashpot.fitting.pipeline import Chosen, asked_arms, chosen_arms
 from dashpot.fitting.retardation import FLOW, GLASS, Retarded, spectrum_of
 from dashpot.fitting.spectrum import shared_where_few_fall_short
@@ -54,7 +54,7 @@ from dashpot.fitting.uncertainty.left_open import end_of_curve
 from dashpot.fitting.uncertainty.load_error import load_rows
 from dashpot.fitting.weighed_relaxation import noise_power
 from dashpot.preparation.checks import of_temperature
-from dashpot.preparation.creep import load_hold
+from dashpot.preparation.creep import OF_A_COUNT, load_hold
 from dashpot.records.bounds import EndOfHold
 from dashpot.records.creep import Creep, CreepCompliance, CreepTest, LoadHold
 from dashpot.records.fit import Evidence, Fit, Provenance
@@ -64,18 +64,13 @@ from dashpot.records.superposition import AsMeasured, Superposition
 from dashpot.signals.segments import find_segments
 from dashpot.solids.interconversion import CreepSpectrum
 
-_NUISANCE = ("offset", "drift", "delay")
 # retardations of the first solution, which tells the velocity
 _ROUGH = 2
 _FEWEST = 5
-# nothing of a record is known better than this part of its travel
-_ROUNDING = 1e-9
 # retardations faster than so many times what the load resolves are none
 _RESOLVED = 4.0
 # loads this far apart, in parts of the highest, are two levels
 _APART = 0.2
-# standard deviation of a reading in counts
-_OF_A_COUNT = 12**-0.5
 
 
 def fit_creep(
@@ -201,7 +196,7 @@ def known_before(record: LoadHold, *, claimed: bool = False) -> _BeforeLoad:
     first = int(np.searchsorted(record.time, record.onset))
     travel = float(np.ptp(x))
     count = quantum(x)
-    noise = max(record.displacement_noise, _OF_A_COUNT * count)
+    noise = max(record.displacement_noise, OF_A_COUNT * count)
     # load cell and displacement both drift
     both, duration = float(np.sqrt(2)) * travel, float(record.time[-1] - record.onset)
     unseen = noise if claimed else None
@@ -210,7 +205,7 @@ def known_before(record: LoadHold, *, claimed: bool = False) -> _BeforeLoad:
     if first >= _FEWEST:
         offset, at, slope = at_rest(time[:first], x[:first], record.displacement_noise)
         # a reading that stands on one count hides a part of the next
-        offset = Prior(offset.mean, max(offset.sd, _OF_A_COUNT * count))
+        offset = Prior(offset.mean, max(offset.sd, OF_A_COUNT * count))
         slope = Prior(slope.mean, max(slope.sd, count / float(time[first - 1])))
     else:
         # under load from the first sample on, the channel's own zero is all there is
@@ -219,7 +214,7 @@ def known_before(record: LoadHold, *, claimed: bool = False) -> _BeforeLoad:
     *drift, told_drift = Machine().drift_told(slope, both, duration, unseen)
     delay = Prior(0.0, median(np.diff(record.time)))
     return _BeforeLoad(
-        offset, at, Prior(*drift), delay, first, noise, _ROUNDING * travel, usual, told_drift
+        offset, at, Prior(*drift), delay, first, noise, ROUNDING * travel, usual, told_drift
     )
 
 
@@ -239,7 +234,7 @@ def _impulse(time: FloatArray, load: FloatArray) -> FloatArray:
 def _answer(block: DataBlock, solution: Solution) -> FloatArray:
     """The displacement that a solution gives at every sample, without its nuisance terms."""
     rows = block.exact.evaluate(solution.log_tau, False)
-    fixed = [0.0 if name in _NUISANCE else solution.coefficient(name) for name in block.fixed_names]
+    fixed = [0.0 if name in NUISANCE else solution.coefficient(name) for name in block.fixed_names]
     return np.asarray(rows.fixed @ fixed + rows.arms @ solution.arms[0])
 
 
@@ -299,7 +294,7 @@ def _fit_of_test(record: LoadHold, found: Retarded, arms: int | Literal["auto"])
         *_drift_checks(record, found),
         checks.displacement_followed(record, residual),
         checks.levels_agree(*_departure(record, found)),
-        residuals_steady([residual], rounding=_ROUNDING * found.data.peak),
+        residuals_steady([residual], rounding=ROUNDING * found.data.peak),
         frequencies_informed(band),
     )
     word = "m" if record.unit == "N/m" else "1"

@@ -43,6 +43,7 @@ from dashpot.fitting.fractional.choice import (
 from dashpot.fitting.pipeline import Chosen, asked_arms, chosen_arms
 from dashpot.fitting.repeats import refuse_copies
 from dashpot.fitting.spectrum import (
+    BEYOND,
     dynamic_master_curve,
     passive_misfit,
     relative_scale,
@@ -64,8 +65,6 @@ from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
 Weights: TypeAlias = Literal["relative", "modulus"]
 
-# half a decade: an arm farther out than this shows only its tail
-_BEYOND = float(np.sqrt(10.0))
 # an arm so much faster than a sweep is a dashpot to it
 _FASTER = 30.0
 # weights of one temperature, and of several
@@ -364,7 +363,7 @@ def _checks(
             arms_supported(model, error, unit=data.unit),
             tau_inside_window(
                 model,
-                (shortest / _BEYOND, longest * _BEYOND),
+                (shortest / BEYOND, longest * BEYOND),
                 "the sweep and the holds" if records else "the sweep",
             ),
         ]

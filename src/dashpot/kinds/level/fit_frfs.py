@@ -10,6 +10,7 @@ import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray, IndexArray
 from dashpot.base.errors import DataError
+from dashpot.base.plausible import SIZES, short
 from dashpot.base.units import Quantity, Range, si, si_range
 from dashpot.engine.least_squares.nnls import linear
 from dashpot.engine.least_squares.problem import stacked
@@ -27,6 +28,7 @@ from dashpot.records.frf import FRF, Kind
 from dashpot.solids.friction import Jenkins, slipping_share
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.stiffening import Cubic
+from dashpot.vibration.modal.lines import FLOOR
 
 _PER_DECADE = 10
 _FINER = 8
@@ -36,8 +38,6 @@ _THIRD = float(np.sqrt(20 * np.log(2)))
 """Median size of a third difference over the rms size of complex noise (Rayleigh)."""
 _NEAR = 20
 """Neighbouring lines that are taken to be known alike."""
-_FLOOR = 1e-3
-"""No line is trusted beyond this part of its value."""
 _DRAWS = 60
 _PASSES = 2
 _STEP = 1e-4
@@ -108,6 +108,11 @@ def fit_levels(
     ]
     omega, X, K, weight = (np.concatenate(each) for each in zip(*rows, strict=True))
     low, high = float(X.min()) / 2, float(X.max())
+    SIZES["amplitude"].refuse(
+        high,
+        f"at the levels given a seal would move by {short(high, 'm')}",
+        remedy="Check the levels and their unit, such as --level 20mN, and the mass.",
+    )
     count = max(round(_PER_DECADE * np.log10(high / low)), 2)
     inertia, yields = kilograms / seals, np.geomspace(low, high, count + 1)[:-1]
     known = weight * np.abs(K - inertia * omega**2)
@@ -314,7 +319,7 @@ def _knowledge(lines: FRF) -> FloatArray:
     """How well lines are known beside most, by the error that the FRF states: at most 1."""
     if lines.line_scatter is None:
         return np.ones(len(lines.value))
-    relative = np.maximum(lines.line_scatter / np.abs(lines.value), _FLOOR)
+    relative = np.maximum(lines.line_scatter / np.abs(lines.value), FLOOR)
     return np.asarray(np.minimum(np.median(relative) / relative, 1.0))
 
 
@@ -337,4 +342,4 @@ def _noise(problem: _LineData, K: ComplexArray, parts: IndexArray) -> float | No
     ]
     size = [min(float(np.median(one)) / _THIRD, LOST) for one in near]
     rms = np.sqrt(np.average(np.square(size), weights=[len(one) for one in near]))
-    return max(float(rms), _FLOOR)
+    return max(float(rms), FLOOR)
