@@ -6,8 +6,8 @@
 The relaxation records of `tests/kit/foreign`: its 42 truths on its 40 rigs, `--per` truths of each,
 its other kinds of test, sound and spoilt by turns, and its curves: `--curves` moduli and a third as
 many compliances and sweeps, which end before their plateau or after, each whole and cut. Each
-record is one line of OUT.jsonl; those that stand there are not run again, and the same seed gives the same
-records.
+record is one line of OUT.jsonl; those that stand there are not run again, and the same seed gives
+the same records.
 
 A relaxation record misses if one of its 95 % limits does: of the accelerance of two seals under
 the mass that they bring to resonance at 12.7 Hz (there, its peak's height and frequency), of k(T)
@@ -27,7 +27,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from zlib import crc32
 
@@ -380,7 +380,8 @@ def _of_loops(one: Sheet, path: Path) -> Answer:
 def _of_cld(one: Sheet, path: Path) -> Answer:
     """Force of the pressing at .6 of the depth in the cycle that is told, read as it was."""
     at = 0.6 * one.truth["seal"].depth
-    found = cld(read_cld(path), at=at)
+    test = read_cld(path)
+    found = cld(replace(test, specimen=dp.Specimen(length=0.1)), at=at)
     plate = 1e-3 * one["displacement"]
     rows = np.arange(len(plate)) * one.truth["cycles"] * 2 // len(plate)
     told = rows == 2 * (found.cycle.number - 1)
@@ -421,7 +422,8 @@ def _of_stretch(one: Sheet, _: Path) -> Answer:
 
 def _of_indentation(one: Sheet, path: Path) -> Answer:
     """The deepest point: of the ball's path, which Hertz and one arm give."""
-    indenter = Indenter(mass=one.truth["mass"])
+    # as a lab knows it, by the height of its fall
+    indenter = Indenter(mass=one.truth["mass"], impact_velocity=one.truth["speed"])
     found = fit_indentation(read_indentation(path, indenter=indenter))
     depth = next(fact.value for fact in found.found if fact.name == "depth")
     return found.verdict.use, _error(depth, one.truth["depth"])
