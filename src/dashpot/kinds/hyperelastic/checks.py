@@ -233,7 +233,7 @@ def law_followed(residual: float, worst: str) -> Finding:
     return Finding(
         f"The law misses the stress by at most {100 * residual:.2g} %, in {worst}",
         residual,
-        remedy=Remedy("Use a law of more constants, or check what the file is.", "model"),
+        remedy=Remedy("Use a law of more constants, or name the test of each file.", "model"),
         grade="stop" if residual > 0.2 else "limit",
     )
 
