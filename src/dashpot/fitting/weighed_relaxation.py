@@ -53,7 +53,7 @@ LINEAR_DELAY = 2e-3
 FILTERED = 1.0
 # a doubt is smooth, and needs few digits: samples of the hold at which it is laid out, three times
 # as many of the ramp, and relaxation times of which it is a sum
-LAID_OUT, MIXED = 200, 20
+LAID_OUT, MIXED = 100, 16
 # cycles per record between which noise is what an arm is told from
 SLOWEST_NOISE, FASTEST_NOISE = 8, 160
 # a line of the periodogram so far above its middle is a hum, and no noise
