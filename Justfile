@@ -29,7 +29,23 @@ test *args:
 slow *args:
     pytest -m slow {{args}}
 
-# mutants of every format: many times those of the gate, and others each time
+# what the gate leaves out: studies, mutants, every test on the lowest and the newest versions
+nightly:
+    #!/usr/bin/env bash
+    set -uo pipefail
+    room="$(mktemp -d)"
+    trap 'rm -rf "$room"' EXIT
+    failed=0
+    pytest -q -m slow || failed=1
+    DASHPOT_FUZZ=1 pytest -q -m fuzz || failed=1
+    for one in lowest newest; do
+        .ci/room "$one" "$room/$one" || failed=1
+        [ -x "$room/$one/bin/pytest" ] || continue
+        "$room/$one/bin/pytest" -q -m "not slow and not fuzz" || failed=1
+    done
+    exit "$failed"
+
+# mutants of every format: many times those of a night, and others each time
 fuzz times="20" *args:
     DASHPOT_FUZZ={{times}} pytest -m fuzz {{args}}
 

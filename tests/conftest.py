@@ -14,6 +14,7 @@ from hypothesis import settings
 for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
     os.environ.setdefault(name, "1")
 
+from kit.cost import waiting  # noqa: E402
 from kit.fuzzing import Fuzzer  # noqa: E402
 
 from dashpot.fitting.relaxation import fit  # noqa: E402
@@ -33,6 +34,13 @@ collect_ignore = ["public_use.py"]
 # how long an example takes is the machine's affair
 settings.register_profile("dashpot", deadline=None)
 settings.load_profile("dashpot")
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Let the cases of dear tests that need not run every time wait with the slow ones."""
+    for item in waiting(items):
+        item.add_marker(pytest.mark.slow)
 
 
 @pytest.fixture(scope="session")

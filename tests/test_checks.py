@@ -347,6 +347,12 @@ def known_at_the_end(width: float) -> Check:
     return relaxation.k_inf_known(GeneralizedMaxwell(1.0), np.inf, [RECORD], end)
 
 
+def curve_end(levels: float, falls: float = 0.0) -> EndOfHold:
+    """A curve that may fall to so much of its end in ten times as long."""
+    ends = (0.9, 1.0), (0.5, 1.0), (0.0, 1.0)
+    return EndOfHold(40.0, *ends, falling=falls, k_10end=(levels, 1.0), ended="curve")
+
+
 def falling(share: float) -> RampHold:
     """The force loses this share of its peak a tenth into the hold."""
     return replace(RECORD, force=np.where(TIME > 6, 1 - share, 1.0))
@@ -373,7 +379,7 @@ def crept(left: float) -> Check:
     """A part that has this part of its displacement at rest to come after 10 s."""
     lam = 10.0
     spectrum = CreepSpectrum(1 - left * np.e, (left * np.e,), (lam,))
-    return creep.creep_finished(spectrum, lam, 1.0, unit="N/m")
+    return creep.creep_finished(spectrum, lam)
 
 
 def slipped(times: float) -> Check:
@@ -615,6 +621,14 @@ FITTING = [
         1.1e-12,
         0.9e-12,
     ),
+    Case("plateau_told", lambda x: curves.plateau_told(curve_end(x), "Pa"), 0.801, 0.799),
+    Case(
+        "plateau_told",
+        lambda x: curves.plateau_told(replace(curve_end(x), ended="creep"), "Pa"),
+        0.651,
+        0.649,
+    ),
+    Case("end_level", lambda x: curves.end_level(curve_end(0.9, x)), 0.0299, 0.0301),
     Case("residuals_random", lambda x: solid.residuals_random(x, 1.0), 19.99, 20.01),
     Case("step_bias", lambda x: relaxation.step_bias(arm(1, x), [RECORD]), 1e-3, None),
     Case(
@@ -1343,6 +1357,7 @@ WORKFLOW = [
     Case("fit_is_tested", lambda x: workflow.fit_is_tested(int(x)), 0, 1),
     Case("inputs_listed", lambda _: workflow.inputs_listed(["raw.csv"], 1), None, 0),
     Case("files_listed", lambda x: workflow.files_listed(["raw.csv"] * int(x)), 0, 1),
+    Case("nothing_half_written", lambda x: workflow.nothing_half_written(["a"] * int(x)), 0, 1),
     Case("page_redrawn", lambda x: workflow.page_redrawn(1, same=not x, alike=True), 0, 1),
     Case("history_unchanged", lambda x: workflow.history_unchanged(1, whole=bool(x)), 1, 0),
     Case("file_present", lambda _: workflow.file_present("raw.csv", 1), None, 0),
@@ -1450,6 +1465,7 @@ LIMITS = {
         "few_arms_suffice": 0.05, "kramers_kronig": 0.05, "loss_positive": 0, "storage_rises": 0.05,
         "compliance_rises": 0.8, "compliance_followed": 0.05, "creep_finished": 0.05,
         "flow_told": 10, "flow_prevails": 0.5, "displacement_followed": 2, "drift_is_no_flow": 2,
+        "plateau_told": 0.8, "end_level": 0.03,
         "levels_agree": 0.03, "modulus_falls": 1.25,
         "data_agree": 1.3, "bands_meet": 10, "k_inf_known": 0.5, "force_followed": 1.75,
         "arms_where_force_relaxes": 0.02,
@@ -1529,7 +1545,7 @@ LIMITS = {
         "base_band_informed": 1, "fit_is_tested": 0,
         "history_present": 1,
         "families_predict_alike": 1.1,
-        "files_listed": 0, "page_redrawn": 0, "history_whole": 0,
+        "files_listed": 0, "page_redrawn": 0, "history_whole": 0, "nothing_half_written": 0,
     },
 }  # fmt: skip
 #: what a failure means; of every other check, that the result is to be used with care
@@ -1554,7 +1570,7 @@ GRADES = {
         "fitting/nonlinear_ramp": {"clocks_agree", "offset_believable", "drift_believable"},
         "workflow": {
             "hold_fit_possible", "history_complete", "files_listed", "base_band_informed",
-            "fit_is_tested",
+            "fit_is_tested", "nothing_half_written",
         },
     },
     "stop": {

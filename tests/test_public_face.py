@@ -43,6 +43,15 @@ def test_every_public_name_is_there_first_and_alone():
     assert done.stdout + done.stderr == ""
 
 
+def test_every_public_name_is_there_whatever_was_named_before():
+    named = "for name in reversed(dashpot.__all__): getattr(dashpot, name)"
+    done = subprocess.run(
+        [sys.executable, "-c", f"import dashpot\n{named}"],
+        capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    assert done.stdout + done.stderr == ""
+
+
 def test_there_are_at_most_sixty_names():
     assert len(dp.__all__) == len(set(dp.__all__)) <= 60
     assert dir(dp) == dp.__all__

@@ -8,9 +8,8 @@ from pathlib import Path
 
 import pytest
 from kit.kinds import bench, ramp_and_hold
-from kit.shell import ran
+from kit.shell import no_air, ran
 
-from dashpot import workflow
 from dashpot.cli import COMMANDS
 from dashpot.cli._former import FORMER
 
@@ -84,20 +83,33 @@ TASKS = (
     ("example -o ex2 --all", "demo --files -o ex2 --all"),
 )  # fmt: skip
 """A former line, where it was another, and what is typed today; in the order of their files."""
+DEAR = (
+    "fit depth_4mm.csv",
+    "fit shaker_20mN.csv",
+    "fit hit.csv",
+    "fit hammer.csv --mass",
+    f"predict fit.json {RIG} --record",
+    "predict door.toml",
+    "report",
+)
+"""Beginnings of the lines that take seconds each, which nothing after them needs."""
 TELLS = ("fit", "compare", "report")
 """Verbs that say what they took records for."""
 
 
 def lab(folder: Path) -> None:
-    """Write the examples, a file of another lab, and a folder of tests."""
-    for name, made in workflow.EXAMPLES.items():
-        (folder / name).write_text(made(), encoding="utf-8")
+    """Write a file of another lab and a folder of tests beside the examples."""
     german = bench(ramp_and_hold()).replace(",", ";").replace(".", ",").splitlines()
     (folder / "raw.txt").write_text("\n".join(["Zeit [s];Weg;Kraft", *german[1:]]) + "\n")
     (folder / "lotdir").mkdir()
     for number in range(3):
         text = bench((1 + 0.02 * number) * ramp_and_hold(), seed=number)
         (folder / "lotdir" / f"seal_{number}.csv").write_text(text)
+
+
+def skipped(line: str, dear: tuple[str, ...]) -> bool:
+    """Whether a line is one of the dear ones; the door is closed, which reads it too."""
+    return line.startswith(dear) and "--close" not in line and "-o frf.csv" not in line
 
 
 def does(line: str) -> str:
@@ -115,14 +127,23 @@ def does(line: str) -> str:
     return done.stdout
 
 
+@pytest.mark.parametrize(
+    "left_out", [DEAR, pytest.param((), marks=pytest.mark.slow)], ids=["the cheap", "all"]
+)
 def test_forty_tasks_and_what_their_former_lines_are_answered_with(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, left_out: tuple[str, ...]
 ) -> None:
     assert len(TASKS) == 40
     monkeypatch.chdir(tmp_path)
-    lab(tmp_path)
-    for _, today in TASKS:
-        does(today)
+    # the files to learn on are those that the others take
+    *tasks, (_, first) = TASKS
+    does(first)
+    monkeypatch.chdir(tmp_path / "ex2")
+    lab(Path())
+    if left_out:
+        no_air(Path("door.toml"))
+    done = [does(today) for _, today in tasks if not skipped(today, left_out)]
+    assert len(done) == (39 if not left_out else 32)
     for former, today in TASKS:
         if not former:
             continue
@@ -131,7 +152,8 @@ def test_forty_tasks_and_what_their_former_lines_are_answered_with(
         assert "Traceback" not in answer.output
         found = re.search("Type: dashpot (.*)", answer.stderr)
         assert found is not None, f"{former}\n{answer.output}"
-        if sorted(shlex.split(found[1])) != sorted(shlex.split(today)):
+        other = sorted(shlex.split(found[1])) != sorted(shlex.split(today))
+        if other and not skipped(found[1], left_out):
             does(found[1])
 
 

@@ -46,7 +46,6 @@ def run(*words: str, code: int = 0) -> str:
 @pytest.mark.parametrize(
     ("words", "says"),
     [
-        ("fit base.csv", "tells the stiffness over the mass. Give the mass of the block, such"),
         ("fit trios.txt", "dashpot: trios.txt: no force is held: expected a load that rises"),
         ("fit creep.csv --elastic linear", "--elastic is for a relaxation test. creep.csv is a"),
         ("fit creep.csv seal.csv", "a creep test is fitted alone"),

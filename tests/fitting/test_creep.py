@@ -119,6 +119,10 @@ def test_a_part_that_flows_is_said_to_flow() -> None:
     checks = {check.name: check for check in found.checks}
     assert checks["flow_told"].passed
     assert "The part flows" in checks["creep_finished"].says
+    assert "plateau_told" not in checks
+    assert found.left_open is not None
+    low, high = found.left_open["k_end"]
+    assert low < 1 / float(fluid.compliance(found.end_of_hold.time)) < high
     assert "k_inf" not in found.parameters
 
 

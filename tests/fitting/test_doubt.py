@@ -196,7 +196,7 @@ def test_what_naming_the_machine_would_leave_is_said(record: RampHold) -> None:
     assert end is not None
     known = replace(record, machine=replace(KNOWN, drift=priors(record).doubt.sd / 5))
     assert end.named * np.ptp(end.k_end) == pytest.approx(width(fit(known)), rel=0.6)
-    assert "give the drift, compliance and creep of the machine" in end.says
+    assert "give the drift, compliance and creep of the machine" in end.says("N/m")
     assert replace(end, named=0.79).remedy.startswith("Record a baseline")
     assert replace(end, named=0.81).remedy == "Hold longer."
     assert replace(end, named=math.nan).remedy == "Hold longer."

@@ -110,20 +110,26 @@ def test_it_is_kept_in_the_archive(broad_fit: Fit) -> None:
     assert again.end_of_hold == broad_fit.end_of_hold
     kept = document(broad_fit)["left_open"]
     assert kept["k_inf"] == list(broad_fit.left_open["k_inf"])
-    assert set(kept) == {"k_inf", "k_end", "k_3end", "time", "falling", "named"}
+    assert set(kept) == {
+        "k_inf", "k_end", "k_3end", "time", "falling", "named", "k_10end", "ended",
+    }  # fmt: skip
     pair = broad_fit.in_parallel(2)
     assert pair.left_open["k_end"][1] == 2 * broad_fit.left_open["k_end"][1]
 
 
 def test_the_sentence_says_what_is_known_and_what_is_not() -> None:
     end = EndOfHold(40.0, (181.9, 196.9), (153.0, 195.0), (0.0, 195.0), 4.0)
-    assert end.says == (
+    assert end.says("N/m") == (
         "the stiffness after the hold. At 40.0 s it is 0.1819 to 0.1969 N/mm; it may fall further, "
         "and ends at 0.1950 N/mm or below. Hold longer."
     )
-    assert replace(end, named=0.2).says.endswith(
-        "or below. Record a baseline of 10 s, and give the drift, compliance and creep of the "
-        "machine: k(40.0 s) is then known to about 0.8 % instead of 4.0 %."
+    assert (
+        replace(end, named=0.2)
+        .says("N/m")
+        .endswith(
+            "or below. Record a baseline of 10 s, and give the drift, compliance and creep of the "
+            "machine: k(40.0 s) is then known to about 0.8 % instead of 4.0 %."
+        )
     )
 
 

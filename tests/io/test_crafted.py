@@ -43,7 +43,7 @@ def test_row(tmp_path: Path, row: Row) -> None:
     message = str(caught.value)
     assert all(word in message for word in row.says), message
     if row.outcome == "asked":
-        assert inspect_file(path).questions
+        assert inspect_file(path).questions or row.by_size
         row.truth.holds(row.read(path, **row.answer), row)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import shlex
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
@@ -111,6 +112,29 @@ def test_a_unit_that_makes_no_test_is_asked_about(
     role, _, unit = meant.partition("=")
     column = ("time", "displacement", "force").index(role)
     np.testing.assert_allclose(getattr(test, role), wanted[column] * scale[unit])
+
+
+def _role(mistake: str) -> str:
+    return UNITS[mistake][2].partition("=")[0]
+
+
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [(a, b) for a, b in combinations(UNITS, 2) if _role(a) != _role(b)],
+)
+def test_who_obeys_a_question_is_asked_no_other(tmp_path: Path, one: str, other: str) -> None:
+    """Two columns in wrong units: what is asked together is answered together."""
+    path = tmp_path / "seal.csv"
+    factors = tuple(a * b for a, b in zip(UNITS[one][0], UNITS[other][0], strict=True))
+    head = under(UNITS[other][1], tuple(under(UNITS[one][1], BENCH)))
+    path.write_text(bench(*factors, head=tuple(head)))
+    try:
+        read_relaxation(path)
+    except ReadError as error:
+        asked = ReadOptions(
+            units=parse_units(",".join(re.findall(r"--units (\S+=\w+)", str(error))))
+        )
+        read_relaxation(path, options=asked)
 
 
 def test_a_unit_stated_by_option_is_not_asked_about(tmp_path: Path) -> None:

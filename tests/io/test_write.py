@@ -13,13 +13,14 @@ from hypothesis import strategies as st
 from kit.instruments import frf
 
 from dashpot.base.errors import DataError, ReadError
+from dashpot.base.escapes import neutral
 from dashpot.base.provenance import Source
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.frf import read_frf
 from dashpot.io.readers.impact import read_impact
 from dashpot.io.readers.inspect import inspect_file
 from dashpot.io.readers.relaxation import read_relaxation
-from dashpot.io.write import frf_uff, neutral, write_frf, write_impact, write_relaxation
+from dashpot.io.write import frf_uff, write_frf, write_impact, write_relaxation
 from dashpot.records.frf import Kind
 from dashpot.records.impact import ImpactTest
 from dashpot.records.relaxation import RelaxationTest

@@ -11,14 +11,15 @@ from copy import deepcopy
 from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
 
-TIMES = int(os.environ.get("DASHPOT_FUZZ", "1"))
-"""How many times more mutants than in the gate; by more than one they differ each time."""
+TIMES = float(os.environ.get("DASHPOT_FUZZ", "0.1"))
+"""Mutants over those of a night, of which the gate tries a tenth; above 1 they differ each time."""
 
 
 def tries(count: int) -> settings:
     """So many mutants, or many times more."""
     return settings(
-        max_examples=count * TIMES, deadline=None, derandomize=TIMES == 1, database=None,
+        max_examples=max(1, round(count * TIMES)), deadline=None, derandomize=TIMES <= 1,
+        database=None,
         suppress_health_check=list(HealthCheck),
     )  # fmt: skip
 

@@ -17,7 +17,7 @@ from dashpot.base.offered import LINES, Described, Judged, Pictured
 from dashpot.fitting.relaxation import fit as fit_tests
 from dashpot.io.readers.inspect import inspect_file
 from dashpot.io.write import write_relaxation
-from dashpot.kinds import KINDS
+from dashpot.kinds import FIGURES
 from dashpot.preparation.prepare import prepare
 from dashpot.report.notebook import picture
 from dashpot.simulation.impact import Hammer, simulate_impact
@@ -111,9 +111,7 @@ def test_every_noun_that_offers_a_picture_has_one() -> None:
     offered = {kind for kind in descendants(Pictured) if kind is not Judged}
     assert len(offered) > 15
     bare = {kind.__name__ for kind in offered if picture.dispatch(kind) is picture.dispatch(object)}
-    nouns = [item for kind in KINDS.values() for item in kind.nouns.items()]
-    of_kinds = {noun.rpartition(":")[2] for noun, figure in nouns if figure}
-    assert bare <= of_kinds
+    assert bare <= {noun.rpartition(":")[2] for noun, figure in FIGURES.items() if figure}
 
 
 def descendants(kind):

@@ -138,7 +138,7 @@ def test_a_file_beyond_the_limit_is_refused_while_it_comes(desk, monkeypatch):
     with pytest.raises(store.TooLargeError, match="larger than"):
         asyncio.run(desk.store.keep("../../endless.csv", endless(), limit=10_000))
     assert sent == 17
-    assert not [*desk.store.folder.iterdir()]
+    assert [one.name for one in desk.store.folder.iterdir()] == [".lock"]
 
 
 @pytest.mark.parametrize(

@@ -100,7 +100,7 @@ def test_what_cannot_be_read_says_so_in_the_readers_words(visit, files):
     page.done()
     # the fit of the other file takes nothing of it back
     assert page.at.get_by_role("alert").inner_text().count("noise.csv") == 1
-    page.at.get_by_role("button", name="remove noise.csv").click()
+    page.at.get_by_role("button", name="Remove noise.csv", exact=True).click()
     page.at.get_by_role("alert").wait_for(state="hidden")
 
 
@@ -143,7 +143,7 @@ def test_a_sweep_is_fitted_beside_a_seal(visit, files):
 def test_a_hammer_alone_asks_for_the_relaxation_test(visit, files):
     page = visit(files / "hammer.csv")
     page.at.get_by_role("heading", name="Now the relaxation test").wait_for()
-    assert not page.at.get_by_role("button", name="Fit both tests").is_visible()
+    assert not page.at.get_by_role("button", name="both tests").is_visible()
     page.at.locator("#pick").set_input_files(str(files / "seal_8mm.csv"))
     page.done()
     assert not page.at.get_by_role("heading", name="Now the relaxation test").is_visible()
@@ -533,7 +533,7 @@ def test_what_a_screen_reader_is_told_of_both_tests_alone_and_together(visit, fi
     page.done()
     held_to("hammer", tree(page, "main"))
     page.at.locator("#files .file").filter(has_text="seal_8mm.csv").click()
-    page.at.get_by_role("button", name="Fit both tests").click()
+    page.at.get_by_role("button", name="both tests").click()
     page.at.locator("#which [aria-pressed=true]").filter(has_text="both tests").wait_for()
     page.done()
     held_to("joint", tree(page))
@@ -575,3 +575,131 @@ def test_a_mass_may_be_typed_with_its_unit(visit, files):
     page.at.locator("#seals").fill("0")
     page.at.keyboard.press("Enter")
     page.at.get_by_role("alert").filter(has_text="seals = 0").wait_for()
+
+
+WATCH = """() => {
+  const seen = window.seen = { frames: [], told: 0 }, plain = window.fetch;
+  window.fetch = async (path, how) => {
+    const answer = await plain(path, how), whole = answer.arrayBuffer.bind(answer);
+    await new Promise((done) => setTimeout(done, 60));
+    if (path === "/api/study" && answer.ok) {
+      answer.arrayBuffer = async () => {
+        const body = await whole();
+        seen.told += 1;
+        return body;
+      };
+    }
+    return answer;
+  };
+  const look = () => {
+    seen.frames.push([document.querySelector("#verdict").className, seen.told]);
+    requestAnimationFrame(look);
+  };
+  requestAnimationFrame(look);
+}"""
+"""What the verdict is in every frame, and how many studies were answered by then."""
+
+CHANGES = {
+    "mass": "type('#mass', '200')",
+    "seals": "type('#seals', '3')",
+    "slider": "type('#mass-slider', '0.2')",
+    "arms": "document.querySelector('[data-arms=\"2\"]').click()",
+    "cut": "type('#cut-hold_end', '50')",
+    "as found": "document.querySelector('#reset').click()",
+    "hit": "document.querySelector('[data-hit]').click()",
+    "tab": "document.querySelector('[data-which=fit]').click()",
+    "specimen": "type('#specimen-temperature', '5')",
+    "removed": "document.querySelector('[aria-label=\"remove hammer.csv\"]').click()",
+}
+CHANGE = """() => {
+  const type = (at, text) => {
+    const field = document.querySelector(at);
+    field.value = text;
+    for (const kind of ["input", "change"]) {
+      field.dispatchEvent(new Event(kind, { bubbles: true }));
+    }
+  };
+  const { frames, told } = window.seen, from = frames.length;
+  %s;
+  return [from, told];
+}"""
+
+
+class Told:
+    """Answers of the server, told again: what is asked costs no study."""
+
+    def __init__(self, page):
+        self.kept, self.instead = {}, None
+        for verb in ("settle", "study", "predict"):
+            page.at.route(f"**/api/{verb}", self.answer)
+
+    def answer(self, route):
+        verb = route.request.url.rpartition("/")[2]
+        if self.instead == "gone":
+            route.abort()
+        elif self.instead:
+            status, said = self.instead
+            route.fulfill(status=status, json={"error": said})
+        elif verb in self.kept:
+            route.fulfill(body=self.kept[verb], content_type="application/octet-stream")
+        else:
+            answer = route.fetch()
+            self.kept[verb] = answer.body()
+            route.fulfill(response=answer)
+
+
+def test_no_frame_is_green_that_is_not_settled_and_of_all_open_files(visit, files):
+    page = visit()
+    told, verdict = Told(page), page.at.get_by_role("region", name="Verdict")
+    page.at.get_by_role("button", name="Try the example").click()
+    page.done()
+    told.kept.pop("study")  # of the other tab
+    page.at.evaluate(WATCH)
+
+    def colours(change):
+        """In which colours the verdict stands from a change on, before the next answer."""
+        first, before = page.at.evaluate(CHANGE % change)
+        page.at.wait_for_function("n => window.seen.frames.length > n + 3", arg=first)
+        page.still()
+        frames = page.at.evaluate("from => window.seen.frames.slice(from)", first)
+        return {colour for colour, answered in frames if answered <= before}
+
+    assert colours("document.querySelector('[data-which=joint]').click()") == {"verdict open"}
+    page.at.locator("#verdict.good").wait_for()
+    solid = page.at.locator("[data-solid]").get_attribute("data-solid")
+    for name, change in CHANGES.items():
+        assert colours(change) == {"verdict open"}, name
+        page.at.locator("#verdict.good").wait_for()
+    page.at.keyboard.press("Control+z")  # the hammer is back
+    page.at.locator("#verdict.good").wait_for()
+    for seals, instead, colour, cure in (
+        (4, (422, "no hit is left"), "bad", "Accept all that pass"),
+        (7, (422, "it is no mass"), "bad", "Take back the last change"),
+        (5, (409, "cancelled"), "open", "Judge it"),
+        (6, "gone", "bad", "Try again"),
+    ):
+        told.instead = instead
+        assert colours(f"type('#seals', '{seals}')") <= {"verdict open", f"verdict {colour}"}
+        page.at.locator(f"#verdict.{colour}").wait_for(timeout=6000)
+        told.instead = None
+        assert page.at.get_by_role("button", name="Report").is_disabled() == (colour == "bad")
+        verdict.get_by_role("button", name=cure).click()
+        page.at.locator("#verdict.good").wait_for()
+    # what stands in a field is no answer yet
+    page.at.locator("#mass").fill("200")
+    page.at.locator("#verdict.open").wait_for()
+    page.at.locator("#mass").fill("114.8")
+    page.at.keyboard.press("Tab")
+    page.at.locator("#verdict.good").wait_for()
+    # a file that asks is open, and in no verdict
+    page.at.locator("#pick").set_input_files(str(files / "bare.csv"))
+    page.at.get_by_role("heading", name="What does bare.csv hold?").wait_for()
+    page.still()
+    frames = page.at.evaluate("window.seen.frames")
+    page.at.get_by_role("button", name="seal_8mm.csv 8").click()
+    verdict.get_by_text("bare.csv is open and not part of it").wait_for()
+    page.still()
+    after = page.at.evaluate("from => window.seen.frames.slice(from)", len(frames))
+    assert "verdict good" not in {colour for colour, _ in after}
+    assert solid
+    page.complaints[:] = [one for one in page.complaints if "ERR_FAILED" not in one]

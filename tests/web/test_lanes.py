@@ -1,12 +1,16 @@
 """Workers: they answer, can be cancelled, and leave with their server."""
 
 import asyncio
+import contextlib
+import http.client
+import json
 import os
 import signal
 import subprocess
 import sys
 import time
 from pathlib import Path
+from urllib.parse import urlsplit
 
 import pytest
 
@@ -14,7 +18,7 @@ from dashpot import workflow
 from dashpot.base.errors import DataError
 from dashpot.web import wire
 from dashpot.web.lanes import FaultError, Lane, StoppedError
-from dashpot.web.store import Store
+from dashpot.web.store import Store, clear_left
 
 ON_LINUX = pytest.mark.skipif(sys.platform != "linux", reason="processes are looked up in /proc")
 
@@ -24,6 +28,18 @@ def store():
     store = Store()
     yield store
     store.remove()
+
+
+def test_what_a_killed_server_left_is_cleared_by_the_next(store, tmp_path, monkeypatch):
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    living, dead, other = Store(), tmp_path / "dashpot-dead", tmp_path / "dashpot-other"
+    for one in (dead, other):
+        one.mkdir()
+        (one / "customer.csv").write_text("1")
+    (dead / ".lock").touch()
+    clear_left()
+    assert sorted(tmp_path.iterdir()) == sorted([living.folder, other])
+    living.remove()
 
 
 def with_lane(store, work):
@@ -100,3 +116,56 @@ def test_nothing_is_left_of_a_server_that_was_killed():
         time.sleep(0.05)
     assert not any(map(alive, found))
     assert not folder.exists()
+
+
+@ON_LINUX
+def test_a_reading_can_be_cancelled_and_an_interrupt_ends_it_whatever_it_does():
+    words = [sys.executable, "-m", "dashpot", "app", "--no-browser"]
+    seal = workflow.EXAMPLES["seal_8mm.csv"]()
+    how = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    with subprocess.Popen(words, **how) as run, contextlib.ExitStack() as open_:
+        address = urlsplit(run.stdout.readline().strip())
+        cookie = {"Cookie": f"dashpot-{address.port}={address.query.partition('=')[2]}"}
+
+        def asked(path, body):
+            line = open_.enter_context(
+                contextlib.closing(
+                    http.client.HTTPConnection("127.0.0.1", address.port, timeout=60)
+                )
+            )
+            line.request("POST", path, body, cookie)
+            return line
+
+        def told(line):
+            answer = line.getresponse()
+            return answer.status, answer.read()
+
+        file = json.loads(told(asked("/api/files?name=seal.csv", seal))[1])["id"]
+        inspect = "/api/inspect", json.dumps({"file": file})
+        # who reads or computes stands still: it would never end by itself
+        for one in children(run.pid):
+            os.kill(one, signal.SIGSTOP)
+        reading = asked(*inspect)
+        while not json.loads(told(asked("/api/cancel", ""))[1])["cancelled"]:
+            time.sleep(0.05)
+        assert told(reading)[0] == 409
+        status, body = told(asked(*inspect))
+        assert (status, wire.unpacked(body)[0]["kind"]) == (200, "relaxation")
+        for one in children(run.pid):
+            os.kill(one, signal.SIGSTOP)
+        asked(*inspect)
+        asked("/api/study", json.dumps({"job": {"relaxation": file}}))
+        half = open_.enter_context(
+            contextlib.closing(http.client.HTTPConnection("127.0.0.1", address.port))
+        )
+        half.putrequest("POST", "/api/files?name=half.csv")
+        for name, value in (*cookie.items(), ("Content-Length", "1000000")):
+            half.putheader(name, value)
+        half.endheaders()
+        half.send(seal[:1000].encode())
+        time.sleep(0.3)
+        began = time.monotonic()
+        run.send_signal(signal.SIGINT)
+        _, said = run.communicate(timeout=30)
+        assert time.monotonic() - began < 3
+        assert "Traceback" not in said

@@ -7,11 +7,13 @@ import pytest
 from kit.shell import ran, told
 
 import dashpot as dp
+from dashpot.base.errors import DataError
 from dashpot.base.numbers import rounded
 from dashpot.io.readers.frf import read_frf
 from dashpot.io.readers.frf_set import read_frfs
 from dashpot.io.write import frf_uff, write_frf
 from dashpot.records.frf import FRF
+from dashpot.records.frf_set import FRFSet
 from dashpot.vibration.impact.checks import modes_within_band
 from dashpot.vibration.modal.checks import STABLE
 from dashpot.vibration.modal.shapes import phase_collinearity, phase_deviation
@@ -47,6 +49,30 @@ def modes_of(*paths, **choices):
 def asked(path, *words):
     paths = path if isinstance(path, list) else [path]
     return told("fit", *paths, *words)
+
+
+def test_a_transmissibility_has_the_poles_of_any_mass(tmp_path):
+    per_force = measured()
+    kinds = "transmissibility", "relative_transmissibility"
+    over = [per_force.to(kind, mass=0.104) for kind in kinds]
+    paths = [written(tmp_path, frf, f"{i}.csv") for i, frf in enumerate((per_force, *over))]
+    by_force, *by_base = [modes_of(path, band=(5.0, 50.0)) for path in paths]
+    for found in by_base:
+        assert found.frf.quantity.over_base
+        for one, other in zip(found.modes, by_force.modes, strict=True):
+            assert one.frequency_hz == pytest.approx(other.frequency_hz, rel=1e-6)
+            assert one.damping_ratio == pytest.approx(other.damping_ratio, rel=1e-4)
+            # of 1 kg, where 104 g were on the base
+            assert one.modal_mass == pytest.approx(other.modal_mass / 0.104, rel=1e-4)
+    text = ran("compare", str(paths[0]), str(paths[1]), "--band", "5:50Hz").output
+    assert "those of 1 kg" not in text
+    assert "those of 1 kg on the base" in ran("fit", str(paths[1]), "--band", "5:50Hz").output
+
+
+def test_points_over_a_base_and_per_force_are_no_one_set():
+    frf = measured()
+    with pytest.raises(DataError, match="of '2' is transmissibility, that of '1' accelerance; exp"):
+        FRFSet((frf, frf.to("transmissibility", mass=0.1)))
 
 
 @pytest.mark.parametrize("kind", ["accelerance", "mobility", "receptance", "dynamic_stiffness"])

@@ -464,6 +464,26 @@ def test_leftovers_are_cleaned(kept, raw):
     assert not left.exists()
 
 
+def test_what_killed_runs_left_is_listed_and_cleared(kept, tmp_path):
+    (tmp_path / "lot").mkdir()
+    places = kept.folder / "records", tmp_path / "lot"
+    left = [one / ".0123456789abcdef.part" for one in places]
+    for one in left:
+        one.write_text("half")
+    assert failures(kept) == []  # it may still be written to
+    for one in left:
+        os.utime(one, (1, 1))
+    assert failures(kept) == ["nothing_half_written"]
+    (tmp_path / "lot" / ".hidden.part").write_text("a user's own")
+    told = ran("verify", tmp_path / "lot")
+    assert (told.exit_code, left[1].exists()) == (0, True)
+    assert ".0123456789abcdef.part" in told.stdout
+    assert "cleared .0123456789abcdef.part" in ran("verify", left[1].parent, "--overwrite").stdout
+    assert not left[1].exists()
+    assert (tmp_path / "lot" / ".hidden.part").exists()
+    assert ran("verify", tmp_path / "lot").exit_code == 2
+
+
 def test_a_folder_that_was_killed_while_it_was_made_is_no_obstacle(tmp_path):
     (tmp_path / ".0123456789abcdef.part").write_text("half")
     assert folder.create(tmp_path).folder == tmp_path

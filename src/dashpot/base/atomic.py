@@ -3,11 +3,46 @@
 from __future__ import annotations
 
 import os
+import re
 import stat
+import time
 from pathlib import Path
+
+from dashpot.base.errors import DataError
+from dashpot.base.escapes import escaped
 
 PART = ".part"
 """How the name of a file ends that is not yet whole."""
+
+
+def named(path: str | Path) -> Path:
+    r"""Return a path that a file system can have.
+
+    Raises
+    ------
+    DataError
+        If there is a zero byte in it.
+
+    >>> named("seal\0.csv")
+    Traceback (most recent call last):
+    ...
+    dashpot.base.errors.DataError: seal\x00.csv: a zero byte is in this name; give another
+    """
+    if "\0" in os.fspath(path):
+        raise DataError(f"{escaped(str(path))}: a zero byte is in this name; give another")
+    return Path(path)
+
+
+_LEFT = re.compile(rf"\.[0-9a-f]{{16}}\{PART}")
+_SURELY = 60.0
+"""Seconds after which nobody writes such a file any more."""
+
+
+def half_written(folder: str | Path) -> list[Path]:
+    """Return the files that runs which were killed left in a folder and below it."""
+    found = (one for one in Path(folder).rglob(f".*{PART}") if _LEFT.fullmatch(one.name))
+    until = time.time() - _SURELY
+    return sorted(one for one in found if one.is_file() and one.lstat().st_mtime < until)
 
 
 def write_whole(path: str | Path, content: bytes) -> None:
@@ -18,11 +53,13 @@ def write_whole(path: str | Path, content: bytes) -> None:
 
     Raises
     ------
+    DataError
+        If no file can have that name.
     OSError
         If the folder is missing or cannot be written to, or the disk is full; what stood at
         `path` then stands there still.
     """
-    place = Path(os.path.realpath(path))
+    place = Path(os.path.realpath(named(path)))
     mode = place.stat().st_mode if place.exists() else None
     if mode is not None and not stat.S_ISREG(mode):
         place.write_bytes(content)

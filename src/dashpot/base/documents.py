@@ -131,14 +131,6 @@ def plain(value: Any) -> Any:
     """
     if value is None or isinstance(value, str | int):
         return value
-    if isinstance(value, Documented):
-        return value.document
-    if isinstance(value, tuple) and hasattr(value, "_fields"):
-        return {name: plain(getattr(value, name)) for name in value._fields}
-    if isinstance(value, Mapping):
-        return {str(key): plain(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [plain(item) for item in value]
     if is_dataclass(value):
         return {
             one.name: plain(getattr(value, one.name))
@@ -151,6 +143,16 @@ def plain(value: Any) -> Any:
     return plain(value.tolist()) if hasattr(value, "tolist") else value
 
 
+@plain.register(list)
+@plain.register(tuple)
+def _(value: Any) -> Any:
+    if hasattr(value, "_fields"):
+        return {name: plain(getattr(value, name)) for name in value._fields}
+    return [plain(item) for item in value]
+
+
+plain.register(Documented, lambda value: value.document)
+plain.register(Mapping, lambda value: {str(key): plain(one) for key, one in value.items()})
 plain.register(float, lambda value: json_number(float(value)))
 plain.register(Enum, lambda value: value.value)
 plain.register(Status, lambda value: value.name.lower())

@@ -7,6 +7,9 @@ import re
 # controls but tab and line feed, marks that turn the direction of writing, bytes that are no text
 _CONTROL = "\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff"
 _OBEYED = re.compile(f"[{_CONTROL}]")
+_FORMULA = re.compile(r"[=+@|%\-\uff1d\uff0b\uff0d\uff20]")
+"""What a spreadsheet takes for the beginning of a formula, as wide letters, too."""
+_CELL = re.compile(rf"""(?<=[,;])( ?"?)(?={_FORMULA.pattern})""")
 _COLOUR = re.compile(f"(\x1b\\[(?:[012]|[39][0-7])(?:;(?:[012]|[39][0-7]))*m)|[{_CONTROL}]")
 
 
@@ -28,6 +31,27 @@ def escaped(text: str, *, colours: bool = False) -> str:
 def escaped_json(text: str) -> str:
     """Return a JSON document with those signs as JSON escapes: it holds the same."""
     return re.sub(f"(?!\n)[{_CONTROL}]", lambda found: f"\\u{ord(found[0]):04x}", text)
+
+
+def neutral(cell: str) -> str:
+    """Return a text cell that no spreadsheet takes for a formula.
+
+    >>> neutral("=1+1"), neutral("m_1")
+    ("'=1+1", 'm_1')
+    """
+    line = " ".join(cell.split())
+    return "'" + line if _FORMULA.match(line) else line
+
+
+def remark(said: str) -> str:
+    """Return a comment of a CSV file on one line, with no formula behind a comma in it.
+
+    A spreadsheet parts a comment into cells like any other line.
+
+    >>> remark("seal, =1+1, -0.5 mN")
+    "seal, '=1+1, '-0.5 mN"
+    """
+    return _CELL.sub(r"\1'", " ".join(said.split()))
 
 
 def _written(sign: str) -> str:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
+from contextlib import suppress
 
 
 def interpreter(module: str, *flags: str) -> list[str]:
@@ -13,6 +15,15 @@ def interpreter(module: str, *flags: str) -> list[str]:
     """
     start = f"import sys; sys.path[:] = {sys.path!r}; from {module} import main; main()"
     return [sys.executable, "-P", *flags, "-c", start]
+
+
+def end_group(leader: int) -> None:
+    """End a process that was started as the first of a session, and all that it started."""
+    with suppress(ProcessLookupError):
+        if sys.platform == "win32":
+            os.kill(leader, signal.SIGTERM)
+        else:
+            os.killpg(leader, signal.SIGKILL)
 
 
 def one_thread() -> dict[str, str]:

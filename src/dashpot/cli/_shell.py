@@ -59,6 +59,13 @@ class Outcome(NamedTuple):
     verdict: Verdict | None = None
     follow: str = ""
 
+    @classmethod
+    def of(cls, found: Any, *, follow: str = "") -> Outcome:
+        """What is told of a result that was judged: its text, its checks and its verdict."""
+        from dashpot.told import text_of
+
+        return cls(found, text_of(found), found.checks, verdict=found.verdict, follow=follow)
+
     @property
     def weighty(self) -> list[Check]:
         """The checks that failed and are more than a note."""

@@ -17,8 +17,6 @@ from dashpot.cli._grammar import group, of, opt, refuse_others, rest, verb
 from dashpot.cli._options import HITS, MASS, READING, VIBRATION
 from dashpot.cli._recognised import called, kinds_of, recognised, tell
 from dashpot.cli._shell import File, Outcome, grams, typed, write_figure
-from dashpot.told import modes as modes_text
-from dashpot.told import text as text_of
 from dashpot.told.layout import Text
 from dashpot.workflow.job import Job
 
@@ -125,8 +123,7 @@ def _prediction(
         again = options.given(READING, HITS)
         why = "fits both tests together"
         follow = typed("fit", *tests, *measured, *family, *rig, *again, why=why)
-    said = text_of.agreement(found)
-    return Outcome(found, said, found.checks, verdict=found.verdict, follow=follow)
+    return Outcome.of(found, follow=follow)
 
 
 def _frfs(first: str, others: Sequence[str], said: dict[str, Any]) -> Outcome:
@@ -138,8 +135,7 @@ def _frfs(first: str, others: Sequence[str], said: dict[str, Any]) -> Outcome:
         modes = [one.mode for one in found.modes]
         stamp = dp.plot.stamp(found.frf.source)
         write_figure(said["picture"], dp.plot.stabilisation(chart, modes, stamp=stamp))
-    checks = found.frf.checks
-    return Outcome(found, modes_text.modes(found), checks, verdict=found.verdict)
+    return Outcome.of(found)
 
 
 def _lots(first: str, second: str, quantities: tuple[str, ...]) -> Outcome:

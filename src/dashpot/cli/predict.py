@@ -19,7 +19,6 @@ from dashpot.cli._recognised import recognised
 from dashpot.cli._shell import File, Outcome, grams, printed, typed, write, write_figure
 from dashpot.cli._values import OneOf, WithUnit
 from dashpot.io.options import ReadOptions
-from dashpot.told import text as text_of
 from dashpot.told.closing import closing_text
 from dashpot.told.door import door
 from dashpot.told.layout import Text
@@ -97,7 +96,6 @@ def _under_mass(
     output: str | None,
     hammer: Any,
     mass: float | None,
-    band: tuple[float, float] | None,
     **choices: Any,
 ) -> Outcome:
     """Predict the response of a mass on the seals, or on parts of a material."""
@@ -107,7 +105,7 @@ def _under_mass(
     if output and len(choices["at_level"].levels) > 1:
         raise click.UsageError("-o holds the FRF at one level: ask one --level, or leave -o out")
     found = workflow.predict_files(
-        fitted, mass=mass, band=band or _BAND, relative=hammer.motion == "relative", **choices
+        fitted, mass=mass, relative=hammer.motion == "relative", **choices
     )
     seals = choices["seals"]
     if picture:
@@ -115,17 +113,7 @@ def _under_mass(
         write_figure(picture, _figure(found, named))
     if output:
         _keep(found, output)
-    return Outcome(
-        found,
-        text_of.prediction(found),
-        found.checks,
-        verdict=found.verdict,
-        follow="" if found.of_part else _follow(fit, mass, seals),
-    )
-
-
-_BAND, _DOOR_BAND = (1.0, 50.0), (1.0, 200.0)
-"""Hz, where none is said."""
+    return Outcome.of(found, follow="" if found.of_part else _follow(fit, mass, seals))
 
 
 def _keep(found: workflow.Prediction, path: str) -> None:
@@ -190,14 +178,13 @@ def _door(
         raise click.UsageError(f"-o {output}: of a door everything is written, as .json.")
     found = closed = None
     if speed is None or every:
-        found = workflow.door_file(path, band=band or _DOOR_BAND, temperature=temperature)
+        found = workflow.door_file(path, band=band, temperature=temperature)
     if speed is not None:
         closed = workflow.close_file(path, speed, temperature=temperature)
-    if picture and closed is not None:
-        write_figure(picture, dp.plot.closing(closed))
-    elif picture and found is not None:
-        write_figure(picture, dp.plot.door(found))
     outcome = _of_door(found, closed, every=every)
+    if picture:
+        shown: Any = found if closed is None else closed
+        write_figure(picture, shown.plot())
     if output:
         write(output, printed(outcome.found) + "\n")
     return outcome
@@ -210,10 +197,9 @@ def _of_door(
     if closed is None:
         assert found is not None  # noqa: S101
         return Outcome(found, door(found, every=every), found.checks, verdict=found.verdict)
-    shuts = closing_text(closed.closing)
     if found is None:
-        return Outcome(closed, shuts, closed.checks, verdict=closed.verdict)
-    said = door(found, every=every)
+        return Outcome.of(closed)
+    said, shuts = door(found, every=every), closing_text(closed.closing)
     checks = tuple(dict.fromkeys((*found.checks, *closed.checks)))
     text = Text([*said.lines, *shuts.lines], [*said.details, *shuts.details], said.asked)
     return Outcome(Both(found, closed), text, checks, verdict=verdict(checks, sound=closed.sound))

@@ -172,7 +172,7 @@ def _amplitude(files: tuple[str, ...], output: str | None, reading: ReadOptions)
     output = output or "report.html"
     claim([output])
     write(output, workflow.html(found))
-    return Outcome(found, text_of.levels(found), found.checks, verdict=found.verdict)
+    return Outcome.of(found)
 
 
 def _follow(job: Job, study: Study) -> str:

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from pathlib import Path
 
 import click
 
 from dashpot import workflow
+from dashpot.base.atomic import half_written
 from dashpot.base.checks import Check, verdict
 from dashpot.base.documents import Documented
+from dashpot.base.errors import ReadError
+from dashpot.base.numbers import counted
 from dashpot.base.sentences import lowered
 from dashpot.cli._grammar import group, opt, verb
 from dashpot.cli._options import RESULT
@@ -39,18 +43,32 @@ class Verification(Documented):
     """Recompute a project's results from its raw files and check every hash.
 
   dashpot verify door-seal/
-  dashpot verify door-seal/ --expect 5f0c...""",
-    click.Argument(["project"], type=Folder(), metavar="PROJECT"),
+  dashpot verify door-seal/ --expect 5f0c...
+  dashpot verify lot/ --overwrite
+
+Files that runs which were killed left half written are listed, in a folder of
+any results; --overwrite clears them.""",
+    click.Argument(["project"], type=Folder(), metavar="DIR"),
     group(
         RESULT,
         opt("--expect", metavar="HASH", help="Last line of its history, as you noted it."),
+        opt("--overwrite", help="Clear what killed runs left half written."),
         opt("--json", "as_json", help="Print one JSON document."),
         opt("-v", "--verbose", help="Print everything."),
     ),
 )
 def command(*, project: str, expect: str | None) -> Outcome:
     """Recompute every result; leave with 1 if anything differs."""
-    place = workflow.open_project(project)
+    left = half_written(project)
+    if click.get_current_context().obj.replace:
+        for one in left:
+            one.unlink(missing_ok=True)
+    try:
+        place = workflow.open_project(project)
+    except ReadError:
+        if not left or expect is not None:
+            raise
+        return _cleared(project, [one.relative_to(project).as_posix() for one in left])
     checks = workflow.verify(place, page=workflow.html, expect=expect)
     every = [
         f"  {'ok' if check.passed else '--'}  {check.says}" for check in checks if not check.failed
@@ -62,6 +80,16 @@ def command(*, project: str, expect: str | None) -> Outcome:
         must_pass=True,
         verdict=verdict(checks, sound=_sound(checks)),
     )
+
+
+def _cleared(folder: str, left: list[str]) -> Outcome:
+    """What is said of a folder that is no project."""
+    check = workflow.left_by_killed_runs(Path(folder))
+    found = Verification(folder, "", (check,))
+    did = "left" if check.failed else "cleared"
+    gone = f"{counted(len(left), 'half-written file')} {did}"
+    text = Text([f"{did} {one}" for one in left], [])
+    return Outcome(found, text, (check,), verdict=verdict((check,), sound=gone))
 
 
 def _sound(checks: Iterable[Check]) -> str:

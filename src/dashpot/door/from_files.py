@@ -110,10 +110,14 @@ def _parts_of(door: Door) -> Iterator[tuple[str, Solid]]:
             raise ReadError(f"{support.fit} holds a {type(found).__name__}; expected a fit")
 
 
+BAND = (1.0, 200.0)
+"""Hz, where none is said."""
+
+
 def door_file(
     path: str | Path | Door,
     *,
-    band: tuple[float, float] = (1.0, 200.0),
+    band: tuple[float, float] | None = None,
     temperature: float | None = None,
 ) -> DoorResult:
     """Find the modes of a door on its seal, its FRFs, and how it follows a base that shakes.
@@ -122,8 +126,8 @@ def door_file(
     ----------
     path : path or Door
         TOML, as :func:`~dashpot.door.read.read_door` reads it, or what it reads.
-    band : (float, float)
-        Of the FRFs and modes, Hz.
+    band : (float, float), optional
+        Of the FRFs and modes, Hz; 1 to 200 Hz by default.
     temperature : float, optional
         Of the seal, K, instead of what the file says.
 
@@ -133,6 +137,7 @@ def door_file(
         If a file cannot be read, or what it says cannot be.
     """
     assembly, fit = open_door(path, temperature=temperature)
+    band = band or BAND
     with named(path):
         system, bare = assembly.system(), assembly.system(sealed=False)
         modes = door_modes(assembly, band[1])

@@ -191,10 +191,12 @@ class Deck:
         verified: str = NOT_VERIFIED,
         remarks: Sequence[str] = (),
         table: Table | None = None,
+        said: Callable[[str], str] = one_line,
     ) -> DeckText:
         """The text of the deck: its header behind the target's comment sign, then its cards.
 
         What a `table` is follows the remarks, and which of its rows the test says nothing of.
+        `said` is how the target takes a line of others' words.
         """
         informed = self._informed(table)
         found = self._verdict(informed)
@@ -207,7 +209,7 @@ class Deck:
             *(() if table is None else (table.sentence,)),
             *(f"EXTRAPOLATED: {check.says}" for check in informed if check.failed),
         ]
-        lines = [*(f"{comment} {one_line(line)}" for line in header), *body, ""]
+        lines = [*(f"{comment} {said(line)}" for line in header), *body, ""]
         made = DeckText("\n".join(lines))
         made.verdict, made.overrides = found, self.overrides
         made.checks = (*self.checks, *informed)

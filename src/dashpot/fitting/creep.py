@@ -30,6 +30,7 @@ from dashpot.engine.inference.order import MIN_K_OVER_SE, bic, significant
 from dashpot.engine.solver.variable_projection import Solution, solve
 from dashpot.fitting.assembly import assembled
 from dashpot.fitting.checks import creep as checks
+from dashpot.fitting.checks.curves import plateau_told
 from dashpot.fitting.checks.relaxation import residuals_steady
 from dashpot.fitting.checks.solid import (
     arms_distinct,
@@ -39,18 +40,22 @@ from dashpot.fitting.checks.solid import (
     residuals_random,
     tau_inside_window,
 )
-from dashpot.fitting.design import evened
+from dashpot.fitting.design import NUISANCE, evened
 from dashpot.fitting.fit_data import DOUBTED, FitData, determinable_arms
-from dashpot.fitting.nuisance import Prior, Terms, at_rest
+from dashpot.fitting.nuisance import ROUNDING, Prior, Terms, at_rest
 from dashpot.fitting.pipeline import Chosen, asked_arms, chosen_arms
 from dashpot.fitting.retardation import FLOW, GLASS, Retarded, spectrum_of
 from dashpot.fitting.spectrum import shared_where_few_fall_short
 from dashpot.fitting.superposition.superpose import superpose
+from dashpot.fitting.uncertainty.curve_data import ENOUGH, CurveData, curve_data
 from dashpot.fitting.uncertainty.estimate import SolutionEstimate, estimated, rounding
 from dashpot.fitting.uncertainty.informed_band import informed_band
+from dashpot.fitting.uncertainty.left_open import end_of_curve
 from dashpot.fitting.uncertainty.load_error import load_rows
+from dashpot.fitting.weighed_relaxation import noise_power
 from dashpot.preparation.checks import of_temperature
-from dashpot.preparation.creep import load_hold
+from dashpot.preparation.creep import OF_A_COUNT, load_hold
+from dashpot.records.bounds import EndOfHold
 from dashpot.records.creep import Creep, CreepCompliance, CreepTest, LoadHold
 from dashpot.records.fit import Evidence, Fit, Provenance
 from dashpot.records.machine import Machine
@@ -59,18 +64,13 @@ from dashpot.records.superposition import AsMeasured, Superposition
 from dashpot.signals.segments import find_segments
 from dashpot.solids.interconversion import CreepSpectrum
 
-_NUISANCE = ("offset", "drift", "delay")
 # retardations of the first solution, which tells the velocity
 _ROUGH = 2
 _FEWEST = 5
-# nothing of a record is known better than this part of its travel
-_ROUNDING = 1e-9
 # retardations faster than so many times what the load resolves are none
 _RESOLVED = 4.0
 # loads this far apart, in parts of the highest, are two levels
 _APART = 0.2
-# standard deviation of a reading in counts
-_OF_A_COUNT = 12**-0.5
 
 
 def fit_creep(
@@ -187,30 +187,34 @@ class _BeforeLoad(NamedTuple):
         return Terms(each, -self.at, self.least)
 
 
-def known_before(record: LoadHold) -> _BeforeLoad:
-    """Return what the samples before the load say of its zero, its drift and its clock."""
+def known_before(record: LoadHold, *, claimed: bool = False) -> _BeforeLoad:
+    """Return what the samples before the load say of its zero, its drift and its clock.
+
+    `claimed` for limits, which bear all that a rig may drift unseen.
+    """
     time, x = record.time - record.time[0], record.displacement
     first = int(np.searchsorted(record.time, record.onset))
     travel = float(np.ptp(x))
     count = quantum(x)
-    noise = max(record.displacement_noise, _OF_A_COUNT * count)
+    noise = max(record.displacement_noise, OF_A_COUNT * count)
     # load cell and displacement both drift
     both, duration = float(np.sqrt(2)) * travel, float(record.time[-1] - record.onset)
-    usual = Machine().drift_sd(both, duration)
+    unseen = noise if claimed else None
+    usual = Machine().drift_sd(both, duration, unseen)
     slope = Prior(0.0, np.inf)
     if first >= _FEWEST:
         offset, at, slope = at_rest(time[:first], x[:first], record.displacement_noise)
         # a reading that stands on one count hides a part of the next
-        offset = Prior(offset.mean, max(offset.sd, _OF_A_COUNT * count))
+        offset = Prior(offset.mean, max(offset.sd, OF_A_COUNT * count))
         slope = Prior(slope.mean, max(slope.sd, count / float(time[first - 1])))
     else:
         # under load from the first sample on, the channel's own zero is all there is
         loaded = abs(record.load[0]) > 0.5 * record.level
         offset, at, first = Prior(0.0 if loaded else float(x[0]), noise), 0.0, 0
-    *drift, told_drift = Machine().drift_told(slope, both, duration)
+    *drift, told_drift = Machine().drift_told(slope, both, duration, unseen)
     delay = Prior(0.0, median(np.diff(record.time)))
     return _BeforeLoad(
-        offset, at, Prior(*drift), delay, first, noise, _ROUNDING * travel, usual, told_drift
+        offset, at, Prior(*drift), delay, first, noise, ROUNDING * travel, usual, told_drift
     )
 
 
@@ -230,7 +234,7 @@ def _impulse(time: FloatArray, load: FloatArray) -> FloatArray:
 def _answer(block: DataBlock, solution: Solution) -> FloatArray:
     """The displacement that a solution gives at every sample, without its nuisance terms."""
     rows = block.exact.evaluate(solution.log_tau, False)
-    fixed = [0.0 if name in _NUISANCE else solution.coefficient(name) for name in block.fixed_names]
+    fixed = [0.0 if name in NUISANCE else solution.coefficient(name) for name in block.fixed_names]
     return np.asarray(rows.fixed @ fixed + rows.arms @ solution.arms[0])
 
 
@@ -280,15 +284,17 @@ def _fit_of_test(record: LoadHold, found: Retarded, arms: int | Literal["auto"])
         noise=max(found.estimate.spread, 1e-6 * found.data.peak, 1e-300),
     )  # fmt: skip
     window = (2 * float(np.diff(record.time).min()), record.hold_time)
+    end = _end_of_test(record, found)
     answers = (
         found.ended,
         *_checks(found, record.unit, window, "the record"),
         *_flow_checks(creep, record.hold_time),
-        checks.creep_finished(creep, record.hold_time, _most(record), unit=record.unit),
+        checks.creep_finished(creep, record.hold_time),
+        *_plateau_checks(creep, end, record.unit),
         *_drift_checks(record, found),
         checks.displacement_followed(record, residual),
         checks.levels_agree(*_departure(record, found)),
-        residuals_steady([residual], rounding=_ROUNDING * found.data.peak),
+        residuals_steady([residual], rounding=ROUNDING * found.data.peak),
         frequencies_informed(band),
     )
     word = "m" if record.unit == "N/m" else "1"
@@ -299,6 +305,7 @@ def _fit_of_test(record: LoadHold, found: Retarded, arms: int | Literal["auto"])
             found.orders,
             found.certificate,
             checks=(*record.checks, *answers),
+            end_of_hold=end,
             creep=found.creep,
         ),
         Provenance(
@@ -377,13 +384,33 @@ def _drift_checks(record: LoadHold, found: Retarded) -> list[Check]:
     return [checks.drift_is_no_flow(drift, known.usual, told=known.told)]
 
 
-def _most(record: LoadHold) -> float:
-    """The stiffness that k_inf cannot exceed: force over displacement when the hold ends."""
-    hold = record.hold
-    last = slice(hold.stop - max(1, (hold.stop - hold.start) // 50), hold.stop)
-    first = int(np.searchsorted(record.time, record.onset))
-    zero = float(record.displacement[:first].mean()) if first else 0.0
-    return float(record.load[last].mean() / (record.displacement[last].mean() - zero))
+def _plateau_checks(creep: CreepSpectrum, end: EndOfHold | None, unit: str) -> list[Check]:
+    """Whether a part that is said to come to rest has done so, where that was asked."""
+    return [] if end is None or creep.flow > 0 else [plateau_told(end, unit)]
+
+
+def _end_of_test(record: LoadHold, found: Retarded) -> EndOfHold | None:
+    """What the record leaves open of force over displacement when its hold ends.
+
+    Its rig drifts as one that is not described may, and gives under the load.
+    """
+    block, residual = found.data.blocks[0], found.estimate.residuals[0]
+    if FLOW not in block.fixed_names:
+        time = evened(record.time - record.time[0])
+        own = slice(len(time) - len(residual), None)
+        block = block.with_column(FLOW, _impulse(time, record.load)[own])
+    terms = known_before(record, claimed=True).terms
+    if record.unit == "N/m":
+        give = Machine().give_sd(float(np.ptp(record.displacement)), record.level)
+        terms = terms.beside(**{GLASS: Prior(0.0, give / record.level)})
+    power = max(noise_power(residual), block.rounding_floor)
+    worth = len(residual) * float(np.mean(residual**2)) / power
+    data = CurveData(
+        block.weighted(1 / float(np.sqrt(power))), block.window, worth - len(block.fixed_names),
+        terms=terms,
+    )  # fmt: skip
+    lam = found.spectrum.lam
+    return end_of_curve(data, "creep", time=record.hold_time, own=found.model, further=lam)
 
 
 def _departure(record: LoadHold, found: Retarded) -> tuple[float | None, float | None]:
@@ -454,20 +481,33 @@ def _of_curve(
         found.append(chosen_arms(data, count, max_arms=max_arms, thorough=thorough))
     best = _better(found)
     creep, unit = best.spectrum, curve.stiffness_unit
+    end = None
+    if len(t) >= ENOUGH:
+        flows = _curve_block(t, values, weight, window, flows=True)
+        data = curve_data(flows, t, window=(window[0], 10 * window[1]))
+        end = end_of_curve(data, "creep", time=float(t[-1]), own=best.model, further=creep.lam)
     answers = (
         *origin.checks,
         best.ended,
         *of_temperature(curve.specimen),
         *_checks(best, unit, window, "the curve"),
         *_flow_checks(creep, float(t[-1])),
-        checks.creep_finished(creep, float(t[-1]), 1 / float(values[-1]), unit=unit),
+        checks.creep_finished(creep, float(t[-1])),
+        *_plateau_checks(creep, end, unit),
         checks.compliance_followed(best.estimate.rms, best.model.arms),
     )
     step = _step(best, f"{len(t)} values of a creep compliance", arms)
     band = 1 / (2 * np.pi * float(t[-1])), 1 / (2 * np.pi * float(t[0]))
     return assembled(
         best.outcome(replace(best.residual, unit="1")),
-        Evidence(band, best.orders, best.certificate, checks=answers, creep=best.creep),
+        Evidence(
+            band,
+            best.orders,
+            best.certificate,
+            checks=answers,
+            end_of_hold=end,
+            creep=best.creep,
+        ),
         Provenance("creep", origin.sources, (*origin.steps, step), curve.specimen),
         unit=unit,
         temperatures=origin.temperatures,

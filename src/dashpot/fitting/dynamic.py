@@ -21,7 +21,7 @@ from dashpot.fitting.checks.curves import (
     data_agree,
     kramers_kronig,
     loss_positive,
-    plateau_seen,
+    plateau,
     storage_rises,
 )
 from dashpot.fitting.checks.solid import (
@@ -43,26 +43,30 @@ from dashpot.fitting.fractional.choice import (
 from dashpot.fitting.pipeline import Chosen, asked_arms, chosen_arms
 from dashpot.fitting.repeats import refuse_copies
 from dashpot.fitting.spectrum import (
+    BEYOND,
     dynamic_master_curve,
     passive_misfit,
     relative_scale,
     spectrum_where_few_fail,
 )
 from dashpot.fitting.superposition.superpose import superpose
+from dashpot.fitting.uncertainty.curve_data import ENOUGH, curve_data
 from dashpot.fitting.uncertainty.informed_band import informed_band
+from dashpot.fitting.uncertainty.left_open import end_of_curve
 from dashpot.preparation.checks import of_temperature
 from dashpot.preparation.ramp_holds import Tests, ramp_holds
+from dashpot.records.bounds import EndOfHold
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.estimate import Residual
 from dashpot.records.fit import Evidence, Fit, Provenance
 from dashpot.records.relaxation import RampHold
 from dashpot.records.superposition import AsMeasured, Superposition
-from dashpot.solids.maxwell import Solid
+from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
 Weights: TypeAlias = Literal["relative", "modulus"]
 
-# half a decade: an arm farther out than this shows only its tail
-_BEYOND = float(np.sqrt(10.0))
+# an arm so much faster than a sweep is a dashpot to it
+_FASTER = 30.0
 # weights of one temperature, and of several
 _USUAL: tuple[Weights, Weights] = ("relative", "modulus")
 
@@ -145,6 +149,8 @@ def fit_dynamic(
     found = both.best
     band, met = _band(data, records, sets[1:], found.model.k_0)
     other = both.alternative(band, SWEEPS)
+    # relaxation tests beside it see further
+    end = None if records else _end(data, sets[0], found.model, both.arms.model.tau)
     of_data = (kramers_kronig(passive_misfit(data)), loss_positive(data), *origin.checks)
     options = (
         ("arms", str(arms)),
@@ -165,11 +171,12 @@ def fit_dynamic(
                 found.ended,
                 *of_data,
                 *of_temperature(data.specimen),
-                *_checks(found, data, records),
+                *_checks(found, data, records, end),
                 *both.checks(other),
                 *met,
             ),
             alternative=other,
+            end_of_hold=end,
         ),
         Provenance(
             "dynamic",
@@ -327,7 +334,21 @@ def _relaxations(records: Sequence[RampHold], most: int) -> list[_Set]:
     return sets
 
 
-def _checks(found: Chosen, data: DynamicTest, records: Sequence[RampHold]) -> tuple[Check, ...]:
+def _end(
+    data: DynamicTest, sweep: _Set, model: GeneralizedMaxwell, tau: Sequence[float]
+) -> EndOfHold | None:
+    """What a sweep leaves open of the storage below it; nothing of one of few lines."""
+    if len(data.frequency) < ENOUGH:
+        return None
+    slowest = 1 / float(data.omega.min())
+    window = 1 / (_FASTER * float(data.omega.max())), 10 * slowest
+    seen = curve_data(sweep.block, data.frequency, window=window)
+    return end_of_curve(seen, "sweep", time=slowest, own=model, further=tau)
+
+
+def _checks(
+    found: Chosen, data: DynamicTest, records: Sequence[RampHold], end: EndOfHold | None
+) -> tuple[Check, ...]:
     """Return the checks of the fit."""
     model, estimate, error = found.model, found.estimate, found.error
     shortest, longest = 1 / float(data.omega.max()), 1 / float(data.omega.min())
@@ -342,14 +363,16 @@ def _checks(found: Chosen, data: DynamicTest, records: Sequence[RampHold]) -> tu
             arms_supported(model, error, unit=data.unit),
             tau_inside_window(
                 model,
-                (shortest / _BEYOND, longest * _BEYOND),
+                (shortest / BEYOND, longest * BEYOND),
                 "the sweep and the holds" if records else "the sweep",
             ),
         ]
     )
     answers = [
         *of_arms,
-        plateau_seen(model, float(error[0]), unit=data.unit, further="Sweep to lower frequencies."),
+        *plateau(
+            model, float(error[0]), end, unit=data.unit, further="Sweep to lower frequencies."
+        ),
         residuals_random(estimate.kappa, estimate.rms),
         *([] if found.choice is None else [order_agreed(found.choice)]),
     ]

@@ -15,6 +15,7 @@ from dashpot.engine.inference.covariance import Noise, Series, noise_of
 from dashpot.engine.solver.descent import Stack
 from dashpot.engine.solver.variable_projection import Solution, solve, solve_orders
 from dashpot.fitting.design import Design, bound, nuisanced, solid_of
+from dashpot.fitting.nuisance import ROUNDING
 from dashpot.fitting.uncertainty.encoder import Encoder
 from dashpot.fitting.uncertainty.estimate import estimated, residual_of, rounding
 from dashpot.records.relaxation import RampHold
@@ -24,8 +25,6 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 _WEIGHED = (2 / 3, 3 / 2)
 # a fit that expects less than this part of a value does not follow it: no ground for a weight
 DOUBTED = 0.1
-# a scatter below this part of the largest value is rounding
-ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, eq=False)

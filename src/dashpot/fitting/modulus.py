@@ -15,7 +15,7 @@ from dashpot.base.sentences import lowered
 from dashpot.engine.blocks.block import DataBlock
 from dashpot.engine.blocks.hold import hold_block
 from dashpot.fitting.assembly import assembled
-from dashpot.fitting.checks.curves import modulus_falls, plateau_seen
+from dashpot.fitting.checks.curves import modulus_falls, plateau
 from dashpot.fitting.checks.solid import (
     arms_distinct,
     arms_supported,
@@ -30,11 +30,15 @@ from dashpot.fitting.spectrum import (
     spectrum_where_few_fail,
 )
 from dashpot.fitting.superposition.superpose import superpose
+from dashpot.fitting.uncertainty.curve_data import ENOUGH, curve_data
+from dashpot.fitting.uncertainty.left_open import end_of_curve
 from dashpot.preparation.checks import of_temperature
+from dashpot.records.bounds import EndOfHold
 from dashpot.records.fit import Evidence, Fit, Provenance
 from dashpot.records.modulus import RelaxationModulus
 from dashpot.records.specimen import Specimen
 from dashpot.records.superposition import AsMeasured, Superposition
+from dashpot.solids.maxwell import GeneralizedMaxwell
 
 # a dense spectrum needs a curve
 _LEAST = 3
@@ -113,6 +117,8 @@ def fit_modulus(
     found = chosen_arms(FitData([block], [block]), arms, max_arms=max_arms, thorough=thorough)
     model = found.model
     positive = t[t > 0]
+    end = _end(t, block, model)
+    told = plateau(model, float(found.error[0]), end, unit=unit, further="Measure longer.")
     asked = (
         found.ended,
         *origin.checks,
@@ -120,7 +126,7 @@ def fit_modulus(
         arms_supported(model, found.error, unit=unit),
         tau_inside_window(model, window, "the curve"),
         arms_distinct(model),
-        plateau_seen(model, float(found.error[0]), unit=unit, further="Measure longer."),
+        *told,
         residuals_random(found.estimate.kappa, found.estimate.rms),
         *([] if found.choice is None else [order_agreed(found.choice)]),
     )
@@ -134,7 +140,7 @@ def fit_modulus(
     band = float(1 / (2 * np.pi * positive[-1])), float(1 / (2 * np.pi * positive[0]))
     few = assembled(
         found.outcome(left),
-        Evidence(band, found.orders, found.certificate, checks=asked),
+        Evidence(band, found.orders, found.certificate, checks=asked, end_of_hold=end),
         Provenance("modulus", origin.sources, (*origin.steps, step), data.specimen),
         unit=unit,
         temperatures=origin.temperatures,
@@ -144,8 +150,18 @@ def fit_modulus(
         return few
     error = model.relaxation(t) / values - 1.0
     return spectrum_where_few_fail(
-        few, error, origin, lambda: master_curve(t[later], values[later]), origin.checks
+        few, error, origin, lambda: master_curve(t[later], values[later]), (*origin.checks, *told)
     )
+
+
+def _end(t: FloatArray, block: DataBlock, model: GeneralizedMaxwell) -> EndOfHold | None:
+    """What the curve leaves open of its end; nothing of one of few values."""
+    if len(t) < ENOUGH:
+        return None
+    shortest, longest = _window(t)
+    later = np.maximum(t, t[1])
+    data = curve_data(block, later, window=(shortest, 10 * longest))
+    return end_of_curve(data, "curve", time=longest, own=model, further=model.tau)
 
 
 def _at_one_temperature(

@@ -30,8 +30,8 @@ _FEWEST = 5
 _LOADED = 0.05
 # part of the ramp for which a plate may move before its encoder shows it
 _UNSEEN = 0.02
-# nothing of a record is known better than this part of its largest force
-_ROUNDING = 1e-9
+# nothing of a record is known better than this part of its largest value: the rest is rounding
+ROUNDING = 1e-9
 # standard deviation of a prior, in those of a row, that is as good as zero
 _TIGHTEST = 1e-5
 # an equality is a prior of this relative width
@@ -190,7 +190,7 @@ def terms_of(record: RampHold, *, claimed: bool = False) -> Terms:
     Of what is `claimed` as a limit the drift is as doubtful as it may be.
     """
     known = priors(record)
-    least = _ROUNDING * float(np.abs(record.force).max())
+    least = ROUNDING * float(np.abs(record.force).max())
     drift = known.doubt if claimed else known.drift
     each = {"offset": known.offset, "drift": drift, "delay": known.delay}
     return Terms(each, -known.at, least)

@@ -26,14 +26,12 @@ from dashpot.fitting.checks.solid import (
     residuals_random,
     tau_inside_window,
 )
+from dashpot.fitting.nuisance import ROUNDING
 from dashpot.fitting.repeats import end_stiffnesses
 from dashpot.preparation.checks import of_records
 from dashpot.records.bounds import EndOfHold
 from dashpot.records.relaxation import RampHold
 from dashpot.solids.maxwell import GeneralizedMaxwell
-
-# what rounding leaves of the largest force
-_ROUNDING = 1e-9
 
 
 class Residuals(NamedTuple):
@@ -128,7 +126,7 @@ def of_solid(
         worst(map(force_followed, records, left.every)),
         residuals_random(left.kappa, left.rms, max(record.force_noise for record in records)),
         *(_of_fast_arms(records, model, error) if in_arms and not solids else ()),
-        residuals_steady(left.every, rounding=_ROUNDING * peak, peak=peak),
+        residuals_steady(left.every, rounding=ROUNDING * peak, peak=peak),
     ]
 
 

@@ -44,7 +44,7 @@ from dashpot.fitting.repeats import refuse_copies
 from dashpot.fitting.temperature.of_tests import checked_temperatures, reference_of
 from dashpot.fitting.uncertainty.estimate import SolutionEstimate
 from dashpot.fitting.uncertainty.informed_band import informed_band
-from dashpot.fitting.uncertainty.left_open import end_of_hold, holding
+from dashpot.fitting.uncertainty.left_open import end_of_hold
 from dashpot.fitting.weighed_relaxation import fitted_data, held_data
 from dashpot.preparation.ramp_holds import Tests, ramp_holds
 from dashpot.records.bounds import EndOfHold
@@ -267,7 +267,7 @@ def _assembled(holds: Holds, both: FamilyChoice, design: Design, *, thorough: bo
         noise=max(found.estimate.spread, 1e-6 * found.data.peak, 1e-300),
     )
     # what it bounds is of any spectrum: few arms weigh the record as well as many
-    end = holding(_end_of_hold(records, both.arms, design), found.model)
+    end = _end_of_hold(records, both.arms, design).holding(found.model)
     other = both.alternative(band)
     steps = _motion_steps(records, design)
     return assembled(

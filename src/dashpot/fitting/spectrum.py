@@ -22,8 +22,9 @@ from dashpot.records.fit import Fit
 from dashpot.records.superposition import AsMeasured, Superposition
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
-# arms this far beyond the measured frequencies still shape the loss at their ends
-_BEYOND = float(np.sqrt(10.0))
+# arms this far beyond the measured frequencies still shape the loss at their ends, half a decade;
+# one farther out shows only its tail
+BEYOND = float(np.sqrt(10.0))
 # a loss below this part of the modulus is not weighed by its own value
 _FLAT = 1e-3
 _FINEST = 24
@@ -161,7 +162,7 @@ def dynamic_master_curve(data: DynamicTest, *, per_decade: float = 4) -> MasterC
     w = data.omega
     _all_positive("storage", data.storage)
     scale = relative_scale(data)
-    grid = _grid(1 / (_BEYOND * float(w.max())), _BEYOND / float(w.min()), per_decade)
+    grid = _grid(1 / (BEYOND * float(w.max())), BEYOND / float(w.min()), per_decade)
     x = w[:, None] * grid
     storage = np.concatenate((np.ones((len(w), 1)), x * x / (1 + x * x)), axis=1)
     loss = np.concatenate((np.zeros((len(w), 1)), x / (1 + x * x)), axis=1)
@@ -321,9 +322,16 @@ def _dense(
     )
     residual = Residual(values, values * dense.rms**2, dense.rms, unit="1")
     estimate = ParameterEstimate((), np.zeros((0, 0)), np.inf, residual, nuisance=few.nuisance)
+    end = few.end_of_hold
+    evidence = replace(
+        few.evidence,
+        certificate=None,
+        checks=(*of_data, check),
+        end_of_hold=None if end is None else end.holding(dense.model),
+    )
     return assembled(
         FoundSolid(dense.model, estimate),
-        replace(few.evidence, certificate=None, checks=(*of_data, check)),
+        evidence,
         few.provenance,
         unit=few.unit,
         temperatures=few.temperatures,

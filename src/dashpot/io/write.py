@@ -11,6 +11,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.atomic import write_whole
 from dashpot.base.errors import DataError
+from dashpot.base.escapes import neutral, remark
 from dashpot.base.provenance import Source
 from dashpot.base.units import in_unit, written
 from dashpot.base.version import byline
@@ -218,16 +219,6 @@ def frf_uff(frf: FRF, *, title: str = "dashpot FRF") -> bytes:
         return path.read_bytes()
 
 
-def neutral(cell: str) -> str:
-    """Return a text cell that no spreadsheet takes for a formula.
-
-    >>> neutral("=1+1"), neutral("m_1")
-    ("'=1+1", 'm_1')
-    """
-    line = " ".join(cell.split())
-    return "'" + line if line[:1] in set("=+-@|%") else line
-
-
 def _named(name: str) -> str:
     """A channel's name as a header cell: no delimiter, no bracket, no formula."""
     return neutral(name.translate(str.maketrans(',;\t"[]()', "        "))) or "acceleration"
@@ -246,7 +237,7 @@ def _stated(specimen: Specimen) -> list[str]:
 
 
 def _text(above: Sequence[str], head: Sequence[str], columns: Sequence[FloatArray]) -> str:
-    lines = [f"# {' '.join(line.split())}" for line in above]
+    lines = [f"# {remark(line)}" for line in above]
     lines.append(",".join(head))
     # repr is the shortest text that reads back as the same number
     cells = [map(repr, np.asarray(column, dtype=float).tolist()) for column in columns]

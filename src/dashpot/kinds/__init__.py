@@ -143,7 +143,10 @@ KINDS: Mapping[str, KindOfTest] = MappingProxyType({kind.name: kind for kind in 
         nouns={"records.frf:FRF": "plot.vibration:frf"},
         checks="vibration.modal.checks",
     ),
-    KindOfTest("transmissibility", "io.readers.frf:read_frf", page="base"),
+    KindOfTest(
+        "transmissibility", "io.readers.frf:read_frf", "workflow.measured_modes:modes_files",
+        page="base", meant="modes",
+    ),
     KindOfTest(
         "dma", _DYNAMIC, FIT_FILES, page="bench", meant="bench",
         nouns={"records.dynamic:DynamicTest": ""},
@@ -240,7 +243,11 @@ RESPONSES = tuple(kind.name for kind in KINDS.values() if kind.page in {"respons
 """Kinds that are what a mass on its seals does, over frequency."""
 
 _NOUNS = {noun: kind for kind in KINDS.values() for noun in kind.nouns}
-_FIGURES = {noun: figure for kind in KINDS.values() for noun, figure in kind.nouns.items()}
+FIGURES = {noun: figure for kind in KINDS.values() for noun, figure in kind.nouns.items()} | {
+    "door.result:DoorResult": "door.figure:door",
+    "door.closing_result:ClosingResult": "door.closing_figure:closing",
+}
+"""What draws each noun of a kind, and those of a door, which is no kind of test."""
 
 
 def row_of(noun: object) -> KindOfTest | None:
@@ -250,7 +257,7 @@ def row_of(noun: object) -> KindOfTest | None:
 
 def figure_of(noun: object) -> Any:
     """Return the function that draws a record or a result; None if none does."""
-    word = _FIGURES.get(_word(noun))
+    word = FIGURES.get(_word(noun))
     return load(word) if word else None
 
 

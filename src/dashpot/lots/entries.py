@@ -14,6 +14,7 @@ from pathlib import Path
 from string import Formatter
 from typing import Any
 
+from dashpot.base.atomic import named
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.units import Dimension, parse_quantity
 from dashpot.base.version import is_ours, is_record
@@ -148,7 +149,7 @@ def _by_place(paths: Iterable[tuple[str, str]]) -> dict[str, Entry]:
     """Each file once, by its real path; what is not read by its own, with the reason."""
     found: dict[str, Entry] = {}
     for path, aside in paths:
-        place = path if aside else os.path.realpath(path)
+        place = path if aside else os.path.realpath(named(path))
         # one text where both are the same: there may be many files
         found.setdefault(path if path == place else place, Entry(_named(path), aside=aside))
     return found

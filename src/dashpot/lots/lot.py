@@ -14,10 +14,10 @@ import numpy as np
 from dashpot.base.capability import Capability, capability
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError, ReadError
+from dashpot.base.escapes import neutral
 from dashpot.base.provenance import SIMULATED
 from dashpot.base.units import written
 from dashpot.base.version import byline
-from dashpot.io.write import neutral
 from dashpot.lots.checks import (
     files_fitted,
     fits_usable,

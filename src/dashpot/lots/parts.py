@@ -12,7 +12,7 @@ from pathlib import Path
 from tempfile import NamedTemporaryFile
 from typing import TYPE_CHECKING, Any, Literal, cast
 
-from dashpot.base.atomic import PART, write_whole
+from dashpot.base.atomic import PART, named, write_whole
 from dashpot.base.documents import plain
 from dashpot.base.errors import DataError, ExportError
 from dashpot.base.version import __version__
@@ -217,7 +217,7 @@ def claim(folder: Path) -> None:
     ------
     ExportError
     """
-    if folder.exists() and not folder.is_dir():
+    if named(folder).exists() and not folder.is_dir():
         raise ExportError(f"{folder} is a file; give a folder for the results")
     ours = set(folder.glob(PARTS)) if folder.is_dir() else set()
     foreign = sorted(set(folder.glob("*.parquet")) - ours) if folder.is_dir() else []

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 from zipfile import ZIP_DEFLATED, ZIP_STORED, ZipFile
 
 from dashpot.base.errors import ExportError
+from dashpot.base.escapes import neutral
 from dashpot.base.version import byline
-from dashpot.io.write import neutral
 from dashpot.lots.lot import Lot
 from dashpot.lots.parts import polars
 from dashpot.lots.summary import Summary

@@ -11,6 +11,7 @@ import numpy as np
 from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.numbers import rounded
 from dashpot.base.units import in_unit
+from dashpot.plot.direct import FREQUENCY
 from dashpot.plot.lines import half_power, phase_axis, smooth, unwrapped
 from dashpot.plot.picture import (
     JOINT,
@@ -39,7 +40,6 @@ from dashpot.records.frf import FRF, Kind
 from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.vibration.modal.peaks import find_peak
 
-FREQUENCY = "frequency, Hz"
 PENS = (MEASURED, PREDICTED, JOINT, *SIMPLER)
 
 # what people read: the unit, and the factor from SI

@@ -26,7 +26,7 @@ _SURELY, _HARDLY = 6.0, 4.0
 # the least readings of a part that is halved, and into how many one is cut that was
 _LEAST, _QUARTERS = 8, 4
 # standard deviation of a reading in counts
-_OF_A_COUNT = 12**-0.5
+OF_A_COUNT = 12**-0.5
 # a load with less noise than this part of it is taken as it is
 _EXACT = 1e-7
 # directions of a load whose squares are below this part of the largest are none
@@ -196,7 +196,7 @@ def _freed(
     each part is straight to its noise, and those parts are quartered: what a line then misses of
     the curve is a sixteenth of what noise would hide.
     """
-    floor = max(noise, quantum(force) * _OF_A_COUNT)
+    floor = max(noise, quantum(force) * OF_A_COUNT)
     if floor <= _EXACT * float(np.ptp(force)):
         return force, ()
     corners = _straightened(time, force)

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Self
 
 from dashpot.base.errors import ReadError
+from dashpot.base.escapes import neutral, remark
 from dashpot.base.numbers import counted
 from dashpot.base.version import __version__
 from dashpot.recording.recorder import Block, Description, Recorder
@@ -98,7 +99,7 @@ class _Log:
         self._path, self._synced = path, time.monotonic()
         when = datetime.now().astimezone().isoformat(timespec="seconds")
         self._say(f"{device.device}; recorded {when} with dashpot {__version__}")
-        self._write(",".join(("time [s]", *device.channels)) + "\n")
+        self._write(",".join(("time [s]", *map(neutral, device.channels))) + "\n")
 
     def __enter__(self) -> Self:
         return self
@@ -121,7 +122,7 @@ class _Log:
         os.fsync(self._handle)
 
     def _say(self, what: str) -> None:
-        self._write(f"# {' '.join(what.split())}\n")
+        self._write(f"# {remark(what)}\n")
 
     def _write(self, text: str) -> None:
         rest, size = text.encode(), os.fstat(self._handle).st_size

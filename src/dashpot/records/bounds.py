@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
-from typing import TypedDict
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
+from typing import Literal, TypeAlias, TypedDict
 
 import numpy as np
 
@@ -13,7 +15,7 @@ from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.facts import Fact
 from dashpot.base.numbers import duration, interval, rounded
-from dashpot.base.units import in_unit
+from dashpot.base.units import in_unit, read_in
 from dashpot.records.frf import Kind
 from dashpot.solids.maxwell import Solid
 
@@ -42,55 +44,129 @@ def naming(time: float, now: float, then: float) -> str:
     )
 
 
+# what ended, and what would have told more of it
+Ended: TypeAlias = Literal["hold", "curve", "sweep", "creep"]
+_MORE: Mapping[str, str] = MappingProxyType({
+    "hold": "Hold longer.",
+    "curve": "Measure longer.",
+    "sweep": "Sweep to lower frequencies.",
+    "creep": "Hold the load longer.",
+})  # fmt: skip
+_UNKNOWN = (math.nan, math.nan)
+
+
 @dataclass(frozen=True)
 class EndOfHold(Documented):
-    r"""What a relaxation test knows of the stiffness when it ends, and what it leaves open.
+    r"""What a test knows of the stiffness when it ends, and what it leaves open.
 
-    Limits over every non-negative spectrum that the test does not reject, of the relaxation
-    function :math:`k(t) = k_\infty + \sum_j k_j e^{-t/\tau_j}`, N/m.
+    Limits over every non-negative spectrum that the test does not reject, N/m, or Pa of a material.
+    Of a hold or a curve they are of the relaxation function
+    :math:`k(t) = k_\infty + \sum_j k_j e^{-t/\tau_j}`; of a sweep of the storage
+    :math:`K'(1/t)`, of creep of force over displacement 1/J(t) after a step of force.
 
     Attributes
     ----------
     time : float
-        T, the time that the seal was held, s; the longest of several tests.
+        T, the time that the seal was held, s; the longest of several tests. Of a sweep 1/omega of
+        its lowest line.
     k_end, k_3end : (float, float)
         k(T) and k(3 T).
     k_inf : (float, float)
         Where it ends. An arm slower than the hold is a spring to the test, so the lower limit is 0.
     falling : float
-        The steepest :math:`-dk/d\ln t` at T, N/m.
+        The steepest :math:`-dk/d\ln t` at T; nan but of a hold.
     beyond : float
         How far the fit's own k(T) lay outside its limits before they were widened to hold it, in
         their width; no document holds it.
     named : float
         Part of the width of k(T) that would be left if the drift, the compliance and the creep of
         the machine were named; nan where they are, or it was not asked.
+    k_10end : (float, float)
+        k(10 T); nan of a hold, whose drift hides it.
+    ended : str
+        ``"hold"``, ``"curve"``, ``"sweep"`` or ``"creep"``.
     """
 
-    keys = ("k_inf", "k_end", "k_3end", "time", "falling", "named")
+    keys = ("k_inf", "k_end", "k_3end", "time", "falling", "named", "k_10end", "ended")
 
     time: float
     k_end: tuple[float, float]
     k_3end: tuple[float, float]
     k_inf: tuple[float, float]
-    falling: float
+    falling: float = field(default=math.nan, compare=False)
     beyond: float = field(default=0.0, repr=False, compare=False)
     named: float = field(default=math.nan, compare=False)
+    k_10end: tuple[float, float] = field(default=_UNKNOWN, compare=False)
+    ended: Ended = "hold"
+
+    def of(self, solid: Solid, times: float = 1.0) -> float:
+        """What the limits are of, of a solid, `times` as late as T."""
+        t = times * self.time
+        if self.ended == "sweep":
+            return float(solid.complex_stiffness(omega=1 / t).real)
+        if self.ended == "creep":
+            return 1 / float(solid.creep(t))
+        return float(solid.relaxation(t))
+
+    def holding(self, own: Solid) -> EndOfHold:
+        """The limits, moved to hold a fit itself: nothing is printed outside its own interval."""
+        (low, high), here = self.k_end, self.of(own)
+        missed = max(low - here, here - high, 0.0)
+        return replace(
+            self,
+            k_end=_holding(self.k_end, here),
+            k_3end=_holding(self.k_3end, self.of(own, 3)),
+            k_10end=_holding(self.k_10end, self.of(own, 10)),
+            k_inf=(0.0, max(self.k_inf[1], own.k_inf)),
+            beyond=max(self.beyond, missed / max(high - low, 1e-300)),
+        )
 
     @property
-    def says(self) -> str:
-        """What is known at the end of the hold, what is not, and what would tell more."""
-        low, high = (in_unit(end, "N/mm") for end in self.k_end)
-        most = rounded(in_unit(self.k_inf[1], "N/mm"), (high - low) / 4)
+    def levels(self) -> float:
+        """Lowest k(10 T) over highest k(T): 1 of a plateau that is known."""
+        return self.k_10end[0] / max(self.k_end[1], 1e-300)
+
+    def says(self, unit: str) -> str:
+        """What is known at the end, what is not, and what would tell more; `unit` of stiffness."""
+        subject = self._subject(unit)
+        after = {"hold": "after the hold", "sweep": "below the sweep"}.get(self.ended, "later on")
+        return f"{subject} {after}. {self._limits(unit, 'it')}. {self.remedy}"
+
+    def told(self, unit: str) -> str:
+        """What is known at the end, in one sentence."""
+        return self._limits(unit, self._subject(unit))
+
+    def _limits(self, unit: str, subject: str) -> str:
+        word = read_in(unit)
+        low, high = (in_unit(end, word) for end in self.k_end)
+        most = rounded(in_unit(self.k_inf[1], word), (high - low) / 4)
+        beyond = ""
+        if not math.isnan(self.k_10end[0]):
+            later = interval(*(in_unit(end, word) for end in self.k_10end))
+            beyond = f", at {self._at(10)} {later} {word}"
         return (
-            f"the stiffness after the hold. At {rounded(self.time)} s it is {interval(low, high)} "
-            f"N/mm; it may fall further, and ends at {most} N/mm or below. {self.remedy}"
+            f"At {self._at(1)} {subject} is {interval(low, high)} {word}{beyond}; it may fall "
+            f"further, and ends at {most} {word} or below"
         )
+
+    def _at(self, times: float) -> str:
+        """When, or at which frequency, so many times as late as T."""
+        t = times * self.time
+        swept = self.ended == "sweep"
+        return f"{rounded(1 / (2 * math.pi * t))} Hz" if swept else f"{rounded(t)} s"
+
+    def _subject(self, unit: str) -> str:
+        of_material = unit == "Pa"
+        if self.ended == "sweep":
+            return "the storage"
+        if self.ended == "creep":
+            return "stress over strain" if of_material else "force over displacement"
+        return "the modulus" if of_material else "the stiffness"
 
     @property
     def remedy(self) -> str:
         """What would tell more of it, and how much."""
-        return self.naming or "Hold longer."
+        return self.naming or _MORE[self.ended]
 
     @property
     def naming(self) -> str:
@@ -102,25 +178,22 @@ class EndOfHold(Documented):
         return naming(self.time, half, self.named * half)
 
     def fact(self, solid: Solid, unit: str) -> Fact:
-        """The stiffness of a solid at the end of the hold, between these limits."""
-        words = f"k({duration(self.time)})"
-        return Fact("k_end", float(solid.relaxation(self.time)), *self.k_end, unit, words=words)
+        """The stiffness of a solid at the end of the test, between these limits."""
+        at = self._at(1) if self.ended == "sweep" else duration(self.time)
+        what = {"sweep": "K'", "creep": "1/J"}.get(self.ended, "k")
+        return Fact("k_end", self.of(solid), *self.k_end, unit, words=f"{what}({at})")
 
     def __mul__(self, count: float) -> EndOfHold:
         """So many parts side by side."""
+        names = ("k_end", "k_3end", "k_inf", "k_10end")
+        ends = {name: tuple(count * end for end in getattr(self, name)) for name in names}
+        return replace(self, falling=count * self.falling, **ends)
 
-        def scaled(ends: tuple[float, float]) -> tuple[float, float]:
-            return count * ends[0], count * ends[1]
 
-        return EndOfHold(
-            self.time,
-            scaled(self.k_end),
-            scaled(self.k_3end),
-            scaled(self.k_inf),
-            count * self.falling,
-            self.beyond,
-            self.named,
-        )
+def _holding(reach: tuple[float, float], value: float) -> tuple[float, float]:
+    """Limits that hold a value, where there are any."""
+    low, high = reach
+    return reach if math.isnan(low) else (min(low, value), max(high, value))
 
 
 class LeftOpen(TypedDict):

@@ -37,7 +37,7 @@ from dashpot.records.estimate import (
     StandardErrors,
 )
 from dashpot.records.specimen import Specimen
-from dashpot.records.temperature import SAME_TEMPERATURE, Shift, TemperatureShifts
+from dashpot.records.temperature import CONTRADICT, SAME_TEMPERATURE, Shift, TemperatureShifts
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, MaxwellArm, Solid
@@ -218,7 +218,7 @@ class Evidence:
     explanations : tuple of Explanation
         Of two tests that disagree, the best first.
     end_of_hold : EndOfHold or None
-        What relaxation tests know of the stiffness when they end, and of where it ends.
+        What tests know of the stiffness when they end, and of where it ends.
     creep : CreepEstimate or None
         The compliances and retardation times that were fitted to a creep test.
     alternative : Alternative or None
@@ -358,6 +358,8 @@ class Fit(ByValue, Pictured, Documented):
             return ""
         where = f"from {hertz(self.band)}"
         beyond = "Outside this band the model is an extrapolation."
+        if self.method == "full" and 1 < len(self.shifts) < CONTRADICT:
+            beyond = "Test at a third temperature: two cannot show arms that shift apart."
         stiffness, loss_factor = self.error_in_band
         if not (np.isfinite(stiffness) and stiffness < 1):
             return f"{sentence(where)} {beyond}"
@@ -384,7 +386,7 @@ class Fit(ByValue, Pictured, Documented):
         if end is not None and np.isfinite(end.k_end[1]):
             # its limits hold for every rig that may have made the test, the covariance for one
             wide = (end.k_end[1] - end.k_end[0]) / (2 * NORMAL)
-            stiffness = max(stiffness, wide / float(self.model.relaxation(end.time)))
+            stiffness = max(stiffness, wide / end.of(self.model))
         return stiffness, loss_factor
 
     def model_at(self, compression: Quantity, *, secant: bool = False) -> GeneralizedMaxwell:
@@ -529,7 +531,7 @@ class Fit(ByValue, Pictured, Documented):
     def intervals(self, level: float = 0.95) -> Intervals:
         """Confidence intervals at `level`, SI units: Student's, or the profile's where stored.
 
-        An end that the data leave open is 0 or infinite. Of relaxation tests k_inf is at most the
+        An end that the data leave open is 0 or infinite. Of a test that ends k_inf is at most the
         upper end of `left_open`, and no record bounds it from below; that end is computed at 95 %,
         and at another level its distance from the fit is in the ratio of Student's quantiles.
 
@@ -542,7 +544,7 @@ class Fit(ByValue, Pictured, Documented):
         return {**found, "k_inf": self._k_inf_between(found["k_inf"], level)}
 
     def _k_inf_between(self, formal: Interval, level: float) -> Interval:
-        """The interval of k_inf: what relaxation tests leave of it, else that of the estimate."""
+        """The interval of k_inf: what a test leaves of it, else that of the estimate."""
         end = self.end_of_hold
         if end is None:
             return formal
@@ -576,7 +578,7 @@ class Fit(ByValue, Pictured, Documented):
     def facts(self) -> tuple[Fact, ...]:
         """Every parameter of the solid with its standard error and 95 % interval.
 
-        Of relaxation tests k_inf is at most so much, and has no error.
+        Of a test that ends k_inf is at most so much, and has no error.
         """
         return self._at_most(self.estimate.facts(self.solid, self.unit))
 
@@ -586,7 +588,7 @@ class Fit(ByValue, Pictured, Documented):
         return self._at_most(self._of_arms.facts(self.model, self.unit))
 
     def _at_most(self, found: tuple[Fact, ...]) -> tuple[Fact, ...]:
-        """Facts with what relaxation tests leave of k_inf: a bound."""
+        """Facts with what a test that ends leaves of k_inf: a bound."""
         end = self.end_of_hold
         if end is None:
             return found
@@ -705,7 +707,7 @@ class Fit(ByValue, Pictured, Documented):
 
     @property
     def end_of_hold(self) -> EndOfHold | None:
-        """What relaxation tests know of the stiffness when they end; None without one."""
+        """What tests know of the stiffness when they end; None without one that does."""
         return self.evidence.end_of_hold
 
     @property
@@ -715,12 +717,13 @@ class Fit(ByValue, Pictured, Documented):
 
     @property
     def left_open(self) -> LeftOpen | None:
-        r"""Between which limits the relaxation tests leave k_inf, k(T) and k(3 T), N/m.
+        r"""Between which limits tests leave k_inf, k(T) and k(3 T), in `unit`.
 
         T is the time that the seal was held, from the end of the ramp,
         :math:`k(t) = k_\infty + \sum_j k_j e^{-t/\tau_j}`, and the limits are those over every
-        positive spectrum that the tests do not reject. No record bounds k_inf from below. None
-        where the fit is not of relaxation tests that share their stiffnesses.
+        positive spectrum that the tests do not reject. No record bounds k_inf from below. Of a
+        sweep T is 1/omega of its lowest line and k(t) the storage there; of creep 1/k(t) is the
+        compliance. None where tests of several kinds or depths were fitted.
         """
         end = self.evidence.end_of_hold
         return (

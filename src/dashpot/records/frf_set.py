@@ -52,10 +52,12 @@ class FRFSet(ByValue):
             )
         first = self.frfs[0]
         for name, one in zip(names, self.frfs, strict=True):
-            if one.quantity.over_base:
+            if one.quantity.over_base != first.quantity.over_base:
                 raise DataError(
-                    f"'{name}' is a transmissibility, a motion over another; expected motion per "
-                    "force (Python: frf.to('accelerance', mass=m))"
+                    f"the quantity of '{name}' is {one.quantity}, that of '{names[0]}' "
+                    f"{first.quantity}; expected "
+                    "motions over that of a base, or motions per force, at every point (Python: "
+                    "frf.to('accelerance', mass=m))"
                 )
             self._refuse_other_lines(name, one, first)
 
@@ -72,6 +74,21 @@ class FRFSet(ByValue):
                 f"'{name}' has another window or another length of record than "
                 f"'{self.points[0]}'; expected the same at every point: average them alike"
             )
+
+    @property
+    def over_base(self) -> bool:
+        """Whether they are motions over that of a base."""
+        return self.frfs[0].quantity.over_base
+
+    def per_force(self, *, mass: float) -> FRFSet:
+        """The same as motions per force, for a mass, kg, on the base; what is so already stays.
+
+        Poles and damping are those of any mass.
+        """
+        if not self.over_base:
+            return self
+        each = tuple(one.to(Kind.ACCELERANCE, mass=mass) for one in self.frfs)
+        return FRFSet(each, self.points)
 
     @property
     def accelerance(self) -> ComplexArray:

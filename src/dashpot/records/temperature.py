@@ -19,6 +19,8 @@ from dashpot.solids.temperature import WLF, Arrhenius, FreeShifts, TemperatureLa
 ABOVE_GLASS = 10.0
 # two temperatures within so many kelvin are one
 SAME_TEMPERATURE = 0.5
+# fewer ramps and holds at as many temperatures cannot contradict one shift of all arms
+CONTRADICT = 3
 ONE_TEMPERATURE = 2.0
 """Samples of a sweep this far apart in temperature are not one solid, K."""
 # the relaxation time, s, that is shifted by a_T however arms shift apart

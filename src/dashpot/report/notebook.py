@@ -8,8 +8,6 @@ from functools import singledispatch
 from html import escape
 
 from dashpot import plot
-from dashpot.door.closing_result import ClosingResult
-from dashpot.door.result import DoorResult
 from dashpot.io.readers.inspect import Inspection
 from dashpot.kinds import figure_of
 from dashpot.kinds.cld.from_files import Pieces
@@ -27,7 +25,7 @@ from dashpot.workflow.under_masses import ModesByMass
 
 @singledispatch
 def picture(noun: object) -> Picture:
-    """Return the picture of a noun; that of one kind of test is named in the register of kinds."""
+    """Return the picture of a noun; that of a kind of test, or a door, is named in the register."""
     draw = figure_of(noun)
     if draw is None:
         raise TypeError(f"a {type(noun).__name__} has no picture")
@@ -38,8 +36,6 @@ def picture(noun: object) -> Picture:
 picture.register(Fit, plot.stiffness)
 picture.register(Comparison, plot.comparison)
 picture.register(Study, plot.hero)
-picture.register(DoorResult, plot.door)
-picture.register(ClosingResult, plot.closing)
 
 
 @picture.register

@@ -21,6 +21,7 @@ def modes(found: MeasuredModes) -> Text:
     # the mass that moves is told by a point that is struck itself
     last = ["MPC", "MPD, deg"] if several else ["modal mass, kg"]
     rows = [["mode", "frequency, Hz", "damping ratio, %", "residue, m/(N s)", *last, "stable"]]
+    over_base = found.frf.quantity.over_base
     for number, mode in enumerate(found.modes, start=1):
         rows.append(
             [
@@ -37,7 +38,8 @@ def modes(found: MeasuredModes) -> Text:
     near = found.frf.band(*found.band)
     at = f" at each of {len(found.points)} points" if found.points else ""
     sought = f"  {len(near.frequency)} lines, {hertz(found.band)}, of the {found.frf.quantity}{at}"
-    lines = [*(table(rows) if found.modes else ()), sought]
+    unit = ["  residues and masses are those of 1 kg on the base"] if over_base else []
+    lines = [*(table(rows) if found.modes else ()), sought, *unit]
     if found.points and found.modes:
         lines += ["", *_shapes(found), "", *_macs(found)]
     if found.against:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from dashpot.kinds.indentation.record import IndentationFit
     from dashpot.records.estimate import Residual
     from dashpot.records.fit import Fit
-    from dashpot.records.frf import Mode
+    from dashpot.records.frf import Hit, Mode
     from dashpot.records.temperature import TemperatureShifts
     from dashpot.solids.elastic import ElasticLaw
     from dashpot.workflow.impacts import Agreement, ImpactResult
@@ -101,7 +101,7 @@ def _bent(found: Fit) -> list[str]:
 
 def _left_open(found: Fit) -> list[str]:
     end = found.end_of_hold
-    return [f"  not known   {ascii_only(end.says)}"] if end else []
+    return [f"  not known   {ascii_only(end.says(found.unit))}"] if end else []
 
 
 def _beside(found: Fit) -> list[str]:
@@ -238,10 +238,13 @@ def impact(found: ImpactResult) -> Text:
     if frf.quantity.over_base:
         used = f"base shaken, equal to {frf.averages} averages"
     lines.append(f"{used}; {found.estimator}; frequency resolution {spacing:.3g} Hz")
-    if not frf.hits:
-        return Text(lines)
+    return Text([*lines, *(_hits(frf.hits) if frf.hits else ())])
+
+
+def _hits(hits: Sequence[Hit]) -> list[str]:
+    """Each hit with its verdict, and why one was left out."""
     # hits of records that each begin at 0 strike at the same time
-    restarts = len({round(hit.time, 3) for hit in frf.hits}) < len(frf.hits)
+    restarts = len({round(hit.time, 3) for hit in hits}) < len(hits)
     rows = [
         ["hit", "s in its record" if restarts else "time, s", "peak, N", "pulse, ms", "verdict"]
     ]
@@ -253,11 +256,10 @@ def impact(found: ImpactResult) -> Text:
             f"{in_unit(hit.duration, 'ms'):.3g}",
             "accepted" if hit.accepted else "REJECTED",
         ]
-        for hit in frf.hits
+        for hit in hits
     ]
-    lines += table(rows)
-    lines += [f"    {hit.name}: {reason}" for hit in frf.hits for reason in hit.reasons]
-    return Text(lines)
+    left_out = (f"    {hit.name}: {reason}" for hit in hits for reason in hit.reasons)
+    return [*table(rows), *left_out]
 
 
 def levels(found: Levels) -> Text:

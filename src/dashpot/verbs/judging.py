@@ -22,7 +22,7 @@ from dashpot.verbs.fitting import Arms, Vibration, frf_of, kind_of, prepared, sh
 from dashpot.verbs.reading import Place
 from dashpot.workflow.impacts import Agreement, agreement
 from dashpot.workflow.job import Cuts, HammerChoices, LevelChoices, PartChoices
-from dashpot.workflow.predictions import Prediction, prediction
+from dashpot.workflow.predictions import BAND, Prediction, prediction
 
 if TYPE_CHECKING:
     from dashpot.door.closing_result import ClosingResult
@@ -44,8 +44,6 @@ To: TypeAlias = Literal[
     "nastran", "abaqus", "ansys", "lsdyna", "radioss", "calculix", "opensees", "adams",
     "statespace", "csv",
 ]  # fmt: skip
-BAND, DOOR_BAND = (1.0, 50.0), (1.0, 200.0)
-"""Hz, where none is said."""
 
 
 @overload
@@ -136,7 +134,7 @@ def predict(solid: Any, /, **how: Any) -> Any:
 def _door(
     door: Door,
     *,
-    band: Range = DOOR_BAND,
+    band: Range | None = None,
     close: Quantity | None = None,
     temperature: Quantity | None = None,
 ) -> DoorResult | ClosingResult:
@@ -154,7 +152,7 @@ def _bare(
     *,
     mass: Quantity,
     seals: float = 1.0,
-    band: Range = BAND,
+    band: Range | None = None,
     lines: int = 2001,
     quantity: str = "accelerance",
 ) -> FRF:
@@ -162,7 +160,7 @@ def _bare(
 
     from dashpot.vibration.systems.prediction import predict_frf
 
-    hertz = np.linspace(*si_range(band, "frequency"), lines)
+    hertz = np.linspace(*(si_range(band, "frequency") or BAND), lines)
     kilograms = si(mass, "mass")
     SIZES["mass"].refuse(kilograms)
     return predict_frf(seals * solid, mass=kilograms, frequency=hertz, kind=quantity)
@@ -174,7 +172,7 @@ def _under_mass(
     mass: Quantity,
     seals: float = 1.0,
     seal_mass: Quantity | None = None,
-    band: Range = BAND,
+    band: Range | None = None,
     lines: int = 2001,
     quantity: str | None = None,
     base: bool | str = False,
@@ -193,20 +191,19 @@ def _under_mass(
     levels = tuple(f"{one!r}{'m/s^2' if base else 'N'}" if not isinstance(one, str) else one
                    for one in said)  # fmt: skip
     choices = LevelChoices(levels=levels, height=si(height, "length"))
+    if bool(levels) != (sweep is not None):
+        raise DataError(
+            "level= is how far the part is moved, sweep= what this does to it: give both"
+        )
     swept = None
-    if levels or sweep is not None:
-        if sweep is None or not levels:
-            raise DataError(
-                "level= is how far the part is moved, sweep= what this does to it: give both"
-            )
+    if sweep is not None:
         from dashpot.kinds.level.fit import fit_amplitude
         from dashpot.workflow.at_level import swept_by
 
         swept = swept_by(fit_amplitude(sweep), sweep, choices, unit=found.unit, part=part)
-    tests = (record,) if isinstance(record, RelaxationTest | RampHold) else tuple(record)
     return prediction(
         found,
-        [prepared(one, machine) for one in tests],
+        _behind(record, machine),
         mass=si(mass, "mass"),
         seal_mass=si(seal_mass, "mass"),
         seals=seals,
@@ -222,6 +219,12 @@ def _under_mass(
         swept=swept,
         base_psd=base if isinstance(base, str) else None,
     )
+
+
+def _behind(record: Records, machine: Machine | None = None) -> list[RampHold]:
+    """The tests behind a fit, prepared."""
+    tests = (record,) if isinstance(record, RelaxationTest | RampHold) else record
+    return [prepared(one, machine) for one in tests]
 
 
 @overload
@@ -310,11 +313,10 @@ def _agreement(
         at = point.compression if at is None and point.given else at
         one = one.fit
     hertz = si_range(band, "frequency")
-    tests = (record,) if isinstance(record, RelaxationTest | RampHold) else tuple(record)
     return agreement(
         one,
         frf_of([other], mass=kilograms, band=hertz, hammer=hammer),
-        tests=[prepared(each) for each in tests],
+        tests=_behind(record),
         mass=kilograms,
         seal_mass=si(seal_mass, "mass"),
         seals=1.0 if seals is None else seals,
@@ -460,11 +462,8 @@ def export(
 
     found: Any = getattr(solid, "fit", solid) if not isinstance(solid, Fit) else solid
     kelvin, metres = si(temperature, "temperature"), si(length, "length")
-    if metres is not None and hasattr(found, "provenance"):
-        piece = replace(found.specimen, length=metres)
-        found = replace(found, provenance=replace(found.provenance, specimen=piece))
-    elif metres is not None and hasattr(found, "specimen"):
-        found = replace(found, specimen=replace(found.specimen, length=metres))
+    if metres is not None:
+        found = _of_length(found, metres)
     choices: dict[str, Any] = {
         "form": form, "frequency_range": si_range(band, "frequency"), "mass": si(mass, "mass"),
         "allow": (allow,) if isinstance(allow, str) else tuple(allow), "units": unit_system,
@@ -487,3 +486,13 @@ def export(
 
         write_whole(Path(path), str(deck).encode())
     return str(deck)
+
+
+def _of_length(found: Any, metres: float) -> Any:
+    """The fit of a piece whose length in contact is known; a bare solid has no piece."""
+    if hasattr(found, "provenance"):
+        piece = replace(found.specimen, length=metres)
+        return replace(found, provenance=replace(found.provenance, specimen=piece))
+    if hasattr(found, "specimen"):
+        return replace(found, specimen=replace(found.specimen, length=metres))
+    return found

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypedDict, TypeVar, Unpack, overload
 
@@ -75,6 +75,10 @@ class How(TypedDict, total=False):
 
 _INDENTER = ("mass", "radius", "drop_height", "impact_velocity")
 _TEXT = {"skip": "skip_rows"}
+_TAKEN: Mapping[str, Callable[[Any], Any]] = {
+    "units": dict, "axis": str, "calibration": str, "rate": lambda rate: si(rate, "frequency"),
+}  # fmt: skip
+"""What is said under the names that the reading options have, and what they take of it."""
 
 
 @overload
@@ -172,19 +176,14 @@ def _options(how: Mapping[str, Any], kind: str | None) -> ReadOptions:
     columns = {role: _column(role, one) for role, one in (how.get("columns") or {}).items()}
     stated: dict[str, Any] = {**columns, **(how.get("part") or {})}
     stated |= {_TEXT.get(name, name): value for name, value in (how.get("text") or {}).items()}
-    stated |= {name: how[name] for name in ("units", "axis") if name in how}
-    if "calibration" in how:
-        stated["calibration"] = str(how["calibration"])
-    if "rate" in how:
-        stated["rate"] = si(how["rate"], "frequency")
-    if kind is not None:
-        stated["kind"] = kind
-    try:
-        options = ReadOptions(**stated)
-    except TypeError:
-        known = ", ".join(ReadOptions.__dataclass_fields__)
-        strange = next(name for name in stated if name not in ReadOptions.__dataclass_fields__)
-        raise DataError(f"'{strange}' is no role and no key of a file. Known are {known}") from None
+    stated |= {name: taken(how[name]) for name, taken in _TAKEN.items() if name in how}
+    known = ReadOptions.__dataclass_fields__
+    strange = next((name for name in stated if name not in known), None)
+    if strange is not None:
+        raise DataError(
+            f"'{strange}' is no role and no key of a file. Known are {', '.join(known)}"
+        )
+    options = ReadOptions(**stated | {"kind": kind})
     return options.over(load_profile(how["profile"])) if "profile" in how else options
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import hmac
 import secrets
@@ -69,8 +70,9 @@ class Guard:
             cookie = f"{self._cookie}={self.token}; {flags}".encode()
             await _plain(send, 303, "", (b"location", b"/"), (b"set-cookie", cookie))
         else:
-            # the page was told of a fault; a log would quote what it was about
-            with contextlib.suppress(Exception):
+            # the page was told of a fault, and who waits at the end is told nothing any more; a log
+            # would quote what it was about
+            with contextlib.suppress(Exception, asyncio.CancelledError):
                 await self._app(scope, receive, _guarded(send))
 
     def _refusal(self, scope: Scope, headers: dict[str, str]) -> str:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from dashpot.base.errors import DashpotError, DataError
-from dashpot.base.processes import interpreter, long_lived
+from dashpot.base.processes import end_group, interpreter, long_lived
 from dashpot.web import wire
 
 
@@ -35,8 +35,8 @@ class Lane:
         self._one = asyncio.Lock()
         self._process: asyncio.subprocess.Process | None = None
         self._since = 0.0
-        self._cancelled = False
-        self.doing = ""
+        self._cancelled = self._left = False
+        self.verb = self.doing = ""
 
     @property
     def seconds(self) -> float | None:
@@ -54,8 +54,11 @@ class Lane:
             If it was cancelled, or went wrong.
         """
         async with self._one:
+            if self._left:
+                raise StoppedError("cancelled")
             process = await self.start()
             self._since, self.doing, self._cancelled = time.monotonic(), "", False
+            self.verb = verb
             try:
                 return await self._answer(process, verb, request)
             except (asyncio.IncompleteReadError, ConnectionError):
@@ -79,7 +82,7 @@ class Lane:
             self._process = await asyncio.create_subprocess_exec(
                 *interpreter("dashpot.web.worker"), str(self._folder),
                 stdin=asyncio.subprocess.PIPE, stdout=asyncio.subprocess.PIPE,
-                env=long_lived(),
+                env=long_lived(), start_new_session=True,
             )  # fmt: skip
         return self._process
 
@@ -102,15 +105,25 @@ class Lane:
             self.doing = body.decode()
 
     def cancel(self) -> bool:
-        """End the computation with its process; True if there was one."""
+        """End the computation with its process, and who reads for it; True if there was one."""
         at_work = self.seconds is not None
-        if at_work and self._process is not None and self._process.returncode is None:
+        if at_work:
             self._cancelled = True
-            self._process.kill()
+            self.end()
         return at_work
 
-    async def close(self) -> None:
-        """End the worker."""
+    def end(self) -> None:
+        """End the worker, whatever it does."""
         if self._process is not None and self._process.returncode is None:
-            self._process.kill()
+            end_group(self._process.pid)
+
+    def leave(self) -> None:
+        """End the worker, and start no other for who still waits."""
+        self._left = True
+        self.end()
+
+    async def close(self) -> None:
+        """End the worker, and see it gone."""
+        self.leave()
+        if self._process is not None:
             await self._process.wait()

@@ -121,12 +121,12 @@ class Live:
         self._thread = threading.Thread(target=self._run, args=(recorder,), daemon=True)
         self._thread.start()
 
-    def stop(self) -> None:
-        """End the record, and wait until it is on the disk."""
+    def stop(self, patience: float = 10.0) -> None:
+        """End the record, and wait, so many seconds at most, until it is on the disk."""
         if self._recorder is not None:
             self._recorder.stop()
         if self._thread is not None:
-            self._thread.join(timeout=10)
+            self._thread.join(timeout=patience)
 
     def look(self, width: float, height: float) -> dict[str, Any]:
         """Return what there is to be seen: the state, in words, and a drawing of each channel."""

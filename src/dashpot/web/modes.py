@@ -120,7 +120,8 @@ def _tables(found: MeasuredModes) -> list[tuple[str, str]]:
         rows.append([str(i), rounded(one.frequency_hz, digits=4), residue, *own,
                      f"{one.orders} of {found.highest_order}"])  # fmt: skip
     head = ["mode", "Hz", "residue, m/(N s)", *last, "orders stable"]
-    tables = [("Modes", head, rows)]
+    of = " of 1 kg on the base" if found.frf.quantity.over_base else ""
+    tables = [(f"Modes{of}", head, rows)]
     if found.points:
         tables += _shapes(found)
     return [(title, views.piece("cells", head=head, rows=rows)) for title, head, rows in tables]

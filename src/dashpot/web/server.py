@@ -22,7 +22,8 @@ from dashpot.web.form import filled
 from dashpot.web.guard import Guard
 from dashpot.web.lanes import FaultError, Lane, StoppedError
 from dashpot.web.live import Live
-from dashpot.web.store import Store, TooLargeError
+from dashpot.web.store import Store, TooLargeError, clear_left
+from dashpot.web.words import on_page
 
 if TYPE_CHECKING:
     from starlette.applications import Starlette
@@ -42,6 +43,10 @@ MOST = 1 << 20
 ANSWERS = 32
 """Answers that are kept, so that a page that was loaded again need not wait."""
 _KINDS = {"js": "text/javascript", "css": "text/css", "svg": "image/svg+xml"}
+_READS = {"inspect", "folder", "row"}
+"""Verbs that wait for a file."""
+GRACE = 1
+"""Seconds that a connection is given when the server ends."""
 _KEPT = {"settle", "study", "bench", "level", "modes"}
 
 
@@ -82,9 +87,22 @@ class Desk:
                 self.answers.popitem(last=False)
         return found
 
+    def cancel(self) -> bool:
+        """End what may take long: a study, what is made to be taken away, a reading."""
+        long = [self.lanes["slow"]]
+        if self.lanes["settle"].verb in _READS:
+            long.append(self.lanes["settle"])
+        cancelled = [one.cancel() for one in long]
+        return any(cancelled)
+
+    def leave(self) -> None:
+        """End every worker at once: who waits for an answer is told, and holds up no end."""
+        for lane in self.lanes.values():
+            lane.leave()
+
     async def close(self) -> None:
         """End every worker, and leave nothing of the files."""
-        await asyncio.to_thread(self.live.stop)
+        await asyncio.to_thread(self.live.stop, GRACE)
         for lane in self.lanes.values():
             await lane.close()
         self.store.remove()
@@ -171,7 +189,7 @@ def application(desk: Desk) -> Starlette:
         )
 
     async def cancel(_: Request) -> Response:
-        return JSONResponse({"cancelled": desk.lanes["slow"].cancel()})
+        return JSONResponse({"cancelled": desk.cancel()})
 
     async def working(_: Request) -> Response:
         slow = desk.lanes["slow"]
@@ -184,7 +202,7 @@ def application(desk: Desk) -> Starlette:
 
     async def sentence(_: Request, error: Exception) -> Response:
         codes: dict[type, int] = {TooLargeError: 413, StoppedError: 409, FaultError: 500}
-        return JSONResponse({"error": str(error)}, status_code=codes.get(type(error), 422))
+        return JSONResponse({"error": on_page(str(error))}, status_code=codes.get(type(error), 422))
 
     async def fault(_: Request, error: Exception) -> Response:
         words = f"a fault of dashpot's own: {type(error).__name__}; the shell's command says more"
@@ -314,10 +332,21 @@ def serve(files: Sequence[str | Path] = (), *, port: int = 0, browser: bool = Tr
         listener.close()
         raise DataError(f"port {port} is taken; leave out --port to get a free one") from None
     taken = int(listener.getsockname()[1])
-    guarded = Guard(application(Desk(files)), port=taken)
+    clear_left()
+    desk = Desk(files)
+    guarded = Guard(application(desk), port=taken)
     address = f"http://127.0.0.1:{taken}/?token={guarded.token}"
     print(address, flush=True)  # noqa: T201 -- the one line that a program may wait for
     if browser:
         webbrowser.open(address)
-    config = uvicorn.Config(guarded, log_level="error", access_log=False, lifespan="on")
-    uvicorn.Server(config).run(sockets=[listener])
+    config = uvicorn.Config(
+        guarded, log_level="error", access_log=False, lifespan="on",
+        timeout_graceful_shutdown=GRACE,
+    )  # fmt: skip
+
+    class Server(uvicorn.Server):
+        async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+            desk.leave()
+            await super().shutdown(sockets)
+
+    Server(config).run(sockets=[listener])

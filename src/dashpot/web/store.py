@@ -7,14 +7,18 @@ import re
 import shutil
 import tempfile
 from collections.abc import AsyncIterator
+from contextlib import ExitStack, suppress
 from pathlib import Path
 
 from dashpot.base.errors import DataError, ReadError
+from dashpot.base.lock import alone
 
 LIMIT = 200 << 20
 """Bytes of one file, at most."""
 MOST = 120
 """Bytes of a name, at most: its end is kept, which says the format."""
+_NAMED, _LOCK = "dashpot-", ".lock"
+"""How the folder of a server is named, and what in it says that the server lives."""
 _ID = re.compile(r"[0-9a-f]{16}")
 
 
@@ -32,7 +36,10 @@ class Store:
     """
 
     def __init__(self, folder: str | Path | None = None) -> None:
-        self.folder = Path(folder or tempfile.mkdtemp(prefix="dashpot-"))
+        self.folder = Path(folder or tempfile.mkdtemp(prefix=_NAMED))
+        self._held = ExitStack()
+        if folder is None:
+            self._held.enter_context(alone(self.folder / _LOCK, str(self.folder)))
 
     async def keep(self, name: str, blocks: AsyncIterator[bytes], *, limit: int = LIMIT) -> str:
         """Write a file as it comes, and return its identity.
@@ -75,7 +82,15 @@ class Store:
 
     def remove(self) -> None:
         """Leave nothing behind."""
+        self._held.close()
         shutil.rmtree(self.folder, ignore_errors=True)
+
+
+def clear_left() -> None:
+    """Remove what servers left that were killed together with all their workers."""
+    for lock in Path(tempfile.gettempdir()).glob(f"{_NAMED}*/{_LOCK}"):
+        with suppress(DataError, OSError), alone(lock, ""):
+            shutil.rmtree(lock.parent)
 
 
 def path_in(folder: Path, identity: object) -> Path:

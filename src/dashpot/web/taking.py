@@ -6,9 +6,10 @@ import json
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 from dashpot import plot, workflow
+from dashpot.base.checks import Use
 from dashpot.base.errors import DataError
 from dashpot.base.progress import doing
 from dashpot.export import SUFFIXES, deck_for
@@ -23,6 +24,9 @@ from dashpot.workflow.archive import to_json
 from dashpot.workflow.job import Job
 from dashpot.workflow.study import Study
 
+_CALM = get_args(Use)[::-1]
+"""Verdicts, the gravest first."""
+
 
 def take(request: Mapping[str, Any], folder: Path) -> bytes:
     """A file to take away: a head with its name and kind, then its bytes."""
@@ -30,11 +34,7 @@ def take(request: Mapping[str, Any], folder: Path) -> bytes:
     what = request.get("what")
     makers: dict[object, Callable[[], tuple[str, str, str]]] = {
         "report": lambda: ("report.html", "text/html", report_html(_told(job))),
-        "fit": lambda: (
-            "fit.json",
-            "application/json",
-            to_json(results.fitted(results.of_fit(job), True, None)),
-        ),
+        "fit": lambda: ("fit.json", "application/json", to_json(_solid(request, job))),
         "joint": lambda: ("joint.json", "application/json", to_json(_joint(job))),
         "deck": lambda: _deck(request, job),
         "picture": lambda: _picture(job),
@@ -68,6 +68,31 @@ def _told(job: Job) -> Study:
     return found
 
 
+def _solid(request: Mapping[str, Any], job: Job) -> Fit:
+    """The solid that the page shows: of both tests, or of the relaxation test alone."""
+    found = (
+        _joint(job)
+        if request.get("joint") is True
+        else results.fitted(results.of_fit(job), True, None)
+    )
+    shown = request.get("solid", found.identity)
+    if shown != found.identity:
+        raise DataError(
+            f"the page shows another model ({shown}) than its choices give ({found.identity}): "
+            "wait until it is judged"
+        )
+    return found
+
+
+def _no_calmer(solid: Fit, told: Study) -> Fit:
+    """The solid with what the page holds against it, where that is graver than its own checks."""
+    own, page = (_CALM.index(one.verdict.use) for one in (solid, told))
+    if page >= own:
+        return solid
+    checks = dict.fromkeys((*solid.checks, *told.verdict.because))
+    return replace(solid, evidence=replace(solid.evidence, checks=tuple(checks)))
+
+
 def _joint(job: Job) -> Fit:
     found = results.study(job).joint
     if found is None:
@@ -77,11 +102,7 @@ def _joint(job: Job) -> Fit:
 
 def _deck(request: Mapping[str, Any], job: Job) -> tuple[str, str, str]:
     target = str(request.get("target"))
-    solid = (
-        _joint(job)
-        if request.get("joint") is True
-        else results.fitted(results.of_fit(job), True, None)
-    )
+    solid = _no_calmer(_solid(request, job), results.study(job))
     text = deck_for(
         target,
         solid,

@@ -45,6 +45,7 @@ from dashpot.report.answer import GRADES, Row
 from dashpot.report.figures import chart_of
 from dashpot.report.pages import COLOURS, environment
 from dashpot.vibration.impact.hits import cut_hits
+from dashpot.web.words import on_page
 from dashpot.workflow.inspections import InspectedFile
 from dashpot.workflow.predictions import Prediction
 from dashpot.workflow.recommendation import recommendation
@@ -311,11 +312,14 @@ def solid_table(fit: Fit) -> str:
             f"and a spectrum of {fit.model.arms} arms from {fit.model.tau[0]:.3g} to "
             f"{fit.model.tau[-1]:.3g} s, a table for a solver: fit.json holds it."
         )
-    return term_table("Model of one seal", found, more)
+    return term_table("Model of one seal", found, more, of=fit.identity)
 
 
-def term_table(title: str, found: Sequence[Term], more: str = "") -> str:
-    """Terms by unit, each with its interval and a mark, and what else is to be said of them."""
+def term_table(title: str, found: Sequence[Term], more: str = "", *, of: str = "") -> str:
+    """Terms by unit, each with its interval and a mark, and what else is to be said of them.
+
+    `of` is the identity of the fit, which a deck is then asked for.
+    """
     groups = []
     for unit in dict.fromkeys(one.unit for one in found):
         rows = [one for one in found if one.unit == unit]
@@ -323,7 +327,7 @@ def term_table(title: str, found: Sequence[Term], more: str = "") -> str:
         groups.append(
             (unit, [one._replace(pads=pads) for one, *pads in zip(rows, *columns, strict=True)])
         )
-    return piece("solid", title=title, groups=groups, more=more)
+    return piece("solid", title=title, groups=groups, more=more, of=of)
 
 
 def _pads(texts: Sequence[str]) -> list[str]:
@@ -452,6 +456,6 @@ def asked(found: InspectedFile, consequences: Sequence[Consequence]) -> str:
             words.setdefault(unit.dimension, []).append(unit.word)
     return piece(
         "asked", file=found, heading=_heading(found), stranger=_stranger(found), roles=ROLES,
-        units=words, consequences=consequences,
+        units=words, consequences=consequences, on_page=on_page,
         rows=list(zip(*(column.first for column in found.columns), strict=False)),
     )  # fmt: skip

@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 from dashpot.base.errors import DashpotError
+from dashpot.base.processes import end_group
 from dashpot.base.progress import listening
 from dashpot.web import wire
 
@@ -41,6 +42,7 @@ def _listen(source: BinaryIO, questions: queue.Queue[bytes], folder: Path) -> No
         _, length = wire.frame_head(head)
         questions.put(source.read(length))
     shutil.rmtree(folder, ignore_errors=True)
+    end_group(os.getpid())
     os._exit(0)
 
 

@@ -61,4 +61,5 @@ from .rods import rod_files as rod_files
 from .study import run as run
 from .under_masses import ModesByMass as ModesByMass
 from .under_masses import modes_by_mass as modes_by_mass
+from .verification import left_by_killed_runs as left_by_killed_runs
 from .verification import verify as verify

@@ -313,8 +313,8 @@ _FILLED: dict[type, Callable[[dict[str, Any]], dict[str, Any]]] = {
     Fit: _fit,
     ElasticLaw: _elastic,
     TemperatureShifts: _shifts,
-    # the bare contract does not say how long the seal was held, nor how the force still falls
-    EndOfHold: lambda found: {"time": np.nan, "falling": np.nan, "named": np.nan} | found,
+    # the bare contract does not say how long the seal was held
+    EndOfHold: lambda found: {"time": np.nan} | found,
     InspectedFile: _inspected,
     LevelFit: _levels,
 }

@@ -193,6 +193,18 @@ def files_listed(added: Sequence[str]) -> Finding:
     )
 
 
+@criterion("files", "<=", 0, "a note: they hold nothing that was finished", grade="note")
+def nothing_half_written(left: Sequence[str]) -> Finding:
+    """Runs that were killed left no half-written file."""
+    more = "" if len(left) <= LISTED else f" and {len(left) - LISTED} more"
+    return Finding(
+        "Runs that were killed left no half-written file",
+        len(left),
+        instead=f"Runs that were killed left {', '.join(left[:LISTED])}{more}",
+        remedy="Clear them with dashpot verify DIR --overwrite.",
+    )
+
+
 @criterion(source="SHA-256 of its bytes", grade="stop")
 def file_unchanged(file: str, number: int, *, same: bool) -> Finding:
     """Every recorded file is as it was."""

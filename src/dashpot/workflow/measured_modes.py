@@ -27,6 +27,8 @@ from dashpot.workflow.impacts import finite
 from dashpot.workflow.measured import judged
 from dashpot.workflow.modes import ImpactMode, Modes
 
+_UNIT = 1.0
+"""kg; the mass that a transmissibility leaves open."""
 SAME_MODE = 0.2
 """Relative: no mode of another set is the same one farther off than this."""
 
@@ -45,7 +47,8 @@ class PointInMode:
 class MeasuredMode(ImpactMode):
     """A mode with its residue of the receptance, m/(N s), and the mass that moves in it, kg.
 
-    Of several points they are those of the point that moves most.
+    Of several points they are those of the point that moves most; of a transmissibility those of
+    1 kg on the base.
 
     Attributes
     ----------
@@ -168,11 +171,16 @@ def modes_files(
 def modes_of(
     measured: FRFSet, *, band: tuple[float, float] | None = None, against: FRFSet | None = None
 ) -> tuple[MeasuredModes, Stabilisation]:
-    """Find the modes that FRFs share, as :func:`modes_files` does of those in files."""
-    near = within(measured, band)
+    """Find the modes that FRFs share, as :func:`modes_files` does of those in files.
+
+    Those of motions over a base are sought in what they would be per force on 1 kg: poles and
+    damping ratios are those of any mass, residues those of 1 kg.
+    """
+    pushed = measured.per_force(mass=_UNIT)
+    near = within(pushed, band)
     lines = near.frfs[0].frequency
     sought = band or (float(lines[0]), float(lines[-1]))
-    chart = stabilisation(measured, band=sought)
+    chart = stabilisation(pushed, band=sought)
     shapes = shapes_of(near)
     several = len(measured.points) > 1
     found = MeasuredModes(
@@ -190,7 +198,8 @@ def modes_of(
             f"{len(measured.points)} points are held against {len(against.points)}; "
             "expected the same ones, in the same order"
         )
-    return replace(found, against=_again(shapes, against.modes(band=sought), several)), chart
+    others = against.per_force(mass=_UNIT).modes(band=sought)
+    return replace(found, against=_again(shapes, others, several)), chart
 
 
 def _judged(
@@ -207,7 +216,8 @@ def _judged(
     top = 0 if main is None else int(np.argmax(np.abs(main.residues)))
     at = 0 if single else driven[0] if driven else top
     frf, mode = measured.frfs[at], None if main is None else main.mode
-    checks = [*judged(frf, sought, mode, driven=single or bool(driven)).checks]
+    mass = _UNIT if measured.over_base else None
+    checks = [*judged(frf, sought, mode, mass=mass, driven=single or bool(driven)).checks]
     checks.append(resonance(near.frfs[at], mode))
     if main is not None:
         modes = [one.mode for one in shapes]

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from dashpot.base.atomic import write_whole
+from dashpot.base.atomic import named, write_whole
 from dashpot.base.errors import ExportError
 from dashpot.base.version import is_ours, is_record
 
@@ -44,7 +44,7 @@ class Outputs:
             written to, named twice, in a project, or an existing file that dashpot did not write.
         """
         claimed: set[str] = set()
-        for path in map(Path, paths):
+        for path in map(named, paths):
             place = os.path.realpath(path)
             if place in claimed:
                 raise ExportError(f"{path} is named for two outputs; give each a name of its own")

@@ -64,6 +64,9 @@ from dashpot.workflow.resting import (
     rival_modes,
 )
 
+BAND = (1.0, 50.0)
+"""Hz, where none is said."""
+
 
 @dataclass(frozen=True)
 class Limited(Documented):
@@ -242,7 +245,6 @@ def predict_files(
     records: Sequence[str | Path] = (),
     *,
     mass: float,
-    band: tuple[float, float],
     part: PartChoices | None = None,
     at_level: LevelChoices | None = None,
     machine: Machine | None = None,
@@ -261,7 +263,7 @@ def predict_files(
         What is known of the machine of those tests.
     options : ReadOptions, optional
         What the user said of their files.
-    mass, band, part, at_level, asked
+    mass, part, at_level, asked
         As of :func:`prediction`.
 
     Raises
@@ -272,9 +274,7 @@ def predict_files(
     known_of_a_test(machine, tests=len(records), add="the record (--record)")
     swept = swept_part(at_level or LevelChoices(), unit=found.unit, part=part, options=options)
     tests = prepared_files(records, machine=machine, options=options)
-    return prediction(
-        found, tests, mass=mass, band=band, part=part, at_level=at_level, swept=swept, **asked
-    )
+    return prediction(found, tests, mass=mass, part=part, at_level=at_level, swept=swept, **asked)
 
 
 def prediction(
@@ -284,7 +284,7 @@ def prediction(
     mass: float,
     seal_mass: float | None = None,
     seals: float = 1.0,
-    band: tuple[float, float],
+    band: tuple[float, float] | None = None,
     lines: int = 2001,
     kind: str | None = None,
     base: bool = False,
@@ -307,8 +307,8 @@ def prediction(
     mass, seal_mass : float
         Of the block and of one seal, kg.
     seals : float
-    band : (float, float)
-        Hz; `lines` lines are laid over it.
+    band : (float, float), optional
+        Hz, 1 to 50 Hz by default; `lines` lines are laid over it.
     kind : str, optional
         What the FRF of a force relates, as in
         :func:`~dashpot.vibration.systems.prediction.predict_frf`.
@@ -334,7 +334,7 @@ def prediction(
     """
     SIZES["mass"].refuse(mass)
     asked = _related(kind, base=base or base_psd is not None, relative=relative)
-    choices = at_level or LevelChoices()
+    choices, band = at_level or LevelChoices(), band or BAND
     moving, noted = moving_mass(mass, seal=seal_mass or 0.0, seals=seals)
     here = found if temperature is None else found.at_temperature(temperature)
     stiffer, of_part = 1.0, part is not None and part != PartChoices()

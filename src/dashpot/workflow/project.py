@@ -26,7 +26,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from dashpot.base.atomic import PART, write_whole
+from dashpot.base.atomic import PART, named, write_whole
 from dashpot.base.documents import Documented, plain
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.lock import alone
@@ -75,7 +75,7 @@ def create(folder: str | Path) -> Project:
     DataError
         If the folder holds files but is no project.
     """
-    path = Path(folder)
+    path = named(folder)
     if (path / "dashpot.toml").exists():
         return open_project(path)
     if path.exists() and any(not one.name.endswith(PART) for one in path.iterdir()):
@@ -96,7 +96,7 @@ def open_project(folder: str | Path) -> Project:
     ReadError
         If there is none, or one of a version that this dashpot cannot read.
     """
-    path = Path(folder)
+    path = named(folder)
     try:
         about = tomllib.loads((path / "dashpot.toml").read_text(encoding="utf-8"))
     except (FileNotFoundError, NotADirectoryError):

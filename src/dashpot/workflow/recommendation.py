@@ -208,6 +208,6 @@ def _end_of_hold(study: Study, solid: Fit) -> tuple[Answer, ...]:
     end = solid.end_of_hold or study.fit.end_of_hold
     if end is None:
         return ()
-    value = float(solid.solid.relaxation(end.time))
+    value = end.of(solid.solid)
     low, high = min(end.k_end[0], value), max(end.k_end[1], value)
     return (Answer("end of hold", value, low, high, end.time, bound=True),)

@@ -84,12 +84,6 @@ def _of_vibration(kinds: Mapping[str, str], *, masses: int, levels: bool, rod: b
     if masses:
         _refuse_several(kinds)
         return "joint"
-    massless = {path: kind for path, kind in kinds.items() if not KINDS[kind].meant}
-    if massless:
-        raise ReadError(
-            f"{_said(massless)}, which tells the stiffness over the mass. Give the mass of the "
-            "block, such as --mass 104g, or of a rod its --density and --shape."
-        )
     meant = _alone(set(kinds.values()))
     if meant:
         return meant

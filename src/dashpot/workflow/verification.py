@@ -6,9 +6,10 @@ import base64
 import json
 import re
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
-from dashpot.base.atomic import PART
+from dashpot.base.atomic import PART, half_written
 from dashpot.base.checks import Check
 from dashpot.base.documents import DIGEST
 from dashpot.base.errors import ReadError
@@ -72,7 +73,13 @@ def verify(
         if not any(check.failed for check in files):
             found += _again(project, line, page)
     found.append(checks.files_listed(_added(project, history)))
-    return tuple(found)
+    return (*found, left_by_killed_runs(project.folder))
+
+
+def left_by_killed_runs(folder: Path) -> Check:
+    """Whether a folder of results, of whatever kind, holds what killed runs left half written."""
+    left = half_written(folder)
+    return checks.nothing_half_written([one.relative_to(folder).as_posix() for one in left])
 
 
 def _expected(history: History, expect: str) -> Check:

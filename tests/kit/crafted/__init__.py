@@ -1,10 +1,12 @@
 """The table of crafted files: what each holds, and what must come of it; one line adds a row."""
 
+from kit.crafted.clocks import CLOCKS
 from kit.crafted.columns import COLUMNS
 from kit.crafted.dialects import DIALECTS
 from kit.crafted.layouts import LAYOUTS
 from kit.crafted.makers import MAKERS
 from kit.crafted.row import Row
+from kit.crafted.sheets import SHEETS
 from kit.crafted.treacherous import TREACHEROUS
 
-TABLE: tuple[Row, ...] = (*DIALECTS, *MAKERS, *LAYOUTS, *COLUMNS, *TREACHEROUS)
+TABLE: tuple[Row, ...] = (*DIALECTS, *MAKERS, *LAYOUTS, *COLUMNS, *CLOCKS, *SHEETS, *TREACHEROUS)

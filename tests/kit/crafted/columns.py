@@ -4,6 +4,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 
 from kit.crafted.row import (
@@ -26,6 +29,7 @@ from kit.crafted.row import (
     OVER_FORCE,
     PRESSED,
     PULLED,
+    RAMP,
     RUNG,
     SOFT,
     STORAGE,
@@ -37,6 +41,7 @@ from kit.crafted.row import (
     TRANSMISSIBILITY,
     F,
     Row,
+    Truth,
     table,
 )
 from kit.look_alikes import truth
@@ -180,10 +185,8 @@ def _once() -> list[Row]:
     ]  # fmt: skip
 
 
-def _long():
-    from dataclasses import replace
-
-    def holds(test, row) -> None:
+def _long() -> Truth:
+    def holds(test: Any, row: Row) -> None:
         assert len(test.frequency) == 400
         np.testing.assert_allclose(test.temperature, 296.15)
 
@@ -217,4 +220,45 @@ def _shaken() -> list[Row]:
     ]  # fmt: skip
 
 
-COLUMNS = [*_units(), *_factors(), *_twice(), *_once(), *_shaken()]
+def _sizes() -> list[Row]:
+    """Sizes that no test has under the unit that the file states; those that some have are read."""
+
+    def pulled(strain: str, times: float = 1.0, stress: str = "MPa", by: float = 1.0) -> bytes:
+        head = f"Strain [{strain}];Stress [{stress}]"
+        return table(head, times * PULLED, by * PULLED**0.8).encode()
+
+    pressed = 4e4 / np.max(FORCE)
+    slow = np.concatenate([TIME[:5], TIME[5:] * 350])
+    return [
+        Row("a strain of 0 to 1.5 under per cent", pulled("%"), "asked", ("--units strain=1",), TENSION, answer={"units": {"strain": "1"}}, by_size=True),
+        Row("a strain in per cent", pulled("%", 100.0), truth=TENSION),
+        Row("a stress in pascals under gigapascals", pulled("1", 1.0, "GPa", 1e6), "asked", ("--units stress=MPa",), TENSION, answer={"units": {"stress": "Pa"}}, by_size=True),
+        Row("millimetres under metres", bench("Time [s];Position [m];Load [N]"), "asked", ("--units displacement=mm",), RAMP, answer={"units": {"displacement": "mm"}}, by_size=True),
+        Row("kilonewtons under newtons", table("Time [s];Position [mm];Load [N]", TIME, MOVED, FORCE / 1e3).encode(), "asked", ("--units force=kN",), RAMP, answer={"units": {"force": "kN"}}, by_size=True, coarse=1e-6),
+        Row("seconds under milliseconds", bench("Time [ms];Position [mm];Load [N]"), "asked", ("--units time=s",), RAMP, answer={"units": {"time": "s"}}, by_size=True),
+        Row("a press of 40 kN", table("Time [s];Position [mm];Load [kN]", TIME, MOVED, pressed * FORCE / 1e3).encode(), "noted", ("The force goes over 40 kN",), _of(force=pressed * FORCE)),
+        Row("a ramp of 315 s", table("Time [s];Position [mm];Load [N]", slow, MOVED, FORCE).encode(), "noted", ("The ramp takes",), _of(time=slow)),
+        Row("a stroke of 401 mm", table("Time [s];Position [mm];Load [N]", 20 * TIME, 401 / 8 * MOVED, FORCE).encode(), "noted", ("The displacement goes over 401 mm",), _of(displacement=0.401 / 8 * MOVED)),
+    ]  # fmt: skip
+
+
+def _of(**columns: np.ndarray) -> Truth:
+    """A ramp and hold of another size."""
+
+    def holds(test: Any, row: Row) -> None:
+        for name, values in columns.items():
+            np.testing.assert_allclose(getattr(test, name), values, rtol=1e-5, atol=1e-9)
+
+    return replace(RAMP, holds=holds)
+
+
+def _wide() -> list[Row]:
+    """Thousands of columns."""
+    more = range(3, 2500)
+    head = "Time [s];Position [mm];Load [N];" + ";".join(f"gauge {i} [V]" for i in more)
+    rest = ";".join(f"{i % 97}.5" for i in more)
+    rows = (f"{t:.5f};{x:.5f};{f:.5f};{rest}" for t, x, f in zip(TIME, MOVED, FORCE, strict=True))
+    return [Row("two and a half thousand columns", "\n".join([head, *rows, ""]).encode())]
+
+
+COLUMNS = [*_units(), *_factors(), *_twice(), *_once(), *_shaken(), *_sizes(), *_wide()]

@@ -54,6 +54,8 @@ class Row:
         Rows at the end that are no truth, which the note is about.
     slow : float
         How much longer the record lasts.
+    by_size : bool
+        The question is about a size, which the reader asks and no inspection.
     """
 
     name: str
@@ -66,6 +68,7 @@ class Row:
     coarse: float = 1e-9
     extra: int = 0
     slow: float = 1.0
+    by_size: bool = False
 
     def read(self, path: Path, **options: Any) -> Any:
         """The record in the file."""

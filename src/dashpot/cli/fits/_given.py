@@ -11,7 +11,7 @@ import click
 
 from dashpot.base.choices import words
 from dashpot.cli._options import given as typed_again
-from dashpot.cli._shell import write_figure
+from dashpot.cli._shell import printed, write, write_figure
 from dashpot.cli._values import nearest
 from dashpot.io.options import ReadOptions
 from dashpot.records.specimen import Specimen
@@ -123,6 +123,16 @@ class Given:
         """Draw the figure that a function makes, if it was asked for."""
         if self.said["picture"]:
             write_figure(self.said["picture"], figure())
+
+    def keep(self, found: Any) -> None:
+        """Write the document of a result, if it was asked for."""
+        if self.output:
+            write(self.output, printed(found) + "\n")
+
+    @property
+    def kept(self) -> str:
+        """The file that the result was kept in; empty where it was not, or went to stdout."""
+        return "" if self.output in {None, "-"} else str(self.output)
 
     def again(self, *but: str) -> list[str]:
         """Return the options as they were typed."""

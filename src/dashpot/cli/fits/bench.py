@@ -8,7 +8,7 @@ import dashpot as dp
 from dashpot import workflow
 from dashpot.base.choices import FamilyAsked, Method
 from dashpot.base.errors import FitError
-from dashpot.cli._shell import Outcome, printed, typed, write
+from dashpot.cli._shell import Outcome, typed, write
 from dashpot.cli.fits._given import Given
 from dashpot.told import text as text_of
 
@@ -29,8 +29,7 @@ def run(given: Given) -> Outcome:
     given.draw(lambda: _figure(found, records))
     if given["save_shifts"]:
         write(given["save_shifts"], _shift_table(found))
-    if given.output:
-        write(given.output, printed(found) + "\n")
+    given.keep(found)
     return Outcome(
         found,
         text_of.fit(found, asked=given["arms"]),
@@ -50,17 +49,25 @@ def _shift_table(found: dp.Fit) -> str:
 
 
 def _follow(given: Given, found: dp.Fit) -> str:
-    output = given.output
-    if not output:
+    if not given.output:
         why = "keeps it for predict, compare, export"
         return typed("fit", *given.files, *given.again(), "-o", "fit.json", why=why)
-    if output == "-":
+    if not given.kept:
         return ""
     if found.unit == "Pa":  # no mass rests on a material
-        deck = ("export", output, "--to", "abaqus", "--form", "prony", "--unit-system", "mm-t-s")
+        deck = (
+            "export",
+            given.kept,
+            "--to",
+            "abaqus",
+            "--form",
+            "prony",
+            "--unit-system",
+            "mm-t-s",
+        )
         missing = ("--temperature", "TEMPERATURE") if found.specimen.temperature is None else ()
         return typed(*deck, *missing)
-    return typed("predict", output, "--mass", "MASS", "--seals", 2)
+    return typed("predict", given.kept, "--mass", "MASS", "--seals", 2)
 
 
 def _figure(found: dp.Fit, records: tuple[Any, ...]) -> dp.plot.Picture:

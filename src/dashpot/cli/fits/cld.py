@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import dashpot as dp
 from dashpot import workflow
-from dashpot.cli._shell import Outcome, printed, typed, write
+from dashpot.cli._shell import Outcome, typed
 from dashpot.cli.fits._given import Given
-from dashpot.told.cld import cld
 
 
 def run(given: Given) -> Outcome:
@@ -21,10 +19,9 @@ def run(given: Given) -> Outcome:
         specimen=given.specimen,
         options=given.reading,
     )
-    given.draw(lambda: dp.plot.cld(found.pieces))
-    if given.output:
-        write(given.output, printed(found.fit or found) + "\n")
+    given.draw(found.plot)
+    given.keep(found.fit or found)
     follow = ""
-    if given.output and given.output != "-" and found.fit is not None:
-        follow = typed("predict", given.output, "--mass", "MASS", "--seals", 2)
-    return Outcome(found, cld(found), found.checks, verdict=found.verdict, follow=follow)
+    if given.kept and found.fit is not None:
+        follow = typed("predict", given.kept, "--mass", "MASS", "--seals", 2)
+    return Outcome.of(found, follow=follow)

@@ -7,9 +7,8 @@ import click
 import dashpot as dp
 from dashpot import workflow
 from dashpot.base.numbers import counted
-from dashpot.cli._shell import Outcome, printed, write
+from dashpot.cli._shell import Outcome
 from dashpot.cli.fits._given import Given
-from dashpot.told import modes as text
 
 
 def run(given: Given) -> Outcome:
@@ -21,10 +20,8 @@ def run(given: Given) -> Outcome:
             chart, [one.mode for one in found.modes], stamp=dp.plot.stamp(found.frf.source)
         )
     )
-    if given.output:
-        write(given.output, printed(found) + "\n")
-    checks = found.frf.checks
-    return Outcome(found, text.modes(found), checks, verdict=found.verdict)
+    given.keep(found)
+    return Outcome.of(found)
 
 
 def under_masses(given: Given) -> Outcome:
@@ -43,6 +40,5 @@ def under_masses(given: Given) -> Outcome:
     under = [one.frf for one in found.tests]
     stamp = dp.plot.stamp([source for one in under for source in one.source], seals=seals)
     given.draw(lambda: dp.plot.several_masses(found.together, under, stamp=stamp))
-    if given.output:
-        write(given.output, printed(found) + "\n")
-    return Outcome(found, text.modes_by_mass(found), found.checks, verdict=found.verdict)
+    given.keep(found)
+    return Outcome.of(found)

@@ -7,7 +7,6 @@ from dashpot import workflow
 from dashpot.cli._echo import to_stderr
 from dashpot.cli._shell import Outcome, grams, printed, typed, write
 from dashpot.cli.fits._given import Given
-from dashpot.told import text as text_of
 
 FRF = (".csv", ".uff", ".unv")
 
@@ -30,11 +29,8 @@ def run(given: Given) -> Outcome:
         )
     )
     block = "MASS" if mass is None else grams(mass)
-    return Outcome(
+    return Outcome.of(
         found,
-        text_of.impact(found),
-        found.frf.checks,
-        verdict=found.verdict,
         follow=typed("compare", "fit.json", *given.files, "--mass", block, "--seals", 2,
                      *given.again("mass", "seals")),
     )  # fmt: skip

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import click
 
-import dashpot as dp
 from dashpot import workflow
 from dashpot.base.choices import ElasticKindAsked
-from dashpot.cli._shell import Outcome, printed, typed, write
+from dashpot.cli._shell import Outcome, typed
 from dashpot.cli.fits._given import Given
-from dashpot.told.hyperelastic import hyperelastic
 
 
 def run(given: Given) -> Outcome:
@@ -27,16 +25,15 @@ def run(given: Given) -> Outcome:
         options=given.reading,
         **given.some("poisson", "stretches", "measures"),
     )
-    if given.output:
-        write(given.output, printed(found) + "\n")
-    given.draw(lambda: dp.plot.hyperelastic(found))
+    given.keep(found)
+    given.draw(found.plot)
     follow = ""
-    if given.output and given.output != "-":
+    if given.kept:
         bulk = () if found.law.bulk_modulus else ("--bulk-modulus", "2000MPa")
         warm = () if found.temperature else ("--temperature", "23degC")
-        deck = ("export", given.output, "--to", "abaqus", "--unit-system", "mm-t-s")
+        deck = ("export", given.kept, "--to", "abaqus", "--unit-system", "mm-t-s")
         follow = typed(*deck, *warm, *bulk)
-    return Outcome(found, hyperelastic(found), found.checks, verdict=found.verdict, follow=follow)
+    return Outcome.of(found, follow=follow)
 
 
 def _by_mode(given: Given) -> dict[str, list[str]]:

@@ -6,12 +6,10 @@ from dataclasses import replace
 
 import click
 
-import dashpot as dp
 from dashpot import workflow
 from dashpot.base.choices import ImpactLawAsked
-from dashpot.cli._shell import Outcome, printed, write
+from dashpot.cli._shell import Outcome
 from dashpot.cli.fits._given import Given
-from dashpot.told import text as text_of
 
 
 def run(given: Given) -> Outcome:
@@ -28,7 +26,6 @@ def run(given: Given) -> Outcome:
         law=given.model(ImpactLawAsked),
         options=given.reading,
     )
-    given.draw(lambda: dp.plot.indentation(found))
-    if given.output:
-        write(given.output, printed(found) + "\n")
-    return Outcome(found, text_of.indentation(found), found.checks, verdict=found.verdict)
+    given.draw(found.plot)
+    given.keep(found)
+    return Outcome.of(found)

@@ -12,7 +12,6 @@ from dashpot.base.choices import FamilyAsked
 from dashpot.cli._shell import Outcome, is_json, printed, typed, write
 from dashpot.cli.fits import hits
 from dashpot.cli.fits._given import Given
-from dashpot.told.joint import identified
 from dashpot.workflow.impacts import Identified
 
 _A_DECK = ("--to", "nastran", "--unit-system", "mm-t-s", "-o", "seal.bdf")
@@ -47,10 +46,7 @@ def run(given: Given) -> Outcome:
         write(given["stiffness_table"], found.direct.table)
     if given.output:
         _keep(found, given.output)
-    return Outcome(
-        found, identified(found), found.checks, verdict=found.verdict,
-        follow=_follow(given, found.fit),
-    )  # fmt: skip
+    return Outcome.of(found, follow=_follow(given, found.fit))
 
 
 def _keep(found: Identified, path: str) -> None:

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import dashpot as dp
 from dashpot import workflow
 from dashpot.base.choices import AmplitudeLawAsked
-from dashpot.cli._shell import Outcome, printed, write
+from dashpot.cli._shell import Outcome, write
 from dashpot.cli.fits._given import PAGE, Given
-from dashpot.told import text as text_of
 
 
 def run(given: Given) -> Outcome:
@@ -23,7 +21,9 @@ def run(given: Given) -> Outcome:
         options=given.reading,
         **given.some("seals", "band"),
     )
-    given.draw(lambda: dp.plot.level(found.fit, found.records))
-    if given.output:
-        write(given.output, workflow.html(found) if kept in PAGE else printed(found) + "\n")
-    return Outcome(found, text_of.levels(found), found.checks, verdict=found.verdict)
+    given.draw(found.plot)
+    if given.output and kept in PAGE:
+        write(given.output, workflow.html(found))
+    else:
+        given.keep(found)
+    return Outcome.of(found)

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import click
 
-import dashpot as dp
 from dashpot import workflow
 from dashpot.base.choices import FamilyAsked
 from dashpot.base.errors import ReadError
-from dashpot.cli._shell import Outcome, grams, printed, typed, write
+from dashpot.cli._shell import Outcome, grams, typed
 from dashpot.cli.fits._given import Given
-from dashpot.told import rod as text
 
 
 def run(given: Given) -> Outcome:
@@ -37,23 +35,15 @@ def run(given: Given) -> Outcome:
         mass_sd=given["rig"].mass_sd,
         **given.some("density", "rod", "arms", "band", "hammer", "poisson"),
     )
-    if given.output:
-        if found.fit is None:
-            raise ReadError(f"-o writes a fit, and there is none: {found.reason}")
-        write(given.output, printed(found.fit) + "\n")
-    given.draw(
-        lambda: dp.plot.rod(
-            found.modulus, fit=found.fit, stamp=dp.plot.stamp(found.frf.source, mass=found.mass)
-        )
-    )
-    return Outcome(
-        found, text.rod(found), found.checks, verdict=found.verdict, follow=_follow(found, given)
-    )
+    if given.output and found.fit is None:
+        raise ReadError(f"-o writes a fit, and there is none: {found.reason}")
+    given.keep(found.fit)
+    given.draw(found.plot)
+    return Outcome.of(found, follow=_follow(found, given))
 
 
 def _follow(found: workflow.Rod, given: Given) -> str:
-    output = given.output
-    if found.fit is None or not output or output == "-":
+    if found.fit is None or not given.kept:
         return ""
     part = ("--shape", "disc:20mm,10mm", "--mass", grams(found.mass), "--base")
-    return typed("predict", output, *part)
+    return typed("predict", given.kept, *part)

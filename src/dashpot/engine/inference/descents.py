@@ -17,7 +17,7 @@ from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
 _ITERATIONS = 8
 #: the longest move, and after one that failed, as a part of that
 _FARTHEST, _NEARER = 1.5, 0.25
-_RIDGE = 1e-13
+RIDGE = 1e-13
 #: the curvature of the residual that is believed, as parts of J'J
 _BENT = -0.9, 4.0
 #: an SSE whose fall is foretold to so many tolerances is taken as fallen: Newton is right to a few
@@ -111,7 +111,7 @@ class Descents:
         arms = np.arange(curvature.shape[1])
         size = curvature[:, arms, arms]
         stretch = np.where(size > 0, size, 1.0)
-        curvature[:, arms, arms] = size + stretch * _RIDGE + (size <= 0)
+        curvature[:, arms, arms] = size + stretch * RIDGE + (size <= 0)
         both = np.concatenate((self.known.bent[on], gradient[:, :, None]), axis=2)
         solved = np.linalg.solve(curvature, both)
         share, first = solved[..., :-1], solved[..., -1]

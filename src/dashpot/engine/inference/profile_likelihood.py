@@ -33,7 +33,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from dashpot.base.arrays import FloatArray, IndexArray
-from dashpot.engine.inference.descents import Descents, Solved
+from dashpot.engine.inference.descents import RIDGE, Descents, Solved
 from dashpot.engine.inference.profile_walks import Coordinate, Profiled, Walk
 from dashpot.engine.solver.descent import Stack
 from dashpot.engine.solver.variable_projection import Solution
@@ -46,7 +46,6 @@ _OPEN_STIFFNESS, _OPEN_FOLDS = 1e4, 16.0
 _NODES_APART = 0.08
 #: a change of ln tau from one point of a walk to the next that may be foretold
 _FORETOLD = 0.7
-_RIDGE = 1e-13
 _POWERS = np.arange(4.0)
 #: what each power of u gives to the powers of a cubic, of its slope and of its curve
 _DERIVED = np.array([np.eye(4), np.diag(_POWERS[1:], 1), np.diag([2.0, 6.0], 2)]).swapaxes(0, 1)
@@ -283,14 +282,14 @@ class _Normal:
         self.length = np.where(length > 0, length, 1.0)[:, :, None]
         self.gram = gram / (self.length * self.length.swapaxes(1, 2))
         place = np.arange(gram.shape[1])
-        self.gram[:, place, place] = 1.0 + _RIDGE
+        self.gram[:, place, place] = 1.0 + RIDGE
         self.free = np.ones_like(self.length)
 
     def leave_out(self, each: IndexArray, column: IndexArray) -> None:
         """Hold a further column of some of the matrices at zero."""
         self.free[each, column] = 0.0
         self.gram[each, column, :] = self.gram[each, :, column] = 0.0
-        self.gram[each, column, column] = 1.0 + _RIDGE
+        self.gram[each, column, column] = 1.0 + RIDGE
 
     def solved(self, moment: FloatArray) -> FloatArray:
         """Coefficients (A, p, r) that answer moments of that shape; zero of what is left out."""

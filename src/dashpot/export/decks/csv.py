@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from dashpot.base.escapes import remark
 from dashpot.base.units import Range, si_range
 from dashpot.export.deck import Deck, DeckText
-from dashpot.export.notation import text
+from dashpot.export.notation import one_line, text
 from dashpot.export.opening import target
 
 FORMS = ("frequency", "arms")
@@ -25,7 +26,7 @@ def csv(
 
     ``"frequency"`` has one row per frequency: storage and loss stiffness, loss factor, viscous
     equivalent, and 1 where the row is extrapolated; ``"arms"`` one row per element. Comments
-    stand behind ``#``, so that no cell of the file's own can be taken for a formula.
+    stand behind ``#``; no word of theirs that a comma parts off can be taken for a formula.
 
     Parameters are those of :func:`dashpot.export.nastran`.
     """
@@ -44,7 +45,11 @@ def _arms(deck: Deck) -> DeckText:
     ]
     names = f"element,k [{units.stiffness_word}],tau [{units.words[2]}],b [{units.damping_word}]"
     body = [names, *(",".join(row) for row in rows)]
-    return deck.written("#", "springs and dashpots", body, verified=_VERIFIED)
+    return deck.written("#", "springs and dashpots", body, verified=_VERIFIED, said=_said)
+
+
+def _said(line: str) -> str:
+    return remark(one_line(line))
 
 
 def _frequency(deck: Deck, frequency_range: tuple[float, float], tolerance: float) -> DeckText:
@@ -71,4 +76,5 @@ def _frequency(deck: Deck, frequency_range: tuple[float, float], tolerance: floa
         [",".join([*columns, "extrapolated"]), *rows],
         verified=_VERIFIED,
         table=table,
+        said=_said,
     )

@@ -11,7 +11,7 @@ from dashpot.base.checks import Finding, Remedy, criterion
 from dashpot.base.numbers import rounded
 from dashpot.fitting.checks.curves import FOLLOWED
 from dashpot.fitting.checks.relaxation import largest_rms
-from dashpot.fitting.checks.solid import amount, arms_said
+from dashpot.fitting.checks.solid import arms_said
 
 if TYPE_CHECKING:
     from dashpot.records.creep import LoadHold
@@ -48,24 +48,21 @@ def compliance_rises(compliance: FloatArray) -> Finding:
 
 
 @criterion("of the creep to come / compliance at rest", "<=", MAX_TO_COME, grade="limit")
-def creep_finished(creep: CreepSpectrum, hold: float, most: float, *, unit: str) -> Finding:
+def creep_finished(creep: CreepSpectrum, hold: float) -> Finding:
     """The displacement had the time to come to rest, or the part flows and never does.
 
-    `hold` is in s; `most` is the stiffness that k_inf cannot exceed, force over displacement at
-    the end of the hold.
+    `hold` is in s.
     """
-    bounded = f"k_inf is at most {amount(most, unit)}, the force over displacement at the end"
     if creep.flow > 0:
         return Finding(
-            f"The part flows, so the displacement never comes to rest and k_inf = 0. {bounded}",
-            excused=True,
+            "The part flows, so the displacement never comes to rest and k_inf = 0", excused=True
         )
     left = 1 - float(creep.compliance(hold)) / creep.equilibrium
     return Finding(
         f"When the hold ended, after {rounded(hold)} s, {100 * left:.2g} % of the displacement at "
         "rest was still to come",
         left,
-        f"So k_inf is extrapolated, with no lower limit. {bounded}",
+        "So k_inf is extrapolated, with no lower limit",
         "Hold longer.",
     )
 

@@ -8,12 +8,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.base.checks import Finding, Remedy, criterion
+from dashpot.base.checks import Check, Finding, Remedy, criterion
 from dashpot.base.status import Status
+from dashpot.fitting.checks.relaxation import MAX_FALLING
 from dashpot.fitting.checks.solid import ROUNDING, amount
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 if TYPE_CHECKING:
+    from dashpot.records.bounds import EndOfHold
     from dashpot.records.dynamic import DynamicTest
 
 MAX_INCONSISTENT = 0.05
@@ -21,6 +23,10 @@ MAX_INCONSISTENT = 0.05
 FOLLOWED = 0.05
 # scatter so many times as large is another solid
 CONTRADICTED = 3.0
+# a plateau is known if no spectrum falls below this part of it within ten times the curve
+LEVEL = 0.8
+# of creep every record may hide a slow flow, which takes so much
+LEVEL_OF_CREEP = 0.65
 
 
 # -- the curves -----------------------------------------------------------------------------------
@@ -120,6 +126,45 @@ def plateau_seen(model: GeneralizedMaxwell, se: float, *, unit: str, further: st
         # exact data leave a plateau of rounding size, and a standard error to match
         faulted=model.k_inf <= ROUNDING * (model.k_inf + sum(model.k)),
     )
+
+
+@criterion(
+    "lowest k(10 T) / highest k(T)",
+    ">=",
+    LEVEL,
+    "own truths: of those above it 1 plateau in 20 is off by more than 10 %",
+    otherwise=f"{LEVEL_OF_CREEP:g} of creep",
+)
+def plateau_told(end: EndOfHold, unit: str) -> Finding:
+    """The curve levels off: no solid that it does not reject relaxes much further."""
+    return Finding(
+        end.told(unit),
+        end.levels,
+        "So k_inf is extrapolated, with no lower limit",
+        end.remedy,
+        limit=LEVEL_OF_CREEP if end.ended == "creep" else LEVEL,
+    )
+
+
+@criterion("fall per factor e of time", "<=", MAX_FALLING, "that of a hold")
+def end_level(end: EndOfHold) -> Finding:
+    """No solid that the curve does not reject still falls much at its end."""
+    falling = end.falling / max(end.k_end[1], 1e-300)
+    return Finding(
+        f"At the end of the data the stiffness still falls by up to {100 * falling:.2g} % per "
+        "factor e of time",
+        falling,
+        "A solid that goes on like that has another plateau, or none",
+        end.remedy,
+    )
+
+
+def plateau(
+    model: GeneralizedMaxwell, se: float, end: EndOfHold | None, *, unit: str, further: str
+) -> tuple[Check, ...]:
+    """What is known of the plateau: that there is one, and how well, where an end was asked."""
+    seen = plateau_seen(model, se, unit=unit, further=further)
+    return (seen,) if end is None or seen.failed else (plateau_told(end, unit), end_level(end))
 
 
 @criterion(

@@ -12,11 +12,10 @@ from dashpot.engine.blocks.block import DataBlock, design_block
 from dashpot.engine.least_squares.problem import stacked
 from dashpot.records.frf import FRF, Kind
 from dashpot.solids.maxwell import Solid
+from dashpot.vibration.modal.lines import FLOOR
 from dashpot.vibration.modal.peaks import find_peak
 from dashpot.vibration.systems.prediction import Response
 
-# no line is trusted beyond this part of its value: leakage and aliasing of the pulse remain
-FLOOR = 1e-3
 # lines within this factor of the peak are fitted unless a band is given
 AROUND_THE_PEAK = 3.0
 FEWEST_LINES = 8

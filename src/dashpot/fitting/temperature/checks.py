@@ -10,7 +10,7 @@ from dashpot.base.checks import Finding, criterion
 from dashpot.base.status import Status
 from dashpot.base.units import celsius
 from dashpot.records.estimate import Nuisance
-from dashpot.records.temperature import TemperatureShifts
+from dashpot.records.temperature import CONTRADICT, TemperatureShifts
 
 # decades of time that neighbours both inform: pairs of simulated tests that shared 1.9 found their
 # shift within its error, of those that shared 0.8 to 1.4 some missed it by five
@@ -92,7 +92,13 @@ def stiffness_of_one_seal(moved: TemperatureShifts) -> Finding:
     )
 
 
-@criterion("temperatures", ">=", 3, "our choice: two cannot contradict each other", grade="note")
+@criterion(
+    "temperatures",
+    ">=",
+    CONTRADICT,
+    "our choice: two cannot contradict each other",
+    grade="note",
+)
 def shifts_told_apart(count: int) -> Finding:
     """There are temperatures enough to see arms that shift apart, and to lay a law."""
     return Finding(

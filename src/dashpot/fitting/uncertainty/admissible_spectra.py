@@ -1,4 +1,4 @@
-r"""All the spectra that relaxation tests cannot reject.
+r"""All the spectra that tests cannot reject.
 
 A spectrum is :math:`s = (k_\infty, b, k_1, \ldots) \ge 0` on a grid of relaxation times. With A
 and y the whitened columns and data, all that leave
@@ -21,13 +21,14 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Sequence
+from typing import Protocol
 
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
 from dashpot.base.student_t import t_quantile
 from dashpot.engine.least_squares.nonnegative_ball import farthest, nonnegative_least_squares
-from dashpot.fitting.relaxation_data import RelaxationData
+from dashpot.fitting.relaxation_data import RelaxationRows
 
 #: of the grid before it is refined
 PER_DECADE = 16
@@ -64,14 +65,28 @@ def deviance_limit(level: float, dof: float) -> float:
     return CALIBRATION * t_quantile(level, max(dof, 1.0)) ** 2
 
 
-class AdmissibleSpectra:
-    """The non-negative spectra of some relaxation tests, at a deviance limit.
+class SpectralData(Protocol):
+    """A test or a curve whose rows are linear in a spectrum, each of unit noise."""
 
-    Columns are k_inf, b, then arms at `tau`.
+    @property
+    def window(self) -> tuple[float, float]:
+        """Shortest and longest relaxation time that it could tell, s."""
+        ...
+
+    def rows(self, log_tau: FloatArray, *, slopes: bool) -> RelaxationRows:
+        """Everything that depends on the solid."""
+        ...
+
+
+class AdmissibleSpectra:
+    """The non-negative spectra of some tests, at a deviance limit.
+
+    Columns are k_inf, b, then arms at `tau`; of creep the glass compliance, the flow, then
+    retardations.
 
     Parameters
     ----------
-    relaxations : sequence of RelaxationData
+    tests : sequence of SpectralData
     fastest : float
         The highest frequency to be asked about, rad/s.
     limit : float
@@ -82,15 +97,15 @@ class AdmissibleSpectra:
 
     def __init__(
         self,
-        relaxations: Sequence[RelaxationData],
+        tests: Sequence[SpectralData],
         *,
         fastest: float,
         limit: float,
         further: Sequence[float] = (),
     ) -> None:
         self.limit = limit
-        shortest = min(relaxation.window[0] for relaxation in relaxations)
-        longest = max(relaxation.window[1] for relaxation in relaxations)
+        shortest = min(test.window[0] for test in tests)
+        longest = max(test.window[1] for test in tests)
         low = np.log(min(shortest, 1 / (BEYOND * fastest)))
         high = np.log(longest)
         count = int(np.ceil((high - low) / np.log(10) * PER_DECADE)) + 1
@@ -100,7 +115,7 @@ class AdmissibleSpectra:
         left, weight = np.inf, np.zeros(len(log_tau) + 2)
         weight[0], weight[2 + np.searchsorted(log_tau, own)] = 1.0, 1.0
         for _ in range(ROUNDS):
-            before, left = left, self._on(relaxations, log_tau, weight)
+            before, left = left, self._on(tests, log_tau, weight)
             finer = _refined(log_tau, self.best[2:] > 0)
             if before - left < GAIN or len(finer) == len(log_tau):
                 break
@@ -112,14 +127,12 @@ class AdmissibleSpectra:
         # all of one convex set: whatever is asked next, the best of them for it is a start
         self.met = deque([self.best], maxlen=REMEMBERED)
 
-    def _on(
-        self, relaxations: Sequence[RelaxationData], log_tau: FloatArray, start: FloatArray
-    ) -> float:
+    def _on(self, tests: Sequence[SpectralData], log_tau: FloatArray, start: FloatArray) -> float:
         """Take a grid, find the best spectrum on it from a start, N/m; return what it leaves."""
         order = _spread(len(log_tau))
         parts = []
-        for relaxation in relaxations:
-            part = relaxation.rows(log_tau[order], slopes=False)
+        for test in tests:
+            part = test.rows(log_tau[order], slopes=False)
             arms = np.empty_like(part.arms)
             arms[:, order] = part.arms
             parts.append(np.column_stack((part.target, part.spring, part.dashpot, arms)))
@@ -162,6 +175,14 @@ class AdmissibleSpectra:
         r"""Its slope :math:`-dk/d\ln t` of unit columns, shape (m,)."""
         x = time / self.tau
         return np.concatenate(([0.0, 0.0], x * np.exp(-x)))
+
+    def crept_to(self, time: float) -> FloatArray:
+        r"""Compliance :math:`D_g + D_f t + \sum_i D_i (1 - e^{-t/\lambda_i})` of unit columns."""
+        return np.concatenate(([1.0, time], -np.expm1(-time / self.tau)))
+
+    def creeping_at(self, time: float) -> FloatArray:
+        r"""Its slope :math:`dJ/d\ln t` of unit columns, shape (m,)."""
+        return self.falling_at(time) + np.eye(1, len(self.tau) + 2, 1)[0] * time
 
     def value(self, v: FloatArray) -> float:
         """V . k of the best spectrum."""

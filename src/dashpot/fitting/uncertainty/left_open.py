@@ -1,4 +1,4 @@
-r"""What relaxation tests say of the stiffness at the end of their hold, and of where it ends.
+r"""What a test says of the stiffness when it ends, and of where that ends.
 
 An arm slower than every hold is a spring there: no record bounds k_inf from below. What it knows is
 
@@ -6,21 +6,26 @@ An arm slower than every hold is a spring there: no record bounds k_inf from bel
 
 at the time T that it was held, and less and less of it at 3 T, and how steeply it still falls,
 :math:`-dk/d\ln t`: all over every spectrum that the tests do not reject
-(:mod:`dashpot.fitting.uncertainty.admissible_spectra`).
+(:mod:`dashpot.fitting.uncertainty.admissible_spectra`). Of a sweep it knows the storage at its
+lowest line, and less of it below; of creep the compliance.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
+from dashpot.base.arrays import FloatArray
 from dashpot.fitting.relaxation_data import RelaxationData
 from dashpot.fitting.uncertainty.admissible_spectra import AdmissibleSpectra, deviance_limit
-from dashpot.records.bounds import EndOfHold
+from dashpot.fitting.uncertainty.curve_data import CurveData
+from dashpot.records.bounds import Ended, EndOfHold
 from dashpot.records.estimate import Interval
 from dashpot.solids.maxwell import GeneralizedMaxwell
+
+# so many T later a compliance is asked for its most stiffness at rest: one that flows has no end
+AT_REST = 100.0
 
 
 def end_of_hold(
@@ -50,32 +55,70 @@ def end_of_hold(
     spectra = AdmissibleSpectra(
         relaxations, fastest=1 / time, limit=deviance_limit(level, dof), further=own.tau
     )
-    at_once = spectra.relaxed_to(np.inf)
-    k_end, k_3end = (_above_zero(spectra.reach(spectra.relaxed_to(n * time))) for n in (1, 3))
     falling = spectra.falling_at(time)
-    here = float(own.relaxation(time))
-    missed = max(k_end[0] - here, here - k_end[1], 0.0)
     found = EndOfHold(
         time=time,
-        k_end=k_end,
-        k_3end=k_3end,
-        k_inf=(0.0, float(at_once @ spectra.farthest(at_once))),
-        falling=float(falling @ spectra.farthest(falling)),
-        beyond=missed / max(k_end[1] - k_end[0], 1e-300),
+        k_end=_reach(spectra, spectra.relaxed_to(time)),
+        k_3end=_reach(spectra, spectra.relaxed_to(3 * time)),
+        k_inf=(0.0, _highest(spectra, spectra.relaxed_to(np.inf))),
+        falling=_highest(spectra, falling),
         named=_left_if_named(relaxations, spectra, time),
     )
-    return holding(found, own)
+    return found.holding(own)
 
 
-def holding(end: EndOfHold, own: GeneralizedMaxwell) -> EndOfHold:
-    """Return limits that hold a fit itself, too: nothing is printed outside its own interval."""
-    here, later = (float(own.relaxation(n * end.time)) for n in (1, 3))
-    return replace(
-        end,
-        k_end=_holding(end.k_end, here),
-        k_3end=_holding(end.k_3end, later),
-        k_inf=(0.0, max(end.k_inf[1], own.k_inf)),
+def end_of_curve(
+    data: CurveData,
+    ended: Ended,
+    *,
+    time: float,
+    own: GeneralizedMaxwell,
+    further: Sequence[float],
+    level: float = 0.95,
+) -> EndOfHold:
+    """Return the limits of a curve at its end, 3 and 10 times as late, and of where it ends.
+
+    They hold the fit itself.
+
+    Parameters
+    ----------
+    data : CurveData
+    ended : str
+        What it is of: a modulus over time, storage and loss, or a compliance.
+    time : float
+        T, s; of a sweep 1/omega of its lowest line.
+    own : GeneralizedMaxwell
+        The fit.
+    further : sequence of float
+        Its relaxation times, of creep its retardation times, s.
+    level : float
+        Coverage of each limit, nearly.
+    """
+    spectra = AdmissibleSpectra(
+        [data], fastest=1 / time, limit=deviance_limit(level, data.dof), further=further
     )
+    rest = AT_REST if ended == "creep" else np.inf
+    found = {
+        name: _of_curve(spectra, ended, times * time)
+        for name, times in (("k_end", 1.0), ("k_3end", 3.0), ("k_10end", 10.0), ("k_inf", rest))
+    }
+    found["k_inf"] = (0.0, found["k_inf"][1])
+    if ended == "creep":
+        # k = 1/J falls by J'/J^2
+        falling = _highest(spectra, spectra.creeping_at(time)) * found["k_end"][1] ** 2
+    else:
+        falling = _highest(spectra, spectra.falling_at(time))
+    return EndOfHold(time=time, ended=ended, falling=falling, **found).holding(own)
+
+
+def _of_curve(spectra: AdmissibleSpectra, ended: Ended, time: float) -> Interval:
+    """Limits of k(t), K'(1/t) or 1/J(t)."""
+    if ended == "sweep":
+        return _reach(spectra, spectra.stiffness_at(1 / time)[0])
+    if ended == "creep":
+        least, most = _reach(spectra, spectra.crept_to(time))
+        return (1 / most if most > 0 else np.inf), (1 / least if least > 0 else np.inf)
+    return _reach(spectra, spectra.relaxed_to(time))
 
 
 def _left_if_named(
@@ -101,10 +144,11 @@ def _left_if_named(
                          / variance(relaxations)))  # fmt: skip
 
 
-def _holding(reach: Interval, own: float) -> Interval:
-    return min(reach[0], own), max(reach[1], own)
-
-
-def _above_zero(reach: Interval) -> Interval:
+def _reach(spectra: AdmissibleSpectra, v: FloatArray) -> Interval:
     """Limits of a sum that cannot be negative, freed of rounding."""
-    return max(reach[0], 0.0), max(reach[1], 0.0)
+    low, high = spectra.reach(v)
+    return max(low, 0.0), max(high, 0.0)
+
+
+def _highest(spectra: AdmissibleSpectra, v: FloatArray) -> float:
+    return float(v @ spectra.farthest(v))

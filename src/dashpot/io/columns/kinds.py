@@ -63,7 +63,7 @@ RECOGNISED: Mapping[str, KindOfFile] = MappingProxyType({
     "impact": KindOfFile("a hammer file", "use dashpot fit", ("time", "hammer"), True),
     "frf": KindOfFile("an FRF", "use dashpot fit or dashpot compare", _RESPONSE),
     "transmissibility": KindOfFile(
-        "a transmissibility", "use dashpot compare, or dashpot fit with the mass", _RESPONSE
+        "a transmissibility", "use dashpot fit, with the mass for the solid, or compare", _RESPONSE
     ),
     "dma": KindOfFile("a dynamic (DMA) sweep", "use dashpot fit", _SWEPT),
     "master-curve": KindOfFile("a master curve of storage and loss", "use dashpot fit", _SWEPT),

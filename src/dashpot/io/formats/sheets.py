@@ -4,21 +4,26 @@ from __future__ import annotations
 
 import datetime as dt
 import zipfile
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from itertools import islice
 from typing import Any, BinaryIO
 
 from dashpot.base.errors import ReadError
 from dashpot.io.child import limits
+from dashpot.io.formats.hidden import hidden
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import Raw, extra
 
+HIDDEN = "hidden/"
+"""What no name of a sheet begins with."""
 _LARGEST = 1 << 31
 """Bytes of an unpacked workbook."""
 
 
 def sheets(raw: Raw, options: ReadOptions) -> dict[str, bytes]:
     """Return the sheet named, or every sheet, as lines of cells between tabs.
+
+    Under :data:`HIDDEN` and the name of a sheet stands what is hidden in it, if anything is.
 
     Raises
     ------
@@ -28,17 +33,19 @@ def sheets(raw: Raw, options: ReadOptions) -> dict[str, bytes]:
     calamine = extra("python_calamine", "python-calamine", "spreadsheets")
     with raw.open() as stream:
         _refuse_bomb(stream)
+        unseen = hidden(stream)
+        stream.seek(0)
         book = calamine.CalamineWorkbook.from_filelike(stream)
     names = book.sheet_names
     if options.sheet is not None and options.sheet not in names:
         raise ReadError(f"--part sheet={options.sheet}: the sheets are {listed(names)}")
-    found, cells = {}, 0
+    found, cells = {HIDDEN + name: told.encode() for name, told in unseen.items()}, 0
     for name in names if options.sheet is None else [options.sheet]:
         sheet = book.get_sheet_by_name(name)
         cells += sheet.total_height * sheet.total_width
         limits.within(cells, "the sheets hold")
         rows = sheet.to_python(skip_empty_area=False)
-        found[name] = "\n".join(map(_line, rows)).encode()
+        found[name] = "\n".join(_lines(rows)).encode()
     return found
 
 
@@ -52,11 +59,16 @@ def _refuse_bomb(stream: BinaryIO) -> None:
     stream.seek(0)
 
 
-def _line(row: list[Any]) -> str:
-    return "\t".join(_cell(value) for value in row)
+def _lines(rows: list[list[Any]]) -> Iterator[str]:
+    """The rows as text; a date alone among instants is one at midnight."""
+    instants = {j for row in rows for j, value in enumerate(row) if type(value) is dt.datetime}
+    for row in rows:
+        yield "\t".join(_cell(value, instant=j in instants) for j, value in enumerate(row))
 
 
-def _cell(value: Any) -> str:
+def _cell(value: Any, *, instant: bool) -> str:
+    if instant and type(value) is dt.date:
+        value = dt.datetime(value.year, value.month, value.day)
     if isinstance(value, bool):
         return str(value)
     if isinstance(value, float):

@@ -9,7 +9,7 @@ from dashpot.base.errors import ReadError
 from dashpot.io.child.process import in_child
 from dashpot.io.columns.kinds import kind_of
 from dashpot.io.formats import text
-from dashpot.io.formats.sheets import listed, sheets
+from dashpot.io.formats.sheets import HIDDEN, listed, sheets
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import Raw
 from dashpot.io.table import FileTable
@@ -25,13 +25,14 @@ def read(raw: Raw, options: ReadOptions) -> FileTable:
     ReadError
         If no sheet or several sheets could be meant.
     """
-    content = in_child("workbook", sheets, raw, options)
+    told = in_child("workbook", sheets, raw, options)
+    content = {name: cells for name, cells in told.items() if not name.startswith(HIDDEN)}
     if options.sheet is not None:
-        return _sheet(content.get(options.sheet, b""), raw, options)
+        return _sheet(options.sheet, told, raw, options)
     tables = {}
-    for name, cells in content.items():
+    for name in content:
         with suppress(ReadError):
-            tables[name] = _sheet(cells, raw, options)
+            tables[name] = _sheet(name, told, raw, options)
     if not tables:
         raise ReadError(f"no sheet holds a table of numbers; the sheets are {listed(content)}")
     seen = replace(options, kind=None)
@@ -45,9 +46,16 @@ def read(raw: Raw, options: ReadOptions) -> FileTable:
     return tables[likely[0]]
 
 
-def _sheet(content: bytes, raw: Raw, options: ReadOptions) -> FileTable:
+def _sheet(name: str, told: dict[str, bytes], raw: Raw, options: ReadOptions) -> FileTable:
+    """The table of a sheet, with a note of what is hidden in it: it was read, too."""
+    content = told.get(name, b"")
     if not content.strip():
         raise ReadError("an empty sheet")
     shown = replace(options, delimiter="\t", encoding="utf-8", sheet=None)
     table = text.read(Raw(raw.name, None, content), shown)
-    return replace(table, format="workbook", encoding="", delimiter="", decimal="")
+    unseen = told.get(HIDDEN + name, b"").decode()
+    notes = [f"hidden in sheet '{name}' and read: {unseen}"] if unseen else []
+    return replace(
+        table, format="workbook", encoding="", delimiter="", decimal="",
+        notes=(*table.notes, *notes),
+    )  # fmt: skip

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TypeAlias
 
 import numpy as np
 
+from dashpot.base import units
 from dashpot.base.arrays import BoolArray, FloatArray, median, slices
 from dashpot.base.checks import Check
 from dashpot.base.errors import ReadError
@@ -33,6 +36,11 @@ from dashpot.io.options import ReadOptions, flag
 from dashpot.io.source import Raw, about, open_raw
 from dashpot.io.table import FileTable, Loaded, Question
 
+Judged: TypeAlias = Callable[
+    [Mapping[Role, float], Mapping[Role, str], AbstractSet[Role]],
+    Sequence[tuple[Role, Sequence[Check]]],
+]
+"""What is asked of the sizes of a test, had its units been said otherwise."""
 _OVERLOAD = 9.9e37
 """What SCPI instruments send for an infinite or an invalid reading."""
 _NINES = 999.0
@@ -274,6 +282,48 @@ def refuse_sizes(file: Opened, answers: Sequence[tuple[Channel, Sequence[Check]]
     return notes
 
 
+def refuse_all_sizes(file: Opened, chosen: Sequence[Channel], judged: Judged) -> list[str]:
+    """Ask at once for every unit that is to be answered; return notes on unusual sizes.
+
+    Who obeys the first question may well have to be asked the next: each is taken to be obeyed
+    before the next is looked for. The user's own word for a unit is not doubted.
+
+    Parameters
+    ----------
+    judged : callable
+        From what every role is to be multiplied by, what its unit then is, and the roles whose
+        units are said, to the checks of each.
+
+    Raises
+    ------
+    ReadError
+    """
+    meant = {one.role: one.unit for one in chosen}
+    said = {one.role for one in chosen if is_stated(file, one)}
+    questions: list[str] = []
+    while True:
+        times = {one.role: meant[one.role].factor / one.unit.factor for one in chosen}
+        words = {role: unit.word for role, unit in meant.items()}
+        failed = [
+            (role, check)
+            for role, checks in judged(times, words, said)
+            if role not in said
+            for check in checks
+            if check.failed
+        ]
+        stops = [one for one in failed if one[1].grade == "stop"]
+        if not stops:
+            break
+        role, check = stops[0]
+        questions.append(check.typed)
+        said.add(role)
+        likelier = check.remedy.value.partition("=")[2] if check.remedy else ""
+        meant[role] = units.find(likelier, meant[role].dimension) or meant[role]
+    if questions:
+        raise ReadError(" ".join(questions))
+    return [check.typed for _, check in failed]
+
+
 def is_stated(file: Opened, one: Channel) -> bool:
     """Whether the user said the unit of a channel, or each of its cells does, as clock times."""
     column = file.table.columns[one.index]
@@ -436,7 +486,7 @@ def filled_down(loaded: Loaded, roles: Sequence[Role], role: Role) -> Loaded:
         return loaded
     place = roles.index(role)
     column = loaded.values[:, place]
-    whole = np.isfinite(np.delete(loaded.values, place, axis=1)).all(axis=1)
+    whole: BoolArray = np.all(np.isfinite(np.delete(loaded.values, place, axis=1)), axis=1)
     known = np.isfinite(column)
     first = int(np.argmax(known))
     stands = int(np.count_nonzero(known & whole))

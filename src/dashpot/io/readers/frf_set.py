@@ -8,6 +8,8 @@ from itertools import chain
 from pathlib import Path
 
 from dashpot.base.errors import DataError, ReadError
+from dashpot.io.columns.kinds import FileKind
+from dashpot.io.columns.pairs import two_signals
 from dashpot.io.columns.roles import score
 from dashpot.io.columns.vocabulary import Role
 from dashpot.io.formats.uff import SEGMENT
@@ -78,7 +80,8 @@ def _points_in(path: str | Path, options: ReadOptions | None) -> Iterator[tuple[
             if other:
                 raise ReadError(other[0].says)
             # an option that names columns or a part has left one group
-            channels.expect(file, ["frf"], "an FRF is", named=["real", "magnitude"])
+            kinds: list[FileKind] = ["frf", "transmissibility"]
+            channels.expect(file, kinds, "an FRF is", named=["real", "magnitude"])
             for name, columns in groups:
                 yield name, _one_of(file, columns)
             return
@@ -90,6 +93,8 @@ def _groups(file: Opened) -> list[tuple[str, dict[int, str]]]:
     options, columns = file.options, file.table.columns
     if options.segment or any(getattr(options, role) for role in chain(*PAIRS)):
         return []
+    if two_signals(file.table, options):
+        return []  # a motion and what moves it are of one
     of = _by_role(columns, options)
     for pair in PAIRS:
         if len(of["frequency"]) == 1 and 2 <= len(of[pair[0]]) == len(of[pair[1]]):

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from dataclasses import replace
 from pathlib import Path
 
@@ -162,32 +163,41 @@ def _refuse_sizes(
     # a record that begins in its hold shows neither
     pressed = bool(away[full] > 0.5 * rise and away[full] >= away[-1])
     shown = pressed and full - begun >= _SHOWN
-    stated = any(channels.is_stated(file, one) for one in chosen if one.role == "displacement")
-    ramp = float(time[full] - time[begun]) if shown and not stated else 0.0
-    # a speed is made of both: of an unusual travel that is too fast the travel is asked for first
-    fast = bool(ramp) and checks.ramp_not_fast(travel / ramp, "s").failed
-    answers: dict[Role, Callable[[str], list[Check]]] = {
-        "displacement": lambda unit: [
-            checks.size_possible("travel", travel, unit, role="displacement"),
-            replace(checks.travel_of_a_seal(travel, unit), grade="stop" if fast else "note"),
-            *([checks.travel_of_a_bench(travel, unit, force=rise)] if pressed else []),
-        ],
-        "force": lambda unit: [
-            checks.size_possible("force", rise, unit, role="force"),
-            checks.force_of_a_seal(rise, unit),
-            checks.force_of_a_bench(rise, unit, travel=travel),
-        ],
-        "time": lambda unit: [
-            checks.time_of_a_test(float(np.ptp(time)), unit),
-            checks.size_possible("record", float(np.ptp(time)), unit, role="time"),
-            checks.size_possible("ramp", ramp, unit, role="time"),
-            checks.ramp_not_slow(ramp, unit),
-            *([checks.ramp_not_fast(travel / ramp, unit)] if ramp else []),
-        ],
-    }
-    return channels.refuse_sizes(
-        file, [(one, answers[one.role](one.unit.word)) for one in reversed(chosen)]
-    )
+    took = float(time[full] - time[begun]) if shown else 0.0
+    lasted = float(np.ptp(time))
+
+    def judged(
+        times: Mapping[Role, float], unit: Mapping[Role, str], said: AbstractSet[Role]
+    ) -> list[tuple[Role, list[Check]]]:
+        far, push = travel * times["displacement"], rise * times["force"]
+        clock = times.get("time", 1.0)
+        ramp = 0.0 if "displacement" in said else took * clock
+        # a speed is made of both: of an unusual travel that is too fast the travel is asked first
+        fast = bool(ramp) and checks.ramp_not_fast(far / ramp, "s").failed
+        moves, pushes, ticks = unit["displacement"], unit["force"], unit.get("time", "s")
+        of_seal = replace(checks.travel_of_a_seal(far, moves), grade="stop" if fast else "note")
+        answers: dict[Role, list[Check]] = {
+            "force": [
+                checks.size_possible("force", push, pushes, role="force"),
+                checks.force_of_a_seal(push, pushes),
+                checks.force_of_a_bench(push, pushes, travel=far),
+            ],
+            "displacement": [
+                checks.size_possible("travel", far, moves, role="displacement"),
+                of_seal,
+                *([checks.travel_of_a_bench(far, moves, force=push)] if pressed else []),
+            ],
+            "time": [
+                checks.time_of_a_test(lasted * clock, ticks),
+                checks.size_possible("record", lasted * clock, ticks, role="time"),
+                checks.size_possible("ramp", ramp, ticks, role="time"),
+                checks.ramp_not_slow(ramp, ticks),
+                *([checks.ramp_not_fast(far / ramp, ticks)] if ramp else []),
+            ],
+        }
+        return [(role, answers[role]) for role in answers if role in unit]
+
+    return channels.refuse_all_sizes(file, chosen, judged)
 
 
 def _refuse_swapped(

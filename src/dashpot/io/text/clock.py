@@ -19,6 +19,10 @@ _CLOCK = re.compile(
     r"(\d{1,4}):(\d\d)(?::(\d\d)(?:[.,](\d{1,12})|:(\d{3}))?|([.,]\d{1,12}))?"
     r"(?:\s{0,3}([AaPp])\.?[Mm]\.?)?(?:Z|([+-])(\d\d):?(\d\d))?\Z"
 )
+_DATE = re.compile(
+    r"\A(?:\d{4}([./-])\d\d?\1\d\d?|\d\d?([./-])\d\d?\2(?:\d{4}|\d\d)"
+    r"|\d\d?[-. ]{1,2}[^\W\d_]{3,9}\.?[- ]\d{4})\Z"
+)
 _ORDERS = ("dmy", "mdy", "ymd")
 _MONTHS = ["jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec"]
 _GERMAN = {"mär": "mar", "mai": "may", "okt": "oct", "dez": "dec"}
@@ -54,6 +58,11 @@ def moment(cell: str) -> Moment | None:
     return Moment(date, seconds, "hms" if third or half or date else "")
 
 
+def instant(cell: str) -> Moment | None:
+    """Return what a cell of a column of clock times says: a date alone is its midnight."""
+    return moment(cell) or (Moment(cell, 0.0, "hms") if _DATE.match(cell) else None)
+
+
 @dataclass
 class ClockColumn:
     """Reads the cells of one column in their order; `settled` then judges the whole.
@@ -69,7 +78,7 @@ class ClockColumn:
     def seconds(self, cell: str) -> float | None:
         """Return the seconds of the day that the next cell says, or None."""
         self.rows += 1
-        found = moment(cell)
+        found = instant(cell)
         if found is None:
             return None
         if not self.dates or self.dates[-1][1] != found.date:

@@ -12,7 +12,7 @@ from itertools import product, zip_longest
 from dashpot.io.table import Content
 from dashpot.io.text import cells as cell
 from dashpot.io.text.cells import Mark
-from dashpot.io.text.clock import moment
+from dashpot.io.text.clock import instant, moment
 
 _DELIMITERS = ("\t", ";", ",", "|", " ", ":")
 _MARKS: tuple[Mark, ...] = (".", ",", ".,")
@@ -132,7 +132,7 @@ class Dialect:
     def value(self, text: str, column: int) -> float | None:
         """The number in a cell of a column, or None."""
         if self.contents[column] == "clock":
-            found = moment(text)
+            found = instant(text)
             return None if found is None else found.seconds
         return cell.number(text, self.mark)
 
@@ -165,7 +165,8 @@ def _filled_elsewhere(lines: Sequence[str], found: Dialect) -> Dialect:
 
     Such is a temperature that is written once for each block.
     """
-    contents = [*found.contents, *["blank"] * (found.cells - len(found.contents))]
+    none: tuple[Content, ...] = ("blank",)
+    contents = (*found.contents, *none * (found.cells - len(found.contents)))
     blank = [i for i, held in enumerate(contents) if held == "blank"]
     if not blank or found.delimiter == " ":
         return found

@@ -25,12 +25,11 @@ from dashpot.fitting.nonlinear_ramp.quasi_linear import hat_integrals
 from dashpot.kinds.cld import checks
 from dashpot.kinds.cld.record import CLD, RateLaw
 from dashpot.kinds.cld.relaxed import knots_over, law_of
-from dashpot.kinds.cld.speeds import Thinned, thinned_alike
+from dashpot.kinds.cld.speeds import DECISIVE, Thinned, thinned_alike
 from dashpot.records.fit import Fit
 
 DAMPING_KNOTS = 7
 MOST_ARMS = 2
-_DECISIVE = 10.0
 _CONTACT = 0.01
 """Standard deviation of first contact, as a part of the depth: a dashpot's force jumps there."""
 
@@ -70,7 +69,7 @@ def fit_rate(pieces: Sequence[CLD], beside: Fit) -> RateLaw:
     effective = estimate(tried[-1], parts=_parts(of), prior_variance=of.noise**2).effective
     scores = [score(one, effective) for one in tried]
     best = 0
-    while best + 1 < len(tried) and scores[best] - scores[best + 1] >= _DECISIVE:
+    while best + 1 < len(tried) and scores[best] - scores[best + 1] >= DECISIVE:
         best += 1
     return _assembled(pieces, beside, of, tried[best])
 

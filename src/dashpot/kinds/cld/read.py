@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from collections.abc import Set as AbstractSet
 from pathlib import Path
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.checks import Check
 from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers import channels, checks
@@ -71,18 +74,26 @@ def cld_in(file: Opened, specimen: Specimen) -> CompressionTest:
 def _refuse_sizes(file: Opened, chosen: list[Channel], values: dict[Role, FloatArray]) -> list[str]:
     """Ask for the units again that make a size no test of a seal has; notes on unusual ones."""
     travel, rise = (float(np.ptp(values[role])) for role in _SIGNALS)
-    unit = {one.role: one.unit.word for one in chosen}
-    asked = {
-        "displacement": lambda word: [
-            checks.size_possible("travel", travel, word, role="displacement"),
-            checks.travel_of_a_seal(travel, word),
-            checks.travel_of_a_bench(travel, word, force=rise),
-        ],
-        "force": lambda word: [
-            checks.size_possible("force", rise, word, role="force"),
-            checks.force_of_a_seal(rise, word),
-            checks.force_of_a_bench(rise, word, travel=travel),
-        ],
-        "time": lambda word: [checks.time_of_a_test(float(np.ptp(values["time"])), word)],
-    }
-    return channels.refuse_sizes(file, [(one, asked[one.role](unit[one.role])) for one in chosen])
+    lasted = float(np.ptp(values["time"])) if "time" in values else 0.0
+
+    def judged(
+        times: Mapping[Role, float], unit: Mapping[Role, str], _: AbstractSet[Role]
+    ) -> list[tuple[Role, list[Check]]]:
+        far, push = travel * times["displacement"], rise * times["force"]
+        moves, pushes, ticks = unit["displacement"], unit["force"], unit.get("time", "s")
+        answers: dict[Role, list[Check]] = {
+            "time": [checks.time_of_a_test(lasted * times.get("time", 1.0), ticks)],
+            "displacement": [
+                checks.size_possible("travel", far, moves, role="displacement"),
+                checks.travel_of_a_seal(far, moves),
+                checks.travel_of_a_bench(far, moves, force=push),
+            ],
+            "force": [
+                checks.size_possible("force", push, pushes, role="force"),
+                checks.force_of_a_seal(push, pushes),
+                checks.force_of_a_bench(push, pushes, travel=far),
+            ],
+        }
+        return [(role, answers[role]) for role in answers if role in unit]
+
+    return channels.refuse_all_sizes(file, chosen, judged)

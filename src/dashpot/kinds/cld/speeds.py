@@ -38,7 +38,7 @@ SAME_SPEED = 1.5
 _PER_STROKE = 120
 _FALLS = 0.98
 """Part of the residual above which a further arm, and any after it, is not worth trying."""
-_DECISIVE = 10.0
+DECISIVE = 10.0
 """By so much a further arm lowers BIC."""
 _SMALLEST, _LARGEST = 1e-3, 20.0
 """Of g."""
@@ -117,7 +117,7 @@ def _supported(
 ) -> int:
     """The last memory that lowers BIC decisively and whose arms are all known; else the first."""
     for i in range(len(tried) - 1, 0, -1):
-        if scores[i - 1] - scores[i] >= _DECISIVE and _told(records, knots, tried[i]):
+        if scores[i - 1] - scores[i] >= DECISIVE and _told(records, knots, tried[i]):
             return i
     return 0
 

@@ -13,7 +13,7 @@ from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.facts import Fact, Numbered
 from dashpot.base.numbers import counted
-from dashpot.base.offered import Described
+from dashpot.base.offered import Described, Pictured
 from dashpot.base.provenance import Source, of_file, sources_of
 from dashpot.base.said import into_si, said_units
 from dashpot.solids.hyperelastic import Hyperelastic, Mode
@@ -136,7 +136,7 @@ Limits: TypeAlias = tuple[float | None, float | None]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class HyperelasticFit(ByValue, Described, Numbered, Documented):
+class HyperelasticFit(ByValue, Pictured, Numbered, Documented):
     """A hyperelastic law, and how well the tests tell it.
 
     Attributes

@@ -12,7 +12,7 @@ from dashpot.base.checks import Check
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.facts import Fact, Numbered
-from dashpot.base.offered import Described
+from dashpot.base.offered import Described, Pictured
 from dashpot.base.provenance import Source, of_file
 from dashpot.base.said import into_si, said_units
 from dashpot.base.units import Dimension
@@ -107,7 +107,7 @@ _CAME_FOR = ("modulus", "k")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class IndentationFit(ByValue, Described, Numbered, Documented):
+class IndentationFit(ByValue, Pictured, Numbered, Documented):
     """What one contact says of a surface.
 
     Attributes

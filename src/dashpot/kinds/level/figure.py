@@ -15,6 +15,7 @@ from dashpot.kinds.level.levels import Elements, LevelFit
 from dashpot.kinds.level.prepare import HysteresisLoop, steady_cycles, sweep_of_loops
 from dashpot.kinds.level.record import AmplitudeFit, AmplitudeSweep
 from dashpot.kinds.level.response import receptance_at_level
+from dashpot.plot.direct import FREQUENCY
 from dashpot.plot.picture import (
     FIT,
     PREDICTED,
@@ -35,7 +36,7 @@ from dashpot.plot.picture import (
 from dashpot.plot.stamps import of_test
 from dashpot.plot.stamps import stamp as stamped
 from dashpot.plot.tokens import SEQUENTIAL, sequential
-from dashpot.plot.vibration import FREQUENCY, SHOWN
+from dashpot.plot.vibration import SHOWN
 from dashpot.records.frf import FRF, Kind
 from dashpot.records.relaxation import RelaxationTest
 from dashpot.solids.maxwell import GeneralizedMaxwell

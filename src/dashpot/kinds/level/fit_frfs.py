@@ -27,6 +27,7 @@ from dashpot.records.frf import FRF, Kind
 from dashpot.solids.friction import Jenkins, slipping_share
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.stiffening import Cubic
+from dashpot.vibration.modal.lines import FLOOR
 
 _PER_DECADE = 10
 _FINER = 8
@@ -36,8 +37,6 @@ _THIRD = float(np.sqrt(20 * np.log(2)))
 """Median size of a third difference over the rms size of complex noise (Rayleigh)."""
 _NEAR = 20
 """Neighbouring lines that are taken to be known alike."""
-_FLOOR = 1e-3
-"""No line is trusted beyond this part of its value."""
 _DRAWS = 60
 _PASSES = 2
 _STEP = 1e-4
@@ -314,7 +313,7 @@ def _knowledge(lines: FRF) -> FloatArray:
     """How well lines are known beside most, by the error that the FRF states: at most 1."""
     if lines.line_scatter is None:
         return np.ones(len(lines.value))
-    relative = np.maximum(lines.line_scatter / np.abs(lines.value), _FLOOR)
+    relative = np.maximum(lines.line_scatter / np.abs(lines.value), FLOOR)
     return np.asarray(np.minimum(np.median(relative) / relative, 1.0))
 
 
@@ -337,4 +336,4 @@ def _noise(problem: _LineData, K: ComplexArray, parts: IndexArray) -> float | No
     ]
     size = [min(float(np.median(one)) / _THIRD, LOST) for one in near]
     rms = np.sqrt(np.average(np.square(size), weights=[len(one) for one in near]))
-    return max(float(rms), _FLOOR)
+    return max(float(rms), FLOOR)

@@ -144,16 +144,19 @@ def resonant_line(frf: FRF, main: Mode | None) -> int:
 
 @criterion("least coherence about the peak", ">=", COHERENT, "common practice")
 def coherence(frf: FRF, at: int) -> Finding:
-    """The hits agree at the resonance, the line `at`."""
+    """The hits agree at the resonance, the line `at`, and at the lines beside it."""
     if frf.coherence is None:
         return Finding(
             "A single hit has no coherence; it would be 1 whatever was measured. More hits would "
             "give one"
         )
-    value = float(frf.coherence[max(at - 1, 0) : at + 2].min())
+    first = max(at - 1, 0)
+    least = first + int(np.argmin(frf.coherence[first : at + 2]))
+    value = float(frf.coherence[least])
+    where = "at" if least == at else "beside"
     return Finding(
-        f"The coherence at the resonance ({frf.frequency[at]:.4g} Hz) is {value:.4f}; at least "
-        f"{COHERENT:g} is expected",
+        f"The coherence {where} the resonance ({frf.frequency[least]:.4g} Hz) is {value:.4f}; at "
+        f"least {COHERENT:g} is expected",
         value,
         "The hits differ there",
         Remedy("Strike the same place squarely, and record longer.", "hit-length"),

@@ -8,7 +8,8 @@ import numpy as np
 
 from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
 
-FLOOR = 1e-3  # relative error below which no line of a measured FRF is trusted
+# no line of a measured FRF is trusted beyond this part of its value: leakage and aliasing remain
+FLOOR = 1e-3
 FLOOR_OF_TOP = 3e-4  # and of the highest line: leakage is modelled that well
 
 

@@ -6,6 +6,7 @@ import { become, levelUnit, remember, shown, state, test, undo } from "./job.js"
 import * as lot from "./lot.js";
 import { bench, live, predict, settle, study } from "./questions.js";
 import { choices, describe, fields, fileList, solid, views } from "./shown.js";
+import { refuse, types } from "./verdict.js";
 import { call } from "./wire.js";
 
 const DECKS = {
@@ -38,20 +39,20 @@ function copy() {
   );
 }
 
-function both() {
-  state.joint = true;
+/** Show the solid of one tab: verdict, tables, figures, and what is taken away. */
+function which(/** @type {string} */ name) {
+  const joint = name === "joint";
+  if (joint === state.joint) return;
+  state.joint = joint;
   choices();
+  solid();
   remember();
   study();
 }
 
-function which(/** @type {string} */ name) {
-  const joint = name === "joint";
-  if (joint !== state.joint) {
-    state.joint = joint;
-    study();
-  }
-  solid();
+function allHits() {
+  state.job.hammer = { accept: [], reject: [] };
+  settle();
 }
 
 function reset() {
@@ -76,7 +77,7 @@ function arms(/** @type {string} */ said) {
 }
 
 function deck(/** @type {string} */ target) {
-  const { checked: joint } = field("of-joint"), { checked: anyway } = field("anyway");
+  const { checked: anyway } = field("anyway");
   const said = (/** @type {string} */ name, /** @type {string} */ unit) => {
     const number = field(`deck-${name}`).value.trim().replace(",", ".");
     return number && number + unit;
@@ -86,10 +87,9 @@ function deck(/** @type {string} */ target) {
     target,
     units: field("units").value,
     form: field("form").value,
-    seals: +field("deck-seals").value || 1,
+    seals: +field("deck-seals").value || state.job.seals,
     compression: said("compression", "mm"),
     modulus: said("modulus", "MPa"),
-    joint,
     anyway,
   });
 }
@@ -112,8 +112,12 @@ const acts = {
   report: () => files.away({ what: "report" }),
   menu: () => menu(!!$("menu").hidden),
   copy,
-  joint: both,
   reset,
+  undo: back,
+  again: () => settle(),
+  "all-hits": allHits,
+  mass: () => $("mass").focus(),
+  dismiss: () => refuse("", "file"),
   "close-keys": () => keys.close(),
 };
 
@@ -160,7 +164,7 @@ const letters = {
   h: acts.hammer,
   f: acts.folders,
   e: () => !state.files.length && files.example(),
-  j: () => !$("both").hidden && both(),
+  j: () => !$("which").hidden && which("joint"),
   r: () => test() && acts.report(),
   t: () => test() && acts.menu(),
   m: () => $("mass").focus(),
@@ -261,10 +265,19 @@ const typed = {
   },
 };
 
+const COUNTS = ".field, .cuts";
+document.addEventListener("input", (event) => {
+  const at = /** @type {HTMLElement} */ (event.target);
+  if (at.closest(COUNTS)) types(true);
+});
+// behind the change, which asks for what was typed
+document.addEventListener("focusout", () => types(false));
+
 let pause = 0;
 document.addEventListener("change", (event) => {
   const at = /** @type {HTMLInputElement} */ (event.target), { hit, cut: end } = at.dataset;
   const text = at.value.trim().replace(",", ".");
+  types(false);
   if (at.id === "pick") {
     files.take([...(at.files || [])]);
     at.value = "";

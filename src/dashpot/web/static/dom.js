@@ -45,16 +45,6 @@ export function atWork(/** @type {1 | -1} */ by) {
   $("cancel").hidden = !cancellable;
 }
 
-let refused = "";
-
-/** Say a refusal; a fit that succeeds takes back that of a fit, not that of a file. */
-export function refuse(/** @type {string} */ said, of = "fit") {
-  if (!said && refused !== of) return;
-  refused = said && of;
-  $("refusal").textContent = said;
-  $("refusal").hidden = !said;
-}
-
 /** An element with what it has and holds. */
 export function made(
   /** @type {string} */ tag,

@@ -1,5 +1,5 @@
 // Files in and out: opened, asked about, shown, taken away.
-import { $, all, atWork, field, made, refuse, status, words } from "./dom.js";
+import { $, all, atWork, field, made, status, words } from "./dom.js";
 import {
   hammers,
   isBench,
@@ -14,11 +14,14 @@ import {
 } from "./job.js";
 import { bench, settle, study } from "./questions.js";
 import { fileList, views } from "./shown.js";
+import { refuse, settled } from "./verdict.js";
 import { ask, call, cancelled, send } from "./wire.js";
 
 /** @typedef {import("./job.js").OpenFile} OpenFile */
 
 const LINGER = 10_000;
+/** After which a reading can be cancelled, ms: before, it is done sooner. */
+const PATIENCE = 300;
 
 async function look(/** @type {OpenFile} */ one) {
   const { head } = await send("inspect", { file: one.id, options: one.options });
@@ -38,16 +41,25 @@ export async function opened(
   state.files.push(...added);
   fileList();
   const at = state.current;
+  let offered = false;
+  const slow = setTimeout(() => {
+    offered = true;
+    atWork(1);
+  }, PATIENCE);
   for (const one of added) {
     status(`reading ${one.name}`);
     try {
       await look(one);
     } catch (error) {
       const said = words(error);
-      Object.assign(one, { mark: "bad", line: said });
-      refuse(said.startsWith(one.name) ? said : `${one.name}: ${said}`, "file");
+      Object.assign(one, { mark: "bad", line: said === cancelled ? "not read" : said });
+      if (said === cancelled) continue;
+      const about = said.startsWith(one.name) ? said : `${one.name}: ${said}`;
+      refuse(about, "file", { words: `Remove ${one.name}`, remove: one.id });
     }
   }
+  clearTimeout(slow);
+  if (offered) atWork(-1);
   const asks = added.find((one) => one.asked);
   const first = added.find((one) => one.page === "test") ||
     added.find((one) => isBench(one) && !(isModes(one) && test()));
@@ -187,12 +199,22 @@ function make(
   };
   // beside the page's own questions: what is shown is wanted, too
   ask("take", verb, request, ({ head }) => {
-    refuse("");
+    notTaken("", verb);
     over(done(head));
   }, (said) => {
-    if (said !== cancelled) refuse(said);
+    if (said !== cancelled) notTaken(said, verb);
     over(said === cancelled ? said : "not made");
   }, () => atWork(-1));
+}
+
+/** Say in the menu why there is nothing to take away, where its choices are. */
+function notTaken(/** @type {string} */ said, /** @type {string} */ verb) {
+  if (verb.startsWith("take-")) return refuse(said, "fit");
+  $("not-taken").textContent = said;
+  $("not-taken").hidden = !said;
+  if (!said) return;
+  $("menu").hidden = false;
+  $("anyway").focus();
 }
 
 /** The fit of what the page fits by itself. */
@@ -201,11 +223,19 @@ export function takeBench() {
   if (of) make(`take-${of.verb}`, of.request, "fit", save);
 }
 
+/** The solid that stands on the page: nothing else is taken away as "the model". */
+const solidShown = () => document.querySelector("[data-solid]")?.getAttribute("data-solid");
+
 export function away(/** @type {Record<string, any>} */ what) {
-  make("take", { job: job(), ...what }, what.target || what.what, save);
+  // what is about to change is of no solid that stands on the page
+  if (!settled()) return status("not judged yet: nothing is taken away");
+  const { joint } = state, solid = solidShown(), model = ["fit", "deck"].includes(what.what);
+  const request = { job: job(), ...what, ...(model && { joint, solid }) };
+  make("take", request, what.target || what.what, save);
 }
 
 export function project() {
+  if (!settled()) return status("not judged yet: nothing is kept");
   const request = { job: job(), folder: field("folder").value };
   make("project", request, "the project", (head) => `kept in ${head.folder}`);
 }

@@ -1,10 +1,11 @@
 // Folders: projects that were kept, lots, and what was opened last.
-import { $, field, made, refuse, status, words } from "./dom.js";
+import { $, field, made, status, words } from "./dom.js";
 import { opened } from "./files.js";
 import { become, LOT, remember, state } from "./job.js";
 import * as lot from "./lot.js";
 import { settle } from "./questions.js";
 import { fileList, views } from "./shown.js";
+import { refuse } from "./verdict.js";
 import { send } from "./wire.js";
 
 /** Open the project or the lot in a folder. */

@@ -116,6 +116,9 @@ export function job() {
   };
 }
 
+/** What is asked of the test with one solid or the other. */
+export const questionOf = (/** @type {boolean} */ joint) => JSON.stringify({ ...job(), joint });
+
 /** What room each panel has for its drawing, px: what its place leaves beside key and border. */
 export function sizes() {
   /** @type {Record<string, [number, number]>} */

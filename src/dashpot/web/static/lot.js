@@ -1,6 +1,7 @@
 // A lot: the table of a folder that dashpot batch filled, to filter, to sort, to open a test from.
-import { $, field, made, refuse, status, words } from "./dom.js";
+import { $, field, made, status, words } from "./dom.js";
 import { state } from "./job.js";
+import { refuse } from "./verdict.js";
 import { send } from "./wire.js";
 
 /** @typedef {(string | number | null)[]} Row */

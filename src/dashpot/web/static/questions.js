@@ -1,5 +1,5 @@
 // Questions to the server, and where their answers stand. The page computes no number.
-import { $, all, atWork, panelCard, put, refuse, status } from "./dom.js";
+import { $, all, atWork, put, status } from "./dom.js";
 import {
   hammers,
   isBench,
@@ -8,6 +8,7 @@ import {
   isResponse,
   job,
   LOT,
+  questionOf,
   remember,
   shown,
   sizes,
@@ -15,23 +16,39 @@ import {
   test,
 } from "./job.js";
 import { curves, panel, placeHandles, strips } from "./panels.js";
-import { choices, fields, fileList, solid, stale, tables, verdict, views } from "./shown.js";
+import { choices, fields, fileList, solid, tables, views } from "./shown.js";
+import { asks, heals, knows, refuse, stops } from "./verdict.js";
 import { ask, call, cancelled, forget } from "./wire.js";
 
 const PATIENCE = 400;
 const seconds = (/** @type {number} */ since, digits = 1) =>
   `${((performance.now() - since) / 1000).toFixed(digits)} s`;
 
+/** What decides the verdict: two questions alike have one. */
+function question() {
+  const of = bench();
+  if (of) return JSON.stringify([of.verb, { ...of.request, sizes: null }]);
+  return test() ? questionOf(state.joint) : "";
+}
+
+/** Say why what is asked now has no answer. */
+function ends(/** @type {string} */ said) {
+  if (said === cancelled) stops("Cancelled: what was asked last is not judged.");
+  else refuse(said);
+}
+
 /** While a handle is held: bare curves, and both fits' numbers. */
 export function live() {
   if (!test()) return;
+  const now = question();
+  asks(now, "It is judged once you let go.");
   ask("live", "live", { job: job() }, ({ head, arrays }) => {
     curves(arrays);
     $("beside").innerHTML = head.beside;
-    refuse("");
+    heals(now);
     placeHandles(head.cuts);
     performance.mark("dashpot-live");
-  }, refuse);
+  }, ends);
 }
 
 /** A key that takes two lines is known when it stands there: its drawing is then to be lower. */
@@ -39,33 +56,35 @@ const tooTall = () => all("[data-panel]").some((one) => one.scrollHeight > one.c
 
 /** The fit with its intervals and checks, and every panel of the test. */
 export function settle(again = false) {
+  const now = question();
+  asks(now, "The file is fitted.");
   choices();
   fields();
   views();
   remember();
-  const of = test(), asks = bench(), lot = state.current === LOT;
-  if (lot || asks || !of) ["settle", "slow"].forEach(forget);
+  const of = test(), alone = bench(), lot = state.current === LOT;
+  if (lot || alone || !of) ["settle", "slow"].forEach(forget);
   if (lot) return;
-  if (asks) return fitBench(asks);
+  if (alone) return fitBench(alone);
   if (!of) {
     nothing();
     const open = state.files.some((one) => one.asked);
     status(open ? "a question is open" : "no relaxation test is open");
     return;
   }
-  stale(true);
   // of a long record a part is drawn at once
   const quick = !!of.long, since = performance.now();
   of.long = false;
   status(quick ? "fitting a part of the samples" : "fitting");
   const asked = { job: job(), sizes: sizes(), quick, base: state.base };
   ask("settle", "settle", asked, ({ head }) => {
+    knows(now, head, false);
     settled(head);
     if (quick || (!again && tooTall())) return settle(true);
     status(`settled in ${seconds(since, 2)}`);
     study();
   }, (said) => {
-    refuse(said);
+    ends(said);
     status("not fitted");
   });
 }
@@ -75,19 +94,16 @@ function nothing() {
   tables.fit = tables.joint = "";
   solid();
   chosenArms("");
-  for (const name of ["verdict", "checks", "beside", "answers", "command", "bench-page"]) {
+  for (const name of ["checks", "beside", "answers", "command", "bench-page"]) {
     $(name).replaceChildren();
   }
-  $("verdict").className = "verdict";
-  for (const name of ["hint", "simulated"]) $(name).hidden = true;
+  $("simulated").hidden = true;
   for (const end of all("[data-cut]")) put(end.id, "");
 }
 
 function settled(/** @type {any} */ head) {
-  refuse("");
   tables.fit = head.solid;
   if (!state.joint) tables.joint = "";
-  verdict(head);
   for (const [name, html] of Object.entries(head.panels)) panel(name, html);
   $("checks").innerHTML = head.checks;
   $("beside").innerHTML = head.beside;
@@ -112,7 +128,7 @@ function slowly(
   /** @type {string} */ verb,
   /** @type {any} */ request,
   /** @type {(head: any) => unknown} */ done,
-  without = () => stale(false),
+  without = () => {},
 ) {
   const since = performance.now();
   atWork(1);
@@ -135,7 +151,7 @@ function slowly(
   }, (said) => {
     end();
     without();
-    if (said !== cancelled) refuse(said);
+    ends(said);
     status(said === cancelled ? "cancelled" : "stopped");
   }, end);
 }
@@ -143,8 +159,12 @@ function slowly(
 /** The whole story: bound, hammer, joint fit. */
 export function study(again = false) {
   if (!test()) return;
+  const now = question();
+  asks(now, hammers().length ? "The hammer is compared." : "Its limits are sought.");
   slowly("study", { job: job(), sizes: sizes(), base: state.base }, (head) => {
     told(head);
+    knows(now, head, !head.hint);
+    if (head.hint) stops(head.hint, { words: "Give the mass", act: "mass" });
     if (again || !tooTall()) return true;
     study(true);
     return false;
@@ -176,14 +196,12 @@ export function bench() {
 let benched = "";
 
 function fitBench(/** @type {{verb: string, request: any}} */ { verb, request }) {
-  stale(true);
+  const now = question();
   // what stands there may be another file's
   if (benched !== state.current) nothing();
   benched = state.current;
   slowly(verb, request, (head) => {
-    refuse("");
-    verdict(head);
-    stale(false);
+    knows(now, head, true);
     chosenArms(head.arms);
     tables.fit = head.solid;
     tables.joint = "";
@@ -191,7 +209,6 @@ function fitBench(/** @type {{verb: string, request: any}} */ { verb, request })
     $("checks").innerHTML = head.checks;
     $("answers").innerHTML = "";
     $("beside").hidden = true;
-    $("hint").hidden = true;
     $("command").textContent = head.command;
     $("simulated").hidden = !head.simulated;
     strips($("bench-page"), head.figures, verb);
@@ -200,10 +217,6 @@ function fitBench(/** @type {{verb: string, request: any}} */ { verb, request })
 }
 
 function told(/** @type {any} */ head) {
-  verdict(head);
-  stale(false);
-  $("hint").textContent = head.hint;
-  $("hint").hidden = !head.hint;
   panel("frf", head.frf);
   for (const [name, html] of Object.entries(head.hit_panels)) panel(name, html);
   $("hit-table").innerHTML = head.hits;
@@ -221,11 +234,11 @@ function told(/** @type {any} */ head) {
 /** The response of the mass while it moves. */
 export function predict() {
   if (!test() || !state.job.mass) return;
+  asks(question(), "It is judged once you let go.");
   ask("mass", "predict", { job: job(), base: state.base }, ({ head, arrays }) => {
     curves(arrays);
-    panelCard("frf")?.classList.add("stale");
     status(`${head.peak}; limits: working`);
     $("command").textContent = head.command;
     performance.mark("dashpot-mass");
-  }, refuse);
+  }, ends);
 }

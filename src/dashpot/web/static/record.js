@@ -1,5 +1,5 @@
 // An instrument that is read: what it is, its force and displacement as they come, and the way on.
-import { $, all, field, made, refuse, status, words } from "./dom.js";
+import { $, all, field, made, status, words } from "./dom.js";
 import { call } from "./wire.js";
 
 /** @typedef {{name: string, now: string, svg: string}} Drawn */
@@ -12,6 +12,11 @@ const FIELDS = ["driver", "port", "baud", "columns", "file", "speed", "folder"];
 let running = false;
 
 const button = (/** @type {string} */ id) => /** @type {HTMLButtonElement} */ ($(id));
+
+function refuse(/** @type {string} */ said) {
+  $("refusal").textContent = said;
+  $("refusal").hidden = !said;
+}
 
 function choices() {
   const driver = field("driver").value;

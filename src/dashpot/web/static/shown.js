@@ -1,5 +1,5 @@
 // What stands on the page beside the drawings: verdict, solid, choices, files, fields.
-import { $, all, field, made, panelCard, put } from "./dom.js";
+import { $, all, field, made, put } from "./dom.js";
 import {
   hammers,
   isBench,
@@ -16,6 +16,7 @@ import {
   together,
 } from "./job.js";
 import { handles } from "./panels.js";
+import { render } from "./verdict.js";
 
 /** @typedef {import("./job.js").OpenFile} OpenFile */
 
@@ -25,24 +26,9 @@ const SVG = "http://www.w3.org/2000/svg";
 /** @type {{fit: string, joint: string}} */
 export const tables = { fit: "", joint: "" };
 
-export function verdict(/** @type {{verdict: string, colour: string}} */ head) {
-  $("verdict").innerHTML = head.verdict;
-  $("verdict").className = `verdict ${head.colour}`;
-}
-
-/** Say of verdict and response that they are of what was asked before. */
-export function stale(/** @type {boolean} */ yes) {
-  $("verdict").classList.toggle("stale", yes);
-  panelCard("frf")?.classList.toggle("stale", yes);
-}
-
+/** The table of the solid of the tab; nothing of a solid that is not found yet. */
 export function solid() {
-  const which = tables.joint && state.joint ? "joint" : "fit";
-  for (const button of all("[data-which]")) {
-    button.setAttribute("aria-pressed", String(button.dataset.which === which));
-    if (button.dataset.which === "joint") button.toggleAttribute("disabled", !tables.joint);
-  }
-  $("solid").innerHTML = tables[which];
+  $("solid").innerHTML = tables[state.joint ? "joint" : "fit"];
 }
 
 export function choices() {
@@ -61,8 +47,13 @@ export function choices() {
   }
   $("reset").hidden = !Object.keys(cuts).length;
   for (const [name, handle] of Object.entries(handles)) handle.byHand(name in cuts);
-  $("both").hidden = !hammers().length || state.joint || !test() || isBenchShown() ||
-    state.current === LOT;
+  const two = hammers().length > 0 && !!test() && !isBenchShown() && state.current !== LOT;
+  $("which").hidden = !two;
+  for (const button of all("[data-which]")) {
+    const own = button.dataset.which === (state.joint ? "joint" : "fit");
+    button.setAttribute("aria-pressed", String(own));
+  }
+  $("taken").textContent = two ? (state.joint ? ": both tests" : ": relaxation alone") : "";
 }
 
 const isBenchShown = () => state.files.some((one) => one.id === state.current && isBench(one));
@@ -111,7 +102,7 @@ export function fileList() {
     $("files").prepend(made("li", {}, button, made("button", away, "\u00d7")));
   }
   document.body.classList.toggle("empty", !state.files.length && !state.lot);
-  for (const button of all('[data-needs="test"]')) button.toggleAttribute("disabled", !of);
+  render();
 }
 
 const unitWords = (/** @type {OpenFile | undefined} */ one) =>
@@ -144,6 +135,7 @@ export function views() {
   $("no-level").hidden = lot || !response || fitted || !(alone || !test());
   $("grid").hidden = lot || !!asks || hits || fitted || alone || !test();
   $("verdict").hidden = lot || !!asks || alone || !(test() || fitted);
+  render();
 }
 
 /** The numbers of the choices in their fields. */

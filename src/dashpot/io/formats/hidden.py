@@ -1,0 +1,149 @@
+"""Which rows and columns of a workbook are hidden, for the child: what is not seen is read, too.
+
+Of xlsx and ods alone, whose parts are XML; of the older xls and of xlsb nothing is told.
+"""
+
+from __future__ import annotations
+
+import re
+import zipfile
+from collections.abc import Iterator
+from typing import BinaryIO
+from xml.sax.saxutils import unescape
+
+_CHUNK = 1 << 20
+_TAG = 1 << 12
+"""Bytes of a tag, at most."""
+_TOLD = 8
+_TAGS = re.compile(rb"<(?:\w{1,20}:)?(row|col|table|table-row|table-column)\b([^<>]{0,4000})>")
+_WORD = re.compile(rb"([\w:-]{1,60})\s*=\s*\"([^\"]{0,1000})\"")
+_UNSEEN = {b"1", b"true", b"collapse", b"filter"}
+
+
+def hidden(stream: BinaryIO) -> dict[str, str]:
+    """Return what is hidden by the name of the sheet, such as "rows 3, 4 and column D"."""
+    stream.seek(0)
+    if not zipfile.is_zipfile(stream):
+        return {}
+    found: dict[str, str] = {}
+    with zipfile.ZipFile(stream) as book:
+        names = set(book.namelist())
+        parts = _sheets(book, names) if "xl/workbook.xml" in names else {}
+        for name, part in parts.items():
+            told = _told(*_of_tags(_tags(book, part)))
+            if told:
+                found[name] = told
+        if not parts and "content.xml" in names:
+            found = _of_tables(_tags(book, "content.xml"))
+    return found
+
+
+def _sheets(book: zipfile.ZipFile, names: set[str]) -> dict[str, str]:
+    """The part of each sheet by its name."""
+    links = dict(_attributes(book, "xl/_rels/workbook.xml.rels", b"Relationship", "Id", "Target"))
+    listed = _attributes(book, "xl/workbook.xml", b"sheet", "name", "id")
+    parts = {name: links.get(link, "").removeprefix("/xl/") for name, link in listed}
+    return {name: f"xl/{part}" for name, part in parts.items() if f"xl/{part}" in names}
+
+
+def _attributes(
+    book: zipfile.ZipFile, part: str, tag: bytes, one: str, other: str
+) -> Iterator[tuple[str, str]]:
+    """Two attributes of every tag of a small part."""
+    if part not in book.namelist():
+        return
+    with book.open(part) as stream:
+        text = stream.read(_CHUNK)
+    for match in re.finditer(rb"<(?:\w{1,20}:)?" + tag + rb"\b([^<>]{0,4000})>", text):
+        words = _words(match[1])
+        if one in words and other in words:
+            yield unescape(words[one], {"&quot;": '"'}), words[other]
+
+
+def _words(text: bytes) -> dict[str, str]:
+    """The attributes of a tag, without the prefixes of their names."""
+    return {
+        word.rpartition(b":")[2].decode(): value.decode("utf-8", "replace")
+        for word, value in _WORD.findall(text)
+    }
+
+
+def _tags(book: zipfile.ZipFile, part: str) -> Iterator[tuple[str, dict[str, str]]]:
+    """The tags of rows, columns and tables of a part, block by block."""
+    rest = b""
+    with book.open(part) as stream:
+        while block := stream.read(_CHUNK):
+            text = rest + block
+            cut = text.rfind(b"<")  # a tag may go on in the next block
+            rest = text[cut:][:_TAG] if cut >= 0 else b""
+            for match in _TAGS.finditer(text[:cut] if cut >= 0 else text):
+                yield match[1].decode(), _words(match[2])
+        for match in _TAGS.finditer(rest):
+            yield match[1].decode(), _words(match[2])
+
+
+def _of_tags(tags: Iterator[tuple[str, dict[str, str]]]) -> tuple[list[int], list[int]]:
+    """The hidden rows and columns of one sheet of an xlsx file, counted from 1."""
+    rows: list[int] = []
+    columns: list[int] = []
+    row = 0
+    for tag, words in tags:
+        unseen = words.get("hidden", "").encode() in _UNSEEN
+        if tag == "row":
+            row = _whole(words.get("r", "")) or row + 1
+            rows += [row] if unseen else []
+        elif tag == "col" and unseen:
+            first = _whole(words.get("min", "")) or 1
+            last = min(_whole(words.get("max", "")) or first, first + _TOLD)
+            columns += range(first, last + 1)
+    return rows, columns
+
+
+def _of_tables(tags: Iterator[tuple[str, dict[str, str]]]) -> dict[str, str]:
+    """So too, of every table of an ods file."""
+    found: dict[str, tuple[list[int], list[int]]] = {}
+    name, place = "", {"table-row": 0, "table-column": 0}
+    for tag, words in tags:
+        if tag == "table":
+            name, place = unescape(words.get("name", "")), dict.fromkeys(place, 0)
+            found[name] = [], []
+        elif tag in place and name in found:
+            unseen = words.get("visibility", "").encode() in _UNSEEN
+            count = max(
+                _whole(words.get("number-rows-repeated", "")),
+                _whole(words.get("number-columns-repeated", "")), 1,
+            )  # fmt: skip
+            if unseen:
+                first = place[tag] + 1
+                found[name][tag == "table-column"].extend(range(first, first + min(count, _TOLD)))
+            place[tag] += count
+    return {name: told for name, one in found.items() if (told := _told(*one))}
+
+
+def _whole(text: str) -> int:
+    return int(text) if text.isascii() and text.isdigit() and len(text) < 9 else 0
+
+
+def _told(rows: list[int], columns: list[int]) -> str:
+    """What is hidden, in words; "" if nothing is."""
+    parts = [
+        _listed("row", [str(row) for row in rows]),
+        _listed("column", [_letters(column) for column in columns]),
+    ]
+    return " and ".join(filter(None, parts))
+
+
+def _listed(what: str, places: list[str]) -> str:
+    if not places:
+        return ""
+    more = f" and {len(places) - _TOLD} more" if len(places) > _TOLD else ""
+    return f"{what}{'s' * (len(places) > 1)} {', '.join(places[:_TOLD])}{more}"
+
+
+def _letters(column: int) -> str:
+    """The letters over a column of a sheet."""
+    letters = ""
+    while column > 0:
+        column, place = divmod(column - 1, 26)
+        letters = chr(65 + place) + letters
+    return letters

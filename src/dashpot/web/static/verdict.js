@@ -1,0 +1,167 @@
+// The verdict: of what is asked now and of all open files, and never calmer than what is known.
+import { $, all, made, panelCard } from "./dom.js";
+import { questionOf, state, test } from "./job.js";
+
+/** @typedef {{verdict: string, colour: string}} Judged As the server draws it */
+/** @typedef {{words: string, act?: string, remove?: string}} Cure The one control that mends it */
+/** @typedef {{word: string, says: string, colour: "open" | "bad", cure?: Cure, alert?: boolean}} Said */
+
+/** What is asked now; why there is no verdict of it, and whether anything is at work on one. */
+let asked = "", why = "", working = false;
+const JUDGE = { words: "Judge it", act: "again" };
+/** What heals where nothing is at work. @type {Cure} */
+let next = JUDGE;
+/** Of every question that was answered, how it was judged: an icon for each tab. */
+const colours = new Map();
+/** What was answered last, of which question, and whether that was all of it. */
+const known = { of: "", whole: false, head: /** @type {Judged | null} */ (null) };
+let typing = false;
+
+/** @type {Record<string, {said: string, cure: Cure} | undefined>} */
+const refused = {};
+
+/** Ask something: until its answer is there nothing is judged. */
+export function asks(/** @type {string} */ question, /** @type {string} */ because) {
+  [asked, why, working] = [question, because, true];
+  render();
+}
+
+/** Take an answer, or, if not `whole`, what is known before it. */
+export function knows(
+  /** @type {string} */ question,
+  /** @type {Judged} */ head,
+  /** @type {boolean} */ whole,
+) {
+  Object.assign(known, { of: question, head, whole });
+  if (whole) colours.set(question, head.colour);
+  if (whole && question === asked) working = false;
+  heals(question);
+  render();
+}
+
+/** An answer takes back what was refused, unless something else was asked since. */
+export function heals(/** @type {string} */ question) {
+  if (question === asked) refuse("");
+}
+
+/** Say that there will be no answer, and why. */
+export function stops(/** @type {string} */ because, /** @type {Cure} */ cure = JUDGE) {
+  [why, working, next] = [because, false, cure];
+  render();
+}
+
+/** What is typed counts once the field is left. */
+export function types(/** @type {boolean} */ yes) {
+  typing = yes;
+  render();
+}
+
+/** Say a refusal; a fit that succeeds takes back that of a fit, not that of a file. */
+export function refuse(
+  /** @type {string} */ said,
+  of = "fit",
+  /** @type {Cure} */ cure = of === "fit" ? mends(said) : { words: "Close", act: "dismiss" },
+) {
+  refused[of] = said ? { said, cure } : undefined;
+  if (said && of === "fit") working = false;
+  render();
+  const busy = document.activeElement?.closest(".handle, [data-typed]");
+  if (said && of === "fit" && !busy) document.getElementById("cure")?.focus();
+}
+
+/** Whether what is shown may be taken away: not while it is about to change. */
+export const settled = () => !!test() && !working && !typing && !refused.fit;
+
+/** The control that mends a refused fit: what was refused, or else what was changed last. */
+function mends(/** @type {string} */ said) {
+  const { cuts, hammer } = state.job;
+  if (/server is gone/.test(said)) return { words: "Try again", act: "again" };
+  if (hammer.reject.length && /\bhits?\b/.test(said)) {
+    return { words: "Accept all that pass", act: "all-hits" };
+  }
+  if (Object.keys(cuts).length) return { words: "Cuts as found", act: "reset" };
+  return { words: "Take back the last change", act: "undo" };
+}
+
+/** Files that the verdict is not of: asked about, refused, or not read yet. */
+const leftOut = () => state.files.filter((one) => one.asked || one.mark !== "good");
+
+function last() {
+  const holder = made("div");
+  holder.innerHTML = known.head?.verdict || "";
+  const word = holder.querySelector(".word")?.textContent;
+  return word ? ` The last answer was: ${word.toLowerCase()}.` : "";
+}
+
+/** What is to be said in place of the answer; nothing where that is whole, and of all files. */
+function instead() {
+  /** @type {(says: string, cure?: Cure) => Said} */
+  const open = (says, cure) => ({ word: "Not judged yet", says, colour: "open", cure });
+  const { fit, file } = refused, out = leftOut();
+  if (fit) return said("Do not use", fit);
+  if (file) return said("Not read", file);
+  if (typing) return open("What is typed counts once you press Enter or leave the field.");
+  if (known.of === asked && known.head?.colour === "bad") return null;
+  if (known.of !== asked || !known.whole) {
+    return open(why + last(), working ? undefined : next);
+  }
+  if (!out.length) return null;
+  const [one] = out, read = one.mark;
+  return open(
+    read
+      ? `${one.name} is open and not part of it: answer what it asks, or remove it.${last()}`
+      : `${one.name} is being read.`,
+    read ? { words: `Remove ${one.name}`, remove: one.id } : undefined,
+  );
+}
+
+/** @returns {Said} */
+const said = (/** @type {string} */ word, /** @type {{said: string, cure: Cure}} */ of) => ({
+  word,
+  says: of.said,
+  colour: "bad",
+  cure: of.cure,
+  alert: true,
+});
+
+/** @type {(of: Said) => Node[]} */
+function drawn({ word, says, colour, cure, alert }) {
+  const icon = made("span");
+  icon.innerHTML = `<svg class="icon big" aria-hidden="true"><use href="#i-${colour}"/></svg>`;
+  const parts = [
+    ...icon.childNodes,
+    made("strong", { class: "word" }, word),
+    made("p", alert ? { role: "alert" } : {}, says),
+  ];
+  if (cure) {
+    const [name, does] = cure.remove ? ["data-remove", cure.remove] : ["data-act", cure.act || ""];
+    parts.push(made("button", { id: "cure", [name]: does }, cure.words));
+  }
+  return parts;
+}
+
+let stands = "";
+
+/** Let the verdict stand there as it is now. */
+export function render() {
+  const home = $("verdict"), bar = $("refusal"), refusal = refused.fit || refused.file;
+  // where no verdict has a place there is no panel that a line would push
+  bar.textContent = refusal?.said || "";
+  bar.hidden = !refusal || !(home.hidden || document.body.classList.contains("empty"));
+  const other = asked || refusal ? instead() : null;
+  const head = asked && !other ? known.head : null;
+  for (const one of all('[data-needs="test"]')) one.toggleAttribute("disabled", !settled());
+  panelCard("frf")?.classList.toggle("stale", !!other);
+  document.body.classList.toggle("unsettled", !!other);
+  for (const tab of test() ? all("[data-which]") : []) {
+    const joint = tab.dataset.which === "joint", shown = other?.colour || head?.colour;
+    const colour = joint === state.joint ? shown : colours.get(questionOf(joint));
+    tab.querySelector("use")?.setAttribute("href", `#i-${colour || "open"}`);
+  }
+  const now = JSON.stringify([other, head?.verdict]);
+  if (now === stands) return;
+  stands = now;
+  home.className = `verdict ${other?.colour || head?.colour || ""}`;
+  if (other) home.replaceChildren(...drawn(other));
+  else home.innerHTML = head?.verdict || "";
+}

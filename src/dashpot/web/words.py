@@ -1,0 +1,31 @@
+"""Sentences as the page says them: it has controls, where a command has options."""
+
+from __future__ import annotations
+
+import re
+
+_OPTION = re.compile(r"(?<![\w-])--[a-z]|\bPython\b|\bdashpot\.|\bpip install\b")
+_WORD = re.compile(r"""\s*(?<![\w-])--[a-z][\w-]*(?:[ =](?:"[^"]*"|[^\s,;.()]*=[^\s;()]*))?""")
+_BRACKETS = re.compile(r"\s*\([^()]*\)")
+_PARTS = re.compile(r"(; |: |\. )")
+
+
+def on_page(sentence: str) -> str:
+    """Return a refusal without what only a command line or Python can heed.
+
+    >>> on_page("no unit of force; add --units force=N, or write it into the header")
+    'no unit of force'
+    >>> on_page("widen --band")
+    'widen the choice on this page'
+    """
+    if not _OPTION.search(sentence):
+        return sentence
+    bare = _BRACKETS.sub(lambda one: "" if _OPTION.search(one[0]) else one[0], sentence)
+    parts = _PARTS.split(bare)
+    kept = [parts[0]]
+    for sign, part in zip(parts[1::2], parts[2::2], strict=True):
+        if not _OPTION.search(part):
+            kept += [sign, part]
+    if _OPTION.search(kept[0]):
+        kept = kept[2:] or kept
+    return _WORD.sub(" the choice on this page", "".join(kept)).strip()

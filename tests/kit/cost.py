@@ -1,0 +1,97 @@
+# ruff: noqa: E501  names of tests
+"""Dear tests: how many cases of each run every time; the others wait for ``pytest -m slow``.
+
+Measured on two cores; a test with many cases keeps some from both ends and the middle. What is cut
+to none is a study by chance whose law a cheaper test beside it holds.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Mapping
+from types import MappingProxyType
+from typing import Any
+
+KEPT: Mapping[str, int] = MappingProxyType({
+    "base/test_capability.py::test_the_interval_of_cpk_holds_the_truth_as_often_as_it_says": 3,
+    "door/test_closing.py::test_the_interval_holds_a_seal_whose_fast_arms_look_like_clocks": 4,
+    "export/test_calculix.py::test_frf_within_1e_4_of_the_model": 5,
+    "export/test_calculix.py::test_pressed_far_it_pushes_as_the_model_does": 2,
+    "fitting/test_fitting_rig.py::test_intervals_bear_a_wander_that_the_scatter_hides": 1,
+    "fitting/test_fitting_rig.py::test_intervals_cover_the_truth_under_correlated_noise": 1,
+    "fitting/test_fitting_rig.py::test_no_arm_too_many_under_slow_noise_at_any_rate": 2,
+    "fitting/test_fitting_rig.py::test_the_right_number_of_arms": 6,
+    "fitting/test_fractional.py::test_a_fault_of_the_bench_leaves_a_fractional_seal_one": 1,
+    "fitting/test_fractional.py::test_a_fractional_seal_is_found_and_its_loss_foretold": 2,
+    "fitting/test_fractional.py::test_a_seal_of_arms_keeps_them": 2,
+    "fitting/test_fractional.py::test_a_seal_that_is_not_linear_is_not_called_fractional": 2,
+    "fitting/test_fractional.py::test_its_intervals_hold_it_in_thirty_records": 0,
+    "fitting/test_temperatures.py::test_quasi_random_starts_find_the_same_solid": 0,
+    "fitting/test_temperatures.py::test_what_is_no_one_solid_is_not_passed_as_one": 2,
+    "io/test_patterns.py::test_a_quadratic_one_is_caught": 0,
+    "io/test_patterns.py::test_every_pattern_takes_a_time_in_proportion_to_its_text": 0,
+    "kinds/hyperelastic/test_fit.py::test_intervals_hold_the_truth_nineteen_times_in_twenty": 0,
+    "kinds/hyperelastic/test_fit.py::test_modes_that_part_by_a_factor_are_told": 2,
+    "kinds/indentation/test_fit.py::test_no_valley_of_a_relaxing_contact_is_lower": 0,
+    "kinds/indentation/test_fit.py::test_slopes_are_those_of_the_model": 8,
+    "kinds/indentation/test_fit.py::test_the_interval_is_that_of_all_valleys": 0,
+    "kinds/level/test_fit.py::TestLevels::test_a_spring_that_stiffens_is_told_from_friction": 2,
+    "kinds/level/test_fit.py::TestLevels::test_its_intervals_hold_the_truth": 0,
+    "kinds/level/test_fit.py::TestLevels::test_what_is_told_wrong_or_lies_outside_is_no_use": 5,
+    "kinds/level/test_fit.py::TestSweep::test_friction_that_is_not_the_laws_is_no_spring": 1,
+    "kinds/level/test_fit.py::TestSweep::test_its_errors_hold_the_truth": 0,
+    "lots/statistics/test_gauge.py::test_intervals_hold_the_truth_as_often_as_they_say": 1,
+    "lots/statistics/test_scatter.py::test_intervals_hold_the_truth_as_often_as_they_say": 2,
+    "lots/test_lot.py::test_killed_at_random_and_run_again_the_table_is_the_same": 1,
+    "preparation/test_machine.py::test_a_motion_that_was_sampled_well_is_not_doubted": 2,
+    "preparation/test_preparation.py::test_onset_ramp_depth_and_hold_of_the_virtual_rig": 12,
+    "solids/test_friction.py::TestSeries::test_a_bare_slider_behind_arms_is_what_its_path_settles_to": 2,
+    "solids/test_friction.py::test_the_equivalent_stiffness_is_that_of_the_path": 8,
+    "test_public_face.py::test_every_public_name_is_there_first_and_alone": 0,
+    "test_sentences.py::test_a_disturbed_record_is_answered_in_words": 0,
+    "test_sentences.py::test_every_simulated_kind_is_answered_in_words": 2,
+    "test_sentences.py::test_two_tests_that_disagree_are_answered_in_words": 1,
+    "test_verdict.py::test_a_noise_free_perfect_pair_fails_nothing": 1,
+    "vibration/test_impact.py::test_a_mode_lies_within_its_error": 0,
+    "vibration/test_impact.py::test_drifting_accelerometers_are_not_of_opposite_polarity": 0,
+    "vibration/test_impact.py::test_the_random_error_is_the_scatter": 0,
+    "vibration/test_impact.py::test_without_an_anti_alias_filter_the_edges_of_the_pulse_alias": 0,
+    "vibration/test_level.py::TestPublished::test_one_harmonic_and_three": 2,
+    "vibration/test_modes.py::test_every_method_reads_a_long_record": 2,
+    "vibration/test_modes.py::test_every_method_takes_noise_and_says_its_error": 2,
+    "vibration/test_part.py::TestCommand::test_a_geometry_that_is_none": 5,
+    "vibration/test_relative.py::test_what_a_file_of_a_relative_motion_gets_wrong": 5,
+    "vibration/test_rocking.py::test_damping_survives_hits_off_centre": 0,
+    "vibration/test_rocking.py::test_the_mean_hears_no_rocking_where_one_accelerometer_is_deaf_for_it": 0,
+    "vibration/test_transmissibility.py::TestRandomBase::test_limits_of_white_noise_say_which_part_they_count": 0,
+    "vibration/test_transmissibility.py::TestRandomBase::test_the_limits_hold_what_the_test_cannot_see": 1,
+    "vibration/test_transmissibility.py::test_a_file_of_another_lab_is_compared_and_identified": 2,
+    "vibration/test_transmissibility.py::test_a_solid_is_identified_on_a_base_whatever_its_sensors_gain_and_delay": 1,
+    "web/test_journeys.py::test_words_are_readable": 3,
+})  # fmt: skip
+"""Cases of each dear test that run every time."""
+
+
+def waiting(items: Iterable[Any], root: str = "tests/") -> list[Any]:
+    """The cases among collected tests that are not run every time."""
+    cases: dict[str, list[Any]] = defaultdict(list)
+    for item in items:
+        name = item.nodeid.partition("[")[0].removeprefix(root)
+        if name in KEPT:
+            cases[name].append(item)
+    found = []
+    for name, each in cases.items():
+        kept = spread(len(each), KEPT[name])
+        found += [item for i, item in enumerate(each) if i not in kept]
+    return found
+
+
+def spread(count: int, kept: int) -> set[int]:
+    """So many of the numbers below a count, from both ends and between.
+
+    >>> sorted(spread(7, 3)), spread(5, 1), spread(3, 0)
+    ([0, 3, 6], {0}, set())
+    """
+    if kept < 2:
+        return set(range(min(kept, count)))
+    return {round(i * (count - 1) / (kept - 1)) for i in range(kept)}

@@ -1,0 +1,84 @@
+"""What dashpot says of the end of curves whose solid is known (`kit.foreign.curves`).
+
+line = judged(curve)         # limits with the truth between them, the verdict, the plateau
+Score.of(lines)              # shares of limits that hold, of "use" that is off, of sound kept
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+import dashpot as dp
+from dashpot.fitting.creep import fit_creep
+from dashpot.fitting.dynamic import fit_dynamic
+from dashpot.fitting.modulus import fit_modulus
+
+from .foreign.curves import Curve
+
+#: a plateau that is wrong by more was extrapolated
+OFF = 0.1
+NAMES = {"k_end": 1.0, "k_3end": 3.0, "k_10end": 10.0, "k_inf": np.inf}
+
+
+def fitted(one: Curve) -> dp.Fit:
+    """The fit of a curve, of no stated error."""
+    if one.kind == "curve":
+        return fit_modulus(dp.RelaxationModulus(one.at, one.values, units="SI"))
+    if one.kind == "creep":
+        return fit_creep(dp.CreepCompliance(one.at, one.values, unit="1/Pa", units="SI"))
+    return fit_dynamic(dp.DynamicTest(one.at, *one.values, unit="Pa", units="SI"))
+
+
+def judged(one: Curve) -> dict[str, object]:
+    """The verdict, every limit with its truth, and how the plateau of the fit lies to the true."""
+    found = fitted(one)
+    end = found.end_of_hold
+    limits = {}
+    if end is not None:
+        for name, times in NAMES.items():
+            low, high = getattr(end, name)
+            limits[name] = (float(low), one.truth(times), float(high))
+    true = one.truth(np.inf)
+    return {
+        "use": found.verdict.use,
+        "because": [check.name for check in found.verdict.because],
+        "limits": limits,
+        "off": bool(abs(found.model.k_inf - true) > OFF * true),
+        "settled": bool(one.settled and true > 0),
+    }
+
+
+@dataclass(frozen=True)
+class Score:
+    """Counts: of limits that hold by their names, of "use", of those off, of sound ones kept."""
+
+    count: int
+    held: Mapping[str, float]
+    used: int
+    used_off: int
+    sound: int
+    sound_used: int
+
+    @classmethod
+    def of(cls, lines: Iterable[Mapping]) -> Score:
+        lines = list(lines)
+        asked = [line["limits"] for line in lines if line["limits"]]
+        used = [line for line in lines if line["use"] == "use"]
+        sound = [line for line in lines if line["settled"] and not line["off"]]
+        held = {
+            name: float(np.mean([_within(*limits[name]) for limits in asked])) if asked else 1.0
+            for name in NAMES
+        }
+        return cls(
+            len(lines), held, len(used), sum(line["off"] for line in used),
+            len(sound), sum(line["use"] == "use" for line in sound),
+        )  # fmt: skip
+
+
+def _within(low: float, truth: float, high: float) -> bool:
+    """But for rounding: curves without scatter are known to it."""
+    slack = 1e-9 * truth
+    return bool(low - slack <= truth <= high + slack)
