@@ -160,6 +160,7 @@ def relaxation_data(
         model,
         residual,
         size=_left_of_law(law),
+        rms=fit.residual.rms,
         doubts={kind_of(name): sd for name, (_, sd) in doubts.items()},
         claimed=claimed,
     )
@@ -325,10 +326,12 @@ def _weighed(
     doubts: Mapping[str, float] = MappingProxyType({}),
     size: float = 0.0,
     since: float = 0.0,
+    rms: float = 0.0,
     claimed: bool = True,
 ) -> RelaxationData:
     terms, step = terms_of(test, claimed=claimed), median(np.diff(test.time))
     power = max(noise_power(residual), certain.rounding_floor)
+    left = max(float(np.mean(residual**2)), rms**2, power)
     return RelaxationData(
         block=block,
         weight=1 / float(np.sqrt(power)),
@@ -340,6 +343,7 @@ def _weighed(
         delay=terms.known["delay"].sd,
         size=size,
         certain=certain,
+        misfit=len(residual) * left / power,
     )
 
 

@@ -94,13 +94,13 @@ def reduced_basis(exact: DataBlock) -> ReducedBasis:
     """Return the span of a block that has every sample as a row, in the order of time."""
     kernels = Kernels.over(exact.window, per_fold=FEW_TIMES_PER_FOLD, rank=FEW_RANK)
     target, fixed, *_ = exact.evaluate(np.zeros(0), False)
-    basis, factor = _in_pieces(np.concatenate((kernels.space(exact), fixed), axis=1))
+    basis, factor = in_pieces(np.concatenate((kernels.space(exact), fixed), axis=1))
     rank = kernels.right.shape[1]
     rows = design_rows(basis.T @ target, factor[:, rank:], kernels.columns(factor[:, :rank]))
     return ReducedBasis(Columns(basis), replace(exact, rows=rows, accuracy=FEW_DIGITS))
 
 
-def _in_pieces(tall: FloatArray) -> tuple[FloatArray, FloatArray]:
+def in_pieces(tall: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Q and R of a tall matrix, by pieces that a cache holds."""
     pieces = [np.linalg.qr(tall[i : i + AT_ONCE]) for i in range(0, len(tall), AT_ONCE)]
     turn, factor = np.linalg.qr(np.concatenate([piece.R for piece in pieces]))
