@@ -16,7 +16,7 @@ from dashpot.cli._grammar import Opt, group, of, opt, refuse_others, rest, verb
 from dashpot.cli._options import MASS, MODEL, RAMP, SOLIDS, VIBRATION, WARM
 from dashpot.cli._recognised import kinds_of, recognised, tell
 from dashpot.cli._shell import File, Outcome, Output
-from dashpot.cli._values import LowHigh, OneOf, Range, WithUnit
+from dashpot.cli._values import DENSITY, LowHigh, OneOf, Range, WithUnit
 from dashpot.fitting.identification.asked import HammerRig, KnownSolid
 from dashpot.io.options import ReadOptions
 from dashpot.kinds.hyperelastic.asked import MODES, Measures
@@ -121,7 +121,7 @@ _OPTIONS = (
         group(
             "Rod",
             of(RodChoices, into="rod", kinds=VIBRATION),
-            opt("--density", type=float, metavar="KG/M^3", kinds=VIBRATION,
+            opt("--density", type=DENSITY, metavar="KG/M^3", kinds=VIBRATION,
                 help="Density of the rod."),
         ),
         options.piece(each=True),
