@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.fitting.relaxation_data import RelaxationData
+from dashpot.fitting.relaxation_data import RelaxationData, misfits
 from dashpot.fitting.uncertainty.admissible_spectra import AdmissibleSpectra, deviance_limit
 from dashpot.records.bounds import Ended, EndOfHold
 from dashpot.records.estimate import Interval
@@ -58,6 +58,7 @@ def end_of_hold(
     spectra = AdmissibleSpectra(
         relaxations, fastest=1 / time, limit=deviance_limit(level, dof), further=own.tau
     )
+    spectra.refuse_beyond(*misfits(relaxations))
     falling = spectra.falling_at(time)
     found = EndOfHold(
         time=time,
