@@ -628,7 +628,8 @@ FITTING = [
         0.651,
         0.649,
     ),
-    Case("end_level", lambda x: curves.end_level(curve_end(0.9, x)), 0.0299, 0.0301),
+    Case("end_level", lambda x: curves.end_level(curve_end(0.9, x), 1.0), 0.0299, 0.0301),
+    Case("end_level", lambda x: curves.end_level(curve_end(0.9, x), 0.1), 0.0199, 0.0201),
     Case("residuals_random", lambda x: solid.residuals_random(x, 1.0), 19.99, 20.01),
     Case("step_bias", lambda x: relaxation.step_bias(arm(1, x), [RECORD]), 1e-3, None),
     Case(
