@@ -11,6 +11,7 @@ from dashpot.base.choices import Method
 from dashpot.base.errors import DataError
 from dashpot.base.plausible import SIZES
 from dashpot.base.units import Quantity, Range, si, si_range
+from dashpot.kinds import load, row_of
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF
 from dashpot.records.frf_set import FRFSet
@@ -126,6 +127,9 @@ def predict(solid: Any, /, **how: Any) -> Any:
     """
     from dashpot.door.record import Door
 
+    row = row_of(solid)
+    if row is not None and row.predict:
+        return load(row.predict)(solid, **how)
     if isinstance(solid, Door):
         return _door(solid, **how)
     return _under_mass(solid, **how) if isinstance(solid, Fit) else _bare(solid, **how)
