@@ -33,7 +33,7 @@ def load(word: str) -> Any:
 
 
 Meant: TypeAlias = Literal[
-    "bench", "hits", "modes", "level", "rod", "cld", "stress-strain", "indentation"
+    "bench", "hits", "modes", "level", "rod", "cld", "stress-strain", "indentation", "csr"
 ]
 """What records of one kind are fitted as."""
 
@@ -243,6 +243,24 @@ KINDS: Mapping[str, KindOfTest] = MappingProxyType({kind.name: kind for kind in 
         },
         checks="kinds.hyperelastic.checks",
         examples="kinds.hyperelastic.examples:EXAMPLES",
+    ),
+    KindOfTest(
+        "csr", "kinds.csr.read:read_csr", "kinds.csr.from_files:csr_files", meant="csr",
+        nouns={
+            "kinds.csr.record:CounterforceTest": "",
+            "kinds.csr.record:Aging": "kinds.csr.figure:csr",
+            "kinds.csr.aged:Aged": "kinds.csr.figure:aged",
+        },
+        checks="kinds.csr.checks",
+        row="kinds.csr.row:row",
+        columns=(
+            "csr_loss_per_decade", "csr_chemical_time_s", "csr_chemical_time_low_s",
+            "csr_activation_J_per_mol",
+        ),
+        examples="kinds.csr.examples:EXAMPLES",
+        fits="kinds.csr.fit:fit_aging", takes=("temperatures", "machine"),
+        predict="kinds.csr.aged:predict_aging", asked="kinds.csr.asked:AgingAsked",
+        follow="predict FILE --temperature 70degC --until 50%",
     ),
     KindOfTest(
         "cyclic", _RELAXATION, "workflow.levels:level_files", page="level", meant="level",
