@@ -34,6 +34,7 @@ from dashpot.workflow.shifting import ShiftChoices
 if TYPE_CHECKING:
     from dashpot.kinds.cld.from_files import Pieces
     from dashpot.kinds.cld.record import CompressionTest
+    from dashpot.kinds.csr.record import Aging, CounterforceTest
     from dashpot.kinds.hyperelastic.record import HyperelasticFit, StressStrainTest
     from dashpot.kinds.indentation.record import IndentationFit, IndentationTest
     from dashpot.kinds.level.record import AmplitudeFit, AmplitudeSweep
@@ -156,6 +157,10 @@ def fit(
     temperature: Quantity | None = ...,
     cycle: int | None = ...,
 ) -> HyperelasticFit: ...
+@overload
+def fit(
+    first: CounterforceTest, /, *more: CounterforceTest, machine: Machine | None = ...
+) -> Aging: ...
 @overload
 def fit(record: IndentationTest, /, *, model: str = ...) -> IndentationFit: ...
 @overload

@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     from dashpot.door.closing_result import ClosingResult
     from dashpot.door.record import Door
     from dashpot.door.result import DoorResult
+    from dashpot.kinds.csr.aged import Aged
+    from dashpot.kinds.csr.record import Aging
     from dashpot.kinds.hyperelastic.record import HyperelasticFit
     from dashpot.kinds.level.levels import LevelFit
     from dashpot.kinds.level.record import AmplitudeSweep
@@ -80,6 +82,10 @@ def predict(
     lines: int = ...,
     quantity: str = ...,
 ) -> FRF: ...
+@overload
+def predict(
+    solid: Aging, /, *, temperature: Quantity, until: str | Sequence[str] = ...
+) -> Aged: ...
 @overload
 def predict(
     solid: Door, /, *, close: Quantity, temperature: Quantity | None = ...
