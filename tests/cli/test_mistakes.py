@@ -53,7 +53,6 @@ MISTAKES = (
     ("fit hammer.csv frf.csv --mass 104g", "Fit them one by one",
      "fit frf.csv --mass 104g --arms 1"),
     ("fit creep.csv seal.csv", "a creep test is fitted alone", "fit creep.csv --arms 1"),
-    ("fit base.csv", "such as --mass 104g", "fit base.csv --mass 104g --arms 1"),
     (f"fit {TWO} --mass 114.8g", "--level 0.02N --level 0.5N",
      f"fit {TWO} --mass 114.8g --level 0.02N --level 0.5N"),
     ("predict seal.csv --mass 104g", "as 'dashpot fit FILE -o fit.json' writes it",

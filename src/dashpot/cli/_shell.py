@@ -22,7 +22,6 @@ from dashpot.cli._terminal import progress
 from dashpot.io.source import like_json
 from dashpot.told.layout import Text
 from dashpot.told.screen import shown
-from dashpot.workflow.json_files import told_as
 from dashpot.workflow.outputs import Outputs
 
 if TYPE_CHECKING:
@@ -236,7 +235,7 @@ def read_model(path: str) -> tuple[dp.GeneralizedMaxwell, TemperatureLaw | None]
         return found.model, found.temperature_law
     if isinstance(found, dp.GeneralizedMaxwell | dp.solids.FractionalZener | dp.solids.Parallel):
         return found.maxwell, None
-    raise ReadError(f"{told_as(path, found)}; expected a fit or a model")
+    raise ReadError(f"{workflow.told_as(path, found)}; expected a fit or a model")
 
 
 def is_json(path: str) -> bool:

@@ -25,7 +25,7 @@ from dashpot.records.shaken import ShakenTest
 from dashpot.workflow.fits import BenchAsked, fit_records
 from dashpot.workflow.impacts import identified, modes_of_hits
 from dashpot.workflow.job import Cuts, HammerChoices, RodChoices
-from dashpot.workflow.measured import as_measured, average, judged, judged_base
+from dashpot.workflow.measured import measured_frf
 from dashpot.workflow.measured_modes import modes_of
 from dashpot.workflow.modes import Modes
 from dashpot.workflow.routing import BENCH, Fitted, route
@@ -550,15 +550,10 @@ def frf_of(
     hammer: HammerChoices | None = None,
 ) -> FRF:
     """Return the FRF of hits, or one that was measured elsewhere, with what it says of itself."""
-    choices = hammer or HammerChoices()
     one = _one(measured)
-    if isinstance(one, FRF):
-        return judged(as_measured(one, choices.motion), band, mass=mass)
-    if isinstance(one, ShakenTest):
-        return judged_base(one, choices=choices, mass=mass, band=band)[0]
     if isinstance(one, FRFSet):
         raise FitError("one FRF is fitted under a mass, that of the block: choose its point")
-    return average(one, choices=choices, mass=mass, band=band)
+    return measured_frf(one, choices=hammer or HammerChoices(), mass=mass, band=band)
 
 
 def _one(measured: Sequence[Any]) -> Any:

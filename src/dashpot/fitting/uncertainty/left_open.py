@@ -13,16 +13,19 @@ lowest line, and less of it below; of creep the compliance.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.fitting.relaxation_data import RelaxationData
+from dashpot.fitting.relaxation_data import RelaxationData, misfits
 from dashpot.fitting.uncertainty.admissible_spectra import AdmissibleSpectra, deviance_limit
-from dashpot.fitting.uncertainty.curve_data import CurveData
 from dashpot.records.bounds import Ended, EndOfHold
 from dashpot.records.estimate import Interval
 from dashpot.solids.maxwell import GeneralizedMaxwell
+
+if TYPE_CHECKING:
+    from dashpot.fitting.uncertainty.curve_data import CurveData
 
 # so many T later a compliance is asked for its most stiffness at rest: one that flows has no end
 AT_REST = 100.0
@@ -55,6 +58,7 @@ def end_of_hold(
     spectra = AdmissibleSpectra(
         relaxations, fastest=1 / time, limit=deviance_limit(level, dof), further=own.tau
     )
+    spectra.refuse_beyond(*misfits(relaxations))
     falling = spectra.falling_at(time)
     found = EndOfHold(
         time=time,
