@@ -241,6 +241,7 @@ OWN: dict[tuple[str, str], st.SearchStrategy[Any]] = {
     ("Specimen", "length"): st.floats(1e-3, 50), ("Specimen", "height"): st.floats(1e-3, 1),
     ("HammerChoices", "motion"): st.sampled_from(words(OverBase)),
     ("LevelJob", "motion"): st.sampled_from(words(OverBase)),
+    ("ModesJob", "motion"): st.sampled_from(words(OverBase)),
     ("Specimen", "temperature"): st.none(),  # a job says it for each of its tests
     ("Specimen", "date"): st.dates().map(lambda day: day.isoformat()),
     ("ReadOptions", "delimiter"): st.sampled_from([";", ",", "\t", "fixed"]),

@@ -97,9 +97,9 @@ BANNED = re.compile(
 )
 """Words that a stranger must decode, and those of a person for a thing."""
 VERBS = frozenset({
-    "Accept", "Add", "Allow", "Ask", "Begin", "Calibrate", "Check", "Choose", "Clean", "Close",
-    "Compare", "Condition", "Correct", "Count", "Cut", "Drive", "Export", "Fit", "Give", "Hit",
-    "Hold", "Leave", "Let", "Limit", "Look", "Make", "Measure", "Move", "Name", "Narrow",
+    "Accept", "Add", "Allow", "Ask", "Begin", "Calibrate", "Check", "Choose", "Clean", "Clear",
+    "Close", "Compare", "Condition", "Correct", "Count", "Cut", "Drive", "Export", "Fit", "Give",
+    "Hit", "Hold", "Leave", "Let", "Limit", "Look", "Make", "Measure", "Move", "Name", "Narrow",
     "Press", "Ramp", "Read", "Record", "Reduce", "Repeat", "Restore", "Sample", "Say", "Set",
     "Slow", "Start", "State", "Strike", "Sweep", "Take", "Tare", "Test", "Trigger", "Try",
     "Turn", "Use", "Weigh", "Weight", "Widen", "Write",

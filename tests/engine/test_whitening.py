@@ -14,7 +14,7 @@ from dashpot.engine.blocks.block import DataBlock
 from dashpot.engine.blocks.hold import hold_block
 from dashpot.engine.blocks.recorded import recorded_block
 from dashpot.engine.inference.covariance import Noise
-from dashpot.engine.inference.whitening import NoiseGain, whitened_block
+from dashpot.engine.inference.whitening import AT_ONCE, NoiseGain, in_pieces, whitened_block
 from dashpot.engine.solver.variable_projection import full_jacobian, solve
 
 STEP = 0.02
@@ -22,6 +22,14 @@ TIME = STEP * np.arange(600)
 TAU = np.array([0.4, 3.0])
 K = np.array([120.0, 40.0])
 DEPTH, RAMP = 8e-3, 1.0
+
+
+@pytest.mark.parametrize("rows", [3, 7, AT_ONCE, AT_ONCE + 1, 3 * AT_ONCE + 9])
+def test_a_factor_by_pieces_is_a_factor(rows: int) -> None:
+    tall = np.random.default_rng(rows).standard_normal((rows, 7))
+    basis, factor = in_pieces(tall)
+    np.testing.assert_allclose(basis @ factor, tall, atol=1e-12)
+    np.testing.assert_allclose(basis.T @ basis, np.eye(min(rows, 7)), atol=1e-12)
 
 
 def held(noise: np.ndarray | float = 0.0) -> DataBlock:

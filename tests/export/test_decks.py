@@ -77,7 +77,7 @@ def test_a_deck_says_where_it_comes_from(fit, target, form, extra):
     assert "temperature: 296.15 K (23 degC)" in deck
     assert "contact length: 100 mm" in deck
     assert f"source: seal_8mm.csv sha256 {SHA}" in deck
-    assert "identified band: 0.004 to 0.32 Hz; whatever lies outside is EXTRAPOLATED" in deck
+    assert "valid band: 0.004 to 0.32 Hz; whatever lies outside is EXTRAPOLATED" in deck
     assert "verified" in deck
     assert "SIMULATED" not in deck
     assert "OVERRIDE" not in deck
@@ -91,7 +91,7 @@ def test_a_bare_model_says_what_is_not_known(paper_seal, target, form, extra):
     deck = write(target, paper_seal, form=form, **extra)
     assert "temperature: not stated" in deck
     assert "contact length: not stated" in deck
-    assert "identified band: not stated" in deck
+    assert "valid band: not stated" in deck
 
 
 @every_deck
@@ -143,7 +143,7 @@ def test_extrapolated_rows_are_marked(fit):
 
 def test_an_arm_outside_the_band_is_marked(fit):
     slow = altered(fit, band=(0.1, 1.0))
-    assert "[0.009695 Hz lies outside the identified band]" in write("ansys", slow)
+    assert "[0.009695 Hz lies outside the valid band]" in write("ansys", slow)
 
 
 # -- refusals --------------------------------------------------------------------------------------

@@ -9,10 +9,14 @@ import numpy as np
 import pytest
 from kit.fits import altered
 
-from dashpot.base.errors import DataError
+from dashpot.base.errors import DataError, FitError
 from dashpot.fitting.relaxation import fit
 from dashpot.fitting.uncertainty import admissible_spectra
-from dashpot.fitting.uncertainty.admissible_spectra import AdmissibleSpectra, deviance_limit
+from dashpot.fitting.uncertainty.admissible_spectra import (
+    FAR,
+    AdmissibleSpectra,
+    deviance_limit,
+)
 from dashpot.fitting.uncertainty.prediction_bounds import (
     frf_band,
     parameter_band,
@@ -132,6 +136,17 @@ def spectra(broad_fit: Fit, broad_test: RampHold) -> AdmissibleSpectra:
 def deviance(spectra: AdmissibleSpectra, s: np.ndarray) -> float:
     misfit = spectra.columns @ (s * spectra.scale) - spectra.target
     return float(misfit @ misfit) - spectra.least
+
+
+def test_the_best_spectrum_is_no_worse_than_the_fit(
+    spectra: AdmissibleSpectra, broad_fit: Fit, broad_test: RampHold
+) -> None:
+    """A ridge of .11 once put it at 876,906 where the fit left 162, and every limit with it."""
+    data = relaxation_data(broad_test, broad_fit)
+    assert 0.9 < (spectra.total + data.floor) / data.misfit < 1.001
+    spectra.refuse_beyond((spectra.total + data.floor) / (0.99 * FAR), data.floor)
+    with pytest.raises(FitError, match=r"leaves 2\.02 times what the fit does"):
+        spectra.refuse_beyond((spectra.total + data.floor) / (1.01 * FAR), data.floor)
 
 
 def test_every_limit_lies_where_the_deviance_meets_the_cut(spectra: AdmissibleSpectra) -> None:

@@ -71,32 +71,6 @@ def test_mixed_marks_are_stated(tmp_path: Path) -> None:
 
 
 # row 2: units
-def test_missing_unit_is_asked(tmp_path: Path) -> None:
-    text = "Time (s);Displacement;Force (N)\n" + table(";")
-    message = refused(tmp_path, text, "'Displacement' (displacement) has no unit")
-    assert '--units "displacement=mm"' in message
-    assert read(tmp_path, text, units={"displacement": "mm"}).displacement[-1] == 8e-3
-
-
-def test_unknown_unit_names_the_known_ones(tmp_path: Path) -> None:
-    text = "Time (s);Displacement (parsec);Force (N)\n" + table(";")
-    refused(tmp_path, text, "'parsec' is not a known unit", "mm", '--units "displacement=mm"')
-
-
-def test_wrong_dimension_is_explained(tmp_path: Path) -> None:
-    text = "Time (s);Displacement (mm);Force (g)\n" + table(";")
-    refused(tmp_path, text, "labelled 'g'", '--units "force=N"', '"force=gf"', "22.5mV/N")
-    test = read(tmp_path, text, units={"force": "N"})
-    np.testing.assert_allclose(test.force, truth()[2])
-
-
-def test_volts_need_a_sensitivity(tmp_path: Path) -> None:
-    text = "Time (s);Displacement (mm);Force (V)\n" + table(";")
-    refused(tmp_path, text, "labelled 'V'", "a unit of voltage")
-    test = read(tmp_path, text, units={"force": "500mV/N"})
-    np.testing.assert_allclose(test.force, truth()[2] / 0.5)
-
-
 def test_foreign_units_are_converted_and_echoed(tmp_path: Path) -> None:
     text = "Time (s);pos (µm);Force (lbf)\n" + table(";")
     test = read(tmp_path, text)
@@ -144,66 +118,12 @@ def test_one_remark_does_not_part_a_record(tmp_path: Path) -> None:
         assert read_impact(path, options=slow).starts == starts
 
 
-# row 4: repeated stamps
-def test_one_repeated_stamp_is_dropped_with_a_note(tmp_path: Path) -> None:
-    test = read(tmp_path, lines(_20="1.90000;8.0;1.7"))
-    assert len(test.time) == ROWS - 1
-    assert any("1 repeated time stamp left out, first at line 22" in n for n in test.source.notes)
-
-
-def test_a_coarse_clock_is_refused(tmp_path: Path) -> None:
-    time, moved, force = truth()
-    rows = "".join(f"{t:.0f};{x};{f}\n" for t, x, f in zip(time, moved, force, strict=True))
-    refused(tmp_path, HEAD + rows, "time stamps repeat", "--rate 1000Hz")
-    assert read(tmp_path, HEAD + rows, rate=10.0).time[-1] == pytest.approx(5.9)
-
-
-# row 5: missing numbers
-@pytest.mark.parametrize(
-    "word", ["", "NaN", "OVER", "----", "n/a", "#NV", "LOST", "inf", "1.#QNAN", "9.91E+37"]
-)
-def test_a_hole_before_the_ramp_is_left_out(tmp_path: Path, word: str) -> None:
-    test = read(tmp_path, lines(_2=f"0.20000;0.00000;{word}"))
-    assert len(test.time) == ROWS - 1
-    assert any("line 4 (force)" in note for note in test.source.notes)
-
-
-@pytest.mark.parametrize("word", ["", "NaN", "OVER"])
-def test_a_hole_in_the_ramp_is_refused(tmp_path: Path, word: str) -> None:
-    refused(tmp_path, lines(_10=f"1.00000;4.0;{word}"), "line 12 lacks force", "ramp")
-
-
-def test_columns_at_different_rates_are_refused(tmp_path: Path) -> None:
-    rows = table(";").splitlines()
-    for i, row in enumerate(rows):
-        if i % 3:
-            rows[i] = row.rsplit(";", 1)[0] + ";"
-    refused(tmp_path, HEAD + "\n".join(rows) + "\n", "40 of 60 rows lack a number")
-
-
 # row 6: swapped columns
 def test_swapped_columns_are_refused_unless_they_are_named(tmp_path: Path) -> None:
     time, moved, force = truth()
     text = HEAD + table(";", columns=(time, force, moved))
     refused(tmp_path, text, "look swapped", "--column displacement=", "--column force=")
     read(tmp_path, text, force="Force")
-
-
-# row 8: hardly a file
-@pytest.mark.parametrize(
-    ("content", "words"),
-    [
-        (b"", ("is empty (0 bytes)",)),
-        (b"\n\n  \n", ("nothing but blank lines",)),
-        (HEAD.encode(), ("no numbers under the header",)),
-        (HEAD.encode() + b"0;0;0\n", ("only 1 row of numbers", "at least 8")),
-        (b"Dear Sir,\nplease find no data here.\n", ("no numbers under the header",)),
-        (b"\x00\x01\x02\x03" * 400, ("not a text file",)),
-        (b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR" + b"\x00\x10" * 200, ("not a text file",)),
-    ],
-)
-def test_hardly_a_file(tmp_path: Path, content: bytes, words: tuple[str, ...]) -> None:
-    refused(tmp_path, content, *words)
 
 
 def test_no_file_and_a_folder(tmp_path: Path) -> None:
@@ -248,15 +168,6 @@ def test_two_specimens_side_by_side_are_asked_by_number(tmp_path: Path) -> None:
     assert len(read(tmp_path, text, **named).time) == ROWS
 
 
-def test_three_forces_are_asked(tmp_path: Path) -> None:
-    time, moved, force = truth()
-    text = "t [s];z [mm];Fx [N];Fy [N];Fz [N]\n" + table(
-        ";", columns=(time, moved, 0.1 * force, 0.2 * force, force)
-    )
-    refused(tmp_path, text, "'Fx [N]', 'Fy [N]' and 'Fz [N]' could each be the force")
-    assert read(tmp_path, text, force="Fz").force[-1] == truth()[2][-1]
-
-
 @pytest.mark.parametrize(("apart", "asks"), [(0.0, False), (1e-3, False), (1.1e-3, True)])
 def test_a_column_that_stands_twice_is_no_question(
     tmp_path: Path, apart: float, asks: bool
@@ -282,40 +193,6 @@ def test_no_clock_asks_for_the_rate(tmp_path: Path) -> None:
     test = read(tmp_path, text, rate=10.0)
     np.testing.assert_allclose(test.time, truth()[0], atol=1e-9)
     assert any("counted from the rows at 10 Hz" in note for note in test.source.notes)
-
-
-@pytest.mark.parametrize(
-    "head",
-    [
-        "Total Cycles;Max Load (N);Min Load (N);Max Position (mm);Min Position (mm)\n",
-        "Zyklen;Kraft Maximum (N);Kraft Minimum (N);Weg Maximum (mm);Weg Minimum (mm)\n",
-        "Time (s);Peak Force (N);Valley Force (N);Peak Displacement (mm);Mean Force (N)\n",
-    ],
-)
-def test_cycle_summaries_are_refused(tmp_path: Path, head: str) -> None:
-    rows = table(";", columns=(*truth(), *truth()[1:]))
-    refused(tmp_path, head + rows, "is not a test: it is a summary with one row per cycle")
-    found = inspect_file(tmp_path / "bad.csv")
-    assert found.kind == "not-a-test"
-
-
-@pytest.mark.parametrize(
-    ("head", "reason"),
-    [
-        ("Shear Rate;Viscosity;Shear Stress\n1/s;Pa.s;Pa\n", "is not a test: it is a flow curve"),
-        (
-            "Time (s);Relaxation Modulus (Pa);Temperature (°C)\n",
-            "this is a relaxation modulus over time",
-        ),
-        ("Time (s);Strain (%);Stress (MPa)\n", "this is stress over strain of a material"),
-    ],
-)
-def test_other_records_are_refused_with_the_reason(tmp_path: Path, head: str, reason: str) -> None:
-    refused(tmp_path, head + table(";"), reason)
-
-
-def test_a_row_with_more_numbers_is_refused(tmp_path: Path) -> None:
-    refused(tmp_path, lines(_30="3.0;8;1.7;4.4"), "line 32 has 4 cells where the table has 3")
 
 
 def test_wrong_encoding_names_the_option(tmp_path: Path) -> None:

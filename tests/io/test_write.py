@@ -142,7 +142,7 @@ def test_frf_of_another_origin(tmp_path: Path) -> None:
     assert found.quantity is Kind.ACCELERANCE
     np.testing.assert_allclose(found.value, -1j * np.arange(1, 20) / 10 * 9.80665)
     path.write_text("Frequency (Hz);Magnitude;Phase (deg)\n" + rows)
-    with pytest.raises(ReadError, match=r"no unit, and so tells no FRF; expected motion per force"):
+    with pytest.raises(ReadError, match=r"no unit, and so makes no FRF; expected motion per force"):
         read_frf(path)
     given = ReadOptions(units={"magnitude": "(m/s^2)/N"})
     np.testing.assert_allclose(read_frf(path, options=given).value[0], -0.1j)

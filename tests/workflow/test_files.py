@@ -180,7 +180,7 @@ SAID = ReadOptions(units={"real": "(m/s^2)/N", "imaginary": "(m/s^2)/N"})
 
 
 def test_what_the_user_says_of_an_frf_is_heeded(foreign):
-    with pytest.raises(ReadError, match="tells no FRF"):
+    with pytest.raises(ReadError, match="makes no FRF"):
         compare_files(a_fit(PAPER), [foreign], hammer=HammerChoices(), options=ReadOptions())
     found = compare_files(
         a_fit(PAPER), [foreign], hammer=HammerChoices(), options=SAID, mass=0.104, seals=2

@@ -69,6 +69,31 @@ def test_a_transmissibility_has_the_poles_of_any_mass(tmp_path):
     assert "those of 1 kg on the base" in ran("fit", str(paths[1]), "--band", "5:50Hz").output
 
 
+def test_who_says_that_the_motion_is_relative_is_heard(tmp_path):
+    over = measured().to("relative_transmissibility", mass=0.104)
+    unsaid = replace(over, quantity="transmissibility")
+    words = ("--band", "5:50Hz")
+    said = asked(written(tmp_path, over), *words)["modes"]
+    told = asked(written(tmp_path, unsaid, "unsaid.csv"), *words, "--relative")["modes"]
+    assert [one["frequency_hz"] for one in told] == [one["frequency_hz"] for one in said]
+
+
+def test_masses_on_a_base_are_held_against_one_solid(tmp_path):
+    paths = []
+    for mass in (0.1, 0.2):
+        s = 2j * np.pi * F
+        k = 640 + 4.0 * s
+        over = FRF(F[1:], (k / (k + mass * s**2))[1:], "transmissibility", units="SI")
+        paths.append(written(tmp_path, over, f"{mass}.csv"))
+    picture = tmp_path / "a.svg"
+    words = ("--mass", "100g", "--mass", "200g", "--band", "4:30Hz", "--plot", str(picture))
+    assert ran("fit", *map(str, paths), *words).exit_code == 0
+    assert picture.exists()
+    found = modes_by_mass(paths, [0.1, 0.2], band=(4.0, 30.0))
+    # k + b p at the poles, whose real part is -b / 2 m
+    np.testing.assert_allclose([k.real for k in found.together.stiffness], [560, 600], rtol=1e-4)
+
+
 def test_points_over_a_base_and_per_force_are_no_one_set():
     frf = measured()
     with pytest.raises(DataError, match="of '2' is transmissibility, that of '1' accelerance; exp"):

@@ -266,7 +266,7 @@ def _of(dimension: Dimension) -> list[Unit]:
 
 _USUAL: dict[Dimension, str] = {
     "mass": "g", "length": "mm", "temperature": "degC", "stiffness": "N/mm", "stress": "MPa",
-    "compliance": "um/N", "velocity": "mm/s",
+    "compliance": "um/N",
 }  # fmt: skip
 """What a seal is measured in, where that is not the first unit of the table."""
 

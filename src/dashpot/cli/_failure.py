@@ -63,6 +63,8 @@ def _given(option: str, words: Sequence[str]) -> bool:
 def _failure(error: BaseException, words: Sequence[str]) -> Failure:
     kind = type(error).__name__
     if isinstance(error, click.ClickException):
+        if isinstance(error, click.NoSuchOption) and _having_any(error):
+            error.possibilities = None
         page = io.StringIO()
         error.show(page)
         hint = _hint(error, words)
@@ -101,8 +103,15 @@ def _hint(error: click.ClickException, words: Sequence[str]) -> str:
         if today:
             return f" {today}"
         having = ", ".join(_having(error.option_name, context.parent.command, context.parent))
-        return f" {error.option_name} is an option of dashpot {having}." if having else ""
+        if having:
+            return f" {error.option_name} is an option of dashpot {having}. Leave it out here."
     return ""
+
+
+def _having_any(error: click.NoSuchOption) -> bool:
+    """Whether another command has an option that this one lacks: none here is meant."""
+    context = error.ctx and error.ctx.parent
+    return bool(context) and any(_having(error.option_name, context.command, context))
 
 
 def _having(option: str, main: click.Group, context: click.Context) -> Iterator[str]:

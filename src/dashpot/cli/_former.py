@@ -137,6 +137,10 @@ def _option(former: _Former, name: str, word: str, value: str, files: list[str])
         return [former.renamed[word], value]
     if word == "--motion":
         return ["--relative"] if value == "relative" else []
+    if word in _KEYS and Path(value).is_file():
+        # a record is an argument
+        files.append(value)
+        return []
     if word in _KEYS and not (name == "indent" and word == "--notes"):
         option, key = _KEYS[word]
         return [option, f"{key}={value}"]

@@ -235,7 +235,7 @@ def read_model(path: str) -> tuple[dp.GeneralizedMaxwell, TemperatureLaw | None]
         return found.model, found.temperature_law
     if isinstance(found, dp.GeneralizedMaxwell | dp.solids.FractionalZener | dp.solids.Parallel):
         return found.maxwell, None
-    raise ReadError(f"{path} holds a {type(found).__name__}; expected a fit or a model")
+    raise ReadError(f"{workflow.told_as(path, found)}; expected a fit or a model")
 
 
 def is_json(path: str) -> bool:

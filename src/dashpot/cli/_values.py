@@ -56,6 +56,25 @@ class WithUnit(click.ParamType[Any]):
             self.fail(str(error), param, ctx)
 
 
+class Plain(click.ParamType[float]):
+    """A number without a unit: what it is counted in is said where another is given."""
+
+    name = "number"
+
+    def __init__(self, of: str, example: str) -> None:
+        self.of, self.example = of, example
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float:
+        try:
+            return float(value)
+        except ValueError:
+            self.fail(f"'{value}' is no plain number{self.of}, such as {self.example}", param, ctx)
+
+
+DENSITY = Plain(" of kg/m^3", "1000")
+
 NAMED = {"strain": "share", "force rate": "rate"}
 """What a dimension is called in the help, where not by its own name."""
 

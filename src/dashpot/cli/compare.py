@@ -144,4 +144,4 @@ def _lots(first: str, second: str, quantities: tuple[str, ...]) -> Outcome:
 
     one, other = opened_both((first, second))
     found = compared(one, other, quantities)
-    return Outcome(found, Text(str(found).splitlines()), found.checks)
+    return Outcome(found, Text(str(found).splitlines()), found.checks, verdict=found.verdict)

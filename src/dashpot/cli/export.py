@@ -18,7 +18,7 @@ from dashpot.cli import _options as options
 from dashpot.cli._echo import to_stderr
 from dashpot.cli._grammar import group, of, opt, rest, verb
 from dashpot.cli._shell import File, Outcome, write
-from dashpot.cli._values import OneOf, Range, WithUnit
+from dashpot.cli._values import DENSITY, OneOf, Range, WithUnit
 from dashpot.records.specimen import Specimen
 from dashpot.told.layout import Text
 from dashpot.workflow.job import Job
@@ -85,7 +85,7 @@ ALL = "all"
                 help="Modulus of the rubber, for material cards."),
             opt("--bulk-modulus", type=WithUnit("stress"), metavar="STRESS",
                 help="Bulk modulus of the rubber, for material cards."),
-            opt("--density", type=float, metavar="KG/M^3",
+            opt("--density", type=DENSITY, metavar="KG/M^3",
                 help="Density of the rubber, for material cards."),
         ),
     ),

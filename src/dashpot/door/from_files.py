@@ -39,7 +39,7 @@ from dashpot.solids.maxwell import Solid
 from dashpot.vibration.checks import compression_tested
 from dashpot.vibration.systems.bodies import Point
 from dashpot.vibration.systems.random_base import RandomResponse, random_response
-from dashpot.workflow.json_files import read_fit, stored
+from dashpot.workflow.json_files import read_fit, stored, told_as
 
 __all__ = ["DoorResult", "door_file", "open_door"]
 
@@ -107,7 +107,7 @@ def _parts_of(door: Door) -> Iterator[tuple[str, Solid]]:
         elif isinstance(found, Solid):
             yield support.fit, found
         else:
-            raise ReadError(f"{support.fit} holds a {type(found).__name__}; expected a fit")
+            raise ReadError(f"{told_as(support.fit, found)}; expected a fit")
 
 
 BAND = (1.0, 200.0)

@@ -125,7 +125,7 @@ class Deck:
         if modulus is None or not modulus > 0:
             raise ExportError(
                 f"a {target} material needs the instantaneous shear modulus of the rubber, which "
-                f"the stiffness of a part does not tell (found modulus = {modulus!r}); give "
+                f"does not follow from the stiffness of a part (found modulus = {modulus!r}); give "
                 "--modulus 1MPa, the true one (Python: modulus=, Pa)"
             )
         G_0 = self.units.stress(modulus)
@@ -241,7 +241,7 @@ class Deck:
         ]
         for j, (k, tau, b) in enumerate(self.arms, start=1):
             centre = 1 / (2 * math.pi * self.model.tau[j - 1])
-            outside = f" [{centre:.4g} Hz lies outside the identified band]"
+            outside = f" [{centre:.4g} Hz lies outside the valid band]"
             described.append(
                 f"  arm {j}: k = {text(k)} {stiffness}, tau = {text(tau)} {time}, "
                 f"b = {text(b)} {damping}{outside * self.extrapolated(centre)}"
@@ -300,8 +300,8 @@ class Deck:
 
     def _identified(self) -> str:
         if self.band is None:
-            return "identified band: not stated; nothing marks what is extrapolated"
-        band = f"identified band: {self.band[0]:.4g} to {self.band[1]:.4g} Hz"
+            return "valid band: not stated; nothing marks what is extrapolated"
+        band = f"valid band: {self.band[0]:.4g} to {self.band[1]:.4g} Hz"
         return f"{band}; whatever lies outside is EXTRAPOLATED from the fitted arms"
 
 

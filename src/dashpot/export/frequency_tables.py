@@ -79,7 +79,7 @@ def tabulate(
         Of the FRF, relative.
     damping : {"loss_factor", "damping"}
     edges : tuple of float
-        Frequencies, Hz, that get a point of their own, such as the ends of the identified band.
+        Frequencies, Hz, that get a point of their own, such as the ends of the valid band.
     rounded : callable
         A number as the deck will print it: the error includes the rounding.
 

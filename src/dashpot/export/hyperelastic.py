@@ -105,10 +105,17 @@ def hyperelastic_card(
         )
     system, law = unit_system(units), fit.law
     kelvin = fit.temperature if temperature is None else temperature
-    overrides = _overlooked(fit, kelvin, allow, units)
-    bulk, measured = _bulk(law, si(bulk_modulus, "stress"))
+    stated = si(bulk_modulus, "stress")
+    missing = []
+    if law.kind != "hyperfoam" and law.bulk is None and stated is None:
+        missing.append(
+            "the change of volume was not tested, and no solver takes a rubber without; add "
+            "--bulk-modulus, 2000MPa is usual for solid rubber"
+        )
     if target == "lsdyna" and not (density and density > 0):
-        raise ExportError("an LS-DYNA material needs --density, such as 1200 (kg/m^3)")
+        missing.append("an LS-DYNA material needs --density, such as 1200 (kg/m^3)")
+    overrides = overlooked(_problems(fit, kelvin), allow, "card", units=units, missing=missing)
+    bulk, measured = _bulk(law, stated)
     card = _Card(
         fit, system, tuple(system.stress(c) for c in law.constants), system.stress(bulk), density
     )
@@ -136,17 +143,12 @@ def _bulk(law: Hyperelastic, stated: float | None) -> tuple[float, str]:
         return 0.0, f"by Poisson's ratio {text(law.poisson)}"
     if stated is not None:
         return stated, "stated, not measured"
-    if law.bulk is None:
-        raise ExportError(
-            "the change of volume was not tested, and no solver takes a rubber without; add "
-            "--bulk-modulus, 2000MPa is usual for solid rubber"
-        )
+    assert law.bulk is not None  # noqa: S101  # asked for where it is missing
     return law.bulk, "measured"
 
 
-def _overlooked(
-    fit: HyperelasticFit, kelvin: float | None, allow: Collection[str], units: str | None
-) -> tuple[str, ...]:
+def _problems(fit: HyperelasticFit, kelvin: float | None) -> dict[str, tuple[str, str]]:
+    """What is wrong and can be overlooked, each with its remedy."""
     problems = {}
     if kelvin is None:
         problems["temperature"] = (
@@ -154,7 +156,7 @@ def _overlooked(
         )  # fmt: skip
     if fit.verdict.use == "do not use":
         problems["not_identified"] = fit.verdict.says, "see dashpot fit"
-    return overlooked(problems, allow, "card", units=units)
+    return problems
 
 
 def _described(card: _Card, kelvin: float | None, measured: str) -> list[str]:

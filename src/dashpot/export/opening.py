@@ -138,8 +138,17 @@ def open_deck(
             f"'{unknown[0]}' is nothing that could be allowed; known: {', '.join(PROBLEMS)}, all"
         )
     _refuse_impossible(deck)
+    fit = deck.linear_fit
+    missing = []
+    if form != "prony" and fit and fit.unit != "N/m":
+        missing.append(
+            f"the fit is of a material, in {fit.unit}, and springs and dashpots are in N/m; write "
+            "a material card: --form prony (Python: form='prony')"
+        )
     problems = {name: (says, _REMEDIES[name]) for name, says in _problems(deck).items()}
-    return replace(deck, overrides=overlooked(problems, allow, "deck", units=units))
+    return replace(
+        deck, overrides=overlooked(problems, allow, "deck", units=units, missing=missing)
+    )
 
 
 def _at(fit: Fit, specimen: Specimen | None) -> Fit:
@@ -166,16 +175,18 @@ def overlooked(
     what: str,
     *,
     units: str | None,
+    missing: Sequence[str] = (),
 ) -> tuple[str, ...]:
     """Return what is wrong and allowed; each problem comes with its remedy.
 
     Raises
     ------
     ExportError
-        If anything is not allowed, or no unit system was chosen: all that is missing at once.
+        If anything is not allowed, no unit system was chosen, or more is `missing`, each in a
+        sentence: all at once.
     """
     refused = {name: both for name, both in problems.items() if not {name, "all"} & set(allow)}
-    asked = [NO_UNITS] if units is None else []
+    asked = [*([NO_UNITS] if units is None else []), *missing]
     if refused:
         found = "; ".join(
             f"{says} ({remedy})" for says, remedy in (problems[name] for name in refused)
@@ -199,17 +210,10 @@ def _refuse_impossible(deck: Deck) -> None:
     if model.k_0 == 0 and model.b == 0 and not deck.beside.parts:
         raise ExportError("the solid has neither stiffness nor damping; there is nothing to write")
     _refuse_extreme(deck)
-    fit = deck.linear_fit
-    if deck.form == "prony":
-        if model.b > 0:
-            raise ExportError(
-                f"b = {model.b:g} N s/m: a Prony series cannot hold a parallel dashpot; "
-                "export the arms, or fit without b"
-            )
-    elif fit and fit.unit != "N/m":
+    if deck.form == "prony" and model.b > 0:
         raise ExportError(
-            f"the fit is of a material, in {fit.unit}, and springs and dashpots are in N/m; "
-            "write a material card: --form prony (Python: form='prony')"
+            f"b = {model.b:g} N s/m: a Prony series cannot hold a parallel dashpot; "
+            "export the arms, or fit without b"
         )
 
 
@@ -240,7 +244,8 @@ def _problems(deck: Deck) -> dict[str, str]:
                 found[name] = PROBLEMS[name]
         doubt = _doubt(deck.fit)
         if doubt:
-            found["not_identified"] = f"{PROBLEMS['not_identified']}: {doubt}"
+            told = PROBLEMS["not_identified"]
+            found["not_identified"] = told if told in doubt else f"{told}: {doubt}"
     if deck.form == "prony" and sum(round(g, 10) for g, _ in deck.prony) >= 1:
         found["prony_sum"] = f"{PROBLEMS['prony_sum']} (k_inf = {deck.model.k_inf:.4g})"
     return found

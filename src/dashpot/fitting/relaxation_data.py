@@ -14,6 +14,7 @@ column of the record: with the elongations q_j of unit arms,
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -141,6 +142,8 @@ class RelaxationData:
         Standard deviations of the delay, s, and of the relative size of the force.
     certain : DataBlock
         The test without the columns that only doubt the motion.
+    misfit : float
+        Sum of squares that the fit leaves of every sample, in units of the noise.
     moved : ThermalShift or None
         How the solid that is asked about lies at the temperature of the test.
     unseen : Unseen or None
@@ -155,6 +158,7 @@ class RelaxationData:
     delay: float
     size: float
     certain: DataBlock
+    misfit: float
     moved: ThermalShift | None = None
     unseen: Unseen | None = None
 
@@ -234,3 +238,8 @@ def _of_answer(
     k, tau = np.asarray(answer.k), np.asarray(answer.tau)
     late = arms @ (k / tau) - (answer.k_inf + k.sum()) * dashpot
     return np.column_stack((late, answer.k_inf * spring + arms @ k))
+
+
+def misfits(relaxations: Sequence[RelaxationData]) -> tuple[float, float]:
+    """Return what the fit leaves of some tests, and what of it no model can remove."""
+    return sum(one.misfit for one in relaxations), sum(one.floor for one in relaxations)

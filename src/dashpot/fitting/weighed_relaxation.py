@@ -53,7 +53,7 @@ LINEAR_DELAY = 2e-3
 FILTERED = 1.0
 # a doubt is smooth, and needs few digits: samples of the hold at which it is laid out, three times
 # as many of the ramp, and relaxation times of which it is a sum
-LAID_OUT, MIXED = 200, 20
+LAID_OUT, MIXED = 100, 16
 # cycles per record between which noise is what an arm is told from
 SLOWEST_NOISE, FASTEST_NOISE = 8, 160
 # a line of the periodogram so far above its middle is a hum, and no noise
@@ -160,6 +160,7 @@ def relaxation_data(
         model,
         residual,
         size=_left_of_law(law),
+        rms=fit.residual.rms,
         doubts={kind_of(name): sd for name, (_, sd) in doubts.items()},
         claimed=claimed,
     )
@@ -325,10 +326,12 @@ def _weighed(
     doubts: Mapping[str, float] = MappingProxyType({}),
     size: float = 0.0,
     since: float = 0.0,
+    rms: float = 0.0,
     claimed: bool = True,
 ) -> RelaxationData:
     terms, step = terms_of(test, claimed=claimed), median(np.diff(test.time))
     power = max(noise_power(residual), certain.rounding_floor)
+    left = max(float(np.mean(residual**2)), rms**2, power)
     return RelaxationData(
         block=block,
         weight=1 / float(np.sqrt(power)),
@@ -340,6 +343,7 @@ def _weighed(
         delay=terms.known["delay"].sd,
         size=size,
         certain=certain,
+        misfit=len(residual) * left / power,
     )
 
 

@@ -6,10 +6,11 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from dashpot.base.checks import Check
+from dashpot.base.checks import Check, Checked
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.numbers import ascii_only, counted
+from dashpot.base.sentences import sentence
 from dashpot.lots.checks import lots_tested_alike, records_distinct, seals_named
 from dashpot.lots.lot import ALIKE, DEGREES, Lot
 from dashpot.lots.quantities import Quantity, natural
@@ -59,7 +60,7 @@ class Compared(Documented):
 
 
 @dataclass(frozen=True)
-class LotComparison(Documented):
+class LotComparison(Checked, Documented):
     """Whether two lots differ.
 
     Attributes
@@ -70,11 +71,27 @@ class LotComparison(Documented):
     """
 
     schema = "dashpot/lot-comparison@1"
-    keys = ("lots=names", "differences=each", "checks")
+    keys = ("lots=names", "verdict", "differences=each", "checks")
 
     names: tuple[str, str]
     each: tuple[Compared, ...]
     checks: tuple[Check, ...]
+
+    @property
+    def sound(self) -> str:
+        """How many quantities differ, and by how much the one does that chance explains least."""
+        judged = [one for one in self.each if not one.shared]
+        if not judged:
+            return "0 quantities are compared: the lots share their records"
+        least = min(judged, key=lambda one: one.p_value)
+        differ = sum(bool(one.different) for one in judged)
+        low, high = (100 * least.share(end) for end in least.difference.interval)
+        by = 100 * least.share(least.difference.value)
+        return (
+            f"{differ} of {len(judged)} compared quantities differ. "
+            f"{sentence(least.quantity.words)[:-1]}: {by:+.2g} %, 95 % from {low:+.2g} to "
+            f"{high:+.2g} %"
+        )
 
     def __str__(self) -> str:
         first, second = self.names

@@ -234,7 +234,7 @@ class Lot:
         levels = _levels(seals)
         if not levels:
             raise DataError(
-                "the scatter has no sources to tell apart: say which lot, seal and repeat each "
+                "the scatter has no sources to separate: say which lot, seal and repeat each "
                 "test is, by --by or --manifest, of at least two lots or seals"
             )
         known = self.quantity(name).name == "k_inf"

@@ -15,6 +15,7 @@ from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.facts import Fact
 from dashpot.base.numbers import ascii_only, counted
+from dashpot.base.sentences import sentence
 from dashpot.lots.checks import (
     asked_in_band,
     capability_as_asked,
@@ -187,14 +188,16 @@ class Summary(Checked, Documented):
     def sound(self) -> str:
         """How many files were fitted, the mean of the quantity, and the alarms of its charts."""
         fitted, files = self.lot.outcomes.get("fitted", 0), self.lot.table.height
-        how = f"all {files} files were fitted" if fitted == files else f"{fitted} of {files} fitted"
+        how = f"{fitted} of {files} files were fitted"
+        if fitted == files:
+            how = f"all {files} files were fitted" if files > 1 else "the one file was fitted"
         one = self.main
         if len(one.seals) < 2:
             return how
         signals = sum(len(chart.means.signals) for chart in one.charts.values())
         mean = one.quantity.read(float(seal_means(one.seals).mean()))
         return (
-            f"{how}. {one.quantity.title}: mean {mean} of {len(one.seals)} seals. "
+            f"{how}. {sentence(one.quantity.words)[:-1]}: mean {mean} of {len(one.seals)} seals. "
             f"{counted(signals, 'control-chart alarm').capitalize()}"
         )
 

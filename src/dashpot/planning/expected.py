@@ -182,7 +182,8 @@ def _half_width(model: GeneralizedMaxwell, bench: Bench) -> float:
     age = bench.hold_time / tau
     goal = np.concatenate(([1.0], np.exp(-age), k * age * np.exp(-age)))
     goal = np.pad(goal, (0, rows.shape[1] - len(goal)))
-    return float(np.sqrt(STANDS * max(goal @ _covariance(rows) @ goal, 0.0)))
+    variance = float(goal @ _covariance(rows) @ goal)
+    return float(np.sqrt(STANDS * max(variance, 0.0)))
 
 
 # -- the hammer ------------------------------------------------------------------------------------

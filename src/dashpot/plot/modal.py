@@ -109,7 +109,7 @@ def several_masses(found: SeveralMasses, frfs: Sequence[FRF], *, stamp: str = ""
     heights = []
     colours = sequential(len(frfs))
     for frf, mass, mode, colour in zip(frfs, found.masses, found.modes, colours, strict=True):
-        one = frf.to(Kind.ACCELERANCE)
+        one = frf.to(Kind.ACCELERANCE, mass=mass)
         near = (one.frequency >= low) & (one.frequency <= high)
         f, height = one.frequency[near], np.abs(one.value[near])
         heights.append(height)

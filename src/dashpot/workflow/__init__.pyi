@@ -43,6 +43,7 @@ from .job import RodChoices as RodChoices
 from .json_files import read_exported as read_exported
 from .json_files import read_fit as read_fit
 from .json_files import stored as stored
+from .json_files import told_as as told_as
 from .levels import Levels as Levels
 from .levels import level_files as level_files
 from .measured_modes import MeasuredModes as MeasuredModes

@@ -463,7 +463,7 @@ def _height(choices: LevelChoices, law: AmplitudeFit, height: float | None) -> f
     if law.of == "m":
         if law.unit == "Pa":
             raise DataError(
-                f"{choices.sweep}: a modulus over a displacement does not tell the strain; write "
+                f"{choices.sweep}: a modulus over a displacement does not give the strain; write "
                 "strain into the file"
             )
         if choices.height is not None or choices.strain_factor is not None:

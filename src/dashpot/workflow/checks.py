@@ -201,7 +201,7 @@ def nothing_half_written(left: Sequence[str]) -> Finding:
         "Runs that were killed left no half-written file",
         len(left),
         instead=f"Runs that were killed left {', '.join(left[:LISTED])}{more}",
-        remedy="Clear them with dashpot verify DIR --overwrite.",
+        remedy=Remedy("Clear them.", "overwrite"),
     )
 
 

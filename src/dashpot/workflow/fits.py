@@ -95,10 +95,8 @@ class BenchAsked:
         usual = self.nothing_of("method", "depth_law", "family")
         if self.filter or self.law == "nonlinear" or not usual:
             raise FitError(
-                "a relaxation modulus is fitted without --elastic by-depth, --method hold, "
-                "--elastic, "
-                "--filter and --model: it is the answer to a step already, of a linear solid with "
-                "arms"
+                "a relaxation modulus is fitted without --method hold, --elastic, --filter and "
+                "--model: it is the response to a step already, of a linear solid with arms"
             )
 
     def refuse_a_machine(self) -> None:

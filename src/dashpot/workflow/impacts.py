@@ -19,6 +19,7 @@ from dashpot.base.units import written
 from dashpot.base.version import byline
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.impact import read_impact
+from dashpot.io.readers.shaken import read_shaken
 from dashpot.records.bounds import FRFBounds
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF, Mode
@@ -44,7 +45,6 @@ from dashpot.workflow.measured import (
     judged_base,
     read_measured,
     relieved,
-    shaken,
     total_mass,
 )
 from dashpot.workflow.modes import ImpactMode, Modes
@@ -117,14 +117,11 @@ def impact_files(
     reason : str
         Why no mode was found, else empty.
     """
-    hammer = hammer or HammerChoices()
-    if options is not None and options.of(files[0]).base_acceleration is not None:
-        frf, modes, reason = shaken(files, choices=hammer, options=options, mass=mass, band=band)
-    else:
-        tests = read_impact(list(files), options=options)
-        frf = average(tests, choices=hammer, mass=mass, band=band)
-        modes, reason = _modes(frf, band)
-    return _vibration(frf, modes, hammer, file), reason
+    options = options or ReadOptions()
+    driven = options.of(files[0]).base_acceleration is not None
+    test = read_shaken(files, options) if driven else read_impact(list(files), options=options)
+    found, reason = modes_of_hits(test, hammer=hammer, mass=mass, band=band)
+    return replace(found, file=file), reason
 
 
 def modes_of_hits(
@@ -155,9 +152,7 @@ def _modes(frf: FRF, band: tuple[float, float] | None) -> tuple[tuple[Mode, ...]
         return (), str(error)
 
 
-def _vibration(
-    frf: FRF, modes: Sequence[Mode], hammer: HammerChoices, file: str | None = None
-) -> ImpactResult:
+def _vibration(frf: FRF, modes: Sequence[Mode], hammer: HammerChoices) -> ImpactResult:
     shown = tuple(
         ImpactMode(
             mode.frequency,
@@ -168,7 +163,7 @@ def _vibration(
         )
         for mode in modes
     )
-    return ImpactResult(frf, shown, hammer.estimator, hammer.window, file)
+    return ImpactResult(frf, shown, hammer.estimator, hammer.window)
 
 
 def weighed(

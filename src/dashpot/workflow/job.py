@@ -303,6 +303,7 @@ class ModesJob:
         (), "Mass on the seals in each FRF, in order.", unit="mass", multiple=True, flag="mass"
     )
     seals: float = like(Job, "seals")
+    motion: OverBase = like(HammerChoices, "motion")
     options: ReadOptions = part(ReadOptions)
 
 

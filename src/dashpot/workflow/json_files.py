@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from dashpot.base.errors import ReadError
+from dashpot.io.readers.recognise import called, used
 from dashpot.io.source import like_json, open_raw
 from dashpot.kinds.hyperelastic.record import HyperelasticFit
 from dashpot.kinds.level.levels import LevelFit
@@ -58,5 +59,12 @@ def read_exported(path: str | Path) -> Fit | LevelFit | HyperelasticFit:
 
 def _a_fit(path: str | Path, found: object) -> Fit:
     if not isinstance(found, Fit):
-        raise ReadError(f"{path} holds a {type(found).__name__}; expected {A_FIT}")
+        raise ReadError(f"{told_as(path, found)}; expected {A_FIT}")
     return found
+
+
+def told_as(path: str | Path, found: object) -> str:
+    """Return what a document holds that is not what was wanted, and who wants it."""
+    kind = str(getattr(found, "schema", "")).partition("/")[2].partition("@")[0]
+    use = used(kind)
+    return f"{path} is {called(kind)}{f' ({use})' if use else ''}"

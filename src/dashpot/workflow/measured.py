@@ -54,32 +54,41 @@ def read_measured(
 
     Its checks are about the resonance in `band`, Hz.
     """
+    record: FRF | ShakenTest | ImpactTest
     if options.base_acceleration is not None:
-        if mass is None:
-            raise ReadError(_NO_MASS)
-        return None, shaken(paths, choices=choices, options=options, mass=mass, band=band)[0]
-    if len(paths) == 1 and recognise(paths[0], options).kind in RESPONSES:
-        frf = as_measured(read_frf(paths[0], options=options), choices.motion)
-        if frf.quantity.over_base and mass is None:
-            raise ReadError(_NO_MASS)
-        return None, judged(frf, band, mass=mass)
-    impact = hits_in(list(paths), options, f"an FRF or {HITS}")
-    return impact, average(impact, choices=choices, mass=mass, band=band)
+        record = read_shaken(paths, options)
+    elif len(paths) == 1 and recognise(paths[0], options).kind in RESPONSES:
+        record = read_frf(paths[0], options=options)
+    else:
+        record = hits_in(list(paths), options, f"an FRF or {HITS}")
+    frf = measured_frf(record, choices=choices, mass=mass, band=band)
+    return record if isinstance(record, ImpactTest) else None, frf
 
 
-def shaken(
-    paths: Sequence[str | Path],
+def measured_frf(
+    record: FRF | ShakenTest | ImpactTest | Sequence[ImpactTest],
     *,
     choices: HammerChoices,
-    options: ReadOptions,
-    mass: float | None,
+    mass: float | None = None,
     band: tuple[float, float] | None = None,
-) -> tuple[FRF, tuple[Mode, ...], str]:
-    """Return the transmissibility of a shaken base, judged, its modes, and why there are none.
+) -> FRF:
+    """Return the FRF of what was measured, with what it says of itself.
 
-    Without the mass, kg, it has none, and nothing at its resonance is judged.
+    Raises
+    ------
+    ReadError
+        If it is of a base that moves, and no mass, kg, is given.
     """
-    return judged_base(read_shaken(paths, options), choices=choices, mass=mass, band=band)
+    if isinstance(record, ShakenTest):
+        if mass is None:
+            raise ReadError(_NO_MASS)
+        return judged_base(record, choices=choices, mass=mass, band=band)[0]
+    if isinstance(record, FRF):
+        frf = as_measured(record, choices.motion)
+        if frf.quantity.over_base and mass is None:
+            raise ReadError(_NO_MASS)
+        return judged(frf, band, mass=mass)
+    return average(record, choices=choices, mass=mass, band=band)
 
 
 def judged_base(
@@ -89,7 +98,10 @@ def judged_base(
     mass: float | None,
     band: tuple[float, float] | None = None,
 ) -> tuple[FRF, tuple[Mode, ...], str]:
-    """Return what :func:`shaken` does, of a record of the base and the mass."""
+    """Return the transmissibility of a shaken base, judged, its modes, and why there are none.
+
+    Without the mass, kg, it has none, and nothing at its resonance is judged.
+    """
     _no_hammer(choices)
     frf = estimate_transmissibility(test, estimator=choices.estimator, segment=choices.record)
     frf = as_measured(frf, choices.motion)
@@ -159,7 +171,7 @@ def judged(
 
 
 def average(
-    impact: ImpactTest,
+    impact: ImpactTest | Sequence[ImpactTest],
     *,
     choices: HammerChoices,
     mass: float | None = None,

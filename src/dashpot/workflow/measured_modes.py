@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from dashpot.base.choices import OverBase
 from dashpot.base.errors import DataError
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.frf_set import read_frfs
@@ -24,7 +25,7 @@ from dashpot.vibration.modal.several_points import shapes_of, within
 from dashpot.vibration.modal.shapes import mac, phase_collinearity, phase_deviation
 from dashpot.vibration.modal.stabilisation import Stabilisation, stabilisation
 from dashpot.workflow.impacts import finite
-from dashpot.workflow.measured import judged
+from dashpot.workflow.measured import as_measured, judged
 from dashpot.workflow.modes import ImpactMode, Modes
 
 _UNIT = 1.0
@@ -140,6 +141,7 @@ def modes_files(
     *,
     options: ReadOptions | None = None,
     band: tuple[float, float] | None = None,
+    motion: OverBase = "absolute",
     against: Sequence[str | Path] = (),
 ) -> tuple[MeasuredModes, Stabilisation]:
     """Find the modes that the FRFs in files share, and their stabilisation chart.
@@ -154,6 +156,8 @@ def modes_files(
     band : (float, float), optional
         Where to look for modes, Hz; by default two octaves to either side of where a block on its
         mounts moves most.
+    motion : str
+        Of the mass in transmissibilities: ``"absolute"``, or ``"relative"`` to the base.
     against : sequence of path
         The same points, tested once more, whose modes are held against these.
 
@@ -165,7 +169,9 @@ def modes_files(
         If the band holds fewer than 8 lines, or the points are not on the same ones.
     """
     other = read_frfs(against, options=options) if against else None
-    return modes_of(read_frfs(files, options=options), band=band, against=other)
+    measured = read_frfs(files, options=options)
+    frfs = tuple(as_measured(one, motion) for one in measured.frfs)
+    return modes_of(FRFSet(frfs, measured.points), band=band, against=other)
 
 
 def modes_of(

@@ -48,7 +48,7 @@ def applied(
         return fit
     if len(given) > 1:
         raise DataError(
-            f"--{given[0]} and --{given[1]} both tell the geometry; leave one of them out"
+            f"--{given[0]} and --{given[1]} both give the geometry; leave one of them out"
         )
     if part.resonance is None:
         if part.resonance_mass is not None:
@@ -73,7 +73,7 @@ def _factor(
         raise DataError("--resonance needs the mass that it was measured with: --resonance-mass")
     if part.mode is not None or part.lubricated:
         raise DataError(
-            "a resonance tells the factor, however the part is loaded: leave --loading "
+            "a resonance gives the factor, however the part is loaded: leave --loading "
             "and --lubricated out"
         )
     kind = "transmissibility" if base else "accelerance"

@@ -8,7 +8,7 @@
 % contact length: 100 mm
 % fit: f461af37467c50f8
 % source: seal_8mm.csv sha256 2c26b46b68ffc68ff99b453c1d30413413422d706483bfa0f98a5e886266e7ae
-% identified band: 0.004 to 0.32 Hz; whatever lies outside is EXTRAPOLATED from the fitted arms
+% valid band: 0.004 to 0.32 Hz; whatever lies outside is EXTRAPOLATED from the fitted arms
 % not solver-verified: no solver of this kind runs in dashpot's tests
 % dy/dt = A y + B x, F = C y + D x + E dx/dt; y is the elongation of each arm's dashpot
 A = -diag([1.991525424 0.06091718001]);

@@ -56,6 +56,27 @@ def test_a_foam_is_found_again_with_its_poissons_ratio(law, modes, words):
     np.testing.assert_allclose(fit.law.exponents, law.exponents, rtol=1e-5)
 
 
+def test_a_sponge_that_is_fitted_as_a_rubber_is_told_and_the_remedy_leads_on():
+    sponge = loaded(FOAM, "uniaxial", (0.5, 1), noise=0.003)
+    fit = fit_hyperelastic([sponge])
+    told = check(fit, "law_followed")
+    assert told.failed
+    assert "A foam that does not swell sideways follows to 0." in told.says
+    assert (told.remedy.option, told.remedy.value) == ("poisson", "0")
+    obeyed = fit_hyperelastic([sponge], poisson=float(told.remedy.value))
+    assert obeyed.law.kind == "hyperfoam"
+    assert not check(obeyed, "law_followed").failed
+
+
+@pytest.mark.parametrize(
+    ("left", "swelling", "named"),
+    [(0.3, 0.0499, True), (0.3, 0.0501, False), (0.12, 0.0299, True), (0.12, 0.0301, False)],
+)
+def test_a_foam_is_named_where_it_follows_and_much_closer(left, swelling, named):
+    found = checks.law_followed(left, "uniaxial", swelling)
+    assert ("foam" in found.says, found.remedy.option == "poisson") == (named, named)
+
+
 def test_a_bulk_modulus_comes_from_the_volumetric_test():
     rubber = replace(RUBBER, bulk=2e9)
     fit = fit_hyperelastic([loaded(RUBBER, "uniaxial"), loaded(rubber, "volumetric", (0.97, 1))])

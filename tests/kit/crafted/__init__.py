@@ -1,5 +1,6 @@
 """The table of crafted files: what each holds, and what must come of it; one line adds a row."""
 
+from kit.crafted.broken import BROKEN
 from kit.crafted.clocks import CLOCKS
 from kit.crafted.columns import COLUMNS
 from kit.crafted.dialects import DIALECTS
@@ -9,4 +10,13 @@ from kit.crafted.row import Row
 from kit.crafted.sheets import SHEETS
 from kit.crafted.treacherous import TREACHEROUS
 
-TABLE: tuple[Row, ...] = (*DIALECTS, *MAKERS, *LAYOUTS, *COLUMNS, *CLOCKS, *SHEETS, *TREACHEROUS)
+TABLE: tuple[Row, ...] = (
+    *DIALECTS,
+    *MAKERS,
+    *LAYOUTS,
+    *COLUMNS,
+    *CLOCKS,
+    *SHEETS,
+    *BROKEN,
+    *TREACHEROUS,
+)

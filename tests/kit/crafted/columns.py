@@ -237,7 +237,7 @@ def _sizes() -> list[Row]:
         Row("kilonewtons under newtons", table("Time [s];Position [mm];Load [N]", TIME, MOVED, FORCE / 1e3).encode(), "asked", ("--units force=kN",), RAMP, answer={"units": {"force": "kN"}}, by_size=True, coarse=1e-6),
         Row("seconds under milliseconds", bench("Time [ms];Position [mm];Load [N]"), "asked", ("--units time=s",), RAMP, answer={"units": {"time": "s"}}, by_size=True),
         Row("a press of 40 kN", table("Time [s];Position [mm];Load [kN]", TIME, MOVED, pressed * FORCE / 1e3).encode(), "noted", ("The force goes over 40 kN",), _of(force=pressed * FORCE)),
-        Row("a ramp of 315 s", table("Time [s];Position [mm];Load [N]", slow, MOVED, FORCE).encode(), "noted", ("The ramp takes",), _of(time=slow)),
+        Row("a ramp of 315 s", table("Time [s];Position [mm];Load [N]", slow, MOVED, FORCE).encode(), "noted", ("sampled at 0.0286 Hz",), _of(time=slow)),
         Row("a stroke of 401 mm", table("Time [s];Position [mm];Load [N]", 20 * TIME, 401 / 8 * MOVED, FORCE).encode(), "noted", ("The displacement goes over 401 mm",), _of(displacement=0.401 / 8 * MOVED)),
     ]  # fmt: skip
 
@@ -254,11 +254,11 @@ def _of(**columns: np.ndarray) -> Truth:
 
 def _wide() -> list[Row]:
     """Thousands of columns."""
-    more = range(3, 2500)
+    more = range(3, 1200)
     head = "Time [s];Position [mm];Load [N];" + ";".join(f"gauge {i} [V]" for i in more)
-    rest = ";".join(f"{i % 97}.5" for i in more)
+    rest = ";".join(f"{i % 97}.500000000000000000000000000" for i in more)
     rows = (f"{t:.5f};{x:.5f};{f:.5f};{rest}" for t, x, f in zip(TIME, MOVED, FORCE, strict=True))
-    return [Row("two and a half thousand columns", "\n".join([head, *rows, ""]).encode())]
+    return [Row("lines of forty thousand characters", "\n".join([head, *rows, ""]).encode())]
 
 
 COLUMNS = [*_units(), *_factors(), *_twice(), *_once(), *_shaken(), *_sizes(), *_wide()]

@@ -63,7 +63,6 @@ def merged() -> list[list[object]]:
 
 SHEETS = [
     Row("a workbook with a sample at midnight", book(["Time", *HEAD[1:]], instants(), form="dd.mm.yyyy hh:mm:ss.000")),
-    Row("a workbook with a hidden row", book(HEAD, plain(), rows_hidden=(20,)), "noted", ("hidden in sheet 'Data' and read: row 20",)),
     Row("a workbook with hidden rows", book(HEAD, plain(), rows_hidden=(20, 21, 40)), "noted", ("rows 20, 21, 40",)),
     Row("a workbook with a hidden column", book([*HEAD, "Temp (C)"], [[*row, 23.0] for row in plain()], columns_hidden=(4,)), "noted", ("column D",)),
     Row("a workbook with both", book(HEAD, plain(), rows_hidden=(9,), columns_hidden=(2,)), "noted", ("row 9 and column B",)),

@@ -14,7 +14,9 @@ from dashpot.cli.fits._given import Given
 def run(given: Given) -> Outcome:
     """Find the modes that the FRFs share."""
     given.kept_as(".json", what="the modes of FRFs")
-    found, chart = workflow.modes_files(given.files, options=given.reading, band=given["band"])
+    found, chart = workflow.modes_files(
+        given.files, options=given.reading, band=given["band"], motion=given.hammer.motion
+    )
     given.draw(
         lambda: dp.plot.stabilisation(
             chart, [one.mode for one in found.modes], stamp=dp.plot.stamp(found.frf.source)

@@ -25,12 +25,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray
+from dashpot.base.arrays import FloatArray, kept
 from dashpot.engine.blocks.block import DataBlock, design_rows
 from dashpot.engine.blocks.kernels import FEW_DIGITS, FEW_RANK, FEW_TIMES_PER_FOLD, Kernels
 from dashpot.engine.inference.covariance import Columns, Noise, toeplitz_form
 from dashpot.engine.solver.descent import Stack
 from dashpot.engine.solver.variable_projection import Solution, full_jacobian
+
+# rows of a tall matrix that a cache holds
+AT_ONCE = 1024
 
 
 def whitened_block(exact: DataBlock, noise: Noise) -> DataBlock:
@@ -76,24 +79,36 @@ class ReducedBasis(NamedTuple):
 
     Attributes
     ----------
-    basis : array, shape (n, r)
+    basis : Columns, shape (n, r)
         Q, orthonormal columns, one row per sample.
     block : DataBlock
         Q'y, Q'G and Q' phi, r rows.
     """
 
-    basis: FloatArray
+    basis: Columns
     block: DataBlock
 
 
+@kept
 def reduced_basis(exact: DataBlock) -> ReducedBasis:
     """Return the span of a block that has every sample as a row, in the order of time."""
     kernels = Kernels.over(exact.window, per_fold=FEW_TIMES_PER_FOLD, rank=FEW_RANK)
     target, fixed, *_ = exact.evaluate(np.zeros(0), False)
-    basis, factor = np.linalg.qr(np.concatenate((kernels.space(exact), fixed), axis=1))
+    basis, factor = in_pieces(np.concatenate((kernels.space(exact), fixed), axis=1))
     rank = kernels.right.shape[1]
     rows = design_rows(basis.T @ target, factor[:, rank:], kernels.columns(factor[:, :rank]))
-    return ReducedBasis(basis, replace(exact, rows=rows, accuracy=FEW_DIGITS))
+    return ReducedBasis(Columns(basis), replace(exact, rows=rows, accuracy=FEW_DIGITS))
+
+
+def in_pieces(tall: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Q and R of a tall matrix, by pieces that a cache holds."""
+    pieces = [np.linalg.qr(tall[i : i + AT_ONCE]) for i in range(0, len(tall), AT_ONCE)]
+    turn, factor = np.linalg.qr(np.concatenate([piece.R for piece in pieces]))
+    basis, row, at = np.empty((len(tall), turn.shape[1])), 0, 0
+    for own, (rows, columns) in ((piece.Q, piece.Q.shape) for piece in pieces):
+        np.matmul(own, turn[at : at + columns], out=basis[row : row + rows])
+        row, at = row + rows, at + columns
+    return basis, factor
 
 
 class NoiseGain:
@@ -141,5 +156,5 @@ class NoiseGain:
 
 def _principal(basis: ReducedBasis, noise: Noise) -> tuple[FloatArray, FloatArray]:
     """Return the variances of the noise along its principal axes, and these as columns."""
-    variance, axes = np.linalg.eigh(toeplitz_form(Columns(basis.basis), noise.autocovariance))
+    variance, axes = np.linalg.eigh(toeplitz_form(basis.basis, noise.autocovariance))
     return np.maximum(variance, noise.autocovariance[0]), axes

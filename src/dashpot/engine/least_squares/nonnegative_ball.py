@@ -28,6 +28,8 @@ from dashpot.engine.least_squares.descent import triangle
 NOTHING = 1e-13
 #: walks per column, at most
 PATIENCE = 3
+#: columns from one that may enter to the next, at first; later every fourth and every one
+STRIDE = 16
 
 
 def nonnegative_least_squares(
@@ -85,7 +87,7 @@ def _walked(
     active = np.flatnonzero(s > 0)
     nothing = NOTHING * float(np.linalg.norm(target))
     barred: list[int] = []
-    entered = -1
+    entered, stride = -1, STRIDE
     for _ in range(PATIENCE * columns.shape[1]):
         face = rows[active]
         goal, multiplier = _face(face, target, None if aim is None else aim[active], squared)
@@ -104,7 +106,11 @@ def _walked(
         s[active] = goal
         gain = _gain(rows, target - goal @ face, aim, multiplier)
         gain[active] = gain[barred] = -np.inf
-        entered = int(np.argmax(gain))
+        # neighbours are alike: a face gets where it belongs sooner by every sixteenth
+        entered = stride * int(np.argmax(gain[::stride]))
+        while stride > 1 and not gain[entered] > nothing:
+            stride //= 4
+            entered = stride * int(np.argmax(gain[::stride]))
         if not gain[entered] > nothing:
             break
         if len(active) == len(target):

@@ -180,7 +180,7 @@ def _connector(deck: Deck, frequency_range: tuple[float, float], tolerance: floa
         remarks=[
             "acts along component 1 of an AXIAL or CARTESIAN connector, in direct",
             "or subspace-based steady-state dynamics; rows after EXTRAPOLATED lie outside",
-            "the identified band",
+            "the valid band",
         ],
         table=table,
     )

@@ -146,7 +146,7 @@ def frf_data_of(
     over_base = frf.quantity.over_base
     if over_base and mass is None:
         raise DataError(
-            "a transmissibility tells the stiffness over the mass, and neither alone: give the mass"
+            "a transmissibility gives the stiffness over the mass, and neither alone: give the mass"
         )
     measured = frf.to(Kind.ACCELERANCE, mass=mass)
     peak = find_peak(measured if band is None else measured.band(*band)).frequency

@@ -147,8 +147,9 @@ def _with_temperature(test: Measured, number: int) -> Measured:
     if kelvin is None:
         name = f"test {number}" if test.source is None else test.source.file
         raise FitError(
-            f"{name} says no temperature, so nothing can be shifted: name its column with "
-            "--column temperature=NAME, or give --temperature"
+            f"{name} says no temperature, so nothing can be shifted. Of one temperature leave "
+            "--reference out. Of several name the column, --column temperature=NAME, or give "
+            "--temperature for each file"
         )
     at = test.frequency if isinstance(test, DynamicTest) else test.time
     return replace(test, temperature=np.full(len(at), kelvin))

@@ -26,10 +26,13 @@ from typing import Protocol
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
+from dashpot.base.errors import FitError
 from dashpot.base.student_t import t_quantile
 from dashpot.engine.least_squares.nonnegative_ball import farthest, nonnegative_least_squares
 from dashpot.fitting.relaxation_data import RelaxationRows
 
+#: the best of all spectra leaves no more than so many times what the fit does
+FAR = 2.0
 #: of the grid before it is refined
 PER_DECADE = 16
 # the grid ends this far, as a factor, beyond what frequencies and tests could tell apart
@@ -151,7 +154,31 @@ class AdmissibleSpectra:
             self.columns, self.target, (start * self.scale)[self.shown]
         )
         self.least = self.left(self.best)
-        return self.least + aside
+        self.total = self.least + aside
+        return self.total
+
+    def refuse_beyond(self, misfit: float, floor: float) -> None:
+        """Refuse a set whose best spectrum is far worse than the fit, which is one of them.
+
+        Parameters
+        ----------
+        misfit : float
+            Sum of squares that the fit leaves of every sample.
+        floor : float
+            What of it no spectrum can remove, and the rows do not hold.
+
+        Raises
+        ------
+        FitError
+            If rounding has spoilt the rows.
+        """
+        times = (self.total + floor) / max(misfit, 1e-300)
+        if times > FAR:
+            raise FitError(
+                f"the best spectrum leaves {times:.3g} times what the fit does, though the fit is "
+                "one of them: rounding has spoilt the limits of this record; thin its rows, or "
+                "give it in fewer digits"
+            )
 
     def left(self, s: FloatArray) -> float:
         """Sum of squares that a spectrum, in unit columns, leaves."""
@@ -182,7 +209,9 @@ class AdmissibleSpectra:
 
     def creeping_at(self, time: float) -> FloatArray:
         r"""Its slope :math:`dJ/d\ln t` of unit columns, shape (m,)."""
-        return self.falling_at(time) + np.eye(1, len(self.tau) + 2, 1)[0] * time
+        slope = self.falling_at(time)
+        slope[1] = time
+        return slope
 
     def value(self, v: FloatArray) -> float:
         """V . k of the best spectrum."""

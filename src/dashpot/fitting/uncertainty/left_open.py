@@ -13,16 +13,19 @@ lowest line, and less of it below; of creep the compliance.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.fitting.relaxation_data import RelaxationData
+from dashpot.fitting.relaxation_data import RelaxationData, misfits
 from dashpot.fitting.uncertainty.admissible_spectra import AdmissibleSpectra, deviance_limit
-from dashpot.fitting.uncertainty.curve_data import CurveData
 from dashpot.records.bounds import Ended, EndOfHold
 from dashpot.records.estimate import Interval
 from dashpot.solids.maxwell import GeneralizedMaxwell
+
+if TYPE_CHECKING:
+    from dashpot.fitting.uncertainty.curve_data import CurveData
 
 # so many T later a compliance is asked for its most stiffness at rest: one that flows has no end
 AT_REST = 100.0
@@ -55,6 +58,7 @@ def end_of_hold(
     spectra = AdmissibleSpectra(
         relaxations, fastest=1 / time, limit=deviance_limit(level, dof), further=own.tau
     )
+    spectra.refuse_beyond(*misfits(relaxations))
     falling = spectra.falling_at(time)
     found = EndOfHold(
         time=time,
@@ -97,18 +101,26 @@ def end_of_curve(
     spectra = AdmissibleSpectra(
         [data], fastest=1 / time, limit=deviance_limit(level, data.dof), further=further
     )
-    rest = AT_REST if ended == "creep" else np.inf
-    found = {
-        name: _of_curve(spectra, ended, times * time)
-        for name, times in (("k_end", 1.0), ("k_3end", 3.0), ("k_10end", 10.0), ("k_inf", rest))
-    }
-    found["k_inf"] = (0.0, found["k_inf"][1])
+
+    def reach(times: float) -> Interval:
+        return _of_curve(spectra, ended, times * time)
+
+    k_end, rest = reach(1), reach(AT_REST if ended == "creep" else np.inf)
     if ended == "creep":
         # k = 1/J falls by J'/J^2
-        falling = _highest(spectra, spectra.creeping_at(time)) * found["k_end"][1] ** 2
+        falling = _highest(spectra, spectra.creeping_at(time)) * k_end[1] ** 2
     else:
         falling = _highest(spectra, spectra.falling_at(time))
-    return EndOfHold(time=time, ended=ended, falling=falling, **found).holding(own)
+    found = EndOfHold(
+        time=time,
+        k_end=k_end,
+        k_3end=reach(3),
+        k_10end=reach(10),
+        k_inf=(0.0, rest[1]),
+        falling=falling,
+        ended=ended,
+    )
+    return found.holding(own)
 
 
 def _of_curve(spectra: AdmissibleSpectra, ended: Ended, time: float) -> Interval:

@@ -14,6 +14,7 @@ from dashpot.base.choices import Method, words
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, si
 from dashpot.fitting.parameters import own, root
+from dashpot.fitting.relaxation_data import misfits
 from dashpot.fitting.uncertainty.admissible_spectra import AdmissibleSpectra, deviance_limit
 from dashpot.fitting.uncertainty.stiffness_set import distances, ratios
 from dashpot.fitting.weighed_relaxation import relaxation_data
@@ -303,12 +304,12 @@ def _spectra(fit: Fit, tests: Tests, *, fastest: float, level: float) -> Admissi
             f"the fit's method is {fit.method!r}: the unseen arms are bounded by the noise of the "
             "relaxation test alone; give the fit of that test"
         )
-    return AdmissibleSpectra(
-        [relaxation_data(record, fit) for record in records],
-        fastest=fastest,
-        limit=deviance_limit(level, fit.dof),
-        further=fit.few_arms.tau,
+    data = [relaxation_data(record, fit) for record in records]
+    found = AdmissibleSpectra(
+        data, fastest=fastest, limit=deviance_limit(level, fit.dof), further=fit.few_arms.tau
     )
+    found.refuse_beyond(*misfits(data))
+    return found
 
 
 def _limits(spectra: AdmissibleSpectra, omega: float) -> list[tuple[float, float]]:

@@ -162,7 +162,7 @@ def _moved(sensor: ET.Element, matrix: FloatArray) -> FloatArray:
     if any(turn):
         raise ReadError(
             f"BasicTransform turns the axes ({turn}), which a version 1.0 file does not "
-            "define beyond doubt; ask for a calibration file of version 1.1"
+            "define clearly; ask for a calibration file of version 1.1"
         )
     shift = shift * _factor(sensor.get("DistUnits"), "length")
     moved = matrix.copy()

@@ -189,7 +189,7 @@ def _kind(file: Opened, role: Role, index: int) -> Ratio:
     if found is None:
         unit = f"the unit '{word}', which" if word else "no unit, and so"
         raise ReadError(
-            f"'{column.name}' has {unit} tells no FRF; "
+            f"'{column.name}' has {unit} makes no FRF; "
             "expected motion per force such as (m/s^2)/N, g/N, m/N, force per motion such as N/m, "
             "or motion per motion such as g/g or mm/g (of a mass over a base that moves); add "
             f'--units "{role}=(m/s^2)/N" or --units "{role}=g/g", or write it into the header'
@@ -222,7 +222,7 @@ def _differentiated(
     s = 2j * np.pi * frequency + shift
     if order < 0 and not s.all():
         raise ReadError(
-            "the line at 0 Hz tells nothing of a motion over one of a lower derivative; leave it "
+            "the line at 0 Hz is of no use in a motion over one of a lower derivative; leave it "
             "out of the file"
         )
     return np.asarray(factor * s**order)

@@ -154,7 +154,7 @@ def law_through(x: FloatArray, force: FloatArray, *, depth: float) -> tuple[Elas
     tried = [one for one in laws if one is not None]
     if not tried:
         raise FitError(
-            f"{len(x)} samples of the cycle stand out of the noise, too few to tell a law; press "
+            f"{len(x)} samples of the cycle stand out of the noise, too few for a law; press "
             "slower, or record faster"
         )
     _, finest = tried[-1]

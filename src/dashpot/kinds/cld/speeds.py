@@ -79,8 +79,8 @@ def fit_speeds(pieces: Sequence[CLD], *, arms: int | Literal["auto"] = "auto") -
     speeds = [one.cycle.speed for one in pieces if clock_of(one).size and one.cycle.speed]
     if len(speeds) < 2 or max(speeds) < SAME_SPEED * min(speeds):
         raise FitError(
-            "one speed alone tells no memory from an elastic law; expected tests at two or more, "
-            "a decade apart or farther"
+            "one speed alone cannot separate memory from an elastic law; expected tests at two or "
+            "more, a decade apart or farther"
         )
     knots, records = thinned_alike(pieces)
     strokes = [one.cycle.depth / speed for one, speed in zip(pieces, speeds, strict=True)]

@@ -19,6 +19,8 @@ FOLLOWED = 0.05
 ALIKE = 0.05
 TOLD = 0.1
 SCALED = 1.1
+_MUCH_CLOSER = 0.25
+"""Part of what a rubber's law leaves, below which the other material is named."""
 SMALL = 0.005
 """Rms over the rms of the stress, below which a residual is no matter: a load cell's."""
 _AS_GOOD = 10.0
@@ -55,7 +57,12 @@ def judge(
     lost = [one.lost for one in fit.curves if one.lost is not None]
     softer = [one.softer for one in fit.curves if one.softer is not None]
     return (
-        law_followed(fit.residuals[worst], _name(fit.curves[worst])),
+        law_followed(
+            fit.residuals[worst],
+            _name(fit.curves[worst]),
+            # of a foam that is known to be one its own ratio has been tried
+            math.inf if foam else closest(shaped, 0.0),
+        ),
         no_law_closer(chosen.rms, flexible),
         stable_in_use(least, where, fit.stable),
         modes_enough(len({one.mode for one in shaped}), both=_both_ways(shaped), foam=foam),
@@ -228,12 +235,20 @@ def _reading(
     "our choice: pieces scatter so",
     otherwise="stop beyond 0.2",
 )
-def law_followed(residual: float, worst: str) -> Finding:
-    """The law follows every curve."""
+def law_followed(residual: float, worst: str, swelling: float = math.inf) -> Finding:
+    """The law follows every curve; `swelling` is what a foam that does not swell would leave."""
+    remedy = Remedy("Use a law of more constants, or name the test of each file.", "model")
+    because = ""
+    if swelling <= min(FOLLOWED, _MUCH_CLOSER * residual):
+        because = f"A foam that does not swell sideways follows to {100 * swelling:.2g} %"
+        remedy = Remedy(
+            "Give the Poisson's ratio of the foam, 0 if it does not swell.", "poisson", "0"
+        )
     return Finding(
         f"The law misses the stress by at most {100 * residual:.2g} %, in {worst}",
         residual,
-        remedy=Remedy("Use a law of more constants, or check what the file is.", "model"),
+        because,
+        remedy,
         grade="stop" if residual > 0.2 else "limit",
     )
 

@@ -160,7 +160,7 @@ def _refuse(
     modes = {one.mode for one in curves}
     if not modes - {"volumetric"}:
         raise FitError(
-            "a volumetric test alone tells no law of shape; expected a uniaxial, equibiaxial or "
+            "a volumetric test alone gives no law of shape; expected a uniaxial, equibiaxial or "
             "planar one beside it"
         )
     if terms != "auto" and not 1 <= terms <= MOST_TERMS:
@@ -174,7 +174,7 @@ def _refuse(
         raise FitError(f"Poisson's ratio = {poisson:g}; expected one from 0 to below 0.5 of a foam")
     if foam and poisson is None and len(modes) < 2:
         raise FitError(
-            "one mode alone does not tell the Poisson's ratio of a foam; give it (--poisson 0 of "
+            "one mode alone does not give the Poisson's ratio of a foam; give it (--poisson 0 of "
             "an open-cell foam under compression), or a second mode"
         )
 

@@ -72,7 +72,7 @@ def fit_amplitude(sweep: AmplitudeSweep, *, law: str = "auto") -> AmplitudeFit:
     if 2 * tones > len(sweep.amplitude):
         raise FitError(
             f"{len(sweep.amplitude)} samples at {tones} frequencies; expected two amplitudes or "
-            "more at each: what frequency does and what amplitude does are not told apart"
+            "more at each: the effects of frequency and of amplitude cannot be separated"
         )
     back = _way_back(sweep)
     tried = _ranked(sweep, law)

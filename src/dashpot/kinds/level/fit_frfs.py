@@ -10,6 +10,7 @@ import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray, IndexArray
 from dashpot.base.errors import DataError
+from dashpot.base.plausible import SIZES, short
 from dashpot.base.units import Quantity, Range, si, si_range
 from dashpot.engine.least_squares.nnls import linear
 from dashpot.engine.least_squares.problem import stacked
@@ -107,6 +108,11 @@ def fit_levels(
     ]
     omega, X, K, weight = (np.concatenate(each) for each in zip(*rows, strict=True))
     low, high = float(X.min()) / 2, float(X.max())
+    SIZES["amplitude"].refuse(
+        high,
+        f"at the levels given a seal would move by {short(high, 'm')}",
+        remedy="Check the levels and their unit, such as --level 20mN, and the mass.",
+    )
     count = max(round(_PER_DECADE * np.log10(high / low)), 2)
     inertia, yields = kilograms / seals, np.geomspace(low, high, count + 1)[:-1]
     known = weight * np.abs(K - inertia * omega**2)

@@ -189,13 +189,13 @@ def _crossed(x: FloatArray, part: Labels, operator: Labels, operators: int) -> F
     if len(whole) < 2:
         raise DataError(
             f"{len(whole)} parts were tested by all {operators} operators; expected two or more: "
-            "what operators add cannot be told from the parts"
+            "what operators add cannot be separated from the parts"
         )
     repeats = tests[whole].min()
     if repeats < 2:
         raise DataError(
             "an operator tested a part once; expected two repeats or more of each: repeatability "
-            "cannot be told from the rest"
+            "cannot be separated from the rest"
         )
     return np.array([
         [x[(part == i) & (operator == j)][:repeats] for j in range(operators)] for i in whole

@@ -173,7 +173,7 @@ def _strata(values: FloatArray, groups: list[Groups], names: list[str]) -> list[
         if freedom < 1:
             what = names[depth - 1]
             raise DataError(
-                f"the scatter of each {what} cannot be told: there is no more than one {what} "
+                f"the scatter of each {what} cannot be found: there is no more than one {what} "
                 "of each kind; leave that level out, or test more"
             )
         parent = np.zeros(counts[depth], dtype=np.int64)

@@ -80,7 +80,8 @@ def operating_point(
     positive(compression=compression, optional=True)
     if fit.unit != "N/m":
         raise DataError(
-            f"the fit is of a material's modulus, in {fit.unit}: a mass rests on a part, in N/m"
+            f"the fit is of a material's modulus, in {fit.unit}; a mass rests on a part. Give its "
+            'shape: --shape disc:20mm,20mm (Python: fit.part("disc:20mm,20mm"))'
         )
     law, given = fit.elastic_law, compression is not None
     bent = law is not None and law.kind != "linear"
