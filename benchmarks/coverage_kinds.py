@@ -1,4 +1,4 @@
-"""How often 95 % limits hold the truth, for pressed parts and struck surfaces, under white noise.
+"""How often 95 % limits hold the truth, for pressed, squeezed and struck parts, under white noise.
 
     python benchmarks/coverage_kinds.py STUDY [--seeds 200] [--first 7000]
 
@@ -12,6 +12,7 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import cache, partial
 from pathlib import Path
 
@@ -32,10 +33,12 @@ from dashpot.preparation.prepare import prepare
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
 from kit.foreign import kinds
+from kit.foreign.aging import Rubber, lot
 from kit.foreign.rigs import Protocol, noisy, pressed, sampled
 from kit.foreign.truths import TABLE_1, Seal
 
 Held = Iterator[tuple[str, bool]]
+RUBBER = Rubber()
 DEPTH = 6e-3
 """Of a load deflection test, m."""
 
@@ -156,7 +159,23 @@ def indentation(seed: int) -> Held:
         yield name, bool(one.low <= value <= one.high)
 
 
+def aging(seed: int, *, rubber: Rubber = RUBBER, oven: float = 1.0, off: float = 1.0) -> Held:
+    """Pieces in three ovens that are off: life and F/F0 at 70 degC, activation energy."""
+    one = lot(rubber, seed, off=off)
+    record = dp.CounterforceTest(one.hours, one.force, one.celsius, one.piece, units="h, N, degC")
+    found = dp.fit(record, machine=dp.Machine(oven=oven))
+    aged = dp.predict(found, temperature="70degC", until=("50%", "1000h"))
+    life, left = (one for one in aged.facts if one.name in {"life", "left"})
+    energy = found["activation_energy"]
+    yield "life", bool(life.low <= 3600 * rubber.life(70.0) <= life.high)
+    yield "activation energy", bool(energy.low <= rubber.energy <= energy.high)
+    yield "F/F0 after 1000 h", bool(left.low <= rubber.left(1000.0, 70.0) <= left.high)
+
+
 STUDIES = {
+    "aging": aging, "aging-exact-ovens": partial(aging, oven=0.0, off=0.0),
+    "aging-ovens-unsaid": partial(aging, oven=0.0),
+    "aging-chemical-only": partial(aging, rubber=replace(RUBBER, loss=0.0)),
     "figures": figures, "depths": depths, "indentation": indentation,
     "relaxed": partial(relaxed, air=False), "relaxed-from-air": partial(relaxed, air=True),
     "speeds": partial(speeds, air=False), "speeds-from-air": partial(speeds, air=True),

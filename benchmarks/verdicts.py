@@ -1,17 +1,20 @@
 """How often a verdict is right, judged on truths and rigs that share no line with dashpot.
 
-    python benchmarks/verdicts.py OUT.jsonl [--per 10] [--only REGEX] [--kinds 20] [--seed 0]
+    python benchmarks/verdicts.py OUT.jsonl [--per 10] [--kinds 20] [--curves 300] [--only REGEX]
     python benchmarks/verdicts.py --table OUT.jsonl
 
 The relaxation records of `tests/kit/foreign`: its 42 truths on its 40 rigs, `--per` truths of each,
-and its other kinds of test, sound and spoilt by turns. Each record is one line of OUT.jsonl; those
-that stand there are not run again, and the same seed gives the same records.
+its other kinds of test, sound and spoilt by turns, and its curves: `--curves` moduli and a third as
+many compliances and sweeps, which end before their plateau or after, each whole and cut. Each
+record is one line of OUT.jsonl; those that stand there are not run again, and the same seed gives
+the same records.
 
 A relaxation record misses if one of its 95 % limits does: of the accelerance of two seals under
 the mass that they bring to resonance at 12.7 Hz (there, its peak's height and frequency), of k(T)
 and k(3T), T the hold as the record was understood, or the most that k_inf may be. A sheet of
-another kind misses if what is asked of it (`SHEETS`) errs by more than 5 %. A refusal gives no
-limits and no "use", and counts as neither held nor missed.
+another kind misses if what is asked of it (`SHEETS`) errs by more than 5 %; a curve if a limit of
+its end does, or its plateau is off by more than 10 %. A refusal gives no limits and no "use", and
+counts as neither held nor missed.
 """
 
 from __future__ import annotations
@@ -24,7 +27,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from zlib import crc32
 
@@ -55,6 +58,8 @@ from dashpot.vibration.impact.frf_estimation import estimate_frf
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
+from kit import curve_ends
+from kit.foreign import curves
 from kit.foreign.catalogue import verdict_records
 from kit.foreign.kinds import Sheet, nominal, sheets
 from kit.foreign.rigs import RIGS, Record
@@ -244,12 +249,32 @@ def goals(rows: list[Row], whole: Row) -> Iterator[tuple[str, bool]]:
         )
 
 
+def shown_curves(lines: Iterable[Mapping]) -> Iterator[str]:
+    """The ends of curves as a table of Markdown."""
+    groups: dict[str, list[Mapping]] = {}
+    for line in lines:
+        groups.setdefault(line["group"], []).append(line)
+    yield '| | n | k(T) | k(3T) | k(10T) | at most | "use" | of them off | sound called "use" |'
+    yield "|---|" + 8 * "---:|"
+    for name, some in groups.items():
+        score = curve_ends.Score.of(some)
+        held = " | ".join(f"{score.held[limit]:.3f}" for limit in curve_ends.NAMES)
+        yield (
+            f"| {name} | {score.count} | {held} | {score.used} | {score.used_off} | "
+            f"{score.sound_used}/{score.sound} |"
+        )
+    yield ""
+
+
 def report(lines: Iterable[Mapping]) -> Iterator[str]:
     """Tables of relaxation records and of other kinds, each with its totals and goals."""
     lines = list(lines)
+    ended = [line for line in lines if "settled" in line]
+    if ended:
+        yield from shown_curves(ended)
     parts = (
         ("relaxation", [line for line in lines if line["rig"]]),
-        ("other kinds", [line for line in lines if not line["rig"]]),
+        ("other kinds", [line for line in lines if not line["rig"] and "settled" not in line]),
     )
     for title, some in parts:
         if not some:
@@ -355,7 +380,8 @@ def _of_loops(one: Sheet, path: Path) -> Answer:
 def _of_cld(one: Sheet, path: Path) -> Answer:
     """Force of the pressing at .6 of the depth in the cycle that is told, read as it was."""
     at = 0.6 * one.truth["seal"].depth
-    found = cld(read_cld(path), at=at)
+    test = read_cld(path)
+    found = cld(replace(test, specimen=dp.Specimen(length=0.1)), at=at)
     plate = 1e-3 * one["displacement"]
     rows = np.arange(len(plate)) * one.truth["cycles"] * 2 // len(plate)
     told = rows == 2 * (found.cycle.number - 1)
@@ -396,7 +422,8 @@ def _of_stretch(one: Sheet, _: Path) -> Answer:
 
 def _of_indentation(one: Sheet, path: Path) -> Answer:
     """The deepest point: of the ball's path, which Hertz and one arm give."""
-    indenter = Indenter(mass=one.truth["mass"])
+    # as a lab knows it, by the height of its fall
+    indenter = Indenter(mass=one.truth["mass"], impact_velocity=one.truth["speed"])
     found = fit_indentation(read_indentation(path, indenter=indenter))
     depth = next(fact.value for fact in found.found if fact.name == "depth")
     return found.verdict.use, _error(depth, one.truth["depth"])
@@ -468,6 +495,37 @@ def work(options: argparse.Namespace) -> Iterator[tuple[dict, Callable[[], dict]
             group = f"{kind}, {one.spoilt or 'sound'}"
             name = {"group": group, "rig": False, "name": one.name, "seed": options.seed}
             yield name, lambda one=one: judged_sheet(one)
+    yield from work_of_curves(options)
+
+
+CURVES = {
+    "moduli": (curves.moduli, 1),
+    "compliances": (curves.compliances, 3),
+    "sweeps": (curves.sweeps, 3),
+}
+FEWEST = 12
+"""Values of a curve that was cut."""
+
+
+def work_of_curves(options: argparse.Namespace) -> Iterator[tuple[dict, Callable[[], dict]]]:
+    """Every curve whole, then cut to its first tenth."""
+    for kind, (make, part) in CURVES.items():
+        for cut in (False, True):
+            group = f"{kind}, first tenth" if cut else kind
+            if not re.search(options.only, group):
+                continue
+            for whole in make(options.curves // part, options.seed):
+                one = whole.cut() if cut else whole
+                if len(one.at) >= FEWEST:
+                    name = {"group": group, "rig": False, "name": one.name, "seed": options.seed}
+                    yield name, lambda one=one: judged_curve(one)
+
+
+def judged_curve(one: curves.Curve) -> dict[str, object]:
+    """One line of a curve."""
+    start = time.process_time()
+    said = curve_ends.judged(one)
+    return {**said, "cpu": round(time.process_time() - start, 3)}
 
 
 def main() -> None:
@@ -475,6 +533,7 @@ def main() -> None:
     parser.add_argument("out", type=Path, nargs="?", help="a line to a record; added to")
     parser.add_argument("--per", type=int, default=10, help="truths to a disturbance, up to 42")
     parser.add_argument("--kinds", type=int, default=20, help="sheets of each other kind")
+    parser.add_argument("--curves", type=int, default=300, help="moduli, and thrice the others")
     parser.add_argument("--only", default="", help="disturbances and kinds, a regular expression")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--table", type=Path, help="print a kept file and run nothing")

@@ -34,6 +34,7 @@ from dashpot.fitting.shift_law import LawScore, OddOne
 from dashpot.fitting.temperature import checks as several
 from dashpot.io.readers import checks as reading
 from dashpot.kinds.cld import checks as cld
+from dashpot.kinds.csr import checks as csr
 from dashpot.kinds.hyperelastic import checks as hyper
 from dashpot.kinds.indentation import checks as indentation
 from dashpot.kinds.indentation.contact_law import ViscousContact
@@ -628,7 +629,8 @@ FITTING = [
         0.651,
         0.649,
     ),
-    Case("end_level", lambda x: curves.end_level(curve_end(0.9, x)), 0.0299, 0.0301),
+    Case("end_level", lambda x: curves.end_level(curve_end(0.9, x), 1.0), 0.0299, 0.0301),
+    Case("end_level", lambda x: curves.end_level(curve_end(0.9, x), 0.1), 0.0199, 0.0201),
     Case("residuals_random", lambda x: solid.residuals_random(x, 1.0), 19.99, 20.01),
     Case("step_bias", lambda x: relaxation.step_bias(arm(1, x), [RECORD]), 1e-3, None),
     Case(
@@ -1011,6 +1013,19 @@ ROD = [
     Case(
         "sensors_agree", lambda x: rod.sensors_agree(0.0, -x / 50, known=(0.01, 0.02)), 2.99, 3.01
     ),
+]
+
+CSR = [
+    Case("force_falls", csr.force_falls, 2.99, 3.01),
+    Case("f0_read", lambda x: csr.f0_read(1800 * x), 1.99, 2.01),
+    Case("readings_scatter", csr.readings_scatter, 2.99, 3.01),
+    Case("chemistry_seen", lambda x: csr.chemistry_seen(x, 400.0), 4.01, 3.99),
+    Case("ovens_enough", whole(csr.ovens_enough), 3, 2),
+    Case("ovens_on_a_line", csr.ovens_on_a_line, 8.99, 9.01),
+    Case("aging_beside_drift", lambda x: csr.aging_beside_drift(1e-9 * x, 1e-9), 3.01, 2.99),
+    Case("aging_beside_drift", lambda x: csr.aging_beside_drift(x / 3.6e8, None), 3.01, 2.99),
+    Case("temperature_near_ovens", lambda x: csr.temperature_near_ovens(x, 300.0), 29.9, 30.1),
+    Case("time_near_readings", lambda x: csr.time_near_readings(x, 3.6e6), 1.99, 2.01),
 ]
 
 IMPACT = [
@@ -1414,6 +1429,7 @@ STAGES = {
     "kinds/hyperelastic": HYPERELASTIC,
     "kinds/indentation": INDENTATION,
     "kinds/level": LEVEL,
+    "kinds/csr": CSR,
     "kinds/rod": ROD,
     "lots": LOTS,
     "planning": PLANNING,
@@ -1502,6 +1518,11 @@ LIMITS = {
         "velocity_agrees": 1.1, "gravity_known": 0.01, "force_agrees": 1.1,
         "indentation_shallow": 0.3, "sensor_fast_enough": 0.03,
     },
+    "kinds/csr": {
+        "force_falls": 3, "f0_read": 2, "readings_scatter": 3, "chemistry_seen": 4,
+        "ovens_enough": 3, "ovens_on_a_line": 9, "aging_beside_drift": 3,
+        "temperature_near_ovens": 30, "time_near_readings": 2,
+    },
     "kinds/rod": {
         "rod_usable": 8, "waves_plane": 0.05, "sensors_agree": 3, "mass_beside_rod": 100,
         "lines_of_one_solid": 1.5,
@@ -1566,6 +1587,7 @@ GRADES = {
         "fitting/temperature": {"shifts_told_apart"},
         "kinds/level": {"level_matters"},
         "kinds/hyperelastic": {"volume_known"},
+        "kinds/csr": {"f0_read"},
         "io/readers": {"travel_of_a_seal", "force_of_a_seal", "ramp_not_slow"},
         "fitting/nonlinear_ramp": {"clocks_agree", "offset_believable", "drift_believable"},
         "workflow": {
@@ -1592,6 +1614,7 @@ GRADES = {
             "same_specimen",
         },
         "kinds/hyperelastic": {"stable_in_use"},
+        "kinds/csr": {"force_falls"},
         "fitting/identification": {"tests_agree"},
         "vibration/comparison": {"no_unit_slip"},
         "vibration/impact": {

@@ -17,6 +17,7 @@ from .base.version import __version__ as __version__
 from .door.record import Door as Door
 from .kinds.cld.from_files import Pieces as Pieces
 from .kinds.cld.record import CompressionTest as CompressionTest
+from .kinds.csr.record import CounterforceTest as CounterforceTest
 from .kinds.hyperelastic.record import HyperelasticFit as HyperelasticFit
 from .kinds.hyperelastic.record import StressStrainTest as StressStrainTest
 from .kinds.indentation.record import IndentationFit as IndentationFit

@@ -207,7 +207,7 @@ MISTAKES = (
     ("fit creep.csv --load 1N", "--load is an option of dashpot simulate. Leave it out here",
      "fit creep.csv --arms 1"),
     ("fit creep.csv --method hold", "creep.csv is a creep test", "fit creep.csv --arms 1"),
-    ("fit creep.csv --machine sync=1ms", "--machine is for a relaxation test",
+    ("fit creep.csv --machine sync=1ms", "(CSR) or a relaxation test",
      "fit creep.csv --arms 1"),
     ("fit held.csv --elastic by-depth", "held.csv is a creep test", "fit held.csv --arms 1"),
     ("fit compliance.csv dma.csv", "is fitted alone", "fit dma.csv --arms 1"),

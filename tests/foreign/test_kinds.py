@@ -145,9 +145,10 @@ def test_a_ball_on_a_spring_is_hertz_and_one_on_rubber_loses_energy():
 
 def test_a_softened_cycle_carries_less_and_a_slow_one_its_law():
     one = KINDS["cld"][0](0)
-    parts = np.array_split(one.truth["pure"], 3)
+    parts = np.array_split(one.truth["pure"], one.truth["cycles"])
     tops = [part.max() for part in parts]
-    assert tops[0] > tops[1] > tops[2] > 0.85 * tops[0]
+    assert np.all(np.diff(tops) < 0)
+    assert tops[-1] > 0.85 * tops[0]
     seal = one.truth["seal"]
     assert tops[0] > seal.solid.k_inf * seal.depth
 

@@ -18,6 +18,7 @@ from dashpot.io.readers.inspect import inspect_file
 from dashpot.io.readers.relaxation import read_relaxation
 from dashpot.io.table import Column, FileTable, in_memory
 from dashpot.kinds.cld.read import read_cld
+from dashpot.kinds.csr.read import read_csr
 from dashpot.kinds.hyperelastic.read import read_stress_strain
 from dashpot.kinds.hyperelastic.record import StressStrainTest
 from dashpot.kinds.indentation.read import read_indentation
@@ -41,6 +42,7 @@ READERS = {
     read_creep: {"creep", "relaxation", "cld", "cyclic"},
     read_indentation: {"indentation"},
     read_tension: {"stress-strain"},
+    read_csr: {"csr"},
 }
 
 

@@ -25,6 +25,8 @@ from dashpot.io.readers.frf import read_frf
 from dashpot.io.readers.impact import read_impact
 from dashpot.io.readers.relaxation import read_relaxation
 from dashpot.kinds import KINDS, KindOfTest, Piece, figure_of, load, row_of
+from dashpot.kinds.csr.aged import predict_aging
+from dashpot.kinds.csr.from_files import csr_files
 from dashpot.kinds.hyperelastic.fit import fit_hyperelastic
 from dashpot.kinds.hyperelastic.read import read_stress_strain
 from dashpot.kinds.level.fit_frfs import fit_levels
@@ -46,6 +48,7 @@ NO_EXAMPLE = {"master-curve", "strain-sweep", "temperature-sweep", "one-frequenc
 OWN_ROWS = {
     "cld": Piece(ReadOptions()),
     "indentation": Piece(ReadOptions(), mass=5e-3, radius=5e-3),
+    "csr": Piece(ReadOptions()),
 }
 
 
@@ -77,7 +80,7 @@ NAMED = {
 
 def test_nobody_else_names_a_kind() -> None:
     # such as "creep" are words of much else
-    kinds = {"cld", "indentation", "stress-strain", "cyclic", "dma", *SWEEPS}
+    kinds = {"cld", "indentation", "stress-strain", "cyclic", "dma", "csr", *SWEEPS}
     found = {
         path.relative_to(SOURCE).as_posix()
         for path in SOURCE.rglob("*.py")
@@ -156,7 +159,7 @@ def test_every_kind_with_a_row_of_its_own_is_tried() -> None:
 
 READ = {
     "relaxation": "seal_8mm.csv", "impact": "hammer.csv", "frf": "shaker_20mN.csv",
-    "dma": "sweep.csv", "cld": "cld_1.csv", "indentation": "hit.csv",
+    "dma": "sweep.csv", "cld": "cld_1.csv", "indentation": "hit.csv", "csr": "ovens.csv",
 }  # fmt: skip
 
 
@@ -184,6 +187,8 @@ MADE: dict[str, Callable[[Path], object]] = {
         [read_frf(folder / f"shaker_{size}mN.csv") for size in (20, 500)],
         [0.02, 0.5], mass=0.1148, seals=2,
     ),
+    "Aging": lambda folder: csr_files([folder / "ovens.csv"]),
+    "Aged": lambda folder: predict_aging(csr_files([folder / "ovens.csv"]), temperature=343.15),
     "HyperelasticFit": lambda folder: fit_hyperelastic(
         [read_stress_strain(folder / "tension.csv", "uniaxial")]
     ),

@@ -125,6 +125,10 @@ def files() -> dict[str, tuple[str, str]]:
             csv("time [ms],velocity [m/s]", flown, np.cos(np.clip(flown - 3, 0, np.pi))),
             "indentation",
         ),
+        "squeezed.csv": (
+            csv("time [h],force [N],temperature [degC]", decay[20:], 40 - 0.3 * decay[20:] ** 0.3,
+                398 - 273 + 0 * decay[20:]), "csr",
+        ),
         "tension.csv": (
             csv("strain [%],stress [MPa]", 2 * spread, 0.02 * spread), "stress-strain",
         ),

@@ -51,11 +51,13 @@ def test_every_kind_is_a_row_by_its_fit_or_with_the_sentence_why_not(folder, nam
     kind = files()[name][1]
     found = row_of(Entry(str(folder / name)))
     assert found["kind"] == kind
-    assert found["outcome"] == ("fitted" if kind in {*FITTED, "cld"} else "other")
+    assert found["outcome"] == ("fitted" if kind in {*FITTED, "cld", "csr"} else "other")
     if kind == "cld":
         assert found["cld_force_N"] > 0
         assert found["cld_hysteresis"] > 0
         assert found["k_inf_N_per_m"] is None
+    elif kind == "csr":
+        assert found["csr_chemical_time_low_s"] > 0
     elif kind in FITTED:
         material = found["k_inf_N_per_m"] is None
         assert material == (kind not in {"relaxation", "creep"} or name == "compliance.csv")

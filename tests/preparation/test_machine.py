@@ -121,15 +121,6 @@ def test_a_ramp_and_hold_has_no_oven():
         prepare(test, machine=dp.Machine(oven="1K"))
 
 
-@pytest.mark.parametrize(("kelvin", "fine"), [(0.0, True), (30.0, True), (30.1, False)])
-def test_the_error_of_an_oven_is_of_an_oven(kelvin, fine):
-    if fine:
-        assert dp.Machine(oven=kelvin).oven == kelvin
-        return
-    with pytest.raises(dp.DataError, match="--machine oven=1K"):
-        dp.Machine(oven=kelvin)
-
-
 def test_a_described_rig_survives_the_archive():
     test = relaxation_test(record(PAPER, Bench(hold=5.0, rate=RATE)))
     known = prepare(test, machine=dp.Machine(sync=5e-4, compliance=50e-6))

@@ -19,6 +19,7 @@ from dashpot.cli._shell import File, Outcome, Output
 from dashpot.cli._values import DENSITY, LowHigh, OneOf, Range, WithUnit
 from dashpot.fitting.identification.asked import HammerRig, KnownSolid
 from dashpot.io.options import ReadOptions
+from dashpot.kinds import takers
 from dashpot.kinds.hyperelastic.asked import MODES, Measures
 from dashpot.kinds.indentation.indenter import Indenter
 from dashpot.workflow.job import Job, LevelJob, RodChoices
@@ -81,7 +82,7 @@ _OPTIONS = (
             _word("--method", words(Method), default="full", kinds="relaxation",
                   help="Whole record (full), or equation (5) of the paper."),
             options.cuts("relaxation"),
-            options.machine("relaxation"),
+            options.machine(f"relaxation {takers('machine')}"),
             of(Job, "filter", kinds="relaxation"),
             opt("--thorough", kinds=_BENCH, help="Try more starting points."),
         ),
@@ -165,7 +166,7 @@ def command(*, files: tuple[str, ...], **said: Any) -> Outcome:
         raise ReadError(f"{error}{options.said_of_all(files)}") from None
     if meant in {"hits", "modes"}:
         _refuse_what_needs_a_mass(context)
-    module, _, name = _RUN[meant].partition(":")
+    module, _, name = _RUN.get(meant, "of_kind").partition(":")
     run: Callable[[Given], Outcome] = getattr(
         import_module(f"dashpot.cli.fits.{module}"), name or "run"
     )
@@ -195,4 +196,4 @@ _RUN = {
     "joint": "joint", "level": "level", "rod": "rod", "cld": "cld",
     "stress-strain": "hyperelastic", "indentation": "indentation",
 }  # fmt: skip
-"""What each of the fits that records may mean is done by."""
+"""What each of the fits that records may mean is done by, where its row does not say enough."""

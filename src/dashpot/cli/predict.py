@@ -12,6 +12,7 @@ from dashpot import workflow
 from dashpot.base.checks import verdict
 from dashpot.base.choices import FrfKind, words
 from dashpot.base.documents import Documented
+from dashpot.base.options import offered
 from dashpot.cli import _options as options
 from dashpot.cli._grammar import group, of, opt, refuse_others, rest, verb
 from dashpot.cli._options import MASS, RAMP
@@ -19,6 +20,7 @@ from dashpot.cli._recognised import recognised
 from dashpot.cli._shell import File, Outcome, grams, printed, typed, write, write_figure
 from dashpot.cli._values import OneOf, WithUnit
 from dashpot.io.options import ReadOptions
+from dashpot.kinds import KINDS, PREDICTED, KindOfTest, load
 from dashpot.told.closing import closing_text
 from dashpot.told.door import door
 from dashpot.told.layout import Text
@@ -38,7 +40,7 @@ _QUESTION, _PART = "Question", "Part of a material"
     options.files("FIT|DOOR.toml", "path", several=False),
     group(
         _QUESTION,
-        of(Job, "band", help="Frequencies (1:50Hz; door 1:200Hz)."),
+        of(Job, "band", kinds=f"{_SOLID} {_DOOR}", help="Frequencies (1:50Hz; door 1:200Hz)."),
         opt("--temperature", type=WithUnit("temperature"), metavar="TEMPERATURE",
             help="Temperature of the seals."),
         opt("--base", kinds=_SOLID, help="The base moves: transmissibility."),
@@ -46,7 +48,10 @@ _QUESTION, _PART = "Question", "Part of a material"
             help="Random base: FILE or 0.01g^2/Hz."),
         opt("--record", "records", type=File(), multiple=True, metavar="FILE", kinds=_SOLID,
             help="The record behind the fit: adds a bound."),
-        of(LevelChoices, "levels", "sweep", into="at_level", kinds=_SOLID),
+        of(LevelChoices, "levels", into="at_level", kinds=_SOLID,
+           help="Resonance there, e.g. 0.5N; needs --sweep."),
+        of(LevelChoices, "sweep", into="at_level", kinds=_SOLID),
+        *(of(load(kind.asked), kinds=kind.name) for kind in PREDICTED),
         rest(
             opt("--kind", type=OneOf(words(FrfKind)), metavar="NAME", kinds=_SOLID,
                 help=", ".join(words(FrfKind)[:-1]) + f" or {words(FrfKind)[-1]}."),
@@ -77,12 +82,33 @@ _QUESTION, _PART = "Question", "Part of a material"
     options.result("FRF as .csv; of a door .json."),
 )  # fmt: skip
 def command(*, path: str, **said: Any) -> Outcome:
-    """Predict what the file asks for: a door, or a mass on a solid."""
-    kind = _DOOR if recognised([path], ReadOptions())[path].kind == _DOOR else _SOLID
+    """Predict what the file asks for: a door, a mass on a solid, or what its kind predicts."""
+    found = recognised([path], ReadOptions())[path]
+    row = KINDS.get(found.kind) if found.stored else None
+    alone = row is not None and bool(row.predict)
+    kind = found.kind if found.kind == _DOOR or alone else _SOLID
     refuse_others(command, click.get_current_context(), {path: kind})
+    if row is not None and alone:
+        return _of_kind(path, row, said)
     if kind == _DOOR:
         return _door(path, **{name: said[name] for name in _OF_DOOR})
-    return _under_mass(path, **{name: each for name, each in said.items() if name not in _NO_MASS})
+    others = {one.name for kind in PREDICTED for one in offered(load(kind.asked))}
+    left_out = {*_NO_MASS, *others}
+    return _under_mass(path, **{name: each for name, each in said.items() if name not in left_out})
+
+
+def _of_kind(path: str, row: KindOfTest, said: dict[str, Any]) -> Outcome:
+    """What the fit of a kind predicts by itself."""
+    output = said["output"]
+    if output and not output.lower().endswith(".json") and output != "-":
+        raise click.UsageError(f"-o {output}: this prediction is written as .json.")
+    asked = {one.name: said[one.name] for one in offered(load(row.asked))}
+    found = load(row.predict)(workflow.stored(path), temperature=said["temperature"], **asked)
+    if said["picture"]:
+        write_figure(said["picture"], found.plot())
+    if output:
+        write(output, printed(found) + "\n")
+    return Outcome.of(found)
 
 
 _OF_DOOR = ("band", "temperature", "speed", "every", "picture", "output")

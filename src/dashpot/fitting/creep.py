@@ -483,9 +483,9 @@ def _of_curve(
     creep, unit = best.spectrum, curve.stiffness_unit
     end = None
     if len(t) >= ENOUGH:
-        flows = _curve_block(t, values, weight, window, flows=True)
-        data = curve_data(flows, t, window=(window[0], 10 * window[1]))
-        end = end_of_curve(data, "creep", time=float(t[-1]), own=best.model, further=creep.lam)
+        flowing = _curve_block(t, values, weight, window, flows=True)
+        seen = curve_data(flowing, t, window=(window[0], 10 * window[1]))
+        end = end_of_curve(seen, "creep", time=float(t[-1]), own=best.model, further=creep.lam)
     answers = (
         *origin.checks,
         best.ended,

@@ -368,11 +368,11 @@ def _checks(
             ),
         ]
     )
+    fastest = float(model.complex_stiffness(omega=data.omega.max()).real)
+    further = "Sweep to lower frequencies."
     answers = [
         *of_arms,
-        *plateau(
-            model, float(error[0]), end, unit=data.unit, further="Sweep to lower frequencies."
-        ),
+        *plateau(model, float(error[0]), end, unit=data.unit, first=fastest, further=further),
         residuals_random(estimate.kappa, estimate.rms),
         *([] if found.choice is None else [order_agreed(found.choice)]),
     ]

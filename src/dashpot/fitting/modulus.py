@@ -118,7 +118,14 @@ def fit_modulus(
     model = found.model
     positive = t[t > 0]
     end = _end(t, block, model)
-    told = plateau(model, float(found.error[0]), end, unit=unit, further="Measure longer.")
+    told = plateau(
+        model,
+        float(found.error[0]),
+        end,
+        unit=unit,
+        first=float(model.relaxation(t[0])),
+        further="Measure longer.",
+    )
     asked = (
         found.ended,
         *origin.checks,

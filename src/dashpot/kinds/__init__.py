@@ -33,7 +33,7 @@ def load(word: str) -> Any:
 
 
 Meant: TypeAlias = Literal[
-    "bench", "hits", "modes", "level", "rod", "cld", "stress-strain", "indentation"
+    "bench", "hits", "modes", "level", "rod", "cld", "stress-strain", "indentation", "csr"
 ]
 """What records of one kind are fitted as."""
 
@@ -105,6 +105,16 @@ class KindOfTest:
         Whether a lot finds a resonance in the file alone.
     examples : str
         Its example files, each with a caption and what writes it.
+    fits : str
+        From records to what is found, where the fit of a kind takes no more than `takes`.
+    takes : tuple of str
+        What of the options of ``dashpot fit`` its fit takes.
+    predict : str
+        From what was found, and what `asked` holds, to a result, where it predicts by itself.
+    asked : str
+        The noun whose fields are the options of ``dashpot predict`` for it alone.
+    follow : str
+        What is typed next; FILE stands for where the fit was kept.
     """
 
     name: str
@@ -120,6 +130,11 @@ class KindOfTest:
     says: str = ""
     resonates: bool = False
     examples: str = ""
+    fits: str = ""
+    takes: tuple[str, ...] = ()
+    predict: str = ""
+    asked: str = ""
+    follow: str = ""
 
 
 KINDS: Mapping[str, KindOfTest] = MappingProxyType({kind.name: kind for kind in (
@@ -230,6 +245,24 @@ KINDS: Mapping[str, KindOfTest] = MappingProxyType({kind.name: kind for kind in 
         examples="kinds.hyperelastic.examples:EXAMPLES",
     ),
     KindOfTest(
+        "csr", "kinds.csr.read:read_csr", "kinds.csr.from_files:csr_files", meant="csr",
+        nouns={
+            "kinds.csr.record:CounterforceTest": "",
+            "kinds.csr.record:Aging": "kinds.csr.figure:csr",
+            "kinds.csr.aged:Aged": "kinds.csr.figure:aged",
+        },
+        checks="kinds.csr.checks",
+        row="kinds.csr.row:row",
+        columns=(
+            "csr_loss_per_decade", "csr_chemical_time_s", "csr_chemical_time_low_s",
+            "csr_activation_J_per_mol",
+        ),
+        examples="kinds.csr.examples:EXAMPLES",
+        fits="kinds.csr.fit:fit_aging", takes=("temperatures", "machine"),
+        predict="kinds.csr.aged:predict_aging", asked="kinds.csr.asked:AgingAsked",
+        follow="predict FILE --temperature 70degC --until 50%",
+    ),
+    KindOfTest(
         "cyclic", _RELAXATION, "workflow.levels:level_files", page="level", meant="level",
         checks="kinds.level.checks",
         examples="kinds.level.examples:EXAMPLES",
@@ -248,6 +281,15 @@ FIGURES = {noun: figure for kind in KINDS.values() for noun, figure in kind.noun
     "door.closing_result:ClosingResult": "door.closing_figure:closing",
 }
 """What draws each noun of a kind, and those of a door, which is no kind of test."""
+
+
+PREDICTED = tuple(kind for kind in KINDS.values() if kind.predict)
+"""Kinds whose fit predicts by itself, and not as a solid."""
+
+
+def takers(option: str) -> str:
+    """Return the kinds whose fit takes an option of the command, as its help wants them."""
+    return " ".join(kind.name for kind in KINDS.values() if option in kind.takes)
 
 
 def row_of(noun: object) -> KindOfTest | None:

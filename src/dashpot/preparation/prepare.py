@@ -8,6 +8,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray, median, noted
 from dashpot.base.errors import DataError
+from dashpot.base.plausible import SIZES, short
 from dashpot.base.provenance import Step
 from dashpot.base.units import Quantity, si, written
 from dashpot.preparation import checks
@@ -119,6 +120,11 @@ def prepare(
     record = _on_the_machine(record, preload, machine)
     checks.refuse_unresolved(where, rise, test.force)
     checks.refuse_saturated(where, record)
+    SIZES["ramp"].refuse(
+        record.ramp_time,
+        f"{where}: the ramp takes {short(record.ramp_time, 's')}",
+        remedy='Check the unit of time: units="ms, mm, N" in Python, --units time=ms in a shell.',
+    )
     answers = (
         []
         if not judged

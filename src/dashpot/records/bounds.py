@@ -185,9 +185,18 @@ class EndOfHold(Documented):
 
     def __mul__(self, count: float) -> EndOfHold:
         """So many parts side by side."""
-        names = ("k_end", "k_3end", "k_inf", "k_10end")
-        ends = {name: tuple(count * end for end in getattr(self, name)) for name in names}
-        return replace(self, falling=count * self.falling, **ends)
+
+        def scaled(ends: tuple[float, float]) -> tuple[float, float]:
+            return count * ends[0], count * ends[1]
+
+        return replace(
+            self,
+            k_end=scaled(self.k_end),
+            k_3end=scaled(self.k_3end),
+            k_10end=scaled(self.k_10end),
+            k_inf=scaled(self.k_inf),
+            falling=count * self.falling,
+        )
 
 
 def _holding(reach: tuple[float, float], value: float) -> tuple[float, float]:

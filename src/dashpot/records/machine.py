@@ -15,8 +15,6 @@ from dashpot.base.units import si_fields
 
 # a baseline tells the drift where it leaves less than this part of what is usual
 _TOLD = 0.7
-# K: an error larger than that of any oven is a temperature in degC
-_WORST_OVEN = 30.0
 
 
 class Usual(NamedTuple):
@@ -202,11 +200,6 @@ class Machine:
 
     def __post_init__(self) -> None:
         si_fields(self)
-        known = picked(self, "sync", "drift", "compliance", "creep")
+        known = picked(self, "sync", "drift", "compliance", "creep", "oven")
         not_negative("machine ", **known, expected="a number >= 0 in SI units", optional=True)
         positive("machine ", force_filter=self.force_filter, unit=" Hz", optional=True)
-        if self.oven is not None and not 0 <= self.oven <= _WORST_OVEN:
-            raise DataError(
-                f"machine oven = {self.oven:g} K; expected an error of 0 to {_WORST_OVEN:g} K. "
-                "Write it in K: --machine oven=1K"
-            )

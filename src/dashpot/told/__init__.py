@@ -7,6 +7,8 @@ from importlib import import_module
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
+from dashpot.base.offered import Judged
+
 if TYPE_CHECKING:
     from dashpot.told.layout import Text
 
@@ -32,7 +34,7 @@ _TEXTS: Mapping[str, str] = MappingProxyType({
     "workflow.study:Study": "text:study",
     "workflow.under_masses:ModesByMass": "modes:modes_by_mass",
 })  # fmt: skip
-"""Each result, and what tells it, under this room."""
+"""Each result, and what tells it, under this room; any other is told by its facts."""
 
 
 def text_of(result: object) -> Text:
@@ -63,8 +65,9 @@ def printed(noun: Any) -> str:
 def _teller(noun: object) -> Callable[[Any], Text] | None:
     kind = type(noun)
     name = f"{kind.__module__.removeprefix('dashpot.')}:{kind.__qualname__}"
-    if name not in _TEXTS:
+    word = _TEXTS.get(name, "lines:by_facts" if isinstance(noun, Judged) and noun.facts else "")
+    if not word:
         return None
-    module, _, function = _TEXTS[name].partition(":")
+    module, _, function = word.partition(":")
     found: Callable[[Any], Text] = getattr(import_module(f"dashpot.told.{module}"), function)
     return found

@@ -7,8 +7,10 @@ from typing import Protocol
 import numpy as np
 
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
+from dashpot.base.numbers import ascii_only
+from dashpot.base.offered import Judged
 from dashpot.base.units import read_in
-from dashpot.told.layout import Text, table
+from dashpot.told.layout import Text, facts, table
 from dashpot.told.text import rounded, with_error
 
 ERRORS = {
@@ -55,6 +57,13 @@ class Measured(Protocol):
     def changes(self, of: str, by: float) -> tuple[FloatArray, FloatArray]:
         """What an error of so much does to both."""
         ...
+
+
+def by_facts(found: Judged) -> Text:
+    """Return the numbers of a result with their intervals, and what the readers noticed."""
+    sources = getattr(found, "sources", ())
+    notes = [f"  read        {one.file}: {note}" for one in sources for note in one.notes]
+    return Text(facts(found.facts), ascii_only("\n".join(notes)).splitlines())
 
 
 def plainly(found: object) -> Text:

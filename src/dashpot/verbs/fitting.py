@@ -11,7 +11,7 @@ from dashpot.base.choices import AmplitudeLawAsked, ElasticKindAsked, FamilyAske
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.units import Quantity, Range, si, si_range
 from dashpot.fitting.identification.asked import HammerRig, KnownSolid
-from dashpot.kinds import row_of
+from dashpot.kinds import KINDS, load, row_of
 from dashpot.records.creep import CreepCompliance, CreepTest, LoadHold
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.fit import Fit
@@ -34,6 +34,7 @@ from dashpot.workflow.shifting import ShiftChoices
 if TYPE_CHECKING:
     from dashpot.kinds.cld.from_files import Pieces
     from dashpot.kinds.cld.record import CompressionTest
+    from dashpot.kinds.csr.record import Aging, CounterforceTest
     from dashpot.kinds.hyperelastic.record import HyperelasticFit, StressStrainTest
     from dashpot.kinds.indentation.record import IndentationFit, IndentationTest
     from dashpot.kinds.level.record import AmplitudeFit, AmplitudeSweep
@@ -157,6 +158,10 @@ def fit(
     cycle: int | None = ...,
 ) -> HyperelasticFit: ...
 @overload
+def fit(
+    first: CounterforceTest, /, *more: CounterforceTest, machine: Machine | None = ...
+) -> Aging: ...
+@overload
 def fit(record: IndentationTest, /, *, model: str = ...) -> IndentationFit: ...
 @overload
 def fit(record: AmplitudeSweep, /, *, model: str = ...) -> AmplitudeFit: ...
@@ -217,13 +222,13 @@ def fit(*records: Any, **how: Any) -> Any:
     masses = len(mass) if isinstance(mass, list | tuple) else int(mass is not None)
     rod = how.get("density") is not None or how.get("shape") is not None
     meant = route(kinds, masses=masses, levels=bool(levels), rod=rod)
-    fitted = _FITS[meant]
+    row = KINDS[next(iter(kinds.values()))] if meant not in _FITS else None
+    fitted = _FITS[meant] if row is None else load(row.fits)
     taken = signature(fitted).parameters.keys() - {"records"}
     strange = sorted(how.keys() - taken)
     if strange:
-        raise FitError(
-            f"{strange[0]}= does not suit {_CALLED[meant]}. It takes {', '.join(sorted(taken))}"
-        )
+        what, takes = _CALLED.get(meant, meant), ", ".join(sorted(taken))
+        raise FitError(f"{strange[0]}= does not suit {what}. It takes {takes}")
     return fitted(list(records), **how)
 
 

@@ -11,6 +11,7 @@ from dashpot.base.choices import Method
 from dashpot.base.errors import DataError
 from dashpot.base.plausible import SIZES
 from dashpot.base.units import Quantity, Range, si, si_range
+from dashpot.kinds import load, row_of
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF
 from dashpot.records.frf_set import FRFSet
@@ -28,6 +29,8 @@ if TYPE_CHECKING:
     from dashpot.door.closing_result import ClosingResult
     from dashpot.door.record import Door
     from dashpot.door.result import DoorResult
+    from dashpot.kinds.csr.aged import Aged
+    from dashpot.kinds.csr.record import Aging
     from dashpot.kinds.hyperelastic.record import HyperelasticFit
     from dashpot.kinds.level.levels import LevelFit
     from dashpot.kinds.level.record import AmplitudeSweep
@@ -81,6 +84,10 @@ def predict(
 ) -> FRF: ...
 @overload
 def predict(
+    solid: Aging, /, *, temperature: Quantity, until: str | Sequence[str] = ...
+) -> Aged: ...
+@overload
+def predict(
     solid: Door, /, *, close: Quantity, temperature: Quantity | None = ...
 ) -> ClosingResult: ...
 @overload
@@ -126,6 +133,9 @@ def predict(solid: Any, /, **how: Any) -> Any:
     """
     from dashpot.door.record import Door
 
+    row = row_of(solid)
+    if row is not None and row.predict:
+        return load(row.predict)(solid, **how)
     if isinstance(solid, Door):
         return _door(solid, **how)
     return _under_mass(solid, **how) if isinstance(solid, Fit) else _bare(solid, **how)

@@ -16,6 +16,7 @@ from dashpot.records.specimen import Specimen
 
 if TYPE_CHECKING:
     from dashpot.kinds.cld.record import CompressionTest
+    from dashpot.kinds.csr.record import CounterforceTest
     from dashpot.kinds.hyperelastic.record import StressStrainTest
     from dashpot.kinds.indentation.record import IndentationTest
     from dashpot.kinds.level.record import AmplitudeSweep
@@ -105,6 +106,8 @@ def read(path: Place, *, kind: Literal["cld"], **how: Unpack[How]) -> Compressio
 def read(
     path: Place, *, kind: Literal["stress-strain"], **how: Unpack[How]
 ) -> StressStrainTest: ...
+@overload
+def read(path: Place, *, kind: Literal["csr"], **how: Unpack[How]) -> CounterforceTest: ...
 @overload
 def read(path: Place, *, kind: Literal["indentation"], **how: Unpack[How]) -> IndentationTest: ...
 @overload

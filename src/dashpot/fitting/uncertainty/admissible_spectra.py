@@ -209,7 +209,9 @@ class AdmissibleSpectra:
 
     def creeping_at(self, time: float) -> FloatArray:
         r"""Its slope :math:`dJ/d\ln t` of unit columns, shape (m,)."""
-        return self.falling_at(time) + np.eye(1, len(self.tau) + 2, 1)[0] * time
+        slope = self.falling_at(time)
+        slope[1] = time
+        return slope
 
     def value(self, v: FloatArray) -> float:
         """V . k of the best spectrum."""

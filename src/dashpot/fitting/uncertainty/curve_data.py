@@ -129,4 +129,4 @@ def _hats(at: FloatArray) -> FloatArray:
     """Straight lines from 1 at each knot to 0 at its neighbours, shape (n, m)."""
     count = int(np.ceil(KNOTS * float(np.ptp(at)))) + 1
     knots = float(at.min()) + np.arange(count) / KNOTS
-    return np.maximum(1 - KNOTS * np.abs(at[:, None] - knots), 0.0)
+    return np.asarray(np.maximum(1 - KNOTS * np.abs(at[:, None] - knots), 0.0))

@@ -101,18 +101,26 @@ def end_of_curve(
     spectra = AdmissibleSpectra(
         [data], fastest=1 / time, limit=deviance_limit(level, data.dof), further=further
     )
-    rest = AT_REST if ended == "creep" else np.inf
-    found = {
-        name: _of_curve(spectra, ended, times * time)
-        for name, times in (("k_end", 1.0), ("k_3end", 3.0), ("k_10end", 10.0), ("k_inf", rest))
-    }
-    found["k_inf"] = (0.0, found["k_inf"][1])
+
+    def reach(times: float) -> Interval:
+        return _of_curve(spectra, ended, times * time)
+
+    k_end, rest = reach(1), reach(AT_REST if ended == "creep" else np.inf)
     if ended == "creep":
         # k = 1/J falls by J'/J^2
-        falling = _highest(spectra, spectra.creeping_at(time)) * found["k_end"][1] ** 2
+        falling = _highest(spectra, spectra.creeping_at(time)) * k_end[1] ** 2
     else:
         falling = _highest(spectra, spectra.falling_at(time))
-    return EndOfHold(time=time, ended=ended, falling=falling, **found).holding(own)
+    found = EndOfHold(
+        time=time,
+        k_end=k_end,
+        k_3end=reach(3),
+        k_10end=reach(10),
+        k_inf=(0.0, rest[1]),
+        falling=falling,
+        ended=ended,
+    )
+    return found.holding(own)
 
 
 def _of_curve(spectra: AdmissibleSpectra, ended: Ended, time: float) -> Interval:

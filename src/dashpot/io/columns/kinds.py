@@ -16,6 +16,7 @@ from dashpot.base import units
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
 from dashpot.io.columns import vocabulary
+from dashpot.io.columns.counterforce import counterforce
 from dashpot.io.columns.pairs import two_signals
 from dashpot.io.columns.ratios import ratio
 from dashpot.io.columns.roles import accelerations, find_column, option_of, score
@@ -26,7 +27,7 @@ from dashpot.io.table import FileTable
 FileKind: TypeAlias = Literal[
     "relaxation", "impact", "frf", "transmissibility", "dma", "master-curve", "strain-sweep",
     "temperature-sweep", "one-frequency", "modulus", "creep", "indentation", "cld", "cyclic",
-    "stress-strain", "seal-line", "free-modes", "not-a-test", "unclear",
+    "stress-strain", "csr", "seal-line", "free-modes", "not-a-test", "unclear",
 ]  # fmt: skip
 
 SWEEPS: tuple[FileKind, ...] = (
@@ -46,12 +47,15 @@ class KindOfFile(NamedTuple):
         Of its columns; what a creep test or a sweep has, its reader finds.
     accelerated : bool
         Whether every acceleration beside them is of it, too.
+    by_hand : bool
+        Whether its rows are read by hand, at no rate.
     """
 
     what: str
     use: str
     roles: tuple[Role, ...] = ()
     accelerated: bool = False
+    by_hand: bool = False
 
 
 RAMP: tuple[Role, ...] = ("time", "displacement", "force")
@@ -86,6 +90,10 @@ RECOGNISED: Mapping[str, KindOfFile] = MappingProxyType({
         "stress over strain of a material",
         "use dashpot fit; of a relaxation test multiply by area and height first",
         ("time", "stretch", "strain", "stress"),
+    ),
+    "csr": KindOfFile(
+        "a record of compression stress relaxation (CSR)", "use dashpot fit", ("time", "force"),
+        by_hand=True,
     ),
     "cyclic": KindOfFile("a cyclic run without a hold", "use dashpot fit", RAMP),
     "seal-line": KindOfFile(
@@ -281,6 +289,11 @@ _RULES: tuple[tuple[FileKind, str, Callable[[_NamedColumns], bool]], ...] = (
         "relaxation",
         "it has time, displacement and force",
         _NamedColumns.ramped,
+    ),
+    (
+        "csr",
+        "it has force over hours, and no displacement",
+        lambda s: counterforce(s.table, s.options) is not None,
     ),
     (
         "modulus",

@@ -1,0 +1,65 @@
+"""Which table is of the counterforce of squeezed pieces over hours, and which columns it has."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+from dashpot.base import units
+from dashpot.io.columns.roles import score
+from dashpot.io.columns.vocabulary import Role
+from dashpot.io.options import ReadOptions
+from dashpot.io.table import Column, FileTable
+
+_LONG = 3600.0
+"""Seconds in a unit of time that no test on a bench is kept in."""
+_RATIO = re.compile(r"\bf\s*/\s*f[_ ]?(0|o)\b|\bretain|\bretention|\bcounterforce|\bsealing force")
+_SAID = re.compile(r"compression stress relaxation|\bcsr\b|\b3384\b|\bd6147\b|counterforce")
+
+
+def counterforce(table: FileTable, options: ReadOptions) -> ReadOptions | None:
+    """Return the options with clock and force named, of such a table; None of another.
+
+    A column that is called hours or days is a clock of that unit. Parts of F0 are forces in a unit
+    that nothing depends on, for the F0 of every piece is free.
+    """
+    columns = [(str(i), one) for i, one in enumerate(table.columns, 1) if one.content == "number"]
+    clock = _clock(columns, options)
+    said = any(_SAID.search(line.casefold()) for line in table.header)
+    found = clock or options
+    pushed = _suited(columns, "force", found)
+    ratios = [number for number, one in columns if is_ratio(one)]
+    moved = _suited(columns, "displacement", options) or _suited(columns, "acceleration", options)
+    if moved or not (clock or said) or not (pushed or ratios):
+        return None
+    if pushed or options.force:
+        return found
+    return replace(found, force=ratios[0], units={**dict(found.units), "force": "N"})
+
+
+def is_ratio(column: Column) -> bool:
+    """Whether a column holds parts of F0."""
+    plain = column.unit is None or any(units.same(column.unit, one) for one in ("%", "1"))
+    return plain and bool(_RATIO.search(column.name.casefold()))
+
+
+def _clock(columns: list[tuple[str, Column]], options: ReadOptions) -> ReadOptions | None:
+    """The options with a clock of hours or more; None where there is no such clock."""
+    for number, one in columns:
+        if score(one, "time", options) >= 1.5 or options.time in {number, one.name}:
+            return options if _long(options.unit_of("time", one.name) or one.unit) else None
+    for number, one in columns:
+        if one.unit is None and _long(one.name):
+            return replace(options, time=number, units={**dict(options.units), "time": one.name})
+    return None
+
+
+def _long(word: str | None) -> bool:
+    unit = units.find(word, "time") if word else None
+    return unit is not None and unit.factor >= _LONG
+
+
+def _suited(columns: list[tuple[str, Column]], role: Role, options: ReadOptions) -> bool:
+    return bool(getattr(options, role)) or any(
+        score(one, role, options) >= 1.5 for _, one in columns
+    )

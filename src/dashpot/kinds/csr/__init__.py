@@ -1,0 +1,1 @@
+"""Compression stress relaxation: how long a seal seals."""

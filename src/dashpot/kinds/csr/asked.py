@@ -1,0 +1,22 @@
+"""What a law of aging is asked, as options; no number stands here, so that help loads none."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from dashpot.base.options import option
+
+
+@dataclass(frozen=True)
+class AgingAsked:
+    """How far a prediction of aging goes.
+
+    Attributes
+    ----------
+    until : tuple of str
+        Each a part of F0 that is left, ``"50%"``, or a time, ``"1000h"``; by default half of it.
+    """
+
+    until: tuple[str, ...] = option(
+        (), "Part of the force left, 50%, or a time, 1000h.", metavar="END", multiple=True
+    )

@@ -1,0 +1,150 @@
+"""What a law of aging can be trusted with, as criteria."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dashpot.base.checks import Check, Finding, Remedy, criterion
+from dashpot.base.numbers import counted
+from dashpot.base.units import celsius, parse_quantity, written
+from dashpot.engine.inference.estimate import Estimate
+from dashpot.kinds.csr.law import FIRST
+from dashpot.kinds.csr.prepare import Readings
+from dashpot.kinds.csr.record import Aging
+
+SEEN = 4.0
+"""Standard errors by which the hottest oven must show chemistry."""
+LONG = parse_quantity("1000h", "time")
+USUAL_DRIFT = 0.01
+"""Of a load cell, in parts of F0 in 1000 h."""
+
+
+def judge(
+    found: Aging, read: Readings, alone: Estimate, strain: float | None, *, drift: float | None
+) -> tuple[Check, ...]:
+    """Every check of a fit."""
+    hottest, coldest = found.ovens[-1], found.ovens[0]
+    loss = float(alone.optimum.theta[0] / alone.standard_error[0])
+    risen = max(-loss, *(-one.significance for one in found.ovens))
+    left = alone.optimum.residual
+    inside = np.diff(read.piece) == 0
+    together = float((left[1:] * left[:-1])[inside].sum() / (left @ left)) * np.sqrt(len(left))
+    return (
+        force_falls(risen),
+        f0_read(max(float(read.time[read.piece == i].min()) for i in range(read.pieces))),
+        readings_scatter(together),
+        chemistry_seen(hottest.significance, hottest.temperature),
+        ovens_enough(len(found.ovens)),
+        ovens_on_a_line(strain),
+        aging_beside_drift(None if found.law.bound_alone else coldest.rate, drift),
+    )
+
+
+@criterion("rise / standard error", "<=", 3.0, "chance, once in 700", grade="stop")
+def force_falls(risen: float) -> Finding:
+    """The force of the pieces falls, or stays."""
+    return Finding(
+        f"The force rises by {max(risen, 0.0):.2g} standard errors of its trend",
+        risen,
+        "Crosslinks or swelling add force, and this law has none that grows",
+        "Leave out the oven or the piece that rises.",
+    )
+
+
+@criterion("time / 30 min", "<=", 2.0, "ISO 3384-1: F0 is read at 30 min", grade="note")
+def f0_read(first: float) -> Finding:
+    """F0 was read of every piece."""
+    return Finding(
+        f"The last piece was first read {written(first, 'h', '.3g')} after its compression",
+        first / FIRST,
+        "Its F0 follows from the law alone, and all its ratios share that error",
+        "Read F0 at 30 min.",
+    )
+
+
+@criterion("correlation of neighbours * sqrt(readings)", "<=", 3.0, "chance, once in 700")
+def readings_scatter(together: float) -> Finding:
+    """The readings scatter about the law, and neighbours do so apart."""
+    return Finding(
+        f"Neighbours in time miss the law together by {together:.2g} standard deviations",
+        together,
+        "The law does not follow the readings, or the cell drifts",
+        "Look at the picture. Leave out ovens that age otherwise, such as the hottest.",
+    )
+
+
+@criterion("rate / standard error", ">=", SEEN, "our choice: chance, once in 30,000")
+def chemistry_seen(significance: float, hottest: float) -> Finding:
+    """The hottest oven shows that the rubber ages."""
+    return Finding(
+        f"At {celsius(hottest)} chemical aging is {significance:.2g} standard errors from none",
+        significance,
+        "A life is a lower limit",
+        "Read longer, or use a hotter oven.",
+    )
+
+
+@criterion("ovens", ">=", 3.0, "ISO 11346: a line of 1/T wants three temperatures")
+def ovens_enough(ovens: int) -> Finding:
+    """Ovens enough show an activation energy and its error."""
+    return Finding(
+        f"The pieces were in {counted(ovens, 'oven')}",
+        float(ovens),
+        "The error of the activation energy then is that of the ovens alone"
+        if ovens == 2
+        else "No activation energy follows",
+        Remedy("Add an oven, or say how well each is known.", "machine", "oven=1K")
+        if ovens == 2
+        else "Add an oven.",
+    )
+
+
+@criterion("chi square / degrees of freedom", "<=", 9.0, "our choice: chance, once in 370")
+def ovens_on_a_line(strain: float | None) -> Finding:
+    """One activation energy explains all ovens within the error of their temperatures."""
+    if strain is None:
+        return Finding("Two ovens always lie on one line of 1/T, so it is not judged")
+    return Finding(
+        f"The ovens lie {np.sqrt(max(strain, 0.0)):.2g} standard deviations from one line of 1/T",
+        strain,
+        "The activation energy changes, or an oven is not as warm as it says",
+        Remedy("Leave out the hottest oven, or say the error of the ovens.", "machine", "oven=2K"),
+    )
+
+
+@criterion("rate / drift", ">=", 3.0, "our choice: a third of the rate at most")
+def aging_beside_drift(rate: float | None, drift: float | None) -> Finding:
+    """The coldest oven ages faster than a load cell drifts."""
+    if rate is None:
+        return Finding("No chemistry was seen, so no drift of the cell is compared with it")
+    lost, drifted = rate * LONG, USUAL_DRIFT if drift is None else drift * LONG
+    return Finding(
+        f"The coldest oven loses {100 * lost:.3g} % in 1000 h, where the load cell may drift by "
+        f"{100 * drifted:.3g} %",
+        lost / drifted if drifted else np.inf,
+        "A drift looks like chemistry there",
+        Remedy("Check the cell with a weight, and give its drift.", "machine", "drift=10mN/h"),
+    )
+
+
+@criterion("K", "<=", 30.0, "our choice: the activation energy falls in the cold")
+def temperature_near_ovens(colder: float, temperature: float) -> Finding:
+    """The temperature that is asked lies near those of the ovens."""
+    return Finding(
+        f"{celsius(temperature)} lies {max(colder, 0.0):.3g} K below the coolest oven",
+        colder,
+        "The activation energy may fall there, and the life with it",
+        "Test an oven nearer to it.",
+    )
+
+
+@criterion("decades", "<=", 2.0, "our choice: a hundred times as long as the readings")
+def time_near_readings(decades: float, longest: float) -> Finding:
+    """The time that is asked or found lies near the last reading."""
+    return Finding(
+        f"The answer lies {max(decades, 0.0):.2g} decades of time beyond the last reading, at "
+        f"{written(longest, 'h', '.4g')}",
+        decades,
+        "It rests on the law alone",
+        "Read longer.",
+    )

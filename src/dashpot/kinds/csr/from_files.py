@@ -1,0 +1,55 @@
+"""From files of compression stress relaxation, one oven each or several, to the law of aging."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from dashpot.base.errors import DataError, ReadError
+from dashpot.io.options import ReadOptions
+from dashpot.kinds.csr.fit import fit_aging
+from dashpot.kinds.csr.read import read_csr
+from dashpot.kinds.csr.record import Aging
+from dashpot.records.machine import Machine
+from dashpot.records.specimen import Specimen
+
+
+def csr_files(
+    files: Sequence[str | Path],
+    *,
+    temperatures: Sequence[float] = (),
+    machine: Machine | None = None,
+    options: ReadOptions | None = None,
+) -> Aging:
+    """Fit the law of aging to files.
+
+    Parameters
+    ----------
+    files : sequence of path
+    temperatures : sequence of float
+        Of the ovens, K, where the files do not say theirs: one of all, or one of each.
+    machine : Machine, optional
+        How well the ovens are known, and how the load cell drifts.
+    options : ReadOptions, optional
+        What the user said of the files.
+
+    Raises
+    ------
+    ReadError
+        If a file cannot be read, or they are no lot of one test.
+    """
+    if len(temperatures) not in {0, 1, len(files)}:
+        raise ReadError(
+            f"--temperature was given {len(temperatures)} times for {len(files)} files. Give it "
+            "once, or once for each file, in their order"
+        )
+    once = len(temperatures) == 1
+    warm = [Specimen(temperature=one) for one in temperatures] or [Specimen()]
+    each = warm * len(files) if once or not temperatures else warm
+    tests = [
+        read_csr(path, options=options, specimen=one) for path, one in zip(files, each, strict=True)
+    ]
+    try:
+        return fit_aging(tests, machine=machine)
+    except DataError as error:
+        raise ReadError(str(error)) from None

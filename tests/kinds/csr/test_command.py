@@ -1,0 +1,75 @@
+"""Compression stress relaxation as a user meets it: inspect, fit, predict, batch."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from kit.shell import ran, told
+
+import dashpot as dp
+from dashpot.kinds.csr.examples import EXAMPLES
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    place = tmp_path_factory.mktemp("csr")
+    (place / "ovens.csv").write_text(EXAMPLES["ovens.csv"].write())
+    done = ran("fit", place / "ovens.csv", "--machine", "oven=1K", "-o", place / "csr.json",
+               "--plot", place / "csr.svg")  # fmt: skip
+    assert done.exit_code == 0, done.output
+    assert "recognised ovens.csv: a record of compression stress relaxation" in done.stderr
+    assert f"predict {place / 'csr.json'} --temperature 70degC --until 50%" in done.stderr
+    assert "activation energy" in done.stdout
+    return place
+
+
+def test_inspect_says_what_it_is(folder):
+    (found,) = told("inspect", folder / "ovens.csv")["files"]
+    assert found["kind"] == "csr"
+    # rows that are read by hand have no rate that could be wrong
+    assert not found["warnings"]
+
+
+def test_a_document_is_predicted_from(folder):
+    document = json.loads((folder / "csr.json").read_text())
+    assert document["schema"] == "dashpot/csr@1"
+    assert document["oven_sd"] == 1.0
+    found = told("predict", folder / "csr.json", "--temperature", "70degC", "--until", "50%",
+                 "--until", "1000h", "--plot", folder / "aged.svg")  # fmt: skip
+    life, cold, left = found["answers"]
+    assert life["low"] < 3600 * 101430 < life["high"]
+    assert cold["name"] == "life_if_Ea_falls"
+    assert left["low"] < 0.8964 < left["high"]
+    assert (folder / "aged.svg").stat().st_size > 1000
+    again = dp.read(folder / "csr.json")
+    aged = dp.predict(again, temperature="70degC")
+    assert aged.facts[0].value == pytest.approx(life["value"])
+    assert dp.read(dp.save(aged, folder / "aged.json") and folder / "aged.json").temperature
+
+
+def test_a_limit_is_an_exit_code(folder):
+    words = "predict", folder / "csr.json", "--temperature", "20degC"
+    assert ran(*words, "--strict").exit_code == 1
+    assert ran(*words).exit_code == 0
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["predict", "csr.json", "--temperature", "70degC", "--mass", "1kg"], "--mass is for"),
+        (["predict", "csr.json", "--temperature", "70degC", "--band", "1:2Hz"], "--band is for"),
+        (["predict", "csr.json"], "--temperature 70degC"),
+        (["fit", "ovens.csv", "--arms", "2"], "--arms is for"),
+        (["fit", "ovens.csv", "--model", "maxwell"], "--model does not suit"),
+        (["fit", "ovens.csv", "--length", "1m"], "--length does not suit"),
+        (["fit", "ovens.csv", "--machine", "oven=1degC"], "--machine oven=1K"),
+        (["fit", "ovens.csv", "--machine", "sync=1ms"], "sync= does not suit"),
+        (["fit", "ovens.csv", "-o", "csr.csv"], "written as .json"),
+    ],
+)
+def test_what_does_not_suit_is_refused_by_name(folder, words, says):
+    verb, name, *rest = words
+    done = ran(verb, folder / name, *rest)
+    assert done.exit_code == 2
+    assert says in done.stderr

@@ -1,0 +1,74 @@
+"""Squeezed pieces of a rubber of known truth in ovens of known error, by formulas alone."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+R = 8.314462618
+HOURS = np.array([0.5, 1, 2, 5, 10, 24, 48, 72, 168, 336, 500, 750, 1000])
+OVENS = (100.0, 125.0, 150.0)
+
+
+@dataclass(frozen=True)
+class Rubber:
+    """Physical loss in a decade from .5 h, and scission: hours at 125 degC, J/mol."""
+
+    loss: float = 0.03
+    hours: float = 2500.0
+    energy: float = 90e3
+    exponent: float = 1.0
+
+    def time(self, celsius):
+        """Of the scission, h."""
+        warmer = 1 / (celsius + 273.15) - 1 / 398.15
+        return self.hours * np.exp(self.energy / R * warmer)
+
+    def left(self, hours, celsius):
+        """F/F0."""
+        aged = ((hours - 0.5) / self.time(celsius)) ** self.exponent
+        return (1 - self.loss * np.log10(hours / 0.5)) * np.exp(-aged)
+
+    def life(self, celsius, part=0.5):
+        """Hours until a part is left, by halving."""
+        low, high = np.log(0.5), np.log(1e12)
+        for _ in range(100):
+            middle = (low + high) / 2
+            above = self.left(np.exp(middle), celsius) > part
+            low, high = (middle, high) if above else (low, middle)
+        return float(np.exp(middle))
+
+
+@dataclass(frozen=True)
+class Lot:
+    """Readings of every piece: hours, N, what the oven says, degC, and the number of the piece."""
+
+    hours: np.ndarray
+    force: np.ndarray
+    celsius: np.ndarray
+    piece: np.ndarray
+
+    def text(self, head="time [h],force [N],temperature [degC],piece"):
+        """As a file."""
+        columns = zip(self.hours, self.force, self.celsius, self.piece, strict=True)
+        rows = (f"{a!r},{b!r},{c!r},{d}" for a, b, c, d in columns)
+        return "\n".join([head, *map(_plain, rows), ""])
+
+
+def _plain(row):
+    return row.replace("np.float64(", "").replace(")", "")
+
+
+def lot(rubber, seed=0, *, ovens=OVENS, pieces=3, hours=HOURS, off=1.0, noise=0.01, spread=0.03):
+    """Ovens that are `off` by N(0, K), F0 of 40 N with its `spread`, `noise` in parts of it."""
+    random, found = np.random.default_rng([seed, 3384]), []
+    for number in range(pieces * len(ovens)):
+        if number % pieces == 0:
+            said = ovens[number // pieces]
+            warm = said + off * random.standard_normal()
+        first = 40 * (1 + spread * random.standard_normal())
+        scatter = 40 * noise * random.standard_normal(len(hours))
+        force = first * rubber.left(hours, warm) + scatter
+        found.append((hours, force, np.full(len(hours), said), np.full(len(hours), number + 1)))
+    return Lot(*map(np.concatenate, zip(*found, strict=True)))
