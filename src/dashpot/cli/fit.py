@@ -101,7 +101,7 @@ _OPTIONS = (
             opt("--force-limits", type=Range("force"), metavar="RANGE", kinds=_CLD,
                 help="Limits of the force there, e.g. 4.5:5.5N."),
             opt("--memory", type=File(), multiple=True, metavar="FIT", kinds=f"{_CLD} {_STRAIN}",
-                help="Take the memory of this fit off."),
+                help="Fit whose relaxation is subtracted."),
         ),
         group(
             "Stress over strain",
@@ -134,7 +134,7 @@ _OPTIONS = (
 
 @verb(
     "fit",
-    """Fit the model that suits the records: what each FILE is, is recognised.
+    """Fit the model that suits the records. The kind of each FILE is recognised.
 
   relaxation, creep, DMA sweep, modulus   -> the viscoelastic solid
   hammer hits or FRFs                     -> modes; with --mass the solid
