@@ -179,6 +179,8 @@ EXAMPLES = (
     "fit shaker_20mN.csv shaker_500mN.csv --mass 104g --mass 114.8g",
     "fit hit.csv --mass 5g --radius 5mm --drop-height 51mm",
     "fit rod.csv --shape disc:20mm,20mm --density 1000 --mass 31.4g",
+    "fit ovens.csv --machine oven=1K -o csr.json", "predict csr.json --temperature 70degC",
+    "predict csr.json --temperature 20degC --until 10000h",
     "fit tension.csv biaxial.csv --test uniaxial --test biaxial -o law.json",
     "fit seal_8mm.csv -o fit.json", "predict fit.json --mass 114.8g --seals 2",
     "predict joint.json --mass 114.8g --seals 2", "compare fit.json hammer.csv --mass 114.8g",

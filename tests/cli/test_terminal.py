@@ -100,6 +100,9 @@ def test_failed_checks_outlast_the_numbers_on_a_short_screen():
     assert long[-1] == "  - A note. a_note"
     said = " ".join(line.strip() for line in long)
     assert said.count(LONG.says.strip()) == 4
+    alone = bare(shown(Text(["row"]), None, checks, verbose=False))
+    assert sum(line.startswith("  ! ") for line in alone) == 4  # of weight, without a verdict, too
+    assert not any("a_note" in line for line in alone)
 
 
 def test_a_line_breaks_under_its_own_text():
@@ -109,6 +112,9 @@ def test_a_line_breaks_under_its_own_text():
     assert all(line.startswith(" " * 14 + "word") for line in others)
     row = "  3  ch1 [N]   N   force   " + "because " * 20
     assert all(line.startswith(" " * 27 + "because") for line in wrapped(row)[1:])
+    for at, hang in ((COLUMNS // 2, COLUMNS // 2), (COLUMNS // 2 + 1, 2)):
+        row = "  a".ljust(at) + "because " * 20
+        assert all(line[:hang].isspace() and line[hang] == "b" for line in wrapped(row)[1:])
     path = "wrote /" + "a" * 140
     assert any(path.split()[1] in line for line in wrapped(path))
 

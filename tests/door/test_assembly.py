@@ -154,3 +154,24 @@ def test_free_modes_under_a_seal_and_under_stiff_hinges():
         assert error < missing
         if hinge:
             assert basis_error(of(few, hinge), 250.0) == pytest.approx(error, rel=0.5)
+
+
+def test_modes_are_judged_up_to_half_of_the_highest_that_is_kept(monkeypatch):
+    places = ROUND.stations(0.3).place
+    modes = free_plate(
+        np.concatenate((places, [(0.0, 0.3, 0.0), (0.0, 0.9, 0.0), (WIDTH, 0.6, 0.0)])),
+        width=WIDTH, height=HEIGHT, mass=MASS, rigidity=3e4, elastic=9,
+    )  # fmt: skip
+    plate, limits = door(33180.0, hinge=5e6, latch=1e6), []
+    monkeypatch.setattr(
+        "dashpot.door.modes.oscillations",
+        lambda system, below: limits.append((len(system.dofs), below)) or oscillations(system),
+    )
+    assembly = Assembly(replace(plate, seal=replace(plate.seal, pitch=0.3)), modes)
+    for below in (np.inf, 20.0):
+        basis_error(assembly, below)
+    kept = np.sort(modes.frequency)[: len(modes) - 3]
+    count = len(assembly.system().dofs)
+    expected = [(n, limit) for limit in (kept[-1] / 2, 10.0) for n in (count, count - 3)]
+    assert limits == expected
+    assert kept[-1] > 20.0

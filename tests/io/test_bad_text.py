@@ -10,6 +10,7 @@ import pytest
 from kit.look_alikes import ROWS, table, truth
 
 from dashpot.base.errors import DataError, ReadError
+from dashpot.io.child import limits
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.dynamic import read_dynamic
 from dashpot.io.readers.impact import read_impact
@@ -283,3 +284,32 @@ def test_temperatures_of_a_sweep_in_another_unit_are_asked_about(
             read_dynamic(file)
     else:
         assert len(read_dynamic(file).frequency) == 8
+
+
+@pytest.mark.parametrize(("seconds", "refuses"), [(0.0, True), (30.0, False)])
+def test_rows_that_are_hardly_alike_have_their_time(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, seconds: float, refuses: bool
+) -> None:
+    monkeypatch.setattr(limits, "seconds_for", lambda _: seconds)
+    time, moved, force = truth()
+    rows = (f"{t};{x};{f}\n# {t}" for t, x, f in zip(time, moved, force, strict=True))
+    text = HEAD + "\n".join(rows) + "\n"
+    if refuses:
+        with pytest.raises(ReadError, match=r"took more than 0 s to read up to line \d+"):
+            read(tmp_path, text)
+    else:
+        assert len(read(tmp_path, text).time) == len(time)
+
+
+def test_a_remark_that_stands_again_costs_its_line_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from dashpot.io.text import rows
+
+    asked, known = [], rows.changed
+    monkeypatch.setattr(rows, "changed", lambda *about: asked.append(about) or known(*about))
+    time, moved, force = truth()
+    each = zip(time, moved, force, strict=True)
+    text = HEAD + "".join(f"{t};{x};{f}\n# a word\n" for t, x, f in each)
+    assert len(read(tmp_path, text).time) == len(time)
+    assert len(asked) <= 2

@@ -10,6 +10,7 @@ import json
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
+from kit import guided
 from kit.crafted.dialects import DIALECTS
 from kit.fuzzing import Fuzzer
 from kit.instruments import one_of_each
@@ -60,6 +61,13 @@ def test_any_text(fuzzer: Fuzzer, content: bytes) -> None:
 @given(content=st.sampled_from(DIALECTS).flatmap(lambda one: wounded(one.content)))
 def test_wounded_text(fuzzer: Fuzzer, content: bytes) -> None:
     fuzzer.survives("read_all", content)
+
+
+def test_what_earlier_hours_found(fuzzer: Fuzzer) -> None:
+    found = guided.read(guided.KEPT)
+    assert found
+    for one in found:
+        fuzzer.survives(guided.task_of(one), one[1:])
 
 
 @pytest.mark.parametrize("name", FORMATS)

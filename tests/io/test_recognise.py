@@ -10,7 +10,7 @@ import pytest
 from dashpot.base.errors import ReadError
 from dashpot.io.columns.kinds import RECOGNISED
 from dashpot.io.formats import text
-from dashpot.io.options import ReadOptions, dump_profile
+from dashpot.io.options import PROFILE, ReadOptions, dump_profile
 from dashpot.io.readers import channels
 from dashpot.io.readers.creep import read_creep
 from dashpot.io.readers.dynamic import read_dynamic
@@ -238,6 +238,7 @@ def test_json_of_others_is_read_as_a_table(tmp_path: Path) -> None:
     [
         ("[door]\nmass = '25kg'\n", "door"),
         (dump_profile(ReadOptions(force="Kraft", rate=1e3, units={"force": "N"})), "profile"),
+        ("\n".join(f"[{one}]" for one in sorted(PROFILE)), "profile"),
         ("[k_end]\nlower = '2N/mm'\n", "unclear"),
     ],
 )

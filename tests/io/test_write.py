@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from kit.instruments import frf
 
 from dashpot.base.errors import DataError, ReadError
-from dashpot.base.escapes import neutral
+from dashpot.base.escapes import neutral, remark
 from dashpot.base.provenance import Source
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.frf import read_frf
@@ -221,6 +221,8 @@ def test_formulas_are_neutralised(cell: str) -> None:
     assert neutral(cell) == "'" + cell
     test = ImpactTest(np.arange(8.0), np.zeros(8), np.zeros((1, 8)), channels=(cell,), units="SI")
     assert f",{cell}" not in write_impact(test).splitlines()[0]
+    assert f",{cell}" not in write_impact(test, comments=[f"a seal,{cell}"])
+    assert remark(f'1, {cell}; "{cell}') == f"1, '{cell}; \"'{cell}"
 
 
 def test_stdin_can_be_looked_at_twice(monkeypatch: pytest.MonkeyPatch) -> None:

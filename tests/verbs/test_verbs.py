@@ -18,6 +18,7 @@ RECORDS = {
     "curve.csv": ("RelaxationModulus", "Fit"),
     "cld_1.csv": ("CompressionTest", "Pieces"),
     "tension.csv": ("StressStrainTest", "HyperelasticFit"),
+    "ovens.csv": ("CounterforceTest", "Aging"),
     "loops.csv": ("AmplitudeSweep", "AmplitudeFit"),
 }
 
@@ -50,7 +51,16 @@ def test_a_file_is_read_and_fitted_as_what_it_is(examples, name):
 
 def test_every_kind_of_record_has_an_example_here():
     kinds = {FILES[name].kind for name in RECORDS if name in FILES}
-    assert kinds >= {"relaxation", "impact", "dma", "modulus", "cld", "stress-strain", "cyclic"}
+    assert kinds >= {
+        "relaxation",
+        "impact",
+        "dma",
+        "modulus",
+        "cld",
+        "stress-strain",
+        "csr",
+        "cyclic",
+    }
 
 
 def test_a_kind_that_is_said_is_checked(examples):

@@ -54,6 +54,8 @@ def test_what_is_said_of_them_decides(
         (("fit", FRF), {"levels": True}, "Give the mass of the block"),
         ((HITS, FRF), {}, "1.csv is an FRF. They are not fitted together. Fit them one by one"),
         ((HITS, FRF), {"masses": 1}, "They are not fitted together"),
+        (tuple(sorted(VIBRATION)), {}, "They are not fitted together"),
+        ((HITS, "relaxation"), {"masses": 1, "rod": True}, "are of the vibration alone"),
         ((FRF, FRF), {"masses": 1}, "and one FRF is fitted under one mass. Give one of them"),
         ((BASE, HITS), {}, "1.csv is a hammer file. They are not fitted together"),
         (("cld", "relaxation"), {}, "not fitted together: 0.csv is a compression load deflection"),

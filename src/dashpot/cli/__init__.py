@@ -37,7 +37,7 @@ GROUPS: dict[str, dict[str, str]] = {
         "verify": "Recompute a project and check every hash.",
     },
     "Before the test": {
-        "plan": "What a test will tell, before it is run.",
+        "plan": "How well a test will measure, before it is run.",
         "record": "An instrument to a file. It moves nothing.",
         "simulate": "A test of a known seal, stamped 'simulated'.",
     },

@@ -6,7 +6,7 @@ import io
 import json
 import sys
 import traceback
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import click
@@ -63,8 +63,8 @@ def _given(option: str, words: Sequence[str]) -> bool:
 def _failure(error: BaseException, words: Sequence[str]) -> Failure:
     kind = type(error).__name__
     if isinstance(error, click.ClickException):
-        if isinstance(error, click.NoSuchOption) and _having_any(error):
-            error.possibilities = None
+        if isinstance(error, click.NoSuchOption) and _having(error):  # none here is meant
+            error = click.NoSuchOption(error.option_name, error.message, ctx=error.ctx)
         page = io.StringIO()
         error.show(page)
         hint = _hint(error, words)
@@ -102,24 +102,23 @@ def _hint(error: click.ClickException, words: Sequence[str]) -> str:
         today = renamed(name, error.option_name, after)
         if today:
             return f" {today}"
-        having = ", ".join(_having(error.option_name, context.parent.command, context.parent))
+        having = ", ".join(_having(error))
         if having:
             return f" {error.option_name} is an option of dashpot {having}. Leave it out here."
     return ""
 
 
-def _having_any(error: click.NoSuchOption) -> bool:
-    """Whether another command has an option that this one lacks: none here is meant."""
-    context = error.ctx and error.ctx.parent
-    return bool(context) and any(_having(error.option_name, context.command, context))
-
-
-def _having(option: str, main: click.Group, context: click.Context) -> Iterator[str]:
-    """The commands that have an option."""
-    for name in COMMANDS:
-        command = main.get_command(context, name)
-        if command and any(option in param.opts for param in command.params):
-            yield name
+def _having(error: click.NoSuchOption) -> list[str]:
+    """The other commands that have an option which this one lacks."""
+    context = error.ctx.parent if error.ctx else None
+    if context is None or not isinstance(context.command, click.Group):
+        return []
+    every = {name: context.command.get_command(context, name) for name in COMMANDS}
+    return [
+        name
+        for name, command in every.items()
+        if command and any(error.option_name in param.opts for param in command.params)
+    ]
 
 
 def _sentence(kind: str, says: str, code: int) -> Failure:

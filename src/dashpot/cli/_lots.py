@@ -41,7 +41,7 @@ def rows(*own: Opt) -> list[Opt]:
         opt("--limits", type=File(), metavar="FILE", help="Acceptance limits (.toml)."),
         rest(
             opt("--quantity", "quantities", multiple=True, metavar="NAME",
-                help="What the page is of (k_end)."),
+                help="Quantity of the page (k_end)."),
             opt("--jobs", type=click.IntRange(1), metavar="N",
                 help="Processes (one per processor)."),
             opt("--scheduler", metavar="ADDRESS", help="A dask cluster: tcp://host:8786."),

@@ -40,7 +40,7 @@ _MEASURED = set(VIBRATION.split())
             help="The fitted record: adds the bound on what it cannot see."),
         options.relative(_SOLID),
         rest(opt("--quantity", "quantities", multiple=True, metavar="NAME", kinds=_LOT,
-                 help="What two lots are compared in (all).")),
+                 help="Quantities to compare in two lots (all).")),
     ),
     options.hammer(kinds=f"{_SOLID} impact"),
     options.reading(),

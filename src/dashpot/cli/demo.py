@@ -77,8 +77,8 @@ class Examples(Documented):
   dashpot demo --files --all    the files of every how-to page, too
   dashpot demo --paper -o DIR   the paper's equations, figures and table, again
 
-The 'paper' seal is the paper's Table 1. The 'broad' seal relaxes alike, but has
-three faster arms that a 1 s ramp cannot see and that a hammer feels.""",
+The 'paper' seal is Table 1 of the paper. The 'broad' seal relaxes the same way.
+Its three faster arms show under a hammer, but not in a 1 s ramp.""",
     group(
         RESULT,
         opt("--files", "files_only", help="Write the files only."),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from importlib import import_module
+from itertools import chain
 from typing import Any
 
 import click
@@ -19,7 +20,7 @@ from dashpot.cli._shell import File, Outcome, Output
 from dashpot.cli._values import DENSITY, LowHigh, OneOf, Range, WithUnit
 from dashpot.fitting.identification.asked import HammerRig, KnownSolid
 from dashpot.io.options import ReadOptions
-from dashpot.kinds import takers
+from dashpot.kinds import KINDS, takers
 from dashpot.kinds.hyperelastic.asked import MODES, Measures
 from dashpot.kinds.indentation.indenter import Indenter
 from dashpot.workflow.job import Job, LevelJob, RodChoices
@@ -101,7 +102,7 @@ _OPTIONS = (
             opt("--force-limits", type=Range("force"), metavar="RANGE", kinds=_CLD,
                 help="Limits of the force there, e.g. 4.5:5.5N."),
             opt("--memory", type=File(), multiple=True, metavar="FIT", kinds=f"{_CLD} {_STRAIN}",
-                help="Take the memory of this fit off."),
+                help="Fit whose relaxation is subtracted."),
         ),
         group(
             "Stress over strain",
@@ -130,11 +131,16 @@ _OPTIONS = (
     options.reading(),
     options.result("Keep the result: .json; of hits .csv or .uff."),
 )  # fmt: skip
+for _one in chain.from_iterable(_OPTIONS):
+    if _one.group not in {options.READING, options.RESULT}:
+        _one.unheard = frozenset(
+            kind.name for kind in KINDS.values() if kind.fits and not _one.names & set(kind.takes)
+        )
 
 
 @verb(
     "fit",
-    """Fit the model that suits the records: what each FILE is, is recognised.
+    """Fit the model that suits the records. The kind of each FILE is recognised.
 
   relaxation, creep, DMA sweep, modulus   -> the viscoelastic solid
   hammer hits or FRFs                     -> modes; with --mass the solid

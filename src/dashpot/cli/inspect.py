@@ -23,7 +23,7 @@ _SHORT = ("--column", "--units", "--profile", "--text", "--part", "--rate", "--c
 
 @verb(
     "inspect",
-    """Show what each FILE is, how it was read, and what dashpot must be told.
+    """Show what each FILE is, how it was read, and what is unclear.
 
   dashpot inspect seal_8mm.csv
   dashpot inspect raw.txt --column force=Kraft --units force=N --save lab.toml

@@ -33,7 +33,7 @@ _PLANNED, _KNOWN, _CONTROLLER = "Planned test", "Known beforehand", "Controller"
 
 @verb(
     "plan",
-    """Say what a planned test will tell about a frequency, before it is run.
+    """Say how well a planned test will measure a seal at a frequency.
 
   dashpot plan --frequency 12.71Hz --ramp 1s --hold 40s
   dashpot plan --frequency 12.71Hz --ramp 1s --cold 0degC
@@ -64,12 +64,12 @@ _PLANNED, _KNOWN, _CONTROLLER = "Planned test", "Known beforehand", "Controller"
             help="A guess at the seal: paper, broad, hidden, or a fit."),
         of(HammerPlan, "mass", "seals", into="hammer"),
         opt("--wanted", type=float, default=10.0, metavar="PERCENT",
-            help="Standard deviation that would do (10)."),
+            help="Largest standard deviation accepted (10)."),
         rest(
             of(Machine, into="machine", leave=("force_filter",),
                help="What is known of the machine."),
             opt("--arm-stiffness", type=WithUnit("stiffness"), metavar="STIFFNESS",
-                help="Stiffness of an arm that may hide."),
+                help="Stiffness of an arm that may be hidden."),
             opt("--arm-time", type=WithUnit("time"), metavar="TIME",
                 help="Its relaxation time (1/omega)."),
             options.wlf(),

@@ -46,13 +46,13 @@ class Verification(Documented):
   dashpot verify door-seal/ --expect 5f0c...
   dashpot verify lot/ --overwrite
 
-Files that runs which were killed left half written are listed, in a folder of
-any results; --overwrite clears them.""",
+Half-written files of killed runs are listed, in any folder of results.
+--overwrite removes them.""",
     click.Argument(["project"], type=Folder(), metavar="DIR"),
     group(
         RESULT,
         opt("--expect", metavar="HASH", help="Last line of its history, as you noted it."),
-        opt("--overwrite", help="Clear what killed runs left half written."),
+        opt("--overwrite", help="Remove half-written files of killed runs."),
         opt("--json", "as_json", help="Print one JSON document."),
         opt("-v", "--verbose", help="Print everything."),
     ),

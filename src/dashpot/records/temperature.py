@@ -399,7 +399,8 @@ def near(temperature: FloatArray | None, asked: float) -> BoolArray:
 
 def several(temperature: FloatArray | None) -> bool:
     """Whether samples are too far apart in temperature, K, to be of one solid."""
-    return temperature is not None and bool(np.ptp(temperature) > ONE_TEMPERATURE)
+    known = np.zeros(0) if temperature is None else np.asarray(temperature)
+    return bool(known.size and np.ptp(known) > ONE_TEMPERATURE)
 
 
 def span(temperature: FloatArray | None) -> str:

@@ -39,7 +39,7 @@ def plan(
     hits: int = 5,
     wanted: float = 0.1,
 ) -> Plan:
-    """Say what a planned test will tell about stiffness and loss factor at a frequency.
+    """Say how well a planned test will measure stiffness and loss factor at a frequency.
 
     Parameters
     ----------

@@ -280,6 +280,7 @@ class LevelChoices:
         None,
         "Strain of the sweep over that of the part; 0.577 in shear.",
         above=0.0,
+        metavar="NUMBER",
     )
     fitted_at: str | None = option(
         None, "Strain of the test behind the fit, e.g. 0.1%.", metavar="STRAIN"

@@ -27,6 +27,8 @@ def folder(tmp_path_factory):
 def test_inspect_says_what_it_is(folder):
     (found,) = told("inspect", folder / "ovens.csv")["files"]
     assert found["kind"] == "csr"
+    # rows that are read by hand have no rate that could be wrong
+    assert not found["warnings"]
 
 
 def test_a_document_is_predicted_from(folder):
@@ -50,6 +52,14 @@ def test_a_limit_is_an_exit_code(folder):
     words = "predict", folder / "csr.json", "--temperature", "20degC"
     assert ran(*words, "--strict").exit_code == 1
     assert ran(*words).exit_code == 0
+
+
+def test_the_help_of_a_file_shows_what_it_takes(folder):
+    shown = ran("fit", folder / "ovens.csv", "--help").output
+    assert "--machine" in shown
+    assert "--temperature" in shown
+    assert "--model" not in shown
+    assert "--length" not in shown
 
 
 @pytest.mark.parametrize(

@@ -47,12 +47,15 @@ class KindOfFile(NamedTuple):
         Of its columns; what a creep test or a sweep has, its reader finds.
     accelerated : bool
         Whether every acceleration beside them is of it, too.
+    by_hand : bool
+        Whether its rows are read by hand, at no rate.
     """
 
     what: str
     use: str
     roles: tuple[Role, ...] = ()
     accelerated: bool = False
+    by_hand: bool = False
 
 
 RAMP: tuple[Role, ...] = ("time", "displacement", "force")
@@ -89,7 +92,8 @@ RECOGNISED: Mapping[str, KindOfFile] = MappingProxyType({
         ("time", "stretch", "strain", "stress"),
     ),
     "csr": KindOfFile(
-        "a record of compression stress relaxation (CSR)", "use dashpot fit", ("time", "force")
+        "a record of compression stress relaxation (CSR)", "use dashpot fit", ("time", "force"),
+        by_hand=True,
     ),
     "cyclic": KindOfFile("a cyclic run without a hold", "use dashpot fit", RAMP),
     "seal-line": KindOfFile(

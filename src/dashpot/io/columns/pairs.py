@@ -14,7 +14,7 @@ from dashpot.io.table import FileTable
 
 _MOTIONS: tuple[Dimension, ...] = ("acceleration", "length", "velocity")
 _NAMED = 1.5
-_MOST = 64
+_FEWEST, _MOST = 5, 64
 """Columns of a controller's table."""
 
 
@@ -32,7 +32,7 @@ def two_signals(table: FileTable, options: ReadOptions) -> tuple[Swung, Swung] |
     None of any other, and where a column is a response already.
     """
     phases, sizes, lines = [], [], 0
-    if len(table.columns) > _MOST:
+    if not _FEWEST <= len(table.columns) <= _MOST:
         return None
     for i, column in enumerate(table.columns):
         if column.content != "number":

@@ -190,7 +190,8 @@ def inspect_opened(file: Opened) -> Inspection:
     time = _time(file, by_index, roles, len(loaded.values))
     rate, even, duration = _sampling(time, loaded.starts)
     warnings = [*table.notes, *loaded.notes]
-    if time is not None and not loaded.doubts:
+    by_hand = kind in RECOGNISED and RECOGNISED[kind].by_hand
+    if time is not None and not loaded.doubts and not by_hand:
         warnings += cleaning.clock_notes(time[np.isfinite(time)])
     doubts = [question for _, question in loaded.doubts]
     if kind == "relaxation" and not questions and _look_swapped(by_index, roles):

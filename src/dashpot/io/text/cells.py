@@ -30,6 +30,7 @@ MISSING = re.compile(
     r"|[+-]?(?:over|under)\w*|[+-]?ov[rfl]\w*|[+-]?ol|sat\w*|[+-]?1[.,]#\w+|nv|err\w*|invalid|bad)\Z",
     re.IGNORECASE,
 )
+_BEGINS = frozenset("0123456789+-.,")
 _BLANKS = re.compile(r"\"([^\"]*)\"|(\S+)")
 
 
@@ -45,6 +46,8 @@ def number(cell: str, mark: Mark) -> float | None:
 
 def is_number(cell: str, mark: Mark) -> bool:
     """Whether :func:`number` finds one in a cell."""
+    if cell[:1] not in _BEGINS and cell[:1].isascii():  # most cells that are none, soon
+        return False
     return _PLAIN[mark].match(cell) is not None or _is_grouped(cell, mark)
 
 

@@ -43,7 +43,7 @@ class Moment:
 
 def moment(cell: str) -> Moment | None:
     """Return what ``09:18:09.717``, ``1/5/2024 9:18:09 PM`` or ``18:09.7`` says, or None."""
-    match = _CLOCK.match(cell)
+    match = _CLOCK.match(cell) if cell[:1].isdigit() else None
     if match is None:
         return None
     date, _, _, first, second, third, part, thousandths, tenths, half, sign, *zone = match.groups(

@@ -20,7 +20,7 @@ _SAMPLE = 60
 LONGEST = 1 << 20
 """Characters in a row or a heading; a longer line is neither."""
 _SAMPLED = 1 << 18
-"""Characters of a window of lines, which are fewer where they are long."""
+"""Characters of a window of lines, which are fewer where they are long, and of one of them."""
 _ALIGNED = 1 << 13
 """Characters of a row of fixed width; nobody aligns a longer one."""
 _DIGITS = set("0123456789+-.,:eE")
@@ -208,7 +208,7 @@ def _stands_in(sign: str, window: Sequence[str]) -> bool:
 
 
 def _windows(lines: Sequence[str]) -> Iterator[list[str]]:
-    full = [line for line in lines if line.strip() and len(line) <= LONGEST]
+    full = [line for line in lines if line.strip() and len(line) <= _SAMPLED]
     if len(full) <= 3 * _SAMPLE:
         yield _sampled(full)
         return

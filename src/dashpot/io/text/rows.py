@@ -10,6 +10,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
+from dashpot.io.child.limits import Patience
 from dashpot.io.table import Column, Loaded, Question
 from dashpot.io.text import cells as cell
 from dashpot.io.text import marks
@@ -116,19 +117,22 @@ def load_rows(
     heading: Heading | None = None,
     *,
     sure: bool = True,
+    size: int | None = None,
 ) -> Loaded:
     """Return the columns `indexes` of the table, from blocks of whole lines.
 
-    Unless the decimal mark is `sure`, what can be read two ways is left as a doubt.
+    Unless the decimal mark is `sure`, what can be read two ways is left as a doubt. The `size` of
+    the file, in bytes, is what its reading may cost.
 
     Raises
     ------
     ReadError
-        If a line between the rows holds numbers as they do, but more or fewer.
+        If a line between the rows holds numbers as they do, but more or fewer; or if it takes too
+        long.
     """
     heading = heading or Heading()
     got = _Gathered(segments=[heading.title])
-    reader = _Reader(dialect, tuple(indexes), heading, got)
+    reader = _Reader(dialect, tuple(indexes), heading, got, Patience(size))
     first = tail = ""
     for text, line in _below(blocks(), dialect.first):
         reader.read(text, line)
@@ -217,8 +221,14 @@ class _Reader:
     """Reads blocks of lines for one dialect and one choice of columns into what is gathered."""
 
     def __init__(
-        self, dialect: Dialect, indexes: tuple[int, ...], heading: Heading, got: _Gathered
+        self,
+        dialect: Dialect,
+        indexes: tuple[int, ...],
+        heading: Heading,
+        got: _Gathered,
+        patience: Patience,
     ) -> None:
+        self.patience = patience
         self.dialect = dialect
         self.indexes = indexes
         self.heading = heading
@@ -232,6 +242,7 @@ class _Reader:
         self.grouped: set[int] = set()
         self.like = ""
         self.changed = ""
+        self.headers: dict[tuple[str, ...], str | None] = {}
 
     def read(self, text: str, line: int) -> None:
         """Read whole lines; a block that is not plain is halved until the odd lines are alone."""
@@ -239,6 +250,7 @@ class _Reader:
         if values is not None:
             self._add(values, line)
             return
+        self.patience.asked(line)
         count = line_count(text)
         if self.plain.possible and count > _PATIENT:
             cut = _after_lines(text, count // 2)
@@ -249,6 +261,8 @@ class _Reader:
         lines = text.split("\n")[:-1]
         self._find_like(lines)
         for number, text_line in enumerate(lines, start=line):
+            if number % _PATIENT == 0:
+                self.patience.asked(number)
             row = self._row(text_line, begun=bool(run))
             if row is not None:
                 run.append(self._numbers(row, number))
@@ -299,10 +313,15 @@ class _Reader:
         """What a second header says otherwise than the first; None if there is no header."""
         if not self.heading.columns:
             return ""
-        texts = [text for _, text in self.got.between]
-        odd = changed(texts, self.dialect, self.heading.columns, self.indexes)
+        texts = tuple(text for _, text in self.got.between)
+        if texts not in self.headers and len(self.headers) < _MENTIONED:
+            self.headers[texts] = self._odd_header(texts)
+        odd = self.headers[texts] if texts in self.headers else self._odd_header(texts)
         number = self.got.between[-1][0]
         return odd and f"line {number} ends a second header, {odd}"
+
+    def _odd_header(self, texts: Sequence[str]) -> str | None:
+        return changed(texts, self.dialect, self.heading.columns, self.indexes)
 
     def _find_like(self, lines: Sequence[str]) -> None:
         """A row that lacks nothing, from which the places of blank cells can be told."""

@@ -15,7 +15,7 @@ from dashpot.base.units import Quantity, celsius, parse_quantity, si, written
 from dashpot.kinds.csr.checks import temperature_near_ovens, time_near_readings
 from dashpot.kinds.csr.law import FIRST, NEVER, AgingLaw
 from dashpot.kinds.csr.prepare import ONE_OVEN
-from dashpot.kinds.csr.record import Aging, normal, spread
+from dashpot.kinds.csr.record import Aging, normal, spread, stated
 
 LOWER = 65e3
 """What the activation energy falls to in the cold, J/mol (EPDM, Gillen et al. 2003)."""
@@ -60,10 +60,8 @@ class Aged(Judged, Documented):
     @property
     def verdict(self) -> Verdict:
         """What to make of it."""
-        first = self.answers[0]
-        says = f"at {celsius(self.temperature)} the {first.words} is {first.cells.with_unit}"
-        between = first.cells.interval
-        return verdict(self.checks, sound=f"{says}{between and f' ({between})'}")
+        says = f"at {celsius(self.temperature)} {stated(self.answers[0])}"
+        return verdict(self.checks, sound=says)
 
 
 def predict_aging(

@@ -186,7 +186,15 @@ class Aging(ByValue, Numbered, Judged, Documented):
         """How many ovens, and what drives the aging."""
         last = self.found[-1 if self.law.activation else 1]
         hours = written(self.longest, "h", ".4g")
-        return f"{counted(len(self.ovens), 'oven')} up to {hours}: {last.says}"
+        return f"{stated(last)}, from {counted(len(self.ovens), 'oven')} up to {hours}"
+
+
+def stated(fact: Fact) -> str:
+    """Return a number with its interval as a sentence has it."""
+    cells = fact.cells
+    if fact.least_alone or not fact.bounded:
+        return f"the {fact.called} is {cells.value or cells.interval} {cells.unit}"
+    return f"the {fact.called} is {cells.with_unit} ({cells.interval})"
 
 
 def spread(name: str, value: float, error: float, law: AgingLaw, words: str) -> Fact:

@@ -1,0 +1,153 @@
+"""Every reader on bytes that lead a fuzzer to code it had not seen: an hour, its corpus kept small.
+
+``python -m kit.guided MINUTES FOLDER`` begins with the corpus that is kept beside this file and the
+good files of the tests, and ends with a corpus that reaches as much with the fewest files. What
+broke a reader lies in FOLDER/found, and is tried again by itself: only what breaks twice counts.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+import zipfile
+from hashlib import sha256
+from pathlib import Path
+
+from kit.fuzzing import TASKS, Fuzzer, _Parsers
+
+KEPT = Path(__file__).with_name("corpus.zip")
+"""What earlier hours found, as few files as reach all of it."""
+TRIED = ("read_all", "calibrate", "profile", "unpack")
+"""What a file is given to, by its first byte."""
+ITSELF = "DASHPOT_FUZZER"
+"""Variable that names the program that the fuzzer is to the shell."""
+LONGEST, SLOWEST, MEMORY = 20_000, 20, 2048
+"""Bytes of a file, seconds and MB that it may cost."""
+
+
+def main() -> None:
+    """Fuzz for so many minutes, keep the corpus small, and leave with 1 if a reader broke."""
+    minutes, folder = float(sys.argv[1]), Path(sys.argv[2])
+    corpus, found = folder / "corpus", folder / "found"
+    for one in (corpus, found):
+        one.mkdir(parents=True, exist_ok=True)
+    planted(corpus)
+    until = time.monotonic() + 60 * minutes
+    while (left := until - time.monotonic()) > 1:
+        # a reader that breaks ends the fuzzer, which begins again from what it has found
+        fuzzed(corpus, f"-max_total_time={left:.0f}", f"-artifact_prefix={found}/")
+    small = folder / "small"
+    shutil.rmtree(small, ignore_errors=True)
+    small.mkdir()
+    fuzzed(small, str(corpus), "-merge=1")
+    shutil.rmtree(corpus)
+    small.rename(corpus)
+    kept(corpus)
+    sys.exit(broken(found))
+
+
+def fuzzed(*words: str | Path) -> None:
+    """One run of the fuzzer."""
+    how = (f"-max_len={LONGEST}", f"-timeout={SLOWEST}", f"-rss_limit_mb={MEMORY}", "-verbosity=1")
+    with tempfile.TemporaryDirectory() as place:
+        # it starts itself again to merge, by its first word
+        itself = Path(place) / "fuzzer"
+        itself.write_text(f'#!/bin/sh\nexec {shlex.quote(sys.executable)} -m kit.guided "$@"\n')
+        itself.chmod(0o755)
+        named = {**os.environ, ITSELF: str(itself)}
+        subprocess.run([itself, *map(str, words), *how], check=False, env=named)
+
+
+def planted(corpus: Path) -> None:
+    """Put what is kept and the good files of the tests into a corpus."""
+    from dashpot.io.options import ReadOptions, dump_profile
+    from dashpot.workflow.archive import document
+    from kit.crafted import TABLE
+    from kit.handmade import two_arms
+    from kit.instruments import one_of_each
+
+    with tempfile.TemporaryDirectory() as place:
+        good = [*one_of_each(Path(place)).values()]
+    seeds = [(0, one) for one in (*good, *(one.content for one in TABLE))]
+    seeds.append((1, b"<FTSensor><Calibration></Calibration></FTSensor>"))
+    seeds.append((2, dump_profile(ReadOptions(time="t", units={"force": "N"}, rate=1e3)).encode()))
+    seeds.append((3, json.dumps(document(two_arms())).encode()))
+    contents = [bytes([which]) + one for which, one in seeds]
+    contents += read(KEPT)
+    for one in contents:
+        (corpus / sha256(one).hexdigest()[:16]).write_bytes(one)
+
+
+def read(packed: Path) -> list[bytes]:
+    """The files of a corpus that is kept; none where there is none."""
+    if not packed.exists():
+        return []
+    with zipfile.ZipFile(packed) as file:
+        return [file.read(name) for name in sorted(file.namelist())]
+
+
+def kept(corpus: Path) -> None:
+    """Keep a corpus beside this file, with no date in it: the same files are the same bytes."""
+    with zipfile.ZipFile(KEPT, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as file:
+        for one in sorted(corpus.iterdir()):
+            file.writestr(zipfile.ZipInfo(one.name), one.read_bytes())
+
+
+def broken(found: Path) -> int:
+    """Try what broke a reader by itself; 1 if anything breaks again."""
+    worst = 0
+    for one in sorted(found.iterdir()):
+        content = one.read_bytes()
+        with contextlib.closing(Fuzzer()) as fuzzer:
+            try:
+                fuzzer.survives(task_of(content), content[1:])
+                one.unlink()
+            except AssertionError as error:
+                print(f"{one}: {error}")
+                worst = 1
+    return worst
+
+
+def task_of(content: bytes) -> str:
+    """What a file is given to."""
+    return TRIED[content[0] % len(TRIED)] if content else TRIED[0]
+
+
+def fuzz() -> None:
+    """Be the fuzzer: the words are libFuzzer's own."""
+    try:
+        import atheris
+    except ImportError:
+        sys.exit("the fuzzer is missing: pip install atheris (Linux, and no newer Python than it)")
+    with (
+        Path(os.devnull).open("w") as quiet,
+        contextlib.redirect_stderr(quiet),
+        atheris.instrument_imports(include=["dashpot"]),
+    ):
+        from dashpot.io.child import process
+        from dashpot.io.formats import workbook
+    parsers = process.in_child = workbook.in_child = _Parsers(process.in_child)
+    path = Path(tempfile.mkdtemp()) / "fuzz"
+
+    def one(content: bytes) -> None:
+        if not content:
+            return
+        path.write_bytes(content[1:])
+        parsers.kept.clear()
+        TASKS[task_of(content)](path)
+
+    atheris.Setup([os.environ[ITSELF], *sys.argv[1:]], one)
+    atheris.Fuzz()
+
+
+if __name__ == "__main__":
+    if sys.argv[1:2] and not sys.argv[1].replace(".", "").isdigit():
+        fuzz()
+    main()
