@@ -63,6 +63,8 @@ class Opt(click.Option):
         super().__init__(flags, **how)
         self.group = ""
         self.kinds = frozenset(kinds)
+        self.unheard: frozenset[str] = frozenset()
+        """Kinds that do not take it, of an option that is of no kind alone."""
         self.more = more
         self.fills = fills
 
@@ -79,7 +81,16 @@ class Opt(click.Option):
 
     def suits(self, kinds: set[str]) -> bool:
         """Whether it is for records of any of these kinds."""
-        return not self.kinds or not self.kinds.isdisjoint(kinds)
+        if self.kinds:
+            return not self.kinds.isdisjoint(kinds)
+        return not kinds or not self.unheard >= kinds
+
+    @property
+    def names(self) -> set[str]:
+        """What a verb receives it as: its fields, or the noun that they fill."""
+        if self.fills is None:
+            return {str(self.name)}
+        return {self.fills.receives, *(one.name for one in self.fills.fields)}
 
     def told(self, value: Any) -> Iterator[tuple[str, dict[str, Any]]]:
         """Yield what its fields are by what click passes on, for all files ("") or for some."""
@@ -350,6 +361,8 @@ def refuse_others(verb: Verb, ctx: click.Context, kinds: Mapping[str, str]) -> N
     have = set(kinds.values())
     for one in verb.options:
         if not one.suits(have) and one.typed(ctx):
+            if not one.kinds:
+                raise click.UsageError(f"{one.flag} does not suit it. {_called(kinds)}.")
             *others, last = dict.fromkeys(called(word) for word in sorted(one.kinds))
             wanted = f"{', '.join(others)} or {last}" if others else last
             but = overruled(one.kinds) if len(kinds) == 1 else ""

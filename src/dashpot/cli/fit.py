@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from importlib import import_module
+from itertools import chain
 from typing import Any
 
 import click
@@ -19,7 +20,7 @@ from dashpot.cli._shell import File, Outcome, Output
 from dashpot.cli._values import DENSITY, LowHigh, OneOf, Range, WithUnit
 from dashpot.fitting.identification.asked import HammerRig, KnownSolid
 from dashpot.io.options import ReadOptions
-from dashpot.kinds import takers
+from dashpot.kinds import KINDS, takers
 from dashpot.kinds.hyperelastic.asked import MODES, Measures
 from dashpot.kinds.indentation.indenter import Indenter
 from dashpot.workflow.job import Job, LevelJob, RodChoices
@@ -130,6 +131,11 @@ _OPTIONS = (
     options.reading(),
     options.result("Keep the result: .json; of hits .csv or .uff."),
 )  # fmt: skip
+for _one in chain.from_iterable(_OPTIONS):
+    if _one.group not in {options.READING, options.RESULT}:
+        _one.unheard = frozenset(
+            kind.name for kind in KINDS.values() if kind.fits and not _one.names & set(kind.takes)
+        )
 
 
 @verb(

@@ -158,7 +158,14 @@ def fit(
     refuse_shifts("the tests are", vertical, shift_law, None if here else reference)
     if law == "nonlinear":
         return _by_ramp(records, _law_of(records, law, asked.count), asked.count)
-    return _of_one_temperature(records, design, asked)
+    try:
+        return _of_one_temperature(records, design, asked)
+    except FitError as error:
+        stops = (one for record in records for one in record.checks if one.failed)
+        cause = next((one.typed for one in stops if one.grade == "stop"), "")
+        if not cause:
+            raise
+        raise FitError(f"{cause} As it is, {error}") from None
 
 
 def _of_temperatures(

@@ -54,6 +54,14 @@ def test_a_limit_is_an_exit_code(folder):
     assert ran(*words).exit_code == 0
 
 
+def test_the_help_of_a_file_shows_what_it_takes(folder):
+    shown = ran("fit", folder / "ovens.csv", "--help").output
+    assert "--machine" in shown
+    assert "--temperature" in shown
+    assert "--model" not in shown
+    assert "--length" not in shown
+
+
 @pytest.mark.parametrize(
     ("words", "says"),
     [

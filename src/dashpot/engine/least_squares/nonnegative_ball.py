@@ -146,7 +146,8 @@ def _face(
         return np.asarray(inverse @ along), np.inf
     rest = factor[count:, -1]
     multiplier = float(np.sqrt(max(squared - float(rest @ rest), 0.0) / power))
-    return np.asarray(inverse @ (along + multiplier * h)), multiplier
+    with np.errstate(invalid="ignore", over="ignore"):  # who asks refuses what is not finite
+        return np.asarray(inverse @ (along + multiplier * h)), multiplier
 
 
 def _as_far_as_allowed(s: FloatArray, goal: FloatArray) -> tuple[FloatArray, BoolArray]:
