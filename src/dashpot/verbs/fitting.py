@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import fields, replace
 from inspect import signature
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias, overload
 
@@ -435,6 +435,9 @@ def _rod(
             'shape="disc:20mm,20mm"'
         )
     kilograms, hertz = si(mass, "mass"), si_range(band, "frequency")
+    if poisson is None and not isinstance(shape, str):
+        own = {one.name: one.default for one in fields(shape)}.get("poisson")
+        poisson = None if getattr(shape, "poisson", own) == own else shape.poisson
     found = rod_under(
         frf_of(records, mass=kilograms, band=hertz, hammer=hammer),
         mass=kilograms,
@@ -589,7 +592,7 @@ def shape_words(shape: str | Any) -> dict[str, Any]:
         If it is no shape.
     """
     if not isinstance(shape, str):
-        metres = (value for name, value in vars(shape).items() if not name.startswith("_"))
+        metres = (getattr(shape, one.name) for one in fields(shape) if not one.kw_only)
         return {type(shape).__name__.lower(): ",".join(f"{one!r}m" for one in metres)}
     name, colon, lengths = shape.partition(":")
     if not colon or name not in {"disc", "block", "bush", "bulb"}:
