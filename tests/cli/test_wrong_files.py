@@ -7,13 +7,16 @@ import re
 import shlex
 from pathlib import Path
 
+import click
 import numpy as np
 import pytest
 from kit.kinds import bench, files, hammer, late, ramp_and_hold
 from kit.shell import ran, told
 
 from dashpot.cli._echo import to_stdout
+from dashpot.cli.fits._given import Given
 from dashpot.io.options import load_profile
+from dashpot.records.specimen import Specimen
 
 FILES = files()
 FIT = {
@@ -331,3 +334,23 @@ def test_a_result_without_stdout_is_an_error(monkeypatch: pytest.MonkeyPatch) ->
     monkeypatch.setattr("sys.stdout", None)
     with pytest.raises(OSError, match="stdout is closed"):
         to_stdout("the result")
+
+
+def test_what_is_said_once_of_all_files_is_refused_twice():
+    """One temperature, one mass; and a file of a kind that keeps the result."""
+
+    def given(**said):
+        return Given(("a.csv",), {"a.csv": "cld"}, {"specimen": Specimen(), **said})
+
+    assert given(temperatures=(280.0,)).specimen.temperature == 280.0
+    with pytest.raises(click.UsageError, match="given 2 times; these records have one"):
+        _ = given(temperatures=(280.0, 290.0)).specimen
+    assert given(mass=(0.1,)).mass == 0.1
+    with pytest.raises(click.UsageError, match=r"given 2 times\. Give it once"):
+        _ = given(mass=(0.1, 0.2)).mass
+    for output, suffix in (("fit.csv", ".csv"), ("-", ".json"), ("fit", ".json"), (None, None)):
+        assert given(output=output).kept_as(".json", ".csv", what="a fit") == suffix
+    with pytest.raises(
+        click.UsageError, match=r"a fit is written as \.json or \.csv, not as \.txt"
+    ):
+        given(output="fit.txt").kept_as(".json", ".csv", what="a fit")

@@ -118,8 +118,13 @@ def test_intervals_hold_the_doubt_of_which_is_right() -> None:
 
 
 def test_a_wrong_mass_and_a_wrong_gain_are_told_as_such() -> None:
-    mass = joint(1, mass=1.05 * MASS).explanations[0]
+    found = joint(1, mass=1.05 * MASS)
+    mass = found.explanations[0]
     assert (mass.name, mass.explains) == ("mass", True)
+    # the cause leads, and what follows from it is no graver
+    lead, *others = found.verdict.because
+    assert lead.name == "tests_agree"
+    assert {one.grade for one in others} <= {lead.grade}
     assert mass.value == pytest.approx(1.05 * MASS, rel=2e-3)
     gain = joint(1, gain=1.08).explanations[0]
     assert (gain.name, gain.explains) == ("gain", True)

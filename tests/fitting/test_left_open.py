@@ -120,7 +120,7 @@ def test_it_is_kept_in_the_archive(broad_fit: Fit) -> None:
 def test_the_sentence_says_what_is_known_and_what_is_not() -> None:
     end = EndOfHold(40.0, (181.9, 196.9), (153.0, 195.0), (0.0, 195.0), 4.0)
     assert end.says("N/m") == (
-        "the stiffness after the hold. At 40.0 s it is 0.1819 to 0.1969 N/mm; it may fall further, "
+        "the stiffness after the hold. At 40.0 s it is 0.1819 to 0.1969 N/mm. It may fall further, "
         "and ends at 0.1950 N/mm or below. Hold longer."
     )
     assert (

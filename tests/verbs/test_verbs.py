@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 import dashpot as dp
+from dashpot.solids.part import Disc
+from dashpot.verbs.fitting import shape_words
 from dashpot.workflow.examples import FILES, MASS
 
 #: example file -> the record that it is, and the result of a fit of it
@@ -180,3 +182,12 @@ def test_every_verb_says_what_it_raises(name):
     if name[0].islower():
         assert ">>> " in doc
         assert "Raises" in doc
+
+
+def test_a_shape_is_said_in_words_or_as_what_it_is():
+    for name in ("disc", "block", "bush", "bulb"):
+        assert shape_words(f"{name}:1mm,2mm") == {name: "1mm,2mm"}
+    assert shape_words(Disc(0.02, 0.01)) == {"disc": "0.02m,0.01m"}
+    for wrong in ("ball:1mm", "disc"):
+        with pytest.raises(dp.DataError, match="expected a shape with its lengths"):
+            shape_words(wrong)

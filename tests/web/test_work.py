@@ -346,7 +346,7 @@ def test_a_deck_is_that_of_the_command(store, asked, at_home, more, words):
 
 @pytest.mark.parametrize("joint", [True, False])
 def test_a_deck_is_of_the_solid_shown_and_no_calmer_than_the_page(store, asked, joint):
-    job = asked | {"joint": joint, "specimen": {"temperature": "23degC", "length": "100mm"}}
+    job = asked | {"joint": joint}
     told = ask("study", store, job=job)
     table = told["joint"] if joint else ask("settle", store, job=job)["solid"]
     (solid,) = re.findall('data-solid="([0-9a-f]+)"', table)

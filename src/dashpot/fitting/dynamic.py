@@ -67,6 +67,8 @@ Weights: TypeAlias = Literal["relative", "modulus"]
 
 # an arm so much faster than a sweep is a dashpot to it
 _FASTER = 30.0
+# and so much slower one still adds a loss to its lowest lines
+_SLOWER = 1000.0
 # weights of one temperature, and of several
 _USUAL: tuple[Weights, Weights] = ("relative", "modulus")
 
@@ -341,7 +343,7 @@ def _end(
     if len(data.frequency) < ENOUGH:
         return None
     slowest = 1 / float(data.omega.min())
-    window = 1 / (_FASTER * float(data.omega.max())), 10 * slowest
+    window = 1 / (_FASTER * float(data.omega.max())), _SLOWER * slowest
     seen = curve_data(sweep.block, data.frequency, window=window)
     return end_of_curve(seen, "sweep", time=slowest, own=model, further=tau)
 

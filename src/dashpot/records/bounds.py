@@ -133,7 +133,7 @@ class EndOfHold(Documented):
         return f"{subject} {after}. {self._limits(unit, 'it')}. {self.remedy}"
 
     def told(self, unit: str) -> str:
-        """What is known at the end, in one sentence."""
+        """What is known at the end, in two sentences."""
         return self._limits(unit, self._subject(unit))
 
     def _limits(self, unit: str, subject: str) -> str:
@@ -145,7 +145,7 @@ class EndOfHold(Documented):
             later = interval(*(in_unit(end, word) for end in self.k_10end))
             beyond = f", at {self._at(10)} {later} {word}"
         return (
-            f"At {self._at(1)} {subject} is {interval(low, high)} {word}{beyond}; it may fall "
+            f"At {self._at(1)} {subject} is {interval(low, high)} {word}{beyond}. It may fall "
             f"further, and ends at {most} {word} or below"
         )
 

@@ -58,6 +58,11 @@ def test_clock_and_force_are_found_by_what_they_are_called(tmp_path, head, of):
         ("time [s],force [N]\n0,1\n1,2\n2,3\n", "unclear"),
         ("# ISO 3384-1\ntime [min],force [N]\n30,40\n60,39\n600,38\n", "csr"),
         ("time [h],displacement [mm],force [N]\n0,0,0\n1,1,1\n2,1,1\n3,1,1\n", "relaxation"),
+        (
+            "time [h],force [N],strain [%],stress [MPa]\n1,1,1,1\n2,2,2,2\n3,3,3,3\n",
+            "stress-strain",
+        ),
+        ("time [h],force [N],frequency [Hz]\n1,1,1\n2,1,2\n3,1,3\n", "unclear"),
         ("time [h],temperature [degC]\n0,20\n1,21\n2,22\n", "unclear"),
     ],
 )

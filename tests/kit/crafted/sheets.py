@@ -11,6 +11,7 @@ import openpyxl
 from openpyxl.utils import get_column_letter
 
 from kit.crafted.row import COLD, ISOTHERMS, LOSS, STORAGE, WARMTH, F, Row
+from kit.instruments import ods, ods_rows
 from kit.look_alikes import truth
 
 TIME, MOVED, FORCE = truth()
@@ -61,7 +62,18 @@ def merged() -> list[list[object]]:
     ]
 
 
+def collapsed(row: int) -> bytes:
+    """An OpenDocument workbook of which a row is not seen."""
+    content = io.BytesIO()
+    before, *rows = ods_rows([HEAD, *plain()]).split("<table:table-row>")
+    marks = ["", *([""] * row), ' table:visibility="collapse"', *([""] * len(rows))]
+    marked = (f"<table:table-row{mark}>{one}" for mark, one in zip(marks[1:], rows, strict=False))
+    ods(content, before + "".join(marked))  # type: ignore[arg-type]
+    return content.getvalue()
+
+
 SHEETS = [
+    Row("an OpenDocument workbook with a hidden row", collapsed(20), "noted", ("hidden in sheet 'One' and read: row 21",)),
     Row("a workbook with a sample at midnight", book(["Time", *HEAD[1:]], instants(), form="dd.mm.yyyy hh:mm:ss.000")),
     Row("a workbook with hidden rows", book(HEAD, plain(), rows_hidden=(20, 21, 40)), "noted", ("rows 20, 21, 40",)),
     Row("a workbook with a hidden column", book([*HEAD, "Temp (C)"], [[*row, 23.0] for row in plain()], columns_hidden=(4,)), "noted", ("column D",)),

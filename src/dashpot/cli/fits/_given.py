@@ -114,7 +114,7 @@ class Given:
         if self.output is None:
             return None
         suffix = Path(self.output).suffix.lower()
-        if suffix in suffixes or self.output == "-" or not suffix:
+        if suffix in suffixes or not suffix:
             return suffix or suffixes[0]
         known = " or ".join(suffixes)
         raise click.UsageError(f"-o {self.output}: {what} is written as {known}, not as {suffix}.")

@@ -163,7 +163,7 @@ def end_level(end: EndOfHold, fallen: float) -> Finding:
     falling = end.falling / max(end.k_end[1], 1e-300)
     return Finding(
         f"At the end of the data the stiffness still falls by up to {100 * falling:.2g} % per "
-        f"factor e of time; in all it fell by {100 * fallen:.2g} %",
+        f"factor e of time. In all it fell by {100 * fallen:.2g} %",
         falling,
         "A solid that goes on like that has another plateau, or none",
         end.remedy,

@@ -241,10 +241,14 @@ def _checks(
 ) -> tuple[Check, ...]:
     lead = None if apart is None else apart.explanations[0]
     answers = [optimum_found(stationary=best.optimum.stationary)]
+    asked = agreement(best, None if apart is None else apart.known)
     if before is not None:
-        # before what follows from it
-        answers.append(checks.tests_agree(lead))
-    answers += agreement(best, None if apart is None else apart.known)
+        told = checks.tests_agree(lead)
+        if lead is not None and lead.explains:
+            # what follows from the cause is no graver than the cause
+            asked = [replace(one, grade=told.grade) if one.failed else one for one in asked]
+        answers.append(told)
+    answers += asked
     if isinstance(best.problem.sought, Arms):
         arms = best.problem.sought.count
         worst = float(max(np.sqrt(np.diag(covariance))[1 : 1 + 2 * arms], default=0.0))

@@ -13,6 +13,10 @@ from dashpot.io.table import Column, FileTable
 
 _LONG = 3600.0
 """Seconds in a unit of time that no test on a bench is kept in."""
+_OTHERS: tuple[Role, ...] = (
+    "displacement", "acceleration", "strain", "stress", "frequency",
+)  # fmt: skip
+"""Roles of what moves, and of a material: with them a table is another test."""
 _RATIO = re.compile(r"\bf\s*/\s*f[_ ]?(0|o)\b|\bretain|\bretention|\bcounterforce|\bsealing force")
 _SAID = re.compile(r"compression stress relaxation|\bcsr\b|\b3384\b|\bd6147\b|counterforce")
 
@@ -29,8 +33,9 @@ def counterforce(table: FileTable, options: ReadOptions) -> ReadOptions | None:
     found = clock or options
     pushed = _suited(columns, "force", found)
     ratios = [number for number, one in columns if is_ratio(one)]
-    moved = _suited(columns, "displacement", options) or _suited(columns, "acceleration", options)
-    if moved or not (clock or said) or not (pushed or ratios):
+    if any(_suited(columns, role, options) for role in _OTHERS):
+        return None
+    if not (clock or said) or not (pushed or ratios):
         return None
     if pushed or options.force:
         return found

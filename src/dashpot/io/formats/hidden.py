@@ -15,7 +15,9 @@ _CHUNK = 1 << 20
 _TAG = 1 << 12
 """Bytes of a tag, at most."""
 _TOLD = 8
-_TAGS = re.compile(rb"<(?:\w{1,20}:)?(row|col|table|table-row|table-column)\b([^<>]{0,4000})>")
+_TAGS = re.compile(
+    rb"<(?:\w{1,20}:)?(row|col|table-row|table-column|table)(?=[\s/>])([^<>]{0,4000})>"
+)
 _WORD = re.compile(rb"([\w:-]{1,60})\s*=\s*\"([^\"]{0,1000})\"")
 _UNSEEN = {b"1", b"true", b"collapse", b"filter"}
 
