@@ -44,7 +44,10 @@ predict door.toml --close 1.2m/s --plot closing.svg
 demo --paper -o .
 simulate relaxation --hold 4s --gauges --misaligned 2deg -o gauges.csv
 """
-"""What makes the pictures of the how-to pages, in a folder with the example files."""
+"""What makes the pictures of the pages, in a folder with the example files.
+
+That of the paper makes figure_2.svg, figure_4.svg and figure_6.svg.
+"""
 PRINTED = "fit seal_8mm.csv"
 """The command whose output is shown as a shell shows it."""
 SEALS, REPEATS = (1.0, 1.03, 0.98, 1.01), 3

@@ -205,7 +205,7 @@ def test_a_level_beyond_the_sweep_is_said_first(place, level, passes):
         (("--sweep", "frf.csv", "--level", "1N", *DISC), "is of a mass (frf)"),
         (("--sweep", "strain.csv", *BASE, *DISC, "-o", "out.csv"), "ask one --level"),
         (("--sweep", "part.csv", "--level", "1N", *DISC), "both of the material"),
-        (("--sweep", "long.csv", "--level", "1N", *DISC), "does not tell the strain"),
+        (("--sweep", "long.csv", "--level", "1N", *DISC), "does not give the strain"),
     ],
 )  # fmt: skip
 def test_what_tells_no_level_is_refused(place, monkeypatch, words, says):

@@ -55,6 +55,8 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "workflow/job.py": ("fit", "predict", "report"),
     "workflow/job.py:refuse_several": ("fit", "report"),
     "workflow/part.py": ("predict",),
+    "kinds/csr/": ("fit",),
+    "kinds/csr/aged.py": ("predict",),
     "workflow/levels.py": ("fit",),
     "workflow/at_level.py": ("predict",),
     "workflow/checks.py:base_band_informed": ("predict",),

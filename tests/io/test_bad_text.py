@@ -10,7 +10,7 @@ import pytest
 from kit.look_alikes import ROWS, table, truth
 
 from dashpot.base.errors import DataError, ReadError
-from dashpot.io.child import limits
+from dashpot.io import budget
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.dynamic import read_dynamic
 from dashpot.io.readers.impact import read_impact
@@ -290,7 +290,7 @@ def test_temperatures_of_a_sweep_in_another_unit_are_asked_about(
 def test_rows_that_are_hardly_alike_have_their_time(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, seconds: float, refuses: bool
 ) -> None:
-    monkeypatch.setattr(limits, "seconds_for", lambda _: seconds)
+    monkeypatch.setattr(budget, "seconds_for", lambda _: seconds)
     time, moved, force = truth()
     rows = (f"{t};{x};{f}\n# {t}" for t, x, f in zip(time, moved, force, strict=True))
     text = HEAD + "\n".join(rows) + "\n"

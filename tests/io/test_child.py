@@ -18,6 +18,7 @@ import pytest
 from kit import misbehaving
 
 from dashpot.base.errors import ReadError
+from dashpot.io import budget
 from dashpot.io.child import limits, process
 from dashpot.io.child.process import in_child
 from dashpot.io.options import ReadOptions
@@ -90,10 +91,10 @@ def test_more_numbers_than_a_test_has_are_refused_and_no_fewer() -> None:
 
 
 def test_one_that_takes_too_long_is_ended(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert limits.seconds_for(0) == limits.seconds_for(30_000_000) == 30
-    assert limits.seconds_for(40_000_000) == 40
-    assert limits.seconds_for(600_000_000) == limits.seconds_for(1 << 40) == 600
-    monkeypatch.setattr(limits, "seconds_for", lambda size: 0.5)
+    assert budget.seconds_for(0) == budget.seconds_for(30_000_000) == 30
+    assert budget.seconds_for(40_000_000) == 40
+    assert budget.seconds_for(600_000_000) == budget.seconds_for(1 << 40) == 600
+    monkeypatch.setattr(budget, "seconds_for", lambda size: 0.5)
     before = children()
     with pytest.raises(ReadError, match="took more than 0 s to read as junk: it is damaged"):
         run(misbehaving.hangs)

@@ -195,7 +195,8 @@ BOMBS: dict[Callable[[Path], None], str] = {
     xlsx_of_many_cells: "the reader of workbook files ended with SIGABRT",
     xlsx_of_one_long_string: "the reader of workbook files ended with SIGABRT",
     xlsx_that_lies_about_its_size: (
-        "File is larger than its declared uncompressed size | damaged, or unpacks to more"
+        "File is larger than its declared uncompressed size | damaged, or unpacks to more | "
+        "Bad CRC-32"
     ),
     ods_of_repeated_cells: "the reader of workbook files ended with SIGABRT",
     ods_of_blanks: "the reader of workbook files ended with SIGABRT",

@@ -204,7 +204,7 @@ def test_the_scatter_of_a_lot_is_that_of_its_lots_seals_repeats_and_fits():
     assert [c.source for c in one.components()] == ["seal", "repeat", "fit"]
     first = made(rows[:600:4])
     assert [c.source for c in first.components()] == ["lot", "seal", "fit"]
-    with pytest.raises(DataError, match="no sources to tell apart"):
+    with pytest.raises(DataError, match="no sources to separate"):
         made(rows[:4]).components()
     for name in ("file", "k_9"):
         with pytest.raises(DataError, match="no column of numbers"):

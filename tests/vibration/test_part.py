@@ -311,7 +311,7 @@ class TestCommand:
     @pytest.mark.parametrize(
         ("words", "says"),
         [
-            (["--shape", "disc:20mm,12mm", "--resonance", "60Hz"], "both tell the geometry"),
+            (["--shape", "disc:20mm,12mm", "--resonance", "60Hz"], "both give the geometry"),
             (["--shape", "disc:20mm"], "has one length; expected 2"),
             (["--resonance", "60Hz"], "needs the mass"),
             (["--lubricated"], "belong to a --shape"),

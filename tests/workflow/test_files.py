@@ -195,7 +195,7 @@ def test_the_coherence_of_a_file_is_used_and_checked_in_the_band(foreign):
     assert found.mass == pytest.approx(0.104, rel=1e-2)
     (coherence,) = [check for check in found.noted if check.name == "coherence"]
     assert coherence.passed
-    assert "(12.7 Hz)" in coherence.says
+    assert "(12.6 Hz)" in coherence.says
     found = identify_files(
         [foreign], hammer=HammerChoices(), options=SAID, mass=0.104, seals=2, band=(8, 40)
     )

@@ -123,7 +123,7 @@ def prepare(
     SIZES["ramp"].refuse(
         record.ramp_time,
         f"{where}: the ramp takes {short(record.ramp_time, 's')}",
-        remedy='Check the unit of time: units="ms, mm, N" in Python, --units time=ms in a shell.',
+        remedy="Check the unit of time: --units time=ms (Python: units='ms, mm, N').",
     )
     answers = (
         []

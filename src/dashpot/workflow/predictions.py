@@ -393,7 +393,7 @@ def _related(kind: str | None, *, base: bool, relative: bool) -> Kind:
         raise DataError("--kind is of a force on the mass, --base of none: leave one out")
     if relative and not base:
         raise DataError(
-            "--relative (relative=True) is of a mass over a base that moves: add --base (base=True)"
+            "--relative is of a mass over a base that moves: add --base (Python: base=True)"
         )
     if not base:
         return Kind(kind or Kind.ACCELERANCE)

@@ -278,7 +278,7 @@ def test_what_does_not_fit_together_is_refused(words, says):
 
 
 def test_a_volume_alone_is_no_law():
-    with pytest.raises(FitError, match="tells no law of shape"):
+    with pytest.raises(FitError, match="gives no law of shape"):
         fit_hyperelastic([loaded(replace(RUBBER, bulk=2e9), "volumetric", (0.97, 1))])
 
 

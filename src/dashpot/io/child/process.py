@@ -16,6 +16,7 @@ from typing import BinaryIO, TypeVar, cast
 
 from dashpot.base.errors import ReadError
 from dashpot.base.processes import interpreter, one_thread
+from dashpot.io import budget
 from dashpot.io.child import limits, messages
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import Raw
@@ -51,7 +52,7 @@ def in_child(
     ReadError
         What the function raises there; and where the process dies, or takes too long.
     """
-    seconds = limits.seconds_for(raw.size)
+    seconds = budget.seconds_for(raw.size)
     request = {
         "format": what, "function": [function.__module__, function.__name__],
         "seconds": seconds, "name": raw.name, "path": raw.path and str(raw.path.absolute()),

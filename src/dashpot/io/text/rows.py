@@ -10,7 +10,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
-from dashpot.io.child.limits import Patience
+from dashpot.io.budget import Patience
 from dashpot.io.table import Column, Loaded, Question
 from dashpot.io.text import cells as cell
 from dashpot.io.text import marks

@@ -1,0 +1,47 @@
+"""What reading a file may take of time, in this process or in a child."""
+
+from __future__ import annotations
+
+import time
+
+from dashpot.base.errors import ReadError
+
+_SECONDS = 30.0
+_LONGEST = 600.0
+_OF_IT = 2 / 3
+"""Part of that time for the rows of a text; the rest is for what is made of them."""
+_PACE = 1e6
+"""Bytes per second that the slowest reader of a large file makes."""
+
+
+def seconds_for(size: int) -> float:
+    """Return the time that reading so many bytes may take."""
+    return min(max(_SECONDS, size / _PACE), _LONGEST)
+
+
+class Patience:
+    """What this process spends on a file that is parsed in it: no more than a child would get.
+
+    Parameters
+    ----------
+    size : int, optional
+        Bytes of the file; of one that is not known, as much as the largest may cost.
+    """
+
+    def __init__(self, size: int | None) -> None:
+        self._most = _OF_IT * (_LONGEST if size is None else seconds_for(size))
+        self._until = time.thread_time() + self._most
+
+    def asked(self, line: int) -> None:
+        """Raise a ReadError if it is spent at a line.
+
+        Raises
+        ------
+        ReadError
+            With what to do.
+        """
+        if time.thread_time() > self._until:
+            raise ReadError(
+                f"took more than {self._most:.0f} s to read up to line {line}, for hardly a row is "
+                "like the one before it: take what stands between the rows out, or split the file"
+            )
