@@ -122,43 +122,25 @@ def met(score: Score, *, sound: float = 0.6) -> None:
 def test_limits_hold_on_a_few_curves_of_every_kind() -> None:
     some = [
         judged(one)
-        for make, chosen in ((moduli, (1, 7, 9)), (compliances, (3, 9)))
+        for make, chosen in ((moduli, (1, 7, 9)), (compliances, (3, 9)), (sweeps, (1, 9)))
         for i, one in enumerate(make(10))
         if i in chosen
     ]
     met(Score.of(some), sound=0.5)
     assert any(line["use"] == "use" for line in some)
     assert any("plateau_told" in line["because"] for line in some)
-    # a sweep is used within its band: its limits hold all the same
-    swept = Score.of([judged(one) for i, one in enumerate(sweeps(10)) if i in {1, 9}])
-    assert min(swept.held.values()) == 1.0
-
-
-def test_a_sweep_that_ended_before_its_plateau_is_used_within_its_band() -> None:
-    f = np.geomspace(10.0, 1000.0, 40)
-    value = GeneralizedMaxwell(1e6, (1e6, 1e6), (1e-3, 0.03)).complex_stiffness(omega=2 * np.pi * f)
-    found = dp.fit(dp.DynamicTest(f, value.real, value.imag, units="SI"))
-    (told,) = [check for check in found.checks if check.name == "plateau_told"]
-    assert (told.failed, told.grade) == (True, "note")
-    assert "Hz the stiffness" in found.verdict.says or "From 10" in found.verdict.says
-    assert found.intervals()["k_inf"][0] == 0.0
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("make", "count"), [(moduli, 300), (compliances, 100), (sweeps, 100)])
 def test_limits_hold_and_use_is_right(make, count) -> None:
-    score = Score.of(map(judged, make(count, 1)))
-    if make is sweeps:  # used within their band
-        assert min(score.held.values()) >= 0.95, score
-    else:
-        met(score)
+    met(Score.of(map(judged, make(count, 1))))
 
 
 @pytest.mark.slow
 def test_a_curve_cut_to_its_first_tenth_holds_what_came_later() -> None:
     for make in (moduli, compliances, sweeps):
-        within_band = make is sweeps
         cut = [one.cut() for one in make(60, 2)]
         score = Score.of(judged(one) for one in cut if len(one.at) >= 12)
         assert min(score.held.values()) >= 0.95, score
-        assert within_band or score.used_off <= max(0.05 * score.used, 1), score
+        assert score.used_off <= max(0.05 * score.used, 1), score

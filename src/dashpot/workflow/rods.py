@@ -17,6 +17,7 @@ from dashpot.base.errors import DataError, FitError
 from dashpot.base.offered import Judged
 from dashpot.base.provenance import Step
 from dashpot.base.units import written
+from dashpot.fitting.checks.curves import end_level, plateau_told
 from dashpot.io.options import ReadOptions
 from dashpot.kinds.rod.fit import fit_rod
 from dashpot.kinds.rod.prepare import rod_modulus
@@ -33,6 +34,8 @@ from dashpot.workflow.part import pad
 _LIGHTEST, _HEAVIEST = 5.0, 2e4
 """Of a foam and of a metal, kg/m^3."""
 _ERRORS = ("gain", "phase", "mass", "length", "area", "density", "poisson")
+_OF_THE_PLATEAU = frozenset({plateau_told.name, end_level.name})
+"""Checks of what lies below the band of a rod, whose answer is its modulus within."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -202,7 +205,11 @@ def rod_under(
     provenance = replace(
         fit.provenance, source=frf.source, steps=(*frf.steps, step, *fit.provenance.steps)
     )
-    checks = (*found.checks, *fit.checks)
+    # what is asked of a rod is its modulus within a band; a plateau below it is not, and is noted
+    told = (
+        replace(one, grade="note") if one.name in _OF_THE_PLATEAU else one for one in fit.checks
+    )
+    checks = (*found.checks, *told)
     evidence = replace(fit.evidence, checks=checks)
     return replace(found, fit=replace(fit, provenance=provenance, evidence=evidence))
 

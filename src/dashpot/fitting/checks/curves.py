@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -145,7 +145,6 @@ def plateau_told(end: EndOfHold, unit: str) -> Finding:
         "So k_inf is extrapolated, with no lower limit",
         end.remedy,
         limit=LEVEL_OF_CREEP if end.ended == "creep" else LEVEL,
-        grade=_grade(end),
     )
 
 
@@ -169,13 +168,7 @@ def end_level(end: EndOfHold, fallen: float) -> Finding:
         "A solid that goes on like that has another plateau, or none",
         end.remedy,
         limit=min(MAX_FALLING, OF_ALL * max(fallen, 0.0)),
-        grade=_grade(end),
     )
-
-
-def _grade(end: EndOfHold) -> Literal["note"] | None:
-    """Of a sweep a note: it is used within its band, and its verdict says from where to where."""
-    return "note" if end.ended == "sweep" else None
 
 
 def plateau(

@@ -56,7 +56,7 @@ FACTORS = (0.5, 1.0, 2.0, 5.0)
 GRIDS = (0.1, 0.25, 0.5, 1.0)
 """Distances of the lines of an FRF, Hz."""
 
-PRINTED = Coefficients(196.5, (117.5, 17.8), (59.0, 292.2))
+PRINTED = Coefficients(PAPER.k_inf, (PAPER.k[0], PAPER.k[1]), (PAPER.arm_b[0], PAPER.arm_b[1]))
 """Table 1 in SI."""
 
 
