@@ -40,7 +40,8 @@ settings.load_profile("dashpot")
 @pytest.fixture(autouse=True)
 def same_numbers(request: pytest.FixtureRequest) -> Iterator[None]:
     """A module's generator gives each of its tests the same numbers, whatever ran before."""
-    ours = [g for g in vars(request.module).values() if isinstance(g, np.random.Generator)]
+    names = vars(request.module) if isinstance(request.node, pytest.Function) else {}
+    ours = [g for g in names.values() if isinstance(g, np.random.Generator)]
     states = [g.bit_generator.state for g in ours]
     yield
     for g, state in zip(ours, states, strict=True):
