@@ -60,7 +60,7 @@ ALL = "all"
     options.files("FIT", "fit", several=False),
     group(
         _SOLVER,
-        opt("--to", "target", type=OneOf(DECKS), metavar="SOLVER",
+        opt("--to", "target", type=OneOf(DECKS, plugins="decks"), metavar="SOLVER",
             help=f"{', '.join(DECKS[:-1])} or {DECKS[-1]}."),
         opt("--unit-system", "units", metavar="SYSTEM", help="SI, mm-t-s or mm-kg-ms."),
         opt("--form", metavar="NAME", help=_FORMS),
