@@ -6,6 +6,7 @@ from dashpot.records.free_modes import FreeModes as FreeModes
 from dashpot.records.seal_line import Joint as Joint
 from dashpot.records.seal_line import SealLine as SealLine
 from dashpot.records.seal_line import SealSection as SealSection
+from dashpot.records.seal_line import Shear as Shear
 from dashpot.solids.part import Block as Block
 from dashpot.solids.part import Bulb as Bulb
 from dashpot.solids.part import Bush as Bush

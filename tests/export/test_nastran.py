@@ -176,7 +176,7 @@ def test_a_seal_line_carries_its_whole_length(paper_seal):
     grids = {fields[0]: fields[2:5] for name, fields in bush.cards if name == "GRID"}
     assert len(grids) == 2 * 184
     first = [real(value) for value in grids[elements[0][2]]]
-    assert first == pytest.approx([line.length / 368 * 1e3, 0.0, 0.0])
+    assert first == pytest.approx([25 * (1 - 1 / np.sqrt(3)), 0.0, 0.0])
     assert grids[elements[0][2]] == grids[elements[0][3]]
 
 

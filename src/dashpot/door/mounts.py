@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import numpy as np
+from collections.abc import Iterator
 
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity
-from dashpot.records.seal_line import SealLine
+from dashpot.records.seal_line import SealLine, Stations, Way
 from dashpot.vibration.systems.bodies import Mount
 
 SEAL = "seal"
@@ -15,11 +15,13 @@ SEAL = "seal"
 def line_mounts(
     line: SealLine, body: str, pitch: Quantity, *, ground: str = "ground"
 ) -> tuple[Mount, ...]:
-    r"""Return a mount for each station of a line that touches: its share of the seal there.
+    r"""Return the mounts of each station of a line that touches: its share of the seal there.
 
     .. math:: K_i = \kappa(x_i)\,\Delta s\,c_i, \qquad \kappa(x) = \kappa\,F_e'(x)/k
 
-    with the tangent at the station's compression and the factor c of its joints.
+    with the tangent at the station's compression and the factor c of its joints. One acts along
+    the normal; where the section has shear, one across the line and one along it, of
+    :math:`r\,K_i`, or of :math:`\kappa_r\,\Delta s\,c_i` with a stiffness of its own.
 
     Parameters
     ----------
@@ -40,19 +42,17 @@ def line_mounts(
         raise DataError(
             "the seal line has no section: one metre of the seal is not known (Python: section=)"
         )
-    share = stations.length * stations.factor
-    if stations.compression is not None:
-        share = share * section.factor(stations.compression)
-    elif section.law is not None and section.law.kind != "linear":
-        raise DataError(
-            "the seal is not linear and how far it is pressed along the line is not stated; give "
-            "its compression, or gap and height"
-        )
-    # stations of one share are one solid
-    solids = {one: one * section.solid for one in np.unique(share).tolist() if one > 0}
-    rows = zip(stations.place.tolist(), stations.normal.tolist(), share.tolist(), strict=True)
     return tuple(
-        Mount(solids[one], (body, ground), tuple(place), tuple(normal), name=SEAL)
-        for place, normal, one in rows
-        if one > 0
+        mount for way in section.ways(stations) for mount in _mounts(way, stations, (body, ground))
     )
+
+
+def _mounts(way: Way, stations: Stations, between: tuple[str, str]) -> Iterator[Mount]:
+    """One at each station that answers that way; stations of one share are one solid."""
+    shares = [float(f"{one:.14g}") for one in way.share.tolist()]
+    solids = {one: one * way.solid for one in set(shares) if one > 0}
+    for place, along, one in zip(
+        stations.place.tolist(), way.direction.tolist(), shares, strict=True
+    ):
+        if one > 0:
+            yield Mount(solids[one], between, tuple(place), tuple(along), name=SEAL)

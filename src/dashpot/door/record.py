@@ -67,6 +67,24 @@ class Support:
 
 
 @dataclass(frozen=True)
+class ShearChoice:
+    """What the seal answers sideways.
+
+    Attributes
+    ----------
+    across, along : float or str
+        Of the stiffness normal to the line; or the path of a fit of a piece that was pressed and
+        then moved that way.
+    length : float or None
+        Of that piece, m; None where the fit knows.
+    """
+
+    across: float | str = 0.0
+    along: float | str = 0.0
+    length: float | None = None
+
+
+@dataclass(frozen=True)
 class SealChoice:
     """Which seal lies along the line.
 
@@ -80,12 +98,14 @@ class SealChoice:
         K; None is that of the fit.
     pitch : float or None
         Wanted distance of its stations, m.
+    shear : ShearChoice
     """
 
     fit: str
     length: float | None = None
     temperature: float | None = None
     pitch: float | None = None
+    shear: ShearChoice = ShearChoice()
 
 
 @dataclass(frozen=True)

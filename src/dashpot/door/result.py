@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from dashpot.base.checks import Check, Checked
 from dashpot.base.documents import Documented
 from dashpot.base.offered import Judged
@@ -48,6 +46,13 @@ class AlongLine(NamedTuple):
     most: float
 
 
+class Sideways(NamedTuple):
+    """Of stiffnesses of a line."""
+
+    across: float
+    along: float
+
+
 @dataclass(frozen=True)
 class SealOfDoor(Documented):
     """What lies along the line of a door.
@@ -63,7 +68,7 @@ class SealOfDoor(Documented):
 
     keys = (
         "line.length", "line.closed", "stations", "pitch", "compression", "touching", "stiffness",
-        "stiffness_per_metre=section.solid.k_inf", "force", "line.joints",
+        "stiffness_per_metre=section.solid.k_inf", "sideways", "force", "line.joints",
         "fit.specimen.temperature", "band_hz=fit.band", "fit=fit.identity",
     )  # fmt: skip
 
@@ -79,8 +84,8 @@ class SealOfDoor(Documented):
 
     @property
     def pitch(self) -> float:
-        """Their distance, m."""
-        return float(self.along.length[0])
+        """Their distance on average, m."""
+        return float(self.along.length.mean())
 
     @property
     def compression(self) -> AlongLine | None:
@@ -97,9 +102,16 @@ class SealOfDoor(Documented):
     @property
     def stiffness(self) -> float:
         """At rest, of all of it, N/m."""
-        share, x = self.along.length * self.along.factor, self.along.compression
-        factor = np.ones_like(share) if x is None else self.section.factor(x)
-        return float(self.section.solid.k_inf * (share @ factor))
+        return self._at_rest(0)
+
+    @property
+    def sideways(self) -> Sideways:
+        """At rest, of all of it, across the line and along it, N/m."""
+        return Sideways(self._at_rest(1), self._at_rest(2))
+
+    def _at_rest(self, way: int) -> float:
+        found = self.section.ways(self.along)[way]
+        return float(found.solid.k_inf * found.share.sum())
 
     @property
     def force(self) -> float | None:
