@@ -42,6 +42,7 @@ from dashpot.kinds.indentation.indenter import Indenter
 from dashpot.kinds.indentation.record import IndentationFit
 from dashpot.kinds.level import checks as level
 from dashpot.kinds.rod import checks as rod
+from dashpot.kinds.slam import checks as slam
 from dashpot.lots import checks as lots
 from dashpot.planning import checks as planning
 from dashpot.planning.expected import Pulse, RecordNeed
@@ -1029,6 +1030,13 @@ CSR = [
     Case("time_near_readings", lambda x: csr.time_near_readings(x, 3.6e6), 1.99, 2.01),
 ]
 
+SLAM = [
+    Case("slam_within_law", lambda x: slam.slam_within_law(0.01 * x, 0.01), 0.999, 1.001),
+    Case("slam_within_band", lambda x: slam.slam_within_band(10 * x, 10.0), 0.999, 1.001),
+    Case("air_escapes", slam.air_escapes, 0.099, 0.101),
+    Case("piece_length_given", lambda x: slam.piece_length_given(given=bool(x)), 1, 0),
+]
+
 IMPACT = [
     Case("hits_enough", whole(lambda n: impact.hits_enough(measured(averages=n))), 3, 2),
     Case(
@@ -1432,6 +1440,7 @@ STAGES = {
     "kinds/level": LEVEL,
     "kinds/csr": CSR,
     "kinds/rod": ROD,
+    "kinds/slam": SLAM,
     "lots": LOTS,
     "planning": PLANNING,
     "vibration": VIBRATION,
@@ -1524,6 +1533,7 @@ LIMITS = {
         "ovens_enough": 3, "ovens_on_a_line": 9, "aging_beside_drift": 3,
         "temperature_near_ovens": 30, "time_near_readings": 2,
     },
+    "kinds/slam": {"slam_within_law": 1, "slam_within_band": 1, "air_escapes": 0.1},
     "kinds/rod": {
         "rod_usable": 8, "waves_plane": 0.05, "sensors_agree": 3, "mass_beside_rod": 100,
         "lines_of_one_solid": 1.5,
@@ -1589,6 +1599,7 @@ GRADES = {
         "kinds/level": {"level_matters"},
         "kinds/hyperelastic": {"volume_known"},
         "kinds/csr": {"f0_read"},
+        "kinds/slam": {"air_escapes", "piece_length_given"},
         "io/readers": {"travel_of_a_seal", "force_of_a_seal", "ramp_not_slow"},
         "fitting/nonlinear_ramp": {"clocks_agree", "offset_believable", "drift_believable"},
         "workflow": {
