@@ -31,18 +31,21 @@ from kit.doors import (
 )
 from kit.fits import a_fit
 
+from dashpot.base.errors import DataError
 from dashpot.door.assembly import Assembly
 from dashpot.door.checks import line_holds_sideways
 from dashpot.door.modes import left_sideways
+from dashpot.door.mounts import line_mounts
 from dashpot.door.read import read_door
 from dashpot.door.record import Door, RigidPart, SealChoice, Support
-from dashpot.records.seal_line import SealLine, SealSection, Shear
+from dashpot.records.seal_line import Joint, LineFriction, SealLine, SealSection, Shear
 from dashpot.records.specimen import Specimen
 from dashpot.solids import networks as net
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.table_1 import PAPER
-from dashpot.vibration.systems.bodies import planar_body
+from dashpot.vibration.systems.bodies import Body, planar_body
 from dashpot.vibration.systems.complex_modes import complex_modes
+from dashpot.vibration.systems.level import response_at_level
 from dashpot.vibration.systems.system import System
 from dashpot.workflow.archive import to_json
 
@@ -71,8 +74,8 @@ ON_ITS_SEAL = replace(HELD, hinges=(), latch=None)
 def stiffness(seal: SealLine, pitch: float) -> np.ndarray:
     stations = seal.stations(pitch)
     return sum(
-        six_by_six(stations.place, way, solid.k_inf * share)
-        for solid, share, way in seal.section.ways(stations)
+        six_by_six(stations.place, way.direction, way.solid.k_inf * way.share)
+        for way in seal.section.ways(stations)
     )
 
 
@@ -167,6 +170,88 @@ def test_a_block_on_two_seals_with_shear(shear, known):
     assert damped == pytest.approx([zeta for _, zeta in known], rel=1e-5)
 
 
+# -- friction ------------------------------------------------------------------------------------
+
+PRESSED = 0.006
+
+
+def rubbed(mu: float, across: float, shear: Shear = SHEAR) -> tuple[SealLine, ...]:
+    """The two pieces of 50 mm of the block, pressed by 6 mm: 1.179 N each."""
+    section = SealSection(20 * PAPER, shear=shear, friction=LineFriction(mu, across=across))
+    return tuple(
+        SealLine([(x, 0, -0.025), (x, 0, 0.025)], PRESSED, section, normal=(0, 1, 0))
+        for x in (-0.04, 0.04)
+    )
+
+
+def test_a_pressed_seal_sticks_by_coulombs_law():
+    """mu .4: .4716 N for 50 mm; with 0.35 of K' at 12.71 Hz it sticks up to 4.06 mm."""
+    kt = 0.35 * 0.05 * KAPPA
+    mounts = rubbed(0.4, kt / PAPER.k_inf)[0].mounts("block", "25mm")
+    rubs = [mount.friction for mount in mounts if mount.friction is not None]
+    assert sum(one.slip for one in rubs) == pytest.approx(0.4716)
+    assert sum(one.k for one in rubs) == pytest.approx(kt)
+    assert rubs[0].yields_at == pytest.approx(4.06e-3, abs=2e-6)
+    joint = replace(rubbed(0.4, 0.5)[0], joints=(Joint(0.025, 0.05, 2.0),))
+    rubs = [mount.friction for mount in joint.mounts("block", "25mm") if mount.friction]
+    assert sum(one.slip for one in rubs) == pytest.approx(2 * 0.4716)
+
+
+@pytest.mark.parametrize(
+    ("newton", "hertz", "metres"),
+    [
+        # at its peak: sticking, slipping more and more, and at last as if nothing rubbed
+        (1e-4, 8.4338370, 0.322462776e-4), (0.01, 8.3019159, 0.0632609e-2),
+        (0.03, 7.8084319, 0.048651225 * 0.03), (0.1, 7.5255394, 0.018092495),
+        (0.5, 7.5181938, 0.265668566 / 2),
+        # which a march in time met within a thousandth
+        (0.1, 9.0, 1.238823e-3), (0.03, 8.0, 1.287151e-3),
+    ],
+)  # fmt: skip
+def test_a_block_that_slips_across_its_seals(newton, hertz, metres):
+    """Jenkins elements of 60 N/m and .03 N in all, by the first harmonic, computed apart."""
+    mu = 0.015 / (PAPER.k_inf * PRESSED)
+    mounts = [
+        mount
+        for line in rubbed(mu, 30 / PAPER.k_inf)
+        for mount in line.mounts("block", "25mm")
+    ]  # fmt: skip
+    block = System((Body("block", 0.1040426, free=("x",)),), tuple(mounts))
+    found = response_at_level(
+        block, response="block.x", force="block.x", level=newton, frequency=[hertz]
+    )
+    assert abs(found.motion[0]) == pytest.approx(metres, rel=1e-6)
+
+
+def test_a_seal_that_sticks_is_a_spring_more():
+    mounts = rubbed(0.4, 0.2)[0].mounts("block", "25mm")
+    stuck = line_mounts(rubbed(0.4, 0.2)[0], "block", "25mm", stuck=True)
+    assert len(stuck) == len(mounts) + 2
+    assert not any(one.friction for one in stuck)
+    across = [one.solid.k_inf for one in stuck if abs(one.along[0]) > 0.5]
+    assert sum(across) == pytest.approx((0.35 + 0.2) * PAPER.k_inf)
+
+
+@pytest.mark.parametrize(
+    ("made", "sentence"),
+    [
+        (lambda: LineFriction(0.0, 0.1), "mu = 0; expected more than 0 and at most 3"),
+        (lambda: LineFriction(3.01, 0.1), "mu = 3.01; expected more than 0 and at most 3"),
+        (lambda: LineFriction(0.4, 10.1), "friction: across = 10.1; expected 0 to 10"),
+        (lambda: LineFriction(0.4), "neither across nor along is given"),
+        (lambda: rubbed(0.4, 0.2, Shear(0.0, 0.1)), "rubs across the line, where the seal has no"),
+        (
+            lambda: replace(rubbed(0.4, 0.2)[0], compression=None).mounts("block", "25mm"),
+            "follows from the force by which it is pressed",
+        ),
+    ],
+)
+def test_what_friction_cannot_be(made, sentence):
+    assert LineFriction(3.0, 10.0).mu == 3.0
+    with pytest.raises(DataError, match=sentence):
+        made()
+
+
 # -- its file -------------------------------------------------------------------------------------
 
 FILE = """
@@ -235,9 +320,29 @@ def test_a_door_whose_seal_says_no_shear_is_told(folder):
     assert "across and along in [seal.shear]" in said
 
 
+def test_the_file_of_a_door_says_its_friction(folder):
+    """Twice as stiff sideways as the stated door, and told how far that goes."""
+    rubs = FILE.replace("across = 0.35", "across = 0.20").replace("along = 0.15", "along = 0.05")
+    rubs += "[seal.friction]\nmu = 0.4\nacross = 0.15\nalong = 0.10\n"
+    (folder / "door.toml").write_text(rubs.replace("pitch", 'compression = "6mm"\npitch'))
+    told = shell.ran("predict", folder / "door.toml", "--json")
+    assert told.exit_code == 0, told.output
+    document = json.loads(told.stdout)
+    assert [one["frequency_hz"] for one in document["modes"]] == pytest.approx(ALONE, rel=1e-7)
+    assert document["seal"]["sticks"] == pytest.approx(0.4 * 0.006 / 0.15)
+    said = " ".join(shell.ran("predict", folder / "door.toml").output.split())
+    assert "its friction sticks sideways up to 16.0 mm; the modes are of a seal that sticks" in said
+
+
 @pytest.mark.parametrize(
     ("old", "new", "sentence"),
     [
+        ("[seal.shear]", "[seal.friction]\nacross = 0.1\n[seal.shear]", "mu is missing"),
+        (
+            "[seal.shear]",
+            "[seal.friction]\nmu = 0.4\nacross = 0.1\n[seal.shear]",
+            "its compression is not stated; give its compression, or gap and height",
+        ),
         ("across = 0.35", "across = 35", r"\[seal\]: shear: across = 35; expected 0 to 10"),
         ("across = 0.35", "side = 0.35", r"\[seal.shear\]: 'side' is unknown; known are across"),
         ("across = 0.35", 'across = "none.json"', "none.json: cannot be read"),
@@ -271,3 +376,8 @@ def test_the_deck_of_a_door_has_its_shear(folder):
     told = shell.ran(*words[:6], "--first-id", "501")
     assert told.exit_code == 2
     assert "add --line FILE" in told.output
+    rubs = FILE + "[seal.friction]\nmu = 0.4\nacross = 0.1\n"
+    (folder / "door.toml").write_text(rubs)
+    told = shell.ran(*words)
+    assert told.exit_code == 2
+    assert "no deck of a line holds friction" in told.output

@@ -182,6 +182,11 @@ def _line_of_door(
     wanted = pitch or door.seal.pitch
     if wanted is None:
         raise ExportError(f"{path}: [seal] says no pitch; add --pitch, e.g. 25mm")
+    if door.seal.friction is not None:
+        raise ExportError(
+            f"{path}: no deck of a line holds friction; leave [seal.friction] out of a copy of the "
+            "file, and add its ratios to those of [seal.shear] for a seal that sticks"
+        )
     kelvin = door.seal.temperature if temperature is None else temperature
     return door.line.stations(wanted), workflow.shear_of(door.seal, kelvin)
 

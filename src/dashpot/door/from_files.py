@@ -87,6 +87,7 @@ def open_door(
                 length=choice_of_seal.length,
                 temperature=kelvin,
                 shear=shear_of(choice_of_seal, kelvin),
+                friction=choice_of_seal.friction,
             )
             fit = fit if kelvin is None else fit.at_temperature(kelvin)
             if door.line.compression is not None:

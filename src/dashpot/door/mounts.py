@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
 
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity
 from dashpot.records.seal_line import SealLine, Stations, Way
+from dashpot.solids.friction import Jenkins
+from dashpot.solids.networks import spring
 from dashpot.vibration.systems.bodies import Mount
 
 SEAL = "seal"
 
 
 def line_mounts(
-    line: SealLine, body: str, pitch: Quantity, *, ground: str = "ground"
+    line: SealLine, body: str, pitch: Quantity, *, ground: str = "ground", stuck: bool = False
 ) -> tuple[Mount, ...]:
     r"""Return the mounts of each station of a line that touches: its share of the seal there.
 
@@ -31,11 +36,14 @@ def line_mounts(
         What it lies between.
     pitch : str or float
         Wanted distance of the mounts, m.
+    stuck : bool
+        Friction sticks, as under small vibration: a spring beside the arms. Otherwise the mounts
+        have it, and what they are depends on how far they move.
 
     Raises
     ------
     DataError
-        If the line has no section, or a seal that is not linear no compression.
+        If the line has no section, or a seal that is not linear, or rubs, no compression.
     """
     section, stations = line.section, line.stations(pitch)
     if section is None:
@@ -43,16 +51,27 @@ def line_mounts(
             "the seal line has no section: one metre of the seal is not known (Python: section=)"
         )
     return tuple(
-        mount for way in section.ways(stations) for mount in _mounts(way, stations, (body, ground))
+        mount
+        for way in section.ways(stations)
+        for mount in _mounts(way, stations, (body, ground), stuck=stuck)
     )
 
 
-def _mounts(way: Way, stations: Stations, between: tuple[str, str]) -> Iterator[Mount]:
+def _mounts(
+    way: Way, stations: Stations, between: tuple[str, str], *, stuck: bool
+) -> Iterator[Mount]:
     """One at each station that answers that way; stations of one share are one solid."""
-    shares = [float(f"{one:.14g}") for one in way.share.tolist()]
-    solids = {one: one * way.solid for one in set(shares) if one > 0}
-    for place, along, one in zip(
-        stations.place.tolist(), way.direction.tolist(), shares, strict=True
+    nothing = np.zeros(len(way.share))
+    columns = (way.share, *(way.friction or (nothing, nothing)))
+    rows = [[float(f"{one:.14g}") for one in row] for row in zip(*columns, strict=True)]
+    solids = {one: one * way.solid for one, _, _ in rows if one > 0}
+    for place, along, (one, k, slip) in zip(
+        stations.place.tolist(), way.direction.tolist(), rows, strict=True
     ):
-        if one > 0:
-            yield Mount(solids[one], between, tuple(place), tuple(along), name=SEAL)
+        if not one > 0:
+            continue
+        mount = Mount(solids[one], between, tuple(place), tuple(along), name=SEAL)
+        rubs = Jenkins(k, slip) if k > 0 and slip > 0 else None
+        yield mount if stuck else replace(mount, friction=rubs)
+        if stuck and rubs is not None:
+            yield replace(mount, solid=spring(k))

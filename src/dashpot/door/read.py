@@ -27,7 +27,7 @@ from dashpot.door.record import (
 from dashpot.io.readers import channels
 from dashpot.io.readers.by_name import by_name, in_si
 from dashpot.io.toml import Section, Vector, tables_of
-from dashpot.records.seal_line import Joint, SealLine, Shear
+from dashpot.records.seal_line import Joint, LineFriction, SealLine, Shear
 
 LARGEST = SIZES["door"].hard[1]
 """m; no door lies further from the origin of its car's axes, and no seal line is longer."""
@@ -206,6 +206,7 @@ def _seal(here: _Here, entries: Any) -> dict[str, Any]:
     section = here.section(
         entries, "fit", "length", "temperature", "points", "unit", "closed", "normal",
         "tilt", "compression", "gap", "height", "pitch", "joint", "shear",
+        "friction",
     )  # fmt: skip
     section.needs("fit", "points")
     points, columns = _points(here, section)
@@ -234,6 +235,7 @@ def _seal(here: _Here, entries: Any) -> dict[str, Any]:
         section.quantity("temperature", "temperature"),
         _size(section, "pitch"),
         _shear(here, section.entries.get("shear", {})),
+        _friction(here, section.entries.get("friction")),
     )
     if choice.pitch:
         _refuse_more(f"{section.where}: pitch", line.length / choice.pitch, "stations")
@@ -323,6 +325,16 @@ def _shear(here: _Here, entries: Any) -> ShearChoice:
         return ratio
 
     return ShearChoice(way("across"), way("along"), _size(row, "length"))
+
+
+def _friction(here: _Here, entries: Any) -> LineFriction | None:
+    """What rubs sideways beside the arms."""
+    if entries is None:
+        return None
+    row = Section(f"{here.where[:-1]}.friction]", entries, ("mu", "across", "along"))
+    row.needs("mu")
+    mu, across, along = (row.number(name) or 0.0 for name in ("mu", "across", "along"))
+    return LineFriction(mu, across, along)
 
 
 _STEEP = np.radians(80.0)

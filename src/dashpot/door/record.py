@@ -8,7 +8,7 @@ from typing import TypeAlias
 from dashpot.base.arrays import ByValue
 from dashpot.base.provenance import Source
 from dashpot.door.closing_record import ClosingSetup
-from dashpot.records.seal_line import SealLine
+from dashpot.records.seal_line import LineFriction, SealLine
 
 Vector: TypeAlias = tuple[float, float, float]
 
@@ -99,6 +99,7 @@ class SealChoice:
     pitch : float or None
         Wanted distance of its stations, m.
     shear : ShearChoice
+    friction : LineFriction or None
     """
 
     fit: str
@@ -106,6 +107,7 @@ class SealChoice:
     temperature: float | None = None
     pitch: float | None = None
     shear: ShearChoice = ShearChoice()
+    friction: LineFriction | None = None
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from dashpot.base.checks import Check, Checked
 from dashpot.base.documents import Documented
 from dashpot.base.offered import Judged
@@ -68,7 +70,8 @@ class SealOfDoor(Documented):
 
     keys = (
         "line.length", "line.closed", "stations", "pitch", "compression", "touching", "stiffness",
-        "stiffness_per_metre=section.solid.k_inf", "sideways", "force", "line.joints",
+        "stiffness_per_metre=section.solid.k_inf", "sideways", "sticks?", "force",
+        "line.joints",
         "fit.specimen.temperature", "band_hz=fit.band", "fit=fit.identity",
     )  # fmt: skip
 
@@ -108,6 +111,18 @@ class SealOfDoor(Documented):
     def sideways(self) -> Sideways:
         """At rest, of all of it, across the line and along it, N/m."""
         return Sideways(self._at_rest(1), self._at_rest(2))
+
+    @property
+    def sticks(self) -> float | None:
+        """Motion sideways up to which no station slips, m; None without friction."""
+        ends = [
+            slips[sticks > 0] / sticks[sticks > 0]
+            for _, _, _, friction in self.section.ways(self.along)
+            if friction is not None
+            for sticks, slips in (friction,)
+        ]
+        whole = np.concatenate(ends) if ends else np.zeros(0)
+        return float(whole.min()) if len(whole) else None
 
     def _at_rest(self, way: int) -> float:
         found = self.section.ways(self.along)[way]

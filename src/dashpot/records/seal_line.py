@@ -62,6 +62,49 @@ class Shear:
         return not (self.across == self.along == 0)
 
 
+@dataclass(frozen=True)
+class LineFriction:
+    r"""What rubs beside the arms of a seal where it is moved sideways: a Jenkins element.
+
+    .. math:: k_t = r\,\kappa_\infty\,\Delta s, \qquad F_c = \mu\,F_e(x)\,\Delta s
+
+    of a station at a compression x: it sticks with a share r of the relaxed stiffness normal to
+    the line there, and slips at mu times the relaxed force by which the seal is pressed.
+
+    Attributes
+    ----------
+    mu : float
+        > 0.
+    across, along : float
+        The share r either way; 0 is none.
+    """
+
+    mu: float
+    across: float = 0.0
+    along: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not 0 < self.mu <= MOST_MU:
+            raise DataError(
+                f"friction: mu = {self.mu:g}; expected more than 0 and at most {MOST_MU:g}, such "
+                "as 0.4"
+            )
+        for name in ("across", "along"):
+            ratio = getattr(self, name)
+            if not 0 <= ratio <= MOST_RATIO:
+                raise DataError(
+                    f"friction: {name} = {ratio:g}; expected 0 to {MOST_RATIO:g} of the relaxed "
+                    "stiffness normal to the line, such as 0.15"
+                )
+        if self.across == self.along == 0:
+            raise DataError(
+                "friction: neither across nor along is given; expected the share of the relaxed "
+                "stiffness with which the seal sticks, such as across = 0.15"
+            )
+
+
+MOST_MU = 3.0
+"""No dry rubber rubs more."""
 MOST_RATIO = 10.0
 """A seal is softer sideways than where it is pressed; beyond ten times it is a percentage."""
 
@@ -83,12 +126,23 @@ class SealSection:
         The frequencies that its test informs, Hz.
     shear : Shear
         None by default: the seal holds nothing sideways.
+    friction : LineFriction or None
+        What rubs beside it.
     """
 
     solid: Solid
     law: ElasticLaw | None = None
     band: tuple[float, float] | None = None
     shear: Shear = Shear()
+    friction: LineFriction | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("across", "along") if self.friction else ():
+            if getattr(self.friction, name) > 0 and getattr(self.shear, name) == 0:
+                raise DataError(
+                    f"friction rubs {name} the line, where the seal has no shear: give {name} in "
+                    "[seal.shear], too (Python: Shear)"
+                )
 
     @classmethod
     def of(
@@ -98,6 +152,7 @@ class SealSection:
         length: Quantity | None = None,
         temperature: Quantity | None = None,
         shear: Shear | None = None,
+        friction: LineFriction | None = None,
     ) -> SealSection:
         """One metre of what was tested.
 
@@ -111,6 +166,8 @@ class SealSection:
             K; by default that of the fit.
         shear : Shear, optional
             What it answers sideways; nothing by default.
+        friction : LineFriction, optional
+            What rubs beside it; nothing by default.
 
         Raises
         ------
@@ -130,7 +187,7 @@ class SealSection:
             )
         law = here.elastic_law
         own = None if law is None or law.kind == "linear" else law * (1 / metres)
-        return cls((1 / metres) * here.solid, own, here.band, shear or Shear())
+        return cls((1 / metres) * here.solid, own, here.band, shear or Shear(), friction)
 
     def path(self, compression: npt.ArrayLike) -> FloatArray:
         """What the solid is pressed by, m, where the seal is: less where it is softer at first.
@@ -156,7 +213,7 @@ class SealSection:
         Raises
         ------
         DataError
-            If the seal is not linear and its compression is not stated.
+            If the seal is not linear, or rubs, and its compression is not stated.
         """
         pieces, pressed = stations.length * stations.factor, stations.compression
         share = pieces
@@ -168,13 +225,26 @@ class SealSection:
                 "give its compression, or gap and height"
             )
         found = [Way(self.solid, share, stations.normal)]
-        sideways = ((self.shear.across, stations.across), (self.shear.along, stations.tangent))
-        for one, direction in sideways:
+        for name, direction in (("across", stations.across), ("along", stations.tangent)):
+            one, rubs = getattr(self.shear, name), None
+            if self.friction is not None:
+                stuck = getattr(self.friction, name) * self.solid.k_inf * share
+                rubs = (stuck, self._slip(stations))
             if isinstance(one, Solid):
-                found.append(Way(one, pieces, direction))
+                found.append(Way(one, pieces, direction, rubs))
             else:
-                found.append(Way(self.solid, one * share, direction))
+                found.append(Way(self.solid, one * share, direction, rubs))
         return tuple(found)
+
+    def _slip(self, stations: Stations) -> FloatArray:
+        """Force at which each station slips sideways, N, shape (n,)."""
+        if self.friction is None or stations.compression is None:
+            raise DataError(
+                "friction of a seal line follows from the force by which it is pressed, and its "
+                "compression is not stated; give its compression, or gap and height"
+            )
+        pressed = self.force(stations.compression)
+        return np.asarray(self.friction.mu * pressed * stations.length * stations.factor)
 
 
 class Way(NamedTuple):
@@ -187,11 +257,14 @@ class Way(NamedTuple):
     share : array, shape (n,)
         Metres of it that each station is; 0 where it does not answer.
     direction : array, shape (n, 3)
+    friction : (array, array) or None
+        Stiffness, N/m, with which each station sticks beside it, and force, N, at which it slips.
     """
 
     solid: Solid
     share: FloatArray
     direction: FloatArray
+    friction: tuple[FloatArray, FloatArray] | None = None
 
 
 @dataclass(frozen=True)

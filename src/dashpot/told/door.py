@@ -76,6 +76,11 @@ def _line(found: workflow.DoorResult) -> list[str]:
     across, along = (rounded(in_unit(one, "N/mm")) for one in seal.sideways)
     if seal.section.shear.holds:
         said.append(f"  sideways {across} N/mm across the line and {along} N/mm along it in all")
+    if seal.sticks is not None:
+        said.append(
+            f"  its friction sticks sideways up to {rounded(in_unit(seal.sticks, 'mm'), digits=3)} "
+            "mm; the modes are of a seal that sticks"
+        )
     if seal.compression is not None and seal.force is not None:
         least, mean, most = (rounded(in_unit(one, "mm"), digits=3) for one in seal.compression)
         said.append(
