@@ -297,6 +297,7 @@ _NOUNS = {noun: kind for kind in KINDS.values() for noun in kind.nouns}
 FIGURES = {noun: figure for kind in KINDS.values() for noun, figure in kind.nouns.items()} | {
     "door.result:DoorResult": "door.figure:door",
     "door.closing_result:ClosingResult": "door.closing_figure:closing",
+    "kinds.slam.predicted:Slam": "kinds.slam.figure:slam",
 }
 """What draws each noun of a kind, and those of a door, which is no kind of test."""
 
