@@ -42,6 +42,7 @@ from dashpot.kinds.indentation.indenter import Indenter
 from dashpot.kinds.indentation.record import IndentationFit
 from dashpot.kinds.level import checks as level
 from dashpot.kinds.rod import checks as rod
+from dashpot.kinds.slam import checks as slam
 from dashpot.lots import checks as lots
 from dashpot.planning import checks as planning
 from dashpot.planning.expected import Pulse, RecordNeed
@@ -859,6 +860,7 @@ SEALS = [
         0.01,
     ),
     Case("line_closed", lambda x: seals.line_closed(4.0, x), 0.0, 0.001),
+    Case("line_holds_sideways", lambda x: seals.line_holds_sideways(x, 0.354), 0, 1),
     Case("stations_suffice", lambda x: seals.stations_suffice(x, 0.025), 0.99e-3, 1.01e-3),
     Case("modes_suffice", lambda x: seals.modes_suffice(x, 12, 300.0), 4.99e-3, 5.01e-3),
     Case("shapes_known_there", lambda x: seals.shapes_known_there(x, "latch"), 0.0299, 0.0301),
@@ -1026,6 +1028,13 @@ CSR = [
     Case("aging_beside_drift", lambda x: csr.aging_beside_drift(x / 3.6e8, None), 3.01, 2.99),
     Case("temperature_near_ovens", lambda x: csr.temperature_near_ovens(x, 300.0), 29.9, 30.1),
     Case("time_near_readings", lambda x: csr.time_near_readings(x, 3.6e6), 1.99, 2.01),
+]
+
+SLAM = [
+    Case("slam_within_law", lambda x: slam.slam_within_law(0.01 * x, 0.01), 0.999, 1.001),
+    Case("slam_within_band", lambda x: slam.slam_within_band(10 * x, 10.0), 0.999, 1.001),
+    Case("air_escapes", slam.air_escapes, 0.099, 0.101),
+    Case("piece_length_given", lambda x: slam.piece_length_given(given=bool(x)), 1, 0),
 ]
 
 IMPACT = [
@@ -1431,6 +1440,7 @@ STAGES = {
     "kinds/level": LEVEL,
     "kinds/csr": CSR,
     "kinds/rod": ROD,
+    "kinds/slam": SLAM,
     "lots": LOTS,
     "planning": PLANNING,
     "vibration": VIBRATION,
@@ -1523,6 +1533,7 @@ LIMITS = {
         "ovens_enough": 3, "ovens_on_a_line": 9, "aging_beside_drift": 3,
         "temperature_near_ovens": 30, "time_near_readings": 2,
     },
+    "kinds/slam": {"slam_within_law": 1, "slam_within_band": 1, "air_escapes": 0.1},
     "kinds/rod": {
         "rod_usable": 8, "waves_plane": 0.05, "sensors_agree": 3, "mass_beside_rod": 100,
         "lines_of_one_solid": 1.5,
@@ -1541,7 +1552,7 @@ LIMITS = {
     "door": {
         "door_modes_informed": 1, "seal_touches": 0, "stations_suffice": 1e-3,
         "modes_suffice": 5e-3, "shapes_known_there": 0.03, "masses_agree": 1.05, "door_held": 0,
-        "closing_informed": 1.0,
+        "closing_informed": 1.0, "line_holds_sideways": 0,
     },
     "vibration": {
         "seal_mass_negligible": 0.02, "mass_of_a_block": 1e-3, "compression_tested": 1,
@@ -1588,6 +1599,7 @@ GRADES = {
         "kinds/level": {"level_matters"},
         "kinds/hyperelastic": {"volume_known"},
         "kinds/csr": {"f0_read"},
+        "kinds/slam": {"air_escapes", "piece_length_given"},
         "io/readers": {"travel_of_a_seal", "force_of_a_seal", "ramp_not_slow"},
         "fitting/nonlinear_ramp": {"clocks_agree", "offset_believable", "drift_believable"},
         "workflow": {

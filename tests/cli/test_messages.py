@@ -59,6 +59,7 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "vibration/systems/operating_point.py:operating_point": ("predict",),
     "kinds/csr/": ("fit",),
     "kinds/csr/aged.py": ("predict",),
+    "kinds/slam/": ("predict",),
     "workflow/levels.py": ("fit",),
     "workflow/at_level.py": ("predict",),
     "workflow/checks.py:base_band_informed": ("predict",),

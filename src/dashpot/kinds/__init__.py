@@ -33,7 +33,16 @@ def load(word: str) -> Any:
 
 
 Meant: TypeAlias = Literal[
-    "bench", "hits", "modes", "level", "rod", "cld", "stress-strain", "indentation", "csr"
+    "bench",
+    "hits",
+    "modes",
+    "level",
+    "rod",
+    "cld",
+    "stress-strain",
+    "indentation",
+    "csr",
+    "plug-in",
 ]
 """What records of one kind are fitted as."""
 
@@ -267,6 +276,15 @@ KINDS: Mapping[str, KindOfTest] = MappingProxyType({kind.name: kind for kind in 
         checks="kinds.level.checks",
         examples="kinds.level.examples:EXAMPLES",
     ),
+    KindOfTest(
+        "plug-in", "kinds.plugged.read:read_plugged", "kinds.plugged.from_files:plugged_files",
+        meant="plug-in",
+        nouns={
+            "kinds.plugged.record:PluggedTest": "",
+            "kinds.plugged.record:PluggedFit": "",
+        },
+        fits="kinds.plugged.fit:fit_plugged",
+    ),
     KindOfTest("seal-line"),
     KindOfTest("free-modes", "door.read_modes:read_modes"),
 )})  # fmt: skip
@@ -279,6 +297,7 @@ _NOUNS = {noun: kind for kind in KINDS.values() for noun in kind.nouns}
 FIGURES = {noun: figure for kind in KINDS.values() for noun, figure in kind.nouns.items()} | {
     "door.result:DoorResult": "door.figure:door",
     "door.closing_result:ClosingResult": "door.closing_figure:closing",
+    "kinds.slam.predicted:Slam": "kinds.slam.figure:slam",
 }
 """What draws each noun of a kind, and those of a door, which is no kind of test."""
 
