@@ -860,6 +860,7 @@ SEALS = [
         0.01,
     ),
     Case("line_closed", lambda x: seals.line_closed(4.0, x), 0.0, 0.001),
+    Case("line_holds_sideways", lambda x: seals.line_holds_sideways(x, 0.354), 0, 1),
     Case("stations_suffice", lambda x: seals.stations_suffice(x, 0.025), 0.99e-3, 1.01e-3),
     Case("modes_suffice", lambda x: seals.modes_suffice(x, 12, 300.0), 4.99e-3, 5.01e-3),
     Case("shapes_known_there", lambda x: seals.shapes_known_there(x, "latch"), 0.0299, 0.0301),
@@ -1568,7 +1569,7 @@ LIMITS = {
     "door": {
         "door_modes_informed": 1, "seal_touches": 0, "stations_suffice": 1e-3,
         "modes_suffice": 5e-3, "shapes_known_there": 0.03, "masses_agree": 1.05, "door_held": 0,
-        "closing_informed": 1.0,
+        "closing_informed": 1.0, "line_holds_sideways": 0,
     },
     "vibration": {
         "seal_mass_negligible": 0.02, "mass_of_a_block": 1e-3, "compression_tested": 1,

@@ -33,7 +33,17 @@ def load(word: str) -> Any:
 
 
 Meant: TypeAlias = Literal[
-    "bench", "hits", "modes", "level", "rod", "cld", "stress-strain", "indentation", "csr", "slam"
+    "bench",
+    "hits",
+    "modes",
+    "level",
+    "rod",
+    "cld",
+    "stress-strain",
+    "indentation",
+    "csr",
+    "slam",
+    "plug-in",
 ]
 """What records of one kind are fitted as."""
 
@@ -277,6 +287,15 @@ KINDS: Mapping[str, KindOfTest] = MappingProxyType({kind.name: kind for kind in 
         "cyclic", _RELAXATION, "workflow.levels:level_files", page="level", meant="level",
         checks="kinds.level.checks",
         examples="kinds.level.examples:EXAMPLES",
+    ),
+    KindOfTest(
+        "plug-in", "kinds.plugged.read:read_plugged", "kinds.plugged.from_files:plugged_files",
+        meant="plug-in",
+        nouns={
+            "kinds.plugged.record:PluggedTest": "",
+            "kinds.plugged.record:PluggedFit": "",
+        },
+        fits="kinds.plugged.fit:fit_plugged",
     ),
     KindOfTest("seal-line"),
     KindOfTest("free-modes", "door.read_modes:read_modes"),

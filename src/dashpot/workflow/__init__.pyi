@@ -3,6 +3,7 @@ from dashpot.door.closing_files import close_file as close_file
 from dashpot.door.from_files import DoorResult as DoorResult
 from dashpot.door.from_files import door_file as door_file
 from dashpot.door.from_files import open_door as open_door
+from dashpot.door.from_files import shear_of as shear_of
 from dashpot.door.read import read_door as read_door
 from dashpot.export import UNIT_SYSTEMS as UNIT_SYSTEMS
 from dashpot.export import deck_for as deck_for

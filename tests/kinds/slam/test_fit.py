@@ -228,7 +228,7 @@ ROWS = {
     (THREE, 0.01, 0.05): 3.5,
     (THREE, 0.01, 0.005): 3.1,
 }
-"""Of speeds, by what law and speeds are known to: Cramer and Rao's least deviation of the loss, %."""
+"""Of speeds, and what law and speeds are known to: Cramer and Rao's least deviation, %."""
 
 
 @pytest.mark.slow

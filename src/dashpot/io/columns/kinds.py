@@ -27,7 +27,7 @@ from dashpot.io.table import FileTable
 FileKind: TypeAlias = Literal[
     "relaxation", "impact", "frf", "transmissibility", "dma", "master-curve", "strain-sweep",
     "temperature-sweep", "one-frequency", "modulus", "creep", "indentation", "cld", "cyclic",
-    "stress-strain", "csr", "slam", "seal-line", "free-modes", "not-a-test", "unclear",
+    "stress-strain", "csr", "slam", "seal-line", "free-modes", "plug-in", "not-a-test", "unclear",
 ]  # fmt: skip
 
 SWEEPS: tuple[FileKind, ...] = (
@@ -100,6 +100,11 @@ RECOGNISED: Mapping[str, KindOfFile] = MappingProxyType({
         by_hand=True,
     ),
     "cyclic": KindOfFile("a cyclic run without a hold", "use dashpot fit", RAMP),
+    "plug-in": KindOfFile(
+        "a test of a plug-in's kind", "use dashpot fit",
+        ("time", "displacement", "force", "stress", "strain", "temperature", "frequency"),
+        by_hand=True,
+    ),
     "seal-line": KindOfFile(
         "points of a seal line", "a door file names it: [seal] points, for dashpot predict"
     ),
@@ -356,7 +361,7 @@ def kind_of(table: FileTable, options: ReadOptions) -> tuple[FileKind, str]:
     What only a record's motion tells, `dashpot.io.readers.recognise` adds.
     """
     if options.kind is not None:
-        return known_kind(options.kind), "as was said"
+        return known_kind(options.kind)
     named = _NamedColumns(table, options)
     swept = named.swept()
     peaks = None if swept or two_signals(table, options) else cycle_peaks(table)
@@ -377,22 +382,28 @@ def kind_of(table: FileTable, options: ReadOptions) -> tuple[FileKind, str]:
     return kind, reason
 
 
-def known_kind(word: str) -> FileKind:
-    """Return the word of a kind that a user gives.
+def known_kind(word: str) -> tuple[FileKind, str]:
+    """Return the kind that a user says a file is, by its word or by that of a plug-in, and why.
 
     Raises
     ------
     ReadError
         If there is none, with the nearest.
     """
-    if word in RECOGNISED:
-        return cast("FileKind", word)
-    from difflib import get_close_matches  # few need it, and it costs time to import
+    if word in RECOGNISED and word != "plug-in":
+        return cast("FileKind", word), "as was said"
+    from difflib import get_close_matches  # few need them, and they cost time to import
 
+    from dashpot.base.plugins import named, offered_too
+
+    plugged = named("kinds", word)
+    if plugged is not None:
+        return "plug-in", f"for {plugged.says}, as was said"
     near = get_close_matches(word, RECOGNISED, 1)
     raise ReadError(
         f"'{word}' is no kind of file. "
         + (f"Did you mean '{near[0]}'?" if near else f"Kinds are {', '.join(RECOGNISED)}.")
+        + offered_too("kinds")
     )
 
 

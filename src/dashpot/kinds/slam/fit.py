@@ -106,7 +106,7 @@ def fit_slams(
             "the record with dashpot inspect"
         )
     found = estimate(best, parts=[len(one.time) for one in hits], prior_variance=1.0)
-    return _Told(tuple(records), slams, found, fit).whole
+    return _SlamsSolved(tuple(records), slams, found, fit).whole
 
 
 def _longer(records: Sequence[SlamTest], fit: Fit | None) -> float:
@@ -117,7 +117,7 @@ def _longer(records: Sequence[SlamTest], fit: Fit | None) -> float:
 
 
 @dataclass(frozen=True, eq=False)
-class _Told:
+class _SlamsSolved:
     """What the slams say, at their optimum."""
 
     records: tuple[SlamTest, ...]
