@@ -36,6 +36,9 @@ fit tension.csv biaxial.csv --test uniaxial --test biaxial --plot law.svg
 fit hit.csv --mass 5g --radius 5mm --drop-height 51mm --plot hit.svg
 fit ovens.csv --machine oven=1K -o csr.json --plot csr.svg
 predict csr.json --temperature 70degC --until 50% --until 1000h --plot aged.svg
+fit cld_1.csv --length 100mm --compression 6mm --memory fit.json -o law.json
+predict law.json --slam 0.3m/s --mass 200g --plot slam.svg
+fit slam.csv --mass 200g --slam 0.3m/s --memory fit.json --plot slams.svg
 fit rod.csv --shape disc:20mm,20mm --density 1000 --mass 31.4g --arms 1 --plot rod.svg
 fit shaker_20mN.csv shaker_500mN.csv --level 0.02N --level 0.5N --mass 114.8g --plot levels.svg
 fit loops.csv --plot loops.svg

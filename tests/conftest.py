@@ -14,6 +14,7 @@ from hypothesis import settings
 for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
     os.environ.setdefault(name, "1")
 
+import numpy as np  # noqa: E402
 from kit.cost import waiting  # noqa: E402
 from kit.fuzzing import Fuzzer  # noqa: E402
 
@@ -34,6 +35,17 @@ collect_ignore = ["public_use.py"]
 # how long an example takes is the machine's affair
 settings.register_profile("dashpot", deadline=None)
 settings.load_profile("dashpot")
+
+
+@pytest.fixture(autouse=True)
+def same_numbers(request: pytest.FixtureRequest) -> Iterator[None]:
+    """A module's generator gives each of its tests the same numbers, whatever ran before."""
+    names = vars(request.module) if isinstance(request.node, pytest.Function) else {}
+    ours = [g for g in names.values() if isinstance(g, np.random.Generator)]
+    states = [g.bit_generator.state for g in ours]
+    yield
+    for g, state in zip(ours, states, strict=True):
+        g.bit_generator.state = state
 
 
 @pytest.hookimpl(tryfirst=True)

@@ -4,8 +4,10 @@ from dashpot.door.slam import Closing as Closing
 from dashpot.door.slam import close_door as close_door
 from dashpot.records.free_modes import FreeModes as FreeModes
 from dashpot.records.seal_line import Joint as Joint
+from dashpot.records.seal_line import LineFriction as LineFriction
 from dashpot.records.seal_line import SealLine as SealLine
 from dashpot.records.seal_line import SealSection as SealSection
+from dashpot.records.seal_line import Shear as Shear
 from dashpot.solids.part import Block as Block
 from dashpot.solids.part import Bulb as Bulb
 from dashpot.solids.part import Bush as Bush

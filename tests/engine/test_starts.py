@@ -58,15 +58,16 @@ def test_the_best_set_of_grid_points_is_that_of_brute_force(arms: int, seen: int
 
 
 def test_a_pair_is_started_from_between_the_grid_points() -> None:
-    from_start, from_points = 0.0, 0.0
-    for _ in range(12):
+    from_start, from_points = [], []
+    for _ in range(24):
         stack = Stack([hold_block(TIME, record(2))])
         grid = Grid(stack, 48)
         start, found = paired(grid), solve(stack.blocks, 2).log_tau
         assert start is not None
-        from_start += np.abs(start - found).max()
-        from_points += np.abs(grid.log_tau[:, None] - found).min(axis=0).max()
-    assert from_start < 0.5 * from_points
+        from_start.append(np.abs(start - found).max())
+        from_points.append(np.abs(grid.log_tau[:, None] - found).min(axis=0).max())
+    # a pair that the noise hides is found elsewhere, so the middle one is asked
+    assert np.median(from_start) < 0.5 * np.median(from_points)
 
 
 def test_rising_data_have_no_set_of_positive_arms() -> None:

@@ -301,6 +301,25 @@ def test_rows_that_are_hardly_alike_have_their_time(
         assert len(read(tmp_path, text).time) == len(time)
 
 
+@pytest.mark.parametrize(("most", "refuses"), [(2.5, True), (3.5, False)])
+def test_all_readings_of_a_file_share_its_time(
+    monkeypatch: pytest.MonkeyPatch, most: float, refuses: bool
+) -> None:
+    monkeypatch.setattr(budget, "seconds_for", lambda _: most / budget._OF_IT)
+    now = iter([0.0, 1.0, 100.0, 102.0])
+    monkeypatch.setattr(budget.time, "thread_time", lambda: next(now))
+    patience = budget.Patience(1)
+    with patience.counted():
+        pass
+    now = iter([100.0, 102.0, 102.0])
+    with patience.counted():
+        if refuses:
+            with pytest.raises(ReadError, match="up to line 7"):
+                patience.asked(7)
+        else:
+            patience.asked(7)
+
+
 def test_a_remark_that_stands_again_costs_its_line_alone(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

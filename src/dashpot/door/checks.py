@@ -73,6 +73,20 @@ def seal_touches(part: float, *, length: float, least: float, where: float, most
     )
 
 
+@criterion("motions", "<=", 0, "our choice: a tenth of a seal as stiff sideways as it is pressed")
+def line_holds_sideways(motions: int, slowest: float | None) -> Finding:
+    """What holds the door sideways is there: hinges, latch, or the shear of its seal."""
+    several = motions > 1
+    near = "" if slowest is None else f" from {slowest:.3g} Hz"
+    return Finding(
+        "Hinges, latch or bumpers hold the door where its seal line does not, in its plane",
+        motions,
+        instead=f"In-plane motion is held by nothing: no shear is given, and {motions} "
+        f"motion{'s' * several} {'are' if several else 'is'} free{near}",
+        remedy="Give across and along in [seal.shear].",
+    )
+
+
 @criterion(source="our choice: most door seals are closed", grade="note")
 def line_closed(length: float, apart: float) -> Finding:
     """The seal line ends where it begins."""

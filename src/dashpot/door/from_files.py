@@ -19,6 +19,7 @@ from dashpot.door.modes import (
     basis_error,
     door_modes,
     farthest,
+    left_sideways,
     loose_motions,
     oscillations,
     station_error,
@@ -26,7 +27,7 @@ from dashpot.door.modes import (
 from dashpot.door.mounts import SEAL
 from dashpot.door.read import read_door
 from dashpot.door.read_modes import read_modes
-from dashpot.door.record import Door, DoorPoint
+from dashpot.door.record import Door, DoorPoint, SealChoice
 from dashpot.door.result import DoorResult, Shaken
 from dashpot.fitting.temperature.checks import temperature_tested
 from dashpot.io.readers.psd import read_psd
@@ -34,7 +35,7 @@ from dashpot.io.source import about
 from dashpot.records.compression import refuse_far
 from dashpot.records.fit import Fit
 from dashpot.records.free_modes import FreeModes
-from dashpot.records.seal_line import SealLine, SealSection
+from dashpot.records.seal_line import SealLine, SealSection, Shear
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.checks import compression_tested
 from dashpot.vibration.systems.bodies import Point
@@ -81,13 +82,43 @@ def open_door(
             choice_of_seal = door.seal
             fit = read_fit(choice_of_seal.fit)
             kelvin = choice_of_seal.temperature if temperature is None else temperature
-            section = SealSection.of(fit, length=choice_of_seal.length, temperature=kelvin)
+            section = SealSection.of(
+                fit,
+                length=choice_of_seal.length,
+                temperature=kelvin,
+                shear=shear_of(choice_of_seal, kelvin),
+                friction=choice_of_seal.friction,
+            )
             fit = fit if kelvin is None else fit.at_temperature(kelvin)
             if door.line.compression is not None:
                 most = float(door.line.compression.max())
                 refuse_far(most, fit.elastic_law, fit.specimen.height)
             door = replace(door, line=replace(door.line, section=section))
         return Assembly(door, modes, dict(_parts_of(door))), fit
+
+
+def shear_of(choice: SealChoice, temperature: float | None) -> Shear:
+    """What the seal of a door answers sideways: ratios, or one metre of what was tested so.
+
+    Raises
+    ------
+    ReadError
+        If a fit cannot be read.
+    DataError
+        If it is of no part, of another temperature, or its length is not known.
+    """
+    said = choice.shear
+
+    def read(one: float | str) -> float | Solid:
+        if not isinstance(one, str):
+            return one
+        fit = read_fit(one)
+        try:
+            return SealSection.of(fit, length=said.length, temperature=temperature).solid
+        except DataError as error:
+            raise DataError(f"{one}: {error}") from None
+
+    return Shear(read(said.across), read(said.along))
 
 
 def named(path: str | Path | Door) -> AbstractContextManager[None]:
@@ -184,8 +215,10 @@ def _corner(assembly: Assembly) -> DoorPoint:
     places = door.line.points if door.line else modes.place if modes else held
     away = np.linalg.norm(places[:, None] - held, axis=2).min(axis=1)
     x, y, z = places[int(away.argmax())].tolist()
-    along = door.line.normal[int(away.argmax())].tolist() if door.line else [0.0, 0.0, 1.0]
-    return DoorPoint("farthest from the hinges", (x, y, z), tuple(along))
+    a, b, c = (0.0, 0.0, 1.0)
+    if door.line:
+        a, b, c = door.line.normal_at(door.line.along[int(away.argmax())]).tolist()
+    return DoorPoint("farthest from the hinges", (x, y, z), (a, b, c))
 
 
 def _place(one: DoorPoint) -> Point:
@@ -226,6 +259,9 @@ def _asked(
     """Every check of a door."""
     door = assembly.door
     yield asked.door_held(loose_motions(assembly.system()))
+    section = None if door.line is None else door.line.section
+    if section is not None and not section.shear.holds:
+        yield asked.line_holds_sideways(*left_sideways(assembly))
     if fit is not None and door.line is not None:
         felt = [(one.mode.frequency, max(one.share(SEAL), one.loss_share(SEAL))) for one in modes]
         yield asked.door_modes_informed(felt, fit.band)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -101,14 +102,21 @@ class ElasticLaw(Documented):
     def path(self, x: npt.ArrayLike) -> FloatArray:
         """The compression of a linear seal with the same force, m: the force over `stiffness`."""
         x = np.asarray(x, dtype=float)
-        knots, ratio = np.asarray(self.knots), np.asarray(self.ratio)
-        slope = np.diff(ratio) / np.diff(knots)
-        below = np.concatenate(([0.0], np.cumsum(np.diff(knots) * (ratio[1:] + ratio[:-1]) / 2)))
-        i = np.clip(np.searchsorted(knots, x, side="right") - 1, 0, len(slope) - 1)
-        step = np.clip(x, 0.0, knots[-1]) - knots[i]
-        inside = below[i] + step * (ratio[i] + 0.5 * slope[i] * step)
-        beyond = np.minimum(x, 0.0) * ratio[0] + np.maximum(x - knots[-1], 0.0) * ratio[-1]
+        knots, ratio, bend, below = self._stretches
+        within = np.minimum(np.maximum(x, 0.0), knots[-1])
+        i = knots[1:-1].searchsorted(within, side="right")
+        step = within - knots[i]
+        inside = below[i] + step * (ratio[i] + bend[i] * step)
+        beyond = np.where(x < 0.0, ratio[0], ratio[-1]) * (x - within)
         return np.asarray(inside + beyond)
+
+    @cached_property
+    def _stretches(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """Knots and t there, half the slope of t from each to the next, and the path at each."""
+        knots, ratio = np.asarray(self.knots), np.asarray(self.ratio)
+        wide = np.diff(knots)
+        below = np.concatenate(([0.0], np.cumsum(wide * (ratio[1:] + ratio[:-1]) / 2)))
+        return knots, ratio, 0.5 * np.diff(ratio) / wide, below
 
     def secant(self, x: npt.ArrayLike) -> FloatArray:
         """Secant stiffness F_e/x, N/m; at x = 0 its limit."""

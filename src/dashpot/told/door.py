@@ -73,6 +73,14 @@ def _line(found: workflow.DoorResult) -> list[str]:
     count, stiffness = seal.stations, rounded(in_unit(seal.stiffness, "N/mm"))
     length = rounded(seal.line.length)
     said = [f"  seal line {length} m, {closed}, {count} stations, k_inf {stiffness} N/mm in all"]
+    across, along = (rounded(in_unit(one, "N/mm")) for one in seal.sideways)
+    if seal.section.shear.holds:
+        said.append(f"  sideways {across} N/mm across the line and {along} N/mm along it in all")
+    if seal.sticks is not None:
+        said.append(
+            f"  its friction sticks sideways up to {rounded(in_unit(seal.sticks, 'mm'), digits=3)} "
+            "mm; the modes are of a seal that sticks"
+        )
     if seal.compression is not None and seal.force is not None:
         least, mean, most = (rounded(in_unit(one, "mm"), digits=3) for one in seal.compression)
         said.append(

@@ -11,7 +11,8 @@ from dashpot.io.options import ReadOptions
 from dashpot.io.source import Raw, about
 from dashpot.io.table import FileTable
 
-_FOREIGN = {"hdf5", "matlab", "tdms", "trios", "uff"}
+_PLUGGED = "plugged"
+_FOREIGN = {"hdf5", "matlab", "tdms", "trios", "uff", _PLUGGED}
 """Formats whose whole reading is left to a child; a workbook's is left to it up to the text."""
 _SHEETED = {"hdf5", "tdms", "workbook"}
 """Formats whose sheets or groups are named."""
@@ -57,7 +58,11 @@ def read_table(raw: Raw, options: ReadOptions) -> FileTable:
 
 
 def _table(raw: Raw, options: ReadOptions) -> FileTable:
-    name = format_of(raw)
+    name, called = format_of(raw), ""
+    if options.format is not None:
+        from dashpot.base.plugins import wanted
+
+        name, called = _PLUGGED, wanted("formats", options.format).called
     if options.sheet is not None and name not in _SHEETED:
         raise ReadError(
             f"--part sheet={options.sheet}: this file has no sheets or groups; leave it out"
@@ -69,6 +74,6 @@ def _table(raw: Raw, options: ReadOptions) -> FileTable:
             return reader(raw, options)
         from dashpot.io.child.process import in_child
 
-        return in_child(name, reader, raw, options)
+        return in_child(called or name, reader, raw, options)
     except (MemoryError, OSError) as error:
         raise ReadError(f"cannot be read: {type(error).__name__} {error}") from None

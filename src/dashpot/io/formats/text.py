@@ -101,7 +101,7 @@ def _table(
             indexes,
             Heading(found.columns, _clock_orders(found, options), title(header)),
             sure=options.decimal is not None,
-            size=raw.size,
+            patience=raw.patience,
         )
 
     return FileTable(
