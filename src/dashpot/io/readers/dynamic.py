@@ -126,7 +126,7 @@ def _refuse_unlike(loaded: Loaded, values: Mapping[Role, FloatArray]) -> None:
     ReadError
         If the moduli of one are half as much again as those of another, or more.
     """
-    whole = np.isfinite(loaded.values).all(axis=1)
+    whole: BoolArray = np.all(np.isfinite(loaded.values), axis=1)
     blocks = [np.flatnonzero(part) for part in _blocks(loaded, whole)]
     sweeps = [
         (np.log(values["frequency"][at]), np.log(values["storage"][at]))
