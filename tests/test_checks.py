@@ -860,6 +860,7 @@ SEALS = [
         0.01,
     ),
     Case("line_closed", lambda x: seals.line_closed(4.0, x), 0.0, 0.001),
+    Case("line_closed", lambda x: seals.line_closed(4.0, 0.0, (0.02, 0.1, x)), 0.99, 1.01),
     Case("line_holds_sideways", lambda x: seals.line_holds_sideways(x, 0.354), 0, 1),
     Case("stations_suffice", lambda x: seals.stations_suffice(x, 0.025), 0.99e-3, 1.01e-3),
     Case("modes_suffice", lambda x: seals.modes_suffice(x, 12, 300.0), 4.99e-3, 5.01e-3),

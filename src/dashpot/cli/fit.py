@@ -133,7 +133,7 @@ _OPTIONS = (
         options.piece(each=True),
     ),
     options.reading(),
-    options.result("Keep the result: .json; of hits .csv or .uff."),
+    options.result("Keep the result: .json, .html; of hits .csv or .uff."),
 )  # fmt: skip
 for _one in chain.from_iterable(_OPTIONS):
     if _one.group not in {options.READING, options.RESULT}:

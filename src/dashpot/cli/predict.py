@@ -19,6 +19,7 @@ from dashpot.cli._options import MASS, RAMP
 from dashpot.cli._recognised import recognised
 from dashpot.cli._shell import File, Outcome, grams, printed, typed, write, write_figure
 from dashpot.cli._values import OneOf, WithUnit
+from dashpot.cli.fits._given import PAGE
 from dashpot.io.options import ReadOptions
 from dashpot.kinds import KINDS, PREDICTED, KindOfTest, load
 from dashpot.kinds.slam.asked import SlamAsked
@@ -111,12 +112,13 @@ def _of_kind(path: str, row: KindOfTest, said: dict[str, Any]) -> Outcome:
 def _alone(found: Any, said: dict[str, Any]) -> Outcome:
     """A prediction that is no FRF: its document and its picture."""
     output = said["output"]
-    if output and not output.lower().endswith(".json") and output != "-":
-        raise click.UsageError(f"-o {output}: this prediction is written as .json.")
+    page = bool(output) and output.lower().endswith(PAGE)
+    if output and not page and not output.lower().endswith(".json") and output != "-":
+        raise click.UsageError(f"-o {output}: this prediction is written as .json or .html.")
     if said["picture"]:
         write_figure(said["picture"], found.plot())
     if output:
-        write(output, printed(found) + "\n")
+        write(output, workflow.html(found) if page else printed(found) + "\n")
     return Outcome.of(found)
 
 

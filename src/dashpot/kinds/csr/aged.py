@@ -11,6 +11,7 @@ from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.facts import Fact
 from dashpot.base.offered import Judged
+from dashpot.base.provenance import Source
 from dashpot.base.units import Quantity, celsius, parse_quantity, si, written
 from dashpot.kinds.csr.checks import temperature_near_ovens, time_near_readings
 from dashpot.kinds.csr.law import FIRST, NEVER, AgingLaw
@@ -56,6 +57,11 @@ class Aged(Judged, Documented):
     def facts(self) -> tuple[Fact, ...]:
         """The answers."""
         return self.answers
+
+    @property
+    def sources(self) -> tuple[Source, ...]:
+        """Of the law."""
+        return self.aging.sources
 
     @property
     def verdict(self) -> Verdict:

@@ -29,8 +29,7 @@ def slam_within_law(deepest: float, depth: float | None) -> Finding:
 def slam_within_band(frequency: float, highest: float) -> Finding:
     """The contact is no faster than the fit informs."""
     return Finding(
-        f"The contact is half a cycle of {frequency:.3g} Hz, and the fit informs to "
-        f"{highest:.2g} Hz",
+        f"The contact is half a cycle of {frequency:.3g} Hz, and the fit holds to {highest:.2g} Hz",
         frequency / highest,
         "A fast arm that the test could not see takes from the rebound, the force hardly changes",
         "Fit a recorded slam, or a hammer test, too.",
@@ -79,8 +78,7 @@ def loss_determined(relative: float, frequency: float) -> Finding:
         relative,
         instead=f"The loss factor at {frequency:.3g} Hz is not determined: it is {known}",
         remedy=Remedy(
-            "Slam the mass at three speeds, and give the fit of a slow load deflection test.",
-            "memory", "law.json",
+            "Test three speeds, and give the fit of a load deflection test.", "memory", "law.json",
         ),
     )  # fmt: skip
 
@@ -91,7 +89,7 @@ def slams_followed(misfit: float) -> Finding:
     return Finding(
         f"What the motion leaves of the force is {misfit:.3g} times its scatter",
         misfit,
-        "The piece bends otherwise, the mass rings, or the sensor does",
+        "The piece bends otherwise, or the mass or the sensor oscillates",
         "Look at the picture. Fit slams of one range of speeds, or filter less in the sensor.",
     )
 
@@ -101,9 +99,8 @@ def slow_arms_known(*, given: bool) -> Finding:
     """The arms that are slow beside a contact are known."""
     return Finding(
         "The slow arms are known from another test",
-        instead="No relaxation test was given, so arms slower than a few contacts count as "
-        "stiffness, and their part of the loss is missing",
-        remedy=Remedy("Give the fit of a relaxation test of such a piece.", "memory", "fit.json"),
+        instead="No relaxation test was given, so the loss of slow arms is missing",
+        remedy=Remedy("Give the fit of a relaxation test.", "memory", "fit.json"),
         faulted=not given,
     )
 
@@ -125,11 +122,11 @@ def slam_speeds_spread(spread: float | None) -> Finding:
     if spread is None:
         return Finding("The law is known, so one speed will do")
     return Finding(
-        f"The fastest slam is {spread:.3g} times as fast as the slowest, and the law is free",
+        f"The fastest slam is {spread:.3g} times the slowest, and the law is free",
         spread,
         "What bends and what has memory then look alike",
         Remedy(
-            "Slam at three speeds, or give the fit of a load deflection test.", "memory", "law.json"
+            "Test three speeds, or give the fit of a load deflection test.", "memory", "law.json"
         ),
     )
 
@@ -156,7 +153,7 @@ def slams_apart(rest: float | None) -> Finding:
         f"A slam follows {rest:.3g} contacts after the one before",
         rest,
         "Slow arms still carry what the one before left",
-        "Catch the mass after its rebound, or cut the record.",
+        "Leave more time between slams, or cut the record.",
     )
 
 
