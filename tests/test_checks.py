@@ -1028,6 +1028,7 @@ CSR = [
     Case("aging_beside_drift", lambda x: csr.aging_beside_drift(1e-9 * x, 1e-9), 3.01, 2.99),
     Case("aging_beside_drift", lambda x: csr.aging_beside_drift(x / 3.6e8, None), 3.01, 2.99),
     Case("temperature_near_ovens", lambda x: csr.temperature_near_ovens(x, 300.0), 29.9, 30.1),
+    Case("stiffness_follows_force", csr.stiffness_follows_force, 0.0999, 0.1001),
     Case("time_near_readings", lambda x: csr.time_near_readings(x, 3.6e6), 1.99, 2.01),
 ]
 
@@ -1544,7 +1545,7 @@ LIMITS = {
     "kinds/csr": {
         "force_falls": 3, "f0_read": 2, "readings_scatter": 3, "chemistry_seen": 4,
         "ovens_enough": 3, "ovens_on_a_line": 9, "aging_beside_drift": 3,
-        "temperature_near_ovens": 30, "time_near_readings": 2,
+        "temperature_near_ovens": 30, "time_near_readings": 2, "stiffness_follows_force": 0.1,
     },
     "kinds/slam": {
         "slam_within_law": 1, "slam_within_band": 1, "air_escapes": 0.1, "loss_determined": 0.25,
