@@ -860,6 +860,7 @@ SEALS = [
         0.01,
     ),
     Case("line_closed", lambda x: seals.line_closed(4.0, x), 0.0, 0.001),
+    Case("line_closed", lambda x: seals.line_closed(4.0, 0.0, (0.02, 0.1, x)), 0.99, 1.01),
     Case("line_holds_sideways", lambda x: seals.line_holds_sideways(x, 0.354), 0, 1),
     Case("stations_suffice", lambda x: seals.stations_suffice(x, 0.025), 0.99e-3, 1.01e-3),
     Case("modes_suffice", lambda x: seals.modes_suffice(x, 12, 300.0), 4.99e-3, 5.01e-3),
@@ -1027,6 +1028,7 @@ CSR = [
     Case("aging_beside_drift", lambda x: csr.aging_beside_drift(1e-9 * x, 1e-9), 3.01, 2.99),
     Case("aging_beside_drift", lambda x: csr.aging_beside_drift(x / 3.6e8, None), 3.01, 2.99),
     Case("temperature_near_ovens", lambda x: csr.temperature_near_ovens(x, 300.0), 29.9, 30.1),
+    Case("stiffness_follows_force", csr.stiffness_follows_force, 0.0999, 0.1001),
     Case("time_near_readings", lambda x: csr.time_near_readings(x, 3.6e6), 1.99, 2.01),
 ]
 
@@ -1543,7 +1545,7 @@ LIMITS = {
     "kinds/csr": {
         "force_falls": 3, "f0_read": 2, "readings_scatter": 3, "chemistry_seen": 4,
         "ovens_enough": 3, "ovens_on_a_line": 9, "aging_beside_drift": 3,
-        "temperature_near_ovens": 30, "time_near_readings": 2,
+        "temperature_near_ovens": 30, "time_near_readings": 2, "stiffness_follows_force": 0.1,
     },
     "kinds/slam": {
         "slam_within_law": 1, "slam_within_band": 1, "air_escapes": 0.1, "loss_determined": 0.25,

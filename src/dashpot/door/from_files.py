@@ -258,10 +258,10 @@ def _asked(
 ) -> Iterator[Check]:
     """Every check of a door."""
     door = assembly.door
-    yield asked.door_held(loose_motions(assembly.system()))
     section = None if door.line is None else door.line.section
     if section is not None and not section.shear.holds:
         yield asked.line_holds_sideways(*left_sideways(assembly))
+    yield asked.door_held(loose_motions(assembly.system()))
     if fit is not None and door.line is not None:
         felt = [(one.mode.frequency, max(one.share(SEAL), one.loss_share(SEAL))) for one in modes]
         yield asked.door_modes_informed(felt, fit.band)
@@ -275,7 +275,8 @@ def _asked(
 def _asked_of_line(line: SealLine, assembly: Assembly, fit: Fit, below: float) -> Iterator[Check]:
     """Whether the seal is all there, finely enough, and pressed as it was tested."""
     apart = float(np.linalg.norm(line.points[0] - line.points[-1]))
-    yield asked.line_closed(line.length, 0.0 if line.closed else apart)
+    pieces = np.diff(line.along).tolist()
+    yield asked.line_closed(line.length, 0.0 if line.closed else apart, pieces)
     yield asked.stations_suffice(station_error(assembly, below), assembly.door.pitch)
     stations = line.stations(assembly.door.pitch)
     pressed = stations.compression
