@@ -23,6 +23,7 @@ from dashpot.vibration.systems.energy import energy_shares as energy_shares
 from dashpot.vibration.systems.level import response_at_level as response_at_level
 from dashpot.vibration.systems.prediction import isolation_frequency as isolation_frequency
 from dashpot.vibration.systems.prediction import predict_frf as predict_frf
+from dashpot.vibration.systems.preloaded import PreloadedMass as PreloadedMass
 from dashpot.vibration.systems.random_base import random_base as random_base
 from dashpot.vibration.systems.random_base import random_response as random_response
 from dashpot.vibration.systems.system import System as System

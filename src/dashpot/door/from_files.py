@@ -107,18 +107,31 @@ def shear_of(choice: SealChoice, temperature: float | None) -> Shear:
     DataError
         If it is of no part, of another temperature, or its length is not known.
     """
-    said = choice.shear
-
-    def read(one: float | str) -> float | Solid:
+    said, band = choice.shear, None
+    found: list[float | Solid] = []
+    for one in (said.across, said.along):
         if not isinstance(one, str):
-            return one
+            found.append(one)
+            continue
         fit = read_fit(one)
         try:
-            return SealSection.of(fit, length=said.length, temperature=temperature).solid
+            section = SealSection.of(fit, length=said.length, temperature=temperature)
         except DataError as error:
             raise DataError(f"{one}: {error}") from None
+        found.append(section.solid)
+        band = _of_both(band, section.band)
+    across, along = found
+    return Shear(across, along, band)
 
-    return Shear(read(said.across), read(said.along))
+
+def _of_both(
+    one: tuple[float, float] | None, other: tuple[float, float] | None
+) -> tuple[float, float] | None:
+    """The frequencies that both tests inform, Hz; (0, 0) where they have none in common."""
+    if one is None or other is None:
+        return one or other
+    low, high = max(one[0], other[0]), min(one[1], other[1])
+    return (low, high) if low <= high else (0.0, 0.0)
 
 
 def named(path: str | Path | Door) -> AbstractContextManager[None]:
@@ -258,13 +271,15 @@ def _asked(
 ) -> Iterator[Check]:
     """Every check of a door."""
     door = assembly.door
-    yield asked.door_held(loose_motions(assembly.system()))
     section = None if door.line is None else door.line.section
     if section is not None and not section.shear.holds:
         yield asked.line_holds_sideways(*left_sideways(assembly))
+    yield asked.door_held(loose_motions(assembly.system()))
     if fit is not None and door.line is not None:
         felt = [(one.mode.frequency, max(one.share(SEAL), one.loss_share(SEAL))) for one in modes]
-        yield asked.door_modes_informed(felt, fit.band)
+        section = door.line.section
+        band = fit.band if section is None else _of_both(fit.band, section.shear.band)
+        yield asked.door_modes_informed(felt, band)
         yield from _asked_of_line(door.line, assembly, fit, below)
         if fit.temperatures is not None and fit.specimen.temperature is not None:
             yield temperature_tested(fit.temperatures, fit.specimen.temperature)
@@ -275,7 +290,8 @@ def _asked(
 def _asked_of_line(line: SealLine, assembly: Assembly, fit: Fit, below: float) -> Iterator[Check]:
     """Whether the seal is all there, finely enough, and pressed as it was tested."""
     apart = float(np.linalg.norm(line.points[0] - line.points[-1]))
-    yield asked.line_closed(line.length, 0.0 if line.closed else apart)
+    pieces = np.diff(line.along).tolist()
+    yield asked.line_closed(line.length, 0.0 if line.closed else apart, pieces)
     yield asked.stations_suffice(station_error(assembly, below), assembly.door.pitch)
     stations = line.stations(assembly.door.pitch)
     pressed = stations.compression

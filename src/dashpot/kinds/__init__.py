@@ -42,6 +42,7 @@ Meant: TypeAlias = Literal[
     "stress-strain",
     "indentation",
     "csr",
+    "slam",
     "plug-in",
 ]
 """What records of one kind are fitted as."""
@@ -272,6 +273,17 @@ KINDS: Mapping[str, KindOfTest] = MappingProxyType({kind.name: kind for kind in 
         follow="predict FILE --temperature 70degC --until 50%",
     ),
     KindOfTest(
+        "slam", "kinds.slam.read:read_slams", "kinds.slam.from_files:slam_files", meant="slam",
+        nouns={
+            "kinds.slam.record:SlamTest": "",
+            "kinds.slam.record:SlamFit": "kinds.slam.figure:slams",
+            "kinds.slam.predicted:Slam": "kinds.slam.figure:slam",
+        },
+        checks="kinds.slam.checks",
+        examples="kinds.slam.examples:EXAMPLES",
+        fits="kinds.slam.fit:fit_slams", takes=("mass", "slam", "memory", "specimen"),
+    ),
+    KindOfTest(
         "cyclic", _RELAXATION, "workflow.levels:level_files", page="level", meant="level",
         checks="kinds.level.checks",
         examples="kinds.level.examples:EXAMPLES",
@@ -297,7 +309,6 @@ _NOUNS = {noun: kind for kind in KINDS.values() for noun in kind.nouns}
 FIGURES = {noun: figure for kind in KINDS.values() for noun, figure in kind.nouns.items()} | {
     "door.result:DoorResult": "door.figure:door",
     "door.closing_result:ClosingResult": "door.closing_figure:closing",
-    "kinds.slam.predicted:Slam": "kinds.slam.figure:slam",
 }
 """What draws each noun of a kind, and those of a door, which is no kind of test."""
 

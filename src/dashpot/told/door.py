@@ -32,9 +32,9 @@ def door(found: workflow.DoorResult, *, every: bool = False) -> Text:
                 _beyond(found, one.mode.frequency),
             ]
         )
-    bare = ", ".join(rounded(f) for f in found.bare) or "none"
+    bare = f"{', '.join(rounded(f) for f in found.bare)} Hz" if found.bare else "none"
     lines += table(rows) if found.modes else [f"  no mode in {hertz(found.band)}"]
-    lines.append(f"  modes without the seal: {bare} Hz")
+    lines.append(f"  modes without the seal: {bare}")
     shares = [["% of the energy", *parts], *_shares(found, parts, loss=False)]
     losses = [["% of the loss", *parts], *_shares(found, parts, loss=True)]
     tables = [*table(shares), *table(losses)] if found.modes else []

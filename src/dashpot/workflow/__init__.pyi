@@ -16,6 +16,7 @@ from dashpot.kinds.cld.record import RateLaw as RateLaw
 from dashpot.kinds.cld.record import RelaxedLaw as RelaxedLaw
 from dashpot.kinds.hyperelastic.from_files import hyperelastic_files as hyperelastic_files
 from dashpot.kinds.indentation.from_files import indent_file as indent_file
+from dashpot.kinds.slam.from_files import slam_files as slam_files
 from dashpot.kinds.slam.predicted import predict_slam as predict_slam
 from dashpot.planning.bench import Bench as Bench
 from dashpot.planning.plan import plan as plan

@@ -27,7 +27,7 @@ from dashpot.io.table import FileTable
 FileKind: TypeAlias = Literal[
     "relaxation", "impact", "frf", "transmissibility", "dma", "master-curve", "strain-sweep",
     "temperature-sweep", "one-frequency", "modulus", "creep", "indentation", "cld", "cyclic",
-    "stress-strain", "csr", "seal-line", "free-modes", "plug-in", "not-a-test", "unclear",
+    "stress-strain", "csr", "slam", "seal-line", "free-modes", "plug-in", "not-a-test", "unclear",
 ]  # fmt: skip
 
 SWEEPS: tuple[FileKind, ...] = (
@@ -86,6 +86,10 @@ RECOGNISED: Mapping[str, KindOfFile] = MappingProxyType({
     "indentation": KindOfFile(
         "a contact of an indenter", "use dashpot fit with its mass", ("time", "velocity"), True
     ),
+    "slam": KindOfFile(
+        "a record of slams of a mass on a piece", "use dashpot fit with its mass",
+        ("time", "force"), True,
+    ),
     "stress-strain": KindOfFile(
         "stress over strain of a material",
         "use dashpot fit; of a relaxation test multiply by area and height first",
@@ -110,6 +114,7 @@ RECOGNISED: Mapping[str, KindOfFile] = MappingProxyType({
 })  # fmt: skip
 """Every kind that a file can be seen to be; what else is of a kind, ``dashpot.kinds`` names."""
 
+_SLAM = {"slam", "slams", "slammed"}
 _SIGNALS = {"force", "displacement", "stress", "strain"}
 
 
@@ -226,6 +231,12 @@ class _NamedColumns:
             self.accelerated() or any(self.has(one) for one in ("displacement", "force"))
         )
 
+    def slammed(self) -> bool:
+        """Whether a slam is named beside a force or the motion of its mass."""
+        said = " ".join((*self.table.header, *(c.name for c in self.table.columns)))
+        named = not _SLAM.isdisjoint(vocabulary.tokens(said))
+        return named and self.timed() and (self.has("force") or self.accelerated())
+
     def placed(self, *more: str) -> bool:
         """Whether the columns are named x, y and z, and so."""
         return {"x", "y", "z", *more} <= {vocabulary.plain(c.name) for c in self.table.columns}
@@ -274,6 +285,11 @@ _RULES: tuple[tuple[FileKind, str, Callable[[_NamedColumns], bool]], ...] = (
         "indentation",
         "it has time and the acceleration or velocity of an indenter",
         _NamedColumns.indented,
+    ),
+    (
+        "slam",
+        "it has time and a force or an acceleration, and says slam",
+        _NamedColumns.slammed,
     ),
     (
         "impact",

@@ -26,7 +26,7 @@ class Approach:
     pull: float = 0.0
 
     def __post_init__(self) -> None:
-        positive(**{"speed of a slam": self.speed}, unit=" m/s")
+        positive("slam: ", speed=self.speed, unit=" m/s")
 
     @classmethod
     def of(cls, said: Quantity) -> Approach:
@@ -48,7 +48,7 @@ class Approach:
                 continue
             if dimension == "velocity":
                 return cls(value)
-            positive(**{"height of a fall": value}, unit=" m")
+            positive("slam: ", fall=value, unit=" m")
             return cls(math.sqrt(2 * GRAVITY * value), GRAVITY)
         raise DataError(
             f"--slam {said}: expected the speed at the touch with its unit, 0.6m/s, or the height "

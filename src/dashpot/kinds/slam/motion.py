@@ -11,6 +11,7 @@ side.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -251,7 +252,7 @@ def slammed(
     for i, one in enumerate(models):
         end = int(((whole.force[:, i] <= 0) & (whole.v[:, i] <= 0)).argmax()) + 1
         x, v, force, path = (each[:end, i] for each in whole)
-        time = step * np.arange(end)
+        time = step * np.arange(float(end))
         found.append(SlamMotion(time, x, v, force, one.k_inf * path, mass, pull))
     return found
 
@@ -267,7 +268,7 @@ def _length(masses: Masses, model: GeneralizedMaxwell, law: ElasticLaw) -> float
         depth = float(np.interp(energy / stiff, work, x))
     else:
         depth = law.depth * float(np.sqrt(energy / (stiff * work[-1])))
-    return float(np.pi * depth / masses.speed[0])
+    return math.pi * depth / float(masses.speed[0])
 
 
 def _vertex(y: FloatArray) -> tuple[int, float]:
@@ -291,5 +292,5 @@ def _falls_to_zero(y: FloatArray) -> tuple[int, float]:
 def _between(y: FloatArray, i: int, part: float) -> float:
     """A value beyond a sample, by the parabola through it and its neighbours."""
     i, part = (i, part) if i else (1, part - 1)
-    before, here, after = y[i - 1 : i + 2].tolist()
+    before, here, after = map(float, y[i - 1 : i + 2])
     return here + part * (0.5 * (after - before) + 0.5 * part * (before - 2 * here + after))
