@@ -9,6 +9,7 @@ import shutil
 import subprocess
 import sys
 from contextlib import chdir, redirect_stderr, redirect_stdout
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
@@ -16,6 +17,7 @@ from typing import TYPE_CHECKING
 import dashpot as dp
 from dashpot import workflow
 from dashpot.cli import main as run
+from dashpot.door.record import ShearChoice
 from dashpot.solids.table_1 import BROAD, BROAD_MASS, PAPER
 
 if TYPE_CHECKING:
@@ -36,9 +38,14 @@ fit tension.csv biaxial.csv --test uniaxial --test biaxial --plot law.svg
 fit hit.csv --mass 5g --radius 5mm --drop-height 51mm --plot hit.svg
 fit ovens.csv --machine oven=1K -o csr.json --plot csr.svg
 predict csr.json --temperature 70degC --until 50% --until 1000h --plot aged.svg
+fit cld_1.csv --length 100mm --compression 6mm --memory fit.json -o law.json
+predict law.json --slam 0.3m/s --mass 200g --plot slam.svg
+fit slam.csv --mass 200g --slam 0.3m/s --memory fit.json --plot slams.svg
 fit rod.csv --shape disc:20mm,20mm --density 1000 --mass 31.4g --arms 1 --plot rod.svg
 fit shaker_20mN.csv shaker_500mN.csv --level 0.02N --level 0.5N --mass 114.8g --plot levels.svg
 fit loops.csv --plot loops.svg
+fit depth_4mm.csv depth_6mm.csv depth_8mm.csv -o depths.json
+predict depths.json --mass 114.8g --seals 2 --level 0.01N --level 0.2N --plot opened.svg
 predict door.toml --modes --plot door.svg
 predict door.toml --close 1.2m/s --plot closing.svg
 demo --paper -o .
@@ -87,6 +94,14 @@ def _printed(line: str) -> str:
     return out.getvalue()
 
 
+def _on_its_seal() -> dp.plot.Picture:
+    """Draw the example door without hinges and latch, on a seal that holds it sideways too."""
+    door = dp.read("door.toml", kind="door")
+    seal = replace(door.seal, shear=ShearChoice(across=0.35, along=0.15))
+    alone = replace(door, hinges=(), latch=None, modes=None, base="", seal=seal)
+    return dp.predict(alone, band=(0.5, 20.0)).plot()
+
+
 def _drawn() -> dict[str, dp.plot.Picture]:
     hits = dp.read("hammer.csv", kind="impact")
     frf = hits.frf(mass=workflow.MASS)
@@ -113,6 +128,7 @@ def _drawn() -> dict[str, dp.plot.Picture]:
         "columns": dp.inspect("seal_8mm.csv").plot(),
         "clipped": dp.inspect("clipped.csv").plot(),
         "gauges": dp.inspect("gauges.csv").plot(),
+        "on_its_seal": _on_its_seal(),
     }
 
 

@@ -42,6 +42,7 @@ from dashpot.kinds.indentation.indenter import Indenter
 from dashpot.kinds.indentation.record import IndentationFit
 from dashpot.kinds.level import checks as level
 from dashpot.kinds.rod import checks as rod
+from dashpot.kinds.slam import checks as slam
 from dashpot.lots import checks as lots
 from dashpot.planning import checks as planning
 from dashpot.planning.expected import Pulse, RecordNeed
@@ -859,6 +860,8 @@ SEALS = [
         0.01,
     ),
     Case("line_closed", lambda x: seals.line_closed(4.0, x), 0.0, 0.001),
+    Case("line_closed", lambda x: seals.line_closed(4.0, 0.0, (0.02, 0.1, x)), 0.99, 1.01),
+    Case("line_holds_sideways", lambda x: seals.line_holds_sideways(x, 0.354), 0, 1),
     Case("stations_suffice", lambda x: seals.stations_suffice(x, 0.025), 0.99e-3, 1.01e-3),
     Case("modes_suffice", lambda x: seals.modes_suffice(x, 12, 300.0), 4.99e-3, 5.01e-3),
     Case("shapes_known_there", lambda x: seals.shapes_known_there(x, "latch"), 0.0299, 0.0301),
@@ -1025,7 +1028,27 @@ CSR = [
     Case("aging_beside_drift", lambda x: csr.aging_beside_drift(1e-9 * x, 1e-9), 3.01, 2.99),
     Case("aging_beside_drift", lambda x: csr.aging_beside_drift(x / 3.6e8, None), 3.01, 2.99),
     Case("temperature_near_ovens", lambda x: csr.temperature_near_ovens(x, 300.0), 29.9, 30.1),
+    Case("stiffness_follows_force", csr.stiffness_follows_force, 0.0999, 0.1001),
     Case("time_near_readings", lambda x: csr.time_near_readings(x, 3.6e6), 1.99, 2.01),
+]
+
+SLAM = [
+    Case("slam_within_law", lambda x: slam.slam_within_law(0.01 * x, 0.01), 0.999, 1.001),
+    Case("slam_within_band", lambda x: slam.slam_within_band(10 * x, 10.0), 0.999, 1.001),
+    Case("air_escapes", slam.air_escapes, 0.099, 0.101),
+    Case("loss_determined", lambda x: slam.loss_determined(x, 12.0), 0.249, 0.251),
+    Case("slams_followed", slam.slams_followed, 1.499, 1.501),
+    Case("slams_sampled", slam.slams_sampled, 50.1, 49.9),
+    Case("slam_speeds_spread", slam.slam_speeds_spread, 2.001, 1.999),
+    Case("slow_arms_known", lambda x: slam.slow_arms_known(given=bool(x)), 1, 0),
+    Case("slam_speeds_agree", slam.slam_speeds_agree, 2.999, 3.001),
+    Case("slams_apart", slam.slams_apart, 10.01, 9.99),
+    Case("slam_mass_agrees", lambda x: slam.slam_mass_agrees(1 + x), 0.0299, 0.0301),
+    Case("slam_mass_agrees", lambda x: slam.slam_mass_agrees(1 - x), 0.0299, 0.0301),
+    Case("memory_kept", slam.memory_kept, 2.999, 3.001),
+    Case("losses_agree", lambda x: slam.losses_agree(-x, 0.08, 0.1, within=True), 2.999, 3.001),
+    Case("losses_agree", lambda x: slam.losses_agree(x, 0.1, 0.08, within=True), 2.999, 3.001),
+    Case("piece_length_given", lambda x: slam.piece_length_given(given=bool(x)), 1, 0),
 ]
 
 IMPACT = [
@@ -1431,6 +1454,7 @@ STAGES = {
     "kinds/level": LEVEL,
     "kinds/csr": CSR,
     "kinds/rod": ROD,
+    "kinds/slam": SLAM,
     "lots": LOTS,
     "planning": PLANNING,
     "vibration": VIBRATION,
@@ -1521,7 +1545,13 @@ LIMITS = {
     "kinds/csr": {
         "force_falls": 3, "f0_read": 2, "readings_scatter": 3, "chemistry_seen": 4,
         "ovens_enough": 3, "ovens_on_a_line": 9, "aging_beside_drift": 3,
-        "temperature_near_ovens": 30, "time_near_readings": 2,
+        "temperature_near_ovens": 30, "time_near_readings": 2, "stiffness_follows_force": 0.1,
+    },
+    "kinds/slam": {
+        "slam_within_law": 1, "slam_within_band": 1, "air_escapes": 0.1, "loss_determined": 0.25,
+        "slams_followed": 1.5, "slams_sampled": 50, "slam_speeds_spread": 2,
+        "slam_speeds_agree": 3, "slams_apart": 10, "slam_mass_agrees": 0.03, "memory_kept": 3,
+        "losses_agree": 3,
     },
     "kinds/rod": {
         "rod_usable": 8, "waves_plane": 0.05, "sensors_agree": 3, "mass_beside_rod": 100,
@@ -1541,7 +1571,7 @@ LIMITS = {
     "door": {
         "door_modes_informed": 1, "seal_touches": 0, "stations_suffice": 1e-3,
         "modes_suffice": 5e-3, "shapes_known_there": 0.03, "masses_agree": 1.05, "door_held": 0,
-        "closing_informed": 1.0,
+        "closing_informed": 1.0, "line_holds_sideways": 0,
     },
     "vibration": {
         "seal_mass_negligible": 0.02, "mass_of_a_block": 1e-3, "compression_tested": 1,
@@ -1588,6 +1618,7 @@ GRADES = {
         "kinds/level": {"level_matters"},
         "kinds/hyperelastic": {"volume_known"},
         "kinds/csr": {"f0_read"},
+        "kinds/slam": {"air_escapes", "piece_length_given"},
         "io/readers": {"travel_of_a_seal", "force_of_a_seal", "ramp_not_slow"},
         "fitting/nonlinear_ramp": {"clocks_agree", "offset_believable", "drift_believable"},
         "workflow": {
@@ -1615,6 +1646,7 @@ GRADES = {
         },
         "kinds/hyperelastic": {"stable_in_use"},
         "kinds/csr": {"force_falls"},
+        "kinds/slam": {"loss_determined"},
         "fitting/identification": {"tests_agree"},
         "vibration/comparison": {"no_unit_slip"},
         "vibration/impact": {

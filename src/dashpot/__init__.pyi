@@ -24,6 +24,7 @@ from .kinds.indentation.record import IndentationFit as IndentationFit
 from .kinds.indentation.record import IndentationTest as IndentationTest
 from .kinds.level.record import AmplitudeFit as AmplitudeFit
 from .kinds.level.record import AmplitudeSweep as AmplitudeSweep
+from .kinds.slam.record import SlamTest as SlamTest
 from .lots.lot import Lot as Lot
 from .records.creep import CreepCompliance as CreepCompliance
 from .records.creep import CreepTest as CreepTest

@@ -4,8 +4,10 @@ from dashpot.door.slam import Closing as Closing
 from dashpot.door.slam import close_door as close_door
 from dashpot.records.free_modes import FreeModes as FreeModes
 from dashpot.records.seal_line import Joint as Joint
+from dashpot.records.seal_line import LineFriction as LineFriction
 from dashpot.records.seal_line import SealLine as SealLine
 from dashpot.records.seal_line import SealSection as SealSection
+from dashpot.records.seal_line import Shear as Shear
 from dashpot.solids.part import Block as Block
 from dashpot.solids.part import Bulb as Bulb
 from dashpot.solids.part import Bush as Bush
@@ -21,6 +23,7 @@ from dashpot.vibration.systems.energy import energy_shares as energy_shares
 from dashpot.vibration.systems.level import response_at_level as response_at_level
 from dashpot.vibration.systems.prediction import isolation_frequency as isolation_frequency
 from dashpot.vibration.systems.prediction import predict_frf as predict_frf
+from dashpot.vibration.systems.preloaded import PreloadedMass as PreloadedMass
 from dashpot.vibration.systems.random_base import random_base as random_base
 from dashpot.vibration.systems.random_base import random_response as random_response
 from dashpot.vibration.systems.system import System as System

@@ -59,8 +59,12 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "vibration/systems/operating_point.py:operating_point": ("predict",),
     "kinds/csr/": ("fit",),
     "kinds/csr/aged.py": ("predict",),
+    "kinds/slam/": ("fit",),
+    "kinds/slam/approach.py": ("fit", "predict"),
+    "kinds/slam/predicted.py": ("predict",),
     "workflow/levels.py": ("fit",),
     "workflow/at_level.py": ("predict",),
+    "workflow/preloaded.py": ("predict",),
     "workflow/checks.py:base_band_informed": ("predict",),
     "workflow/rods.py": ("fit",),
     "workflow/routing.py": ("fit",),
@@ -141,9 +145,11 @@ def _texts(node: ast.AST, function: str = "") -> Iterator[tuple[str, ast.expr]]:
     for child in ast.iter_child_nodes(node):
         if isinstance(child, ast.Expr) and isinstance(child.value, ast.Constant):
             continue
-        if isinstance(child, ast.Call) and ast.unparse(child.func).endswith(("option", "argument")):
+        called = getattr(child, "func", None)
+        name = getattr(called, "attr", getattr(called, "id", ""))
+        if name.endswith(("option", "argument")):
             continue
-        if isinstance(child, ast.Call) and ast.unparse(child.func) == "typed":
+        if name == "typed":
             yield function, _typed(child)
             continue
         if isinstance(child, ast.JoinedStr | ast.Constant):

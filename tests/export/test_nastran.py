@@ -15,7 +15,7 @@ from kit.bulkdata import Bush, read_cards, real
 
 from dashpot.base.errors import ExportError
 from dashpot.export import TARGETS, UNIT_SYSTEMS
-from dashpot.export.decks.nastran import bush_property
+from dashpot.export.decks.nastran import BushComponent, bush_property
 from dashpot.export.frequency_tables import tabulate
 from dashpot.export.notation import packed
 from dashpot.records.seal_line import SealLine
@@ -113,9 +113,8 @@ def test_bushver():
     mass = 0.0253303
     frequency, stiffness = [0.9, 1.0, 1.1], [0.81, 1.0, 1.21]
     damping = [0.2864789, 0.3183099, 0.3501409]
-    cards = bush_property(
-        1, frequency=frequency, stiffness=stiffness, damping=damping, label="B", nominal=(1.0, 0.0)
-    )
+    rows = [BushComponent(1, frequency, stiffness, damping, (1.0, 0.0))]
+    cards = bush_property(1, rows, label="B")
     deck = "\n".join([*cards, ""])
     assert deck == (GOLDEN / "bushver.bdf").read_text()
     omega = 2 * np.pi * np.array(frequency)
@@ -176,7 +175,7 @@ def test_a_seal_line_carries_its_whole_length(paper_seal):
     grids = {fields[0]: fields[2:5] for name, fields in bush.cards if name == "GRID"}
     assert len(grids) == 2 * 184
     first = [real(value) for value in grids[elements[0][2]]]
-    assert first == pytest.approx([line.length / 368 * 1e3, 0.0, 0.0])
+    assert first == pytest.approx([25 * (1 - 1 / np.sqrt(3)), 0.0, 0.0])
     assert grids[elements[0][2]] == grids[elements[0][3]]
 
 

@@ -12,6 +12,7 @@ from kit.look_alikes import ROWS, table, truth
 from dashpot.base.errors import DataError, ReadError
 from dashpot.io import budget
 from dashpot.io.options import ReadOptions
+from dashpot.io.readers import inspect
 from dashpot.io.readers.dynamic import read_dynamic
 from dashpot.io.readers.impact import read_impact
 from dashpot.io.readers.inspect import inspect_file
@@ -301,6 +302,25 @@ def test_rows_that_are_hardly_alike_have_their_time(
         assert len(read(tmp_path, text).time) == len(time)
 
 
+@pytest.mark.parametrize(("most", "refuses"), [(2.5, True), (3.5, False)])
+def test_all_readings_of_a_file_share_its_time(
+    monkeypatch: pytest.MonkeyPatch, most: float, refuses: bool
+) -> None:
+    monkeypatch.setattr(budget, "seconds_for", lambda _: most / budget._OF_IT)
+    now = iter([0.0, 1.0, 100.0, 102.0])
+    monkeypatch.setattr(budget.time, "thread_time", lambda: next(now))
+    patience = budget.Patience(1)
+    with patience.counted():
+        pass
+    now = iter([100.0, 102.0, 102.0])
+    with patience.counted():
+        if refuses:
+            with pytest.raises(ReadError, match="up to line 7"):
+                patience.asked(7)
+        else:
+            patience.asked(7)
+
+
 def test_a_remark_that_stands_again_costs_its_line_alone(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -313,3 +333,11 @@ def test_a_remark_that_stands_again_costs_its_line_alone(
     text = HEAD + "".join(f"{t};{x};{f}\n# a word\n" for t, x, f in each)
     assert len(read(tmp_path, text).time) == len(time)
     assert len(asked) <= 2
+
+
+def test_columns_without_a_row_are_not_judged() -> None:
+    """A header of LabVIEW that ends twice leaves a segment of no rows."""
+    none = np.zeros(0)
+    assert not inspect._look_swapped(
+        {0: none, 1: none}, {0: ("displacement", ""), 1: ("force", "")}
+    )

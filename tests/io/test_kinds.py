@@ -22,6 +22,7 @@ from dashpot.kinds.csr.read import read_csr
 from dashpot.kinds.hyperelastic.read import read_stress_strain
 from dashpot.kinds.hyperelastic.record import StressStrainTest
 from dashpot.kinds.indentation.read import read_indentation
+from dashpot.kinds.slam.read import read_slams
 from dashpot.records.frf import Kind
 from dashpot.workflow.inspections import inspect_files
 from tests.kit.kinds import bench, csv, files, hammer, late, ramp_and_hold, response
@@ -43,6 +44,7 @@ READERS = {
     read_indentation: {"indentation"},
     read_tension: {"stress-strain"},
     read_csr: {"csr"},
+    read_slams: {"slam"},
 }
 
 

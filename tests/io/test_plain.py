@@ -13,11 +13,13 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from dashpot.base.errors import ReadError
+from dashpot.io.table import Column
 from dashpot.io.text import plain
+from dashpot.io.text.clock import ClockColumn
 from dashpot.io.text.dialect import Dialect
 from dashpot.io.text.encoding import decoded
 from dashpot.io.text.plain import PlainRows
-from dashpot.io.text.rows import load_rows
+from dashpot.io.text.rows import Heading, load_rows
 
 assert msgspec, "imported, so that it is what reads"
 getcontext().prec = 1200  # halfway between the smallest doubles are 1075 digits
@@ -73,10 +75,12 @@ def tables(draw: st.DrawFn) -> tuple[str, Dialect, tuple[int, ...]]:
     return text, Dialect(sign, mark, ("number",) * width, cells=width + len(more)), wanted
 
 
-def outcome(text: str, dialect: Dialect, indexes: tuple[int, ...]) -> tuple:
+def outcome(
+    text: str, dialect: Dialect, indexes: tuple[int, ...], heading: Heading | None = None
+) -> tuple:
     """Everything that is read, to the bit, or the sentence why not."""
     try:
-        got = load_rows(lambda: iter([text]), dialect, indexes)
+        got = load_rows(lambda: iter([text]), dialect, indexes, heading)
     except ReadError as error:
         return (str(error),)
     # whatever the sign of what is no number
@@ -110,6 +114,47 @@ def test_the_fast_way_reads_the_nearest_double(cells):
     reader = PlainRows(Dialect(",", ".", ("number",)), (0,))
     found = reader._from_json("".join(f"{text}\n" for text in cells).encode(), 0)
     assert found[:, 0].tobytes() == np.array([float(text) for text in cells]).tobytes()
+
+
+CLOCKS = {
+    "over midnight": ["23:59:58.25", "23:59:59,5", "00:00:00", "00:00:01.125"],
+    "an hour of one digit": ["9:59:59.9", "10:00:00.0", "10:00:00.1"],
+    "dates": ["2024-01-31 23:59:59", "2024-02-01 00:00:00.5", "2024-02-01T00:00:01"],
+    "dates with points": ["31.12.2024 23:59:59,999999", "01.01.2025 00:00:00,000001"],
+    "dates of two kinds": ["04/05/2024 23:59:59", "04/06/2024 00:00:00"],
+    "halves of a day": ["11:59:59 AM", "12:00:00 PM", "12:00:01 PM"],
+    "zones": ["01:59:59+01:00", "03:00:00+02:00", "03:00:01Z"],
+    "a colon before the milliseconds": ["00:00:01:500", "00:00:02:000"],
+    "minutes alone": ["12:30", "12:31"],
+    "minutes with tenths": ["12:30.5", "12:31.5"],
+    "a hole": ["00:00:01", "", "00:00:03"],
+    "a word": ["00:00:01", "pause", "00:00:03"],
+    "padded": [" 00:00:01 ", "00:00:02.5"],
+    "too much": ["00:00:61.5", "99:99:99"],
+}
+
+
+@pytest.mark.parametrize("order", ["", "ms", "hm", "dmy"])
+@pytest.mark.parametrize("mark", [".", ","])
+@pytest.mark.parametrize("times", CLOCKS.values(), ids=CLOCKS)
+def test_clock_times_are_read_the_same_however(times, mark, order):
+    """In blocks and one by one: the same bits, notes and questions."""
+    rows = [f'1{mark}5;{"" if i % 3 else chr(34)}{one}{"" if i % 3 else chr(34)};{i}'
+            for i, one in enumerate(40 * times)]  # fmt: skip
+    text = "".join(f"{row}\n" for row in rows)
+    how = Dialect(";", mark, ("number", "clock", "number"), cells=3)
+    heading = Heading(tuple(map(Column, "abc")), ("", order, ""))
+    with patch.object(PlainRows, "_without_clocks", return_value=("", {})):
+        expected = outcome(text, how, (1, 2), heading)
+    assert outcome(text, how, (1, 2), heading) == expected
+
+
+@pytest.mark.parametrize("word", ["over midnight", "an hour of one digit", "dates", "padded"])
+def test_ordinary_clock_times_are_read_in_blocks(word):
+    """Else the law above would hold of nothing."""
+    how = Dialect(";", ".", ("clock", "number"), cells=2)
+    reader = PlainRows(how, (0, 1), {0: ClockColumn("")})
+    assert reader.read("".join(f"{one};1.5\n" for one in CLOCKS[word])) is not None
 
 
 @pytest.mark.parametrize(("sign", "mark"), [(",", "."), (";", ","), ("\t", "."), (";", ".,")])

@@ -14,8 +14,9 @@ from typing import get_args
 import pytest
 
 import dashpot as dp
-from dashpot.base.checks import REGISTER
+from dashpot.base.checks import REGISTER, Check, Remedy
 from dashpot.base.documents import Documented
+from dashpot.base.facts import Fact
 from dashpot.cli import COMMANDS
 from dashpot.fitting.compliance import measured_compliance
 from dashpot.io.columns.kinds import RECOGNISED, SWEEPS, FileKind
@@ -30,6 +31,7 @@ from dashpot.kinds.csr.from_files import csr_files
 from dashpot.kinds.hyperelastic.fit import fit_hyperelastic
 from dashpot.kinds.hyperelastic.read import read_stress_strain
 from dashpot.kinds.level.fit_frfs import fit_levels
+from dashpot.kinds.plugged.record import PluggedFit
 from dashpot.lots.columns import NUMBERS
 from dashpot.plot.picture import Picture
 from dashpot.preparation.creep import load_hold
@@ -44,7 +46,15 @@ from dashpot.workflow.inspections import inspect_files
 ROWS = [pytest.param(kind, id=kind.name) for kind in KINDS.values()]
 SAID = {"rod"}
 """Kinds that a file is said to be, and not recognised as."""
-NO_EXAMPLE = {"master-curve", "strain-sweep", "temperature-sweep", "one-frequency", "creep", "rod"}
+NO_EXAMPLE = {
+    "master-curve",
+    "strain-sweep",
+    "temperature-sweep",
+    "one-frequency",
+    "creep",
+    "rod",
+    "plug-in",
+}
 OWN_ROWS = {
     "cld": Piece(ReadOptions()),
     "indentation": Piece(ReadOptions(), mass=5e-3, radius=5e-3),
@@ -191,6 +201,10 @@ MADE: dict[str, Callable[[Path], object]] = {
     "Aged": lambda folder: predict_aging(csr_files([folder / "ovens.csv"]), temperature=343.15),
     "HyperelasticFit": lambda folder: fit_hyperelastic(
         [read_stress_strain(folder / "tension.csv", "uniaxial")]
+    ),
+    "PluggedFit": lambda _: PluggedFit(
+        "peel", "labkit 0.1.0", (Fact("peel_force", 1.5, 1.3, 1.7, "N"),),
+        (Check("peel_steady", False, "It jerks.", remedy=Remedy("Peel more slowly.")),),
     ),
 }  # fmt: skip
 """Of every noun with a schema that is of one kind, one."""

@@ -38,7 +38,7 @@ def main() -> None:
     corpus, found = folder / "corpus", folder / "found"
     for one in (corpus, found):
         one.mkdir(parents=True, exist_ok=True)
-    planted(corpus)
+    seeds = planted(corpus)
     until = time.monotonic() + 60 * minutes
     while (left := until - time.monotonic()) > 1:
         # a reader that breaks ends the fuzzer, which begins again from what it has found
@@ -46,10 +46,12 @@ def main() -> None:
     small = folder / "small"
     shutil.rmtree(small, ignore_errors=True)
     small.mkdir()
+    for name in seeds:  # they are made anew each time: what reaches no more than they is let go
+        shutil.copy(corpus / name, small)
     fuzzed(small, str(corpus), "-merge=1")
     shutil.rmtree(corpus)
     small.rename(corpus)
-    kept(corpus)
+    kept(corpus, seeds)
     sys.exit(broken(found))
 
 
@@ -65,8 +67,8 @@ def fuzzed(*words: str | Path) -> None:
         subprocess.run([itself, *map(str, words), *how], check=False, env=named)
 
 
-def planted(corpus: Path) -> None:
-    """Put what is kept and the good files of the tests into a corpus."""
+def planted(corpus: Path) -> set[str]:
+    """Put what is kept and the good files of the tests into a corpus; return the names of those."""
     from dashpot.io.options import ReadOptions, dump_profile
     from dashpot.workflow.archive import document
     from kit.crafted import TABLE
@@ -79,10 +81,15 @@ def planted(corpus: Path) -> None:
     seeds.append((1, b"<FTSensor><Calibration></Calibration></FTSensor>"))
     seeds.append((2, dump_profile(ReadOptions(time="t", units={"force": "N"}, rate=1e3)).encode()))
     seeds.append((3, json.dumps(document(two_arms())).encode()))
-    contents = [bytes([which]) + one for which, one in seeds]
-    contents += read(KEPT)
-    for one in contents:
-        (corpus / sha256(one).hexdigest()[:16]).write_bytes(one)
+    given = {named(one): one for one in (bytes([which]) + one for which, one in seeds)}
+    for name, one in {**given, **{named(one): one for one in read(KEPT)}}.items():
+        (corpus / name).write_bytes(one)
+    return set(given)
+
+
+def named(content: bytes) -> str:
+    """What a file of a corpus is called."""
+    return sha256(content).hexdigest()[:16]
 
 
 def read(packed: Path) -> list[bytes]:
@@ -93,10 +100,10 @@ def read(packed: Path) -> list[bytes]:
         return [file.read(name) for name in sorted(file.namelist())]
 
 
-def kept(corpus: Path) -> None:
-    """Keep a corpus beside this file, with no date in it: the same files are the same bytes."""
+def kept(corpus: Path, seeds: set[str]) -> None:
+    """Keep a corpus but its seeds beside this file, without a date: the same files, same bytes."""
     with zipfile.ZipFile(KEPT, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as file:
-        for one in sorted(corpus.iterdir()):
+        for one in sorted(one for one in corpus.iterdir() if one.name not in seeds):
             file.writestr(zipfile.ZipInfo(one.name), one.read_bytes())
 
 

@@ -129,6 +129,10 @@ def files() -> dict[str, tuple[str, str]]:
             csv("time [h],force [N],temperature [degC]", decay[20:], 40 - 0.3 * decay[20:] ** 0.3,
                 398 - 273 + 0 * decay[20:]), "csr",
         ),
+        "slam.csv": (
+            csv("time [ms],slam force [N]", flown, np.maximum(np.sin(flown - 2), 0) * (flown < 6)),
+            "slam",
+        ),
         "tension.csv": (
             csv("strain [%],stress [MPa]", 2 * spread, 0.02 * spread), "stress-strain",
         ),

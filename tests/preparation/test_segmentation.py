@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from time import process_time
 
 import numpy as np
 import pytest
@@ -12,7 +13,14 @@ from kit.trials import Bench, Seal, record, relaxation_test
 
 from dashpot.preparation.motion import ideal_ramp
 from dashpot.preparation.prepare import prepare
-from dashpot.signals.segments import MotionSegment, cycles_of, find_segments
+from dashpot.signals import segments
+from dashpot.signals.segments import (
+    MotionSegment,
+    cycles_of,
+    find_segments,
+    loading_of,
+    mirrored,
+)
 
 
 def kinds(time, x) -> list[str]:
@@ -53,6 +61,42 @@ def test_what_was_drawn_is_found(corners, expected: list[str], grain: str):
     if grain == "noisy":
         x = x + 0.01 * np.random.default_rng(0).standard_normal(len(x))
     assert kinds(T, x) == expected
+
+
+def test_a_record_that_is_halved_shows_the_same(monkeypatch: pytest.MonkeyPatch):
+    """However often its samples were looked at before."""
+    ramps = path(T, (0, 0), (1, 0), (2, 4), (9, 4), (10, 8), (30, 8), (31, 0), (40, 0))
+    drawn = [ramps, T % 0.07, np.exp(-T / 10) * np.sin(9 * T)]
+    expected = [loading_of(find_segments(T, x)) for x in drawn]
+    moves = kinds(T, ramps)
+    monkeypatch.setattr(segments, "_LOOKS", 0)
+    assert [loading_of(find_segments(T, x)) for x in drawn] == expected
+    assert kinds(T, ramps) == moves
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_what_is_mirrored_is_what_is_found_of_the_mirror(sign: int):
+    x = sign * path(T, (0, 0), (1, 0), (2, 4), (9, 4), (10, 8), (30, 8), (31, 2), (40, 0))
+    x = x + 0.01 * np.random.default_rng(0).standard_normal(len(x))
+    assert mirrored(find_segments(T, x)) == find_segments(T, -x)
+
+
+def test_cycles_without_end_are_looked_at_no_more_often_for_that(monkeypatch: pytest.MonkeyPatch):
+    """Each was cut off the whole rest."""
+    looked, farthest = [], segments._farthest
+    monkeypatch.setattr(segments, "_farthest", lambda t, x: looked.append(len(x)) or farthest(t, x))
+    t = 0.01 * np.arange(20_000)
+    find_segments(t, np.arange(len(t)) % 7.0)
+    assert sum(looked) < 400 * len(t)  # 2,900 before
+
+
+def test_moves_that_never_come_back_are_gone_through_once():
+    up = [MotionSegment("load", i, i + 1, i, i + 1, i, i + 2) for i in range(0, 20_000, 2)]
+    down = [MotionSegment("unload", i, i + 1, i, i + 1, i + 1, i) for i in range(1, 20_000, 2)]
+    both = tuple(itertools.chain.from_iterable(zip(up, down, strict=True)))
+    began = process_time()
+    assert cycles_of(both) == ()
+    assert process_time() - began < 2  # 15 s before
 
 
 def test_segments_cover_the_record_without_a_gap():

@@ -8,7 +8,7 @@ from contextlib import suppress
 from dataclasses import Field
 from difflib import get_close_matches
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -17,6 +17,9 @@ from dashpot.base.errors import DashpotError
 from dashpot.base.options import key_of, names_files
 from dashpot.base.units import Dimension, parse_quantity, parse_range
 from dashpot.cli._shell import File, Output
+
+if TYPE_CHECKING:
+    from dashpot.base.plugins import Group
 
 
 def nearest(word: str, known: Iterable[str]) -> str:
@@ -167,17 +170,33 @@ class ArmCount(click.ParamType[Any]):
 
 
 class OneOf(click.Choice[str]):
-    """One of the words of a choice; another is answered with the nearest."""
+    """One of the words of a choice, or of the plug-ins of a group; else the nearest is named."""
 
     name = "NAME"
 
-    def __init__(self, choices: Sequence[str]) -> None:
+    def __init__(self, choices: Sequence[str], *, plugins: Group | None = None) -> None:
         super().__init__(choices)
+        self.plugins = plugins
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
-        if value not in self.choices:
-            self.fail(f"'{value}' is unknown. {nearest(str(value), self.choices)}", param, ctx)
+        if value not in self.choices and not self._plugged(str(value)):
+            says = f"'{value}' is unknown. {nearest(str(value), self.choices)}"
+            self.fail(says + self._more(), param, ctx)
         return str(value)
+
+    def _plugged(self, value: str) -> bool:
+        if self.plugins is None:
+            return False
+        from dashpot.base.plugins import named  # no name of dashpot's own asks for metadata
+
+        return named(self.plugins, value) is not None
+
+    def _more(self) -> str:
+        if self.plugins is None:
+            return ""
+        from dashpot.base.plugins import offered_too
+
+        return offered_too(self.plugins)
 
 
 class Scoped(click.ParamType[Any]):

@@ -24,7 +24,7 @@ from dashpot.told.layout import Text
 from dashpot.workflow.job import Job
 
 if TYPE_CHECKING:
-    from dashpot.records.seal_line import Stations
+    from dashpot.records.seal_line import Shear, Stations
 
 LONGEST_LINE = 100.0
 """m; no car has more of one seal."""
@@ -60,7 +60,7 @@ ALL = "all"
     options.files("FIT", "fit", several=False),
     group(
         _SOLVER,
-        opt("--to", "target", type=OneOf(DECKS), metavar="SOLVER",
+        opt("--to", "target", type=OneOf(DECKS, plugins="decks"), metavar="SOLVER",
             help=f"{', '.join(DECKS[:-1])} or {DECKS[-1]}."),
         opt("--unit-system", "units", metavar="SYSTEM", help="SI, mm-t-s or mm-kg-ms."),
         opt("--form", metavar="NAME", help=_FORMS),
@@ -76,10 +76,14 @@ ALL = "all"
                 help="Largest relative error of a table, e.g. 1e-3."),
             opt("--mass", type=WithUnit("mass"), metavar="MASS",
                 help="CalculiX: a complete model with this mass."),
+            opt("--nominal", type=WithUnit("frequency"), metavar="FREQUENCY",
+                help="Nastran, CalculiX: of one stiffness for modes."),
             opt("--line", type=File(), metavar="FILE",
-                help="Nastran: seal line, x, y, z, or DOOR.toml."),
+                help="Seal line: x, y, z, or DOOR.toml."),
             opt("--pitch", type=WithUnit("length"), metavar="LENGTH",
-                help="Distance of elements along the line."),
+                help="Mean distance of elements along the line."),
+            opt("--first-id", type=click.IntRange(1), metavar="N",
+                help="First number of nodes, elements and the rest."),
             opt("--normal", metavar="X,Y,Z", help="Direction of compression (0,0,1)."),
             opt("--modulus", type=WithUnit("stress"), metavar="STRESS",
                 help="Modulus of the rubber, for material cards."),
@@ -118,7 +122,11 @@ def command(
         found = replace(found, specimen=_described(found.specimen, specimen))
     if target is None:
         raise click.UsageError(_unsaid(found, units, specimen, allow))
-    choices["line"] = None if line is None else _seal_line(line, pitch, normal, units)
+    if line is None and choices["first_id"] is not None:
+        raise click.UsageError("--first-id numbers the elements of a line: add --line FILE.")
+    if line is not None:
+        kelvin = specimen.temperature
+        choices["line"], choices["shear"] = _seal_line(line, pitch, normal, units, kelvin)
     deck = workflow.deck_for(
         target,
         found,
@@ -160,7 +168,9 @@ _ASKED = "temperature"
 """Of the specimen: what a deck is asked for, not what is added to the fit."""
 
 
-def _line_of_door(path: str, pitch: float | None, normal: str | None) -> Stations:
+def _line_of_door(
+    path: str, pitch: float | None, normal: str | None, temperature: float | None
+) -> tuple[Stations, Shear]:
     """Return the stations of a door's seal, with its own compression, joints and normals."""
     door = workflow.read_door(path)
     if door.line is None or door.seal is None or normal is not None:
@@ -172,7 +182,13 @@ def _line_of_door(path: str, pitch: float | None, normal: str | None) -> Station
     wanted = pitch or door.seal.pitch
     if wanted is None:
         raise ExportError(f"{path}: [seal] says no pitch; add --pitch, e.g. 25mm")
-    return door.line.stations(wanted)
+    if door.seal.friction is not None:
+        raise ExportError(
+            f"{path}: no deck of a line holds friction; leave [seal.friction] out of a copy of the "
+            "file, and add its ratios to those of [seal.shear] for a seal that sticks"
+        )
+    kelvin = door.seal.temperature if temperature is None else temperature
+    return door.line.stations(wanted), workflow.shear_of(door.seal, kelvin)
 
 
 def _normal(text: str) -> tuple[float, float, float]:
@@ -183,13 +199,19 @@ def _normal(text: str) -> tuple[float, float, float]:
     return x, y, z
 
 
-def _seal_line(path: str, pitch: float | None, normal: str | None, units: str | None) -> Stations:
-    """Return the polyline in a CSV file of x, y, z in the deck's unit of length."""
+def _seal_line(
+    path: str,
+    pitch: float | None,
+    normal: str | None,
+    units: str | None,
+    temperature: float | None,
+) -> tuple[Stations, Shear | None]:
+    """Return the polyline in a CSV file of x, y, z in the deck's unit of length, or of a door."""
     import numpy as np
 
     systems = workflow.UNIT_SYSTEMS
     if Path(path).suffix.lower() == ".toml":
-        return _line_of_door(path, pitch, normal)
+        return _line_of_door(path, pitch, normal, temperature)
     if pitch is None or units is None or units not in systems:
         raise ExportError("--line needs --pitch, e.g. 25mm, and --unit-system")
     try:
@@ -206,4 +228,4 @@ def _seal_line(path: str, pitch: float | None, normal: str | None, units: str | 
             f"{path}: the line is {line.length:.4g} m long in the deck's unit of length ({units}): "
             "write its points in that unit, or choose the --unit-system they are in"
         )
-    return line.stations(pitch)
+    return line.stations(pitch), None

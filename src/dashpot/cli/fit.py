@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from importlib import import_module
 from itertools import chain
 from typing import Any
@@ -23,10 +24,11 @@ from dashpot.io.options import ReadOptions
 from dashpot.kinds import KINDS, takers
 from dashpot.kinds.hyperelastic.asked import MODES, Measures
 from dashpot.kinds.indentation.indenter import Indenter
+from dashpot.kinds.slam.asked import SlamAsked
 from dashpot.workflow.job import Job, LevelJob, RodChoices
 from dashpot.workflow.shifting import ShiftChoices
 
-_CLD, _STRAIN, _BALL = "cld", "stress-strain", "indentation"
+_CLD, _STRAIN, _BALL, _SLAM = "cld", "stress-strain", "indentation", "slam"
 _BENCH = SOLIDS
 _ELASTIC = (*words(RampLawAsked), "by-depth")
 
@@ -45,7 +47,8 @@ def _word(flag: str, choice: Sequence[str], **how: Any) -> Opt:
 def _mass() -> list[Opt]:
     mass = opt(
         "--mass", type=WithUnit("mass"), multiple=True, metavar="MASS",
-        kinds=f"{VIBRATION} {_BALL}", help="Mass of the block, e.g. 104g. Without it: modes.",
+        kinds=f"{VIBRATION} {_BALL} {_SLAM}",
+        help="Mass of the block, e.g. 104g. Without it: modes.",
     )  # fmt: skip
     return [
         mass,
@@ -101,8 +104,8 @@ _OPTIONS = (
                 help="Tolerance of --compression, e.g. 4:8mm."),
             opt("--force-limits", type=Range("force"), metavar="RANGE", kinds=_CLD,
                 help="Limits of the force there, e.g. 4.5:5.5N."),
-            opt("--memory", type=File(), multiple=True, metavar="FIT", kinds=f"{_CLD} {_STRAIN}",
-                help="Fit whose relaxation is subtracted."),
+            opt("--memory", type=File(), multiple=True, metavar="FIT",
+                kinds=f"{_CLD} {_STRAIN} {_SLAM}", help="Fit whose relaxation is known."),
         ),
         group(
             "Stress over strain",
@@ -120,6 +123,7 @@ _OPTIONS = (
             "Indenter",
             of(Indenter, into="indenter", leave=("mass",), kinds=_BALL),
         ),
+        group("Slam", of(SlamAsked, kinds=_SLAM)),
         group(
             "Rod",
             of(RodChoices, into="rod", kinds=VIBRATION),
@@ -129,7 +133,7 @@ _OPTIONS = (
         options.piece(each=True),
     ),
     options.reading(),
-    options.result("Keep the result: .json; of hits .csv or .uff."),
+    options.result("Keep the result: .json, .html; of hits .csv or .uff."),
 )  # fmt: skip
 for _one in chain.from_iterable(_OPTIONS):
     if _one.group not in {options.READING, options.RESULT}:
@@ -159,6 +163,8 @@ def command(*, files: tuple[str, ...], **said: Any) -> Outcome:
     from dashpot.cli.fits._given import Given
     from dashpot.workflow.routing import route
 
+    if said["slam"] and said["options"].kind is None:
+        said["options"] = replace(said["options"], kind=_SLAM)
     found = recognised(files, said["options"])
     kinds = kinds_of(found)
     context = click.get_current_context()
@@ -200,6 +206,6 @@ def _refuse_what_needs_a_mass(context: click.Context) -> None:
 _RUN = {
     "bench": "bench", "hits": "hits", "modes": "frfs", "masses": "frfs:under_masses",
     "joint": "joint", "level": "level", "rod": "rod", "cld": "cld",
-    "stress-strain": "hyperelastic", "indentation": "indentation",
+    "stress-strain": "hyperelastic", "indentation": "indentation", "slam": "slam",
 }  # fmt: skip
 """What each of the fits that records may mean is done by, where its row does not say enough."""

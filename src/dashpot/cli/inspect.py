@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import click
+
 from dashpot import workflow
 from dashpot.base.units import written
 from dashpot.cli import _options as options_of
@@ -31,17 +33,26 @@ _SHORT = ("--column", "--units", "--profile", "--text", "--part", "--rate", "--c
 The last line names the command that comes next. Answers saved with --save are
 given to every other command by --profile lab.toml, or hammer*.csv:lab.toml for
 some files alone.""",
-    options_of.files("FILE..."),
+    options_of.files("FILE...", least=0),
     options_of.reading(short=_SHORT),
     group(
         RESULT,
         opt("--save", type=Output([".toml"]), metavar="FILE",
             help="Save these answers as a profile (.toml)."),
+        opt("--plugins", help="List installed plug-ins; none is loaded."),
     ),
     options_of.result(plot=False, opens=False),
 )  # fmt: skip
-def command(*, files: tuple[str, ...], save: str | None, options: ReadOptions) -> Outcome:
-    """Inspect files, and keep what was said of them."""
+def command(
+    *, files: tuple[str, ...], save: str | None, plugins: bool, options: ReadOptions
+) -> Outcome:
+    """Inspect files, and keep what was said of them; or list the plug-ins."""
+    if plugins:
+        if files:
+            raise click.UsageError("--plugins lists packages and inspects no file. Leave one out.")
+        return _plugins()
+    if not files:
+        raise click.UsageError("Missing argument 'FILE...'.")
     found = workflow.inspect_files(files, options=options)
     if save:
         from dashpot.io.options import dump_profile
@@ -55,6 +66,24 @@ def command(*, files: tuple[str, ...], save: str | None, options: ReadOptions) -
     tables = [line for one in found.files for line in (one.file, *_columns(one))]
     text = Text(answers, tables) if len(files) > 1 else Text([*answers, *tables[1:]])
     return Outcome(found, text, found.checks, follow=_follow(files, found.files, save))
+
+
+_ASKED = {
+    "formats": "fit FILE --part format={}", "kinds": "fit FILE --as {}",
+    "decks": "export FIT --to {}",
+}  # fmt: skip
+"""How a plug-in of each group is asked for."""
+
+
+def _plugins() -> Outcome:
+    """What packages of others add, as their metadata say."""
+    from dashpot.base.plugins import Installed, plugins
+
+    found = Installed(plugins())
+    rows = [["adds", "name", "package", "asked for by"]]
+    rows += [[p.group, p.name, p.by, _ASKED[p.group].format(p.name)] for p in found.plugins]
+    lines = table(rows, left=True) if found.plugins else ["no plug-in is installed"]
+    return Outcome(found, Text([line.rstrip() for line in lines]))
 
 
 def _follow(paths: tuple[str, ...], found: tuple[InspectedFile, ...], saved: str | None) -> str:

@@ -19,8 +19,10 @@ from dashpot.cli._options import MASS, RAMP
 from dashpot.cli._recognised import recognised
 from dashpot.cli._shell import File, Outcome, grams, printed, typed, write, write_figure
 from dashpot.cli._values import OneOf, WithUnit
+from dashpot.cli.fits._given import PAGE
 from dashpot.io.options import ReadOptions
 from dashpot.kinds import KINDS, PREDICTED, KindOfTest, load
+from dashpot.kinds.slam.asked import SlamAsked
 from dashpot.told.closing import closing_text
 from dashpot.told.door import door
 from dashpot.told.layout import Text
@@ -35,7 +37,7 @@ _QUESTION, _PART = "Question", "Part of a material"
     """Predict how a fitted solid vibrates, under a mass or in a door.
 
   dashpot predict fit.json --mass 104g --seals 2
-  dashpot predict fit.json --mass 104g --seals 2 --base
+  dashpot predict law.json --slam 0.6m/s --mass 200g
   dashpot predict door.toml --close 1.2m/s""",
     options.files("FIT|DOOR.toml", "path", several=False),
     group(
@@ -49,10 +51,11 @@ _QUESTION, _PART = "Question", "Part of a material"
         opt("--record", "records", type=File(), multiple=True, metavar="FILE", kinds=_SOLID,
             help="The record behind the fit: adds a bound."),
         of(LevelChoices, "levels", into="at_level", kinds=_SOLID,
-           help="Resonance there, e.g. 0.5N; needs --sweep."),
+           help="Resonance there, e.g. 0.5N: by --sweep, or a bent law."),
         of(LevelChoices, "sweep", into="at_level", kinds=_SOLID),
         *(of(load(kind.asked), kinds=kind.name) for kind in PREDICTED),
         rest(
+            of(SlamAsked, kinds=_SOLID),
             opt("--kind", type=OneOf(words(FrfKind)), metavar="NAME", kinds=_SOLID,
                 help=", ".join(words(FrfKind)[:-1]) + f" or {words(FrfKind)[-1]}."),
             options.relative(_SOLID),
@@ -92,6 +95,8 @@ def command(*, path: str, **said: Any) -> Outcome:
         return _of_kind(path, row, said)
     if kind == _DOOR:
         return _door(path, **{name: said[name] for name in _OF_DOOR})
+    if said["slam"]:
+        return _slammed(path, said)
     others = {one.name for kind in PREDICTED for one in offered(load(kind.asked))}
     left_out = {*_NO_MASS, *others}
     return _under_mass(path, **{name: each for name, each in said.items() if name not in left_out})
@@ -99,20 +104,45 @@ def command(*, path: str, **said: Any) -> Outcome:
 
 def _of_kind(path: str, row: KindOfTest, said: dict[str, Any]) -> Outcome:
     """What the fit of a kind predicts by itself."""
-    output = said["output"]
-    if output and not output.lower().endswith(".json") and output != "-":
-        raise click.UsageError(f"-o {output}: this prediction is written as .json.")
     asked = {one.name: said[one.name] for one in offered(load(row.asked))}
     found = load(row.predict)(workflow.stored(path), temperature=said["temperature"], **asked)
+    return _alone(found, said)
+
+
+def _alone(found: Any, said: dict[str, Any]) -> Outcome:
+    """A prediction that is no FRF: its document and its picture."""
+    output = said["output"]
+    page = bool(output) and output.lower().endswith(PAGE)
+    if output and not page and not output.lower().endswith(".json") and output != "-":
+        raise click.UsageError(f"-o {output}: this prediction is written as .json or .html.")
     if said["picture"]:
         write_figure(said["picture"], found.plot())
     if output:
-        write(output, printed(found) + "\n")
+        write(output, workflow.html(found) if page else printed(found) + "\n")
     return Outcome.of(found)
 
 
+_OF_SLAM = ("--slam", "--mass", "--seals")
+
+
+def _slammed(path: str, said: dict[str, Any]) -> Outcome:
+    """Predict what a mass does that is slammed on the piece."""
+    context = click.get_current_context()
+    for one in command.options:
+        if one.typed(context) and one.group != options.RESULT and one.flag not in _OF_SLAM:
+            raise click.UsageError(
+                f"{one.flag} is of vibration, and --slam is one hit. Leave out one of them."
+            )
+    return _alone(
+        workflow.predict_slam(
+            workflow.read_fit(path), slam=said["slam"], mass=said["mass"], seals=said["seals"]
+        ),
+        said,
+    )
+
+
 _OF_DOOR = ("band", "temperature", "speed", "every", "picture", "output")
-_NO_MASS = ("speed", "every")
+_NO_MASS = ("speed", "every", "slam")
 
 
 def _under_mass(
@@ -149,20 +179,21 @@ def _keep(found: workflow.Prediction, path: str) -> None:
     if suffix == "json":
         write(path, printed(found) + "\n")
     elif suffix in {"csv", path.lower()}:
-        write(path, write_frf(found.levels[0].frf if found.levels else found.frf))
+        write(path, write_frf(found.by_level[0].frf if found.by_level else found.frf))
     else:
         raise click.UsageError(f"-o {path}: a prediction is written as .csv or .json.")
 
 
 def _figure(found: workflow.Prediction, stamp: str) -> dp.plot.Picture:
-    still = "predicted at a vanishing level" if found.levels else "predicted"
+    levels = found.by_level or ()
+    still = "predicted at a vanishing level" if levels else "predicted"
     return dp.plot.frf(
         found.frf,
-        *(one.frf for one in found.levels),
-        labels=(still, *(f"at {one.level:.4g} {one.unit}" for one in found.levels)),
+        *(one.frf for one in levels),
+        labels=(still, *(f"at {one.level:.4g} {one.unit}" for one in levels)),
         band=found.limits,
         interval=found.interval,
-        ordered=bool(found.levels),
+        ordered=bool(levels),
         stamp=stamp,
     )
 

@@ -67,7 +67,9 @@ class Assembly:
             DOOR, rigid.mass, rigid.inertia, at=rigid.centre, free=rigid.motions, modes=elastic
         )
 
-    def system(self, *, sealed: bool = True, pitch: float | None = None) -> System:
+    def system(
+        self, *, sealed: bool = True, pitch: float | None = None, stuck: bool = True
+    ) -> System:
         """The door on its hinges, latch and bumpers, with its seal or without.
 
         Parameters
@@ -75,6 +77,9 @@ class Assembly:
         sealed : bool
         pitch : float, optional
             Of the stations, m; by default the one stated.
+        stuck : bool
+            The friction of the seal sticks, as under small vibration; else it may slip, and the
+            system answers at a level.
         """
         door = self.door
         bodies = [self.body()]
@@ -90,7 +95,8 @@ class Assembly:
             for mount in self._held_by(support)
         ]
         if sealed and door.line is not None:
-            mounts += line_mounts(door.line, DOOR, pitch or self.door.pitch, ground=BODY)
+            wanted = pitch or self.door.pitch
+            mounts += line_mounts(door.line, DOOR, wanted, ground=BODY, stuck=stuck)
         return System(tuple(bodies), tuple(mounts), grounds)
 
     def _held_by(self, support: Support) -> list[Mount]:

@@ -12,6 +12,8 @@ NOT_THERE = 0.3
 """m, beyond which shapes are not those of this door."""
 ANOTHER = 2.0
 """Ratio of masses, so too."""
+JUMP = 10.0
+"""Times the longest of the other pieces, beyond which that which closes a line skips points."""
 HELD_BY_SEAL = 0.01
 """Share of a mode's energy, or of its loss, in the seal above which its test has a say."""
 
@@ -73,14 +75,33 @@ def seal_touches(part: float, *, length: float, least: float, where: float, most
     )
 
 
+@criterion("motions", "<=", 0, "our choice: a tenth of a seal as stiff sideways as it is pressed")
+def line_holds_sideways(motions: int, slowest: float | None) -> Finding:
+    """What holds the door sideways is there: hinges, latch, or the shear of its seal."""
+    several = motions > 1
+    near = "" if slowest is None else f" from {slowest:.3g} Hz"
+    return Finding(
+        "Hinges, latch or bumpers hold the door where its seal line does not, in its plane",
+        motions,
+        instead=f"In-plane motion is held by nothing: no shear is given, and {motions} "
+        f"motion{'s' * several} {'are' if several else 'is'} free{near}",
+        remedy="Give across and along in [seal.shear].",
+    )
+
+
 @criterion(source="our choice: most door seals are closed", grade="note")
-def line_closed(length: float, apart: float) -> Finding:
-    """The seal line ends where it begins."""
+def line_closed(length: float, apart: float, pieces: Sequence[float] = (1.0, 1.0)) -> Finding:
+    """The seal line ends where it begins, and no long piece alone closes it."""
+    closing, longest = pieces[-1], max(pieces[:-1])
+    jumps = closing > JUMP * longest
     return Finding(
         f"The seal line of {length:.4g} m is closed",
-        instead=f"The seal line of {length:.4g} m ends {written(apart, 'mm')} from where it begins",
-        remedy="Add its last point, if one is missing.",
-        faulted=apart > 0,
+        instead=f"The seal line of {length:.4g} m is closed by a straight piece of "
+        f"{written(closing, 'mm')}, and no other is longer than {written(longest, 'mm')}"
+        if jumps and not apart > 0
+        else f"The seal line of {length:.4g} m ends {written(apart, 'mm')} from where it begins",
+        remedy="Add its last points, if some are missing.",
+        faulted=apart > 0 or jumps,
     )
 
 

@@ -124,6 +124,7 @@ def _classes(x: FloatArray, y: FloatArray, mm: FloatArray) -> list[Mark]:
 def _pressed(found: DoorResult) -> Panel:
     stations = found.stations
     along = np.zeros(0) if stations is None else stations.along
+    length = 0.0 if found.door.line is None else found.door.line.length
     mm = np.zeros(0)
     if stations is not None and stations.compression is not None:
         mm = in_unit(stations.compression, "mm")
@@ -135,7 +136,7 @@ def _pressed(found: DoorResult) -> Panel:
         marks.append(Rule(tested, Pen("ref", 1.2, (7, 4)), "depth tested", across=True))
         limits.append(np.array([tested]))
     return Panel(
-        Scale("along the line, m", (0.0, float(along[-1] + along[0]))),
+        Scale("along the line, m", (0.0, length)),
         Scale("compression, mm", around(*limits)),
         tuple(marks),
         title="compression along the line",

@@ -19,6 +19,7 @@ from dashpot.door.modes import (
     basis_error,
     door_modes,
     farthest,
+    left_sideways,
     loose_motions,
     oscillations,
     station_error,
@@ -26,7 +27,7 @@ from dashpot.door.modes import (
 from dashpot.door.mounts import SEAL
 from dashpot.door.read import read_door
 from dashpot.door.read_modes import read_modes
-from dashpot.door.record import Door, DoorPoint
+from dashpot.door.record import Door, DoorPoint, SealChoice
 from dashpot.door.result import DoorResult, Shaken
 from dashpot.fitting.temperature.checks import temperature_tested
 from dashpot.io.readers.psd import read_psd
@@ -34,7 +35,7 @@ from dashpot.io.source import about
 from dashpot.records.compression import refuse_far
 from dashpot.records.fit import Fit
 from dashpot.records.free_modes import FreeModes
-from dashpot.records.seal_line import SealLine, SealSection
+from dashpot.records.seal_line import SealLine, SealSection, Shear
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.checks import compression_tested
 from dashpot.vibration.systems.bodies import Point
@@ -81,13 +82,56 @@ def open_door(
             choice_of_seal = door.seal
             fit = read_fit(choice_of_seal.fit)
             kelvin = choice_of_seal.temperature if temperature is None else temperature
-            section = SealSection.of(fit, length=choice_of_seal.length, temperature=kelvin)
+            section = SealSection.of(
+                fit,
+                length=choice_of_seal.length,
+                temperature=kelvin,
+                shear=shear_of(choice_of_seal, kelvin),
+                friction=choice_of_seal.friction,
+            )
             fit = fit if kelvin is None else fit.at_temperature(kelvin)
             if door.line.compression is not None:
                 most = float(door.line.compression.max())
                 refuse_far(most, fit.elastic_law, fit.specimen.height)
             door = replace(door, line=replace(door.line, section=section))
         return Assembly(door, modes, dict(_parts_of(door))), fit
+
+
+def shear_of(choice: SealChoice, temperature: float | None) -> Shear:
+    """What the seal of a door answers sideways: ratios, or one metre of what was tested so.
+
+    Raises
+    ------
+    ReadError
+        If a fit cannot be read.
+    DataError
+        If it is of no part, of another temperature, or its length is not known.
+    """
+    said, band = choice.shear, None
+    found: list[float | Solid] = []
+    for one in (said.across, said.along):
+        if not isinstance(one, str):
+            found.append(one)
+            continue
+        fit = read_fit(one)
+        try:
+            section = SealSection.of(fit, length=said.length, temperature=temperature)
+        except DataError as error:
+            raise DataError(f"{one}: {error}") from None
+        found.append(section.solid)
+        band = _of_both(band, section.band)
+    across, along = found
+    return Shear(across, along, band)
+
+
+def _of_both(
+    one: tuple[float, float] | None, other: tuple[float, float] | None
+) -> tuple[float, float] | None:
+    """The frequencies that both tests inform, Hz; (0, 0) where they have none in common."""
+    if one is None or other is None:
+        return one or other
+    low, high = max(one[0], other[0]), min(one[1], other[1])
+    return (low, high) if low <= high else (0.0, 0.0)
 
 
 def named(path: str | Path | Door) -> AbstractContextManager[None]:
@@ -184,8 +228,10 @@ def _corner(assembly: Assembly) -> DoorPoint:
     places = door.line.points if door.line else modes.place if modes else held
     away = np.linalg.norm(places[:, None] - held, axis=2).min(axis=1)
     x, y, z = places[int(away.argmax())].tolist()
-    along = door.line.normal[int(away.argmax())].tolist() if door.line else [0.0, 0.0, 1.0]
-    return DoorPoint("farthest from the hinges", (x, y, z), tuple(along))
+    a, b, c = (0.0, 0.0, 1.0)
+    if door.line:
+        a, b, c = door.line.normal_at(door.line.along[int(away.argmax())]).tolist()
+    return DoorPoint("farthest from the hinges", (x, y, z), (a, b, c))
 
 
 def _place(one: DoorPoint) -> Point:
@@ -225,10 +271,15 @@ def _asked(
 ) -> Iterator[Check]:
     """Every check of a door."""
     door = assembly.door
+    section = None if door.line is None else door.line.section
+    if section is not None and not section.shear.holds:
+        yield asked.line_holds_sideways(*left_sideways(assembly))
     yield asked.door_held(loose_motions(assembly.system()))
     if fit is not None and door.line is not None:
         felt = [(one.mode.frequency, max(one.share(SEAL), one.loss_share(SEAL))) for one in modes]
-        yield asked.door_modes_informed(felt, fit.band)
+        section = door.line.section
+        band = fit.band if section is None else _of_both(fit.band, section.shear.band)
+        yield asked.door_modes_informed(felt, band)
         yield from _asked_of_line(door.line, assembly, fit, below)
         if fit.temperatures is not None and fit.specimen.temperature is not None:
             yield temperature_tested(fit.temperatures, fit.specimen.temperature)
@@ -239,7 +290,8 @@ def _asked(
 def _asked_of_line(line: SealLine, assembly: Assembly, fit: Fit, below: float) -> Iterator[Check]:
     """Whether the seal is all there, finely enough, and pressed as it was tested."""
     apart = float(np.linalg.norm(line.points[0] - line.points[-1]))
-    yield asked.line_closed(line.length, 0.0 if line.closed else apart)
+    pieces = np.diff(line.along).tolist()
+    yield asked.line_closed(line.length, 0.0 if line.closed else apart, pieces)
     yield asked.stations_suffice(station_error(assembly, below), assembly.door.pitch)
     stations = line.stations(assembly.door.pitch)
     pressed = stations.compression

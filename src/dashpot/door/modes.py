@@ -10,6 +10,7 @@ from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.documents import Documented
 from dashpot.door.assembly import DOOR, Assembly
 from dashpot.records.free_modes import FreeModes
+from dashpot.records.seal_line import Shear
 from dashpot.vibration.systems.complex_modes import ComplexMode, complex_modes, newton_modes
 from dashpot.vibration.systems.energy import EnergyShare, energy_shares
 from dashpot.vibration.systems.system import System
@@ -18,6 +19,10 @@ _STATES = 1200
 """Of the first-order form, at most; beyond it the nonlinear eigenproblem is quicker."""
 _LOSSLESS = 1e-9
 """Loss factor of rounding."""
+_SIDEWAYS, _LOOSE = 0.1, 1e-12
+"""Share of a stiffness below which a motion is free, and of the largest that is rounding."""
+_COARSE = 8
+"""Pitches between stations that tell what is free; they need not tell how stiff it is."""
 _SAME = 0.5
 """Least similarity of a mode with seal and one without."""
 
@@ -84,10 +89,10 @@ def door_modes(assembly: Assembly, below: float) -> tuple[DoorMode, ...]:
 
 def station_error(assembly: Assembly, below: float) -> float:
     """Largest relative change of a frequency up to one, Hz, if stations stand twice as dense."""
-    coarse, fine = (
-        oscillations(assembly.system(pitch=assembly.door.pitch / count), below) for count in (1, 2)
-    )
-    return _moved(coarse, fine)
+    line, pitch = assembly.door.line, assembly.door.pitch
+    # a pitch longer than the pieces of the line cuts nothing: half of what stands there does
+    half = pitch / 2 if line is None else float(line.stations(pitch).length.max()) / 2
+    return _moved(*(oscillations(assembly.system(pitch=one), below) for one in (pitch, half)))
 
 
 def basis_error(assembly: Assembly, below: float) -> float | None:
@@ -119,6 +124,37 @@ def loose_motions(system: System) -> int:
     """Motions that stretch no spring; those of a whole car that flies are none."""
     flying = 0 if system.grounds else 6
     return max(len(system.dofs) - int(np.linalg.matrix_rank(_scaled(system))) - flying, 0)
+
+
+def left_sideways(assembly: Assembly) -> tuple[int, float | None]:
+    r"""Motions that nothing holds unless the seal answers sideways, and the slowest of them, Hz.
+
+    Those by whose shapes the springs of the door are at rest less than a tenth of what they were
+    with a seal as stiff sideways as normal to its line: :math:`K\phi = \rho K_1\phi`, with
+    :math:`\rho` below it. The frequency is None where such a motion does not oscillate.
+    """
+    door = assembly.door
+    if door.line is None or door.line.section is None:
+        return 0, None
+    held = replace(door.line.section, shear=Shear(1.0, 1.0))
+    firm = replace(assembly, door=replace(door, line=replace(door.line, section=held)))
+    pitch = min(_COARSE * door.pitch, door.line.length)
+    K, K_1 = (_at_rest(one.system(pitch=pitch)) for one in (assembly, firm))
+    size, axes = np.linalg.eigh(K_1)
+    kept = size > _LOOSE * size.max(initial=0.0)
+    scaled = axes[:, kept] / np.sqrt(size[kept])
+    count = int((np.linalg.eigvalsh(scaled.T @ K @ scaled) < _SIDEWAYS).sum())
+    if not count:
+        return 0, None
+    found = oscillations(assembly.system())
+    return count, found[0].frequency if found and loose_motions(assembly.system()) == 0 else None
+
+
+def _at_rest(system: System) -> FloatArray:
+    """Stiffness at rest by unit masses, 1/s^2, shape (n, n)."""
+    E = system.stretch / np.sqrt(np.diag(system.mass_matrix))
+    k = np.array([spring.felt.k_0 for spring in system.springs])
+    return np.asarray((E.T * k) @ E)
 
 
 def _scaled(system: System) -> FloatArray:

@@ -8,6 +8,7 @@ from dashpot.base.arrays import FloatArray
 from dashpot.door import air
 from dashpot.door.closing_record import Air, Ajar
 from dashpot.records.seal_line import SealSection
+from dashpot.solids.even_step import EvenStep
 
 
 class PressedSeal:
@@ -49,14 +50,10 @@ class PressedSeal:
         path = self.section.path(at)
         pressed, moved = at - self.at, path - self.path
         relaxed = 0.5 * self.k_inf * (path + self.path)
-        ratio = (seconds[:, None] / self.tau)[:, None, :]
-        # (1 - e^-a)/a, and what of an even step an arm still carries on average
-        kept = -np.expm1(-ratio) / ratio
-        onward = np.where(ratio < 1e-4, 0.5 - ratio / 6, (1 - kept) / ratio)
+        even = EvenStep.of((seconds[:, None] / self.tau)[:, None, :])
         given = self.k * moved[..., None]
-        rest = (self.arms * kept + given * onward).sum(axis=-1)
-        rest = rest + self.b * moved / seconds[:, None]
-        self.arms = self.arms * (1 - ratio * kept) + given * kept
+        rest = even.mean(self.arms, given).sum(axis=-1) + self.b * moved / seconds[:, None]
+        self.arms = even.end(self.arms, given)
         # it cannot pull
         whole = np.maximum(relaxed + rest, 0.0)
         self.at, self.path = at, path

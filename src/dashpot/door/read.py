@@ -15,11 +15,19 @@ from dashpot.base.errors import DataError, ReadError
 from dashpot.base.plausible import SIZES
 from dashpot.base.provenance import Source
 from dashpot.door.read_closing import closing_of
-from dashpot.door.record import Door, DoorPoint, ModesChoice, RigidPart, SealChoice, Support
+from dashpot.door.record import (
+    Door,
+    DoorPoint,
+    ModesChoice,
+    RigidPart,
+    SealChoice,
+    ShearChoice,
+    Support,
+)
 from dashpot.io.readers import channels
 from dashpot.io.readers.by_name import by_name, in_si
 from dashpot.io.toml import Section, Vector, tables_of
-from dashpot.records.seal_line import Joint, SealLine
+from dashpot.records.seal_line import Joint, LineFriction, SealLine, Shear
 
 LARGEST = SIZES["door"].hard[1]
 """m; no door lies further from the origin of its car's axes, and no seal line is longer."""
@@ -197,7 +205,8 @@ def _each_way(
 def _seal(here: _Here, entries: Any) -> dict[str, Any]:
     section = here.section(
         entries, "fit", "length", "temperature", "points", "unit", "closed", "normal",
-        "compression", "gap", "height", "pitch", "joint",
+        "tilt", "compression", "gap", "height", "pitch", "joint", "shear",
+        "friction",
     )  # fmt: skip
     section.needs("fit", "points")
     points, columns = _points(here, section)
@@ -210,7 +219,11 @@ def _seal(here: _Here, entries: Any) -> dict[str, Any]:
         order = np.append(order, 0)
     pressed = None if pressed is None else pressed[order]
     joints = _joints(here, section.entries.get("joint", []))
-    line = SealLine(points[order], pressed, normal=normals[order], joints=joints)
+    normals = normals[order]
+    tilt = section.quantity("tilt", "angle")
+    if tilt is not None:
+        normals = _tilted(section, normals, points[order], tilt)
+    line = SealLine(points[order], pressed, normal=normals, joints=joints)
     if line.length > LARGEST:
         raise ReadError(
             f"{section.where}: the seal line is {line.length:.4g} m long; expected at most "
@@ -221,6 +234,8 @@ def _seal(here: _Here, entries: Any) -> dict[str, Any]:
         _size(section, "length"),
         section.quantity("temperature", "temperature"),
         _size(section, "pitch"),
+        _shear(here, section.entries.get("shear", {})),
+        _friction(here, section.entries.get("friction")),
     )
     if choice.pitch:
         _refuse_more(f"{section.where}: pitch", line.length / choice.pitch, "stations")
@@ -296,6 +311,56 @@ def _compression(
     if deepest > LARGEST / 100:
         raise ReadError(f"{section.where}: {name} makes a compression of {deepest:g} m: in mm?")
     return np.broadcast_to(values, count)
+
+
+def _shear(here: _Here, entries: Any) -> ShearChoice:
+    """Ratios, or fits of their own, across the line and along it."""
+    row = Section(f"{here.where[:-1]}.shear]", entries, ("across", "along", "length"))
+
+    def way(name: str) -> float | str:
+        if isinstance(row.entries.get(name), str):
+            return here.path(row.word(name))
+        return row.number(name) or 0.0
+
+    across, along = way("across"), way("along")
+    # a ratio that cannot be is refused before any fit is opened
+    Shear(
+        0.0 if isinstance(across, str) else across,
+        0.0 if isinstance(along, str) else along,
+    )
+    return ShearChoice(across, along, _size(row, "length"))
+
+
+def _friction(here: _Here, entries: Any) -> LineFriction | None:
+    """What rubs sideways beside the arms."""
+    if entries is None:
+        return None
+    row = Section(f"{here.where[:-1]}.friction]", entries, ("mu", "across", "along"))
+    row.needs("mu")
+    mu, across, along = (row.number(name) or 0.0 for name in ("mu", "across", "along"))
+    return LineFriction(mu, across, along)
+
+
+_STEEP = np.radians(80.0)
+"""Beyond it a seal is pressed along its door, not on it."""
+
+
+def _tilted(section: Section, normals: FloatArray, points: FloatArray, tilt: float) -> FloatArray:
+    """Normals of the pieces, leant outwards of the line by an angle, rad."""
+    if not abs(tilt) <= _STEEP:
+        raise ReadError(
+            f"{section.where}: tilt = {np.degrees(tilt):.4g} deg; expected at most "
+            f"{np.degrees(_STEEP):.0f} deg either way"
+        )
+    runs = np.diff(points, axis=0)
+    upright = normals[1:] + normals[:-1]
+    upright /= np.linalg.norm(upright, axis=1)[:, None]
+    outwards = np.cross(runs, upright)
+    outwards /= np.maximum(np.linalg.norm(outwards, axis=1), 1e-300)[:, None]
+    # a line that runs the other way round has its outside on the other hand
+    middles = (points[1:] + points[:-1]) / 2 - points.mean(axis=0)
+    area = float((np.cross(middles, runs) * upright).sum())
+    return np.asarray(np.cos(tilt) * upright + np.sign(area) * np.sin(tilt) * outwards)
 
 
 def _joints(here: _Here, rows: Any) -> tuple[Joint, ...]:

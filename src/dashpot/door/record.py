@@ -8,7 +8,7 @@ from typing import TypeAlias
 from dashpot.base.arrays import ByValue
 from dashpot.base.provenance import Source
 from dashpot.door.closing_record import ClosingSetup
-from dashpot.records.seal_line import SealLine
+from dashpot.records.seal_line import LineFriction, SealLine
 
 Vector: TypeAlias = tuple[float, float, float]
 
@@ -67,6 +67,24 @@ class Support:
 
 
 @dataclass(frozen=True)
+class ShearChoice:
+    """What the seal answers sideways.
+
+    Attributes
+    ----------
+    across, along : float or str
+        Of the stiffness normal to the line; or the path of a fit of a piece that was pressed and
+        then moved that way.
+    length : float or None
+        Of that piece, m; None where the fit knows.
+    """
+
+    across: float | str = 0.0
+    along: float | str = 0.0
+    length: float | None = None
+
+
+@dataclass(frozen=True)
 class SealChoice:
     """Which seal lies along the line.
 
@@ -80,12 +98,16 @@ class SealChoice:
         K; None is that of the fit.
     pitch : float or None
         Wanted distance of its stations, m.
+    shear : ShearChoice
+    friction : LineFriction or None
     """
 
     fit: str
     length: float | None = None
     temperature: float | None = None
     pitch: float | None = None
+    shear: ShearChoice = ShearChoice()
+    friction: LineFriction | None = None
 
 
 @dataclass(frozen=True)

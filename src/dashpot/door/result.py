@@ -48,6 +48,13 @@ class AlongLine(NamedTuple):
     most: float
 
 
+class Sideways(NamedTuple):
+    """Of stiffnesses of a line."""
+
+    across: float
+    along: float
+
+
 @dataclass(frozen=True)
 class SealOfDoor(Documented):
     """What lies along the line of a door.
@@ -63,7 +70,8 @@ class SealOfDoor(Documented):
 
     keys = (
         "line.length", "line.closed", "stations", "pitch", "compression", "touching", "stiffness",
-        "stiffness_per_metre=section.solid.k_inf", "force", "line.joints",
+        "stiffness_per_metre=section.solid.k_inf", "sideways", "sticks?", "force",
+        "line.joints",
         "fit.specimen.temperature", "band_hz=fit.band", "fit=fit.identity",
     )  # fmt: skip
 
@@ -79,8 +87,8 @@ class SealOfDoor(Documented):
 
     @property
     def pitch(self) -> float:
-        """Their distance, m."""
-        return float(self.along.length[0])
+        """Their distance on average, m."""
+        return float(self.along.length.mean())
 
     @property
     def compression(self) -> AlongLine | None:
@@ -97,9 +105,28 @@ class SealOfDoor(Documented):
     @property
     def stiffness(self) -> float:
         """At rest, of all of it, N/m."""
-        share, x = self.along.length * self.along.factor, self.along.compression
-        factor = np.ones_like(share) if x is None else self.section.factor(x)
-        return float(self.section.solid.k_inf * (share @ factor))
+        return self._at_rest(0)
+
+    @property
+    def sideways(self) -> Sideways:
+        """At rest, of all of it, across the line and along it, N/m."""
+        return Sideways(self._at_rest(1), self._at_rest(2))
+
+    @property
+    def sticks(self) -> float | None:
+        """Motion sideways up to which no station slips, m; None without friction."""
+        ends = [
+            slips[sticks > 0] / sticks[sticks > 0]
+            for _, _, _, friction in self.section.ways(self.along)
+            if friction is not None
+            for sticks, slips in (friction,)
+        ]
+        whole = np.concatenate(ends) if ends else np.zeros(0)
+        return float(whole.min()) if len(whole) else None
+
+    def _at_rest(self, way: int) -> float:
+        found = self.section.ways(self.along)[way]
+        return float(found.solid.k_inf * found.share.sum())
 
     @property
     def force(self) -> float | None:

@@ -81,10 +81,9 @@ def deck_for(
     ExportError
         If there is no such target, it takes no such choice, or refuses the fit.
     """
-    if target not in TARGETS:
-        raise ExportError(f"'{target}' is no solver; expected one of {', '.join(TARGETS)}")
+    write = TARGETS.get(target) or _plugged(target)
     material = isinstance(found, HyperelasticFit)
-    known = signature(hyperelastic_card if material else TARGETS[target]).parameters
+    known = signature(hyperelastic_card if material else write).parameters
     made = {name: value for name, value in choices.items() if value is not None}
     for name in made:
         if name not in known:
@@ -103,7 +102,21 @@ def deck_for(
         found = found.in_parallel(seals)
     if temperature is not None:
         made["specimen"] = replace(found.specimen, temperature=temperature)
-    return TARGETS[target](found, **made)
+    return write(found, **made)
+
+
+def _plugged(target: str) -> Callable[..., DeckText]:
+    """The target that a plug-in brings."""
+    from dashpot.base.plugins import named, offered_too
+    from dashpot.export.plugged import target_of
+
+    plugin = named("decks", target)
+    if plugin is None:
+        raise ExportError(
+            f"'{target}' is no solver; expected one of {', '.join(TARGETS)}."
+            f"{offered_too('decks')}".rstrip(".")
+        )
+    return target_of(plugin)
 
 
 __all__ = [

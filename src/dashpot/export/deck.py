@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TypeAlias
 
@@ -76,6 +76,10 @@ class Deck:
     fit: Fit | LevelFit | None = None
     overrides: tuple[str, ...] = ()
 
+    def of(self, solid: Solid) -> Deck:
+        """The same deck of another solid: a part of it, or one that stands beside it."""
+        return replace(self, solid=solid)
+
     # -- the solid in deck units ----------------------------------------------------------------
 
     @cached_property
@@ -137,13 +141,13 @@ class Deck:
         frequency_range: tuple[float, float],
         tolerance: float,
         *,
-        share: float = 1.0,
+        solid: Solid | None = None,
         damping: Damping = "loss_factor",
         printed: Callable[[float], str] = text,
     ) -> Table:
-        """The table of a `share` of the solid in SI, with the digits that will be printed."""
+        """The table of the solid, or of another, in SI, with the digits that will be printed."""
         return tabulate(
-            self.solid * share,
+            solid or self.solid,
             frequency_range=frequency_range,
             tolerance=tolerance,
             damping=damping,

@@ -55,10 +55,12 @@ class Target(Protocol):
         ...
 
 
-def target(*forms: str) -> Callable[[Callable[..., DeckText]], Target]:
+def target(*forms: str, line: tuple[str, ...] = ()) -> Callable[[Callable[..., DeckText]], Target]:
     """Make what writes the cards of an opened deck a target of its name, as a decorator.
 
-    The target takes the solid and all that :func:`open_deck` asks for in place of the deck.
+    The target takes the solid and all that :func:`open_deck` asks for in place of the deck. Its
+    first form is what it writes if not told; of a seal line, the first of those that hold a
+    `line`.
     """
 
     def enter(cards: Callable[..., DeckText]) -> Target:
@@ -70,9 +72,15 @@ def target(*forms: str) -> Callable[[Callable[..., DeckText]], Target]:
             units: str | None = None,
             specimen: Specimen | None = None,
             allow: Collection[str] = (),
-            form: str = forms[0],
+            form: str = "",
             **own: Any,
         ) -> DeckText:
+            form = form or (forms if own.get("line") is None else line)[0]
+            if own.get("line") is not None and form not in line:
+                raise ExportError(
+                    f"{name} decks hold a seal line in the form {' or '.join(line)}; found the "
+                    f"form {form}: add --form {line[0]} (Python: form='{line[0]}')"
+                )
             deck = open_deck(solid, name, form, forms, units=units, specimen=specimen, allow=allow)
             return cards(deck, **own)
 

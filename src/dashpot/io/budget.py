@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 from dashpot.base.errors import ReadError
 
@@ -22,6 +24,8 @@ def seconds_for(size: int) -> float:
 class Patience:
     """What this process spends on a file that is parsed in it: no more than a child would get.
 
+    All that reads a file shares it, however often its rows are read.
+
     Parameters
     ----------
     size : int, optional
@@ -30,7 +34,17 @@ class Patience:
 
     def __init__(self, size: int | None) -> None:
         self._most = _OF_IT * (_LONGEST if size is None else seconds_for(size))
-        self._until = time.thread_time() + self._most
+        self._spent = self._began = 0.0
+        self._line = 1
+
+    @contextmanager
+    def counted(self) -> Iterator[None]:
+        """Count what is spent within."""
+        self._began = time.thread_time()
+        try:
+            yield
+        finally:
+            self._spent += time.thread_time() - self._began
 
     def asked(self, line: int) -> None:
         """Raise a ReadError if it is spent at a line.
@@ -40,8 +54,10 @@ class Patience:
         ReadError
             With what to do.
         """
-        if time.thread_time() > self._until:
+        self._line = max(line, self._line)
+        if self._spent + time.thread_time() - self._began > self._most:
             raise ReadError(
-                f"took more than {self._most:.0f} s to read up to line {line}, for hardly a row is "
-                "like the one before it: take what stands between the rows out, or split the file"
+                f"took more than {self._most:.0f} s to read up to line {self._line}, for hardly a "
+                "row is like the one before it: take what stands between the rows out, or split "
+                "the file"
             )

@@ -96,6 +96,8 @@ class ReadOptions:
         The loading to use, counted from 1, where a relaxation test has several.
     sheet : str or None
         The sheet of a workbook, group of a TDMS file or HDF5 file, by name.
+    format : str or None
+        The plug-in that reads the file, in place of what its first bytes show.
     kind : str or None
         What the file is, in place of what it is recognised as: ``"relaxation"``, ``"cld"``.
     calibration : str or None
@@ -157,6 +159,7 @@ class ReadOptions:
     sheet: str | None = option(
         None, "Sheet of a workbook, group of TDMS or HDF5.", section="part", under="part"
     )
+    format: str | None = option(None, "A plug-in's, by name.", section="part", under="part")
     kind: str | None = option(
         None, "What the file is, if not what it seems.", section="part", flag="as", metavar="KIND"
     )

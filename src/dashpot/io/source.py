@@ -18,6 +18,7 @@ from typing import Any, BinaryIO
 
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.escapes import escaped
+from dashpot.io.budget import Patience
 
 _BLOCK = 1 << 18
 """Bytes read at once: their numbers fit in a processor's cache."""
@@ -56,6 +57,11 @@ class Raw:
     def size(self) -> int:
         """Bytes in all."""
         return len(self.held) if self.held or self.path is None else self.path.stat().st_size
+
+    @cached_property
+    def patience(self) -> Patience:
+        """What reading it may cost in this process."""
+        return Patience(self.size)
 
     @cached_property
     def sha256(self) -> str:

@@ -33,7 +33,17 @@ def load(word: str) -> Any:
 
 
 Meant: TypeAlias = Literal[
-    "bench", "hits", "modes", "level", "rod", "cld", "stress-strain", "indentation", "csr"
+    "bench",
+    "hits",
+    "modes",
+    "level",
+    "rod",
+    "cld",
+    "stress-strain",
+    "indentation",
+    "csr",
+    "slam",
+    "plug-in",
 ]
 """What records of one kind are fitted as."""
 
@@ -263,9 +273,29 @@ KINDS: Mapping[str, KindOfTest] = MappingProxyType({kind.name: kind for kind in 
         follow="predict FILE --temperature 70degC --until 50%",
     ),
     KindOfTest(
+        "slam", "kinds.slam.read:read_slams", "kinds.slam.from_files:slam_files", meant="slam",
+        nouns={
+            "kinds.slam.record:SlamTest": "",
+            "kinds.slam.record:SlamFit": "kinds.slam.figure:slams",
+            "kinds.slam.predicted:Slam": "kinds.slam.figure:slam",
+        },
+        checks="kinds.slam.checks",
+        examples="kinds.slam.examples:EXAMPLES",
+        fits="kinds.slam.fit:fit_slams", takes=("mass", "slam", "memory", "specimen"),
+    ),
+    KindOfTest(
         "cyclic", _RELAXATION, "workflow.levels:level_files", page="level", meant="level",
         checks="kinds.level.checks",
         examples="kinds.level.examples:EXAMPLES",
+    ),
+    KindOfTest(
+        "plug-in", "kinds.plugged.read:read_plugged", "kinds.plugged.from_files:plugged_files",
+        meant="plug-in",
+        nouns={
+            "kinds.plugged.record:PluggedTest": "",
+            "kinds.plugged.record:PluggedFit": "",
+        },
+        fits="kinds.plugged.fit:fit_plugged",
     ),
     KindOfTest("seal-line"),
     KindOfTest("free-modes", "door.read_modes:read_modes"),

@@ -790,6 +790,48 @@ class Fit(ByValue, Pictured, Documented):
         specimen = replace(self.specimen, length=length)
         return replace(scaled, provenance=replace(scaled.provenance, specimen=specimen))
 
+    def aged(self, left: Fact, says: str, *, checks: Sequence[Check] = ()) -> Fit:
+        r"""The fit of the same part when aging has left so much of it: every stiffness times that.
+
+        .. math:: C' = f^2 C + \sigma_f^2\,k k^T
+
+        for the stiffnesses k, with the error of the factor f in the covariance: it is one of all.
+
+        Parameters
+        ----------
+        left : Fact
+            The part that is left, and its standard error.
+        says : str
+            After what.
+        checks : sequence of Check
+            Of the factor.
+
+        Raises
+        ------
+        DataError
+            If the part is not known, or only what it is at least.
+        """
+        error = left.error or 0.0
+        if left.least_alone or not np.isfinite(error):
+            raise DataError(
+                f"a fit is scaled by a number that is known, and this is not: {left.says}. Use a "
+                "hotter oven, or read longer"
+            )
+        step = Step(
+            "aging",
+            (("left", repr(left.value)), ("of", self.identity)),
+            f"{left.value:.4g} of fit {self.identity} is left {says}",
+        )
+        scaled = self._scaled(left.value, step)
+        here = {one.name: one.value for one in self.estimate.facts(self.solid, self.unit)}
+        k = np.array([here.get(name, 0.0) for name in self.parameters])
+        covariance = scaled.covariance + error**2 * np.outer(k, k)
+        return replace(
+            scaled,
+            estimate=replace(scaled.estimate, covariance=covariance, profiles=()),
+            evidence=replace(scaled.evidence, checks=(*self.checks, *checks)),
+        )
+
     def at_compression(self, compression: Quantity) -> Fit:
         """The fit as small vibration about a compression, m, feels it: every stiffness the tangent.
 

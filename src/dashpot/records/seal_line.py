@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
-from dashpot.base.arrays import ByValue, FloatArray, frozen
+from dashpot.base.arrays import ByValue, FloatArray, IndexArray, frozen
 from dashpot.base.demands import not_negative
 from dashpot.base.errors import DataError
 from dashpot.base.offered import verb
@@ -19,6 +19,97 @@ from dashpot.solids.maxwell import Solid
 
 CLOSED = 1e-6
 """Part of its length by which the ends of a line may lie apart, and it is closed."""
+_BENDS = np.cos(np.radians(30.0))
+"""Cosine of the turn at a point beyond which it is a corner, not a point of a curve."""
+_ASIDE = 0.01
+"""Sine of the angle of a line and its normal below which the one runs along the other."""
+
+ShearStiffness: TypeAlias = float | Solid
+"""Of the stiffness normal to the line at the same place, or one of its own, N/m per m."""
+
+
+@dataclass(frozen=True)
+class Shear:
+    """What a seal answers where it is moved sideways while it is pressed.
+
+    A ratio is of the stiffness normal to the line at the same place: it follows compression and
+    joints, and has the same arms. A solid of its own is one metre of seal as it was moved
+    sideways at the depth of its test; it is the same wherever the seal touches, but at joints.
+
+    Attributes
+    ----------
+    across : float or Solid
+        Square to the line and to the way in which the seal is pressed; 0 is none.
+    along : float or Solid
+        Along the line.
+    band : (float, float) or None
+        The frequencies, Hz, that the tests of its own solids inform; None where it has none.
+    """
+
+    across: ShearStiffness = 0.0
+    along: ShearStiffness = 0.0
+    band: tuple[float, float] | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("across", "along"):
+            ratio = getattr(self, name)
+            if not isinstance(ratio, Solid) and not 0 <= ratio <= MOST_RATIO:
+                raise DataError(
+                    f"shear: {name} = {ratio:g}; expected 0 to {MOST_RATIO:g} of the stiffness "
+                    "normal to the line, such as 0.35, or the seal's own stiffness that way"
+                )
+
+    @property
+    def holds(self) -> bool:
+        """Whether the seal answers sideways at all."""
+        return not (self.across == self.along == 0)
+
+
+@dataclass(frozen=True)
+class LineFriction:
+    r"""What rubs beside the arms of a seal where it is moved sideways: a Jenkins element.
+
+    .. math:: k_t = r\,\kappa_\infty\,\Delta s, \qquad F_c = \mu\,F_e(x)\,\Delta s
+
+    of a station at a compression x: it sticks with a share r of the relaxed stiffness normal to
+    the line there, and slips at mu times the relaxed force by which the seal is pressed.
+
+    Attributes
+    ----------
+    mu : float
+        > 0.
+    across, along : float
+        The share r either way; 0 is none.
+    """
+
+    mu: float
+    across: float = 0.0
+    along: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not 0 < self.mu <= MOST_MU:
+            raise DataError(
+                f"friction: mu = {self.mu:g}; expected more than 0 and at most {MOST_MU:g}, such "
+                "as 0.4"
+            )
+        for name in ("across", "along"):
+            ratio = getattr(self, name)
+            if not 0 <= ratio <= MOST_RATIO:
+                raise DataError(
+                    f"friction: {name} = {ratio:g}; expected 0 to {MOST_RATIO:g} of the relaxed "
+                    "stiffness normal to the line, such as 0.15"
+                )
+        if self.across == self.along == 0:
+            raise DataError(
+                "friction: neither across nor along is given; expected the share of the relaxed "
+                "stiffness with which the seal sticks, such as across = 0.15"
+            )
+
+
+MOST_MU = 3.0
+"""No dry rubber rubs more."""
+MOST_RATIO = 10.0
+"""A seal is softer sideways than where it is pressed; beyond ten times it is a percentage."""
 
 
 @dataclass(frozen=True)
@@ -36,15 +127,35 @@ class SealSection:
         Relaxed force per metre, N/m; None is a straight line.
     band : (float, float) or None
         The frequencies that its test informs, Hz.
+    shear : Shear
+        None by default: the seal holds nothing sideways.
+    friction : LineFriction or None
+        What rubs beside it.
     """
 
     solid: Solid
     law: ElasticLaw | None = None
     band: tuple[float, float] | None = None
+    shear: Shear = Shear()
+    friction: LineFriction | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("across", "along") if self.friction else ():
+            if getattr(self.friction, name) > 0 and getattr(self.shear, name) == 0:
+                raise DataError(
+                    f"friction rubs {name} the line, where the seal has no shear: give {name} in "
+                    "[seal.shear], too (Python: Shear)"
+                )
 
     @classmethod
     def of(
-        cls, fit: Fit, *, length: Quantity | None = None, temperature: Quantity | None = None
+        cls,
+        fit: Fit,
+        *,
+        length: Quantity | None = None,
+        temperature: Quantity | None = None,
+        shear: Shear | None = None,
+        friction: LineFriction | None = None,
     ) -> SealSection:
         """One metre of what was tested.
 
@@ -56,6 +167,10 @@ class SealSection:
             Of that piece, m; by default what the fit knows of its specimen.
         temperature : str or float, optional
             K; by default that of the fit.
+        shear : Shear, optional
+            What it answers sideways; nothing by default.
+        friction : LineFriction, optional
+            What rubs beside it; nothing by default.
 
         Raises
         ------
@@ -75,7 +190,7 @@ class SealSection:
             )
         law = here.elastic_law
         own = None if law is None or law.kind == "linear" else law * (1 / metres)
-        return cls((1 / metres) * here.solid, own, here.band)
+        return cls((1 / metres) * here.solid, own, here.band, shear or Shear(), friction)
 
     def path(self, compression: npt.ArrayLike) -> FloatArray:
         """What the solid is pressed by, m, where the seal is: less where it is softer at first.
@@ -94,6 +209,65 @@ class SealSection:
         x = np.asarray(compression, dtype=float)
         tangent = np.ones_like(x) if self.law is None else self.law.factor(x)
         return np.where(x < 0, 0.0, tangent)
+
+    def ways(self, stations: Stations) -> tuple[Way, ...]:
+        """What the stations answer, each way: normal to the line, then across and along it.
+
+        Raises
+        ------
+        DataError
+            If the seal is not linear, or rubs, and its compression is not stated.
+        """
+        pieces, pressed = stations.length * stations.factor, stations.compression
+        share = pieces
+        if pressed is not None:
+            share, pieces = share * self.factor(pressed), np.where(pressed < 0, 0.0, pieces)
+        elif self.law is not None and self.law.kind != "linear":
+            raise DataError(
+                "the seal is not linear and how far it is pressed along the line is not stated; "
+                "give its compression, or gap and height"
+            )
+        found = [Way(self.solid, share, stations.normal)]
+        for name, direction in (("across", stations.across), ("along", stations.tangent)):
+            one, rubs = getattr(self.shear, name), None
+            if self.friction is not None:
+                stuck = getattr(self.friction, name) * self.solid.k_inf * share
+                rubs = (stuck, self._slip(stations))
+            if isinstance(one, Solid):
+                found.append(Way(one, pieces, direction, rubs))
+            else:
+                found.append(Way(self.solid, one * share, direction, rubs))
+        return tuple(found)
+
+    def _slip(self, stations: Stations) -> FloatArray:
+        """Force at which each station slips sideways, N, shape (n,)."""
+        if self.friction is None or stations.compression is None:
+            raise DataError(
+                "friction of a seal line follows from the force by which it is pressed, and its "
+                "compression is not stated; give its compression, or gap and height"
+            )
+        pressed = self.force(stations.compression)
+        return np.asarray(self.friction.mu * pressed * stations.length * stations.factor)
+
+
+class Way(NamedTuple):
+    """The springs of a line in one direction.
+
+    Attributes
+    ----------
+    solid : Solid
+        N/m per m.
+    share : array, shape (n,)
+        Metres of it that each station is; 0 where it does not answer.
+    direction : array, shape (n, 3)
+    friction : (array, array) or None
+        Stiffness, N/m, with which each station sticks beside it, and force, N, at which it slips.
+    """
+
+    solid: Solid
+    share: FloatArray
+    direction: FloatArray
+    friction: tuple[FloatArray, FloatArray] | None = None
 
 
 @dataclass(frozen=True)
@@ -119,14 +293,20 @@ class Joint:
 
 @dataclass(frozen=True, eq=False)
 class Stations(ByValue):
-    """A line cut into equal pieces, each stood for by its middle.
+    r"""A line as the Gauss points of its cells, two a cell.
+
+    .. math:: s_{1,2} = s_m \mp \frac{h}{2\sqrt 3}
+
+    of a cell of length h about :math:`s_m`, each for half of it: what is a cubic along the cell,
+    as the stiffness of a straight one about any axis is, they sum exactly.
 
     Attributes
     ----------
     along : array, shape (n,)
-        Of the middles, from the first point, m.
-    place, normal : array, shape (n, 3)
-        m, and the direction in which the seal is pressed there, of length 1.
+        From the first point, m.
+    place, normal, tangent : array, shape (n, 3)
+        m; the direction in which the seal is pressed there, of length 1; and that in which the
+        line runs, square to it.
     length : array, shape (n,)
         Of seal that each stands for, m: together the whole line.
     factor : array, shape (n,)
@@ -138,9 +318,15 @@ class Stations(ByValue):
     along: FloatArray
     place: FloatArray
     normal: FloatArray
+    tangent: FloatArray
     length: FloatArray
     factor: FloatArray
     compression: FloatArray | None = None
+
+    @property
+    def across(self) -> FloatArray:
+        """Square to both, shape (n, 3)."""
+        return np.cross(self.normal, self.tangent)
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,9 +342,9 @@ class SealLine(ByValue):
         fills, so below 0 where it does not reach. None is the compression of its test.
     section : SealSection or Solid, optional
         One metre of the seal, N/m per m; without it the line is its geometry.
-    normal : (float, float, float) or array, shape (n, 3)
-        Direction in which the seal is pressed, of the line or at each point; need not have
-        length 1.
+    normal : (float, float, float) or array, shape (n, 3) or (n - 1, 3)
+        Direction in which the seal is pressed, of the line, at each point or of each piece
+        between two; need not have length 1.
     joints : tuple of Joint
         Where it is stiffer or softer: corners, splices.
     """
@@ -172,7 +358,7 @@ class SealLine(ByValue):
     def __post_init__(self) -> None:
         points = _points(self.points)
         object.__setattr__(self, "points", frozen(points))
-        object.__setattr__(self, "normal", frozen(_normals(self.normal, len(points))))
+        object.__setattr__(self, "normal", frozen(_normals(self.normal, points)))
         if self.compression is not None:
             pressed = np.array(self.compression, dtype=float)
             if pressed.shape not in {(), (len(points),)} or not np.isfinite(pressed).all():
@@ -210,13 +396,23 @@ class SealLine(ByValue):
         """How far along the line each point lies, m, shape (n,)."""
         return np.append(0.0, np.cumsum(_lengths(self.points)))
 
+    def normal_at(self, along: FloatArray) -> FloatArray:
+        """Direction in which the seal is pressed so far along the line, m, shape (..., 3)."""
+        if len(self.normal) < len(self.points):
+            return np.asarray(self.normal[self._piece(along)])
+        field = np.stack([np.interp(along, self.along, one) for one in self.normal.T], axis=-1)
+        return np.asarray(field / np.linalg.norm(field, axis=-1, keepdims=True))
+
     def stations(self, pitch: Quantity) -> Stations:
-        """Cut the line into equal pieces, as near to a pitch as divides it evenly.
+        """Cut the line into cells of two stations, as near to a pitch as divides it evenly.
+
+        No cell reaches over a corner, the end of a straight piece of a cell's length or more, or
+        the end of a joint: a straight line is summed exactly at any pitch.
 
         Parameters
         ----------
         pitch : str or float
-            Wanted distance of the stations along the line, m.
+            Wanted distance of the stations along the line, on average, m: half a cell.
 
         Raises
         ------
@@ -229,21 +425,20 @@ class SealLine(ByValue):
                 f"pitch = {pitch!r} on a seal line of {length:g} m; expected a distance > 0 that "
                 "fits on it"
             )
-        count = max(1, round(length / wanted))
-        piece = length / count
-        middles: FloatArray = np.asarray((np.arange(count) + 0.5) * piece)
-        place, normal = (
-            np.stack([np.interp(middles, self.along, field[:, i]) for i in range(3)], axis=1)
-            for field in (self.points, self.normal)
-        )
+        middle, cell = _cells(self._breaks(2 * wanted), 2 * wanted)
+        at = (middle[:, None] + np.array([-0.5, 0.5]) / np.sqrt(3) * cell[:, None]).ravel()
+        normal = self.normal_at(at)
+        runs = np.diff(self.points, axis=0)[self._piece(at)]
+        tangent = runs - (runs * normal).sum(axis=1, keepdims=True) * normal
         pressed = self.compression
         return Stations(
-            middles,
-            place,
-            normal / np.linalg.norm(normal, axis=1)[:, None],
-            np.full(count, piece),
-            self._factor(middles, piece),
-            None if pressed is None else np.interp(middles, self.along, pressed),
+            at,
+            np.stack([np.interp(at, self.along, one) for one in self.points.T], axis=1),
+            normal,
+            tangent / np.linalg.norm(tangent, axis=1)[:, None],
+            np.repeat(0.5 * cell, 2),
+            np.repeat(self._factor(middle), 2),
+            None if pressed is None else np.interp(at, self.along, pressed),
         )
 
     def mounts(self, body: str, pitch: Quantity, *, ground: str = "ground") -> Any:
@@ -253,15 +448,46 @@ class SealLine(ByValue):
         """
         return verb("door.mounts", "line_mounts")(self, body, pitch, ground=ground)
 
-    def _factor(self, middles: FloatArray, piece: float) -> FloatArray:
-        """Mean factor of the joints over each piece."""
-        factor = np.ones(len(middles))
-        rounds = np.array([-1, 0, 1] if self.closed else [0]) * self.length
-        for joint in self.joints:
-            away = np.abs(middles - joint.at - rounds[:, None])
-            covered = np.clip((piece + joint.length) / 2 - away, 0.0, min(piece, joint.length))
-            factor += (joint.factor - 1) * covered.sum(axis=0) / piece
+    def _piece(self, along: FloatArray) -> IndexArray:
+        """Between which two points a place lies, by the first of them."""
+        return np.clip(np.searchsorted(self.along, along, "right") - 1, 0, len(self.points) - 2)
+
+    def _breaks(self, cell: float) -> FloatArray:
+        """Where no cell may reach across, from end to end, m; points of a curve are none."""
+        runs, lengths = np.diff(self.points, axis=0), _lengths(self.points)
+        ways = runs / lengths[:, None]
+        turned = (ways[1:] * ways[:-1]).sum(axis=1) < _BENDS
+        straight = np.maximum(lengths[1:], lengths[:-1]) >= cell
+        corners = self.along[1:-1][turned | straight]
+        ends = [end for first, last, _ in self._joints() for end in (first, last)]
+        inside = [end for end in ends if 0 < end < self.length]
+        return np.unique(np.concatenate(([0.0, self.length], corners, inside)))
+
+    def _joints(self) -> list[tuple[float, float, float]]:
+        """From where to where each joint reaches, m, and its factor; round a closed line again."""
+        rounds = (-self.length, 0.0, self.length) if self.closed else (0.0,)
+        return [
+            (one.at - one.length / 2 + turn, one.at + one.length / 2 + turn, one.factor)
+            for one in self.joints
+            for turn in rounds
+        ]
+
+    def _factor(self, middle: FloatArray) -> FloatArray:
+        """That of the joints that lie there; those that lie one over the other add."""
+        factor = np.ones(len(middle))
+        for first, last, each in self._joints():
+            factor += (each - 1) * ((first < middle) & (middle < last))
         return np.maximum(factor, 0.0)
+
+
+def _cells(breaks: FloatArray, wanted: float) -> tuple[FloatArray, FloatArray]:
+    """Middle and length, m, of cells between breaks, equal from one to the next."""
+    spans = np.diff(breaks)
+    counts = np.maximum(np.rint(spans / wanted), 1).astype(int)
+    cell = np.repeat(spans / counts, counts)
+    first = np.repeat(breaks[:-1], counts)
+    rank = np.concatenate([np.arange(count) for count in counts])
+    return first + (rank + 0.5) * cell, cell
 
 
 def _points(given: npt.ArrayLike) -> FloatArray:
@@ -288,15 +514,16 @@ def _points(given: npt.ArrayLike) -> FloatArray:
     return points
 
 
-def _normals(given: npt.ArrayLike, count: int) -> FloatArray:
-    """Unit normals at each point, or what is wrong with them."""
-    normal = np.array(given, dtype=float)
-    if normal.shape not in {(3,), (count, 3)}:
+def _normals(given: npt.ArrayLike, points: FloatArray) -> FloatArray:
+    """Unit normals at each point, or of each piece, or what is wrong with them."""
+    normal, count = np.array(given, dtype=float), len(points)
+    if normal.shape not in {(3,), (count, 3), (count - 1, 3)}:
         raise DataError(
-            f"the normal of a seal line is one direction or one for each of its {count} points; "
-            f"found shape {normal.shape}"
+            f"the normal of a seal line is one direction, or one for each of its {count} points "
+            f"or of the pieces between them; found shape {normal.shape}"
         )
-    normal = np.array(np.broadcast_to(normal, (count, 3)))
+    pieces = normal.shape == (count - 1, 3)
+    normal = normal if pieces else np.array(np.broadcast_to(normal, (count, 3)))
     size = np.linalg.norm(normal, axis=1)
     if not (np.isfinite(size) & (size > 0)).all():
         raise DataError("the normal of the seal line has no direction")
@@ -309,7 +536,22 @@ def _normals(given: npt.ArrayLike, count: int) -> FloatArray:
             f"{np.degrees(np.arccos(np.clip(turned[row], -1, 1))):.3g} deg apart: one of them is "
             "turned round, or points are missing between them"
         )
+    _refuse_along(normal if pieces else normal[1:] + normal[:-1], np.diff(points, axis=0))
     return normal
+
+
+def _refuse_along(normal: FloatArray, runs: FloatArray) -> None:
+    """Refuse a seal that is pressed along its own line."""
+    size = np.linalg.norm(normal, axis=1) * np.linalg.norm(runs, axis=1)
+    sine = np.linalg.norm(np.cross(normal, runs), axis=1) / size
+    row = int(np.argmin(sine))
+    if sine[row] < _ASIDE:
+        x, y, z = (normal[row] / np.linalg.norm(normal[row])).round(4).tolist()
+        raise DataError(
+            f"the seal line runs along its own normal from point {row} to {row + 1}: the normal "
+            f"there is {x:g}, {y:g}, {z:g}; expected the direction in which the seal is pressed, "
+            "square to the line: look at the normal and the axes of the points"
+        )
 
 
 def _lengths(points: FloatArray) -> FloatArray:

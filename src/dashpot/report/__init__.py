@@ -1,11 +1,12 @@
-"""A study, or a fit of several levels, to one self-contained HTML file."""
+"""A study, a fit of several levels, or another judged result to one self-contained HTML file."""
 
 from __future__ import annotations
 
 from typing import Any
 
+from dashpot.base.offered import Judged
 from dashpot.base.provenance import Step
-from dashpot.report import answer, level, summary, tables
+from dashpot.report import answer, judged, level, summary, tables
 from dashpot.report.figures import figures_of
 from dashpot.report.pages import COLOURS, environment, frame
 from dashpot.workflow.levels import Levels
@@ -15,7 +16,7 @@ from dashpot.workflow.study import Study
 __all__ = ["html"]
 
 
-def html(study: Study | Levels) -> str:
+def html(study: Study | Levels | Judged) -> str:
     """Return the report as one self-contained HTML file.
 
     The first screen holds the verdict, the figure that answers, and the solid to take; then test,
@@ -26,19 +27,20 @@ def html(study: Study | Levels) -> str:
 
     Parameters
     ----------
-    study : Study or Levels
-        What ``dashpot report`` or ``dashpot fit`` found; of levels the page holds verdict,
-        figures, numbers, checks and files.
+    study : Study, Levels or another result of a kind
+        What ``dashpot report``, ``fit`` or ``predict`` found; of all but a study the page holds
+        verdict, figures, numbers, checks and files.
 
     Returns
     -------
     str
         The text of the file; the same study gives the same text.
     """
-    if isinstance(study, Levels):
-        name, contents = "level.html", level.contents(study)
-    else:
+    if isinstance(study, Study):
         name, contents = "report.html", _contents(study)
+    else:
+        found = level if isinstance(study, Levels) else judged
+        name, contents = "judged.html", found.contents(study)
     return str(environment("dashpot.report").get_template(name).render(contents))
 
 

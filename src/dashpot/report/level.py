@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
@@ -17,9 +16,8 @@ from dashpot.kinds.level.hits import HitLevels
 from dashpot.kinds.level.levels import Elements, LevelFit
 from dashpot.kinds.level.record import AmplitudeFit
 from dashpot.plot.picture import unit_of
-from dashpot.report.figures import drawn
-from dashpot.report.pages import COLOURS, frame, held
-from dashpot.report.tables import TextTable, checks
+from dashpot.report.judged import judged
+from dashpot.report.tables import TextTable
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.rate_independent import InParallel
 from dashpot.workflow.levels import Levels
@@ -32,25 +30,13 @@ def contents(found: Levels) -> dict[str, Any]:
     """What the page of a fit of several levels holds."""
     rows = [(one.called, *one.ends, one.word) for one in numbers(found)]
     picture = replace(plot.level(found.fit, found.records), name="level")
-    names = dict.fromkeys(one.file for one in found.source)
+    table = TextTable(("", "value", "95 % from", "to", "unit"), tuple(rows))
     return {
-        **frame(),
-        "title": ", ".join(names) or "levels",
-        "verdict": found.verdict,
-        "colour": COLOURS[found.verdict.use],
-        "figures": {"level": drawn(picture)},
-        "numbers": TextTable(("", "value", "95 % from", "to", "unit"), tuple(rows)),
+        **judged(found, picture, table, found.source, name="levels"),
+        "drawn_as": "Measured and fitted",
+        "told_as": "What amplitude does",
         "beyond": beyond(found),
-        "checks": checks([("levels", found.checks)], found.checks),
-        "sources": tuple(dict.fromkeys(found.source)),
-        "simulated": list(dict.fromkeys(one.file for one in found.source if one.simulated)),
-        "link": held("application/json", document(found)),
     }
-
-
-def document(found: Levels) -> str:
-    """The JSON that ``dashpot fit --json`` prints."""
-    return json.dumps(found.document, indent=2, ensure_ascii=False, allow_nan=False)
 
 
 def numbers(found: Levels) -> list[Fact]:

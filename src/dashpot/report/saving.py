@@ -71,8 +71,9 @@ def _document(noun: Any, name: str) -> str:
 
 def _page(noun: Any, name: str) -> str:
     from dashpot.report import html
+    from dashpot.report.judged import paged
 
-    if not isinstance(noun, Study | Levels):
+    if not (isinstance(noun, Study | Levels) or paged(noun)):
         raise ExportError(
             f"{name}: a {type(noun).__name__} has no page of its own. Write it as .json, or make a "
             'report: dp.report(test, hits).save("report.html")'

@@ -14,6 +14,7 @@ from dashpot.signals.segments import (
     cycles_of,
     find_segments,
     loading_of,
+    mirrored,
 )
 
 STEADY = 0.01
@@ -68,7 +69,7 @@ def turned(time: FloatArray, displacement: FloatArray) -> tuple[int, tuple[Motio
     """Return the sign that makes the first ramp rise, and what then is found."""
     segments = find_segments(time, displacement)
     if _falls_first(segments):
-        return -1, find_segments(time, -displacement)
+        return -1, mirrored(segments)
     return 1, segments
 
 
@@ -119,8 +120,9 @@ def creeps(
     far = CREPT * float(np.ptp(x))
     if held and all(abs(_change(x, cycle.hold)) <= far for cycle in held):
         return False
-    for turn in (1, -1):
-        for cycle in cycles_of(find_segments(time, turn * force)):
+    pushed = find_segments(time, force)
+    for turn, segments in ((1, pushed), (-1, mirrored(pushed))):
+        for cycle in cycles_of(segments):
             ramped = float(x[cycle.ramp.last] - x[cycle.ramp.first])
             onward = _change(x, cycle.hold) * np.sign(ramped)
             if onward > far and _stands(turn * force, cycle):

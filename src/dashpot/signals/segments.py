@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from itertools import groupby
-from operator import itemgetter
 from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
@@ -22,10 +20,15 @@ _LEAST_MOVE = 0.05
 
 _STOP = 0.01
 """A stop shorter than this part of the longest hold interrupts a ramp, and does not end it."""
+_LOOKS = 64
+"""As often may every sample be looked at for a corner; then all but short stretches are halved."""
+_SHORT, _FEW = 1024, 32
+"""Samples of a stretch."""
 
 
 _Kind: TypeAlias = Literal["hold", "load", "unload"]
 _Side: TypeAlias = tuple[_Kind, int, int]
+_TURNED: dict[_Kind, _Kind] = {"hold": "hold", "load": "unload", "unload": "load"}
 
 
 class MotionSegment(NamedTuple):
@@ -83,6 +86,14 @@ def find_segments(time: FloatArray, displacement: FloatArray) -> tuple[MotionSeg
     return tuple(_segment(kind, time, x, first, last) for kind, first, last in sides)
 
 
+def mirrored(segments: Iterable[MotionSegment]) -> tuple[MotionSegment, ...]:
+    """What :func:`find_segments` finds of the same record with its sign turned."""
+    return tuple(
+        part._replace(kind=_TURNED[part.kind], origin=-part.origin, level=-part.level)
+        for part in segments
+    )
+
+
 def resolution_of(time: FloatArray, displacement: FloatArray) -> float:
     """What a displacement can differ by without having moved, m: 4 sigma, and half a quantum."""
     return 4 * usual_scatter(time, displacement) + 0.5 * quantum(displacement)
@@ -102,20 +113,40 @@ def _segment(
 
 
 def _polygon(time: FloatArray, x: FloatArray, tolerance: float) -> list[int]:
-    """Corners of the coarsest polygon within `tolerance` (Ramer, Douglas and Peucker)."""
+    """Corners of the coarsest polygon within `tolerance` (Ramer, Douglas and Peucker).
+
+    Thousands of cycles of one size would each be cut off the whole rest, which takes the square
+    of their number: a record that was looked at so often is halved, where a corner more is none
+    of another kind.
+    """
     corners = {0, len(x) - 1}
     stack = [(0, len(x) - 1)]
+    left = _LOOKS * len(x)
     while stack:
         a, b = stack.pop()
         if b - a < 2:
             continue
-        line = x[a] + (x[b] - x[a]) * (time[a : b + 1] - time[a]) / (time[b] - time[a])
-        miss = np.abs(x[a : b + 1] - line)
-        worst = int(np.argmax(miss))
-        if miss[worst] > tolerance:
-            corners.add(a + worst)
-            stack += [(a, a + worst), (a + worst, b)]
+        left -= b - a
+        worst, miss = _farthest(time[a : b + 1], x[a : b + 1])
+        if miss > tolerance:
+            corner = a + worst if left > 0 or b - a < _SHORT else (a + b) // 2
+            corners.add(corner)
+            stack += [(a, corner), (corner, b)]
     return sorted(corners)
+
+
+def _farthest(time: FloatArray, x: FloatArray) -> tuple[int, float]:
+    """The sample of a stretch that is farthest from the line between its ends, and how far."""
+    if len(x) < _FEW and time[-1] > time[0]:  # a loop costs less than the calls of NumPy
+        (t, *_, end), (low, *_, high) = times, values = time.tolist(), x.tolist()
+        rise, span = high - low, end - t
+        off = [abs(v - (low + rise * (u - t) / span)) for u, v in zip(times, values, strict=True)]
+        far = max(off)
+        return off.index(far), far
+    line = x[0] + (x[-1] - x[0]) * (time - time[0]) / (time[-1] - time[0])
+    miss = np.abs(x - line)
+    worst = int(np.argmax(miss))
+    return worst, float(miss[worst])
 
 
 def _kinds(time: FloatArray, x: FloatArray, travel: float) -> list[_Kind]:
@@ -132,8 +163,11 @@ def _kinds(time: FloatArray, x: FloatArray, travel: float) -> list[_Kind]:
 
 def _joined(sides: Iterable[_Side]) -> list[_Side]:
     """Make one side of neighbours of one kind."""
-    runs = [list(run) for _, run in groupby(sides, key=itemgetter(0))]
-    return [(run[0][0], run[0][1], run[-1][2]) for run in runs]
+    joined: list[_Side] = []
+    for kind, first, last in sides:
+        goes_on = bool(joined) and joined[-1][0] == kind
+        joined.append((kind, joined.pop()[1] if goes_on else first, last))
+    return joined
 
 
 def _settled(sides: list[_Side], time: FloatArray, x: FloatArray, travel: float) -> list[_Side]:
@@ -227,16 +261,16 @@ def cycles_of(segments: tuple[MotionSegment, ...]) -> tuple[RampHoldCycle, ...]:
     found: list[RampHoldCycle] = []
     rest: MotionSegment | None = None
     current: list[MotionSegment] = []
+    top = 0.0
     for segment in segments:
         if not current:
             if segment.kind == "load":
-                current = [segment]
+                current, top = [segment], segment.level
             else:
                 rest = segment if segment.kind == "hold" else None
             continue
         current.append(segment)
-        begin = current[0].origin
-        top = max(part.level for part in current)
+        begin, top = current[0].origin, max(top, segment.level)
         if segment.kind == "unload" and segment.level <= begin + 0.1 * (top - begin):
             found += _closed(rest, current)
             current, rest = [], None

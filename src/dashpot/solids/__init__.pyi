@@ -8,6 +8,7 @@ from . import friction as friction
 from . import networks as networks
 from . import stiffening as stiffening
 from .elastic import ElasticLaw as ElasticLaw
+from .elastic import PolynomialLaw as PolynomialLaw
 from .elastic import compare_with_curve as compare_with_curve
 from .fractional import FractionalZener as FractionalZener
 from .hyperelastic import Hyperelastic as Hyperelastic

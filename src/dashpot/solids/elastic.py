@@ -9,12 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from dashpot.base.arrays import FloatArray, increasing, same_length, samples
+from dashpot.base.demands import positive
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.units import in_unit, written
@@ -100,14 +102,21 @@ class ElasticLaw(Documented):
     def path(self, x: npt.ArrayLike) -> FloatArray:
         """The compression of a linear seal with the same force, m: the force over `stiffness`."""
         x = np.asarray(x, dtype=float)
-        knots, ratio = np.asarray(self.knots), np.asarray(self.ratio)
-        slope = np.diff(ratio) / np.diff(knots)
-        below = np.concatenate(([0.0], np.cumsum(np.diff(knots) * (ratio[1:] + ratio[:-1]) / 2)))
-        i = np.clip(np.searchsorted(knots, x, side="right") - 1, 0, len(slope) - 1)
-        step = np.clip(x, 0.0, knots[-1]) - knots[i]
-        inside = below[i] + step * (ratio[i] + 0.5 * slope[i] * step)
-        beyond = np.minimum(x, 0.0) * ratio[0] + np.maximum(x - knots[-1], 0.0) * ratio[-1]
+        knots, ratio, bend, below = self._stretches
+        within = np.minimum(np.maximum(x, 0.0), knots[-1])
+        i = knots[1:-1].searchsorted(within, side="right")
+        step = within - knots[i]
+        inside = below[i] + step * (ratio[i] + bend[i] * step)
+        beyond = np.where(x < 0.0, ratio[0], ratio[-1]) * (x - within)
         return np.asarray(inside + beyond)
+
+    @cached_property
+    def _stretches(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """Knots and t there, half the slope of t from each to the next, and the path at each."""
+        knots, ratio = np.asarray(self.knots), np.asarray(self.ratio)
+        wide = np.diff(knots)
+        below = np.concatenate(([0.0], np.cumsum(wide * (ratio[1:] + ratio[:-1]) / 2)))
+        return knots, ratio, 0.5 * np.diff(ratio) / wide, below
 
     def secant(self, x: npt.ArrayLike) -> FloatArray:
         """Secant stiffness F_e/x, N/m; at x = 0 its limit."""
@@ -177,9 +186,78 @@ class ElasticLaw(Documented):
         root = first + float(np.sqrt(max(first**2 + bend * rest, 0.0)))
         return self.knots[i] + (2 * rest / root if root > 0 else 0.0)
 
+    def rests(self, force: float) -> tuple[float, ...]:
+        """Every compression under a relaxed force, N; one, for the law rises. See `compression`."""
+        return (self.compression(force),)
+
     def __mul__(self, count: float) -> ElasticLaw:
         """So many in parallel."""
         return replace(self, stiffness=count * self.stiffness)
+
+    __rmul__ = __mul__
+
+
+@dataclass(frozen=True)
+class PolynomialLaw:
+    r"""Relaxed force against compression as powers of it.
+
+    .. math:: F_e(x) = \sum_{i \ge 1} a_i x^i
+
+    Attributes
+    ----------
+    coefficients : tuple of float
+        :math:`a_i`, N/m, N/m^2, N/m^3 and so on.
+    depth : float or None
+        To which compression it was measured, m.
+
+    >>> PolynomialLaw((120.0, 1e4, 8e5)).tangent(3e-3).round(3)
+    np.float64(201.6)
+    """
+
+    coefficients: tuple[float, ...]
+    depth: float | None = None
+
+    def __post_init__(self) -> None:
+        a = samples("coefficients", self.coefficients)
+        positive("PolynomialLaw: ", depth=self.depth, optional=True)
+        if not a.any():
+            raise DataError(
+                f"PolynomialLaw: coefficients = {self.coefficients!r}; expected one other than 0"
+            )
+
+    @property
+    def _powers(self) -> npt.NDArray[np.intp]:
+        return np.arange(1, len(self.coefficients) + 1)
+
+    def force(self, x: npt.ArrayLike) -> FloatArray:
+        """Relaxed force, N, at compressions x, m."""
+        return np.asarray(np.asarray(x, dtype=float)[..., None] ** self._powers @ self.coefficients)
+
+    def tangent(self, x: npt.ArrayLike) -> FloatArray:
+        """Tangent stiffness, N/m."""
+        powers, place = self._powers, np.asarray(x, dtype=float)[..., None]
+        return np.asarray(place ** (powers - 1) @ (powers * self.coefficients))
+
+    def rests(self, force: float) -> tuple[float, ...]:
+        """Every compression under a relaxed force, N, the least first.
+
+        Raises
+        ------
+        DataError
+            If no compression carries the force.
+        """
+        roots = np.roots([*self.coefficients[::-1], -force])
+        real = roots.real[(abs(roots.imag) <= 1e-9 * abs(roots)) & (roots.real > 0)]
+        if not real.size:
+            raise DataError(
+                f"no compression carries {force:.4g} N: expected a law that rises as far, or a "
+                "force that presses"
+            )
+        return tuple(np.sort(real).tolist())
+
+    def __mul__(self, count: float) -> PolynomialLaw:
+        """So many in parallel."""
+        return replace(self, coefficients=tuple(count * one for one in self.coefficients))
 
     __rmul__ = __mul__
 

@@ -32,9 +32,9 @@ def door(found: workflow.DoorResult, *, every: bool = False) -> Text:
                 _beyond(found, one.mode.frequency),
             ]
         )
-    bare = ", ".join(rounded(f) for f in found.bare) or "none"
+    bare = f"{', '.join(rounded(f) for f in found.bare)} Hz" if found.bare else "none"
     lines += table(rows) if found.modes else [f"  no mode in {hertz(found.band)}"]
-    lines.append(f"  modes without the seal: {bare} Hz")
+    lines.append(f"  modes without the seal: {bare}")
     shares = [["% of the energy", *parts], *_shares(found, parts, loss=False)]
     losses = [["% of the loss", *parts], *_shares(found, parts, loss=True)]
     tables = [*table(shares), *table(losses)] if found.modes else []
@@ -73,6 +73,14 @@ def _line(found: workflow.DoorResult) -> list[str]:
     count, stiffness = seal.stations, rounded(in_unit(seal.stiffness, "N/mm"))
     length = rounded(seal.line.length)
     said = [f"  seal line {length} m, {closed}, {count} stations, k_inf {stiffness} N/mm in all"]
+    across, along = (rounded(in_unit(one, "N/mm")) for one in seal.sideways)
+    if seal.section.shear.holds:
+        said.append(f"  sideways {across} N/mm across the line and {along} N/mm along it in all")
+    if seal.sticks is not None:
+        said.append(
+            f"  its friction sticks sideways up to {rounded(in_unit(seal.sticks, 'mm'), digits=3)} "
+            "mm; the modes are of a seal that sticks"
+        )
     if seal.compression is not None and seal.force is not None:
         least, mean, most = (rounded(in_unit(one, "mm"), digits=3) for one in seal.compression)
         said.append(

@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from dashpot.kinds.hyperelastic.record import HyperelasticFit, StressStrainTest
     from dashpot.kinds.indentation.record import IndentationFit, IndentationTest
     from dashpot.kinds.level.record import AmplitudeFit, AmplitudeSweep
+    from dashpot.kinds.slam.record import SlamFit, SlamTest
     from dashpot.solids.part import Block, Disc
     from dashpot.workflow.levels import Levels
     from dashpot.workflow.under_masses import ModesByMass
@@ -161,6 +162,16 @@ def fit(
 def fit(
     first: CounterforceTest, /, *more: CounterforceTest, machine: Machine | None = ...
 ) -> Aging: ...
+@overload
+def fit(
+    first: SlamTest,
+    /,
+    *more: SlamTest,
+    mass: Quantity,
+    slam: Quantity | Sequence[Quantity] = ...,
+    memory: Fit | Sequence[Fit] = ...,
+    speed_sd: float = ...,
+) -> SlamFit: ...
 @overload
 def fit(record: IndentationTest, /, *, model: str = ...) -> IndentationFit: ...
 @overload

@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from dashpot.kinds.hyperelastic.record import HyperelasticFit
     from dashpot.kinds.level.levels import LevelFit
     from dashpot.kinds.level.record import AmplitudeSweep
+    from dashpot.kinds.slam.predicted import Slam
     from dashpot.lots.comparison import LotComparison
     from dashpot.lots.lot import Lot
     from dashpot.solids.maxwell import Solid
@@ -71,6 +72,8 @@ def predict(
     record: Records = ...,
     machine: Machine | None = ...,
 ) -> Prediction: ...
+@overload
+def predict(solid: Fit, /, *, slam: Quantity, mass: Quantity, seals: float = ...) -> Slam: ...
 @overload
 def predict(
     solid: Solid,
@@ -113,10 +116,12 @@ def predict(solid: Any, /, **how: Any) -> Any:
         As ``dashpot predict --help`` has them; `record` is the test behind the fit.
     close : float or str
         Of a door: the speed at its edge, m/s.
+    slam : float or str
+        Of a mass on a piece: its speed at the touch, m/s, or the height of its fall, ``"18mm"``.
 
     Returns
     -------
-    Prediction, FRF, DoorResult or ClosingResult
+    Prediction, FRF, Slam, DoorResult or ClosingResult
 
     Raises
     ------
@@ -138,6 +143,9 @@ def predict(solid: Any, /, **how: Any) -> Any:
         return load(row.predict)(solid, **how)
     if isinstance(solid, Door):
         return _door(solid, **how)
+    if isinstance(solid, Fit) and "slam" in how:
+        slammed: Slam = load("kinds.slam.predicted:predict_slam")(solid, **how)
+        return slammed
     return _under_mass(solid, **how) if isinstance(solid, Fit) else _bare(solid, **how)
 
 
@@ -201,10 +209,8 @@ def _under_mass(
     levels = tuple(f"{one!r}{'m/s^2' if base else 'N'}" if not isinstance(one, str) else one
                    for one in said)  # fmt: skip
     choices = LevelChoices(levels=levels, height=si(height, "length"))
-    if bool(levels) != (sweep is not None):
-        raise DataError(
-            "level= is how far the part is moved, sweep= what this does to it: give both"
-        )
+    if sweep is not None and not levels:
+        raise DataError("sweep= is what a level does to the part: add level=")
     swept = None
     if sweep is not None:
         from dashpot.kinds.level.fit import fit_amplitude

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from dashpot.kinds.hyperelastic.record import StressStrainTest
     from dashpot.kinds.indentation.record import IndentationTest
     from dashpot.kinds.level.record import AmplitudeSweep
+    from dashpot.kinds.slam.record import SlamTest
     from dashpot.records.creep import CreepCompliance, CreepTest
     from dashpot.records.dynamic import DynamicTest
     from dashpot.records.frf import FRF
@@ -108,6 +109,8 @@ def read(
 ) -> StressStrainTest: ...
 @overload
 def read(path: Place, *, kind: Literal["csr"], **how: Unpack[How]) -> CounterforceTest: ...
+@overload
+def read(path: Place, *, kind: Literal["slam"], **how: Unpack[How]) -> SlamTest: ...
 @overload
 def read(path: Place, *, kind: Literal["indentation"], **how: Unpack[How]) -> IndentationTest: ...
 @overload

@@ -11,7 +11,8 @@ from dashpot import plot
 from dashpot.base.errors import DataError
 from dashpot.base.progress import doing
 from dashpot.plot.picture import Picture
-from dashpot.report.level import beyond, document, numbers
+from dashpot.report.judged import document
+from dashpot.report.level import beyond, numbers
 from dashpot.report.pages import COLOURS
 from dashpot.web import views, wire
 from dashpot.web.bench import KEPT, WIDE

@@ -6,6 +6,7 @@ import asyncio
 import contextlib
 import gzip
 import json
+import os
 import socket
 import webbrowser
 from collections import OrderedDict
@@ -16,6 +17,7 @@ from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from dashpot.base import plugins
 from dashpot.base.errors import DashpotError, DataError
 from dashpot.plot import tokens
 from dashpot.web.form import filled
@@ -321,6 +323,7 @@ def serve(files: Sequence[str | Path] = (), *, port: int = 0, browser: bool = Tr
         import uvicorn
     except ImportError:
         raise DataError('the app needs its extra: pip install "dashpot[app]"') from None
+    os.environ[plugins.SWITCH] = plugins.OFF  # a page may name none: who types a command does
     # only where the protocol is named does asyncio turn off the wait for a fuller packet, 40 ms
     listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP)
     listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)

@@ -3,6 +3,7 @@ from dashpot.door.closing_files import close_file as close_file
 from dashpot.door.from_files import DoorResult as DoorResult
 from dashpot.door.from_files import door_file as door_file
 from dashpot.door.from_files import open_door as open_door
+from dashpot.door.from_files import shear_of as shear_of
 from dashpot.door.read import read_door as read_door
 from dashpot.export import UNIT_SYSTEMS as UNIT_SYSTEMS
 from dashpot.export import deck_for as deck_for
@@ -15,6 +16,8 @@ from dashpot.kinds.cld.record import RateLaw as RateLaw
 from dashpot.kinds.cld.record import RelaxedLaw as RelaxedLaw
 from dashpot.kinds.hyperelastic.from_files import hyperelastic_files as hyperelastic_files
 from dashpot.kinds.indentation.from_files import indent_file as indent_file
+from dashpot.kinds.slam.from_files import slam_files as slam_files
+from dashpot.kinds.slam.predicted import predict_slam as predict_slam
 from dashpot.planning.bench import Bench as Bench
 from dashpot.planning.plan import plan as plan
 from dashpot.planning.supposed import SupposedSeal as SupposedSeal

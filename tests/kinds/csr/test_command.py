@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import base64
 import json
+import re
+from pathlib import Path
 
 import pytest
 from kit.shell import ran, told
@@ -81,3 +84,27 @@ def test_what_does_not_suit_is_refused_by_name(folder, words, says):
     done = ran(verb, folder / name, *rest)
     assert done.exit_code == 2
     assert says in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("asked", "name"),
+    [
+        (("fit", "ovens.csv", "--machine", "oven=1K"), "csr"),
+        (("predict", "csr.json", "--temperature", "70degC"), "aged"),
+    ],
+)
+def test_a_page_holds_what_the_command_prints(
+    folder: Path, tmp_path: Path, asked: tuple[str, ...], name: str
+) -> None:
+    verb, file, *rest = asked
+    page = tmp_path / "page.html"
+    printed = told(verb, folder / file, *rest, "-o", page)
+    text = page.read_text(encoding="utf-8")
+    (link,) = re.findall(
+        rf'download="{name}.json" href="data:application/json;base64,([^"]+)"', text
+    )
+    assert json.loads(base64.b64decode(link)) == printed
+    assert f">{printed['verdict']['use'].capitalize()}<" in text
+    assert f'id="figure-{name}"' in text
+    assert len(re.findall(rf"<td>{name}</td>", text)) == len(printed["checks"])
+    assert ">ovens.csv<" in text

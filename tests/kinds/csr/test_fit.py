@@ -6,6 +6,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from kit.fits import a_fit
 from kit.foreign.aging import HOURS, Rubber, lot
 
 import dashpot as dp
@@ -15,6 +16,8 @@ from dashpot.kinds.csr.fit import fit_aging
 from dashpot.kinds.csr.law import AgingLaw
 from dashpot.kinds.csr.record import CounterforceTest
 from dashpot.records.machine import Machine
+from dashpot.solids.elastic import ElasticLaw
+from dashpot.solids.table_1 import PAPER
 
 HOUR = 3600.0
 TRUE = Rubber()
@@ -318,3 +321,35 @@ def test_a_record_counts_from_zero(name):
     arrays = {"time": [0.5, 1.0], "force": [40.0, 39.0], "temperature": [125.0, 125.0]}
     with pytest.raises(DataError, match=f"a {name} is 0; expected numbers above 0"):
         CounterforceTest(**arrays | {name: [0.0, 1.0]}, units="h, N, degC")
+
+
+def test_a_fit_ages_as_the_force_does():
+    aging, new = usual(), a_fit(PAPER, elastic_law=ElasticLaw.linear(PAPER.k_inf, 8e-3))
+    old = aging.at(new, temperature="70degC", time="1000h")
+    left = predict_aging(aging, temperature="70degC", until="1000h").facts[0]
+    assert left.value == pytest.approx(0.896367, abs=4 * left.error)
+    assert old.model.k == pytest.approx(left.value * np.array(PAPER.k))
+    assert old.model.tau == PAPER.tau
+    assert old.elastic_law.stiffness == pytest.approx(left.value * PAPER.k_inf)
+    # 1 % of a stiffness, and the error of the part that is left, which is one of all
+    sd = np.hypot(0.01 * left.value, left.error) * PAPER.k_inf
+    assert old.standard_error["k_inf"] == pytest.approx(sd)
+    assert old.standard_error["tau"] == new.standard_error["tau"]
+    joint = old.covariance[0, 1]
+    assert joint == pytest.approx(left.error**2 * PAPER.k_inf * PAPER.k[0])
+    assert "is left after 1000 h at 70 degC" in old.steps[-1].says
+    assert "stiffness_follows_force" not in failed(old)
+    spent = aging.at(new, temperature="125degC", time="1000h")
+    assert "stiffness_follows_force" in failed(spent)
+    # aged modes: a mass on it, by the square root of the stiffness
+    first, last = (
+        dp.predict(one, mass="104g", band=(1, 50)).modes[0].frequency for one in (new, old)
+    )
+    assert last / first == pytest.approx(np.sqrt(left.value), rel=1e-3)
+
+
+def test_a_fit_is_not_scaled_by_a_limit():
+    limit = fitted(Rubber(hours=1e8))
+    assert limit.law.bound_alone
+    with pytest.raises(DataError, match="scaled by a number that is known"):
+        limit.at(a_fit(PAPER), temperature="70degC", time="1000h")

@@ -9,6 +9,7 @@ from typing import Any
 
 import click
 
+from dashpot import workflow
 from dashpot.base.choices import words
 from dashpot.cli._options import given as typed_again
 from dashpot.cli._shell import printed, write, write_figure
@@ -124,10 +125,10 @@ class Given:
         if self.said["picture"]:
             write_figure(self.said["picture"], figure())
 
-    def keep(self, found: Any) -> None:
-        """Write the document of a result, if it was asked for."""
+    def keep(self, found: Any, *, page: bool = False) -> None:
+        """Write the document of a result, or its page, if it was asked for."""
         if self.output:
-            write(self.output, printed(found) + "\n")
+            write(self.output, workflow.html(found) if page else printed(found) + "\n")
 
     @property
     def kept(self) -> str:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from dashpot import workflow
 from dashpot.base.choices import AmplitudeLawAsked
-from dashpot.cli._shell import Outcome, write
+from dashpot.cli._shell import Outcome
 from dashpot.cli.fits._given import PAGE, Given
 
 
 def run(given: Given) -> Outcome:
     """Find how far stiffness and damping depend on how far the seal is moved."""
-    kept = given.kept_as(".json", *PAGE, what="a fit over amplitude")
+    page = given.kept_as(".json", *PAGE, what="a fit over amplitude") in PAGE
     found = workflow.level_files(
         given.files,
         levels=given["levels"],
@@ -22,8 +22,5 @@ def run(given: Given) -> Outcome:
         **given.some("seals", "band"),
     )
     given.draw(found.plot)
-    if given.output and kept in PAGE:
-        write(given.output, workflow.html(found))
-    else:
-        given.keep(found)
+    given.keep(found, page=page)
     return Outcome.of(found)

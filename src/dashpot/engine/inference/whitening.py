@@ -146,6 +146,7 @@ class NoiseGain:
         return np.asarray(self._stack.evaluate(log_tau, derivative=False).phi @ beta)
 
     def _of(self, change: FloatArray) -> float:
+        change = change / max(float(np.abs(change).max()), 1e-150)  # a walk may go very far
         parts = np.split(change, self._cuts)
         met = sum(
             float(variance @ (axes.T @ part) ** 2)

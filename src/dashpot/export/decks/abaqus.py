@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from dashpot.base.units import Range, si_range
 from dashpot.export.deck import Deck, DeckText
+from dashpot.export.frequency_tables import Table
+from dashpot.export.line import SpringRow, row_of
 from dashpot.export.notation import text
 from dashpot.export.opening import target
 from dashpot.export.shift import abaqus_shift
+from dashpot.records.seal_line import Shear, Stations
 
 FORMS = ("arms", "connector", "prony")
 SUFFIX = "inp"
@@ -22,12 +27,15 @@ _SHAKES = 1e-5
 """s: a slider's lid on its own spring takes 2 pi of it for a cycle, so small is its mass."""
 
 
-@target(*FORMS)
+@target(*FORMS, line=("connector",))
 def abaqus(
     deck: Deck,
     *,
     frequency_range: Range = (1.0, 100.0),
     tolerance: float = 1e-3,
+    line: Stations | None = None,
+    shear: Shear | None = None,
+    first_id: int = 1,
 ) -> DeckText:
     r"""Abaqus keywords of a solid.
 
@@ -39,6 +47,9 @@ def abaqus(
     ``*VISCOELASTIC, TIME=PRONY`` with g_j = k_j/k_0 on the instantaneous modulus, and ``*TRS``
     where the fit has a temperature law.
 
+    With a line, ``"connector"`` writes CARTESIAN connector elements between coincident nodes at
+    its stations, each with its orientation.
+
     Parameters are those of :func:`dashpot.export.nastran`.
     """
     frequency_range = si_range(frequency_range, "frequency")
@@ -46,6 +57,9 @@ def abaqus(
         return _arms(deck)
     if deck.form == "prony":
         return _prony(deck)
+    if line is not None:
+        row = row_of(deck, line, shear)
+        return _line(deck, row, frequency_range, tolerance, first_id)
     return _connector(deck, frequency_range, tolerance)
 
 
@@ -160,11 +174,26 @@ def _prony(deck: Deck) -> DeckText:
 
 def _connector(deck: Deck, frequency_range: tuple[float, float], tolerance: float) -> DeckText:
     table = deck.table(frequency_range, tolerance)
+    return deck.written(
+        "**",
+        "frequency-dependent connector behavior for Abaqus",
+        ["*CONNECTOR BEHAVIOR, NAME=SEAL", *_component(deck, 1, table)],
+        remarks=[
+            "acts along component 1 of an AXIAL or CARTESIAN connector, in direct",
+            "or subspace-based steady-state dynamics; rows after EXTRAPOLATED lie outside",
+            "the valid band",
+        ],
+        table=table,
+    )
+
+
+def _component(deck: Deck, number: int, table: Table) -> list[str]:
+    """Elasticity and structural damping of one component, a row a frequency."""
     columns = {
-        "*CONNECTOR ELASTICITY, COMPONENT=1": deck.units.stiffness(table.storage),
-        "*CONNECTOR DAMPING, COMPONENT=1, TYPE=STRUCTURAL": table.damping,
+        f"*CONNECTOR ELASTICITY, COMPONENT={number}": deck.units.stiffness(table.storage),
+        f"*CONNECTOR DAMPING, COMPONENT={number}, TYPE=STRUCTURAL": table.damping,
     }
-    cards = ["*CONNECTOR BEHAVIOR, NAME=SEAL"]
+    cards = []
     for card, values in columns.items():
         cards.append(card)
         outside = False
@@ -173,14 +202,75 @@ def _connector(deck: Deck, frequency_range: tuple[float, float], tolerance: floa
                 outside = not outside
                 cards.append("** EXTRAPOLATED" if outside else "** identified")
             cards.append(f"{text(value)}, {text(deck.units.frequency(f))}")
+    return cards
+
+
+def _line(
+    deck: Deck,
+    row: SpringRow,
+    frequency_range: tuple[float, float],
+    tolerance: float,
+    first_id: int,
+) -> DeckText:
+    """Connectors at the stations of a seal line."""
+    cards, tables = pairs_of_nodes(row, first_id), []
+    for shares, rank in row.shares.items():
+        cards.append(f"*CONNECTOR BEHAVIOR, NAME=SEAL_{rank + 1}")
+        for way, solid in row.springs(shares):
+            tables.append(deck.table(frequency_range, tolerance, solid=solid))
+            cards += _component(deck, way + 1, tables[-1])
+    for number, (first, frame, shares, members) in enumerate(groups_of(row, first_id), start=1):
+        cards += [
+            f"*ELEMENT, TYPE=CONN3D2, ELSET=SEAL_LINE_{number}",
+            *(f"{first + i}, {a}, {b}" for i, (a, b) in enumerate(members)),
+            f"*CONNECTOR SECTION, ELSET=SEAL_LINE_{number}, BEHAVIOR=SEAL_{row.shares[shares] + 1}",
+            "CARTESIAN,",
+            f"SEAL_FRAME_{frame},",
+        ]
+    low, high = frequency_range
     return deck.written(
         "**",
-        "frequency-dependent connector behavior for Abaqus",
+        "connectors along a seal line for Abaqus",
         cards,
         remarks=[
-            "acts along component 1 of an AXIAL or CARTESIAN connector, in direct",
-            "or subspace-based steady-state dynamics; rows after EXTRAPOLATED lie outside",
-            "the valid band",
+            *row.remarks,
+            row.numbered(first_id),
+            "components 1 to 3 act normal to the line, across it and along it; tie the nodes of",
+            "each side to its structure (*COUPLING, *TIE, *RIGID BODY)",
+            "direct and subspace-based steady-state dynamics read the rows; *FREQUENCY reads those",
+            f"at its PROPERTY EVALUATION, e.g. {np.sqrt(low * high):.4g}, and *STATIC the first",
         ],
-        table=table,
+        table=max(tables, key=lambda table: table.error),
     )
+
+
+def pairs_of_nodes(row: SpringRow, first_id: int) -> list[str]:
+    """Coincident nodes at each station, in a set of either side, and the frames."""
+    sides: list[list[str]] = [[], []]
+    for i, one in enumerate(row.stations):
+        for side, node in zip(sides, row.nodes(i, first_id), strict=True):
+            side.append(f"{node}, {', '.join(map(text, one.place))}")
+    cards = ["*NODE, NSET=SEAL_GROUND", *sides[0], "*NODE, NSET=SEAL_MOVING", *sides[1]]
+    for rank, (normal, across, _) in enumerate(_frames_of(row), start=1):
+        axes = ", ".join(text(value) for value in (*normal, *across))
+        cards += [f"*ORIENTATION, NAME=SEAL_FRAME_{rank}, SYSTEM=RECTANGULAR", axes]
+    return cards
+
+
+def _frames_of(row: SpringRow) -> list[tuple[tuple[float, ...], ...]]:
+    return list(dict.fromkeys(one.frame for one in row.stations))
+
+
+def groups_of(
+    row: SpringRow, first_id: int
+) -> Iterator[tuple[int, int, tuple[float, float, float], list[tuple[int, int]]]]:
+    """Stations of one frame and one share: their first element, their frame, share and nodes."""
+    frames = {frame: rank for rank, frame in enumerate(_frames_of(row), start=1)}
+    found: dict[tuple[int, tuple[float, float, float]], list[tuple[int, int]]] = {}
+    for i, one in enumerate(row.stations):
+        same = found.setdefault((frames[one.frame], one.shares), [])
+        same.append(row.nodes(i, first_id))
+    first = first_id
+    for (frame, shares), members in found.items():
+        yield first, frame, shares, members
+        first += len(members)

@@ -4,32 +4,126 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from dashpot.base.errors import ExportError
+from dashpot.base.units import Range, si_range
 from dashpot.export.beside import CARRIERS
 from dashpot.export.deck import Deck, DeckText
+from dashpot.export.frequency_tables import Table
+from dashpot.export.line import SpringRow, row_of
 from dashpot.export.notation import text
 from dashpot.export.opening import target
 from dashpot.export.shift import ansys_shift
+from dashpot.records.seal_line import Shear, Stations
 
-FORMS = ("arms", "prony")
+FORMS = ("arms", "table", "prony")
 SUFFIX = "mac"
 _MOST_POINTS = 20
 
 
-@target(*FORMS)
+@target(*FORMS, line=("table",))
 def ansys(
     deck: Deck,
+    *,
+    frequency_range: Range = (1.0, 100.0),
+    tolerance: float = 1e-3,
+    line: Stations | None = None,
+    shear: Shear | None = None,
+    first_id: int = 1,
 ) -> DeckText:
     r"""Mechanical APDL commands of a solid.
 
     ``"arms"`` writes the exact network of COMBIN14 springs and dampers acting along UX, for any
     analysis; sliders are COMBIN40, a cubic spring is COMBIN39, for transient ones.
+    ``"table"`` writes COMBIN14 whose K = K' and CV1 = K''/omega are tables of the frequency, for
+    full harmonic analyses: one at the origin, or up to three at each station of a line, along
+    the axes of its rotated nodes.
     ``"prony"`` writes a TB,PRONY table of relative shear moduli alpha_j = k_j/k_0 and times, for
     transient and full harmonic analyses, and ``TB,SHIFT`` where the fit has a temperature law.
 
     Parameters are those of :func:`dashpot.export.nastran`.
     """
+    if deck.form == "table":
+        asked = (si_range(frequency_range, "frequency"), tolerance)
+        return _table(deck, row_of(deck, line, shear), asked, first_id)
     return _prony(deck) if deck.form == "prony" else _arms(deck)
+
+
+def _table(
+    deck: Deck, row: SpringRow, asked: tuple[tuple[float, float], float], first_id: int
+) -> DeckText:
+    """An element type for each way, a real constant of two tables for each share of it."""
+    cards, tables = ["/PREP7"], []
+    constants: dict[tuple[int, float], int] = {}
+    for way in range(row.ways):
+        cards += [f"ET,{first_id + way},COMBIN14", f"KEYOPT,{first_id + way},2,{way + 1}"]
+    for shares in row.shares:
+        for way, solid in row.springs(shares):
+            if (way, shares[way]) in constants:
+                continue
+            number = constants[way, shares[way]] = first_id + len(constants)
+            tables.append(deck.table(*asked, solid=solid, damping="damping"))
+            cards += _real_constant(deck, number, tables[-1])
+    for i, one in enumerate(row.stations):
+        for node in row.nodes(i, first_id):
+            words = [text(value) for value in (*one.place, *rotation(one.frame))]
+            cards.append(f"N,{node},{','.join(words)}")
+    for i, one in enumerate(row.stations):
+        a, b = row.nodes(i, first_id)
+        for way, _ in row.springs(one.shares):
+            constant = constants[way, one.shares[way]]
+            cards += [f"TYPE,{first_id + way}", f"REAL,{constant}", f"E,{a},{b}"]
+    return deck.written(
+        "!",
+        "springs and dampers against frequency for Ansys Mechanical APDL",
+        [*cards, "FINISH"],
+        remarks=[
+            *row.remarks,
+            row.numbered(first_id),
+            "K and CV1 are tables of FREQ: for full harmonic analyses",
+            "the nodes are rotated: UX, UY and UZ are normal to the line, across it and along it;",
+            "tie them to nodes of your own at the same places (CP, CERIG): NROTAT on yours turns",
+            "whatever else is there",
+        ],
+        table=max(tables, key=lambda table: table.error),
+    )
+
+
+def _real_constant(deck: Deck, number: int, table: Table) -> list[str]:
+    """K and CV1 as tables of the frequency."""
+    f = deck.units.frequency(table.frequency).tolist()
+    values = {
+        "SK": deck.units.stiffness(table.storage).tolist(),
+        "SC": deck.units.damping(table.damping).tolist(),
+    }
+    cards = []
+    for name, column in values.items():
+        own = f"{name}{number}"
+        cards.append(f"*DIM,{own},TABLE,{len(f)},1,1,FREQ")
+        # a command holds ten values
+        for at in range(0, len(f), 10):
+            cards.append(f"*TAXIS,{own}({at + 1}),1,{','.join(map(text, f[at : at + 10]))}")
+            rows = ",".join(map(text, column[at : at + 10]))
+            cards.append(f"*SET,{own}({at + 1},1),{rows}")
+    return [*cards, f"R,{number},%SK{number}%,%SC{number}%"]
+
+
+def rotation(frame: tuple[tuple[float, ...], ...]) -> tuple[float, float, float]:
+    r"""Angles of a node whose x, y and z axes are normal, across and the third, deg.
+
+    :math:`R_z(\theta_{xy}) R_x(\theta_{yz}) R_y(\theta_{zx})`, as N takes them.
+    """
+    x, y = (np.array(one) for one in frame[:2])
+    a = np.arctan2(-y[0], y[1])
+    b = np.arctan2(y[2], np.hypot(y[0], y[1]))
+    # x as the first two leave it; where y stands on z they are one, and this is the rest
+    about_z = np.array([(np.cos(a), np.sin(a), 0), (-np.sin(a), np.cos(a), 0), (0, 0, 1)])
+    about_x = np.array([(1, 0, 0), (0, np.cos(b), np.sin(b)), (0, -np.sin(b), np.cos(b))])
+    left = about_x @ about_z @ x
+    c = np.arctan2(-left[2], left[0])
+    xy, yz, zx = np.degrees([a, b, c]).tolist()
+    return xy + 0.0, yz + 0.0, zx + 0.0
 
 
 def _arms(deck: Deck) -> DeckText:

@@ -7,11 +7,18 @@ import numpy as np
 from dashpot.base.errors import ExportError
 from dashpot.base.units import Quantity, Range, si, si_range
 from dashpot.export.deck import Deck, DeckText
-from dashpot.export.decks.abaqus import slider_remarks, spring_dashpot_network
+from dashpot.export.decks.abaqus import (
+    groups_of,
+    pairs_of_nodes,
+    slider_remarks,
+    spring_dashpot_network,
+)
+from dashpot.export.line import SpringRow, row_of
 from dashpot.export.notation import text
 from dashpot.export.opening import target
+from dashpot.records.seal_line import Shear, Stations
 
-FORMS = ("arms",)
+FORMS = ("arms", "springs")
 SUFFIX = "inp"
 CYCLED = (
     "verified: CalculiX (ccx) runs such a deck in dashpot's tests; loops of several amplitudes "
@@ -21,19 +28,31 @@ VERIFIED = (
     "verified: CalculiX (ccx) runs such a deck in dashpot's tests; its FRF is within 1e-4 of the "
     "model, and its force within 1e-5 when it is pressed by 8 mm with NLGEOM"
 )
+RUN = (
+    "verified: CalculiX (ccx) runs such a deck in dashpot's tests; the modes of a door on its seal "
+    "alone are within 1e-6 of the model"
+)
 _PADDING = 100
 _INNER_MASS = 2e-5
 
 
-@target(*FORMS)
+@target(*FORMS, line=("springs",))
 def calculix(
     deck: Deck,
     *,
     mass: Quantity | None = None,
     frequency_range: Range = (1.0, 100.0),
     points: int = 400,
+    nominal: Quantity | None = None,
+    line: Stations | None = None,
+    shear: Shear | None = None,
+    first_id: int = 1,
 ) -> DeckText:
-    r"""CalculiX keywords: the exact network of SPRINGA and DASHPOTA elements.
+    r"""CalculiX keywords: ``"arms"``, the exact network of SPRINGA and DASHPOTA elements.
+
+    ``"springs"`` writes SPRING2 elements of K' at one frequency between coincident nodes, for
+    ``*FREQUENCY`` and ``*STATIC``: one at the origin, or up to three at each station of a line.
+    ccx has no spring whose stiffness depends on frequency.
 
     With a mass the deck is complete and runs as it stands: the mass on the solid under a unit
     force, its displacement printed as a real and an imaginary block at each frequency, that is,
@@ -53,13 +72,17 @@ def calculix(
     solid, units, specimen, allow
         As in :func:`dashpot.export.nastran`.
     form : str
-        ``"arms"``.
     mass : float, optional
-        kg.
+        kg; of ``"arms"``.
     frequency_range : (float, float)
         Of the steady-state step, Hz; the inner masses are small up to its end.
     points : int
         Frequencies in it, evenly spaced.
+    nominal : float, optional
+        Frequency, Hz, of the stiffness of ``"springs"``; the geometric middle of the range if not
+        given.
+    line, shear, first_id
+        As in :func:`dashpot.export.nastran`.
     """
     mass, frequency_range = si(mass, "mass"), si_range(frequency_range, "frequency")
     low, high = frequency_range
@@ -72,6 +95,15 @@ def calculix(
             "--mass writes a steady-state step, which is linear and knows no friction; leave it "
             "out, and march the network with *DYNAMIC (Python: mass=)"
         )
+    if deck.form == "springs":
+        if mass is not None:
+            raise ExportError(
+                "--mass writes a model of one seal, form arms; leave it out (Python: mass=)"
+            )
+        return _springs(
+            deck, row_of(deck, line, shear), si(nominal, "frequency") or float(np.sqrt(low * high)),
+            first_id,
+        )  # fmt: skip
     title = "network of springs and dashpots for CalculiX"
     cards = [
         *spring_dashpot_network(deck),
@@ -94,6 +126,39 @@ def calculix(
     verified = CYCLED if deck.beside.parts else VERIFIED
     remarks += slider_remarks(deck)
     return deck.written("**", title, cards, verified=verified, remarks=remarks)
+
+
+def _springs(deck: Deck, row: SpringRow, nominal: float, first_id: int) -> DeckText:
+    """A spring of K' for each way of each station, along an axis of its frame."""
+    cards, element = pairs_of_nodes(row, first_id), first_id
+    for number, (_, frame, shares, members) in enumerate(groups_of(row, first_id), start=1):
+        for way, solid in row.springs(shares):
+            K = complex(solid.complex_stiffness(omega=2 * np.pi * nominal)).real
+            name = f"SEAL_{number}_{way + 1}"
+            cards += [
+                f"*ELEMENT, TYPE=SPRING2, ELSET={name}",
+                *(f"{element + i}, {a}, {b}" for i, (a, b) in enumerate(members)),
+                f"*SPRING, ELSET={name}, ORIENTATION=SEAL_FRAME_{frame}",
+                f"{way + 1}, {way + 1}",
+                text(deck.units.stiffness(K)),
+            ]
+            element += len(members)
+    eta = complex(deck.solid.complex_stiffness(omega=2 * np.pi * nominal))
+    return deck.written(
+        "**",
+        "springs of one frequency for CalculiX",
+        [*cards, "*BOUNDARY", "SEAL_GROUND, 1, 3"],
+        verified=RUN,
+        remarks=[
+            *row.remarks,
+            row.numbered(first_id),
+            f"stiffness of {nominal:.6g} Hz, for *FREQUENCY and *STATIC: ccx knows no loss factor",
+            f"of a spring, and the seal's is {eta.imag / eta.real:.4g} there",
+            "the nodes of SEAL_GROUND are held; tie those of SEAL_MOVING to the door, e.g. by",
+            "*RIGID BODY, NSET=, REF NODE=, ROT NODE=; a model of few degrees of freedom needs",
+            "some that touch nothing, or ccx prints zeros for its frequencies",
+        ],
+    )
 
 
 def _inner_rates(deck: Deck, high: float) -> list[float]:

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import itertools
+from typing import TypeAlias
+
 from dashpot.base.errors import ExportError
 from dashpot.base.units import Quantity, si
 from dashpot.export.deck import Deck, DeckText
+from dashpot.export.line import SpringRow, row_of
 from dashpot.export.notation import packed
 from dashpot.export.opening import target
+from dashpot.records.seal_line import Shear, Stations
 
 FORMS = ("arms", "prony")
 SUFFIX = "k"
@@ -18,13 +23,16 @@ READ = (
 _MOST_TERMS = 18  # of *MAT_GENERAL_VISCOELASTIC
 
 
-@target(*FORMS)
+@target(*FORMS, line=("arms",))
 def lsdyna(
     deck: Deck,
     *,
     modulus: Quantity | None = None,
     bulk_modulus: Quantity | None = None,
     density: float | None = None,
+    line: Stations | None = None,
+    shear: Shear | None = None,
+    first_id: int = 1,
 ) -> DeckText:
     r"""LS-DYNA keywords of a solid.
 
@@ -45,6 +53,9 @@ def lsdyna(
         for ``"prony"``.
     density : float, optional
         kg/m^3; only and always for ``"prony"``.
+    line, shear, first_id
+        As in :func:`dashpot.export.nastran`: at each station the elements stand between two
+        coincident nodes, and act along vectors of their own.
     """
     modulus, bulk_modulus = si(modulus, "stress"), si(bulk_modulus, "stress")
     if deck.form == "prony":
@@ -54,11 +65,15 @@ def lsdyna(
             "modulus, bulk_modulus and density belong to the material card; add --form prony "
             "(Python: form='prony'), or leave them out"
         )
-    return _arms(deck)
+    return _arms(deck) if line is None else _line(deck, row_of(deck, line, shear), first_id)
 
 
-def _arms(deck: Deck) -> DeckText:
-    materials: list[tuple[str, list[float | int]]] = []
+_Material: TypeAlias = tuple[str, list[float | int]]
+
+
+def _linear(deck: Deck) -> list[_Material]:
+    """A material for the spring, the dashpot and each arm."""
+    materials: list[_Material] = []
     if deck.k_inf > 0:
         materials.append(("*MAT_SPRING_ELASTIC", [deck.k_inf]))
     if deck.b > 0:
@@ -66,6 +81,86 @@ def _arms(deck: Deck) -> DeckText:
     for k, tau, _ in deck.arms:
         # k0, ki, beta, cut-off time and force, incremental in time
         materials.append(("*MAT_SPRING_MAXWELL", [k, 0.0, 1 / tau, 1e20, 0.0, 0.0]))
+    return materials
+
+
+def _section(number: int) -> list[str]:
+    return [
+        "*SECTION_DISCRETE",
+        "$#   secid       dro        kd        v0        cl        fd",
+        fields(number, 0, 0.0, 0.0, 0.0, 0.0),
+        "$#     cdl       tdl",
+        fields(0.0, 0.0),
+    ]
+
+
+def _part(number: int, section: int, material: _Material) -> list[str]:
+    keyword, values = material
+    return [
+        keyword,
+        fields(number, *values),
+        "*PART",
+        f"seal {keyword[5:].lower().replace('_', ' ')} {number}",
+        fields(number, section, number),
+    ]
+
+
+def _line(deck: Deck, row: SpringRow, first_id: int) -> DeckText:
+    """The network of each way of each station, along a vector of its own."""
+    cards = ["*KEYWORD", "*NODE"]
+    for i, one in enumerate(row.stations):
+        place = "".join(f"{packed(value, 16):>16}" for value in one.place)
+        cards += [f"{node:>8}{place}" for node in row.nodes(i, first_id)]
+    vectors = {
+        (frame, way): rank
+        for rank, (frame, way) in enumerate(
+            itertools.product(dict.fromkeys(one.frame for one in row.stations), range(row.ways)),
+            start=first_id,
+        )
+    }
+    cards += [
+        "*DEFINE_SD_ORIENTATION",
+        "$#     vid       iop        xt        yt        zt      nid1      nid2",
+        *(fields(vid, 0, *frame[way], 0, 0) for (frame, way), vid in vectors.items()),
+        *_section(first_id),
+    ]
+    numbers = itertools.count(first_id)
+    parts: dict[tuple[int, float], list[int]] = {}
+    for shares in row.shares:
+        for way, solid in row.springs(shares):
+            if (way, shares[way]) in parts:
+                continue
+            own: list[int] = []
+            parts[way, shares[way]] = own
+            for material in _linear(deck.of(solid)):
+                own.append(next(numbers))
+                cards += _part(own[-1], first_id, material)
+    cards.append("*ELEMENT_DISCRETE")
+    element = itertools.count(first_id)
+    for i, one in enumerate(row.stations):
+        a, b = row.nodes(i, first_id)
+        for way, _ in row.springs(one.shares):
+            cards += [
+                f"{next(element):>8}{part:>8}{a:>8}{b:>8}{vectors[one.frame, way]:>8}"
+                for part in parts[way, one.shares[way]]
+            ]
+    return deck.written(
+        "$",
+        "discrete springs and dampers along a seal line for LS-DYNA",
+        [*cards, "*END"],
+        verified=READ,
+        remarks=[
+            *row.remarks,
+            row.numbered(first_id),
+            "fields of nine columns hold five digits or more; discrete elements add no mass",
+            "forces act normal to the line, across it and along it, wherever the nodes go",
+            "(*DEFINE_SD_ORIENTATION); tie the nodes to their structures",
+        ],
+    )
+
+
+def _arms(deck: Deck) -> DeckText:
+    materials = _linear(deck)
     # k, kt, fy: no hardening
     materials += [("*MAT_SPRING_ELASTOPLASTIC", [k, 0.0, F]) for k, F, _ in deck.beside.sliders]
     curve = []
@@ -82,19 +177,11 @@ def _arms(deck: Deck) -> DeckText:
         "*DEFINE_SD_ORIENTATION",
         "$#     vid       iop        xt        yt        zt      nid1      nid2",
         fields(1, 0, 1.0, 0.0, 0.0, 0, 0),
-        "*SECTION_DISCRETE",
-        "$#   secid       dro        kd        v0        cl        fd",
-        fields(1, 0, 0.0, 0.0, 0.0, 0.0),
-        "$#     cdl       tdl",
-        fields(0.0, 0.0),
+        *_section(1),
     ]
-    for number, (keyword, values) in enumerate(materials, start=1):
+    for number, material in enumerate(materials, start=1):
         cards += [
-            keyword,
-            fields(number, *values),
-            "*PART",
-            f"seal {keyword[5:].lower().replace('_', ' ')} {number}",
-            fields(number, 1, number),
+            *_part(number, 1, material),
             "*ELEMENT_DISCRETE",
             f"{number:>8}{number:>8}{1:>8}{2:>8}{1:>8}",
         ]

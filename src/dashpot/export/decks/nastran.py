@@ -8,13 +8,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dashpot.base.errors import ExportError
 from dashpot.base.units import Quantity, Range, si, si_range
 from dashpot.export.deck import Deck, DeckText
 from dashpot.export.frequency_tables import Damping, Table
+from dashpot.export.line import SpringRow, row_of
 from dashpot.export.notation import packed
 from dashpot.export.opening import target
-from dashpot.records.seal_line import SealSection, Stations
+from dashpot.records.seal_line import Shear, Stations
+from dashpot.solids.maxwell import Solid
 
 FORMS = ("table", "viscous-table", "arms")
 SUFFIX = "bdf"
@@ -24,7 +25,7 @@ _VERIFIED = (
 )
 
 
-@target(*FORMS)
+@target(*FORMS, line=FORMS)
 def nastran(
     deck: Deck,
     *,
@@ -32,6 +33,7 @@ def nastran(
     tolerance: float = 1e-3,
     nominal: Quantity | None = None,
     line: Stations | None = None,
+    shear: Shear | None = None,
     first_id: int = 1,
 ) -> DeckText:
     r"""Bulk data for Nastran and OptiStruct: a bushing whose stiffness depends on frequency.
@@ -60,6 +62,8 @@ def nastran(
         Puts one CBUSH at each station of a :class:`~dashpot.records.seal_line.SealLine`, each with
         its share of the stiffness, at its compression and its normal: needs the contact length
         that the model stands for. Without it there is one CBUSH at the origin.
+    shear : Shear, optional
+        What the seal of that line answers across it and along it: components 2 and 3.
     first_id : int
         First number given to grids, elements, properties, tables, coordinate systems.
 
@@ -69,7 +73,7 @@ def nastran(
         If the deck must not be written.
     """
     frequency_range, nominal = si_range(frequency_range, "frequency"), si(nominal, "frequency")
-    row = _row_of(deck, line)
+    row = row_of(deck, line, shear)
     if deck.form == "arms":
         return _arms(deck, row, first_id)
     damping: Damping = "loss_factor" if deck.form == "table" else "damping"
@@ -77,73 +81,9 @@ def nastran(
     return _table(deck, row, asked=asked, damping=damping, nominal=at, first_id=first_id)
 
 
-@dataclass(frozen=True)
-class _Standing:
-    """Where one stands, deck units, and what it carries of the tested stiffness."""
-
-    place: tuple[float, ...] = (0.0, 0.0, 0.0)
-    normal: tuple[float, ...] = (1.0, 0.0, 0.0)
-    share: float = 1.0
-
-
-@dataclass(frozen=True)
-class _BushRow:
-    elements: tuple[_Standing, ...] = (_Standing(),)
-    remarks: tuple[str, ...] = ()
-
-    @property
-    def shares(self) -> dict[float, int]:
-        """Every share that there is, and its rank."""
-        found = dict.fromkeys(one.share for one in self.elements)
-        return {share: rank for rank, share in enumerate(found)}
-
-    @property
-    def normals(self) -> dict[tuple[float, ...], int]:
-        """Every normal that is not the x axis, and its rank."""
-        found = dict.fromkeys(one.normal for one in self.elements)
-        turned = [normal for normal in found if not np.allclose(normal, (1.0, 0.0, 0.0))]
-        return {normal: rank for rank, normal in enumerate(turned)}
-
-
-def _row_of(deck: Deck, line: Stations | None) -> _BushRow:
-    if line is None:
-        return _BushRow()
-    if deck.specimen.length is None:
-        raise ExportError(
-            "a seal line needs the contact length that the model stands for; give "
-            "--length 100mm (Python: Specimen(length=...), m)"
-        )
-    unit, word = deck.units.length, deck.units.words[0]
-    shares = line.factor * line.length / deck.specimen.length
-    law = deck.elastic_law
-    if line.compression is not None:
-        shares = shares * SealSection(deck.solid, law).factor(line.compression)
-    carried = shares > 0
-    if not carried.any():
-        raise ExportError("no station of the seal line touches: its compression is below 0 m")
-    least, most = float(shares[carried].min()), float(shares.max())
-    each = f"{least:.6g}" if least == most else f"{least:.6g} to {most:.6g}"
-    remark = (
-        f"seal line: {line.length.sum() / unit:.6g} {word}, {int(carried.sum())} elements of "
-        f"{line.length[0] / unit:.6g} {word}, each with {each} of the stiffness above"
-    )
-    if not carried.all():
-        remark += f"; {int((~carried).sum())} more do not touch and are left out"
-    # shares that differ by rounding are one
-    rows = zip(line.place / unit, line.normal, shares.tolist(), carried, strict=True)
-    return _BushRow(
-        tuple(
-            _Standing(tuple(place.tolist()), tuple(np.round(normal, 9).tolist()), float(f"{s:.9g}"))
-            for place, normal, s, touches in rows
-            if touches
-        ),
-        (remark,),
-    )
-
-
 def _table(
     deck: Deck,
-    row: _BushRow,
+    row: SpringRow,
     *,
     asked: tuple[tuple[float, float], float],
     damping: Damping,
@@ -151,10 +91,22 @@ def _table(
     first_id: int,
 ) -> DeckText:
     properties: list[str] = []
-    for share, rank in row.shares.items():
-        table = deck.table(*asked, share=share, damping=damping, printed=_large)
-        own = first_id + 2 * rank
-        properties += _property(deck, table, own, share=share, damping=damping, nominal=nominal)
+    tables: list[Table] = []
+    for shares, rank in row.shares.items():
+        springs = row.springs(shares)
+        each = [
+            deck.table(*asked, solid=one, damping=damping, printed=_large) for _, one in springs
+        ]
+        own = first_id + 2 * row.ways * rank
+        rows = [
+            _component(deck, way, one, table, damping=damping, nominal=nominal)
+            for (way, one), table in zip(springs, each, strict=True)
+        ]
+        properties += bush_property(own, rows, label="GE" if damping == "loss_factor" else "B")
+        tables += each
+    acts = "the bushing acts along its x axis"
+    if row.ways > 1:
+        acts = "components 1 to 3 act normal to the line, across it and along it"
     return deck.written(
         "$",
         "frequency-dependent bushing for Nastran and OptiStruct",
@@ -162,99 +114,120 @@ def _table(
         verified=_VERIFIED,
         remarks=[
             *row.remarks,
-            f"nominal K and damping: those at {nominal:.6g} Hz; the bushing acts along its x axis",
+            f"nominal K and damping: those at {nominal:.6g} Hz; {acts}",
         ],
-        table=table,
+        table=max(tables, key=lambda table: table.error),
     )
 
 
-def _property(
-    deck: Deck, table: Table, property_id: int, *, share: float, damping: Damping, nominal: float
-) -> list[str]:
-    """One share of the solid: its property and tables."""
+@dataclass(frozen=True)
+class BushComponent:
+    """One direction of a bushing, deck units: its table, and the stiffness and damping of PBUSH."""
+
+    number: int
+    frequency: Sequence[float]
+    stiffness: Sequence[float]
+    damping: Sequence[float]
+    nominal: tuple[float, float]
+
+
+def _component(
+    deck: Deck, way: int, solid: Solid, table: Table, *, damping: Damping, nominal: float
+) -> BushComponent:
     units = deck.units
-    K = complex((deck.solid * share).complex_stiffness(omega=2 * np.pi * nominal))
-    if damping == "loss_factor":
-        label, nominal_damping, damped = "GE", K.imag / K.real, table.damping
-    else:
-        label, nominal_damping = "B", units.damping(K.imag / (2 * np.pi * nominal))
+    K = complex(solid.complex_stiffness(omega=2 * np.pi * nominal))
+    nominal_damping, damped = K.imag / K.real, table.damping
+    if damping == "damping":
+        nominal_damping = units.damping(K.imag / (2 * np.pi * nominal))
         damped = units.damping(table.damping)
-    return bush_property(
-        property_id,
-        frequency=units.frequency(table.frequency).tolist(),
-        stiffness=units.stiffness(table.storage).tolist(),
-        damping=damped.tolist(),
-        label=label,
-        nominal=(units.stiffness(K.real), nominal_damping),
+    return BushComponent(
+        way + 1,
+        units.frequency(table.frequency).tolist(),
+        units.stiffness(table.storage).tolist(),
+        damped.tolist(),
+        (units.stiffness(K.real), nominal_damping),
     )
 
 
 def bush_property(
-    property_id: int,
-    *,
-    frequency: Sequence[float],
-    stiffness: Sequence[float],
-    damping: Sequence[float],
-    label: str,
-    nominal: tuple[float, float],
+    property_id: int, components: Sequence[BushComponent], *, label: str
 ) -> list[str]:
-    """PBUSH, PBUSHT and their two TABLED1, numbered from `property_id`; `label` is GE or B."""
-    first, second = property_id, property_id + 1
+    """PBUSH, PBUSHT and their TABLED1, numbered from `property_id`; `label` is GE or B."""
+    last = components[-1].number
+    K, damped, K_table, damping_table = ([""] * last for _ in range(4))
+    fields: list[list[float | str]] = [K, damped, K_table, damping_table]  # type: ignore[list-item]
+    blank = [""] * (6 - last)
+    tables = []
+    for rank, one in enumerate(components):
+        first, second = property_id + 2 * rank, property_id + 2 * rank + 1
+        for row, value in zip(fields, (*one.nominal, first, second), strict=True):
+            row[one.number - 1] = value
+        tables += [
+            *_tabled1(first, one.frequency, one.stiffness),
+            *_tabled1(second, one.frequency, one.damping),
+        ]
     return [
-        _small("PBUSH", property_id, "K", nominal[0]),
-        _small("", "", label, nominal[1]),
-        _small("PBUSHT", property_id, "K", first),
-        _small("", "", label, second),
-        *_tabled1(first, frequency, stiffness),
-        *_tabled1(second, frequency, damping),
+        # large: a small field holds four digits of a small number
+        *_card("PBUSH*", [property_id, "K", *fields[0], *blank, "", label, *fields[1]]),
+        _small("PBUSHT", property_id, "K", *fields[2]),
+        _small("", "", label, *fields[3]),
+        *tables,
     ]
 
 
-def _bushings(row: _BushRow, first_id: int) -> list[str]:
-    cards, shares, normals = [], row.shares, row.normals
-    for normal, rank in normals.items():
-        cards += _coordinates(first_id + rank, normal)
-    for i, one in enumerate(row.elements):
-        a, b = first_id + 2 * i, first_id + 2 * i + 1
+def _frames(row: SpringRow, first_id: int) -> list[str]:
+    cards: list[str] = []
+    for (normal, _, along), rank in row.frames.items():
+        cards += _coordinates(first_id + rank, normal, along)
+    return cards
+
+
+def _bushings(row: SpringRow, first_id: int) -> list[str]:
+    cards = _frames(row, first_id)
+    for i, one in enumerate(row.stations):
+        a, b = row.nodes(i, first_id)
         for grid in (a, b):
             cards += _card("GRID*", [grid, "", *one.place])
-        system = first_id + normals[one.normal] if one.normal in normals else 0
-        own = first_id + 2 * shares[one.share]
+        system = first_id + row.frames[one.frame] if one.frame in row.frames else 0
+        own = first_id + 2 * row.ways * row.shares[one.shares]
         cards.append(_small("CBUSH", first_id + i, own, a, b, "", "", "", system))
     return cards
 
 
-def _coordinates(number: int, normal: Sequence[float]) -> list[str]:
-    """CORD2R whose x axis is the normal: a point on z, and one on x in the xz plane."""
-    x = np.array(normal) / np.linalg.norm(normal)
-    z = np.cross(x, np.eye(3)[int(np.argmin(np.abs(x)))])
-    z /= np.linalg.norm(z)
-    values = [number, 0, 0.0, 0.0, 0.0, *z.tolist(), *x.tolist()]
-    return _card("CORD2R*", values)
+def _coordinates(number: int, normal: Sequence[float], along: Sequence[float]) -> list[str]:
+    """CORD2R: a point on its z axis, along the line, and one on x, the normal, in the xz plane."""
+    return _card("CORD2R*", [number, 0, 0.0, 0.0, 0.0, *along, *normal])
 
 
-def _arms(deck: Deck, row: _BushRow, first_id: int) -> DeckText:
-    per = 2 + 2 * deck.model.arms + 2
-    cards: list[str] = []
-    for i, one in enumerate(row.elements):
-        a, b = first_id + per * i, first_id + per * i + 1
-        for grid in (a, b):
-            cards += _card("GRID*", [grid, "", *one.place])
-        number = itertools.count(a)
-        if deck.k_inf > 0:
-            cards += _card("CELAS2*", [next(number), deck.k_inf * one.share, a, 1, b, 1])
-        if deck.b > 0:
-            cards += _card("CDAMP2*", [next(number), deck.b * one.share, a, 1, b, 1])
-        for inner, (k, _, arm_b) in enumerate(deck.arms, start=b + 1):
-            cards.append(_small("SPOINT", inner))
-            cards += _card("CELAS2*", [next(number), k * one.share, a, 1, inner, ""])
-            cards += _card("CDAMP2*", [next(number), arm_b * one.share, inner, "", b, 1])
+def _arms(deck: Deck, row: SpringRow, first_id: int) -> DeckText:
+    cards, grid, element = _frames(row, first_id), first_id, itertools.count(first_id)
+    for one in row.stations:
+        a, b = grid, grid + 1
+        # its own components are those of the line there
+        system = [first_id + row.frames[one.frame]] if one.frame in row.frames else []
+        for point in (a, b):
+            cards += _card("GRID*", [point, "", *one.place, *system])
+        grid = b + 1
+        for way, solid in row.springs(one.shares):
+            arms = deck.of(solid)
+            if arms.k_inf > 0:
+                cards += _card("CELAS2*", [next(element), arms.k_inf, a, way + 1, b, way + 1])
+            if arms.b > 0:
+                cards += _card("CDAMP2*", [next(element), arms.b, a, way + 1, b, way + 1])
+            for inner, (k, _, arm_b) in enumerate(arms.arms, start=grid):
+                cards.append(_small("SPOINT", inner))
+                cards += _card("CELAS2*", [next(element), k, a, way + 1, inner, ""])
+                cards += _card("CDAMP2*", [next(element), arm_b, inner, "", b, way + 1])
+            grid += len(arms.arms)
+    acts = "the network acts along component 1 of its grids"
+    if row.ways > 1:
+        acts = "the networks act along components 1 to 3 of their grids, in whose own systems"
     return deck.written(
         "$",
         "network of springs and dashpots for Nastran and OptiStruct",
         cards,
         verified=_VERIFIED,
-        remarks=[*row.remarks, "the network acts along component 1 of its grids"],
+        remarks=[*row.remarks, acts],
     )
 
 

@@ -56,7 +56,7 @@ def in_child(
     request = {
         "format": what, "function": [function.__module__, function.__name__],
         "seconds": seconds, "name": raw.name, "path": raw.path and str(raw.path.absolute()),
-        "sheet": options.sheet, "segment": options.segment,
+        "sheet": options.sheet, "segment": options.segment, "plugin": options.format,
     }  # fmt: skip
     late = threading.Event()
     with _child(seconds, late) as child:

@@ -29,7 +29,9 @@ def _serve(stream: BinaryIO, out: BinaryIO) -> None:
     request = messages.receive(stream)
     limits.confine(request["seconds"])
     raw = Raw(request["name"], request["path"] and Path(request["path"]), stream.read())
-    options = ReadOptions(sheet=request["sheet"], segment=request["segment"])
+    options = ReadOptions(
+        sheet=request["sheet"], segment=request["segment"], format=request["plugin"]
+    )
     module, name = request["function"]
     try:
         function = getattr(import_module(module), name)

@@ -27,7 +27,7 @@ from dashpot.io.table import FileTable
 FileKind: TypeAlias = Literal[
     "relaxation", "impact", "frf", "transmissibility", "dma", "master-curve", "strain-sweep",
     "temperature-sweep", "one-frequency", "modulus", "creep", "indentation", "cld", "cyclic",
-    "stress-strain", "csr", "seal-line", "free-modes", "not-a-test", "unclear",
+    "stress-strain", "csr", "slam", "seal-line", "free-modes", "plug-in", "not-a-test", "unclear",
 ]  # fmt: skip
 
 SWEEPS: tuple[FileKind, ...] = (
@@ -86,6 +86,10 @@ RECOGNISED: Mapping[str, KindOfFile] = MappingProxyType({
     "indentation": KindOfFile(
         "a contact of an indenter", "use dashpot fit with its mass", ("time", "velocity"), True
     ),
+    "slam": KindOfFile(
+        "a record of slams of a mass on a piece", "use dashpot fit with its mass",
+        ("time", "force"), True,
+    ),
     "stress-strain": KindOfFile(
         "stress over strain of a material",
         "use dashpot fit; of a relaxation test multiply by area and height first",
@@ -96,6 +100,11 @@ RECOGNISED: Mapping[str, KindOfFile] = MappingProxyType({
         by_hand=True,
     ),
     "cyclic": KindOfFile("a cyclic run without a hold", "use dashpot fit", RAMP),
+    "plug-in": KindOfFile(
+        "a test of a plug-in's kind", "use dashpot fit",
+        ("time", "displacement", "force", "stress", "strain", "temperature", "frequency"),
+        by_hand=True,
+    ),
     "seal-line": KindOfFile(
         "points of a seal line", "a door file names it: [seal] points, for dashpot predict"
     ),
@@ -105,6 +114,7 @@ RECOGNISED: Mapping[str, KindOfFile] = MappingProxyType({
 })  # fmt: skip
 """Every kind that a file can be seen to be; what else is of a kind, ``dashpot.kinds`` names."""
 
+_SLAM = {"slam", "slams", "slammed"}
 _SIGNALS = {"force", "displacement", "stress", "strain"}
 
 
@@ -137,19 +147,19 @@ class _NamedColumns:
         except ReadError:  # it is of another file, or its reader says so
             return False
 
-    def timed(self) -> bool:
-        return self.has("time") or self.options.rate is not None
+    def timed(self, least: float = 1.5) -> bool:
+        return self.has("time", least=least) or self.options.rate is not None
 
     def ramped(self) -> bool:
-        """Whether there are the columns of a ramp and hold."""
-        return self.timed() and self.has("force", "displacement", least=1.0)
+        """Whether there are the columns of a ramp and hold, be it by their units alone."""
+        return self.timed(least=1.0) and self.has("force", "displacement", least=1.0)
 
     def accelerated(self) -> bool:
         return bool(accelerations(self.table, (), self.options))
 
     def response(self) -> bool:
-        if self.has("frequency", "real", "imaginary"):
-            return True
+        if self.has("frequency", least=1.0) and self.has("real", "imaginary"):
+            return True  # over what is called the linear axis, in Hz
         sized = self.has("magnitude", least=1.0)  # by its unit alone, such as a2/a1 [g/g]
         return sized and self.has("frequency", "phase") and not self.moved()
 
@@ -221,6 +231,12 @@ class _NamedColumns:
             self.accelerated() or any(self.has(one) for one in ("displacement", "force"))
         )
 
+    def slammed(self) -> bool:
+        """Whether a slam is named beside a force or the motion of its mass."""
+        said = " ".join((*self.table.header, *(c.name for c in self.table.columns)))
+        named = not _SLAM.isdisjoint(vocabulary.tokens(said))
+        return named and self.timed() and (self.has("force") or self.accelerated())
+
     def placed(self, *more: str) -> bool:
         """Whether the columns are named x, y and z, and so."""
         return {"x", "y", "z", *more} <= {vocabulary.plain(c.name) for c in self.table.columns}
@@ -269,6 +285,11 @@ _RULES: tuple[tuple[FileKind, str, Callable[[_NamedColumns], bool]], ...] = (
         "indentation",
         "it has time and the acceleration or velocity of an indenter",
         _NamedColumns.indented,
+    ),
+    (
+        "slam",
+        "it has time and a force or an acceleration, and says slam",
+        _NamedColumns.slammed,
     ),
     (
         "impact",
@@ -340,7 +361,7 @@ def kind_of(table: FileTable, options: ReadOptions) -> tuple[FileKind, str]:
     What only a record's motion tells, `dashpot.io.readers.recognise` adds.
     """
     if options.kind is not None:
-        return known_kind(options.kind), "as was said"
+        return known_kind(options.kind)
     named = _NamedColumns(table, options)
     swept = named.swept()
     peaks = None if swept or two_signals(table, options) else cycle_peaks(table)
@@ -361,22 +382,28 @@ def kind_of(table: FileTable, options: ReadOptions) -> tuple[FileKind, str]:
     return kind, reason
 
 
-def known_kind(word: str) -> FileKind:
-    """Return the word of a kind that a user gives.
+def known_kind(word: str) -> tuple[FileKind, str]:
+    """Return the kind that a user says a file is, by its word or by that of a plug-in, and why.
 
     Raises
     ------
     ReadError
         If there is none, with the nearest.
     """
-    if word in RECOGNISED:
-        return cast("FileKind", word)
-    from difflib import get_close_matches  # few need it, and it costs time to import
+    if word in RECOGNISED and word != "plug-in":
+        return cast("FileKind", word), "as was said"
+    from difflib import get_close_matches  # few need them, and they cost time to import
 
+    from dashpot.base.plugins import named, offered_too
+
+    plugged = named("kinds", word)
+    if plugged is not None:
+        return "plug-in", f"for {plugged.says}, as was said"
     near = get_close_matches(word, RECOGNISED, 1)
     raise ReadError(
         f"'{word}' is no kind of file. "
         + (f"Did you mean '{near[0]}'?" if near else f"Kinds are {', '.join(RECOGNISED)}.")
+        + offered_too("kinds")
     )
 
 

@@ -11,7 +11,8 @@ from dashpot.io.options import ReadOptions
 from dashpot.io.source import Raw, about
 from dashpot.io.table import FileTable
 
-_FOREIGN = {"hdf5", "matlab", "tdms", "trios", "uff"}
+_PLUGGED = "plugged"
+_FOREIGN = {"hdf5", "matlab", "tdms", "trios", "uff", _PLUGGED}
 """Formats whose whole reading is left to a child; a workbook's is left to it up to the text."""
 _SHEETED = {"hdf5", "tdms", "workbook"}
 """Formats whose sheets or groups are named."""
@@ -35,7 +36,8 @@ def format_of(raw: Raw) -> str:
             return name
     if re.match(rb"\A\s*+-1[ \t]*+[\r\n]\s*+\d++b?(\s|\Z)", bare):
         return "uff"
-    return "trios" if bare.lstrip().startswith((b"{", b"[{")) else "text"
+    opens = bare.lstrip().startswith((b"{", b"[{")) and not bare.startswith(b"{\\rtf")
+    return "trios" if opens else "text"
 
 
 def read_table(raw: Raw, options: ReadOptions) -> FileTable:
@@ -57,7 +59,11 @@ def read_table(raw: Raw, options: ReadOptions) -> FileTable:
 
 
 def _table(raw: Raw, options: ReadOptions) -> FileTable:
-    name = format_of(raw)
+    name, called = format_of(raw), ""
+    if options.format is not None:
+        from dashpot.base.plugins import wanted
+
+        name, called = _PLUGGED, wanted("formats", options.format).called
     if options.sheet is not None and name not in _SHEETED:
         raise ReadError(
             f"--part sheet={options.sheet}: this file has no sheets or groups; leave it out"
@@ -69,6 +75,6 @@ def _table(raw: Raw, options: ReadOptions) -> FileTable:
             return reader(raw, options)
         from dashpot.io.child.process import in_child
 
-        return in_child(name, reader, raw, options)
+        return in_child(called or name, reader, raw, options)
     except (MemoryError, OSError) as error:
         raise ReadError(f"cannot be read: {type(error).__name__} {error}") from None

@@ -12,6 +12,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
+from dashpot.io.budget import Patience
 from dashpot.io.columns.names import part_unit
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import Raw
@@ -62,9 +63,12 @@ class _LvmRows:
     def signals(self) -> list[int]:
         return [i for i in self.dialect.numbers if i not in self.clocks]
 
-    def load(self, blocks: Callable[[], Iterator[str]], indexes: Sequence[int]) -> Loaded:
+    def load(
+        self, blocks: Callable[[], Iterator[str]], indexes: Sequence[int], patience: Patience
+    ) -> Loaded:
         wanted = [i for i in indexes if not (self.counted and i == 0)]
-        loaded = load_rows(blocks, self.dialect, wanted or self.signals()[:1])
+        places = wanted or self.signals()[:1]
+        loaded = load_rows(blocks, self.dialect, places, patience=patience)
         loaded = _stacked(loaded, self.segments)
         if len(wanted) == len(indexes):
             return loaded
@@ -103,7 +107,10 @@ def read(raw: Raw, options: ReadOptions) -> FileTable:
     notes, doubts = _rate(segments[0]) if asks else ((), ())
 
     def load(indexes: Sequence[int]) -> Loaded:
-        return rows.load(lambda: decoded(raw.blocks(), encoding, found=found), indexes)
+        def blocks() -> Iterator[str]:
+            return decoded(raw.blocks(), encoding, found=found)
+
+        return rows.load(blocks, indexes, raw.patience)
 
     return FileTable(
         format="LVM",

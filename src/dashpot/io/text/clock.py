@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,6 +21,7 @@ _CLOCK = re.compile(
     r"(\d{1,4}):(\d\d)(?::(\d\d)(?:[.,](\d{1,12})|:(\d{3}))?|([.,]\d{1,12}))?"
     r"(?:\s{0,3}([AaPp])\.?[Mm]\.?)?(?:Z|([+-])(\d\d):?(\d\d))?\Z"
 )
+_SECONDS = re.compile(r"\A\d\d(?:[.,]\d{1,12})?\Z")
 _DATE = re.compile(
     r"\A(?:\d{4}([./-])\d\d?\1\d\d?|\d\d?([./-])\d\d?\2(?:\d{4}|\d\d)"
     r"|\d\d?[-. ]{1,2}[^\W\d_]{3,9}\.?[- ]\d{4})\Z"
@@ -28,8 +31,7 @@ _MONTHS = ["jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct",
 _GERMAN = {"mär": "mar", "mai": "may", "okt": "oct", "dez": "dec"}
 
 
-@dataclass(frozen=True)
-class Moment:
+class Moment(NamedTuple):
     """One cell: its date as written, the seconds of its day, and its parts.
 
     ``12:30`` alone can be hours and minutes or minutes and seconds: its parts are "", and its
@@ -74,6 +76,36 @@ class ClockColumn:
     rows: int = 0
     dates: list[tuple[int, str]] = field(default_factory=list)
     doubtful: str = ""
+    _minutes: dict[str, Moment | None] = field(default_factory=dict)
+
+    def many(self, cells: Sequence[str]) -> list[Moment] | None:
+        """What many cells say, None unless each ends in seconds; only `add` counts them.
+
+        What stands before the seconds is understood once a minute.
+        """
+        if self.order == "ms":
+            return None
+        known, found = self._minutes, []
+        for cell in cells:
+            head, _, tail = cell.rpartition(":")
+            if head not in known:
+                known[head] = moment(f"{head}:00") if ":" in head else None
+            minute = known[head]
+            if minute is None or not _SECONDS.match(tail):
+                return None
+            seconds = minute.seconds + float(tail.replace(",", "."))
+            found.append(Moment(minute.date, seconds, "hms"))
+        return found
+
+    def add(self, found: Sequence[Moment]) -> FloatArray:
+        """Return the seconds of the next cells, of which :meth:`many` said this."""
+        date = self.dates[-1][1] if self.dates else None
+        for row, one in enumerate(found, start=self.rows):
+            if one.date != date:
+                date = one.date
+                self.dates.append((row, date))
+        self.rows += len(found)
+        return np.array([one.seconds for one in found])
 
     def seconds(self, cell: str) -> float | None:
         """Return the seconds of the day that the next cell says, or None."""
@@ -107,10 +139,9 @@ class ClockColumn:
 
     def _over_midnight(self, values: FloatArray) -> list[int]:
         steps = np.diff(values)
-        falls = np.flatnonzero((steps < 0) & (np.abs(steps + _DAY) <= _STEP)) + 1
-        for row in falls:
-            values[row:] += _DAY
-        return [int(row) for row in falls]
+        nights = (steps < 0) & (np.abs(steps + _DAY) <= _STEP)
+        values[1:] += _DAY * np.cumsum(nights)
+        return [int(row) for row in np.flatnonzero(nights) + 1]
 
     def _add_days(self, values: FloatArray) -> list[Question]:
         words = list(dict.fromkeys(date for _, date in self.dates))

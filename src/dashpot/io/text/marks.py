@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -15,6 +15,8 @@ from dashpot.io.text.dialect import Dialect
 
 _SMALL = re.compile(r"\A[+-]?[1-9]\d{0,2}\Z")
 _ROWS = 1 << 14
+_SEEN = 1 << 12
+"""Texts of a column that are known again."""
 
 
 def open_columns(values: FloatArray) -> set[int]:
@@ -51,6 +53,7 @@ class _Marks:
     small: bool = False
     broken: bool = False
     grouped: bool = False
+    seen: set[str] = field(default_factory=set)
 
     def add(self, text: str) -> None:
         match = cell.EITHER_WAY.match(text)
@@ -107,9 +110,19 @@ def ambiguous(
 def _add_rows(
     lines: Sequence[str], dialect: Dialect, indexes: Sequence[int], columns: dict[int, _Marks]
 ) -> None:
-    for row in filter(None, map(dialect.row, lines)):
+    wanted = {place: indexes[place] for place in columns}
+    for line in lines:
+        found = cell.split(line, dialect.delimiter)
+        # what was said before tells nothing new: of a counter a few rows are enough
+        if all(i < len(found) and found[i] in columns[p].seen for p, i in wanted.items()):
+            continue
+        row = dialect.row(line)
+        if row is None:
+            continue
         for place, marks in columns.items():
             text = row[indexes[place]]
+            if len(marks.seen) < _SEEN:
+                marks.seen.add(text)
             if cell.number(text, dialect.mark) is not None:
                 marks.add(text)
 

@@ -1,4 +1,4 @@
-"""Blocks of plain rows, which NumPy reads: all of one width, with nothing but numbers wanted.
+"""Blocks of plain rows, which NumPy reads: of one width, with nothing but numbers and times wanted.
 
 Where all cells are numbers as JSON writes them, msgspec reads them in half the time. It rounds as
 NumPy and Python do, to the nearest double; what it is not sure to read alike it never gets.
@@ -10,12 +10,13 @@ import io
 import re
 import sys
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import cache
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.io.text.clock import ClockColumn
 from dashpot.io.text.dialect import Dialect
 
 _PAYS = 1 << 21
@@ -27,16 +28,22 @@ _NEGATIVE_ZERO = re.compile(rb"-0[\s,]")
 class PlainRows:
     """Reads whole blocks for one dialect and one choice of columns, or says that it cannot."""
 
-    def __init__(self, dialect: Dialect, indexes: tuple[int, ...]) -> None:
+    def __init__(
+        self,
+        dialect: Dialect,
+        indexes: tuple[int, ...],
+        clocks: Mapping[int, ClockColumn] | None = None,
+    ) -> None:
         self.dialect = dialect
         self.indexes = indexes
+        self.clocks = clocks or {}
         sign = dialect.delimiter
         self.blanks = sign == " "
         self.swaps_comma = dialect.mark != "."
         self.possible = (
             sign.isascii()
             and not sign.startswith("fixed")
-            and not any(dialect.contents[i] == "clock" for i in indexes)
+            and not (self.blanks and self.clocks)
             and not (self.swaps_comma and sign == ",")
         )
         self.met = 0
@@ -52,8 +59,36 @@ class PlainRows:
     def read(self, text: str) -> FloatArray | None:
         """Return the numbers of whole lines, None if one of them is not surely a plain row."""
         unquoted = self._unquoted(text)
+        if unquoted is None or not self.clocks:
+            return None if unquoted is None else self._numbers(unquoted)
+        bare, cells = self._without_clocks(unquoted)
+        found = {place: self.clocks[place].many(texts) for place, texts in cells.items()}
+        if not found or None in found.values():
+            return None
+        values = self._numbers(bare)
+        if values is not None:
+            for place, moments in found.items():
+                values[:, place] = self.clocks[place].add(moments or ())
+        return values
+
+    def _without_clocks(self, text: str) -> tuple[str, dict[int, list[str]]]:
+        """The text with zeros for clock times, and those by place; none where lines differ."""
+        sign = self.dialect.delimiter
+        rows = [line.split(sign) for line in text.split("\n")[:-1]]
+        if len(set(map(len, rows))) != 1:
+            return text, {}
+        columns = {place: self.indexes[place] for place in self.clocks}
+        if len(rows[0]) <= max(columns.values()):
+            return text, {}
+        cells = {place: [row[i].strip() for row in rows] for place, i in columns.items()}
+        for row in rows:
+            for i in columns.values():
+                row[i] = "0"
+        return "\n".join(map(sign.join, rows)) + "\n", cells
+
+    def _numbers(self, unquoted: str) -> FloatArray | None:
         # beside decimal commas points group the thousands
-        if unquoted is None or (self.dialect.mark == "," and "." in unquoted):
+        if self.dialect.mark == "," and "." in unquoted:
             return None
         if self.blanks:
             return self._parse(unquoted)

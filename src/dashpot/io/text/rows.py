@@ -117,12 +117,12 @@ def load_rows(
     heading: Heading | None = None,
     *,
     sure: bool = True,
-    size: int | None = None,
+    patience: Patience | None = None,
 ) -> Loaded:
     """Return the columns `indexes` of the table, from blocks of whole lines.
 
-    Unless the decimal mark is `sure`, what can be read two ways is left as a doubt. The `size` of
-    the file, in bytes, is what its reading may cost.
+    Unless the decimal mark is `sure`, what can be read two ways is left as a doubt. Reading may
+    cost what `patience` is left.
 
     Raises
     ------
@@ -130,9 +130,22 @@ def load_rows(
         If a line between the rows holds numbers as they do, but more or fewer; or if it takes too
         long.
     """
-    heading = heading or Heading()
+    patience = patience or Patience(None)
+    with patience.counted():
+        return _loaded(blocks, dialect, indexes, heading or Heading(), patience, sure=sure)
+
+
+def _loaded(
+    blocks: Callable[[], Iterator[str]],
+    dialect: Dialect,
+    indexes: Sequence[int],
+    heading: Heading,
+    patience: Patience,
+    *,
+    sure: bool,
+) -> Loaded:
     got = _Gathered(segments=[heading.title])
-    reader = _Reader(dialect, tuple(indexes), heading, got, Patience(size))
+    reader = _Reader(dialect, tuple(indexes), heading, got, patience)
     first = tail = ""
     for text, line in _below(blocks(), dialect.first):
         reader.read(text, line)
@@ -149,7 +162,7 @@ def load_rows(
         notes.append("the last row is cut off within its last number and was left out")
     if not sure:
         points = marks.open_columns(values)
-        below = _below(blocks(), dialect.first)
+        below = _patient(_below(blocks(), dialect.first), patience)
         asked = marks.ambiguous(below, dialect, indexes, reader.grouped, points)
         got.doubts += [(None, question) for question in asked]
     starts, names = tuple(got.starts), tuple(got.segments)
@@ -195,6 +208,12 @@ def _below(blocks: Iterator[str], first: int) -> Iterator[tuple[str, int]]:
             line += line_count(text)
 
 
+def _patient(blocks: Iterator[tuple[str, int]], patience: Patience) -> Iterator[tuple[str, int]]:
+    for text, line in blocks:
+        patience.asked(line)
+        yield text, line
+
+
 def _after_lines(text: str, count: int) -> int:
     position = 0
     for _ in range(count):
@@ -233,12 +252,12 @@ class _Reader:
         self.indexes = indexes
         self.heading = heading
         self.got = got
-        self.plain = PlainRows(dialect, indexes)
         self.clocks = {
             place: ClockColumn(heading.clocks[i] if heading.clocks else "")
             for place, i in enumerate(indexes)
             if dialect.contents[i] == "clock"
         }
+        self.plain = PlainRows(dialect, indexes, self.clocks)
         self.grouped: set[int] = set()
         self.like = ""
         self.changed = ""

@@ -11,11 +11,17 @@ from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.facts import Fact
 from dashpot.base.offered import Judged
+from dashpot.base.provenance import Source
 from dashpot.base.units import Quantity, celsius, parse_quantity, si, written
-from dashpot.kinds.csr.checks import temperature_near_ovens, time_near_readings
+from dashpot.kinds.csr.checks import (
+    stiffness_follows_force,
+    temperature_near_ovens,
+    time_near_readings,
+)
 from dashpot.kinds.csr.law import FIRST, NEVER, AgingLaw
 from dashpot.kinds.csr.prepare import ONE_OVEN
 from dashpot.kinds.csr.record import Aging, normal, spread, stated
+from dashpot.records.fit import Fit
 
 LOWER = 65e3
 """What the activation energy falls to in the cold, J/mol (EPDM, Gillen et al. 2003)."""
@@ -56,6 +62,11 @@ class Aged(Judged, Documented):
     def facts(self) -> tuple[Fact, ...]:
         """The answers."""
         return self.answers
+
+    @property
+    def sources(self) -> tuple[Source, ...]:
+        """Of the law."""
+        return self.aging.sources
 
     @property
     def verdict(self) -> Verdict:
@@ -104,6 +115,31 @@ def predict_aging(
         time_near_readings(math.log10(furthest / found.longest), found.longest),
     )
     return Aged(found, temperature, asked, furthest, (*checks, *found.checks))
+
+
+def aged_fit(found: Aging, fit: Fit, *, temperature: Quantity, time: Quantity) -> Fit:
+    """Return the fit of a seal after a time at a temperature: its stiffnesses times F/F0.
+
+    Parameters
+    ----------
+    found : Aging
+    fit : Fit
+        Of the new seal.
+    temperature, time : float or str
+        K and s, or ``"70degC"`` and ``"10000h"``.
+
+    Raises
+    ------
+    DataError
+        If the ovens say nothing of it, or only what is left at least.
+    """
+    seconds = si(time, "time")
+    asked = predict_aging(found, temperature=temperature, until=f"{seconds!r}s")
+    law, (left, *_) = found.law, asked.answers
+    chemical = replace(law, physical=0.0).retained(asked.temperature, seconds)
+    says = f"after {written(seconds, 'h', '.6g')} at {celsius(asked.temperature)}"
+    checks = (*asked.checks, stiffness_follows_force(1 - chemical))
+    return fit.aged(left, says, checks=tuple(one for one in checks if one.failed))
 
 
 def _end(text: str) -> tuple[float, float]:

@@ -138,6 +138,17 @@ def temperature_near_ovens(colder: float, temperature: float) -> Finding:
     )
 
 
+@criterion("part of the force", "<=", 0.1, "our choice: chains that form anew carry no force")
+def stiffness_follows_force(lost: float) -> Finding:
+    """The stiffness has fallen as the force has: chemistry took little of it."""
+    return Finding(
+        f"Chemical aging took {100 * lost:.3g} % of the force",
+        lost,
+        "Chains that form meanwhile carry none of it, and the stiffness fell by less",
+        "Test an aged piece.",
+    )
+
+
 @criterion("decades", "<=", 2.0, "our choice: a hundred times as long as the readings")
 def time_near_readings(decades: float, longest: float) -> Finding:
     """The time that is asked or found lies near the last reading."""

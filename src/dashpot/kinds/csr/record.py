@@ -13,11 +13,12 @@ from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.facts import Fact, Numbered
 from dashpot.base.numbers import counted
-from dashpot.base.offered import Described, Judged
+from dashpot.base.offered import Described, Judged, verb
 from dashpot.base.provenance import Source, of_file
 from dashpot.base.said import into_si, said_units
-from dashpot.base.units import celsius, written
+from dashpot.base.units import Quantity, celsius, written
 from dashpot.kinds.csr.law import AgingLaw
+from dashpot.records.fit import Fit
 from dashpot.records.specimen import tested_at
 
 
@@ -170,6 +171,24 @@ class Aging(ByValue, Numbered, Judged, Documented):
         if law.exponent != 1:
             facts.append(normal("exponent", law.exponent, exponent * law.exponent, law))
         return tuple(facts)
+
+    def at(self, fit: Fit, *, temperature: Quantity, time: Quantity) -> Fit:
+        """The fit of a seal after a time at a temperature, as a door, a mass and a deck take it.
+
+        Every stiffness is times F/F0, with its error; what :func:`dashpot.kinds.csr.aged.aged_fit`
+        says of that holds.
+
+        Examples
+        --------
+        >>> import dashpot as dp
+        >>> aging = dp.fit(dp.read("ovens.csv"))  # doctest: +SKIP
+        >>> new = dp.fit(dp.read("seal_8mm.csv"))  # doctest: +SKIP
+        >>> aging.at(new, temperature="70degC", time="1000h")  # doctest: +SKIP
+        """
+        found: Fit = verb("kinds.csr.aged", "aged_fit")(
+            self, fit, temperature=temperature, time=time
+        )
+        return found
 
     @property
     def source(self) -> Source | None:

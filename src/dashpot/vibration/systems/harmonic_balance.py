@@ -12,7 +12,9 @@ closes. Source: M. Krack and J. Gross, *Harmonic Balance for Nonlinear Vibration
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -177,23 +179,11 @@ class BalanceEquation:
         return np.asarray(np.linalg.solve(np.eye(len(N)) + self.compliance * N, self.stretch))
 
     def _descend(self, e: ComplexArray) -> ComplexArray | None:
-        """Newton on the real and imaginary parts, steps halved where they do not help."""
-        size = float(np.abs(self.stretch).max())
-
         def residual(e: ComplexArray) -> ComplexArray:
             return np.asarray(e + self.compliance @ self.pull(e) - self.stretch)
 
-        r = residual(e)
-        for _ in range(60):
-            if np.abs(r).max() <= 1e-12 * size:
-                return e
-            step = self._newton_step(e, r)
-            share = 1.0
-            while share > 1e-4 and np.abs(residual(e - share * step)).max() >= np.abs(r).max():
-                share /= 2
-            e = e - share * step
-            r = residual(e)
-        return e if np.abs(r).max() <= 1e-9 * size else None
+        size = float(np.abs(self.stretch).max())
+        return newton(residual, self._newton_step, e, size=size)
 
     def _newton_step(self, e: ComplexArray, r: ComplexArray) -> ComplexArray:
         """Step of e whose linearised residual is r: d(N e) = N de + (dN/dlnX) e Re(e* de) / X^2."""
@@ -212,6 +202,55 @@ class BalanceEquation:
         return np.asarray(step[: len(e)] + 1j * step[len(e) :])
 
 
+class Alternation:
+    r"""A cycle between its harmonics and its samples (AFT).
+
+    Harmonics are of :math:`c_0 + \operatorname{Re} \sum_h c_h e^{jh\varphi}`.
+    """
+
+    def __init__(self, harmonics: Sequence[int], samples: int) -> None:
+        h = np.asarray(harmonics)
+        phase = 2 * np.pi * np.arange(samples) / samples
+        self.turn = np.exp(1j * np.outer(h, phase))
+        self.back = np.where(h == 0, 1.0, 2.0)[:, None] / samples * self.turn.conj()
+
+    def path(self, harmonics: ComplexArray) -> FloatArray:
+        """Samples, shape (n,) or (p, n), of harmonics, shape (h,) or (h, p)."""
+        return np.asarray((harmonics.T @ self.turn).real)
+
+    def harmonics_of(self, path: FloatArray) -> ComplexArray:
+        """The way back."""
+        return np.asarray(self.back @ path.T)
+
+
+_Unknown = TypeVar("_Unknown", FloatArray, ComplexArray)
+
+
+def newton(
+    residual: Callable[[_Unknown], _Unknown],
+    step: Callable[[_Unknown, _Unknown], _Unknown],
+    start: _Unknown,
+    *,
+    size: float,
+    most: int = 60,
+) -> _Unknown | None:
+    """Newton's descent, its steps halved where they do not help; None short of an answer.
+
+    `step` is the step, to be taken off, of an unknown and its residual; `size` that of what is
+    balanced, `most` the steps at most.
+    """
+    x, r = start, residual(start)
+    for _ in range(most):
+        if np.abs(r).max() <= 1e-12 * size:
+            return x
+        full, share = step(x, r), 1.0
+        while share > 1e-4 and np.abs(residual(x - share * full)).max() >= np.abs(r).max():
+            share /= 2
+        x = x - share * full
+        r = residual(x)
+    return x if np.abs(r).max() <= 1e-9 * size else None
+
+
 def several_harmonics(
     rest: Rest, line: BalanceEquation, first: ComplexArray, harmonics: tuple[int, ...]
 ) -> tuple[ComplexArray, ComplexArray, float]:
@@ -220,14 +259,12 @@ def several_harmonics(
 
     C = [rest.compliance(h * line.omega) for h in harmonics]
     size, p = float(np.abs(first).max()), len(first)
-    phase = 2 * np.pi * np.arange(_SAMPLES) / _SAMPLES
-    turn = np.exp(1j * np.outer(harmonics, phase))
+    between = Alternation(harmonics, _SAMPLES)
 
     def pulls(e: ComplexArray) -> ComplexArray:
-        dt = 2 * np.pi / line.omega / _SAMPLES
-        path = (e[:, :, None] * turn[:, None, :]).real.sum(axis=0)
+        dt, path = 2 * np.pi / line.omega / _SAMPLES, between.path(e)
         loops = [_steady(part, dt, each) for part, each in zip(line.friction, path, strict=True)]
-        return np.asarray(2 / _SAMPLES * turn.conj() @ np.array(loops).T)
+        return between.harmonics_of(np.array(loops))
 
     def stretches(z: FloatArray) -> ComplexArray:
         real, imaginary = z.reshape(2, len(harmonics), p)

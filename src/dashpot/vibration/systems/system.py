@@ -110,12 +110,12 @@ class System:
     @cached_property
     def stretch(self) -> FloatArray:
         """E, shape (springs, n): how the bodies' motions stretch each spring."""
-        return self._stretch()[:, : len(self.dofs)]
+        return self._stretch[:, : len(self.dofs)]
 
     @cached_property
     def base_stretch(self) -> FloatArray:
         """G, shape (springs, 6 grounds): how the grounds' motions stretch each spring."""
-        return self._stretch()[:, len(self.dofs) :]
+        return self._stretch[:, len(self.dofs) :]
 
     @cached_property
     def springs(self) -> tuple[Mount | ModalSpring, ...]:
@@ -226,6 +226,7 @@ class System:
         rows = [known[solid] for solid in felt]
         return np.stack(rows, axis=-1) if rows else np.zeros((*s.shape, 0), dtype=complex)
 
+    @cached_property
     def _stretch(self) -> FloatArray:
         columns = len(self.dofs) + len(self.base_dofs)
         rows = [

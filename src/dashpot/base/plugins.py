@@ -1,0 +1,228 @@
+"""What packages of others add by entry points: formats, kinds of tests and decks.
+
+Three groups are looked into::
+
+    [project.entry-points."dashpot.formats"]   # a module: read(raw: bytes, *, name: str) -> dict
+    [project.entry-points."dashpot.kinds"]     # a module: fit(columns: dict, options: dict) -> dict
+    [project.entry-points."dashpot.decks"]     # a function (solid: dict, *, units, name) -> str
+
+Plain data pass the border. A list reads the metadata of packages as text; a plug-in is imported
+when its name is typed or stands in a profile, and at no other time: a name of dashpot's own is
+never asked for here.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from importlib import import_module
+from typing import Any, Literal, NoReturn, get_args
+
+from dashpot.base.documents import Documented
+from dashpot.base.errors import DashpotError, ReadError
+from dashpot.base.escapes import escaped
+
+Group = Literal["formats", "kinds", "decks"]
+GROUPS: tuple[Group, ...] = get_args(Group)
+OFF = "none"
+"""The value of :data:`SWITCH` with which no plug-in is used."""
+SWITCH = "DASHPOT_PLUGINS"
+_LONGEST = 300
+"""Characters of what a plug-in says of its own failure."""
+
+
+@dataclass(frozen=True)
+class Plugin(Documented):
+    """One entry point.
+
+    Attributes
+    ----------
+    group, name : str
+        What it adds, and how it is asked for.
+    value : str
+        ``"module"`` or ``"module:function"``.
+    package, version : str
+        The distribution that brings it.
+    """
+
+    group: str
+    name: str
+    value: str
+    package: str
+    version: str
+
+    @property
+    def by(self) -> str:
+        """The package and its version, as provenance states them."""
+        return f"{self.package} {self.version}"
+
+    @property
+    def called(self) -> str:
+        """Its name and who brings it, as a reader is named: ``"labkit (labkit 0.1.0)"``."""
+        return f"{self.name} ({self.by})"
+
+    @property
+    def says(self) -> str:
+        """How an error speaks of it."""
+        return f"the plug-in '{self.name}' of {self.by}"
+
+    def load(self) -> Any:
+        """Import it, and return its module or function.
+
+        Raises
+        ------
+        ReadError
+            If it cannot be imported.
+        """
+        if os.environ.get(SWITCH) == OFF:
+            raise ReadError(f"{self.says} is not used: {SWITCH}={OFF}")
+        module, _, attribute = self.value.partition(":")
+        try:
+            found = import_module(module)
+            return getattr(found, attribute) if attribute else found
+        except BaseException as error:  # noqa: BLE001  others' code may raise anything
+            self.failed(error)
+
+    def failed(self, error: BaseException) -> NoReturn:
+        """Raise what stopped it as one sentence that names it.
+
+        Raises
+        ------
+        ReadError
+        """
+        if isinstance(error, KeyboardInterrupt | MemoryError | DashpotError):
+            raise error
+        said = " ".join(escaped(str(error)).split())[:_LONGEST]
+        raise ReadError(
+            f"{self.says} failed: {type(error).__name__}{': ' + said if said else ''}. "
+            f"Ask who maintains {self.package}"
+        ) from error
+
+    def wrong(self, found: str, expected: str) -> NoReturn:
+        """Raise that it returned what the contract does not have.
+
+        Raises
+        ------
+        ReadError
+        """
+        raise ReadError(
+            f"{self.says} returned {found}; expected {expected}. Ask who maintains {self.package}"
+        )
+
+
+@dataclass(frozen=True)
+class Installed(Documented):
+    """The plug-ins of this environment."""
+
+    schema = "dashpot/plugins@1"
+    read_back = False
+
+    plugins: tuple[Plugin, ...]
+
+
+def plugins(group: Group | None = None) -> tuple[Plugin, ...]:
+    """Return every plug-in that is installed, or those of a group; none is imported."""
+    found = _installed()
+    return tuple(one for one in found if group in {None, one.group})
+
+
+@cache
+def _installed() -> tuple[Plugin, ...]:
+    if os.environ.get(SWITCH) == OFF:
+        return ()
+    from importlib.metadata import distributions  # it costs more than all that the scan does
+
+    found: dict[tuple[str, str, str], Plugin] = {}
+    for one in distributions():
+        for entry in one.entry_points:
+            house, _, group = entry.group.partition(".")
+            if house == "dashpot" and group in GROUPS:
+                # the first on the path is the one that is imported, also of one found twice
+                key = (group, entry.name, one.name)
+                found.setdefault(key, Plugin(group, entry.name, entry.value, one.name, one.version))
+    return tuple(sorted(found.values(), key=lambda p: (p.group, p.name, p.package)))
+
+
+def named(group: Group, name: str) -> Plugin | None:
+    """Return the plug-in of a name; None if there is none.
+
+    Raises
+    ------
+    ReadError
+        If two packages bring one name.
+    """
+    found = [one for one in plugins(group) if one.name == name]
+    if len(found) > 1:
+        raise ReadError(
+            f"'{name}' is brought by {' and by '.join(one.by for one in found)}. Uninstall one of "
+            "them"
+        )
+    return found[0] if found else None
+
+
+def offered_too(group: Group) -> str:
+    """Return the names of a group as the end of an error's sentence; empty where there are none."""
+    names = ", ".join(one.name for one in plugins(group))
+    return f" By plug-ins: {names}." if names else ""
+
+
+def wanted(group: Group, name: str) -> Plugin:
+    """Return the plug-in of a name.
+
+    Raises
+    ------
+    ReadError
+        If there is none.
+    """
+    found = named(group, name)
+    if found is None:
+        off = os.environ.get(SWITCH) == OFF
+        known = offered_too(group) or (
+            " Plug-ins are off here." if off else " To see them: dashpot inspect --plugins."
+        )
+        raise ReadError(f"no plug-in brings the {group[:-1]} '{escaped(name)}'.{known}")
+    return found
+
+
+def items(plugin: Plugin, document: Mapping[str, Any], key: str) -> Sequence[Mapping[str, Any]]:
+    """Return a list of dictionaries in what a plug-in returned; empty where the key is not there.
+
+    Raises
+    ------
+    ReadError
+        If something else stands there.
+    """
+    found = document.get(key, [])
+    if not isinstance(found, list | tuple) or not all(isinstance(one, dict) for one in found):
+        plugin.wrong(f"'{key}' of type {type(found).__name__}", "a list of dictionaries")
+    return found
+
+
+def word(plugin: Plugin, item: Mapping[str, Any], key: str, otherwise: str | None = None) -> str:
+    """Return a text in an item of what a plug-in returned.
+
+    Raises
+    ------
+    ReadError
+        If it is no text, or is missing and nothing stands in its place.
+    """
+    found = item.get(key, otherwise)
+    if not isinstance(found, str):
+        plugin.wrong(f"'{key}' of type {type(found).__name__}", "a text")
+    return " ".join(escaped(found).split())
+
+
+def texts(plugin: Plugin, document: Mapping[str, Any], key: str) -> tuple[str, ...]:
+    """Return a list of texts in what a plug-in returned; empty where the key is not there.
+
+    Raises
+    ------
+    ReadError
+        If something else stands there.
+    """
+    found = document.get(key, [])
+    if not isinstance(found, list | tuple) or not all(isinstance(one, str) for one in found):
+        plugin.wrong(f"'{key}' of type {type(found).__name__}", "a list of texts")
+    return tuple(" ".join(escaped(one).split()) for one in found)

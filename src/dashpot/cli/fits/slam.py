@@ -1,0 +1,27 @@
+"""Slams of a mass on a piece: its loss factor, and the arm that a ramp is too slow for."""
+
+from __future__ import annotations
+
+from dashpot import workflow
+from dashpot.cli._shell import Outcome, grams, typed
+from dashpot.cli.fits._given import PAGE, Given
+
+
+def run(given: Given) -> Outcome:
+    """Find loss factor and arms from slams, with a fit of the piece where one is given."""
+    page = given.kept_as(".json", *PAGE, what="this fit") in PAGE
+    found = workflow.slam_files(
+        given.files,
+        mass=given.mass,
+        slam=given["slam"],
+        memory=[workflow.read_fit(one) for one in given["memory"]],
+        specimen=given.specimen,
+        options=given.reading,
+    )
+    given.draw(found.plot)
+    given.keep(found if page else found.fit, page=page)
+    follow = ""
+    if given.kept and not page:
+        how = ("--slam", "1m/s", "--mass", grams(found.mass))
+        follow = typed("predict", given.kept, *how)
+    return Outcome.of(found, follow=follow)

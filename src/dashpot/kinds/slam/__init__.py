@@ -1,0 +1,1 @@
+"""A mass slammed on a piece: dynamic load deflection."""

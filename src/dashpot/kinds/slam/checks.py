@@ -1,0 +1,198 @@
+"""What a slam can be trusted with, as criteria."""
+
+from __future__ import annotations
+
+from dashpot.base.checks import Finding, Remedy, criterion
+from dashpot.base.units import written
+
+
+@criterion("compression / depth of the law", "<=", 1.0, "the law was measured to there")
+def slam_within_law(deepest: float, depth: float | None) -> Finding:
+    """The mass presses the piece no deeper than its elastic law was measured."""
+    pressed = f"The mass presses the piece by {written(deepest, 'mm', '.3g')}"
+    if depth is None:
+        return Finding(
+            f"{pressed}, and the fit holds no elastic law of a pressed piece",
+            because="The law is taken as straight",
+            remedy="Fit a relaxation or load deflection test of the piece.",
+            faulted=True,
+        )
+    return Finding(
+        f"{pressed}, and its law was measured to {written(depth, 'mm', '.3g')}",
+        deepest / depth,
+        "Beyond it the law goes on with its last slope, and a bulb that bottoms is stiffer",
+        "Press a piece deeper in the load deflection test.",
+    )
+
+
+@criterion("frequency / highest informed", "<=", 1.0, "the band of the fit")
+def slam_within_band(frequency: float, highest: float) -> Finding:
+    """The contact is no faster than the fit informs."""
+    return Finding(
+        f"The contact is half a cycle of {frequency:.3g} Hz, and the fit holds to {highest:.2g} Hz",
+        frequency / highest,
+        "A fast arm that the test could not see takes from the rebound, the force hardly changes",
+        "Fit a recorded slam, or a hammer test, too.",
+    )
+
+
+@criterion("m/s", "<=", 0.1, "our choice: air leaves a bulb slowly pressed", grade="note")
+def air_escapes(speed: float) -> Finding:
+    """The mass is slow enough for the air of a bulb to leave."""
+    return Finding(
+        f"At {written(speed, 'm/s', '.3g')} the air in a bulb adds force unless it leaves at "
+        "open ends or holes",
+        speed,
+        "It is not part of the law",
+        "Leave the ends of the piece open, or say the vents of a door in its file.",
+    )
+
+
+@criterion(grade="note")
+def piece_length_given(*, given: bool) -> Finding:
+    """The length of the piece is known."""
+    return Finding(
+        "The length of the piece is known",
+        instead="The length of the piece is not given, so forces and energies are of this piece, "
+        "not of 100 mm",
+        remedy="Give the length when the test is fitted.",
+        faulted=not given,
+    )
+
+
+# -- of recorded slams
+
+
+@criterion(
+    "standard error / loss factor",
+    "<=",
+    0.25,
+    "our choice: its interval is half of it",
+    grade="stop",
+)
+def loss_determined(relative: float, frequency: float) -> Finding:
+    """The slams determine the loss factor."""
+    known = f"known to {100 * relative:.2g} %" if relative < 10 else "not known"
+    return Finding(
+        f"The loss factor at {frequency:.3g} Hz is {known}",
+        relative,
+        instead=f"The loss factor at {frequency:.3g} Hz is not determined: it is {known}",
+        remedy=Remedy(
+            "Test three speeds, and give the fit of a load deflection test.", "memory", "law.json",
+        ),
+    )  # fmt: skip
+
+
+@criterion("rms / scatter", "<=", 1.5, "our choice: what is left is the scatter of the sensor")
+def slams_followed(misfit: float) -> Finding:
+    """The motion follows every slam."""
+    return Finding(
+        f"What the motion leaves of the force is {misfit:.3g} times its scatter",
+        misfit,
+        "The piece bends otherwise, or the mass or the sensor oscillates",
+        "Look at the picture. Fit slams of one range of speeds, or filter less in the sensor.",
+    )
+
+
+@criterion()
+def slow_arms_known(*, given: bool) -> Finding:
+    """The arms that are slow beside a contact are known."""
+    return Finding(
+        "The slow arms are known from another test",
+        instead="No relaxation test was given, so the loss of slow arms is missing",
+        remedy=Remedy("Give the fit of a relaxation test.", "memory", "fit.json"),
+        faulted=not given,
+    )
+
+
+@criterion("samples", ">=", 50.0, "our choice: the flanks tell the touch")
+def slams_sampled(samples: float) -> Finding:
+    """A contact has samples enough."""
+    return Finding(
+        f"The shortest contact has {samples:.0f} samples",
+        samples,
+        "Its flanks are steps",
+        "Sample faster.",
+    )
+
+
+@criterion("fastest / slowest", ">=", 2.0, "our choice: a law that is free needs several depths")
+def slam_speeds_spread(spread: float | None) -> Finding:
+    """A law that is free was slammed at several speeds."""
+    if spread is None:
+        return Finding("The law is known, so one speed will do")
+    return Finding(
+        f"The fastest slam is {spread:.3g} times the slowest, and the law is free",
+        spread,
+        "What bends and what has memory then look alike",
+        Remedy(
+            "Test three speeds, or give the fit of a load deflection test.", "memory", "law.json"
+        ),
+    )
+
+
+@criterion("standard deviations", "<=", 3.0, "chance, once in 370")
+def slam_speeds_agree(off: float | None) -> Finding:
+    """The speeds are those that were given."""
+    if off is None:
+        return Finding("No speed was given")
+    return Finding(
+        f"A speed lies {off:.2g} standard deviations from what was given",
+        off,
+        "The mass, a speed or the height of a fall is another",
+        Remedy("Check the mass, and the speeds in the order of the slams.", "slam"),
+    )
+
+
+@criterion("rest / contact", ">=", 10.0, "our choice: arms rest between slams")
+def slams_apart(rest: float | None) -> Finding:
+    """The piece has rested between slams."""
+    if rest is None:
+        return Finding("Every record holds one slam")
+    return Finding(
+        f"A slam follows {rest:.3g} contacts after the one before",
+        rest,
+        "Slow arms still carry what the one before left",
+        "Leave more time between slams, or cut the record.",
+    )
+
+
+@criterion("|impulse ratio - 1|", "<=", 0.03, "our choice: both sensors are calibrated")
+def slam_mass_agrees(ratio: float | None) -> Finding:
+    """Force and acceleration are of the mass that was given."""
+    if ratio is None:
+        return Finding("Force or acceleration alone was recorded, so the mass is not judged")
+    return Finding(
+        f"The impulse by the force is {ratio:.4g} times that by mass and acceleration",
+        abs(ratio - 1),
+        "The mass is another, or a sensor is scaled wrong",
+        Remedy("Weigh all that moves.", "mass"),
+    )
+
+
+@criterion("standard deviations", "<=", 3.0, "chance, once in 370")
+def memory_kept(moved: float | None) -> Finding:
+    """The slams leave the arms where the relaxation test has them."""
+    if moved is None:
+        return Finding("The arms of the other test are held")
+    return Finding(
+        f"The slams move the arms of the other test by {moved:.2g} of its standard deviations",
+        moved,
+        "The two tests are not of one piece at one temperature, or one is wrong",
+        "Test the piece of the slams, as warm.",
+    )
+
+
+@criterion("|standard errors|", "<=", 3.0, "chance, once in 370")
+def losses_agree(gap: float | None, value: float, before: float, *, within: bool) -> Finding:
+    """The loss factor by slams is what the relaxation test has, or more where that sees no more."""
+    if gap is None:
+        return Finding("The loss factor by the slams has no error, so it is not compared")
+    least = "" if within else "at least "
+    return Finding(
+        f"The loss factor by the slams is {value:.3g}, where the other test has "
+        f"{least}{before:.3g}",
+        abs(gap),
+        "The two part by more than chance",
+        "Test the piece of the slams, as warm.",
+    )

@@ -1,0 +1,509 @@
+r"""A mass pressed on a seal whose elastic law bends, and which it may leave: even harmonics.
+
+With x the compression, P what presses at rest and F a force on the mass,
+
+.. math:: m \ddot x = P + F \cos\omega t - f, \qquad
+    f = \max(0, G * F_e(x)), \qquad G(s) = K(s)/K(0), \qquad F_e(x \le 0) = 0
+
+All arms answer the path :math:`F_e(x(t))` of the relaxed force (Fung), and go on relaxing while the
+mass is off the seal. The steady answer :math:`x = c_0 + \operatorname{Re}\sum c_h e^{jh\omega t}`
+solves, for h = 0 to H,
+
+.. math:: f_h - (h\omega)^2 m\, c_h = P\,\delta_{h0} + F\,\delta_{h1}
+
+by alternating between frequency and time: :math:`G(jh\omega)` acts on every harmonic of
+:math:`F_e(x)`, as 1 on the mean, for the mean is relaxed, and contact ends after it. The answer is
+followed from rest as the level rises. Whether it lasts, its Floquet multipliers tell: harmonic
+balance finds orbits that do not as readily. Source: M. Krack and J. Gross, *Harmonic Balance for
+Nonlinear Vibration Problems*, 2019, chapters 2 to 4.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+
+from dashpot.base.arrays import BoolArray, ByValue, ComplexArray, FloatArray
+from dashpot.base.demands import positive
+from dashpot.base.errors import DataError
+from dashpot.base.plausible import SIZES, short
+from dashpot.base.units import GRAVITY, Quantity, si, written
+from dashpot.solids.elastic import ElasticLaw, PolynomialLaw
+from dashpot.solids.maxwell import Solid
+from dashpot.vibration.systems.harmonic_balance import Alternation, newton
+
+BendingLaw: TypeAlias = ElasticLaw | PolynomialLaw
+
+HARMONICS = 10
+"""Of the lines of a sweep; one orbit takes as many as it needs."""
+SHOWN = 5
+"""Harmonics that are told."""
+_MOST, _SETTLED = 80, 1e-7
+"""Harmonics at most, and what twice as many may change of those shown, of the largest."""
+_PER_HARMONIC, _FEWEST = 32, 256
+"""Samples of a cycle for each harmonic, and at least."""
+_FLOQUET_STEPS = 256
+_STEPS, _SHORTEST, _WIDEST = 400, 1e-5, 0.5
+"""Steps of the level at most, the least of them, and how far an answer may lie from where the
+tangent points, in steps."""
+
+
+@dataclass(frozen=True, eq=False)
+class Orbit(ByValue):
+    """The steady answer of a pressed mass to a force at one frequency.
+
+    Attributes
+    ----------
+    frequency, level : float
+        Hz; amplitude of the force, N.
+    rest : float
+        Compression without the force, m.
+    harmonics : complex array, shape (H + 1,)
+        Of the compression, m, the mean first: the real part of each turns with the force's phase.
+    multiplier : complex
+        The largest Floquet multiplier: by how much a small disturbance grows in a period.
+    lost : float
+        Part of the cycle in which nothing presses.
+    least, most : float
+        Compressions between which it swings, m; a seal that has not caught up lets go above 0.
+    """
+
+    frequency: float
+    level: float
+    rest: float
+    harmonics: ComplexArray
+    multiplier: complex
+    lost: float
+    least: float
+    most: float
+
+    @property
+    def amplitudes(self) -> FloatArray:
+        """Of the harmonics, m; the mean as it is."""
+        return np.abs(self.harmonics)
+
+    @property
+    def shown(self) -> FloatArray:
+        """Amplitudes of the mean and of the first :data:`SHOWN` harmonics, m."""
+        return self.amplitudes[: SHOWN + 1]
+
+    @property
+    def phases(self) -> FloatArray:
+        """Of those against the force, rad."""
+        return np.angle(self.harmonics[: SHOWN + 1])
+
+    @property
+    def shift(self) -> float:
+        """Mean compression less that at rest, m: below 0 the seal opens when shaken."""
+        return float(self.harmonics[0].real) - self.rest
+
+    @property
+    def growth(self) -> float:
+        """Size of the largest multiplier; below 1 the answer lasts."""
+        return abs(self.multiplier)
+
+    @property
+    def stable(self) -> bool:
+        """Whether a small disturbance dies away."""
+        return self.growth < 1
+
+    def refuse_unstable(self) -> None:
+        """Refuse an answer that no test would show.
+
+        Raises
+        ------
+        DataError
+        """
+        if self.stable:
+            return
+        lasts = (
+            "it answers at twice the period, or without one"
+            if self.multiplier.real < 0
+            else "it jumps to another answer, or has none"
+        )
+        raise DataError(
+            f"at {self.level:.4g} N and {self.frequency:.5g} Hz the steady answer at the drive's "
+            f"period is unstable: a disturbance grows by {self.growth:.4g} in a period, so "
+            f"{lasts}. Ask for a lower level, or another frequency"
+        )
+
+
+class Balanced(NamedTuple):
+    """An answer of the balance, and whether the seal presses at each sample."""
+
+    unknown: FloatArray
+    pressing: BoolArray
+    path: FloatArray
+
+
+@dataclass(frozen=True)
+class PreloadedMass:
+    """A mass pressed on a seal.
+
+    Attributes
+    ----------
+    mass : float
+        kg.
+    law : ElasticLaw or PolynomialLaw
+        Relaxed force of all that carries it.
+    solid : Solid
+        Whose arms answer that force; its own stiffness does not matter.
+    preload : float or None
+        N; by default the weight.
+
+    Raises
+    ------
+    DataError
+        If the preload pulls, nothing carries it, or several compressions do.
+
+    Examples
+    --------
+    >>> from dashpot.solids.elastic import PolynomialLaw
+    >>> from dashpot.solids.table_1 import PAPER
+    >>> law = PolynomialLaw((120.0, 1e4, 8e5))
+    >>> shaken = PreloadedMass(0.1040426, 2 * law, PAPER).shaken(level="0.6N", frequency=9.5)
+    >>> (1e3 * shaken.shift).round(3), (1e3 * shaken.amplitudes[:3]).round(3)
+    (np.float64(-0.251), array([2.937, 2.032, 0.209]))
+    """
+
+    mass: float
+    law: BendingLaw
+    solid: Solid
+    preload: float | None = None
+
+    def __post_init__(self) -> None:
+        positive("PreloadedMass: ", mass=self.mass)
+        if not self.pressed > 0:
+            raise DataError(
+                f"a preload of {self.pressed:.4g} N pulls: nothing holds the mass at rest; "
+                "expected a force that presses, > 0"
+            )
+        if not self.solid.k_inf > 0:
+            raise DataError(
+                "the solid relaxes to nothing: no compression carries a mass at rest; expected one "
+                "with k_inf > 0"
+            )
+        if len(self._rests) > 1:
+            listed = ", ".join(written(one, "mm", ".4g") for one in self._rests)
+            raise DataError(
+                f"the elastic law is not monotone: {self.pressed:.4g} N rests at {listed}; "
+                "expected a law that rises over all the compressions meant, or another preload"
+            )
+
+    @property
+    def pressed(self) -> float:
+        """What presses at rest, N."""
+        return self.mass * GRAVITY if self.preload is None else self.preload
+
+    @cached_property
+    def _rests(self) -> tuple[float, ...]:
+        return self.law.rests(self.pressed)
+
+    @property
+    def rest(self) -> float:
+        """Compression at rest, m."""
+        return self._rests[0]
+
+    def shaken(self, *, level: Quantity, frequency: Quantity) -> Orbit:
+        """The steady answer to a harmonic force, in as many harmonics as it takes.
+
+        Parameters
+        ----------
+        level : str or float
+            Amplitude of the force, N.
+        frequency : str or float
+            Hz.
+
+        Raises
+        ------
+        DataError
+            If the answer at the drive's period is unstable, none is reached (the last level that
+            has one is said), or the mass would move farther than in any test.
+        """
+        F, hz = si(level, "force"), si(frequency, "frequency")
+        positive("shaken: ", level=F, frequency=hz)
+        line = _PressedBalance(self, hz, F, HARMONICS)
+        found = line.followed()
+        while 2 * line.most <= _MOST:
+            finer = _PressedBalance(self, hz, F, 2 * line.most)
+            more = finer.from_start(line.widened(found.unknown, finer.most))
+            if more is None:
+                break
+            coarse, fine = line.harmonics(found.unknown), finer.harmonics(more.unknown)
+            moved = np.abs(fine[: SHOWN + 1] - coarse[: SHOWN + 1]).max()
+            line, found = finer, more
+            if moved <= _SETTLED * np.abs(fine).max():
+                break
+        orbit = line.orbit(found)
+        orbit.refuse_unstable()
+        return orbit
+
+    def sweep(self, *, level: float, frequency: FloatArray) -> tuple[Orbit, ...]:
+        """The answers to a force, N, over frequencies, Hz, in their order, :data:`HARMONICS` each.
+
+        Each goes on from the one before where that leads to one that lasts, else it is followed
+        from rest. Those that do not last are among them; lines without one are left out.
+        """
+        found: list[Orbit] = []
+        before: FloatArray | None = None
+        for hz in np.asarray(frequency, dtype=float).tolist():
+            line = _PressedBalance(self, hz, level, HARMONICS)
+            near = None if before is None else line.from_start(before)
+            orbit = None if near is None else line.orbit(near)
+            if near is None or orbit is None or not orbit.stable:
+                try:
+                    near = line.followed()
+                except DataError:
+                    before = None
+                    continue
+                orbit = line.orbit(near)
+            before = near.unknown if orbit.stable else None
+            found.append(orbit)
+        return tuple(found)
+
+
+@lru_cache(maxsize=8)
+def _transforms(most: int) -> tuple[Alternation, FloatArray]:
+    """Between harmonics and samples of a cycle, and the samples of each real unknown."""
+    cycle = Alternation(range(most + 1), max(_FEWEST, _PER_HARMONIC * most))
+    turn = cycle.turn.T
+    return cycle, np.hstack((turn.real, -turn.imag[:, 1:]))
+
+
+@lru_cache(maxsize=8)
+def _gauss_points(most: int) -> tuple[float, FloatArray, ComplexArray]:
+    """The step of phase, two points in each, shape (steps, 2), and the harmonics there."""
+    width = 2 * np.pi / _FLOQUET_STEPS
+    first = np.arange(_FLOQUET_STEPS)[:, None] + 0.5
+    phase = width * (first + np.array([-1, 1]) / np.sqrt(12))
+    return width, phase, np.exp(1j * phase[..., None] * np.arange(most + 1))
+
+
+class _PressedBalance:
+    """The balance of one frequency and level, in real unknowns.
+
+    They are the mean, then the real and then the imaginary parts of the harmonics 1 to H, m.
+    """
+
+    def __init__(self, of: PreloadedMass, hz: float, level: float, most: int) -> None:
+        self.of, self.hz, self.level, self.most = of, hz, level, most
+        h, omega = np.arange(most + 1), 2 * np.pi * hz
+        self.cycle, self.basis = _transforms(most)
+        self.samples = len(self.basis)
+        self.inertia = -of.mass * (h * omega) ** 2
+        s = 1j * omega * np.arange(self.samples // 2 + 1)
+        self.arms = np.asarray(of.solid.stiffness_at(s) / of.solid.k_inf)
+        self.arms[0] = 1.0  # the mean is relaxed
+        self.size = of.pressed + level
+
+    def harmonics(self, z: FloatArray) -> ComplexArray:
+        """Complex, of the real unknowns."""
+        return np.asarray(z[: self.most + 1] + 1j * np.append(0.0, z[self.most + 1 :]))
+
+    def widened(self, z: FloatArray, most: int) -> FloatArray:
+        """The unknowns with more harmonics, of 0."""
+        more = np.zeros(most - self.most)
+        return np.concatenate((z[: self.most + 1], more, z[self.most + 1 :], more))
+
+    def _real(self, value: ComplexArray) -> FloatArray:
+        return np.concatenate((value.real, value.imag[1:]))
+
+    def _armed(self, path: FloatArray) -> FloatArray:
+        """A relaxed force over a cycle with the arms, samples first."""
+        shape = (-1,) + (1,) * (path.ndim - 1)
+        value = np.fft.rfft(path, axis=0) * self.arms.reshape(shape)
+        return np.asarray(np.fft.irfft(value, self.samples, axis=0))
+
+    def pressing(self, z: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Compression, m, and what presses were the seal glued, N, over a cycle."""
+        x = self.basis @ z
+        return x, self._armed(self.of.law.force(np.maximum(x, 0.0)))
+
+    def balance(self, z: FloatArray, share: float) -> FloatArray:
+        """What is left of the forces, N, at a share of the level."""
+        force = np.maximum(self.pressing(z)[1], 0.0)
+        left = self.cycle.harmonics_of(force) + self.inertia * self.harmonics(z)
+        left[0] -= self.of.pressed
+        left[1] -= share * self.level
+        return self._real(left)
+
+    def slope(self, z: FloatArray) -> FloatArray:
+        """Of the balance by the unknowns, N/m."""
+        x, glued = self.pressing(z)
+        tangent = np.where(x > 0, self.of.law.tangent(np.maximum(x, 0.0)), 0.0)
+        force = np.where(glued > 0, self._armed((tangent * self.basis.T).T).T, 0.0)
+        # samples last
+        left = self.cycle.harmonics_of(force)
+        H = self.most
+        each = np.arange(H + 1)
+        left[each, each] += self.inertia
+        left[each[1:], H + each[1:]] += 1j * self.inertia[1:]
+        return np.concatenate((left.real, left.imag[1:]))
+
+    def at_rest(self) -> FloatArray:
+        z = np.zeros(2 * self.most + 1)
+        z[0] = self.of.rest
+        return z
+
+    def from_start(self, z: FloatArray) -> Balanced | None:
+        """The answer near some unknowns."""
+        found = newton(
+            lambda z: self.balance(z, 1.0),
+            lambda z, r: np.asarray(np.linalg.solve(self.slope(z), r)),
+            z,
+            size=self.size,
+            most=15,
+        )
+        return None if found is None else self._balanced(found)
+
+    def _balanced(self, z: FloatArray) -> Balanced:
+        x, glued = self.pressing(z)
+        return Balanced(z, glued > 0, x)
+
+    def followed(self) -> Balanced:
+        """The answer that rest becomes as the level rises: by arc length, past every fold.
+
+        Raises
+        ------
+        DataError
+            If none is reached.
+        """
+        z, done, n = self.at_rest(), 0.0, 2 * self.most + 1
+        toward = self._toward(z, np.append(np.zeros(n), 1.0))
+        # lengths over those of the linear answer, and of the level
+        scale, step = np.append(np.full(n, np.abs(toward[1:n]).max()), 1.0), 2.0
+        tangent = toward / np.linalg.norm(toward / scale)
+        for _ in range(_STEPS):
+            left = float((1 - done) / tangent[n]) if tangent[n] > 0 else np.inf
+            last = left <= step
+            length = min(left, step)
+            found = self._stepped(z, done, tangent, length, scale, last=last)
+            if found is None:
+                step = length / 2
+                if step < _SHORTEST:
+                    break
+                continue
+            if last:
+                return self._balanced(found[:n])
+            z, done = found[:n], float(found[n])
+            toward = self._toward(z, tangent / scale**2)
+            tangent = toward / np.linalg.norm(toward / scale)
+            step = 1.5 * length
+        raise DataError(
+            f"at {self.hz:.5g} Hz no steady answer at the drive's period is reached above "
+            f"{done * self.level:.4g} N, and {self.level:.4g} N was asked for; ask for a lower "
+            "level, or another frequency"
+        )
+
+    def _toward(self, z: FloatArray, before: FloatArray) -> FloatArray:
+        """Direction of the curve of answers, of unknowns and share, whose product with `before`
+        is 1.
+        """
+        n = len(z)
+        border = np.zeros((n + 1, n + 1))
+        border[:n, :n], border[1, n], border[n] = self.slope(z), -self.level, before
+        return np.asarray(np.linalg.solve(border, np.append(np.zeros(n), 1.0)))
+
+    def _stepped(
+        self,
+        z: FloatArray,
+        done: float,
+        tangent: FloatArray,
+        length: float,
+        scale: FloatArray,
+        *,
+        last: bool,
+    ) -> FloatArray | None:
+        """The answer a step along the curve, at the whole level if it is the last."""
+        n = len(z)
+        ahead = np.append(z, done) + length * tangent
+        across = tangent / scale**2
+        if last:
+            across, ahead[n] = np.append(np.zeros(n), 1.0), 1.0
+
+        def residual(u: FloatArray) -> FloatArray:
+            return np.append(self.balance(u[:n], float(u[n])) / self.size, across @ (u - ahead))
+
+        def step(u: FloatArray, r: FloatArray) -> FloatArray:
+            border = np.zeros((n + 1, n + 1))
+            border[:n, :n], border[1, n], border[n] = self.slope(u[:n]), -self.level, across
+            border[:n] /= self.size
+            return np.asarray(np.linalg.solve(border, r))
+
+        found = newton(residual, step, ahead, size=1.0, most=10)
+        if found is None:
+            return None
+        off = float(np.linalg.norm((found - ahead) / scale))
+        return found if off <= _WIDEST * length else None
+
+    def orbit(self, found: Balanced) -> Orbit:
+        """The noun of an answer.
+
+        Raises
+        ------
+        DataError
+            If it moves farther than in any test.
+        """
+        far = float(np.abs(self.harmonics(found.unknown)[1:]).max())
+        SIZES["amplitude"].refuse(
+            max(far, SIZES["amplitude"].hard[0]),
+            f"at a level of {short(self.level, 'N')} the mass would move by {short(far, 'm')}",
+            remedy="Check the level and its unit, and the mass.",
+        )
+        return Orbit(
+            self.hz,
+            self.level,
+            self.of.rest,
+            self.harmonics(found.unknown),
+            self._multiplier(found.unknown),
+            float((~found.pressing).mean()),
+            float(found.path.min()),
+            float(found.path.max()),
+        )
+
+    def _multiplier(self, z: FloatArray) -> complex:
+        r"""The largest Floquet multiplier.
+
+        Of place, speed and what each arm remembers, :math:`\tau \dot y = F_e(x) - y`, by Magnus
+        steps of fourth order, each a Padé fraction that damps however fast an arm is.
+        """
+        solid, law = self.of.solid.maxwell, self.of.law
+        omega, n = 2 * np.pi * self.hz, _FLOQUET_STEPS
+        g, tau = (np.asarray(one) for one in (solid.k, solid.tau))
+        g = g / solid.k_inf
+        at_once, dash = 1 + g.sum(), solid.b / solid.k_inf
+        width, phase, turn = _gauss_points(self.most)
+        x = (turn @ self.harmonics(z)).real
+        pressed = np.maximum(x, 0.0)
+        tangent = np.where(x > 0, law.tangent(pressed), 0.0)
+        samples = 2 * np.pi * np.arange(self.samples) / self.samples
+        on = np.interp(phase, samples, self.pressing(z)[1], period=2 * np.pi) > 0
+        bend = np.gradient(tangent.ravel(), phase.ravel()).reshape(x.shape)  # dF_e'/dphase
+        K = float(law.tangent(self.of.rest))
+        m = self.of.mass * omega**2
+        A = np.zeros((n, 2, 2 + len(g), 2 + len(g)))
+        A[..., 0, 1] = 1.0
+        A[..., 1, 0] = -1.0 * on * (at_once * tangent + dash * omega * bend) / m
+        A[..., 1, 1] = -1.0 * on * dash * omega * tangent / m
+        A[..., 1, 2:] = on[..., None] * g * K / m
+        A[..., 2:, 0] = tangent[..., None] / K / (omega * tau)
+        A[..., range(2, 2 + len(g)), range(2, 2 + len(g))] = -1 / (omega * tau)
+        first, second = A[:, 0], A[:, 1]
+        whole = width / 2 * (first + second) + np.sqrt(3) / 12 * width**2 * (
+            second @ first - first @ second
+        )
+        square, one = whole @ whole / 12, np.eye(2 + len(g))
+        steps = np.linalg.solve(one - whole / 2 + square, one + whole / 2 + square)
+        while len(steps) > 1:  # a power of two of them, the later on the left
+            steps = steps[1::2] @ steps[::2]
+        found = np.linalg.eigvals(steps[0])
+        return complex(found[np.abs(found).argmax()])
+
+
+def largest(orbits: Sequence[Orbit], harmonic: int = 1) -> Orbit:
+    """The orbit of a sweep that lasts and has the most of a harmonic."""
+    return max((one for one in orbits if one.stable), key=lambda one: one.amplitudes[harmonic])

@@ -1,0 +1,334 @@
+"""Packages of others by entry points: listed as text, loaded when named, held to the contract."""
+
+from __future__ import annotations
+
+import json
+import struct
+import subprocess
+import sys
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from kit.shell import ran, told
+
+import dashpot as dp
+from dashpot.base import plugins
+from dashpot.io import budget
+from dashpot.testing import check_format
+
+EXAMPLE = Path(__file__).parents[1] / "examples" / "labkit"
+GOOD = """
+API = 1
+def read(raw, *, name):
+    return {"columns": [
+        {"name": "time", "unit": "s", "values": [i / 10 for i in range(100)]},
+        {"name": "force", "unit": "N", "values": [1.0 + i for i in range(100)]},
+    ]}
+"""
+MISBEHAVING = {
+    "raises": ('raise ZeroDivisionError("three blind mice")', "three blind mice"),
+    "leaves": ("raise SystemExit(3)", "SystemExit"),
+    "loops": ("while True: pass", "took more than 1 s"),
+    "no dictionary": ("return [1, 2]", "returned a list; expected"),
+    "a class": ("return type('Own', (), {})()", "returned a Own; expected"),
+    "nothing": ("return {}", "returned no columns; expected"),
+    "one value": ('return {"columns": [{"name": "t", "values": [1]}]}', "columns of 1 values"),
+    "lengths": (
+        'return {"columns": [{"name": "t", "values": [1, 2]}, {"name": "f", "values": [1]}]}',
+        "columns of 1, 2 values",
+    ),
+    "words": ('return {"columns": [{"name": "t", "values": ["a", "b"]}]}', "are not numbers"),
+    "two ways": ('return {"columns": [{"name": "t", "values": [[1, 2]]}]}', "of 2 dimensions"),
+    "no name": ('return {"columns": [{"values": [1, 2]}]}', "'name' of type NoneType"),
+    "memory": ('return {"columns": [{"name": "t", "values": [0.5] * 10**9}]}', "memory"),
+    "a note": (
+        'return {"columns": [{"name": "t", "values": [1, 2]}], "notes": 3}', "'notes' of type int"
+    ),
+}  # fmt: skip
+
+
+_ONE = '{"numbers": [{"name": "a", "value": 3.0}], '
+
+
+@pytest.fixture
+def installed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> Callable[[str, dict[str, str], dict[str, str]], None]:
+    """Install a package of modules and entry points, here and in the children of this process."""
+    path = tmp_path / "site"
+    path.mkdir()
+    monkeypatch.syspath_prepend(str(path))
+    monkeypatch.setenv("PYTHONPATH", f"{path}:{Path(dp.__file__).parents[1]}")
+
+    def install(name: str, modules: dict[str, str], points: dict[str, str]) -> None:
+        for module, text in modules.items():
+            (path / f"{module}.py").write_text(text)
+        known = path / f"{name}-0.1.0.dist-info"
+        known.mkdir()
+        (known / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: 0.1.0\n")
+        lines = [f"[dashpot.{group}]\n{line}\n" for group, line in points.items()]
+        (known / "entry_points.txt").write_text("\n".join(lines))
+        plugins._installed.cache_clear()
+
+    plugins._installed.cache_clear()
+    yield install
+    plugins._installed.cache_clear()
+
+
+@pytest.fixture
+def labkit(installed: Callable[..., None], monkeypatch: pytest.MonkeyPatch) -> None:
+    """The example package, as pip would install it."""
+    monkeypatch.syspath_prepend(str(EXAMPLE))
+    monkeypatch.setenv("PYTHONPATH", f"{EXAMPLE}:{Path(dp.__file__).parents[1]}")
+    points = tomllib.loads((EXAMPLE / "pyproject.toml").read_text())["project"]["entry-points"]
+    listed = {
+        group.removeprefix("dashpot."): "\n".join(f"{k} = {v}" for k, v in one.items())
+        for group, one in points.items()
+    }
+    installed("labkit", {}, listed)
+    monkeypatch.setenv("PYTHONPATH", f"{sys.path[1]}:{EXAMPLE}:{Path(dp.__file__).parents[1]}")
+
+
+def sample(path: Path) -> Path:
+    """A file of the example's format: 8 mm in 1 s, held for 9 s."""
+    head = {"operator": "K", "channels": [["time", "s"], ["displacement", "mm"], ["force", "N"]]}
+    rows = b"".join(
+        struct.pack("<3f", i / 100, 8 * min(i / 100, 1), 1.6 * min(i / 100, 1) + 0.002 * (i % 3))
+        for i in range(1001)
+    )
+    path.write_bytes(b"LABKIT1\n" + json.dumps(head).encode() + b"\n" + rows)
+    return path
+
+
+@pytest.mark.usefixtures("labkit")
+def test_a_list_imports_nothing() -> None:
+    found = told("inspect", "--plugins")
+    assert [(one["group"], one["name"]) for one in found["plugins"]] == [
+        ("decks", "labsolver"), ("formats", "labkit"), ("kinds", "peel"),
+    ]  # fmt: skip
+    assert not [name for name in sys.modules if name.startswith("labkit")]
+    assert "--part format=labkit" in ran("inspect", "--plugins").stdout
+
+
+@pytest.mark.usefixtures("labkit")
+def test_a_format_goes_through_every_command(tmp_path: Path) -> None:
+    file, kept = sample(tmp_path / "seal.lab"), tmp_path / "fit.json"
+    said = ("--part", "format=labkit")
+    assert "labkit (labkit 0.1.0)" in ran("inspect", file, *said).stdout
+    found = told("fit", file, *said, "--arms", 1, "-o", kept)
+    (source,) = found["provenance"]["source"] if "provenance" in found else found["source"]
+    assert source["reader"] == "labkit (labkit 0.1.0)"
+    assert source["notes"][0] == "read by the plug-in 'labkit' of labkit 0.1.0"
+    assert len(source["sha256"]) == 64
+    page = tmp_path / "page.html"
+    assert ran("report", file, *said, "-o", page).exit_code == 0
+    assert "labkit 0.1.0" in page.read_text()
+    profile = tmp_path / "lab.toml"
+    assert ran("inspect", file, *said, "--save", profile).exit_code == 0
+    assert told("fit", file, "--profile", profile, "--arms", 1)["model"] == found["model"]
+    # without the name nobody asks the plug-in
+    assert "labkit" not in ran("fit", file).stderr.replace("seal.lab", "")
+
+
+@pytest.mark.usefixtures("labkit")
+def test_a_kind_gives_its_numbers_under_its_own_name(tmp_path: Path) -> None:
+    file = sample(tmp_path / "seal.lab")
+    kept = tmp_path / "peel.json"
+    words = ("fit", file, "--part", "format=labkit", "--as", "peel")
+    found = told(*words, "-o", kept)
+    (force,) = found["found"]
+    assert (force["name"], force["unit"]) == ("peel_force", "N")
+    assert force["value"] == pytest.approx(1.602, abs=1e-3)
+    assert "by 'peel' of labkit 0.1.0, not verified by dashpot" in found["verdict"]["says"]
+    again = dp.read(kept)
+    assert (again.by, again.found[0].value) == ("labkit 0.1.0", force["value"])
+    test = dp.read(file, part={"format": "labkit"}, kind="peel")
+    assert dp.fit(test)["peel_force"].value == force["value"]
+    assert "fitted one by one" not in ran(*words).stderr
+    assert "one file at a time" in ran(*words, file).stderr
+
+
+@pytest.mark.usefixtures("labkit")
+def test_a_deck_says_whose_it_is() -> None:
+    fitted = dp.fit(dp.simulate("relaxation", hold="20s", noise_free=True), arms=1)
+    how = {"to": "labsolver", "temperature": "23degC", "length": "100mm"}
+    deck = dp.export(fitted, unit_system="SI", **how)
+    assert deck.splitlines()[0].endswith("deck by the plug-in 'labsolver' of labkit 0.1.0")
+    assert "not verified by dashpot" in deck
+    cards = [line for line in deck.splitlines() if not line.startswith("#")]
+    assert cards[0] == f"SPRING {float(fitted.model.k_inf)!r}"
+    with pytest.raises(dp.DashpotError, match="reads SI alone"):
+        dp.export(fitted, unit_system="mm-t-s", **how)
+    with pytest.raises(dp.DashpotError, match="By plug-ins: labsolver"):
+        dp.export(fitted, unit_system="SI", **{**how, "to": "labsolve"})
+
+
+@pytest.mark.parametrize("body", MISBEHAVING)
+def test_what_a_format_does_wrong_is_one_sentence(
+    body: str,
+    installed: Callable[..., None],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    code, says = MISBEHAVING[body]
+    monkeypatch.setattr(budget, "seconds_for", lambda _: 1.0 if body == "loops" else 30.0)
+    module = f"API = 1\nprint('read me')\ndef read(raw, *, name):\n    {code}\n"
+    installed("bad", {"badly": module}, {"formats": "odd = badly"})
+    file = tmp_path / "seal.odd"
+    file.write_bytes(b"anything")
+    done = ran("inspect", file, "--part", "format=odd")
+    assert done.exit_code == 2, done.output
+    (line,) = done.stderr.strip().splitlines()
+    assert says in line
+    assert "bad 0.1.0" in line
+    assert "Traceback" not in done.output
+
+
+def test_units_and_blanks_are_judged_as_in_any_file(
+    installed: Callable[..., None], tmp_path: Path
+) -> None:
+    installed(
+        "odd",
+        {"oddly": GOOD.replace('"unit": "N"', '"unit": "furlong"')},
+        {"formats": "odd = oddly"},
+    )
+    file = tmp_path / "seal.odd"
+    file.write_bytes(b"anything")
+    done = ran("fit", file, "--part", "format=odd", "--as", "relaxation")
+    assert done.exit_code == 2
+    assert "Traceback" not in done.output
+
+
+@pytest.mark.parametrize(
+    ("found", "says"),
+    [
+        ("3", "returned a int; expected"),
+        ("{}", "returned no numbers; expected"),
+        ('{"numbers": [{"name": "a b", "value": 1.0}]}', "an identifier"),
+        ('{"numbers": [{"name": "a", "value": float("nan")}]}', "whose value is nan"),
+        ('{"numbers": [{"name": "a", "value": True}]}', "whose value is True"),
+        ('{"numbers": [{"name": "a", "value": 1.0, "unit": "mm"}]}', "in 'mm'"),
+        ('{"numbers": [{"name": "a", "value": 1.0, "error": -1.0}]}', "the standard error -1"),
+        ('{"numbers": [{"name": "a", "value": 3.0, "low": 1.0, "high": 2.0}]}', "outside 1 to 2"),
+        ('{"numbers": [{"name": "a", "value": 3.0}], "best": 1}', "the key 'best'"),
+        (
+            '{"numbers": [{"name": "a", "value": 3.0}], "checks": [{"name": "c"}]}',
+            "'says' of type NoneType",
+        ),
+        (
+            _ONE + '"checks": [{"name": "c", "says": "s", "passed": 1}]}',
+            "'passed' is 1",
+        ),
+        (
+            _ONE + '"checks": [{"name": "c", "says": "s", "passed": True, "grade": "x"}]}',
+            "of grade 'x'",
+        ),
+    ],
+)
+def test_what_a_kind_does_wrong_is_one_sentence(
+    found: str, says: str, installed: Callable[..., None], tmp_path: Path
+) -> None:
+    module = f"def fit(columns, options):\n    return {found}\n"
+    installed("odd", {f"oddly_{abs(hash(found))}": module}, {
+        "kinds": f"odd = oddly_{abs(hash(found))}"
+    })  # fmt: skip
+    file = tmp_path / "seal.csv"
+    file.write_text("time [s],force [N]\n" + "\n".join(f"{i},{i + 1}" for i in range(20)))
+    done = ran("fit", file, "--as", "odd")
+    assert done.exit_code == 2, done.output
+    assert says in done.stderr
+    assert "odd 0.1.0" in done.stderr
+
+
+def test_names_of_dashpots_own_cannot_be_taken(
+    installed: Callable[..., None], tmp_path: Path
+) -> None:
+    stolen = "def write(solid, *, units, name):\n    raise SystemExit('stolen')\n"
+    kind = "def fit(columns, options):\n    raise SystemExit('stolen')\n"
+    installed(
+        "thief",
+        {"thief_deck": stolen, "thief_kind": kind},
+        {"decks": "nastran = thief_deck:write", "kinds": "relaxation = thief_kind"},
+    )
+    test = dp.simulate("relaxation", hold="20s", noise_free=True)
+    deck = dp.export(
+        dp.fit(test, arms=1), to="nastran", unit_system="SI", temperature="23degC", length="1m"
+    )
+    assert "PBUSHT" in deck
+    path = tmp_path / "seal.csv"
+    dp.save(test, path)
+    assert ran("fit", path, "--as", "relaxation", "--arms", 1).exit_code == 0
+
+
+def test_one_name_by_two_packages_is_refused(
+    installed: Callable[..., None], tmp_path: Path
+) -> None:
+    for name in ("one", "two"):
+        installed(name, {f"of_{name}": GOOD}, {"formats": f"odd = of_{name}"})
+    file = tmp_path / "seal.odd"
+    file.write_bytes(b"anything")
+    done = ran("inspect", file, "--part", "format=odd")
+    assert done.exit_code == 2
+    assert "by one 0.1.0 and by two 0.1.0" in done.stderr
+
+
+def test_none_is_used_where_they_are_off(
+    installed: Callable[..., None], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    installed("good", {"goodly": GOOD}, {"formats": "good = goodly"})
+    file = tmp_path / "seal.good"
+    file.write_bytes(b"anything")
+    assert ran("inspect", file, "--part", "format=good").exit_code == 0
+    monkeypatch.setenv(plugins.SWITCH, plugins.OFF)
+    plugins._installed.cache_clear()
+    done = ran("inspect", file, "--part", "format=good")
+    assert (done.exit_code, "Plug-ins are off" in done.stderr) == (2, True)
+    assert told("inspect", "--plugins")["plugins"] == []
+
+
+def test_a_plug_in_that_is_gone_is_named(tmp_path: Path) -> None:
+    file = tmp_path / "seal.odd"
+    file.write_bytes(b"anything")
+    done = ran("inspect", file, "--part", "format=gone")
+    assert done.exit_code == 2
+    assert "no plug-in brings the format 'gone'" in done.stderr
+
+
+def test_no_command_pays_for_what_it_does_not_name() -> None:
+    code = (
+        "import sys; sys.argv = ['dashpot', '--help']\n"
+        "import dashpot.cli\n"
+        "try: dashpot.cli.main()\n"
+        "except SystemExit: pass\n"
+        "print(sorted({'importlib.metadata', 'dashpot.base.plugins'} & set(sys.modules)))\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1] == "[]"
+
+
+@pytest.mark.parametrize(
+    ("code", "says"),
+    [
+        (GOOD + "\n_read = read\ndef read(raw, *, name):\n    if not raw.startswith(b'G'):\n"
+         "        raise ValueError\n    return _read(raw, name=name)\n", ""),
+        (GOOD, "an empty file is read as if"),
+        (GOOD.replace("API = 1", "API = 2"), "states API = 2"),
+        (GOOD.replace("1.0 + i", "__import__('random').random()"), "read differently"),
+        (GOOD.replace('"N"', '"furlong"').replace("    return", "    assert raw[:1] == b'G'\n"
+         "    return"), "which dashpot does not know"),
+    ],
+)  # fmt: skip
+def test_authors_are_told_what_is_wrong(code: str, says: str, tmp_path: Path) -> None:
+    from types import ModuleType
+
+    module = ModuleType("theirs")
+    exec(code, module.__dict__)  # noqa: S102  an author's module
+    file = tmp_path / "sample.g"
+    file.write_bytes(b"G" + bytes(20))
+    if not says:
+        assert check_format(module, file) == ["time [s]", "force [N]"]
+        return
+    with pytest.raises(AssertionError, match=says):
+        check_format(module, file)
