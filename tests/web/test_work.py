@@ -361,6 +361,18 @@ def test_a_deck_is_of_the_solid_shown_and_no_calmer_than_the_page(store, asked, 
         ask("take", store, job=job, solid="0" * 16, **wanted)
 
 
+def test_the_panels_of_the_test_are_of_the_solid_of_the_tab(store, asked):
+    job = asked | {"joint": True}
+    told, alone = ask("study", store, job=job), ask("settle", store, job=job)["panels"]
+    both = told["panels"]
+    assert both.keys() == {"ramp", "hold", "residual", "spectrum"}
+    # the measured lines are the same, the fitted ones are not
+    assert all(both[name] != alone[name] for name in ("hold", "residual", "spectrum"))
+    arms = results.study(job_of(job, store.folder)).joint.model.arms
+    assert both["spectrum"].count(">τ") >= arms
+    assert ask("study", store, job=asked | {"joint": False})["panels"] == {}
+
+
 def test_a_project_is_kept(store, asked, tmp_path):
     kept = ask("project", store, job=asked | {"joint": False}, folder=str(tmp_path / "door"))
     assert (tmp_path / "door" / "dashpot.toml").exists()

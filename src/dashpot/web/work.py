@@ -134,6 +134,11 @@ def settle(request: Mapping[str, Any], folder: Path) -> bytes:
     )
 
 
+def _of_both(job: Job, joint: Fit, sizes: views.Sizes) -> dict[str, str]:
+    """The panels of the test, drawn of the solid of both tests."""
+    return views.test_panels(joint, results.shown(job, joint)[1], None, sizes)
+
+
 def _cuts(prepared: RampHold) -> dict[str, float]:
     return {
         "onset": prepared.onset, "ramp_end": prepared.ramp_end, "hold_end": prepared.hold_end
@@ -183,6 +188,7 @@ def study(request: Mapping[str, Any], folder: Path) -> bytes:
         "hit_panels": views.hit_panels(found, sizes),
         "hammer": views.hammer_line(found),
         "joint": None if found.joint is None else views.solid_table(found.joint),
+        "panels": {} if found.joint is None else _of_both(job, found.joint, sizes),
         "simulated": bool(simulated(found)),
         "command": line("report", job),
     }

@@ -218,7 +218,10 @@ function fitBench(/** @type {{verb: string, request: any}} */ { verb, request })
 
 function told(/** @type {any} */ head) {
   panel("frf", head.frf);
-  for (const [name, html] of Object.entries(head.hit_panels)) panel(name, html);
+  for (const [name, html] of Object.entries({ ...head.hit_panels, ...head.panels })) {
+    panel(name, html);
+  }
+  if (head.joint) $("beside").hidden = true; // it is of the relaxation test alone
   $("hit-table").innerHTML = head.hits;
   for (const one of hammers()) one.line = head.hammer || one.line;
   fileList();
