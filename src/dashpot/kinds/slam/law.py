@@ -61,6 +61,7 @@ class SlamLaw(ByValue):
 
     def force(self, x: FloatArray, c: FloatArray) -> FloatArray:
         """Relaxed force, N, at compressions, m, shape (n,), each by its c, shape (n, 3)."""
+        x = np.maximum(x, 0.0)  # a mass that was let go flies on
         own = x * (c[..., 0] + x * (c[..., 1] + x * c[..., 2]))
         return own if self.known is None else np.asarray(own + self.known.force(x))
 
