@@ -20,6 +20,7 @@ from dashpot.cli._grammar import group, of, opt, rest, verb
 from dashpot.cli._shell import File, Outcome, write
 from dashpot.cli._values import DENSITY, OneOf, Range, WithUnit
 from dashpot.records.specimen import Specimen
+from dashpot.solids.maxwell import Solid
 from dashpot.told.layout import Text
 from dashpot.workflow.job import Job
 
@@ -120,6 +121,8 @@ def command(
         found = replace(found, provenance=replace(found.provenance, specimen=added))
     elif isinstance(found, LevelFit):
         found = replace(found, specimen=_described(found.specimen, specimen))
+    elif isinstance(found, Solid):
+        choices["specimen"] = specimen
     if target is None:
         raise click.UsageError(_unsaid(found, units, specimen, allow))
     if line is None and choices["first_id"] is not None:
