@@ -44,6 +44,8 @@ fit slam.csv --mass 200g --slam 0.3m/s --memory fit.json --plot slams.svg
 fit rod.csv --shape disc:20mm,20mm --density 1000 --mass 31.4g --arms 1 --plot rod.svg
 fit shaker_20mN.csv shaker_500mN.csv --level 0.02N --level 0.5N --mass 114.8g --plot levels.svg
 fit loops.csv --plot loops.svg
+fit depth_4mm.csv depth_6mm.csv depth_8mm.csv -o depths.json
+predict depths.json --mass 114.8g --seals 2 --level 0.01N --level 0.2N --plot opened.svg
 predict door.toml --modes --plot door.svg
 predict door.toml --close 1.2m/s --plot closing.svg
 demo --paper -o .

@@ -64,6 +64,7 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "kinds/slam/predicted.py": ("predict",),
     "workflow/levels.py": ("fit",),
     "workflow/at_level.py": ("predict",),
+    "workflow/preloaded.py": ("predict",),
     "workflow/checks.py:base_band_informed": ("predict",),
     "workflow/rods.py": ("fit",),
     "workflow/routing.py": ("fit",),

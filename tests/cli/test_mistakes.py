@@ -201,7 +201,7 @@ MISTAKES = (
      f"fit {TWO} --mass 114.8g --level 0.02N --level 0.5N"),
     (f"fit {TWO} --mass 114.8g --level 0.02 --level 0.5", "for example '0.02N'",
      f"fit {TWO} --mass 114.8g --level 0.02N --level 0.5N"),
-    ("predict fit.json --mass 104g --level 1N", "give both, or neither",
+    ("predict fit.json --mass 104g --level 1N", "or leave out --level",
      "predict fit.json --mass 104g"),
     # the newest kinds
     ("fit creep.csv --load 1N", "--load is an option of dashpot simulate. Leave it out here",

@@ -295,6 +295,19 @@ def test_a_tilt_leans_outwards_whichever_way_the_line_runs(folder, backwards):
     assert apart(stiffness(seal, 0.05), stated(SHEARED)) < 2e-10
 
 
+@pytest.mark.parametrize(("high", "informed"), [(1e3, True), (6.0, False)])
+def test_a_fit_sideways_informs_only_its_own_band(folder, high, informed):
+    """What the test across does not inform is not known, however wide the other test is."""
+    spring = GeneralizedMaxwell(0.35 * 0.05 * KAPPA)
+    specimen = Specimen(length=0.05, temperature=296.15)
+    fit = a_fit(spring, specimen=specimen, band=(1e-2, high))
+    (folder / "side.json").write_text(to_json(fit))
+    (folder / "door.toml").write_text(FILE.replace("across = 0.35", 'across = "side.json"'))
+    told = shell.ran("predict", folder / "door.toml", "--json")
+    checks = {one["name"]: one["passed"] for one in json.loads(told.stdout)["checks"]}
+    assert checks["door_modes_informed"] is informed
+
+
 @pytest.mark.parametrize("across", ["0.35", '"side.json"'])
 def test_the_file_of_a_door_says_its_shear(folder, across):
     """As a ratio, or as a fit of its own: the modes are those of the stated door."""
@@ -325,12 +338,12 @@ def test_the_file_of_a_door_says_its_friction(folder):
     rubs = FILE.replace("across = 0.35", "across = 0.20").replace("along = 0.15", "along = 0.05")
     rubs += "[seal.friction]\nmu = 0.4\nacross = 0.15\nalong = 0.10\n"
     (folder / "door.toml").write_text(rubs.replace("pitch", 'compression = "6mm"\npitch'))
-    told = shell.ran("predict", folder / "door.toml", "--json")
+    told = shell.ran("predict", folder / "door.toml", "-o", folder / "door.json")
     assert told.exit_code == 0, told.output
-    document = json.loads(told.stdout)
+    document = json.loads((folder / "door.json").read_text())
     assert [one["frequency_hz"] for one in document["modes"]] == pytest.approx(ALONE, rel=1e-7)
     assert document["seal"]["sticks"] == pytest.approx(0.4 * 0.006 / 0.15)
-    said = " ".join(shell.ran("predict", folder / "door.toml").output.split())
+    said = " ".join(told.output.split())
     assert "its friction sticks sideways up to 16.0 mm; the modes are of a seal that sticks" in said
 
 

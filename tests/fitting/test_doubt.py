@@ -54,6 +54,43 @@ def width(found: Fit) -> float:
     return high - low
 
 
+# -- parameters ------------------------------------------------------------------------------------
+
+
+def test_a_hold_bears_that_its_clocks_are_apart() -> None:
+    """A hold that begins late by d has arms of k e^(d/tau); nothing of it tells d."""
+    errors = {}
+    for sync in (5e-3, 20e-3):
+        record = prepare(simulate_relaxation(PAPER, seed=1).test, machine=Machine(sync=sync))
+        found = fit(record, arms=2, method="hold")
+        errors[sync] = {name: fact.error for fact in found.known if (name := fact.name)}
+        (told,) = [one for one in found.checks if one.name == "arms_supported"]
+        errors[sync]["told"] = told.value
+        slope = np.asarray(found.model.k) / np.asarray(found.model.tau)
+    # what decides over arms judges by the noise
+    assert errors[5e-3]["told"] == errors[20e-3]["told"]
+    for name, by in (("k_1", slope[0]), ("k_2", slope[1])):
+        more = errors[20e-3][name] ** 2 - errors[5e-3][name] ** 2
+        assert more == pytest.approx(by**2 * (20e-3**2 - 5e-3**2), rel=1e-6)
+    assert errors[20e-3]["tau_1"] == errors[5e-3]["tau_1"]
+
+
+def test_a_profile_bears_it_as_well() -> None:
+    """Of noise so large that the interval of an arm is its profile's."""
+    test = simulate_relaxation(PAPER, seed=1).test
+    noise = np.random.default_rng(1).normal(0.0, 0.05, len(test.force))
+    ends, errors = [], []
+    for sync in (5e-3, 2.0):
+        record = prepare(replace(test, force=test.force + noise), machine=Machine(sync=sync))
+        found = fit(record, arms=2, method="hold")
+        assert "k_2" in {one.parameter for one in found.profiles}
+        (fact,) = [one for one in found.known if one.name == "k_2"]
+        ends.append(fact.high - fact.low)
+        errors.append(fact.error)
+    assert errors[1] > 1.15 * errors[0]
+    assert ends[1] / ends[0] == pytest.approx(errors[1] / errors[0], rel=0.15)
+
+
 # -- the table ------------------------------------------------------------------------------------
 
 

@@ -12,6 +12,7 @@ from kit.look_alikes import ROWS, table, truth
 from dashpot.base.errors import DataError, ReadError
 from dashpot.io import budget
 from dashpot.io.options import ReadOptions
+from dashpot.io.readers import inspect
 from dashpot.io.readers.dynamic import read_dynamic
 from dashpot.io.readers.impact import read_impact
 from dashpot.io.readers.inspect import inspect_file
@@ -332,3 +333,11 @@ def test_a_remark_that_stands_again_costs_its_line_alone(
     text = HEAD + "".join(f"{t};{x};{f}\n# a word\n" for t, x, f in each)
     assert len(read(tmp_path, text).time) == len(time)
     assert len(asked) <= 2
+
+
+def test_columns_without_a_row_are_not_judged() -> None:
+    """A header of LabVIEW that ends twice leaves a segment of no rows."""
+    none = np.zeros(0)
+    assert not inspect._look_swapped(
+        {0: none, 1: none}, {0: ("displacement", ""), 1: ("force", "")}
+    )

@@ -134,7 +134,7 @@ WRONG = {
     ),
     "a report of hits": (lambda test, hits: dp.report(hits), r"dp\.report\(test, hits\)"),
     "a level without a sweep": (
-        lambda test, hits: dp.predict(dp.fit(test, arms=1), mass="100g", level="1N"), "give both",
+        lambda test, hits: dp.predict(dp.fit(test, arms=1), mass="100g", level="1N"), "add a sweep",
     ),
     "mm for m": (
         lambda test, hits: dp.RelaxationTest(

@@ -56,7 +56,8 @@ def _table() -> dict[str, Unit]:
         },
         "force": {
             "N": 1.0, "mN": 1e-3, "uN": 1e-6, "nN": 1e-9, "pN": 1e-12, "kN": 1e3, "MN": 1e6,
-            "daN": 10.0, "lbf": _POUND_FORCE, "kgf": GRAVITY, "gf": GRAVITY * 1e-3, "kp": GRAVITY,
+            "cN": 1e-2, "daN": 10.0, "lbf": _POUND_FORCE, "kgf": GRAVITY, "gf": GRAVITY * 1e-3,
+            "kp": GRAVITY,
         },
         "mass": {"kg": 1.0, "g": 1e-3, "mg": 1e-6, "t": 1e3, "lb": 0.45359237},
         "acceleration": {"m/s^2": 1.0, "mm/s^2": 1e-3, "g": GRAVITY, "gn": GRAVITY},

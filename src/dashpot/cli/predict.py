@@ -51,7 +51,7 @@ _QUESTION, _PART = "Question", "Part of a material"
         opt("--record", "records", type=File(), multiple=True, metavar="FILE", kinds=_SOLID,
             help="The record behind the fit: adds a bound."),
         of(LevelChoices, "levels", into="at_level", kinds=_SOLID,
-           help="Resonance there, e.g. 0.5N; needs --sweep."),
+           help="Resonance there, e.g. 0.5N: by --sweep, or a bent law."),
         of(LevelChoices, "sweep", into="at_level", kinds=_SOLID),
         *(of(load(kind.asked), kinds=kind.name) for kind in PREDICTED),
         rest(
@@ -179,20 +179,21 @@ def _keep(found: workflow.Prediction, path: str) -> None:
     if suffix == "json":
         write(path, printed(found) + "\n")
     elif suffix in {"csv", path.lower()}:
-        write(path, write_frf(found.levels[0].frf if found.levels else found.frf))
+        write(path, write_frf(found.by_level[0].frf if found.by_level else found.frf))
     else:
         raise click.UsageError(f"-o {path}: a prediction is written as .csv or .json.")
 
 
 def _figure(found: workflow.Prediction, stamp: str) -> dp.plot.Picture:
-    still = "predicted at a vanishing level" if found.levels else "predicted"
+    levels = found.by_level or ()
+    still = "predicted at a vanishing level" if levels else "predicted"
     return dp.plot.frf(
         found.frf,
-        *(one.frf for one in found.levels),
-        labels=(still, *(f"at {one.level:.4g} {one.unit}" for one in found.levels)),
+        *(one.frf for one in levels),
+        labels=(still, *(f"at {one.level:.4g} {one.unit}" for one in levels)),
         band=found.limits,
         interval=found.interval,
-        ordered=bool(found.levels),
+        ordered=bool(levels),
         stamp=stamp,
     )
 

@@ -107,18 +107,31 @@ def shear_of(choice: SealChoice, temperature: float | None) -> Shear:
     DataError
         If it is of no part, of another temperature, or its length is not known.
     """
-    said = choice.shear
-
-    def read(one: float | str) -> float | Solid:
+    said, band = choice.shear, None
+    found: list[float | Solid] = []
+    for one in (said.across, said.along):
         if not isinstance(one, str):
-            return one
+            found.append(one)
+            continue
         fit = read_fit(one)
         try:
-            return SealSection.of(fit, length=said.length, temperature=temperature).solid
+            section = SealSection.of(fit, length=said.length, temperature=temperature)
         except DataError as error:
             raise DataError(f"{one}: {error}") from None
+        found.append(section.solid)
+        band = _of_both(band, section.band)
+    across, along = found
+    return Shear(across, along, band)
 
-    return Shear(read(said.across), read(said.along))
+
+def _of_both(
+    one: tuple[float, float] | None, other: tuple[float, float] | None
+) -> tuple[float, float] | None:
+    """The frequencies that both tests inform, Hz; (0, 0) where they have none in common."""
+    if one is None or other is None:
+        return one or other
+    low, high = max(one[0], other[0]), min(one[1], other[1])
+    return (low, high) if low <= high else (0.0, 0.0)
 
 
 def named(path: str | Path | Door) -> AbstractContextManager[None]:
@@ -264,7 +277,9 @@ def _asked(
     yield asked.door_held(loose_motions(assembly.system()))
     if fit is not None and door.line is not None:
         felt = [(one.mode.frequency, max(one.share(SEAL), one.loss_share(SEAL))) for one in modes]
-        yield asked.door_modes_informed(felt, fit.band)
+        section = door.line.section
+        band = fit.band if section is None else _of_both(fit.band, section.shear.band)
+        yield asked.door_modes_informed(felt, band)
         yield from _asked_of_line(door.line, assembly, fit, below)
         if fit.temperatures is not None and fit.specimen.temperature is not None:
             yield temperature_tested(fit.temperatures, fit.specimen.temperature)

@@ -320,11 +320,15 @@ def _shear(here: _Here, entries: Any) -> ShearChoice:
     def way(name: str) -> float | str:
         if isinstance(row.entries.get(name), str):
             return here.path(row.word(name))
-        ratio = row.number(name) or 0.0
-        Shear(**{name: ratio})
-        return ratio
+        return row.number(name) or 0.0
 
-    return ShearChoice(way("across"), way("along"), _size(row, "length"))
+    across, along = way("across"), way("along")
+    # a ratio that cannot be is refused before any fit is opened
+    Shear(
+        0.0 if isinstance(across, str) else across,
+        0.0 if isinstance(along, str) else along,
+    )
+    return ShearChoice(across, along, _size(row, "length"))
 
 
 def _friction(here: _Here, entries: Any) -> LineFriction | None:

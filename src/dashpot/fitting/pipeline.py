@@ -135,12 +135,15 @@ class Chosen:
             for score in self.scores
         )  # fmt: skip
 
-    def profiles(self, *, in_order_of_time: bool) -> tuple[Profile, ...]:
+    def profiles(
+        self, *, in_order_of_time: bool, unseen: FloatArray | None = None
+    ) -> tuple[Profile, ...]:
         """Profile likelihoods of the model's parameters; noise in order of time may be slow."""
         return profiles(
             self.data.rows,
             self.estimate,
             every_sample=self.data.samples if in_order_of_time else None,
+            unseen={} if unseen is None else dict(zip(self.parameters, unseen, strict=True)),
         )
 
     @cached_property
@@ -166,15 +169,26 @@ class Chosen:
         value, error = self.solution.coefficient, self.estimate.standard_error
         return nuisances(self.solution.fixed_names, value, error, of=of, known=known)
 
-    def outcome(self, residual: Residual, nuisance: tuple[Nuisance, ...] = ()) -> FoundSolid:
-        """The solid and what is known of it, as every fit is made of."""
+    def outcome(
+        self,
+        residual: Residual,
+        nuisance: tuple[Nuisance, ...] = (),
+        *,
+        unseen: FloatArray | None = None,
+    ) -> FoundSolid:
+        """The solid and what is known of it, as every fit is made of.
+
+        `unseen`, shape (p, d), is what each doubt of a rig adds to the parameters: it is in every
+        interval, and in nothing that a check judges by the noise.
+        """
         steady = self.data.in_time and self.certificate.gap < _MISFIT
+        covariance = self.covariance
         estimate = ParameterEstimate(
             self.parameters,
-            self.covariance,
+            covariance if unseen is None else covariance + unseen @ unseen.T,
             self.estimate.dof,
             residual,
-            self.profiles(in_order_of_time=steady),
+            self.profiles(in_order_of_time=steady, unseen=unseen),
             nuisance,
         )
         fewer = self.asked is not None and self.solution.order < self.asked

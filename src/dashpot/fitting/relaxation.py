@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.choices import FamilyAsked, Method, RampLawAsked, ShiftLaw, Vertical
 from dashpot.base.errors import FitError
@@ -45,6 +46,7 @@ from dashpot.fitting.temperature.of_tests import checked_temperatures, reference
 from dashpot.fitting.uncertainty.estimate import SolutionEstimate
 from dashpot.fitting.uncertainty.informed_band import informed_band
 from dashpot.fitting.uncertainty.left_open import end_of_hold
+from dashpot.fitting.uncertainty.moved_by_rig import moved_by_clocks
 from dashpot.fitting.weighed_relaxation import fitted_data, held_data
 from dashpot.preparation.ramp_holds import Tests, ramp_holds
 from dashpot.records.bounds import EndOfHold
@@ -279,7 +281,9 @@ def _assembled(holds: Holds, both: FamilyChoice, design: Design, *, thorough: bo
     steps = _motion_steps(records, design)
     return assembled(
         found.outcome(
-            found.residual, found.nuisances(delays=[delay_prior(record).sd for record in records])
+            found.residual,
+            found.nuisances(delays=[delay_prior(record).sd for record in records]),
+            unseen=_unseen(records, found, design),
         ),
         Evidence(
             band,
@@ -324,6 +328,17 @@ def _by_ramp(records: Sequence[RampHold], found: RampLaw, arms: int | None) -> F
     from dashpot.fitting.nonlinear_ramp.assembly import ramp_fit
 
     return ramp_fit(records, found, asked=arms, end=end)
+
+
+def _unseen(records: Sequence[RampHold], found: Chosen, design: Design) -> FloatArray | None:
+    """By what doubts the parameters may be off that no term of the fit stands for.
+
+    A recorded motion is fitted with the delay of the force; a hold shows none.
+    """
+    asked = design.method == "hold" and "delay" in design.nuisance
+    if not asked or isinstance(found, ChosenElement):
+        return None
+    return moved_by_clocks(records, found.model)
 
 
 def _end_of_hold(records: Sequence[RampHold], found: Chosen, design: Design) -> EndOfHold:

@@ -35,6 +35,7 @@ class Patience:
     def __init__(self, size: int | None) -> None:
         self._most = _OF_IT * (_LONGEST if size is None else seconds_for(size))
         self._spent = self._began = 0.0
+        self._line = 1
 
     @contextmanager
     def counted(self) -> Iterator[None]:
@@ -53,8 +54,10 @@ class Patience:
         ReadError
             With what to do.
         """
+        self._line = max(line, self._line)
         if self._spent + time.thread_time() - self._began > self._most:
             raise ReadError(
-                f"took more than {self._most:.0f} s to read up to line {line}, for hardly a row is "
-                "like the one before it: take what stands between the rows out, or split the file"
+                f"took more than {self._most:.0f} s to read up to line {self._line}, for hardly a "
+                "row is like the one before it: take what stands between the rows out, or split "
+                "the file"
             )

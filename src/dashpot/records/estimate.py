@@ -14,7 +14,7 @@ an end that the data leave open is open.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import exp, inf, isfinite, nan, sqrt
 from typing import TYPE_CHECKING, Any, NamedTuple, TypedDict, cast
 
@@ -188,6 +188,10 @@ class ParameterEstimate(ByValue):
                 "one row per parameter"
             )
         object.__setattr__(self, "covariance", frozen(covariance))
+
+    def widened(self, by: FloatArray) -> ParameterEstimate:
+        """With further errors, that move the parameters by a column each, shape (p, d)."""
+        return replace(self, covariance=self.covariance + by @ by.T)
 
     def of_arms(self, solid: FractionalZener) -> ParameterEstimate:
         """What is known of a fractional solid, as of the arms that stand for it: to first order."""

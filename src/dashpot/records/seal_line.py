@@ -42,10 +42,13 @@ class Shear:
         Square to the line and to the way in which the seal is pressed; 0 is none.
     along : float or Solid
         Along the line.
+    band : (float, float) or None
+        The frequencies, Hz, that the tests of its own solids inform; None where it has none.
     """
 
     across: ShearStiffness = 0.0
     along: ShearStiffness = 0.0
+    band: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
         for name in ("across", "along"):

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from dashpot.workflow.impacts import Agreement, ImpactResult
     from dashpot.workflow.levels import Levels
     from dashpot.workflow.predictions import Prediction, ShakenMass
+    from dashpot.workflow.preloaded import PreloadedLevel
     from dashpot.workflow.study import Study
 
 
@@ -367,6 +368,8 @@ def prediction(found: Prediction) -> Text:
 
 def _at_levels(found: Prediction) -> list[str]:
     """The resonance at each level, and what the first and the last make of it."""
+    if found.preloaded:
+        return _on_bending_seals(found.preloaded, found.frf.unit)
     if found.swept is None or not found.levels:
         return []
     of = found.levels[0]
@@ -396,6 +399,49 @@ def _at_levels(found: Prediction) -> list[str]:
         change = 100 * (last.frequency / of.frequency - 1)
         says += f"; the peak moves by {change:+.3g} % from first to last"
     return [*table(rows), says]
+
+
+_HARMONIC = 1e-4
+"""Part of the first harmonic below which no other is told."""
+
+
+def _on_bending_seals(found: Sequence[PreloadedLevel], unit: str) -> list[str]:
+    """The resonance and harmonics at each level, by the elastic law, and what the seal does."""
+    head = [f"level, {found[0].unit}", "peak, Hz", unit or "height", "1st, mm", "2nd, mm",
+            "3rd, mm", "mean shift, mm", "apart", "floquet"]  # fmt: skip
+    rows, says = [head], []
+    for one in found:
+        at = one.orbit
+        # what is less is rounding
+        least = _HARMONIC * one.amplitude
+        rows.append(
+            [
+                f"{one.level:.4g}",
+                f"{one.frequency:.5g}",
+                f"{one.value:.4g}",
+                *(
+                    f"{in_unit(each, 'mm') * (abs(each) > least):.3g}"
+                    for each in (*at.amplitudes[1:4].tolist(), at.shift)
+                ),
+                f"{100 * at.lost:.3g} %",
+                f"{at.growth:.3g}",
+            ]
+        )
+        name = f"at {one.level:.4g} {one.unit}"
+        does = "opens" if at.shift < 0 else "closes"
+        second = one.second_harmonic
+        if abs(at.shift) <= least:
+            continue
+        says.append(
+            f"  {name} the seal {does} by {written(abs(at.shift), 'mm', '.2g')} when shaken; the "
+            f"second harmonic is largest at {second['frequency_hz']:.4g} Hz, "
+            f"{100 * second['amplitude'] / second['first']:.3g} % of the first"
+        )
+        says += [
+            f"  ! {name} no answer at the drive's period lasts from {low:.4g} to {high:.4g} Hz"
+            for low, high in one.unsteady
+        ]
+    return [*table(rows), *says]
 
 
 def _shaken(found: ShakenMass) -> list[str]:

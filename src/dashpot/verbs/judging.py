@@ -209,10 +209,8 @@ def _under_mass(
     levels = tuple(f"{one!r}{'m/s^2' if base else 'N'}" if not isinstance(one, str) else one
                    for one in said)  # fmt: skip
     choices = LevelChoices(levels=levels, height=si(height, "length"))
-    if bool(levels) != (sweep is not None):
-        raise DataError(
-            "level= is how far the part is moved, sweep= what this does to it: give both"
-        )
+    if sweep is not None and not levels:
+        raise DataError("sweep= is what a level does to the part: add level=")
     swept = None
     if sweep is not None:
         from dashpot.kinds.level.fit import fit_amplitude

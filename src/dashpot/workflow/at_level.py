@@ -371,7 +371,7 @@ def swept_part(
     part: PartChoices | None = None,
     options: ReadOptions | None = None,
 ) -> SweptPart | None:
-    """What the user's sweep says of the parts; None where no level is asked for.
+    """What the user's sweep says of the parts; None where none is given.
 
     Parameters
     ----------
@@ -386,8 +386,8 @@ def swept_part(
         If level and sweep, or a resonance and its level, do not come together, the height is not
         known, or the sweep is of a part and the solid of a material.
     """
-    if choices == LevelChoices():
-        return None
+    if choices == LevelChoices(levels=choices.levels):
+        return None  # of a fit whose own law bends
     if not choices.levels or choices.sweep is None:
         raise DataError(
             "--level is how far the part is moved and --sweep what this does to it; give both, or "

@@ -265,7 +265,7 @@ class LevelChoices:
 
     levels: tuple[str, ...] = option(
         (),
-        "Resonance there, e.g. 0.5N or 5m/s^2; needs --sweep.",
+        "Resonance there, e.g. 0.5N or 5m/s^2, by --sweep or a bent law.",
         multiple=True,
         metavar="LEVEL",
         flag="level",

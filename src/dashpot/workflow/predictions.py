@@ -28,6 +28,7 @@ from dashpot.records.frf import FRF, Kind, Mode
 from dashpot.records.machine import Machine
 from dashpot.records.relaxation import RampHold
 from dashpot.solids.maxwell import Solid
+from dashpot.vibration.checks import compression_tested
 from dashpot.vibration.systems.mounts import entrained, on_heavy_mounts
 from dashpot.vibration.systems.prediction import (
     isolation_frequency,
@@ -52,6 +53,7 @@ from dashpot.workflow.at_level import (
 from dashpot.workflow.checks import base_band_informed, prediction_informed
 from dashpot.workflow.job import LevelChoices, PartChoices, known_of_a_test
 from dashpot.workflow.part import applied
+from dashpot.workflow.preloaded import PreloadedLevel, preloaded_levels
 from dashpot.workflow.prepared import at_their_temperatures, prepared_files, refuse_others
 from dashpot.workflow.resting import (
     LIMIT_LINES,
@@ -159,13 +161,15 @@ class Prediction(Judged, Documented):
     of_part : bool
         Of a part of a material, not of the fit itself.
     levels : tuple of AtLevel
-        The resonance at each level that was asked for; all else is of a vanishing one.
+        The resonance at each level that was asked for, by a sweep; all else is of a vanishing one.
     swept : SweptPart or None
         The sweep behind them.
     shaken : ShakenMass or None
         Over a base that shakes at random.
     isolation : float or None
         Above it the mass moves less than its base, Hz.
+    preloaded : tuple of PreloadedLevel
+        The resonance at each level, by an elastic law that bends.
 
     Examples
     --------
@@ -202,6 +206,7 @@ class Prediction(Judged, Documented):
     swept: SweptPart | None = None
     shaken: ShakenMass | None = None
     isolation: float | None = None
+    preloaded: tuple[PreloadedLevel, ...] = ()
 
     @property
     def facts(self) -> tuple[Fact, ...]:
@@ -235,9 +240,9 @@ class Prediction(Judged, Documented):
         return any(not low <= mode.frequency <= high for mode in self.modes)
 
     @property
-    def by_level(self) -> tuple[AtLevel, ...] | None:
-        """`levels`, where a sweep was given."""
-        return None if self.swept is None else self.levels
+    def by_level(self) -> tuple[AtLevel, ...] | tuple[PreloadedLevel, ...] | None:
+        """`levels`, where one was asked for."""
+        return self.levels or self.preloaded or None
 
 
 def predict_files(
@@ -356,10 +361,12 @@ def prediction(
     about = on.modes[0].frequency if on.modes else peak[0]
     anchor = _anchor(swept, choices, part, on.solid, kind=asked, scale=seals * stiffer)
     levels = on.at(swept, choices.levels, frf, scale=seals * stiffer, about=about, anchor=anchor)
+    bent = () if swept else on.preloaded(choices.levels, frf, about=about, compression=compression)
     checks = (
         # what the test must inform is the resonance, inside the band or not
         *_led_by(on, mass=mass, band=band, felt=about if at_edge else peak[0]),
         *(() if swept is None else (*swept.covered(levels), *swept.checks)),
+        *(compression_tested(one.deepest, rests.point.depth) for one in bent),
         *found.checks,
         *_asked_of(found, temperature),
         noted,
@@ -384,6 +391,7 @@ def prediction(
         swept,
         on.shaken(base_psd, bounded),
         on.isolation,
+        bent,
     )
 
 
@@ -532,6 +540,24 @@ class _OnSeals:
             frequency=frf.frequency[frf.frequency > 0],
             coupled=self.coupled,
             anchor=anchor,
+        )
+
+    def preloaded(
+        self, levels: Sequence[str], frf: FRF, *, about: float, compression: float | None
+    ) -> tuple[PreloadedLevel, ...]:
+        """The resonance at each level, by the elastic law of the fit."""
+        if not levels:
+            return ()
+        return preloaded_levels(
+            self.fit,
+            [level_of(word, self.kind) for word in levels],
+            mass=self.mass,
+            seals=self.seals,
+            kind=self.kind,
+            about=about,
+            frequency=frf.frequency[frf.frequency > 0],
+            compression=compression,
+            coupled=self.coupled,
         )
 
 

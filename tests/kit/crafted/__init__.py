@@ -4,6 +4,7 @@ from kit.crafted.broken import BROKEN
 from kit.crafted.clocks import CLOCKS
 from kit.crafted.columns import COLUMNS
 from kit.crafted.dialects import DIALECTS
+from kit.crafted.exports import EXPORTS
 from kit.crafted.layouts import LAYOUTS
 from kit.crafted.makers import MAKERS
 from kit.crafted.row import Row
@@ -13,6 +14,7 @@ from kit.crafted.treacherous import TREACHEROUS
 TABLE: tuple[Row, ...] = (
     *DIALECTS,
     *MAKERS,
+    *EXPORTS,
     *LAYOUTS,
     *COLUMNS,
     *CLOCKS,

@@ -111,7 +111,7 @@ def _factors() -> list[Row]:
     ]
     return [
         *rows,
-        Row("a factor: Load [10 mN]", load("Load [10 mN]", 100.0), "asked", ("a factor", '"force=10mN"'), answer={"units": {"force": "10mN"}}),
+        Row("a factor: Load [10 mN]", load("Load [10 mN]", 100.0), "asked", ("a factor", '"force=cN"'), answer={"units": {"force": "10mN"}}),
         Row("a factor: Load [1E-3 N]", load("Load [1E-3 N]", 1e3), "asked", ("a factor", '"force=mN"'), answer=milli),
     ]  # fmt: skip
 

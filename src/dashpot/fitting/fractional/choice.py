@@ -110,7 +110,12 @@ class ChosenElement(Chosen):
         """Slope or relaxation time stands at an end of what is sought."""
         return bool(self.solution.at_bound.any())
 
-    def profiles(self, *, in_order_of_time: bool) -> tuple[Profile, ...]:  # noqa: ARG002
+    def profiles(
+        self,
+        *,
+        in_order_of_time: bool,  # noqa: ARG002
+        unseen: FloatArray | None = None,  # noqa: ARG002
+    ) -> tuple[Profile, ...]:
         """None: its errors are even."""
         return ()
 

@@ -17,6 +17,7 @@ from dashpot.fitting.nonlinear_ramp.law_estimate import RampLaw
 from dashpot.fitting.nuisance import delay_prior, last_of_hold, material
 from dashpot.fitting.questions import Residuals, solid_checks
 from dashpot.fitting.uncertainty.informed_band import informed_band
+from dashpot.fitting.uncertainty.moved_by_rig import moved_by_clocks
 from dashpot.records.bounds import EndOfHold
 from dashpot.records.estimate import Nuisance, ParameterEstimate
 from dashpot.records.fit import AtDepth, Evidence, Fit
@@ -74,22 +75,9 @@ def _doubted(
     arm by :math:`\delta/\tau_j`; of n tests each counts :math:`1/\sqrt n`.
     """
     depth = [np.hypot(test.depth_doubt, test.contact_error / test.depth) for test in tests]
-    late = [
-        np.hypot(
-            delay_prior(test).sd, test.encoder_step / np.sqrt(12) * test.ramp_time / test.depth
-        )
-        for test in tests
-    ]
-    k, tau = np.asarray(model.k), np.asarray(model.tau)
-    none = np.zeros(len(estimate.covariance) - 1 - len(k))
-    changes = (
-        (depth, np.concatenate(([model.k_inf], k, none))),
-        (late, np.concatenate(([0.0], k / tau, none))),
-    )
-    covariance = np.array(estimate.covariance)
-    for doubt, change in changes:
-        covariance += float(np.mean(np.square(doubt))) / len(tests) * np.outer(change, change)
-    return replace(estimate, covariance=covariance)
+    scaled = np.concatenate(([model.k_inf], model.k, np.zeros(model.arms)))
+    off = float(np.sqrt(np.mean(np.square(depth)) / len(tests)))
+    return estimate.widened(np.column_stack((off * scaled, moved_by_clocks(tests, model))))
 
 
 def _shape_error(found: RampLaw) -> tuple[float, ...]:

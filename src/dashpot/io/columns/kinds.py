@@ -147,19 +147,19 @@ class _NamedColumns:
         except ReadError:  # it is of another file, or its reader says so
             return False
 
-    def timed(self) -> bool:
-        return self.has("time") or self.options.rate is not None
+    def timed(self, least: float = 1.5) -> bool:
+        return self.has("time", least=least) or self.options.rate is not None
 
     def ramped(self) -> bool:
-        """Whether there are the columns of a ramp and hold."""
-        return self.timed() and self.has("force", "displacement", least=1.0)
+        """Whether there are the columns of a ramp and hold, be it by their units alone."""
+        return self.timed(least=1.0) and self.has("force", "displacement", least=1.0)
 
     def accelerated(self) -> bool:
         return bool(accelerations(self.table, (), self.options))
 
     def response(self) -> bool:
-        if self.has("frequency", "real", "imaginary"):
-            return True
+        if self.has("frequency", least=1.0) and self.has("real", "imaginary"):
+            return True  # over what is called the linear axis, in Hz
         sized = self.has("magnitude", least=1.0)  # by its unit alone, such as a2/a1 [g/g]
         return sized and self.has("frequency", "phase") and not self.moved()
 

@@ -265,6 +265,13 @@ def _nothing(table: FileTable, role: Role) -> Question:
     for column in table.columns:
         if _is_mislabelled(column, role):
             return Question(mislabelled(column, role), answer)
+        fits = column.unit and units.find(column.unit, DIMENSION.get(role))
+        if column.content == "text" and fits and role in vocabulary.matches(column.name):
+            says = (
+                f"column '{column.name}' ({_word(role)}) holds words where numbers are expected. "
+                f"Take them out of its cells, or name another column: {answer}"
+            )
+            return Question(says, answer)
     kind = f" (a unit of {DIMENSION[role]} would show it)" if role in DIMENSION else ""
     example = f'{option}="{_example(table, role)}"'
     if role == "time":
@@ -377,6 +384,7 @@ def unit_for(column: Column, number: int, role: Role, options: ReadOptions) -> U
         )
     if stated is None:
         _refuse_factor(word, dimension, role, label)
+        word = _of_an_angle(word, column, label) if role == "frequency" else word
     try:
         sensed = sensitivity(word, dimension, column.unit) or of_multiple(word, dimension)
         return sensed or _of_a_part(word, role) or units.parse_unit(word, dimension)
@@ -386,6 +394,23 @@ def unit_for(column: Column, number: int, role: Role, options: ReadOptions) -> U
         if " or " in word:
             text = f"{label} stands under two units, {word}: say which is right: {advice}"
         raise ReadError(text) from None
+
+
+def _angular(column: Column) -> bool:
+    return vocabulary.has_word(column.name, _ANGULAR)
+
+
+def _of_an_angle(word: str, column: Column, label: str) -> str:
+    """The unit of a frequency: 1/s of what is called angular is rad/s, and Hz a contradiction."""
+    found = units.find(word, "frequency")
+    if found is None or found.word == "rad/s" or not _angular(column):
+        return word
+    if found.word == "Hz" and "z" not in word.casefold():
+        return "rad/s"
+    raise ReadError(
+        f"{label} is called an angular frequency and stands in {word}: say which is right with "
+        f'--units "frequency={found.word}" or --units "frequency=rad/s"'
+    )
 
 
 def _refuse_factor(word: str, dimension: Dimension, role: Role, label: str) -> None:
@@ -421,7 +446,7 @@ def _with_unit(column: Column, role: Role) -> str:
 
 def _unit_like(column: Column, role: Role) -> str:
     """The likeliest unit of a column in a role."""
-    if role == "frequency" and vocabulary.has_word(column.name, _ANGULAR):
+    if role == "frequency" and _angular(column):
         return "rad/s"
     return EXAMPLE.get(role, "UNIT")
 

@@ -38,15 +38,19 @@ OF_A_PART: MappingProxyType[str, Dimension] = MappingProxyType({
 _FIRST: dict[Role, str] = {
     "time": """time zeit gesamtzeit laufzeit prüfzeit messzeit versuchszeit versuchsdauer czas
         godzina temps tiempo tempo tijd tid aika zaman süre čas doba idő timp durata время 时间 時間
-        시간 timestamp zeitstempel elapsed uhrzeit masa""",
+        시간 timestamp zeitstempel elapsed uhrzeit masa
+        час χρόνος vrijeme vreme aeg laiks laikas""",
     "displacement": """displacement disp displ weg standardweg traversenweg kolbenweg maschinenweg
         verschiebung zusammendrückung stauchung przemieszczenie droga ugięcie déplacement
         desplazamiento spostamento deslocamento verplaatsing deplasman yerdeğiştirme siirtymä
-        förskjutning posunutí posuv dráha elmozdulás deplasare перемещение 位移 変位 변위 行程 变形
+        förskjutning posunutí posuv dráha elmozdulás deplasare перемещение
+        переміщення μετατόπιση pomak pomik forskydning forskyvning posunutie nihe pārvietojums
+        poslinkis 位移 変位 변위 行程 变形
         變形 compression indentation squeeze""",
     "force": """force load kraft standardkraft prüfkraft siła obciążenie fuerza carga forza
         carico força kuvvet yük voima kracht síla zatížení erő terhelés forță сила усилие
-        нагрузка 力 载荷 載荷 荷重 负荷 負荷 负载 压力 하중 힘
+        нагрузка зусилля навантаження δύναμη sila jõud spēks jėga
+        力 载荷 載荷 荷重 负荷 負荷 负载 压力 하중 힘
         hammer impact excitation impulskraft""",
     "acceleration": """acceleration accel acc accelerometer beschleunigung beschl przyspieszenie
         accélération aceleración accelerazione aceleração versnelling ivme kiihtyvyys zrychlení

@@ -36,7 +36,8 @@ def format_of(raw: Raw) -> str:
             return name
     if re.match(rb"\A\s*+-1[ \t]*+[\r\n]\s*+\d++b?(\s|\Z)", bare):
         return "uff"
-    return "trios" if bare.lstrip().startswith((b"{", b"[{")) else "text"
+    opens = bare.lstrip().startswith((b"{", b"[{")) and not bare.startswith(b"{\\rtf")
+    return "trios" if opens else "text"
 
 
 def read_table(raw: Raw, options: ReadOptions) -> FileTable:

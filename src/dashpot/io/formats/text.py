@@ -6,6 +6,7 @@ import re
 from collections.abc import Sequence
 from itertools import takewhile
 
+from dashpot.base import units
 from dashpot.base.errors import ReadError
 from dashpot.io.columns.vocabulary import clock_order
 from dashpot.io.options import ReadOptions
@@ -19,6 +20,13 @@ from dashpot.io.text.rows import Heading, load_rows, title
 
 _HEADS = (1 << 16, 1 << 20, 1 << 24)
 _LARGE = 1 << 28
+_MARKUP = re.compile(
+    rb"\A(?:\xef\xbb\xbf)?\s{0,99}(<(?:!doctype\b|html\b|head\b|body\b|table\b|\?xml\b)|\{\\rtf)",
+    re.I,
+)
+"""How a web page, a document of XML or rich text begins."""
+_FEW = 6
+"""Rows, and parts of the numbers of each, that no table has."""
 _STEADY = 6
 """Rows from the first on that show how all are printed."""
 _NAMES = {"\t": "tab", ";": "semicolon", ",": "comma", " ": "blanks", "|": "pipe", ":": "colon"}
@@ -33,6 +41,12 @@ def read(raw: Raw, options: ReadOptions) -> FileTable:
     ReadError
         If the file is binary, holds no table of numbers, or its commas can be read two ways.
     """
+    marked = _MARKUP.match(raw.head(_HEADS[0]))
+    if marked:
+        raise ReadError(
+            f"is a document ('{marked[1].decode()}'), not a table, as some programs save it under "
+            "the name of a workbook: open it in a spreadsheet program and save it as xlsx or csv"
+        )
     encoding = options.encoding or find_encoding(raw.head(_HEADS[0]))
     for size in _HEADS:
         lines, whole = _lines(raw, encoding, size, found=options.encoding is None)
@@ -42,6 +56,12 @@ def read(raw: Raw, options: ReadOptions) -> FileTable:
             break
     if dialect is None:
         raise ReadError(_no_table(lines, options))
+    if whole and _lies(lines[dialect.first :], dialect):
+        raise ReadError(
+            f"its channels stand in rows: line {dialect.first + 1} begins with "
+            f"'{lines[dialect.first].partition(dialect.delimiter)[0].strip()[:40]}' and holds "
+            f"{len(dialect.numbers)} numbers. Transpose the table: a column for each channel"
+        )
     return _table(raw, encoding, lines, dialect, options)
 
 
@@ -121,6 +141,13 @@ def _table(
     )
 
 
+def _lies(lines: Sequence[str], dialect: Dialect) -> bool:
+    """Whether a few long rows, each behind its name, are what should be columns."""
+    filled = sum(1 for line in lines if line.strip())
+    words = dialect.contents[0] == "text" and dialect.contents.count("text") == 1
+    return words and filled < _FEW <= len(dialect.numbers) // _FEW
+
+
 def _factors(header: Sequence[str]) -> list[str]:
     """Note a line of the header that states a factor: none is applied."""
     for line in header:
@@ -166,6 +193,7 @@ def _clock_orders(found: Header, options: ReadOptions) -> tuple[str, ...]:
     return tuple(one or other for one, other in zip(stated, found.clocks, strict=True))
 
 
+_MEASURED = re.compile(r"\A[+-]?\d[\d.,]{0,40}\s?([^\W\d_]\S{0,9})\Z")
 _FACTOR = re.compile(
     r"\b(?:scal(?:e|ing)|gain|factor|faktor|skalier(?:ung|faktor)|multiplier)\b", re.IGNORECASE
 )
@@ -192,6 +220,12 @@ def _hints(header: Sequence[str]) -> list[str]:
     return found[:1]
 
 
+def _with_units(line: str) -> bool:
+    """Whether each of several cells holds a number and its unit."""
+    found = [_MEASURED.match(one.strip()) for one in re.split(r"[;\t|]|,\s", line)]
+    return len(found) > 1 and all(one and units.find(one[1]) for one in found)
+
+
 def _no_table(lines: Sequence[str], options: ReadOptions) -> str:
     filled = [line for line in lines if line.strip()]
     if not filled:
@@ -200,6 +234,11 @@ def _no_table(lines: Sequence[str], options: ReadOptions) -> str:
     if options.delimiter or options.decimal:
         tried = " with the delimiter and decimal mark given (leave out --text)"
     first = filled[0].strip()[:60]
+    if _with_units(filled[-1]) and _with_units(filled[len(filled) // 2]):
+        return (
+            f"each number shares its cell with its unit, such as '{filled[-1].strip()[:40]}': "
+            "write the units into the header and take them out of the cells"
+        )
     ends = ((line.strip()[0], line.strip()[-1], line.count('"')) for line in filled)
     if all(end == ('"', '"', 2) for end in ends):
         return (

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray, median
+from dashpot.base.arrays import BoolArray, FloatArray, median
 from dashpot.base.errors import ReadError
 from dashpot.base.units import si_unit
 from dashpot.io.columns import vocabulary
@@ -31,7 +31,9 @@ NAMED = ("storage", "magnitude")
 _ROUNDED = 1.05
 """What a loss factor may be of loss over storage, for the digits printed and the harmonics."""
 _FAR = 1.5
-"""What it may be before it is asked which of them is right."""
+"""What it may be before it is asked which of them is right, and moduli of two blocks likewise."""
+_A_SWEEP = 3
+"""Frequencies of a block, at least."""
 
 
 def read_dynamic(
@@ -66,6 +68,7 @@ def dynamic_in(file: Opened, specimen: Specimen) -> DynamicTest:
             values["temperature"] = warm[np.isfinite(loaded.values).all(axis=1)]
             notes.append(f"{len(set(warm.tolist()))} temperatures, from the lines over each block")
     if "temperature" not in values:
+        _refuse_unlike(loaded, values)
         specimen, said = stated_specimen(file, specimen)
         notes += said
     return DynamicTest(
@@ -109,7 +112,47 @@ def swept(file: Opened) -> tuple[Loaded, dict[Role, FloatArray], str, list[str]]
         With what the file leaves open.
     """
     wanted, ratio = sweep_columns(file)
-    return parts_of(file, channels.with_units(file, wanted), ratio)
+    found = parts_of(file, channels.with_units(file, wanted), ratio)
+    if "temperature" not in found[1] and temperatures_of_segments(file, found[0]) is None:
+        _refuse_unlike(*found[:2])
+    return found
+
+
+def _refuse_unlike(loaded: Loaded, values: Mapping[Role, FloatArray]) -> None:
+    """Ask for one block where no temperature parts blocks that sweep the same frequencies.
+
+    Raises
+    ------
+    ReadError
+        If the moduli of one are half as much again as those of another, or more.
+    """
+    whole: BoolArray = np.all(np.isfinite(loaded.values), axis=1)
+    blocks = [np.flatnonzero(part) for part in _blocks(loaded, whole)]
+    sweeps = [
+        (np.log(values["frequency"][at]), np.log(values["storage"][at]))
+        for at in blocks
+        if len(at) >= _A_SWEEP
+        and min(values["frequency"][at].min(), values["storage"][at].min()) > 0
+    ]
+    for f, storage in sweeps[1:]:
+        order = np.argsort(sweeps[0][0])
+        first, known = sweeps[0][0][order], sweeps[0][1][order]
+        within = (f >= first[0]) & (f <= first[-1])
+        if not within.any() or len(set(f.tolist())) < _A_SWEEP:
+            continue
+        times = math.exp(median(np.abs(storage - np.interp(f, first, known))[within]))
+        if times >= _FAR:
+            raise ReadError(
+                f"its blocks sweep the same frequencies, and their moduli differ {times:.3g} "
+                "times, but no column and no title says a temperature: read one block with --part "
+                "segment=1, or add a column of the temperature"
+            )
+
+
+def _blocks(loaded: Loaded, whole: BoolArray) -> list[BoolArray]:
+    """Which of the whole rows stand in each block."""
+    of_row = np.searchsorted(np.array(loaded.starts), np.arange(len(whole)), side="right")
+    return [of_row[whole] == number for number in range(1, len(loaded.starts) + 1)]
 
 
 def amplitude_column(file: Opened) -> Assigned:

@@ -16,7 +16,7 @@ from dashpot.base.units import written
 from dashpot.io.columns.kinds import of_motions, said_relative
 from dashpot.io.columns.ratios import Ratio, bare_ratio, ratio, undecibel
 from dashpot.io.columns.roles import Assigned, assign, list_columns
-from dashpot.io.columns.vocabulary import Role
+from dashpot.io.columns.vocabulary import Role, has_word
 from dashpot.io.options import ReadOptions, flag
 from dashpot.io.readers import channels
 from dashpot.io.readers.channels import Opened
@@ -69,6 +69,7 @@ def built(file: Opened, known: Settled) -> FRF:
         raise ReadError("the FRF is 0 at every line; export its values, or name their columns")
     _refuse_high(file, index["frequency"], hertz * float(column["frequency"].max()))
     sd, several = _deviation(file.table)
+    several += _lags(file.table, index)
     stated = _comments(file.table.header)
     scale = _differentiated(factor, order, hertz * column["frequency"], stated.get("shift", 0.0))
     names = [c.name for c in file.table.columns]
@@ -83,6 +84,14 @@ def built(file: Opened, known: Settled) -> FRF:
         source=(channels.source(file, names, (*file.table.notes, *several, *loaded.notes)),),
         units="SI",
     )  # fmt: skip
+
+
+def _lags(table: FileTable, index: Mapping[Role, int]) -> list[str]:
+    """Say how a phase is read whose name says a lag, which others count the other way."""
+    name = table.columns[index["phase"]].name if "phase" in index else ""
+    if not has_word(name, ("lag", "nacheilung", "retard")):
+        return []
+    return [f"'{name}' is read as a phase: it must be negative where the response is late"]
 
 
 def _deviation(table: FileTable) -> tuple[int | None, list[str]]:

@@ -211,7 +211,10 @@ def inspect_opened(file: Opened) -> Inspection:
 def _look_swapped(by_index: dict[int, FloatArray], roles: dict[int, tuple[Role, str]]) -> bool:
     found = {role: by_index.get(i) for i, (role, _) in roles.items()}
     moved, pushed = found["displacement"], found["force"]
-    return moved is not None and pushed is not None and cleaning.swapped(moved, pushed)
+    if moved is None or pushed is None:
+        return False
+    whole = np.isfinite(moved) & np.isfinite(pushed)
+    return bool(whole.any()) and cleaning.swapped(moved[whole], pushed[whole])
 
 
 def _course(columns: int, by_index: dict[int, FloatArray]) -> FloatArray:

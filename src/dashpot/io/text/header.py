@@ -157,7 +157,12 @@ def _either(first: str, second: str) -> str:
 
 
 def _strip(word: str) -> str:
-    return word.strip().strip("\"'").strip().lstrip("[({<").rstrip("])}>").strip()
+    """A unit without the brackets around it, or lost at one end; (m/s^2)/N keeps its own."""
+    bare = word.strip().strip("\"'").strip()
+    inner = bare.lstrip("[({<").rstrip("])}>").strip()
+    if inner.count("(") == inner.count(")"):
+        return inner
+    return bare[1:-1].strip() if bare[0] in "[{<" and bare[-1] in "]}>" else bare
 
 
 def _cells(line: str, dialect: Dialect) -> list[str]:
@@ -275,7 +280,9 @@ def _is_bracketed(text: str) -> bool:
 
 def _unit_shape(word: str) -> bool:
     """Whether an unknown word is built like a unit: ``1/MPa``, ``Pa.s``, ``g²/Hz``."""
-    parts = [part for part in re.split(r"[/*·.^²³\d\s-]+", word) if part]
+    if " in " in word:  # "t in s" is a name with its unit: no tonne-inch-seconds
+        return False
+    parts = [part for part in re.split(r"[/*·.^²³()\d\s-]+", word) if part]
     return bool(parts) and len(parts) > 1 and all(units.find(part) for part in parts)
 
 

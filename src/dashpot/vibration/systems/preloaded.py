@@ -87,6 +87,16 @@ class Orbit(ByValue):
         return np.abs(self.harmonics)
 
     @property
+    def shown(self) -> FloatArray:
+        """Amplitudes of the mean and of the first :data:`SHOWN` harmonics, m."""
+        return self.amplitudes[: SHOWN + 1]
+
+    @property
+    def phases(self) -> FloatArray:
+        """Of those against the force, rad."""
+        return np.angle(self.harmonics[: SHOWN + 1])
+
+    @property
     def shift(self) -> float:
         """Mean compression less that at rest, m: below 0 the seal opens when shaken."""
         return float(self.harmonics[0].real) - self.rest
