@@ -20,7 +20,6 @@ from dashpot.cli._grammar import group, of, opt, rest, verb
 from dashpot.cli._shell import File, Outcome, write
 from dashpot.cli._values import DENSITY, OneOf, Range, WithUnit
 from dashpot.records.specimen import Specimen
-from dashpot.solids.maxwell import Solid
 from dashpot.told.layout import Text
 from dashpot.workflow.job import Job
 
@@ -114,6 +113,7 @@ def command(
 ) -> Outcome:
     """Write the deck of a fit, or the card of a law."""
     from dashpot.kinds.level.levels import LevelFit
+    from dashpot.solids.maxwell import Solid
 
     found = workflow.read_exported(fit)
     if isinstance(found, dp.Fit):
