@@ -51,7 +51,7 @@ _QUESTION, _PART = "Question", "Part of a material"
         opt("--record", "records", type=File(), multiple=True, metavar="FILE", kinds=_SOLID,
             help="The record behind the fit: adds a bound."),
         of(LevelChoices, "levels", into="at_level", kinds=_SOLID,
-           help="Resonance there, 0.5N: --sweep, or a bent law."),
+           help="Resonance at a level, e.g. 0.5N."),
         of(LevelChoices, "sweep", into="at_level", kinds=_SOLID),
         *(of(load(kind.asked), kinds=kind.name) for kind in PREDICTED),
         rest(
