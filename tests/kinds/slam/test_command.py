@@ -53,6 +53,8 @@ def test_what_does_not_suit_a_slam_is_refused(
     assert says in done.stderr
 
 
+# the page of the documents runs the same
+@pytest.mark.slow
 def test_slams_are_recognised_fitted_and_predicted_from(folder: Path, tmp_path: Path) -> None:
     kept = tmp_path / "slam.json"
     done = ran(

@@ -95,6 +95,13 @@ def test_numbers_of_a_slam_are_those_of_another_solver(name: tuple[str, float, f
         assert one == pytest.approx(known, rel=1e-6, abs=0.51 * 10.0**-digits)
 
 
+@pytest.fixture
+def coarse(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A tenth of the steps, where a test is of no digits."""
+    monkeypatch.setattr("dashpot.kinds.slam.motion._FINE", 400)
+
+
+@pytest.mark.usefixtures("coarse")
 def test_a_slam_scales_with_its_speed_on_a_straight_law() -> None:
     slow, fast = (
         slammed([seal(LAWS["linear"]).model], LAWS["linear"], mass=0.2, speed=v)[0]
@@ -123,6 +130,7 @@ def test_a_rebound_sees_the_arm_that_a_ramp_cannot() -> None:
     assert found[6] == pytest.approx(0.898407, rel=1e-6)
 
 
+@pytest.mark.usefixtures("coarse")
 def test_two_pieces_carry_twice_the_mass_alike() -> None:
     fit = seal(LAWS["linear"])
     one, two = predict_slam(fit, slam=0.3, mass=0.1), predict_slam(fit, slam=0.3, mass=0.2, seals=2)
@@ -146,6 +154,7 @@ def test_an_arm_far_faster_than_the_contact_is_a_dashpot() -> None:
     assert flat.rebound == pytest.approx(exact, rel=1e-6)
 
 
+@pytest.mark.usefixtures("coarse")
 def test_what_lies_beyond_the_test_is_marked() -> None:
     fit = seal(LAWS["stiff"])
     deep = predict_slam(fit, slam=2.0, mass="200g")

@@ -206,7 +206,7 @@ class _SlamsSolved:
             place = self.slams.shared + 2 * i
             speed, error = float(self.theta[place]), float(errors[place])
             half = reach * error if np.isfinite(error) else np.nan
-            told = Fact("speed", speed, speed - half, speed + half, "m/s", error)
+            told = Fact("speed", speed, speed - half, speed + half, "m/s", error, "m/s")
             time = one.time - self.theta[place + 1]
             hit = SlamHit(
                 one.name, told, motion.peak.force, motion.deepest.compression,
@@ -244,6 +244,7 @@ class _SlamsSolved:
             *self._against(value, sd),
             *([] if known is None else [checks.slam_within_law(self.depth, known.depth)]),
             checks.air_escapes(float(speeds.max())),
+            checks.piece_length_given(given=self.records[0].specimen.length is not None),
         )
 
     def _against(self, value: float, sd: float) -> list[Check]:
