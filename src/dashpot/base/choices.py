@@ -34,6 +34,7 @@ Driver: TypeAlias = Literal["simulated", "serial", "replay"]
 Rehearsed: TypeAlias = Literal["relaxation", "creep", "impact", "motion"]
 
 Drawn: TypeAlias = Literal["pdf", "png", "svg"]
+FigureSize: TypeAlias = Literal["column", "slide"]
 DECKS = (
     "nastran", "abaqus", "ansys", "lsdyna", "radioss", "calculix", "opensees", "adams",
     "statespace", "csv",

@@ -320,7 +320,7 @@ def _both(first: Any, then: Any) -> Any:
     return (*first, *then) if isinstance(then, tuple) and isinstance(first, tuple) else then
 
 
-_TOLD_APART = {"as_json", "strict", "verbose", "overwrite", "opens"}
+_TOLD_APART = {"as_json", "strict", "verbose", "overwrite", "opens", "size"}
 """How a result is told, and where it may be written: what does the telling knows them."""
 
 

@@ -10,9 +10,10 @@ from typing import Any
 
 import click
 
+from dashpot.base.choices import FigureSize, words
 from dashpot.cli._grammar import Opt, Verb, group, of, opt, rest
 from dashpot.cli._shell import File, Output
-from dashpot.cli._values import Figure, Scoped, Units, Wlf
+from dashpot.cli._values import Figure, OneOf, Scoped, Units, Wlf
 from dashpot.io.options import ReadOptions
 from dashpot.records.machine import Machine
 from dashpot.records.specimen import Specimen
@@ -88,6 +89,9 @@ def result(
     if plot:
         found.append(opt("--plot", "picture", type=Figure(), metavar="FILE",
                          help="Draw the result: .png, .svg or .pdf."))  # fmt: skip
+        sizes = words(FigureSize)
+        found += rest(opt("--size", type=OneOf(sizes), metavar="|".join(sizes),
+                          help="Size of --plot: 85 mm wide, or of a slide."))  # fmt: skip
     if opens:
         found.append(opt("--open", "opens", help="Open the page or picture written."))
     found.append(opt("--overwrite", help="Replace a file that dashpot did not write."))

@@ -202,7 +202,8 @@ def note_written(path: str | Path) -> None:
 
 def write_figure(path: str, figure: dp.plot.Picture) -> None:
     """Write a figure as the suffix of its file says."""
-    write(path, dp.plot.rendered(figure, Path(path).suffix))
+    size = click.get_current_context().params.get("size")
+    write(path, dp.plot.rendered(figure, Path(path).suffix, size=size))
 
 
 def _open(written: Sequence[str]) -> None:

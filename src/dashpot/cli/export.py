@@ -113,6 +113,7 @@ def command(
 ) -> Outcome:
     """Write the deck of a fit, or the card of a law."""
     from dashpot.kinds.level.levels import LevelFit
+    from dashpot.solids.maxwell import Solid
 
     found = workflow.read_exported(fit)
     if isinstance(found, dp.Fit):
@@ -120,6 +121,8 @@ def command(
         found = replace(found, provenance=replace(found.provenance, specimen=added))
     elif isinstance(found, LevelFit):
         found = replace(found, specimen=_described(found.specimen, specimen))
+    elif isinstance(found, Solid):
+        choices["specimen"] = specimen
     if target is None:
         raise click.UsageError(_unsaid(found, units, specimen, allow))
     if line is None and choices["first_id"] is not None:

@@ -22,6 +22,8 @@ from dashpot.export.opening import PROBLEMS
 from dashpot.kinds.hyperelastic.record import HyperelasticFit
 from dashpot.kinds.level.levels import LevelFit
 from dashpot.records.fit import Fit
+from dashpot.records.specimen import Specimen
+from dashpot.solids.maxwell import Solid
 
 _MODULES = {name: import_module(f"dashpot.export.decks.{name}") for name in DECKS}
 FORMS: Mapping[str, tuple[str, ...]] = MappingProxyType(
@@ -54,7 +56,7 @@ def __getattr__(name: str) -> Callable[..., DeckText]:
 
 def deck_for(
     target: str,
-    found: Fit | LevelFit | HyperelasticFit,
+    found: Solid | Fit | LevelFit | HyperelasticFit,
     *,
     seals: float = 1.0,
     compression: float | None = None,
@@ -66,7 +68,7 @@ def deck_for(
     Parameters
     ----------
     target : str
-    found : Fit or LevelFit or HyperelasticFit
+    found : Solid or Fit or LevelFit or HyperelasticFit
         Of one seal; of a material, whose card is written.
     seals : float
     compression : float, optional
@@ -94,6 +96,11 @@ def deck_for(
         if seals != 1 or compression is not None:
             raise ExportError("a material card takes no --seals and no --compression")
         return hyperelastic_card(target, found, temperature=temperature, **made)  # type: ignore[arg-type]
+    if isinstance(found, Solid):
+        if compression is not None:
+            raise ExportError("a bare solid has no elastic law; leave out --compression")
+        made.setdefault("specimen", Specimen(temperature=temperature))
+        return write(seals * found, **made)
     if compression is not None:
         if isinstance(found, LevelFit):
             raise ExportError("FRFs at levels are of one compression; leave out --compression")

@@ -6,7 +6,7 @@ import io
 from pathlib import Path
 
 from dashpot.base.atomic import write_whole
-from dashpot.base.choices import Drawn, words
+from dashpot.base.choices import Drawn, FigureSize, words
 from dashpot.base.errors import ExportError
 from dashpot.base.version import byline
 from dashpot.plot.bitmap import to_figure
@@ -14,8 +14,12 @@ from dashpot.plot.picture import Picture
 from dashpot.plot.svg import to_svg
 
 
-def save(picture: Picture, path: str | Path, *, dpi: float = 300.0) -> None:
+def save(
+    picture: Picture, path: str | Path, *, dpi: float = 300.0, size: FigureSize | None = None
+) -> None:
     """Write `picture` to `path`; the suffix says how: .pdf, .png or .svg.
+
+    `size` is ``"column"``, 85 mm wide as in a journal, or ``"slide"``; else its own.
 
     Raises
     ------
@@ -24,7 +28,7 @@ def save(picture: Picture, path: str | Path, *, dpi: float = 300.0) -> None:
     """
     target = Path(path)
     try:
-        write_whole(target, rendered(picture, target.suffix, dpi=dpi))
+        write_whole(target, rendered(picture, target.suffix, dpi=dpi, size=size))
     except ExportError as error:
         raise ExportError(f"{target.name}: {error}") from None
     except OSError as error:
@@ -32,7 +36,9 @@ def save(picture: Picture, path: str | Path, *, dpi: float = 300.0) -> None:
         raise ExportError(f"{target}: the figure cannot be written: {reason}") from error
 
 
-def rendered(picture: Picture, suffix: str, *, dpi: float = 300.0) -> bytes:
+def rendered(
+    picture: Picture, suffix: str, *, dpi: float = 300.0, size: FigureSize | None = None
+) -> bytes:
     """Return `picture` as the file that `suffix` names: .pdf, .png or .svg.
 
     No date is written, so the same picture gives the same bytes. A PDF embeds TrueType fonts, as
@@ -44,6 +50,7 @@ def rendered(picture: Picture, suffix: str, *, dpi: float = 300.0) -> bytes:
         If the suffix names none of these.
     """
     kind = suffix.lower().lstrip(".")
+    picture = picture if size is None else picture.sized(size)
     if kind not in words(Drawn):
         raise ExportError(
             f"a figure is written as .pdf, .png or .svg, found '{suffix or 'no suffix'}'"

@@ -6,14 +6,20 @@ people read. `svg` writes it for a page or a file, `bitmap` gives it to matplotl
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, TypeAlias
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.choices import FigureSize
 from dashpot.base.offered import verb
 from dashpot.base.units import in_unit, read_in
+
+COLUMN = 321.0
+"""px, of which 96 are an inch: the 85 mm of a journal's column."""
+SLIDE, LEAST_STRIP = 640.0, 300.0
+"""px of a slide, and of each of the strips that stand side by side on one."""
 
 
 @dataclass(frozen=True)
@@ -188,6 +194,16 @@ class Picture:
     def panels(self) -> tuple[Panel, ...]:
         """All panels, in order."""
         return tuple(panel for strip in self.strips for panel in strip)
+
+    def sized(self, size: FigureSize) -> Picture:
+        """The same for a column of a journal, strips below each other, or for a slide.
+
+        Letters keep their size, so that those of a column have 8 points on paper, and those of a
+        slide can be read from the last row.
+        """
+        if size == "column":
+            return replace(self, width=COLUMN, columns=1)
+        return replace(self, width=max(SLIDE, LEAST_STRIP * self.columns))
 
     @property
     def key(self) -> tuple[Keyed, ...]:

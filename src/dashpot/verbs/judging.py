@@ -485,16 +485,14 @@ def export(
         "allow": (allow,) if isinstance(allow, str) else tuple(allow), "units": unit_system,
         **of_solver,
     }  # fmt: skip
-    bare = isinstance(found, Solid)
-    if bare:
+    if isinstance(found, Solid):
         choices["specimen"] = Specimen(temperature=kelvin, length=metres)
-        found = seals * found
     deck = deck_for(
         to,
         found,
-        seals=1.0 if bare else seals,
+        seals=seals,
         compression=si(compression, "length"),
-        temperature=None if bare else kelvin,
+        temperature=kelvin,
         **choices,
     )
     if path is not None:

@@ -10,6 +10,7 @@ from dashpot.io.source import like_json, open_raw
 from dashpot.kinds.hyperelastic.record import HyperelasticFit
 from dashpot.kinds.level.levels import LevelFit
 from dashpot.records.fit import Fit
+from dashpot.solids.maxwell import Solid
 from dashpot.workflow.archive import from_json
 
 A_FIT = "a fit, as 'dashpot fit FILE -o fit.json' writes it"
@@ -45,8 +46,8 @@ def read_fit(path: str | Path) -> Fit:
     return _a_fit(path, stored(path, hint=f"; expected {A_FIT}"))
 
 
-def read_exported(path: str | Path) -> Fit | LevelFit | HyperelasticFit:
-    """Return the fit of a solid, of levels or of a hyperelastic law in a JSON file; ``-`` is stdin.
+def read_exported(path: str | Path) -> Solid | Fit | LevelFit | HyperelasticFit:
+    """Return a solid, or a fit: of one, of levels, of a hyperelastic law; ``-`` is stdin.
 
     Raises
     ------
@@ -54,7 +55,7 @@ def read_exported(path: str | Path) -> Fit | LevelFit | HyperelasticFit:
         If it holds something else.
     """
     found = stored(path, hint=f"; expected {A_FIT}, or of FRFs at several levels")
-    return found if isinstance(found, LevelFit | HyperelasticFit) else _a_fit(path, found)
+    return found if isinstance(found, Solid | LevelFit | HyperelasticFit) else _a_fit(path, found)
 
 
 def _a_fit(path: str | Path, found: object) -> Fit:

@@ -37,7 +37,7 @@ _FOLDERS = (
 )
 OWN: Mapping[str, KindOfFile] = MappingProxyType({
     "fit": KindOfFile("a fit", "use dashpot predict, compare or export"),
-    "model": KindOfFile("a solid", "use dashpot predict or export"),
+    "model": KindOfFile("a solid", "use dashpot export"),
     "levels": KindOfFile("a fit over amplitude", "use dashpot export"),
     "hyperelastic": KindOfFile("a fit of a hyperelastic law", "use dashpot export"),
     "study": KindOfFile("a study of one seal", "use dashpot verify"),

@@ -1,0 +1,48 @@
+"""A picture for a column of a journal, and for a slide."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from kit.shell import ran
+
+import dashpot as dp
+from dashpot.plot.picture import FIT, Line, Panel, Picture, Scale
+
+
+def drawn(size: str | None, columns: int = 1) -> tuple[float, str]:
+    ends = np.array([0.0, 1.0])
+    axes = Scale("time, s", (0, 1)), Scale("force, N", (0, 1))
+    panel = Panel(*axes, (Line(ends, ends, FIT),))
+    picture = Picture("p", "A line.", ((panel,),) * columns, columns=columns)
+    svg = dp.plot.rendered(picture, "svg", size=size).decode()
+    return float(re.search(r'width="(\d+)"', svg)[1]), svg
+
+
+def test_a_column_is_85_mm_wide_and_one_strip() -> None:
+    for columns in (1, 3):
+        width, _ = drawn("column", columns)
+        assert width / 96 * 25.4 == pytest.approx(85, abs=0.2)
+
+
+def test_strips_of_a_slide_stand_side_by_side() -> None:
+    assert (drawn("slide")[0], drawn("slide", 3)[0], drawn(None)[0]) == (640, 900, 680)
+
+
+def test_letters_keep_their_size() -> None:
+    letters = [
+        set(re.findall(r'font-size="([\d.]+)"', drawn(size)[1])) for size in (None, "column")
+    ]
+    assert letters[0] == letters[1] != set()
+
+
+def test_the_command_draws_so(tmp_path: Path) -> None:
+    fit, picture = tmp_path / "fit.json", tmp_path / "frf.svg"
+    dp.save(dp.fit(dp.simulate("relaxation", hold="20s", noise_free=True), arms=1), fit)
+    done = ran("predict", fit, "--mass", "104g", "--plot", picture, "--size", "column")
+    assert done.exit_code == 0, done.output
+    assert 'width="321"' in picture.read_text()
+    assert "'poster' is unknown" in ran("predict", fit, "--mass", "1g", "--size", "poster").stderr
