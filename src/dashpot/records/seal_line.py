@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -250,7 +250,8 @@ class SealSection:
         return np.asarray(self.friction.mu * pressed * stations.length * stations.factor)
 
 
-class Way(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Way:
     """The springs of a line in one direction.
 
     Attributes

@@ -175,7 +175,7 @@ class Aging(ByValue, Numbered, Judged, Documented):
     def at(self, fit: Fit, *, temperature: Quantity, time: Quantity) -> Fit:
         """The fit of a seal after a time at a temperature, as a door, a mass and a deck take it.
 
-        Every stiffness is times F/F0, with its error; what :func:`dashpot.kinds.csr.aged.aged_fit`
+        Every stiffness is times F/F0, with its error; what ``dashpot.kinds.csr.aged.aged_fit``
         says of that holds.
 
         Examples

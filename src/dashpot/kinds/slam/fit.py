@@ -1,7 +1,7 @@
 r"""From recorded slams to the loss factor of a piece, and the arm that a ramp is too slow for.
 
 All slams of a piece are followed by one motion each
-(:mod:`~dashpot.kinds.slam.motion`), of one law and one memory, with the speed at the touch, the
+(``dashpot.kinds.slam.motion``), of one law and one memory, with the speed at the touch, the
 touch and the zero of each slam free:
 
 .. math:: F_i(t) = F(t - t_i;\, c, g, \tau, v_i) + b_i + \text{noise}
