@@ -117,9 +117,9 @@ class SealOfDoor(Documented):
         """Motion sideways up to which no station slips, m; None without friction."""
         ends = [
             slips[sticks > 0] / sticks[sticks > 0]
-            for _, _, _, friction in self.section.ways(self.along)
-            if friction is not None
-            for sticks, slips in (friction,)
+            for way in self.section.ways(self.along)
+            if way.friction is not None
+            for sticks, slips in (way.friction,)
         ]
         whole = np.concatenate(ends) if ends else np.zeros(0)
         return float(whole.min()) if len(whole) else None
