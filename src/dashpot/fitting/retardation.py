@@ -115,6 +115,11 @@ class Retarded(Chosen):
             for solid in (_solid(one.solution),)
         )
 
-    def profiles(self, **_: bool) -> tuple[Profile, ...]:
+    def profiles(
+        self,
+        *,
+        in_order_of_time: bool,  # noqa: ARG002
+        unseen: FloatArray | None = None,  # noqa: ARG002
+    ) -> tuple[Profile, ...]:
         """None: the intervals are those of the covariance."""
         return ()
