@@ -134,7 +134,8 @@ def preloaded_levels(
 
         def frf(orbits: Sequence[Orbit], force: float = force) -> FRF:
             f = np.array([one.frequency for one in orbits])
-            H: ComplexArray = np.asarray([one.harmonics[1] for one in orbits], dtype=complex) / force
+            shaken = np.array([complex(one.harmonics[1]) for one in orbits])
+            H = np.asarray(shaken / force, dtype=complex)
             if not kind.over_base:
                 return FRF.of_receptance(f, H, kind=kind)
             T: ComplexArray = np.asarray(1 + mass * (2 * np.pi * f) ** 2 * H)
