@@ -232,7 +232,10 @@ def _listed(said: dict[str, Any]) -> dict[str, Any]:
 
 # -- any job --------------------------------------------------------------------------------------
 
-TEXT = st.text(string.ascii_letters + string.digits + " -,'\"é", min_size=1).filter(str.strip)
+# what begins with dashes is taken for an option, as by any command
+TEXT = st.text(string.ascii_letters + string.digits + " -,'\"é", min_size=1).filter(
+    lambda text: bool(text.strip()) and not text.startswith("--")
+)
 NAMES = st.text(string.ascii_lowercase, min_size=1, max_size=5).map(lambda name: f"{name}.csv")
 HITS = st.lists(NAMES.map(lambda name: f"hits [{name}"), max_size=3, unique=True).map(tuple)
 SOUND = st.floats(1e-6, 1e6)

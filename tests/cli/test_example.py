@@ -107,7 +107,8 @@ def test_a_temperature_other_than_the_files_own_is_told_in_full(folder, monkeypa
 def test_fit_takes_every_example_or_says_why_not(folder, monkeypatch, name):
     """And takes it for what `inspect` says that it is."""
     monkeypatch.chdir(folder)
-    words = {"hit.csv": ("--mass", "5g"), "rod.csv": ROD}.get(name, ())
+    given = {"hit.csv": ("--mass", "5g"), "slam.csv": ("--mass", "200g"), "rod.csv": ROD}
+    words = given.get(name, ())
     done = ran("fit", name, *words)
     seen = recognise(name)
     assert dp.inspect(name).kind == seen.kind if name != "door.toml" else seen.kind == "door"

@@ -293,7 +293,7 @@ KINDS: Mapping[str, KindOfTest] = MappingProxyType({kind.name: kind for kind in 
         meant="plug-in",
         nouns={
             "kinds.plugged.record:PluggedTest": "",
-            "kinds.plugged.record:PluggedFit": "",
+            "kinds.plugged.record:PluggedFit": "kinds.plugged.figure:plugged",
         },
         fits="kinds.plugged.fit:fit_plugged",
     ),

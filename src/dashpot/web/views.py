@@ -61,7 +61,7 @@ EQ5 = Pen("ref", 1.6, (2, 3))
 SHORT = {
     "residual: range of samples": "range of samples", "residual: mean": "mean",
     "noise, one SD": "noise", "ramp": "", "eq. (5), hold only": "eq. (5)",
-    "k∞, relaxation fit": "k∞", "relaxation fit": "arms",
+    "k∞, relaxation fit": "k∞", "k∞, fit": "k∞", "relaxation fit": "arms",
     "band that every accepted hit excites": "excited by all",
     "mode found": "mode", "new at its order": "new", "stable in frequency": "frequency stays",
     "stable in frequency and damping": "damping too",
@@ -128,7 +128,11 @@ def _named(panel: Panel, fit: Fit) -> Panel:
     k = in_unit(np.array(fit.model.k), read_in(fit.unit)).tolist()
     arms = enumerate(zip(fit.model.tau, k, strict=True), 1)
     tags = [Tag(tau, tip, symbol(f"tau_{j}"), "fit", "filled") for j, (tau, tip) in arms]
-    return replace(panel, marks=(*panel.marks, *tags))
+    marks = (
+        replace(one, label="arms") if isinstance(one, Line) and one.label == "fit" else one
+        for one in panel.marks
+    )
+    return replace(panel, marks=(*marks, *tags))
 
 
 def _in_short(panel: Panel) -> Panel:

@@ -67,8 +67,8 @@ def of_multiple(word: str, dimension: Dimension) -> Unit | None:
 def times(unit: Unit, factor: float) -> str:
     """Return the word for a unit times a factor: that of another unit, or with the number.
 
-    >>> times(units.parse_unit("N", "force"), 1e3), times(units.parse_unit("mN", "force"), 10.0)
-    ('kN', '10mN')
+    >>> times(units.parse_unit("N", "force"), 1e3), times(units.parse_unit("mN", "force"), 20.0)
+    ('kN', '20mN')
     """
     size = factor * unit.factor
     for one in units.TABLE.values():
