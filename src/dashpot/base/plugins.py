@@ -94,7 +94,7 @@ class Plugin(Documented):
         """
         if isinstance(error, KeyboardInterrupt | MemoryError | DashpotError):
             raise error
-        said = " ".join(escaped(str(error)).split())[:_LONGEST]
+        said = _line(str(error))[:_LONGEST]
         raise ReadError(
             f"{self.says} failed: {type(error).__name__}{': ' + said if said else ''}. "
             f"Ask who maintains {self.package}"
@@ -194,10 +194,32 @@ def items(plugin: Plugin, document: Mapping[str, Any], key: str) -> Sequence[Map
     ReadError
         If something else stands there.
     """
+    return _listed(plugin, document, key, dict, "a list of dictionaries")
+
+
+def texts(plugin: Plugin, document: Mapping[str, Any], key: str) -> tuple[str, ...]:
+    """Return a list of texts in what a plug-in returned; empty where the key is not there.
+
+    Raises
+    ------
+    ReadError
+        If something else stands there.
+    """
+    return tuple(map(_line, _listed(plugin, document, key, str, "a list of texts")))
+
+
+def _listed(
+    plugin: Plugin, document: Mapping[str, Any], key: str, kind: type, expected: str
+) -> Sequence[Any]:
     found = document.get(key, [])
-    if not isinstance(found, list | tuple) or not all(isinstance(one, dict) for one in found):
-        plugin.wrong(f"'{key}' of type {type(found).__name__}", "a list of dictionaries")
+    if not isinstance(found, list | tuple) or not all(isinstance(one, kind) for one in found):
+        plugin.wrong(f"'{key}' of type {type(found).__name__}", expected)
     return found
+
+
+def _line(text: str) -> str:
+    """Others' words on one line that a terminal does not obey."""
+    return " ".join(escaped(text).split())
 
 
 def word(plugin: Plugin, item: Mapping[str, Any], key: str, otherwise: str | None = None) -> str:
@@ -211,18 +233,4 @@ def word(plugin: Plugin, item: Mapping[str, Any], key: str, otherwise: str | Non
     found = item.get(key, otherwise)
     if not isinstance(found, str):
         plugin.wrong(f"'{key}' of type {type(found).__name__}", "a text")
-    return " ".join(escaped(found).split())
-
-
-def texts(plugin: Plugin, document: Mapping[str, Any], key: str) -> tuple[str, ...]:
-    """Return a list of texts in what a plug-in returned; empty where the key is not there.
-
-    Raises
-    ------
-    ReadError
-        If something else stands there.
-    """
-    found = document.get(key, [])
-    if not isinstance(found, list | tuple) or not all(isinstance(one, str) for one in found):
-        plugin.wrong(f"'{key}' of type {type(found).__name__}", "a list of texts")
-    return tuple(" ".join(escaped(one).split()) for one in found)
+    return _line(found)
