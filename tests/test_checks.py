@@ -1046,6 +1046,7 @@ SLAM = [
     Case("slam_mass_agrees", lambda x: slam.slam_mass_agrees(1 + x), 0.0299, 0.0301),
     Case("slam_mass_agrees", lambda x: slam.slam_mass_agrees(1 - x), 0.0299, 0.0301),
     Case("memory_kept", slam.memory_kept, 2.999, 3.001),
+    Case("spectrum_has_gaps", slam.spectrum_has_gaps, 4, 5),
     Case("losses_agree", lambda x: slam.losses_agree(-x, 0.08, 0.1, within=True), 2.999, 3.001),
     Case("losses_agree", lambda x: slam.losses_agree(x, 0.1, 0.08, within=True), 2.999, 3.001),
     Case("piece_length_given", lambda x: slam.piece_length_given(given=bool(x)), 1, 0),
@@ -1551,7 +1552,7 @@ LIMITS = {
         "slam_within_law": 1, "slam_within_band": 1, "air_escapes": 0.1, "loss_determined": 0.25,
         "slams_followed": 1.5, "slams_sampled": 50, "slam_speeds_spread": 2,
         "slam_speeds_agree": 3, "slams_apart": 10, "slam_mass_agrees": 0.03, "memory_kept": 3,
-        "losses_agree": 3,
+        "spectrum_has_gaps": 4, "losses_agree": 3,
     },
     "kinds/rod": {
         "rod_usable": 8, "waves_plane": 0.05, "sensors_agree": 3, "mass_beside_rod": 100,

@@ -264,7 +264,11 @@ class _SlamsSolved:
         seen = self.frequency <= fit.band[1]
         if gap is not None and not seen:
             gap = min(gap, 0.0)
-        return [checks.memory_kept(moved), checks.losses_agree(gap, value, before, within=seen)]
+        return [
+            checks.memory_kept(moved),
+            checks.spectrum_has_gaps(len(memory.g)),
+            checks.losses_agree(gap, value, before, within=seen),
+        ]
 
     def _piece(self, judged: tuple[Check, ...]) -> Fit:
         """The piece as a solid: the law, the memory that was known, and the arm."""
