@@ -34,11 +34,13 @@ class Pen:
         px.
     dashes : tuple of float
         On, off, ..., px; empty for a solid line.
+    opacity : float
     """
 
     colour: str
     width: float = 1.6
     dashes: tuple[float, ...] = ()
+    opacity: float = 1.0
 
 
 MEASURED = Pen("measured")
@@ -46,6 +48,8 @@ FIT = Pen("fit", 2.0)
 PREDICTED = Pen("fit", 2.0, (7, 4))
 JOINT = Pen("joint", 3.0)
 REF = Pen("ref", 1.2, (2, 3))
+BENEATH, UPON = Pen("fit", 5.5, opacity=0.55), Pen("measured", 1.3)
+"""A fit as a band, and what was measured as the thin line upon it: a miss leaves the band."""
 SIMPLER = (Pen("ref", 1.8, (8, 3)), Pen("ref", 1.8, (3, 2)))
 REJECTED = Pen("bad", 1.4, (5, 3))
 
@@ -154,6 +158,8 @@ class Panel:
         A few words in the upper right corner.
     square : bool
         A unit of x is as long as one of y.
+    bare : bool
+        What it shows upright is said elsewhere, and not above its axes.
     """
 
     x: Scale
@@ -163,6 +169,7 @@ class Panel:
     height: float = 190.0
     note: str = ""
     square: bool = False
+    bare: bool = False
 
 
 @dataclass(frozen=True, eq=False, repr=False)
