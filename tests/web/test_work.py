@@ -374,8 +374,9 @@ def test_the_panels_of_the_test_are_of_the_solid_of_the_tab(store, asked):
         assert ink == "fit" or "var(--fit)" not in panels["hold"] + panels["spectrum"]
     arms = results.study(job_of(job, store.folder)).joint.model.arms
     assert both["spectrum"].count(">τ") >= arms
-    assert ask("study", store, job=asked | {"joint": False})["panels"]["spectrum"] == (
-        alone["spectrum"]
+    assert (
+        ask("study", store, job=asked | {"joint": False})["panels"]["spectrum"]
+        == (alone["spectrum"])
     )
 
 
