@@ -18,6 +18,7 @@ from typing import Any, NamedTuple
 
 from dashpot import workflow
 from dashpot.base.errors import DataError, ReadError
+from dashpot.base.numbers import rounded
 from dashpot.base.progress import doing
 from dashpot.base.units import si, si_range
 from dashpot.io.options import ReadOptions
@@ -26,8 +27,9 @@ from dashpot.kinds.hyperelastic.asked import MODES
 from dashpot.kinds.indentation.indenter import Indenter
 from dashpot.records.fit import Fit
 from dashpot.records.specimen import Specimen
+from dashpot.report.answer import Row
 from dashpot.report.judged import text_of
-from dashpot.report.kind_page import KindPage
+from dashpot.report.kind_page import Group, KindPage, lights
 from dashpot.report.of_kinds import kind_page
 from dashpot.report.pages import COLOURS
 from dashpot.web import results, views, wire
@@ -95,7 +97,7 @@ class Asked:
 
 def asks_of(kind: str) -> list[dict[str, Any]]:
     """Return the fields of a kind as the page draws them."""
-    return [one._asdict() for one in ASKS.get(kind, ())]
+    return [{**one._asdict(), "choices": [*one.choices]} for one in ASKS.get(kind, ())]
 
 
 def _asked(request: Mapping[str, Any], folder: Path) -> Asked:
@@ -131,7 +133,23 @@ def _found(asked: Asked) -> tuple[Any, KindPage]:
         found = load(row.fit)(asked.files, options=asked.options)
     else:
         raise DataError(f"'{asked.kind}' is no kind of test that is fitted by itself")
-    return found, kind_page(found)
+    return found, _page_of(found)
+
+
+def _page_of(found: Any) -> KindPage:
+    try:
+        return kind_page(found)
+    except TypeError:  # of a door
+        rows = tuple(
+            Row(f"Mode {i}", rounded(one.mode.frequency, digits=4), "", "", "Hz", "", bound=False)
+            for i, one in enumerate(found.modes[:8], 1)
+        )
+        return KindPage(
+            about="a door on its seal", strip=(),
+            lights=lights(found.checks, {"Door": frozenset()}),
+            answers="A door", picture=found.plot(), told="Modes", groups=(Group("", rows),),
+            sources=(), note="", name="door",
+        )  # fmt: skip
 
 
 def _number(asked: Asked, name: str, dimension: Any) -> float | None:

@@ -111,7 +111,7 @@ class Desk:
         self.store.remove()
 
 
-_LISTS: dict[str, type] = {"files": dict, "open": dict, "folders": str}
+_LISTS: dict[str, type] = {"files": dict, "open": dict, "past": dict, "folders": str}
 """What the state of a page lists, and of what."""
 
 
