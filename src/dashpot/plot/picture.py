@@ -91,6 +91,18 @@ class Area:
     tint: float = 0.25
 
 
+@dataclass(frozen=True, eq=False)
+class Ring:
+    """A closed outline, filled."""
+
+    x: FloatArray
+    y: FloatArray
+    colour: str
+    label: str = ""
+    tint: float = 0.6
+    hatched: bool = False
+
+
 @dataclass(frozen=True)
 class Span:
     """A range of the horizontal axis; hatched where it is out of reach."""
@@ -129,18 +141,22 @@ class Tag:
     end: bool = False
 
 
-Keyed: TypeAlias = Line | Dots | Area | Span | Rule
+Keyed: TypeAlias = Line | Dots | Area | Ring | Span | Rule
 Mark: TypeAlias = Keyed | Tag
 
 
 @dataclass(frozen=True)
 class Scale:
-    """The scale of an axis: a quantity with its unit, and from where to where it is shown."""
+    """The scale of an axis: a quantity with its unit, and from where to where it is shown.
+
+    A `bare` one has no numbers: what stands along it is named in the panel.
+    """
 
     label: str
     limits: tuple[float, float]
     log: bool = False
     ticks: tuple[float, ...] = ()
+    bare: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,6 +174,10 @@ class Panel:
         A few words in the upper right corner.
     square : bool
         A unit of x is as long as one of y.
+    bare : bool
+        Without axes: a drawing of a thing, whose place in space says nothing.
+    below : str
+        Words under it, in the middle: what a small drawing is of.
     """
 
     x: Scale
@@ -167,6 +187,8 @@ class Panel:
     height: float = 190.0
     note: str = ""
     square: bool = False
+    bare: bool = False
+    below: str = ""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
