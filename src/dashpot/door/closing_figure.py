@@ -85,7 +85,7 @@ def waterfall(done: Closing) -> Panel:
     ticks = tuple(np.arange(0.0, done.energy * 1.001, step).tolist())
     return Panel(
         Scale("energy, J", (begins, _WORDS * done.energy), ticks=ticks),
-        Scale("", (0.4, len(rows) + 0.6), bare=True),
+        Scale("", (0.4, len(rows) + 0.6), unnumbered=True),
         tuple(marks),
         title="where the energy goes",
         height=22.0 * len(rows),

@@ -162,7 +162,7 @@ def line_panel(found: DoorResult, view: View) -> Panel:
         title="seal line, from outside",
         height=300,
         square=True,
-        bare=True,
+        drawing=True,
         below=f"{metre:g} m",
     )
 
@@ -253,7 +253,7 @@ def shape_panels(found: DoorResult, view: View) -> list[Panel]:
                 tuple(marks),
                 height=180,
                 square=True,
-                bare=True,
+                drawing=True,
                 below=f"{number}: {hz} Hz\n{damping} %, {share}",
             )
         )

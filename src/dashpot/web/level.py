@@ -11,7 +11,7 @@ from dashpot import plot
 from dashpot.base.errors import DataError
 from dashpot.base.progress import doing
 from dashpot.plot.picture import Picture
-from dashpot.report.judged import document
+from dashpot.report.judged import text_of
 from dashpot.report.level import beyond, numbers
 from dashpot.report.pages import COLOURS
 from dashpot.web import views, wire
@@ -62,5 +62,5 @@ def level(request: Mapping[str, Any], folder: Path) -> bytes:
 def take_level(request: Mapping[str, Any], folder: Path) -> bytes:
     """The fit as its JSON, as ``dashpot fit --json`` prints it."""
     found, _ = _fitted(_asked(request, folder))
-    text = document(found)
+    text = text_of(found)
     return wire.packed({"name": "levels.json", "kind": "application/json", "text": text})
