@@ -34,11 +34,13 @@ class Pen:
         px.
     dashes : tuple of float
         On, off, ..., px; empty for a solid line.
+    opacity : float
     """
 
     colour: str
     width: float = 1.6
     dashes: tuple[float, ...] = ()
+    opacity: float = 1.0
 
 
 MEASURED = Pen("measured")
@@ -46,6 +48,8 @@ FIT = Pen("fit", 2.0)
 PREDICTED = Pen("fit", 2.0, (7, 4))
 JOINT = Pen("joint", 3.0)
 REF = Pen("ref", 1.2, (2, 3))
+BENEATH, UPON = Pen("fit", 5.5, opacity=0.55), Pen("measured", 1.3)
+"""A fit as a band, and what was measured as the thin line upon it: a miss leaves the band."""
 SIMPLER = (Pen("ref", 1.8, (8, 3)), Pen("ref", 1.8, (3, 2)))
 REJECTED = Pen("bad", 1.4, (5, 3))
 
@@ -115,7 +119,10 @@ class Rule:
 
 @dataclass(frozen=True)
 class Tag:
-    """Words at a point of the data, with a dot there: filled, hollow or none."""
+    """Words at a point of the data, with a dot there: filled, hollow or none.
+
+    Those of the `end` of a curve stand to its right, as its name.
+    """
 
     x: float
     y: float
@@ -123,6 +130,7 @@ class Tag:
     colour: str
     dot: Literal["filled", "hollow", ""] = ""
     bold: bool = False
+    end: bool = False
 
 
 Keyed: TypeAlias = Line | Dots | Area | Span | Rule
@@ -154,6 +162,8 @@ class Panel:
         A few words in the upper right corner.
     square : bool
         A unit of x is as long as one of y.
+    bare : bool
+        What it shows upright is said elsewhere, and not above its axes.
     """
 
     x: Scale
@@ -163,6 +173,7 @@ class Panel:
     height: float = 190.0
     note: str = ""
     square: bool = False
+    bare: bool = False
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -5,7 +5,7 @@ import * as folders from "./folders.js";
 import { become, levelUnit, remember, shown, state, test, undo } from "./job.js";
 import * as lot from "./lot.js";
 import { bench, live, predict, settle, study } from "./questions.js";
-import { choices, describe, fields, fileList, solid, views } from "./shown.js";
+import { choices, describe, fields, fileList, views } from "./shown.js";
 import { refuse, types } from "./verdict.js";
 import { call } from "./wire.js";
 
@@ -23,6 +23,7 @@ const DECKS = {
 };
 const NOTICED = 24;
 const PAUSE = 250;
+const STEP = 1.01;
 
 // -- buttons and keys -----------------------------------------------------------------------------
 
@@ -45,7 +46,7 @@ function which(/** @type {string} */ name) {
   if (joint === state.joint) return;
   state.joint = joint;
   choices();
-  solid();
+  $("solid").replaceChildren();
   remember();
   study();
 }
@@ -94,12 +95,17 @@ function deck(/** @type {string} */ target) {
   });
 }
 
+/** Fold the choices, or unfold them. */
+function unfold(yes = !$("choices").classList.contains("choosing")) {
+  $("choices").classList.toggle("choosing", yes);
+  document.querySelector('[data-act="choices"]')?.setAttribute("aria-expanded", String(yes));
+}
+
 const keys = /** @type {HTMLDialogElement} */ ($("keys"));
 
 /** @type {Record<string, () => unknown>} */
 const acts = {
   open: () => $("pick").click(),
-  hammer: () => $("pick").click(),
   example: files.example,
   answer: files.answer,
   profile: files.profile,
@@ -110,6 +116,11 @@ const acts = {
     if (document.body.classList.toggle("folders")) field("folder-name").focus();
   },
   report: () => files.away({ what: "report" }),
+  choices: () => unfold(),
+  specimen: () => {
+    document.querySelector(".specimen")?.classList.toggle("edit");
+    $("specimen-name").focus();
+  },
   menu: () => menu(!!$("menu").hidden),
   copy,
   reset,
@@ -138,6 +149,22 @@ const buttons = {
     state.base = said === "yes";
     settle();
   },
+  phase: () => {
+    state.phase = !state.phase;
+    choices();
+    remember();
+    study();
+  },
+  step: (said) => {
+    const [name, by] = said.split(" ");
+    step(name, +by);
+  },
+  fold: (name) => {
+    const open = document.body.classList.toggle(`open-${name}`);
+    document.querySelector(`[data-fold="${name}"]`)?.setAttribute("aria-expanded", String(open));
+    // what was folded had no width to be drawn at
+    if (open && test() && ["bench", "arms"].includes(name)) settle();
+  },
   frfs: (of) => {
     const one = shown();
     if (of !== "levels" && one?.level) one.level = "";
@@ -161,10 +188,10 @@ document.addEventListener("click", (event) => {
 /** @type {Record<string, () => unknown>} */
 const letters = {
   o: acts.open,
-  h: acts.hammer,
   f: acts.folders,
   e: () => !state.files.length && files.example(),
-  j: () => !$("which").hidden && which("joint"),
+  j: () => !$("top").hidden && !$("tab-joint").hidden && which("joint"),
+  p: () => test() && !state.base && buttons.phase(""),
   r: () => test() && acts.report(),
   t: () => test() && acts.menu(),
   m: () => $("mass").focus(),
@@ -236,7 +263,6 @@ const typed = {
   mass: (text) => {
     const grams = inGrams(text);
     state.job.mass = grams && `${grams}g`;
-    state.mass = +grams;
   },
   seals: (text) => {
     state.job.seals = text ? +text : 1;
@@ -287,10 +313,6 @@ document.addEventListener("change", (event) => {
   else if (at.id.startsWith("specimen-")) {
     describe(at.id.slice("specimen-".length), at.value);
     settle();
-  } else if (at.id === "mass-slider") {
-    // each press of an arrow is a change: what takes seconds waits for the last of them
-    clearTimeout(pause);
-    pause = setTimeout(settle, PAUSE);
   } else if (typed[at.id]) {
     typed[at.id](text);
     settle();
@@ -302,12 +324,38 @@ document.addEventListener("moved", (event) => {
   cut(name, value, held);
 });
 
-$("mass-slider").addEventListener("input", () => {
-  if (!state.mass) state.mass = parseFloat(state.job.mass);
-  const grams = +(state.mass * 10 ** +field("mass-slider").value).toPrecision(4);
-  state.job.mass = `${grams}g`;
-  field("mass").value = String(grams);
+/** Change a number by so many steps: curves follow, and it is judged once that stops. */
+function step(/** @type {string} */ name, /** @type {number} */ by) {
+  if (name === "seals") state.job.seals = Math.max(1, Math.round(state.job.seals) + by);
+  else {
+    const grams = parseFloat(state.job.mass);
+    if (!grams) return $("mass").focus();
+    state.job.mass = `${+(grams * STEP ** by).toPrecision(4)}g`;
+  }
+  field("mass").value = state.job.mass.replace(/g$/, "");
+  field("seals").value = String(state.job.seals);
+  delete field("mass").dataset.typed;
   predict();
+  clearTimeout(pause);
+  // each press is a change: what takes seconds waits for the last of them
+  pause = setTimeout(settle, PAUSE);
+}
+
+$("mass").addEventListener("keydown", (event) => {
+  const by = { ArrowUp: 1, ArrowDown: -1 }[event.key];
+  if (!by || field("mass").dataset.typed) return;
+  event.preventDefault();
+  step("mass", by);
+});
+$("mass").addEventListener("wheel", (event) => {
+  if (document.activeElement !== $("mass") || field("mass").dataset.typed) return;
+  event.preventDefault();
+  step("mass", event.deltaY < 0 ? 1 : -1);
+}, { passive: false });
+
+document.addEventListener("number", (event) => {
+  unfold(true);
+  field(`cut-${/** @type {CustomEvent} */ (event).detail}`).select();
 });
 
 // -- files that are dropped, and a window of another size ----------------------------------------

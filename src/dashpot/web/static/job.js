@@ -35,7 +35,7 @@ import { call } from "./wire.js";
  */
 /** @typedef {{at: string, law: string}} OfLevels Forces at which a resonance is asked for, and the law */
 /** @typedef {{of: "points" | "masses" | "levels", band: string}} OfFRFs In what several FRFs differ, and where modes are sought */
-/** @typedef {{files: OpenFile[], current: string, joint: boolean, base: boolean, lot: string, mass: number, levels: OfLevels, frfs: OfFRFs, job: Choices}} State */
+/** @typedef {{files: OpenFile[], current: string, joint: boolean, base: boolean, phase: boolean, lot: string, levels: OfLevels, frfs: OfFRFs, job: Choices}} State */
 
 /** What is shown where no file is. */
 export const LOT = "lot";
@@ -51,8 +51,8 @@ const fresh = () => ({
   current: "",
   joint: false,
   base: false,
+  phase: false,
   lot: "",
-  mass: 0,
   levels: { at: "", law: "auto" },
   frfs: { of: "points", band: "" },
   job: { ...usual, cuts: {}, specimen: {}, hammer: { accept: [], reject: [] } },
@@ -143,12 +143,11 @@ const past = [];
 
 /** What of the state the user chose; what a file was found to be is none of it. */
 const key = () => {
-  const { job, joint, base, mass, levels, frfs, files } = state;
+  const { job, joint, base, levels, frfs, files } = state;
   return JSON.stringify([
     job,
     joint,
     base,
-    mass,
     levels,
     frfs,
     files.map((one) => [one.id, one.options, one.together, one.temperature, one.level, one.mass]),

@@ -1,5 +1,5 @@
 // What stands on the page beside the drawings: verdict, solid, choices, files, fields.
-import { $, all, field, made, put } from "./dom.js";
+import { $, all, field, icon, made, put } from "./dom.js";
 import {
   hammers,
   isBench,
@@ -21,14 +21,22 @@ import { render } from "./verdict.js";
 /** @typedef {import("./job.js").OpenFile} OpenFile */
 
 const SPECIMEN = { name: "", lot: "", length: "mm" };
-const SVG = "http://www.w3.org/2000/svg";
 
-/** @type {{fit: string, joint: string}} */
-export const tables = { fit: "", joint: "" };
-
-/** The table of the solid of the tab; nothing of a solid that is not found yet. */
-export function solid() {
-  $("solid").innerHTML = tables[state.joint ? "joint" : "fit"];
+/** The table of a solid, and how many arms it has, each on its tab. */
+export function solid(
+  /** @type {string} */ html,
+  /** @type {boolean} */ joint,
+  /** @type {number | ""} */ arms,
+) {
+  const shown = joint === state.joint;
+  if (shown) $("solid").innerHTML = html;
+  const said = arms === "" ? "" : `, ${arms} arm${arms === 1 ? "" : "s"}`;
+  $(joint ? "arms-joint" : "arms-fit").textContent = said;
+  if (!shown) return;
+  const auto = document.querySelector('[data-arms="auto"]');
+  const chosen = state.job.arms === "auto" && arms !== "";
+  if (auto) auto.textContent = chosen ? `auto: ${arms}` : "auto";
+  choices();
 }
 
 export function choices() {
@@ -47,25 +55,25 @@ export function choices() {
   }
   $("reset").hidden = !Object.keys(cuts).length;
   for (const [name, handle] of Object.entries(handles)) handle.byHand(name in cuts);
-  const two = hammers().length > 0 && !!test() && !isBenchShown() && state.current !== LOT;
-  $("which").hidden = !two;
+  for (const button of all("[data-phase]")) {
+    button.setAttribute("aria-pressed", String(state.phase));
+    button.toggleAttribute("disabled", state.base);
+  }
+  const tabs = !!test() && !isBenchShown() && state.current !== LOT, two = tabs && hammers().length > 0;
+  $("top").hidden = !tabs;
+  $("tab-joint").hidden = !two;
   for (const button of all("[data-which]")) {
     const own = button.dataset.which === (state.joint ? "joint" : "fit");
-    button.setAttribute("aria-pressed", String(own));
+    button.setAttribute("aria-selected", String(own));
+    button.tabIndex = own ? 0 : -1;
   }
+  $("choice-line").textContent = all("#choice-body .choice").filter((one) => one.offsetParent || !one.closest(".of-test") || test())
+    .map((one) => `${one.getAttribute("aria-label")} ${one.querySelector("[aria-pressed=true]")?.textContent || ""}`.toLowerCase())
+    .join(" \u00b7 ");
   $("taken").textContent = two ? (state.joint ? ": both tests" : ": relaxation alone") : "";
 }
 
 const isBenchShown = () => state.files.some((one) => one.id === state.current && isBench(one));
-
-function mark(/** @type {string} */ name) {
-  const icon = document.createElementNS(SVG, "svg"), use = document.createElementNS(SVG, "use");
-  icon.setAttribute("class", "icon");
-  icon.setAttribute("aria-hidden", "true");
-  use.setAttribute("href", `#i-${name}`);
-  icon.append(use);
-  return icon;
-}
 
 export function fileList() {
   const of = test();
@@ -79,7 +87,7 @@ export function fileList() {
       made(
         "button",
         { class: "file", "data-show": one.id, "aria-current": String(one.id === state.current) },
-        mark(one.mark || "note"),
+        icon(one.mark || "open"),
         words,
       ),
     );
@@ -98,7 +106,7 @@ export function fileList() {
     const current = String(state.current === LOT);
     const open = { class: "file", "data-show": LOT, "aria-current": current };
     const away = { class: "link away", "data-remove": LOT, "aria-label": `remove ${name}` };
-    const button = made("button", open, mark("note"), says);
+    const button = made("button", open, icon("note"), says);
     $("files").prepend(made("li", {}, button, made("button", away, "\u00d7")));
   }
   document.body.classList.toggle("empty", !state.files.length && !state.lot);
@@ -140,12 +148,10 @@ export function views() {
 
 /** The numbers of the choices in their fields. */
 export function fields() {
-  const { job, mass } = state, grams = parseFloat(job.mass);
+  const { job } = state;
   put("mass", job.mass.replace(/g$/, ""));
   put("seals", String(job.seals));
   put("compression", job.compression.replace(/mm$/, ""));
-  field("mass-slider").disabled = !job.mass;
-  put("mass-slider", String(mass && grams ? Math.log10(grams / mass) : 0));
   put("level", levelNumber(shown()));
   $("level-unit").textContent = unitWords(shown());
   put("level-at", state.levels.at);

@@ -1,5 +1,5 @@
 // The verdict: of what is asked now and of all open files, and never calmer than what is known.
-import { $, all, made, panelCard } from "./dom.js";
+import { $, all, icon, made, panelCard } from "./dom.js";
 import { questionOf, state, test } from "./job.js";
 
 /** @typedef {{verdict: string, colour: string}} Judged As the server draws it */
@@ -126,18 +126,30 @@ const said = (/** @type {string} */ word, /** @type {{said: string, cure: Cure}}
 
 /** @type {(of: Said) => Node[]} */
 function drawn({ word, says, colour, cure, alert }) {
-  const icon = made("span");
-  icon.innerHTML = `<svg class="icon big" aria-hidden="true"><use href="#i-${colour}"/></svg>`;
-  const parts = [
-    ...icon.childNodes,
-    made("strong", { class: "word" }, word),
-    made("p", alert ? { role: "alert" } : {}, says),
-  ];
-  if (cure) {
-    const [name, does] = cure.remove ? ["data-remove", cure.remove] : ["data-act", cure.act || ""];
-    parts.push(made("button", { id: "cure", [name]: does }, cure.words));
-  }
+  const line = made("div", { class: "says" }), text = made("p", alert ? { role: "alert" } : {}, says);
+  line.append(icon(colour, "icon big"), made("strong", { class: "word" }, word));
+  const parts = [made("div", { class: "said" }, line, text)];
+  // what mends it stands where the lights do: none of them would say more than the word
+  if (!cure) return [...parts, unlit()];
+  const [name, does] = cure.remove ? ["data-remove", cure.remove] : ["data-act", cure.act || ""];
+  parts.push(made("button", { id: "cure", class: "main", [name]: does }, cure.words));
   return parts;
+}
+
+/** Three lights of which none is known. */
+function unlit() {
+  const lights = made("dl", { class: "lights" });
+  for (const name of test() ? ["Test", "Stiffness", "Damping"] : []) {
+    lights.append(made("dt", {}, name), made("dd", {}, icon("open"), "not judged"));
+  }
+  return lights;
+}
+
+/** What stands on the head of each fold of a narrow page: its marks are no calmer than the verdict. */
+function folds() {
+  $("fold-checks").textContent = document.querySelector("#checks .tally")?.textContent || "";
+  $("fold-arms").textContent = $("choice-line").textContent?.split(" \u00b7 ")[0] || "";
+  $("file-count").textContent = String(state.files.length || "");
 }
 
 let stands = "";
@@ -152,7 +164,9 @@ export function render() {
   const head = asked && !other ? known.head : null;
   for (const one of all('[data-needs="test"]')) one.toggleAttribute("disabled", !settled());
   panelCard("frf")?.classList.toggle("stale", !!other);
+  folds();
   document.body.classList.toggle("unsettled", !!other);
+  $("top").className = `top ${other?.colour || head?.colour || "open"}`;
   for (const tab of test() ? all("[data-which]") : []) {
     const joint = tab.dataset.which === "joint", shown = other?.colour || head?.colour;
     const colour = joint === state.joint ? shown : colours.get(questionOf(joint));
