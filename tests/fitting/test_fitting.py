@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from kit.fits import of_noise
 
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.status import Status
@@ -18,6 +19,7 @@ from dashpot.fitting.relaxation import fit
 from dashpot.preparation.prepare import prepare
 from dashpot.records.estimate import Profile, profile_interval
 from dashpot.records.fit import Fit
+from dashpot.records.machine import Machine
 from dashpot.records.relaxation import RampHold
 from dashpot.simulation import simulate_relaxation
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -57,7 +59,8 @@ def five(model: GeneralizedMaxwell) -> tuple[float, ...]:
 
 
 def five_errors(found: Fit) -> np.ndarray:
-    error = found.standard_error
+    """Of the noise alone."""
+    error = of_noise(found).standard_error
     return np.array([error["k_inf"], *error["k"], *error["tau"]])
 
 
@@ -103,8 +106,8 @@ def test_every_order_is_kept_for_the_comparison(paper_seal: GeneralizedMaxwell) 
 
 def test_the_full_history_knows_fast_arms_twice_as_well(paper_seal: GeneralizedMaxwell) -> None:
     test = ideal(paper_seal, noise=5e-3, seed=3)
-    full = fit(test, arms=2, nuisance=()).standard_error
-    hold = fit(test, arms=2, method="hold", nuisance=()).standard_error
+    full = of_noise(fit(test, arms=2, nuisance=())).standard_error
+    hold = of_noise(fit(test, arms=2, method="hold", nuisance=())).standard_error
     assert 100 * hold["k"][0] / 117.5 == pytest.approx(0.65, abs=0.05)
     assert 100 * full["k"][0] / 117.5 == pytest.approx(0.28, abs=0.05)
     assert 100 * hold["tau"][0] / 0.502 == pytest.approx(0.60, abs=0.05)
@@ -203,6 +206,15 @@ def test_units_of_force_and_time_scale_through(force: float, slow: float) -> Non
     np.testing.assert_allclose(other.model.k, force * np.array(one.model.k), rtol=1e-5)
     np.testing.assert_allclose(other.model.tau, slow * np.array(one.model.tau), rtol=1e-5)
     np.testing.assert_allclose(five_errors(other)[1:3], force * five_errors(one)[1:3], rtol=1e-3)
+    # of a cell that warms in 120 s and of clocks 5 ms apart time is no matter of units
+    still = Machine(sync=0.0, drift=0.0, compliance=0.0, creep=0.0)
+    errors, others = (
+        fit(replace(each, machine=still), arms=2).standard_error for each in (test, scaled)
+    )
+    # what a rig adds is laid out in some hundred samples
+    np.testing.assert_allclose(others["k"], force * np.array(errors["k"]), rtol=1e-2)
+    np.testing.assert_allclose(others["tau"], slow * np.array(errors["tau"]), rtol=1e-2)
+    assert errors["k"][0] > 1.001 * five_errors(one)[1]
 
 
 def test_tare_and_drift_are_found_and_do_no_harm(paper_seal: GeneralizedMaxwell) -> None:
