@@ -58,19 +58,33 @@ docs:
 bench:
     for script in benchmarks/*.py; do echo "== $script"; python "$script"; done
 
+# what the gate tests, pinned: constraints.txt, and requirements.txt with the hash of every file
+pins:
+    python .ci/constraints.py > constraints.txt
+    uv pip compile pyproject.toml --extra all -c constraints.txt --generate-hashes --universal \
+        --python-version 3.11 --no-annotate --quiet --output-file requirements.txt \
+        --custom-compile-command "pip install --require-hashes -r requirements.txt; just pins writes it"
+
 # wheel, sdist and a bill of materials of what was tested, in dist/
 release:
     #!/usr/bin/env bash
     set -euo pipefail
+    if tag="$(git describe --exact-match --match 'v*' 2>/dev/null)"; then
+        grep -q "^## ${tag#v} - 20" CHANGELOG.md || { echo "CHANGELOG.md has no day of ${tag#v}"; exit 1; }
+        grep -q "^version: ${tag#v}$" CITATION.cff || { echo "CITATION.cff is not of ${tag#v}"; exit 1; }
+    fi
     rm -rf dist
     python -m build --outdir dist
     room="$(mktemp -d)"
     trap 'rm -rf "$room"' EXIT
     python -m venv --without-pip "$room"
     wheel="$(echo dist/*.whl)"
-    python -m pip --python "$room/bin/python" install -q -c constraints.txt "$wheel[io]"
+    python -m pip --python "$room/bin/python" install -q -c constraints.txt \
+        --report "$room/report.json" "$wheel[io]"
     bill="${wheel%-py3-none-any.whl}"
     sed "s|^dynamic = .*|version = \"${bill#dist/dashpot-}\"|" pyproject.toml > "$room/pyproject.toml"
     cyclonedx-py environment --pyproject "$room/pyproject.toml" --mc-type library \
         --output-reproducible --of JSON -o "$bill.cdx.json" "$room/bin/python"
+    python .ci/bill.py "$bill.cdx.json" "$room/report.json"
+    cp requirements.txt dist
     cd dist && sha256sum -- * > SHA256SUMS

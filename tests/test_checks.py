@@ -785,13 +785,13 @@ IDENTIFICATION = [
     ),
     Case(
         "arms_identified",
-        lambda x: identification.arms_identified(2, x, significant=True),
+        lambda x: identification.arms_identified(2, x),
         0.499,
         0.5,
     ),
     Case(
         "arms_identified",
-        lambda x: identification.arms_identified(2, 0.3, significant=bool(x)),
+        lambda x: identification.arms_identified(2, 0.3, unknown=(1.0,) * (not x)),
         1,
         0,
     ),

@@ -67,6 +67,7 @@ IDEAS: dict[str, tuple[str, tuple[str, ...], dict[str, str]]] = {
         {
             "fitting/uncertainty/admissible_spectra.py": "a cut of a deviance, calibrated",
             "fitting/uncertainty/profile_intervals.py": "how deep a stored profile goes",
+            "kinds/cld/from_files.py": "a mean of pieces, not of residuals",
             "lots/judgement.py": "a guard band of pieces, not of residuals",
             "lots/statistics/scatter.py": "a chart of pieces, not of residuals",
             "records/estimate.py": "a fit's own intervals, of what it keeps of its estimate",

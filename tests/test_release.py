@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+import runpy
 import tomllib
 from pathlib import Path
 
@@ -35,6 +37,39 @@ def test_what_is_asked_for_is_pinned_at_a_version_that_will_do(pinned, asked):
     (pin,) = pinned[canonicalize_name(asked.name)]
     assert pin.operator == "=="
     assert asked.specifier.contains(pin.version, prereleases=True)
+
+
+def test_every_file_that_a_user_installs_is_pinned_with_its_hash(pinned):
+    """All that the extra `all` asks for, at the versions that the gate tests."""
+    text = (ROOT / "requirements.txt").read_text("utf-8")
+    held = dict(re.findall(r"^([\w-]+)==([^ ]+) .*\\\n +--hash=sha256:[0-9a-f]{64}\b", text, re.M))
+    assert len(held) == text.count("==")
+    for name, version in held.items():
+        if name in pinned:
+            assert pinned[name].contains(version, prereleases=True), name
+    extras = PROJECT["optional-dependencies"]
+    of_all = re.search(r"\[([\w,]+)\]", extras["all"][0])[1].split(",")
+    for group in (PROJECT["dependencies"], *(extras[one] for one in of_all)):
+        assert {canonicalize_name(Requirement(one).name) for one in group} <= {*held}
+
+
+def test_a_bill_gets_the_hash_of_every_part_or_is_refused():
+    hashed = runpy.run_path(str(ROOT / ".ci" / "bill.py"))["hashed"]
+    file = {"archive_info": {"hashes": {"sha256": "ab" * 32}}}
+    one = {"metadata": {"name": "Some_Part", "version": "1.0"}, "download_info": file}
+    part, other = {"name": "some-part", "version": "1.0"}, {"name": "some-part", "version": "1.1"}
+    bill = hashed({"metadata": {"component": part}, "components": []}, {"install": [one]})
+    assert bill["metadata"]["component"]["hashes"] == [{"alg": "SHA-256", "content": "ab" * 32}]
+    with pytest.raises(KeyError):
+        hashed({"metadata": {"component": part}, "components": [other]}, {"install": [one]})
+
+
+def test_the_changelog_has_a_section_for_each_version_and_the_citation_is_of_the_newest():
+    text = (ROOT / "CHANGELOG.md").read_text("utf-8")
+    released = [Version(one) for one in re.findall(r"^## (\d\S*)", text, re.M)]
+    assert released == sorted(set(released), reverse=True)
+    citation = (ROOT / "CITATION.cff").read_text("utf-8")
+    assert f"\nversion: {released[0]}\n" in citation
 
 
 def test_the_version_sorts_and_stands_in_the_byline():

@@ -273,8 +273,9 @@ def test_progress_is_for_terminals_and_for_what_takes_long(monkeypatch):
     assert worked(monkeypatch, io.StringIO(), patience=0) == ""
 
 
-def test_nobody_listens_by_default():
+def test_nobody_listens_by_default(capfd):
     doing("something")
+    assert capfd.readouterr() == ("", "")
 
 
 # -- what --strict heeds ---------------------------------------------------------------------------

@@ -8,6 +8,7 @@ from operator import itemgetter
 import numpy as np
 import pytest
 from kit import cold
+from kit.fits import failed
 from kit.slopes import hold_slopes
 
 import dashpot as dp
@@ -30,10 +31,6 @@ PAIR, TRIPLE = (ROOM, FRIDGE), (ROOM, 10.0, FRIDGE)
 
 def fitted(seal: str, celsius=PAIR, seed: int = 0, *, vertical="free", **changes) -> dp.Fit:
     return fit_tests(cold.records(seal, celsius, seed, **changes), vertical=vertical)
-
-
-def failed(fit: dp.Fit) -> set[str]:
-    return {check.name for check in fit.checks if check.failed}
 
 
 def inside(fit: dp.Fit, seal: str) -> tuple[bool, bool]:

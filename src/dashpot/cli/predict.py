@@ -82,7 +82,7 @@ _QUESTION, _PART = "Question", "Part of a material"
         opt("--modes", "every", kinds=_DOOR, help="Share of every part in every mode."),
     ),
     rest(group(RAMP, options.machine(_SOLID)), options.reading()),
-    options.result("FRF as .csv; of a door .json."),
+    options.result("FRF as .csv; of a door .json; or a page, .html."),
 )  # fmt: skip
 def command(*, path: str, **said: Any) -> Outcome:
     """Predict what the file asks for: a door, a mass on a solid, or what its kind predicts."""
@@ -176,12 +176,14 @@ def _keep(found: workflow.Prediction, path: str) -> None:
     from dashpot.io.write import write_frf
 
     suffix = path.lower().rpartition(".")[2]
-    if suffix == "json":
+    if path.lower().endswith(PAGE):
+        write(path, workflow.html(found))
+    elif suffix == "json":
         write(path, printed(found) + "\n")
     elif suffix in {"csv", path.lower()}:
         write(path, write_frf(found.by_level[0].frf if found.by_level else found.frf))
     else:
-        raise click.UsageError(f"-o {path}: a prediction is written as .csv or .json.")
+        raise click.UsageError(f"-o {path}: a prediction is written as .csv, .json or .html.")
 
 
 def _figure(found: workflow.Prediction, stamp: str) -> dp.plot.Picture:

@@ -369,9 +369,16 @@ def _area(mark: Area, panel: Panel, box: Box) -> list[Polyline | Fill | Markers]
 def _tagged(tags: list[Tag], panel: Panel, box: Box) -> list[Word]:
     """Words beside their points, inside the axes and clear of each other."""
     places = [_points(panel, box, *_at(tag))[0] + (box.x, box.y) for tag in tags]
-    taken = [Box(x - 5, y - 5, 10, 10) for x, y in places]
-    made = []
+    taken = [Box(x - 5, y - 5, 10, 10) for tag, (x, y) in zip(tags, places, strict=True)
+             if not tag.end]  # fmt: skip
+    made = [
+        Word(x + 6, y, tag.text, tag.colour, tag.bold, halo=True)
+        for tag, x, y in _named(tags, places)
+    ]
+    taken += map(_room, made)
     for tag, (x, y) in zip(tags, places, strict=True):
+        if tag.end:
+            continue
         spots: list[tuple[float, float, Anchor]] = [
             (x + 10, y + 4, "start"), (x - 10, y + 4, "end"), (x + 10, y - 10, "start"),
             (x - 10, y - 10, "end"), (x + 14, y + 21, "start"), (x - 14, y + 21, "end"),
@@ -391,6 +398,26 @@ def _tagged(tags: list[Tag], panel: Panel, box: Box) -> list[Word]:
         taken.append(_room(word))
         made.append(word)
     return made
+
+
+def _named(tags: list[Tag], places: list[FloatArray]) -> list[tuple[Tag, float, float]]:
+    """The names at the ends of curves from the top down, each below the last, about their middle.
+
+    Where they are too near to stand where they end, all keep their order.
+    """
+    ends = sorted(
+        (
+            (tag, float(x), float(y) + 4)
+            for tag, (x, y) in zip(tags, places, strict=True)
+            if tag.end
+        ),
+        key=lambda one: one[2],
+    )
+    found: list[tuple[Tag, float, float]] = []
+    for tag, x, y in ends:
+        found.append((tag, x, max(y, found[-1][2] + ROW - 1) if found else y))
+    shift = sum(now[2] - then[2] for now, then in zip(found, ends, strict=True)) / max(len(ends), 1)
+    return [(tag, x, y - shift) for tag, x, y in found]
 
 
 def _clear(room: Box, box: Box, taken: list[Box]) -> bool:

@@ -115,7 +115,10 @@ class Rule:
 
 @dataclass(frozen=True)
 class Tag:
-    """Words at a point of the data, with a dot there: filled, hollow or none."""
+    """Words at a point of the data, with a dot there: filled, hollow or none.
+
+    Those of the `end` of a curve stand to its right, as its name.
+    """
 
     x: float
     y: float
@@ -123,6 +126,7 @@ class Tag:
     colour: str
     dot: Literal["filled", "hollow", ""] = ""
     bold: bool = False
+    end: bool = False
 
 
 Keyed: TypeAlias = Line | Dots | Area | Span | Rule

@@ -1,22 +1,25 @@
-"""A study, a fit of several levels, or another judged result to one self-contained HTML file."""
+"""A study or another judged result to one self-contained HTML file."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from dashpot.base.offered import Judged
 from dashpot.base.provenance import Step
-from dashpot.report import answer, judged, level, summary, tables
+from dashpot.plot.picture import Picture
+from dashpot.report import answer, judged, summary, tables
 from dashpot.report.figures import figures_of
 from dashpot.report.pages import COLOURS, environment, frame
-from dashpot.workflow.levels import Levels
 from dashpot.workflow.recommendation import recommendation
 from dashpot.workflow.study import Study
 
 __all__ = ["html"]
 
 
-def html(study: Study | Levels | Judged) -> str:
+def html(
+    study: Study | Judged, *, lead: Picture | None = None, beside: Sequence[Picture] = ()
+) -> str:
     """Return the report as one self-contained HTML file.
 
     The first screen holds the verdict, the figure that answers, and the solid to take; then test,
@@ -27,9 +30,12 @@ def html(study: Study | Levels | Judged) -> str:
 
     Parameters
     ----------
-    study : Study, Levels or another result of a kind
-        What ``dashpot report``, ``fit`` or ``predict`` found; of all but a study the page holds
-        verdict, figures, numbers, checks and files.
+    study : Study or another result of a kind
+        What ``dashpot report``, ``fit`` or ``predict`` found.
+    lead : Picture, optional
+        The figure that answers, where the caller knows more than the result tells; not of a study.
+    beside : sequence of Picture
+        Figures of the records behind it, which are folded; not of a study.
 
     Returns
     -------
@@ -39,8 +45,7 @@ def html(study: Study | Levels | Judged) -> str:
     if isinstance(study, Study):
         name, contents = "report.html", _contents(study)
     else:
-        found = level if isinstance(study, Levels) else judged
-        name, contents = "judged.html", found.contents(study)
+        name, contents = "judged.html", judged.contents(study, lead=lead, beside=beside)
     return str(environment("dashpot.report").get_template(name).render(contents))
 
 

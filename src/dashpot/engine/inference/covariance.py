@@ -421,15 +421,20 @@ class Directions(NamedTuple):
         return np.asarray(covariance)
 
 
-def directions(jacobians: Sequence[FloatArray], *, shared: bool = False) -> Directions:
+def directions(
+    jacobians: Sequence[FloatArray], *, shared: bool = False, finely: bool = False
+) -> Directions:
     """Turn Jacobians into orthonormal columns; `shared`, each record knows that it is one of some.
 
     The normal equations square the condition number, and what one direction that is hardly known
     loses to rounding would outweigh all that is known of the others. They only choose the
-    directions; what counts is taken from the turned columns.
+    directions; what counts is taken from the turned columns. `finely`, what J'J no longer knows is
+    asked of J, whose rounding is the root of it: for data that are known to a millionth or better.
     """
     information = np.sum([jacobian.T @ jacobian for jacobian in jacobians], axis=0)
     turn, lost = _turn(information)
+    if finely and lost.any():
+        turn, lost = _turn_finely(np.concatenate(jacobians))
     # a row for each direction, as they are transformed
     columns = tuple(Columns((turn.T @ jacobian.T).T, shared=shared) for jacobian in jacobians)
     gram = np.sum([column.gram for column in columns], axis=0)
@@ -445,4 +450,16 @@ def _turn(information: FloatArray) -> tuple[FloatArray, BoolArray]:
     sharp = values > _SINGULAR * max(values[-1], 0.0)
     dull = np.abs(vectors[:, ~sharp]).max(axis=1, initial=0.0)
     turn = vectors[:, sharp] / (np.sqrt(values[sharp]) * scale[:, None])
+    return turn, ~known | (dull > np.sqrt(_SINGULAR))
+
+
+def _turn_finely(jacobian: FloatArray) -> tuple[FloatArray, BoolArray]:
+    """As :func:`_turn`, by the singular values of J itself."""
+    size = np.linalg.norm(jacobian, axis=0)
+    known = size > 0.0
+    scale = np.where(known, size, 1.0)
+    _, values, rows = np.linalg.svd(np.linalg.qr(jacobian / scale, mode="r"))
+    sharp = values > _SINGULAR * values[0]
+    dull = np.abs(rows[~sharp]).max(axis=0, initial=0.0)
+    turn = rows[sharp].T / (values[sharp] * scale[:, None])
     return turn, ~known | (dull > np.sqrt(_SINGULAR))

@@ -221,6 +221,7 @@ def estimate(
     resting: BoolArray | None = None,
     held: BoolArray | None = None,
     prior_variance: float | None = None,
+    finely: bool = False,
 ) -> Estimate:
     """Return what the residuals of each record say of an optimum.
 
@@ -239,13 +240,16 @@ def estimate(
         Thetas that have no error: such as press against an end that is no mere window.
     prior_variance : float, optional
         Of the rows of priors; by default the mean power of the noises.
+    finely : bool
+        As :func:`~dashpot.engine.inference.covariance.directions` has it.
     """
     free, count = optimum.free, optimum.problem.priors
     if held is not None:
         free[: len(held)] &= ~held
     sizes = [*(parts or [len(optimum.residual)]), *([count] if count else [])]
     cuts = np.cumsum(sizes)[:-1]
-    known = directions(np.split(optimum.jacobian[:, free], cuts), shared=len(cuts) > 0)
+    split = np.split(optimum.jacobian[:, free], cuts)
+    known = directions(split, shared=len(cuts) > 0, finely=finely)
     # rows of priors are no record
     records = list(zip(np.split(optimum.every, cuts), known.columns, strict=True))
     noises = tuple(noises) or tuple(

@@ -34,7 +34,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray
+from dashpot.base.arrays import BoolArray, FloatArray
 
 MIN_K_OVER_SE = 3.0
 MAX_SE_LN_TAU = 0.5
@@ -104,7 +104,12 @@ def bic_of_deviance(deviance: float, *, effective: float, parameters: int) -> fl
 
 def significant(k: FloatArray, se_k: FloatArray, se_ln_tau: FloatArray) -> bool:
     """Return True if every arm has k > 3 SE and SE(ln tau) < 0.5; True without arms."""
-    return bool(np.all(k > MIN_K_OVER_SE * se_k) and np.all(se_ln_tau < MAX_SE_LN_TAU))
+    return bool(arms_known(k, se_k, se_ln_tau).all())
+
+
+def arms_known(k: FloatArray, se_k: FloatArray, se_ln_tau: FloatArray) -> BoolArray:
+    """Return for each arm whether k > 3 SE and SE(ln tau) < 0.5."""
+    return np.asarray((k > MIN_K_OVER_SE * se_k) & (se_ln_tau < MAX_SE_LN_TAU))
 
 
 def needed(fall: float, parameters: int) -> bool:

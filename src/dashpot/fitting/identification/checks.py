@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Protocol
 
 import numpy as np
@@ -196,19 +197,24 @@ def dashpot_not_missed(fall: float | None, beside: str, b: float, *, sure: bool 
     "a factor 1.6 in tau; and k > 3 SE",
     ends=Status.NOT_IDENTIFIED,
 )
-def arms_identified(arms: int, worst: float, *, significant: bool, new: int = 0) -> Finding:
+def arms_identified(
+    arms: int, worst: float, *, unknown: Sequence[float] = (), new: int = 0
+) -> Finding:
     """Every arm is known.
 
-    `new` of them only with the help of the hammer.
+    `unknown` are the relaxation times, s, of those that are not; `new` arms are known only with the
+    help of the hammer.
     """
     known = f"known (largest standard error {100 * worst:.2g} %)"
     hammer = f"; the hammer test adds {new} of them" if new > 0 else ""
+    be = "is" if len(unknown) == 1 else "are"
     return Finding(
         f"Every one of the {arms} arms is {known}{hammer}",
         worst,
-        instead=f"Not every one of the {arms} arms is {known}{hammer}"
+        instead=f"{len(unknown)} of the {arms} arms (relaxation time "
+        f"{', '.join(f'{tau:.3g} s' for tau in unknown)}) {be} not {known}{hammer}"
         if arms > 1
         else f"The one arm is not {known}",
         remedy=Remedy("Use fewer arms, widen the band, or add a relaxation test.", "arms"),
-        faulted=not significant,
+        faulted=bool(unknown),
     )

@@ -255,6 +255,6 @@ def _checks(
         arms = best.problem.sought.count
         worst = float(max(np.sqrt(np.diag(covariance))[1 : 1 + 2 * arms], default=0.0))
         new = 0 if before is None else arms - before.model.arms
-        known = checks.arms_identified(arms, worst, significant=best.significant, new=new)
+        known = checks.arms_identified(arms, worst, unknown=best.unknown, new=new)
         answers.append(known)
     return tuple(answers)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -19,6 +19,10 @@ from dashpot.vibration.systems.prediction import Response
 # lines within this factor of the peak are fitted unless a band is given
 AROUND_THE_PEAK = 3.0
 FEWEST_LINES = 8
+# a relaxation time can be told up to so many times beyond the lines, and farther where the lines
+# are better known than any that were measured: of an arm so slow they show k/tau alone, but for a
+# part of (omega tau)^-2, which must stand so far above what is left of them
+REACH, FARTHEST, ABOVE = 10.0, 3e3, 100.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +44,8 @@ class FRFData:
         What was measured.
     weighed : float or None
         Of a motion over a base, the mass with which it was made an accelerance, kg.
+    reach : float
+        How many times slower than the lowest line an arm may be to be told.
     """
 
     lines: FRF
@@ -49,6 +55,12 @@ class FRFData:
     peak_hz: float
     kind: Kind = Kind.ACCELERANCE
     weighed: float | None = None
+    reach: float = REACH
+
+    def reaching(self, left: float) -> FRFData:
+        """As far as lines tell of which a part of so much is left unexplained."""
+        reach = min(max(1 / np.sqrt(ABOVE * max(left, 1e-300)), REACH), FARTHEST)
+        return replace(self, reach=float(reach))
 
     def response(self, model: Solid, mass: float) -> Response:
         """The mass on seals, one of which is `model`, to the end of the record."""
@@ -128,7 +140,7 @@ class FRFData:
             columns=arms,
             window=(
                 0.1 / float(np.abs(s).max()),
-                10.0 / float(np.abs(s).min()),
+                self.reach / float(np.abs(s).min()),
             ),
         )
 

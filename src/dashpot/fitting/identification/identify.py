@@ -22,7 +22,7 @@ from dashpot.fitting.identification.checks import dashpot_not_missed
 from dashpot.fitting.identification.explanations import disagreement, freed
 from dashpot.fitting.identification.families import Rival, chosen_rival, judged_again
 from dashpot.fitting.identification.fit_assembly import identified
-from dashpot.fitting.identification.frf_data import frf_data_of
+from dashpot.fitting.identification.frf_data import FARTHEST, frf_data_of
 from dashpot.fitting.identification.given import (
     Before,
     before_hammer,
@@ -140,6 +140,7 @@ def identify(
     dashpots = (False, True) if asked == "auto" else (bool(asked),)
     problems = [replace(whole, dashpot=dashpot) for dashpot in dashpots]
     numbers = numbers_of(arms, before.arms)
+    problems = _reaching(problems, max(numbers))
     best, found, rival = _best(problems, numbers, before, family)
     scale = best.line_scale
     final = descend(replace(best.problem, scale=scale), best.theta, tolerance=TIGHT)
@@ -253,14 +254,19 @@ def _candidates(
         problem = replace(whole, sought=Arms(number))
         starts = [one for one in given if one.model.maxwell.arms == number]
         starts += _spread(problem, before)
-        tries = [descend(problem, problem.pack(one), tolerance=LOOSE) for one in starts]
+        tries: list[Candidate] = []
+        for one in starts:
+            tries.append(descend(problem, problem.pack(one), tolerance=LOOSE))
+            if tries[-1].exact:
+                break
         best = min(tries, key=lambda candidate: candidate.cost)
         # more arms explain no less: where they do, their optimum was not found
         if best.problem.sought.whole(best.point.model) and not (
             found and best.cost > ASTRAY * found[-1].cost
         ):
             found.append(best)
-        if found and best.bic > min(candidate.bic for candidate in found) + WORSE:
+        least = min((candidate.bic for candidate in found), default=np.inf)
+        if found and (found[-1].exact or best.bic > least + WORSE):
             break
     return found
 
@@ -296,6 +302,8 @@ def _dashpot_missed(best: Candidate, before: Fit | None) -> Check:
     sought = best.problem.sought
     if best.problem.dashpot:
         return dashpot_not_missed(None, sought.counted(), best.point.model.maxwell.b)
+    if best.exact:
+        return dashpot_not_missed(0.0, sought.counted(), 0.0)
     tries = []
     if isinstance(sought, Arms):
         least = 0 if before is None else before.model.arms
@@ -369,6 +377,19 @@ def _spread(problem: IdentificationProblem, before: Fit | None) -> list[Paramete
         if model.arms == arms:
             starts.append(_start(problem, model, mass))
     return starts
+
+
+def _reaching(
+    problems: Sequence[IdentificationProblem], most: int
+) -> Sequence[IdentificationProblem]:
+    """They seek arms as slow as lines can tell that nobody measured: computed, without scatter."""
+    one = problems[-1]
+    if one.frf_data.known_sd or one.relaxations or one.constraints.before is not None:
+        return problems
+    whole = replace(one, frf_data=replace(one.frf_data, reach=FARTHEST))
+    least = min(solution.sse for solution in solve_orders(_stiffness_blocks(whole), most))
+    data = one.frf_data.reaching(float(np.sqrt(least / (2 * len(one.frf_data.lines.s)))))
+    return [replace(problem, frf_data=data) for problem in problems]
 
 
 def _start(problem: IdentificationProblem, model: Solid, mass: float) -> Parameters:

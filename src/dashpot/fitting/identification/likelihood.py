@@ -432,7 +432,8 @@ class Candidate:
         """Every row has unit variance; what has faded from the solid is held."""
         size = np.linalg.norm(self.optimum.jacobian, axis=0)
         noise, faded = white_noise(self.optimum, 1.0), size <= UNFELT * size.max()
-        return estimate(self.optimum, noises=[noise], held=faded, prior_variance=1.0)
+        # lines that nobody measured stand far above what is known of the mass
+        return estimate(self.optimum, noises=[noise], held=faded, prior_variance=1.0, finely=True)
 
     @property
     def covariance(self) -> FloatArray:
@@ -442,19 +443,37 @@ class Candidate:
     @property
     def significant(self) -> bool:
         """Every arm has k > 3 SE and SE(ln tau) < 0.5; the slope of an element is known."""
-        sought = self.problem.sought
-        return sought.identified(np.sqrt(np.diag(self.covariance))[: sought.size])
+        return self.problem.sought.identified(self._error)
+
+    @property
+    def unknown(self) -> tuple[float, ...]:
+        """Relaxation times of the arms that are not known, s, ascending."""
+        assert isinstance(self.problem.sought, Arms)  # noqa: S101  # an element has none
+        tau = np.exp(self.problem.sought.log_tau(self.theta))
+        return tuple(np.sort(tau[~self.problem.sought.known(self._error)]).tolist())
+
+    @property
+    def _error(self) -> FloatArray:
+        """Standard errors of the solid's numbers."""
+        return np.sqrt(np.diag(self.covariance))[: self.problem.sought.size]
 
     @cached_property
     def bic(self) -> float:
         """Bayesian criterion with each test's own noise profiled."""
         lines = 2.0 * len(self.problem.frf_data.lines.s)
-        # below a millionth of the value, or of the noise, one misfit is as good as another
+        # below a billionth of the value, or of the noise, one misfit is as good as another
         total = deviance(max(self.line_misfit / lines, SMALLEST_SCATTER**2), effective=lines)
         for relaxation, chi2 in zip(self.problem.relaxations, self.relaxation_chi2, strict=True):
             total += deviance(chi2 / relaxation.samples, effective=relaxation.samples)
         prior = self.modelled.known[0]
         return self._penalised(total + float(prior @ prior))
+
+    @property
+    def exact(self) -> bool:
+        """True if it leaves nothing of the lines, and nothing else was measured."""
+        lines = 2.0 * len(self.problem.frf_data.lines.s)
+        left = self.line_misfit / lines <= SMALLEST_SCATTER**2
+        return left and not self.problem.relaxations and self.problem.constraints.before is None
 
     @property
     def criterion(self) -> float:

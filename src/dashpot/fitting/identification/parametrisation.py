@@ -15,8 +15,8 @@ from typing import ClassVar, NamedTuple, TypeAlias
 
 import numpy as np
 
-from dashpot.base.arrays import ComplexArray, FloatArray
-from dashpot.engine.inference.order import significant
+from dashpot.base.arrays import BoolArray, ComplexArray, FloatArray
+from dashpot.engine.inference.order import arms_known
 from dashpot.fitting.fractional.checks import slope_known
 from dashpot.fitting.fractional.projection import ALPHA, BEYOND, SOUGHT, STEP
 from dashpot.fitting.relaxation_data import RelaxationData, RelaxationRows
@@ -115,8 +115,16 @@ class Arms:
 
     def identified(self, error: FloatArray) -> bool:
         """True if standard errors of the numbers leave none unknown."""
+        return bool(self.known(error).all())
+
+    def known(self, error: FloatArray) -> BoolArray:
+        """Which arms those leave known, in the order of the numbers."""
         N = self.count
-        return significant(np.ones(N), error[1 : 1 + N], error[1 + N :])
+        return arms_known(np.ones(N), error[1 : 1 + N], error[1 + N : 1 + 2 * N])
+
+    def log_tau(self, numbers: FloatArray) -> FloatArray:
+        """Logarithms of the relaxation times, s, in that order."""
+        return numbers[1 + self.count : 1 + 2 * self.count]
 
     def whole(self, solid: Solid) -> bool:
         """True if no part of the solid has left it."""
