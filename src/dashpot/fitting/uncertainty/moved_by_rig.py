@@ -27,7 +27,7 @@ from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
 
-class _Rows(NamedTuple):
+class _TestColumns(NamedTuple):
     """One test in rows of unit noise, a column each.
 
     Derivatives by the solid's parameters and by the test's own coefficients, what was known of
@@ -73,7 +73,7 @@ def moved_by_rig(relaxations: Sequence[RelaxationData], solid: Solid) -> FloatAr
     return np.hstack(moves)[:own]
 
 
-def _rows(data: RelaxationData, solid: Solid) -> _Rows:
+def _rows(data: RelaxationData, solid: Solid) -> _TestColumns:
     model, adds = solid.maxwell, data.unseen
     further = np.zeros(0) if adds is None else adds.log_tau
     # arms of a fractional solid lie beyond what a record shows, too: there they are all alike
@@ -105,7 +105,7 @@ def _rows(data: RelaxationData, solid: Solid) -> _Rows:
         more = max(may.sd**2 + (may.mean - held.mean) ** 2 - held.sd**2, 0.0)
         drift = replace(data.terms, known={"drift": may._replace(sd=float(np.sqrt(more)))})
         unseen = np.hstack((unseen, drift.doubts(found.fixed, data.block.fixed_names)[0]))
-    return _Rows(
+    return _TestColumns(
         data.weight * columns,
         data.weight * found.fixed[:, private],
         data.weight * known[:, private],
