@@ -21,6 +21,7 @@ from dashpot.plot.picture import (
     Panel,
     Pen,
     Picture,
+    Ring,
     Rule,
     Scale,
     Span,
@@ -159,25 +160,35 @@ def text_width(text: str, size: float = SMALL, *, bold: bool = False) -> float:
 
 def lay_out(strip: tuple[Panel, ...], width: float) -> Laid:
     """Return the places of a strip `width` px wide."""
-    ticks = [_upright(panel) for panel in strip]
-    left = GAP + max((text_width(word) for each in ticks for _, word in each), default=0.0)
+    ticks = [[] if panel.drawing else _upright(panel) for panel in strip]
+    widest = max((text_width(word) for each in ticks for _, word in each), default=0.0)
+    left = 0.0 if all(panel.drawing for panel in strip) else GAP + widest
     inner_width = width - left - RIGHT
     frames, y = [], 0.0
     for i, panel in enumerate(strip):
         last = i == len(strip) - 1
         named = y + (ROW + 4) * bool(panel.title)
-        box = Box(left, named + (ROW * (not panel.bare) + 4), inner_width, panel.height)
+        above = 4 + ROW * (bool(panel.note) if panel.drawing else not panel.bare)
+        box = Box(left, named + above, inner_width, panel.height)
         shown, at = panel, ticks[i]
         if panel.square:
             shown = _squared(panel, inner_width)
-            at = _upright(shown)
+            at = [] if panel.drawing else _upright(shown)
         frames.append(_frame(shown, box, at, named=last))
-        y = box.y + box.height + (2 * ROW + 6 if last else 10)
+        y = box.y + box.height + (_beneath(panel) if last else 10)
     return Laid(width, y, tuple(frames))
+
+
+def _beneath(panel: Panel) -> float:
+    """What numbers and words below a panel take, px."""
+    lines = panel.below.count("\n") + 1 if panel.below else 0
+    return 10 + ROW * lines if panel.drawing else 2 * ROW + 6
 
 
 def _upright(panel: Panel) -> list[tuple[float, str]]:
     """The numbers of the upright axis, and how they are written."""
+    if panel.y.unnumbered:
+        return []
     at = numbers(panel.y, panel.height, 22 if panel.y.log or panel.height < 110 else 30)
     return list(zip(at, written(panel.y, at), strict=True))
 
@@ -225,6 +236,11 @@ def _squared(panel: Panel, width: float) -> Panel:
 def _frame(panel: Panel, box: Box, upright: list[tuple[float, str]], *, named: bool) -> Frame:
     """One panel; `named` gives its horizontal axis numbers and a label."""
     bottom, right = box.y + box.height, box.x + box.width
+    if panel.drawing:
+        inner = tuple(one for mark in panel.marks for one in _inner(mark, panel, box))
+        tags = [mark for mark in panel.marks if isinstance(mark, Tag)]
+        said = (*_above(panel, box), *_tagged(tags, panel, box, inner))
+        return Frame(panel, box, inner, (), (), said)
     hairs, ticks = [], []
     for value, word in upright:
         y = bottom - box.height * float(place(panel.y, value))
@@ -248,9 +264,14 @@ def _frame(panel: Panel, box: Box, upright: list[tuple[float, str]], *, named: b
 
 def _above(panel: Panel, box: Box) -> list[Word]:
     """What stands above the axes: what they show upright, the title, a note."""
-    said = [] if panel.bare else [Word(box.x - 4, box.y - 6, panel.y.label)]
+    said = [] if panel.bare or panel.drawing else [Word(box.x - 4, box.y - 6, panel.y.label)]
+    for i, line in enumerate(panel.below.split("\n") if panel.below else ()):
+        at = box.x + box.width / 2, box.y + box.height + ROW * (i + 1)
+        leads = i == 0 and "\n" in panel.below
+        said.append(Word(*at, line, "ink" if leads else "soft", leads, "middle"))
     if panel.title:
-        said.append(Word(0, box.y - 6 - ROW - 2, panel.title, "ink", bold=True, size=BOLD))
+        above = -6 if panel.drawing and not panel.note else -8 - ROW
+        said.append(Word(0, box.y + above, panel.title, "ink", bold=True, size=BOLD))
     if panel.note:
         said.append(Word(box.x + box.width, box.y - 6, panel.note, anchor="end"))
     return said
@@ -316,6 +337,9 @@ def _inner(mark: Mark, panel: Panel, box: Box) -> list[Polyline | Fill | Markers
         return _dots(mark, panel, box)
     if isinstance(mark, Area):
         return _area(mark, panel, box)
+    if isinstance(mark, Ring):
+        points = _points(panel, box, mark.x, mark.y)
+        return [Fill((points,), mark.colour, mark.tint, mark.hatched)]
     if isinstance(mark, Span):
         x = np.clip(box.width * place(panel.x, (mark.low, mark.high)), 0, box.width)
         y = (0.0, box.height)
@@ -440,23 +464,29 @@ def _crossed(room: Box, drawn: FloatArray) -> int:
 
 
 def _named(tags: list[Tag], places: list[FloatArray]) -> list[tuple[Tag, float, float]]:
-    """The names at the ends of curves from the top down, each below the last, about their middle.
+    """The names at the ends of curves from the top down, none upon another.
 
-    Where they are too near to stand where they end, all keep their order.
+    Those that are too near to stand where their curves end keep their order, about their middle.
     """
-    ends = sorted(
-        (
-            (tag, float(x), float(y) + 4)
-            for tag, (x, y) in zip(tags, places, strict=True)
-            if tag.end
-        ),
-        key=lambda one: one[2],
-    )
-    found: list[tuple[Tag, float, float]] = []
-    for tag, x, y in ends:
-        found.append((tag, x, max(y, found[-1][2] + ROW - 1) if found else y))
-    shift = sum(now[2] - then[2] for now, then in zip(found, ends, strict=True)) / max(len(ends), 1)
-    return [(tag, x, y - shift) for tag, x, y in found]
+    ends = [
+        (tag, float(x), float(y) + 4) for tag, (x, y) in zip(tags, places, strict=True) if tag.end
+    ]
+    crowds: list[list[tuple[Tag, float, float, float]]] = []
+    for tag, x, y in sorted(ends, key=lambda one: one[2]):
+        wide = text_width(tag.text, bold=tag.bold)
+        for crowd in crowds:
+            last, at, _, lowest = crowd[-1]
+            beside = x > at + text_width(last.text, bold=last.bold) or at > x + wide
+            if not beside and y < lowest + ROW - 1:
+                crowd.append((tag, x, y, lowest + ROW - 1))
+                break
+        else:
+            crowds.append([(tag, x, y, y)])
+    found = []
+    for crowd in crowds:
+        shift = sum(moved - y for _, _, y, moved in crowd) / len(crowd)
+        found += [(tag, x, moved - shift) for tag, x, _, moved in crowd]
+    return found
 
 
 def _clear(room: Box, box: Box, taken: list[Box]) -> bool:

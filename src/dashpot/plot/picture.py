@@ -95,6 +95,18 @@ class Area:
     tint: float = 0.25
 
 
+@dataclass(frozen=True, eq=False)
+class Ring:
+    """A closed outline, filled."""
+
+    x: FloatArray
+    y: FloatArray
+    colour: str
+    label: str = ""
+    tint: float = 0.6
+    hatched: bool = False
+
+
 @dataclass(frozen=True)
 class Span:
     """A range of the horizontal axis; hatched where it is out of reach."""
@@ -133,18 +145,22 @@ class Tag:
     end: bool = False
 
 
-Keyed: TypeAlias = Line | Dots | Area | Span | Rule
+Keyed: TypeAlias = Line | Dots | Area | Ring | Span | Rule
 Mark: TypeAlias = Keyed | Tag
 
 
 @dataclass(frozen=True)
 class Scale:
-    """The scale of an axis: a quantity with its unit, and from where to where it is shown."""
+    """The scale of an axis: a quantity with its unit, and from where to where it is shown.
+
+    An `unnumbered` one has no numbers: what stands along it is named in the panel.
+    """
 
     label: str
     limits: tuple[float, float]
     log: bool = False
     ticks: tuple[float, ...] = ()
+    unnumbered: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,6 +180,10 @@ class Panel:
         A unit of x is as long as one of y.
     bare : bool
         What it shows upright is said elsewhere, and not above its axes.
+    drawing : bool
+        Without axes: a drawing of a thing, whose place in space says nothing.
+    below : str
+        Words under a drawing, in the middle: what it is of.
     """
 
     x: Scale
@@ -174,6 +194,8 @@ class Panel:
     note: str = ""
     square: bool = False
     bare: bool = False
+    drawing: bool = False
+    below: str = ""
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -37,6 +37,7 @@ LANES = {
     "inspect": "settle", "live": "live", "predict": "live", "settle": "settle", "study": "slow",
     "take": "slow", "profile": "live", "project": "slow", "bench": "slow", "take-bench": "slow",
     "level": "slow", "take-level": "slow", "modes": "slow", "take-modes": "slow",
+    "judged": "slow", "take-judged": "slow",
     "recent": "live", "folder": "settle", "row": "settle",
 }  # fmt: skip
 """Which lane answers which verb."""
@@ -49,7 +50,7 @@ _READS = {"inspect", "folder", "row"}
 """Verbs that wait for a file."""
 GRACE = 1
 """Seconds that a connection is given when the server ends."""
-_KEPT = {"settle", "study", "bench", "level", "modes"}
+_KEPT = {"settle", "study", "bench", "level", "modes", "judged"}
 
 
 class Desk:
@@ -110,7 +111,7 @@ class Desk:
         self.store.remove()
 
 
-_LISTS: dict[str, type] = {"files": dict, "open": dict, "folders": str}
+_LISTS: dict[str, type] = {"files": dict, "open": dict, "past": dict, "folders": str}
 """What the state of a page lists, and of what."""
 
 

@@ -60,6 +60,7 @@ from dashpot.records.relaxation import RampHold
 from dashpot.report import answer
 from dashpot.report.answer import GRADES, Light, Row
 from dashpot.report.figures import chart_of
+from dashpot.report.kind_page import Group
 from dashpot.report.pages import COLOURS, environment
 from dashpot.vibration.impact.hits import cut_hits
 from dashpot.web.words import on_page
@@ -71,7 +72,7 @@ from dashpot.workflow.study import Study
 
 ROLES = ("time", "displacement", "force", "hammer", "acceleration")
 """What a column of a relaxation test or of a hammer test can be."""
-_ALONE = ("response", "base", "bench", "level")
+_ALONE = ("response", "base", "bench", "level", "judged", "part")
 """Places of the page where a file is no part of a job, or not of one only."""
 ASKED: tuple[Dimension, ...] = ("time", "length", "force", "acceleration")
 """What its unit can be one of."""
@@ -541,7 +542,15 @@ def answers(study: Study, found: Recommendation) -> str:
         every.append((title, [_shorter(*pair) for pair in own]))
     own = zip(found.one_seal, answer.rows(found.one_seal), strict=True)
     every.append(("One seal", [_shorter(*pair) for pair in own]))
-    return piece("answers", groups=every, measured=study.comparison is not None)
+    measured = study.comparison is not None
+    return piece("answers", groups=every, measured=measured, told="Numbers", note="")
+
+
+def groups(found: Sequence[Group], told: str, note: str) -> str:
+    """The table of a result of a kind: value, from and to of each number."""
+    every = [(one.title, one.rows) for one in found if one.rows]
+    measured = any(row.measured for _, rows in every for row in rows)
+    return piece("answers", groups=every, measured=measured, told=told, note=note)
 
 
 def _shorter(one: Answer, row: Row) -> Row:

@@ -29,7 +29,7 @@ from dashpot.report import answer
 from dashpot.report.pages import COLOURS
 from dashpot.report.summary import simulated
 from dashpot.vibration.systems.prediction import highest_peak, predict_frf
-from dashpot.web import records, results, views, wire
+from dashpot.web import judging, records, results, views, wire
 from dashpot.web.requests import job_of, part, sizes_of
 from dashpot.web.store import path_in
 from dashpot.workflow.command_lines import FIT, line, predict_command
@@ -51,6 +51,8 @@ LIVE_LINES = np.geomspace(0.3, 3.0, 301)
 def inspect(request: Mapping[str, Any], folder: Path) -> bytes:
     """What is in a file, and what it asks."""
     path = path_in(folder, request.get("file"))
+    if path.suffix.lower() == ".toml":
+        return wire.packed(judging.door_row(path))
     options = part(ReadOptions, request.get("options", {}), "options")
     job = Job(str(path), reading=options)
     # what is read and prepared here is what the fit asks for next
@@ -62,7 +64,8 @@ def inspect(request: Mapping[str, Any], folder: Path) -> bytes:
     ).files
     head = views.file_row(found)
     head["long"] = found.rows > results.WHILE_HELD
-    if head["mark"] != "good" or not views.place_of(found):
+    head["asks"] = judging.asks_of(found.kind)
+    if head["mark"] != "good" or views.place_of(found) in {"", "part"}:
         head["asked"] = views.asked(found, _consequences(path, found, options))
     return wire.packed({**head, "name": path.name})
 

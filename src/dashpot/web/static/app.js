@@ -1,12 +1,24 @@
 // What the user does: buttons, keys, fields, files that are dropped; and how the page begins.
-import { $, field, made, status } from "./dom.js";
+import { $, all, field, made, status } from "./dom.js";
 import * as files from "./files.js";
 import * as folders from "./folders.js";
-import { become, levelUnit, remember, shown, state, test, undo } from "./job.js";
+import {
+  become,
+  door,
+  history,
+  kindOf,
+  levelUnit,
+  onlyRead,
+  remember,
+  shown,
+  state,
+  test,
+  undo,
+} from "./job.js";
 import * as lot from "./lot.js";
 import { bench, live, predict, settle, study } from "./questions.js";
 import { choices, describe, fields, fileList, views } from "./shown.js";
-import { refuse, types } from "./verdict.js";
+import { refuse, shut, types } from "./verdict.js";
 import { call } from "./wire.js";
 
 const DECKS = {
@@ -61,10 +73,22 @@ function reset() {
   settle();
 }
 
-function back() {
-  if (!undo()) return;
+function back(/** @type {number | undefined} */ to = undefined) {
+  if (!undo(to)) return;
   fileList();
   settle();
+}
+
+/** What was chosen, the last first, each a way back. */
+function steps(/** @type {boolean} */ open) {
+  $("history").hidden = !open;
+  $("undo").setAttribute("aria-expanded", String(open));
+  const rows = history().map(({ words, i }, at) => {
+    const has = { "data-back": String(i), ...(at ? {} : { "aria-current": "true" }) };
+    return made("li", {}, made("button", has, words, made("span", {}, at ? "" : "now")));
+  });
+  $("history-list").replaceChildren(...rows);
+  if (open) $("history-list").querySelector("button")?.focus();
 }
 
 function choose(/** @type {Partial<import("./job.js").Choices>} */ said) {
@@ -124,7 +148,8 @@ const acts = {
   menu: () => menu(!!$("menu").hidden),
   copy,
   reset,
-  undo: back,
+  undo: () => back(),
+  history: () => steps(!!$("history").hidden),
   again: () => settle(),
   "all-hits": allHits,
   mass: () => $("mass").focus(),
@@ -140,6 +165,7 @@ const buttons = {
   deck,
   which,
   arms,
+  back: (i) => back(+i),
   folder: folders.openFolder,
   row: folders.openRow,
   sort: lot.sort,
@@ -168,7 +194,9 @@ const buttons = {
   frfs: (of) => {
     const one = shown();
     if (of !== "levels" && one?.level) one.level = "";
-    state.frfs = { ...state.frfs, of: of === "masses" || of === "levels" ? of : "points" };
+    if (of === "points" || of === "masses" || of === "levels" || of === "rod") {
+      state.frfs = { ...state.frfs, of };
+    }
     fileList();
     settle();
   },
@@ -181,6 +209,7 @@ const buttons = {
 document.addEventListener("click", (event) => {
   const at = /** @type {HTMLElement} */ (event.target), button = at.closest("button");
   if (!at.closest("#menu") && button?.dataset.act !== "menu") menu(false);
+  if (button?.dataset.act !== "history") steps(false);
   if (!button) return;
   for (const [name, said] of Object.entries(button.dataset)) buttons[name]?.(said || "");
 });
@@ -199,6 +228,7 @@ const letters = {
   c: copy,
   "[": () => files.step(-1),
   "]": () => files.step(1),
+  u: () => !$("undo").hidden && acts.history(),
   "?": () => keys.showModal(),
 };
 
@@ -206,6 +236,7 @@ document.addEventListener("keydown", (event) => {
   const at = /** @type {HTMLElement} */ (event.target);
   if (event.key === "Escape") {
     menu(false);
+    steps(false);
     if (!$("cancel").hidden) acts.cancel();
     return;
   }
@@ -309,7 +340,13 @@ document.addEventListener("change", (event) => {
     at.value = "";
   } else if (hit) useHit(hit, at.checked);
   else if (at.dataset.together) files.join(at.dataset.together, at.checked);
-  else if (end) cut(end, Number.isFinite(parseFloat(text)) ? parseFloat(text) : null, false);
+  else if (at.dataset.ask) {
+    const one = shown(), of = one?.page === "part" ? door() : one;
+    if (!of) return;
+    const kind = kindOf(of), name = at.dataset.ask;
+    state.said = { ...state.said, [kind]: { ...state.said[kind], [name]: at.value.trim() } };
+    settle();
+  } else if (end) cut(end, Number.isFinite(parseFloat(text)) ? parseFloat(text) : null, false);
   else if (at.id.startsWith("specimen-")) {
     describe(at.id.slice("specimen-".length), at.value);
     settle();
@@ -397,6 +434,34 @@ addEventListener("resize", () => {
 for (const [name, words] of Object.entries(DECKS)) {
   $("decks").append(made("button", { "data-deck": name }, words));
 }
+
+/** Hold the session: one page at a time does, and the others only show it. */
+function hold(/** @type {LockOptions} */ how) {
+  return new Promise((told) => {
+    const asked = navigator.locks.request("session", how, (lock) => {
+      elsewhere(!lock);
+      told(!!lock);
+      return lock && new Promise(() => {});
+    });
+    // another page took it over
+    asked.catch(() => elsewhere(true));
+  });
+}
+
+function elsewhere(/** @type {boolean} */ yes) {
+  onlyRead(yes);
+  shut(yes);
+  document.body.classList.toggle("elsewhere", yes);
+  for (const one of all(".bar, .left, .right, .menu, #grid, .top, #drop, .recent")) one.inert = yes;
+}
+
+acts["take-over"] = async () => {
+  await hold({ steal: true });
+  // what the other page chose meanwhile
+  location.reload();
+};
+
+await hold({ ifAvailable: true });
 const kept = await call("GET", "/api/state").catch(() => ({}));
 if (kept.files) {
   become(kept);

@@ -93,6 +93,7 @@ export function panel(/** @type {string} */ name, /** @type {string} */ html) {
 /** What is kept, by the verb that gave it. @type {Record<string, string>} */
 const SAVED = {
   level: "Save the numbers (levels.json)",
+  judged: "Save the numbers (JSON)",
   modes: "Save the modes (modes.json)",
 };
 
@@ -101,8 +102,11 @@ export function strips(
   /** @type {HTMLElement} */ home,
   /** @type {[string, string][]} */ drawn,
   /** @type {string} */ verb,
+  /** @type {[string, string][]} */ facts = [],
 ) {
-  home.replaceChildren(...drawn.map(([title, html]) => {
+  const told = made("dl", { class: "facts" });
+  for (const [name, said] of facts) told.append(made("div", {}, made("dt", {}, name), made("dd", {}, said)));
+  home.replaceChildren(...(facts.length ? [told] : []), ...drawn.map(([title, html]) => {
     const body = made("div", { class: "body" }), out = made("div", { class: "read" });
     body.innerHTML = html;
     const svg = /** @type {SVGSVGElement | null} */ (body.querySelector("svg.figure"));

@@ -1,12 +1,16 @@
 // Questions to the server, and where their answers stand. The page computes no number.
 import { $, all, atWork, field, put, status } from "./dom.js";
 import {
+  alike,
+  door,
   hammers,
   isBench,
+  isJudged,
   isLevel,
   isModes,
   isResponse,
   job,
+  kindOf,
   LOT,
   questionOf,
   remember,
@@ -187,6 +191,7 @@ export function bench() {
   // in one column it is none itself
   const width = $("main").clientWidth || document.body.clientWidth;
   const sizes = { bench: [width - 16, 0] };
+  if (isJudged(one)) return { verb: "judged", request: { ...judged(one), sizes } };
   if (isModes(one)) {
     const every = state.files.filter(isModes), { of, band } = state.frfs;
     const files = every.map((each) => each.id);
@@ -203,6 +208,17 @@ export function bench() {
   return { verb: "level", request };
 }
 
+/** What is asked of a kind that stands alone, and of which files. */
+function judged(/** @type {import("./job.js").OpenFile} */ one) {
+  const of = one.page === "part" ? door() || one : one, kind = kindOf(of);
+  const { options } = of, said = state.said[kind] || {};
+  if (kind === "door") {
+    const others = state.files.filter((each) => each !== of).map((each) => each.id);
+    return { kind, files: [of.id, ...others], said, options: {}, test: test()?.id || "" };
+  }
+  return { kind, files: alike(of).map((each) => each.id), said, options };
+}
+
 let benched = "";
 
 function fitBench(/** @type {{verb: string, request: any}} */ { verb, request }) {
@@ -214,10 +230,10 @@ function fitBench(/** @type {{verb: string, request: any}} */ { verb, request })
     knows(now, head, true);
     $("solid").innerHTML = head.solid;
     solid(head.solid, state.joint, head.arms);
-    $("answers").replaceChildren();
+    $("answers").innerHTML = head.answers || "";
     $("beside").hidden = true;
     told(head);
-    strips($("bench-page"), head.figures, verb);
+    strips($("bench-page"), head.figures, verb, head.facts);
     return true;
   }, nothing);
 }

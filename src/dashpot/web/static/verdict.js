@@ -1,6 +1,6 @@
 // The verdict: of what is asked now and of all open files, and never calmer than what is known.
 import { $, all, icon, made, panelCard } from "./dom.js";
-import { questionOf, state, test } from "./job.js";
+import { door, isBench, questionOf, shown, state, test } from "./job.js";
 
 /** @typedef {{verdict: string, colour: string}} Judged As the server draws it */
 /** @typedef {{words: string, act?: string, remove?: string}} Cure The one control that mends it */
@@ -50,6 +50,14 @@ export function stops(/** @type {string} */ because, /** @type {Cure} */ cure = 
   render();
 }
 
+let away = false;
+
+/** Another page holds the session. */
+export function shut(/** @type {boolean} */ yes) {
+  away = yes;
+  render();
+}
+
 /** What is typed counts once the field is left. */
 export function types(/** @type {boolean} */ yes) {
   typing = yes;
@@ -69,8 +77,14 @@ export function refuse(
   if (said && of === "fit" && !busy) document.getElementById("cure")?.focus();
 }
 
+/** Whether a file is shown that is judged by itself: a deck would be of another solid. */
+const alone = () => {
+  const one = shown();
+  return !!one && isBench(one);
+};
+
 /** Whether what is shown may be taken away: not while it is about to change. */
-export const settled = () => !!test() && !working && !typing && !refused.fit;
+export const settled = () => !!test() && !alone() && !working && !typing && !refused.fit && !away;
 
 /** The control that mends a refused fit: what was refused, or else what was changed last. */
 function mends(/** @type {string} */ said) {
@@ -84,7 +98,10 @@ function mends(/** @type {string} */ said) {
 }
 
 /** Files that the verdict is not of: asked about, refused, or not read yet. */
-const leftOut = () => state.files.filter((one) => one.asked || one.mark !== "good");
+const leftOut = () =>
+  state.files.filter((one) =>
+    one.page === "part" ? !door() : one.asked || one.mark !== "good"
+  );
 
 function last() {
   const holder = made("div");
@@ -98,6 +115,10 @@ function instead() {
   /** @type {(says: string, cure?: Cure) => Said} */
   const open = (says, cure) => ({ word: "Not judged yet", says, colour: "open", cure });
   const { fit, file } = refused, out = leftOut();
+  if (away) {
+    const says = "This session is open in another tab, so this one is read only.";
+    return { ...open(says, { words: "Take over", act: "take-over" }), word: "Open elsewhere" };
+  }
   if (fit) return said("Do not use", fit);
   if (file) return said("Not read", file);
   if (typing) return open("What is typed counts once you press Enter or leave the field.");
@@ -160,7 +181,7 @@ export function render() {
   // where no verdict has a place there is no panel that a line would push
   bar.textContent = refusal?.said || "";
   bar.hidden = !refusal || !(home.hidden || document.body.classList.contains("empty"));
-  const other = asked || refusal ? instead() : null;
+  const other = asked || refusal || away ? instead() : null;
   const head = asked && !other ? known.head : null;
   for (const one of all('[data-needs="test"]')) one.toggleAttribute("disabled", !settled());
   panelCard("frf")?.classList.toggle("stale", !!other);
@@ -168,13 +189,13 @@ export function render() {
   document.body.classList.toggle("unsettled", !!other);
   $("top").className = `top ${other?.colour || head?.colour || "open"}`;
   for (const tab of test() ? all("[data-which]") : []) {
-    const joint = tab.dataset.which === "joint", shown = other?.colour || head?.colour;
-    const colour = joint === state.joint ? shown : colours.get(questionOf(joint));
+    const joint = tab.dataset.which === "joint", now = other?.colour || head?.colour;
+    const colour = joint === state.joint ? now : colours.get(questionOf(joint));
     tab.querySelector("use")?.setAttribute("href", `#i-${colour || "open"}`);
   }
-  const now = JSON.stringify([other, head?.verdict]);
-  if (now === stands) return;
-  stands = now;
+  const drawing = JSON.stringify([other, head?.verdict]);
+  if (drawing === stands) return;
+  stands = drawing;
   home.className = `verdict ${other?.colour || head?.colour || ""}`;
   if (other) home.replaceChildren(...drawn(other));
   else home.innerHTML = head?.verdict || "";
