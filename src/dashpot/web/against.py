@@ -115,7 +115,7 @@ def _lights(a: Side, b: Side) -> tuple[Light, ...]:
     )
 
 
-class Row(NamedTuple):
+class Pairing(NamedTuple):
     """A number of A, the same of B, how they differ, and what A says to that."""
 
     name: str
@@ -126,7 +126,7 @@ class Row(NamedTuple):
     group: str = ""
 
 
-def _numbers(a: Side, b: Side) -> Iterator[Row]:
+def _numbers(a: Side, b: Side) -> Iterator[Pairing]:
     """The numbers that both have, each with what A left open of it."""
     there = {one.quantity: one for one in b.answers}
     under = {one.quantity for one in a.told.under_mass}
@@ -136,7 +136,7 @@ def _numbers(a: Side, b: Side) -> Iterator[Row]:
             continue
         name, unit = views.short_name(one), one.fact.word
         weight = views.weight(a.job) if one.quantity in under else "One seal"
-        yield Row(
+        yield Pairing(
             f"{name}, {unit}" if unit else name, one.fact.ends[0], other.fact.ends[0],
             _apart(one.value, other.value), _inside(one, other), weight,
         )  # fmt: skip
@@ -161,7 +161,7 @@ def _inside(one: Answer, other: Answer) -> str:
     return "inside both" if within and back else "inside A's" if within else "outside A's"
 
 
-def _arms(a: Fit, b: Fit) -> Iterator[Row]:
+def _arms(a: Fit, b: Fit) -> Iterator[Pairing]:
     """Springs and arms side by side: those of one time constant, and those that one has alone."""
     known = [{fact.name: fact for fact in one.known} for one in (a, b)]
     group = f"Solid, k in {known[0]['k_inf'].word}" if "k_inf" in known[0] else "Solid"
@@ -195,19 +195,19 @@ def paired(one: tuple[float, ...], other: tuple[float, ...]) -> list[tuple[int |
     return sorted(found, key=lambda pair: one[pair[0]] if pair[0] is not None else other[pair[1]])  # type: ignore[index]
 
 
-def _pair(name: str, a: Fact | None, b: Fact | None, group: str) -> Row:
+def _pair(name: str, a: Fact | None, b: Fact | None, group: str) -> Pairing:
     if a is None or b is None:
         alone = "B's alone" if a is None else "A's alone"
-        texts = ("none" if one is None else one.ends[0] for one in (a, b))
-        return Row(name, *texts, "", alone, group)
+        left, right = ("none" if one is None else one.ends[0] for one in (a, b))
+        return Pairing(name, left, right, "", alone, group)
     errors = [one.error for one in (a, b)]
     size = math.hypot(*(error or 0.0 for error in errors))
     known = all(error is not None and math.isfinite(error) for error in errors) and size > 0
     held = f"{abs(b.value - a.value) / size:.1f} SE" if known else ""
-    return Row(name, a.ends[0], b.ends[0], _apart(a.value, b.value), held, group)
+    return Pairing(name, a.ends[0], b.ends[0], _apart(a.value, b.value), held, group)
 
 
-def _says(a: Side, b: Side, rows: list[Row]) -> str:
+def _says(a: Side, b: Side, rows: list[Pairing]) -> str:
     """How far B is from A, in one sentence with its numbers."""
     there = {one.quantity: one for one in b.answers}
     words = {"frequency": "frequency", "damping": "damping", "end of hold": "stiffness"}
