@@ -54,13 +54,21 @@ function copy() {
 
 /** Show the solid of one tab: verdict, tables, figures, and what is taken away. */
 function which(/** @type {string} */ name) {
-  const joint = name === "joint";
-  if (joint === state.joint) return;
-  state.joint = joint;
+  const joint = name === "joint", against = name === "ab", was = state.against;
+  if (against ? was : !was && joint === state.joint) return;
+  state.against = against;
+  if (!against) state.joint = joint;
+  if (against || was) return settle();
   choices();
   $("solid").replaceChildren();
   remember();
   study();
+}
+
+function swap() {
+  const [a, b] = [field("ab-b").value, field("ab-a").value];
+  state.ab = { a, b };
+  settle();
 }
 
 function allHits() {
@@ -147,6 +155,7 @@ const acts = {
   },
   menu: () => menu(!!$("menu").hidden),
   copy,
+  swap,
   reset,
   undo: () => back(),
   history: () => steps(!!$("history").hidden),
@@ -155,6 +164,14 @@ const acts = {
   mass: () => $("mass").focus(),
   dismiss: () => refuse("", "file"),
   "close-keys": () => keys.close(),
+  resume: async () => {
+    await call("POST", "/api/session");
+    location.reload();
+  },
+  forget: async () => {
+    await call("DELETE", "/api/session");
+    $("left").hidden = true;
+  },
 };
 
 /** What a button says by its data: the name of an attribute, and what is done with its value. */
@@ -220,6 +237,8 @@ const letters = {
   f: acts.folders,
   e: () => !state.files.length && files.example(),
   j: () => !$("top").hidden && !$("tab-joint").hidden && which("joint"),
+  b: () => !$("top").hidden && which("ab"),
+  " ": () => state.against && swap(),
   p: () => test() && !state.base && buttons.phase(""),
   r: () => test() && acts.report(),
   t: () => test() && acts.menu(),
@@ -251,11 +270,17 @@ document.addEventListener("keydown", (event) => {
   if (/^[0-6]$/.test(event.key) && test()) arms(event.key === "0" ? "auto" : event.key);
   else {
     const act = letters[event.key.toLowerCase()];
-    if (!act) return;
+    if (!act || (event.key === " " && (!state.against || at.closest("button")))) return;
     event.preventDefault();
     act();
   }
 });
+
+// while B is held down, A is hidden
+document.addEventListener("keydown", (event) => {
+  if (event.key === "b" && event.repeat) document.body.classList.add("blink");
+});
+document.addEventListener("keyup", () => document.body.classList.remove("blink"));
 
 // -- fields ---------------------------------------------------------------------------------------
 
@@ -340,7 +365,10 @@ document.addEventListener("change", (event) => {
     at.value = "";
   } else if (hit) useHit(hit, at.checked);
   else if (at.dataset.together) files.join(at.dataset.together, at.checked);
-  else if (at.dataset.ask) {
+  else if (at.dataset.side) {
+    state.ab = { ...state.ab, [at.dataset.side]: at.value };
+    settle();
+  } else if (at.dataset.ask) {
     const one = shown(), of = one?.page === "part" ? door() : one;
     if (!of) return;
     const kind = kindOf(of), name = at.dataset.ask;
@@ -463,6 +491,12 @@ acts["take-over"] = async () => {
 
 await hold({ ifAvailable: true });
 const kept = await call("GET", "/api/state").catch(() => ({}));
+if (kept.left) {
+  $("left").hidden = false;
+  $("left-files").textContent = kept.left.files.join(", ");
+  const when = new Date(kept.left.when);
+  $("left-when").textContent = when.toLocaleString(undefined, { dateStyle: "medium", timeStyle: "short" });
+}
 if (kept.files) {
   become(kept);
   fileList();

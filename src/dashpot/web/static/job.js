@@ -37,7 +37,7 @@ import { call } from "./wire.js";
 /** @typedef {{key: string, words: string, kept: string}} Step A choice, and the state after it */
 /** @typedef {{at: string, law: string}} OfLevels Forces at which a resonance is asked for, and the law */
 /** @typedef {{of: "points" | "masses" | "levels" | "rod", band: string}} OfFRFs In what several FRFs differ, and where modes are sought */
-/** @typedef {{files: OpenFile[], current: string, joint: boolean, base: boolean, phase: boolean, lot: string, levels: OfLevels, frfs: OfFRFs, said: Record<string, Record<string, string>>, past: Step[], job: Choices}} State */
+/** @typedef {{files: OpenFile[], current: string, joint: boolean, base: boolean, against: boolean, ab: {a: string, b: string}, phase: boolean, lot: string, levels: OfLevels, frfs: OfFRFs, said: Record<string, Record<string, string>>, past: Step[], job: Choices}} State */
 
 /** What is shown where no file is. */
 export const LOT = "lot";
@@ -53,6 +53,8 @@ const fresh = () => ({
   current: "",
   joint: false,
   base: false,
+  against: false,
+  ab: { a: "", b: "" },
   phase: false,
   lot: "",
   levels: { at: "", law: "auto" },
@@ -130,6 +132,33 @@ export function job() {
     cuts: several ? {} : state.job.cuts,
     impact: by.map((one) => one.id),
     reading_impact: by.length ? by[0].options : {},
+  };
+}
+
+/** The solids that can be held against each other, each by what it is of. */
+export function solids() {
+  const many = state.files.filter(isTest).length > 1, cut = Object.keys(state.job.cuts).length > 0;
+  return state.files.filter(isTest).flatMap((one) => {
+    const own = (/** @type {string} */ words) => many ? `${one.name}, ${words}` : words;
+    const found = [[`fit ${one.id}`, own("relaxation alone")]];
+    if (hammers().length) found.push([`joint ${one.id}`, own("both tests")]);
+    if (one === test() && cut) found.push([`found ${one.id}`, own("cuts as found")]);
+    return found;
+  });
+}
+
+/** The job of one of them. */
+export function jobOf(/** @type {string} */ solid) {
+  const [how, id] = solid.split(" "), of = state.files.find((one) => one.id === id);
+  const own = of === test() && how !== "found";
+  return {
+    ...job(),
+    relaxation: id,
+    reading: of ? of.options : {},
+    joint: how === "joint",
+    further: [],
+    temperatures: of?.temperature ? [of.temperature] : [],
+    cuts: own ? state.job.cuts : {},
   };
 }
 

@@ -74,14 +74,14 @@ export function choices() {
   $("top").hidden = !tabs;
   $("tab-joint").hidden = !two;
   for (const button of all("[data-which]")) {
-    const own = button.dataset.which === (state.joint ? "joint" : "fit");
+    const own = button.dataset.which === (state.against ? "ab" : state.joint ? "joint" : "fit");
     button.setAttribute("aria-selected", String(own));
     button.tabIndex = own ? 0 : -1;
   }
   $("choice-line").textContent = all("#choice-body .choice").filter((one) => one.offsetParent || !one.closest(".of-test") || test())
     .map((one) => `${one.getAttribute("aria-label")} ${one.querySelector("[aria-pressed=true]")?.textContent || ""}`.toLowerCase())
     .join(" \u00b7 ");
-  $("taken").textContent = two ? (state.joint ? ": both tests" : ": relaxation alone") : "";
+  $("taken").textContent = tabs && state.against ? ": choose A or B" : two ? (state.joint ? ": both tests" : ": relaxation alone") : "";
 }
 
 const isBenchShown = () => state.files.some((one) => one.id === state.current && isBench(one));
@@ -140,6 +140,9 @@ export function views() {
   const response = !!one && isResponse(one) && !isRod(one), level = !!one && isLevel(one);
   const modes = !!one && isModes(one), masses = modes && state.frfs.of === "masses";
   const judged = !!one && isJudged(one);
+  const against = state.against && !!test() && !fitted && !asks && !lot;
+  document.body.classList.toggle("against", against);
+  $("ab-page").hidden = !against;
   const classes = { bench: fitted, level, swept: level && !response, response, modes, masses, judged };
   for (const [name, yes] of Object.entries(classes)) document.body.classList.toggle(name, yes);
   $("bench-page").hidden = !fitted;
@@ -147,14 +150,14 @@ export function views() {
   document.body.classList.toggle("alone", response && !fitted && !test());
   $("question").hidden = !asks;
   $("question").innerHTML = asks;
-  $("hits-page").hidden = !hits || !!asks;
+  $("hits-page").hidden = !hits || !!asks || against;
   // a transmissibility goes with no relaxation test on this page
   const alone = response && !level && !modes;
   $("frfs").hidden = lot || !!asks || !one || !isResponse(one);
   $("alone").hidden = !!test() || judged;
   $("missing").hidden = lot || !!asks || fitted || response || !!test() || !hammers().length;
   $("no-level").hidden = lot || !response || fitted || !(alone || !test());
-  $("grid").hidden = lot || !!asks || hits || fitted || alone || !test();
+  $("grid").hidden = lot || !!asks || hits || fitted || alone || against || !test();
   $("verdict").hidden = lot || !!asks || alone || !(test() || fitted);
   render();
 }

@@ -8,13 +8,14 @@ import { door, isBench, questionOf, shown, state, test } from "./job.js";
 
 /** What is asked now; why there is no verdict of it, and whether anything is at work on one. */
 let asked = "", why = "", working = false;
+const GONE = /server is gone/;
 const JUDGE = { words: "Judge it", act: "again" };
 /** What heals where nothing is at work. @type {Cure} */
 let next = JUDGE;
 /** Of every question that was answered, how it was judged: an icon for each tab. */
 const colours = new Map();
 /** What was answered last, of which question, and whether that was all of it. */
-const known = { of: "", whole: false, head: /** @type {Judged | null} */ (null) };
+const known = { of: "", whole: false, at: "before", head: /** @type {Judged | null} */ (null) };
 let typing = false;
 
 /** @type {Record<string, {said: string, cure: Cure} | undefined>} */
@@ -32,7 +33,8 @@ export function knows(
   /** @type {Judged} */ head,
   /** @type {boolean} */ whole,
 ) {
-  Object.assign(known, { of: question, head, whole });
+  const at = new Date().toLocaleTimeString([], { hour: "2-digit", minute: "2-digit" });
+  Object.assign(known, { of: question, head, whole, at });
   if (whole) colours.set(question, head.colour);
   if (whole && question === asked) working = false;
   heals(question);
@@ -84,12 +86,12 @@ const alone = () => {
 };
 
 /** Whether what is shown may be taken away: not while it is about to change. */
-export const settled = () => !!test() && !alone() && !working && !typing && !refused.fit && !away;
+export const settled = () => !!test() && !alone() && !working && !typing && !refused.fit && !away && !state.against;
 
 /** The control that mends a refused fit: what was refused, or else what was changed last. */
 function mends(/** @type {string} */ said) {
   const { cuts, hammer } = state.job;
-  if (/server is gone/.test(said)) return { words: "Try again", act: "again" };
+  if (GONE.test(said)) return { words: "Try again", act: "again" };
   if (hammer.reject.length && /\bhits?\b/.test(said)) {
     return { words: "Accept all that pass", act: "all-hits" };
   }
@@ -118,6 +120,11 @@ function instead() {
   if (away) {
     const says = "This session is open in another tab, so this one is read only.";
     return { ...open(says, { words: "Take over", act: "take-over" }), word: "Open elsewhere" };
+  }
+  if (fit && GONE.test(fit.said)) {
+    const says = `The program that computes has ended. These numbers are of ${known.at}, and may ` +
+      "not be what the files say now. Start it again, and go on with the last session.";
+    return said("Connection lost", { ...fit, said: says });
   }
   if (fit) return said("Do not use", fit);
   if (file) return said("Not read", file);
@@ -189,7 +196,9 @@ export function render() {
   document.body.classList.toggle("unsettled", !!other);
   $("top").className = `top ${other?.colour || head?.colour || "open"}`;
   for (const tab of test() ? all("[data-which]") : []) {
-    const joint = tab.dataset.which === "joint", now = other?.colour || head?.colour;
+    if (tab.dataset.which === "ab") continue;
+    const joint = tab.dataset.which === "joint";
+    const now = state.against ? colours.get(questionOf(joint)) : other?.colour || head?.colour;
     const colour = joint === state.joint ? now : colours.get(questionOf(joint));
     tab.querySelector("use")?.setAttribute("href", `#i-${colour || "open"}`);
   }
