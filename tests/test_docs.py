@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import ast
+import io
+import json
 import re
 import shlex
 import shutil
 import tomllib
+from contextlib import redirect_stdout
 from pathlib import Path
 from typing import NamedTuple
 
@@ -166,6 +170,39 @@ def test_the_python_of_a_page_runs_as_it_stands(page, bench):
     exec(compile(code, page, "exec"), names)  # noqa: S102
     if "deck" in names:
         assert "CBUSH" in names["deck"]
+
+
+@pytest.mark.once
+def test_the_notebook_runs_as_it_stands(bench):
+    """Cell by cell, in one process as a kernel does; what a cell shows is what it showed.
+
+    The kernel itself is Jupyter's affair: 40 packages for one file.
+    """
+    book = json.loads((ROOT / "examples" / "main_job.ipynb").read_text("utf-8"))
+    assert book["nbformat"] == 4
+    names = {}
+    for cell in book["cells"]:
+        if cell["cell_type"] == "code":
+            said = "".join("".join(one["text"]) for one in cell["outputs"] if "text" in one)
+            seen = [one["data"] for one in cell["outputs"] if "data" in one]
+            printed, shown = executed("".join(cell["source"]), names)
+            assert agree(said, printed), printed
+            assert (shown is None) == (not seen)
+            for data in seen:
+                assert agree("".join(data["text/plain"]), repr(shown))
+                assert "<svg" in "".join(data["text/html"])
+                assert "<svg" in shown._repr_html_()
+    assert "CBUSH" in names["deck"]
+
+
+def executed(code, names):
+    """What a cell prints, and the value of its last line if that is an expression."""
+    lines = ast.parse(code).body
+    last = lines.pop() if isinstance(lines[-1], ast.Expr) else ast.Expr(ast.Constant(None))
+    with redirect_stdout(io.StringIO()) as out:
+        exec(compile(ast.Module(lines, []), "cell", "exec"), names)  # noqa: S102
+        value = eval(compile(ast.Expression(last.value), "cell", "eval"), names)  # noqa: S307
+    return out.getvalue(), value
 
 
 @pytest.mark.parametrize("name", COMMANDS)

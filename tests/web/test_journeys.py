@@ -390,6 +390,23 @@ def test_a_page_that_is_loaded_again_has_lost_nothing(visit, files):
     page.done()
     assert page.at.locator("#solid").inner_text() == shown
     assert "--arms 3" in page.at.locator("#command").inner_text()
+    # nor what was chosen before
+    page.at.get_by_role("button", name="History").click()
+    page.at.get_by_role("button", name="opened").click()
+    page.at.locator("#command").filter(has_not_text="--arms").wait_for()
+    page.done()
+    # a second page shows it, and changes nothing until it takes it over
+    second = page.context.new_page()
+    second.goto(page.at.url)
+    verdict = second.get_by_role("region", name="Verdict")
+    verdict.get_by_text("Open elsewhere").wait_for()
+    second.locator("#solid table").wait_for()
+    second.keyboard.press("4")
+    assert second.get_by_role("button", name="Report").is_disabled()
+    second.get_by_role("button", name="Take over").click()
+    page.at.get_by_role("region", name="Verdict").get_by_text("Open elsewhere").wait_for()
+    second.locator("#verdict:not(.open)").wait_for()
+    assert "--arms" not in second.locator("#command").inner_text()
 
 
 CUT = """() => {

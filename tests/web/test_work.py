@@ -380,6 +380,38 @@ def test_the_panels_of_the_test_are_of_the_solid_of_the_tab(store, asked):
     )
 
 
+def test_what_both_tests_leave_of_the_hold_is_its_noise(store, asked):
+    both = ask("study", store, job=asked | {"joint": True, "arms": "auto"})["panels"]["hold"]
+    rms, noise = map(float, re.search(r"rms ([\d.]+), noise ([\d.]+)", both).groups())
+    assert 0.9 * noise < rms < 1.1 * noise
+
+
+def test_two_fits_are_held_against_each_other(store, asked):
+    sides = {name: {"job": asked | {"joint": name == "b"}} for name in "ab"}
+    head = ask("against", store, **sides)
+    assert head["colour"] == "open"
+    assert set(head["panels"]) == {"ab-frf", "ab-rest"}
+    assert 'data-name="A"' in head["panels"]["ab-frf"]
+    tabs = [ask("study", store, job=one["job"])["answers"] for one in sides.values()]
+    # each number is that of its own tab
+    for told, side in zip(tabs, (1, 2), strict=True):
+        own = re.findall(r'row">([^<]+)</th><td class="value">([^<]+)', told)
+        mine = {
+            row[0]: row[side] for row in re.findall(
+                r'row">([^<]+)</th><td class="value">([^<]*)</td><td class="value">([^<]*)',
+                head["table"],
+            )
+        }  # fmt: skip
+        assert all(mine[name] == value for name, value in own if name in mine)
+        assert len(mine.keys() & dict(own).keys()) >= 3
+    assert "alone" in head["table"]
+    same = ask("against", store, a=sides["a"], b=sides["a"])
+    assert "×" not in same["table"]
+    assert "outside" not in same["table"]
+    with pytest.raises(dp.DataError, match="no model of both tests"):
+        ask("against", store, a=sides["a"], b={"job": asked | {"joint": True, "impact": []}})
+
+
 def test_a_project_is_kept(store, asked, tmp_path):
     kept = ask("project", store, job=asked | {"joint": False}, folder=str(tmp_path / "door"))
     assert (tmp_path / "door" / "dashpot.toml").exists()

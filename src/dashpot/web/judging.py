@@ -14,10 +14,11 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from dashpot import workflow
 from dashpot.base.errors import DataError, ReadError
+from dashpot.base.numbers import rounded
 from dashpot.base.progress import doing
 from dashpot.base.units import si, si_range
 from dashpot.io.options import ReadOptions
@@ -26,60 +27,22 @@ from dashpot.kinds.hyperelastic.asked import MODES
 from dashpot.kinds.indentation.indenter import Indenter
 from dashpot.records.fit import Fit
 from dashpot.records.specimen import Specimen
+from dashpot.report.answer import Row
 from dashpot.report.judged import text_of
-from dashpot.report.kind_page import KindPage
+from dashpot.report.kind_page import Group, KindPage, lights
 from dashpot.report.of_kinds import kind_page
 from dashpot.report.pages import COLOURS
 from dashpot.web import results, views, wire
+from dashpot.web.asks import ASKS, DOOR, ROD, Ask, asks_of
 from dashpot.web.bench import KEPT, WIDE
 from dashpot.web.requests import listed, mapping, part, sizes_of
 from dashpot.web.store import path_in
 from dashpot.workflow.archive import to_json
 from dashpot.workflow.job import Job, RodChoices
 
-DOOR, ROD = "door", "rod"
-
-
-class Ask(NamedTuple):
-    """A field of the page: what it is called, the unit typed without it, its option in a shell.
-
-    `each` is asked of every file; with `choices` one of them is chosen.
-    """
-
-    name: str
-    label: str
-    unit: str
-    flag: str
-    choices: tuple[str, ...] = ()
-    each: bool = False
-
-
-_MASS = Ask("mass", "Moving mass", "g", "--mass")
-ASKS: Mapping[str, tuple[Ask, ...]] = {
-    "cld": (
-        Ask("compression", "Compression", "mm", "--compression"),
-        Ask("between", "Asked between", "mm", "--between"),
-        Ask("length", "Length of a piece", "mm", "--length"),
-    ),
-    "stress-strain": (Ask("test", "Kind of test", "", "--test", tuple(MODES), each=True),),
-    "indentation": (
-        _MASS,
-        Ask("radius", "Tip radius", "mm", "--radius"),
-        Ask("drop_height", "Drop height", "mm", "--drop-height"),
-    ),
-    "slam": (_MASS, Ask("slam", "Speed or fall", "", "--slam")),
-    ROD: (
-        _MASS,
-        Ask("density", "Density", "kg/m^3", "--density"),
-        Ask("disc", "Diameter, length", "mm", "--shape"),
-    ),
-    DOOR: (),
-}
-"""What each kind is asked beside its files."""
-
 
 @dataclass(frozen=True)
-class Asked:
+class JudgedFiles:
     """What a page asks of such files."""
 
     kind: str
@@ -93,12 +56,7 @@ class Asked:
         return dict(self.said).get(name, "")
 
 
-def asks_of(kind: str) -> list[dict[str, Any]]:
-    """Return the fields of a kind as the page draws them."""
-    return [one._asdict() for one in ASKS.get(kind, ())]
-
-
-def _asked(request: Mapping[str, Any], folder: Path) -> Asked:
+def _asked(request: Mapping[str, Any], folder: Path) -> JudgedFiles:
     files = tuple(str(path_in(folder, one)) for one in listed(request, "files"))
     if not files:
         raise DataError("no file of this kind is open: open one first")
@@ -109,7 +67,7 @@ def _asked(request: Mapping[str, Any], folder: Path) -> Asked:
         if text.strip():
             said[str(name)] = text.strip().replace(",", ".") if name != "disc" else text.strip()
     test = request.get("test")
-    return Asked(
+    return JudgedFiles(
         str(request.get("kind", "")), files, tuple(sorted(said.items())),
         part(ReadOptions, request.get("options", {}), "options"),
         str(path_in(folder, test)) if test else "",
@@ -117,10 +75,10 @@ def _asked(request: Mapping[str, Any], folder: Path) -> Asked:
 
 
 @lru_cache(KEPT)
-def _found(asked: Asked) -> tuple[Any, KindPage]:
+def _found(asked: JudgedFiles) -> tuple[Any, KindPage]:
     """What was found in such files, and what its page tells."""
     doing(f"fitting {', '.join(Path(path).name for path in asked.files)}")
-    fits: dict[str, Callable[[Asked], Any]] = {
+    fits: dict[str, Callable[[JudgedFiles], Any]] = {
         "cld": _cld, "stress-strain": _stress_strain, "indentation": _indentation,
         "slam": _slam, ROD: _rod, DOOR: _door,
     }  # fmt: skip
@@ -131,10 +89,26 @@ def _found(asked: Asked) -> tuple[Any, KindPage]:
         found = load(row.fit)(asked.files, options=asked.options)
     else:
         raise DataError(f"'{asked.kind}' is no kind of test that is fitted by itself")
-    return found, kind_page(found)
+    return found, _page_of(found)
 
 
-def _number(asked: Asked, name: str, dimension: Any) -> float | None:
+def _page_of(found: Any) -> KindPage:
+    try:
+        return kind_page(found)
+    except TypeError:  # of a door
+        rows = tuple(
+            Row(f"Mode {i}", rounded(one.mode.frequency, digits=4), "", "", "Hz", "", bound=False)
+            for i, one in enumerate(found.modes[:8], 1)
+        )
+        return KindPage(
+            about="a door on its seal", strip=(),
+            lights=lights(found.checks, {"Door": frozenset()}),
+            answers="A door", picture=found.plot(), told="Modes", groups=(Group("", rows),),
+            sources=(), note="", name="door",
+        )  # fmt: skip
+
+
+def _number(asked: JudgedFiles, name: str, dimension: Any) -> float | None:
     """A quantity of a field, SI: in the field's unit, or in the one typed after it."""
     text = asked.of(name)
     unit = next(one.unit for one in ASKS[asked.kind] if one.name == name)
@@ -143,7 +117,7 @@ def _number(asked: Asked, name: str, dimension: Any) -> float | None:
     return si(text if text[-1].isalpha() else f"{text}{unit}", dimension)
 
 
-def _needed(asked: Asked, name: str, dimension: Any) -> float:
+def _needed(asked: JudgedFiles, name: str, dimension: Any) -> float:
     found = _number(asked, name, dimension)
     if found is None:
         label = next(one.label for one in ASKS[asked.kind] if one.name == name)
@@ -151,7 +125,7 @@ def _needed(asked: Asked, name: str, dimension: Any) -> float:
     return found
 
 
-def _cld(asked: Asked) -> Any:
+def _cld(asked: JudgedFiles) -> Any:
     between = asked.of("between").replace(" to ", ":").replace("-", ":")
     length = _number(asked, "length", "length")
     return workflow.cld_files(
@@ -163,7 +137,7 @@ def _cld(asked: Asked) -> Any:
     )
 
 
-def _stress_strain(asked: Asked) -> Any:
+def _stress_strain(asked: JudgedFiles) -> Any:
     modes: dict[str, list[str]] = {}
     for i, path in enumerate(asked.files):
         mode = asked.of(f"test {i}") or next(iter(MODES))
@@ -171,7 +145,7 @@ def _stress_strain(asked: Asked) -> Any:
     return workflow.hyperelastic_files(modes, options=asked.options)
 
 
-def _indentation(asked: Asked) -> Any:
+def _indentation(asked: JudgedFiles) -> Any:
     indenter = Indenter(
         mass=_needed(asked, "mass", "mass"),
         radius=_number(asked, "radius", "length"),
@@ -180,12 +154,12 @@ def _indentation(asked: Asked) -> Any:
     return workflow.indent_file(asked.files[0], indenter=indenter, options=asked.options)
 
 
-def _slam(asked: Asked) -> Any:
+def _slam(asked: JudgedFiles) -> Any:
     mass, slams = _number(asked, "mass", "mass"), tuple(asked.of("slam").split())
     return workflow.slam_files(asked.files, mass=mass, slam=slams, options=asked.options)
 
 
-def _rod(asked: Asked) -> Any:
+def _rod(asked: JudgedFiles) -> Any:
     disc = ",".join(f"{one.strip()}mm" for one in asked.of("disc").split(",") if one.strip())
     if not disc:
         raise DataError("the shape is not given: type diameter and length, such as 20, 20")
@@ -196,7 +170,7 @@ def _rod(asked: Asked) -> Any:
     )  # fmt: skip
 
 
-def _door(asked: Asked) -> Any:
+def _door(asked: JudgedFiles) -> Any:
     """A door with the files that are open beside it: it names them, and none elsewhere."""
     path = Path(asked.files[0])
     names = {Path(one).name: Path(one) for one in asked.files[1:]}
@@ -263,7 +237,7 @@ def take_judged(request: Mapping[str, Any], folder: Path) -> bytes:
     return wire.packed({"name": f"{page.name}.json", "kind": "application/json", "text": text})
 
 
-def _line(asked: Asked) -> str:
+def _line(asked: JudgedFiles) -> str:
     """The command that gives the same."""
     names = [Path(path).name for path in asked.files]
     if asked.kind == DOOR:
@@ -288,9 +262,3 @@ def _with_unit(one: Ask, text: str) -> str:
         return text.replace(" to ", ":").replace("-", ":") + one.unit
     bare = one.unit if one.name != "density" else ""
     return text if not text[-1].isdigit() else f"{text}{bare}"
-
-
-def door_row(path: Path) -> dict[str, Any]:
-    """What the list of files says of a door."""
-    return {"kind": DOOR, "page": "judged", "line": "a door on its seal", "mark": "good",
-            "simulated": False, "long": False, "asks": [], "name": path.name}  # fmt: skip

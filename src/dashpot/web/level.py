@@ -13,6 +13,7 @@ from dashpot.base.progress import doing
 from dashpot.plot.picture import Picture
 from dashpot.report.judged import text_of
 from dashpot.report.level import beyond, numbers
+from dashpot.report.of_kinds import kind_page
 from dashpot.report.pages import COLOURS
 from dashpot.web import views, wire
 from dashpot.web.bench import KEPT, WIDE
@@ -44,15 +45,17 @@ def level(request: Mapping[str, Any], folder: Path) -> bytes:
     """The fit of such files: verdict, numbers, checks, figures, and the command that gives it."""
     asked = _asked(request, folder)
     found, picture = _fitted(asked)
+    page = kind_page(found)
     rows = [views.term(one) for one in numbers(found)]
     return wire.packed(
         {
-            "verdict": views.verdict(found.verdict),
+            "verdict": views.verdict(found.verdict, page.lights),
             "colour": COLOURS[found.verdict.use],
             "solid": views.term_table("What amplitude does", rows, beyond(found)),
             "arms": "",
             "checks": views.check_list(found.checks),
             "figures": views.bench_panels(picture, sizes_of(request).get("bench", WIDE)[0]),
+            "facts": [list(one) for one in page.strip],
             "simulated": any(source.simulated for source in found.source),
             "command": line("fit", asked),
         }

@@ -154,7 +154,8 @@ def test_panels(fit: Fit, prepared: RampHold, by_eq5: Fit | None, sizes: Sizes) 
     ramp, hold, rest = relaxation.upon_panels(chosen, prepared, other=other)
     force, left = (one.y.label.rpartition(", ")[2] for one in (hold, rest))
     noise, of = unit_of(np.array([prepared.force_noise]), "N")
-    said = f"{rest.note.removesuffix(noise).rstrip()}, noise {rounded(of * prepared.force_noise)}"
+    scatter = rounded(of * prepared.force_noise, digits=2)
+    said = f"{rest.note.removesuffix(noise).rstrip()}, noise {scatter}"
     said += f" {noise}" if noise != left else ""
     arms = _named(plot.spectrum(fit).panels[0], fit)
     return {
@@ -231,9 +232,7 @@ def _in_short(panel: Panel) -> Panel:
 def over(job: Job, quantity: Kind) -> str:
     """What the panel of the response shows: the title of its place."""
     name = quantity.value.replace("_", " ").capitalize()
-    on = "" if job.mass is None else f" of {shown(job.mass, 'g', digits=4)}"
-    seals = f" on {job.seals:g} seal{'' if job.seals == 1 else 's'}"
-    return f"{name}{on}{seals}, {SHOWN[quantity][0]}"
+    return f"{name} of {weight(job)}, {SHOWN[quantity][0]}"
 
 
 def response_panel(predicted: FRF, sizes: Sizes, title: str) -> str:
@@ -555,13 +554,23 @@ def groups(found: Sequence[Group], told: str, note: str) -> str:
 
 def _shorter(one: Answer, row: Row) -> Row:
     """A number under a name that does not wrap beside its five cells."""
+    return row._replace(name=short_name(one))
+
+
+def short_name(one: Answer) -> str:
+    """A number's name that does not wrap beside its cells."""
     at = "" if one.at is None else rounded(one.at)
-    name = {
+    return {
         "frequency": "Frequency", "damping": "Damping",
         "end of hold": f"k after {at.removesuffix('.0')} s", "dynamic stiffness": f"K′ at {at} Hz",
         "loss factor": "Loss factor",
     }[one.quantity]  # fmt: skip
-    return row._replace(name=name)
+
+
+def weight(job: Job) -> str:
+    """What rests on how many seals."""
+    on = "the mass" if job.mass is None else shown(job.mass, "g", digits=4)
+    return f"{on} on {job.seals:g} seal{'' if job.seals == 1 else 's'}"
 
 
 def hit_table(study: Study) -> str:

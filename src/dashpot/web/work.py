@@ -29,7 +29,7 @@ from dashpot.report import answer
 from dashpot.report.pages import COLOURS
 from dashpot.report.summary import simulated
 from dashpot.vibration.systems.prediction import highest_peak, predict_frf
-from dashpot.web import judging, records, results, views, wire
+from dashpot.web import asks, records, results, views, wire
 from dashpot.web.requests import job_of, part, sizes_of
 from dashpot.web.store import path_in
 from dashpot.workflow.command_lines import FIT, line, predict_command
@@ -52,7 +52,7 @@ def inspect(request: Mapping[str, Any], folder: Path) -> bytes:
     """What is in a file, and what it asks."""
     path = path_in(folder, request.get("file"))
     if path.suffix.lower() == ".toml":
-        return wire.packed(judging.door_row(path))
+        return wire.packed(asks.door_row(path))
     options = part(ReadOptions, request.get("options", {}), "options")
     job = Job(str(path), reading=options)
     # what is read and prepared here is what the fit asks for next
@@ -64,7 +64,7 @@ def inspect(request: Mapping[str, Any], folder: Path) -> bytes:
     ).files
     head = views.file_row(found)
     head["long"] = found.rows > results.WHILE_HELD
-    head["asks"] = judging.asks_of(found.kind)
+    head["asks"] = asks.asks_of(found.kind)
     if head["mark"] != "good" or views.place_of(found) in {"", "part"}:
         head["asked"] = views.asked(found, _consequences(path, found, options))
     return wire.packed({**head, "name": path.name})

@@ -7,6 +7,8 @@ import { state, together } from "./job.js";
 /** @typedef {{first: number, last: number, step: number}} Clock Of a record, s */
 
 const WHEEL = 1.25;
+/** Of a drawing, px, below which ranges are not read off. */
+const NARROW = 400;
 
 /** @type {Record<string, Figure | null>} */
 const figures = {};
@@ -43,10 +45,11 @@ class Reading extends Figure {
       made(tag, kind ? { class: kind } : {}, words);
     const rows = [cell("dt", `${at.where(this.x)} ${per}`, "at"), cell("dd", unit, "at")];
     rows[0].title = quantity;
-    const part = this.x / at.whole[2];
+    const part = this.x / at.whole[2], narrow = this.svg.clientWidth < NARROW;
     for (const one of panels) {
       const own = one === at ? "" : `, ${one.axes().unit}`;
       for (const [name, value] of one.values(part * one.whole[2], this.y)) {
+        if (narrow && one.curves.some((each) => each.name === name && each.edge)) continue;
         const kind = name === "measured" ? "upon" : "";
         const called = own && !/[a-z] /.test(name) ? `${name}${own}` : name;
         rows.push(cell("dt", called, kind), cell("dd", value, kind));
@@ -93,6 +96,7 @@ export function panel(/** @type {string} */ name, /** @type {string} */ html) {
 /** What is kept, by the verb that gave it. @type {Record<string, string>} */
 const SAVED = {
   level: "Save the numbers (levels.json)",
+  judged: "Save the numbers (JSON)",
   modes: "Save the modes (modes.json)",
 };
 
@@ -101,8 +105,11 @@ export function strips(
   /** @type {HTMLElement} */ home,
   /** @type {[string, string][]} */ drawn,
   /** @type {string} */ verb,
+  /** @type {[string, string][]} */ facts = [],
 ) {
-  home.replaceChildren(...drawn.map(([title, html]) => {
+  const told = made("dl", { class: "facts" });
+  for (const [name, said] of facts) told.append(made("div", {}, made("dt", {}, name), made("dd", {}, said)));
+  home.replaceChildren(...(facts.length ? [told] : []), ...drawn.map(([title, html]) => {
     const body = made("div", { class: "body" }), out = made("div", { class: "read" });
     body.innerHTML = html;
     const svg = /** @type {SVGSVGElement | null} */ (body.querySelector("svg.figure"));

@@ -1,17 +1,23 @@
 // Questions to the server, and where their answers stand. The page computes no number.
-import { $, all, atWork, field, put, status } from "./dom.js";
+import { $, all, atWork, field, made, put, status } from "./dom.js";
 import {
+  alike,
+  door,
   hammers,
   isBench,
+  isJudged,
   isLevel,
   isModes,
   isResponse,
   job,
+  jobOf,
+  kindOf,
   LOT,
   questionOf,
   remember,
   shown,
   sizes,
+  solids,
   state,
   test,
 } from "./job.js";
@@ -28,6 +34,7 @@ const seconds = (/** @type {number} */ since, digits = 1) =>
 function question() {
   const of = bench();
   if (of) return JSON.stringify([of.verb, { ...of.request, sizes: null }]);
+  if (test() && state.against) return JSON.stringify(["against", ab()]);
   return test() ? questionOf(state.joint) : "";
 }
 
@@ -72,6 +79,7 @@ export function settle(again = false) {
     status(open ? "a question is open" : "no relaxation test is open");
     return;
   }
+  if (state.against) return compare();
   // of a long record a part is drawn at once
   const quick = !!of.long, since = performance.now();
   of.long = false;
@@ -164,9 +172,38 @@ function slowly(
   }, end);
 }
 
+/** Both sides that are held against each other, each the first that there is if it is not chosen. */
+function ab() {
+  const every = solids().map(([name]) => name), now = test()?.id;
+  const usual = [`fit ${now}`, every.find((one) => one !== `fit ${now}`) || `fit ${now}`];
+  const [a, b] = [state.ab.a, state.ab.b].map((one, i) => every.includes(one) ? one : usual[i]);
+  return { a, b };
+}
+
+/** Two fits against each other. */
+function compare() {
+  const { a, b } = ab(), now = question();
+  asks(now, "Both fits are held against each other.");
+  for (const [side, chosen] of [["a", a], ["b", b]]) {
+    const all = solids().map(([name, words]) => made("option", { value: name }, words));
+    $(`ab-${side}`).replaceChildren(...all);
+    field(`ab-${side}`).value = chosen;
+  }
+  const request = { a: { job: jobOf(a) }, b: { job: jobOf(b) }, sizes: sizes() };
+  slowly("against", request, (head) => {
+    for (const [name, html] of Object.entries(head.panels)) panel(name, html);
+    $("ab-table").innerHTML = head.table;
+    $("simulated").hidden = !head.simulated;
+    $("command").textContent = "";
+    knows(now, head, true);
+    return true;
+  });
+}
+
 /** The whole story: bound, hammer, joint fit. */
 export function study(again = false) {
   if (!test()) return;
+  if (state.against) return compare();
   const now = question();
   asks(now, hammers().length ? "The hammer is compared." : "Its limits are sought.");
   slowly("study", { job: job(), sizes: sizes(), base: state.base, phase: state.phase }, (head) => {
@@ -187,6 +224,7 @@ export function bench() {
   // in one column it is none itself
   const width = $("main").clientWidth || document.body.clientWidth;
   const sizes = { bench: [width - 16, 0] };
+  if (isJudged(one)) return { verb: "judged", request: { ...judged(one), sizes } };
   if (isModes(one)) {
     const every = state.files.filter(isModes), { of, band } = state.frfs;
     const files = every.map((each) => each.id);
@@ -203,6 +241,17 @@ export function bench() {
   return { verb: "level", request };
 }
 
+/** What is asked of a kind that stands alone, and of which files. */
+function judged(/** @type {import("./job.js").OpenFile} */ one) {
+  const of = one.page === "part" ? door() || one : one, kind = kindOf(of);
+  const { options } = of, said = state.said[kind] || {};
+  if (kind === "door") {
+    const others = state.files.filter((each) => each !== of).map((each) => each.id);
+    return { kind, files: [of.id, ...others], said, options: {}, test: test()?.id || "" };
+  }
+  return { kind, files: alike(of).map((each) => each.id), said, options };
+}
+
 let benched = "";
 
 function fitBench(/** @type {{verb: string, request: any}} */ { verb, request }) {
@@ -214,10 +263,10 @@ function fitBench(/** @type {{verb: string, request: any}} */ { verb, request })
     knows(now, head, true);
     $("solid").innerHTML = head.solid;
     solid(head.solid, state.joint, head.arms);
-    $("answers").replaceChildren();
+    $("answers").innerHTML = head.answers || "";
     $("beside").hidden = true;
     told(head);
-    strips($("bench-page"), head.figures, verb);
+    strips($("bench-page"), head.figures, verb, head.facts);
     return true;
   }, nothing);
 }
