@@ -1,4 +1,4 @@
-"""The table of docs/quality.md, of what a night left behind: ``python .ci/quality.py DIR``.
+"""The table of docs/quality.md, of what a night left behind: ``python .ci/quality.py DIR [WORDS]``.
 
 ``just nightly`` leaves there: ``*.xml``, the results of each run of the tests, with what these say
 of themselves (`mutants`, `kills`); ``verdicts.jsonl`` of benchmarks/verdicts.py; ``coverage.txt``
@@ -12,7 +12,6 @@ import re
 import sys
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator
-from importlib.metadata import version
 from pathlib import Path
 from typing import NamedTuple
 from xml.etree import ElementTree as ET
@@ -72,10 +71,12 @@ def verdicts(file: Path) -> Iterator[Row]:
         kinds.setdefault(kind, []).append(line)
     for kind, lines in kinds.items():
         found = Counts.of(kind, lines)
-        yield Row(f"verdicts: {kind}", f'{found.missed} of {found.used} "use" are wrong',
-                  f"{len(lines)}", f"<= {100 * MISSED:g} %")  # fmt: skip
-        yield Row(f"verdicts: {kind}", f'{found.used_held} of {found.held} sound ones are "use"',
-                  f"{len(lines)}", f">= {100 * USED:g} %")  # fmt: skip
+        said = (
+            f'{found.missed} of {found.used} "use" are wrong, '
+            f'{found.used_held} of {found.held} sound ones are "use"'
+        )
+        goal = f"<= {100 * MISSED:g} %, >= {100 * USED:g} %"
+        yield Row(f"verdicts: {kind}", said, f"{len(lines)}", goal)
 
 
 def coverage(file: Path) -> Iterator[Row]:
@@ -121,7 +122,9 @@ def table(found: Iterable[Row]) -> str:
 def main() -> None:
     """Write the table between the marks of the page, and print it."""
     day = f"{dt.datetime.now(dt.UTC):%Y-%m-%d}"
-    told = f"Night of {day}, dashpot {version('dashpot')}.\n\n{table(rows(Path(sys.argv[1])))}"
+    night, *words = sys.argv[1:]
+    head = " ".join([f"Night of {day}.", *words])
+    told = f"{head}\n\n{table(rows(Path(night)))}"
     before, _, rest = PAGE.read_text("utf-8").partition(MARKS[0])
     after = rest.partition(MARKS[1])[2]
     PAGE.write_text(f"{before}{MARKS[0]}\n{told}\n{MARKS[1]}{after}", "utf-8")
