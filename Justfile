@@ -29,20 +29,32 @@ test *args:
 slow *args:
     pytest -m slow {{args}}
 
-# what the gate leaves out: studies, mutants, every test on the lowest and the newest versions
+# what the gate leaves out: studies, mutants, every test on other versions and of the wheel; docs/quality.md
 nightly:
     #!/usr/bin/env bash
     set -uo pipefail
     room="$(mktemp -d)"
     trap 'rm -rf "$room"' EXIT
+    night="$room/night"
     failed=0
-    pytest -q -m slow || failed=1
-    DASHPOT_FUZZ=1 pytest -q -m fuzz || failed=1
-    for one in lowest newest; do
+    pytest -q -m slow --junitxml "$night/slow.xml" || failed=1
+    DASHPOT_FUZZ=1 pytest -q -m fuzz --junitxml "$night/fuzz.xml" || failed=1
+    just release || failed=1
+    for one in lowest newest wheel; do
         .ci/room "$one" "$room/$one" || failed=1
         [ -x "$room/$one/bin/pytest" ] || continue
-        "$room/$one/bin/pytest" -q -m "not slow and not fuzz" || failed=1
+        "$room/$one/bin/dashpot" demo -o "$room/demo-$one" || failed=1
+        # doctests of src would be those of the working copy
+        paths=(); [ "$one" = wheel ] && paths=(tests docs README.md)
+        "$room/$one/bin/pytest" -q -m "not slow and not fuzz" --junitxml "$night/$one.xml" \
+            "${paths[@]}" || failed=1
     done
+    python benchmarks/verdicts.py "$night/verdicts.jsonl" > "$night/verdicts.txt" || failed=1
+    python benchmarks/anybody.py > "$night/speed.txt" || failed=1
+    for study in $(python benchmarks/coverage_kinds.py --list); do
+        python benchmarks/coverage_kinds.py "$study" >> "$night/coverage.txt" || failed=1
+    done
+    python .ci/quality.py "$night" "Commit $(git rev-parse --short HEAD)."
     exit "$failed"
 
 # an hour guided by coverage, then mutants of every format: 100,000 of the binary ones

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import closing
 from pathlib import Path
 
@@ -75,6 +75,14 @@ def fuzzer() -> Iterator[Fuzzer]:
     """The process that mutants are given to."""
     with closing(Fuzzer()) as one:
         yield one
+
+
+@pytest.fixture
+def mutants(fuzzer: Fuzzer, record_property: Callable[[str, object], None]) -> Iterator[None]:
+    """Count what a test tries, for docs/quality.md."""
+    before = fuzzer.tries
+    yield
+    record_property("mutants", fuzzer.tries - before)
 
 
 @pytest.fixture(scope="session")

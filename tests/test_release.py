@@ -82,3 +82,34 @@ def test_the_version_sorts_and_stands_in_the_byline():
 )
 def test_every_version_is_known_again(version):
     assert is_ours(f"$ dashpot {version}: network of springs".encode())
+
+
+def test_a_night_is_told_by_what_it_left(tmp_path, monkeypatch):
+    monkeypatch.syspath_prepend(ROOT / "benchmarks")
+    monkeypatch.syspath_prepend(ROOT / "tests")
+    (tmp_path / "fuzz.xml").write_text(
+        '<testsuites><testsuite tests="3" failures="1" errors="0" skipped="1">'
+        '<testcase><properties><property name="mutants" value="700"/></properties></testcase>'
+        '<testcase><properties><property name="mutants" value="30"/></properties>'
+        "<failure/></testcase>"
+        '<testcase><properties><property name="kills" value="1"/></properties></testcase>'
+        "</testsuite></testsuites>"
+    )
+    (tmp_path / "coverage.txt").write_text(
+        "aging: held of 20, 41 ms of CPU each\n  life           19\n  F/F0 after 1000 h   18\n"
+        "depths: held of 10, 3 ms of CPU each\n  k_inf   10\n"
+    )
+    (tmp_path / "speed.txt").write_text(
+        "CPU ms       n   min  median p95 max  dearest\n"
+        "hold, auto                  24      8.1     12.0     24.9    130.5  power law, 5 rows\n"
+    )
+    quality = runpy.run_path(str(ROOT / ".ci" / "quality.py"))
+    table = quality["table"](quality["rows"](tmp_path)).splitlines()
+    assert table[2:] == [
+        "| tests: fuzz | 1 passed, 1 skipped, 1 failed | 3 | 0 failed |",
+        "| mutants of files and documents | 1 found a fault | 730 | 0 |",
+        "| kills of a batch | 0 found a fault | 1 | 0 |",
+        "| coverage: aging | life 19, F/F0 after 1000 h 18 | 20 | 95 % |",
+        "| coverage: depths | k_inf 10 | 10 | 95 % |",
+        "| speed: hold, auto | p95 24.9 ms (median 12.0, most 130.5) | 24 | p95 <= 25 ms |",
+    ]

@@ -137,7 +137,7 @@ def test_the_example_end_to_end(tmp_path):
     assert shaken["sealed"]["stretch"] < shaken["bare"]["stretch"]
     drawn = figure.read_text()
     assert all(
-        word in drawn for word in ("pressed", "in the mode", "without the seal", "SIMULATED")
+        word in drawn for word in ("pressed", "seal line goes out", "without the seal", "SIMULATED")
     )
 
 

@@ -39,6 +39,11 @@ def a_fit(solid: Solid, *, relative: float = 0.01, **given: object) -> Fit:
     return altered(usual, **given)
 
 
+def of_noise(fit: Fit) -> Fit:
+    """The fit with the errors of its residuals alone, as if its rig had done nothing unseen."""
+    return replace(fit, estimate=fit.estimate.noise_alone)
+
+
 def altered(fit: Fit, **given: object) -> Fit:
     """The fit with some fields of its own or of its parts replaced."""
     for part, kind in PARTS.items():

@@ -233,10 +233,11 @@ def _door(
         raise click.UsageError(
             "--plot draws the modes or the closing: leave out --modes or --close"
         )
-    if output and not output.lower().endswith(".json") and output != "-":
-        raise click.UsageError(f"-o {output}: of a door everything is written, as .json.")
+    page = output is not None and output.lower().endswith(PAGE)
+    if output and not page and not output.lower().endswith(".json") and output != "-":
+        raise click.UsageError(f"-o {output}: of a door everything is written, as .json or .html.")
     found = closed = None
-    if speed is None or every:
+    if speed is None or every or page:
         found = workflow.door_file(path, band=band, temperature=temperature)
     if speed is not None:
         closed = workflow.close_file(path, speed, temperature=temperature)
@@ -245,7 +246,8 @@ def _door(
         shown: Any = found if closed is None else closed
         write_figure(picture, shown.plot())
     if output:
-        write(output, printed(outcome.found) + "\n")
+        results = [one for one in (found, closed) if one is not None]
+        write(output, workflow.door_html(*results) if page else printed(outcome.found) + "\n")
     return outcome
 
 

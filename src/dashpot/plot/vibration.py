@@ -208,20 +208,8 @@ def resonance(
     height : float
         Of the plotted part, px.
     """
-    if comparison is None:
-        curves = [Curve(predicted, "predicted", PREDICTED, _peak_of(predicted))]
-    else:
-        curves = curves_of(comparison, joint, failed=failed)
-        ends = comparison.measured.frequency[0], comparison.measured.frequency[-1]
-        at, top = _peak_of(predicted)
-        if not ends[0] < at < ends[1]:
-            curves[1] = replace(curves[1], frf=predicted, peak=(at, top))
-    if rival is not None:
-        curves.append(Curve(rival, "other family from relaxation", SIMPLER[0], _peak_of(rival)))
-    peaks = [one.peak[0] for one in curves if one.peak is not None]
-    first = min(one.frf.frequency[one.frf.frequency > 0][0] for one in curves)
-    last = max(one.frf.frequency[-1] for one in curves)
-    view = (max(VIEW[0] * min(peaks), first), min(VIEW[1] * max(peaks), last))
+    curves = resonance_curves(comparison, predicted, joint=joint, failed=failed, rival=rival)
+    view = about_peaks(curves)
     panel = magnitude_panel(curves, spreads(band)[:1], view=view, height=height, tagged=True)
     caption = "Accelerance of the mass on its seals: measured, and as the solids predict it."
     return Picture("resonance", caption, ((panel,),), 1, stamp)
@@ -278,6 +266,36 @@ def nyquist(
 
 
 # -- panels ---------------------------------------------------------------------------------------
+
+
+def resonance_curves(
+    comparison: Comparison | None,
+    predicted: FRF,
+    *,
+    joint: Comparison | None = None,
+    failed: bool = False,
+    rival: FRF | None = None,
+) -> list[Curve]:
+    """The curves of :func:`resonance`, each with its peak."""
+    if comparison is None:
+        curves = [Curve(predicted, "predicted", PREDICTED, _peak_of(predicted))]
+    else:
+        curves = curves_of(comparison, joint, failed=failed)
+        ends = comparison.measured.frequency[0], comparison.measured.frequency[-1]
+        at, top = _peak_of(predicted)
+        if not ends[0] < at < ends[1]:
+            curves[1] = replace(curves[1], frf=predicted, peak=(at, top))
+    if rival is not None:
+        curves.append(Curve(rival, "other family from relaxation", SIMPLER[0], _peak_of(rival)))
+    return curves
+
+
+def about_peaks(curves: Sequence[Curve]) -> tuple[float, float]:
+    """From where to where every peak is in sight, Hz, as far as there are lines."""
+    peaks = [one.peak[0] for one in curves if one.peak is not None]
+    first = min(one.frf.frequency[one.frf.frequency > 0][0] for one in curves)
+    last = max(one.frf.frequency[-1] for one in curves)
+    return (max(VIEW[0] * min(peaks), first), min(VIEW[1] * max(peaks), last))
 
 
 def curves_of(
@@ -349,7 +367,7 @@ def phase_panel(curves: Sequence[Curve], view: tuple[float, float]) -> Panel:
     for one in _layered(curves):
         f, value = smooth(one.frf)
         x, y = unwrapped(f, value, lowest)
-        marks.append(Line(x, y, one.pen))
+        marks.append(Line(x, y, one.pen, one.label))
     axes = (Scale(FREQUENCY, view, log=True),
             Scale("phase, °", (ticks[0] - 15, ticks[-1] + 15), ticks=ticks))  # fmt: skip
     return Panel(*axes, tuple(marks), height=90)
@@ -364,14 +382,18 @@ def _layered(curves: Sequence[Curve]) -> list[Curve]:
 def _bode(curves: Sequence[Curve], spread: Sequence[Spread]) -> tuple[Panel, ...]:
     upper = magnitude_panel(curves, spread, tagged=True)
     strip = [upper, phase_panel(curves, upper.x.limits)]
-    measured = curves[0].frf
-    if measured.coherence is not None:
-        axes = (upper.x, Scale("coherence, 1", (0.0, 1.08), ticks=(0.0, 0.5, 1.0)))
-        # 0.9 is what ISO 7626-5 asks for
-        marks = (Rule(0.9, REF, across=True),
-                 Line(measured.frequency, measured.coherence, MEASURED))  # fmt: skip
-        strip.append(Panel(*axes, marks, height=50))
-    return tuple(strip)
+    return (*strip, *coherence_panels(curves[0].frf, upper.x))
+
+
+def coherence_panels(measured: FRF, frequency: Scale) -> tuple[Panel, ...]:
+    """The coherence of a measured FRF over the same axis; none of what has none."""
+    if measured.coherence is None:
+        return ()
+    axes = (frequency, Scale("coherence, 1", (0.0, 1.08), ticks=(0.0, 0.5, 1.0)))
+    # 0.9 is what ISO 7626-5 asks for
+    marks = (Rule(0.9, REF, across=True),
+             Line(measured.frequency, measured.coherence, MEASURED))  # fmt: skip
+    return (Panel(*axes, marks, height=50),)
 
 
 def _area(

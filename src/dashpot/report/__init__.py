@@ -7,14 +7,16 @@ from typing import Any
 
 from dashpot.base.offered import Judged
 from dashpot.base.provenance import Step
+from dashpot.door.closing_result import ClosingResult
+from dashpot.door.result import DoorResult
 from dashpot.plot.picture import Picture
-from dashpot.report import answer, judged, summary, tables
+from dashpot.report import answer, door, judged, summary, tables
 from dashpot.report.figures import figures_of
 from dashpot.report.pages import COLOURS, environment, frame
 from dashpot.workflow.recommendation import recommendation
 from dashpot.workflow.study import Study
 
-__all__ = ["html"]
+__all__ = ["door_html", "html"]
 
 
 def html(
@@ -44,9 +46,19 @@ def html(
     """
     if isinstance(study, Study):
         name, contents = "report.html", _contents(study)
+    elif isinstance(study, DoorResult | ClosingResult):
+        return door_html(study)
     else:
         name, contents = "judged.html", judged.contents(study, lead=lead, beside=beside)
     return str(environment("dashpot.report").get_template(name).render(contents))
+
+
+def door_html(*results: DoorResult | ClosingResult) -> str:
+    """Return the page of a door: how it vibrates, how it closes, or both."""
+    found = next((one for one in results if isinstance(one, DoorResult)), None)
+    closed = next((one for one in results if isinstance(one, ClosingResult)), None)
+    template = environment("dashpot.report").get_template("door.html")
+    return str(template.render(door.contents(found, closed)))
 
 
 def _contents(study: Study) -> dict[str, Any]:

@@ -78,7 +78,9 @@ class KindPage:
     name: str = field(default="result")
 
 
-def lights(checks: Iterable[Check], asked: Asked, says: Sequence[str] = ()) -> tuple[Light, ...]:
+def lights(
+    checks: Iterable[Check], asked: Asked, says: Sequence[str] = (), fails: Sequence[str] = ()
+) -> tuple[Light, ...]:
     """One light for each part of what was asked, as bad as the worst of its checks.
 
     Parameters
@@ -88,6 +90,8 @@ def lights(checks: Iterable[Check], asked: Asked, says: Sequence[str] = ()) -> t
         Which checks stand behind each light; all that none names stand behind the first.
     says : sequence of str
         What each says where nothing of weight failed; by default how many passed.
+    fails : sequence of str
+        And where something did; so too.
     """
     every = tuple(dict.fromkeys(checks))
     named = frozenset().union(*asked.values())
@@ -98,10 +102,9 @@ def lights(checks: Iterable[Check], asked: Asked, says: Sequence[str] = ()) -> t
         if not judged and i == 0 and len(asked) > 1:
             continue
         mark, count = tally(behind, behind)
-        good = says[i] if i < len(says) else ""
-        sound = mark_of(behind) in {"good", "note"}
-        found.append(Light(name, mark, good if good and sound else f"{count} checks"
-                           if count[0].isdigit() else count))  # fmt: skip
+        told = says if mark_of(behind) in {"good", "note"} else fails
+        said = told[i] if i < len(told) else ""
+        found.append(Light(name, mark, said or (f"{count} checks" if judged else count)))
     return tuple(found)
 
 
