@@ -285,7 +285,14 @@ def _again(
 
 
 def _chosen(found: Sequence[Candidate]) -> Candidate:
-    """Choose the arms by both rules, with and without a dashpot; then the better of the two."""
+    """Choose the arms by both rules, with and without a dashpot; then the better of the two.
+
+    An arm that cannot be placed leads nevertheless where BIC is decisive. Were the smaller model to
+    lead there, too, 84 FRFs of 20 g at 800 to 3200 Hz and 64 joint fits of truths that share no line
+    with dashpot would fare worse. Of 36 FRFs that choose otherwise then, 15 lose their only arm, and
+    the peak by 2.6 times or more; of the other 21 the peak lies within the loss factor's limit in
+    17. Two joint fits err in k(T) by 3 % where they erred by .2 %, and say "use".
+    """
     scale = min(found, key=lambda candidate: candidate.bic).line_scale
     best = []
     for dashpot in (False, True):
