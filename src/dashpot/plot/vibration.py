@@ -80,6 +80,8 @@ class Spread:
     frequency: FloatArray
     limits: FloatArray
     label: str = INTERVAL
+    pen: Pen | None = None
+    """Of the curve that it is of; by default the one that is predicted."""
 
     def of_kind(self, kind: Kind) -> FloatArray:
         """The same limits for another kind of FRF; those over a base that moves are their own."""
@@ -109,6 +111,7 @@ def frf(
     band: FRFBounds | None = None,
     interval: tuple[FloatArray, FloatArray] | None = None,
     ordered: bool = False,
+    intervals: Sequence[FloatArray | None] = (),
     stamp: str = "",
 ) -> Picture:
     """One or several FRFs of one kind: magnitude, phase, and the coherence of the first.
@@ -129,6 +132,8 @@ def frf(
         1/kg, or of a transmissibility where that is drawn.
     ordered : bool
         The others rise, in level or temperature: from blue to red.
+    intervals : sequence of array, shape (2, n), or None
+        Such limits of each of the others, at its lines.
     stamp : str
         What the figure says of its origin; by default the files of the first FRF.
     """
@@ -144,6 +149,11 @@ def frf(
         for i, (one, name) in enumerate(zip(same, names, strict=True))
     ]
     known = () if interval is None else (Spread(*interval),)
+    known += tuple(
+        Spread(curve.frf.frequency, limits, "", curve.pen)
+        for curve, limits in zip(curves[1:], intervals, strict=False)
+        if limits is not None
+    )
     caption = "Frequency response function: magnitude and phase."
     return Picture(
         "frf", caption, (_bode(curves, spreads(band) or known),), 1, stamp or of_frf(measured)
@@ -321,7 +331,8 @@ def magnitude_panel(
     limits = [0.6 * max(float(np.percentile(every, 1)), highest / HIGHEST), 1.9 * highest]
     marks: list[Mark] = []
     for limit in spread:
-        area = _area(limit, kind, scale, None if predicted is None else drawn[id(predicted)])
+        of = next((one for one in curves if one.pen is limit.pen), predicted)
+        area = _area(limit, kind, scale, None if of is None else drawn[id(of)])
         inside = (area.x >= view[0]) & (area.x <= view[1])
         top = float(np.max(area.high[inside], initial=0.0))
         limits[1] = max(limits[1], min(1.3 * top, 12 * limits[1]))
@@ -390,7 +401,8 @@ def _area(
         own = np.where((lines >= at[0]) & (lines <= at[-1]), own, np.nan)
         low, high = np.fmin(np.exp(logs[0]), own), np.fmax(np.exp(logs[1]), own)
         f = lines
-    return Area(f, low, high, "fit", one.label, hatched=one.label == BOUND, tint=0.3)
+    colour = "fit" if one.pen is None else one.pen.colour
+    return Area(f, low, high, colour, one.label, hatched=one.label == BOUND, tint=0.3)
 
 
 def _scatter(one: Curve, scale: float) -> Area:
