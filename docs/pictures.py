@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 import io
+import os
 import shlex
 import shutil
 import subprocess
@@ -174,7 +175,13 @@ def app() -> bool:
 
     words = [sys.executable, "-m", "dashpot", "app", "--no-browser"]
     GALLERY.mkdir(exist_ok=True)
-    with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as server:  # noqa: S603
+    # what it remembers is not the builder's own
+    with (
+        TemporaryDirectory() as state,
+        subprocess.Popen(  # noqa: S603
+            words, stdout=subprocess.PIPE, text=True, env={**os.environ, "DASHPOT_STATE": state}
+        ) as server,
+    ):
         try:
             with sync_playwright() as on:
                 browser = on.chromium.launch(executable_path=program, args=["--no-sandbox"])
