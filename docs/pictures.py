@@ -35,6 +35,7 @@ fit at_23degC.csv at_10degC.csv at_0degC.csv --plot moving.svg
 simulate creep --load 1N --hold 40s -o creep.csv
 fit creep.csv --plot creep.svg
 fit cld_1.csv --length 100mm --compression 6mm --between 4:8mm --plot cld.svg
+fit cld_1.csv cld_2.csv cld_3.csv --length 100mm --compression 6mm --between 4:8mm --plot pieces.svg
 fit tension.csv biaxial.csv --test uniaxial --test biaxial --plot law.svg
 fit hit.csv --mass 5g --radius 5mm --drop-height 51mm --plot hit.svg
 fit ovens.csv --machine oven=1K -o csr.json --plot csr.svg
