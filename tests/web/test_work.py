@@ -119,6 +119,15 @@ def test_a_record_is_read_once_for_every_lane(store):
     assert again["specimen"]["name"] == "A"
 
 
+def test_a_record_of_a_fast_clock_is_kept(store):
+    rig = replace(Rig(), rate=200.0)
+    test = simulate_relaxation(BROAD, rig=rig, seed=1).test
+    fast = replace(test, time=test.time[0] + (test.time - test.time[0]) / 80)
+    identity = store.put("fast.csv", write_relaxation(fast).encode())
+    line = ask("inspect", store, file=identity)["line"]
+    assert "length of the record" not in line, line
+
+
 def test_of_a_long_record_a_part_is_shown_first(store, files, monkeypatch):
     job = {"relaxation": files["seal_8mm.csv"], "arms": 2}
     rows = ask("inspect", store, file=job["relaxation"])
