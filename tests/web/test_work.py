@@ -386,6 +386,15 @@ def test_what_both_tests_leave_of_the_hold_is_its_noise(store, asked):
     assert 0.9 * noise < rms < 1.1 * noise
 
 
+def test_the_list_of_files_names_no_option_and_no_python(store):
+    rows = "".join(f"{1e-9 * i:.3e},{i},{i}\n" for i in range(200))
+    identity = store.put("brief.csv", f"time [s],displacement [mm],force [N]\n{rows}".encode())
+    line = ask("inspect", store, file=identity)["line"]
+    assert line
+    assert "--" not in line
+    assert "Python" not in line
+
+
 def test_two_fits_are_held_against_each_other(store, asked):
     sides = {name: {"job": asked | {"joint": name == "b"}} for name in "ab"}
     head = ask("against", store, **sides)
