@@ -54,7 +54,7 @@ nightly:
     for study in $(python benchmarks/coverage_kinds.py --list); do
         python benchmarks/coverage_kinds.py "$study" >> "$night/coverage.txt" || failed=1
     done
-    python .ci/quality.py "$night"
+    python .ci/quality.py "$night" "Commit $(git rev-parse --short HEAD)."
     exit "$failed"
 
 # an hour guided by coverage, then mutants of every format: 100,000 of the binary ones

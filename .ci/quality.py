@@ -12,7 +12,6 @@ import re
 import sys
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator
-from importlib.metadata import version
 from pathlib import Path
 from typing import NamedTuple
 from xml.etree import ElementTree as ET
@@ -124,7 +123,7 @@ def main() -> None:
     """Write the table between the marks of the page, and print it."""
     day = f"{dt.datetime.now(dt.UTC):%Y-%m-%d}"
     night, *words = sys.argv[1:]
-    head = " ".join([f"Night of {day}, dashpot {version('dashpot')}.", *words])
+    head = " ".join([f"Night of {day}.", *words])
     told = f"{head}\n\n{table(rows(Path(night)))}"
     before, _, rest = PAGE.read_text("utf-8").partition(MARKS[0])
     after = rest.partition(MARKS[1])[2]

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import ast
-import io
+import importlib
 import json
 import re
 import shlex
 import shutil
 import tomllib
-from contextlib import redirect_stdout
 from pathlib import Path
 from typing import NamedTuple
 
@@ -173,36 +171,23 @@ def test_the_python_of_a_page_runs_as_it_stands(page, bench):
 
 
 @pytest.mark.once
-def test_the_notebook_runs_as_it_stands(bench):
-    """Cell by cell, in one process as a kernel does; what a cell shows is what it showed.
-
-    The kernel itself is Jupyter's affair: 40 packages for one file.
-    """
-    book = json.loads((ROOT / "examples" / "main_job.ipynb").read_text("utf-8"))
+def test_the_notebook_runs_as_it_stands(bench, monkeypatch):
+    """Cell by cell; what a cell shows is what it showed."""
+    monkeypatch.syspath_prepend(ROOT / "docs")
+    notebook = importlib.import_module("notebook")
+    book = json.loads(notebook.BOOK.read_text("utf-8"))
     assert book["nbformat"] == 4
     names = {}
-    for cell in book["cells"]:
-        if cell["cell_type"] == "code":
-            said = "".join("".join(one["text"]) for one in cell["outputs"] if "text" in one)
-            seen = [one["data"] for one in cell["outputs"] if "data" in one]
-            printed, shown = executed("".join(cell["source"]), names)
-            assert agree(said, printed), printed
-            assert (shown is None) == (not seen)
-            for data in seen:
-                assert agree("".join(data["text/plain"]), repr(shown))
-                assert "<svg" in "".join(data["text/html"])
-                assert "<svg" in shown._repr_html_()
+    for cell, printed, value in notebook.cells(book, names):
+        said = "".join("".join(one["text"]) for one in cell["outputs"] if "text" in one)
+        assert agree(said, printed), f"python docs/notebook.py writes it anew\n{printed}"
+        seen = [one["data"] for one in cell["outputs"] if "data" in one]
+        assert (value is None) == (not seen)
+        for data in seen:
+            assert agree("".join(data["text/plain"]), repr(value)), "python docs/notebook.py"
+            assert "<svg" in "".join(data["text/html"])
+            assert "<svg" in value._repr_html_()
     assert "CBUSH" in names["deck"]
-
-
-def executed(code, names):
-    """What a cell prints, and the value of its last line if that is an expression."""
-    lines = ast.parse(code).body
-    last = lines.pop() if isinstance(lines[-1], ast.Expr) else ast.Expr(ast.Constant(None))
-    with redirect_stdout(io.StringIO()) as out:
-        exec(compile(ast.Module(lines, []), "cell", "exec"), names)  # noqa: S102
-        value = eval(compile(ast.Expression(last.value), "cell", "eval"), names)  # noqa: S307
-    return out.getvalue(), value
 
 
 @pytest.mark.parametrize("name", COMMANDS)

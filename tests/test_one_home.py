@@ -97,6 +97,7 @@ IDEAS: dict[str, tuple[str, tuple[str, ...], dict[str, str]]] = {
         (),
         {
             "kinds/indentation/checks.py": "names of numbers, not of checks",
+            "lots/summary.py": "which of four lights each check is of",
             "planning/advice.py": "the remedies of its own two checks",
             "report/answer.py": "checks of a document, which holds their names",
             "report/summary.py": "checks of a document, which holds their names",

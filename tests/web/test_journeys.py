@@ -632,6 +632,7 @@ CHANGES = {
     "seals": "type('#seals', '3')",
     "arrows": "press('#mass', 'ArrowUp')",
     "arms": "document.querySelector('[data-arms=\"2\"]').click()",
+    "handle": "press('[aria-label=\"ramp end\"]', 'ArrowRight')",
     "cut": "type('#cut-hold_end', '50')",
     "as found": "document.querySelector('#reset').click()",
     "hit": "document.querySelector('[data-hit]').click()",
@@ -647,8 +648,11 @@ CHANGE = """() => {
       field.dispatchEvent(new Event(kind, { bubbles: true }));
     }
   };
-  const press = (at, key) =>
-    document.querySelector(at).dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true }));
+  const press = (at, key) => {
+    for (const kind of ["keydown", "keyup"]) {
+      document.querySelector(at).dispatchEvent(new KeyboardEvent(kind, { key, bubbles: true }));
+    }
+  };
   const { frames, told } = window.seen, from = frames.length;
   %s;
   return [from, told];
@@ -710,8 +714,15 @@ def test_no_frame_is_green_that_is_not_settled_and_of_all_open_files(visit, file
         page.at.locator("#verdict.good").wait_for()
     page.at.keyboard.press("Control+z")  # the hammer is back
     page.at.locator("#verdict.good").wait_for()
+    told.instead = (422, "no hit is left")
+    page.at.evaluate(CHANGE % "document.querySelector('[data-hit]').click()")
+    verdict.get_by_text("Do not use: no hit is left").wait_for()
+    assert page.at.evaluate("document.activeElement.id") == "cure"
+    told.instead = None
+    verdict.get_by_role("button", name="Accept all that pass").click()
+    page.at.locator("#verdict.good").wait_for()
     for seals, instead, colour, cure in (
-        (4, (422, "no hit is left"), "bad", "Accept all that pass"),
+        (4, (422, "no seal is that stiff"), "bad", "Take back the last change"),
         (7, (422, "it is no mass"), "bad", "Take back the last change"),
         (5, (409, "cancelled"), "open", "Judge it"),
         (6, "gone", "bad", "Try again"),

@@ -195,6 +195,7 @@ def _figure(found: workflow.Prediction, stamp: str) -> dp.plot.Picture:
         labels=(still, *(f"at {one.level:.4g} {one.unit}" for one in levels)),
         band=found.limits,
         interval=found.interval,
+        informed=found.fit.band,
         ordered=bool(levels),
         stamp=stamp,
     )

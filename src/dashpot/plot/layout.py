@@ -239,8 +239,8 @@ def _frame(panel: Panel, box: Box, upright: list[tuple[float, str]], *, named: b
     if panel.drawing:
         inner = tuple(one for mark in panel.marks for one in _inner(mark, panel, box))
         tags = [mark for mark in panel.marks if isinstance(mark, Tag)]
-        said = (*_above(panel, box), *_tagged(tags, panel, box, inner))
-        return Frame(panel, box, inner, (), (), said)
+        over = (*_above(panel, box), *_tagged(tags, panel, box, inner))
+        return Frame(panel, box, inner, (), (), over)
     hairs, ticks = [], []
     for value, word in upright:
         y = bottom - box.height * float(place(panel.y, value))

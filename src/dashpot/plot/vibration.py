@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray
-from dashpot.base.numbers import rounded
+from dashpot.base.numbers import hertz, rounded
 from dashpot.base.units import in_unit
 from dashpot.plot.direct import FREQUENCY
 from dashpot.plot.lines import half_power, phase_axis, smooth, unwrapped
@@ -29,6 +29,7 @@ from dashpot.plot.picture import (
     Picture,
     Rule,
     Scale,
+    Span,
     Tag,
     around,
     joint_pen,
@@ -108,10 +109,13 @@ def frf(
     labels: Sequence[str] = (),
     band: FRFBounds | None = None,
     interval: tuple[FloatArray, FloatArray] | None = None,
+    informed: tuple[float, float] | None = None,
     ordered: bool = False,
     stamp: str = "",
 ) -> Picture:
     """One or several FRFs of one kind: magnitude, phase, and the coherence of the first.
+
+    The peak of the first one is named, unless it is the end of what is shown.
 
     Parameters
     ----------
@@ -127,6 +131,9 @@ def frf(
     interval : (array, array), optional
         Lines, Hz, and limits by standard errors alone, where no band is known: of the accelerance,
         1/kg, or of a transmissibility where that is drawn.
+    informed : (float, float), optional
+        The frequencies that the test behind a prediction informs, Hz: shaded, or said where none
+        of them is in sight.
     ordered : bool
         The others rise, in level or temperature: from blue to red.
     stamp : str
@@ -143,11 +150,34 @@ def frf(
         Curve(one, name, pens[i % len(pens)])
         for i, (one, name) in enumerate(zip(same, names, strict=True))
     ]
+    curves[0] = replace(curves[0], peak=_peak_inside(measured))
     known = () if interval is None else (Spread(*interval),)
     caption = "Frequency response function: magnitude and phase."
-    return Picture(
-        "frf", caption, (_bode(curves, spreads(band) or known),), 1, stamp or of_frf(measured)
-    )
+    upper, *others_below = _bode(curves, spreads(band) or known)
+    if informed is not None:
+        upper = _informed(upper, informed)
+    strip = (upper, *others_below)
+    return Picture("frf", caption, (strip,), 1, stamp or of_frf(measured))
+
+
+def _peak_inside(frf: FRF) -> tuple[float, float] | None:
+    """Frequency and height of the peak of an accelerance; None where an end is as high."""
+    if frf.quantity is not Kind.ACCELERANCE:
+        return None
+    top = int(np.argmax(np.abs(frf.value)))
+    if not 0 < top < len(frf.frequency) - 1:
+        return None
+    return _peak_of(frf)
+
+
+def _informed(panel: Panel, band: tuple[float, float]) -> Panel:
+    """The part of the axis that a test informs, shaded; where none is in sight, words say so."""
+    low, high = panel.x.limits
+    if band[1] < low or band[0] > high:
+        said = f"informed from {hertz(band)} only: all of this is extrapolated"
+        return replace(panel, note=said)
+    shade = Span(max(band[0], low), min(band[1], high), "fit", "valid band", tint=0.07)
+    return replace(panel, marks=(shade, *panel.marks))
 
 
 def comparison(

@@ -66,7 +66,13 @@ def _(noun: Agreement) -> Picture:
 
 @picture.register
 def _(noun: Prediction) -> Picture:
-    return plot.frf(noun.frf, labels=("predicted",), band=noun.limits, interval=noun.interval)
+    return plot.frf(
+        noun.frf,
+        labels=("predicted",),
+        band=noun.limits,
+        interval=noun.interval,
+        informed=noun.fit.band,
+    )
 
 
 @picture.register

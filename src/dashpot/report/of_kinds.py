@@ -484,7 +484,9 @@ def _(found: Pieces) -> KindPage:
         "Capability": frozenset({"pieces_capable"}),
     }
     said = "" if able is None else able.says
-    shown_lights = lights(found.checks, asked, ("", f"{several} tested alike", said))
+    shown_lights = lights(
+        found.checks, asked, ("", f"{several} tested alike", said), ("", "", said)
+    )
     if able is None:
         shown_lights = (*shown_lights[: 1 + (several > 1)],
                         Light("Capability", "note", "no limits given"))  # fmt: skip

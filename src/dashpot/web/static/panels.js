@@ -141,11 +141,12 @@ let since = 0;
 export function placeHandles(
   /** @type {Record<string, number>} */ cuts,
   /** @type {Clock | null} */ clock = null,
+  anew = false,
 ) {
   /** @type {Record<string, number>} */
   const at = { ...cuts, ...state.job.cuts };
   // what is drawn counts from where the ramp ended when it was
-  if (clock) since = cuts.ramp_end;
+  if (anew) since = cuts.ramp_end;
   for (const [name, handle] of Object.entries(handles)) {
     // what is cut by hand is one test
     const figure = together().length ? null : figures[handle.panel];

@@ -44,12 +44,23 @@ function ends(/** @type {string} */ said) {
   else refuse(said);
 }
 
+/** What the fit that was settled last chose by itself. */
+let found = { arms: 0, law: "", cuts: {} };
+
 /** While a handle is held: bare curves, and both fits' numbers. */
 export function live() {
   if (!test()) return;
   const now = question();
   asks(now, "It is judged once you let go.");
-  ask("live", "live", { job: job() }, ({ head, arrays }) => {
+  // what is chosen by trial is as it was found, until the handle is let go
+  const { arms, law, cuts } = found, own = job();
+  const asked = {
+    ...own,
+    arms: own.arms === "auto" && arms ? arms : own.arms,
+    law: own.law === "auto" && law ? law : own.law,
+    cuts: { ...cuts, ...own.cuts },
+  };
+  ask("live", "live", { job: asked }, ({ head, arrays }) => {
     curves(arrays);
     $("beside").innerHTML = head.beside;
     heals(now);
@@ -99,6 +110,7 @@ export function settle(again = false) {
 
 /** Without a test nothing is known of a seal. */
 function nothing() {
+  drawnOf = "";
   solid("", false, "");
   solid("", true, "");
   for (const name of ["checks", "beside", "answers", "command", "bench-page"]) {
@@ -108,20 +120,28 @@ function nothing() {
   for (const end of all("[data-cut]")) put(end.id, "");
 }
 
+let drawnOf = "";
+
 function settled(/** @type {any} */ head) {
-  for (const [name, html] of Object.entries(head.panels)) panel(name, html);
-  told(head);
-  // in the tab of both tests the solid is not found yet
-  if (state.joint) $("solid").replaceChildren();
+  // what stands there of both tests is old, and looks so, until their solid is found anew
+  const old = state.joint && drawnOf === test()?.id;
+  if (!old) {
+    for (const [name, html] of Object.entries(head.panels)) panel(name, html);
+    $("answers").replaceChildren();
+    $("solid").replaceChildren();
+  }
+  $("grid").classList.toggle("old", old);
+  if (old) $("command").textContent = head.command;
+  else told(head);
   solid(head.solid, false, head.arms);
-  $("answers").replaceChildren();
   $("beside").innerHTML = head.beside;
   $("beside").hidden = !Object.keys(state.job.cuts).length;
   $("pressed").textContent = head.pressed.says;
   field("compression").placeholder = head.pressed.value || "by weight";
   field("specimen-temperature").placeholder = head.temperature || "not given";
+  found = { arms: head.arms, law: head.law, cuts: head.cuts };
   const [first, last] = head.clock;
-  placeHandles(head.cuts, { first, last, step: head.step });
+  placeHandles(head.cuts, { first, last, step: head.step }, !old);
 }
 
 /** What every answer tells of the solid. */
@@ -272,6 +292,8 @@ function fitBench(/** @type {{verb: string, request: any}} */ { verb, request })
 }
 
 function studied(/** @type {any} */ head) {
+  drawnOf = test()?.id || "";
+  $("grid").classList.remove("old");
   for (const [name, html] of Object.entries({ frf: head.frf, ...head.hit_panels, ...head.panels })) {
     panel(name, html);
   }
@@ -282,7 +304,7 @@ function studied(/** @type {any} */ head) {
   $("answers").innerHTML = head.answers;
   solid(head.solid, state.joint, head.arms);
   told(head);
-  placeHandles(head.cuts);
+  placeHandles(head.cuts, null, true);
 }
 
 /** The response of the mass while it moves. */

@@ -92,7 +92,7 @@ export const settled = () => !!test() && !alone() && !working && !typing && !ref
 function mends(/** @type {string} */ said) {
   const { cuts, hammer } = state.job;
   if (GONE.test(said)) return { words: "Try again", act: "again" };
-  if (hammer.reject.length && /\bhits?\b/.test(said)) {
+  if (hammer.reject.length && /no hit is left/.test(said)) {
     return { words: "Accept all that pass", act: "all-hits" };
   }
   if (Object.keys(cuts).length) return { words: "Cuts as found", act: "reset" };
@@ -126,6 +126,11 @@ function instead() {
       "not be what the files say now. Start it again, and go on with the last session.";
     return said("Connection lost", { ...fit, said: says });
   }
+  if (fit?.cure.act === "all-hits") {
+    const hits = state.job.hammer.reject.length;
+    const says = `All ${hits} hits are rejected, so no response is measured. Accept three or more.`;
+    return said("Do not use: no hit is left", { ...fit, said: says });
+  }
   if (fit) return said("Do not use", fit);
   if (file) return said("Not read", file);
   if (typing) return open("What is typed counts once you press Enter or leave the field.");
@@ -146,7 +151,7 @@ function instead() {
 /** @returns {Said} */
 const said = (/** @type {string} */ word, /** @type {{said: string, cure: Cure}} */ of) => ({
   word,
-  says: of.said,
+  says: of.said.charAt(0).toUpperCase() + of.said.slice(1),
   colour: "bad",
   cure: of.cure,
   alert: true,
