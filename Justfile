@@ -29,20 +29,32 @@ test *args:
 slow *args:
     pytest -m slow {{args}}
 
-# what the gate leaves out: studies, mutants, every test on the lowest and the newest versions
+# what the gate leaves out: studies, mutants, every test on other versions and of the wheel; docs/quality.md
 nightly:
     #!/usr/bin/env bash
     set -uo pipefail
     room="$(mktemp -d)"
     trap 'rm -rf "$room"' EXIT
+    night="$room/night"
     failed=0
-    pytest -q -m slow || failed=1
-    DASHPOT_FUZZ=1 pytest -q -m fuzz || failed=1
-    for one in lowest newest; do
+    pytest -q -m slow --junitxml "$night/slow.xml" || failed=1
+    DASHPOT_FUZZ=1 pytest -q -m fuzz --junitxml "$night/fuzz.xml" || failed=1
+    just release || failed=1
+    for one in lowest newest wheel; do
         .ci/room "$one" "$room/$one" || failed=1
         [ -x "$room/$one/bin/pytest" ] || continue
-        "$room/$one/bin/pytest" -q -m "not slow and not fuzz" || failed=1
+        "$room/$one/bin/dashpot" demo -o "$room/demo-$one" || failed=1
+        # doctests of src would be those of the working copy
+        paths=(); [ "$one" = wheel ] && paths=(tests docs README.md)
+        "$room/$one/bin/pytest" -q -m "not slow and not fuzz" --junitxml "$night/$one.xml" \
+            "${paths[@]}" || failed=1
     done
+    python benchmarks/verdicts.py "$night/verdicts.jsonl" > "$night/verdicts.txt" || failed=1
+    python benchmarks/anybody.py > "$night/speed.txt" || failed=1
+    for study in $(python benchmarks/coverage_kinds.py --list); do
+        python benchmarks/coverage_kinds.py "$study" >> "$night/coverage.txt" || failed=1
+    done
+    python .ci/quality.py "$night" "Commit $(git rev-parse --short HEAD)."
     exit "$failed"
 
 # an hour guided by coverage, then mutants of every format: 100,000 of the binary ones
@@ -58,19 +70,33 @@ docs:
 bench:
     for script in benchmarks/*.py; do echo "== $script"; python "$script"; done
 
+# what the gate tests, pinned: constraints.txt, and requirements.txt with the hash of every file
+pins:
+    python .ci/constraints.py > constraints.txt
+    uv pip compile pyproject.toml --extra all -c constraints.txt --generate-hashes --universal \
+        --python-version 3.11 --no-annotate --quiet --output-file requirements.txt \
+        --custom-compile-command "pip install --require-hashes -r requirements.txt; just pins writes it"
+
 # wheel, sdist and a bill of materials of what was tested, in dist/
 release:
     #!/usr/bin/env bash
     set -euo pipefail
+    if tag="$(git describe --exact-match --match 'v*' 2>/dev/null)"; then
+        grep -q "^## ${tag#v} - 20" CHANGELOG.md || { echo "CHANGELOG.md has no day of ${tag#v}"; exit 1; }
+        grep -q "^version: ${tag#v}$" CITATION.cff || { echo "CITATION.cff is not of ${tag#v}"; exit 1; }
+    fi
     rm -rf dist
     python -m build --outdir dist
     room="$(mktemp -d)"
     trap 'rm -rf "$room"' EXIT
     python -m venv --without-pip "$room"
     wheel="$(echo dist/*.whl)"
-    python -m pip --python "$room/bin/python" install -q -c constraints.txt "$wheel[io]"
+    python -m pip --python "$room/bin/python" install -q -c constraints.txt \
+        --report "$room/report.json" "$wheel[io]"
     bill="${wheel%-py3-none-any.whl}"
     sed "s|^dynamic = .*|version = \"${bill#dist/dashpot-}\"|" pyproject.toml > "$room/pyproject.toml"
     cyclonedx-py environment --pyproject "$room/pyproject.toml" --mc-type library \
         --output-reproducible --of JSON -o "$bill.cdx.json" "$room/bin/python"
+    python .ci/bill.py "$bill.cdx.json" "$room/report.json"
+    cp requirements.txt dist
     cd dist && sha256sum -- * > SHA256SUMS

@@ -26,13 +26,13 @@ NAMES = ("k_inf", "k1", "k2", "tau1", "tau2")
 
 
 def covered(noise: Noise, seed: int, *, method: str = "hold", rate: float = 1000.0) -> np.ndarray:
-    """Which of the five intervals hold the truth."""
+    """Which of the five intervals of the noise alone hold the truth."""
     test = record(SEAL, noise, seed, rate=rate)
     nuisance = KNOWN_CLOCKS if method == "hold" else NUISANCE
     found = fit(test, arms=2, method=method, nuisance=nuisance)  # type: ignore[arg-type]
     if found.model.arms != SEAL.arms:
         return np.zeros(5, dtype=bool)
-    bounds = found.intervals(0.95)
+    bounds = found.estimate.noise_alone.intervals(found.model, 0.95)
     truth = (SEAL.k_inf, *SEAL.k, *SEAL.tau)
     ends = (bounds["k_inf"], *bounds["k"], *bounds["tau"])
     return np.array([low <= true <= high for true, (low, high) in zip(truth, ends, strict=True)])

@@ -1,6 +1,7 @@
 """How often 95 % limits hold the truth, for pressed, squeezed and struck parts, under white noise.
 
     python benchmarks/coverage_kinds.py STUDY [--seeds 200] [--first 7000]
+    python benchmarks/coverage_kinds.py --list
 
 Truths are those of `tests/kit/foreign`. The last tables printed are kept in docs/performance.md.
 """
@@ -185,9 +186,13 @@ STUDIES = {
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("study", choices=STUDIES, nargs="?", default="figures")
+    parser.add_argument("--list", action="store_true", help="the studies, and nothing else")
     parser.add_argument("--seeds", type=int, default=200)
     parser.add_argument("--first", type=int, default=7000)
     options = parser.parse_args()
+    if options.list:
+        print(" ".join(STUDIES))
+        return
     held: Counter[str] = Counter()
     start = time.process_time()
     for seed in range(options.first, options.first + options.seeds):

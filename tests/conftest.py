@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import closing
 from pathlib import Path
 
@@ -56,8 +56,14 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 @pytest.fixture(scope="session")
+def real_data() -> Path:
+    """The real measurements that come with the tests, each folder with its licence."""
+    return Path(__file__).parent / "data"
+
+
+@pytest.fixture(scope="session")
 def shared_data() -> Path:
-    """The folder of real measurements beside the repository; skips where it is missing."""
+    """Real measurements too large for the repository, beside it; skips where they are missing."""
     folder = Path(__file__).resolve().parents[2] / "shared" / "data"
     if not folder.is_dir():
         pytest.skip(f"real measurements not found at {folder}; they are not part of the project")
@@ -69,6 +75,14 @@ def fuzzer() -> Iterator[Fuzzer]:
     """The process that mutants are given to."""
     with closing(Fuzzer()) as one:
         yield one
+
+
+@pytest.fixture
+def mutants(fuzzer: Fuzzer, record_property: Callable[[str, object], None]) -> Iterator[None]:
+    """Count what a test tries, for docs/quality.md."""
+    before = fuzzer.tries
+    yield
+    record_property("mutants", fuzzer.tries - before)
 
 
 @pytest.fixture(scope="session")

@@ -7,7 +7,7 @@ import json
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from kit.shell import ran
+from kit.shell import did
 
 import dashpot as dp
 from dashpot.cli import main
@@ -31,14 +31,8 @@ def folder(tmp_path_factory):
     return path
 
 
-def run(*words, expect=0):
-    result = ran(*words)
-    assert result.exit_code == expect, result.output
-    return result
-
-
-def document(*words, expect=0):
-    return json.loads(run(*words, "--json", expect=expect).stdout)
+def document(*words, code=0):
+    return json.loads(did(*words, "--json", code=code).stdout)
 
 
 def test_python_contract(folder, tmp_path, monkeypatch):
@@ -127,7 +121,7 @@ def test_fit_json(folder, tmp_path):
 
 
 def test_impact_compare_identify_json(folder, tmp_path):
-    run("fit", folder / "seal_8mm.csv", "--arms", "2", "-o", tmp_path / "fit.json")
+    did("fit", folder / "seal_8mm.csv", "--arms", "2", "-o", tmp_path / "fit.json")
     impact = document("fit", folder / "impact.csv", "-o", tmp_path / "frf.csv")
     mode = impact["modes"][0]
     assert {"frequency_hz", "damping_ratio", "frequency_se_hz", "damping_ratio_se"} <= set(mode)
@@ -155,7 +149,7 @@ def test_impact_compare_identify_json(folder, tmp_path):
 
 
 def test_predict_plan_inspect_export_json(folder, tmp_path):
-    run("fit", folder / "seal_8mm.csv", "-o", tmp_path / "fit.json")
+    did("fit", folder / "seal_8mm.csv", "-o", tmp_path / "fit.json")
     predicted = document("predict", tmp_path / "fit.json", *MASS, "--band", "5:40Hz")
     assert predicted["frequency_hz"][0] == 5.0
     assert predicted["extrapolated"] is True
@@ -196,7 +190,7 @@ def test_the_main_job(folder, tmp_path):
 
 
 def test_simulated_files_are_stamped(tmp_path):
-    run("simulate", "relaxation", "--hold", "5s", "-o", tmp_path / "s.csv")
+    did("simulate", "relaxation", "--hold", "5s", "-o", tmp_path / "s.csv")
     assert "simulated" in (tmp_path / "s.csv").read_text()[:200]
     truth = json.loads((tmp_path / "s.truth.json").read_text())
     assert truth["simulated"] is True
@@ -205,7 +199,7 @@ def test_simulated_files_are_stamped(tmp_path):
 
 
 def test_pipes(folder):
-    fit = run("fit", folder / "seal_8mm.csv", "-o", "-").stdout
+    fit = did("fit", folder / "seal_8mm.csv", "-o", "-").stdout
     result = CliRunner().invoke(main, ["predict", "-", *MASS, "--json"], input=fit)
     assert result.exit_code == 0, result.output
     assert json.loads(result.stdout)["schema"] == "dashpot/prediction@1"
@@ -240,18 +234,18 @@ def test_the_first_wrong_thing_a_user_does(folder, tmp_path, monkeypatch, words,
     monkeypatch.chdir(tmp_path)
     fit = folder / "fit.json"
     if not fit.exists():
-        run("fit", folder / "seal_8mm.csv", "-o", fit)
+        did("fit", folder / "seal_8mm.csv", "-o", fit)
     places = {"seal": folder / "seal_8mm.csv", "fit": fit, "folder": tmp_path}
-    result = run(*(word.format(**places) for word in words), expect=2)
+    result = did(*(word.format(**places) for word in words), code=2)
     assert says in result.stderr
     assert "Traceback" not in result.output
     assert result.stdout == ""
 
 
 def test_strict_turns_a_failed_check_into_exit_code_1(folder):
-    run("fit", folder / "seal_8mm.csv", "--arms", "2", "--strict", expect=0)
-    run("fit", folder / "seal_8mm.csv", "--arms", "0", expect=0)
-    run("fit", folder / "seal_8mm.csv", "--arms", "0", "--strict", expect=1)
+    did("fit", folder / "seal_8mm.csv", "--arms", "2", "--strict", code=0)
+    did("fit", folder / "seal_8mm.csv", "--arms", "0", code=0)
+    did("fit", folder / "seal_8mm.csv", "--arms", "0", "--strict", code=1)
 
 
 def test_one_profile_for_the_bench_and_one_for_the_hammer(folder, tmp_path):
@@ -260,7 +254,7 @@ def test_one_profile_for_the_bench_and_one_for_the_hammer(folder, tmp_path):
     plain = (folder / "impact.csv").read_text().splitlines()
     lines = [head if line.startswith("time") else line for line in plain]
     (tmp_path / "raw.csv").write_text("\n".join(lines) + "\n")
-    run("inspect", tmp_path / "raw.csv", "--column", "force=ch1", "--units", "force=N",
+    did("inspect", tmp_path / "raw.csv", "--column", "force=ch1", "--units", "force=N",
         "--save", tmp_path / "hammer.toml")  # fmt: skip
     found = document(
         "report", folder / "seal_8mm.csv", tmp_path / "raw.csv", *MASS, "--no-joint",

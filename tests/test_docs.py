@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import importlib
+import json
 import re
 import shlex
 import shutil
@@ -166,6 +168,26 @@ def test_the_python_of_a_page_runs_as_it_stands(page, bench):
     exec(compile(code, page, "exec"), names)  # noqa: S102
     if "deck" in names:
         assert "CBUSH" in names["deck"]
+
+
+@pytest.mark.once
+def test_the_notebook_runs_as_it_stands(bench, monkeypatch):
+    """Cell by cell; what a cell shows is what it showed."""
+    monkeypatch.syspath_prepend(ROOT / "docs")
+    notebook = importlib.import_module("notebook")
+    book = json.loads(notebook.BOOK.read_text("utf-8"))
+    assert book["nbformat"] == 4
+    names = {}
+    for cell, printed, value in notebook.cells(book, names):
+        said = "".join("".join(one["text"]) for one in cell["outputs"] if "text" in one)
+        assert agree(said, printed), f"python docs/notebook.py writes it anew\n{printed}"
+        seen = [one["data"] for one in cell["outputs"] if "data" in one]
+        assert (value is None) == (not seen)
+        for data in seen:
+            assert agree("".join(data["text/plain"]), repr(value)), "python docs/notebook.py"
+            assert "<svg" in "".join(data["text/html"])
+            assert "<svg" in value._repr_html_()
+    assert "CBUSH" in names["deck"]
 
 
 @pytest.mark.parametrize("name", COMMANDS)

@@ -68,6 +68,7 @@ IDEAS: dict[str, tuple[str, tuple[str, ...], dict[str, str]]] = {
         {
             "fitting/uncertainty/admissible_spectra.py": "a cut of a deviance, calibrated",
             "fitting/uncertainty/profile_intervals.py": "how deep a stored profile goes",
+            "kinds/cld/from_files.py": "a mean of pieces, not of residuals",
             "lots/judgement.py": "a guard band of pieces, not of residuals",
             "lots/statistics/scatter.py": "a chart of pieces, not of residuals",
             "records/estimate.py": "a fit's own intervals, of what it keeps of its estimate",
@@ -97,6 +98,7 @@ IDEAS: dict[str, tuple[str, tuple[str, ...], dict[str, str]]] = {
         (),
         {
             "kinds/indentation/checks.py": "names of numbers, not of checks",
+            "lots/summary.py": "which of four lights each check is of",
             "planning/advice.py": "the remedies of its own two checks",
             "report/answer.py": "checks of a document, which holds their names",
             "report/summary.py": "checks of a document, which holds their names",

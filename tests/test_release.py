@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+import runpy
 import tomllib
 from pathlib import Path
 
@@ -37,6 +39,39 @@ def test_what_is_asked_for_is_pinned_at_a_version_that_will_do(pinned, asked):
     assert asked.specifier.contains(pin.version, prereleases=True)
 
 
+def test_every_file_that_a_user_installs_is_pinned_with_its_hash(pinned):
+    """All that the extra `all` asks for, at the versions that the gate tests."""
+    text = (ROOT / "requirements.txt").read_text("utf-8")
+    held = dict(re.findall(r"^([\w-]+)==([^ ]+) .*\\\n +--hash=sha256:[0-9a-f]{64}\b", text, re.M))
+    assert len(held) == text.count("==")
+    for name, version in held.items():
+        if name in pinned:
+            assert pinned[name].contains(version, prereleases=True), name
+    extras = PROJECT["optional-dependencies"]
+    of_all = re.search(r"\[([\w,]+)\]", extras["all"][0])[1].split(",")
+    for group in (PROJECT["dependencies"], *(extras[one] for one in of_all)):
+        assert {canonicalize_name(Requirement(one).name) for one in group} <= {*held}
+
+
+def test_a_bill_gets_the_hash_of_every_part_or_is_refused():
+    hashed = runpy.run_path(str(ROOT / ".ci" / "bill.py"))["hashed"]
+    file = {"archive_info": {"hashes": {"sha256": "ab" * 32}}}
+    one = {"metadata": {"name": "Some_Part", "version": "1.0"}, "download_info": file}
+    part, other = {"name": "some-part", "version": "1.0"}, {"name": "some-part", "version": "1.1"}
+    bill = hashed({"metadata": {"component": part}, "components": []}, {"install": [one]})
+    assert bill["metadata"]["component"]["hashes"] == [{"alg": "SHA-256", "content": "ab" * 32}]
+    with pytest.raises(KeyError):
+        hashed({"metadata": {"component": part}, "components": [other]}, {"install": [one]})
+
+
+def test_the_changelog_has_a_section_for_each_version_and_the_citation_is_of_the_newest():
+    text = (ROOT / "CHANGELOG.md").read_text("utf-8")
+    released = [Version(one) for one in re.findall(r"^## (\d\S*)", text, re.M)]
+    assert released == sorted(set(released), reverse=True)
+    citation = (ROOT / "CITATION.cff").read_text("utf-8")
+    assert f"\nversion: {released[0]}\n" in citation
+
+
 def test_the_version_sorts_and_stands_in_the_byline():
     assert str(Version(dp.__version__)) == dp.__version__
     assert is_ours(f"# {byline('a test')}".encode())
@@ -47,3 +82,34 @@ def test_the_version_sorts_and_stands_in_the_byline():
 )
 def test_every_version_is_known_again(version):
     assert is_ours(f"$ dashpot {version}: network of springs".encode())
+
+
+def test_a_night_is_told_by_what_it_left(tmp_path, monkeypatch):
+    monkeypatch.syspath_prepend(ROOT / "benchmarks")
+    monkeypatch.syspath_prepend(ROOT / "tests")
+    (tmp_path / "fuzz.xml").write_text(
+        '<testsuites><testsuite tests="3" failures="1" errors="0" skipped="1">'
+        '<testcase><properties><property name="mutants" value="700"/></properties></testcase>'
+        '<testcase><properties><property name="mutants" value="30"/></properties>'
+        "<failure/></testcase>"
+        '<testcase><properties><property name="kills" value="1"/></properties></testcase>'
+        "</testsuite></testsuites>"
+    )
+    (tmp_path / "coverage.txt").write_text(
+        "aging: held of 20, 41 ms of CPU each\n  life           19\n  F/F0 after 1000 h   18\n"
+        "depths: held of 10, 3 ms of CPU each\n  k_inf   10\n"
+    )
+    (tmp_path / "speed.txt").write_text(
+        "CPU ms       n   min  median p95 max  dearest\n"
+        "hold, auto                  24      8.1     12.0     24.9    130.5  power law, 5 rows\n"
+    )
+    quality = runpy.run_path(str(ROOT / ".ci" / "quality.py"))
+    table = quality["table"](quality["rows"](tmp_path)).splitlines()
+    assert table[2:] == [
+        "| tests: fuzz | 1 passed, 1 skipped, 1 failed | 3 | 0 failed |",
+        "| mutants of files and documents | 1 found a fault | 730 | 0 |",
+        "| kills of a batch | 0 found a fault | 1 | 0 |",
+        "| coverage: aging | life 19, F/F0 after 1000 h 18 | 20 | 95 % |",
+        "| coverage: depths | k_inf 10 | 10 | 95 % |",
+        "| speed: hold, auto | p95 24.9 ms (median 12.0, most 130.5) | 24 | p95 <= 25 ms |",
+    ]

@@ -32,9 +32,7 @@ def folder(tmp_path_factory):
 
 def ran(folder, *words, code=0):
     words = [str(folder / word) if word.endswith(".csv") else word for word in words]
-    result = shell.ran("fit", *words)
-    assert result.exit_code == code, result.output
-    return result
+    return shell.did("fit", *words, code=code)
 
 
 def told(folder, *words):

@@ -6,8 +6,9 @@ import json
 
 import numpy as np
 import pytest
-from kit import shell
+from kit.kinds import saved
 from kit.rubber import FOAM, MEMORY, RUBBER, at_rate
+from kit.shell import did
 
 import dashpot as dp
 from dashpot import workflow
@@ -18,22 +19,11 @@ from dashpot.workflow.examples import EXAMPLES
 pytestmark = pytest.mark.once
 
 
-def ran(*words, code=0):
-    told = shell.ran(*words)
-    assert told.exit_code == code, told.output
-    return told
-
-
-def table(path, head, *columns):
-    np.savetxt(path, np.column_stack(columns), delimiter=",", header=head, comments="")
-    return path
-
-
 X = np.linspace(1, 2, 50)
 
 
 def law_of(*words):
-    return json.loads(ran("fit", *words, "--json").stdout)["law"]
+    return json.loads(did("fit", *words, "--json").stdout)["law"]
 
 
 def test_the_examples_end_to_end(tmp_path):
@@ -42,7 +32,7 @@ def test_the_examples_end_to_end(tmp_path):
     law, figure, card = (tmp_path / name for name in ("law.json", "law.svg", "law.inp"))
     words = [tmp_path / "tension.csv", tmp_path / "biaxial.csv", "--test", "uniaxial", "--test",
              "biaxial"]  # fmt: skip
-    told = ran("fit", *words, "-o", law, "--plot", figure, "--stretches", "0.9:1.5")
+    told = did("fit", *words, "-o", law, "--plot", figure, "--stretches", "0.9:1.5")
     assert told.stdout.startswith("Use: ")
     assert "dashpot export" in told.stderr
     assert "planar" in figure.read_text("utf-8")
@@ -52,10 +42,10 @@ def test_the_examples_end_to_end(tmp_path):
     assert found["C10"].low < 0.15e6 < found["C10"].high
     assert found["C01"].low < 0.05e6 < found["C01"].high
     stated = ["--temperature", "23degC", "--bulk-modulus", "2000MPa", "--unit-system", "mm-t-s"]
-    ran("export", law, "--to", "calculix", *stated, "-o", card)
+    did("export", law, "--to", "calculix", *stated, "-o", card)
     assert "SIMULATED" in card.read_text()
     assert "*HYPERELASTIC, MOONEY-RIVLIN" in card.read_text()
-    assert "--mass" in ran("export", law, "--to", "abaqus", *stated, "--mass", "1g", code=2).output
+    assert "--mass" in did("export", law, "--to", "abaqus", *stated, "--mass", "1g", code=2).output
 
 
 @pytest.mark.parametrize(
@@ -68,7 +58,7 @@ def test_the_examples_end_to_end(tmp_path):
     ],
 )
 def test_stretch_or_strain_nominal_or_true_is_one_law(tmp_path, head, columns):
-    file = table(tmp_path / "a.csv", head, *columns(X, RUBBER.nominal("uniaxial", X)))
+    file = saved(tmp_path / "a.csv", head, *columns(X, RUBBER.nominal("uniaxial", X)))
     found = law_of(file, "--model", "mooney-rivlin")
     np.testing.assert_allclose(found["constants"], RUBBER.constants, rtol=1e-4)
     assert inspect_file(file).kind == "stress-strain"
@@ -81,19 +71,19 @@ def test_a_pressed_foam_is_one_law_whatever_the_signs(tmp_path):
         ("compression", 1 - x, -P), ("compression", x - 1, P), ("uniaxial", x - 1, P),
         ("uniaxial", x - 1, -P),
     ):  # fmt: skip
-        file = table(tmp_path / "a.csv", "strain [%],stress [MPa]", 100 * strain, stress / 1e6)
+        file = saved(tmp_path / "a.csv", "strain [%],stress [MPa]", 100 * strain, stress / 1e6)
         found = law_of(file, "--test", mode, "--poisson", 0)
         np.testing.assert_allclose(found["constants"], FOAM.constants, rtol=1e-5)
-    file = table(tmp_path / "a.csv", "strain [%],stress [MPa]", 100 * (1 - x), P / 1e6)
-    told = ran("fit", file, "--test", "uniaxial", "--poisson", 0, code=2)
+    file = saved(tmp_path / "a.csv", "strain [%],stress [MPa]", 100 * (1 - x), P / 1e6)
+    told = did("fit", file, "--test", "uniaxial", "--poisson", 0, code=2)
     assert "--test compression" in told.output
 
 
 def test_pressure_over_volume(tmp_path):
-    a = table(tmp_path / "a.csv", "stretch,stress [MPa]", X, RUBBER.nominal("uniaxial", X) / 1e6)
+    a = saved(tmp_path / "a.csv", "stretch,stress [MPa]", X, RUBBER.nominal("uniaxial", X) / 1e6)
     J = np.linspace(1, 0.95, 30)
     for head, column in (("volume ratio", J), ("volumetric strain [%]", 100 * (1 - J))):
-        file = table(tmp_path / "v.csv", f"{head},pressure [MPa]", column, 2000 * (1 - J))
+        file = saved(tmp_path / "v.csv", f"{head},pressure [MPa]", column, 2000 * (1 - J))
         found = law_of(a, file, "--test", "uniaxial", "--test", "volumetric")
         assert found["bulk"] == pytest.approx(2e9, rel=1e-4)
 
@@ -109,7 +99,7 @@ def test_rates_without_their_memory(tmp_path):
     for rate in (0.01, 1.0):
         test = at_rate(RUBBER, "equibiaxial", rate, rows=400)
         head, file = "time [s],stretch,nominal stress [MPa]", tmp_path / f"{rate}.csv"
-        files.append(table(file, head, test.time, test.stretch, test.stress / 1e6))
+        files.append(saved(file, head, test.time, test.stretch, test.stress / 1e6))
     found = law_of(*files, "--test", "biaxial", "--memory", memory, "--model", "mooney-rivlin")
     np.testing.assert_allclose(found["constants"], RUBBER.constants, rtol=5e-3)
 
@@ -137,12 +127,12 @@ def test_rates_without_their_memory(tmp_path):
 def test_what_cannot_be_read_is_said(tmp_path, head, scale, says):
     columns = [X * scale[0], np.linspace(0.001, 1, 50) * scale[1]]
     columns = [np.arange(50.0), *columns] if "time" in head else columns
-    file = table(tmp_path / "a.csv", head, *columns)
-    told = " ".join(ran("fit", file, "--as", "stress-strain", code=2).output.split())
+    file = saved(tmp_path / "a.csv", head, *columns)
+    told = " ".join(did("fit", file, "--as", "stress-strain", code=2).output.split())
     assert says in told
 
 
 def test_no_file_is_asked_for():
-    assert "FILE..." in ran("fit", code=2).output
+    assert "FILE..." in did("fit", code=2).output
     with pytest.raises(dp.DashpotError, match="no file"):
         workflow.hyperelastic_files({})

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+from functools import partial
 
 import numpy as np
 import pytest
 from kit import contacts, shell
+from kit.kinds import saved
 
 from dashpot.io.readers.inspect import inspect_file
 from dashpot.workflow.examples import EXAMPLES
@@ -16,15 +18,7 @@ pytestmark = pytest.mark.once
 BALL = ("--as", "indentation", "--mass", "5g", "--radius", "5mm", "--model", "hertz-kelvin-voigt")
 
 
-def ran(*words, code=0):
-    told = shell.ran("fit", *words)
-    assert told.exit_code == code, told.output
-    return told
-
-
-def table(path, header, *columns):
-    np.savetxt(path, np.column_stack(columns), delimiter=",", header=header, comments="")
-    return path
+ran = partial(shell.did, "fit")
 
 
 @pytest.fixture(scope="module")
@@ -59,7 +53,7 @@ def test_the_example_end_to_end(tmp_path):
 )
 def test_headers_and_units_of_other_labs(tmp_path, hit, of, header, scale):
     t, y = hit[of]
-    path = table(tmp_path / "a.csv", header, 1e3 * t, scale * y)
+    path = saved(tmp_path / "a.csv", header, 1e3 * t, scale * y)
     found = json.loads(ran(path, *BALL, "--impact-velocity", "1m/s", "--json").stdout)
     assert found["of"] == of
     assert found["modulus"] == pytest.approx(4e6, rel=2e-3)
@@ -67,19 +61,19 @@ def test_headers_and_units_of_other_labs(tmp_path, hit, of, header, scale):
 
 def test_what_is_missing_or_wrong_is_asked_for(tmp_path, hit):
     t, y = hit["acceleration"]
-    path = table(tmp_path / "a.csv", "time [s],acceleration [m/s^2]", t, y)
+    path = saved(tmp_path / "a.csv", "time [s],acceleration [m/s^2]", t, y)
     assert "--mass 5g" in ran(path, "--as", "indentation", code=2).stderr
-    unitless = table(tmp_path / "b.csv", "time [s],acceleration", t, y)
+    unitless = saved(tmp_path / "b.csv", "time [s],acceleration", t, y)
     assert "has no unit" in ran(unitless, *BALL, code=2).stderr
-    slow = table(tmp_path / "c.csv", "time [s],acceleration [m/s^2]", 1e3 * t, y)
+    slow = saved(tmp_path / "c.csv", "time [s],acceleration [m/s^2]", 1e3 * t, y)
     assert "(--units time=ms)" in ran(slow, *BALL, code=2).stderr
-    hot = table(tmp_path / "d.csv", "time [s],acceleration [g]", t, 1e3 * y)
+    hot = saved(tmp_path / "d.csv", "time [s],acceleration [g]", t, 1e3 * y)
     assert "The unit may be m/s^2." in ran(hot, *BALL, code=2).stderr
-    two = table(tmp_path / "e.csv", "time [s],acc 1 [g],acc 2 [g]", t, y, 2 * y)
+    two = saved(tmp_path / "e.csv", "time [s],acc 1 [g],acc 2 [g]", t, y, 2 * y)
     assert "--column acceleration=" in ran(two, *BALL, code=2).stderr
-    fast = table(tmp_path / "f.csv", "time [s],velocity [m/s]", t, 1e3 * hit["velocity"][1])
+    fast = saved(tmp_path / "f.csv", "time [s],velocity [m/s]", t, 1e3 * hit["velocity"][1])
     assert "The unit may be mm/s." in ran(fast, *BALL, code=2).stderr
-    none = table(tmp_path / "g.csv", "time [s],noise [V]", t, y)
+    none = saved(tmp_path / "g.csv", "time [s],noise [V]", t, y)
     assert "--column acceleration=NAME" in ran(none, *BALL, code=2).stderr
-    still = table(tmp_path / "h.csv", "time [s],acceleration [m/s^2]", t, np.sin(1e9 * t))
+    still = saved(tmp_path / "h.csv", "time [s],acceleration [m/s^2]", t, np.sin(1e9 * t))
     assert "h.csv: no contact stands out" in ran(still, *BALL, code=2).stderr

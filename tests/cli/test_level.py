@@ -7,6 +7,7 @@ import json
 import numpy as np
 import pytest
 from kit import shell
+from kit.kinds import saved
 
 import dashpot as dp
 from dashpot.io.readers.impact import read_impact
@@ -26,14 +27,8 @@ SLIDER = dp.solids.friction.Jenkins(100.0, 0.05)
 
 
 def ran(*words, code=0):
-    told = shell.ran("fit", *words, "--json")
-    assert told.exit_code == code, told.output
-    return json.loads(told.stdout) if code == 0 else told.output
-
-
-def table(path, header, *columns):
-    np.savetxt(path, np.column_stack(columns), delimiter=",", header=header, comments="")
-    return path
+    done = shell.did("fit", *words, "--json", code=code)
+    return json.loads(done.stdout) if code == 0 else done.output
 
 
 def payne(X):
@@ -50,7 +45,7 @@ def payne(X):
 def test_a_sweep_is_read_as_a_sweep_of_amplitude(tmp_path, header, scale):
     X = np.geomspace(1e-4, 0.05, 16) * (1 if "Strain" in header else 1e-1)
     K = 1e3 * payne(X * (1 if "Strain" in header else 10)) * scale[1]
-    path = table(tmp_path / "sweep.csv", header, np.full(16, 10.0), X * scale[0], K.real, K.imag)
+    path = saved(tmp_path / "sweep.csv", header, np.full(16, 10.0), X * scale[0], K.real, K.imag)
     assert inspect_file(path).kind == "strain-sweep"
     found = ran(path)
     half = 0.004 * (1 if "Strain" in header else 1e-1)
@@ -72,7 +67,7 @@ def crossed(
     K = 1e3 * hz**0.06 * payne(X)
     T = warm(np.repeat([0, 1, 2], len(GRID)), X)
     hz = hz * (1 + jitter * np.random.default_rng(2).normal(size=len(X)))
-    return table(path, header, *(c[order] for c in (hz, scale * X, K.real / 1e3, K.imag / 1e3, T)))
+    return saved(path, header, *(c[order] for c in (hz, scale * X, K.real / 1e3, K.imag / 1e3, T)))
 
 
 @pytest.mark.parametrize(
@@ -91,7 +86,7 @@ def crossed(
 def test_what_is_over_the_whole_cycle_is_turned_into_the_amplitude(tmp_path, column, over):
     K, name = 1e3 * payne(GRID), tmp_path / "sweep.csv"
     header = f"Frequency [Hz],Static strain [%],{column},E' [MPa],E'' [MPa]"
-    table(name, header, 10 + 0 * GRID, 5 + 0 * GRID, 100 * over * GRID, K.real, K.imag)
+    saved(name, header, 10 + 0 * GRID, 5 + 0 * GRID, 100 * over * GRID, K.real, K.imag)
     assert ran(name)["half_way"] == pytest.approx(0.004, rel=1e-3)
     told = shell.ran("fit", name).stdout
     assert ("it is the amplitude" in told) is (over != 1.0)
@@ -100,7 +95,7 @@ def test_what_is_over_the_whole_cycle_is_turned_into_the_amplitude(tmp_path, col
 def test_two_amplitudes_are_asked_about(tmp_path):
     name = tmp_path / "two.csv"
     header = "Frequency [Hz],Strain 1 [%],Strain 2 [%],E' [MPa],E'' [MPa]"
-    table(name, header, 10 + 0 * GRID, 100 * GRID, 80 * GRID, 2 - GRID, 1 + 0 * GRID)
+    saved(name, header, 10 + 0 * GRID, 100 * GRID, 80 * GRID, 2 - GRID, 1 + 0 * GRID)
     stderr = " ".join(shell.ran("fit", name).stderr.split())
     assert "could each be the strain; say which" in stderr
     assert ran(name, "--column", "strain=Strain 2")["amplitudes"][1] == pytest.approx(
@@ -136,7 +131,7 @@ def test_a_sweep_of_frequency_stays_one_whose_amplitude_follows_the_temperature(
     path = tmp_path / "warming.csv"
     header = f"Frequency [Hz],Strain [%],{MODULI}"
     K = 1e6 * np.exp(-T / 20)
-    table(path, header, hz, 0.1 * np.exp(T / 20) * hz**0.01, K, 0.1 * K, T)
+    saved(path, header, hz, 0.1 * np.exp(T / 20) * hz**0.01, K, 0.1 * K, T)
     assert inspect_file(path).kind == "dma"
 
 
@@ -154,7 +149,7 @@ def test_a_sensor_between_mass_and_base_tells_the_same_levels(tmp_path):
             )  # fmt: skip
             value = found.motion / found.level - less
             header = "frequency [Hz],real [m/m],imaginary [m/m]"
-            table(tmp_path / f"{motion}_{one}.csv", header, hz, value.real, value.imag)
+            saved(tmp_path / f"{motion}_{one}.csv", header, hz, value.real, value.imag)
     files = {m: [tmp_path / f"{m}_{one}.csv" for one in base] for m in ("absolute", "relative")}
     told = ran(*files["absolute"], *words)
     same = ran(*files["relative"], *words, "--relative")
@@ -162,7 +157,7 @@ def test_a_sensor_between_mass_and_base_tells_the_same_levels(tmp_path):
     assert same["verdict"]["use"] == told["verdict"]["use"] == "use"
     assert ran(*files["relative"], *words)["verdict"]["use"] == "do not use"
     columns = 10 + 0 * GRID, 100 * GRID, 2 - GRID, 1 + 0 * GRID, 20 + 0 * GRID
-    sweep = table(tmp_path / "sweep.csv", f"Frequency [Hz],Strain [%],{MODULI}", *columns)
+    sweep = saved(tmp_path / "sweep.csv", f"Frequency [Hz],Strain [%],{MODULI}", *columns)
     assert "--relative is for" in ran(sweep, "--relative", code=2)
 
 
@@ -176,7 +171,7 @@ def test_a_grid_of_strains_is_no_sweep_of_frequency_whoever_names_its_columns(
     path = tmp_path / "grid.csv"
     hz, strain = (each.ravel() for each in np.meshgrid(tones, GRID))
     K = payne(strain) * hz**0.05
-    table(path, "f [Hz],Dehnung [%],Speicher [MPa],Verlust [MPa]", hz, 100 * strain, K.real, K.imag)
+    saved(path, "f [Hz],Dehnung [%],Speicher [MPa],Verlust [MPa]", hz, 100 * strain, K.real, K.imag)
     assert inspect_file(path).kind == "strain-sweep"
     assert ran(path, *named)["law"] in {"factor", "additive"}
 
@@ -204,7 +199,7 @@ def test_the_same_strains_at_several_temperatures_are_refused(tmp_path):
 )
 def test_one_column_is_not_storage_and_loss(tmp_path, name, says):
     header = f"Frequency [Hz],Strain [%],{name} [N/mm],Coherence"
-    path = table(tmp_path / "one.csv", header, 10 + 0 * GRID, 100 * GRID, 100 - GRID, 1 + 0 * GRID)
+    path = saved(tmp_path / "one.csv", header, 10 + 0 * GRID, 100 * GRID, 100 - GRID, 1 + 0 * GRID)
     result = shell.ran("fit", path, "--as", "strain-sweep")
     assert result.exit_code == 2
     assert says in " ".join(result.stderr.split())
@@ -221,7 +216,7 @@ def test_recorded_loops_tell_the_same(tmp_path, noise, drift):
     x[0] = 0.0
     force = dp.solids.friction.InParallel((SEAL, SLIDER)).path_force(t, x)
     x += drift * t + noise * np.random.default_rng(3).normal(size=len(t))
-    path = table(tmp_path / "loops.csv", "time [s],displacement [mm],force [N]", t, 1e3 * x, force)
+    path = saved(tmp_path / "loops.csv", "time [s],displacement [mm],force [N]", t, 1e3 * x, force)
     found = ran(path, "--plot", tmp_path / "loops.svg")
     assert "force over that amplitude, N/mm" in (tmp_path / "loops.svg").read_text()
     assert found["unit"] == "N/m"
@@ -245,7 +240,7 @@ def test_what_a_lag_between_the_channels_does_to_loops_is_said(tmp_path):
     x = sizes[np.minimum((t * hz / per).astype(int), len(sizes) - 1)] * np.sin(2 * np.pi * hz * t)
     late = np.concatenate([[0.0], x[:-1]])
     columns = (t, 1e3 * late, 400.0 * x)
-    path = table(tmp_path / "loops.csv", "time [s],displacement [mm],force [N]", *columns)
+    path = saved(tmp_path / "loops.csv", "time [s],displacement [mm],force [N]", *columns)
     found = ran(path)
     linear = found["linear"][0]
     assert linear["loss"] / linear["storage"] == pytest.approx(
@@ -309,9 +304,9 @@ def test_what_cannot_be_is_said(tmp_path, monkeypatch, words, says):
     X = np.geomspace(1e-3, 5, 12)
     tones, K = np.full(12, 10.0), payne(X / 100)
     header = "frequency [Hz],strain [%],storage [MPa],loss [MPa]"
-    table("sweep.csv", header, tones, X, K.real, K.imag)
-    table("flat.csv", header, tones, np.ones(12), K.real, K.imag)
-    table("bare.csv", "frequency [Hz],storage [MPa],loss [MPa]", tones, K.real, K.imag)
+    saved("sweep.csv", header, tones, X, K.real, K.imag)
+    saved("flat.csv", header, tones, np.ones(12), K.real, K.imag)
+    saved("bare.csv", "frequency [Hz],storage [MPa],loss [MPa]", tones, K.real, K.imag)
     assert says in ran(*words, code=2)
 
 
@@ -334,7 +329,7 @@ def struck(path, heights):
     time = every * dt * np.arange(len(force))
     header = "time [s],hammer [N],acceleration 1 [m/s^2]"
     force += 0.002 * rng.normal(size=len(a))
-    return table(path, header, time, force, a)
+    return saved(path, header, time, force, a)
 
 
 def test_hits_of_different_height_say_for_which_level_they_speak(tmp_path):

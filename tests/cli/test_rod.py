@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from functools import partial
 
 import numpy as np
 import pytest
@@ -48,10 +49,7 @@ def written(path, value, hz=HZ, *, phase=None):
     return str(path)
 
 
-def ran(*words, code=0):
-    result = shell.ran("fit", *words)
-    assert result.exit_code == code, result.output
-    return result
+ran = partial(shell.did, "fit")
 
 
 def told(path, *words):

@@ -11,7 +11,7 @@ import click
 import numpy as np
 import pytest
 from kit.kinds import bench, files, hammer, late, ramp_and_hold
-from kit.shell import ran, told
+from kit.shell import did, told
 
 from dashpot.cli._echo import to_stdout
 from dashpot.cli.fits._given import Given
@@ -41,9 +41,7 @@ def lab(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def run(*words: str, code: int = 0) -> str:
     """What a command prints on both streams."""
-    result = ran(*words)
-    assert result.exit_code == code, result.output
-    return result.output
+    return did(*words, code=code).output
 
 
 @pytest.mark.parametrize(

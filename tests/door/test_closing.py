@@ -397,9 +397,9 @@ def test_the_interval_holds_a_seal_whose_fast_arms_look_like_clocks(fast, lag):
 
 
 def test_clocks_of_which_nothing_is_known_may_hide_more():
-    """Two converters may be 5 ms apart, whatever the samples' distance."""
+    """Two converters may be 5 ms apart, whatever the samples' distance; and machines give."""
     low, true, high = felt((80.0, 12e-3), -2e-3)
-    assert low < true < 1.4 * low < high < 1.65 * low
+    assert low < true < 1.4 * low < high < 1.7 * low
 
 
 def test_what_limits_no_fast_arm_leaves_the_least_speed_open():

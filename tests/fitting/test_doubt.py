@@ -91,6 +91,65 @@ def test_a_profile_bears_it_as_well() -> None:
     assert ends[1] / ends[0] == pytest.approx(errors[1] / errors[0], rel=0.15)
 
 
+@pytest.mark.parametrize(
+    "rig", ["compliance 50 um/N", "crosshead creep 20 um", "seal warms .12 decade"]
+)
+def test_intervals_of_arms_hold_what_a_rig_did_unseen(rig: str) -> None:
+    """Of two arms as Table 1 has them; the errors of the noise alone know nothing of it."""
+    one, record, _ = foreign(0, rig)
+    found = fit(record, arms=2)
+    truth = {
+        f"{name}_{j}": value
+        for j, (k, tau) in enumerate(zip(one.seal.solid.k, one.seal.solid.tau, strict=True), 1)
+        for name, value in (("k", k), ("tau", tau), ("b", k * tau))
+    }
+    known = {fact.name: fact for fact in found.known}
+    assert all(known[name].low < value < known[name].high for name, value in truth.items())
+    quiet = found.estimate.noise_alone.ends(found.solid, 0.95)
+    missed = [name for name, value in truth.items() if not quiet[name][0] < value < quiet[name][1]]
+    assert len(missed) >= 3
+    # a stiffness of which nothing is known would be held as well
+    assert known["k_1"].high - known["k_1"].low < 0.15 * truth["k_1"]
+
+
+@pytest.mark.parametrize("method", ["full", "hold"])
+def test_a_named_rig_leaves_little_but_the_noise(record: RampHold, method: str) -> None:
+    named = replace(
+        record,
+        machine=Machine(sync=1e-3, drift=1e-6, compliance=0.0, creep=0.0),
+        specimen=replace(record.specimen, warmed=0.0),
+    )
+    unknown, known = (fit(one, arms=2, method=method) for one in (record, named))
+    wide, narrow = (one.standard_error for one in (unknown, known))
+    quiet = known.estimate.noise_alone.standard_errors(known.model)
+    for name in ("k", "tau", "b"):
+        for j in range(2):
+            assert quiet[name][j] <= narrow[name][j]
+            assert narrow[name][j] < 0.6 * wide[name][j]
+
+
+def test_each_doubt_moves_the_fit_as_far_as_a_record_that_has_it(record: RampHold) -> None:
+    """A force added for one standard deviation, and fitted again."""
+    found = fit(record, arms=2)
+    names = {"give", "settling", "warming"}
+    time = record.time - record.time[0]
+    each = unseen(record, time, record.displacement, found.model)
+    assert names <= set(each)
+    covariance = found.estimate.covariance - found.estimate.noise_alone.covariance
+    total = np.zeros_like(covariance)
+    here = np.array([found.model.k_inf, *found.model.k, *np.log(found.model.tau)])
+    for name in names:
+        column, sd = each[name]
+        # a tenth of it, for a straight line is all that is claimed
+        moved = fit(replace(record, force=record.force + 0.1 * sd * column), arms=2).model
+        there = np.array([moved.k_inf, *moved.k, *np.log(moved.tau)])
+        total += np.outer(there - here, there - here) / 0.01
+    share = np.diag(total) / np.diag(covariance)
+    assert np.all(share < 1.05)
+    # of the slow arm and of k_inf the drift has a part, too; of the fast arm next to none
+    assert np.all(share[[1, 3]] > 0.9)
+
+
 # -- the table ------------------------------------------------------------------------------------
 
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from kit.fits import failed
 
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.status import Status
@@ -19,7 +20,6 @@ from dashpot.fitting.spectrum import passive_misfit
 from dashpot.io.readers.dynamic import read_dynamic
 from dashpot.preparation.prepare import prepare
 from dashpot.records.dynamic import DynamicTest
-from dashpot.records.fit import Fit
 from dashpot.records.relaxation import RampHold
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -58,10 +58,6 @@ def ramp_hold(model: GeneralizedMaxwell, *, noise: float, seed: int = 0) -> Ramp
         depth=8e-3,
         force_noise=noise,
     )
-
-
-def failed(found: Fit) -> set[str]:
-    return {check.name for check in found.checks if check.failed}
 
 
 def same(found: GeneralizedMaxwell, wanted: GeneralizedMaxwell, rel: float) -> None:
@@ -373,8 +369,8 @@ def test_what_makes_no_sense_is_refused() -> None:
 # -- real data ------------------------------------------------------------------------------------
 
 
-def test_one_isotherm_of_a_real_machine(shared_data: Path) -> None:
-    data = read_dynamic(shared_data / "pyvisco-master-curves" / "freq_user_raw.csv")
+def test_one_isotherm_of_a_real_machine(real_data: Path) -> None:
+    data = read_dynamic(real_data / "pyvisco-master-curves" / "freq_user_raw.csv")
     found = fit_dynamic(data, temperature=343.0)
     value = found.model.complex_stiffness(omega=2 * np.pi * data.frequency)
     assert data.temperature is not None
@@ -385,8 +381,8 @@ def test_one_isotherm_of_a_real_machine(shared_data: Path) -> None:
     assert found.model.k_0 > 1e8
 
 
-def test_a_master_curve_that_contradicts_itself_is_told(shared_data: Path) -> None:
-    data = read_dynamic(shared_data / "pyvisco-master-curves" / "freq_user_master.csv")
+def test_a_master_curve_that_contradicts_itself_is_told(real_data: Path) -> None:
+    data = read_dynamic(real_data / "pyvisco-master-curves" / "freq_user_master.csv")
     assert "kramers_kronig" in failed(fit_dynamic(data, arms=3))
 
 

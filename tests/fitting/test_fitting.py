@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from kit.fits import of_noise
 
 from dashpot.base.errors import DataError, FitError
 from dashpot.base.status import Status
@@ -18,6 +19,7 @@ from dashpot.fitting.relaxation import fit
 from dashpot.preparation.prepare import prepare
 from dashpot.records.estimate import Profile, profile_interval
 from dashpot.records.fit import Fit
+from dashpot.records.machine import Machine
 from dashpot.records.relaxation import RampHold
 from dashpot.simulation import simulate_relaxation
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -57,7 +59,8 @@ def five(model: GeneralizedMaxwell) -> tuple[float, ...]:
 
 
 def five_errors(found: Fit) -> np.ndarray:
-    error = found.standard_error
+    """Of the noise alone."""
+    error = of_noise(found).standard_error
     return np.array([error["k_inf"], *error["k"], *error["tau"]])
 
 
@@ -103,8 +106,8 @@ def test_every_order_is_kept_for_the_comparison(paper_seal: GeneralizedMaxwell) 
 
 def test_the_full_history_knows_fast_arms_twice_as_well(paper_seal: GeneralizedMaxwell) -> None:
     test = ideal(paper_seal, noise=5e-3, seed=3)
-    full = fit(test, arms=2, nuisance=()).standard_error
-    hold = fit(test, arms=2, method="hold", nuisance=()).standard_error
+    full = of_noise(fit(test, arms=2, nuisance=())).standard_error
+    hold = of_noise(fit(test, arms=2, method="hold", nuisance=())).standard_error
     assert 100 * hold["k"][0] / 117.5 == pytest.approx(0.65, abs=0.05)
     assert 100 * full["k"][0] / 117.5 == pytest.approx(0.28, abs=0.05)
     assert 100 * hold["tau"][0] / 0.502 == pytest.approx(0.60, abs=0.05)
@@ -189,9 +192,17 @@ def test_a_noise_free_seal_comes_back(k_inf: float, k: float, tau: float, depth:
 @settings(max_examples=8, deadline=None)
 @given(st.floats(0.1, 10.0), st.floats(0.01, 100.0))
 def test_units_of_force_and_time_scale_through(force: float, slow: float) -> None:
+    test, scaled = in_other_units(force, slow)
+    one, other = fit(test, arms=2), fit(scaled, arms=2)
+    np.testing.assert_allclose(other.model.k, force * np.array(one.model.k), rtol=1e-5)
+    np.testing.assert_allclose(other.model.tau, slow * np.array(one.model.tau), rtol=1e-5)
+    np.testing.assert_allclose(five_errors(other)[1:3], force * five_errors(one)[1:3], rtol=1e-3)
+
+
+def in_other_units(force: float, slow: float) -> tuple[RampHold, RampHold]:
     seal = GeneralizedMaxwell(196.5, (117.5, 17.8), TRUTH[3:])
     test = ideal(seal, noise=5e-3, rate=20.0)
-    scaled = replace(
+    return test, replace(
         test,
         force=force * test.force,
         force_noise=force * test.force_noise,
@@ -199,10 +210,19 @@ def test_units_of_force_and_time_scale_through(force: float, slow: float) -> Non
         ramp_end=slow * test.ramp_end,
         hold_end=slow * test.hold_end,
     )
-    one, other = fit(test, arms=2), fit(scaled, arms=2)
-    np.testing.assert_allclose(other.model.k, force * np.array(one.model.k), rtol=1e-5)
-    np.testing.assert_allclose(other.model.tau, slow * np.array(one.model.tau), rtol=1e-5)
-    np.testing.assert_allclose(five_errors(other)[1:3], force * five_errors(one)[1:3], rtol=1e-3)
+
+
+def test_what_a_rig_adds_scales_where_it_is_said_in_units() -> None:
+    """The usual cell warms in 120 s, and usual clocks are 5 ms apart, in any unit of time."""
+    still = Machine(sync=0.0, drift=0.0, compliance=0.0, creep=0.0)
+    one, other = (
+        fit(replace(each, machine=still), arms=2) for each in in_other_units(4.4482, 60.0)
+    )
+    here, there = one.standard_error, other.standard_error
+    # laid out in some hundred samples
+    np.testing.assert_allclose(there["k"], 4.4482 * np.array(here["k"]), rtol=1e-2)
+    np.testing.assert_allclose(there["tau"], 60 * np.array(here["tau"]), rtol=1e-2)
+    assert here["tau"][1] > 1.03 * five_errors(one)[4]
 
 
 def test_tare_and_drift_are_found_and_do_no_harm(paper_seal: GeneralizedMaxwell) -> None:

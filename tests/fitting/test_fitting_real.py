@@ -27,8 +27,8 @@ def titin(folder: Path, ramp: float) -> RampHold:
     return RampHold(time, stretch, force, 2.0, end, float(time[-1]), depth)
 
 
-def test_one_model_from_the_1_s_ramp_predicts_the_other_peaks(shared_data: Path) -> None:
-    tests = {ramp: titin(shared_data, ramp) for ramp in RAMPS}
+def test_one_model_from_the_1_s_ramp_predicts_the_other_peaks(real_data: Path) -> None:
+    tests = {ramp: titin(real_data, ramp) for ramp in RAMPS}
     found = fit(tests[1.0], method="hold")
     assert found.status is Status.CONVERGED
     assert found.model.arms == 2
@@ -47,8 +47,8 @@ def test_one_model_from_the_1_s_ramp_predicts_the_other_peaks(shared_data: Path)
     assert sum(with_ramp) < 0.65 * sum(as_step)
 
 
-def test_four_ramp_times_share_relaxation_times(shared_data: Path) -> None:
-    tests = [titin(shared_data, ramp) for ramp in RAMPS]
+def test_four_ramp_times_share_relaxation_times(real_data: Path) -> None:
+    tests = [titin(real_data, ramp) for ramp in RAMPS]
     found = fit(tests, arms=3, method="hold")
     assert found.model.arms == 3
     assert found.model.tau[0] < 1.0 < found.model.tau[-1]
@@ -107,9 +107,9 @@ def test_the_afm_record_is_fitted_with_its_own_motion(afm_test: RampHold) -> Non
 
 
 @pytest.mark.parametrize("ramp", [0.1, 1, 10, 100])
-def test_muscle_keeps_the_stiffness_of_its_hold(shared_data: Path, ramp: float) -> None:
+def test_muscle_keeps_the_stiffness_of_its_hold(real_data: Path, ramp: float) -> None:
     """A linear solid with a free offset put it 46 to 70 % off."""
-    test = titin(shared_data, ramp)
+    test = titin(real_data, ramp)
     found = fit(test)
     assert found.elastic_law is not None
     assert found.elastic_law.kind == "piecewise"

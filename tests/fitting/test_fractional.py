@@ -8,6 +8,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from kit.fits import of_noise
 from kit.slopes import hold_slopes
 from kit.trials import (
     DISTURBANCES,
@@ -220,8 +221,13 @@ def test_its_formal_band_is_that_of_its_four_parameters() -> None:
     for limits, value in ((band.storage, true.real), (band.loss, true.imag)):
         assert (limits[0] <= value).all()
         assert (value <= limits[1]).all()
-    wide = (band.loss[1] - band.loss[0]) / true.imag
-    assert 0.02 < wide[0] < wide[1] < 0.3
+    loud, quiet = (
+        (one.loss[1] - one.loss[0]) / true.imag
+        for one in (band, parameter_band(of_noise(found), [1.0, 12.71]))
+    )
+    assert 0.02 < quiet[0] < quiet[1] < 0.3
+    assert (quiet < loud).all()
+    assert loud[1] < 0.5
 
 
 def test_it_is_bounded_over_every_spectrum_as_arms_are() -> None:

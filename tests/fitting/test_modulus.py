@@ -125,8 +125,8 @@ def test_a_curve_too_broad_for_a_few_arms_is_told_as_a_dense_spectrum() -> None:
     assert fit_modulus(time, many.relaxation(time), arms=3).model.arms == 3
 
 
-def test_a_real_master_curve_is_followed(shared_data: Path) -> None:
-    file = shared_data / "pyvisco-master-curves" / "time_user_master.csv"
+def test_a_real_master_curve_is_followed(real_data: Path) -> None:
+    file = real_data / "pyvisco-master-curves" / "time_user_master.csv"
     curve = read_modulus(file)
     found = fit_modulus(curve.time, curve.modulus, source=curve.source)
     assert np.abs(found.model.relaxation(curve.time) / curve.modulus - 1).max() < 0.005

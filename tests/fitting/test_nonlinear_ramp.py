@@ -369,8 +369,8 @@ def test_a_foam_follows_its_hold() -> None:
 
 @pytest.mark.parametrize("family", ["AvgRelaxed", "AvgRelaxedMavaSet", "AvgpCa4.4"])
 @pytest.mark.parametrize("ramp", ["0.1", "1", "10", "100"])
-def test_muscle_gives_the_k_inf_of_its_hold(shared_data: Path, family: str, ramp: str) -> None:
-    path = shared_data / "titin-ramp-hold" / f"{family}_{ramp}s.csv"
+def test_muscle_gives_the_k_inf_of_its_hold(real_data: Path, family: str, ramp: str) -> None:
+    path = real_data / "titin-ramp-hold" / f"{family}_{ramp}s.csv"
     t, length, force = np.loadtxt(path, delimiter=",", skiprows=1, usecols=(0, 1, 2)).T
     found = ramp_law([prepare(RelaxationTest(t, length - length[0], force, units="SI"))])
     assert not found.sound
@@ -390,8 +390,8 @@ def test_the_afm_gives_the_k_inf_of_its_hold(shared_data: Path) -> None:
     assert max(found.rho) < 1.1
 
 
-def test_the_rheometer_set_passes_the_gate(shared_data: Path) -> None:
-    t, x, force = np.loadtxt(shared_data / "rheos-data-time" / "data_time.csv", delimiter=",").T
+def test_the_rheometer_set_passes_the_gate(real_data: Path) -> None:
+    t, x, force = np.loadtxt(real_data / "rheos-data-time" / "data_time.csv", delimiter=",").T
     # strain and stress in no unit that is told: taken as sizes that a seal may have
     found = ramp_law([prepare(RelaxationTest(t, x, force, units="s, mm, N"))])
     assert found.sound

@@ -244,14 +244,14 @@ def columns_of(file: Path, **options: object) -> tuple[np.ndarray, ...]:
     return tuple(np.loadtxt(file, unpack=True, **options))  # type: ignore[call-overload]
 
 
-def test_a_relaxation_master_curve_over_31_decades(shared_data: Path) -> None:
+def test_a_relaxation_master_curve_over_31_decades(real_data: Path) -> None:
     t, modulus = columns_of(
-        shared_data / "pyvisco-master-curves" / "time_user_master.csv", delimiter=",", skiprows=2
+        real_data / "pyvisco-master-curves" / "time_user_master.csv", delimiter=",", skiprows=2
     )
     found = master_curve(t, 1e6 * modulus)
     assert found.largest < 0.005
     g, tau = columns_of(
-        shared_data / "pyvisco-master-curves" / "ansys-reference" / "prony_terms_KPf_MD.csv",
+        real_data / "pyvisco-master-curves" / "ansys-reference" / "prony_terms_KPf_MD.csv",
         delimiter=",",
     )[:2]
     theirs = 1739.03 * (1 - g.sum() + np.exp(-t[:, None] / tau) @ g) / modulus - 1
@@ -259,9 +259,9 @@ def test_a_relaxation_master_curve_over_31_decades(shared_data: Path) -> None:
     assert found.largest < 0.5 * np.abs(theirs).max()
 
 
-def test_a_dynamic_master_curve_over_26_decades(shared_data: Path) -> None:
+def test_a_dynamic_master_curve_over_26_decades(real_data: Path) -> None:
     """pyvisco's 26 terms miss E'' by up to 333 % and fall to 27 of 88.8 MPa at the lowest f."""
-    data = read_dynamic(shared_data / "pyvisco-master-curves" / "freq_user_master.csv")
+    data = read_dynamic(real_data / "pyvisco-master-curves" / "freq_user_master.csv")
     found = dynamic_master_curve(data)
     storage, loss = found.misfit
     assert loss.largest < 0.31
@@ -269,7 +269,7 @@ def test_a_dynamic_master_curve_over_26_decades(shared_data: Path) -> None:
     assert found.rms < 0.18
     assert found.model.storage(omega=data.omega[0]) > 40e6
     terms = ansys_terms(
-        shared_data / "pyvisco-master-curves" / "ansys-reference" / "freq_master.prony_terms.MPL"
+        real_data / "pyvisco-master-curves" / "ansys-reference" / "freq_master.prony_terms.MPL"
     )
     x = data.omega[:, None] * terms[:, 1]
     relative = np.concatenate(
@@ -294,8 +294,8 @@ def ansys_terms(file: Path) -> np.ndarray:
     return np.array(values).reshape(-1, 2)
 
 
-def test_known_answers_of_pyrespect(shared_data: Path) -> None:
-    folder = shared_data / "pyrespect-time-tests"
+def test_known_answers_of_pyrespect(real_data: Path) -> None:
+    folder = real_data / "pyrespect-time-tests"
     noisy = fit_modulus(*columns_of(folder / "test1.dat"))
     assert noisy.status is Status.CONVERGED
     assert noisy.model.arms == 2

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from kit.fits import failed
 from kit.slopes import hold_slopes
 from kit.sweeps import REFERENCE, TEMPERATURES, arrhenius, compliances, moduli, sweeps, wlf
 
@@ -19,10 +20,6 @@ from dashpot.records.temperature import Shift
 
 def shifts(found):
     return np.array([one.log10_a_t for one in found.temperatures.shifts])
-
-
-def failed(found):
-    return {check.name for check in found.checks if check.failed}
 
 
 TRUE = wlf(TEMPERATURES)
@@ -233,8 +230,8 @@ def test_what_cannot_be_shifted_is_refused():
         dp.solids.superpose(sweeps(), vertical="2")
 
 
-def test_published_moduli_are_shifted_as_published_and_lie_closer(shared_data):
-    folder = shared_data / "pyvisco-master-curves"
+def test_published_moduli_are_shifted_as_published_and_lie_closer(real_data):
+    folder = real_data / "pyvisco-master-curves"
     options = ReadOptions(modulus="E_relax")
     curve = read_modulus(folder / "time_user_raw.csv", options=options)
     published = dp.files.read_shifts(folder / "time_user_raw__shift_factors.csv")
@@ -245,8 +242,8 @@ def test_published_moduli_are_shifted_as_published_and_lie_closer(shared_data):
     assert dp.solids.superpose(curve, reference="3degC", shifts=published).rms > 0.01
 
 
-def test_a_published_master_curve_is_followed_by_three_times_per_decade(shared_data):
-    file = shared_data / "pyvisco-master-curves" / "ansys-reference" / "freq_raw.input_master.csv"
+def test_a_published_master_curve_is_followed_by_three_times_per_decade(real_data):
+    file = real_data / "pyvisco-master-curves" / "ansys-reference" / "freq_raw.input_master.csv"
     frequency, storage, loss = np.loadtxt(file, delimiter=",", skiprows=1, usecols=(0, 1, 2)).T
     curve = isotherms_of(
         dp.DynamicTest(frequency, storage, loss, np.full(len(loss), 300.0), units="SI")

@@ -8,6 +8,11 @@ from operator import itemgetter
 import numpy as np
 import pytest
 from kit import cold
+from kit.fits import failed
+from kit.foreign.kinds import wlf
+from kit.foreign.rigs import Protocol, read
+from kit.foreign.truths import TRUTHS, Solid
+from kit.foreign.truths import Seal as ForeignSeal
 from kit.slopes import hold_slopes
 
 import dashpot as dp
@@ -30,10 +35,6 @@ PAIR, TRIPLE = (ROOM, FRIDGE), (ROOM, 10.0, FRIDGE)
 
 def fitted(seal: str, celsius=PAIR, seed: int = 0, *, vertical="free", **changes) -> dp.Fit:
     return fit_tests(cold.records(seal, celsius, seed, **changes), vertical=vertical)
-
-
-def failed(fit: dp.Fit) -> set[str]:
-    return {check.name for check in fit.checks if check.failed}
 
 
 def inside(fit: dp.Fit, seal: str) -> tuple[bool, bool]:
@@ -330,6 +331,46 @@ def test_twenty_pairs_find_the_shift_and_the_damping():
     assert np.sum(np.array(damping) < 0.03) == 20
     assert (np.sum(holds, axis=0) >= 18).all()
     assert (np.sum(within, axis=0) >= 18).all()
+
+
+def foreign_pair(truth: Solid, seed: int = 1) -> dp.Fit:
+    """At 23 and 0 degC by a WLF law with b_T = T/T_r: a truth and a rig that are not ours."""
+    tests = []
+    for celsius in PAIR:
+        kelvin = celsius + 273.15
+        a_t, b_t = 10 ** wlf(kelvin, 296.15, 8.86, 150.0), kelvin / 296.15
+        k, tau = b_t * np.array(truth.k), a_t * np.array(truth.tau)
+        seal = ForeignSeal(Solid.arms(truth.name, b_t * truth.k_inf, k, tau))
+        one = read(seal, Protocol(hold=80.0), seed=seed, name=f"{truth.name} | {celsius:g}")
+        piece = dp.Specimen(temperature=kelvin)
+        columns = (one.time, one.displacement, one.force)
+        tests.append(prepare(dp.RelaxationTest(*columns, piece, units="SI")))
+    return fit_tests(tests)
+
+
+@pytest.mark.slow
+def test_two_temperatures_tell_the_damping_of_foreign_arms():
+    """Twenty truths of two to five arms, the fastest of 3 to 180 ms."""
+    arms = [one for one in TRUTHS if one.name == "broad" or one.name[:6] in {
+        "2 arms", "3 arms", "4 arms", "5 arms"}][:20]  # fmt: skip
+    omega = 2 * np.pi * cold.RESONANCE
+    assert len(arms) == 20
+    away, held = [], []
+    for one in arms:
+        found, K = foreign_pair(one), one.stiffness(omega)
+        away.append(found.model.loss_factor(omega=omega) * K.real / K.imag - 1)
+        low, high = parameter_band(found, [cold.RESONANCE]).loss_factor[:, 0]
+        held.append(low <= K.imag / K.real <= high)
+    # of two truths the interval itself is 3 to 10 % wide
+    assert np.sum(np.abs(away) < 0.03) >= 18
+    assert np.sum(held) >= 19
+
+
+@pytest.mark.slow
+def test_two_temperatures_of_a_power_law_are_used_with_care():
+    for one in TRUTHS:
+        if one.name.startswith(("springpot", "power law", "fractional")):
+            assert foreign_pair(one).verdict.use != "use", one.name
 
 
 @pytest.mark.slow

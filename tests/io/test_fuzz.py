@@ -16,7 +16,7 @@ from kit.fuzzing import Fuzzer
 from kit.instruments import one_of_each
 from kit.mutants import altered, repacked, texts, tries, wounded
 
-pytestmark = pytest.mark.fuzz
+pytestmark = [pytest.mark.fuzz, pytest.mark.usefixtures("mutants")]
 
 
 FORMATS = (

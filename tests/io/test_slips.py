@@ -80,26 +80,33 @@ def named(columns: tuple[str, str, str]) -> ReadOptions:
 def real(folder: Path) -> list[tuple[Path, ReadOptions]]:
     """Every relaxation record that we may read, its units stated as the source says them."""
     muscle = ReadOptions(units={"time": "s", "displacement": "um", "force": "mN"})
-    (machine,) = (folder / "formats" / "zwick").glob("*.TXT")
     return [
         *((folder / "oca-cyclic-shear-relaxation" / one, named(c)) for one, c in ADHESIVES.items()),
         *((folder / "titin-ramp-hold" / one, muscle) for one in MUSCLES),
         (folder / "rheos-data-time" / "data_time.csv", named(("1", "3", "2"))),
-        (folder / "rheosafm-jpk-relaxation" / "AFM_relaxation.txt", ReadOptions()),
-        (machine, ReadOptions(displacement="Standardweg", rate=10.0)),
     ]
 
 
+def unasked(path: Path, options: ReadOptions) -> None:
+    assert len(read_relaxation(path, options=options).time) > 90, path
+
+
 @pytest.mark.slow
-def test_no_real_record_is_asked(shared_data: Path) -> None:
+def test_no_real_record_is_asked(real_data: Path) -> None:
     pytest.importorskip("openpyxl")
-    records = real(shared_data)
-    assert len(records) == 20
+    records = real(real_data)
+    assert len(records) == 18
     for path, options in records:
-        test = read_relaxation(path, options=options)
-        assert len(test.time) > 90, path
+        unasked(path, options)
     hits = read_impact(
-        shared_data / "lvm_read_F_m1_m2" / "long_single_header_multi_ch.lvm",
+        real_data / "lvm-read" / "long_single_header_multi_ch.lvm",
         options=ReadOptions(units={"force": "N"}),
     )
     assert hits.starts == (0, 8192)
+
+
+@pytest.mark.slow
+def test_no_large_record_is_asked(shared_data: Path) -> None:
+    (machine,) = (shared_data / "formats" / "zwick").glob("*.TXT")
+    unasked(machine, ReadOptions(displacement="Standardweg", rate=10.0))
+    unasked(shared_data / "rheosafm-jpk-relaxation" / "AFM_relaxation.txt", ReadOptions())

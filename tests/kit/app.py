@@ -81,7 +81,7 @@ class Page:
     def close(self) -> None:
         """Leave, and nothing may have gone wrong."""
         self.context.close()
-        assert not self.complaints
+        assert not self.complaints, self.complaints
 
 
 @contextmanager

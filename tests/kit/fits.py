@@ -1,8 +1,9 @@
-"""Fits made by hand, laid out flat: what a test says of one, usual values for the rest."""
+"""Fits made by hand, laid out flat: a test names what matters, the rest is usual; what failed."""
 
 from __future__ import annotations
 
 from dataclasses import fields, replace
+from typing import Any
 
 import numpy as np
 
@@ -13,6 +14,11 @@ from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import Solid
 
 PARTS = {"estimate": ParameterEstimate, "evidence": Evidence, "provenance": Provenance}
+
+
+def failed(found: Any) -> set[str]:
+    """The names of its checks that failed, notes too."""
+    return {check.name for check in found.checks if check.failed}
 
 
 def a_fit(solid: Solid, *, relative: float = 0.01, **given: object) -> Fit:
@@ -31,6 +37,11 @@ def a_fit(solid: Solid, *, relative: float = 0.01, **given: object) -> Fit:
         Provenance("full"),
     )
     return altered(usual, **given)
+
+
+def of_noise(fit: Fit) -> Fit:
+    """The fit with the errors of its residuals alone, as if its rig had done nothing unseen."""
+    return replace(fit, estimate=fit.estimate.noise_alone)
 
 
 def altered(fit: Fit, **given: object) -> Fit:

@@ -93,14 +93,15 @@ TASKS: dict[str, Callable[[Path], None]] = {
 
 
 class Fuzzer:
-    """The process that reads, begun again whenever it has died; `deaths` counts."""
+    """The process that reads, begun again whenever it has died; `deaths` counts, and `tries`."""
 
     def __init__(self) -> None:
-        self.deaths = 0
+        self.deaths = self.tries = 0
         self._process: subprocess.Popen[bytes] | None = None
 
     def survives(self, task: str, content: bytes) -> None:
         """Fail unless a task ends in a value or a refusal, and soon."""
+        self.tries += 1
         says = self._tried(task, content, apart=False)
         if says is None:
             self.deaths += 1

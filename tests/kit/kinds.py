@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import numpy.typing as npt
 
@@ -28,6 +30,12 @@ def csv(head: str, *columns: Array) -> str:
     """The text of a table."""
     rows = "\n".join(",".join(f"{v:.8g}" for v in row) for row in zip(*columns, strict=True))
     return f"{head}\n{rows}\n"
+
+
+def saved(path: Path, head: str, *columns: Array) -> Path:
+    """The file of a table, to the last digit."""
+    np.savetxt(path, np.column_stack(columns), delimiter=",", header=head, comments="")
+    return path
 
 
 BENCH = "time [s],displacement [mm],force [N]"

@@ -16,6 +16,13 @@ def ran(*words: object) -> Result:
     return CliRunner().invoke(main, [str(word) for word in words])
 
 
+def did(*words: object, code: int = 0) -> Result:
+    """What a command did that must end with that exit code."""
+    result = ran(*words)
+    assert result.exit_code == code, result.output
+    return result
+
+
 def no_air(door: Path) -> None:
     """Leave the air in the seal and what varies out of a door file: 15 s of its closing."""
     door.write_text(door.read_text().partition("[closing.vents]")[0])
@@ -23,6 +30,4 @@ def no_air(door: Path) -> None:
 
 def told(*words: object) -> Any:
     """The JSON document of a command, which must have done its work."""
-    done = ran(*words, "--json")
-    assert done.exit_code == 0, done.output
-    return json.loads(done.stdout)
+    return json.loads(did(*words, "--json").stdout)

@@ -274,6 +274,12 @@ def lasts(folder, tmp_path_factory):
     return time.monotonic() - began
 
 
+@pytest.fixture
+def kill(record_property):
+    """Count it, for docs/quality.md."""
+    record_property("kills", 1)
+
+
 def run_and_kill(folder, out, chance, lasts, *, parent):
     """Run a batch; kill it, or its workers, at random."""
     seen = []
@@ -376,6 +382,7 @@ def test_interrupted_it_says_what_is_kept_and_goes_on_from_there(folder, whole, 
 
 @ON_LINUX
 @pytest.mark.slow
+@pytest.mark.usefixtures("kill")
 @pytest.mark.parametrize("seed", range(100, 150))
 def test_killed_fifty_times_the_table_is_the_same(folder, whole, tmp_path, seed, lasts):
     killed_and_completed(folder, whole, tmp_path, seed, lasts)

@@ -2,6 +2,7 @@
 
 import base64
 import hashlib
+import json
 import re
 from dataclasses import replace
 from html import unescape
@@ -10,11 +11,14 @@ from itertools import product
 import polars as pl
 import pytest
 from kit import browser
+from kit.lots import lot_of, scattered
 
 from dashpot.io.write import write_relaxation
 from dashpot.lots import page as page_of_lots
 from dashpot.lots.batches import batch
+from dashpot.lots.limits import Limits
 from dashpot.lots.page import html
+from dashpot.lots.summary import summary
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.simulation.rig import Rig
 from dashpot.solids.table_1 import PAPER
@@ -75,12 +79,79 @@ def test_what_comes_from_a_file_is_escaped_and_nothing_is_loaded(lot):
     page = html(lot)
     assert "<b>junk" not in page
     assert "&lt;b&gt;junk &amp; co.csv" in page
-    assert "<script" not in page
     # what is linked lies beside the page
-    assert set(re.findall(r'(?:src|href)="(?!#)([^"]*)', page)) == {"lot.csv", "lot.xlsx"}
-    (style,) = re.findall(r"<style>(.*?)</style>", page, re.DOTALL)
-    digest = base64.b64encode(hashlib.sha256(style.encode()).digest()).decode()
-    assert f"style-src 'sha256-{digest}'" in unescape(page)
+    linked = set(re.findall(r'(?:src|href)="(?!#)([^"]*)', page))
+    assert linked == {"lot.csv", "lot.xlsx", "lot.json"}
+    for kind, found in (
+        ("style", re.findall(r"<style>(.*?)</style>", page, re.DOTALL)),
+        ("script", re.findall(r'<script type="module">(.*?)</script>', page, re.DOTALL)),
+    ):
+        (one,) = found
+        digest = base64.b64encode(hashlib.sha256(one.encode()).digest()).decode()
+        assert f"{kind}-src 'sha256-{digest}'" in unescape(page)
+    # the rows that the script reads hold no markup, and are every file
+    (rows,) = re.findall(r'<script type="application/json"[^>]*>(.*?)</script>', page, re.DOTALL)
+    assert "<" not in rows
+    told = json.loads(rows)
+    assert next(row[0] for row in told["rows"] if "junk" in row[0]).endswith("<b>junk & co.csv")
+    assert len(told["rows"]) == 13
+    assert len({len(row) for row in [told["heads"], *told["rows"]]}) == 1
+
+
+def many(**asked):
+    """Return a lot of 500 seals in 20 lots, and what it says."""
+    large = lot_of(scattered(lots=20, seals=25, repeats=2, **asked))
+    limits = [Limits(large.quantity("k_end"), 150.0, 250.0, 1.33)]
+    return large, summary(large, limits=limits)
+
+
+def test_a_page_is_as_high_for_many_tests_as_for_few(lot):
+    large, found = many()
+    page = html(large, found=found)
+    assert len(page) < 1_000_000
+    # of each table so many rows, and of every chart one dot a lot
+    for rows in re.findall(r"<tbody>(.*?)</tbody>", page, re.DOTALL):
+        assert rows.count("<tr") <= page_of_lots.ROWS
+    assert page.count("<li>") <= 3 * page_of_lots.ROWS
+    assert 'data-by="lot"' in page
+    assert 'data-by="seal"' in html(lot)
+    (points,) = re.findall(r'data-points="([^"]*)"', page)
+    assert json.loads(unescape(points)) == [[f"L{i}", ""] for i in range(1, 21)]
+
+
+def test_what_the_page_says_is_what_the_document_says():
+    large, found = many()
+    page, document = unescape(html(large, found=found)), found.document
+    for light in document["lights"]:
+        assert light["says"] in page.replace("\xa0", " ")
+    assert f">{document['verdict']['use'].capitalize()}<" in page
+    (of,) = document["statistics"]
+    for one in of["capability"]:
+        assert f"<b>{one['cpk']:.2f}</b>" in page or f">{one['cpk']:.2f}<" in page
+
+
+@pytest.mark.slow
+@browser.needs_browser
+def test_a_point_of_the_chart_leads_to_its_tests(tmp_path):
+    large, found = many()
+    script = """
+    const lines = () => [...document.querySelectorAll("#rows tbody tr")];
+    const rows = () => lines().map((one) => one.cells[1].textContent);
+    const first = rows().length;
+    const svg = document.querySelector("[data-points] svg.wide");
+    const area = svg.querySelector(".plot").getBoundingClientRect();
+    const x = area.left + (4.5 / 20) * area.width;
+    svg.dispatchEvent(new MouseEvent("click", { clientX: x, clientY: area.top + 9 }));
+    const found = rows();
+    document.getElementById("find").value = "seal 3";
+    document.getElementById("find").dispatchEvent(new Event("input"));
+    const opened = document.getElementById("tests").open;
+    return [first, [...new Set(found)], found.length, rows().length, opened];
+    """
+    first, lots, of_lot, of_seal, opened = browser.probe(
+        tmp_path, html(large, found=found), script, width=1366, height=768
+    )
+    assert (first, lots, of_lot, of_seal, opened) == (50, ["L5"], 50, 2, True)
 
 
 def test_simulated_tests_are_stamped(lot):

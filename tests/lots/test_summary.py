@@ -15,10 +15,11 @@ from dashpot.base.version import is_ours
 from dashpot.io.write import write_relaxation
 from dashpot.lots import workbook as workbooks
 from dashpot.lots.judgement import judged
-from dashpot.lots.limits import read_limits
+from dashpot.lots.limits import Limits, read_limits
 from dashpot.lots.page import html
 from dashpot.lots.summary import summary
 from dashpot.lots.workbook import workbook
+from dashpot.report.answer import ORDER
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.solids.table_1 import PAPER
 
@@ -244,6 +245,71 @@ def test_a_test_that_lacks_the_quantity_of_a_limit_has_no_result(tmp_path):
     assert [(one.seal, one.decision) for one in found] == [
         ("L1/1_1.csv", "pass"), ("L1/2_1.csv", "no result"), ("L1/3_1.csv", "no result"),
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("sds", "mark", "use"),
+    [((0.0, 0.03, 0.005), "good", "use"), ((0.0, 0.02, 0.02), "bad", "do not use")],
+)
+def test_a_gauge_that_tells_nothing_apart_is_no_lot_to_release(sds, mark, use):
+    found = summary(lot_of(scattered(lots=2, seals=25, repeats=4, sds=sds)))
+    lights = {one.name: one.mark for one in found.lights}
+    assert lights["measuring"] == mark
+    assert (found.verdict.use == "do not use") == (use == "do not use")
+
+
+def test_lots_that_shift_are_no_chance_and_a_lot_like_the_others_is():
+    still = summary(lot_of(scattered(lots=12, seals=25, repeats=1, sds=(0.0, 0.03, 0.0))))
+    moved = summary(lot_of(scattered(lots=12, seals=25, repeats=1, sds=(0.02, 0.03, 0.0))))
+    marks = [{one.name: one.mark for one in each.lights}["control"] for each in (still, moved)]
+    assert marks[0] in {"good", "note"}
+    assert marks[1] == "care"
+    # a run of points is one cause
+    lots = moved.main.lots
+    assert lots is not None
+    assert lots.mean.signalled == (1, 3, 4)
+    assert lots.mean.causes == ((1, 1), (3, 4))
+
+
+def test_the_verdict_is_as_bad_as_the_worst_light():
+    worst = {"use": {"good", "note"}, "use with care": {"care"}, "do not use": {"bad"}}
+    for sds in ((0.0, 0.03, 0.005), (0.0, 0.03, 0.012), (0.02, 0.03, 0.005), (0.0, 0.02, 0.02)):
+        found = summary(lot_of(scattered(lots=6, seals=12, repeats=3, sds=sds)))
+        mark = max((one.mark for one in found.lights), key=ORDER.index)
+        assert mark in worst[found.verdict.use]
+        assert [one.name for one in found.lights] == ["files", "measuring", "control", "limits"]
+
+
+def test_a_copy_is_counted_and_says_nothing():
+    rows = scattered(lots=1, seals=12, repeats=3)
+    for i, one in enumerate(rows):
+        one["sha256"] = f"{i:064}"
+    alone = summary(lot_of(rows))
+    twice = summary(lot_of([*rows, {**rows[0], "file": "again.csv", "seal": "13"}]))
+    assert [len(one.main.seals) for one in (alone, twice)] == [12, 12]
+    assert twice.lot.copies == {"again.csv": rows[0]["file"]} or len(twice.lot.copies) == 1
+    assert "1 copy" in twice.lights[0].says
+    assert "copy" not in alone.lights[0].says
+    assert twice.main.gauge.categories == alone.main.gauge.categories
+
+
+@pytest.mark.parametrize(
+    ("of", "by", "grade"),
+    [
+        ("cpk", -0.01, None),
+        ("cpk", 0.01, "limit"),
+        ("high", -0.01, "limit"),
+        ("high", 0.01, "stop"),
+    ],
+)
+def test_a_capability_that_the_interval_rules_out_is_a_stop(of, by, grade):
+    lot = lot_of(scattered(lots=1, seals=30, repeats=1, sds=(0.0, 0.02, 0.0)))
+    (able,) = lot.capability("k_end", 176.0, 224.0).values()
+    asked = {"cpk": able.cpk, "high": able.cpk_interval[1]}[of] + by
+    limits = [Limits(lot.quantity("k_end"), 176.0, 224.0, asked)]
+    (found,) = (one for one in summary(lot, limits=limits).checks
+                if one.name == "capability_as_asked")  # fmt: skip
+    assert (found.grade if found.failed else None) == grade
 
 
 def test_frequencies_beyond_the_band_are_said():

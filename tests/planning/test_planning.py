@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from kit.fits import of_noise
 from kit.foreign.rigs import Protocol, read
 from kit.foreign.truths import TABLE_1
 from kit.foreign.truths import Seal as ForeignSeal
@@ -148,7 +149,7 @@ def test_the_bound_is_what_a_fit_finds() -> None:
     x = 8e-3 * np.clip(t / 0.2, 0, 1)
     force = truth.force(t, x) + 1e-3 * np.random.default_rng(4).standard_normal(len(t))
     held = RampHold(t, x, force, 0.0, 0.2, float(t[-1]), 8e-3)
-    found = fit(held, arms=3, nuisance=())
+    found = of_noise(fit(held, arms=3, nuisance=()))
     told = known(arm, ramp_time=0.2, hold_time=20.8, rate=500.0, noise=1e-3, at=3.0)
     assert told.arm_sd is not None
     assert found.standard_error["k"][0] / arm[0] == pytest.approx(told.arm_sd, rel=0.1)

@@ -601,9 +601,9 @@ def test_a_filter_is_applied_told_and_checked(raw: RelaxationTest):
 
 @pytest.mark.parametrize("kind", ["Relaxed", "RelaxedMavaSet", "pCa4.4"])
 @pytest.mark.parametrize("ramp", [0.1, 1.0, 10.0, 100.0])
-def test_the_muscle_records_start_on_their_ramp(shared_data: Path, kind: str, ramp: float):
+def test_the_muscle_records_start_on_their_ramp(real_data: Path, kind: str, ramp: float):
     rows = np.loadtxt(
-        shared_data / "titin-ramp-hold" / f"Avg{kind}_{ramp:g}s.csv", delimiter=",", skiprows=1
+        real_data / "titin-ramp-hold" / f"Avg{kind}_{ramp:g}s.csv", delimiter=",", skiprows=1
     )
     found = prepare(
         RelaxationTest(time=rows[:, 0], displacement=rows[:, 1], force=rows[:, 2], units="SI")
@@ -636,8 +636,8 @@ def test_the_afm_record_holds_15_s_and_its_retraction_is_left_out(shared_data: P
     assert np.abs(found.displacement[found.time < 0.12]).max() == 0.0
 
 
-def test_the_tiny_record_of_101_rows(shared_data: Path):
-    rows = np.loadtxt(shared_data / "rheos-data-time" / "data_time.csv", delimiter=",")
+def test_the_tiny_record_of_101_rows(real_data: Path):
+    rows = np.loadtxt(real_data / "rheos-data-time" / "data_time.csv", delimiter=",")
     found = prepare(
         RelaxationTest(time=rows[:, 0], displacement=rows[:, 1], force=rows[:, 2], units="s, mm, N")
     )
@@ -651,9 +651,9 @@ def test_the_tiny_record_of_101_rows(shared_data: Path):
     ("name", "columns", "ramps"),
     [("_0d1", (0, 2, 1), 4), ("_1", (0, 1, 2), 4), ("_2", (0, 1, 2), 4), ("", (0, 1, 2), 5)],
 )
-def test_the_adhesive_climbs_in_steps(shared_data: Path, name: str, columns, ramps: int):
+def test_the_adhesive_climbs_in_steps(real_data: Path, name: str, columns, ramps: int):
     openpyxl = pytest.importorskip("openpyxl")
-    path = shared_data / "oca-cyclic-shear-relaxation" / f"shear_relaxation{name}.xlsx"
+    path = real_data / "oca-cyclic-shear-relaxation" / f"shear_relaxation{name}.xlsx"
     sheet = openpyxl.load_workbook(path).active
     rows = np.array([row[:3] for row in sheet.iter_rows(values_only=True)], dtype=float)
     time, force, x = (rows[:, i] for i in columns)

@@ -124,4 +124,5 @@ def test_what_no_one_means_is_refused(noun, name, just, beyond, says):
 
 
 def test_what_did_not_move_is_for_others_to_say():
-    RelaxationTest(T, 0 * X, 0 * F, units="SI")
+    still = RelaxationTest(T, 0 * X, 0 * F, units="SI")
+    np.testing.assert_array_equal([still.displacement, still.force], 0)

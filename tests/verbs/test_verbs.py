@@ -86,8 +86,10 @@ def test_results_are_read_back(examples, tmp_path):
     assert list(fit.to_pandas().columns)
     with pytest.raises(dp.ExportError, match=r"written as \.json"):
         fit.save(tmp_path / "fit.xlsx")
-    with pytest.raises(dp.ExportError, match=r"no page of its own.*dp\.report"):
-        fit.save(tmp_path / "fit.html")
+    fit.save(tmp_path / "fit.html")
+    assert f"{fit.model.k_inf:.4g}"[:3] in (tmp_path / "fit.html").read_text(encoding="utf-8")
+    with pytest.raises(dp.ExportError, match=r"no page of its own"):
+        dp.save(fit.elastic_law, tmp_path / "law.html")
 
 
 def test_vibration_under_a_mass_is_one_solid(examples):

@@ -20,9 +20,9 @@ TRUE = 12.69983, 0.0285575
 
 
 @pytest.fixture(scope="module")
-def real_hits(shared_data: Path) -> ImpactTest:
+def real_hits(real_data: Path) -> ImpactTest:
     """Two hits on a block with two accelerometers; the force is in arbitrary units."""
-    text = (shared_data / "lvm_read_F_m1_m2" / "long_single_header_multi_ch.lvm").read_text()
+    text = (real_data / "lvm-read" / "long_single_header_multi_ch.lvm").read_text()
     lines = text.splitlines()
     head = max(i for i, line in enumerate(lines) if line.startswith("X_Value"))
     rows = np.array([line.split("\t")[1:4] for line in lines[head + 1 :] if line.strip()], float)

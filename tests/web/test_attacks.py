@@ -105,7 +105,7 @@ def test_what_is_in_a_file_and_what_it_is_called_are_in_no_log(ask):
             assert ask("POST", f"/api/{verb}", json.dumps(body))[0] == 422
 
 
-def test_who_goes_away_in_the_middle_leaves_nothing(server):
+def test_who_goes_away_in_the_middle_leaves_nothing(server, ask):
     port, token = server
     with closing(http.client.HTTPConnection("127.0.0.1", port)) as line:
         line.putrequest("POST", f"/api/files?name={CUSTOMER.replace(' ', '_')}.csv")
@@ -113,3 +113,6 @@ def test_who_goes_away_in_the_middle_leaves_nothing(server):
         line.putheader("Content-Length", "1000000")
         line.endheaders()
         line.send(CUSTOMER.encode() * 100)
+    status, said = ask("GET", "/api/state")
+    assert status == 200
+    assert CUSTOMER.replace(" ", "_") not in said

@@ -98,7 +98,7 @@ def test_what_is_shown_are_the_digits_of_the_fit(store, asked):
     fit = from_json(ask("take", store, job=asked, what="fit")["text"])
     assert f"{1e-3 * fit.model.k[0]:.4f}"[:5] in head["solid"]
     assert fit.verdict.use.capitalize() in head["verdict"]
-    assert set(head["panels"]) == {"ramp", "hold", "residual", "spectrum", "frf"}
+    assert set(head["panels"]) == {"ramp", "hold", "spectrum", "frf"}
     assert head["simulated"] is True
     assert head["cuts"]["ramp_end"] == 2.6
 
@@ -119,6 +119,15 @@ def test_a_record_is_read_once_for_every_lane(store):
     assert again["specimen"]["name"] == "A"
 
 
+def test_a_record_of_a_fast_clock_is_kept(store):
+    rig = replace(Rig(), rate=200.0)
+    test = simulate_relaxation(BROAD, rig=rig, seed=1).test
+    fast = replace(test, time=test.time[0] + (test.time - test.time[0]) / 80)
+    identity = store.put("fast.csv", write_relaxation(fast).encode())
+    line = ask("inspect", store, file=identity)["line"]
+    assert "length of the record" not in line, line
+
+
 def test_of_a_long_record_a_part_is_shown_first(store, files, monkeypatch):
     job = {"relaxation": files["seal_8mm.csv"], "arms": 2}
     rows = ask("inspect", store, file=job["relaxation"])
@@ -137,7 +146,7 @@ def test_a_handle_moves_the_curves_within_a_page_of_bytes(store, asked):
     whole = VERBS["live"]({"job": asked}, store.folder)
     assert len(whole) < 30_000
     found = ask("live", store, job=asked)
-    assert {"ramp/fit/x", "hold/fit/y", "residual/mean/y"} <= set(found["arrays"])
+    assert {"ramp/fit/x", "hold/fit/y", "hold/mean/y"} <= set(found["arrays"])
     assert "eq. (5)" in found["beside"]
     later = ask("live", store, job=asked | {"cuts": {"hold_end": 20.0}})
     assert later["cuts"]["hold_end"] == 20.0
@@ -348,14 +357,15 @@ def test_a_deck_is_that_of_the_command(store, asked, at_home, more, words):
 def test_a_deck_is_of_the_solid_shown_and_no_calmer_than_the_page(store, asked, joint):
     job = asked | {"joint": joint}
     told = ask("study", store, job=job)
-    table = told["joint"] if joint else ask("settle", store, job=job)["solid"]
+    table = told["solid"]
+    assert joint or table == ask("settle", store, job=job)["solid"]
     (solid,) = re.findall('data-solid="([0-9a-f]+)"', table)
     for target in SUFFIXES:
         wanted = {"what": "deck", "target": target, "joint": joint, "anyway": True, "seals": 2}
         wanted |= {"modulus": "3MPa"} if target == "radioss" else {}
         deck = ask("take", store, job=job, solid=solid, **wanted)["text"]
         assert f"in parallel of fit {solid}" in deck, target
-        assert len(re.findall(r"arm \d+: k =", deck)) == table.count('row">τ'), target
+        assert len(re.findall(r"arm \d+: k =", deck)) == table.count('row">arm '), target
         assert ("DO NOT USE:" in deck) == (told["colour"] == "bad"), target
     with pytest.raises(dp.DataError, match="another model"):
         ask("take", store, job=job, solid="0" * 16, **wanted)
@@ -365,12 +375,59 @@ def test_the_panels_of_the_test_are_of_the_solid_of_the_tab(store, asked):
     job = asked | {"joint": True}
     told, alone = ask("study", store, job=job), ask("settle", store, job=job)["panels"]
     both = told["panels"]
-    assert both.keys() == {"ramp", "hold", "residual", "spectrum"}
-    # the measured lines are the same, the fitted ones are not
-    assert all(both[name] != alone[name] for name in ("hold", "residual", "spectrum"))
+    assert both.keys() == {"ramp", "hold", "spectrum"}
+    # the measured lines are the same, the fitted ones are not, nor their colour
+    assert all(both[name] != alone[name] for name in ("hold", "spectrum"))
+    for panels, ink in ((both, "joint-ink"), (alone, "fit")):
+        assert all(f"var(--{ink})" in one for one in (panels["hold"], panels["spectrum"]))
+        assert ink == "fit" or "var(--fit)" not in panels["hold"] + panels["spectrum"]
     arms = results.study(job_of(job, store.folder)).joint.model.arms
     assert both["spectrum"].count(">τ") >= arms
-    assert ask("study", store, job=asked | {"joint": False})["panels"] == {}
+    assert (
+        ask("study", store, job=asked | {"joint": False})["panels"]["spectrum"]
+        == (alone["spectrum"])
+    )
+
+
+def test_what_both_tests_leave_of_the_hold_is_its_noise(store, asked):
+    both = ask("study", store, job=asked | {"joint": True, "arms": "auto"})["panels"]["hold"]
+    rms, noise = map(float, re.search(r"rms ([\d.]+), noise ([\d.]+)", both).groups())
+    assert 0.9 * noise < rms < 1.1 * noise
+
+
+def test_the_list_of_files_names_no_option_and_no_python(store):
+    rows = "".join(f"{1e-9 * i:.3e},{i},{i}\n" for i in range(200))
+    identity = store.put("brief.csv", f"time [s],displacement [mm],force [N]\n{rows}".encode())
+    line = ask("inspect", store, file=identity)["line"]
+    assert line
+    assert "--" not in line
+    assert "Python" not in line
+
+
+def test_two_fits_are_held_against_each_other(store, asked):
+    sides = {name: {"job": asked | {"joint": name == "b"}} for name in "ab"}
+    head = ask("against", store, **sides)
+    assert head["colour"] == "open"
+    assert set(head["panels"]) == {"ab-frf", "ab-rest"}
+    assert 'data-name="A"' in head["panels"]["ab-frf"]
+    tabs = [ask("study", store, job=one["job"])["answers"] for one in sides.values()]
+    # each number is that of its own tab
+    for told, side in zip(tabs, (1, 2), strict=True):
+        own = re.findall(r'row">([^<]+)</th><td class="value">([^<]+)', told)
+        mine = {
+            row[0]: row[side] for row in re.findall(
+                r'row">([^<]+)</th><td class="value">([^<]*)</td><td class="value">([^<]*)',
+                head["table"],
+            )
+        }  # fmt: skip
+        assert all(mine[name] == value for name, value in own if name in mine)
+        assert len(mine.keys() & dict(own).keys()) >= 3
+    assert "alone" in head["table"]
+    same = ask("against", store, a=sides["a"], b=sides["a"])
+    assert "×" not in same["table"]
+    assert "outside" not in same["table"]
+    with pytest.raises(dp.DataError, match="no model of both tests"):
+        ask("against", store, a=sides["a"], b={"job": asked | {"joint": True, "impact": []}})
 
 
 def test_a_project_is_kept(store, asked, tmp_path):

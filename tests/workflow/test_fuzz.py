@@ -23,7 +23,7 @@ from dashpot.workflow import history, project
 from dashpot.workflow.archive import document
 from dashpot.workflow.job import Job
 
-pytestmark = pytest.mark.fuzz
+pytestmark = [pytest.mark.fuzz, pytest.mark.usefixtures("mutants")]
 
 
 def documents() -> list[dict[str, object]]:

@@ -108,7 +108,7 @@ def test_where_two_answers_last_is_said_with_the_page_and_the_numbers(told, tmp_
     half = 1e3 * (high - low) / 2
     assert f"± {half:.2g}" in said
     page = told.save(tmp_path / "level.html").read_text()
-    assert "mean shift at 0.3 N" in page
+    assert "At 0.3 N" in page
     known = told.document["levels"][0]
     assert known["interval"]["mean_shift"] == [low, high]
     response = known["response"]

@@ -253,6 +253,126 @@ def test_the_bytes_of_a_line_are_hashed(kept, how):
         assert "it was changed" in str(error)  # noqa: PT017 -- either way it is told
 
 
+def test_head_is_bytes_too(kept):
+    place = kept.folder / "history.head"
+    whole = place.read_bytes()
+    for changed in (
+        whole.replace(b"\n", b"\r\n"), b"\xef\xbb\xbf" + whole, b"0" + whole, b"+" + whole,
+        whole * 3, whole + b"3 soon\n", whole.rstrip(), whole[:20], b"",
+    ):  # fmt: skip
+        place.write_bytes(changed)
+        with pytest.raises(ReadError, match=r"history\.head is not as dashpot writes it"):
+            verified(kept)
+    place.write_bytes(whole)
+    assert not failures(kept)
+
+
+HISTORIES = {
+    "a line twice": lambda first, second: first + second + second,
+    "the first line twice": lambda first, second: first + first + second,
+    "lines that end as on Windows": lambda first, second: (first + second).replace(b"\n", b"\r\n"),
+    "a byte order mark": lambda first, second: b"\xef\xbb\xbf" + first + second,
+    "another encoding": lambda first, second: (first + second).decode().encode("utf-16"),
+    "a blank line at the end": lambda first, second: first + second + b"\n",
+    "a blank line between": lambda first, second: first + b"\n" + second,
+    "zeros of a disk at the end": lambda first, second: first + second + b"\0" * 64,
+}
+
+
+@pytest.mark.parametrize("how", HISTORIES)
+def test_no_byte_of_the_history_is_changed_in_passing(kept, how):
+    """As editors, version control, mail and disks do."""
+    lines = kept.history_file.read_bytes().splitlines(keepends=True)
+    kept.history_file.write_bytes(HISTORIES[how](*lines))
+    try:
+        missed = failures(kept)
+    except ReadError as error:
+        assert "it was changed" in str(error)  # noqa: PT017 -- either way it is told
+    else:
+        assert {"history_unchanged", "history_complete"} & {*missed}
+
+
+def test_the_history_of_another_project_is_missed(kept, raw, tmp_path):
+    other = folder.create(tmp_path / "other")
+    for seals in (1, 3):
+        folder.record(other, Job(str(raw), seals=seals, arms=1), page=page)
+    for one in ("history.jsonl", "history.head"):
+        shutil.copy(other.folder / one, kept.folder / one)
+        assert failures(kept)
+
+
+FILES = {
+    "lines that end as on Windows": lambda raw: raw.write_bytes(
+        raw.read_bytes().replace(b"\n", b"\r\n")
+    ),
+    "a blank line at the end": lambda raw: raw.write_bytes(raw.read_bytes() + b"\n"),
+    "nothing left": lambda raw: raw.write_bytes(b""),
+    "a folder of its name": lambda raw: (raw.unlink(), raw.mkdir()),
+    "its name in capitals": lambda raw: raw.rename(raw.with_name("SEAL.CSV")),
+    "its name of other code points": lambda raw: raw.rename(raw.with_name("sea\u217c.csv")),
+}
+
+
+@pytest.mark.parametrize("how", FILES)
+def test_a_raw_file_that_a_synchronisation_changed_is_missed(kept, how):
+    FILES[how](kept.folder / "raw" / "seal.csv")
+    assert {"file_present", "file_unchanged"} & {*failures(kept)}
+
+
+@pytest.mark.parametrize("own", ["history.jsonl", "history.head", "dashpot.toml", "raw/seal.csv"])
+def test_nothing_outside_is_read_through_a_link(kept, tmp_path, own):
+    place = kept.folder / own
+    place.rename(tmp_path / "elsewhere")
+    place.symlink_to(tmp_path / "elsewhere")
+    with pytest.raises(ReadError, match=f"{own} leads out of the project"):
+        verified(kept)
+
+
+def test_what_only_looks_half_written_is_named(kept):
+    for name in (".evil.part", "fit.json.part", "." + "0" * 16 + ".part"):
+        (kept.folder / "records" / name).write_text("{}")
+    (check,) = [one for one in verified(kept) if one.name == "files_listed"]
+    assert check.says == "The history does not list records/.evil.part, records/fit.json.part."
+
+
+def test_pictures_of_two_reports_are_not_swapped_unseen(kept):
+    """Each page is drawn again, of its own result."""
+
+    def drawn(study):
+        return f"<svg><text>{study.mass}</text></svg>"
+
+    lines = entries(kept)
+    pages = [line["outputs"] for line in lines]
+    for outputs, mass in zip(pages, ("0.104", "None"), strict=True):
+        (listed,) = [one for one in outputs if one["file"].endswith(".html")]
+        place = kept.folder / listed["file"]
+        place.write_text(f"<svg><text>{mass}</text></svg>")
+        listed["sha256"] = history.sha256(place.read_bytes())
+    rewritten(kept, lines)
+    assert not [one.name for one in verify(kept, page=drawn) if one.failed]
+    first, second = (kept.folder / one["file"] for o in pages for one in o if "html" in one["file"])
+    one, other = first.read_bytes(), second.read_bytes()
+    first.write_bytes(other)
+    second.write_bytes(one)
+    assert [one.name for one in verify(kept, page=drawn) if one.failed].count("file_unchanged") == 2
+    for outputs, content in zip(pages, (other, one), strict=True):
+        (listed,) = [one for one in outputs if one["file"].endswith(".html")]
+        listed["sha256"] = history.sha256(content)
+    rewritten(kept, lines)
+    assert [one.name for one in verify(kept, page=drawn) if one.failed] == ["page_redrawn"] * 2
+
+
+def test_what_a_forger_may_say_unproven(kept):
+    """SECURITY.md names it: when, who, what it was called, in which order, by which versions."""
+    lines, noted = entries(kept), kept.head
+    lines[0] |= {"time": "1999-01-01T00:00:00+00:00", "user": "boss", "operation": "approved"}
+    lines[0]["software"]["numpy"] = "0.0.1"
+    rewritten(kept, lines[::-1])
+    (kept.folder / "dashpot.toml").write_text('schema = "dashpot/project@1"\nname = "other"\n')
+    assert not failures(kept)
+    assert failures(kept, expect=noted) == ["history_expected"]
+
+
 def test_a_line_of_the_second_edition_is_still_held_to_its_hash(kept):
     """Its hash was of its content, sorted, and its bytes were those of plain JSON."""
     before, lines = history.GENESIS, []
@@ -319,6 +439,10 @@ def test_another_version_may_draw_another_page(kept):
         ("f = 12.710 Hz", "f = 12.711 Hz", True),
         ("f = 12.710 Hz", "f = 12.712 Hz", False),
         ("f = 12.71 Hz", "f = 12.75 Hz", False),
+        ("f = 13 Hz", "f = 12.71 Hz", False),
+        ("f = 12.7999 Hz", "f = 12.7 Hz", False),
+        ("f = 12.69999 Hz", "f = 12.7 Hz", True),
+        ("f = 10.0 Hz", "f = 9.9999 Hz", True),
         ("use", "do not use", False),
         ('<svg d="M10 20.5l3 4"></svg>', '<svg d="M10 20.6l3 4"></svg>', True),
         ('<svg d="M10 20.5l3 4"></svg>', '<svg d="M10 21.5l3 4"></svg>', False),
@@ -338,7 +462,7 @@ def test_pages_are_the_same_but_for_a_last_digit(kept_text, again, same):
 
 def test_files_that_no_line_lists_are_named(kept):
     (kept.folder / "records" / "planted.fit.json").write_text("{}")
-    (kept.folder / "records" / ".0123.part").write_text("half")
+    (kept.folder / "records" / ".0123456789abcdef.part").write_text("half")
     (check,) = [one for one in verified(kept) if one.name == "files_listed"]
     assert check.failed
     assert check.says == "The history does not list records/planted.fit.json."

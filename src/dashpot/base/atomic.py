@@ -38,9 +38,14 @@ _SURELY = 60.0
 """Seconds after which nobody writes such a file any more."""
 
 
+def is_half_written(name: str) -> bool:
+    """Whether a file is called as one that :func:`write_whole` has not finished."""
+    return _LEFT.fullmatch(name) is not None
+
+
 def half_written(folder: str | Path) -> list[Path]:
     """Return the files that runs which were killed left in a folder and below it."""
-    found = (one for one in Path(folder).rglob(f".*{PART}") if _LEFT.fullmatch(one.name))
+    found = (one for one in Path(folder).rglob(f".*{PART}") if is_half_written(one.name))
     until = time.time() - _SURELY
     return sorted(one for one in found if one.is_file() and one.lstat().st_mtime < until)
 

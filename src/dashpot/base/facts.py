@@ -19,6 +19,8 @@ NORMAL = 1.96
 """Standard errors to either end of a 95 % interval."""
 LOPSIDED = 0.1
 """An interval whose one end is that much nearer to the value than the other."""
+BESIDE = 1e-2
+"""The same, where that end stands for the value itself."""
 
 
 class Cells(NamedTuple):
@@ -178,6 +180,10 @@ class Fact(Documented):
         if self.least_alone:
             return "unknown", rounded(low), "no limit"
         below, above = value - low, high - value
+        near, far = sorted((below, above))
+        if math.isfinite(far) and near <= BESIDE * far:
+            # an end that is the value itself says nothing of its digits
+            return rounded(value), rounded(low), rounded(high)
         # of a lopsided interval each end has the digits of its own distance
         if min(below, above) > LOPSIDED * max(below, above):
             below = above = (high - low) / 2

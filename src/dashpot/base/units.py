@@ -175,6 +175,11 @@ _SPELLINGS = {
 _ALIASES = {
     spelling: word for word, spellings in _SPELLINGS.items() for spelling in spellings.split()
 }
+_WORDS: dict[str, list[Unit]] = {}
+_FOLDED: dict[str, list[Unit]] = {}
+for _unit in TABLE.values():
+    _WORDS.setdefault(_unit.word, []).append(_unit)
+    _FOLDED.setdefault(_unit.word.lower(), []).append(_unit)
 
 
 def find(word: str, dimension: Dimension | None = None) -> Unit | None:
@@ -222,16 +227,12 @@ def _find(word: str, dimension: Dimension | None) -> Unit | None:
         _ALIASES.get(lowered.rstrip("."), ""),
     )
     for spelling in spellings:
-        for unit in TABLE.values():
-            if unit.word == spelling and dimension in (None, unit.dimension):
+        for unit in _WORDS.get(spelling, ()):
+            if dimension in (None, unit.dimension):
                 return unit
     # a wrong case is forgiven where only one unit can be meant: "HZ", "n", "Sec", not "MN"
     folded = text.replace("µ", "u").lower().rstrip(".")
-    matches = [
-        unit
-        for unit in TABLE.values()
-        if unit.word.lower() == folded and dimension in (None, unit.dimension)
-    ]
+    matches = [u for u in _FOLDED.get(folded, ()) if dimension in (None, u.dimension)]
     return matches[0] if len(matches) == 1 else None
 
 

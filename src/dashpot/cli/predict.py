@@ -81,7 +81,7 @@ _QUESTION, _PART = "Question", "Part of a material"
         opt("--modes", "every", kinds=_DOOR, help="Share of every part in every mode."),
     ),
     rest(group(RAMP, options.machine(_SOLID)), options.reading()),
-    options.result("FRF as .csv; of a door .json."),
+    options.result("FRF as .csv; of a door .json; or a page, .html."),
 )  # fmt: skip
 def command(*, path: str, **said: Any) -> Outcome:
     """Predict what the file asks for: a door, a mass on a solid, or what its kind predicts."""
@@ -177,10 +177,10 @@ def _keep(found: workflow.Prediction, path: str) -> None:
     from dashpot.io.write import write_frf
 
     suffix = path.lower().rpartition(".")[2]
-    if suffix == "json":
-        write(path, printed(found) + "\n")
-    elif path.lower().endswith(PAGE):
+    if path.lower().endswith(PAGE):
         write(path, workflow.html(found))
+    elif suffix == "json":
+        write(path, printed(found) + "\n")
     elif suffix in {"csv", path.lower()}:
         write(path, write_frf(found.by_level[0].frf if found.by_level else found.frf))
     else:
@@ -220,10 +220,11 @@ def _door(
         raise click.UsageError(
             "--plot draws the modes or the closing: leave out --modes or --close"
         )
-    if output and not output.lower().endswith(".json") and output != "-":
-        raise click.UsageError(f"-o {output}: of a door everything is written, as .json.")
+    page = output is not None and output.lower().endswith(PAGE)
+    if output and not page and not output.lower().endswith(".json") and output != "-":
+        raise click.UsageError(f"-o {output}: of a door everything is written, as .json or .html.")
     found = closed = None
-    if speed is None or every:
+    if speed is None or every or page:
         found = workflow.door_file(path, band=band, temperature=temperature)
     if speed is not None:
         closed = workflow.close_file(path, speed, temperature=temperature)
@@ -232,7 +233,8 @@ def _door(
         shown: Any = found if closed is None else closed
         write_figure(picture, shown.plot())
     if output:
-        write(output, printed(outcome.found) + "\n")
+        results = [one for one in (found, closed) if one is not None]
+        write(output, workflow.door_html(*results) if page else printed(outcome.found) + "\n")
     return outcome
 
 

@@ -20,7 +20,6 @@ from dashpot.plot.picture import (
     Picture,
     Rule,
     Scale,
-    Span,
     Tag,
     around,
 )
@@ -31,8 +30,10 @@ _HALF = 0.36
 """Of a bar, its rows being 1 apart."""
 _NEAR = 6.0
 """How many times the way on which most of the seal is pressed is drawn."""
-_WORDS = 1.6
-"""How far the axis of energy goes, to hold the words beside its bars."""
+_WORDS, _NAMES = 1.18, 0.55
+"""How far the axis of energy goes, to hold the number beside a bar, and the name left of it."""
+_COARSE = 2.0
+"""Energy above which its axis has whole numbers, J."""
 
 
 def closing(found: ClosingResult, *, stamp: str = "") -> Picture:
@@ -45,9 +46,13 @@ def closing(found: ClosingResult, *, stamp: str = "") -> Picture:
         What the figure says of its origin; by default the files.
     """
     done = found.closing
-    strips: list[tuple[Panel, ...]] = [(_waterfall(done),), (_moments(done),), (_speed(done),)]
+    strips: list[tuple[Panel, ...]] = [
+        (waterfall(done),),
+        (moments_panel(done),),
+        (speed_panel(done),),
+    ]
     if done.scatter is not None and np.isfinite(done.scatter.speed).any():
-        strips.append((_doors(done, done.scatter),))
+        strips.append((doors_panel(done, done.scatter),))
     caption = (
         "A door that closes: what each term takes of its energy, their moments and its speed over "
         "the way, and the least speed that closes doors within their tolerances."
@@ -55,26 +60,35 @@ def closing(found: ClosingResult, *, stamp: str = "") -> Picture:
     return Picture("closing", caption, tuple(strips), 2, stamp or stamped(found.sources), 900.0)
 
 
-def _waterfall(done: Closing) -> Panel:
+def waterfall(done: Closing) -> Panel:
+    """What each term takes of the energy, the largest first, and what is left."""
     rows = [("door", 0.0, done.energy)]
     at = done.energy
-    for one in done.terms:
+    for one in sorted(done.terms, key=lambda term: -abs(term.work)):
         rows.append((one.name, at - one.work, at))
         at -= one.work
     rows.append(("left", 0.0, done.left) if done.latched else ("stopped", 0.0, max(at, 0.0)))
+    begins = -_NAMES * done.energy
     marks: list[Mark] = []
     for y, (name, low, high) in zip(range(len(rows), 0, -1), rows, strict=True):
         left, right = sorted((low, high))
-        colour = "ref" if name in {"door", "left", "stopped"} else "fit"
+        whole = name in {"door", "left", "stopped"}
+        colour, label = ("fit", "seal") if name.startswith("seal") else ("ref", "all else")
         ends = np.array([left, right])
-        marks.append(Area(ends, np.full(2, y - _HALF), np.full(2, y + _HALF), colour, tint=0.55))
-        marks.append(Tag(right, y, f"{name} {rounded(high - low, digits=3)} J", "ink", "filled"))
+        marks.append(
+            Area(ends, np.full(2, y - _HALF), np.full(2, y + _HALF), colour, label, tint=0.75)
+        )
+        taken = high if whole else low - high
+        marks.append(Tag(begins, y, name, "ink", end=True))
+        marks.append(Tag(right, y, rounded(taken, digits=3), "ink", end=True))
+    step = max(round(done.energy / 3), 1) if done.energy > _COARSE else done.energy / 2
+    ticks = tuple(np.arange(0.0, done.energy * 1.001, step).tolist())
     return Panel(
-        Scale("energy, J", (min(0.0, at), _WORDS * done.energy)),
-        Scale("", (0.0, len(rows) + 0.6), ticks=(0.0,)),
+        Scale("energy, J", (begins, _WORDS * done.energy), ticks=ticks),
+        Scale("", (0.4, len(rows) + 0.6), unnumbered=True),
         tuple(marks),
         title="where the energy goes",
-        height=250,
+        height=22.0 * len(rows),
         note="closes" if done.latched else "does not close",
     )
 
@@ -90,7 +104,8 @@ def _way(done: Closing) -> tuple[FloatArray, float]:
     return way, min(float(way[0]), most) if most > 0 else float(way[0])
 
 
-def _moments(done: Closing) -> Panel:
+def moments_panel(done: Closing) -> Panel:
+    """The moment of each term over the last of the way."""
     way, most = _way(done)
     middle, turned = 0.5 * (way[1:] + way[:-1]), -np.diff(done.march.angle)
     on = np.isfinite(done.march.kinetic[1:, 0]) & (middle <= most)
@@ -111,7 +126,8 @@ def _moments(done: Closing) -> Panel:
     )
 
 
-def _speed(done: Closing) -> Panel:
+def speed_panel(done: Closing) -> Panel:
+    """The speed of the edge over its way."""
     way, _ = _way(done)
     speed = done.door.edge * np.sqrt(2 * done.march.kinetic[:, 0] / done.door.inertia)
     known = np.isfinite(speed)
@@ -126,29 +142,47 @@ def _speed(done: Closing) -> Panel:
     )
 
 
-def _doors(done: Closing, scatter: Scatter) -> Panel:
-    speed = np.sort(scatter.speed[np.isfinite(scatter.speed)])
-    part = 100 * np.arange(1, len(speed) + 1) / len(scatter.speed)
+def doors_panel(done: Closing, scatter: Scatter, *, height: float = 220.0) -> Panel:
+    """The least speeds of doors within their tolerances, those beyond the limit apart."""
+    speed = scatter.speed[np.isfinite(scatter.speed)]
+    limit, above = scatter.variation.limit, scatter.above
     marks: list[Mark] = []
     ends = [speed]
+    bins = np.histogram_bin_edges(speed, bins=max(8, int(1.2 * np.sqrt(len(speed)))))
+    if limit is not None and bins[0] < limit < bins[-1]:
+        # an edge at the limit: no bar is on both sides of it
+        bins = bins + (limit - bins)[int(np.abs(bins - limit).argmin())]
+        bins = np.concatenate([[bins[0] - (bins[1] - bins[0])], bins, [2 * bins[-1] - bins[-2]]])
+    counts, _ = np.histogram(speed, bins=bins)
+    top = float(counts.max())
+    for low, high, count in zip(bins[:-1], bins[1:], counts.tolist(), strict=True):
+        if not count:
+            continue
+        beyond = limit is not None and (low + high) / 2 > limit
+        colour, label = ("bad", "beyond the limit") if beyond else ("ref", "doors")
+        gap = 0.04 * (high - low)
+        side = np.array([low + gap, high - gap])
+        marks.append(Area(side, np.zeros(2), np.full(2, float(count)), colour, label, tint=0.6))
     if done.interval is not None and np.isfinite(done.interval).all():
-        marks.append(Span(*done.interval, "ref", "nominal, as far as its seal is known"))
         ends.append(np.array(done.interval))
-    marks.append(Line(np.repeat(speed, 2)[1:], np.repeat(part, 2)[:-1], FIT, "doors that close"))
-    for at, pen, label in (
-        (done.minimum, Pen("measured", 1.4), "nominal door"),
-        (scatter.variation.limit, Pen("bad", 1.4, (5, 3)), "limit"),
+        low_edge, high_edge = np.full(2, 1.06 * top), np.full(2, 1.14 * top)
+        words = "nominal, as far as its seal is known"
+        marks.append(Area(ends[-1], low_edge, high_edge, "fit", words, hatched=True))
+    for at, pen, name, ink, level in (
+        (done.minimum, Pen("measured", 1.4), "nominal", "ink", 1.36),
+        (limit, Pen("bad", 1.4, (5, 3)), "limit", "bad-ink", 1.23),
     ):
         if at is not None and np.isfinite(at):
-            marks.append(Rule(at, pen, label))
+            marks.append(Rule(at, pen))
             ends.append(np.array([at]))
-    above = scatter.above
+            words = f"{name} {rounded(at, digits=3)}"
+            marks.append(Tag(at, level * top, words, ink, end=True))
     return Panel(
-        Scale("least speed, m/s", around(*ends)),
-        Scale("doors, %", (0.0, 100.0)),
+        Scale("least speed of the edge, m/s", around(*ends, margin=0.12)),
+        Scale("doors", (0.0, 1.45 * top)),
         tuple(marks),
         title=f"least speed of {len(scatter.speed)} doors",
-        height=220,
+        height=height,
         note=""
         if above is None
         else f"{rounded(100 * above, digits=3)} % need more than the limit",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -203,6 +204,16 @@ class DoorResult(Checked, Judged, Documented):
         """Of the seal line."""
         line = self.door.line
         return None if line is None else line.stations(self.assembly.door.pitch)
+
+    def beyond(self, frequency: float) -> float:
+        """By what factor a frequency, Hz, lies outside what the test of the seal informs.
+
+        1 or less inside; nan where there is no test.
+        """
+        if self.fit is None:
+            return math.nan
+        low, high = self.fit.band
+        return max(frequency / high, low / frequency) if high > 0 else math.inf
 
     @property
     def sources(self) -> tuple[Source, ...]:

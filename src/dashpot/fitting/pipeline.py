@@ -135,15 +135,12 @@ class Chosen:
             for score in self.scores
         )  # fmt: skip
 
-    def profiles(
-        self, *, in_order_of_time: bool, unseen: FloatArray | None = None
-    ) -> tuple[Profile, ...]:
+    def profiles(self, *, in_order_of_time: bool) -> tuple[Profile, ...]:
         """Profile likelihoods of the model's parameters; noise in order of time may be slow."""
         return profiles(
             self.data.rows,
             self.estimate,
             every_sample=self.data.samples if in_order_of_time else None,
-            unseen={} if unseen is None else dict(zip(self.parameters, unseen, strict=True)),
         )
 
     @cached_property
@@ -182,15 +179,16 @@ class Chosen:
         interval, and in nothing that a check judges by the noise.
         """
         steady = self.data.in_time and self.certificate.gap < _MISFIT
-        covariance = self.covariance
         estimate = ParameterEstimate(
             self.parameters,
-            covariance if unseen is None else covariance + unseen @ unseen.T,
+            self.covariance,
             self.estimate.dof,
             residual,
-            self.profiles(in_order_of_time=steady, unseen=unseen),
+            self.profiles(in_order_of_time=steady),
             nuisance,
         )
+        if unseen is not None:
+            estimate = estimate.with_rig(unseen)
         fewer = self.asked is not None and self.solution.order < self.asked
         return FoundSolid(self.solid, estimate, fewer, bool(self.solution.at_bound.any()))
 

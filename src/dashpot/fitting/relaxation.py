@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.choices import FamilyAsked, Method, RampLawAsked, ShiftLaw, Vertical
 from dashpot.base.errors import FitError
@@ -41,12 +40,13 @@ from dashpot.fitting.nonlinear_ramp import checks as ramp_checks
 from dashpot.fitting.nuisance import delay_prior, material, priors
 from dashpot.fitting.pipeline import Chosen, asked_arms, chosen_arms
 from dashpot.fitting.questions import Residuals, solid_checks
+from dashpot.fitting.relaxation_data import RelaxationData
 from dashpot.fitting.repeats import refuse_copies
 from dashpot.fitting.temperature.of_tests import checked_temperatures, reference_of
 from dashpot.fitting.uncertainty.estimate import SolutionEstimate
 from dashpot.fitting.uncertainty.informed_band import informed_band
 from dashpot.fitting.uncertainty.left_open import end_of_hold
-from dashpot.fitting.uncertainty.moved_by_rig import moved_by_clocks
+from dashpot.fitting.uncertainty.moved_by_rig import moved_by_clocks, moved_by_rig
 from dashpot.fitting.weighed_relaxation import fitted_data, held_data
 from dashpot.preparation.ramp_holds import Tests, ramp_holds
 from dashpot.records.bounds import EndOfHold
@@ -276,14 +276,18 @@ def _assembled(holds: Holds, both: FamilyChoice, design: Design, *, thorough: bo
         noise=max(found.estimate.spread, 1e-6 * found.data.peak, 1e-300),
     )
     # what it bounds is of any spectrum: few arms weigh the record as well as many
-    end = _end_of_hold(records, both.arms, design).holding(found.model)
+    data = _of_doubtful_rigs(records, both.arms, design)
+    end = _end_of_hold(records, data, both.arms).holding(found.model)
+    unseen = moved_by_rig(data, found.solid)
+    if design.method == "hold" and "delay" in design.nuisance and found.solid is found.model:
+        unseen = np.hstack((unseen, moved_by_clocks(records, found.model)))
     other = both.alternative(band)
     steps = _motion_steps(records, design)
     return assembled(
         found.outcome(
             found.residual,
             found.nuisances(delays=[delay_prior(record).sd for record in records]),
-            unseen=_unseen(records, found, design),
+            unseen=unseen,
         ),
         Evidence(
             band,
@@ -327,33 +331,29 @@ def _by_ramp(records: Sequence[RampHold], found: RampLaw, arms: int | None) -> F
     )
     from dashpot.fitting.nonlinear_ramp.assembly import ramp_fit
 
-    return ramp_fit(records, found, asked=arms, end=end)
+    return ramp_fit(records, found, asked=arms, end=end, unseen=moved_by_rig(data, found.model))
 
 
-def _unseen(records: Sequence[RampHold], found: Chosen, design: Design) -> FloatArray | None:
-    """By what doubts the parameters may be off that no term of the fit stands for.
-
-    A recorded motion is fitted with the delay of the force; a hold shows none.
-    """
-    asked = design.method == "hold" and "delay" in design.nuisance
-    if not asked or isinstance(found, ChosenElement):
-        return None
-    return moved_by_clocks(records, found.model)
-
-
-def _end_of_hold(records: Sequence[RampHold], found: Chosen, design: Design) -> EndOfHold:
-    """What the records leave open of the stiffness at the end of the hold and beyond."""
+def _of_doubtful_rigs(
+    records: Sequence[RampHold], found: Chosen, design: Design
+) -> list[RelaxationData]:
+    """The records as what is claimed of their fit weighs them."""
     model, residuals = found.model, found.estimate.residuals
     if design.method == "hold":
         tests = zip(records, residuals, strict=True)
-        data = [held_data(record, model, residual) for record, residual in tests]
-    else:
-        blocks = zip(records, found.data.blocks, residuals, strict=True)
-        data = [fitted_data(record, block, model, left) for record, block, left in blocks]
+        return [held_data(record, model, residual) for record, residual in tests]
+    blocks = zip(records, found.data.blocks, residuals, strict=True)
+    return [fitted_data(record, block, model, left) for record, block, left in blocks]
+
+
+def _end_of_hold(
+    records: Sequence[RampHold], data: Sequence[RelaxationData], found: Chosen
+) -> EndOfHold:
+    """What the records leave open of the stiffness at the end of the hold and beyond."""
     return end_of_hold(
         data,
         time=max(record.hold_time for record in records),
-        own=model,
+        own=found.model,
         dof=found.estimate.dof,
     )
 

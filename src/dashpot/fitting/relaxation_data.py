@@ -33,6 +33,7 @@ SOLID = ("k_inf", "b")
 # of a doubtful drift, what a baseline of 10 s and a data sheet leave
 NAMED_DRIFT = 0.2
 LN_10 = float(np.log(10.0))
+EXACT = Prior(0.0)
 
 
 class ThermalShift(NamedTuple):
@@ -148,6 +149,8 @@ class RelaxationData:
         How the solid that is asked about lies at the temperature of the test.
     unseen : Unseen or None
         Doubts beside those that have a column of their own.
+    drift : Prior
+        As the fit that is asked about held it, N/s; `terms` are those of the doubtful rig.
     """
 
     block: DataBlock
@@ -161,6 +164,7 @@ class RelaxationData:
     misfit: float
     moved: ThermalShift | None = None
     unseen: Unseen | None = None
+    drift: Prior = EXACT
 
     @property
     def window(self) -> tuple[float, float]:

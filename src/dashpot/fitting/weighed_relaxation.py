@@ -246,6 +246,9 @@ def held_data(
     found = _weighed(
         test, block, block, answer, residual, size=test.depth_doubt, since=since, claimed=claimed
     )
+    if law is None:
+        # eq. 5 is fitted with a drift as free as it may be
+        found = replace(found, drift=found.terms.known["drift"])
     start = float(test.time[test.settled.start] - test.time[0])
     return found if not claimed else _doubted(found, test, (time, ramp), since=since, start=start)
 
@@ -344,6 +347,7 @@ def _weighed(
         size=size,
         certain=certain,
         misfit=len(residual) * left / power,
+        drift=priors(test).drift,
     )
 
 

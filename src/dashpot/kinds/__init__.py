@@ -102,7 +102,8 @@ class KindOfTest:
     page : str
         Where the app takes it: ``"test"`` and ``"hammer"`` of a job, ``"response"`` (of a mass to a
         force) and ``"base"`` (to a motion), that or one of several levels, ``"bench"`` and
-        ``"level"`` fitted by themselves; empty where it does not.
+        ``"level"`` fitted by themselves, ``"judged"`` too, by their kind alone, ``"part"`` of a
+        door; empty where it does not.
     row : str
         Its own row in a lot: from a file and what is known of its piece to result and numbers.
     columns : tuple of str
@@ -133,7 +134,7 @@ class KindOfTest:
     nouns: Mapping[str, str] = field(default_factory=dict)
     meant: Meant | Literal[""] = ""
     checks: str = ""
-    page: Literal["", "test", "hammer", "response", "base", "bench", "level"] = ""
+    page: Literal["", "test", "hammer", "response", "base", "bench", "level", "judged", "part"] = ""
     row: str = ""
     columns: tuple[str, ...] = ()
     needs: str = ""
@@ -210,6 +211,7 @@ KINDS: Mapping[str, KindOfTest] = MappingProxyType({kind.name: kind for kind in 
     ),
     KindOfTest(
         "cld", "kinds.cld.read:read_cld", "kinds.cld.from_files:cld_files", meant="cld",
+        page="judged",
         nouns={
             "kinds.cld.record:CompressionTest": "",
             "kinds.cld.record:CLD": "kinds.cld.figure:cld",
@@ -224,7 +226,7 @@ KINDS: Mapping[str, KindOfTest] = MappingProxyType({kind.name: kind for kind in 
     ),
     KindOfTest(
         "indentation", "kinds.indentation.read:read_indentation",
-        "kinds.indentation.from_files:indent_file", meant="indentation",
+        "kinds.indentation.from_files:indent_file", meant="indentation", page="judged",
         nouns={
             "kinds.indentation.record:IndentationTest": "",
             "kinds.indentation.record:IndentationFit": "kinds.indentation.figure:indentation",
@@ -246,7 +248,7 @@ KINDS: Mapping[str, KindOfTest] = MappingProxyType({kind.name: kind for kind in 
     ),
     KindOfTest(
         "stress-strain", "kinds.hyperelastic.read:read_stress_strain",
-        "kinds.hyperelastic.from_files:hyperelastic_files", meant="stress-strain",
+        "kinds.hyperelastic.from_files:hyperelastic_files", meant="stress-strain", page="judged",
         nouns={
             "kinds.hyperelastic.record:StressStrainTest": "",
             "kinds.hyperelastic.record:HyperelasticFit": "kinds.hyperelastic.figure:hyperelastic",
@@ -256,6 +258,7 @@ KINDS: Mapping[str, KindOfTest] = MappingProxyType({kind.name: kind for kind in 
     ),
     KindOfTest(
         "csr", "kinds.csr.read:read_csr", "kinds.csr.from_files:csr_files", meant="csr",
+        page="judged",
         nouns={
             "kinds.csr.record:CounterforceTest": "",
             "kinds.csr.record:Aging": "kinds.csr.figure:csr",
@@ -274,6 +277,7 @@ KINDS: Mapping[str, KindOfTest] = MappingProxyType({kind.name: kind for kind in 
     ),
     KindOfTest(
         "slam", "kinds.slam.read:read_slams", "kinds.slam.from_files:slam_files", meant="slam",
+        page="judged",
         nouns={
             "kinds.slam.record:SlamTest": "",
             "kinds.slam.record:SlamFit": "kinds.slam.figure:slams",
@@ -297,8 +301,8 @@ KINDS: Mapping[str, KindOfTest] = MappingProxyType({kind.name: kind for kind in 
         },
         fits="kinds.plugged.fit:fit_plugged",
     ),
-    KindOfTest("seal-line"),
-    KindOfTest("free-modes", "door.read_modes:read_modes"),
+    KindOfTest("seal-line", page="part"),
+    KindOfTest("free-modes", "door.read_modes:read_modes", page="part"),
 )})  # fmt: skip
 """Every kind, in the order in which columns and examples stand."""
 

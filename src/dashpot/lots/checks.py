@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from dashpot.base.capability import Capability
-from dashpot.base.checks import Finding, Remedy, criterion
+from dashpot.base.checks import Finding, Grade, Remedy, criterion
 from dashpot.base.numbers import counted
+from dashpot.lots.statistics.control import by_chance
+from dashpot.lots.statistics.gauge import LIMIT, TRUSTED, Gauge
 from dashpot.lots.statistics.scatter import NOT_NORMAL
 
 
@@ -52,14 +54,60 @@ def tests_alike(unlike: int, tests: int) -> Finding:
     )
 
 
-@criterion("records given again", "<=", 0, "by definition")
+@criterion("records given again", "<=", 0, "by definition", grade="note")
 def records_distinct(again: int, tests: int) -> Finding:
-    """Every test that is used is a record of its own: a copy says nothing that it did not say."""
+    """Every test is a record of its own: a copy says nothing that it did not say."""
     return Finding(
         f"{tests - again} of {tests} fits have records of their own",
         again,
-        "The others are copies, which make scatter and intervals too small",
-        "Leave the copies out.",
+        "The others are copies, and left out of the statistics",
+        "Give each record once.",
+    )
+
+
+@criterion(
+    "R&R, SD of the gauge / SD of all",
+    "<=",
+    LIMIT,
+    "AIAG, Measurement Systems Analysis, 4th ed.",
+    otherwise="stop where all of its interval is above; note where a good gauge may do that",
+)
+def gauge_tells_apart(study: Gauge) -> Finding:
+    """The gauge scatters less than 30 % of all: a test tells one seal from another."""
+    of = study["gauge"]
+    low, high = of.share_interval
+    says = (
+        f"The SD of the gauge is {100 * of.share:.0f} % of all ({100 * low:.0f} to "
+        f"{100 * high:.0f})"
+    )
+    # from a good gauge to none: so few seals tell nothing of it
+    beyond = of.share > LIMIT and low > TRUSTED
+    grade: Grade = "stop" if low > LIMIT else "limit" if beyond else "note"
+    return Finding(
+        says,
+        high,
+        "One test does not judge a seal" if beyond else "So few tests do not show it",
+        "Test every seal several times, and judge by the mean." if beyond else "Test more seals.",
+        grade=grade,
+    )
+
+
+@criterion("points that break a rule", "<=", None, "by chance three of 200 do, measured")
+def charts_in_control(charts: Sequence[tuple[str, int, int, int]]) -> Finding:
+    """The control charts show no more than chance does where nothing changes.
+
+    Of each kind of chart what its points are, and how many causes, points that break a rule, and
+    points there are: lots among themselves are judged apart from the seals of a lot.
+    """
+    what, causes, points, of = max(charts, key=lambda one: one[2] / by_chance(one[3]))
+    if not points:
+        return Finding(f"No point of {sum(one[3] for one in charts)} breaks a rule of control", 0)
+    return Finding(
+        f"{points} of {of} points of {what} break a rule of control, in {counted(causes, 'cause')}",
+        points,
+        "Chance does not do that",
+        "Look at the chart: something changed.",
+        limit=by_chance(of),
     )
 
 
@@ -81,7 +129,8 @@ def seals_within_limits(words: str, limits: str, decisions: Sequence[str]) -> Fi
     )
 
 
-@criterion("Cpk", ">=", None, "asked for with the limits")
+@criterion("Cpk", ">=", None, "asked for with the limits",
+           otherwise="stop where all of its interval is below")  # fmt: skip
 def capability_as_asked(
     words: str, lowest: tuple[str, Capability] | None, unknown: int, asked: float
 ) -> Finding:
@@ -105,6 +154,7 @@ def capability_as_asked(
         "" if high >= asked else "The seals scatter too much, or lie off centre",
         "Test more seals." if high >= asked else "Look at scatter and mean of that lot.",
         limit=asked,
+        grade="limit" if high >= asked else "stop",
     )
 
 

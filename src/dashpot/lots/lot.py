@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -27,8 +27,8 @@ from dashpot.lots.checks import (
 )
 from dashpot.lots.parts import joined, polars, read_parts
 from dashpot.lots.quantities import Quantity, natural, quantity
-from dashpot.lots.seals import Charts, Seal, by_lot, charted, seal_means
-from dashpot.lots.statistics.control import Chart, means_and_deviations
+from dashpot.lots.seals import Charts, LotCharts, Seal, by_lot, charted, seal_means
+from dashpot.lots.statistics.control import means_and_deviations
 from dashpot.lots.statistics.difference import Difference, difference
 from dashpot.lots.statistics.gauge import Gauge, gauge
 from dashpot.lots.statistics.scatter import SHORT, Component, components, stands_out
@@ -56,14 +56,6 @@ def _levels(seals: Sequence[Seal]) -> list[tuple[str, list[str]]]:
     if len(tests) > len(seals) > len(lots):
         levels.append(("seal", [one.name for one in tests]))
     return levels
-
-
-class LotCharts(NamedTuple):
-    """Lots, and the X-bar and s charts whose groups are the seals of each."""
-
-    names: tuple[str, ...]
-    mean: Chart
-    sd: Chart
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,14 +152,18 @@ class Lot:
 
     @cached_property
     def used(self) -> pl.DataFrame:
-        """The rows of the statistics: those `fitted`, less those `unlike` others of their lot."""
-        return self.fitted.filter(~polars().col("file").is_in(list(self.unlike)))
+        """The rows of the statistics: those `fitted`, less those `unlike` others, less copies."""
+        left_out = [*self.unlike, *self.copies]
+        return self.fitted.filter(~polars().col("file").is_in(left_out))
 
     @cached_property
     def copies(self) -> dict[str, str]:
-        """Tests that are used and whose file holds what another's does, by file, and that other."""
+        """Tests whose file holds what that of another one does, by file, and that other."""
         first: dict[str, str] = {}
-        rows = self.used.filter(polars().col("sha256") != "").select("file", "sha256").iter_rows()
+        if "sha256" not in self.table.columns:
+            return {}
+        alike = self.fitted.filter(~polars().col("file").is_in(list(self.unlike)))
+        rows = alike.filter(polars().col("sha256") != "").select("file", "sha256").iter_rows()
         pairs = ((file, first.setdefault(sha256, file)) for file, sha256 in rows)
         return {file: other for file, other in pairs if file != other}
 
@@ -381,7 +377,7 @@ class Lot:
             fits_usable(self.verdicts.get("do not use", 0), fitted),
             hammers_compared(paired - sum(self.agreements.values()), paired),
             tests_alike(len(self.unlike), self.fitted.height),
-            records_distinct(len(self.copies), self.used.height),
+            records_distinct(len(self.copies), self.used.height + len(self.copies)),
         )
 
     @staticmethod

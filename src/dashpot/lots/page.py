@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import hashlib
-from collections import defaultdict
+import json
+from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from importlib import resources
@@ -11,28 +12,38 @@ from typing import Any
 
 import numpy as np
 
+from dashpot.base.checks import GRADES, Check
 from dashpot.base.numbers import counted, rounded
 from dashpot.base.units import written
 from dashpot.base.version import byline
 from dashpot.lots.entries import LABELS
-from dashpot.lots.figures import capability_picture, control_picture, curves_picture
+from dashpot.lots.figures import (
+    control_picture,
+    cpk_picture,
+    curves_picture,
+    histogram_picture,
+    lots_picture,
+)
 from dashpot.lots.lot import Lot
 from dashpot.lots.quantities import Quantity
 from dashpot.lots.seals import Seal, by_lot, seal_means
 from dashpot.lots.statistics.control import BEYOND, ENOUGH
 from dashpot.lots.statistics.gauge import LIMIT, TRUSTED
 from dashpot.lots.summary import OfQuantity, Summary, summary
-from dashpot.plot import tokens
 from dashpot.plot.picture import Picture
+from dashpot.report.answer import ORDER
 from dashpot.report.figures import PAPER, Drawn, drawn
-from dashpot.report.pages import COLOURS, digest, environment
+from dashpot.report.pages import COLOURS, digest, environment, frame
 
-ROWS = 2000
-"""Of a table or a list at most: a browser takes 0.3 s for so many, and 6 s for 20 000."""
+ROWS = 50
+"""Of a table or a list in the page: its height does not depend on how many tests there are."""
+BY_SEALS, FEW_LOTS, WEIGHS = 100, 6, 6
+"""Seals that the chart shows one by one, lots whose Cpk a table has room for, and rows of what
+weighs, at most."""
 CURVES = 200
 """Drawn at most, evenly over the lot, and as many that stand out; more would be one stain."""
-WIDE = 1180.0
-THIRD = 440.0
+WIDE, SIDE = 920.0, 250.0
+"""Widths of the chart and of what stands beside it, px."""
 _GRAVITY = {"fail": 0, "not proven": 1, "no result": 2, "look": 3}
 _MARKS = {"fail": "bad", "not proven": "care", "no result": "note", "pass": "good", "look": "care"}
 _SOURCES = {
@@ -42,9 +53,12 @@ _SOURCES = {
 
 
 def html(lot: Lot, *, title: str = "Lot", found: Summary | None = None) -> str:
-    """Return the page of a lot as one self-contained file: no network, no script.
+    """Return the page of a lot as one self-contained file: no network.
 
-    Whatever came from a file or its name is escaped.
+    Its height does not depend on how many tests there are: tables hold the gravest rows, and the
+    script, which a content security policy names, turns the pages of all, filters them, and goes
+    from a point of the chart to its tests. Without it the page is whole but for the others, which
+    stand in ``lot.csv``. Whatever came from a file or its name is escaped.
 
     Parameters
     ----------
@@ -54,12 +68,18 @@ def html(lot: Lot, *, title: str = "Lot", found: Summary | None = None) -> str:
         What it says; by default of the stiffness at the end of the hold, without limits.
     """
     found = found or summary(lot)
-    style = f"{tokens.css()}\n{_part('lot.css')}"
-    said = found.verdict
-    because = [one.told for one in said.because[1:]]
-    main = found.main
+    shared = frame()
+    style = f"{shared['style']}\n{_part('lot.css')}"
+    script = _part("lot.js")
+    said, main = found.verdict, found.main
     further = _further(lot, main)
     labels = [name for name in LABELS if (lot.table[name] != "").any()]
+    tests, by_lots = _tests(found, labels), len(main.seals) > BY_SEALS
+    signals, weighs = (
+        list(_signals(main)),
+        sorted(_weighs(found), key=lambda one: -ORDER.index(one["mark"])),
+    )
+    seals = _seals(found, further)
     return str(
         environment("dashpot.lots")
         .get_template("lot.html")
@@ -67,37 +87,63 @@ def html(lot: Lot, *, title: str = "Lot", found: Summary | None = None) -> str:
             title=title,
             byline=byline("lot"),
             style=style,
-            policy=f"default-src 'none'; style-src {digest(style)}; base-uri 'none'; "
-            "form-action 'none'",
+            script=script,
+            policy=f"default-src 'none'; style-src {digest(style)}; script-src {digest(script)}; "
+            "base-uri 'none'; form-action 'none'",
             verdict=said,
             colour=COLOURS[said.use],
-            because=because,
+            lights=[one._replace(name=one.name.capitalize()) for one in found.lights],
             counts=_counts(lot, main),
             simulated=counted(lot.simulated, "file") if lot.simulated else "",
             quantity=main.quantity,
             heading=main.quantity.title[:1].upper() + main.quantity.title[1:],
             anchor=lambda name: f"a{hashlib.sha256(name.encode()).hexdigest()[:12]}",
-            what="mean of the tests of each seal" if _repeated(main) else "one test each",
-            chart=_chart(main),
+            what=_what(main, by_lots=by_lots),
+            chart=_chart(main, by_lots=by_lots),
+            by_lots=by_lots,
+            histogram=_histogram(main),
+            points=json.dumps(_points(main, by_lots=by_lots)),
             few=[name for name, one in main.charts.items() if len(one.seals) < ENOUGH],
             enough=ENOUGH,
             curves=_curves(lot, found),
+            curves_most=CURVES,
             capability=_capability(main),
+            capable=[(name, *one.cells) for name, one in main.known.items()],
+            cpks=_cpks(main),
             lots=_lots(main),
             scatter=_scatter(main),
             gauge=_gauge(main),
-            flags=found.flags,
-            signals=list(_signals(main)),
+            weighs=weighs[:WEIGHS],
+            remarks=len(weighs),
+            checked=[
+                {"mark": _mark(one), "says": one.told} for one in found.checks
+                if one.passed is not None
+            ],
+            signals=signals,
             further=further,
-            seals=_seals(found, further),
+            seals=seals,
+            decisions=_decisions(seals),
             judged=bool(main.judged),
             labels=labels,
-            tests=_tests(found, labels),
+            tests=tests,
+            every=_every(tests, labels, found),
             files=lot.table.height,
             most=ROWS,
             marks=_MARKS,
         )
-    )
+    )  # fmt: skip
+
+
+def _what(main: OfQuantity, *, by_lots: bool) -> str:
+    if by_lots:
+        return "every lot"
+    return "mean of the tests of each seal" if _repeated(main) else "one test each"
+
+
+def _mark(check: Check) -> str:
+    if not check.failed:
+        return "good"
+    return {"stop": "bad", "limit": "care", "note": "note"}[check.grade]
 
 
 @cache
@@ -114,11 +160,38 @@ def _drawn(picture: Picture, width: float = WIDE) -> Drawn:
     return drawn(picture, width=width, low=whole if width > PAPER else None)
 
 
-def _chart(main: OfQuantity) -> Drawn | None:
+def _chart(main: OfQuantity, *, by_lots: bool) -> Drawn | None:
     if not main.seals:
         return None
-    asked = () if main.limits is None else main.limits.ends
-    return _drawn(control_picture(main.quantity, main.charts, main.seals, asked))
+    if by_lots:
+        return _drawn(lots_picture(main.quantity, main.charts, main.lots, main.seals, _asked(main)))
+    return _drawn(control_picture(main.quantity, main.charts, main.seals, _asked(main)))
+
+
+def _asked(main: OfQuantity) -> tuple[float, ...]:
+    return () if main.limits is None else main.limits.ends
+
+
+def _histogram(main: OfQuantity) -> Drawn | None:
+    if not main.seals:
+        return None
+    picture = histogram_picture(main.quantity, main.charts, main.seals, _asked(main))
+    return _drawn(picture, SIDE)
+
+
+def _cpks(main: OfQuantity) -> Drawn | None:
+    """Of more lots than a table has room for."""
+    if len(main.known) <= FEW_LOTS:
+        return None
+    asked = None if main.limits is None else main.limits.cpk
+    return _drawn(cpk_picture(list(main.known.values()), asked), SIDE)
+
+
+def _points(main: OfQuantity, *, by_lots: bool) -> list[tuple[str, str]]:
+    """What each place of the chart stands for: a lot, or a lot and the words that find a seal."""
+    if by_lots:
+        return [(lot, "") for lot in by_lot(main.seals)]
+    return [(one.lot, f"seal {one.name}") for one in main.seals]
 
 
 def _curves(lot: Lot, found: Summary) -> Drawn | None:
@@ -152,14 +225,6 @@ def _capability(main: OfQuantity) -> dict[str, Any] | None:
         "share": f"{100 * near:.2g} to {100 * far:.2g} %",
         "suspect": one.suspect,
         "normal": None if one.normal is None else rounded(one.normal, digits=2),
-        "figure": _drawn(
-            capability_picture(
-                main.quantity,
-                [seal for seal in main.seals if seal.lot == worst],
-                main.limits.ends,
-            ),
-            THIRD,
-        ),
     }
 
 
@@ -211,7 +276,7 @@ def _gauge(main: OfQuantity) -> dict[str, Any] | None:
     share = study["gauge"].share
     distance = None if main.limits is None else main.limits.distance
     return {
-        "rows": rows, "says": study.says,
+        "rows": rows, "says": study.says, "ratio": f"{100 * share:.0f}",
         "mark": "good" if share <= TRUSTED else "care" if share <= LIMIT else "bad",
         "operators": study.operators, "parts": study.parts, "tests": study.tests,
         "left_out": study.left_out, "pooled": study.pooled,
@@ -232,7 +297,7 @@ def _signals(main: OfQuantity) -> Iterator[tuple[str, str, str]]:
 
 
 def _lots(main: OfQuantity) -> list[tuple[str, ...]]:
-    """Lot, seals, mean, standard deviation, control limits, Cpk and its ends."""
+    """Lot, seals, mean, standard deviation, control limits, Cpk and its ends, causes of alarms."""
     rows: list[tuple[str, ...]] = []
     for name, seals in by_lot(main.seals).items():
         values = seal_means(seals)
@@ -243,9 +308,11 @@ def _lots(main: OfQuantity) -> list[tuple[str, ...]]:
         if charts is not None:
             ends = (shown(float(charts.means.lower[0])), shown(float(charts.means.upper[0])))
         of_cpk = ("", "", "") if able is None else able.cells
+        alarms = "" if charts is None else f"{len(charts.means.causes)}"
         rows.append((name or "unnamed", f"{len(values)}", shown(float(np.mean(values))),
-                     shown(spread, digits=2), *ends, *of_cpk))  # fmt: skip
-    return rows
+                     shown(spread, digits=2), *ends, *of_cpk, alarms))  # fmt: skip
+    # what is least capable leads, else what signals most
+    return sorted(rows, key=lambda row: (float(row[6] or "inf"), -int(row[9] or 0)))
 
 
 def _further(lot: Lot, main: OfQuantity) -> list[tuple[Quantity, Mapping[tuple[str, str], str]]]:
@@ -292,6 +359,55 @@ def _tested(seal: Seal | None, quantity: Quantity) -> dict[str, Any]:
     return {"tests": len(seal.files), "value": quantity.shown(seal.mean), "sd": sd}
 
 
+def _decisions(seals: Sequence[Mapping[str, Any]]) -> str:
+    counts = Counter(str(one["word"]) for one in seals)
+    return ", ".join(f"{count} {word}" for word, count in counts.most_common())
+
+
+def _weighs(found: Summary) -> Iterator[dict[str, Any]]:
+    """What weighs, worst first: the failed checks, causes of alarms, then single seals and files.
+
+    Each may name what finds its tests.
+    """
+    failed = [one for one in found.checks if one.failed]
+    for check in sorted(failed, key=lambda one: -GRADES.index(one.grade)):
+        yield {"mark": _mark(check), "name": "", "filter": None, "says": check.told}
+    lots = found.main.lots
+    if lots is not None:
+        for low, high in lots.mean.causes:
+            value = found.main.quantity.read(float(np.mean(lots.mean.values[low : high + 1])))
+            named = lots.names[low] if low == high else f"{lots.names[low]} to {lots.names[high]}"
+            whole = found.main.quantity.shown(lots.mean.centre)
+            way = "high" if np.mean(lots.mean.values[low : high + 1]) > lots.mean.centre else "low"
+            yield {"mark": "care", "name": f"Lots {named}", "filter": lots.names[low],
+                   "says": f"lie {way}: {value}, all lots {whole}."}  # fmt: skip
+    for flag in found.flags:
+        where = ", ".join(filter(None, (flag.lot, flag.seal and f"seal {flag.seal}")))
+        yield {
+            "mark": "care" if flag.weighty else "note",
+            "name": where or flag.file,
+            "filter": flag.file or f"seal {flag.seal}",
+            "says": flag.says,
+        }
+
+
+def _every(tests: Sequence[Mapping[str, Any]], labels: Sequence[str], found: Summary) -> str:
+    """All rows for the script: no markup can end the element that holds them."""
+    decided = {(one.lot, one.seal): one.decision for one in found.main.judged}
+    heads = ["file", *labels, "value", "verdict", "why", "mark"]
+    rows = [
+        [one["file"], *one["labels"], one["value"], one["verdict"], one["reason"], one["mark"]]
+        for one in tests
+    ]
+    if decided and {"lot", "seal"} <= set(labels):
+        at = [labels.index(name) for name in ("lot", "seal")]
+        for row, one in zip(rows, tests, strict=True):
+            key = tuple(one["labels"][i] for i in at)
+            row[-1:-1] = [decided.get(key, "")]
+        heads[-1:-1] = ["decision"]
+    return json.dumps({"heads": heads, "rows": rows}, separators=(",", ":")).replace("<", "\\u003c")
+
+
 def _why(found: Summary) -> dict[tuple[str, str], list[str]]:
     """Why each seal is to be looked at: its judgement, then its flags."""
     why: dict[tuple[str, str], list[str]] = defaultdict(list)
@@ -324,5 +440,5 @@ def _tests(found: Summary, labels: Sequence[str]) -> list[dict[str, Any]]:
             "mark": COLOURS.get(verdict, "") if outcome == "fitted" else "bad",
             "reason": reason or "",
         }
-        for file, outcome, verdict, reason, value, *of in rows[:ROWS]
+        for file, outcome, verdict, reason, value, *of in rows
     ]

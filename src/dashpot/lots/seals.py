@@ -81,6 +81,14 @@ class Charts(NamedTuple):
     repeats: Chart | None
 
 
+class LotCharts(NamedTuple):
+    """Lots, and the X-bar and s charts whose groups are the seals of each."""
+
+    names: tuple[str, ...]
+    mean: Chart
+    sd: Chart
+
+
 def charted(seals: Sequence[Seal]) -> Charts:
     """Return the control charts of the seals of one lot, two or more."""
     points, moving = individuals(seal_means(seals))

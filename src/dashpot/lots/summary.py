@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from math import isfinite, sqrt
-from typing import NamedTuple
+from math import floor, isfinite, sqrt
+from typing import Literal, NamedTuple
 
 import numpy as np
 
 from dashpot.base.capability import Capability
-from dashpot.base.checks import Check, Checked
+from dashpot.base.checks import GRADES, Check, Checked
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.facts import Fact
@@ -19,18 +19,36 @@ from dashpot.base.sentences import sentence
 from dashpot.lots.checks import (
     asked_in_band,
     capability_as_asked,
+    charts_in_control,
+    files_fitted,
+    fits_usable,
+    gauge_tells_apart,
+    hammers_compared,
+    records_distinct,
     scatter_normal,
+    seals_named,
     seals_within_limits,
     stands_out_of_lot,
+    tests_alike,
 )
 from dashpot.lots.judgement import Decided, judged
 from dashpot.lots.limits import Limits
-from dashpot.lots.lot import Lot, LotCharts
+from dashpot.lots.lot import Lot
 from dashpot.lots.quantities import Quantity
-from dashpot.lots.seals import Charts, Seal, by_lot, seal_means
+from dashpot.lots.seals import Charts, LotCharts, Seal, by_lot, seal_means
 from dashpot.lots.statistics.control import BEYOND, Chart
 from dashpot.lots.statistics.gauge import Gauge
 from dashpot.lots.statistics.scatter import Component, robust_distance, stands_out
+
+_FILES = frozenset(
+    one.name
+    for one in (
+        files_fitted, fits_usable, hammers_compared, tests_alike, records_distinct, seals_named,
+        asked_in_band,
+    )
+)  # fmt: skip
+_MEASURING = frozenset({gauge_tells_apart.name})
+_CONTROL = frozenset(one.name for one in (charts_in_control, stands_out_of_lot, scatter_normal))
 
 
 class Flag(NamedTuple):
@@ -57,6 +75,31 @@ class Unlike(NamedTuple):
 
     file: str
     says: str
+
+
+class LotLight(NamedTuple):
+    """One of the four questions that a lot's verdict is the worst of, and its answer.
+
+    Attributes
+    ----------
+    name : str
+        ``"files"``, ``"measuring"``, ``"control"`` or ``"limits"``.
+    mark : str
+        ``"good"``, ``"note"``, ``"care"`` or ``"bad"``.
+    says : str
+    """
+
+    name: str
+    mark: str
+    says: str
+
+
+class Signals(NamedTuple):
+    """What the control charts of a quantity show, counted once: causes, points, and of how many."""
+
+    causes: int
+    points: int
+    of: int
 
 
 class ChartsOfLot(NamedTuple):
@@ -123,6 +166,23 @@ class OfQuantity(Documented):
         return tuple(ChartsOfLot(lot, of.means, of.moving, of.repeats) for lot, of in each)
 
     @property
+    def signals(self) -> Signals:
+        """Of the charts of seals and lots; each run of points is one cause."""
+        both = self.signals_of("seals"), self.signals_of("lots")
+        return Signals(*map(sum, zip(*both, strict=True)))
+
+    def signals_of(self, what: Literal["seals", "lots"]) -> Signals:
+        """Of the charts of the seals of each lot, or of the lots among themselves."""
+        charts = [one.means for one in self.charts.values()]
+        if what == "lots":
+            charts = [] if self.lots is None else [self.lots.mean, self.lots.sd]
+        return Signals(
+            sum(len(one.causes) for one in charts),
+            sum(len(one.signalled) for one in charts),
+            sum(len(one.values) for one in charts),
+        )
+
+    @property
     def capable(self) -> tuple[CapabilityOfLot, ...] | None:
         """The capability of each lot; None without limits."""
         each = tuple(CapabilityOfLot(*one) for one in self.capability.items())
@@ -171,7 +231,7 @@ class Summary(Checked, Documented):
     checks : tuple of Check
     """
 
-    keys = ("statistics=each~", "flags", "unlike", "checks")
+    keys = ("verdict", "lights", "statistics=each~", "flags", "unlike", "copies", "checks")
 
     lot: Lot
     main: OfQuantity
@@ -194,12 +254,43 @@ class Summary(Checked, Documented):
         one = self.main
         if len(one.seals) < 2:
             return how
-        signals = sum(len(chart.means.signals) for chart in one.charts.values())
         mean = one.quantity.read(float(seal_means(one.seals).mean()))
         return (
             f"{how}. {sentence(one.quantity.words)[:-1]}: mean {mean} of {len(one.seals)} seals. "
-            f"{counted(signals, 'control-chart alarm').capitalize()}"
+            f"{counted(one.signals.causes, 'cause').capitalize()} of control-chart alarms"
         )
+
+    @property
+    def lights(self) -> tuple[LotLight, ...]:
+        """Files, measuring, control and limits: the verdict is the worst of them."""
+        main = self.main
+        names = {"files": _FILES, "measuring": _MEASURING, "control": _CONTROL}
+        behind: dict[str, list[Check]] = {one: [] for one in (*names, "limits")}
+        for check in self.checks:
+            room = next((one for one, known in names.items() if check.name in known), "limits")
+            behind[room].append(check)
+        says = {
+            "files": self._files, "measuring": _gauge_says(main), "control": _control_says(main),
+            "limits": _limits_says(main),
+        }  # fmt: skip
+        return tuple(
+            LotLight(name, _mark(checks, known=bool(says[name])), says[name] or "not known")
+            for name, checks in behind.items()
+        )
+
+    @property
+    def _files(self) -> str:
+        lot = self.lot
+        fitted, copies = lot.outcomes.get("fitted", 0), len(lot.copies)
+        said = f"{fitted} of {lot.table.height} fitted"
+        if lot.unlike:
+            said += f", {len(lot.unlike)} unlike"
+        return said + (f", {copies} cop{'y' if copies == 1 else 'ies'}" if copies else "")
+
+    @property
+    def copies(self) -> tuple[Unlike, ...]:
+        """The files that hold what another one does, and which: they are left out."""
+        return tuple(Unlike(*one) for one in self.lot.copies.items())
 
     @property
     def lines(self) -> list[str]:
@@ -261,7 +352,7 @@ def _flags(lot: Lot, of: OfQuantity) -> Iterator[Flag]:
     for file, says in lot.unlike.items():
         yield Flag(*places[file], f"{says}: left out of the statistics")
     for file, other in lot.copies.items():
-        yield Flag(*places[file], f"the same record as {other}")
+        yield Flag(*places[file], f"the same record as {other}: left out of the statistics")
     for file, _, _, outcome, verdict, reason in rows:
         if outcome != "fitted" or verdict == "do not use":
             yield Flag(*places[file], reason or outcome, weighty=False)
@@ -320,11 +411,18 @@ def _checks(lot: Lot, each: Sequence[OfQuantity], flags: Sequence[Flag]) -> Iter
     for one in each:
         if one.limits is not None:
             yield from _of_limits(one, one.limits)
+    main = each[0]
+    if main.gauge is not None:
+        yield gauge_tells_apart(main.gauge)
+    kinds: tuple[Literal["seals", "lots"], ...] = ("seals", "lots")
+    told = [(what, *main.signals_of(what)) for what in kinds]
+    if any(of for *_, of in told):
+        yield charts_in_control([one for one in told if one[-1]])
     seals = {(one.lot, one.seal, one.file) for one in flags if one.weighty}
     yield stands_out_of_lot(len(seals), len(each[0].seals))
-    told = [one for one in each[0].components if one.normal is not None]
-    if told:
-        least = min(told, key=lambda one: one.normal or 0.0)
+    normal = [one for one in each[0].components if one.normal is not None]
+    if normal:
+        least = min(normal, key=lambda one: one.normal or 0.0)
         yield scatter_normal(least.source, least.normal)
     beyond = {frequency: _out_of_band(lot, frequency) for frequency in _frequencies(lot)}
     if beyond:
@@ -354,18 +452,60 @@ def _out_of_band(lot: Lot, frequency: float) -> int:
     return sum(not low <= frequency <= high for low, high in bands)
 
 
+# -- lights ----------------------------------------------------------------------------------------
+
+
+def _mark(checks: Sequence[Check], *, known: bool) -> str:
+    failed = [GRADES.index(one.grade) for one in checks if one.failed]
+    if not failed:
+        return "good" if known and any(one.passed for one in checks) else "note"
+    return ("note", "care", "bad")[max(failed)]
+
+
+def _gauge_says(of: OfQuantity) -> str:
+    if of.gauge is None:
+        return ""
+    low, high = (100 * end for end in of.gauge["gauge"].share_interval)
+    ndc = of.gauge.categories
+    told = f"{floor(ndc)}" if isfinite(ndc) else "∞"
+    return f"R&R {100 * of.gauge['gauge'].share:.0f} % ({low:.0f} to {high:.0f}), ndc {told}"
+
+
+def _control_says(of: OfQuantity) -> str:
+    if not of.signals.of:
+        return ""
+    if not of.signals.points:
+        return f"no signal in {counted(len(of.charts), 'lot')}"
+    each = [(of.signals_of("seals"), "seals"), (of.signals_of("lots"), "lots")]
+    points = " and ".join(
+        f"{one.points} of {one.of} points of {what}" for one, what in each if one.points
+    )
+    return f"{counted(of.signals.causes, 'cause')}: {points}"
+
+
+def _limits_says(of: OfQuantity) -> str:
+    if of.limits is None:
+        return "no limits given"
+    if of.lowest is not None and of.limits.cpk is not None:
+        lot, able = of.lowest
+        where = f" in {lot}" if lot and len(of.known) > 1 else ""
+        return f"Cpk {able.cells[0]}{where}, asked {of.limits.cpk:.2f}"
+    passed = sum(one.decision == "pass" for one in of.judged)
+    return f"{passed} of {len(of.judged)} seals pass"
+
+
 # -- for people and programs -----------------------------------------------------------------------
 
 
 def _lines(one: OfQuantity) -> Iterator[str]:
     if len(one.seals) < 2:
         return
-    signals = sum(len(chart.means.signals) for chart in one.charts.values())
+    causes = one.signals.causes
     mean = ascii_only(one.quantity.read(float(seal_means(one.seals).mean())))
     yield (
         f"{one.quantity.words}: mean {mean} of {len(one.seals)} seals in "
         f"{counted(len(by_lot(one.seals)), 'lot')}; "
-        f"{counted(signals, 'control-chart alarm')}"
+        f"{counted(causes, 'cause')} of control-chart alarms"
     )
     if one.gauge is not None:
         yield f"  gauge R&R   {ascii_only(one.gauge.says)}"

@@ -85,7 +85,7 @@ class _Canvas:
         style: Any = "-" if not pen.dashes else (0, tuple(d / pen.width for d in pen.dashes))
         (made,) = self.ax.plot(
             *points.T, color=LIGHT[pen.colour], linewidth=PT * pen.width, linestyle=style,
-            solid_capstyle="butt",
+            solid_capstyle="butt", alpha=pen.opacity,
         )  # fmt: skip
         made.set_clip_path(clip)
 

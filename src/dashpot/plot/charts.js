@@ -84,7 +84,7 @@ const points = (/** @type {string} */ d) => {
 const parts = (root, query) =>
   [...root.querySelectorAll(query)].map((one) => /** @type {SVGElement} */ (one));
 
-class Panel {
+export class Panel {
   constructor(/** @type {SVGElement} */ group) {
     this.group = group;
     this.plot = parts(group, ".plot")[0];
@@ -139,11 +139,11 @@ class Panel {
     }
     return d;
   }
-  /** @param {number} x @param {number} y */
-  read(x, y) {
+  // the curves at a place, each with its value in words
+  /** @param {number} x @param {number} y @returns {[string, string][]} */
+  values(x, y) {
     /** @type {Map<string, string[]>} */
     const found = new Map();
-    const [what, unit] = this.yName.split(/, (?=[^,]*$)/);
     for (const curve of this.curves) {
       const at = this.on(curve, x, y);
       if (!at) continue;
@@ -153,14 +153,27 @@ class Panel {
       said.push(text);
       found.set(curve.name, said);
     }
-    const values = [...found].map(([name, v]) => {
+    return [...found].map(([name, v]) => {
       const pair = this.curves.some((c) => c.name === name && c.edge);
-      return `${name} ${v.slice(0, 6).join(pair ? " to " : ", ")}`;
+      return [name, v.slice(0, 6).join(pair ? " to " : ", ")];
     });
-    const [quantity, per] = this.xName.split(/, (?=[^,]*$)/);
-    return `${quantity} ${say(this.x.value(x))} ${per}; ${what}, ${
-      unit === "1" ? "no unit" : unit
-    }: ${values.join("; ")}`;
+  }
+  // quantity and unit of either axis
+  axes() {
+    const [[what, unit], [quantity, per]] = [this.yName, this.xName].map((name) =>
+      name.split(/, (?=[^,]*$)/)
+    );
+    return { what, unit: unit === "1" ? "no unit" : unit, quantity, per };
+  }
+  /** @param {number} x */
+  where(x) {
+    return say(this.x.value(x));
+  }
+  /** @param {number} x @param {number} y */
+  read(x, y) {
+    const { what, unit, quantity, per } = this.axes();
+    const values = this.values(x, y).map(([name, v]) => `${name} ${v}`);
+    return `${quantity} ${this.where(x)} ${per}; ${what}, ${unit}: ${values.join("; ")}`;
   }
   show(/** @type {number[]} */ view) {
     this.view = view;
@@ -346,16 +359,13 @@ export class Figure {
     this.x = clamp(this.x, a, b);
     this.tell();
   }
-  /** Stand at a value of the horizontal axis, if it is in sight, and say nothing of it. */
-  point(/** @type {number} */ value) {
-    const at = this.at.x.unit(value), [x0, , x1] = this.at.view;
-    if (!(at >= x0 && at <= x1)) return;
-    this.x = at;
-    this.mark();
-  }
+  // panels below each other share the horizontal axis, and the line that reads it off
   mark() {
-    const [bx, by, w, h] = this.at.box, [x0, , x1] = this.at.view;
-    this.cross.setAttribute("d", `M${bx + w * (this.x - x0) / (x1 - x0)} ${by}v${h}`);
+    const part = this.x / this.at.whole[2];
+    const d = this.panels.map(({ box: [bx, by, w, h], view: [x0, , x1], whole }) =>
+      `M${bx + w * (part * whole[2] - x0) / (x1 - x0)} ${by}v${h}`
+    );
+    this.cross.setAttribute("d", d.join(""));
   }
   tell() {
     this.mark();

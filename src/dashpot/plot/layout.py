@@ -21,6 +21,7 @@ from dashpot.plot.picture import (
     Panel,
     Pen,
     Picture,
+    Ring,
     Rule,
     Scale,
     Span,
@@ -159,26 +160,36 @@ def text_width(text: str, size: float = SMALL, *, bold: bool = False) -> float:
 
 def lay_out(strip: tuple[Panel, ...], width: float) -> Laid:
     """Return the places of a strip `width` px wide."""
-    ticks = [_upright(panel) for panel in strip]
-    left = GAP + max((text_width(word) for each in ticks for _, word in each), default=0.0)
+    ticks = [[] if panel.drawing else _upright(panel) for panel in strip]
+    widest = max((text_width(word) for each in ticks for _, word in each), default=0.0)
+    left = 0.0 if all(panel.drawing for panel in strip) else GAP + widest
     inner_width = width - left - RIGHT
     frames, y = [], 0.0
     for i, panel in enumerate(strip):
         last = i == len(strip) - 1
         named = y + (ROW + 4) * bool(panel.title)
-        box = Box(left, named + ROW + 4, inner_width, panel.height)
+        above = 4 + ROW * (bool(panel.note) if panel.drawing else not panel.bare)
+        box = Box(left, named + above, inner_width, panel.height)
         shown, at = panel, ticks[i]
         if panel.square:
             shown = _squared(panel, inner_width)
-            at = _upright(shown)
+            at = [] if panel.drawing else _upright(shown)
         frames.append(_frame(shown, box, at, named=last))
-        y = box.y + box.height + (2 * ROW + 6 if last else 10)
+        y = box.y + box.height + (_beneath(panel) if last else 10)
     return Laid(width, y, tuple(frames))
+
+
+def _beneath(panel: Panel) -> float:
+    """What numbers and words below a panel take, px."""
+    lines = panel.below.count("\n") + 1 if panel.below else 0
+    return 10 + ROW * lines if panel.drawing else 2 * ROW + 6
 
 
 def _upright(panel: Panel) -> list[tuple[float, str]]:
     """The numbers of the upright axis, and how they are written."""
-    at = numbers(panel.y, panel.height, 24 if panel.height < 110 else 30)
+    if panel.y.unnumbered:
+        return []
+    at = numbers(panel.y, panel.height, 22 if panel.y.log or panel.height < 110 else 30)
     return list(zip(at, written(panel.y, at), strict=True))
 
 
@@ -225,6 +236,11 @@ def _squared(panel: Panel, width: float) -> Panel:
 def _frame(panel: Panel, box: Box, upright: list[tuple[float, str]], *, named: bool) -> Frame:
     """One panel; `named` gives its horizontal axis numbers and a label."""
     bottom, right = box.y + box.height, box.x + box.width
+    if panel.drawing:
+        inner = tuple(one for mark in panel.marks for one in _inner(mark, panel, box))
+        tags = [mark for mark in panel.marks if isinstance(mark, Tag)]
+        over = (*_above(panel, box), *_tagged(tags, panel, box, inner))
+        return Frame(panel, box, inner, (), (), over)
     hairs, ticks = [], []
     for value, word in upright:
         y = bottom - box.height * float(place(panel.y, value))
@@ -241,14 +257,21 @@ def _frame(panel: Panel, box: Box, upright: list[tuple[float, str]], *, named: b
     hairs += [Hair(x, bottom, x, bottom + 3, "edge") for x in small]
     inner = tuple(one for mark in panel.marks for one in _inner(mark, panel, box))
     tags = [mark for mark in panel.marks if isinstance(mark, Tag)]
-    return Frame(panel, box, inner, tuple(hairs), tuple(ticks), (*said, *_tagged(tags, panel, box)))
+    return Frame(
+        panel, box, inner, tuple(hairs), tuple(ticks), (*said, *_tagged(tags, panel, box, inner))
+    )
 
 
 def _above(panel: Panel, box: Box) -> list[Word]:
     """What stands above the axes: what they show upright, the title, a note."""
-    said = [Word(box.x - 4, box.y - 6, panel.y.label)]
+    said = [] if panel.bare or panel.drawing else [Word(box.x - 4, box.y - 6, panel.y.label)]
+    for i, line in enumerate(panel.below.split("\n") if panel.below else ()):
+        at = box.x + box.width / 2, box.y + box.height + ROW * (i + 1)
+        leads = i == 0 and "\n" in panel.below
+        said.append(Word(*at, line, "ink" if leads else "soft", leads, "middle"))
     if panel.title:
-        said.append(Word(0, box.y - 6 - ROW - 2, panel.title, "ink", bold=True, size=BOLD))
+        above = -6 if panel.drawing and not panel.note else -8 - ROW
+        said.append(Word(0, box.y + above, panel.title, "ink", bold=True, size=BOLD))
     if panel.note:
         said.append(Word(box.x + box.width, box.y - 6, panel.note, anchor="end"))
     return said
@@ -314,6 +337,9 @@ def _inner(mark: Mark, panel: Panel, box: Box) -> list[Polyline | Fill | Markers
         return _dots(mark, panel, box)
     if isinstance(mark, Area):
         return _area(mark, panel, box)
+    if isinstance(mark, Ring):
+        points = _points(panel, box, mark.x, mark.y)
+        return [Fill((points,), mark.colour, mark.tint, mark.hatched)]
     if isinstance(mark, Span):
         x = np.clip(box.width * place(panel.x, (mark.low, mark.high)), 0, box.width)
         y = (0.0, box.height)
@@ -366,31 +392,101 @@ def _area(mark: Area, panel: Panel, box: Box) -> list[Polyline | Fill | Markers]
 # -- words at points ------------------------------------------------------------------------------
 
 
-def _tagged(tags: list[Tag], panel: Panel, box: Box) -> list[Word]:
-    """Words beside their points, inside the axes and clear of each other."""
+def _tagged(
+    tags: list[Tag], panel: Panel, box: Box, inner: tuple[Polyline | Fill | Markers, ...]
+) -> list[Word]:
+    """Words beside their points, inside the axes, clear of each other, and best of all else."""
+    drawn = _strokes(inner, box) if tags else np.zeros((0, 2))
     places = [_points(panel, box, *_at(tag))[0] + (box.x, box.y) for tag in tags]
-    taken = [Box(x - 5, y - 5, 10, 10) for x, y in places]
-    made = []
+    taken = [Box(x - 5, y - 5, 10, 10) for tag, (x, y) in zip(tags, places, strict=True)
+             if not tag.end]  # fmt: skip
+    made = [
+        Word(x + 6, y, tag.text, tag.colour, tag.bold, halo=True)
+        for tag, x, y in _named(tags, places)
+    ]
+    taken += map(_room, made)
     for tag, (x, y) in zip(tags, places, strict=True):
+        if tag.end:
+            continue
         spots: list[tuple[float, float, Anchor]] = [
             (x + 10, y + 4, "start"), (x - 10, y + 4, "end"), (x + 10, y - 10, "start"),
-            (x - 10, y - 10, "end"), (x + 14, y + 21, "start"), (x - 14, y + 21, "end"),
-            (box.x + box.width - 4, y - 10, "end"), (box.x + 4, y - 10, "start"),
-            (box.x + box.width - 4, y + 21, "end"), (box.x + 4, y + 21, "start"),
+            (x - 10, y - 10, "end"), (x, y - 12, "middle"), (x + 14, y + 21, "start"),
+            (x - 14, y + 21, "end"),
         ]  # fmt: skip
         if not tag.dot:
             # beneath the words of the point that it shares
-            spots = [*spots[4:6], *spots]
-        words = [
-            Word(sx, sy, tag.text, tag.colour, tag.bold, anchor, halo=True)
-            for sx, sy, anchor in spots
-        ]
-        clear = (one for one in words if _clear(_room(one), box, taken))
+            spots = [*spots[5:7], *spots]
+        ends: list[tuple[float, float, Anchor]] = [
+            (box.x + box.width - 4, y - 10, "end"), (box.x + 4, y - 10, "start"),
+            (box.x + box.width - 4, y + 21, "end"), (box.x + 4, y + 21, "start"),
+        ]  # fmt: skip
+        near, far = (
+            [
+                Word(sx, sy, tag.text, tag.colour, tag.bold, anchor, halo=True)
+                for sx, sy, anchor in some
+            ]
+            for some in (spots, ends)
+        )
+        clear = [one for one in near if _clear(_room(one), box, taken)]
+        away = (one for one in far if _clear(_room(one), box, taken))
         # where nothing is clear of the others, what stays inside is read
-        word = next(clear, None) or min(words, key=lambda one: _beyond(_room(one), box))
+        word = (
+            min(clear, key=lambda one: _crossed(_room(one), drawn))
+            if clear
+            else next(away, None) or min(near, key=lambda one: _beyond(_room(one), box))
+        )
         taken.append(_room(word))
         made.append(word)
     return made
+
+
+def _strokes(inner: tuple[Polyline | Fill | Markers, ...], box: Box) -> FloatArray:
+    """Places that curves run through, and about which hatched areas end, every few px."""
+    parts = [
+        part
+        for one in inner
+        if isinstance(one, Polyline) or (isinstance(one, Fill) and one.hatched)
+        for part in one.parts
+    ]
+    found = [np.zeros((0, 2))]
+    for part in parts:
+        walked = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(part, axis=0).T))])
+        at = np.arange(0.0, walked[-1], 5.0)
+        found.append(np.column_stack([np.interp(at, walked, part[:, i]) for i in (0, 1)]))
+    return np.asarray(np.concatenate(found) + np.array([box.x, box.y]))
+
+
+def _crossed(room: Box, drawn: FloatArray) -> int:
+    """How much of what is drawn runs through some words."""
+    x, y = drawn.T
+    across = (x > room.x) & (x < room.x + room.width)
+    return int(np.count_nonzero(across & (y > room.y + 2) & (y < room.y + room.height - 2)))
+
+
+def _named(tags: list[Tag], places: list[FloatArray]) -> list[tuple[Tag, float, float]]:
+    """The names at the ends of curves from the top down, none upon another.
+
+    Those that are too near to stand where their curves end keep their order, about their middle.
+    """
+    ends = [
+        (tag, float(x), float(y) + 4) for tag, (x, y) in zip(tags, places, strict=True) if tag.end
+    ]
+    crowds: list[list[tuple[Tag, float, float, float]]] = []
+    for tag, x, y in sorted(ends, key=lambda one: one[2]):
+        wide = text_width(tag.text, bold=tag.bold)
+        for crowd in crowds:
+            last, at, _, lowest = crowd[-1]
+            beside = x > at + text_width(last.text, bold=last.bold) or at > x + wide
+            if not beside and y < lowest + ROW - 1:
+                crowd.append((tag, x, y, lowest + ROW - 1))
+                break
+        else:
+            crowds.append([(tag, x, y, y)])
+    found = []
+    for crowd in crowds:
+        shift = sum(moved - y for _, _, y, moved in crowd) / len(crowd)
+        found += [(tag, x, moved - shift) for tag, x, _, moved in crowd]
+    return found
 
 
 def _clear(room: Box, box: Box, taken: list[Box]) -> bool:

@@ -34,11 +34,13 @@ class Pen:
         px.
     dashes : tuple of float
         On, off, ..., px; empty for a solid line.
+    opacity : float
     """
 
     colour: str
     width: float = 1.6
     dashes: tuple[float, ...] = ()
+    opacity: float = 1.0
 
 
 MEASURED = Pen("measured")
@@ -46,6 +48,8 @@ FIT = Pen("fit", 2.0)
 PREDICTED = Pen("fit", 2.0, (7, 4))
 JOINT = Pen("joint", 3.0)
 REF = Pen("ref", 1.2, (2, 3))
+BENEATH, UPON = Pen("fit", 5.5, opacity=0.55), Pen("measured", 1.3)
+"""A fit as a band, and what was measured as the thin line upon it: a miss leaves the band."""
 SIMPLER = (Pen("ref", 1.8, (8, 3)), Pen("ref", 1.8, (3, 2)))
 REJECTED = Pen("bad", 1.4, (5, 3))
 
@@ -91,6 +95,18 @@ class Area:
     tint: float = 0.25
 
 
+@dataclass(frozen=True, eq=False)
+class Ring:
+    """A closed outline, filled."""
+
+    x: FloatArray
+    y: FloatArray
+    colour: str
+    label: str = ""
+    tint: float = 0.6
+    hatched: bool = False
+
+
 @dataclass(frozen=True)
 class Span:
     """A range of the horizontal axis; hatched where it is out of reach."""
@@ -115,7 +131,10 @@ class Rule:
 
 @dataclass(frozen=True)
 class Tag:
-    """Words at a point of the data, with a dot there: filled, hollow or none."""
+    """Words at a point of the data, with a dot there: filled, hollow or none.
+
+    Those of the `end` of a curve stand to its right, as its name.
+    """
 
     x: float
     y: float
@@ -123,20 +142,25 @@ class Tag:
     colour: str
     dot: Literal["filled", "hollow", ""] = ""
     bold: bool = False
+    end: bool = False
 
 
-Keyed: TypeAlias = Line | Dots | Area | Span | Rule
+Keyed: TypeAlias = Line | Dots | Area | Ring | Span | Rule
 Mark: TypeAlias = Keyed | Tag
 
 
 @dataclass(frozen=True)
 class Scale:
-    """The scale of an axis: a quantity with its unit, and from where to where it is shown."""
+    """The scale of an axis: a quantity with its unit, and from where to where it is shown.
+
+    An `unnumbered` one has no numbers: what stands along it is named in the panel.
+    """
 
     label: str
     limits: tuple[float, float]
     log: bool = False
     ticks: tuple[float, ...] = ()
+    unnumbered: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,6 +178,12 @@ class Panel:
         A few words in the upper right corner.
     square : bool
         A unit of x is as long as one of y.
+    bare : bool
+        What it shows upright is said elsewhere, and not above its axes.
+    drawing : bool
+        Without axes: a drawing of a thing, whose place in space says nothing.
+    below : str
+        Words under a drawing, in the middle: what it is of.
     """
 
     x: Scale
@@ -163,6 +193,9 @@ class Panel:
     height: float = 190.0
     note: str = ""
     square: bool = False
+    bare: bool = False
+    drawing: bool = False
+    below: str = ""
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.choices import Method, words
 from dashpot.base.numbers import rounded
 from dashpot.plot.picture import (
+    BENEATH,
     FIT,
     MEASURED,
     REF,
     SIMPLER,
+    UPON,
     Area,
     Line,
     Mark,
@@ -23,6 +27,7 @@ from dashpot.plot.picture import (
     Rule,
     Scale,
     Span,
+    Tag,
     around,
     unit_of,
 )
@@ -36,7 +41,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 DATA = Pen("measured", 1.2)
 """Of a record; the fits are drawn over it."""
 
-SINCE = "time since first contact, s"
+SINCE, SINCE_RAMP = "time since first contact, s", "time since ramp end, s"
 
 
 def segments(prepared: RampHold, *, stamp: str = "") -> Picture:
@@ -118,9 +123,12 @@ class DrawnFit(NamedTuple):
         name = self.fit.called
         return f"fit, {name}" if self.pen is FIT else name
 
-    def residual(self, prepared: RampHold) -> tuple[FloatArray, FloatArray]:
-        """Time from first contact and residual, N, over what a log axis shows."""
-        inside = (self.time >= _log_start(prepared)) & (self.time <= _end(prepared))
+    def residual(
+        self, prepared: RampHold, start: float | None = None
+    ) -> tuple[FloatArray, FloatArray]:
+        """Time from first contact and residual, N, over what a log axis shows, or from `start`."""
+        start = _log_start(prepared) if start is None else start
+        inside = (self.time >= start) & (self.time <= _end(prepared))
         measured = np.interp(self.time[inside], prepared.time - prepared.onset, prepared.force)
         return self.time[inside], measured - self.force[inside]
 
@@ -185,9 +193,80 @@ def ramp_panel(
     return Panel(*axes, tuple(marks), title=title, height=height)
 
 
-def residual_panel(one: DrawnFit, prepared: RampHold) -> Panel:
-    """Measured less fitted force against log time, and the noise it should be."""
-    when, left = one.residual(prepared)
+def upon_panels(
+    one: DrawnFit, prepared: RampHold, *, other: DrawnFit | None = None
+) -> tuple[Panel, Panel, Panel]:
+    """Ramp, hold and residual with the record upon its fit, and all of the record in sight.
+
+    The ramp is on the clock of the record; hold and residual are on log time since the end of the
+    ramp, to the last sample: what a cut leaves out is hatched.
+
+    Parameters
+    ----------
+    one : DrawnFit
+        A band in its own colour.
+    prepared : RampHold
+    other : DrawnFit, optional
+        Drawn thin beside it.
+    """
+    unit, scale = unit_of(prepared.force, "N")
+    t, force, c = prepared.time, scale * prepared.force, prepared.ramp_time
+    under = replace(BENEATH, colour=one.pen.colour)
+    first = max(float(t[0]), prepared.onset - 0.5 * c)
+    seen = (first, min(float(t[-1]), prepared.ramp_end + 0.8 * c))
+
+    def ramp_line(at: FloatArray, y: FloatArray, pen: Pen, label: str) -> Line:
+        inside = (at >= seen[0]) & (at <= seen[1])
+        return Line(*extremes(at[inside], y[inside], bins=250), pen, label)
+
+    within = (t >= seen[0]) & (t <= seen[1])
+    moved = prepared.displacement * (float(np.max(force[within])) / prepared.depth)
+    ramp: list[Mark] = [
+        ramp_line(t, moved, REF, "displacement"),
+        ramp_line(one.time + prepared.onset, scale * one.force, under, "fit"),
+        ramp_line(t, force, UPON, "measured"),
+        Tag(float(prepared.onset + 0.55 * c), float(0.5 * np.max(moved[within])),
+            "displacement", "soft"),
+    ]  # fmt: skip
+    since, last = t - prepared.ramp_end, float(t[-1]) - prepared.ramp_end
+    start = min(_first_step(prepared), last / 10)
+    axis = Scale(SINCE_RAMP, (start, last), log=True)
+    left: list[Mark] = []
+    if prepared.hold_end - prepared.ramp_end < last:
+        left = [Span(prepared.hold_end - prepared.ramp_end, last, "away", "", True, 1.0)]
+
+    def hold_line(at: FloatArray, y: FloatArray, pen: Pen, label: str) -> Line:
+        inside = (at >= start) & (at <= last)
+        return Line(*extremes(at[inside], y[inside], bins=350, log=True), pen, label)
+
+    hold = [*left]
+    if other is not None:
+        hold.append(hold_line(other.time - c, scale * other.force, other.pen, "eq. (5)"))
+    hold += [
+        hold_line(one.time - c, scale * one.force, under, "fit"),
+        hold_line(since, force, UPON, "measured"),
+    ]
+    used = (since >= start) & (t <= prepared.hold_end)
+    rest = residual_panel(one, prepared, since=c, axis=axis)
+    said = f"force, {unit}"
+    return (
+        Panel(Scale("time on the record's clock, s", seen),
+              Scale(said, _headroom(force[within])), tuple(ramp)),
+        Panel(axis, Scale(said, _headroom(force[used])), tuple(hold)),
+        replace(rest, marks=(*left, *rest.marks)),
+    )  # fmt: skip
+
+
+def residual_panel(
+    one: DrawnFit, prepared: RampHold, *, since: float = 0.0, axis: Scale | None = None
+) -> Panel:
+    """Measured less fitted force against log time, and the noise it should be.
+
+    Time counts from so many s after first contact; by default from it.
+    """
+    begin = None if axis is None else since + axis.limits[0]
+    when, left = one.residual(prepared, begin)
+    when = when - since
     unit, scale = unit_of(left, "N")
     drawn = scale * left
     x, mean = means(when, drawn, log=True)
@@ -198,12 +277,15 @@ def residual_panel(one: DrawnFit, prepared: RampHold) -> Panel:
         pair = Rule(noise, REF, "noise, one SD", across=True), Rule(-noise, REF, across=True)
         marks += pair
     marks.append(Line(x, mean, Pen(one.pen.colour, 1.4), "residual: mean"))
-    word, factor = unit_of(np.array([one.fit.residual.rms]), "N")
+    # of a fit to several tests the residual has no unit
+    of_force = one.fit.method in words(Method)
+    size = one.fit.residual.rms if of_force else float(np.sqrt(np.mean(left**2)))
+    word, factor = unit_of(np.array([size]), "N")
     label = f"residual of {one.fit.called}, {unit}"
-    rms = f"rms {rounded(factor * one.fit.residual.rms)} {word}"
-    limits = (_log_start(prepared), _end(prepared))
-    axes = (Scale(SINCE, limits, log=True), Scale(label, around(low, high, margin=0.08)))
-    return Panel(*axes, tuple(marks), height=90, note=rms)
+    rms = f"rms {rounded(factor * size)} {word}"
+    across = axis or Scale(SINCE, (_log_start(prepared), _end(prepared)), log=True)
+    upright = Scale(label, around(low, high, margin=0.08))
+    return Panel(across, upright, tuple(marks), height=90, note=rms)
 
 
 def _ranges(when: FloatArray, values: FloatArray, at: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -218,7 +300,8 @@ def fitted_force(one: Fit, prepared: RampHold) -> tuple[FloatArray, FloatArray]:
 
     A fit of the hold answers to the ideal ramp of the paper's eq. (5), on the hold only, and its
     drift begins there. Every other answers to the motion behind the recorded displacement, bent by
-    the elastic law. Offset, drift and delay are those that the fit found.
+    the elastic law. Offset, drift and delay are those that the fit found; of a fit to other tests
+    too, offset and drift are those that leave least.
     """
     one = _at_temperature(one, prepared)
     solid = _at_depth(one, prepared.depth)
@@ -241,6 +324,9 @@ def fitted_force(one: Fit, prepared: RampHold) -> tuple[FloatArray, FloatArray]:
     }
     told = {term.name: term.value for term in one.nuisance if term.name in terms}
     allowed = {term.name.partition(" ")[0] for term in one.nuisance} & set(terms)
+    if one.method not in words(Method):
+        # a fit to other tests too tells what it found of those
+        told, allowed = {}, {"offset", "drift"}
     if told:
         force = force + sum(value * terms[name] for name, value in told.items())
     elif allowed:
@@ -282,10 +368,23 @@ def _segments(prepared: RampHold, limits: tuple[float, float]) -> list[Span]:
 
 def _log_start(prepared: RampHold) -> float:
     """Where log time begins: a tenth of the ramp, but not between two samples."""
-    near = (prepared.time >= prepared.onset) & (prepared.time <= prepared.ramp_end)
-    # sampling may slow down during the hold: the ramp's own steps count
-    steps = np.diff(prepared.time[near] if near.sum() > 1 else prepared.time)
-    step = float(np.median(steps))
-    start = max(0.1 * prepared.ramp_time, 2 * step)
+    start = max(0.1 * prepared.ramp_time, 2 * _step(prepared))
     digit = 10.0 ** np.floor(np.log10(start))
     return float(digit * np.floor(start / digit + 1e-9))
+
+
+def _headroom(values: FloatArray) -> tuple[float, float]:
+    """Limits with room above the curves, where a handle has its name."""
+    low, high = around(values)
+    return low, high + 0.12 * (high - low)
+
+
+def _first_step(prepared: RampHold) -> float:
+    """Where log time since the end of the ramp begins: two samples on, and no sliver of it."""
+    return max(2 * _step(prepared), 1e-3 * prepared.hold_time / 4)
+
+
+def _step(prepared: RampHold) -> float:
+    """Between two samples of the ramp: sampling may slow down during the hold."""
+    near = (prepared.time >= prepared.onset) & (prepared.time <= prepared.ramp_end)
+    return float(np.median(np.diff(prepared.time[near] if near.sum() > 1 else prepared.time)))

@@ -140,7 +140,8 @@ def _path(parts: Iterable[FloatArray], *, closed: bool = False) -> str:
 
 def _pen(pen: Pen) -> str:
     dashes = f' stroke-dasharray="{" ".join(f"{d:g}" for d in pen.dashes)}"' if pen.dashes else ""
-    return f'stroke="var(--{pen.colour})" stroke-width="{pen.width:g}"{dashes}'
+    thin = "" if pen.opacity == 1 else f' stroke-opacity="{pen.opacity:g}"'
+    return f'stroke="var(--{pen.colour})" stroke-width="{pen.width:g}"{dashes}{thin}'
 
 
 STEADY = 'vector-effect="non-scaling-stroke"'

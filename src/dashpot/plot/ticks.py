@@ -13,6 +13,8 @@ from dashpot.plot.picture import Scale
 
 # numbers of a decade, ever more of them
 SUBS = ((1,), (1, 3), (1, 2, 5), (1, 1.5, 2, 3, 5, 7), (1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8))
+# of a logarithmic axis, below which numbers may stand closer, how much so, and if they are short
+FEW, CLOSE, SHORT = 5, 0.7, (1e-2, 1e4)
 # plain numbers are short between these
 PLAIN = (1e-4, 1e5)
 
@@ -28,11 +30,23 @@ def place(scale: Scale, values: FloatArray | Sequence[float] | float) -> FloatAr
 
 
 def numbers(scale: Scale, length: float, apart: float) -> tuple[float, ...]:
-    """Values that bear a number: as many round ones as stand `apart` px on `length` px."""
+    """Values that bear a number: as many round ones as stand `apart` px on `length` px.
+
+    Of a logarithmic axis that has fewer than five so, closer ones: two or three numbers say little
+    of it.
+    """
     if scale.ticks:
         return scale.ticks
     if not scale.log:
         return _even(scale.limits, max(int(length / apart), 2))
+    found = _round_ones(scale, length, apart)
+    short = SHORT[0] <= scale.limits[0] and scale.limits[1] <= SHORT[1]
+    if len(found) >= FEW or not short:
+        return found
+    return max(found, _round_ones(scale, length, CLOSE * apart), key=len)
+
+
+def _round_ones(scale: Scale, length: float, apart: float) -> tuple[float, ...]:
     best: tuple[float, ...] = ()
     for found in (*_decades(scale.limits), _even(scale.limits, max(int(length / apart), 2))):
         near = len(found) > 1 and np.diff(length * place(scale, found)).min() < apart

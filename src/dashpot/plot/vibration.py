@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray
-from dashpot.base.numbers import rounded
+from dashpot.base.numbers import hertz, rounded
 from dashpot.base.units import in_unit
 from dashpot.plot.direct import FREQUENCY
 from dashpot.plot.lines import half_power, phase_axis, smooth, unwrapped
@@ -29,6 +29,7 @@ from dashpot.plot.picture import (
     Picture,
     Rule,
     Scale,
+    Span,
     Tag,
     around,
     joint_pen,
@@ -110,11 +111,14 @@ def frf(
     labels: Sequence[str] = (),
     band: FRFBounds | None = None,
     interval: tuple[FloatArray, FloatArray] | None = None,
+    informed: tuple[float, float] | None = None,
     ordered: bool = False,
     intervals: Sequence[FloatArray | None] = (),
     stamp: str = "",
 ) -> Picture:
     """One or several FRFs of one kind: magnitude, phase, and the coherence of the first.
+
+    The peak of the first one is named, unless it is the end of what is shown.
 
     Parameters
     ----------
@@ -130,6 +134,9 @@ def frf(
     interval : (array, array), optional
         Lines, Hz, and limits by standard errors alone, where no band is known: of the accelerance,
         1/kg, or of a transmissibility where that is drawn.
+    informed : (float, float), optional
+        The frequencies that the test behind a prediction informs, Hz: shaded, or said where none
+        of them is in sight.
     ordered : bool
         The others rise, in level or temperature: from blue to red.
     intervals : sequence of array, shape (2, n), or None
@@ -148,16 +155,39 @@ def frf(
         Curve(one, name, pens[i % len(pens)])
         for i, (one, name) in enumerate(zip(same, names, strict=True))
     ]
+    curves[0] = replace(curves[0], peak=_peak_inside(measured))
     known = () if interval is None else (Spread(*interval),)
-    known += tuple(
+    leveled = tuple(
         Spread(curve.frf.frequency, limits, "", curve.pen)
         for curve, limits in zip(curves[1:], intervals, strict=False)
         if limits is not None
     )
     caption = "Frequency response function: magnitude and phase."
-    return Picture(
-        "frf", caption, (_bode(curves, spreads(band) or known),), 1, stamp or of_frf(measured)
-    )
+    upper, *others_below = _bode(curves, (*(spreads(band) or known), *leveled))
+    if informed is not None:
+        upper = _informed(upper, informed)
+    strip = (upper, *others_below)
+    return Picture("frf", caption, (strip,), 1, stamp or of_frf(measured))
+
+
+def _peak_inside(frf: FRF) -> tuple[float, float] | None:
+    """Frequency and height of the peak of an accelerance; None where an end is as high."""
+    if frf.quantity is not Kind.ACCELERANCE:
+        return None
+    top = int(np.argmax(np.abs(frf.value)))
+    if not 0 < top < len(frf.frequency) - 1:
+        return None
+    return _peak_of(frf)
+
+
+def _informed(panel: Panel, band: tuple[float, float]) -> Panel:
+    """The part of the axis that a test informs, shaded; where none is in sight, words say so."""
+    low, high = panel.x.limits
+    if band[1] < low or band[0] > high:
+        said = f"informed from {hertz(band)} only: all of this is extrapolated"
+        return replace(panel, note=said)
+    shade = Span(max(band[0], low), min(band[1], high), "fit", "valid band", tint=0.07)
+    return replace(panel, marks=(shade, *panel.marks))
 
 
 def comparison(
@@ -218,20 +248,8 @@ def resonance(
     height : float
         Of the plotted part, px.
     """
-    if comparison is None:
-        curves = [Curve(predicted, "predicted", PREDICTED, _peak_of(predicted))]
-    else:
-        curves = curves_of(comparison, joint, failed=failed)
-        ends = comparison.measured.frequency[0], comparison.measured.frequency[-1]
-        at, top = _peak_of(predicted)
-        if not ends[0] < at < ends[1]:
-            curves[1] = replace(curves[1], frf=predicted, peak=(at, top))
-    if rival is not None:
-        curves.append(Curve(rival, "other family from relaxation", SIMPLER[0], _peak_of(rival)))
-    peaks = [one.peak[0] for one in curves if one.peak is not None]
-    first = min(one.frf.frequency[one.frf.frequency > 0][0] for one in curves)
-    last = max(one.frf.frequency[-1] for one in curves)
-    view = (max(VIEW[0] * min(peaks), first), min(VIEW[1] * max(peaks), last))
+    curves = resonance_curves(comparison, predicted, joint=joint, failed=failed, rival=rival)
+    view = about_peaks(curves)
     panel = magnitude_panel(curves, spreads(band)[:1], view=view, height=height, tagged=True)
     caption = "Accelerance of the mass on its seals: measured, and as the solids predict it."
     return Picture("resonance", caption, ((panel,),), 1, stamp)
@@ -288,6 +306,36 @@ def nyquist(
 
 
 # -- panels ---------------------------------------------------------------------------------------
+
+
+def resonance_curves(
+    comparison: Comparison | None,
+    predicted: FRF,
+    *,
+    joint: Comparison | None = None,
+    failed: bool = False,
+    rival: FRF | None = None,
+) -> list[Curve]:
+    """The curves of :func:`resonance`, each with its peak."""
+    if comparison is None:
+        curves = [Curve(predicted, "predicted", PREDICTED, _peak_of(predicted))]
+    else:
+        curves = curves_of(comparison, joint, failed=failed)
+        ends = comparison.measured.frequency[0], comparison.measured.frequency[-1]
+        at, top = _peak_of(predicted)
+        if not ends[0] < at < ends[1]:
+            curves[1] = replace(curves[1], frf=predicted, peak=(at, top))
+    if rival is not None:
+        curves.append(Curve(rival, "other family from relaxation", SIMPLER[0], _peak_of(rival)))
+    return curves
+
+
+def about_peaks(curves: Sequence[Curve]) -> tuple[float, float]:
+    """From where to where every peak is in sight, Hz, as far as there are lines."""
+    peaks = [one.peak[0] for one in curves if one.peak is not None]
+    first = min(one.frf.frequency[one.frf.frequency > 0][0] for one in curves)
+    last = max(one.frf.frequency[-1] for one in curves)
+    return (max(VIEW[0] * min(peaks), first), min(VIEW[1] * max(peaks), last))
 
 
 def curves_of(
@@ -360,7 +408,7 @@ def phase_panel(curves: Sequence[Curve], view: tuple[float, float]) -> Panel:
     for one in _layered(curves):
         f, value = smooth(one.frf)
         x, y = unwrapped(f, value, lowest)
-        marks.append(Line(x, y, one.pen))
+        marks.append(Line(x, y, one.pen, one.label))
     axes = (Scale(FREQUENCY, view, log=True),
             Scale("phase, °", (ticks[0] - 15, ticks[-1] + 15), ticks=ticks))  # fmt: skip
     return Panel(*axes, tuple(marks), height=90)
@@ -375,14 +423,18 @@ def _layered(curves: Sequence[Curve]) -> list[Curve]:
 def _bode(curves: Sequence[Curve], spread: Sequence[Spread]) -> tuple[Panel, ...]:
     upper = magnitude_panel(curves, spread, tagged=True)
     strip = [upper, phase_panel(curves, upper.x.limits)]
-    measured = curves[0].frf
-    if measured.coherence is not None:
-        axes = (upper.x, Scale("coherence, 1", (0.0, 1.08), ticks=(0.0, 0.5, 1.0)))
-        # 0.9 is what ISO 7626-5 asks for
-        marks = (Rule(0.9, REF, across=True),
-                 Line(measured.frequency, measured.coherence, MEASURED))  # fmt: skip
-        strip.append(Panel(*axes, marks, height=50))
-    return tuple(strip)
+    return (*strip, *coherence_panels(curves[0].frf, upper.x))
+
+
+def coherence_panels(measured: FRF, frequency: Scale) -> tuple[Panel, ...]:
+    """The coherence of a measured FRF over the same axis; none of what has none."""
+    if measured.coherence is None:
+        return ()
+    axes = (frequency, Scale("coherence, 1", (0.0, 1.08), ticks=(0.0, 0.5, 1.0)))
+    # 0.9 is what ISO 7626-5 asks for
+    marks = (Rule(0.9, REF, across=True),
+             Line(measured.frequency, measured.coherence, MEASURED))  # fmt: skip
+    return (Panel(*axes, marks, height=50),)
 
 
 def _area(

@@ -8,14 +8,15 @@ The rows of the covariance are k in N/m and ln tau; what people read follows by 
 
 Intervals are Student's, symmetric in k and in ln tau (so tau > 0 always). Where a profile
 likelihood is stored it replaces them: both ends are where the deviance reaches the quantile, and
-an end that the data leave open is open.
+an end that the data leave open is open. What a rig may have done unseen no deviance shows: its part
+of the covariance lengthens either side of a profile by the root of the sum of squares.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
-from math import exp, inf, isfinite, nan, sqrt
+from math import exp, hypot, inf, isfinite, nan, sqrt
 from typing import TYPE_CHECKING, Any, NamedTuple, TypedDict, cast
 
 import numpy as np
@@ -117,6 +118,11 @@ class Profile(Frozen):
             )
         super().__post_init__()
 
+    @property
+    def best(self) -> float:
+        """Where the deviance is least."""
+        return float(self.value[int(np.argmin(self.deviance))])
+
 
 @dataclass(frozen=True)
 class Nuisance:
@@ -163,13 +169,17 @@ class ParameterEstimate(ByValue):
         and ``"b"`` if it was fitted; of a fractional Zener solid ``"k_inf"``, ``"k_0"``,
         ``"ln_tau"`` and ``"alpha"``. Stiffness in N/m, ln of tau in s.
     covariance : array, shape (p, p)
-        Of those parameters, for correlated residuals. Infinite where not identified.
+        Of those parameters, for correlated residuals and for all that a rig may have done unseen.
+        Infinite where not identified.
     dof : float
         Degrees of freedom of the t quantile: effective samples less parameters.
     residual : Residual
     profiles : tuple of Profile
-        Where the covariance is no good guide to an interval.
+        Where the covariance is no good guide to an interval; of the noise alone.
     nuisance : tuple of Nuisance
+    of_noise : array, shape (p, p), or None
+        The covariance for the residuals alone, which decides what the data can tell apart; None
+        where no rig was doubted and it is all there is.
     """
 
     parameters: tuple[str, ...]
@@ -178,32 +188,64 @@ class ParameterEstimate(ByValue):
     residual: Residual
     profiles: tuple[Profile, ...] = ()
     nuisance: tuple[Nuisance, ...] = ()
+    of_noise: FloatArray | None = None
 
     def __post_init__(self) -> None:
-        covariance = np.asarray(self.covariance, dtype=float)
         size = len(self.parameters)
-        if covariance.shape != (size, size):
-            raise DataError(
-                f"covariance has shape {covariance.shape}, expected {(size, size)}: "
-                "one row per parameter"
-            )
-        object.__setattr__(self, "covariance", frozen(covariance))
+        for name in ("covariance", "of_noise"):
+            matrix = getattr(self, name)
+            if matrix is None:
+                continue
+            covariance = np.asarray(matrix, dtype=float)
+            if covariance.shape != (size, size):
+                raise DataError(
+                    f"{name} has shape {covariance.shape}, expected {(size, size)}: "
+                    "one row per parameter"
+                )
+            object.__setattr__(self, name, frozen(covariance))
 
-    def widened(self, by: FloatArray) -> ParameterEstimate:
-        """With further errors, that move the parameters by a column each, shape (p, d)."""
-        return replace(self, covariance=self.covariance + by @ by.T)
+    @property
+    def noise_alone(self) -> ParameterEstimate:
+        """As if the rig had done nothing unseen: what the data can tell apart."""
+        if self.of_noise is None:
+            return self
+        return replace(self, covariance=self.of_noise, of_noise=None)
+
+    def with_rig(self, unseen: FloatArray) -> ParameterEstimate:
+        """With what doubts of a rig move the parameters by, a column each, shape (p, d)."""
+        return replace(
+            self,
+            covariance=self.covariance + unseen @ unseen.T,
+            of_noise=self.noise_alone.covariance,
+        )
+
+    def scaled(self, by: FloatArray) -> ParameterEstimate:
+        """Of parameters so many times as large each, shape (p,)."""
+        each = np.outer(by, by)
+        return replace(
+            self,
+            covariance=self.covariance * each,
+            of_noise=None if self.of_noise is None else self.of_noise * each,
+        )
 
     def of_arms(self, solid: FractionalZener) -> ParameterEstimate:
         """What is known of a fractional solid, as of the arms that stand for it: to first order."""
         gradient = solid.arm_gradient()
         rows = [self.parameters.index(name) for name in ELEMENT]
-        own = self.covariance[np.ix_(rows, rows)]
-        if np.isfinite(own).all():
-            covariance = gradient @ own @ gradient.T
-        else:
-            covariance = np.diag(np.full(len(gradient), inf))
-        names = parameter_names(len(gradient) // 2)
-        return ParameterEstimate(names, covariance, self.dof, self.residual)
+
+        def of_arms(covariance: FloatArray) -> FloatArray:
+            own = covariance[np.ix_(rows, rows)]
+            if not np.isfinite(own).all():
+                return np.diag(np.full(len(gradient), inf))
+            return np.asarray(gradient @ own @ gradient.T)
+
+        return ParameterEstimate(
+            parameter_names(len(gradient) // 2),
+            of_arms(self.covariance),
+            self.dof,
+            self.residual,
+            of_noise=None if self.of_noise is None else of_arms(self.of_noise),
+        )
 
     def errors_of_vibration(
         self, model: GeneralizedMaxwell, s: ComplexArray
@@ -301,6 +343,7 @@ class ParameterEstimate(ByValue):
         """
         quantile = self.quantile(level)
         profiles = {profile.parameter: profile for profile in self.profiles}
+        noise = {row.name: row.error for row in self.noise_alone._rows(solid)}
         found = {}
         for row in self._rows(solid):
             profile = profiles.get(f"ln_{row.name}" if row.log else row.name)
@@ -310,6 +353,10 @@ class ParameterEstimate(ByValue):
                 low, high = at - reach, at + reach
             else:
                 low, high = profile_interval(profile, deviance_limit=quantile**2)
+                unseen = row.error**2 - noise[row.name] ** 2 if isfinite(row.error) else 0.0
+                if unseen > 0:
+                    at, further = profile.best, quantile * sqrt(unseen)
+                    low, high = at - hypot(at - low, further), at + hypot(high - at, further)
             ends = (_exp(low), _exp(high)) if row.log else (max(low, 0.0), min(high, row.most))
             found[row.name] = ends
         return found

@@ -293,10 +293,11 @@ class Fit(ByValue, Pictured, Documented):
         "standard_error=errors_by_arm~", "interval_95=intervals_95~", "estimate.residual",
         "band_hz=evidence.band", "elastic_law", "left_open=evidence.end_of_hold",
         "temperature=temperatures", "mass=mass_found?", "evidence.creep?", "provenance.method",
-        "estimate.parameters", "estimate.covariance", "estimate.dof", "evidence.orders",
-        "evidence.certificate", "estimate.profiles", "estimate.nuisance", "evidence.checks",
-        "provenance.source", "provenance.steps", "evidence.by_depth", "provenance.specimen",
-        "evidence.moved", "evidence.explanations", "evidence.alternative", "unit",
+        "estimate.parameters", "estimate.covariance", "estimate.of_noise?", "estimate.dof",
+        "evidence.orders", "evidence.certificate", "estimate.profiles", "estimate.nuisance",
+        "evidence.checks", "provenance.source", "provenance.steps", "evidence.by_depth",
+        "provenance.specimen", "evidence.moved", "evidence.explanations", "evidence.alternative",
+        "unit",
     )  # fmt: skip
 
     solid: Solid
@@ -497,7 +498,7 @@ class Fit(ByValue, Pictured, Documented):
 
     @property
     def covariance(self) -> FloatArray:
-        """Covariance of the parameters, shape (p, p)."""
+        """Covariance of the parameters, shape (p, p): of the noise and of what rigs may add."""
         return self.estimate.covariance
 
     @property
@@ -524,7 +525,9 @@ class Fit(ByValue, Pictured, Documented):
     def standard_error(self) -> StandardErrors:
         """Standard errors of k_inf, and of k, tau and b = k tau of each arm, SI units.
 
-        Of a fractional solid, those of the arms that stand for it follow from its own four.
+        Of a fractional solid, those of the arms that stand for it follow from its own four. Of one
+        relaxation test they hold what its rig may have done unseen; without it they are those of
+        `estimate.noise_alone`.
         """
         return self._of_arms.standard_errors(self.model)
 
@@ -825,10 +828,13 @@ class Fit(ByValue, Pictured, Documented):
         scaled = self._scaled(left.value, step)
         here = {one.name: one.value for one in self.estimate.facts(self.solid, self.unit)}
         k = np.array([here.get(name, 0.0) for name in self.parameters])
-        covariance = scaled.covariance + error**2 * np.outer(k, k)
+        known, by = scaled.estimate, error**2 * np.outer(k, k)
+        of_noise = None if known.of_noise is None else known.of_noise + by
         return replace(
             scaled,
-            estimate=replace(scaled.estimate, covariance=covariance, profiles=()),
+            estimate=replace(
+                known, covariance=known.covariance + by, of_noise=of_noise, profiles=()
+            ),
             evidence=replace(scaled.evidence, checks=(*self.checks, *checks)),
         )
 
@@ -935,8 +941,7 @@ class Fit(ByValue, Pictured, Documented):
             elastic_law=None if self.elastic_law is None else count * self.elastic_law,
             temperatures=None if self.temperatures is None else self.temperatures.times(scale),
             estimate=replace(
-                self.estimate,
-                covariance=self.covariance * np.outer(scale, scale),
+                self.estimate.scaled(scale),
                 profiles=tuple(one for one in self.profiles if one.parameter.startswith("ln_tau")),
                 nuisance=(),
             ),

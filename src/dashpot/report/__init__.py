@@ -1,22 +1,27 @@
-"""A study, a fit of several levels, or another judged result to one self-contained HTML file."""
+"""A study or another judged result to one self-contained HTML file."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from dashpot.base.offered import Judged
 from dashpot.base.provenance import Step
-from dashpot.report import answer, judged, level, summary, tables
+from dashpot.door.closing_result import ClosingResult
+from dashpot.door.result import DoorResult
+from dashpot.plot.picture import Picture
+from dashpot.report import answer, door, judged, summary, tables
 from dashpot.report.figures import figures_of
 from dashpot.report.pages import COLOURS, environment, frame
-from dashpot.workflow.levels import Levels
 from dashpot.workflow.recommendation import recommendation
 from dashpot.workflow.study import Study
 
-__all__ = ["html"]
+__all__ = ["door_html", "html"]
 
 
-def html(study: Study | Levels | Judged) -> str:
+def html(
+    study: Study | Judged, *, lead: Picture | None = None, beside: Sequence[Picture] = ()
+) -> str:
     """Return the report as one self-contained HTML file.
 
     The first screen holds the verdict, the figure that answers, and the solid to take; then test,
@@ -27,9 +32,12 @@ def html(study: Study | Levels | Judged) -> str:
 
     Parameters
     ----------
-    study : Study, Levels or another result of a kind
-        What ``dashpot report``, ``fit`` or ``predict`` found; of all but a study the page holds
-        verdict, figures, numbers, checks and files.
+    study : Study or another result of a kind
+        What ``dashpot report``, ``fit`` or ``predict`` found.
+    lead : Picture, optional
+        The figure that answers, where the caller knows more than the result tells; not of a study.
+    beside : sequence of Picture
+        Figures of the records behind it, which are folded; not of a study.
 
     Returns
     -------
@@ -38,10 +46,19 @@ def html(study: Study | Levels | Judged) -> str:
     """
     if isinstance(study, Study):
         name, contents = "report.html", _contents(study)
+    elif isinstance(study, DoorResult | ClosingResult):
+        return door_html(study)
     else:
-        found = level if isinstance(study, Levels) else judged
-        name, contents = "judged.html", found.contents(study)
+        name, contents = "judged.html", judged.contents(study, lead=lead, beside=beside)
     return str(environment("dashpot.report").get_template(name).render(contents))
+
+
+def door_html(*results: DoorResult | ClosingResult) -> str:
+    """Return the page of a door: how it vibrates, how it closes, or both."""
+    found = next((one for one in results if isinstance(one, DoorResult)), None)
+    closed = next((one for one in results if isinstance(one, ClosingResult)), None)
+    template = environment("dashpot.report").get_template("door.html")
+    return str(template.render(door.contents(found, closed)))
 
 
 def _contents(study: Study) -> dict[str, Any]:

@@ -121,18 +121,17 @@ def lights(study: Study, found: Recommendation) -> tuple[Light, Light, Light]:
     fit that failed agrees with the hammer for the wrong reason.
     """
     hammer = () if study.measured is None else study.measured.checks
-    mark = mark_of((*study.fit.checks, *hammer))
-    says = {"good": "valid", "note": "valid, with notes", "care": "limited", "bad": "not valid"}
+    test = test_light((*study.fit.checks, *hammer))
     held = study.joint_comparison if found.joint else study.comparison
     if held is None:
         untested = "no hammer test"
         return (
-            Light("Test", mark, says[mark]),
+            test,
             Light("Stiffness", "note", untested),
             Light("Damping", "note", untested),
         )
     return (
-        Light("Test", mark, says[mark]),
+        test,
         _light(
             "Stiffness", held, {"stiffness_agrees"}, f"{percent(held.frequency_error)} in frequency"
         ),
@@ -143,6 +142,13 @@ def lights(study: Study, found: Recommendation) -> tuple[Light, Light, Light]:
             f"{decibels(held.ratio_db)} at the peak",
         ),
     )
+
+
+def test_light(checks: Iterable[Check]) -> Light:
+    """Whether the test is sound, by what it was asked."""
+    mark = mark_of(checks)
+    says = {"good": "valid", "note": "valid, with notes", "care": "limited", "bad": "not valid"}
+    return Light("Test", mark, says[mark])
 
 
 def _light(name: str, held: Comparison, asked: set[str], off: str) -> Light:

@@ -52,10 +52,17 @@ class Drawn:
     columns: int
 
 
-def drawn(picture: plot.Picture, *, width: float | None = None, low: float | None = None) -> Drawn:
+def drawn(
+    picture: plot.Picture,
+    *,
+    width: float | None = None,
+    low: float | None = None,
+    phone: int = 1,
+) -> Drawn:
     """Draw a picture for a page: `width` px wide, by default what its columns leave.
 
-    On a phone and on paper its panels are `low` px high together at most, if that is given.
+    On a phone and on paper its panels are `low` px high together at most, if that is given. On a
+    phone `phone` strips stand beside each other, on paper three at most.
     """
     name = checked(picture.name)
     columns = min(picture.columns, len(picture.strips))
@@ -70,9 +77,11 @@ def drawn(picture: plot.Picture, *, width: float | None = None, low: float | Non
     key = tuple(
         (swatch(mark, name=f"{name}-key{i}"), mark.label) for i, mark in enumerate(picture.key)
     )
-    most, sheet = low or math.inf, (PAPER - 24 * (columns - 1)) / columns
+    on_paper = min(columns, 3)
+    most, sheet = low or math.inf, (PAPER - 24 * (on_paper - 1)) / on_paper
+    small = (PHONE - 16 * (phone - 1)) / phone
     paper = strips(sheet, "paper", most) if low or columns > 2 else ()
-    made = strips(each, "wide"), strips(PHONE, "narrow", most), paper
+    made = strips(each, "wide"), strips(small, "narrow", most), paper
     return Drawn(name, picture.caption, picture.stamp, *made, key, columns)
 
 

@@ -1,64 +1,83 @@
-"""The page of a result that was judged: verdict, picture, numbers, checks and files."""
+"""The page of a result that was judged: one grammar for every kind."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 from dashpot.base.documents import Documented
-from dashpot.base.facts import Fact
-from dashpot.base.offered import Judged
-from dashpot.base.provenance import Source
 from dashpot.plot.picture import Picture
-from dashpot.report.figures import drawn
+from dashpot.report.answer import Attachment, tally
+from dashpot.report.figures import LEAD, Drawn, drawn
+from dashpot.report.kind_page import Fold, KindPage
+from dashpot.report.of_kinds import kind_page
 from dashpot.report.pages import COLOURS, frame, held
-from dashpot.report.tables import TextTable, checks
+from dashpot.report.tables import checks
+
+_COLUMNS = 2
+"""Strips side by side in the figure of a page, at most."""
 
 
-def contents(found: Any) -> dict[str, Any]:
-    """What the page of a result of a kind holds: all that its facts tell."""
-    rows = tuple(_row(one) for one in found.facts)
-    picture = found.plot()
-    table = TextTable(("", "value", "± SE", "95 % interval", "unit"), rows)
+def contents(
+    found: Any, *, lead: Picture | None = None, beside: Sequence[Picture] = ()
+) -> dict[str, Any]:
+    """What the page of a result of a kind holds.
+
+    Parameters
+    ----------
+    found
+        It was judged.
+    lead : Picture, optional
+        The figure that answers, where more is known than `found` itself tells.
+    beside : sequence of Picture
+        Figures of the records behind it, which are folded.
+    """
+    page = kind_page(found)
+    figure = lead or page.picture
+    folds = (*(Fold("The test", one.caption, None, one) for one in beside), *page.folds)
+    names = dict.fromkeys(one.file for one in page.sources)
+    weighed = found.verdict.because
+    also = [one for one in dict.fromkeys(found.checks) if one.failed and one not in weighed]
+    document = f"{page.name}.json"
+    link = held("application/json", text_of(found))
+    whole = Attachment(document, f"Download {document}", "every number", link)
     return {
-        **judged(found, picture, table, found.sources, name=picture.name),
-        "drawn_as": "Picture",
-        "told_as": "Numbers",
-        "beyond": "",
+        **frame(),
+        "title": ", ".join(names) or page.about,
+        "page": page,
+        "verdict": found.verdict,
+        "colour": COLOURS[found.verdict.use],
+        "figures": {"lead": _wide(figure, "lead")}
+        | {
+            f"fold{i}": _wide(one.picture, f"fold{i}") for i, one in enumerate(folds) if one.picture
+        },
+        "folds": folds,
+        "weighty": (*weighed, *also),
+        "tally": tally(dict.fromkeys(found.checks), found.checks),
+        "checks": checks([(page.name, found.checks)], found.checks),
+        "sources": page.sources,
+        "simulated": list(dict.fromkeys(one.file for one in page.sources if one.simulated)),
+        "files": (whole, *page.files),
     }
+
+
+def _wide(picture: Picture, name: str) -> Drawn:
+    """A figure for the 760 px of a page, or for less."""
+    columns = min(picture.columns, len(picture.strips), _COLUMNS)
+    each = (LEAD - 24 * (columns - 1)) / columns
+    return drawn(replace(picture, name=name, columns=columns), width=each)
 
 
 def paged(found: object) -> bool:
     """Whether a result has all that its page holds."""
-    return isinstance(found, Judged) and bool(found.facts) and hasattr(found, "sources")
+    try:
+        return isinstance(kind_page(found), KindPage)
+    except TypeError:
+        return False
 
 
-def _row(one: Fact) -> tuple[str, ...]:
-    cells = one.cells
-    return one.symbol, cells.value, cells.error, cells.interval, cells.unit
-
-
-def judged(
-    found: Any, picture: Picture, numbers: TextTable, sources: Sequence[Source], *, name: str
-) -> dict[str, Any]:
-    """What every such page holds."""
-    names = dict.fromkeys(one.file for one in sources)
-    return {
-        **frame(),
-        "title": ", ".join(names) or name,
-        "verdict": found.verdict,
-        "colour": COLOURS[found.verdict.use],
-        "figures": {picture.name: drawn(picture)},
-        "numbers": numbers,
-        "checks": checks([(name, found.checks)], found.checks),
-        "sources": tuple(dict.fromkeys(sources)),
-        "simulated": list(dict.fromkeys(one.file for one in sources if one.simulated)),
-        "document": f"{name}.json",
-        "link": held("application/json", document(found)),
-    }
-
-
-def document(found: Documented) -> str:
+def text_of(found: Documented) -> str:
     """The JSON that ``dashpot fit --json`` prints."""
     return json.dumps(found.document, indent=2, ensure_ascii=False, allow_nan=False)

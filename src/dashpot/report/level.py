@@ -1,14 +1,11 @@
-"""What is read of a fit of several levels: its numbers in the units of people, and its page."""
+"""What is read of a fit of several levels: its numbers in the units of people."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
-from dashpot import plot
 from dashpot.base.arrays import FloatArray
 from dashpot.base.facts import Fact
 from dashpot.base.numbers import rounded
@@ -16,27 +13,12 @@ from dashpot.kinds.level.hits import HitLevels
 from dashpot.kinds.level.levels import Elements, LevelFit
 from dashpot.kinds.level.record import AmplitudeFit
 from dashpot.plot.picture import unit_of
-from dashpot.report.judged import judged
-from dashpot.report.tables import TextTable
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.rate_independent import InParallel
 from dashpot.workflow.levels import Levels
 
 _FINEST = 1e-6
 """Part of a number to which it is known at best: no sweep has more digits."""
-
-
-def contents(found: Levels) -> dict[str, Any]:
-    """What the page of a fit of several levels holds."""
-    rows = [(one.called, *one.ends, one.word) for one in numbers(found)]
-    picture = replace(plot.level(found.fit, found.records), name="level")
-    table = TextTable(("", "value", "95 % from", "to", "unit"), tuple(rows))
-    return {
-        **judged(found, picture, table, found.source, name="levels"),
-        "drawn_as": "Measured and fitted",
-        "told_as": "What amplitude does",
-        "beyond": beyond(found),
-    }
 
 
 def numbers(found: Levels) -> list[Fact]:

@@ -75,6 +75,7 @@ def _(noun: Prediction) -> Picture:
         labels=(still, *(f"at {one.level:.4g} {one.unit}" for one in levels)),
         band=noun.limits,
         interval=noun.interval,
+        informed=fit.band,
         ordered=bool(levels),
         intervals=[one.magnitude for one in noun.preloaded],
         stamp=plot.stamp(fit.source, fit.specimen, **rig),

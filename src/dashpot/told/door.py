@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import isnan
+
 from dashpot import workflow
 from dashpot.base.units import in_unit
 from dashpot.told.layout import Text, table
@@ -49,11 +51,8 @@ def _damped(value: float) -> str:
 
 def _beyond(found: workflow.DoorResult, frequency: float) -> str:
     """By what factor a frequency lies outside what the test of the seal informs."""
-    if found.fit is None:
-        return ""
-    low, high = found.fit.band
-    factor = max(frequency / high, low / frequency) if high > 0 else float("inf")
-    return "inside" if factor <= 1 else f"{factor:.3g}"
+    factor = found.beyond(frequency)
+    return "" if isnan(factor) else "inside" if factor <= 1 else f"{factor:.3g}"
 
 
 def _shares(found: workflow.DoorResult, parts: list[str], *, loss: bool) -> list[list[str]]:

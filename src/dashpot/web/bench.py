@@ -11,6 +11,7 @@ from dashpot import plot
 from dashpot.base.progress import doing
 from dashpot.plot.picture import Picture
 from dashpot.records.fit import Fit
+from dashpot.report.of_kinds import kind_page
 from dashpot.report.pages import COLOURS
 from dashpot.web import views, wire
 from dashpot.web.requests import noun_of, sizes_of
@@ -51,14 +52,16 @@ def bench(request: Mapping[str, Any], folder: Path) -> bytes:
     """The fit of one such file: verdict, solid, checks, figures, and the command that gives it."""
     job = _asked(request, folder)
     found, picture = _fitted(job)
+    page = kind_page(found)
     return wire.packed(
         {
-            "verdict": views.verdict(found.verdict),
+            "verdict": views.verdict(found.verdict, page.lights),
             "colour": COLOURS[found.verdict.use],
             "solid": views.solid_table(found),
             "arms": found.model.arms,
             "checks": views.check_list(found.checks),
             "figures": views.bench_panels(picture, sizes_of(request).get("bench", WIDE)[0]),
+            "facts": [list(one) for one in page.strip],
             "simulated": any(source.simulated for source in found.source),
             "command": line("fit", job),
         }

@@ -11,8 +11,9 @@ from dashpot import plot
 from dashpot.base.errors import DataError
 from dashpot.base.progress import doing
 from dashpot.plot.picture import Picture
-from dashpot.report.judged import document
+from dashpot.report.judged import text_of
 from dashpot.report.level import beyond, numbers
+from dashpot.report.of_kinds import kind_page
 from dashpot.report.pages import COLOURS
 from dashpot.web import views, wire
 from dashpot.web.bench import KEPT, WIDE
@@ -44,15 +45,17 @@ def level(request: Mapping[str, Any], folder: Path) -> bytes:
     """The fit of such files: verdict, numbers, checks, figures, and the command that gives it."""
     asked = _asked(request, folder)
     found, picture = _fitted(asked)
+    page = kind_page(found)
     rows = [views.term(one) for one in numbers(found)]
     return wire.packed(
         {
-            "verdict": views.verdict(found.verdict),
+            "verdict": views.verdict(found.verdict, page.lights),
             "colour": COLOURS[found.verdict.use],
             "solid": views.term_table("What amplitude does", rows, beyond(found)),
             "arms": "",
             "checks": views.check_list(found.checks),
             "figures": views.bench_panels(picture, sizes_of(request).get("bench", WIDE)[0]),
+            "facts": [list(one) for one in page.strip],
             "simulated": any(source.simulated for source in found.source),
             "command": line("fit", asked),
         }
@@ -62,5 +65,5 @@ def level(request: Mapping[str, Any], folder: Path) -> bytes:
 def take_level(request: Mapping[str, Any], folder: Path) -> bytes:
     """The fit as its JSON, as ``dashpot fit --json`` prints it."""
     found, _ = _fitted(_asked(request, folder))
-    text = document(found)
+    text = text_of(found)
     return wire.packed({"name": "levels.json", "kind": "application/json", "text": text})

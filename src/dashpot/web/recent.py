@@ -14,6 +14,7 @@ from dashpot.base.atomic import write_whole
 
 MOST = 12
 """Folders of the list."""
+_LIST = "recent.json"
 WHERE = "DASHPOT_STATE"
 """Name of the variable that says where the list is kept instead."""
 
@@ -30,27 +31,27 @@ def remember(folder: Path) -> None:
     kept = [one for one in _listed() if one["folder"] != path]
     listed = [{"folder": path, "name": folder.resolve().name, "when": now}, *kept][:MOST]
     with suppress(OSError):
-        _place().parent.mkdir(parents=True, exist_ok=True, mode=0o700)
-        write_whole(_place(), json.dumps(listed, indent=1).encode())
+        place_of(_LIST).parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+        write_whole(place_of(_LIST), json.dumps(listed, indent=1).encode())
 
 
 def _listed() -> list[dict[str, Any]]:
     try:
-        found = json.loads(_place().read_text(encoding="utf-8"))
+        found = json.loads(place_of(_LIST).read_text(encoding="utf-8"))
         return [{name: str(one[name]) for name in ("folder", "name", "when")} for one in found]
     except (OSError, ValueError, TypeError, KeyError):
         return []
 
 
-def _place() -> Path:
+def place_of(name: str) -> Path:
     """Where this system keeps what a program remembers of its user."""
     stated = os.environ.get(WHERE)
     if stated:
-        return Path(stated) / "recent.json"
+        return Path(stated) / name
     home = Path.home()
     by_system = {
         "win32": Path(os.environ.get("LOCALAPPDATA", home / "AppData" / "Local")),
         "darwin": home / "Library" / "Application Support",
     }
     usual = Path(os.environ.get("XDG_STATE_HOME") or home / ".local" / "state")
-    return by_system.get(sys.platform, usual) / "dashpot" / "recent.json"
+    return by_system.get(sys.platform, usual) / "dashpot" / name

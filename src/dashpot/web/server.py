@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 from dashpot.base import plugins
 from dashpot.base.errors import DashpotError, DataError
 from dashpot.plot import tokens
+from dashpot.web import session
 from dashpot.web.form import filled
 from dashpot.web.guard import Guard
 from dashpot.web.lanes import FaultError, Lane, StoppedError
@@ -37,6 +38,7 @@ LANES = {
     "inspect": "settle", "live": "live", "predict": "live", "settle": "settle", "study": "slow",
     "take": "slow", "profile": "live", "project": "slow", "bench": "slow", "take-bench": "slow",
     "level": "slow", "take-level": "slow", "modes": "slow", "take-modes": "slow",
+    "against": "slow", "judged": "slow", "take-judged": "slow",
     "recent": "live", "folder": "settle", "row": "settle",
 }  # fmt: skip
 """Which lane answers which verb."""
@@ -49,7 +51,7 @@ _READS = {"inspect", "folder", "row"}
 """Verbs that wait for a file."""
 GRACE = 1
 """Seconds that a connection is given when the server ends."""
-_KEPT = {"settle", "study", "bench", "level", "modes"}
+_KEPT = {"settle", "study", "bench", "level", "modes", "judged", "against"}
 
 
 class Desk:
@@ -75,6 +77,8 @@ class Desk:
             ],
             "folders": [str(one.resolve()) for one in places if one.is_dir()],
         }
+        if not places and (left := session.left()):
+            self.state["left"] = left
 
     async def answer(self, verb: str, body: bytes) -> bytes:
         """Return the answer to a question, from memory where it was put before."""
@@ -110,7 +114,7 @@ class Desk:
         self.store.remove()
 
 
-_LISTS: dict[str, type] = {"files": dict, "open": dict, "folders": str}
+_LISTS: dict[str, type] = {"files": dict, "open": dict, "past": dict, "folders": str}
 """What the state of a page lists, and of what."""
 
 
@@ -200,6 +204,15 @@ def application(desk: Desk) -> Starlette:
     async def state(request: Request) -> Response:
         if request.method == "PUT":
             desk.state = state_of(await _body(request))
+            await asyncio.to_thread(session.keep, desk.state, desk.store)
+        return JSONResponse(desk.state)
+
+    async def resume(request: Request) -> Response:
+        if request.method == "DELETE":
+            session.forget()
+            desk.state.pop("left", None)
+        else:
+            desk.state = await asyncio.to_thread(session.resume, desk.store)
         return JSONResponse(desk.state)
 
     async def sentence(_: Request, error: Exception) -> Response:
@@ -230,6 +243,7 @@ def application(desk: Desk) -> Starlette:
             Route("/api/cancel", cancel, methods=["POST"]),
             Route("/api/working", working),
             Route("/api/state", state, methods=["GET", "PUT"]),
+            Route("/api/session", resume, methods=["POST", "DELETE"]),
             *_recording(desk),
             Route("/api/{verb}", ask, methods=["POST"]),
         ],

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from dashpot.web import bench, folders, level, modes, taking, work
+from dashpot.web import against, bench, folders, judging, level, modes, taking, work
 
 VERBS: Mapping[str, Callable[[Mapping[str, Any], Path], bytes]] = {
     "inspect": work.inspect, "live": work.live, "settle": work.settle, "predict": work.predict,
@@ -14,6 +14,7 @@ VERBS: Mapping[str, Callable[[Mapping[str, Any], Path], bytes]] = {
     "project": taking.project,
     "bench": bench.bench, "take-bench": bench.take_bench,
     "level": level.level, "take-level": level.take_level,
+    "against": against.against, "judged": judging.judge, "take-judged": judging.take_judged,
     "modes": modes.modes, "take-modes": modes.take_modes,
     "recent": folders.listed, "folder": folders.folder, "row": folders.row,
 }  # fmt: skip

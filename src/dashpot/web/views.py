@@ -15,45 +15,64 @@ from dashpot import plot
 from dashpot.base import units
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Verdict
-from dashpot.base.facts import Fact
-from dashpot.base.numbers import cell, rounded, symbol
+from dashpot.base.choices import Method, words
+from dashpot.base.facts import UNKNOWN, Fact
+from dashpot.base.numbers import cell, duration, rounded, shown, symbol
+from dashpot.base.sentences import sentences
 from dashpot.base.units import Dimension, in_unit, read_in
 from dashpot.io.columns.kinds import RECOGNISED
 from dashpot.kinds import KINDS
 from dashpot.plot import relaxation
 from dashpot.plot.layout import ROW
 from dashpot.plot.picture import (
+    JOINT,
     PREDICTED,
     REF,
+    Dots,
     Line,
     Mark,
     Panel,
     Pen,
     Picture,
     Rule,
+    Scale,
     Tag,
     joint_pen,
+    unit_of,
 )
 from dashpot.plot.svg import strip, swatch
 from dashpot.plot.thinning import extremes
-from dashpot.plot.vibration import SHOWN, Curve, magnitude_panel
+from dashpot.plot.vibration import (
+    SHOWN,
+    Curve,
+    Spread,
+    about_peaks,
+    coherence_panels,
+    curves_of,
+    magnitude_panel,
+    phase_panel,
+    resonance_curves,
+    spreads,
+)
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF, Kind
 from dashpot.records.relaxation import RampHold
 from dashpot.report import answer
-from dashpot.report.answer import GRADES, Row
+from dashpot.report.answer import GRADES, Light, Row
 from dashpot.report.figures import chart_of
+from dashpot.report.kind_page import Group
 from dashpot.report.pages import COLOURS, environment
 from dashpot.vibration.impact.hits import cut_hits
 from dashpot.web.words import on_page
 from dashpot.workflow.inspections import InspectedFile
+from dashpot.workflow.job import Job
 from dashpot.workflow.predictions import Prediction
-from dashpot.workflow.recommendation import recommendation
+from dashpot.workflow.recommendation import Answer, Recommendation
 from dashpot.workflow.study import Study
 
 ROLES = ("time", "displacement", "force", "hammer", "acceleration")
 """What a column of a relaxation test or of a hammer test can be."""
-_ALONE = ("response", "base", "bench", "level")
+_ALONE = ("response", "base", "bench", "level", "judged", "part")
 """Places of the page where a file is no part of a job, or not of one only."""
 ASKED: tuple[Dimension, ...] = ("time", "length", "force", "acceleration")
 """What its unit can be one of."""
@@ -62,6 +81,8 @@ SHORT = {
     "residual: range of samples": "range of samples", "residual: mean": "mean",
     "noise, one SD": "noise", "ramp": "", "eq. (5), hold only": "eq. (5)",
     "k∞, relaxation fit": "k∞", "k∞, fit": "k∞", "relaxation fit": "arms",
+    "predicted from relaxation": "predicted", "bound over unresolved arms": "bound",
+    "unresolved range": "out of reach", "other family from relaxation": "other family",
     "band that every accepted hit excites": "excited by all",
     "mode found": "mode", "new at its order": "new", "stable in frequency": "frequency stays",
     "stable in frequency and damping": "damping too",
@@ -69,12 +90,18 @@ SHORT = {
 """What the key calls a mark where the title has said the rest."""
 Sizes = Mapping[str, tuple[float, float]]
 """Width and height of the drawing of each panel, px."""
-UNKNOWN = (400.0, 180.0)
+UNSEEN = (400.0, 180.0)
 """Of one that is not shown yet, px."""
-AROUND = 2 * ROW + 6 + ROW + 4
-"""Of a drawing above and below its axes, px."""
+AT_ITS_LINE = {"displacement", "coherence"}
+"""What is named where it is drawn, and in no key."""
+NARROWEST = 160.0
+"""Of a drawing, px."""
+SHARE = {1: (1.0,), 2: (0.6, 0.4), 3: (0.56, 0.26, 0.18)}
+"""Of the height of a drawing, to each of its panels."""
 PULSE, PART = (88, 26), 0.1
 """Size of the drawing of a pulse, px; at which part of its peak it begins and ends."""
+ALIKE = 3.0
+"""Factor within which the arms of two solids stand for the same."""
 SINGLE = 8
 """Arms of a table that is read; more are a spectrum for a solver."""
 TWO, CARD = 700.0, 18.0
@@ -93,46 +120,102 @@ def piece(name: str, **values: Any) -> str:
 # -- panels ---------------------------------------------------------------------------------------
 
 
-def drawn(name: str, panel: Panel, sizes: Sizes) -> str:
-    """A panel as the page has it: the key, then the drawing at the size of its place."""
-    width, height = sizes.get(name, UNKNOWN)
-    panel = replace(panel, height=max(height - AROUND, LEAST))
-    key = Picture(name, "", ((panel,),)).key
+def drawn(
+    name: str, panels: Panel | tuple[Panel, ...], sizes: Sizes, *, title: str = "", note: str = ""
+) -> str:
+    """Panels as the page has them: the key, then the drawing at the size of its place.
+
+    Of several, one below the other, the first is as high as `SHARE` of them. A `title` replaces
+    what stands over the place; a `note` stands in place of the key.
+    """
+    width, height = sizes.get(name, UNSEEN)
+    strip_of = panels if isinstance(panels, tuple) else (panels,)
+    bare = bool(title)
+    around = 2 * ROW + 6 + len(strip_of) * (4 + ROW * (not bare)) + 10 * (len(strip_of) - 1)
+    room = max(height - around, LEAST * len(strip_of))
+    shares = SHARE[len(strip_of)]
+    strip_of = tuple(
+        replace(one, height=part * room, bare=bare, title="", note="" if bare else one.note)
+        for one, part in zip(strip_of, shares, strict=True)
+    )
+    key = [] if note else [one for one in Picture(name, "", (strip_of,)).key
+                           if one.label not in AT_ITS_LINE]  # fmt: skip
     samples = [(swatch(mark, name=f"{name}-k{i}"), mark.label) for i, mark in enumerate(key)]
-    svg = strip((panel,), name=name, width=max(width, 240.0), kind="figure")
-    return piece("figure", key=samples, svg=svg)
+    svg = strip(strip_of, name=name, width=max(width, NARROWEST), kind="figure")
+    return piece("figure", key=samples, svg=svg, title=title, note=note)
 
 
 def test_panels(fit: Fit, prepared: RampHold, by_eq5: Fit | None, sizes: Sizes) -> dict[str, str]:
-    """Ramp, hold, residual and spectrum of a fit."""
-    chosen = relaxation.fitted(fit, (), prepared)[0]
-    hold = relaxation.force_panel([chosen], prepared)
+    """Ramp, hold with its residual, and arms of a fit, in the colour of its solid."""
+    chosen = _shown_fit(fit, prepared)
+    other = None
     if by_eq5 is not None and fit.method != "hold":
-        t, force = relaxation.fitted_force(by_eq5, prepared)
-        curve = extremes(t, _scale(hold) * force, bins=200, log=True)
-        marks = (*hold.marks[:-1], Line(*curve, EQ5, "eq. (5), hold only"), hold.marks[-1])
-        hold = replace(hold, marks=marks)
-    panels = {
-        "ramp": relaxation.ramp_panel([chosen], prepared),
-        "hold": hold,
-        "residual": relaxation.residual_panel(chosen, prepared),
-        "spectrum": _named(plot.spectrum(fit).panels[0], fit),
-    }
-    return {name: drawn(name, _in_short(one), sizes) for name, one in panels.items()}
+        other = relaxation.DrawnFit(by_eq5, EQ5, *relaxation.fitted_force(by_eq5, prepared))
+    ramp, hold, rest = relaxation.upon_panels(chosen, prepared, other=other)
+    force, left = (one.y.label.rpartition(", ")[2] for one in (hold, rest))
+    noise, of = unit_of(np.array([prepared.force_noise]), "N")
+    scatter = rounded(of * prepared.force_noise, digits=2)
+    said = f"{rest.note.removesuffix(noise).rstrip()}, noise {scatter}"
+    said += f" {noise}" if noise != left else ""
+    arms = _named(plot.spectrum(fit).panels[0], fit)
+    return {
+        "ramp": drawn("ramp", _in_short(ramp), sizes, title=f"Ramp, {force}"),
+        "hold": drawn(
+            "hold", (_in_short(hold), _in_short(rest)), sizes,
+            title=f"Hold, {force}; residual, {left}", note=said,
+        ),
+        "spectrum": drawn(
+            "spectrum", _coloured(_in_short(arms), _ink(fit)), sizes,
+            title=f"{'Arms' if fit.family == 'maxwell' else 'Spectrum'}, "
+            f"{arms.y.label.rpartition(', ')[2]}",
+        ),
+    }  # fmt: skip
+
+
+def _shown_fit(fit: Fit, prepared: RampHold) -> relaxation.DrawnFit:
+    """A fit with its curve, in the colour of its solid."""
+    chosen = relaxation.fitted(fit, (), prepared)[0]
+    return chosen._replace(pen=replace(chosen.pen, colour=_ink(fit)))
+
+
+def _ink(fit: Fit) -> str:
+    """The colour of the solid: of the relaxation test alone, or of both tests."""
+    return "fit" if fit.method in words(Method) else "joint-ink"
+
+
+def _coloured(panel: Panel, colour: str) -> Panel:
+    """A panel whose marks of the fit have the colour of its solid."""
+
+    def own(mark: Mark) -> Mark:
+        if isinstance(mark, (Dots, Tag)) and mark.colour == "fit":
+            return replace(mark, colour=colour)
+        if isinstance(mark, Line) and mark.pen.colour == "fit":
+            return replace(mark, pen=replace(mark.pen, colour=colour))
+        return mark
+
+    return replace(panel, marks=tuple(map(own, panel.marks)))
 
 
 def _named(panel: Panel, fit: Fit) -> Panel:
-    """The spectrum with the name of each arm at its tip."""
-    if fit.family != "maxwell":
+    """The spectrum of the arms alone, each named at its tip; k∞ stands in the table."""
+    if fit.family != "maxwell" or not fit.model.arms:
         return panel
     k = in_unit(np.array(fit.model.k), read_in(fit.unit)).tolist()
-    arms = enumerate(zip(fit.model.tau, k, strict=True), 1)
-    tags = [Tag(tau, tip, symbol(f"tau_{j}"), "fit", "filled") for j, (tau, tip) in arms]
+    tips = list(zip(fit.model.tau, k, strict=True))
+    tags = [
+        Tag(tau, tip, f"{symbol(f'tau_{j}')} {duration(tau)}", "fit", "filled")
+        for j, (tau, tip) in enumerate(tips, 1)
+    ] if len(tips) <= SINGLE else []  # fmt: skip
     marks = (
-        replace(one, label="arms") if isinstance(one, Line) and one.label == "fit" else one
+        replace(one, label="") if isinstance(one, Line) and one.label else one
         for one in panel.marks
+        if not isinstance(one, Rule)
     )
-    return replace(panel, marks=(*marks, *tags))
+    tops = [one.y for one in panel.marks if isinstance(one, Line)]
+    top = 1.25 * max(float(np.nanmax(one)) for one in tops)
+    return replace(
+        panel, marks=(*marks, *tags), y=replace(panel.y, limits=(0.0, min(top, 2.5 * max(k))))
+    )
 
 
 def _in_short(panel: Panel) -> Panel:
@@ -146,17 +229,18 @@ def _in_short(panel: Panel) -> Panel:
     return replace(panel, marks=tuple(marks))
 
 
-def _scale(panel: Panel) -> float:
-    """From N to the unit of a panel of forces."""
-    return in_unit(1.0, panel.y.label.split(", ")[-1])
+def over(job: Job, quantity: Kind) -> str:
+    """What the panel of the response shows: the title of its place."""
+    name = quantity.value.replace("_", " ").capitalize()
+    return f"{name} of {weight(job)}, {SHOWN[quantity][0]}"
 
 
-def response_panel(predicted: FRF, sizes: Sizes) -> str:
+def response_panel(predicted: FRF, sizes: Sizes, title: str) -> str:
     """The predicted response before anything bounds it."""
     if predicted.quantity is Kind.TRANSMISSIBILITY:
         curve = Curve(predicted, "predicted from relaxation", PREDICTED)
-        return drawn("frf", magnitude_panel([curve]), sizes)
-    return drawn("frf", plot.resonance(None, predicted).panels[0], sizes)
+        return drawn("frf", magnitude_panel([curve]), sizes, title=title)
+    return drawn("frf", plot.resonance(None, predicted).panels[0], sizes, title=title)
 
 
 def bench_panels(picture: Picture, width: float) -> list[tuple[str, str]]:
@@ -171,31 +255,64 @@ def bench_panels(picture: Picture, width: float) -> list[tuple[str, str]]:
         svg = strip(
             panels, name=name, width=(width if narrow else (width - 8) / 2) - CARD, kind="figure"
         )
-        found.append((title, piece("figure", key=samples, svg=svg)))
+        found.append((title, piece("figure", key=samples, svg=svg, title="", note="")))
     return found
 
 
-def study_panel(study: Study, sizes: Sizes) -> str:
-    """The response of the mass, with all that is known of it; nothing without a mass."""
+def study_panel(study: Study, sizes: Sizes, title: str, *, phase: bool = False) -> str:
+    """The response of the mass, with all that is known of it; nothing without a mass.
+
+    Of a study of both tests the solid of both is held against the hammer, and that of the
+    relaxation test alone stands dotted beside it. With the `phase` it is drawn below, and the
+    coherence.
+    """
     if study.prediction is None:
         return ""
-    predicted, failed = study.prediction, study.joint is not None
-    failed = failed and study.joint.verdict.use == "do not use"  # type: ignore[union-attr]
-    picture = plot.resonance(
-        study.comparison, predicted, joint=study.joint_comparison, failed=failed,
-        band=study.frf_band, rival=study.rival,
+    curves, limits = _responses(study)
+    panel = magnitude_panel(curves, limits, view=about_peaks(curves), tagged=True)
+    below: tuple[Panel, ...] = ()
+    if phase:
+        below = (phase_panel(curves, panel.x.limits), *_coherence(study, panel.x))
+    return drawn("frf", tuple(map(_in_short, (panel, *below))), sizes, title=title)
+
+
+def _coherence(study: Study, frequency: Scale) -> tuple[Panel, ...]:
+    if study.measured is None:
+        return ()
+    return tuple(
+        replace(one, marks=tuple(
+            replace(mark, label="coherence") if isinstance(mark, Line) else mark
+            for mark in one.marks
+        ))
+        for one in coherence_panels(study.measured, frequency)
     )  # fmt: skip
-    return drawn("frf", picture.panels[0], sizes)
 
 
-def base_panel(found: Prediction, joint: bool, sizes: Sizes) -> str:
+def _responses(study: Study) -> tuple[list[Curve], tuple[Spread, ...]]:
+    """The curves of the tab's solid, the hammer's, and what the prediction leaves open."""
+    joint, alone = study.joint_comparison, study.comparison
+    if joint is None or alone is None or study.prediction is None:
+        return _predicted_curves(study), spreads(study.frf_band)[:1]
+    failed = study.joint is not None and study.joint.verdict.use == "do not use"
+    measured, relaxed, both = curves_of(alone, joint, failed=failed)
+    if both.pen is JOINT:
+        both = replace(both, label="both tests")
+    return [measured, both, replace(relaxed, label="relaxation alone", pen=REF)], ()
+
+
+def _predicted_curves(study: Study) -> list[Curve]:
+    """The prediction from the relaxation test, as the figure of a resonance has it."""
+    return resonance_curves(study.comparison, study.prediction, rival=study.rival)  # type: ignore[arg-type]
+
+
+def base_panel(found: Prediction, joint: bool, sizes: Sizes, title: str) -> str:
     """The transmissibility to the mass, its peak, and from where on the mass is isolated."""
     pen, name = joint_pen(failed=False) if joint else (PREDICTED, "predicted from relaxation")
     panel = magnitude_panel([Curve(found.frf, name, pen, found.peak)], tagged=True)
     if found.isolation is not None:
         said = f"less than its base above {rounded(found.isolation, digits=4)} Hz"
         panel = replace(panel, marks=(*panel.marks, Rule(found.isolation, REF, label=said)))
-    return drawn("frf", panel, sizes)
+    return drawn("frf", panel, sizes, title=title)
 
 
 def hit_panels(study: Study, sizes: Sizes) -> dict[str, str]:
@@ -233,14 +350,8 @@ class LiveCurves(NamedTuple):
 
 def live_test(fit: Fit, prepared: RampHold, by_eq5: Fit | None) -> LiveCurves:
     """What a fit says while a handle is held: its curves, its residual, its numbers."""
-    chosen = relaxation.fitted(fit, (), prepared)[0]
-    ramp, hold = (
-        relaxation.ramp_panel([chosen], prepared),
-        relaxation.force_panel([chosen], prepared),
-    )
-    curves = {"ramp/fit": ramp.marks[-1], "hold/fit": hold.marks[-1]}
-    rest = relaxation.residual_panel(chosen, prepared)
-    curves["residual/mean"] = rest.marks[-1]
+    ramp, hold, rest = relaxation.upon_panels(_shown_fit(fit, prepared), prepared)
+    curves = {"ramp/fit": ramp.marks[-2], "hold/fit": hold.marks[-2], "hold/mean": rest.marks[-1]}
     arrays: dict[str, FloatArray] = {}
     for name, mark in curves.items():
         if isinstance(mark, Line):
@@ -275,9 +386,17 @@ def live_response(predicted: FRF) -> LiveCurves:
 # -- pieces of the page ---------------------------------------------------------------------------
 
 
-def verdict(found: Verdict) -> str:
-    """The verdict in colour and words."""
-    return piece("verdict", verdict=found, colour=COLOURS[found.use])
+def verdict(found: Verdict, lights: Sequence[Light] = ()) -> str:
+    """The verdict in colour and words, with its lights."""
+    return piece("verdict", verdict=found, colour=COLOURS[found.use], lights=lights)
+
+
+def lights_alone(fit: Fit) -> tuple[Light, ...]:
+    """What is known before the hammer is compared, or the limits are sought."""
+    return (
+        answer.test_light(fit.checks),
+        *(Light(name, "open", "not yet known") for name in ("Stiffness", "Damping")),
+    )
 
 
 class Term(NamedTuple):
@@ -305,6 +424,54 @@ def term(fact: Fact) -> Term:
     # known to half of itself is seen; beyond, it is not determined
     mark = "good" if 0 < half < 0.5 * abs(fact.value) else "care"
     return Term(fact.symbol, *fact.ends, fact.word, mark)
+
+
+class ArmRow(NamedTuple):
+    """A spring or an arm: stiffness and relaxation time, each with its standard error."""
+
+    name: str
+    k: str
+    k_error: str
+    tau: str
+    tau_error: str
+    mark: str
+    note: str = ""
+
+
+def arms_table(fit: Fit, *, alone: Fit | None = None) -> str:
+    """The solid of one seal, one row an arm; those that no test `alone` shows are the hammer's.
+
+    A solid that has no arms, or more than are read, is told as its terms.
+    """
+    if fit.family != "maxwell" or fit.model.arms > SINGLE:
+        return solid_table(fit)
+    known = {one.name: one for one in fit.known}
+    pairs = [("spring at rest", "k_inf", "")]
+    pairs += [(f"arm {j}", f"k_{j}", f"tau_{j}") for j in range(1, fit.model.arms + 1)]
+    if "b" in known:
+        pairs.append(("dashpot", "b", ""))
+    rows = []
+    for name, *of in pairs:
+        facts = [known[one] for one in of if one in known]
+        cells = [text for one in facts for text in (one.ends[0], _plus_minus(one))]
+        marks = [term(one).mark for one in facts]
+        new = len(facts) > 1 and alone is not None and not any(
+            1 / ALIKE < facts[1].value / tau < ALIKE for tau in alone.model.tau
+        )  # fmt: skip
+        if name == "dashpot":
+            name += f", {facts[0].word}"  # noqa: PLW2901
+        k, k_error, tau, tau_error = (*cells, "", "")[:4]
+        mark = max(marks, key=answer.ORDER.index)
+        rows.append(ArmRow(name, k, k_error, tau, tau_error, mark, "hammer" if new else ""))
+    unit = known["k_inf"].word
+    return piece("arms", rows=rows, unit=unit, of=fit.identity)
+
+
+def _plus_minus(fact: Fact) -> str:
+    """The standard error of a number; its highest value where that is all that is known."""
+    if fact.topped or fact.bound_alone:
+        return f"≤ {fact.ends[2]}"
+    return "not known" if fact.cells.error == UNKNOWN else fact.cells.error
 
 
 def solid_table(fit: Fit) -> str:
@@ -346,26 +513,64 @@ def _pads(texts: Sequence[str]) -> list[str]:
 
 
 def check_list(checks: Sequence[Check]) -> str:
-    """What failed, the gravest first, and how many were judged."""
+    """What failed, the gravest first, and how many were judged, each grade apart."""
     distinct = list(dict.fromkeys(checks))
-    failed = [(GRADES[one.grade], one.told) for one in distinct if one.failed]
-    failed.sort(key=lambda pair: -answer.ORDER.index(pair[0]))
+    failed = [(GRADES[one.grade], *_split(one), one.told) for one in distinct if one.failed]
+    failed.sort(key=lambda row: -answer.ORDER.index(row[0]))
     passed = sum(one.passed is True for one in distinct)
-    return piece("checks", failed=failed, passed=passed, judged=passed + len(failed))
+    grades = [
+        (mark, f"{count} {grade}{'' if count == 1 else 's'}")
+        for grade, mark in reversed(GRADES.items())
+        if (count := sum(one[0] == mark for one in failed))
+    ]
+    grades.sort(key=lambda pair: -answer.ORDER.index(pair[0]))
+    return piece("checks", failed=failed, passed=passed, judged=passed + len(failed), grades=grades)
 
 
-def answers(study: Study) -> str:
-    """The numbers that one came for, as the report's first screen has them."""
-    found = recommendation(study)
+def _split(check: Check) -> tuple[str, str]:
+    """What was found, in one sentence, and what to do about it."""
+    return sentences(check.says)[0], check.remedy.words if check.remedy else ""
+
+
+def answers(study: Study, found: Recommendation) -> str:
+    """The numbers that one came for, of the solid of the tab."""
     title, rows = answer.under_mass(study, found)
-    every: list[tuple[str, tuple[Row, ...]]] = [(title, rows)] if rows else []
-    every.append(("One seal", answer.rows(found.one_seal)))
-    return piece(
-        "answers",
-        heading=answer.heading(found),
-        groups=every,
-        measured=study.comparison is not None,
-    )
+    every: list[tuple[str, list[Row]]] = []
+    if rows:
+        own = zip(found.under_mass, rows, strict=True)
+        every.append((title, [_shorter(*pair) for pair in own]))
+    own = zip(found.one_seal, answer.rows(found.one_seal), strict=True)
+    every.append(("One seal", [_shorter(*pair) for pair in own]))
+    measured = study.comparison is not None
+    return piece("answers", groups=every, measured=measured, told="Numbers", note="")
+
+
+def groups(found: Sequence[Group], told: str, note: str) -> str:
+    """The table of a result of a kind: value, from and to of each number."""
+    every = [(one.title, one.rows) for one in found if one.rows]
+    measured = any(row.measured for _, rows in every for row in rows)
+    return piece("answers", groups=every, measured=measured, told=told, note=note)
+
+
+def _shorter(one: Answer, row: Row) -> Row:
+    """A number under a name that does not wrap beside its five cells."""
+    return row._replace(name=short_name(one))
+
+
+def short_name(one: Answer) -> str:
+    """A number's name that does not wrap beside its cells."""
+    at = "" if one.at is None else rounded(one.at)
+    return {
+        "frequency": "Frequency", "damping": "Damping",
+        "end of hold": f"k after {at.removesuffix('.0')} s", "dynamic stiffness": f"K′ at {at} Hz",
+        "loss factor": "Loss factor",
+    }[one.quantity]  # fmt: skip
+
+
+def weight(job: Job) -> str:
+    """What rests on how many seals."""
+    on = "the mass" if job.mass is None else shown(job.mass, "g", digits=4)
+    return f"{on} on {job.seals:g} seal{'' if job.seals == 1 else 's'}"
 
 
 def hit_table(study: Study) -> str:
@@ -402,7 +607,7 @@ def file_row(found: InspectedFile) -> dict[str, Any]:
     strange = _refusal(found) or _stranger(found)
     mark = "care" if found.questions else "bad" if strange else "good"
     return {
-        "kind": found.kind, "page": place_of(found), "line": _told(found), "mark": mark,
+        "kind": found.kind, "page": place_of(found), "line": on_page(_told(found)), "mark": mark,
         "simulated": found.simulated,
     }  # fmt: skip
 

@@ -15,6 +15,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DashpotError, DataError
+from dashpot.base.numbers import cell
 from dashpot.base.units import in_unit
 from dashpot.fitting.relaxation import fit
 from dashpot.io.options import ReadOptions
@@ -24,15 +25,17 @@ from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF, Kind
 from dashpot.records.relaxation import RampHold
 from dashpot.records.specimen import Specimen
+from dashpot.report import answer
 from dashpot.report.pages import COLOURS
 from dashpot.report.summary import simulated
 from dashpot.vibration.systems.prediction import highest_peak, predict_frf
-from dashpot.web import records, results, views, wire
+from dashpot.web import asks, records, results, views, wire
 from dashpot.web.requests import job_of, part, sizes_of
 from dashpot.web.store import path_in
 from dashpot.workflow.command_lines import FIT, line, predict_command
 from dashpot.workflow.inspections import InspectedFile, inspect_files
 from dashpot.workflow.job import Job
+from dashpot.workflow.recommendation import recommendation
 from dashpot.workflow.resting import at_rest, family_checks
 
 HINT = (
@@ -48,6 +51,8 @@ LIVE_LINES = np.geomspace(0.3, 3.0, 301)
 def inspect(request: Mapping[str, Any], folder: Path) -> bytes:
     """What is in a file, and what it asks."""
     path = path_in(folder, request.get("file"))
+    if path.suffix.lower() == ".toml":
+        return wire.packed(asks.door_row(path))
     options = part(ReadOptions, request.get("options", {}), "options")
     job = Job(str(path), reading=options)
     # what is read and prepared here is what the fit asks for next
@@ -59,7 +64,8 @@ def inspect(request: Mapping[str, Any], folder: Path) -> bytes:
     ).files
     head = views.file_row(found)
     head["long"] = found.rows > results.WHILE_HELD
-    if head["mark"] != "good" or not views.place_of(found):
+    head["asks"] = asks.asks_of(found.kind)
+    if head["mark"] != "good" or views.place_of(found) in {"", "part"}:
         head["asked"] = views.asked(found, _consequences(path, found, options))
     return wire.packed({**head, "name": path.name})
 
@@ -92,9 +98,9 @@ def _consequences(
 def live(request: Mapping[str, Any], folder: Path) -> bytes:
     """The point estimate while a handle is held: curves and numbers, no intervals."""
     job = job_of(request.get("job"), folder)
-    found = results.fitted(results.of_fit(job), job.arms == "auto", results.WHILE_HELD)
-    _, prepared = results.shown(job, found, results.WHILE_HELD)
-    shown = views.live_test(found, prepared, results.beside(job, found, results.WHILE_HELD))
+    found = results.fitted(results.of_fit(job), job.arms == "auto", results.HELD)
+    _, prepared = results.shown(job, found, results.HELD)
+    shown = views.live_test(found, prepared, results.beside(job, found, results.HELD))
     return wire.packed({"beside": shown.words, "cuts": _cuts(prepared)}, shown.arrays)
 
 
@@ -113,30 +119,37 @@ def settle(request: Mapping[str, Any], folder: Path) -> bytes:
     checks = found.checks
     if job.mass is not None:
         response = _predicted(found, job, _kind(request), REACH)
-        panels["frf"] = views.response_panel(response, sizes)
+        panels["frf"] = views.response_panel(response, sizes, views.over(job, _kind(request)))
         rests = at_rest(found, mass=job.mass, seals=job.seals, compression=job.compression)
         checks += family_checks(found, rests.point, mass=job.mass, seals=job.seals)
     return wire.packed(
         {
-            "verdict": views.verdict(found.verdict),
+            "verdict": views.verdict(found.verdict, views.lights_alone(found)),
             "colour": COLOURS[found.verdict.use],
-            "solid": views.solid_table(found),
+            "solid": views.arms_table(found),
             "checks": views.check_list(checks),
             "beside": views.piece("beside", rows=views.beside(found, by_eq5)),
             "panels": panels,
             "cuts": _cuts(prepared),
+            "pressed": _pressed(found, job, prepared),
+            "temperature": cell(test.specimen.temperature, "°C"),
             "clock": [float(test.time[0]), float(test.time[-1])],
             "step": float(np.median(np.diff(test.time))),
             "arms": found.model.arms if found.family == "maxwell" else "",
+            "law": "" if found.elastic_law is None else found.elastic_law.kind,
             "simulated": test.source is not None and test.source.simulated,
             "command": line("report", job),
         }
     )
 
 
-def _of_both(job: Job, joint: Fit, sizes: views.Sizes) -> dict[str, str]:
-    """The panels of the test, drawn of the solid of both tests."""
-    return views.test_panels(joint, results.shown(job, joint)[1], None, sizes)
+def _pressed(found: Fit, job: Job, prepared: RampHold) -> dict[str, str]:
+    """How far the mass presses the seals, mm, and what it says beside the test."""
+    depth = f"test at {cell(prepared.depth, 'mm')} mm"
+    if job.mass is None or job.compression is not None:
+        return {"value": "", "says": depth}
+    rests = at_rest(found, mass=job.mass, seals=job.seals)
+    return {"value": cell(rests.point.compression, "mm"), "says": f"by its weight; {depth}"}
 
 
 def _cuts(prepared: RampHold) -> dict[str, float]:
@@ -175,26 +188,33 @@ def study(request: Mapping[str, Any], folder: Path) -> bytes:
     sizes = sizes_of(request)
     found = results.study(job)
     # what a hammer says of a mass that nobody gave, on one seal, is no verdict yet
-    asks = found.mass_inferred
+    asks, solid = found.mass_inferred, found.joint or found.fit
     judged, said = (found.fit.checks, found.fit.verdict) if asks else (found.weighed, found.verdict)
+    told = recommendation(found, asked=True)
+    lights = views.lights_alone(found.fit) if asks else answer.lights(found, told)
+    _, prepared = results.shown(job, solid)
+    phase, title = request.get("phase") is True, views.over(job, _kind(request))
+    by_eq5 = None if found.joint else results.beside(job, found.fit)
     head: dict[str, Any] = {
-        "verdict": views.verdict(said),
+        "verdict": views.verdict(said, lights),
         "colour": COLOURS[said.use],
         "hint": HINT if asks else "",
-        "answers": views.answers(found),
+        "answers": views.answers(found, told),
+        "solid": views.arms_table(solid, alone=found.fit if found.joint else None),
+        "arms": solid.model.arms if solid.family == "maxwell" else "",
         "checks": views.check_list(sorted(judged, key=lambda check: not check.failed)),
-        "frf": views.study_panel(found, sizes),
+        "frf": views.study_panel(found, sizes, title, phase=phase),
         "hits": views.hit_table(found),
         "hit_panels": views.hit_panels(found, sizes),
         "hammer": views.hammer_line(found),
-        "joint": None if found.joint is None else views.solid_table(found.joint),
-        "panels": {} if found.joint is None else _of_both(job, found.joint, sizes),
+        "panels": views.test_panels(solid, prepared, by_eq5, sizes),
+        "cuts": _cuts(prepared),
         "simulated": bool(simulated(found)),
         "command": line("report", job),
     }
     if request.get("base") is True and found.mass is not None:
         moved, joint = results.base_motion(job), found.joint is not None
-        head["frf"] = views.base_panel(moved, joint, sizes)
+        head["frf"] = views.base_panel(moved, joint, sizes, title)
         of = replace(job, mass=found.mass)
         head["command"] += "\n" + predict_command(of, moved.frf, "joint.json" if joint else FIT)
     return wire.packed(head)

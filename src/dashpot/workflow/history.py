@@ -12,6 +12,7 @@ import hashlib
 import json
 import os
 import platform
+import re
 from dataclasses import dataclass, field, fields
 from datetime import UTC, datetime
 from pathlib import Path
@@ -23,6 +24,7 @@ from dashpot.base.version import __version__
 
 GENESIS = "0" * 64
 """What the first line names as the hash of the line before it."""
+_HEAD = re.compile(rb"(0|[1-9]\d{0,17}) ([0-9a-f]{64})\n(?:[1-9]\d{0,17} ([0-9a-f]{64})\n)?")
 
 
 @dataclass(frozen=True)
@@ -256,13 +258,13 @@ def _line(text: bytes, number: int) -> HistoryLine:
 def _head(folder: Path) -> tuple[int, str, str]:
     """How many lines there were, the hash of the last, and of one that was about to be written."""
     try:
-        told, *announced = head_of(folder).read_text(encoding="ascii").splitlines()
-        count, head = told.split()
-        return int(count), head, announced[0].split()[1] if announced else ""
+        told = _HEAD.fullmatch(head_of(folder).read_bytes())
     except FileNotFoundError:
         return 0, "", ""
-    except (ValueError, IndexError):
-        raise ReadError(f"{head_of(folder)} is not as dashpot writes it: it was changed") from None
+    if told is None:
+        raise ReadError(f"{head_of(folder)} is not as dashpot writes it: it was changed")
+    count, head, announced = (part.decode() for part in told.groups(b""))
+    return int(count), head, announced
 
 
 def _user() -> str:

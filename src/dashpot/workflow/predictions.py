@@ -19,7 +19,6 @@ from dashpot.base.facts import Fact
 from dashpot.base.numbers import hertz
 from dashpot.base.offered import Judged
 from dashpot.base.plausible import SIZES
-from dashpot.base.provenance import Source
 from dashpot.fitting.temperature.checks import temperature_tested
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.psd import read_psd
@@ -214,11 +213,6 @@ class Prediction(Judged, Documented):
         """Frequency, damping ratio and residue of each mode, and what each level makes of it."""
         of: tuple[Mode | PreloadedLevel, ...] = (*self.modes, *self.preloaded)
         return tuple(fact for one in of for fact in one.facts)
-
-    @property
-    def sources(self) -> tuple[Source, ...]:
-        """The files behind the fit."""
-        return self.fit.source
 
     @property
     def series(self) -> Mapping[str, tuple[Any, str]]:

@@ -94,15 +94,16 @@ class Recommendation:
     one_seal: tuple[Answer, ...]
 
 
-def recommendation(study: Study) -> Recommendation:
+def recommendation(study: Study, *, asked: bool = False) -> Recommendation:
     """Return the solid to take, and what it says, each with its interval or bound.
 
     The joint fit where there is one and the verdict allows it; else that of the relaxation test.
+    Where the joint fit is what was `asked` for it is told, whether or not it is to be used.
     Ends of the joint fit are 95 % intervals of its parameters; those of the relaxation test are
     bounds over unresolved arms wherever they were computed.
     """
     usable = study.verdict.use != "do not use"
-    fitted = study.joint if usable else None
+    fitted = study.joint if usable or asked else None
     solid = study.fit if fitted is None else fitted
     joint = fitted is not None
     point, resonance = _resonance(study, solid)

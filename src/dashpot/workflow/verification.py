@@ -9,7 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from dashpot.base.atomic import PART, half_written
+from dashpot.base.atomic import half_written, is_half_written
 from dashpot.base.checks import Check
 from dashpot.base.documents import DIGEST
 from dashpot.base.errors import ReadError
@@ -51,8 +51,11 @@ def verify(
     Raises
     ------
     ReadError
-        If a line of the history is none that dashpot writes, or names a file outside.
+        If a line of the history or its head is none that dashpot writes, or names a file outside,
+        or one of the project's own files is a link to a file outside.
     """
+    for own in OWN:
+        within(project, own)
     history = read_history(project.folder)
     found = [
         checks.history_present(len(history.lines)),
@@ -100,8 +103,8 @@ def _added(project: Project, history: History) -> list[str]:
     """The files of the project's folder that no line lists."""
     known = {*OWN} | {one.file for line in history.lines for one in (*line.inputs, *line.outputs)}
     files = (path for path in project.folder.rglob("*") if path.is_file() or path.is_symlink())
-    places = {path.relative_to(project.folder).as_posix() for path in files}
-    return sorted(place for place in places - known if not place.endswith(PART))
+    whole = (path for path in files if not is_half_written(path.name))
+    return sorted({path.relative_to(project.folder).as_posix() for path in whole} - known)
 
 
 # -- the work, done again -------------------------------------------------------------------------
@@ -216,7 +219,8 @@ def _same_words(kept: str, again: str) -> bool:
         return True
     before, after = _NUMBER.split(kept), _NUMBER.split(again)
     return before[::2] == after[::2] and all(
-        a == b or abs(float(a) - float(b)) <= _ROUNDED * max(_last_digit(a), _last_digit(b))
+        # of 13 and 12.71 the finer counts: who prints fewer digits has not computed another number
+        a == b or abs(float(a) - float(b)) <= _ROUNDED * min(_last_digit(a), _last_digit(b))
         for a, b in zip(before[1::2], after[1::2], strict=True)
     )
 

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from kit.cld import ARMS, LENGTH, bulb, pressed, stiffening
+from kit.fits import failed
 
 import dashpot as dp
 from dashpot.base.errors import DataError
@@ -28,10 +29,6 @@ def true_force(truth, at, *, cycle, inward=True):
     passes = (x[:-1] < at) & (x[1:] >= at) if inward else (x[:-1] > at) & (x[1:] <= at)
     i = np.flatnonzero(passes)[cycle - 1]
     return np.interp(at, *np.sort(np.array([x[i : i + 2], truth.clean[i : i + 2]]), axis=1))
-
-
-def failed(one):
-    return {check.name for check in one.checks if check.failed}
 
 
 def test_a_spring_stores_what_it_is_given():

@@ -6,7 +6,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from kit.fits import a_fit
+from kit.fits import a_fit, failed
 from kit.foreign.aging import HOURS, Rubber, lot
 
 import dashpot as dp
@@ -40,10 +40,6 @@ def usual():
 @cache
 def exact():
     return fitted(off=0.0, noise=1e-9)
-
-
-def failed(found):
-    return {one.name for one in found.checks if one.failed}
 
 
 @pytest.mark.parametrize(

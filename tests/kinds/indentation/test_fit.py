@@ -8,6 +8,7 @@ from functools import cache
 import numpy as np
 import pytest
 from kit import contacts
+from kit.fits import failed
 from kit.slopes import hold_slopes
 
 from dashpot.base.errors import DataError
@@ -44,10 +45,6 @@ def hit(*, of="acceleration", noise=0.005, seed=1, rate=1e5, spoilt=None, ball_o
 
 def fitted(law=HKV, **how):
     return fit_indentation(hit(**how), law=law)
-
-
-def failed(found):
-    return {check.name for check in found.checks if check.failed}
 
 
 def holds(found, **truth):

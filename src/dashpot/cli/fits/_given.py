@@ -105,7 +105,7 @@ class Given:
         return replace(said, temperature=warmth[0]) if warmth else said
 
     def kept_as(self, *suffixes: str, what: str) -> str | None:
-        """Return the suffix of the file that keeps the result; None where none was asked for.
+        """Return the suffix of the file that keeps the result or its page; None where none is.
 
         Raises
         ------
@@ -115,9 +115,9 @@ class Given:
         if self.output is None:
             return None
         suffix = Path(self.output).suffix.lower()
-        if suffix in suffixes or not suffix:
+        if suffix in (*suffixes, *PAGE) or not suffix:
             return suffix or suffixes[0]
-        known = " or ".join(suffixes)
+        known = " or ".join((*suffixes, PAGE[0]))
         raise click.UsageError(f"-o {self.output}: {what} is written as {known}, not as {suffix}.")
 
     def draw(self, figure: Any) -> None:
@@ -125,15 +125,28 @@ class Given:
         if self.said["picture"]:
             write_figure(self.said["picture"], figure())
 
-    def keep(self, found: Any, *, page: bool = False) -> None:
-        """Write the document of a result, or its page, if it was asked for."""
-        if self.output:
-            write(self.output, workflow.html(found) if page else printed(found) + "\n")
+    @property
+    def page(self) -> bool:
+        """Whether the result goes to a page."""
+        return bool(self.output) and str(self.output).lower().endswith(PAGE)
+
+    def keep(self, found: Any, **figures: Any) -> None:
+        """Write the document of a result, or its page, if it was asked for.
+
+        `figures` are what the page may show beside the result's own, each made when it is needed.
+        """
+        if not self.output:
+            return
+        if not self.page:
+            write(self.output, printed(found) + "\n")
+            return
+        made = {name: make() for name, make in figures.items()}
+        write(self.output, workflow.html(found, **made))
 
     @property
     def kept(self) -> str:
-        """The file that the result was kept in; empty where it was not, or went to stdout."""
-        return "" if self.output in {None, "-"} else str(self.output)
+        """The file that the result can be read back from; empty where there is none."""
+        return "" if self.output in {None, "-"} or self.page else str(self.output)
 
     def again(self, *but: str) -> list[str]:
         """Return the options as they were typed."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import dashpot as dp
@@ -29,7 +31,7 @@ def run(given: Given) -> Outcome:
     given.draw(lambda: _figure(found, records))
     if given["save_shifts"]:
         write(given["save_shifts"], _shift_table(found))
-    given.keep(found)
+    given.keep(found, **_figures(found, records))
     return Outcome(
         found,
         text_of.fit(found, asked=given["arms"]),
@@ -49,7 +51,7 @@ def _shift_table(found: dp.Fit) -> str:
 
 
 def _follow(given: Given, found: dp.Fit) -> str:
-    if not given.output:
+    if not given.output or given.page:
         why = "keeps it for predict, compare, export"
         return typed("fit", *given.files, *given.again(), "-o", "fit.json", why=why)
     if not given.kept:
@@ -68,6 +70,18 @@ def _follow(given: Given, found: dp.Fit) -> str:
         missing = ("--temperature", "TEMPERATURE") if found.specimen.temperature is None else ()
         return typed(*deck, *missing)
     return typed("predict", given.kept, "--mass", "MASS", "--seals", 2)
+
+
+def _figures(found: dp.Fit, records: tuple[Any, ...]) -> dict[str, Callable[[], Any]]:
+    """What a page of the fit shows: the answer, with what the test leaves open, and the test."""
+    first = records[0]
+    drawn = partial(_figure, found, records)
+    if found.temperatures is not None and not isinstance(first, dp.RampHold):
+        return {"lead": drawn, "beside": lambda: (found.plot(),)}
+    return {
+        "lead": lambda: workflow.over_frequency(found, records),
+        "beside": lambda: (drawn(),),
+    }
 
 
 def _figure(found: dp.Fit, records: tuple[Any, ...]) -> dp.plot.Picture:

@@ -21,7 +21,9 @@ def run(given: Given) -> Outcome:
     )  # fmt: skip
     if reason:
         to_stderr(f"no mode: {reason}")
-    if given.output:
+    if given.page:
+        given.keep(found)
+    elif given.output:
         keep(found, found.frf, given.output)
     given.draw(
         lambda: dp.plot.frf(

@@ -44,7 +44,9 @@ def run(given: Given) -> Outcome:
     given.draw(lambda: dp.plot.stiffness(found.fit))
     if given["stiffness_table"]:
         write(given["stiffness_table"], found.direct.table)
-    if given.output:
+    if given.page:
+        given.keep(found)
+    elif given.output:
         _keep(found, given.output)
     return Outcome.of(found, follow=_follow(given, found.fit))
 
@@ -60,7 +62,7 @@ def _keep(found: Identified, path: str) -> None:
 
 
 def _follow(given: Given, found: dp.Fit) -> str:
-    output = given.output
+    output = None if given.page else given.output
     if output == "-":
         return ""
     if output:

@@ -5,12 +5,12 @@ from __future__ import annotations
 from dashpot import workflow
 from dashpot.base.choices import AmplitudeLawAsked
 from dashpot.cli._shell import Outcome
-from dashpot.cli.fits._given import PAGE, Given
+from dashpot.cli.fits._given import Given
 
 
 def run(given: Given) -> Outcome:
     """Find how far stiffness and damping depend on how far the seal is moved."""
-    page = given.kept_as(".json", *PAGE, what="a fit over amplitude") in PAGE
+    given.kept_as(".json", what="a fit over amplitude")
     found = workflow.level_files(
         given.files,
         levels=given["levels"],
@@ -22,5 +22,5 @@ def run(given: Given) -> Outcome:
         **given.some("seals", "band"),
     )
     given.draw(found.plot)
-    given.keep(found, page=page)
+    given.keep(found)
     return Outcome.of(found)

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 from dashpot.cli._shell import Outcome, typed
-from dashpot.cli.fits._given import PAGE, Given
+from dashpot.cli.fits._given import Given
 from dashpot.kinds import KINDS, load
 
 
 def run(given: Given) -> Outcome:
     """Fit the files as the row of their kind says."""
     row = KINDS[given.kinds[given.files[0]]]
-    page = given.kept_as(".json", *PAGE, what="this fit") in PAGE
+    given.kept_as(".json", what="this fit")
     found = load(row.fit)(given.files, options=given.reading, **given.some(*row.takes))
     given.draw(found.plot)
-    given.keep(found, page=page)
+    given.keep(found)
     follow = (given.kept if one == "FILE" else one for one in row.follow.split())
-    return Outcome.of(
-        found, follow=typed(*follow) if given.kept and row.follow and not page else ""
-    )
+    return Outcome.of(found, follow=typed(*follow) if given.kept and row.follow else "")

@@ -35,9 +35,9 @@ def run(given: Given) -> Outcome:
         mass_sd=given["rig"].mass_sd,
         **given.some("density", "rod", "arms", "band", "hammer", "poisson"),
     )
-    if given.output and found.fit is None:
+    if given.output and not given.page and found.fit is None:
         raise ReadError(f"-o writes a fit, and there is none: {found.reason}")
-    given.keep(found.fit)
+    given.keep(found if given.page else found.fit)
     given.draw(found.plot)
     return Outcome.of(found, follow=_follow(found, given))
 

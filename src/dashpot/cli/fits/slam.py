@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dashpot import workflow
 from dashpot.cli._shell import Outcome, grams, typed
-from dashpot.cli.fits._given import PAGE, Given
+from dashpot.cli.fits._given import Given
 
 
 def run(given: Given) -> Outcome:
     """Find loss factor and arms from slams, with a fit of the piece where one is given."""
-    page = given.kept_as(".json", *PAGE, what="this fit") in PAGE
+    given.kept_as(".json", what="this fit")
     found = workflow.slam_files(
         given.files,
         mass=given.mass,
@@ -19,9 +19,9 @@ def run(given: Given) -> Outcome:
         options=given.reading,
     )
     given.draw(found.plot)
-    given.keep(found if page else found.fit, page=page)
+    given.keep(found if given.page else found.fit)
     follow = ""
-    if given.kept and not page:
+    if given.kept:
         how = ("--slam", "1m/s", "--mass", grams(found.mass))
         follow = typed("predict", given.kept, *how)
     return Outcome.of(found, follow=follow)

@@ -73,7 +73,7 @@ def farthest(
     FitError
         If there are fewer rows than the answer has terms, or no finite one.
     """
-    length = float(np.linalg.norm(aim))
+    length = float(np.sqrt(aim @ aim))
     if length == 0.0:
         return start
     return _walked(columns, target, aim / length, squared, start)
@@ -85,7 +85,7 @@ def _walked(
     # a column is a row: so they are picked and factored
     s, rows = s.copy(), np.ascontiguousarray(columns.T)
     active = np.flatnonzero(s > 0)
-    nothing = NOTHING * float(np.linalg.norm(target))
+    nothing = NOTHING * float(np.sqrt(target @ target))
     barred: list[int] = []
     entered, stride = -1, STRIDE
     for _ in range(PATIENCE * columns.shape[1]):

@@ -110,12 +110,7 @@ class ChosenElement(Chosen):
         """Slope or relaxation time stands at an end of what is sought."""
         return bool(self.solution.at_bound.any())
 
-    def profiles(
-        self,
-        *,
-        in_order_of_time: bool,  # noqa: ARG002
-        unseen: FloatArray | None = None,  # noqa: ARG002
-    ) -> tuple[Profile, ...]:
+    def profiles(self, *, in_order_of_time: bool) -> tuple[Profile, ...]:  # noqa: ARG002
         """None: its errors are even."""
         return ()
 

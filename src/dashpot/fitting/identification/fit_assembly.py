@@ -190,9 +190,11 @@ def _moved(
     before: Fit, solid: Solid, names: tuple[str, ...], covariance: FloatArray
 ) -> tuple[Moved, ...]:
     """Each parameter before and after; arms are matched by their relaxation times."""
+    # as the fit of both weighed it
+    known = before.estimate.noise_alone.covariance
     old, new = (
         dict(zip(rows, np.sqrt(np.diag(matrix)).tolist(), strict=True))
-        for rows, matrix in ((before.parameters, before.covariance), (names, covariance))
+        for rows, matrix in ((before.parameters, known), (names, covariance))
     )
     # title and unit, then value and row before and after
     if isinstance(solid, FractionalZener):

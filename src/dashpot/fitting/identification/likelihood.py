@@ -221,13 +221,15 @@ class IdentificationProblem:
             return None
         kept, places = self.sought.kept(before)
         of = dict(zip(kept, places, strict=True))
-        variance = np.diag(before.covariance)
+        # with all that its rig may have done it could not show that the tests disagree
+        covariance = before.estimate.noise_alone.covariance
+        variance = np.diag(covariance)
         rows = [
             i for i, name in enumerate(before.parameters)
             if name in kept and np.isfinite(variance[i]) and variance[i] > 0
         ]  # fmt: skip
         names = [before.parameters[i] for i in rows]
-        root = np.asarray(np.linalg.cholesky(before.covariance[np.ix_(rows, rows)]))
+        root = np.asarray(np.linalg.cholesky(covariance[np.ix_(rows, rows)]))
         return [of[name] for name in names], np.array([kept[name] for name in names]), root
 
     def about(self, start: FloatArray) -> least_squares.Problem:

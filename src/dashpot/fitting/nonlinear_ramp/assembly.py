@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.provenance import Step
 from dashpot.fitting.assembly import FoundSolid, assembled, provenance_of
@@ -33,6 +34,7 @@ def ramp_fit(
     by_depth: tuple[AtDepth, ...] = (),
     further: Sequence[Check] = (),
     end: EndOfHold | None = None,
+    unseen: FloatArray | None = None,
 ) -> Fit:
     """Return the fit of tests that share an elastic law.
 
@@ -46,6 +48,9 @@ def ramp_fit(
         The stiffnesses of each test, and checks besides those of the law.
     end : EndOfHold or None
         What the holds know of their end.
+    unseen : array, shape (p, d), optional
+        What each doubt of the rigs adds to the parameters: it is in every interval, and in nothing
+        that a check judges by the noise.
     """
     model, estimate = found.model, _doubted(found.estimate, found.model, tests)
     found = replace(found, estimate=estimate)
@@ -59,7 +64,11 @@ def ramp_fit(
     noticed = [check for test in tests for check in test.checks]
     answers = (*law_checks(tests, found, end), *further, frequencies_informed(band))
     return assembled(
-        FoundSolid(model, estimate, fewer=asked is not None and model.arms < asked),
+        FoundSolid(
+            model,
+            estimate if unseen is None else estimate.with_rig(unseen),
+            fewer=asked is not None and model.arms < asked,
+        ),
         Evidence(band, checks=(*noticed, *answers), by_depth=by_depth, end_of_hold=end),
         provenance_of("full", tests, _step(tests, found)),
         elastic_law=replace(found.law, ratio_se=_shape_error(found)),
@@ -77,7 +86,8 @@ def _doubted(
     depth = [np.hypot(test.depth_doubt, test.contact_error / test.depth) for test in tests]
     scaled = np.concatenate(([model.k_inf], model.k, np.zeros(model.arms)))
     off = float(np.sqrt(np.mean(np.square(depth)) / len(tests)))
-    return estimate.widened(np.column_stack((off * scaled, moved_by_clocks(tests, model))))
+    by = np.column_stack((off * scaled, moved_by_clocks(tests, model)))
+    return replace(estimate, covariance=estimate.covariance + by @ by.T)
 
 
 def _shape_error(found: RampLaw) -> tuple[float, ...]:

@@ -148,7 +148,8 @@ class AdmissibleSpectra:
         columns = np.where(self.shown, rows[:, 1:] / self.scale, 0.0)
         told = np.linalg.norm(columns, axis=1) > ROUNDING
         aside, self.target = float(rows[~told, 0] @ rows[~told, 0]), rows[told, 0].copy()
-        self.columns = columns[told][:, self.shown]
+        # a column is asked for as a row: laid out so, none is copied for it
+        self.columns = np.asfortranarray(columns[told][:, self.shown])
         self.best = np.zeros(len(norm))
         self.best[self.shown] = nonnegative_least_squares(
             self.columns, self.target, (start * self.scale)[self.shown]
@@ -222,11 +223,12 @@ class AdmissibleSpectra:
     def farthest(self, v: FloatArray) -> FloatArray:
         """The spectrum of the largest v . k, N/m, shape (m,)."""
         aim, on = v / self.scale, self.shown
-        start = max(self.met, key=lambda s: float(aim @ s))
+        start = self.met[int((np.array(self.met) @ aim).argmax())]
         found = np.zeros(len(aim))
         found[on] = farthest(self.columns, self.target, aim[on], self.least + self.limit, start[on])
         self.met.append(found)
-        return np.where(~on & (aim > 0), np.inf, found / self.scale)
+        stiffness = found / self.scale
+        return stiffness if on.all() else np.where(~on & (aim > 0), np.inf, stiffness)
 
     def reach(self, v: FloatArray) -> tuple[float, float]:
         """Smallest and largest v . k that the tests do not reject."""

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from types import MappingProxyType
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -36,7 +35,6 @@ def profiles(
     estimate: SolutionEstimate,
     *,
     every_sample: Sequence[DataBlock] | None = None,
-    unseen: Mapping[str, FloatArray] = MappingProxyType({}),
 ) -> tuple[Profile, ...]:
     """Return the profiles of tau, k and b of every arm with SE(ln tau) >= 0.05, and of k_inf.
 
@@ -48,9 +46,6 @@ def profiles(
     every_sample : sequence of DataBlock, optional
         The data with a row per sample, in the order of time: noise as slow as the arms is then
         counted as each profile meets it.
-    unseen : mapping of str to array, shape (d,)
-        By what each doubt of the rig moves a parameter, named as in a fit: a profile is as much
-        wider than the noise makes it.
     """
     solution = estimate.solution
     if not solution.order or estimate.dof < 1.0:
@@ -67,20 +62,13 @@ def profiles(
     scaling = _Scaling(estimate, noise_gain)
     fixed = len(solution.fixed_names)
     asked = {}
-    none = np.zeros(0)
-
-    def further(name: str) -> FloatArray:
-        return unseen.get(name, none)
-
     if solution.coefficient("k_inf") > 0:
-        asked["k_inf"] = scaling.linear("k_inf", further("k_inf"))
+        asked["k_inf"] = scaling.linear("k_inf")
     for number, j in doubtful:
-        row, by_k, by_tau = f"k_{j + 1}", further(f"k_{number}"), further(f"ln_tau_{number}")
-        asked[f"k_{number}"] = scaling.linear(row, by_k)
-        asked[f"ln_tau_{number}"] = scaling.log_tau(j, by_tau)
-        asked[f"ln_b_{number}"] = scaling.log_b(
-            j, row, float(k[j]), by_k / float(k[j]) + by_tau, fixed=fixed
-        )
+        row = f"k_{j + 1}"
+        asked[f"k_{number}"] = scaling.linear(row)
+        asked[f"ln_tau_{number}"] = scaling.log_tau(j)
+        asked[f"ln_b_{number}"] = scaling.log_b(j, row, float(k[j]), fixed=fixed)
     # a prior is a few rows already
     stack = Stack(
         [
@@ -113,29 +101,27 @@ class _Scaling:
         self.estimate = estimate
         self.noise_gain = noise_gain
 
-    def linear(self, row: str, unseen: FloatArray) -> Profiled:
+    def linear(self, row: str) -> Profiled:
         index = self.estimate.names.index(row)
-        return self._along(Coordinate.LINEAR, index, self._unit(index), unseen)
+        return self._along(Coordinate.LINEAR, index, self._unit(index))
 
-    def log_tau(self, arm: int, unseen: FloatArray) -> Profiled:
+    def log_tau(self, arm: int) -> Profiled:
         index = self.estimate.names.index(f"ln_tau_{arm + 1}")
-        return self._along(Coordinate.LOG_TAU, arm, self._unit(index), unseen)
+        return self._along(Coordinate.LOG_TAU, arm, self._unit(index))
 
-    def log_b(self, arm: int, row: str, k: float, unseen: FloatArray, *, fixed: int) -> Profiled:
+    def log_b(self, arm: int, row: str, k: float, *, fixed: int) -> Profiled:
         gradient = self._unit(self.estimate.names.index(f"ln_tau_{arm + 1}"))
         index = self.estimate.names.index(row)
         gradient[index] = 1.0 / k
         # the profile counts linear parameters, and b holds the arm's stiffness
-        return self._along(Coordinate.LOG_B, index - fixed, gradient, unseen)
+        return self._along(Coordinate.LOG_B, index - fixed, gradient)
 
     def _unit(self, index: int) -> FloatArray:
         unit = np.zeros(len(self.estimate.names))
         unit[index] = 1.0
         return unit
 
-    def _along(
-        self, coordinate: Coordinate, index: int, gradient: FloatArray, unseen: FloatArray
-    ) -> Profiled:
+    def _along(self, coordinate: Coordinate, index: int, gradient: FloatArray) -> Profiled:
         used = gradient != 0.0
         block = self.estimate.covariance[np.ix_(used, used)]
         known = self.estimate.directions
@@ -145,7 +131,6 @@ class _Scaling:
             variance = float(gradient[used] @ block @ gradient[used])
         else:
             variance = wide * self.estimate.spread**2
-        variance += float(unseen @ unseen)
         error = float(np.sqrt(variance))
         scale = variance / wide if wide > 0 else self.estimate.spread**2
         step = 0.7 * error

@@ -6,6 +6,8 @@ support in some directions, chosen where they tell most.
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from dashpot.base.arrays import FloatArray, IndexArray
@@ -17,6 +19,7 @@ CLOSE = 0.01
 DIRECTIONS = 40
 # so many times the stiffness of a mass is as good as infinite
 FAR = 1e9
+_TINY = float(np.finfo(float).tiny)
 
 
 def distances(spectra: AdmissibleSpectra, omega: float, inertia: float) -> tuple[float, float]:
@@ -79,12 +82,14 @@ class StiffnessSet:
 
     def towards(self, direction: FloatArray) -> None:
         """Feel the set in one more direction."""
-        unit = direction / np.linalg.norm(direction)
+        unit = direction / np.sqrt(direction @ direction)
         spectrum = self.spectra.farthest(unit @ self.columns)
         open_ended = np.isinf(spectrum)
-        # as good as without end, and still a point
-        end = FAR * float(np.linalg.norm(self.point)) / np.linalg.norm(self.columns, axis=0)
-        farthest = self.columns @ np.where(open_ended, end, spectrum)
+        if open_ended.any():
+            # as good as without end, and still a point
+            end = FAR * float(np.linalg.norm(self.point)) / np.linalg.norm(self.columns, axis=0)
+            spectrum = np.where(open_ended, end, spectrum)
+        farthest = self.columns @ spectrum
         self.directions.append(unit)
         self.points.append(farthest - self.point)
 
@@ -97,25 +102,27 @@ class StiffnessSet:
     @property
     def far(self) -> float:
         """Some point of the set is as far."""
-        return float(np.linalg.norm(self.points, axis=1).max())
+        points = np.array(self.points)
+        return float(np.sqrt(np.vecdot(points, points).max()))
 
     def nearest(self) -> tuple[FloatArray, bool]:
         """The nearest point of the hull of all points met, and whether the origin is in it."""
         points = np.array(self.points)
         angles = np.sort(np.arctan2(points[:, 1], points[:, 0]))
-        inside = float(np.diff(angles, append=angles[0] + 2 * np.pi).max()) < np.pi
-        start, end = (points[i] for i in np.triu_indices(len(points), 1))
+        widest = max(float((angles[1:] - angles[:-1]).max()), angles[0] + 2 * np.pi - angles[-1])
+        start, end = (points[i] for i in _pairs(len(points)))
         along = end - start
-        length = np.maximum(np.vecdot(along, along), np.finfo(float).tiny)
-        part = np.clip(-np.vecdot(start, along) / length, 0.0, 1.0)
+        length = np.maximum(np.vecdot(along, along), _TINY)
+        part = np.minimum(np.maximum(-np.vecdot(start, along) / length, 0.0), 1.0)
         candidates = start + part[:, None] * along
-        distances = np.linalg.norm(candidates, axis=1)
-        return candidates[np.argmin(distances)], inside or float(distances.min()) == 0.0
+        squares = np.vecdot(candidates, candidates)
+        nearest = int(squares.argmin())
+        return candidates[nearest], bool(widest < np.pi) or float(squares[nearest]) == 0.0
 
     def farthest_corner(self) -> FloatArray:
         """The farthest corner of the polygon that the support lines enclose."""
         corners = self.corners()
-        return np.asarray(corners[np.argmax(np.linalg.norm(corners, axis=1))])
+        return np.asarray(corners[np.vecdot(corners, corners).argmax()])
 
     def hull(self) -> FloatArray:
         """The points met, in the order of their directions, shape (n, 2)."""
@@ -131,13 +138,18 @@ class StiffnessSet:
         order = self._order()
         directions, points = np.array(self.directions), np.array(self.points)
         u, h = directions[order], np.vecdot(directions, points)[order]
-        v, g = np.roll(u, -1, axis=0), np.roll(h, -1)
+        after = np.append(np.arange(1, len(u)), 0)
+        v, g = u[after], h[after]
         cross = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
         turned = cross > 1e-9
         u, v, h, g = u[turned], v[turned], h[turned], g[turned]
-        corners = np.column_stack((h * v[:, 1] - g * u[:, 1], g * u[:, 0] - h * v[:, 0]))
-        corners /= cross[turned, None]
-        return np.asarray(corners)
+        corners = np.array((h * v[:, 1] - g * u[:, 1], g * u[:, 0] - h * v[:, 0]))
+        return np.asarray((corners / cross[turned]).T)
+
+
+@lru_cache(maxsize=64)
+def _pairs(count: int) -> tuple[IndexArray, ...]:
+    return np.triu_indices(count, 1)
 
 
 def _extreme(corners: FloatArray, offset: float, sign: int) -> tuple[float, FloatArray]:
@@ -174,5 +186,4 @@ def _holds(start: FloatArray, along: FloatArray) -> bool:
 def _steepest(at: FloatArray, offset: float) -> FloatArray:
     """The direction in which ln (|d + offset| / |d|) grows most."""
     base = at + np.array([offset, 0.0])
-    tiny = float(np.finfo(float).tiny)
-    return np.asarray(base / max(float(base @ base), tiny) - at / max(float(at @ at), tiny))
+    return np.asarray(base / max(float(base @ base), _TINY) - at / max(float(at @ at), _TINY))

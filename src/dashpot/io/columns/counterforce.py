@@ -6,7 +6,7 @@ import re
 from dataclasses import replace
 
 from dashpot.base import units
-from dashpot.io.columns.roles import score
+from dashpot.io.columns.roles import suited
 from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions
 from dashpot.io.table import Column, FileTable
@@ -27,15 +27,17 @@ def counterforce(table: FileTable, options: ReadOptions) -> ReadOptions | None:
     A column that is called hours or days is a clock of that unit. Parts of F0 are forces in a unit
     that nothing depends on, for the F0 of every piece is free.
     """
-    columns = [(str(i), one) for i, one in enumerate(table.columns, 1) if one.content == "number"]
-    clock = _clock(columns, options)
-    said = any(_SAID.search(line.casefold()) for line in table.header)
-    found = clock or options
-    pushed = _suited(columns, "force", found)
-    ratios = [number for number, one in columns if is_ratio(one)]
-    if any(_suited(columns, role, options) for role in _OTHERS):
+    if any(_suited(table, role, options) for role in _OTHERS):
         return None
-    if not (clock or said) or not (pushed or ratios):
+    columns = [(str(i), one) for i, one in enumerate(table.columns, 1) if one.content == "number"]
+    clock = _clock(table, columns, options)
+    said = any(_SAID.search(line.casefold()) for line in table.header)
+    if not (clock or said):
+        return None
+    found = clock or options
+    pushed = _suited(table, "force", found)
+    ratios = [number for number, one in columns if is_ratio(one)]
+    if not (pushed or ratios):
         return None
     if pushed or options.force:
         return found
@@ -48,10 +50,13 @@ def is_ratio(column: Column) -> bool:
     return plain and bool(_RATIO.search(column.name.casefold()))
 
 
-def _clock(columns: list[tuple[str, Column]], options: ReadOptions) -> ReadOptions | None:
+def _clock(
+    table: FileTable, columns: list[tuple[str, Column]], options: ReadOptions
+) -> ReadOptions | None:
     """The options with a clock of hours or more; None where there is no such clock."""
+    timed = {str(i + 1) for i, value in suited(table, "time", options).items() if value >= 1.5}
     for number, one in columns:
-        if score(one, "time", options) >= 1.5 or options.time in {number, one.name}:
+        if number in timed or options.time in {number, one.name}:
             return options if _long(options.unit_of("time", one.name) or one.unit) else None
     for number, one in columns:
         if one.unit is None and _long(one.name):
@@ -64,7 +69,6 @@ def _long(word: str | None) -> bool:
     return unit is not None and unit.factor >= _LONG
 
 
-def _suited(columns: list[tuple[str, Column]], role: Role, options: ReadOptions) -> bool:
-    return bool(getattr(options, role)) or any(
-        score(one, role, options) >= 1.5 for _, one in columns
-    )
+def _suited(table: FileTable, role: Role, options: ReadOptions) -> bool:
+    best = max(suited(table, role, options).values(), default=0.0)
+    return bool(getattr(options, role)) or best >= 1.5

@@ -19,7 +19,7 @@ from dashpot.io.columns import vocabulary
 from dashpot.io.columns.counterforce import counterforce
 from dashpot.io.columns.pairs import two_signals
 from dashpot.io.columns.ratios import ratio
-from dashpot.io.columns.roles import accelerations, find_column, option_of, score
+from dashpot.io.columns.roles import accelerations, find_column, option_of, suited
 from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions, flag
 from dashpot.io.table import FileTable
@@ -129,7 +129,7 @@ class _NamedColumns:
     def _best(self, role: Role) -> float:
         """How well the likeliest column suits a role."""
         if role not in self.known:
-            scores = (score(column, role, self.options) for column in self.table.columns)
+            scores = suited(self.table, role, self.options).values()
             self.known[role] = max(scores, default=0.0)
         return self.known[role]
 
@@ -171,14 +171,17 @@ class _NamedColumns:
     def moved(self) -> bool:
         """Whether a dynamic stiffness is named, and what looks like a magnitude is the motion."""
         columns, named = self.table.columns, self.options.magnitude
-        sizes = [c for c in columns if score(c, "complex_modulus", self.options) >= 2.5]
+        sizes = [columns[i] for i in self._likely("complex_modulus", 2.5)]
         if named is not None:
             return columns[find_column(columns, named, flag("magnitude"))] in sizes
+        words = [columns[i].unit for i in self._likely("magnitude", 1.5)]
         return bool(sizes) and all(
-            c.unit and any(units.find(c.unit, one) for one in ("length", "strain", "force"))
-            for c in columns
-            if score(c, "magnitude", self.options) >= 1.5
+            word and any(units.find(word, one) for one in ("length", "strain", "force"))
+            for word in words
         )
+
+    def _likely(self, role: Role, least: float) -> list[int]:
+        return [i for i, value in suited(self.table, role, self.options).items() if value >= least]
 
     def swept(self) -> bool:
         """Whether there is frequency, and a complex modulus in parts or by its size and angle.
@@ -449,9 +452,9 @@ def _columns(table: FileTable, roles: Sequence[Role], options: ReadOptions) -> l
         if named is not None:
             found.append(find_column(table.columns, named, flag(role)))
             continue
-        scores = [score(column, role, options) for column in table.columns]
-        best = max(scores, default=0.0)
-        found += [scores.index(best)] if best >= 1.0 else []
+        scores = suited(table, role, options)
+        best = max(scores, key=lambda i: scores[i], default=None)
+        found += [best] if best is not None and scores[best] >= 1.0 else []
     return found
 
 
@@ -494,7 +497,7 @@ _SAME_WARMTH = 3.0
 def amplitude_named(table: FileTable, options: ReadOptions) -> ReadOptions:
     """The options, with a length that is called an amplitude and nothing else as displacement."""
     if any(
-        getattr(options, role) or any(score(c, role, options) >= 1.0 for c in table.columns)
+        getattr(options, role) or max(suited(table, role, options).values(), default=0.0) >= 1.0
         for role in ("strain", "displacement")
     ):
         return options
@@ -565,9 +568,11 @@ def cycle_peaks(table: FileTable) -> str | None:
     """Return why a table is one row per cycle (trends, peaks), or None."""
     names = [column.name for column in table.columns]
     extremes = list(filter(_is_extreme, names))
+    if len(extremes) < 2:
+        return None
     recorded = any(_is_recorded(name) for name in names if name not in extremes)
     counted = any("cycle" in vocabulary.matches(name) for name in names)
-    if len(extremes) < 2 or (recorded and not counted):
+    if recorded and not counted:
         return None
     listed = ", ".join(f"'{name}'" for name in extremes[:3])
     return (
@@ -577,10 +582,10 @@ def cycle_peaks(table: FileTable) -> str | None:
 
 
 def _is_extreme(name: str) -> bool:
-    says_one = vocabulary.has_word(name, vocabulary.EXTREMES)
-    return says_one and not _SIGNALS.isdisjoint(vocabulary.matches(name))
+    signal = not _SIGNALS.isdisjoint(vocabulary.matches(name))
+    return signal and vocabulary.has_word(name, vocabulary.EXTREMES)
 
 
 def _is_recorded(name: str) -> bool:
-    derived = vocabulary.has_word(name, vocabulary.DERIVED)
-    return not derived and vocabulary.matches(name).get("force", 0.0) >= 2.5
+    pushed = vocabulary.matches(name).get("force", 0.0) >= 2.5
+    return pushed and not vocabulary.has_word(name, vocabulary.DERIVED)

@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
+from itertools import chain
+from typing import get_args
 
 import numpy as np
 
@@ -16,7 +20,7 @@ from dashpot.io.columns.factors import of_multiple, parted, times
 from dashpot.io.columns.ratios import ratio
 from dashpot.io.columns.vocabulary import DIMENSION, OF_A_PART, Role
 from dashpot.io.options import ReadOptions, flag
-from dashpot.io.table import Column, FileTable, Question
+from dashpot.io.table import Column, Content, FileTable, Question
 
 EXAMPLE = {
     "time": "s", "displacement": "mm", "force": "N", "acceleration": "m/s^2", "frequency": "Hz",
@@ -43,6 +47,8 @@ _PLACE = {
 }  # fmt: skip
 """Where a role stands in a table that says nothing, counted from 0."""
 _ANGULAR = ("w", "omega", "ω", "angular", "kreisfrequenz")
+_ROLES: tuple[Role, ...] = get_args(Role)
+_SUITED = "_suited"
 _SAME = 0.25
 _LISTED = 12
 """Columns that a message names."""
@@ -85,7 +91,8 @@ def assign(table: FileTable, role: Role, options: ReadOptions) -> Assigned | Que
     equals = [i for value, i in suited if value > top - _SAME]
     reason = _reason(table.columns[index], role)
     if len(equals) > 1:
-        named = [quoted(table.columns, i) for i in sorted(equals)[:_LISTED]]
+        names = _counted(table.columns)
+        named = [quoted(table.columns, i, names) for i in sorted(equals)[:_LISTED]]
         more = len(equals) - len(named)
         alike = listed([*named, f"{more} more"] if more else named)
         if not _same_numbers(table, equals, role, options):
@@ -132,8 +139,8 @@ def _same_numbers(
 
 def _suited(table: FileTable, role: Role, options: ReadOptions) -> list[tuple[float, int]]:
     """The columns that could play a role with their scores, the best first."""
-    scored = ((score(column, role, options), -i) for i, column in enumerate(table.columns))
-    return [(value, -i) for value, i in sorted(scored, reverse=True) if value >= 1.0]
+    scored = ((value, -i) for i, value in suited(table, role, options).items() if value >= 1.0)
+    return [(value, -i) for value, i in sorted(scored, reverse=True)]
 
 
 def accelerations(table: FileTable, taken: Sequence[int], options: ReadOptions) -> tuple[int, ...]:
@@ -142,16 +149,22 @@ def accelerations(table: FileTable, taken: Sequence[int], options: ReadOptions) 
         return tuple(
             find_column(table.columns, n, "--column acceleration") for n in options.acceleration
         )
-    free = {i: c for i, c in enumerate(table.columns) if i not in taken and not _is_force(c)}
-    return _likely_accelerations(free, options)
+    columns = table.columns
+    return _likely_accelerations(
+        table, options, lambda i: i not in taken and not _is_force(columns[i])
+    )
 
 
-def _likely_accelerations(free: Mapping[int, Column], options: ReadOptions) -> tuple[int, ...]:
-    scores = {i: score(column, "acceleration", options) for i, column in free.items()}
-    best = max(scores.values(), default=0.0)
+def _likely_accelerations(
+    table: FileTable, options: ReadOptions, free: Callable[[int], bool] = lambda _: True
+) -> tuple[int, ...]:
+    every = suited(table, "acceleration", options).items()
+    likely = {i: value for i, value in every if free(i)}
+    best = max(likely.values(), default=0.0)
     if best < 1.0:  # named so, but in volts or the like: the question is the unit
-        return tuple(i for i, column in free.items() if _is_named_acceleration(column))
-    return tuple(i for i, value in scores.items() if value >= _floor(best))
+        named = (i for i, column in enumerate(table.columns) if _is_named_acceleration(column))
+        return tuple(filter(free, named))
+    return tuple(i for i, value in likely.items() if value >= _floor(best))
 
 
 def _floor(best: float) -> float:
@@ -170,8 +183,52 @@ def _is_named_acceleration(column: Column) -> bool:
     return column.content == "number" and says >= 2.5
 
 
+def suited(table: FileTable, role: Role, options: ReadOptions) -> Mapping[int, float]:
+    """How well the name and unit of each column suit a role, by index; none of what cannot play it.
+
+    A table keeps what was found, for there may be thousands of columns.
+    """
+    known: dict[object, dict[Role, dict[int, float]]] = vars(table).setdefault(_SUITED, {})
+    if options.units not in known:
+        by_role = known[options.units] = {one: {} for one in _ROLES}
+        for i, column in enumerate(table.columns):
+            for one, value in scores(column, options).items():
+                by_role[one][i] = value
+    return known[options.units][role]
+
+
 def score(column: Column, role: Role, options: ReadOptions) -> float:
     """How well a column's name and unit suit a role; 0 if it cannot play it."""
+    return scores(column, options).get(role, 0.0)
+
+
+def scores(column: Column, options: ReadOptions) -> Mapping[Role, float]:
+    """How well a column's name and unit suit each of the roles that it can play."""
+    if options.units:
+        return _scores(column, options)
+    return _own_scores(vocabulary.unnumbered(column.name), column.unit, column.content)
+
+
+@lru_cache(maxsize=1 << 16)
+def _own_scores(name: str, unit: str | None, content: Content) -> Mapping[Role, float]:
+    """What the file alone says of all columns that differ by a number."""
+    return _scores(Column(name, unit, content), ReadOptions())
+
+
+def _scores(column: Column, options: ReadOptions) -> Mapping[Role, float]:
+    words = {column.unit, _given(column, "time", options, by_role=False)} - {None, ""}
+    possible = {*vocabulary.matches(column.name), *chain(*map(_measured_by, words))}
+    found = {role: _score(column, role, options) for role in possible}
+    return {role: value for role, value in found.items() if value}
+
+
+@lru_cache(maxsize=1024)
+def _measured_by(word: str) -> tuple[Role, ...]:
+    """The roles that a unit word fits."""
+    return tuple(role for role in _ROLES if _fits(word, role))
+
+
+def _score(column: Column, role: Role, options: ReadOptions) -> float:
     if column.content not in ({"number", "clock"} if role == "time" else {"number"}):
         return 0.0
     value = _named_score(column, role, options)
@@ -265,8 +322,9 @@ def _nothing(table: FileTable, role: Role) -> Question:
     for column in table.columns:
         if _is_mislabelled(column, role):
             return Question(mislabelled(column, role), answer)
-        fits = column.unit and units.find(column.unit, DIMENSION.get(role))
-        if column.content == "text" and fits and role in vocabulary.matches(column.name):
+        worded = column.content == "text" and column.unit
+        fits = worded and units.find(column.unit or "", DIMENSION.get(role))
+        if fits and role in vocabulary.matches(column.name):
             says = (
                 f"column '{column.name}' ({_word(role)}) holds words where numbers are expected. "
                 f"Take them out of its cells, or name another column: {answer}"
@@ -277,8 +335,7 @@ def _nothing(table: FileTable, role: Role) -> Question:
     if role == "time":
         guess = "Without a time column: --rate 1000Hz"
         example += ". " + ". ".join(table.hints or [guess])
-    free = dict(enumerate(table.columns))
-    if role == "hammer" and len(_likely_accelerations(free, ReadOptions())) > 1:
+    if role == "hammer" and len(_likely_accelerations(table, ReadOptions())) > 1:
         example += ". Where a base was shaken, name its acceleration: "
         example += f'{flag("base_acceleration")}="{_example(table, "acceleration")}"'
     says = (
@@ -305,9 +362,10 @@ def ask(table: FileTable, questions: Sequence[Question]) -> str:
 def _is_mislabelled(column: Column, role: Role) -> bool:
     """Whether the name says the role best, but the unit suits nothing that the name says."""
     says, word = vocabulary.matches(column.name), column.unit or ""
-    meant = says.get(role, 0.0) >= max([1.5, *says.values()])
+    if says.get(role, 0.0) < max([1.5, *says.values()]):
+        return False
     fits = any(units.find(word, DIMENSION[r]) for r in says if r in DIMENSION)
-    return meant and not fits and units.find(word) is not None
+    return not fits and units.find(word) is not None
 
 
 def _example(table: FileTable, role: Role) -> str:
@@ -491,28 +549,39 @@ def sensitivity(word: str, dimension: Dimension, column_unit: str | None) -> Uni
     return Unit(word, dimension, factor)
 
 
-def quoted(columns: Sequence[Column], index: int) -> str:
+def quoted(columns: Sequence[Column], index: int, names: Counter[str] | None = None) -> str:
     """A column as the user sees it: its name and unit in quotes, or its number."""
     column = columns[index]
     unit = f" [{column.unit}]" if column.unit else ""
-    if handle(columns, index) == column.name:
+    if handle(columns, index, names) == column.name:
         return f"'{column.name}{unit}'"
     named = f" '{column.name}'" if column.name else ""
     return f"column {index + 1}{named}{unit}"
 
 
-def handle(columns: Sequence[Column], index: int) -> str:
-    """What names one column and no other: its name, or its number where names repeat."""
-    name = columns[index].name.strip().casefold()
-    alone = sum(column.name.strip().casefold() == name for column in columns) == 1
+def handle(columns: Sequence[Column], index: int, names: Counter[str] | None = None) -> str:
+    """What names one column and no other: its name, or its number where names repeat.
+
+    Who asks it of many columns counts their names once.
+    """
+    name = _folded(columns[index])
+    alone = (names or _counted(columns))[name] == 1
     return columns[index].name if name and alone else str(index + 1)
+
+
+def _counted(columns: Sequence[Column]) -> Counter[str]:
+    return Counter(map(_folded, columns))
+
+
+def _folded(column: Column) -> str:
+    return column.name.strip().casefold()
 
 
 def list_columns(columns: Sequence[Column]) -> str:
     """All columns with their numbers, for a message."""
-    filled = [i for i, c in enumerate(columns) if c.content != "blank"]
+    filled, names = [i for i, c in enumerate(columns) if c.content != "blank"], _counted(columns)
     shown = [
-        f"{i + 1} {quoted(columns, i) if columns[i].name else '(no name)'}"
+        f"{i + 1} {quoted(columns, i, names) if columns[i].name else '(no name)'}"
         for i in filled[:_LISTED]
     ]
     more = len(filled) - len(shown)

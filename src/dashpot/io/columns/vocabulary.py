@@ -162,6 +162,8 @@ def plain(name: str) -> str:
 
 def bare(text: str) -> str:
     """Drop the accents, as mangled headers do."""
+    if text.isascii():
+        return text
     return "".join(
         c
         for c in unicodedata.normalize("NFKD", text.replace("ł", "l").replace("ı", "i"))
@@ -206,6 +208,9 @@ _STEMS = MappingProxyType(
     }
 )
 """Words that others end with."""
+_ENDS = frozenset(word[-2:] for word in _STEMS)
+_LONGEST = max(map(len, _STEMS))
+_NUMBER = re.compile(r"[0-9]{2,}(?=[\])}\s]*+\Z)")
 
 
 def tokens(name: str) -> list[str]:
@@ -213,9 +218,13 @@ def tokens(name: str) -> list[str]:
     return plain(name).split()
 
 
-@lru_cache(maxsize=1 << 16)
 def has_word(name: str, words: tuple[str, ...]) -> bool:
     """Whether one of the words stands in the name, alone or (CJK) as a part."""
+    return _has_word(unnumbered(name), words)
+
+
+@lru_cache(maxsize=1 << 16)
+def _has_word(name: str, words: tuple[str, ...]) -> bool:
     found = {part for word in tokens(name) for part in (word, word.rstrip("0123456789"))}
     return any(w in found or (ord(w[0]) > 0x3000 and w in name) for w in words)
 
@@ -228,8 +237,9 @@ def _roles(spelling: str) -> Iterator[tuple[Role, float]]:
     if first:
         return
     # German puts the head of a compound last: Standardkraft is a force
-    for start in range(1, len(spelling)):
-        yield from ((role, 2.5) for role in _STEMS.get(spelling[start:], ()))
+    if not spelling.isascii() or spelling[-2:] in _ENDS:
+        for start in range(max(1, len(spelling) - _LONGEST), len(spelling)):
+            yield from ((role, 2.5) for role in _STEMS.get(spelling[start:], ()))
     if not spelling.isascii():
         for stem, roles in _EAST.items():
             if stem in spelling:
@@ -260,9 +270,22 @@ def over_amplitude(name: str) -> tuple[float, str]:
     return (2**-0.5, "an rms") if has_word(name, _RMS) else (1.0, "")
 
 
-@lru_cache(maxsize=1 << 16)
+def unnumbered(name: str) -> str:
+    """A name that says the same without its own number, where many are counted on: no word has two.
+
+    >>> unnumbered("ai_0017"), unnumbered("Channel [3917]"), unnumbered("T2")
+    ('ai_00', 'Channel [00]', 'T2')
+    """
+    return _NUMBER.sub("00", name)
+
+
 def matches(name: str) -> MappingProxyType[Role, float]:
     """How well a name says each role: 3 exactly, 2.5 as a part of a word, 1.5 perhaps."""
+    return _matches(unnumbered(name))
+
+
+@lru_cache(maxsize=1 << 16)
+def _matches(name: str) -> MappingProxyType[Role, float]:
     scores: dict[Role, float] = {}
     whole = unicodedata.normalize("NFKC", name).casefold().strip().replace(" ", "_")
     found = tokens(name)

@@ -39,12 +39,11 @@ def read(raw: Raw, options: ReadOptions) -> FileTable:
     """
     nptdms = extra("nptdms", "npTDMS", "TDMS files")
     with raw.open() as stream:
-        claimed = nptdms.TdmsFile.read_metadata(stream)
-        limits.within(
-            sum(len(c) for g in claimed.groups() for c in g.channels()), "the channels hold"
-        )
-        stream.seek(0)
+        if raw.size > limits.VALUES:  # a number takes a byte at least: less cannot hold too many
+            _within(nptdms.TdmsFile.read_metadata(stream))
+            stream.seek(0)
         file = nptdms.TdmsFile.read(stream)
+    _within(file)
     groups = _groups(file, options.sheet)
     notes: list[str] = []
     blocks = [_block(channels, notes) for channels in groups.values()]
@@ -59,6 +58,10 @@ def read(raw: Raw, options: ReadOptions) -> FileTable:
         load=in_memory(np.concatenate(blocks), tuple(map(int, starts)), tuple(groups)),
         notes=tuple(dict.fromkeys(notes)),
     )
+
+
+def _within(file: Any) -> None:
+    limits.within(sum(len(c) for g in file.groups() for c in g.channels()), "the channels hold")
 
 
 def _groups(file: Any, sheet: str | None) -> dict[str, list[_TdmsChannel]]:

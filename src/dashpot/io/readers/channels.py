@@ -438,7 +438,9 @@ def load(
     loaded = part(table.load(indexes), segment)
     if sure and loaded.doubts:
         raise ReadError(loaded.doubts[0][1].says)
-    notes = [note for column in loaded.values.T for note in _without_marks(column)]
+    ends = (np.fmax.reduce(loaded.values, initial=0.0), -np.fmin.reduce(loaded.values, initial=0.0))
+    far = np.flatnonzero(np.fmax(*ends) >= _NINES).tolist()
+    notes = [note for j in far for note in _without_marks(loaded.values[:, j])]
     return replace(loaded, notes=(*loaded.notes, *notes)) if notes else loaded
 
 

@@ -12,7 +12,7 @@ from dashpot.base.checks import Check
 from dashpot.base.provenance import Source
 from dashpot.base.units import si_unit
 from dashpot.io.columns.kinds import FileKind
-from dashpot.io.columns.roles import assign, score
+from dashpot.io.columns.roles import assign, suited
 from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers import channels, checks
@@ -121,4 +121,4 @@ def _curve(file: Opened, specimen: Specimen, said: list[str]) -> CreepCompliance
 
 
 def _suits(file: Opened, role: Role, least: float) -> bool:
-    return any(score(column, role, file.options) >= least for column in file.table.columns)
+    return max(suited(file.table, role, file.options).values(), default=0.0) >= least

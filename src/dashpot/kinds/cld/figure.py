@@ -8,10 +8,9 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.provenance import sources_of
-from dashpot.base.units import in_unit
-from dashpot.kinds.cld.record import CLD, Branch, Cycle
+from dashpot.base.units import in_unit, written
+from dashpot.kinds.cld.record import CLD, SAME_SPEED, Branch, Cycle
 from dashpot.plot.picture import (
-    FIT,
     REF,
     Line,
     Mark,
@@ -20,34 +19,54 @@ from dashpot.plot.picture import (
     Picture,
     Rule,
     Scale,
+    Span,
     Tag,
     around,
 )
 from dashpot.plot.stamps import stamp as stamped
 from dashpot.plot.thinning import extremes
+from dashpot.plot.tokens import sequential
 
 _FIRST = Pen("ref", 1.4, (2, 3)), "first cycle"
 _EARLIER = Pen("ref", 1.1), "other cycles"
-_BACK = Pen("fit", 1.6, (6, 3))
+_PIECES = ("measured", "joint-ink", "fit")
+"""Colours of as many pieces; of more, all are alike."""
+_LETTER = 0.016
+"""Part of the axis that a letter of a name takes."""
 
 
-def cld(found: CLD | Sequence[CLD], *, stamp: str = "") -> Picture:
+def cld(
+    found: CLD | Sequence[CLD],
+    *,
+    limits: tuple[float | None, float | None] | None = None,
+    stamp: str = "",
+) -> Picture:
     """Loading and unloading over compression: the cycle that the figures are of over the others.
 
-    Nominal compression and tolerance are marked. Several pieces are drawn by that cycle alone.
+    Nominal compression and tolerance are marked. Several pieces are drawn by that cycle alone, each
+    named where its line ends; three at most have a colour of their own.
 
     Parameters
     ----------
     found : CLD or sequence of CLD
+    limits : (float or None, float or None), optional
+        Asked of the force at the nominal compression, N, as `CLD.per` gives it.
     stamp : str
         What the figure says of its origin; by default files, specimen and date.
     """
     pieces = (found,) if isinstance(found, CLD) else tuple(found)
     first, alone = pieces[0], len(pieces) == 1
     lines = _others(first) if alone else []
-    for one in pieces:
-        lines += _ways(one, one.cycle, (FIT, _BACK), ("loading", "unloading"))
-    marks: list[Mark] = [*lines]
+    names: list[Tag] = []
+    for one, colour, name in zip(pieces, *_told_apart(pieces), strict=True):
+        pens = Pen(colour, 2.0 if alone else 1.6), Pen(colour, 1.4, (6, 3))
+        lines += _ways(one, one.cycle, pens, ("pressed", "released"))
+        if name:
+            deep, high = in_unit(one.loading.compression, "mm"), one.per * one.loading.force
+            deepest = int(np.argmax(deep))
+            names.append(Tag(float(deep[deepest]), float(high[deepest]), name, colour,
+                             bold=True, end=True))  # fmt: skip
+    marks: list[Mark] = [*_tolerance(first), *lines, *names]
     for at in first.marked:
         pressed = in_unit(at.compression, "mm")
         marks.append(Rule(pressed, REF))
@@ -56,7 +75,15 @@ def cld(found: CLD | Sequence[CLD], *, stamp: str = "") -> Picture:
             words = f"{force:.3g}"
             marks.append(Tag(pressed, force, words, "fit", "filled", bold=True))
     x, y = (np.concatenate([getattr(one, way) for one in lines]) for way in ("x", "y"))
-    across = Scale("compression since first contact, mm", around(x))
+    asked = [one for one in limits or () if one is not None and np.isfinite(one)]
+    if asked:
+        marks += _asked(first, asked)
+        y = np.append(y, asked)
+    start, stop = around(x)
+    longest = max((len(one.text) for one in names), default=0)
+    across = Scale(
+        "compression since first contact, mm", (start, stop + _LETTER * longest * (stop - start))
+    )
     panel = Panel(across, Scale(f"force, {first.unit}", around(y)), tuple(marks), height=320)
     caption = (
         "Compression load deflection: force on the way in and back, with the nominal compression "
@@ -65,6 +92,43 @@ def cld(found: CLD | Sequence[CLD], *, stamp: str = "") -> Picture:
     return Picture(
         "cld", caption, ((panel,),), 1, stamp or stamped(sources_of(pieces), first.specimen)
     )
+
+
+def _told_apart(pieces: Sequence[CLD]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Colour and name of each line: of up to three pieces, or of speeds; of more pieces none."""
+    speeds = [one.cycle.speed for one in pieces]
+    known = [one for one in speeds if one is not None]
+    if len(pieces) == 1:
+        return ("fit",), ("",)
+    if len(known) == len(pieces) and max(known) > SAME_SPEED * min(known):
+        rank = np.argsort(np.argsort(known))
+        colours = sequential(len(pieces))
+        named = tuple(written(one, "mm/s", ".3g") for one in known)
+        return tuple(colours[i] for i in rank.tolist()), named
+    if len(pieces) > len(_PIECES):
+        return ("ref",) * len(pieces), ("",) * len(pieces)
+    files = ("" if one.source is None else one.source.file for one in pieces)
+    named = tuple(name.rpartition(".")[0] or name or f"piece {i}"
+                  for i, name in enumerate(files, start=1))  # fmt: skip
+    return _PIECES[: len(pieces)], named
+
+
+def _tolerance(one: CLD) -> list[Mark]:
+    """The tolerance of the compression, if it has one."""
+    if one.least is None or one.most is None:
+        return []
+    low, high = (in_unit(at.compression, "mm") for at in (one.least, one.most))
+    return [Span(low, high, "fit", f"tolerance {low:.4g} to {high:.4g} mm", tint=0.07)]
+
+
+def _asked(one: CLD, ends: Sequence[float]) -> list[Mark]:
+    """What is asked of the force at the nominal compression, as a bar there."""
+    at = in_unit(one.nominal.compression, "mm")
+    between = " to ".join(f"{end:.3g}" for end in ends)
+    return [
+        Line(np.full(len(ends), at), np.array(ends), Pen("bad", 2.5)),
+        Tag(at, max(ends), f"asked {between} {one.unit}", "bad-ink", "filled"),
+    ]
 
 
 def _others(one: CLD) -> list[Line]:

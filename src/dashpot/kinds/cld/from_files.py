@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, replace
@@ -13,7 +14,9 @@ from dashpot.base.capability import Capability, capability
 from dashpot.base.checks import Check, Checked, worst
 from dashpot.base.documents import Documented
 from dashpot.base.errors import ReadError
+from dashpot.base.facts import Fact
 from dashpot.base.offered import Judged
+from dashpot.base.student_t import t_quantile
 from dashpot.base.units import Quantity, Range, written
 from dashpot.io.options import ReadOptions
 from dashpot.io.source import about
@@ -21,9 +24,16 @@ from dashpot.kinds.cld.checks import pieces_capable, pieces_tested_alike
 from dashpot.kinds.cld.prepare import cld
 from dashpot.kinds.cld.rate import fit_rate
 from dashpot.kinds.cld.read import read_cld
-from dashpot.kinds.cld.record import CLD, AtCompression, CompressionTest, RateLaw, RelaxedLaw
+from dashpot.kinds.cld.record import (
+    CLD,
+    SAME_SPEED,
+    AtCompression,
+    CompressionTest,
+    RateLaw,
+    RelaxedLaw,
+)
 from dashpot.kinds.cld.relaxed import nearest, relaxed_law
-from dashpot.kinds.cld.speeds import SAME_SPEED, fit_speeds
+from dashpot.kinds.cld.speeds import fit_speeds
 from dashpot.records.fit import Fit
 from dashpot.records.specimen import Specimen
 
@@ -52,6 +62,17 @@ class PieceStatistics:
     count: int
     mean: float
     deviation: float
+
+    @property
+    def fact(self) -> Fact:
+        """The mean, with its interval by Student's t."""
+        half = math.nan
+        if self.count > 1:
+            half = t_quantile(0.95, self.count - 1) * self.deviation / math.sqrt(self.count)
+        ends = self.mean - half, self.mean + half
+        unit = self.unit or "1"
+        read = "" if self.unit else "%"
+        return Fact(self.name, self.mean, *ends, unit, read=read)
 
 
 @dataclass(frozen=True, repr=False)

@@ -23,6 +23,9 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 PER = 0.1
 """Length of seal that a force is quoted for, m."""
 
+SAME_SPEED = 1.5
+"""Factor within which two speeds are one."""
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class CompressionTest(ByValue, Described):

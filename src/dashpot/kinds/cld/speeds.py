@@ -25,7 +25,7 @@ from dashpot.engine.least_squares.problem import Optimum, Parameter, Problem, Ro
 from dashpot.fitting.assembly import FoundSolid, assembled
 from dashpot.fitting.nonlinear_ramp.quasi_linear import hat_integrals
 from dashpot.kinds.cld import checks
-from dashpot.kinds.cld.record import CLD
+from dashpot.kinds.cld.record import CLD, SAME_SPEED
 from dashpot.kinds.cld.relaxed import clock_of, felt, knots_over, law_of, mean_slope
 from dashpot.records.estimate import ParameterEstimate, Residual, parameter_names
 from dashpot.records.fit import Evidence, Fit, OrderScore, Provenance
@@ -33,8 +33,6 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 
 KNOTS = 13
 MOST_ARMS = 3
-SAME_SPEED = 1.5
-"""Factor within which two speeds are one."""
 _PER_STROKE = 120
 _FALLS = 0.98
 """Part of the residual above which a further arm, and any after it, is not worth trying."""

@@ -10,7 +10,7 @@ from dashpot.base import units
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
 from dashpot.io.columns import vocabulary
-from dashpot.io.columns.roles import quoted, score
+from dashpot.io.columns.roles import quoted, suited
 from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers import channels, checks
@@ -106,7 +106,7 @@ def _elongated(file: Opened) -> Role:
     if options.stretch or options.strain:
         return "stretch" if options.stretch else "strain"
     best = {
-        role: max(score(one, role, options) for one in file.table.columns)
+        role: max(suited(file.table, role, options).values(), default=0.0)
         for role in _ELONGATED
     }  # fmt: skip
     return max(_ELONGATED, key=lambda role: best[role])

@@ -17,6 +17,9 @@ D2 = 1.128
 """Mean range of two normal values, in standard deviations."""
 _D4 = 3.267
 """Upper control limit of ranges of two, in mean ranges."""
+CHANCE = 0.015
+"""Part of the points of a chart of what is in control that break a rule all the same: measured, on
+charts of 5 to 200 values whose limits are their own."""
 ENOUGH = 25
 """Points that limits should be of (AIAG, Statistical Process Control, 2nd ed., chapter II)."""
 _ROUNDING = 1e-12
@@ -55,6 +58,31 @@ class Chart(Documented):
     lower: FloatArray
     upper: FloatArray
     signals: tuple[Signal, ...]
+
+    @property
+    def signalled(self) -> tuple[int, ...]:
+        """The points that break a rule, each once."""
+        return tuple(sorted({one.point for one in self.signals}))
+
+    @property
+    def causes(self) -> tuple[tuple[int, int], ...]:
+        """First and last point of each run of points that break a rule: a cause each."""
+        found: list[tuple[int, int]] = []
+        for at in self.signalled:
+            if found and at - found[-1][1] == 1:
+                found[-1] = (found[-1][0], at)
+            else:
+                found.append((at, at))
+        return tuple(found)
+
+
+def by_chance(points: int) -> float:
+    """How many of so many points break a rule at most where nothing but chance does it.
+
+    Points of one run come together, so their number scatters by the root of twice its mean; three
+    of those above it are met by one chart in sixty or fewer.
+    """
+    return CHANCE * points + 3 * math.sqrt(2 * CHANCE * points)
 
 
 def individuals(values: FloatArray) -> tuple[Chart, Chart]:

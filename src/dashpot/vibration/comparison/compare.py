@@ -340,7 +340,8 @@ def _resolved(fit: Fit | None, arm: int) -> bool:
         return False
     if any(moved.name == f"k_{arm}" and moved.before is None for moved in fit.moved):
         return False
-    rows = dict(zip(fit.parameters, np.diag(fit.covariance), strict=True))
+    known = fit.estimate.noise_alone.covariance
+    rows = dict(zip(fit.parameters, np.diag(known), strict=True))
     k_var, tau_var = rows.get(f"k_{arm}"), rows.get(f"ln_tau_{arm}")
     if k_var is None or tau_var is None:
         own = 1 / (2 * np.pi * fit.model.tau[arm - 1])

@@ -1,12 +1,24 @@
 // What the user does: buttons, keys, fields, files that are dropped; and how the page begins.
-import { $, field, made, status } from "./dom.js";
+import { $, all, field, made, status } from "./dom.js";
 import * as files from "./files.js";
 import * as folders from "./folders.js";
-import { become, levelUnit, remember, shown, state, test, undo } from "./job.js";
+import {
+  become,
+  door,
+  history,
+  kindOf,
+  levelUnit,
+  onlyRead,
+  remember,
+  shown,
+  state,
+  test,
+  undo,
+} from "./job.js";
 import * as lot from "./lot.js";
 import { bench, live, predict, settle, study } from "./questions.js";
-import { choices, describe, fields, fileList, solid, views } from "./shown.js";
-import { refuse, types } from "./verdict.js";
+import { choices, describe, fields, fileList, views } from "./shown.js";
+import { refuse, shut, types } from "./verdict.js";
 import { call } from "./wire.js";
 
 const DECKS = {
@@ -23,6 +35,7 @@ const DECKS = {
 };
 const NOTICED = 24;
 const PAUSE = 250;
+const STEP = 1.01;
 
 // -- buttons and keys -----------------------------------------------------------------------------
 
@@ -41,13 +54,21 @@ function copy() {
 
 /** Show the solid of one tab: verdict, tables, figures, and what is taken away. */
 function which(/** @type {string} */ name) {
-  const joint = name === "joint";
-  if (joint === state.joint) return;
-  state.joint = joint;
+  const joint = name === "joint", against = name === "ab", was = state.against;
+  if (against ? was : !was && joint === state.joint) return;
+  state.against = against;
+  if (!against) state.joint = joint;
+  if (against || was) return settle();
   choices();
-  solid();
+  $("solid").replaceChildren();
   remember();
   study();
+}
+
+function swap() {
+  const [a, b] = [field("ab-b").value, field("ab-a").value];
+  state.ab = { a, b };
+  settle();
 }
 
 function allHits() {
@@ -60,10 +81,22 @@ function reset() {
   settle();
 }
 
-function back() {
-  if (!undo()) return;
+function back(/** @type {number | undefined} */ to = undefined) {
+  if (!undo(to)) return;
   fileList();
   settle();
+}
+
+/** What was chosen, the last first, each a way back. */
+function steps(/** @type {boolean} */ open) {
+  $("history").hidden = !open;
+  $("undo").setAttribute("aria-expanded", String(open));
+  const rows = history().map(({ words, i }, at) => {
+    const has = { "data-back": String(i), ...(at ? {} : { "aria-current": "true" }) };
+    return made("li", {}, made("button", has, words, made("span", {}, at ? "" : "now")));
+  });
+  $("history-list").replaceChildren(...rows);
+  if (open) $("history-list").querySelector("button")?.focus();
 }
 
 function choose(/** @type {Partial<import("./job.js").Choices>} */ said) {
@@ -94,12 +127,17 @@ function deck(/** @type {string} */ target) {
   });
 }
 
+/** Fold the choices, or unfold them. */
+function unfold(yes = !$("choices").classList.contains("choosing")) {
+  $("choices").classList.toggle("choosing", yes);
+  document.querySelector('[data-act="choices"]')?.setAttribute("aria-expanded", String(yes));
+}
+
 const keys = /** @type {HTMLDialogElement} */ ($("keys"));
 
 /** @type {Record<string, () => unknown>} */
 const acts = {
   open: () => $("pick").click(),
-  hammer: () => $("pick").click(),
   example: files.example,
   answer: files.answer,
   profile: files.profile,
@@ -110,15 +148,30 @@ const acts = {
     if (document.body.classList.toggle("folders")) field("folder-name").focus();
   },
   report: () => files.away({ what: "report" }),
+  choices: () => unfold(),
+  specimen: () => {
+    document.querySelector(".specimen")?.classList.toggle("edit");
+    $("specimen-name").focus();
+  },
   menu: () => menu(!!$("menu").hidden),
   copy,
+  swap,
   reset,
-  undo: back,
+  undo: () => back(),
+  history: () => steps(!!$("history").hidden),
   again: () => settle(),
   "all-hits": allHits,
   mass: () => $("mass").focus(),
   dismiss: () => refuse("", "file"),
   "close-keys": () => keys.close(),
+  resume: async () => {
+    await call("POST", "/api/session");
+    location.reload();
+  },
+  forget: async () => {
+    await call("DELETE", "/api/session");
+    $("left").hidden = true;
+  },
 };
 
 /** What a button says by its data: the name of an attribute, and what is done with its value. */
@@ -129,6 +182,7 @@ const buttons = {
   deck,
   which,
   arms,
+  back: (i) => back(+i),
   folder: folders.openFolder,
   row: folders.openRow,
   sort: lot.sort,
@@ -138,10 +192,28 @@ const buttons = {
     state.base = said === "yes";
     settle();
   },
+  phase: () => {
+    state.phase = !state.phase;
+    choices();
+    remember();
+    study();
+  },
+  step: (said) => {
+    const [name, by] = said.split(" ");
+    step(name, +by);
+  },
+  fold: (name) => {
+    const open = document.body.classList.toggle(`open-${name}`);
+    document.querySelector(`[data-fold="${name}"]`)?.setAttribute("aria-expanded", String(open));
+    // what was folded had no width to be drawn at
+    if (open && test() && ["bench", "arms"].includes(name)) settle();
+  },
   frfs: (of) => {
     const one = shown();
     if (of !== "levels" && one?.level) one.level = "";
-    state.frfs = { ...state.frfs, of: of === "masses" || of === "levels" ? of : "points" };
+    if (of === "points" || of === "masses" || of === "levels" || of === "rod") {
+      state.frfs = { ...state.frfs, of };
+    }
     fileList();
     settle();
   },
@@ -154,6 +226,7 @@ const buttons = {
 document.addEventListener("click", (event) => {
   const at = /** @type {HTMLElement} */ (event.target), button = at.closest("button");
   if (!at.closest("#menu") && button?.dataset.act !== "menu") menu(false);
+  if (button?.dataset.act !== "history") steps(false);
   if (!button) return;
   for (const [name, said] of Object.entries(button.dataset)) buttons[name]?.(said || "");
 });
@@ -161,10 +234,12 @@ document.addEventListener("click", (event) => {
 /** @type {Record<string, () => unknown>} */
 const letters = {
   o: acts.open,
-  h: acts.hammer,
   f: acts.folders,
   e: () => !state.files.length && files.example(),
-  j: () => !$("which").hidden && which("joint"),
+  j: () => !$("top").hidden && !$("tab-joint").hidden && which("joint"),
+  b: () => !$("top").hidden && which("ab"),
+  " ": () => state.against && swap(),
+  p: () => test() && !state.base && buttons.phase(""),
   r: () => test() && acts.report(),
   t: () => test() && acts.menu(),
   m: () => $("mass").focus(),
@@ -172,6 +247,7 @@ const letters = {
   c: copy,
   "[": () => files.step(-1),
   "]": () => files.step(1),
+  u: () => !$("undo").hidden && acts.history(),
   "?": () => keys.showModal(),
 };
 
@@ -179,6 +255,7 @@ document.addEventListener("keydown", (event) => {
   const at = /** @type {HTMLElement} */ (event.target);
   if (event.key === "Escape") {
     menu(false);
+    steps(false);
     if (!$("cancel").hidden) acts.cancel();
     return;
   }
@@ -193,11 +270,17 @@ document.addEventListener("keydown", (event) => {
   if (/^[0-6]$/.test(event.key) && test()) arms(event.key === "0" ? "auto" : event.key);
   else {
     const act = letters[event.key.toLowerCase()];
-    if (!act) return;
+    if (!act || (event.key === " " && (!state.against || at.closest("button")))) return;
     event.preventDefault();
     act();
   }
 });
+
+// while B is held down, A is hidden
+document.addEventListener("keydown", (event) => {
+  if (event.key === "b" && event.repeat) document.body.classList.add("blink");
+});
+document.addEventListener("keyup", () => document.body.classList.remove("blink"));
 
 // -- fields ---------------------------------------------------------------------------------------
 
@@ -236,7 +319,6 @@ const typed = {
   mass: (text) => {
     const grams = inGrams(text);
     state.job.mass = grams && `${grams}g`;
-    state.mass = +grams;
   },
   seals: (text) => {
     state.job.seals = text ? +text : 1;
@@ -283,14 +365,19 @@ document.addEventListener("change", (event) => {
     at.value = "";
   } else if (hit) useHit(hit, at.checked);
   else if (at.dataset.together) files.join(at.dataset.together, at.checked);
-  else if (end) cut(end, Number.isFinite(parseFloat(text)) ? parseFloat(text) : null, false);
+  else if (at.dataset.side) {
+    state.ab = { ...state.ab, [at.dataset.side]: at.value };
+    settle();
+  } else if (at.dataset.ask) {
+    const one = shown(), of = one?.page === "part" ? door() : one;
+    if (!of) return;
+    const kind = kindOf(of), name = at.dataset.ask;
+    state.said = { ...state.said, [kind]: { ...state.said[kind], [name]: at.value.trim() } };
+    settle();
+  } else if (end) cut(end, Number.isFinite(parseFloat(text)) ? parseFloat(text) : null, false);
   else if (at.id.startsWith("specimen-")) {
     describe(at.id.slice("specimen-".length), at.value);
     settle();
-  } else if (at.id === "mass-slider") {
-    // each press of an arrow is a change: what takes seconds waits for the last of them
-    clearTimeout(pause);
-    pause = setTimeout(settle, PAUSE);
   } else if (typed[at.id]) {
     typed[at.id](text);
     settle();
@@ -302,12 +389,38 @@ document.addEventListener("moved", (event) => {
   cut(name, value, held);
 });
 
-$("mass-slider").addEventListener("input", () => {
-  if (!state.mass) state.mass = parseFloat(state.job.mass);
-  const grams = +(state.mass * 10 ** +field("mass-slider").value).toPrecision(4);
-  state.job.mass = `${grams}g`;
-  field("mass").value = String(grams);
+/** Change a number by so many steps: curves follow, and it is judged once that stops. */
+function step(/** @type {string} */ name, /** @type {number} */ by) {
+  if (name === "seals") state.job.seals = Math.max(1, Math.round(state.job.seals) + by);
+  else {
+    const grams = parseFloat(state.job.mass);
+    if (!grams) return $("mass").focus();
+    state.job.mass = `${+(grams * STEP ** by).toPrecision(4)}g`;
+  }
+  field("mass").value = state.job.mass.replace(/g$/, "");
+  field("seals").value = String(state.job.seals);
+  delete field("mass").dataset.typed;
   predict();
+  clearTimeout(pause);
+  // each press is a change: what takes seconds waits for the last of them
+  pause = setTimeout(settle, PAUSE);
+}
+
+$("mass").addEventListener("keydown", (event) => {
+  const by = { ArrowUp: 1, ArrowDown: -1 }[event.key];
+  if (!by || field("mass").dataset.typed) return;
+  event.preventDefault();
+  step("mass", by);
+});
+$("mass").addEventListener("wheel", (event) => {
+  if (document.activeElement !== $("mass") || field("mass").dataset.typed) return;
+  event.preventDefault();
+  step("mass", event.deltaY < 0 ? 1 : -1);
+}, { passive: false });
+
+document.addEventListener("number", (event) => {
+  unfold(true);
+  field(`cut-${/** @type {CustomEvent} */ (event).detail}`).select();
 });
 
 // -- files that are dropped, and a window of another size ----------------------------------------
@@ -349,7 +462,41 @@ addEventListener("resize", () => {
 for (const [name, words] of Object.entries(DECKS)) {
   $("decks").append(made("button", { "data-deck": name }, words));
 }
+
+/** Hold the session: one page at a time does, and the others only show it. */
+function hold(/** @type {LockOptions} */ how) {
+  return new Promise((told) => {
+    const asked = navigator.locks.request("session", how, (lock) => {
+      elsewhere(!lock);
+      told(!!lock);
+      return lock && new Promise(() => {});
+    });
+    // another page took it over
+    asked.catch(() => elsewhere(true));
+  });
+}
+
+function elsewhere(/** @type {boolean} */ yes) {
+  onlyRead(yes);
+  shut(yes);
+  document.body.classList.toggle("elsewhere", yes);
+  for (const one of all(".bar, .left, .right, .menu, #grid, .top, #drop, .recent")) one.inert = yes;
+}
+
+acts["take-over"] = async () => {
+  await hold({ steal: true });
+  // what the other page chose meanwhile
+  location.reload();
+};
+
+await hold({ ifAvailable: true });
 const kept = await call("GET", "/api/state").catch(() => ({}));
+if (kept.left) {
+  $("left").hidden = false;
+  $("left-files").textContent = kept.left.files.join(", ");
+  const when = new Date(kept.left.when);
+  $("left-when").textContent = when.toLocaleString(undefined, { dateStyle: "medium", timeStyle: "short" });
+}
 if (kept.files) {
   become(kept);
   fileList();

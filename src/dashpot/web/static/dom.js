@@ -45,6 +45,18 @@ export function atWork(/** @type {1 | -1} */ by) {
   $("cancel").hidden = !cancellable;
 }
 
+const SVG = "http://www.w3.org/2000/svg";
+
+/** A mark of the page: what is good, limited, bad, a note, or open. */
+export function icon(/** @type {string} */ name, kind = "icon") {
+  const drawn = document.createElementNS(SVG, "svg"), use = document.createElementNS(SVG, "use");
+  drawn.setAttribute("class", kind);
+  drawn.setAttribute("aria-hidden", "true");
+  use.setAttribute("href", `#i-${name}`);
+  drawn.append(use);
+  return drawn;
+}
+
 /** An element with what it has and holds. */
 export function made(
   /** @type {string} */ tag,

@@ -26,7 +26,7 @@ const PATIENCE = 300;
 async function look(/** @type {OpenFile} */ one) {
   const { head } = await send("inspect", { file: one.id, options: one.options });
   Object.assign(one, head, { asked: head.asked || "" });
-  if (isTest(one) || isHammer(one) || isBench(one)) one.asked = "";
+  if (isTest(one) || isHammer(one) || (isBench(one) && one.page !== "part")) one.asked = "";
 }
 
 /** Read files that the server has, and show the first that asks something. */

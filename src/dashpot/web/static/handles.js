@@ -20,6 +20,7 @@ export class Handle {
     this.value = 0;
     this.shift = 0;
     this.held = false;
+    this.begun = this.grip = 0;
     /** @type {Clock} */
     this.clock = { first: 0, last: 1, step: 0.001 };
     /** @type {Figure | null} */
@@ -31,25 +32,36 @@ export class Handle {
 
   made() {
     const made = document.createElement("button"), words = document.createElement("span");
-    made.className = `handle ${this.label === "contact" ? "early" : ""}`;
+    const both = document.createElement("i");
+    made.className = "handle";
+    both.setAttribute("aria-hidden", "true");
+    for (const sign of ["\u2039", "\u203a"]) {
+      both.append(Object.assign(document.createElement("b"), { textContent: sign }));
+    }
     made.setAttribute("role", "slider");
     made.setAttribute("aria-label", this.label);
     words.textContent = this.label;
     words.setAttribute("aria-hidden", "true");
-    made.append(words);
+    made.append(words, both);
+    made.addEventListener("dblclick", () => this.ask());
     made.addEventListener("pointerdown", (event) => {
       event.preventDefault();
       made.focus();
       made.setPointerCapture(event.pointerId);
       this.held = true;
+      this.begun = this.value;
+      const { left, width } = made.getBoundingClientRect();
+      this.grip = event.clientX - left - width / 2;
+      made.classList.add("held");
     });
     made.addEventListener("pointermove", (event) => {
-      if (this.held) this.to(this.under(event.clientX));
+      if (this.held) this.to(this.under(event.clientX - this.grip));
     });
     const drop = () => {
       if (!this.held) return;
       this.held = false;
-      this.tell(this.value, false);
+      made.classList.remove("held");
+      if (this.value !== this.begun) this.tell(this.value, false);
     };
     made.addEventListener("pointerup", drop);
     made.addEventListener("pointercancel", drop);
@@ -63,6 +75,11 @@ export class Handle {
   tell(/** @type {number | null} */ value, /** @type {boolean} */ held) {
     const detail = { name: this.name, value, held };
     this.element.dispatchEvent(new CustomEvent("moved", { bubbles: true, detail }));
+  }
+
+  /** Let its number be typed. */
+  ask() {
+    this.element.dispatchEvent(new CustomEvent("number", { bubbles: true, detail: this.name }));
   }
 
   byHand(/** @type {boolean} */ yes) {
@@ -149,6 +166,10 @@ export class Handle {
       event.preventDefault();
       event.stopPropagation();
       this.to(this.value + moves[event.key]);
+    }
+    if (event.key === "Enter") {
+      event.preventDefault();
+      this.ask();
     }
     if (event.key === "Home") {
       event.preventDefault();

@@ -18,6 +18,7 @@ import { call } from "./wire.js";
  * @property {boolean} [together]
  * @property {string} [temperature]
  * @property {string} [mass] On the seals in an FRF, where several differ in it
+ * @property {{name: string, label: string, unit: string, choices: string[], each: boolean}[]} [asks] Fields of its kind
  * @property {string} [level] Amplitude of the force, or of the base's acceleration, of an FRF
  */
 /**
@@ -33,13 +34,14 @@ import { call } from "./wire.js";
  * @property {Record<string, string>} specimen
  * @property {{accept: string[], reject: string[]}} hammer
  */
+/** @typedef {{key: string, words: string, kept: string}} Step A choice, and the state after it */
 /** @typedef {{at: string, law: string}} OfLevels Forces at which a resonance is asked for, and the law */
-/** @typedef {{of: "points" | "masses" | "levels", band: string}} OfFRFs In what several FRFs differ, and where modes are sought */
-/** @typedef {{files: OpenFile[], current: string, joint: boolean, base: boolean, lot: string, mass: number, levels: OfLevels, frfs: OfFRFs, job: Choices}} State */
+/** @typedef {{of: "points" | "masses" | "levels" | "rod", band: string}} OfFRFs In what several FRFs differ, and where modes are sought */
+/** @typedef {{files: OpenFile[], current: string, joint: boolean, base: boolean, against: boolean, ab: {a: string, b: string}, phase: boolean, lot: string, levels: OfLevels, frfs: OfFRFs, said: Record<string, Record<string, string>>, past: Step[], job: Choices}} State */
 
 /** What is shown where no file is. */
 export const LOT = "lot";
-const STEPS_BACK = 100;
+const STEPS_BACK = 30;
 const KEY = 18;
 
 /** What a job is of which nothing was said: declared where commands have it from. */
@@ -51,10 +53,14 @@ const fresh = () => ({
   current: "",
   joint: false,
   base: false,
+  against: false,
+  ab: { a: "", b: "" },
+  phase: false,
   lot: "",
-  mass: 0,
   levels: { at: "", law: "auto" },
   frfs: { of: "points", band: "" },
+  said: {},
+  past: [],
   job: { ...usual, cuts: {}, specimen: {}, hammer: { accept: [], reject: [] } },
 });
 
@@ -69,19 +75,32 @@ const isTaken = (/** @type {string[]} */ ...pages) => (one) =>
   pages.includes(one.page || "") && one.mark === "good";
 export const isTest = isTaken("test");
 export const isHits = isTaken("hammer");
+export const isResponse = isTaken("response", "base");
+/** An FRF that is taken for that of a mass on a rod. */
+export const isRod = (/** @type {OpenFile} */ one) => isResponse(one) && state.frfs.of === "rod";
+/** A door, among the files that are its parts. */
+export const door = () => state.files.find((one) => one.kind === "door");
+/** A kind that stands alone, or part of a door that is open. */
+export const isJudged = (/** @type {OpenFile} */ one) =>
+  isTaken("judged")(one) || isRod(one) || (one.page === "part" && !!door());
+export const kindOf = (/** @type {OpenFile} */ one) => isRod(one) ? "rod" : one.kind || "";
+/** The files that are judged together with one: all of its kind, but for what is one hit or rod. */
+export const alike = (/** @type {OpenFile} */ one) =>
+  ["indentation", "rod"].includes(kindOf(one))
+    ? [one]
+    : state.files.filter((each) => isTaken("judged")(each) && each.kind === one.kind);
 /** An FRF of a level goes with those of other levels, and with no relaxation test. */
 export const isHammer = (/** @type {OpenFile} */ one) =>
-  isTaken("hammer", "response")(one) && !one.level;
-export const isResponse = isTaken("response", "base");
+  isTaken("hammer", "response")(one) && !one.level && !isRod(one);
 /** A file, or one of several, in which amplitude was varied. */
 export const isLevel = (/** @type {OpenFile} */ one) =>
   isTaken("level")(one) || (isResponse(one) && !!one.level);
 /** An FRF whose modes are sought. */
 export const isModes = (/** @type {OpenFile} */ one) =>
-  isTaken("response")(one) && !one.level && state.frfs.of !== "levels";
+  isTaken("response")(one) && !one.level && ["points", "masses"].includes(state.frfs.of);
 /** What the page fits by itself. */
 export const isBench = (/** @type {OpenFile} */ one) =>
-  isTaken("bench")(one) || isLevel(one) || isModes(one);
+  isTaken("bench")(one) || isLevel(one) || isModes(one) || isJudged(one);
 /** The unit in which the level of an FRF is said. */
 export const levelUnit = (/** @type {OpenFile | undefined} */ one) =>
   one?.page === "base" ? "m/s^2" : "N";
@@ -116,6 +135,33 @@ export function job() {
   };
 }
 
+/** The solids that can be held against each other, each by what it is of. */
+export function solids() {
+  const many = state.files.filter(isTest).length > 1, cut = Object.keys(state.job.cuts).length > 0;
+  return state.files.filter(isTest).flatMap((one) => {
+    const own = (/** @type {string} */ words) => many ? `${one.name}, ${words}` : words;
+    const found = [[`fit ${one.id}`, own("relaxation alone")]];
+    if (hammers().length) found.push([`joint ${one.id}`, own("both tests")]);
+    if (one === test() && cut) found.push([`found ${one.id}`, own("cuts as found")]);
+    return found;
+  });
+}
+
+/** The job of one of them. */
+export function jobOf(/** @type {string} */ solid) {
+  const [how, id] = solid.split(" "), of = state.files.find((one) => one.id === id);
+  const own = of === test() && how !== "found";
+  return {
+    ...job(),
+    relaxation: id,
+    reading: of ? of.options : {},
+    joint: how === "joint",
+    further: [],
+    temperatures: of?.temperature ? [of.temperature] : [],
+    cuts: own ? state.job.cuts : {},
+  };
+}
+
 /** What is asked of the test with one solid or the other. */
 export const questionOf = (/** @type {boolean} */ joint) => JSON.stringify({ ...job(), joint });
 
@@ -138,35 +184,73 @@ export function sizes() {
 
 // -- the way back ---------------------------------------------------------------------------------
 
-/** @type {{key: string, kept: string}[]} */
-const past = [];
-
 /** What of the state the user chose; what a file was found to be is none of it. */
 const key = () => {
-  const { job, joint, base, mass, levels, frfs, files } = state;
+  const { job, joint, base, levels, frfs, said, files } = state;
   return JSON.stringify([
     job,
     joint,
     base,
-    mass,
     levels,
     frfs,
+    said,
     files.map((one) => [one.id, one.options, one.together, one.temperature, one.level, one.mass]),
   ]);
 };
 
-/** Keep the state: for a page that is loaded again, and for the way back. */
-export function remember() {
-  const kept = JSON.stringify(state);
-  if (past.at(-1)?.key !== key()) past.push({ key: key(), kept });
-  if (past.length > STEPS_BACK) past.shift();
-  call("PUT", "/api/state", kept).catch(() => {});
+/** What was chosen, in a few words: how one state differs from the one before. */
+function changed(/** @type {string} */ before, /** @type {string} */ after) {
+  const [was, now] = [before, after].map((one) => JSON.parse(one));
+  const [a, b] = [was[0], now[0]];
+  /** @type {string[]} */
+  const words = [];
+  for (const name of Object.keys(b)) {
+    if (JSON.stringify(a[name]) === JSON.stringify(b[name])) continue;
+    if (name === "cuts") {
+      const moved = Object.keys({ ...a.cuts, ...b.cuts }).filter((one) => a.cuts[one] !== b.cuts[one]);
+      for (const one of moved) {
+        const at = b.cuts[one] === undefined ? "as found" : `${+b.cuts[one].toFixed(4)} s`;
+        words.push(`${one === "onset" ? "contact" : one.replace("_", " ")} ${at}`);
+      }
+    } else if (name === "hammer") words.push(`hits rejected: ${b.hammer.reject.join(", ") || "none"}`);
+    else if (name === "specimen") words.push("specimen");
+    else words.push(`${name} ${b[name] || "not given"}`);
+  }
+  if (was[1] !== now[1]) words.push(now[1] ? "both tests" : "relaxation alone");
+  if (was[2] !== now[2]) words.push(now[2] ? "its base moves" : "a force on it");
+  const more = now.at(-1).length - was.at(-1).length;
+  if (more > 0) words.push(`${more === 1 ? "a file" : `${more} files`} opened`);
+  if (more < 0) words.push("a file removed");
+  return words.join(", ") || "reading of a file";
 }
 
-/** Become what it was before the last choice; false where there is nothing before. */
-export function undo() {
-  if (past.at(-1)?.key === key()) past.pop();
-  const last = past.at(-1);
-  if (last) become(JSON.parse(last.kept));
-  return !!last;
+let readOnly = false;
+
+/** Keep nothing of a page that is open elsewhere. */
+export function onlyRead(/** @type {boolean} */ yes) {
+  readOnly = yes;
+}
+
+/** Keep the state: for a page that is loaded again, and for the way back. */
+export function remember() {
+  if (readOnly) return;
+  const { past, ...own } = state, now = key();
+  if (past.at(-1)?.key !== now) {
+    const last = past.at(-1), words = last ? changed(last.key, now) : "opened";
+    past.push({ key: now, words, kept: JSON.stringify(own) });
+  }
+  if (past.length > STEPS_BACK) past.shift();
+  $("undo").hidden = past.length < 2;
+  call("PUT", "/api/state", JSON.stringify(state)).catch(() => {});
+}
+
+/** What was chosen so far, the last first. */
+export const history = () => state.past.map(({ words }, i) => ({ words, i })).reverse();
+
+/** Become what it was before the last choice, or after the choice `i`; false if there is none. */
+export function undo(i = state.past.length - (state.past.at(-1)?.key === key() ? 2 : 1)) {
+  const past = state.past.slice(0, i + 1), to = past.at(-1);
+  if (!to || i < 0) return false;
+  become({ ...JSON.parse(to.kept), past });
+  return true;
 }

@@ -6,6 +6,10 @@ import { state, together } from "./job.js";
 
 /** @typedef {{first: number, last: number, step: number}} Clock Of a record, s */
 
+const WHEEL = 1.25;
+/** Of a drawing, px, below which ranges are not read off. */
+const NARROW = 400;
+
 /** @type {Record<string, Figure | null>} */
 const figures = {};
 
@@ -16,17 +20,56 @@ export const handles = {
   hold_end: new Handle("hold_end", "hold", "hold end"),
 };
 
-/** Panels whose axes of time are read off together; the one of the ramp is the record's clock. */
-const LINKED = ["ramp", "hold", "residual"];
+/** A figure that is read off in a block of its own, and zoomed by the wheel. */
+class Reading extends Figure {
+  constructor(
+    /** @type {SVGSVGElement} */ svg,
+    /** @type {Element} */ out,
+    /** @type {string} */ label,
+  ) {
+    super(svg, out, label);
+    const leave = () => {
+      if (document.activeElement === svg) return;
+      this.cross.setAttribute("d", "");
+      out.replaceChildren();
+    };
+    svg.addEventListener("pointerleave", leave);
+    svg.addEventListener("blur", leave);
+    svg.addEventListener("wheel", (event) => this.wheel(event), { passive: false });
+  }
 
-function link(/** @type {string} */ name) {
-  const from = figures[name], onset = handles.onset.value;
-  if (!from) return;
-  const clock = (/** @type {string} */ one) => one === "ramp" ? 0 : onset;
-  const time = from.at.x.value(from.x) + clock(name);
-  for (const other of LINKED) {
-    const figure = other === name ? null : figures[other];
-    if (figure) figure.point(time - clock(other));
+  tell() {
+    this.mark();
+    const { panels, at } = this, { quantity, unit, per } = at.axes();
+    const cell = (/** @type {string} */ tag, /** @type {string} */ words, kind = "") =>
+      made(tag, kind ? { class: kind } : {}, words);
+    const rows = [cell("dt", `${at.where(this.x)} ${per}`, "at"), cell("dd", unit, "at")];
+    rows[0].title = quantity;
+    const part = this.x / at.whole[2], narrow = this.svg.clientWidth < NARROW;
+    for (const one of panels) {
+      const own = one === at ? "" : `, ${one.axes().unit}`;
+      for (const [name, value] of one.values(part * one.whole[2], this.y)) {
+        if (narrow && one.curves.some((each) => each.name === name && each.edge)) continue;
+        const kind = name === "measured" ? "upon" : "";
+        const called = own && !/[a-z] /.test(name) ? `${name}${own}` : name;
+        rows.push(cell("dt", called, kind), cell("dd", value, kind));
+      }
+    }
+    this.out.replaceChildren(...rows);
+  }
+
+  /** Zoom about the pointer; where the page itself can be scrolled, with Ctrl alone. */
+  wheel(/** @type {WheelEvent} */ event) {
+    const room = this.svg.closest("main, .scrolls");
+    const scrolls = room && room.scrollHeight > room.clientHeight + 1;
+    if (scrolls && !event.ctrlKey) return;
+    event.preventDefault();
+    const [x0, y0, x1, y1] = this.at.view, whole = this.at.whole[2];
+    const factor = event.deltaY < 0 ? 1 / WHEEL : WHEEL;
+    const wide = Math.min(Math.max((x1 - x0) * factor, whole / 500), whole);
+    const kept = this.x - (this.x - x0) * wide / (x1 - x0);
+    const start = Math.min(Math.max(kept, 0), whole - wide);
+    this.zoom(this.at, start, y0, start + wide, y1);
   }
 }
 
@@ -41,19 +84,19 @@ export function panel(/** @type {string} */ name, /** @type {string} */ html) {
   const out = card?.querySelector(".read");
   if (!card || !body || !out) return;
   body.innerHTML = html || blank.get(name) || "";
-  out.textContent = "";
+  out.replaceChildren();
   card.classList.remove("stale");
   const svg = /** @type {SVGSVGElement | null} */ (body.querySelector("svg.figure"));
-  const label = card.querySelector("figcaption")?.textContent || "";
-  figures[name] = svg && new Figure(svg, out, label);
-  if (svg && LINKED.includes(name)) {
-    for (const kind of ["pointermove", "keyup"]) svg.addEventListener(kind, () => link(name));
-  }
+  const caption = card.querySelector("figcaption");
+  const title = /** @type {HTMLElement | null} */ (body.querySelector("[data-title]"));
+  if (caption && title) caption.textContent = title.dataset.title || "";
+  figures[name] = svg && new Reading(svg, out, caption?.textContent || "");
 }
 
 /** What is kept, by the verb that gave it. @type {Record<string, string>} */
 const SAVED = {
   level: "Save the numbers (levels.json)",
+  judged: "Save the numbers (JSON)",
   modes: "Save the modes (modes.json)",
 };
 
@@ -62,12 +105,15 @@ export function strips(
   /** @type {HTMLElement} */ home,
   /** @type {[string, string][]} */ drawn,
   /** @type {string} */ verb,
+  /** @type {[string, string][]} */ facts = [],
 ) {
-  home.replaceChildren(...drawn.map(([title, html]) => {
-    const body = made("div", { class: "body" }), out = made("p", { class: "read" });
+  const told = made("dl", { class: "facts" });
+  for (const [name, said] of facts) told.append(made("div", {}, made("dt", {}, name), made("dd", {}, said)));
+  home.replaceChildren(...(facts.length ? [told] : []), ...drawn.map(([title, html]) => {
+    const body = made("div", { class: "body" }), out = made("div", { class: "read" });
     body.innerHTML = html;
     const svg = /** @type {SVGSVGElement | null} */ (body.querySelector("svg.figure"));
-    if (svg) new Figure(svg, out, title);
+    if (svg) new Reading(svg, out, title);
     const card = { class: drawn.length > 1 ? "card" : "card only" };
     return made("figure", card, made("figcaption", {}, title), body, out);
   }));
@@ -79,25 +125,32 @@ export function strips(
 /** Lay bare curves into the drawings; their names are `panel/curve/x` and `panel/curve/y`. */
 export function curves(/** @type {Record<string, Float32Array>} */ arrays) {
   for (const at of Object.keys(arrays).filter((one) => one.endsWith("/x"))) {
-    const [name, curve] = at.split("/"), figure = figures[name];
-    if (!figure) continue;
-    const path = all(".plot path[data-name]", figure.svg)
-      .find((one) => one.dataset.name?.startsWith(curve));
-    path?.setAttribute("d", figure.panels[0].path(arrays[at], arrays[`${name}/${curve}/y`]));
+    const [name, curve] = at.split("/");
+    for (const one of figures[name]?.panels || []) {
+      const path = all("path[data-name]", one.plot)
+        .find((each) => each.dataset.name?.startsWith(curve));
+      path?.setAttribute("d", one.path(arrays[at], arrays[`${name}/${curve}/y`]));
+    }
   }
 }
+
+/** From where the axis of the hold counts, on the clock of the record. */
+let since = 0;
 
 /** Stand where the cuts are: the handles, and the numbers in the fields. */
 export function placeHandles(
   /** @type {Record<string, number>} */ cuts,
   /** @type {Clock | null} */ clock = null,
+  anew = false,
 ) {
   /** @type {Record<string, number>} */
   const at = { ...cuts, ...state.job.cuts };
+  // what is drawn counts from where the ramp ended when it was
+  if (anew) since = cuts.ramp_end;
   for (const [name, handle] of Object.entries(handles)) {
     // what is cut by hand is one test
     const figure = together().length ? null : figures[handle.panel];
-    handle.place(figure, at[name], clock, handle.panel === "hold" ? at.onset : 0);
+    handle.place(figure, at[name], clock, handle.panel === "hold" ? since : 0);
     handle.byHand(name in state.job.cuts);
     put(`cut-${name}`, String(+at[name].toFixed(4)));
   }

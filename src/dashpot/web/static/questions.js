@@ -1,22 +1,28 @@
 // Questions to the server, and where their answers stand. The page computes no number.
-import { $, all, atWork, put, status } from "./dom.js";
+import { $, all, atWork, field, made, put, status } from "./dom.js";
 import {
+  alike,
+  door,
   hammers,
   isBench,
+  isJudged,
   isLevel,
   isModes,
   isResponse,
   job,
+  jobOf,
+  kindOf,
   LOT,
   questionOf,
   remember,
   shown,
   sizes,
+  solids,
   state,
   test,
 } from "./job.js";
 import { curves, panel, placeHandles, strips } from "./panels.js";
-import { choices, fields, fileList, solid, tables, views } from "./shown.js";
+import { choices, fields, fileList, solid, views } from "./shown.js";
 import { asks, heals, knows, refuse, stops } from "./verdict.js";
 import { ask, call, cancelled, forget } from "./wire.js";
 
@@ -28,6 +34,7 @@ const seconds = (/** @type {number} */ since, digits = 1) =>
 function question() {
   const of = bench();
   if (of) return JSON.stringify([of.verb, { ...of.request, sizes: null }]);
+  if (test() && state.against) return JSON.stringify(["against", ab()]);
   return test() ? questionOf(state.joint) : "";
 }
 
@@ -37,12 +44,23 @@ function ends(/** @type {string} */ said) {
   else refuse(said);
 }
 
+/** What the fit that was settled last chose by itself. */
+let found = { arms: 0, law: "", cuts: {} };
+
 /** While a handle is held: bare curves, and both fits' numbers. */
 export function live() {
   if (!test()) return;
   const now = question();
   asks(now, "It is judged once you let go.");
-  ask("live", "live", { job: job() }, ({ head, arrays }) => {
+  // what is chosen by trial is as it was found, until the handle is let go
+  const { arms, law, cuts } = found, own = job();
+  const asked = {
+    ...own,
+    arms: own.arms === "auto" && arms ? arms : own.arms,
+    law: own.law === "auto" && law ? law : own.law,
+    cuts: { ...cuts, ...own.cuts },
+  };
+  ask("live", "live", { job: asked }, ({ head, arrays }) => {
     curves(arrays);
     $("beside").innerHTML = head.beside;
     heals(now);
@@ -72,11 +90,12 @@ export function settle(again = false) {
     status(open ? "a question is open" : "no relaxation test is open");
     return;
   }
+  if (state.against) return compare();
   // of a long record a part is drawn at once
   const quick = !!of.long, since = performance.now();
   of.long = false;
   status(quick ? "fitting a part of the samples" : "fitting");
-  const asked = { job: job(), sizes: sizes(), quick, base: state.base };
+  const asked = { job: job(), sizes: sizes(), quick, base: state.base, phase: state.phase };
   ask("settle", "settle", asked, ({ head }) => {
     knows(now, head, false);
     settled(head);
@@ -91,9 +110,9 @@ export function settle(again = false) {
 
 /** Without a test nothing is known of a seal. */
 function nothing() {
-  tables.fit = tables.joint = "";
-  solid();
-  chosenArms("");
+  drawnOf = "";
+  solid("", false, "");
+  solid("", true, "");
   for (const name of ["checks", "beside", "answers", "command", "bench-page"]) {
     $(name).replaceChildren();
   }
@@ -101,26 +120,43 @@ function nothing() {
   for (const end of all("[data-cut]")) put(end.id, "");
 }
 
+let drawnOf = "";
+
 function settled(/** @type {any} */ head) {
-  tables.fit = head.solid;
-  if (!state.joint) tables.joint = "";
-  for (const [name, html] of Object.entries(head.panels)) panel(name, html);
-  $("checks").innerHTML = head.checks;
+  // what stands there of both tests is old, and looks so, until their solid is found anew
+  const old = state.joint && drawnOf === test()?.id;
+  if (!old) {
+    for (const [name, html] of Object.entries(head.panels)) panel(name, html);
+    $("answers").replaceChildren();
+    $("solid").replaceChildren();
+  }
+  $("grid").classList.toggle("old", old);
+  if (old) $("command").textContent = head.command;
+  else told(head);
+  solid(head.solid, false, head.arms);
   $("beside").innerHTML = head.beside;
   $("beside").hidden = !Object.keys(state.job.cuts).length;
-  $("command").textContent = head.command;
-  $("simulated").hidden = !head.simulated;
-  $("answers").innerHTML = "";
-  chosenArms(head.arms);
-  solid();
+  $("pressed").textContent = head.pressed.says;
+  field("compression").placeholder = head.pressed.value || "by weight";
+  field("specimen-temperature").placeholder = head.temperature || "not given";
+  found = { arms: head.arms, law: head.law, cuts: head.cuts };
   const [first, last] = head.clock;
-  placeHandles(head.cuts, { first, last, step: head.step });
+  placeHandles(head.cuts, { first, last, step: head.step }, !old);
 }
 
-function chosenArms(/** @type {number | ""} */ arms) {
-  const auto = document.querySelector('[data-arms="auto"]');
-  const chosen = state.job.arms === "auto" && arms !== "";
-  if (auto) auto.textContent = chosen ? `auto: ${arms}` : "auto";
+/** What every answer tells of the solid. */
+function told(/** @type {any} */ head) {
+  $("checks").innerHTML = head.checks;
+  $("command").textContent = head.command;
+  $("simulated").hidden = !head.simulated;
+  fit();
+}
+
+/** Where a column is too short for all of it, notes are counted alone; what failed stays. */
+function fit() {
+  const right = $("right");
+  right.classList.remove("tight");
+  right.classList.toggle("tight", right.scrollHeight > right.clientHeight + 1);
 }
 
 /** A question that takes seconds, can be cancelled, and says meanwhile what is done. */
@@ -156,13 +192,42 @@ function slowly(
   }, end);
 }
 
+/** Both sides that are held against each other, each the first that there is if it is not chosen. */
+function ab() {
+  const every = solids().map(([name]) => name), now = test()?.id;
+  const usual = [`fit ${now}`, every.find((one) => one !== `fit ${now}`) || `fit ${now}`];
+  const [a, b] = [state.ab.a, state.ab.b].map((one, i) => every.includes(one) ? one : usual[i]);
+  return { a, b };
+}
+
+/** Two fits against each other. */
+function compare() {
+  const { a, b } = ab(), now = question();
+  asks(now, "Both fits are held against each other.");
+  for (const [side, chosen] of [["a", a], ["b", b]]) {
+    const all = solids().map(([name, words]) => made("option", { value: name }, words));
+    $(`ab-${side}`).replaceChildren(...all);
+    field(`ab-${side}`).value = chosen;
+  }
+  const request = { a: { job: jobOf(a) }, b: { job: jobOf(b) }, sizes: sizes() };
+  slowly("against", request, (head) => {
+    for (const [name, html] of Object.entries(head.panels)) panel(name, html);
+    $("ab-table").innerHTML = head.table;
+    $("simulated").hidden = !head.simulated;
+    $("command").textContent = "";
+    knows(now, head, true);
+    return true;
+  });
+}
+
 /** The whole story: bound, hammer, joint fit. */
 export function study(again = false) {
   if (!test()) return;
+  if (state.against) return compare();
   const now = question();
   asks(now, hammers().length ? "The hammer is compared." : "Its limits are sought.");
-  slowly("study", { job: job(), sizes: sizes(), base: state.base }, (head) => {
-    told(head);
+  slowly("study", { job: job(), sizes: sizes(), base: state.base, phase: state.phase }, (head) => {
+    studied(head);
     knows(now, head, !head.hint);
     if (head.hint) stops(head.hint, { words: "Give the mass", act: "mass" });
     if (again || !tooTall()) return true;
@@ -176,7 +241,10 @@ export function bench() {
   const one = shown();
   if (!one || !isBench(one)) return null;
   const { id: file, options, temperature } = one, { arms, mass, seals } = state.job;
-  const sizes = { bench: [$("main").clientWidth - 16, 0] };
+  // in one column it is none itself
+  const width = $("main").clientWidth || document.body.clientWidth;
+  const sizes = { bench: [width - 16, 0] };
+  if (isJudged(one)) return { verb: "judged", request: { ...judged(one), sizes } };
   if (isModes(one)) {
     const every = state.files.filter(isModes), { of, band } = state.frfs;
     const files = every.map((each) => each.id);
@@ -193,6 +261,17 @@ export function bench() {
   return { verb: "level", request };
 }
 
+/** What is asked of a kind that stands alone, and of which files. */
+function judged(/** @type {import("./job.js").OpenFile} */ one) {
+  const of = one.page === "part" ? door() || one : one, kind = kindOf(of);
+  const { options } = of, said = state.said[kind] || {};
+  if (kind === "door") {
+    const others = state.files.filter((each) => each !== of).map((each) => each.id);
+    return { kind, files: [of.id, ...others], said, options: {}, test: test()?.id || "" };
+  }
+  return { kind, files: alike(of).map((each) => each.id), said, options };
+}
+
 let benched = "";
 
 function fitBench(/** @type {{verb: string, request: any}} */ { verb, request }) {
@@ -202,43 +281,37 @@ function fitBench(/** @type {{verb: string, request: any}} */ { verb, request })
   benched = state.current;
   slowly(verb, request, (head) => {
     knows(now, head, true);
-    chosenArms(head.arms);
-    tables.fit = head.solid;
-    tables.joint = "";
-    solid();
-    $("checks").innerHTML = head.checks;
-    $("answers").innerHTML = "";
+    $("solid").innerHTML = head.solid;
+    solid(head.solid, state.joint, head.arms);
+    $("answers").innerHTML = head.answers || "";
     $("beside").hidden = true;
-    $("command").textContent = head.command;
-    $("simulated").hidden = !head.simulated;
-    strips($("bench-page"), head.figures, verb);
+    told(head);
+    strips($("bench-page"), head.figures, verb, head.facts);
     return true;
   }, nothing);
 }
 
-function told(/** @type {any} */ head) {
-  panel("frf", head.frf);
-  for (const [name, html] of Object.entries({ ...head.hit_panels, ...head.panels })) {
+function studied(/** @type {any} */ head) {
+  drawnOf = test()?.id || "";
+  $("grid").classList.remove("old");
+  for (const [name, html] of Object.entries({ frf: head.frf, ...head.hit_panels, ...head.panels })) {
     panel(name, html);
   }
-  if (head.joint) $("beside").hidden = true; // it is of the relaxation test alone
+  if (state.joint) $("beside").hidden = true; // it is of the relaxation test alone
   $("hit-table").innerHTML = head.hits;
   for (const one of hammers()) one.line = head.hammer || one.line;
   fileList();
   $("answers").innerHTML = head.answers;
-  $("checks").innerHTML = head.checks;
-  $("command").textContent = head.command;
-  $("simulated").hidden = !head.simulated;
-  tables.joint = head.joint || "";
-  solid();
-  choices();
+  solid(head.solid, state.joint, head.arms);
+  told(head);
+  placeHandles(head.cuts, null, true);
 }
 
 /** The response of the mass while it moves. */
 export function predict() {
   if (!test() || !state.job.mass) return;
   asks(question(), "It is judged once you let go.");
-  ask("mass", "predict", { job: job(), base: state.base }, ({ head, arrays }) => {
+  ask("mass", "predict", { job: job(), base: state.base, phase: state.phase }, ({ head, arrays }) => {
     curves(arrays);
     status(`${head.peak}; limits: working`);
     $("command").textContent = head.command;

@@ -1,13 +1,18 @@
 // What stands on the page beside the drawings: verdict, solid, choices, files, fields.
-import { $, all, field, made, put } from "./dom.js";
+import { $, all, field, icon, made, put } from "./dom.js";
 import {
+  alike,
+  door,
   hammers,
   isBench,
   isHits,
+  isJudged,
   isLevel,
   isModes,
   isResponse,
+  isRod,
   isTest,
+  kindOf,
   levelUnit,
   LOT,
   shown,
@@ -20,15 +25,29 @@ import { render } from "./verdict.js";
 
 /** @typedef {import("./job.js").OpenFile} OpenFile */
 
+/** What is asked of a rod, which no file says it is. @type {NonNullable<OpenFile["asks"]>} */
+const ROD = [
+  { name: "mass", label: "Mass on it", unit: "g", choices: [], each: false },
+  { name: "density", label: "Density", unit: "kg/m^3", choices: [], each: false },
+  { name: "disc", label: "\u2300, length", unit: "mm", choices: [], each: false },
+];
 const SPECIMEN = { name: "", lot: "", length: "mm" };
-const SVG = "http://www.w3.org/2000/svg";
 
-/** @type {{fit: string, joint: string}} */
-export const tables = { fit: "", joint: "" };
-
-/** The table of the solid of the tab; nothing of a solid that is not found yet. */
-export function solid() {
-  $("solid").innerHTML = tables[state.joint ? "joint" : "fit"];
+/** The table of a solid, and how many arms it has, each on its tab. */
+export function solid(
+  /** @type {string} */ html,
+  /** @type {boolean} */ joint,
+  /** @type {number | ""} */ arms,
+) {
+  const shown = joint === state.joint;
+  if (shown) $("solid").innerHTML = html;
+  const said = arms === "" ? "" : `, ${arms} arm${arms === 1 ? "" : "s"}`;
+  $(joint ? "arms-joint" : "arms-fit").textContent = said;
+  if (!shown) return;
+  const auto = document.querySelector('[data-arms="auto"]');
+  const chosen = state.job.arms === "auto" && arms !== "";
+  if (auto) auto.textContent = chosen ? `auto: ${arms}` : "auto";
+  choices();
 }
 
 export function choices() {
@@ -39,7 +58,7 @@ export function choices() {
     }
   }
   for (const button of all("[data-frfs]")) {
-    const of = shown()?.level ? "levels" : state.frfs.of;
+    const of = shown()?.level && state.frfs.of !== "rod" ? "levels" : state.frfs.of;
     button.setAttribute("aria-pressed", String(of === button.dataset.frfs));
   }
   for (const button of all("[data-base]")) {
@@ -47,25 +66,25 @@ export function choices() {
   }
   $("reset").hidden = !Object.keys(cuts).length;
   for (const [name, handle] of Object.entries(handles)) handle.byHand(name in cuts);
-  const two = hammers().length > 0 && !!test() && !isBenchShown() && state.current !== LOT;
-  $("which").hidden = !two;
-  for (const button of all("[data-which]")) {
-    const own = button.dataset.which === (state.joint ? "joint" : "fit");
-    button.setAttribute("aria-pressed", String(own));
+  for (const button of all("[data-phase]")) {
+    button.setAttribute("aria-pressed", String(state.phase));
+    button.toggleAttribute("disabled", state.base);
   }
-  $("taken").textContent = two ? (state.joint ? ": both tests" : ": relaxation alone") : "";
+  const tabs = !!test() && !isBenchShown() && state.current !== LOT, two = tabs && hammers().length > 0;
+  $("top").hidden = !tabs;
+  $("tab-joint").hidden = !two;
+  for (const button of all("[data-which]")) {
+    const own = button.dataset.which === (state.against ? "ab" : state.joint ? "joint" : "fit");
+    button.setAttribute("aria-selected", String(own));
+    button.tabIndex = own ? 0 : -1;
+  }
+  $("choice-line").textContent = all("#choice-body .choice").filter((one) => one.offsetParent || !one.closest(".of-test") || test())
+    .map((one) => `${one.getAttribute("aria-label")} ${one.querySelector("[aria-pressed=true]")?.textContent || ""}`.toLowerCase())
+    .join(" \u00b7 ");
+  $("taken").textContent = tabs && state.against ? ": choose A or B" : two ? (state.joint ? ": both tests" : ": relaxation alone") : "";
 }
 
 const isBenchShown = () => state.files.some((one) => one.id === state.current && isBench(one));
-
-function mark(/** @type {string} */ name) {
-  const icon = document.createElementNS(SVG, "svg"), use = document.createElementNS(SVG, "use");
-  icon.setAttribute("class", "icon");
-  icon.setAttribute("aria-hidden", "true");
-  use.setAttribute("href", `#i-${name}`);
-  icon.append(use);
-  return icon;
-}
 
 export function fileList() {
   const of = test();
@@ -79,7 +98,7 @@ export function fileList() {
       made(
         "button",
         { class: "file", "data-show": one.id, "aria-current": String(one.id === state.current) },
-        mark(one.mark || "note"),
+        icon(one.mark || "open"),
         words,
       ),
     );
@@ -98,7 +117,7 @@ export function fileList() {
     const current = String(state.current === LOT);
     const open = { class: "file", "data-show": LOT, "aria-current": current };
     const away = { class: "link away", "data-remove": LOT, "aria-label": `remove ${name}` };
-    const button = made("button", open, mark("note"), says);
+    const button = made("button", open, icon("note"), says);
     $("files").prepend(made("li", {}, button, made("button", away, "\u00d7")));
   }
   document.body.classList.toggle("empty", !state.files.length && !state.lot);
@@ -118,34 +137,59 @@ export function views() {
   const fitted = !!one && isBench(one), lot = state.current === LOT;
   document.body.classList.toggle("in-lot", lot);
   $("lot-page").hidden = !lot;
-  const response = !!one && isResponse(one), level = !!one && isLevel(one);
+  const response = !!one && isResponse(one) && !isRod(one), level = !!one && isLevel(one);
   const modes = !!one && isModes(one), masses = modes && state.frfs.of === "masses";
-  const classes = { bench: fitted, level, swept: level && !response, response, modes, masses };
+  const judged = !!one && isJudged(one);
+  const against = state.against && !!test() && !fitted && !asks && !lot;
+  document.body.classList.toggle("against", against);
+  $("ab-page").hidden = !against;
+  const classes = { bench: fitted, level, swept: level && !response, response, modes, masses, judged };
   for (const [name, yes] of Object.entries(classes)) document.body.classList.toggle(name, yes);
   $("bench-page").hidden = !fitted;
+  asked(one);
   document.body.classList.toggle("alone", response && !fitted && !test());
   $("question").hidden = !asks;
   $("question").innerHTML = asks;
-  $("hits-page").hidden = !hits || !!asks;
+  $("hits-page").hidden = !hits || !!asks || against;
   // a transmissibility goes with no relaxation test on this page
   const alone = response && !level && !modes;
-  $("frfs").hidden = lot || !!asks || one?.page !== "response" || !response;
-  $("alone").hidden = !!test();
+  $("frfs").hidden = lot || !!asks || !one || !isResponse(one);
+  $("alone").hidden = !!test() || judged;
   $("missing").hidden = lot || !!asks || fitted || response || !!test() || !hammers().length;
   $("no-level").hidden = lot || !response || fitted || !(alone || !test());
-  $("grid").hidden = lot || !!asks || hits || fitted || alone || !test();
+  $("grid").hidden = lot || !!asks || hits || fitted || alone || against || !test();
   $("verdict").hidden = lot || !!asks || alone || !(test() || fitted);
   render();
 }
 
+/** The fields of a kind that stands alone, for each file where each is asked. */
+function asked(/** @type {OpenFile | undefined} */ one) {
+  const home = $("asks"), of = one && isJudged(one) ? (one.page === "part" ? door() : one) : undefined;
+  const asks = of ? (isRod(of) ? ROD : of.asks || []) : [];
+  home.hidden = !asks.length;
+  if (!of || !asks.length || home.contains(document.activeElement)) return;
+  const said = state.said[kindOf(of)] || {};
+  const rows = asks.flatMap((ask) => {
+    const every = ask.each ? alike(of).map((each, i) => ({ name: `${ask.name} ${i}`, label: each.name })) : [ask];
+    return every.map(({ name, label }) => {
+      const has = { "data-ask": name, spellcheck: "false" };
+      const input = /** @type {HTMLInputElement} */ (made(ask.choices.length ? "select" : "input", has));
+      for (const choice of ask.choices) input.append(made("option", {}, choice));
+      if (!ask.choices.length) input.placeholder = "not given";
+      input.value = said[name] || ask.choices[0] || "";
+      const unit = ask.unit.replace("^3", "\u00b3");
+      return made("label", { class: "field" }, label, made("span", {}, input, made("i", {}, unit)));
+    });
+  });
+  home.replaceChildren(made("h2", {}, "Of this test"), ...rows);
+}
+
 /** The numbers of the choices in their fields. */
 export function fields() {
-  const { job, mass } = state, grams = parseFloat(job.mass);
+  const { job } = state;
   put("mass", job.mass.replace(/g$/, ""));
   put("seals", String(job.seals));
   put("compression", job.compression.replace(/mm$/, ""));
-  field("mass-slider").disabled = !job.mass;
-  put("mass-slider", String(mass && grams ? Math.log10(grams / mass) : 0));
   put("level", levelNumber(shown()));
   $("level-unit").textContent = unitWords(shown());
   put("level-at", state.levels.at);

@@ -1,6 +1,6 @@
 // The verdict: of what is asked now and of all open files, and never calmer than what is known.
-import { $, all, made, panelCard } from "./dom.js";
-import { questionOf, state, test } from "./job.js";
+import { $, all, icon, made, panelCard } from "./dom.js";
+import { door, isBench, questionOf, shown, state, test } from "./job.js";
 
 /** @typedef {{verdict: string, colour: string}} Judged As the server draws it */
 /** @typedef {{words: string, act?: string, remove?: string}} Cure The one control that mends it */
@@ -8,13 +8,14 @@ import { questionOf, state, test } from "./job.js";
 
 /** What is asked now; why there is no verdict of it, and whether anything is at work on one. */
 let asked = "", why = "", working = false;
+const GONE = /server is gone/;
 const JUDGE = { words: "Judge it", act: "again" };
 /** What heals where nothing is at work. @type {Cure} */
 let next = JUDGE;
 /** Of every question that was answered, how it was judged: an icon for each tab. */
 const colours = new Map();
 /** What was answered last, of which question, and whether that was all of it. */
-const known = { of: "", whole: false, head: /** @type {Judged | null} */ (null) };
+const known = { of: "", whole: false, at: "before", head: /** @type {Judged | null} */ (null) };
 let typing = false;
 
 /** @type {Record<string, {said: string, cure: Cure} | undefined>} */
@@ -32,7 +33,8 @@ export function knows(
   /** @type {Judged} */ head,
   /** @type {boolean} */ whole,
 ) {
-  Object.assign(known, { of: question, head, whole });
+  const at = new Date().toLocaleTimeString([], { hour: "2-digit", minute: "2-digit" });
+  Object.assign(known, { of: question, head, whole, at });
   if (whole) colours.set(question, head.colour);
   if (whole && question === asked) working = false;
   heals(question);
@@ -47,6 +49,14 @@ export function heals(/** @type {string} */ question) {
 /** Say that there will be no answer, and why. */
 export function stops(/** @type {string} */ because, /** @type {Cure} */ cure = JUDGE) {
   [why, working, next] = [because, false, cure];
+  render();
+}
+
+let away = false;
+
+/** Another page holds the session. */
+export function shut(/** @type {boolean} */ yes) {
+  away = yes;
   render();
 }
 
@@ -69,14 +79,20 @@ export function refuse(
   if (said && of === "fit" && !busy) document.getElementById("cure")?.focus();
 }
 
+/** Whether a file is shown that is judged by itself: a deck would be of another solid. */
+const alone = () => {
+  const one = shown();
+  return !!one && isBench(one);
+};
+
 /** Whether what is shown may be taken away: not while it is about to change. */
-export const settled = () => !!test() && !working && !typing && !refused.fit;
+export const settled = () => !!test() && !alone() && !working && !typing && !refused.fit && !away && !state.against;
 
 /** The control that mends a refused fit: what was refused, or else what was changed last. */
 function mends(/** @type {string} */ said) {
   const { cuts, hammer } = state.job;
-  if (/server is gone/.test(said)) return { words: "Try again", act: "again" };
-  if (hammer.reject.length && /\bhits?\b/.test(said)) {
+  if (GONE.test(said)) return { words: "Try again", act: "again" };
+  if (hammer.reject.length && /no hit is left/.test(said)) {
     return { words: "Accept all that pass", act: "all-hits" };
   }
   if (Object.keys(cuts).length) return { words: "Cuts as found", act: "reset" };
@@ -84,7 +100,10 @@ function mends(/** @type {string} */ said) {
 }
 
 /** Files that the verdict is not of: asked about, refused, or not read yet. */
-const leftOut = () => state.files.filter((one) => one.asked || one.mark !== "good");
+const leftOut = () =>
+  state.files.filter((one) =>
+    one.page === "part" ? !door() : one.asked || one.mark !== "good"
+  );
 
 function last() {
   const holder = made("div");
@@ -98,6 +117,20 @@ function instead() {
   /** @type {(says: string, cure?: Cure) => Said} */
   const open = (says, cure) => ({ word: "Not judged yet", says, colour: "open", cure });
   const { fit, file } = refused, out = leftOut();
+  if (away) {
+    const says = "This session is open in another tab, so this one is read only.";
+    return { ...open(says, { words: "Take over", act: "take-over" }), word: "Open elsewhere" };
+  }
+  if (fit && GONE.test(fit.said)) {
+    const says = `The program that computes has ended. These numbers are of ${known.at}, and may ` +
+      "not be what the files say now. Start it again, and go on with the last session.";
+    return said("Connection lost", { ...fit, said: says });
+  }
+  if (fit?.cure.act === "all-hits") {
+    const hits = state.job.hammer.reject.length;
+    const says = `All ${hits} hits are rejected, so no response is measured. Accept three or more.`;
+    return said("Do not use: no hit is left", { ...fit, said: says });
+  }
   if (fit) return said("Do not use", fit);
   if (file) return said("Not read", file);
   if (typing) return open("What is typed counts once you press Enter or leave the field.");
@@ -118,7 +151,7 @@ function instead() {
 /** @returns {Said} */
 const said = (/** @type {string} */ word, /** @type {{said: string, cure: Cure}} */ of) => ({
   word,
-  says: of.said,
+  says: of.said.charAt(0).toUpperCase() + of.said.slice(1),
   colour: "bad",
   cure: of.cure,
   alert: true,
@@ -126,18 +159,30 @@ const said = (/** @type {string} */ word, /** @type {{said: string, cure: Cure}}
 
 /** @type {(of: Said) => Node[]} */
 function drawn({ word, says, colour, cure, alert }) {
-  const icon = made("span");
-  icon.innerHTML = `<svg class="icon big" aria-hidden="true"><use href="#i-${colour}"/></svg>`;
-  const parts = [
-    ...icon.childNodes,
-    made("strong", { class: "word" }, word),
-    made("p", alert ? { role: "alert" } : {}, says),
-  ];
-  if (cure) {
-    const [name, does] = cure.remove ? ["data-remove", cure.remove] : ["data-act", cure.act || ""];
-    parts.push(made("button", { id: "cure", [name]: does }, cure.words));
-  }
+  const line = made("div", { class: "says" }), text = made("p", alert ? { role: "alert" } : {}, says);
+  line.append(icon(colour, "icon big"), made("strong", { class: "word" }, word));
+  const parts = [made("div", { class: "said" }, line, text)];
+  // what mends it stands where the lights do: none of them would say more than the word
+  if (!cure) return [...parts, unlit()];
+  const [name, does] = cure.remove ? ["data-remove", cure.remove] : ["data-act", cure.act || ""];
+  parts.push(made("button", { id: "cure", class: "main", [name]: does }, cure.words));
   return parts;
+}
+
+/** Three lights of which none is known. */
+function unlit() {
+  const lights = made("dl", { class: "lights" });
+  for (const name of test() ? ["Test", "Stiffness", "Damping"] : []) {
+    lights.append(made("dt", {}, name), made("dd", {}, icon("open"), "not judged"));
+  }
+  return lights;
+}
+
+/** What stands on the head of each fold of a narrow page: its marks are no calmer than the verdict. */
+function folds() {
+  $("fold-checks").textContent = document.querySelector("#checks .tally")?.textContent || "";
+  $("fold-arms").textContent = $("choice-line").textContent?.split(" \u00b7 ")[0] || "";
+  $("file-count").textContent = String(state.files.length || "");
 }
 
 let stands = "";
@@ -148,19 +193,23 @@ export function render() {
   // where no verdict has a place there is no panel that a line would push
   bar.textContent = refusal?.said || "";
   bar.hidden = !refusal || !(home.hidden || document.body.classList.contains("empty"));
-  const other = asked || refusal ? instead() : null;
+  const other = asked || refusal || away ? instead() : null;
   const head = asked && !other ? known.head : null;
   for (const one of all('[data-needs="test"]')) one.toggleAttribute("disabled", !settled());
   panelCard("frf")?.classList.toggle("stale", !!other);
+  folds();
   document.body.classList.toggle("unsettled", !!other);
+  $("top").className = `top ${other?.colour || head?.colour || "open"}`;
   for (const tab of test() ? all("[data-which]") : []) {
-    const joint = tab.dataset.which === "joint", shown = other?.colour || head?.colour;
-    const colour = joint === state.joint ? shown : colours.get(questionOf(joint));
+    if (tab.dataset.which === "ab") continue;
+    const joint = tab.dataset.which === "joint";
+    const now = state.against ? colours.get(questionOf(joint)) : other?.colour || head?.colour;
+    const colour = joint === state.joint ? now : colours.get(questionOf(joint));
     tab.querySelector("use")?.setAttribute("href", `#i-${colour || "open"}`);
   }
-  const now = JSON.stringify([other, head?.verdict]);
-  if (now === stands) return;
-  stands = now;
+  const drawing = JSON.stringify([other, head?.verdict]);
+  if (drawing === stands) return;
+  stands = drawing;
   home.className = `verdict ${other?.colour || head?.colour || ""}`;
   if (other) home.replaceChildren(...drawn(other));
   else home.innerHTML = head?.verdict || "";

@@ -1,0 +1,43 @@
+"""Give each part of a bill of materials the SHA-256 of the file that was installed.
+
+``python .ci/bill.py BILL.cdx.json REPORT.json``: the bill of ``cyclonedx-py environment``, and the
+report of ``pip install --report`` into that environment. A part that the report does not know is an
+error: a bill with holes proves nothing.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import sys
+from pathlib import Path
+from typing import Any
+
+
+def key(name: str, version: str) -> tuple[str, str]:
+    """Name, as PyPI normalises it, and version."""
+    return re.sub(r"[-_.]+", "-", name).lower(), version
+
+
+def hashed(bill: dict[str, Any], report: dict[str, Any]) -> dict[str, Any]:
+    """Return the bill with hashes."""
+    files = {
+        key(one["metadata"]["name"], one["metadata"]["version"]): one["download_info"]
+        for one in report["install"]
+    }
+    parts = [bill["metadata"]["component"], *bill["components"]]
+    for part in parts:
+        info = files[key(part["name"], part["version"])]["archive_info"]
+        part["hashes"] = [{"alg": "SHA-256", "content": info["hashes"]["sha256"]}]
+    return bill
+
+
+def main() -> None:
+    """Write the bill anew."""
+    path, report = map(Path, sys.argv[1:])
+    bill = hashed(json.loads(path.read_text("utf-8")), json.loads(report.read_text("utf-8")))
+    path.write_text(json.dumps(bill, indent=2, sort_keys=True) + "\n", "utf-8")
+
+
+if __name__ == "__main__":
+    main()

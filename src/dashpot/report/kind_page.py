@@ -1,0 +1,144 @@
+"""What the page of a result holds: facts, verdict with lights, a figure, a table, checks, folds."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+from dashpot.base.checks import Check
+from dashpot.base.facts import Fact
+from dashpot.base.provenance import Source
+from dashpot.base.units import written
+from dashpot.plot.picture import Picture
+from dashpot.records.specimen import Specimen
+from dashpot.report.answer import NOT_GIVEN, Attachment, Light, Row, mark_of, tally
+from dashpot.report.tables import TextTable
+
+Asked = Mapping[str, frozenset[str]]
+"""Which checks stand behind each light; what none of them names stands behind the first."""
+
+
+class Group(NamedTuple):
+    """Rows of the table under one heading."""
+
+    title: str
+    rows: tuple[Row, ...]
+
+
+class Fold(NamedTuple):
+    """Something that is opened: a table, a picture, or both."""
+
+    title: str
+    line: str
+    table: TextTable | None = None
+    picture: Picture | None = None
+
+
+@dataclass(frozen=True)
+class KindPage:
+    """What the page of one result holds beside what every page does.
+
+    Attributes
+    ----------
+    about : str
+        What was tested, beside the files' names.
+    strip : tuple of (str, str)
+        The line of facts.
+    lights : tuple of Light
+        None is worse than the verdict; together they are as bad.
+    answers : str
+        What the figure shows.
+    picture : Picture
+    told : str
+        What the table is of.
+    groups : tuple of Group
+    note : str
+        What "from" and "to" are, and what an empty cell means.
+    sources : tuple of Source
+    folds : tuple of Fold
+    files : tuple of Attachment
+        To take along, beside the document.
+    name : str
+        Of the document, without its ending.
+    """
+
+    about: str
+    strip: tuple[tuple[str, str], ...]
+    lights: tuple[Light, ...]
+    answers: str
+    picture: Picture
+    told: str
+    groups: tuple[Group, ...]
+    sources: tuple[Source, ...]
+    note: str = "From and to are the 95 % interval; an empty cell was not computed."
+    folds: tuple[Fold, ...] = ()
+    files: tuple[Attachment, ...] = ()
+    name: str = field(default="result")
+
+
+def lights(
+    checks: Iterable[Check], asked: Asked, says: Sequence[str] = (), fails: Sequence[str] = ()
+) -> tuple[Light, ...]:
+    """One light for each part of what was asked, as bad as the worst of its checks.
+
+    Parameters
+    ----------
+    checks : iterable of Check
+    asked : mapping of str to set of str
+        Which checks stand behind each light; all that none names stand behind the first.
+    says : sequence of str
+        What each says where nothing of weight failed; by default how many passed.
+    fails : sequence of str
+        And where something did; so too.
+    """
+    every = tuple(dict.fromkeys(checks))
+    named = frozenset().union(*asked.values())
+    found = []
+    for i, (name, names) in enumerate(asked.items()):
+        behind = [one for one in every if one.name in names or (i == 0 and one.name not in named)]
+        judged = [one for one in behind if one.passed is not None]
+        if not judged and i == 0 and len(asked) > 1:
+            continue
+        mark, count = tally(behind, behind)
+        told = says if mark_of(behind) in {"good", "note"} else fails
+        said = told[i] if i < len(told) else ""
+        found.append(Light(name, mark, said or (f"{count} checks" if judged else count)))
+    return tuple(found)
+
+
+def row(fact: Fact, name: str = "") -> Row:
+    """A number as the table has it: value, from, to, unit."""
+    known = fact.bounded and fact.error != 0
+    value, low, high = fact.ends if known else (fact.cells.value, "", "")
+    if math.isnan(fact.value):
+        value = "" if fact.bound_alone else value
+    return Row(name or fact.symbol, value, low, high, fact.word, "", bound=False)
+
+
+def group(title: str, facts: Iterable[Fact]) -> Group:
+    """Facts under one heading."""
+    return Group(title, tuple(map(row, facts)))
+
+
+def who(specimen: Specimen | None) -> tuple[tuple[str, str], ...]:
+    """What is said of the specimen: the first four facts of the line."""
+    one = specimen or Specimen()
+    length = "" if one.length is None else f"{written(one.length, 'mm', '.4g')} long"
+    told = (
+        ("Specimen", ", ".join(filter(None, (one.name, length)))),
+        ("Lot", one.lot),
+        ("Operator", one.operator),
+        ("Temperature", "" if one.temperature is None else written(one.temperature, "°C", ".1f")),
+    )
+    return tuple((name, said or NOT_GIVEN) for name, said in told)
+
+
+def sources_behind(found: Any) -> tuple[Source, ...]:
+    """The files behind a result, wherever its noun keeps them."""
+    given = getattr(found, "sources", None)
+    given = getattr(found, "source", None) if given is None else given
+    if given is None:
+        return ()
+    return (given,) if isinstance(given, Source) else tuple(dict.fromkeys(given))

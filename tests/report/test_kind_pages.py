@@ -1,0 +1,137 @@
+"""The page of every kind: one grammar, and no light that says another thing than the verdict."""
+
+import base64
+import json
+import re
+from dataclasses import replace
+from html import unescape
+from pathlib import Path
+
+import numpy as np
+import pytest
+from kit import handmade
+from kit.shell import ran
+
+import dashpot as dp
+from dashpot.base.checks import Check
+from dashpot.base.facts import Fact
+from dashpot.kinds.cld.figure import cld as cld_figure
+from dashpot.kinds.cld.record import CLD
+from dashpot.plot.layout import arranged
+from dashpot.plot.picture import Tag
+from dashpot.report import html
+from dashpot.report.answer import ORDER
+from dashpot.report.kind_page import lights, row
+from dashpot.report.of_kinds import kind_page
+from dashpot.report.pages import COLOURS
+
+pytestmark = pytest.mark.once
+
+S = handmade.study()
+
+
+def pressed(scale: float = 1.0) -> dp.CompressionTest:
+    """One piece, pressed and released."""
+    t = np.linspace(0, 20, 800)
+    x = 8 * np.sin(np.pi * t / 20)
+    return dp.CompressionTest(displacement=x, force=scale * x / 4, time=t, units="mm, N, s")
+
+
+RESULTS = {
+    "fit": lambda: S.fit,
+    "prediction": lambda: dp.predict(S.fit, mass="114.8g", seals=2),
+    "one piece": lambda: dp.fit(pressed(), compression="6mm"),
+    "pieces": lambda: dp.fit(pressed(), pressed(1.04), pressed(0.97), compression="6mm"),
+    "modes": lambda: dp.fit(dp.simulate("impact", hits=3)),
+}
+
+
+@pytest.mark.parametrize("name", RESULTS)
+def test_a_page_is_of_one_grammar(name):
+    found = RESULTS[name]()
+    page = html(found)
+    shown = kind_page(found)
+    for part in ('class="who"', 'id="verdict"', 'class="lights"', 'id="numbers"', 'id="checks"'):
+        assert page.count(part) == 1, part
+    assert f">{found.verdict.use.capitalize()}<" in page
+    worst = max((one.mark for one in shown.lights), key=ORDER.index)
+    assert (COLOURS[found.verdict.use] == "good") == (worst in {"good", "note"})
+    (link,) = re.findall(
+        rf'download="{shown.name}.json" href="data:application/json;base64,([^"]+)"', page
+    )
+    assert json.loads(base64.b64decode(link)) == json.loads(json.dumps(found.document))
+    rows = [one for group in shown.groups for one in group.rows]
+    assert rows
+    assert all(one.value for one in rows)
+    assert "nan" not in unescape(re.sub(r"<script.*|<style.*?</style>|href=\S+", "", page)).split()
+
+
+@pytest.mark.parametrize("grade", ["note", "limit", "stop"])
+@pytest.mark.parametrize("name", ["asked", "nobody_names_it"])
+def test_lights_are_as_bad_as_the_worst_check(name, grade):
+    # whatever part asks a question, some light tells how it was answered
+    asked = {"Test": frozenset(), "Peak": frozenset({"asked"})}
+    checks = (Check("sound", True, "It is."), Check(name, False, "It is not.", grade=grade))
+    found = lights(checks, asked, ("as it should be", "as it should be"))
+    marks = {one.name: one.mark for one in found}
+    assert marks.pop("Peak" if name == "asked" else "Test") == {
+        "note": "note", "limit": "care", "stop": "bad",
+    }[grade]  # fmt: skip
+    assert set(marks.values()) <= {"good", "note"}
+    # what is sound may say so in words; what is not never does
+    said = next(one.says for one in found if (one.name == "Peak") == (name == "asked"))
+    assert ("should" in said) == (grade == "note")
+
+
+def test_a_row_tells_what_is_known_and_nothing_else():
+    known = row(Fact("k", 100.0, 90.0, 110.0, "N/m"))
+    assert (known.value, known.low, known.high, known.unit) == ("0.100", "0.090", "0.110", "N/mm")
+    alone, held = row(Fact("k", 100.0, unit="N/m")), row(Fact.normal("k", 100.0, 0.0, "N/m"))
+    assert (alone.low, alone.high) == (held.low, held.high) == ("", "")
+    most = row(Fact("k", 100.0, np.nan, 110.0, "N/m"))
+    assert (most.low, bool(most.high)) == ("unknown", True)
+
+
+def test_pieces_are_named_at_the_end_of_their_lines():
+    found = dp.fit(pressed(), pressed(1.04), pressed(0.97), compression="6mm")
+    picture = cld_figure(found.pieces, limits=(1.4, 1.6))
+    tags = [one for one in picture.panels[0].marks if isinstance(one, Tag) and one.end]
+    assert len({one.colour for one in tags}) == 3
+    (frame,) = arranged(picture).strips[0].laid.frames
+    words = {one.text: one for one in frame.words}
+    # from the top down in the order of their lines, and none upon another
+    heights = [words[one.text].y for one in sorted(tags, key=lambda one: -one.y)]
+    assert all(np.diff(heights) >= 14)
+    assert "asked 1.4 to 1.6 N" in words
+    many = cld_figure([replace(found.pieces[0])] * 4)
+    assert not [one for one in many.panels[0].marks if isinstance(one, Tag) and one.end]
+
+
+def test_pieces_at_speeds_have_the_speed_at_their_line():
+    found = [pieces_at(speed) for speed in (0.1, 1.0)]
+    (panel,) = cld_figure(found).panels
+    assert [one.text for one in panel.marks if isinstance(one, Tag)] == ["0.04 mm/s", "0.4 mm/s"]
+
+
+def pieces_at(speed: float) -> CLD:
+    t = np.linspace(0, 4 / speed, 400)
+    x = 8 * (1 - np.abs(1 - 2 * t / t[-1])) * 0.1
+    test = dp.CompressionTest(displacement=x, force=x / 4, time=t, units="mm, N, s")
+    return dp.fit(test).pieces[0]
+
+
+def test_a_fit_goes_to_a_page(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("piece.csv").write_text(
+        "time [s], displacement [mm], force [N]\n"
+        + "\n".join(f"{t:.4f},{x:.6f},{x / 4:.6f}"
+                    for t, x in zip(pressed().time, 1e3 * pressed().displacement, strict=True)),
+        encoding="utf-8",
+    )  # fmt: skip
+    done = ran("fit", "piece.csv", "-o", "page.html")
+    assert done.exit_code == 0, done.output
+    assert "next:" not in done.stderr
+    assert 'id="numbers"' in Path("page.html").read_text(encoding="utf-8")
+    refused = ran("fit", "piece.csv", "-o", "page.docx")
+    assert refused.exit_code == 2
+    assert ".json or .html" in refused.stderr
