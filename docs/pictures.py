@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 import io
+import os
 import shlex
 import shutil
 import subprocess
@@ -34,6 +35,7 @@ fit at_23degC.csv at_10degC.csv at_0degC.csv --plot moving.svg
 simulate creep --load 1N --hold 40s -o creep.csv
 fit creep.csv --plot creep.svg
 fit cld_1.csv --length 100mm --compression 6mm --between 4:8mm --plot cld.svg
+fit cld_1.csv cld_2.csv cld_3.csv --length 100mm --compression 6mm --between 4:8mm --plot pieces.svg
 fit tension.csv biaxial.csv --test uniaxial --test biaxial --plot law.svg
 fit hit.csv --mass 5g --radius 5mm --drop-height 51mm --plot hit.svg
 fit ovens.csv --machine oven=1K -o csr.json --plot csr.svg
@@ -173,7 +175,13 @@ def app() -> bool:
 
     words = [sys.executable, "-m", "dashpot", "app", "--no-browser"]
     GALLERY.mkdir(exist_ok=True)
-    with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as server:  # noqa: S603
+    # what it remembers is not the builder's own
+    with (
+        TemporaryDirectory() as state,
+        subprocess.Popen(  # noqa: S603
+            words, stdout=subprocess.PIPE, text=True, env={**os.environ, "DASHPOT_STATE": state}
+        ) as server,
+    ):
         try:
             with sync_playwright() as on:
                 browser = on.chromium.launch(executable_path=program, args=["--no-sandbox"])

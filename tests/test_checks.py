@@ -10,6 +10,7 @@ from functools import cache
 from importlib import import_module
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
+from types import SimpleNamespace
 from typing import NamedTuple
 
 import numpy as np
@@ -283,6 +284,11 @@ def combined(*, left: float = 0.0, eccentric: float = 0.0) -> Combination:
 
 
 # -- where each check passes, and where it fails --------------------------------------------------
+
+
+def gauge_of(high: float):
+    """A study of a gauge whose part of all reaches as far as that."""
+    return {"gauge": SimpleNamespace(share=0.9 * high, share_interval=(0.5 * high, high))}
 
 
 class Case(NamedTuple):
@@ -1320,6 +1326,8 @@ LOTS = [
     Case("hammers_compared", lambda x: lots.hammers_compared(int(x), 9), 0, 1),
     Case("tests_alike", lambda x: lots.tests_alike(int(x), 9), 0, 1),
     Case("records_distinct", lambda x: lots.records_distinct(int(x), 9), 0, 1),
+    Case("gauge_tells_apart", lambda x: lots.gauge_tells_apart(gauge_of(x)), 0.2999, 0.3001),
+    Case("charts_in_control", lambda x: lots.charts_in_control([("seals", 1, int(x), 25)]), 2, 3),
     Case(
         "seals_within_limits",
         lambda x: lots.seals_within_limits("k", "at most 1", ["pass"] + ["fail"] * int(x)),
@@ -1566,6 +1574,7 @@ LIMITS = {
     },
     "lots": {"files_fitted": 0, "fits_usable": 0, "hammers_compared": 0,
              "tests_alike": 0, "records_distinct": 0, "seals_within_limits": 0,
+             "gauge_tells_apart": 0.3,
              "stands_out_of_lot": 0, "asked_in_band": 0, "lots_tested_alike": 0,
              "seals_named": 0, "scatter_normal": 0.25},
     "planning": {"tip_excites": -10},
@@ -1604,7 +1613,7 @@ LIMITS = {
 GRADES = {
     "note": {
         "door": {"line_closed", "faster_doors_close"},
-        "lots": {"stands_out_of_lot", "scatter_normal"},
+        "lots": {"records_distinct", "stands_out_of_lot", "scatter_normal"},
         "kinds/cld": {"unloading_recorded", "length_given"},
         "preparation": {
             "baseline_recorded", "single_loading", "overshoot_small", "range_used",

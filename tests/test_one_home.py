@@ -53,6 +53,7 @@ IDEAS: dict[str, tuple[str, tuple[str, ...], dict[str, str]]] = {
             "vibration/modal/trial.py": "the inverse of a triangle",
             "vibration/systems/complex_modes.py": "a mass matrix",
             "vibration/systems/state_space.py": "a mass matrix",
+            "workflow/preloaded.py": "a parabola through three points",
             "vibration/systems/system.py": "the FRF of a system is the inverse of its stiffness",
         },
     ),
@@ -97,6 +98,7 @@ IDEAS: dict[str, tuple[str, tuple[str, ...], dict[str, str]]] = {
         (),
         {
             "kinds/indentation/checks.py": "names of numbers, not of checks",
+            "lots/summary.py": "which of four lights each check is of",
             "planning/advice.py": "the remedies of its own two checks",
             "report/answer.py": "checks of a document, which holds their names",
             "report/summary.py": "checks of a document, which holds their names",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import os
 import sys
 from dataclasses import replace
 
@@ -355,3 +356,21 @@ def test_an_arm_that_only_a_lesser_depth_has_is_shown_there():
     lines = "\n".join(text_of.fit(a_fit(solid, by_depth=depths)).lines)
     assert "k_2" in lines
     assert "0.0200" in lines
+
+
+def test_a_result_fits_the_terminal_that_shows_it(monkeypatch):
+    """Of 80 columns and 24 lines; what goes to a file or a pipe is laid out as ever."""
+    sentence = "The damping is not known, for the test is too slow to show it. " * 3
+    text = Text([f"  row {i:<3} {'word ' * 17}".rstrip() for i in range(40)])
+    check = Check("a_check", False, sentence)
+    told = text, verdict([check]), [check]
+    monkeypatch.setattr("sys.stdout.isatty", lambda: True, raising=False)
+    monkeypatch.setattr("shutil.get_terminal_size", lambda _: os.terminal_size((80, 24)))
+    lines = shown(*told, size=_terminal.screen())
+    assert max(map(len, lines)) <= 80
+    assert len(lines) + _terminal.BESIDE <= 24
+    assert lines[-1].strip() == "more with -v"
+    monkeypatch.setattr("shutil.get_terminal_size", lambda _: os.terminal_size((300, 90)))
+    assert _terminal.screen() == (COLUMNS, LINES)
+    monkeypatch.setattr("sys.stdout.isatty", lambda: False, raising=False)
+    assert _terminal.screen() == (COLUMNS, LINES)

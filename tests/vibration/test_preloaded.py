@@ -78,6 +78,32 @@ def test_a_sweep_goes_round_the_fold_and_finds_what_one_frequency_finds():
         assert len(one.harmonics) == HARMONICS + 1
 
 
+def test_what_a_stiffer_law_changes_is_what_it_finds():
+    (at,) = ON_SEALS.sweep(level=0.3, frequency=np.array([8.0]))
+    harder = PreloadedMass(MASS, 2 * PolynomialLaw((120.0, 1.0005e4, 8e5)), SOLID)
+    (there,) = harder.sweep(level=0.3, frequency=np.array([8.0]))
+    moved = ON_SEALS.changes(at, [harder])[0]
+    assert moved[:4] == pytest.approx((there.harmonics - at.harmonics)[:4], rel=1e-2, abs=1e-10)
+
+
+def test_a_sweep_jumps_where_its_branch_ends_and_the_end_moves_with_the_law():
+    """A soft law: the answer from below ends, and the larger one lasts below that, too."""
+    lines = np.linspace(12.0, 13.4, 29)
+
+    def jump(law):
+        of = PreloadedMass(MASS, 2 * law, SOLID)
+        (found,) = of.jumps(of.sweep(level=0.1, frequency=lines))
+        return of, found
+
+    of, (before, after) = jump(ElasticLaw((0.0, 8e-3), (1.0, 1.0), 208.0))
+    assert before.stable
+    assert after.stable
+    assert after.lost > 0.1
+    stiffer = ElasticLaw((0.0, 8e-3), (1.0, 1.0), 208.2)
+    (moved,) = of.end_changes(before, [PreloadedMass(MASS, 2 * stiffer, SOLID)])
+    assert moved == pytest.approx(jump(stiffer)[1].before.frequency - before.frequency, rel=0.1)
+
+
 def test_a_small_motion_is_the_linear_one():
     """Of the tangent at rest, with arms, a dashpot, and a solid of no finite number of arms."""
     for solid in (

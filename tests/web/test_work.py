@@ -119,6 +119,15 @@ def test_a_record_is_read_once_for_every_lane(store):
     assert again["specimen"]["name"] == "A"
 
 
+def test_a_record_of_a_fast_clock_is_kept(store):
+    rig = replace(Rig(), rate=200.0)
+    test = simulate_relaxation(BROAD, rig=rig, seed=1).test
+    fast = replace(test, time=test.time[0] + (test.time - test.time[0]) / 80)
+    identity = store.put("fast.csv", write_relaxation(fast).encode())
+    line = ask("inspect", store, file=identity)["line"]
+    assert "length of the record" not in line, line
+
+
 def test_of_a_long_record_a_part_is_shown_first(store, files, monkeypatch):
     job = {"relaxation": files["seal_8mm.csv"], "arms": 2}
     rows = ask("inspect", store, file=job["relaxation"])
@@ -384,6 +393,15 @@ def test_what_both_tests_leave_of_the_hold_is_its_noise(store, asked):
     both = ask("study", store, job=asked | {"joint": True, "arms": "auto"})["panels"]["hold"]
     rms, noise = map(float, re.search(r"rms ([\d.]+), noise ([\d.]+)", both).groups())
     assert 0.9 * noise < rms < 1.1 * noise
+
+
+def test_the_list_of_files_names_no_option_and_no_python(store):
+    rows = "".join(f"{1e-9 * i:.3e},{i},{i}\n" for i in range(200))
+    identity = store.put("brief.csv", f"time [s],displacement [mm],force [N]\n{rows}".encode())
+    line = ask("inspect", store, file=identity)["line"]
+    assert line
+    assert "--" not in line
+    assert "Python" not in line
 
 
 def test_two_fits_are_held_against_each_other(store, asked):

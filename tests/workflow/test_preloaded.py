@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -15,7 +17,7 @@ pytestmark = pytest.mark.once
 
 MASS = 0.1148
 # stiffens as it is pressed
-LAW = ElasticLaw((0.0, 4e-3, 8e-3), (0.6, 0.9, 1.6), 200.0)
+LAW = ElasticLaw((0.0, 4e-3, 8e-3), (0.6, 0.9, 1.6), 200.0, ratio_se=(0.01, 0.0, 0.02))
 
 
 @pytest.fixture(scope="module")
@@ -57,6 +59,60 @@ def test_the_text_says_that_the_seal_opens(told):
     assert "mean shift, mm" in said
     shift = -1e3 * told.preloaded[0].orbit.shift
     assert f"at 0.3 N the seal opens by {shift:.2g} mm when shaken" in said
+
+
+def peaked(law, solid, level, about):
+    """Frequency of the top, by many lines."""
+    of = PreloadedMass(MASS, 2 * law, solid)
+    lines = np.linspace(0.995 * about, 1.005 * about, 21)
+    swept = of.sweep(level=level, frequency=lines)
+    size = np.log([one.frequency**2 * one.amplitudes[1] for one in swept])
+    top = int(size.argmax())
+    near = slice(top - 2, top + 3)
+    bend, slope, _ = np.polyfit(lines[near] - lines[top], size[near], 2)
+    return lines[top] - 0.5 * slope / bend
+
+
+def test_the_interval_is_what_laws_one_error_off_find(bent):
+    """Only the law is in doubt: its tangent at rest by 1 %, at 8 mm by 2 %, its mean kept."""
+    sure = replace(bent.estimate, covariance=0 * bent.covariance)
+    known = replace(bent, estimate=sure)
+    (one,) = dp.predict(known, mass=MASS, seals=2, level="0.0005N", lines=31).preloaded
+    assert one.jumps == ()
+    own = peaked(bent.elastic_law, bent.solid, 0.0005, one.frequency)
+    off = []
+    for by in ((0.01, 0.0, 0.0), (0.0, 0.0, 0.02)):
+        ratio = np.array(LAW.ratio) + by
+        ratio /= (ratio[0] / 2 + ratio[1] + ratio[2] / 2) / 2
+        law = ElasticLaw(LAW.knots, tuple(ratio), bent.elastic_law.stiffness)
+        off.append(peaked(law, bent.solid, 0.0005, one.frequency) - own)
+    half = 1.96 * np.linalg.norm(off)
+    known = one.interval
+    assert np.diff(known.frequency)[0] / 2 == pytest.approx(half, rel=0.1)
+    f, limits = one.frf.frequency, known.magnitude
+    assert ((limits[0] <= np.abs(one.frf.value)) & (np.abs(one.frf.value) <= limits[1])).all()
+    # far above the resonance the mass alone is felt
+    assert (limits[1] / limits[0])[f > 45] == pytest.approx(1.0, abs=2e-3)
+
+
+def test_where_two_answers_last_is_said_with_the_page_and_the_numbers(told, tmp_path):
+    one = told.preloaded[0]
+    (hz,) = one.jumps_hz
+    before, after = one.jumps[0]
+    assert after.amplitudes[1] > 1.5 * before.amplitudes[1]
+    assert after.frequency - before.frequency < 1e-3 * hz
+    assert one.frequency == pytest.approx(hz, rel=1e-9)
+    said = " ".join(" ".join(prediction(told).lines).split())
+    assert f"! at 0.3 N two answers last below {hz:.5g} Hz" in said
+    low, high = one.interval.shift
+    half = 1e3 * (high - low) / 2
+    assert f"± {half:.2g}" in said
+    page = told.save(tmp_path / "level.html").read_text()
+    assert "At 0.3 N" in page
+    known = told.document["levels"][0]
+    assert known["interval"]["mean_shift"] == [low, high]
+    response = known["response"]
+    assert np.shape(response["magnitude_between"]) == (2, len(response["frequency_hz"]))
 
 
 def test_a_vanishing_level_over_a_base_is_the_linear_answer(bent):

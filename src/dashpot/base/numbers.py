@@ -96,10 +96,12 @@ def interval(low: float, high: float) -> str:
 
 
 def known_between(value: float, low: float, high: float, error: float) -> str:
-    """The interval of a `value` >= 0; an end more than a factor of ten away from it is open.
+    """The interval of a value; an end more than a factor of ten away from one >= 0 is open.
 
     With both ends open it says nothing of the value: it is not identified.
     """
+    if value < 0:
+        return " to ".join(rounded(end, error or None, digits=2) for end in (low, high))
     below, above = low < value / 10 or value == 0, high > 10 * value > 0
     if below and above:
         return "not identified"

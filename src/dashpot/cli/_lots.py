@@ -12,7 +12,7 @@ import click
 import dashpot as dp
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
-from dashpot.base.numbers import counted
+from dashpot.base.numbers import ascii_only, counted
 from dashpot.base.progress import doing
 from dashpot.cli._grammar import Opt, group, of, opt, rest
 from dashpot.cli._shell import File, Folder, Outcome, printed, write
@@ -169,11 +169,16 @@ def outcome(job: BatchJob, found: Summary) -> Outcome:
     lot, quantity = found.lot, job.quantity or found.lot.main
     filled = Filled(str(job.output), found, quantity)
     lines = [
+        *(f"{one.name:<12}{_LIGHTS[one.mark]}{ascii_only(one.says)}" for one in found.lights),
         *_told(lot),
         *found.lines,
         *_out(lot, quantity),
     ]
     return Outcome(filled, Text(lines, _others(lot)), found.checks, verdict=found.verdict)
+
+
+_LIGHTS = {"good": "", "note": "", "care": "! ", "bad": "!! "}
+"""How a light is marked without colour, as a failed check of its grade is."""
 
 
 def _told(lot: dp.Lot) -> list[str]:

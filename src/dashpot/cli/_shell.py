@@ -18,7 +18,7 @@ from dashpot.base.errors import ReadError
 from dashpot.base.escapes import escaped_json
 from dashpot.base.units import in_unit
 from dashpot.cli._echo import to_stderr, to_stdout
-from dashpot.cli._terminal import progress
+from dashpot.cli._terminal import progress, screen
 from dashpot.io.source import like_json
 from dashpot.told.layout import Text
 from dashpot.told.screen import shown
@@ -106,7 +106,7 @@ def _printed(outcome: Outcome, *, as_json: bool, verbose: bool) -> str:
     if click.get_current_context().meta.get(_TAKEN):
         return ""
     told = outcome.text, outcome.verdict, outcome.checks
-    return "\n".join(shown(*told, verbose=verbose, style=click.style))
+    return "\n".join(shown(*told, verbose=verbose, style=click.style, size=screen()))
 
 
 def printed(found: Documented) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import sys
 import threading
 import time
@@ -10,10 +11,27 @@ from contextlib import contextmanager
 
 from dashpot.base.escapes import escaped
 from dashpot.base.progress import listening
-from dashpot.told.screen import COLUMNS
+from dashpot.told.screen import COLUMNS, SIZE, ScreenSize
 
 PATIENCE, BEAT = 1.0, 0.25
 """Seconds until progress shows, and between its changes."""
+
+
+LEAST = ScreenSize(60, 20)
+"""A screen that is smaller scrolls."""
+BESIDE = 4
+"""Lines that are left for what was recognised and written, and for what comes next."""
+
+
+def screen() -> ScreenSize:
+    """Return the size for which a result is laid out: that of the terminal, if stdout is one."""
+    if not getattr(sys.stdout, "isatty", bool)():
+        return SIZE
+    columns, lines = shutil.get_terminal_size((COLUMNS, SIZE.lines + BESIDE))
+    return ScreenSize(
+        min(max(columns, LEAST.columns), SIZE.columns),
+        min(max(lines - BESIDE, LEAST.lines), SIZE.lines),
+    )
 
 
 @contextmanager

@@ -143,7 +143,7 @@ def _stories(folder: Path, seed: int) -> Outcome:
     lines, details = [], []
     for name, story in stories.items():
         judged, whole = story.verdict, text_of.study(story)
-        lines += [f"{name} seal: {judged.use}: {judged.says}"]
+        lines += [f"{name} seal. {judged}"]
         if story.comparison is not None:
             lines += [*text_of.comparison(story.comparison, story.joint_comparison), ""]
         details += ["", f"{name} seal", *whole.lines, *whole.details]

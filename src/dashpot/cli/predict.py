@@ -7,7 +7,6 @@ from typing import Any
 
 import click
 
-import dashpot as dp
 from dashpot import workflow
 from dashpot.base.checks import verdict
 from dashpot.base.choices import FrfKind, words
@@ -158,15 +157,17 @@ def _under_mass(
     if mass is None:
         raise click.UsageError("Give the mass of the block: --mass 104g")
     fitted = workflow.read_fit(fit)
-    if output and len(choices["at_level"].levels) > 1:
-        raise click.UsageError("-o holds the FRF at one level: ask one --level, or leave -o out")
+    several = len(choices["at_level"].levels) > 1
+    if output and several and not output.lower().endswith((".json", *PAGE)):
+        raise click.UsageError(
+            "-o FRF.csv holds one level: ask one --level, or write .json or .html"
+        )
     found = workflow.predict_files(
         fitted, mass=mass, relative=hammer.motion == "relative", **choices
     )
     seals = choices["seals"]
     if picture:
-        named = dp.plot.stamp(fitted.source, fitted.specimen, mass=mass, seals=seals)
-        write_figure(picture, _figure(found, named))
+        write_figure(picture, found.plot())
     if output:
         _keep(found, output)
     return Outcome.of(found, follow="" if found.of_part else _follow(fit, mass, seals))
@@ -184,20 +185,6 @@ def _keep(found: workflow.Prediction, path: str) -> None:
         write(path, write_frf(found.by_level[0].frf if found.by_level else found.frf))
     else:
         raise click.UsageError(f"-o {path}: a prediction is written as .csv, .json or .html.")
-
-
-def _figure(found: workflow.Prediction, stamp: str) -> dp.plot.Picture:
-    levels = found.by_level or ()
-    still = "predicted at a vanishing level" if levels else "predicted"
-    return dp.plot.frf(
-        found.frf,
-        *(one.frf for one in levels),
-        labels=(still, *(f"at {one.level:.4g} {one.unit}" for one in levels)),
-        band=found.limits,
-        interval=found.interval,
-        ordered=bool(levels),
-        stamp=stamp,
-    )
 
 
 def _follow(fit: str, mass: float, seals: float) -> str:

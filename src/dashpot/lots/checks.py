@@ -61,7 +61,7 @@ def records_distinct(again: int, tests: int) -> Finding:
         f"{tests - again} of {tests} fits have records of their own",
         again,
         "The others are copies, and left out of the statistics",
-        "Remove the copies.",
+        "Give each record once.",
     )
 
 

@@ -477,7 +477,9 @@ def _control_says(of: OfQuantity) -> str:
     if not of.signals.points:
         return f"no signal in {counted(len(of.charts), 'lot')}"
     each = [(of.signals_of("seals"), "seals"), (of.signals_of("lots"), "lots")]
-    points = " and ".join(f"{one.points} of {one.of} {what}" for one, what in each if one.points)
+    points = " and ".join(
+        f"{one.points} of {one.of} points of {what}" for one, what in each if one.points
+    )
     return f"{counted(of.signals.causes, 'cause')}: {points}"
 
 

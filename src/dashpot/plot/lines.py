@@ -40,17 +40,23 @@ def phase_axis(values: ComplexArray) -> tuple[float, tuple[float, ...]]:
     return lowest, tuple(np.arange(first, max(last, first + 90) + 1, 90).tolist())
 
 
+_NEAR = 1e-4
+"""Lines nearer than this part of their frequency are joined straight."""
+
+
 def smooth(one: FRF) -> tuple[FloatArray, ComplexArray]:
     """A predicted FRF on denser lines, densest near its peak; a measured one as it is.
 
     A sharp resonance between two lines is drawn round: not the FRF but its inverse is joined by
-    straight lines, which is smooth where the FRF peaks (it is the dynamic mass m + K/s^2).
+    straight lines, which is smooth where the FRF peaks (it is the dynamic mass m + K/s^2). Both
+    sides of a jump stand too near for anything between.
     """
     dense_already = len(one.frequency) > 2000 or len(one.frequency) < 2
     if one.averages > 0 or dense_already or bool((one.value == 0).any()):
         return one.frequency, one.value
     size = np.abs(one.value)
     parts = np.where(np.maximum(size[:-1], size[1:]) > 0.2 * size.max(), 24, 2)
+    parts = np.where(np.diff(one.frequency) < _NEAR * one.frequency[1:], 1, parts)
     start = np.repeat(np.arange(len(parts)), parts)
     within = np.arange(len(start)) - np.repeat(np.cumsum(parts) - parts, parts)
     place = np.append(start + within / np.repeat(parts, parts), len(parts))

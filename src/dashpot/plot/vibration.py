@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray
-from dashpot.base.numbers import rounded
+from dashpot.base.numbers import hertz, rounded
 from dashpot.base.units import in_unit
 from dashpot.plot.direct import FREQUENCY
 from dashpot.plot.lines import half_power, phase_axis, smooth, unwrapped
@@ -29,6 +29,7 @@ from dashpot.plot.picture import (
     Picture,
     Rule,
     Scale,
+    Span,
     Tag,
     around,
     joint_pen,
@@ -80,6 +81,8 @@ class Spread:
     frequency: FloatArray
     limits: FloatArray
     label: str = INTERVAL
+    pen: Pen | None = None
+    """Of the curve that it is of; by default the one that is predicted."""
 
     def of_kind(self, kind: Kind) -> FloatArray:
         """The same limits for another kind of FRF; those over a base that moves are their own."""
@@ -108,10 +111,14 @@ def frf(
     labels: Sequence[str] = (),
     band: FRFBounds | None = None,
     interval: tuple[FloatArray, FloatArray] | None = None,
+    informed: tuple[float, float] | None = None,
     ordered: bool = False,
+    intervals: Sequence[FloatArray | None] = (),
     stamp: str = "",
 ) -> Picture:
     """One or several FRFs of one kind: magnitude, phase, and the coherence of the first.
+
+    The peak of the first one is named, unless it is the end of what is shown.
 
     Parameters
     ----------
@@ -127,8 +134,13 @@ def frf(
     interval : (array, array), optional
         Lines, Hz, and limits by standard errors alone, where no band is known: of the accelerance,
         1/kg, or of a transmissibility where that is drawn.
+    informed : (float, float), optional
+        The frequencies that the test behind a prediction informs, Hz: shaded, or said where none
+        of them is in sight.
     ordered : bool
         The others rise, in level or temperature: from blue to red.
+    intervals : sequence of array, shape (2, n), or None
+        Such limits of each of the others, at its lines.
     stamp : str
         What the figure says of its origin; by default the files of the first FRF.
     """
@@ -143,11 +155,39 @@ def frf(
         Curve(one, name, pens[i % len(pens)])
         for i, (one, name) in enumerate(zip(same, names, strict=True))
     ]
+    curves[0] = replace(curves[0], peak=_peak_inside(measured))
     known = () if interval is None else (Spread(*interval),)
-    caption = "Frequency response function: magnitude and phase."
-    return Picture(
-        "frf", caption, (_bode(curves, spreads(band) or known),), 1, stamp or of_frf(measured)
+    leveled = tuple(
+        Spread(curve.frf.frequency, limits, "", curve.pen)
+        for curve, limits in zip(curves[1:], intervals, strict=False)
+        if limits is not None
     )
+    caption = "Frequency response function: magnitude and phase."
+    upper, *others_below = _bode(curves, (*(spreads(band) or known), *leveled))
+    if informed is not None:
+        upper = _informed(upper, informed)
+    strip = (upper, *others_below)
+    return Picture("frf", caption, (strip,), 1, stamp or of_frf(measured))
+
+
+def _peak_inside(frf: FRF) -> tuple[float, float] | None:
+    """Frequency and height of the peak of an accelerance; None where an end is as high."""
+    if frf.quantity is not Kind.ACCELERANCE:
+        return None
+    top = int(np.argmax(np.abs(frf.value)))
+    if not 0 < top < len(frf.frequency) - 1:
+        return None
+    return _peak_of(frf)
+
+
+def _informed(panel: Panel, band: tuple[float, float]) -> Panel:
+    """The part of the axis that a test informs, shaded; where none is in sight, words say so."""
+    low, high = panel.x.limits
+    if band[1] < low or band[0] > high:
+        said = f"informed from {hertz(band)} only: all of this is extrapolated"
+        return replace(panel, note=said)
+    shade = Span(max(band[0], low), min(band[1], high), "fit", "valid band", tint=0.07)
+    return replace(panel, marks=(shade, *panel.marks))
 
 
 def comparison(
@@ -339,7 +379,8 @@ def magnitude_panel(
     limits = [0.6 * max(float(np.percentile(every, 1)), highest / HIGHEST), 1.9 * highest]
     marks: list[Mark] = []
     for limit in spread:
-        area = _area(limit, kind, scale, None if predicted is None else drawn[id(predicted)])
+        of = next((one for one in curves if one.pen is limit.pen), predicted)
+        area = _area(limit, kind, scale, None if of is None else drawn[id(of)])
         inside = (area.x >= view[0]) & (area.x <= view[1])
         top = float(np.max(area.high[inside], initial=0.0))
         limits[1] = max(limits[1], min(1.3 * top, 12 * limits[1]))
@@ -412,7 +453,8 @@ def _area(
         own = np.where((lines >= at[0]) & (lines <= at[-1]), own, np.nan)
         low, high = np.fmin(np.exp(logs[0]), own), np.fmax(np.exp(logs[1]), own)
         f = lines
-    return Area(f, low, high, "fit", one.label, hatched=one.label == BOUND, tint=0.3)
+    colour = "fit" if one.pen is None else one.pen.colour
+    return Area(f, low, high, colour, one.label, hatched=one.label == BOUND, tint=0.3)
 
 
 def _scatter(one: Curve, scale: float) -> Area:

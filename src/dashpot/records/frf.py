@@ -486,10 +486,15 @@ class Mode(Documented):
     @property
     def facts(self) -> tuple[Fact, Fact, Fact]:
         """Frequency, damping ratio and size of the residue, as tables have them."""
+        frequency, damping_ratio, residue = (
+            # nobody told how well a model's is known, and none is held
+            error or None
+            for error in (self.frequency_se, self.damping_ratio_se, self.residue_se)
+        )
         return (
-            Fact.normal("frequency", self.frequency, self.frequency_se, "Hz"),
-            Fact.normal("damping ratio", self.damping_ratio, self.damping_ratio_se, "1", "%"),
-            Fact.normal("residue", abs(self.residue), self.residue_se, "m/(N s)"),
+            Fact.normal("frequency", self.frequency, frequency, "Hz"),
+            Fact.normal("damping ratio", self.damping_ratio, damping_ratio, "1", "%"),
+            Fact.normal("residue", abs(self.residue), residue, "m/(N s)"),
         )
 
     @property

@@ -66,7 +66,20 @@ def _(noun: Agreement) -> Picture:
 
 @picture.register
 def _(noun: Prediction) -> Picture:
-    return plot.frf(noun.frf, labels=("predicted",), band=noun.limits, interval=noun.interval)
+    levels = noun.by_level or ()
+    still = "predicted at a vanishing level" if levels else "predicted"
+    fit, rig = noun.fit, {"mass": noun.mass, "seals": noun.seals}
+    return plot.frf(
+        noun.frf,
+        *(one.frf for one in levels),
+        labels=(still, *(f"at {one.level:.4g} {one.unit}" for one in levels)),
+        band=noun.limits,
+        interval=noun.interval,
+        informed=fit.band,
+        ordered=bool(levels),
+        intervals=[one.magnitude for one in noun.preloaded],
+        stamp=plot.stamp(fit.source, fit.specimen, **rig),
+    )
 
 
 @picture.register

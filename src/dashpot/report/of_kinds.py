@@ -379,6 +379,8 @@ def _(found: Prediction) -> KindPage:
         picture=found.plot(),
         told=f"{weight[:1].upper()}{weight[1:]}",
         groups=(Group("Peak", tuple(peak)),
+                *(Group(f"At {one.level:.4g} {one.unit}", tuple(row(fact) for fact in one.facts))
+                  for one in found.preloaded),
                 *(Group(f"Mode {i}", tuple(_mode_rows(one)))
                   for i, one in enumerate(found.modes[:3], start=1))),
         note=("Hatched: what the relaxation test does not exclude." if bounds is not None else
@@ -484,7 +486,9 @@ def _(found: Pieces) -> KindPage:
         "Capability": frozenset({"pieces_capable"}),
     }
     said = "" if able is None else able.says
-    shown_lights = lights(found.checks, asked, ("", f"{several} tested alike", said))
+    shown_lights = lights(
+        found.checks, asked, ("", f"{several} tested alike", said), ("", "", said)
+    )
     if able is None:
         shown_lights = (*shown_lights[: 1 + (several > 1)],
                         Light("Capability", "note", "no limits given"))  # fmt: skip

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import textwrap
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from dashpot.base.escapes import escaped
 from dashpot.base.numbers import ascii_only
@@ -29,6 +29,18 @@ COLUMNS = 100
 LINES = 36
 """Of a result, unless all is asked for; with the files written and what comes next, 40."""
 
+
+class ScreenSize(NamedTuple):
+    """Of a screen: how long a line may be, and how many there may be."""
+
+    columns: int
+    lines: int
+
+
+SIZE = ScreenSize(COLUMNS, LINES)
+"""Of what is no terminal, and the most of one."""
+
+
 CHECK_LINES = 3
 """Of one check there."""
 
@@ -46,17 +58,24 @@ def shown(
     *,
     verbose: bool = False,
     style: Style = plain,
+    size: ScreenSize = SIZE,
 ) -> list[str]:
     """Return a result line by line: its verdict, its numbers, and the checks that failed.
 
     Those are all that failed if all is asked for; else those that made the verdict or, without
     one, those of weight. If that is longer than a screen the numbers are cut, but for those that
-    were asked for. `style` colours.
+    were asked for. `style` colours; `size` is that of the screen.
     """
-    head = [] if verdict is None else lead(verdict, style)
-    body, details, asked = _lines(text.lines), _lines(text.details), _lines(text.asked)
+    columns, lines = size
+    head = [] if verdict is None else lead(verdict, style, columns)
+    body, details, asked = (
+        _lines(part, columns) for part in (text.lines, text.details, text.asked)
+    )
     counted = [f"  checks      {_counted(checks)}"] if checks else []
-    failed = [_check(each, verdict, style) for each in _listed(verdict, checks, everything=verbose)]
+    failed = [
+        _check(each, verdict, style, columns)
+        for each in _listed(verdict, checks, everything=verbose)
+    ]
     if verbose:
         return [
             *head,
@@ -66,43 +85,44 @@ def shown(
             *counted,
             *(part for each in failed for part in each),
         ]
-    tail = counted + [part for each in failed for part in _short(each)]
-    left = max(LINES - 1 - len(head) - len(tail), 0)
+    tail = counted + [part for each in failed for part in _short(each, columns)]
+    left = max(lines - 1 - len(head) - len(tail), 0)
     if len(body) > left:
         body, whole = [*body[: max(left - 1, 0)], "  ..."], len(body)
     else:
         whole = len(body)
     head += body
-    kept = [*head, *tail][: LINES - 1]
+    kept = [*head, *tail][: lines - 1]
     cut = len(kept) < len(head) - len(body) + whole + sum(map(len, failed)) + len(counted)
     kept[len(head) : len(head)] = asked
     return [*kept, "  more with -v"] if cut or details else kept
 
 
-def _lines(paragraphs: Sequence[str]) -> list[str]:
-    return [part for text in paragraphs for line in text.split("\n") for part in wrapped(line)]
+def _lines(paragraphs: Sequence[str], columns: int) -> list[str]:
+    texts = (line for text in paragraphs for line in text.split("\n"))
+    return [part for line in texts for part in wrapped(line, columns=columns)]
 
 
-def lead(verdict: Verdict, style: Style = plain) -> list[str]:
+def lead(verdict: Verdict, style: Style = plain, columns: int = COLUMNS) -> list[str]:
     """Return a verdict and why, as the first lines of a result."""
     mark, _, says = str(verdict).partition(": ")
-    return _coloured(f"{mark}:", says, USES[verdict.use], style, hang=2)
+    return _coloured(f"{mark}:", says, USES[verdict.use], style, hang=2, columns=columns)
 
 
-def wrapped(line: str, *, hang: int | None = None) -> list[str]:
+def wrapped(line: str, *, hang: int | None = None, columns: int = COLUMNS) -> list[str]:
     """Return a line as lines of the terminal's width, the later ones under the text of the first.
 
     In a row of columns that is the last one that begins in the left half.
     """
     line = escaped(line)
-    if len(line) <= COLUMNS:
+    if len(line) <= columns:
         return [line]
     if hang is None:
-        columns = [found.end() for found in re.finditer(r"(?:^|\S) {2,}(?=\S)", line)]
-        hang = max((start for start in columns if start <= COLUMNS // 2), default=2)
+        starts = [found.end() for found in re.finditer(r"(?:^|\S) {2,}(?=\S)", line)]
+        hang = max((start for start in starts if start <= columns // 2), default=2)
     return textwrap.wrap(
         line,
-        COLUMNS,
+        columns,
         subsequent_indent=" " * hang,
         break_long_words=False,
         break_on_hyphens=False,
@@ -110,10 +130,10 @@ def wrapped(line: str, *, hang: int | None = None) -> list[str]:
 
 
 def _coloured(
-    mark: str, sentence: str, colour: str | None, style: Style, *, hang: int
+    mark: str, sentence: str, colour: str | None, style: Style, *, hang: int, columns: int
 ) -> list[str]:
     """Return a sentence in lines, its mark in colour."""
-    first, *others = wrapped(ascii_only(f"{mark} {sentence}"), hang=hang)
+    first, *others = wrapped(ascii_only(f"{mark} {sentence}"), hang=hang, columns=columns)
     return [style(mark, fg=colour, bold=True) + first[len(mark) :], *others]
 
 
@@ -127,21 +147,23 @@ def _listed(
     return [each for grade in grades for each in checks if each.failed and each.grade == grade]
 
 
-def _check(check: Check, verdict: Verdict | None, style: Style) -> list[str]:
+def _check(check: Check, verdict: Verdict | None, style: Style, columns: int) -> list[str]:
     mark, colour = MARKS[check.grade]
     above = verdict is not None and verdict.says.startswith(check.told)
     says = check.typed.replace(check.told, "(first line)") if above else check.typed
-    first, *others = _coloured(f"  {mark}", f"{says} {check.name}", colour, style, hang=5)
+    first, *others = _coloured(
+        f"  {mark}", f"{says} {check.name}", colour, style, hang=5, columns=columns
+    )
     lines = [first, *others]
     # the name is for searching, not for reading
     lines[-1] = f"{lines[-1][: -len(check.name)]}{style(check.name, dim=True)}"
     return lines
 
 
-def _short(check: list[str]) -> list[str]:
+def _short(check: list[str], columns: int) -> list[str]:
     """Return a check's first lines, and a sign where there are more."""
     kept = check[:CHECK_LINES]
-    return kept if len(check) == len(kept) else [*kept[:-1], f"{kept[-1][: COLUMNS - 4]} ..."]
+    return kept if len(check) == len(kept) else [*kept[:-1], f"{kept[-1][: columns - 4]} ..."]
 
 
 def _counted(checks: Sequence[Check]) -> str:

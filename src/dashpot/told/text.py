@@ -402,7 +402,7 @@ def _at_levels(found: Prediction) -> list[str]:
 
 
 _HARMONIC = 1e-4
-"""Part of the first harmonic below which no other is told."""
+"""Part of the first harmonic below which none is told."""
 
 
 def _on_bending_seals(found: Sequence[PreloadedLevel], unit: str) -> list[str]:
@@ -427,6 +427,8 @@ def _on_bending_seals(found: Sequence[PreloadedLevel], unit: str) -> list[str]:
                 f"{at.growth:.3g}",
             ]
         )
+        if one.interval is not None:
+            rows.append(_within(one, least))
         name = f"at {one.level:.4g} {one.unit}"
         does = "opens" if at.shift < 0 else "closes"
         second = one.second_harmonic
@@ -441,7 +443,23 @@ def _on_bending_seals(found: Sequence[PreloadedLevel], unit: str) -> list[str]:
             f"  ! {name} no answer at the drive's period lasts from {low:.4g} to {high:.4g} Hz"
             for low, high in one.unsteady
         ]
+        says += [
+            f"  ! {name} two answers last below {hz:.5g} Hz. This is a rising frequency's; a "
+            "falling one keeps the other"
+            for hz in one.jumps_hz
+        ]
     return [*table(rows), *says]
+
+
+def _within(one: PreloadedLevel, least: float) -> list[str]:
+    """The row of 95 % intervals under a level's, as far as they are known."""
+    hz, height, shift, *harmonics = one.facts
+    cells = ["  95 %"]
+    for fact in (hz, height, *harmonics, shift):
+        told = fact.bounded and (fact.unit != "m" or abs(fact.value) > least)
+        half = in_unit(0.5 * (fact.high - fact.low), fact.read or "1")
+        cells.append(f"± {half:.2g}" if told else "")
+    return [*cells, "", ""]
 
 
 def _shaken(found: ShakenMass) -> list[str]:

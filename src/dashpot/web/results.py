@@ -20,7 +20,9 @@ from dashpot.workflow.study import Study, of_solid, run
 KEPT = 8
 """Results of each kind that a worker remembers."""
 WHILE_HELD = 300_000
-"""Samples that are prepared while a handle is held; all of them are once it is let go."""
+"""Samples that are fitted at first; all of them are next."""
+HELD = 20_000
+"""Samples that are fitted while a handle is held: its curves are to follow."""
 
 test = lru_cache(KEPT)(records.relaxation)
 """The relaxation test in a file."""

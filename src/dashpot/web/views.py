@@ -607,7 +607,7 @@ def file_row(found: InspectedFile) -> dict[str, Any]:
     strange = _refusal(found) or _stranger(found)
     mark = "care" if found.questions else "bad" if strange else "good"
     return {
-        "kind": found.kind, "page": place_of(found), "line": _told(found), "mark": mark,
+        "kind": found.kind, "page": place_of(found), "line": on_page(_told(found)), "mark": mark,
         "simulated": found.simulated,
     }  # fmt: skip
 

@@ -98,9 +98,9 @@ def _consequences(
 def live(request: Mapping[str, Any], folder: Path) -> bytes:
     """The point estimate while a handle is held: curves and numbers, no intervals."""
     job = job_of(request.get("job"), folder)
-    found = results.fitted(results.of_fit(job), job.arms == "auto", results.WHILE_HELD)
-    _, prepared = results.shown(job, found, results.WHILE_HELD)
-    shown = views.live_test(found, prepared, results.beside(job, found, results.WHILE_HELD))
+    found = results.fitted(results.of_fit(job), job.arms == "auto", results.HELD)
+    _, prepared = results.shown(job, found, results.HELD)
+    shown = views.live_test(found, prepared, results.beside(job, found, results.HELD))
     return wire.packed({"beside": shown.words, "cuts": _cuts(prepared)}, shown.arrays)
 
 
@@ -136,6 +136,7 @@ def settle(request: Mapping[str, Any], folder: Path) -> bytes:
             "clock": [float(test.time[0]), float(test.time[-1])],
             "step": float(np.median(np.diff(test.time))),
             "arms": found.model.arms if found.family == "maxwell" else "",
+            "law": "" if found.elastic_law is None else found.elastic_law.kind,
             "simulated": test.source is not None and test.source.simulated,
             "command": line("report", job),
         }

@@ -106,7 +106,7 @@ class Modes(Pictured, Documented, Sequence[Mode]):
         """The verdict, and each mode."""
         rows = (mode.facts for mode in self)
         return (
-            f"{self.verdict.use}: {self.verdict.says}",
+            str(self.verdict),
             *(f"{hz.cells.with_unit}, damping {ratio.cells.with_unit}" for hz, ratio, _ in rows),
         )
 

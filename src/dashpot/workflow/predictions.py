@@ -210,8 +210,9 @@ class Prediction(Judged, Documented):
 
     @property
     def facts(self) -> tuple[Fact, ...]:
-        """Frequency, damping ratio and residue of each mode."""
-        return tuple(fact for mode in self.modes for fact in mode.facts)
+        """Frequency, damping ratio and residue of each mode, and what each level makes of it."""
+        of: tuple[Mode | PreloadedLevel, ...] = (*self.modes, *self.preloaded)
+        return tuple(fact for one in of for fact in one.facts)
 
     @property
     def series(self) -> Mapping[str, tuple[Any, str]]:

@@ -2,28 +2,65 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
+from dashpot.base.facts import NORMAL, Fact
+from dashpot.fitting.parameters import off_by_error
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF, Kind
+from dashpot.solids.elastic import ElasticLaw
+from dashpot.solids.maxwell import Solid
 from dashpot.vibration.systems.mounts import on_heavy_mounts
-from dashpot.vibration.systems.preloaded import Orbit, PreloadedMass, largest
+from dashpot.vibration.systems.preloaded import Jump, Orbit, PreloadedMass, largest
 from dashpot.workflow.at_level import unit_of
 
 _LINES, _FINE, _REACH = 121, 21, (0.25, 2.5)
 """Lines over the band and about the linear resonance, about the largest of these, and how far the
 search goes."""
+_TOLD, _SLIGHT = 3, 1e-3
+"""Harmonics that a text tells, and the part of the first below which one is not known."""
+Ends = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class LevelInterval(Documented):
+    """What the errors of the solid and of its elastic law leave open of a resonance: 95 %.
+
+    Where a sweep jumps down from the resonance its height is not told.
+
+    Attributes
+    ----------
+    frequency : (float, float)
+        Hz.
+    value : (float, float) or None
+    shift : (float, float) or None
+        Of the mean, m.
+    harmonics : tuple of ((float, float) or None), or None
+        Amplitudes, m, the mean first; not of those below a thousandth of the first, which tell how
+        a law bends between its knots.
+    magnitude : array, shape (2, n)
+        Of the response, at the lines of the FRF.
+    """
+
+    keys = ("frequency_hz=frequency", "value", "mean_shift=shift", "harmonics")
+
+    frequency: Ends
+    value: Ends | None
+    shift: Ends | None
+    harmonics: tuple[Ends | None, ...] | None
+    magnitude: FloatArray
 
 
 @dataclass(frozen=True)
 class PreloadedLevel(Documented):
-    """The resonance of a pressed mass at a level.
+    """The resonance of a pressed mass at a level, as a rising frequency meets it.
 
     Attributes
     ----------
@@ -38,14 +75,19 @@ class PreloadedLevel(Documented):
         That with the largest second harmonic.
     unsteady : tuple of (float, float)
         Between which frequencies no answer at the drive's period lasts, Hz.
+    jumps : tuple of Jump
+        Where a rising frequency leaves one answer for another, which a falling one keeps.
     frf : FRF
         First harmonics over the band.
+    interval : LevelInterval or None
+        Where the errors of the fit are known.
     """
 
     keys = (
         "level", "unit", "peak", "amplitude", "orbit.rest", "mean_shift=orbit.shift",
         "harmonics=orbit.shown", "phases=orbit.phases", "floquet=orbit.growth",
         "lost_contact=orbit.lost", "compression=deepest", "second_harmonic", "unsteady",
+        "jumps_hz", "interval", "response",
     )  # fmt: skip
 
     level: float
@@ -55,7 +97,9 @@ class PreloadedLevel(Documented):
     orbit: Orbit
     doubled: Orbit
     unsteady: tuple[tuple[float, float], ...]
+    jumps: tuple[Jump, ...]
     frf: FRF
+    interval: LevelInterval | None
 
     @property
     def peak(self) -> dict[str, float]:
@@ -77,6 +121,50 @@ class PreloadedLevel(Documented):
     def deepest(self) -> float:
         """Greatest compression of both, m."""
         return max(self.orbit.most, self.doubled.most)
+
+    @property
+    def magnitude(self) -> FloatArray | None:
+        """Between which ends that of the response lies, shape (2, n), at the lines of `frf`."""
+        return None if self.interval is None else self.interval.magnitude
+
+    @property
+    def facts(self) -> tuple[Fact, ...]:
+        """The resonance, mean and harmonics, with their intervals."""
+        known, lost = self.interval, (np.nan, np.nan)
+        at = f"at {self.level:.4g} {self.unit}"
+
+        def fact(name: str, value: float, ends: Ends | None, unit: str, read: str = "") -> Fact:
+            low, high = ends or lost
+            words = f"{name.replace('_', ' ')} {at}"
+            return Fact(name, value, low, high, unit, read=read, words=words)
+
+        harmonics: Sequence[Ends | None] = (None,) * len(self.orbit.shown)
+        if known is not None and known.harmonics is not None:
+            harmonics = known.harmonics
+        amplitudes = self.orbit.shown.tolist()
+        return (
+            fact("peak_frequency", self.frequency, known.frequency if known else None, "Hz"),
+            fact("peak_height", self.value, known.value if known else None, self.frf.unit),
+            fact("mean_shift", self.orbit.shift, known.shift if known else None, "m", "mm"),
+            *(
+                fact(f"harmonic_{h}", amplitudes[h], harmonics[h], "m", "mm")
+                for h in range(1, _TOLD + 1)
+            ),
+        )
+
+    @property
+    def jumps_hz(self) -> list[float]:
+        """Where a rising frequency jumps, Hz."""
+        return [one.after.frequency for one in self.jumps]
+
+    @property
+    def response(self) -> dict[str, Any]:
+        """The first harmonic over the band, and between which magnitudes it lies."""
+        frf = self.frf
+        return {
+            "frequency_hz": frf.frequency, "real": frf.value.real, "imag": frf.value.imag,
+            "magnitude_between": self.magnitude,
+        }  # fmt: skip
 
 
 def preloaded_levels(
@@ -120,53 +208,196 @@ def preloaded_levels(
             "a level changes what bends, and the elastic law of this fit does not: add a sweep "
             "(--sweep), fit tests at several depths (dashpot fit FILE FILE), or leave out --level"
         )
-    law = seals * fit.elastic_law
-    preload = None if compression is None else float(law.force(compression))
-    pressed = PreloadedMass(mass, law, fit.solid, preload)
-    band = frequency[:: -(-len(frequency) // _LINES)]
-    ends = about * _REACH[0], about * _REACH[1]
-    lines = np.union1d(band, np.geomspace(*ends, _LINES))
-    found = []
-    for level in levels:
-        force = mass * level if kind.over_base else level
-        swept = pressed.sweep(level=force, frequency=lines)
-        lasting = [one for one in swept if one.stable]
 
-        def frf(orbits: Sequence[Orbit], force: float = force) -> FRF:
-            f = np.array([one.frequency for one in orbits])
-            shaken = np.array([complex(one.harmonics[1]) for one in orbits])
-            H = np.asarray(shaken / force, dtype=complex)
-            if not kind.over_base:
-                return FRF.of_receptance(f, H, kind=kind)
-            T: ComplexArray = np.asarray(1 + mass * (2 * np.pi * f) ** 2 * H)
-            answer = FRF(f, T, Kind.TRANSMISSIBILITY, units="SI").to(kind)
-            return on_heavy_mounts(answer, mass=mass, coupled=coupled) if coupled > 0 else answer
-
-        near = [one for one in lasting if ends[0] <= one.frequency <= ends[1]]
-        size = np.abs(frf(near).value) if near else np.zeros(1)
-        top = int(size.argmax())
-        if top in {0, len(size) - 1}:
-            raise DataError(
-                f"at {level:g} {unit_of(kind)} no resonance is found between {ends[0]:.4g} and "
-                f"{ends[1]:.4g} Hz, of answers that last; ask for a lower level"
-            )
-        about_top = np.linspace(near[top - 1].frequency, near[top + 1].frequency, _FINE)
-        fine = [one for one in pressed.sweep(level=force, frequency=about_top) if one.stable]
-        best = max((near[top], *fine), key=lambda one: float(np.abs(frf([one]).value[0])))
-        shown = [one for one in lasting if band[0] <= one.frequency <= band[-1]]
-        found.append(
-            PreloadedLevel(
-                level,
-                unit_of(kind),
-                best.frequency,
-                float(np.abs(frf([best]).value[0])),
-                best,
-                largest(near, 2),
-                _unsteady(lines, lasting),
-                frf(shown),
-            )
+    def pressed(law: ElasticLaw, solid: Solid) -> PreloadedMass:
+        on = seals * law
+        return PreloadedMass(
+            mass, on, solid, None if compression is None else float(on.force(compression))
         )
-    return tuple(found)
+
+    here = pressed(fit.elastic_law, fit.solid)
+    others = [pressed(*one) for one in _off_by_error(fit, fit.elastic_law)]
+    band = frequency[:: -(-len(frequency) // _LINES)]
+    rig = _AtLevels(here, others, mass, kind, coupled)
+    return tuple(rig.at(level, band, about) for level in levels)
+
+
+def _off_by_error(fit: Fit, law: ElasticLaw) -> list[tuple[ElasticLaw, Solid]]:
+    """The law and the solid one standard error off: by each axis of the solid's, by each knot."""
+    off = [
+        (replace(law, stiffness=law.stiffness * solid.k_inf / fit.solid.k_inf), solid)
+        for solid in off_by_error(fit)
+    ]
+    for i, error in enumerate(law.ratio_se if off else ()):
+        if error > 0:
+            ratio = np.array(law.ratio)
+            ratio[i] += error
+            mean = float(np.trapezoid(ratio, law.knots)) / law.depth
+            off.append((replace(law, ratio=tuple((ratio / mean).tolist())), fit.solid))
+    return off
+
+
+@dataclass(frozen=True)
+class _AtLevels:
+    """A pressed mass, others one standard error off, and what of them is asked."""
+
+    here: PreloadedMass
+    others: Sequence[PreloadedMass]
+    mass: float
+    kind: Kind
+    coupled: float
+
+    def at(self, level: float, band: FloatArray, about: float) -> PreloadedLevel:
+        """The resonance at a level, N or m/s^2."""
+        force = self.mass * level if self.kind.over_base else level
+        ends = about * _REACH[0], about * _REACH[1]
+        lines = np.union1d(band, np.geomspace(*ends, _LINES))
+        swept = self.here.sweep(level=force, frequency=lines)
+        lasting = [one for one in swept if one.stable]
+        near = [one for one in lasting if ends[0] <= one.frequency <= ends[1]]
+        size = [self.size(one) for one in near]
+        top = int(np.argmax(size)) if size else 0
+        if top in {0, max(len(size) - 1, 0)}:
+            raise DataError(
+                f"at {level:g} {unit_of(self.kind)} no resonance is found between {ends[0]:.4g} "
+                f"and {ends[1]:.4g} Hz, of answers that last; ask for a lower level"
+            )
+        jumps = self.here.jumps(swept)
+        low, high = near[top - 1], near[top + 1]
+        into = [one for one in jumps if low.frequency < one.after.frequency <= near[top].frequency]
+        out = [one for one in jumps if near[top].frequency <= one.before.frequency < high.frequency]
+        start = into[0].after if into else low
+        last = out[0].before if out else high
+        close = np.linspace(start.frequency, last.frequency, _FINE)[1:-1]
+        about_top = self.here.sweep(level=force, frequency=close, start=start)
+        run = [start, *(one for one in about_top if one.stable), last]
+        best = int(np.argmax([self.size(one) for one in run]))
+        if 0 < best < len(run) - 1:
+            # between the lines, where the parabola through three is highest
+            three = run[best - 1 : best + 2]
+            bend, slope, _ = _parabola(three) @ np.log([self.size(one) for one in three])
+            near_top = np.array([three[1].frequency - slope / (2 * bend)])
+            summit = self.here.sweep(level=force, frequency=near_top, start=three[1])
+            run[best : best + 1] = [one for one in summit if one.stable] or three[1:2]
+        # both sides of a jump, between which nothing is to be drawn
+        known = {one.frequency: one for one in (*lasting, *(end for one in jumps for end in one))}
+        shown = [known[hz] for hz in sorted(known) if band[0] <= hz <= band[-1]]
+        return PreloadedLevel(
+            level,
+            unit_of(self.kind),
+            run[best].frequency,
+            self.size(run[best]),
+            run[best],
+            largest(near, 2),
+            _unsteady(lines, lasting),
+            jumps,
+            self.frf(shown),
+            self.interval(run, best, into[0] if into else None, shown),
+        )
+
+    def frf(self, orbits: Sequence[Orbit], moved: complex = 0.0) -> FRF:
+        """First harmonics, all changed by so much, m, as the kind has them."""
+        f = np.array([one.frequency for one in orbits])
+        force = np.array([one.level for one in orbits])
+        shaken = np.array([complex(one.harmonics[1]) for one in orbits]) + moved
+        H = np.asarray(shaken / force, dtype=complex)
+        if not self.kind.over_base:
+            return FRF.of_receptance(f, H, kind=self.kind)
+        T: ComplexArray = np.asarray(1 + self.mass * (2 * np.pi * f) ** 2 * H)
+        answer = FRF(f, T, Kind.TRANSMISSIBILITY, units="SI").to(self.kind)
+        coupled = self.coupled
+        return on_heavy_mounts(answer, mass=self.mass, coupled=coupled) if coupled > 0 else answer
+
+    def size(self, orbit: Orbit) -> float:
+        """Magnitude of the response."""
+        return float(np.abs(self.frf([orbit]).value[0]))
+
+    # -- what the errors leave open ---------------------------------------------------------------
+
+    def interval(
+        self, run: Sequence[Orbit], best: int, into: Jump | None, shown: Sequence[Orbit]
+    ) -> LevelInterval | None:
+        r"""Between which ends 95 % lie, by the delta method; None where no error is known.
+
+        The largest of :math:`L(f) = \ln|H|` stays where its slope is 0:
+        :math:`\Delta f = -(\partial \Delta L/\partial f) / L''`; beside a jump it moves with it.
+        """
+        if not self.others:
+            return None
+        response, f = np.abs(self.frf(shown).value), [one.frequency for one in shown]
+        some = [_norm(self._logs(one)) for one in shown[::_THINNED]]
+        spread = np.exp(NORMAL * np.interp(f, f[::_THINNED], some))
+        magnitude = np.array([response / spread, response * spread])
+        at, first, last = run[best], best == 0, best == len(run) - 1
+        if first or last:
+            end = at if into is None or last else into.before
+            shift = self.here.end_changes(end, self.others)
+        else:
+            shift = self._moves(run[best - 1 : best + 2])
+        frequency = _about(at.frequency, shift)
+        if last:
+            return LevelInterval(frequency, None, None, None, magnitude)
+        by_frequency = self._slopes(run[:2] if first else run[best - 1 : best + 2])
+        along = by_frequency(lambda one: np.log(self.size(one)))
+        value = self.size(at) * np.exp(NORMAL * _norm(self._logs(at) + along * shift) * _BOTH)
+        count = len(at.shown)
+        turn = np.conj(at.harmonics[:count]) / np.maximum(at.shown, 1e-300)
+        moved = (turn * self.here.changes(at, self.others)[:, :count]).real
+        moved += np.outer(shift, by_frequency(lambda one: one.shown))
+        rests = np.array([one.rest for one in self.others]) - at.rest
+        return LevelInterval(
+            frequency,
+            (float(value[0]), float(value[1])),
+            _about(at.shift, moved[:, 0] - rests),
+            tuple(
+                _about(float(one), moved[:, h]) if one > _SLIGHT * at.shown[1] else None
+                for h, one in enumerate(at.shown)
+            ),
+            magnitude,
+        )
+
+    def _logs(self, orbit: Orbit) -> FloatArray:
+        """By how much the logarithm of the response changes on each of the others."""
+        first = complex(orbit.harmonics[1])
+        part = _PART * first
+        own, less = (complex(self.frf([orbit], off).value[0]) for off in (0.0, -part))
+        moved = self.here.changes(orbit, self.others)[:, 1]
+        return np.asarray(((own - less) / part / own * moved).real)
+
+    def _moves(self, three: Sequence[Orbit]) -> FloatArray:
+        """By how much the largest response moves in frequency on each of the others, Hz."""
+        bend, slope, _ = _parabola(three)
+        size = np.log([self.size(one) for one in three])
+        return np.asarray(-(slope @ [self._logs(one) for one in three]) / (2 * bend @ size))
+
+    @staticmethod
+    def _slopes(few: Sequence[Orbit]) -> Callable[[Callable[[Orbit], Any]], Any]:
+        """What finds the slope by frequency of anything: at the middle of three, or along two."""
+        if len(few) == 2:
+            apart = few[1].frequency - few[0].frequency
+            return lambda of: (of(few[1]) - of(few[0])) / apart
+        return lambda of: _parabola(few)[1] @ [of(one) for one in few]
+
+
+def _parabola(three: Sequence[Orbit]) -> FloatArray:
+    """What makes of values at three the bend, slope and height of their parabola at the second."""
+    f = np.array([one.frequency for one in three])
+    return np.asarray(np.linalg.inv(np.vander(f - f[1], 3)))
+
+
+_BOTH = np.array([-1.0, 1.0])
+_PART, _THINNED = 1e-3, 3
+"""Of the first harmonic, by which a slope is told; of so many lines one is asked for its errors."""
+
+
+def _norm(moved: FloatArray) -> float:
+    return float(np.linalg.norm(moved))
+
+
+def _about(value: float, moved: FloatArray) -> Ends:
+    """The 95 % interval of a value that independent errors move by so much each."""
+    half = NORMAL * _norm(moved)
+    return value - half, value + half
 
 
 def _unsteady(lines: FloatArray, lasting: Sequence[Orbit]) -> tuple[tuple[float, float], ...]:

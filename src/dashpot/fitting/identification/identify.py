@@ -386,9 +386,7 @@ def _spread(problem: IdentificationProblem, before: Fit | None) -> list[Paramete
     return starts
 
 
-def _reaching(
-    problems: Sequence[IdentificationProblem], most: int
-) -> Sequence[IdentificationProblem]:
+def _reaching(problems: list[IdentificationProblem], most: int) -> list[IdentificationProblem]:
     """They seek arms as slow as lines can tell that nobody measured: computed, without scatter."""
     one = problems[-1]
     if one.frf_data.known_sd or one.relaxations or one.constraints.before is not None:

@@ -23,6 +23,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from itertools import pairwise
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
@@ -47,6 +48,9 @@ _MOST, _SETTLED = 80, 1e-7
 _PER_HARMONIC, _FEWEST = 32, 256
 """Samples of a cycle for each harmonic, and at least."""
 _FLOQUET_STEPS = 256
+_JUMP, _HALVES, _STEP = 0.2, 8, 1e-5
+"""Part of the first harmonic by which neighbours differ that may be two answers, and how often the
+last step along one is halved to find where it ends; step of frequency for a slope."""
 _STEPS, _SHORTEST, _WIDEST = 400, 1e-5, 0.5
 """Steps of the level at most, the least of them, and how far an answer may lie from where the
 tangent points, in steps."""
@@ -130,6 +134,13 @@ class Orbit(ByValue):
             f"period is unstable: a disturbance grows by {self.growth:.4g} in a period, so "
             f"{lasts}. Ask for a lower level, or another frequency"
         )
+
+
+class Jump(NamedTuple):
+    """The last answer of a branch before its end, and the one to which a sweep then jumps."""
+
+    before: Orbit
+    after: Orbit
 
 
 class Balanced(NamedTuple):
@@ -242,28 +253,104 @@ class PreloadedMass:
         orbit.refuse_unstable()
         return orbit
 
-    def sweep(self, *, level: float, frequency: FloatArray) -> tuple[Orbit, ...]:
+    def sweep(
+        self, *, level: float, frequency: FloatArray, start: Orbit | None = None
+    ) -> tuple[Orbit, ...]:
         """The answers to a force, N, over frequencies, Hz, in their order, :data:`HARMONICS` each.
 
-        Each goes on from the one before where that leads to one that lasts, else it is followed
-        from rest. Those that do not last are among them; lines without one are left out.
+        Each goes on from the one before, the first from `start`, where that leads to one that
+        lasts, else it is followed from rest. Those that do not last are among them; lines without
+        one are left out.
         """
         found: list[Orbit] = []
-        before: FloatArray | None = None
+        before = start
         for hz in np.asarray(frequency, dtype=float).tolist():
-            line = _PressedBalance(self, hz, level, HARMONICS)
-            near = None if before is None else line.from_start(before)
-            orbit = None if near is None else line.orbit(near)
-            if near is None or orbit is None or not orbit.stable:
+            orbit = None if before is None else self._near(before, hz, level)
+            if orbit is None or not orbit.stable:
+                line = _PressedBalance(self, hz, level, HARMONICS)
                 try:
                     near = line.followed()
                 except DataError:
                     before = None
                     continue
                 orbit = line.orbit(near)
-            before = near.unknown if orbit.stable else None
+            before = orbit if orbit.stable else None
             found.append(orbit)
         return tuple(found)
+
+    def jumps(self, swept: Sequence[Orbit]) -> tuple[Jump, ...]:
+        """Where a sweep leaves one answer that lasts for another.
+
+        Beyond the jump both last, so that a sweep the other way meets the other one.
+        """
+        found = []
+        for last, after in pairwise(swept):
+            if not (last.stable and after.stable and _apart(after, last) > _JUMP):
+                continue
+            back = self._near(after, last.frequency, after.level)
+            if back is None or not back.stable or _apart(back, last) <= _SAME:
+                continue
+            before, beyond = last, after.frequency
+            for _ in range(_HALVES):
+                middle = 0.5 * (before.frequency + beyond)
+                on = self._near(before, middle, before.level)
+                if on is None or not on.stable or _apart(on, before) > _JUMP:
+                    beyond = middle
+                else:
+                    before = on
+            there = self._near(after, beyond, after.level) or after
+            found.append(Jump(before, there))
+        return tuple(found)
+
+    def changes(self, orbit: Orbit, others: Sequence[PreloadedMass]) -> ComplexArray:
+        r"""Return by how much its harmonics would change on others instead, to first order.
+
+        .. math:: \Delta z = -\left(\frac{\partial R}{\partial z}\right)^{-1} R'(z)
+
+        with R' what the balance of the other leaves. Shape (others, H + 1), m.
+        """
+        line = _PressedBalance(self, orbit.frequency, orbit.level, len(orbit.harmonics) - 1)
+        z = line.real(orbit.harmonics)
+        left = [
+            _PressedBalance(other, orbit.frequency, orbit.level, line.most).balance(z, 1.0)
+            for other in others
+        ]
+        moved = -np.linalg.solve(line.slope(z), np.reshape(left, (-1, len(z))).T).T
+        return np.array([line.harmonics(one) for one in moved]).reshape(-1, line.most + 1)
+
+    def end_changes(self, orbit: Orbit, others: Sequence[PreloadedMass]) -> FloatArray:
+        r"""By how much the end of its branch would move on others, Hz, shape (others,).
+
+        .. math:: \Delta f = -\frac{w \cdot R'}{w \cdot \partial R/\partial f}
+
+        with w what the slope of the balance no longer reaches there, its left null vector.
+        """
+        line = _PressedBalance(self, orbit.frequency, orbit.level, len(orbit.harmonics) - 1)
+        z = line.real(orbit.harmonics)
+        w = np.linalg.svd(line.slope(z))[0][:, -1]
+
+        def left(of: PreloadedMass, hz: float) -> float:
+            return float(w @ _PressedBalance(of, hz, orbit.level, line.most).balance(z, 1.0))
+
+        here, step = orbit.frequency, _STEP * orbit.frequency
+        by_frequency = (left(self, here + step) - left(self, here - step)) / (2 * step)
+        return np.array([-left(other, here) / by_frequency for other in others])
+
+    def _near(self, orbit: Orbit, hz: float, level: float) -> Orbit | None:
+        """The answer at a frequency to which that at another leads."""
+        line = _PressedBalance(self, hz, level, len(orbit.harmonics) - 1)
+        found = line.from_start(line.real(orbit.harmonics))
+        return None if found is None else line.orbit(found)
+
+
+_SAME = 1e-5
+"""Part of the first harmonic within which two answers are one."""
+
+
+def _apart(one: Orbit, other: Orbit) -> float:
+    """By how much two answers differ, of the larger first harmonic."""
+    first = max(abs(one.harmonics[1]), abs(other.harmonics[1]))
+    return float(np.abs(one.harmonics[:3] - other.harmonics[:3]).max() / first)
 
 
 @lru_cache(maxsize=8)
@@ -309,7 +396,8 @@ class _PressedBalance:
         more = np.zeros(most - self.most)
         return np.concatenate((z[: self.most + 1], more, z[self.most + 1 :], more))
 
-    def _real(self, value: ComplexArray) -> FloatArray:
+    def real(self, value: ComplexArray) -> FloatArray:
+        """The real unknowns, of complex ones."""
         return np.concatenate((value.real, value.imag[1:]))
 
     def _armed(self, path: FloatArray) -> FloatArray:
@@ -329,7 +417,7 @@ class _PressedBalance:
         left = self.cycle.harmonics_of(force) + self.inertia * self.harmonics(z)
         left[0] -= self.of.pressed
         left[1] -= share * self.level
-        return self._real(left)
+        return self.real(left)
 
     def slope(self, z: FloatArray) -> FloatArray:
         """Of the balance by the unknowns, N/m."""

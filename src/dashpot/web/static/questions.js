@@ -44,12 +44,23 @@ function ends(/** @type {string} */ said) {
   else refuse(said);
 }
 
+/** What the fit that was settled last chose by itself. */
+let found = { arms: 0, law: "", cuts: {} };
+
 /** While a handle is held: bare curves, and both fits' numbers. */
 export function live() {
   if (!test()) return;
   const now = question();
   asks(now, "It is judged once you let go.");
-  ask("live", "live", { job: job() }, ({ head, arrays }) => {
+  // what is chosen by trial is as it was found, until the handle is let go
+  const { arms, law, cuts } = found, own = job();
+  const asked = {
+    ...own,
+    arms: own.arms === "auto" && arms ? arms : own.arms,
+    law: own.law === "auto" && law ? law : own.law,
+    cuts: { ...cuts, ...own.cuts },
+  };
+  ask("live", "live", { job: asked }, ({ head, arrays }) => {
     curves(arrays);
     $("beside").innerHTML = head.beside;
     heals(now);
@@ -128,6 +139,7 @@ function settled(/** @type {any} */ head) {
   $("pressed").textContent = head.pressed.says;
   field("compression").placeholder = head.pressed.value || "by weight";
   field("specimen-temperature").placeholder = head.temperature || "not given";
+  found = { arms: head.arms, law: head.law, cuts: head.cuts };
   const [first, last] = head.clock;
   placeHandles(head.cuts, { first, last, step: head.step }, !old);
 }

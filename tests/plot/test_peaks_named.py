@@ -1,0 +1,47 @@
+"""An FRF names its peak, and a prediction what its test informs."""
+
+import numpy as np
+import pytest
+from kit import handmade
+
+import dashpot as dp
+from dashpot.plot.picture import Span, Tag
+from dashpot.plot.vibration import frf
+
+S = handmade.study()
+
+
+def tags(picture):
+    return [one.text for one in picture.panels[0].marks if isinstance(one, Tag)]
+
+
+def test_a_measured_peak_has_its_frequency_and_height_beside_it():
+    (told,) = tags(frf(S.measured, labels=("measured",)))
+    hz = S.measured.frequency[np.argmax(np.abs(S.measured.value))]
+    assert float(told.split()[1]) == pytest.approx(hz, abs=0.2)
+    assert told.endswith("1/kg")
+
+
+def test_the_end_of_a_band_is_no_peak():
+    below = S.measured.band(1.0, 9.0)
+    assert not tags(frf(below))
+    # nor has a stiffness one
+    assert not tags(frf(S.measured.to("dynamic_stiffness", mass=S.mass)))
+
+
+@pytest.mark.parametrize("kind", ["receptance", "transmissibility"])
+def test_other_kinds_are_drawn_without(kind):
+    pred = dp.predict(S.fit, mass="114.8g", seals=2, base=kind == "transmissibility")
+    found = pred.frf if kind == "transmissibility" else pred.frf.to(kind)
+    assert not tags(frf(found, labels=("predicted",)))
+
+
+def test_what_a_test_informs_is_shaded_or_said():
+    pred = dp.predict(S.fit, mass="114.8g", seals=2)
+    upper = pred.plot().panels[0]
+    assert "extrapolated" in upper.note
+    assert not [one for one in upper.marks if isinstance(one, Span)]
+    inside = frf(pred.frf, informed=(5.0, 20.0)).panels[0]
+    (span,) = (one for one in inside.marks if isinstance(one, Span))
+    assert (span.low, span.high) == (5.0, 20.0)
+    assert not inside.note
