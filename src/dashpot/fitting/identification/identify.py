@@ -288,10 +288,11 @@ def _chosen(found: Sequence[Candidate]) -> Candidate:
     """Choose the arms by both rules, with and without a dashpot; then the better of the two.
 
     An arm that cannot be placed leads nevertheless where BIC is decisive. Were the smaller model to
-    lead there, too, 84 FRFs of 20 g at 800 to 3200 Hz and 64 joint fits of truths that share no line
-    with dashpot would fare worse. Of 36 FRFs that choose otherwise then, 15 lose their only arm, and
-    the peak by 2.6 times or more; of the other 21 the peak lies within the loss factor's limit in
-    17. Two joint fits err in k(T) by 3 % where they erred by .2 %, and say "use".
+    lead there, too, 83 FRFs of 20 g at 800 to 3200 Hz and 64 joint fits of truths that share no
+    line with dashpot would fare worse. Of 36 FRFs that choose otherwise then, 15 lose their only
+    arm, and their peak is too high by a factor of 3.6 or more; of the other 21 the peak lies within
+    the limit of the loss factor in 17. Two joint fits err in k(T) by 3 %, where they erred by .2 %
+    at most, and say "use".
     """
     scale = min(found, key=lambda candidate: candidate.bic).line_scale
     best = []
