@@ -27,6 +27,7 @@ from dashpot.lots.limits import read_limits
 from dashpot.lots.summary import summary
 from dashpot.report import level, tables
 from dashpot.report.answer import rows as answer_rows
+from dashpot.report.of_kinds import kind_page
 from dashpot.told import text as text_of
 from dashpot.told.layout import facts
 from dashpot.web import modes, views
@@ -324,9 +325,10 @@ def test_levels_say_the_same_on_page_and_in_app(bench, files, asked):
     found = workflow.level_files([str(bench / one) for one in files], **asked)
     told = level.numbers(found)
     assert told
-    rows = {name: cells for name, *cells in level.contents(found)["numbers"].rows}
+    (shown,) = kind_page(found).groups
+    rows = {one.name: (one.value, one.unit) for one in shown.rows}
     app = {one.name: (one.value, one.unit) for one in map(views.term, told)}
-    held(told, rows)
+    held(told, rows, name=lambda fact: fact.symbol)
     held(told, app, name=lambda fact: fact.symbol)
 
 

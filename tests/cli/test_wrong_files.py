@@ -272,10 +272,13 @@ def test_an_frf_without_coherence_says_so_first(lab: Path) -> None:
         ("fit hammer.csv --mass 104g --mass-sd 1kg", "mass_sd = 1 kg of a mass of 0.104 kg"),
         ("verify fit.json", "fit.json is not a project: it is a file; .* --project FOLDER"),
         ("fit hammer.csv --band 900:950Hz", "the FRF has lines from .* to"),
-        ("fit seal.csv -o fit.pdf", "a fit is written as .json, not as .pdf"),
+        ("fit seal.csv -o fit.pdf", "a fit is written as .json or .html, not as .pdf"),
         ("report seal.csv -o seal.pdf", "this is written as .html or .htm, not as .pdf"),
-        ("fit hammer.csv -o frf.pdf", "is written as .csv or .uff or .unv or .json, not as .pdf"),
-        ("predict fit.json --mass 104g -o frf.uff", "is written as .csv or .json"),
+        (
+            "fit hammer.csv -o frf.pdf",
+            "is written as .csv or .uff or .unv or .json or .html, not as .pdf",
+        ),
+        ("predict fit.json --mass 104g -o frf.uff", "is written as .csv, .json or .html"),
     ],
 )
 def test_what_was_typed_wrong_is_said_with_the_answer(lab: Path, words: str, says: str) -> None:
@@ -349,6 +352,6 @@ def test_what_is_said_once_of_all_files_is_refused_twice():
     for output, suffix in (("fit.csv", ".csv"), ("-", ".json"), ("fit", ".json"), (None, None)):
         assert given(output=output).kept_as(".json", ".csv", what="a fit") == suffix
     with pytest.raises(
-        click.UsageError, match=r"a fit is written as \.json or \.csv, not as \.txt"
+        click.UsageError, match=r"a fit is written as \.json or \.csv or \.html, not as \.txt"
     ):
         given(output="fit.txt").kept_as(".json", ".csv", what="a fit")

@@ -113,7 +113,7 @@ def test_gram_matrix_is_that_of_every_sample(
     seen = convolved(TIME, x, rows.fixed, start=start, stop=stop)
     gram = seen.gram(tau, Force.of(seen, rows.target), derivative=True)
     np.testing.assert_allclose(
-        gram / scale / scale[:, None], dense.T @ dense / scale / scale[:, None], atol=1e-10
+        gram / scale / scale[:, None], dense.T @ dense / scale / scale[:, None], atol=1e-9
     )
     p = dense.shape[1] - 1 - len(tau)
     values = seen.gram(tau, Force.of(seen, rows.target), derivative=False)

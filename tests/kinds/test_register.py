@@ -80,8 +80,11 @@ NAMED = {
     "io/readers/": "which files a reader takes",
     "kinds/": "the register, and the rooms",
     "lots/row.py": "a sweep as wide as no machine makes one is a master curve",
+    "report/of_kinds.py": "how the page of each is laid out",
     "signals/": "what the moves of a record show",
     "verbs/": "what a type checker knows of each, and the words that its reader and its fit take",
+    "web/asks.py": "what a page asks of each",
+    "web/judging.py": "how the app fits what the page asked",
     "workflow/examples.py": "what an example is",
     "workflow/fits.py": "which tests of a bench are fitted together",
 }

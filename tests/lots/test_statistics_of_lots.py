@@ -77,7 +77,7 @@ def test_a_record_that_is_given_again_is_named_and_a_lot_is_not_held_against_its
     (check,) = [one for one in lot.checks if one.name == "records_distinct"]
     assert check.failed
     assert [one.says for one in summary(lot).flags if one.file == "L1/2_2.csv"] == [
-        "the same record as L1/1_1.csv"
+        "the same record as L1/1_1.csv: left out of the statistics"
     ]
 
 

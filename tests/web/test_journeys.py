@@ -268,7 +268,7 @@ def test_a_hit_is_rejected_by_hand(visit, files):
     assert page.at.locator("#hit-table .pulse").count() == 5
     assert page.at.get_by_text("Give the mass of the block").is_visible()
     page.at.get_by_role("button", name="remove hammer.csv").click()
-    page.at.get_by_text("Give the mass that rests on the seals").wait_for()
+    page.at.get_by_text("Give the mass that rests on the seals, and its response").wait_for()
     assert not page.at.get_by_text("Give the mass of the block").is_visible()
 
 

@@ -105,6 +105,6 @@ def test_a_page_holds_what_the_command_prints(
     )
     assert json.loads(base64.b64decode(link)) == printed
     assert f">{printed['verdict']['use'].capitalize()}<" in text
-    assert f'id="figure-{name}"' in text
+    assert 'id="figure-lead"' in text
     assert len(re.findall(rf"<td>{name}</td>", text)) == len(printed["checks"])
     assert ">ovens.csv<" in text

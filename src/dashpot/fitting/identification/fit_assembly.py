@@ -191,10 +191,10 @@ def _moved(
 ) -> tuple[Moved, ...]:
     """Each parameter before and after; arms are matched by their relaxation times."""
     # as the fit of both weighed it
-    known = before.estimate.noise_alone.covariance
+    of_noise = before.estimate.noise_alone.covariance
     old, new = (
         dict(zip(rows, np.sqrt(np.diag(matrix)).tolist(), strict=True))
-        for rows, matrix in ((before.parameters, known), (names, covariance))
+        for rows, matrix in ((before.parameters, of_noise), (names, covariance))
     )
     # title and unit, then value and row before and after
     if isinstance(solid, FractionalZener):

@@ -151,7 +151,8 @@ function instead() {
 /** @returns {Said} */
 const said = (/** @type {string} */ word, /** @type {{said: string, cure: Cure}} */ of) => ({
   word,
-  says: of.said.charAt(0).toUpperCase() + of.said.slice(1),
+  // a word begins with a capital, the name of a file as it is
+  says: of.said.replace(/^\p{Ll}(?=\p{L}*[ ,])/u, (first) => first.toUpperCase()),
   colour: "bad",
   cure: of.cure,
   alert: true,
