@@ -1,12 +1,14 @@
 // pages, filter and drill-down of the tests; without it the gravest stand in the page
 const PAGE = 50;
 /** @typedef {{ heads: string[], rows: string[][] }} Every */
-const every = /** @type {Every} */ (JSON.parse(document.getElementById("every")?.textContent || "{}"));
+const every =
+  /** @type {Every} */ (JSON.parse(document.getElementById("every")?.textContent || "{}"));
 const body = document.querySelector("#rows tbody");
 const bar = /** @type {HTMLElement | null} */ (document.querySelector(".filter"));
 const at = (/** @type {string} */ name) => every.heads.indexOf(name);
-const box = (/** @type {string} */ id) =>
-  /** @type {HTMLSelectElement & HTMLInputElement} */ (document.getElementById(id));
+const box = (
+  /** @type {string} */ id,
+) => /** @type {HTMLSelectElement & HTMLInputElement} */ (document.getElementById(id));
 const filters = { lot: box("of-lot"), verdict: box("of-verdict"), decision: box("of-decision") };
 let from = 0;
 
@@ -27,7 +29,9 @@ function draw() {
   const rows = fitting();
   from = Math.min(from, Math.max(rows.length - 1, 0));
   from -= from % PAGE;
-  const shown = every.heads.map((_, i) => i).filter((i) => every.heads[i] !== "mark" && every.heads[i] !== "decision");
+  const shown = every.heads.map((_, i) => i).filter((i) =>
+    every.heads[i] !== "mark" && every.heads[i] !== "decision"
+  );
   body?.replaceChildren(
     ...rows.slice(from, from + PAGE).map((row) => {
       const line = document.createElement("tr");
@@ -63,7 +67,9 @@ if (bar && body && every.rows?.length) {
   bar.hidden = false;
   document.querySelector("#tests .cut")?.remove();
   for (const [name, select] of Object.entries(filters)) {
-    const values = at(name) < 0 ? [] : [...new Set(every.rows.map((row) => row[at(name)]))].filter(Boolean);
+    const values = at(name) < 0
+      ? []
+      : [...new Set(every.rows.map((row) => row[at(name)]))].filter(Boolean);
     values.sort((a, b) => a.localeCompare(b, "en", { numeric: true }));
     select.append(new Option("all", ""), ...values.map((value) => new Option(value, value)));
     if (values.length < 2) /** @type {HTMLElement} */ (select.parentElement).hidden = true;
@@ -72,10 +78,13 @@ if (bar && body && every.rows?.length) {
   box("find").addEventListener("input", () => ((from = 0), draw()));
   box("before").addEventListener("click", () => ((from -= PAGE), draw()));
   box("after").addEventListener("click", () => ((from += PAGE), draw()));
-  for (const one of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-find]")))
+  for (
+    const one of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-find]"))
+  ) {
     one.addEventListener("click", () => find("", one.dataset.find || ""));
+  }
   const chart = /** @type {HTMLElement | null} */ (document.querySelector("[data-points]"));
-  const points = JSON.parse(chart?.dataset.points || "[]");
+  const points = /** @type {[string, string][]} */ (JSON.parse(chart?.dataset.points || "[]"));
   for (const svg of chart?.querySelectorAll("svg[viewBox]") || []) {
     const panel = /** @type {SVGGElement | null} */ (svg.querySelector(".panel"));
     if (!panel) continue;

@@ -495,7 +495,10 @@ if (kept.left) {
   $("left").hidden = false;
   $("left-files").textContent = kept.left.files.join(", ");
   const when = new Date(kept.left.when);
-  $("left-when").textContent = when.toLocaleString(undefined, { dateStyle: "medium", timeStyle: "short" });
+  $("left-when").textContent = when.toLocaleString(undefined, {
+    dateStyle: "medium",
+    timeStyle: "short",
+  });
 }
 if (kept.files) {
   become(kept);

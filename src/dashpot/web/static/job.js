@@ -207,13 +207,16 @@ function changed(/** @type {string} */ before, /** @type {string} */ after) {
   for (const name of Object.keys(b)) {
     if (JSON.stringify(a[name]) === JSON.stringify(b[name])) continue;
     if (name === "cuts") {
-      const moved = Object.keys({ ...a.cuts, ...b.cuts }).filter((one) => a.cuts[one] !== b.cuts[one]);
+      const moved = Object.keys({ ...a.cuts, ...b.cuts }).filter((one) =>
+        a.cuts[one] !== b.cuts[one]
+      );
       for (const one of moved) {
         const at = b.cuts[one] === undefined ? "as found" : `${+b.cuts[one].toFixed(4)} s`;
         words.push(`${one === "onset" ? "contact" : one.replace("_", " ")} ${at}`);
       }
-    } else if (name === "hammer") words.push(`hits rejected: ${b.hammer.reject.join(", ") || "none"}`);
-    else if (name === "specimen") words.push("specimen");
+    } else if (name === "hammer") {
+      words.push(`hits rejected: ${b.hammer.reject.join(", ") || "none"}`);
+    } else if (name === "specimen") words.push("specimen");
     else words.push(`${name} ${b[name] || "not given"}`);
   }
   if (was[1] !== now[1]) words.push(now[1] ? "both tests" : "relaxation alone");

@@ -38,6 +38,7 @@ class Reading extends Figure {
     svg.addEventListener("wheel", (event) => this.wheel(event), { passive: false });
   }
 
+  /** @override */
   tell() {
     this.mark();
     const { panels, at } = this, { quantity, unit, per } = at.axes();
@@ -108,15 +109,20 @@ export function strips(
   /** @type {[string, string][]} */ facts = [],
 ) {
   const told = made("dl", { class: "facts" });
-  for (const [name, said] of facts) told.append(made("div", {}, made("dt", {}, name), made("dd", {}, said)));
-  home.replaceChildren(...(facts.length ? [told] : []), ...drawn.map(([title, html]) => {
-    const body = made("div", { class: "body" }), out = made("div", { class: "read" });
-    body.innerHTML = html;
-    const svg = /** @type {SVGSVGElement | null} */ (body.querySelector("svg.figure"));
-    if (svg) new Reading(svg, out, title);
-    const card = { class: drawn.length > 1 ? "card" : "card only" };
-    return made("figure", card, made("figcaption", {}, title), body, out);
-  }));
+  for (const [name, said] of facts) {
+    told.append(made("div", {}, made("dt", {}, name), made("dd", {}, said)));
+  }
+  home.replaceChildren(
+    ...(facts.length ? [told] : []),
+    ...drawn.map(([title, html]) => {
+      const body = made("div", { class: "body" }), out = made("div", { class: "read" });
+      body.innerHTML = html;
+      const svg = /** @type {SVGSVGElement | null} */ (body.querySelector("svg.figure"));
+      if (svg) new Reading(svg, out, title);
+      const card = { class: drawn.length > 1 ? "card" : "card only" };
+      return made("figure", card, made("figcaption", {}, title), body, out);
+    }),
+  );
   const what = SAVED[verb] || "Save the model (fit.json)";
   const button = made("button", { "data-act": "take-bench" }, what);
   home.append(made("p", { class: "buttons" }, button));

@@ -294,7 +294,9 @@ function fitBench(/** @type {{verb: string, request: any}} */ { verb, request })
 function studied(/** @type {any} */ head) {
   drawnOf = test()?.id || "";
   $("grid").classList.remove("old");
-  for (const [name, html] of Object.entries({ frf: head.frf, ...head.hit_panels, ...head.panels })) {
+  for (
+    const [name, html] of Object.entries({ frf: head.frf, ...head.hit_panels, ...head.panels })
+  ) {
     panel(name, html);
   }
   if (state.joint) $("beside").hidden = true; // it is of the relaxation test alone
@@ -311,10 +313,16 @@ function studied(/** @type {any} */ head) {
 export function predict() {
   if (!test() || !state.job.mass) return;
   asks(question(), "It is judged once you let go.");
-  ask("mass", "predict", { job: job(), base: state.base, phase: state.phase }, ({ head, arrays }) => {
-    curves(arrays);
-    status(`${head.peak}; limits: working`);
-    $("command").textContent = head.command;
-    performance.mark("dashpot-mass");
-  }, ends);
+  ask(
+    "mass",
+    "predict",
+    { job: job(), base: state.base, phase: state.phase },
+    ({ head, arrays }) => {
+      curves(arrays);
+      status(`${head.peak}; limits: working`);
+      $("command").textContent = head.command;
+      performance.mark("dashpot-mass");
+    },
+    ends,
+  );
 }

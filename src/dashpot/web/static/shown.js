@@ -1,5 +1,5 @@
 // What stands on the page beside the drawings: verdict, solid, choices, files, fields.
-import { $, all, field, icon, made, put } from "./dom.js";
+import { $, all, icon, made, put } from "./dom.js";
 import {
   alike,
   door,
@@ -70,7 +70,8 @@ export function choices() {
     button.setAttribute("aria-pressed", String(state.phase));
     button.toggleAttribute("disabled", state.base);
   }
-  const tabs = !!test() && !isBenchShown() && state.current !== LOT, two = tabs && hammers().length > 0;
+  const tabs = !!test() && !isBenchShown() && state.current !== LOT,
+    two = tabs && hammers().length > 0;
   $("top").hidden = !tabs;
   $("tab-joint").hidden = !two;
   for (const button of all("[data-which]")) {
@@ -78,10 +79,20 @@ export function choices() {
     button.setAttribute("aria-selected", String(own));
     button.tabIndex = own ? 0 : -1;
   }
-  $("choice-line").textContent = all("#choice-body .choice").filter((one) => one.offsetParent || !one.closest(".of-test") || test())
-    .map((one) => `${one.getAttribute("aria-label")} ${one.querySelector("[aria-pressed=true]")?.textContent || ""}`.toLowerCase())
+  $("choice-line").textContent = all("#choice-body .choice").filter((one) =>
+    one.offsetParent || !one.closest(".of-test") || test()
+  )
+    .map((one) =>
+      `${one.getAttribute("aria-label")} ${
+        one.querySelector("[aria-pressed=true]")?.textContent || ""
+      }`.toLowerCase()
+    )
     .join(" \u00b7 ");
-  $("taken").textContent = tabs && state.against ? ": choose A or B" : two ? (state.joint ? ": both tests" : ": relaxation alone") : "";
+  $("taken").textContent = tabs && state.against
+    ? ": choose A or B"
+    : two
+    ? (state.joint ? ": both tests" : ": relaxation alone")
+    : "";
 }
 
 const isBenchShown = () => state.files.some((one) => one.id === state.current && isBench(one));
@@ -143,7 +154,15 @@ export function views() {
   const against = state.against && !!test() && !fitted && !asks && !lot;
   document.body.classList.toggle("against", against);
   $("ab-page").hidden = !against;
-  const classes = { bench: fitted, level, swept: level && !response, response, modes, masses, judged };
+  const classes = {
+    bench: fitted,
+    level,
+    swept: level && !response,
+    response,
+    modes,
+    masses,
+    judged,
+  };
   for (const [name, yes] of Object.entries(classes)) document.body.classList.toggle(name, yes);
   $("bench-page").hidden = !fitted;
   asked(one);
@@ -164,16 +183,20 @@ export function views() {
 
 /** The fields of a kind that stands alone, for each file where each is asked. */
 function asked(/** @type {OpenFile | undefined} */ one) {
-  const home = $("asks"), of = one && isJudged(one) ? (one.page === "part" ? door() : one) : undefined;
+  const home = $("asks"),
+    of = one && isJudged(one) ? (one.page === "part" ? door() : one) : undefined;
   const asks = of ? (isRod(of) ? ROD : of.asks || []) : [];
   home.hidden = !asks.length;
   if (!of || !asks.length || home.contains(document.activeElement)) return;
   const said = state.said[kindOf(of)] || {};
   const rows = asks.flatMap((ask) => {
-    const every = ask.each ? alike(of).map((each, i) => ({ name: `${ask.name} ${i}`, label: each.name })) : [ask];
+    const every = ask.each
+      ? alike(of).map((each, i) => ({ name: `${ask.name} ${i}`, label: each.name }))
+      : [ask];
     return every.map(({ name, label }) => {
       const has = { "data-ask": name, spellcheck: "false" };
-      const input = /** @type {HTMLInputElement} */ (made(ask.choices.length ? "select" : "input", has));
+      const input =
+        /** @type {HTMLInputElement} */ (made(ask.choices.length ? "select" : "input", has));
       for (const choice of ask.choices) input.append(made("option", {}, choice));
       if (!ask.choices.length) input.placeholder = "not given";
       input.value = said[name] || ask.choices[0] || "";

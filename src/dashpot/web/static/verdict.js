@@ -86,7 +86,8 @@ const alone = () => {
 };
 
 /** Whether what is shown may be taken away: not while it is about to change. */
-export const settled = () => !!test() && !alone() && !working && !typing && !refused.fit && !away && !state.against;
+export const settled = () =>
+  !!test() && !alone() && !working && !typing && !refused.fit && !away && !state.against;
 
 /** The control that mends a refused fit: what was refused, or else what was changed last. */
 function mends(/** @type {string} */ said) {
@@ -101,9 +102,7 @@ function mends(/** @type {string} */ said) {
 
 /** Files that the verdict is not of: asked about, refused, or not read yet. */
 const leftOut = () =>
-  state.files.filter((one) =>
-    one.page === "part" ? !door() : one.asked || one.mark !== "good"
-  );
+  state.files.filter((one) => one.page === "part" ? !door() : one.asked || one.mark !== "good");
 
 function last() {
   const holder = made("div");
@@ -160,7 +159,8 @@ const said = (/** @type {string} */ word, /** @type {{said: string, cure: Cure}}
 
 /** @type {(of: Said) => Node[]} */
 function drawn({ word, says, colour, cure, alert }) {
-  const line = made("div", { class: "says" }), text = made("p", alert ? { role: "alert" } : {}, says);
+  const line = made("div", { class: "says" }),
+    text = made("p", alert ? { role: "alert" } : {}, says);
   line.append(icon(colour, "icon big"), made("strong", { class: "word" }, word));
   const parts = [made("div", { class: "said" }, line, text)];
   // what mends it stands where the lights do: none of them would say more than the word
