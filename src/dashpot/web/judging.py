@@ -89,23 +89,20 @@ def _found(asked: JudgedFiles) -> tuple[Any, KindPage]:
         found = load(row.fit)(asked.files, options=asked.options)
     else:
         raise DataError(f"'{asked.kind}' is no kind of test that is fitted by itself")
-    return found, _page_of(found)
+    return found, _door_page(found) if asked.kind == DOOR else kind_page(found)
 
 
-def _page_of(found: Any) -> KindPage:
-    try:
-        return kind_page(found)
-    except TypeError:  # of a door
-        rows = tuple(
-            Row(f"Mode {i}", rounded(one.mode.frequency, digits=4), "", "", "Hz", "", bound=False)
-            for i, one in enumerate(found.modes[:8], 1)
-        )
-        return KindPage(
-            about="a door on its seal", strip=(),
-            lights=lights(found.checks, {"Door": frozenset()}),
-            answers="A door", picture=found.plot(), told="Modes", groups=(Group("", rows),),
-            sources=(), note="", name="door",
-        )  # fmt: skip
+def _door_page(found: Any) -> KindPage:
+    """A door's own page is laid out otherwise: its first modes, in the form of the other kinds."""
+    rows = tuple(
+        Row(f"Mode {i}", rounded(one.mode.frequency, digits=4), "", "", "Hz", "", bound=False)
+        for i, one in enumerate(found.modes[:8], 1)
+    )
+    return KindPage(
+        about="a door on its seal", strip=(), lights=lights(found.checks, {"Door": frozenset()}),
+        answers="A door", picture=found.plot(), told="Modes", groups=(Group("", rows),),
+        sources=(), note="", name="door",
+    )  # fmt: skip
 
 
 def _number(asked: JudgedFiles, name: str, dimension: Any) -> float | None:
