@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from dashpot.base.checks import Check
-from dashpot.base.facts import Fact
+from dashpot.base.facts import UNKNOWN, Fact
 from dashpot.base.provenance import Source
 from dashpot.base.units import written
 from dashpot.plot.picture import Picture
@@ -111,7 +111,9 @@ def lights(
 def row(fact: Fact, name: str = "") -> Row:
     """A number as the table has it: value, from, to, unit."""
     known = fact.bounded and fact.error != 0
-    value, low, high = fact.ends if known else (fact.cells.value, "", "")
+    cells = fact.cells
+    value, low, high = fact.ends if known else (cells.value, "", "")
+    low = cells.error if cells.error == UNKNOWN else low
     if math.isnan(fact.value):
         value = "" if fact.bound_alone else value
     return Row(name or fact.symbol, value, low, high, fact.word, "", bound=False)
