@@ -27,7 +27,7 @@ from dashpot.lots.limits import read_limits
 from dashpot.lots.summary import summary
 from dashpot.report import level, tables
 from dashpot.report.answer import rows as answer_rows
-from dashpot.report.of_kinds import kind_page
+from dashpot.report.kind_page import kind_page
 from dashpot.told import text as text_of
 from dashpot.told.layout import facts
 from dashpot.web import modes, views

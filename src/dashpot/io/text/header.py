@@ -60,7 +60,7 @@ def read_header(lines: Sequence[str], dialect: Dialect) -> Header:
     columns = (_column(name, word, content) for name, word, content in padded)
     return Header(
         tuple(replace(column, unit=scaled(column.name, column.unit)) for column in columns),
-        tuple(_clock(name, word) for name, word, _ in padded),
+        tuple(_clock(name, word) if content == "clock" else "" for name, word, content in padded),
         misfit,
         uneven,
     )
