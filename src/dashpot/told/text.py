@@ -182,7 +182,7 @@ def _temperatures(found: Fit) -> list[str]:
     moved = found.temperatures
     if moved is None:
         return []
-    rows = [["", "log10 a_T", "± SE", "b_T"]]
+    rows = [["", "log10 a_T", found.shift_error, "b_T"]]
     for one in moved.shifts:
         along, across = (fact.cells.ascii for fact in one.facts)
         rows.append([celsius(one.temperature), along.value, along.error, across.value])
@@ -458,6 +458,10 @@ def _on_bending_seals(found: Sequence[PreloadedLevel], unit: str) -> list[str]:
         if one.interval is not None:
             rows.append(_within(one, least))
         name = f"at {one.level:.4g} {one.unit}"
+        if one.interval is not None and one.interval.value is None:
+            jumps = one.interval.harmonics is None
+            why = "a sweep jumps down from it" if jumps else "its error is as large as itself"
+            says.append(f"  ! {name} the height of the peak is not identified: {why}")
         does = "opens" if at.shift < 0 else "closes"
         second = one.second_harmonic
         if abs(at.shift) <= least:
