@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 from dashpot.base.checks import Check
-from dashpot.base.facts import Fact
+from dashpot.base.facts import UNKNOWN, Fact
 from dashpot.base.numbers import rounded
 from dashpot.base.offered import Judged
 from dashpot.base.provenance import Source
@@ -114,7 +114,9 @@ def lights(
 def row(fact: Fact, name: str = "") -> Row:
     """A number as the table has it: value, from, to, unit."""
     known = fact.bounded and fact.error != 0
-    value, low, high = fact.ends if known else (fact.cells.value, "", "")
+    cells = fact.cells
+    value, low, high = fact.ends if known else (cells.value, "", "")
+    low = cells.error if cells.error == UNKNOWN else low
     if math.isnan(fact.value):
         value = "" if fact.bound_alone else value
     return Row(name or fact.symbol, value, low, high, fact.word, "", bound=False)
