@@ -426,6 +426,11 @@ class Fit(ByValue, Pictured, Documented):
         """Where each tested temperature lies against the reference."""
         return () if self.temperatures is None else self.temperatures.shifts
 
+    @property
+    def shift_error(self) -> str:
+        """What the errors of the shifts are called: rigs may have done more than they hold."""
+        return "± SE" if self.estimate.of_noise is None else "± noise"
+
     def at(self, temperature: Quantity) -> GeneralizedMaxwell:
         r"""The solid at another temperature: relaxation times times a_T, stiffnesses times b_T.
 
@@ -472,10 +477,18 @@ class Fit(ByValue, Pictured, Documented):
             f"at {celsius(kelvin)}, a_T = {a_t:.5g} and b_T = {b_t:.5g} times fit {self.identity}",
         )
         scaled = self._scaled(b_t, step)
-        covariance = moved.covariance_at(kelvin, self.parameters, self.covariance, self.model)
+
+        def there(covariance: FloatArray) -> FloatArray:
+            return moved.covariance_at(kelvin, self.parameters, covariance, self.model)
+
+        of_noise = self.estimate.of_noise
         # what a test adds to the force of the solid it adds at any temperature
         estimate = replace(
-            scaled.estimate, covariance=covariance, profiles=(), nuisance=self.nuisance
+            scaled.estimate,
+            covariance=there(self.covariance),
+            of_noise=None if of_noise is None else there(of_noise),
+            profiles=(),
+            nuisance=self.nuisance,
         )
         low, high = self.band
         return replace(
@@ -525,9 +538,9 @@ class Fit(ByValue, Pictured, Documented):
     def standard_error(self) -> StandardErrors:
         """Standard errors of k_inf, and of k, tau and b = k tau of each arm, SI units.
 
-        Of a fractional solid, those of the arms that stand for it follow from its own four. Of one
-        relaxation test they hold what its rig may have done unseen; without it they are those of
-        `estimate.noise_alone`.
+        Of a fractional solid, those of the arms that stand for it follow from its own four. Of
+        relaxation tests they hold what their rigs may have done unseen; without it they are those
+        of `estimate.noise_alone`.
         """
         return self._of_arms.standard_errors(self.model)
 

@@ -182,7 +182,7 @@ def _temperatures(found: Fit) -> list[str]:
     moved = found.temperatures
     if moved is None:
         return []
-    rows = [["", "log10 a_T", "± SE", "b_T"]]
+    rows = [["", "log10 a_T", found.shift_error, "b_T"]]
     for one in moved.shifts:
         along, across = (fact.cells.ascii for fact in one.facts)
         rows.append([celsius(one.temperature), along.value, along.error, across.value])

@@ -165,6 +165,7 @@ def identify(
         tests=records,
         before=earlier,
         own=own,
+        doubtful=before.doubtful,
         asked=arms,
         most=max(numbers),
         apart=apart,

@@ -244,7 +244,7 @@ def _moreof_solid(fit: Fit) -> Iterator[Fold]:
              across.cells.value)
             for one in fit.temperatures.shifts for along, across in (one.facts,)
         )  # fmt: skip
-        names = ("temperature", "log₁₀ a_T", "± SE", "b_T")
+        names = ("temperature", "log₁₀ a_T", fit.shift_error, "b_T")
         yield Fold("Every temperature", f"{len(shifts)} shifts", TextTable(names, shifts))
 
 
