@@ -1628,7 +1628,8 @@ GRADES = {
         },
         "fitting": {
             "hold_long_enough", "tau_inside_window", "residuals_random", "step_bias",
-            "fast_arm_visible", "instrument_stiff", "drift_told_from_arm", "order_agreed", "hold_and_full_agree",
+            "fast_arm_visible", "instrument_stiff", "drift_told_from_arm",
+            "order_agreed", "hold_and_full_agree",
         },
         "fitting/identification": {"dashpot_not_missed"},
         "fitting/temperature": {"shifts_told_apart"},
