@@ -316,7 +316,7 @@ KINDS: Mapping[str, KindOfTest] = MappingProxyType({kind.name: kind for kind in 
         ),
         examples="kinds.csr.examples:EXAMPLES",
         fits="kinds.csr.fit:fit_aging", takes=("temperatures", "machine"),
-        predict="kinds.csr.aged:predict_aging", asked="kinds.csr.asked:AgingAsked",
+        predict="kinds.csr.aged:predict_aged", asked="kinds.csr.asked:AgingAsked",
         follow="predict FILE --temperature 70degC --until 50%",
     ),
     KindOfTest(

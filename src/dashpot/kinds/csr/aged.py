@@ -22,6 +22,7 @@ from dashpot.kinds.csr.law import FIRST, NEVER, AgingLaw
 from dashpot.kinds.csr.prepare import ONE_OVEN
 from dashpot.kinds.csr.record import Aging, normal, spread, stated
 from dashpot.records.fit import Fit
+from dashpot.records.specimen import tested_at
 
 LOWER = 65e3
 """What the activation energy falls to in the cold, J/mol (EPDM, Gillen et al. 2003)."""
@@ -96,6 +97,7 @@ def predict_aging(
     if temperature is None:
         raise DataError("aging is of a temperature. Add that of the seal: --temperature 70degC")
     temperature = si(temperature, "temperature")
+    tested_at("--temperature", temperature)
     law, coldest, hottest = found.law, found.ovens[0].temperature, found.ovens[-1].temperature
     tested = [abs(temperature - one.temperature) for one in found.ovens]
     if law.bound_alone and temperature > hottest + ONE_OVEN:
@@ -115,6 +117,31 @@ def predict_aging(
         time_near_readings(math.log10(furthest / found.longest), found.longest),
     )
     return Aged(found, temperature, asked, furthest, (*checks, *found.checks))
+
+
+def predict_aged(
+    found: Aging,
+    *,
+    temperature: Quantity | None = None,
+    until: str | Sequence[str] = (),
+    new: Fit | None = None,
+) -> Aged | Fit:
+    """What :func:`predict_aging` finds, or the fit of a new seal after the one time that is asked.
+
+    Raises
+    ------
+    DataError
+        As there, and if of a seal not one time is asked.
+    """
+    if new is None:
+        return predict_aging(found, temperature=temperature, until=until)
+    asked = (until,) if isinstance(until, str) else tuple(until)
+    if len(asked) != 1 or math.isnan(_end(asked[0])[1]) or temperature is None:
+        raise DataError(
+            "a seal is aged for one time at one temperature. Add both: --temperature 70degC "
+            "--until 10000h"
+        )
+    return aged_fit(found, new, temperature=temperature, time=_end(asked[0])[1])
 
 
 def aged_fit(found: Aging, fit: Fit, *, temperature: Quantity, time: Quantity) -> Fit:
@@ -145,7 +172,10 @@ def aged_fit(found: Aging, fit: Fit, *, temperature: Quantity, time: Quantity) -
 def _end(text: str) -> tuple[float, float]:
     """The part that is left, or else the time, s; the other is nan."""
     if text.strip().endswith("%"):
-        part = parse_quantity(text, "strain")
+        try:
+            part = parse_quantity(text, "strain")
+        except DataError:
+            part = math.nan
         if not 0.01 <= part <= 0.99:
             raise DataError(f"--until {text}: expected 1 to 99 % of the force, such as 50%")
         return part, math.nan
