@@ -700,6 +700,12 @@ FITTING = [
         0.0499,
         0.0501,
     ),
+    Case(
+        "instrument_stiff",
+        lambda x: curves.instrument_stiff(replace(sweep(storage=x / curves.GIVES), unit="N/m")),
+        0.0099,
+        0.0101,
+    ),
     Case("loss_positive", whole(lambda n: curves.loss_positive(sweep(negative=n))), 0, 1),
     Case("storage_rises", lambda x: curves.storage_rises(sweep(storage=2 - 2 * x)), 0.0499, 0.0501),
     Case("modulus_falls", lambda x: curves.modulus_falls(np.repeat([1.0, 1.1, x], 3)), 1.24, 1.26),
@@ -1029,6 +1035,10 @@ CSR = [
     Case("f0_read", lambda x: csr.f0_read(1800 * x), 1.99, 2.01),
     Case("readings_scatter", csr.readings_scatter, 2.99, 3.01),
     Case("chemistry_seen", lambda x: csr.chemistry_seen(x, 400.0), 4.01, 3.99),
+    Case("readings_close", csr.readings_close, 0.0399, 0.0401),
+    Case(
+        "cold_bears_lower_energy", lambda x: csr.cold_bears_lower_energy(x, 65e3, 373.0), 1.99, 2.01
+    ),
     Case("ovens_enough", whole(csr.ovens_enough), 3, 2),
     Case("ovens_on_a_line", csr.ovens_on_a_line, 8.99, 9.01),
     Case("aging_beside_drift", lambda x: csr.aging_beside_drift(1e-9 * x, 1e-9), 3.01, 2.99),
@@ -1512,6 +1522,7 @@ LIMITS = {
         "fast_arm_visible": 0.1, "drift_told_from_arm": 0.1, "residuals_steady": 4,
         "hold_and_full_agree": 0.1, "filter_bias": 0.01, "separable": 0.01,
         "few_arms_suffice": 0.05, "kramers_kronig": 0.05, "loss_positive": 0, "storage_rises": 0.05,
+        "instrument_stiff": 0.01,
         "compliance_rises": 0.8, "compliance_followed": 0.05, "creep_finished": 0.05,
         "flow_told": 10, "flow_prevails": 0.5, "displacement_followed": 2, "drift_is_no_flow": 2,
         "plateau_told": 0.8, "end_level": 0.03,
@@ -1552,9 +1563,10 @@ LIMITS = {
         "indentation_shallow": 0.3, "sensor_fast_enough": 0.03,
     },
     "kinds/csr": {
-        "force_falls": 3, "f0_read": 2, "readings_scatter": 3, "chemistry_seen": 4,
-        "ovens_enough": 3, "ovens_on_a_line": 9, "aging_beside_drift": 3,
-        "temperature_near_ovens": 30, "time_near_readings": 2, "stiffness_follows_force": 0.1,
+        "force_falls": 3, "f0_read": 2, "readings_scatter": 3, "readings_close": 0.04,
+        "chemistry_seen": 4, "ovens_enough": 3, "ovens_on_a_line": 9, "aging_beside_drift": 3,
+        "temperature_near_ovens": 30, "cold_bears_lower_energy": 2,
+        "time_near_readings": 2, "stiffness_follows_force": 0.1,
     },
     "kinds/slam": {
         "slam_within_law": 1, "slam_within_band": 1, "air_escapes": 0.1, "loss_determined": 0.25,
@@ -1621,7 +1633,8 @@ GRADES = {
         },
         "fitting": {
             "hold_long_enough", "tau_inside_window", "residuals_random", "step_bias",
-            "fast_arm_visible", "drift_told_from_arm", "order_agreed", "hold_and_full_agree",
+            "fast_arm_visible", "instrument_stiff", "drift_told_from_arm",
+            "order_agreed", "hold_and_full_agree",
         },
         "fitting/identification": {"dashpot_not_missed"},
         "fitting/temperature": {"shifts_told_apart"},
@@ -2004,6 +2017,7 @@ def test_what_cannot_be_judged_neither_passes_nor_fails() -> None:
         comparison.operating_point(OperatingPoint(1e-3, None)),
         impact.coherence(measured(coherence=None), 75),
         impact.mass_line(None, 1.0),
+        curves.instrument_stiff(sweep()),
         modal.modes_explain_lines([shape(9.0)], known=False),
         modal.points_share_modes([shape(1.0)]),
     ):

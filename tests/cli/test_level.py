@@ -13,7 +13,7 @@ import dashpot as dp
 from dashpot.io.readers.impact import read_impact
 from dashpot.io.readers.inspect import inspect_file
 from dashpot.io.write import write_frf
-from dashpot.report.level import beyond, numbers
+from dashpot.report.kind_pages.level import beyond, numbers
 from dashpot.solids.networks import spring
 from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.vibration.systems.bodies import Mount, point_mass

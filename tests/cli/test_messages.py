@@ -66,7 +66,7 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "workflow/at_level.py": ("predict",),
     "workflow/preloaded.py": ("predict",),
     "workflow/checks.py:base_band_informed": ("predict",),
-    "web/asks.py": ("fit",),
+    "workflow/rod_panel.py": ("fit",),
     "workflow/rods.py": ("fit",),
     "workflow/routing.py": ("fit",),
     "workflow/part.py:pad": ("predict", "fit"),

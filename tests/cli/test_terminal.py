@@ -28,12 +28,15 @@ from dashpot.records.fit import AtDepth
 from dashpot.told import screen
 from dashpot.told import text as text_of
 from dashpot.told.layout import Text
-from dashpot.told.screen import COLUMNS, LINES, shown, wrapped
+from dashpot.told.screen import COLUMNS, LINES, ScreenSize, shown, wrapped
 from dashpot.workflow.archive import from_json, to_json
 
 STOP = Check("a_stop", False, "a stop; do that", grade="stop")
 LONG = Check("long_winded", False, "So much is to be said of it that it goes on. " * 12)
 NOTE = Check("a_note", False, "A note.", grade="note")
+
+
+NARROW = ScreenSize(80, 20)
 
 
 def bare(lines):
@@ -152,10 +155,26 @@ def test_an_arm_that_is_not_identified_prints_no_interval():
         wide[row, row] *= 1e8
     text = text_of.fit(altered(fit, covariance=wide, profiles=()))
     rows = {line.split()[0]: line for line in text.lines if line.strip()}
-    assert "not identified" in rows["k_1"]
-    assert "not identified" in rows["tau_1"]
-    assert " to " in rows["k_2"]
-    assert "inf" not in rows["tau_1"]
+    # an arm is a row, and what is not known of it stands in the place of its error
+    assert rows["1"].count("not identified") == 3
+    assert "not identified" not in rows["2"]
+    assert "inf" not in rows["1"].split()
+    # each with its interval, for who asks
+    every = {line.split()[0]: line for line in text.details if line.strip()}
+    assert "not identified" in every["tau_1"]
+    assert " to " in every["k_2"]
+
+
+def test_the_arms_of_a_study_stand_on_the_first_screen():
+    """Of 24 lines of 80 columns: an arm is a row, beside what was predicted and measured."""
+    study = handmade.study()
+    lines = bare(shown(text_of.study(study), study.verdict, study.checks, size=NARROW))
+    assert max(map(len, lines)) <= NARROW.columns
+    assert len(lines) <= NARROW.lines
+    solid = study.fit if study.joint is None else study.joint
+    first = next(i for i, line in enumerate(lines) if line.startswith("  arm  "))
+    rows = [line.split()[0] for line in lines[first + 1 :]]
+    assert rows[: solid.model.arms + 1] == ["k_inf", *map(str, range(1, solid.model.arms + 1))]
 
 
 # -- colour ----------------------------------------------------------------------------------------

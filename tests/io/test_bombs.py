@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import struct
 import subprocess
 import sys
 from collections.abc import Callable
@@ -13,12 +14,15 @@ import h5py
 import numpy as np
 import pytest
 from kit.bombs import BOMBS
+from kit.instruments import sheet, xls
 from kit.look_alikes import truth
 
 from dashpot.base.errors import ReadError
+from dashpot.io.formats.sheets import sheets
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.inspect import inspect_file
 from dashpot.io.readers.relaxation import read_relaxation
+from dashpot.io.source import open_raw
 
 PROBE = """
 import json, resource, sys
@@ -52,6 +56,27 @@ def test_a_bomb_costs_a_gibibyte_and_half_a_minute_at_most(
     assert says.startswith("ReadError: bomb: ") if expected else not says
     # readers of other versions find it out later
     assert any(one in says for one in expected.split(" | "))
+
+
+@pytest.mark.parametrize("beyond", [0, 1])
+def test_a_sheet_is_refused_where_its_blank_cells_are_too_many(tmp_path: Path, beyond: int) -> None:
+    place = tmp_path / "far.xls"
+    xls(place, sheet(), more=number(60_000, 0))
+    could_be_filled = place.stat().st_size // 4
+    width = (2**18 + could_be_filled) // 60_001 + 1
+    row = (2**18 + could_be_filled) // width - 1 + beyond
+    xls(place, sheet(), more=number(row, width - 1))
+    if not beyond:
+        rows = sheets(open_raw(place), ReadOptions())["One"].decode().split("\n")
+        assert rows[len(sheet()) : row] == [""] * (row - len(sheet()))
+        assert rows[row] == "\t" * (width - 1) + "7"
+        return
+    with pytest.raises(ReadError, match=f"'One' reaches to row {row + 1} and column {width}, and"):
+        sheets(open_raw(place), ReadOptions())
+
+
+def number(row: int, column: int) -> bytes:
+    return struct.pack("<HHHHHd", 0x203, 14, row, column, 0, 7.0)
 
 
 # data of other files
@@ -122,13 +147,13 @@ def test_what_is_linked_twice_is_read_once(tmp_path: Path) -> None:
         file["soft"] = h5py.SoftLink("/run")
         file["nowhere"] = h5py.SoftLink("/none")
         file["run/self"] = file
-    for sheet in (None, "run", "again/self/run"):
-        found = inspect_file(path, options=ReadOptions(sheet=sheet))
+    for group in (None, "run", "again/self/run"):
+        found = inspect_file(path, options=ReadOptions(sheet=group))
         assert len(found.columns) == 3
     np.testing.assert_allclose(read_relaxation(path).force, truth()[2])
-    for sheet in ("soft", "nowhere", "none/run", "run/time_s/more"):
-        with pytest.raises(ReadError, match=f"--part sheet={sheet}: there is no such group"):
-            inspect_file(path, options=ReadOptions(sheet=sheet))
+    for group in ("soft", "nowhere", "none/run", "run/time_s/more"):
+        with pytest.raises(ReadError, match=f"--part sheet={group}: there is no such group"):
+            inspect_file(path, options=ReadOptions(sheet=group))
 
 
 def test_what_was_never_written_is_not_read_as_zeros(tmp_path: Path) -> None:

@@ -131,25 +131,26 @@ def test_tdms_start_offsets_are_applied(tmp_path: Path, late: float) -> None:
     assert any("'Hammer' starts" in note for note in test.source[0].notes)
 
 
-def test_tdms_scaling_is_applied(tmp_path: Path) -> None:
-    from nptdms import ChannelObject, TdmsWriter
+@pytest.mark.parametrize("of", ["channel", "group", "file"])
+def test_tdms_scaling_is_applied(tmp_path: Path, of: str) -> None:
+    from nptdms import ChannelObject, GroupObject, RootObject, TdmsWriter
 
     time, moved, force = truth()
-    properties = {
-        "unit_string": "N", "NI_Number_Of_Scales": 1, "NI_Scale[0]_Scale_Type": "Linear",
+    scale = {
+        "NI_Number_Of_Scales": 1, "NI_Scale[0]_Scale_Type": "Linear",
         "NI_Scale[0]_Linear_Slope": 0.001, "NI_Scale[0]_Linear_Y_Intercept": 0.0,
         "NI_Scale[0]_Linear_Input_Source": 0xFFFFFFFF, "NI_Scaling_Status": "unscaled",
     }  # fmt: skip
+    columns = {("Time", "s"): time, ("Position", "mm"): moved, ("Load", "N"): force}
+    channels = []
+    for (name, unit), values in columns.items():
+        own = scale if (of, name) == ("channel", "Load") else {}
+        scaled = own or of != "channel"  # what a group or a file says is of all its channels
+        raw = np.round(values * 1e3).astype(np.int32) if scaled else values
+        channels.append(ChannelObject("g", name, raw, {"unit_string": unit, **own}))
+    whole = RootObject(scale if of == "file" else {})
     with TdmsWriter(str(tmp_path / "a.tdms")) as writer:
-        writer.write_segment(
-            [
-                ChannelObject("g", "Time", time, properties={"unit_string": "s"}),
-                ChannelObject("g", "Position", moved, properties={"unit_string": "mm"}),
-                ChannelObject(
-                    "g", "Load", np.round(force * 1e3).astype(np.int16), properties=properties
-                ),
-            ]
-        )
+        writer.write_segment([whole, GroupObject("g", scale if of == "group" else {}), *channels])
     test = read_relaxation(tmp_path / "a.tdms")
     np.testing.assert_allclose(test.force, force, atol=6e-4)
 

@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
+import io
 import re
+from pathlib import Path
 from typing import get_args
 
 import numpy as np
 import pytest
 
-from dashpot.io.columns import roles, vocabulary
+from dashpot.base.errors import ReadError
+from dashpot.io.child import messages
+from dashpot.io.columns import kinds, roles, vocabulary
 from dashpot.io.columns.kinds import kind_of
 from dashpot.io.columns.roles import score, suited
 from dashpot.io.columns.vocabulary import FIRST, SECOND, Role, has_word, matches, unnumbered
 from dashpot.io.options import ReadOptions
+from dashpot.io.readers.inspect import inspect_file
 from dashpot.io.table import Column, FileTable, in_memory
+from dashpot.io.text import marks
+from dashpot.io.text.dialect import COLUMNS, LONGEST, is_overlong
 
 
 def wide(count: int) -> FileTable:
@@ -76,3 +83,97 @@ def test_the_name_that_users_give_a_unit_keeps_its_number() -> None:
     options = ReadOptions(units={"ai_0017": "N"})
     assert score(Column("ai_0017"), "force", options) == 1.0
     assert score(Column("ai_0018"), "force", options) == 0.0
+
+
+def test_names_that_differ_by_a_number_are_spoken_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    folded: list[str] = []
+    inner = vocabulary.plain
+    monkeypatch.setattr(kinds.vocabulary, "plain", lambda name: folded.append(name) or inner(name))
+    roles._own_scores.cache_clear()
+    assert kind_of(wide(5000), ReadOptions())[0] == "relaxation"
+    assert len(folded) < 500
+
+
+def text(columns: int, rows: int = 8, cell: str = "21.5") -> str:
+    """A ramp and hold beside columns of temperature."""
+    more = columns - 3
+    names = ["time [s]", "displacement [mm]", "force [N]", *(f"T{i} [degC]" for i in range(more))]
+    ramp = ([f"{i / 10:.1f}", f"{min(i, 3)}.5", f"{4 - 1 / (1 + i):.4f}"] for i in range(rows))
+    return "\n".join(",".join(row) for row in (names, *([*row, *[cell] * more] for row in ramp)))
+
+
+def test_a_line_of_a_million_characters_is_a_row(tmp_path: Path) -> None:
+    place = tmp_path / "wide.csv"
+    place.write_text(text(300, cell="21." + "5" * 3600))
+    assert 1 << 20 < len(place.read_text().splitlines()[-1]) < LONGEST
+    found = inspect_file(place)
+    assert (found.kind, found.rows, len(found.columns)) == ("relaxation", 8, 300)
+
+
+def test_what_is_too_wide_is_said_to_be(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    place = tmp_path / "wide.csv"
+    for module in ("dialect", "formats.text"):
+        where = "text." + module if module == "dialect" else module
+        monkeypatch.setattr(f"dashpot.io.{where}.COLUMNS", 40)
+    place.write_text(text(40).replace("T", "T of oven "))  # a heading may have more blanks
+    assert len(inspect_file(place).columns) == 40
+    place.write_text(text(41))
+    with pytest.raises(ReadError, match=r"line 9 has \d{3} characters and 41 cells, and at most"):
+        inspect_file(place)
+
+
+@pytest.mark.parametrize("sign", [",", ";", "\t", "|", " "])
+def test_how_wide_a_line_may_be(sign: str) -> None:
+    assert not is_overlong("1" + f"{sign}1" * (COLUMNS - 1))
+    assert is_overlong("1" + f"{sign}1" * COLUMNS)
+    assert not is_overlong("1" * LONGEST)
+    assert is_overlong("1" * (LONGEST + 1))
+
+
+@pytest.mark.parametrize(("copies", "asked"), [(64, False), (65, True)])
+def test_of_very_many_columns_it_is_asked_before_they_are_read(copies: int, *, asked: bool) -> None:
+    loaded: list[int] = []
+    same = wide(copies)
+
+    def load(indexes):
+        loaded.extend(indexes)
+        return in_memory(np.tile(np.linspace(20, 21, 8)[:, None], (1, copies + 3)))(indexes)
+
+    table = FileTable("made", same.columns, load)
+    answer = roles.assign(table, "temperature", ReadOptions())
+    assert isinstance(answer, roles.Question) is asked
+    assert len(loaded) == (0 if asked else copies)
+
+
+def test_points_that_could_part_thousands_are_found_as_one_column_at_a_time_would(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(marks, "_CELLS", 90)  # blocks of three rows
+    rng = np.random.default_rng(29)
+    likely = [2.0, 300.0, 1.5, 1.234, 999.999, np.nan, 0.0, -7.0, np.inf]
+    rare = [0.5, 1000.0, 1.23456]
+    values = rng.choice(likely, (8, 30))
+    for j in range(0, 30, 3):
+        values[rng.integers(8), j] = rng.choice(rare)
+
+    def open_(column: np.ndarray) -> bool:
+        part = [abs(x) for x in column if np.isfinite(x) and x]
+        printed = all(1 <= x < 1000 and abs(x * 1e3 - round(x * 1e3)) <= 0.01 for x in part)
+        return printed and any(x == int(x) for x in part)
+
+    expected = {j for j in range(30) if open_(values[:, j])}
+    assert 5 < len(expected) < 25
+    assert marks.open_columns(np.asfortranarray(values)) == expected
+
+
+@pytest.mark.parametrize("at_a_time", [1, 20, 40, 1000])
+def test_columns_are_handed_over_in_blocks(at_a_time: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(messages, "_BLOCK", at_a_time)
+    columns = tuple(Column(f"c{i}") for i in range(7))
+    values = np.arange(140.0).reshape(20, 7)
+    stream = io.BytesIO()
+    messages.send_answer(stream, FileTable("made", columns, in_memory(values)))
+    stream.seek(0)
+    found = messages.receive_answer(stream, messages.receive(stream))
+    assert (found.load(range(7)).values == values).all()
+    assert not stream.read()

@@ -15,6 +15,7 @@ from dashpot.base.errors import ReadError
 from dashpot.io.options import ReadOptions, parse_units
 from dashpot.io.readers.frf import read_frf
 from dashpot.io.readers.impact import read_impact
+from dashpot.io.readers.inspect import inspect_file
 from dashpot.io.readers.relaxation import read_relaxation
 
 UNITS = {
@@ -299,3 +300,18 @@ def test_an_frf_in_kilohertz_is_asked_about(tmp_path: Path) -> None:
     for unit, top in (("Hz", 39.5), ("kHz", 39500.0)):
         given = ReadOptions(units={"frequency": unit})
         assert read_frf(path, options=given).frequency[-1] == pytest.approx(top)
+
+
+@pytest.mark.parametrize("roles", list(combinations(("time", "displacement", "force"), 2)))
+def test_inspect_asks_as_the_reader_does_where_one_column_is_named_twice(
+    tmp_path: Path, roles: tuple[str, str]
+) -> None:
+    place = tmp_path / "a.txt"
+    place.write_text("t;x;F\n" + "".join(f"{i};{min(i, 2)};{2 - i / 9}\n" for i in range(9)))
+    named = {"time": "t", "displacement": "x", "force": "F", roles[0]: "x", roles[1]: "x"}
+    options = ReadOptions(**named, units={"time": "s", "displacement": "mm", "force": "N"})
+    says = f"'x' would be both {roles[0]} and {roles[1]}"
+    found = inspect_file(place, options=options)
+    assert says in [one.says.partition(";")[0] for one in found.questions]
+    with pytest.raises(ReadError, match="'x' would be both"):
+        read_relaxation(place, options=options)

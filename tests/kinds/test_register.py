@@ -25,7 +25,7 @@ from dashpot.io.readers.dynamic import read_dynamic
 from dashpot.io.readers.frf import read_frf
 from dashpot.io.readers.impact import read_impact
 from dashpot.io.readers.relaxation import read_relaxation
-from dashpot.kinds import KINDS, KindOfTest, Piece, figure_of, load, row_of
+from dashpot.kinds import KINDS, KindOfTest, Piece, asks_of, figure_of, load, row_of
 from dashpot.kinds.csr.aged import predict_aging
 from dashpot.kinds.csr.from_files import csr_files
 from dashpot.kinds.hyperelastic.fit import fit_hyperelastic
@@ -66,7 +66,8 @@ def words(kind: KindOfTest) -> list[str]:
     return [
         word
         for word in (
-            kind.reader, kind.fit, kind.row, kind.examples, *kind.nouns, *kind.nouns.values()
+            kind.reader, kind.fit, kind.row, kind.examples, *kind.nouns, *kind.nouns.values(),
+            *kind.pages, *kind.pages.values(),
         )
         if word
     ]  # fmt: skip
@@ -80,11 +81,8 @@ NAMED = {
     "io/readers/": "which files a reader takes",
     "kinds/": "the register, and the rooms",
     "lots/row.py": "a sweep as wide as no machine makes one is a master curve",
-    "report/of_kinds.py": "how the page of each is laid out",
     "signals/": "what the moves of a record show",
     "verbs/": "what a type checker knows of each, and the words that its reader and its fit take",
-    "web/asks.py": "what a page asks of each",
-    "web/judging.py": "how the app fits what the page asked",
     "workflow/examples.py": "what an example is",
     "workflow/fits.py": "which tests of a bench are fitted together",
 }
@@ -124,6 +122,10 @@ def test_every_word_of_a_row_is_there(kind: KindOfTest) -> None:
         assert load(word) is not None
     for noun in kind.nouns:
         assert isinstance(load(noun), type)
+    if kind.panel:
+        assert asks_of(kind.name)
+        assert callable(load(f"{kind.panel}:answered"))
+    assert not kind.also or KINDS[kind.also].panel
     if kind.checks:
         stage = load(f"{kind.checks}:__name__")
         assert any(one.judge.__module__ == stage for one in REGISTER.values())

@@ -13,11 +13,14 @@ from dashpot.records.machine import Machine
 
 
 def planned(**words: Any) -> Plan:
-    """The plan of the usual test at 12.71 Hz, with changes to bench, machine, seal and hammer."""
-    nouns = []
+    """The plan of the usual test at 12.71 Hz, with changes to bench, machine, seal and hammer.
+
+    With ``force_alone`` there is no machine: nothing but the noise of the force.
+    """
+    alone, nouns = words.pop("force_alone", False), []
     for noun in (Bench, Machine, SupposedSeal, HammerPlan):
         own = {one.name for one in fields(noun)} & words.keys()
         nouns.append(noun(**{name: words.pop(name) for name in own}))
     bench, machine, seal, hammer = nouns
-    bench = replace(bench, machine=machine)
+    bench = replace(bench, machine=None if alone else machine)
     return plan(bench, seal=seal, hammer=hammer, **({"at": 12.71} | words))

@@ -9,7 +9,7 @@ import pytest
 from kit.plans import planned
 
 from dashpot.base.errors import DataError
-from dashpot.planning.bench import Bench
+from dashpot.planning.bench import Bench, PlannedRows
 from dashpot.planning.cold import Elsewhere, elsewhere, rows_with
 from dashpot.planning.plan import Plan
 from dashpot.records.machine import Machine
@@ -56,7 +56,7 @@ def places(*celsius: float, b_t: float | None = None) -> list[Elsewhere]:
 def test_the_table_computed_apart(cold, hold, full):
     """By the force alone, b_T free about 1, every arm shifting alike; two digits at most."""
     for method, expected in (("hold", hold), ("full", full)):
-        rows = rows_with(HIDDEN, usual(method), places(*cold, b_t=1.0), slope_sd=0.0)
+        rows = rows_with(HIDDEN, usual(method), places(*cold, b_t=1.0), slope_sd=0.0).rows
         assert loss_factor_sd(HIDDEN, rows) == pytest.approx(expected, rel=0.05)
 
 
@@ -66,8 +66,11 @@ def test_with_offset_drift_and_a_delay_in_each_record(cold, expected):
         def prior_sd(self, model: GeneralizedMaxwell) -> np.ndarray:
             return np.array([*super().prior_sd(model)[:2], 0.5e-3])
 
+        def rows(self, model: GeneralizedMaxwell, *, several: bool = False) -> PlannedRows:
+            return super().rows(model)  # of a seal that keeps its temperature
+
     bench = Half(8e-3, 1.0, 40.0, 1000.0, 5e-3, "full", 1.0, Machine())
-    rows = rows_with(HIDDEN, bench, places(*cold, b_t=1.0), slope_sd=0.0)
+    rows = rows_with(HIDDEN, bench, places(*cold, b_t=1.0), slope_sd=0.0).rows
     assert loss_factor_sd(HIDDEN, rows) == pytest.approx(expected, rel=0.03)
 
 
@@ -85,8 +88,11 @@ def test_the_errors_that_joint_fits_of_another_program_gave(solid, celsius, slop
         def prior_sd(self, model: GeneralizedMaxwell) -> np.ndarray:
             return np.array([5e-3 / np.sqrt(500), 1e-9, 1e-3])
 
+        def rows(self, model: GeneralizedMaxwell, *, several: bool = False) -> PlannedRows:
+            return super().rows(model)  # of a seal that keeps its temperature
+
     bench = Known(8e-3, 1.0, 40.0, 1000.0, 5e-3, "full", 0.5, Machine())
-    rows = rows_with(solid, bench, places(*celsius), slope_sd)
+    rows = rows_with(solid, bench, places(*celsius), slope_sd).rows
     assert loss_factor_sd(solid, rows) == pytest.approx(expected, rel=0.04)
 
 
@@ -95,23 +101,24 @@ def test_the_sensitivities_are_slopes_of_both_forces():
     there = Elsewhere(273.15, 7.0, 0.9)
     machine = Machine(sync=1e-3, drift=1e-3)
     bench = Bench(8e-3, 0.5, 5.0, 40.0, 1e-3, "full", 2.0, machine)
-    rows = rows_with(HIDDEN, bench, [there], slope_sd=0.03)
+    rows = rows_with(HIDDEN, bench, [there], slope_sd=0.03).rows
     t, n = bench.time(), HIDDEN.arms
-    p = np.array([HIDDEN.k_inf, *HIDDEN.k, *np.log(HIDDEN.tau), *np.zeros(3),
-                  np.log(there.a_t), np.log(there.b_t), *np.zeros(4)])  # fmt: skip
+    p = np.array([HIDDEN.k_inf, *HIDDEN.k, *np.log(HIDDEN.tau), *np.zeros(4),
+                  np.log(there.a_t), np.log(there.b_t), *np.zeros(5)])  # fmt: skip
 
     def force(solid: GeneralizedMaxwell, offset: float, drift: float) -> np.ndarray:
         answer = solid.ramp_hold_force(t, depth=8e-3, ramp_time=0.5)
         return answer + offset + drift * (t + 0.5 * bench.baseline)
 
     def records(q: np.ndarray) -> np.ndarray:
-        tau, (a, b), g = np.exp(q[1 + n : 1 + 2 * n]), np.exp(q[10:12]), q[-1]
+        tau, (a, b), g = np.exp(q[1 + n : 1 + 2 * n]), np.exp(q[11:13]), q[-1]
         warm = GeneralizedMaxwell(q[0], tuple(q[1 : 1 + n]), tuple(tau))
         moved = tau * a ** (1 + g * np.log10(tau / 0.5))
         cold = GeneralizedMaxwell(b * q[0], tuple(b * q[1 : 1 + n]), tuple(moved))
-        return np.concatenate((force(warm, *q[7:9]), force(cold, *q[12:14])))
+        return np.concatenate((force(warm, *q[7:9]), force(cold, *q[13:15])))
 
-    keep = [i for i in range(len(p)) if i not in {9, 14}]  # delays have a test of their own
+    # delays and a seal that warms have tests of their own
+    keep = [i for i in range(len(p)) if i not in {9, 10, 15, 16}]
     columns = []
     for i in keep:
         step = np.zeros(len(p))
@@ -121,8 +128,8 @@ def test_the_sensitivities_are_slopes_of_both_forces():
     felt = HIDDEN.shifted(there.a_t, there.b_t)
     known = np.zeros((7, len(p)))
     known[:3, 7:10] = np.diag(1 / bench.prior_sd(HIDDEN))
-    known[3:6, 12:15] = np.diag(1 / bench.prior_sd(felt))
-    known[6, 15] = 1 / 0.03
+    known[3:6, 13:16] = np.diag(1 / bench.prior_sd(felt))
+    known[6, 17] = 1 / 0.03
     expected = J.T @ J + (known.T @ known)[np.ix_(keep, keep)]
     information = (rows.T @ rows)[np.ix_(keep, keep)]
     scale = np.sqrt(np.diag(expected))
@@ -132,7 +139,7 @@ def test_the_sensitivities_are_slopes_of_both_forces():
 
 
 def test_a_slope_that_is_not_known_costs_something():
-    rows = [rows_with(HIDDEN, usual(), places(0), sd) for sd in (0.0, 0.03, 0.3)]
+    rows = [rows_with(HIDDEN, usual(), places(0), sd).rows for sd in (0.0, 0.03, 0.3)]
     known, usual_doubt, unknown = (loss_factor_sd(HIDDEN, each) for each in rows)
     assert known < usual_doubt < unknown
 
@@ -149,17 +156,21 @@ def test_the_plan_puts_the_cold_test_into_its_table():
     assert shown[:3] == [("full", ()), ("hold", (273.15,)), ("hold", ())]
     alone = asked().expected.loss_factor_sd
     assert told.alternatives[0].loss_factor_sd == alone
-    rows = rows_with(HIDDEN, usual(machine=Machine()), places(0))
-    assert told.expected.loss_factor_sd == pytest.approx(loss_factor_sd(HIDDEN, rows), rel=1e-4)
+    # what the rig may do unseen, in the cold and at room, is as much as the noise again
+    rows = rows_with(HIDDEN, usual(machine=Machine()), places(0)).rows
+    assert told.expected.loss_factor_sd > 1.5 * loss_factor_sd(HIDDEN, rows)
+    quiet = asked(cold="0degC", force_alone=True).expected.loss_factor_sd
+    bare = loss_factor_sd(HIDDEN, rows_with(HIDDEN, usual(), places(0)).rows)
+    assert quiet == pytest.approx(bare, rel=1e-4)
     assert told.advice[0] == (
         "Repeat it at 0 degC and fit all together. The loss factor at 12.71 Hz is then known to "
-        "±0.965 % instead of ±81.8 %, if all arms shift alike."
+        "±1.77 % instead of ±82.8 %, if all arms shift alike."
     )
     assert told.advice[1] == (
         "Test at a third temperature, such as 10 degC, too. Two temperatures cannot show arms "
         "that shift apart."
     )
-    assert str(told).splitlines()[2].endswith("0.965 %  and at 0 degC")
+    assert str(told).splitlines()[2].endswith("1.77 %  and at 0 degC")
     assert told.band == pytest.approx((1 / (80 * np.pi), SHIFT.a_t(273.15) / np.pi))
 
 
@@ -176,7 +187,7 @@ def test_whoever_asks_for_no_cold_test_is_offered_one():
     told = asked()
     offered = told.alternatives[-2]
     assert offered.repeated == (273.15,)
-    assert "epeat it at 0 degC (±0.965 %)" in told.advice[0]
+    assert "epeat it at 0 degC (±1.77 %)" in told.advice[0]
     assert asked(model=BROAD, ramp_time=0.01).advice[0].startswith("Record each hit")
 
 
@@ -193,7 +204,7 @@ def test_a_refrigerator_is_offered_to_a_warm_room_only(celsius, offered):
     [
         (
             "60degC",
-            "hardly improves the loss factor at 12.71 Hz: ±81.8 % instead of ±81.8 %. Test in",
+            "hardly improves the loss factor at 12.71 Hz: ±82.2 % instead of ±82.8 %. Test in",
         ),
         ("27.2degC", "A repeat at 27.2 degC hardly improves"),
         ("26.4degC", "Repeat it at 26.4 degC and fit all together"),

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from dashpot.plot.layout import STRAIGHT, lay_out, straightened, text_width
-from dashpot.plot.picture import FIT, Line, Panel, Scale, Tag
+from dashpot.plot.layout import STRAIGHT, arranged, lay_out, straightened, text_width
+from dashpot.plot.picture import FIT, Line, Panel, Pen, Picture, Scale, Tag
 from dashpot.plot.ticks import numbers, place, written
 
 LOW = st.floats(-1e6, 1e6)
@@ -95,3 +95,56 @@ def test_words_at_two_peaks_side_by_side_are_clear_of_each_other_and_inside():
             assert left - 2 <= box[0]
             assert box[1] <= left + wide + 14
             assert box[2] >= top - 4
+
+
+WIDE = Scale("f, Hz", (1.0, 100.0), log=True)
+
+
+def words_of(panel, width, **how):
+    sheet = arranged(Picture("one", "One.", ((panel,),), 1, width=width, **how))
+    return sheet, [one for strip in sheet.strips for f in strip.laid.frames for one in f.words]
+
+
+def ends_of(word):
+    wide = text_width(word.text, bold=word.bold)
+    left = word.x - {"start": 0.0, "middle": 0.5, "end": 1.0}[word.anchor] * wide
+    return left, left + wide
+
+
+def test_a_note_that_is_wider_than_its_axes_stands_above_their_name():
+    note = "informed from 0.004 to 0.32 Hz only: all of this is extrapolated"
+    panel = Panel(
+        WIDE, Scale("accelerance, 1/kg", (1.0, 100.0), log=True), (), note=note, height=100
+    )
+    _, wide = words_of(panel, 800.0)
+    _, narrow = words_of(panel, 300.0)
+    name = next(one for one in wide if one.text == "accelerance, 1/kg")
+    assert [one.y for one in wide if one.text == note] == [name.y]
+    name = next(one for one in narrow if one.text == "accelerance, 1/kg")
+    lines = [one for one in narrow if one.text in note]
+    assert " ".join(one.text for one in lines) == note
+    assert all(one.y < name.y for one in lines)
+    assert all(ends_of(one)[0] >= 0 for one in lines)
+
+
+def test_a_tag_without_room_beside_its_peak_breaks_and_keeps_its_unit():
+    f = np.geomspace(1.0, 100.0, 400)
+    tag = Tag(12.0, 100.0, "measured 12.71 Hz, 155 1/kg", "measured", "filled")
+    curve = Line(f, 100.0 / (1 + 30 * np.abs(np.log(f / 12.0))), Pen("fit", 2.0))
+    panel = Panel(WIDE, Scale("y", (1.0, 200.0), log=True), (curve, tag), height=200)
+    _, wide = words_of(panel, 800.0)
+    _, narrow = words_of(panel, 210.0)
+    assert tag.text in {one.text for one in wide}
+    assert "measured 12.71 Hz," in {one.text for one in narrow}
+    assert "155 1/kg" in {one.text for one in narrow}
+
+
+def test_a_stamp_ends_where_its_sheet_does():
+    stamp = "SIMULATED  ·  depth_4mm.csv, depth_6mm.csv, depth_8mm.csv  ·  114.8 g on 2 seals"
+    panel = Panel(WIDE, Scale("y", (1.0, 200.0), log=True), (), height=100)
+    one, _ = words_of(panel, 800.0, stamp=stamp)
+    several, _ = words_of(panel, 300.0, stamp=stamp)
+    assert [word.text for word in one.words] == [stamp]
+    assert len(several.words) > 1
+    assert max(ends_of(word)[1] for word in several.words) <= 300.0
+    assert several.words[-1].y < several.height

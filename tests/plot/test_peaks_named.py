@@ -5,7 +5,7 @@ import pytest
 from kit import handmade
 
 import dashpot as dp
-from dashpot.plot.picture import Span, Tag
+from dashpot.plot.picture import Line, Span, Tag
 from dashpot.plot.vibration import frf
 
 S = handmade.study()
@@ -15,11 +15,21 @@ def tags(picture):
     return [one.text for one in picture.panels[0].marks if isinstance(one, Tag)]
 
 
-def test_a_measured_peak_has_its_frequency_and_height_beside_it():
-    (told,) = tags(frf(S.measured, labels=("measured",)))
+def test_a_measured_peak_has_its_frequency_height_and_width_beside_it():
+    drawn = frf(S.measured, labels=("measured",))
+    told, wide = tags(drawn)
     hz = S.measured.frequency[np.argmax(np.abs(S.measured.value))]
     assert float(told.split()[1]) == pytest.approx(hz, abs=0.2)
     assert told.endswith("1/kg")
+    # the width at half the power, between lines of it, and drawn as wide
+    size = np.abs(S.measured.value)
+    above = S.measured.frequency[size >= size.max() / np.sqrt(2)]
+    step = S.measured.frequency[1] - S.measured.frequency[0]
+    assert float(wide.split()[0]) == pytest.approx(np.ptp(above) + step, abs=step)
+    bar = next(one for one in drawn.panels[0].marks if isinstance(one, Line) and len(one.x) == 2)
+    assert float(wide.split()[0]) == pytest.approx(np.ptp(bar.x), rel=0.05)
+    # of several the first peak alone is named
+    assert len(tags(frf(S.measured, S.measured, labels=("measured", "again")))) == 1
 
 
 def test_the_end_of_a_band_is_no_peak():

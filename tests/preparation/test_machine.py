@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from kit.trials import DISTURBANCES, KINDS, Bench, Seal, record, relaxation_test, trial
 
 import dashpot as dp
 from dashpot.fitting.relaxation import fit as fit_tests
+from dashpot.preparation.checks import motion_measured
 from dashpot.preparation.denoising import true_motion
 from dashpot.preparation.prepare import prepare
 from dashpot.workflow.archive import from_json, to_json
@@ -105,6 +108,16 @@ def test_a_still_hold_is_named_as_a_doubt_and_not_as_a_fault():
     check = next(check for check in still.checks if check.name == "motion_measured")
     assert check.passed is None
     assert "its step of 20 um hides the change" in check.says
+
+
+def test_a_force_below_zero_that_never_falls_is_told_without_a_share_of_its_fall():
+    ready = prepare(relaxation_test(record(PAPER, Bench(rate=RATE))))
+    resting = replace(
+        ready, force=np.full_like(ready.force, -2.0),
+        displacement=np.full_like(ready.displacement, ready.displacement[-1]),
+    )  # fmt: skip
+    says = motion_measured(resting).says
+    assert "would change the force by 2 mN over" in says
 
 
 @pytest.mark.parametrize(

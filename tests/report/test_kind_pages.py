@@ -21,8 +21,7 @@ from dashpot.plot.layout import arranged
 from dashpot.plot.picture import Tag
 from dashpot.report import html
 from dashpot.report.answer import ORDER
-from dashpot.report.kind_page import lights, row
-from dashpot.report.of_kinds import kind_page
+from dashpot.report.kind_page import kind_page, lights, row
 from dashpot.report.pages import COLOURS
 
 pytestmark = pytest.mark.once

@@ -10,8 +10,8 @@ from kit.shell import ran
 
 import dashpot as dp
 from dashpot import workflow
-from dashpot.kinds import KINDS
-from dashpot.web import asks, wire
+from dashpot.kinds import KINDS, asks_of
+from dashpot.web import views, wire
 from dashpot.web.store import Store
 from dashpot.web.verbs import VERBS
 
@@ -55,7 +55,7 @@ def test_a_kind_is_judged_as_by_its_command(store, tmp_path, monkeypatch, kind):
         (tmp_path / name).write_text(workflow.EXAMPLES[name]())
     row = ask("inspect", store, file=files[0])
     assert row["mark"] == "good"
-    assert kind == "rod" or (row["page"] == "judged" and row["asks"] == asks.asks_of(kind))
+    assert kind == "rod" or (row["page"] == "judged" and row["asks"] == views.asks(asks_of(kind)))
     head = ask("judged", store, kind=kind, files=files, said=said)
     assert {"good", "care", "bad"} >= {head["colour"]}
     assert all(head[one] for one in ("figures", "answers", "checks", "facts"))
@@ -67,7 +67,7 @@ def test_a_kind_is_judged_as_by_its_command(store, tmp_path, monkeypatch, kind):
 
 
 def test_every_kind_of_the_register_has_a_place_on_the_page():
-    nowhere = {name for name, one in KINDS.items() if not one.page}
+    nowhere = {name for name, one in KINDS.items() if not one.place}
     # a sweep over temperature and one frequency are fitted by no command; a plug-in is typed
     assert nowhere == {"temperature-sweep", "one-frequency", "rod", "plug-in"}
 

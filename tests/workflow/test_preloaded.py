@@ -9,13 +9,15 @@ import pytest
 
 import dashpot as dp
 from dashpot.base.errors import DataError
+from dashpot.base.facts import NORMAL
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.told.text import prediction
 from dashpot.vibration.systems.preloaded import PreloadedMass
+from dashpot.workflow.preloaded import _known
 
 pytestmark = pytest.mark.once
 
-MASS = 0.1148
+MASS, WIDER = 0.1148, 9.0
 # stiffens as it is pressed
 LAW = ElasticLaw((0.0, 4e-3, 8e-3), (0.6, 0.9, 1.6), 200.0, ratio_se=(0.01, 0.0, 0.02))
 
@@ -143,3 +145,43 @@ def test_a_swing_deeper_than_tested_is_told(told, bent, depth, passes):
 def test_a_straight_law_takes_no_level(straight):
     with pytest.raises(DataError, match=r"the elastic law of this fit does not: add a sweep"):
         dp.predict(straight, mass=MASS, seals=2, level="0.1N")
+
+
+@pytest.mark.parametrize(
+    ("how", "says"),
+    [
+        # the force is 0.99 times, and 1.01 times the weight
+        ({"level": f"{1.01 * MASS * 9.80665}N"}, r"lifts the mass off the seal: its force is"),
+        ({"level": "10m/s^2", "base": True}, r"10 m/s\^2 lifts the mass off the seal"),
+        ({"level": "1uN", "mass": "10mg"}, r"so slight a contact was not tested"),
+    ],
+)
+def test_a_mass_that_hardly_presses_is_refused_at_once(bent, how, says):
+    with pytest.raises(DataError, match=says):
+        dp.predict(bent, **{"mass": MASS, "seals": 2, "lines": 31, **how})
+
+
+def test_a_sweep_that_would_follow_every_line_from_rest_ends(bent, monkeypatch):
+    monkeypatch.setattr("dashpot.vibration.systems.preloaded._STEPS_OF_SWEEP", 20)
+    of = PreloadedMass(0.01, 2 * bent.elastic_law, bent.solid)
+    with pytest.raises(DataError, match="bounces on the seal: up to"):
+        of.sweep(level=0.95 * of.pressed, frequency=np.linspace(5, 60, 40))
+
+
+def test_an_error_as_large_as_the_number_is_no_interval(bent):
+    """The damping is off by a factor: nothing of the height is told, but its frequency."""
+    scale = np.diag([1.0, *[WIDER] * (len(bent.covariance) - 1)])
+    doubted = replace(bent.estimate, covariance=scale @ bent.covariance @ scale)
+    wide = replace(bent, estimate=doubted)
+    told = dp.predict(wide, mass=MASS, seals=2, level="0.0005N", lines=31)
+    (one,) = told.preloaded
+    assert one.interval.value is None
+    assert one.interval.frequency[0] < one.frequency < one.interval.frequency[1]
+    assert next(fact for fact in one.facts if fact.name == "peak_height").error == np.inf
+    assert "the height of the peak is not identified" in " ".join(prediction(told).lines)
+
+
+@pytest.mark.parametrize(("half", "known"), [(0.99, True), (1.01, False)])
+def test_an_interval_is_narrower_than_its_number(half, known):
+    ends = _known(-2.0, np.array([2 * half / NORMAL, 0.0]))
+    assert (ends is not None) is known

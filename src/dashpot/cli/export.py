@@ -180,7 +180,7 @@ def _line_of_door(
         raise ExportError(
             f"{path}: --normal is for a file of points; the [seal] of a door says its own"
             if normal is not None
-            else f"{path}: no [seal] is in it"
+            else f"{path}: no [seal] is in it; add one with fit, points and normal"
         )
     wanted = pitch or door.seal.pitch
     if wanted is None:

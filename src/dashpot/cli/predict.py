@@ -31,6 +31,11 @@ _SOLID, _DOOR = "fit", "door"
 _QUESTION, _PART = "Question", "Part of a material"
 
 
+def _fits(kind: KindOfTest) -> list[str]:
+    """What a kind that predicts by itself is asked beside, each the file of a fit."""
+    return [one.name for one in offered(load(kind.asked)) if one.metadata.get("metavar") == "FIT"]
+
+
 @verb(
     "predict",
     """Predict how a fitted solid vibrates, under a mass or in a door.
@@ -52,8 +57,10 @@ _QUESTION, _PART = "Question", "Part of a material"
         of(LevelChoices, "levels", into="at_level", kinds=_SOLID,
            help="Resonance at a level, e.g. 0.5N."),
         of(LevelChoices, "sweep", into="at_level", kinds=_SOLID),
-        *(of(load(kind.asked), kinds=kind.name) for kind in PREDICTED),
+        *(of(load(kind.asked), kinds=kind.name, leave=_fits(kind)) for kind in PREDICTED),
         rest(
+            *(of(load(kind.asked), *_fits(kind), kinds=kind.name)
+              for kind in PREDICTED if _fits(kind)),
             of(SlamAsked, kinds=_SOLID),
             opt("--kind", type=OneOf(words(FrfKind)), metavar="NAME", kinds=_SOLID,
                 help=", ".join(words(FrfKind)[:-1]) + f" or {words(FrfKind)[-1]}."),
@@ -104,6 +111,7 @@ def command(*, path: str, **said: Any) -> Outcome:
 def _of_kind(path: str, row: KindOfTest, said: dict[str, Any]) -> Outcome:
     """What the fit of a kind predicts by itself."""
     asked = {one.name: said[one.name] for one in offered(load(row.asked))}
+    asked |= {name: workflow.read_fit(asked[name]) if asked[name] else None for name in _fits(row)}
     found = load(row.predict)(workflow.stored(path), temperature=said["temperature"], **asked)
     return _alone(found, said)
 

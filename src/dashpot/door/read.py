@@ -269,8 +269,13 @@ def _line_file(path: str, unit: str | None) -> tuple[FloatArray, dict[str, Float
             needed=[(axis,) for axis in _PLACE],
             hint="expected x, y, z and perhaps gap, compression, nx, ny, nz",
         )
-        rows, _ = channels.whole_rows(loaded)
-        columns = dict(zip(known, rows.T, strict=True))
+        missing = np.flatnonzero(~np.isfinite(loaded.values).all(axis=1))
+        if missing.size:
+            raise ReadError(
+                f"a seal line has no gaps, and a number is missing at {loaded.where(missing[0])}; "
+                "expected one in every row. Write it, or take the row out"
+            )
+        columns = dict(zip(known, loaded.values.T, strict=True))
         for name in known.keys() - {*_NORMAL}:
             advice = "add unit to [seal] of the door"
             columns[name] = in_si(known[name], columns[name], "length", unit, advice)

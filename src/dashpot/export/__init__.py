@@ -89,9 +89,10 @@ def deck_for(
     made = {name: value for name, value in choices.items() if value is not None}
     for name in made:
         if name not in known:
-            raise ExportError(
-                f"{target} decks take no --{name.removeprefix('frequency_').replace('_', '-')}"
-            )
+            flag = f"--{name.removeprefix('frequency_').replace('_', '-')}"
+            those = [one for one in TARGETS if name in signature(TARGETS[one]).parameters]
+            elsewhere = f". Those of {', '.join(those)} do" if those and not material else ""
+            raise ExportError(f"{target} decks take no {flag}{elsewhere}")
     if isinstance(found, HyperelasticFit):
         if seals != 1 or compression is not None:
             raise ExportError("a material card takes no --seals and no --compression")

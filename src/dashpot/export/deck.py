@@ -29,7 +29,7 @@ Exportable: TypeAlias = Solid | Fit | LevelFit
 
 NOT_VERIFIED = "not solver-verified: no solver of this kind runs in dashpot's tests"
 
-_MOVES = ("parallel", "compression", "temperature")
+_MOVES = ("parallel", "compression", "temperature", "aging")
 """Steps that made another solid of the fitted one."""
 
 

@@ -24,12 +24,13 @@ from dashpot.base.errors import FitError
 from dashpot.base.units import written
 from dashpot.engine.inference.estimate import Estimate
 from dashpot.fitting.checks.relaxation import separable
-from dashpot.fitting.nonlinear_ramp.assembly import ramp_fit
+from dashpot.fitting.nonlinear_ramp.assembly import held_ramps, ramp_fit
 from dashpot.fitting.nonlinear_ramp.hold_first import MAX_ARMS, follow
 from dashpot.fitting.nonlinear_ramp.ladder import ramp_law
 from dashpot.fitting.nonlinear_ramp.law_estimate import RampLaw
 from dashpot.fitting.pipeline import asked_arms
 from dashpot.fitting.temperature.of_tests import checked_temperatures
+from dashpot.fitting.uncertainty.moved_by_rig import moved_by_rig
 from dashpot.preparation.ramp_holds import Tests, ramp_holds
 from dashpot.records.fit import AtDepth, Fit
 from dashpot.solids.elastic import ElasticLaw
@@ -100,7 +101,10 @@ def fit_depths(
                 "longer, or leave it out"
             )
     check = _separable(each)
-    together = ramp_fit(ordered, found, asked=asked, by_depth=by_depth, further=(check,))
+    unseen = moved_by_rig(held_ramps(ordered, found), found.model)
+    together = ramp_fit(
+        ordered, found, asked=asked, by_depth=by_depth, further=(check,), unseen=unseen
+    )
     return DepthLaw(found.law, by_depth, check, together)
 
 

@@ -19,6 +19,7 @@ from dashpot.fitting.assembly import assembled
 from dashpot.fitting.checks.curves import (
     bands_meet,
     data_agree,
+    instrument_stiff,
     kramers_kronig,
     loss_positive,
     plateau,
@@ -153,7 +154,12 @@ def fit_dynamic(
     other = both.alternative(band, SWEEPS)
     # relaxation tests beside it see further
     end = None if records else _end(data, sets[0], found.model, both.arms.model.tau)
-    of_data = (kramers_kronig(passive_misfit(data)), loss_positive(data), *origin.checks)
+    of_data = (
+        kramers_kronig(passive_misfit(data)),
+        loss_positive(data),
+        instrument_stiff(data),
+        *origin.checks,
+    )
     options = (
         ("arms", str(arms)),
         ("weights", weights),

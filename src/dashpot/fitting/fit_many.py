@@ -35,6 +35,8 @@ _STACK = 4
 class ManyErrors(Frozen):
     """Standard errors of many solids; NaN where there is no arm, infinite where nothing is known.
 
+    Of the noise alone: what a machine may have done unseen to a stack of arrays nobody says.
+
     Attributes
     ----------
     k_inf : array, shape (R,)

@@ -110,8 +110,8 @@ def kind_of(name: str) -> str:
     return name.partition("@")[0]
 
 
-# what a chamber holds its temperature to over a record, K
-WARMING = Prior(0.0, 0.5)
+WARMING = Prior(0.0, USUAL["warming in a chamber"].size)
+"""Of the seal over its record, K, where several temperatures are tested."""
 # how well a recorded rise of temperature is that of the seal, K
 _RECORDED = 0.1
 

@@ -312,25 +312,15 @@ def _assembled(holds: Holds, both: FamilyChoice, design: Design, *, thorough: bo
 
 def _by_ramp(records: Sequence[RampHold], found: RampLaw, arms: int | None) -> Fit:
     """Return the fit hold first, with the elastic law that the ramps support."""
-    residuals = found.residuals
-    tests = zip(records, residuals, strict=True)
-    data = [
-        held_data(
-            record,
-            found.model,
-            residual[record.settled.start - record.hold.stop :],
-            law=found.law,
-        )
-        for record, residual in tests
-    ]
+    from dashpot.fitting.nonlinear_ramp.assembly import held_ramps, ramp_fit
+
+    data = held_ramps(records, found)
     end = end_of_hold(
         data,
         time=max(record.hold_time for record in records),
         own=found.model,
         dof=found.estimate.dof,
     )
-    from dashpot.fitting.nonlinear_ramp.assembly import ramp_fit
-
     return ramp_fit(records, found, asked=arms, end=end, unseen=moved_by_rig(data, found.model))
 
 

@@ -14,8 +14,9 @@ column of the record: with the elongations q_j of unit arms,
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -25,7 +26,8 @@ from dashpot.engine.blocks.block import DataBlock
 from dashpot.engine.inference.whitening import marginal
 from dashpot.fitting.nuisance import Prior, Terms, kind_of
 from dashpot.records.temperature import decades, shifted_log_tau
-from dashpot.solids.maxwell import GeneralizedMaxwell
+from dashpot.solids.fractional import FractionalZener
+from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
 # a dashpot is an arm far faster than anything in the window
 DASHPOT = 1e-3
@@ -112,8 +114,9 @@ class Unseen(NamedTuple):
 class RelaxationRows(NamedTuple):
     """A relaxation test at some relaxation times, each row worth one sample of unit noise.
 
-    Target, the columns of k_inf and of b, of the arms, and their derivatives by ln tau. The
-    coordinates may differ from call to call, so rows of two calls must not be mixed.
+    Target, the columns of k_inf and of b, of the arms, and their derivatives by ln tau; what the
+    rig may add that is neither sought nor doubted. The coordinates may differ from call to call, so
+    rows of two calls must not be mixed.
     """
 
     target: FloatArray
@@ -121,6 +124,7 @@ class RelaxationRows(NamedTuple):
     dashpot: FloatArray
     arms: FloatArray
     slopes: FloatArray
+    borne: FloatArray = np.zeros((0, 0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -202,8 +206,18 @@ class RelaxationData:
             where.log_tau, float(np.exp(where.log_b)), stretch=where.stretch, window=self.window
         )
 
-    def rows(self, log_tau: FloatArray, *, slopes: bool = True) -> RelaxationRows:
-        """Everything that depends on the solid, whitened for all that the rig adds."""
+    def rows(
+        self,
+        log_tau: FloatArray,
+        *,
+        slopes: bool = True,
+        borne: Mapping[str, Prior] = MappingProxyType({}),
+    ) -> RelaxationRows:
+        """Everything that depends on the solid, whitened for all that the rig adds.
+
+        But for what is `borne`, by the kinds of its columns: a column each, times its standard
+        deviation.
+        """
         count, kinds = len(log_tau), [kind_of(name) for name in self.block.fixed_names]
         shortest = np.log(DASHPOT * self.block.window[0])
         moved = self.moved or ThermalShift()
@@ -222,7 +236,9 @@ class RelaxationData:
             doubts = np.hstack((doubts, known.columns(found.fixed, found.arms[:, own.stop : -1])))
         of_shift = moved.doubts(self.answer, found.d_arms[:, own]) if doubtful else doubts[:, :0]
         b_t = float(np.exp(moved.log_b))
-        free = [kind not in SOLID and kind not in self.terms.known for kind in kinds]
+        told = {*SOLID, *self.terms.known, *borne}
+        free = [kind not in told for kind in kinds]
+        apart = replace(self.terms, known=borne).doubts(found.fixed, self.block.fixed_names)[0]
         every = np.column_stack((doubts, of_shift, of_answer * (self.delay, self.size)))
         white = marginal(found.fixed[:, free], self.weight * every)
         dashpot = found.fixed[:, kinds.index("b")] if "b" in kinds else fast
@@ -232,7 +248,31 @@ class RelaxationData:
             dashpot=white(self.weight * moved.a_t * b_t * dashpot),
             arms=white(self.weight * b_t * found.arms[:, :count]),
             slopes=white(self.weight * b_t * moved.stretch * found.d_arms[:, :count]),
+            borne=white(self.weight * apart),
         )
+
+    def pulled(self, solid: Solid) -> FloatArray:
+        r"""By how much each doubt of the rig pulls at a solid, J'c, shape (p + 1, d).
+
+        Of data that are claimed, each doubt with a column c; J is free of what the fit knew of
+        offset, drift, delay and motion. The solid's parameters are k_inf, every k, every ln tau, or
+        those of a fractional solid, then b; N/m, s and N s/m.
+        """
+        model, known, held = solid.maxwell, dict(self.terms.known), self.drift
+        # a seal that warms is sought where several temperatures were fitted
+        kinds = ("give", "settling", "preload", *(("warming",) if self.moved is None else ()))
+        borne = {kind: known.pop(kind) for kind in kinds if kind in known}
+        if "drift" in known:
+            may = known["drift"]
+            more = may.sd**2 + (may.mean - held.mean) ** 2 - held.sd**2
+            borne["drift"], known["drift"] = Prior(0.0, float(np.sqrt(max(more, 0.0)))), held
+        own, arms = np.unique(np.clip(np.log(model.tau), *np.log(self.window)), return_inverse=True)
+        quiet = replace(self, terms=replace(self.terms, known=known))
+        rows = quiet.rows(own, borne=borne)
+        columns = np.column_stack((rows.spring, rows.arms[:, arms], rows.slopes[:, arms] * model.k))
+        if isinstance(solid, FractionalZener):
+            columns = columns @ solid.arm_gradient()
+        return np.asarray(np.column_stack((columns, rows.dashpot)).T @ rows.borne)
 
 
 def _of_answer(

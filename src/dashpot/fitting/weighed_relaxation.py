@@ -411,7 +411,10 @@ def unseen(
         relaxing = answer.force(time, np.ones(len(time)))
         tared = float(np.interp(priors(test).at, time, relaxing))
         found["preload"] = relaxing - tared, test.preload * test.depth / peak
-    found["warming"] = warming(time, x, answer), unseen_warmth(test.specimen).sd
+    # its temperature is that of its contact, however long the machine stood before
+    known = max(test.onset - test.ramp_time - test.time[0], 0.0)
+    warms = warming(time, x, answer, since=known)
+    found["warming"] = warms, unseen_warmth(test.specimen).sd
     return found
 
 

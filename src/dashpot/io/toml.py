@@ -53,7 +53,10 @@ class Section:
 
     def __post_init__(self) -> None:
         if not isinstance(self.entries, Mapping):
-            raise ReadError(f"{self.where} is {self.entries!r}; expected a table of keys")
+            raise ReadError(
+                f"{self.where} is {self.entries!r}; expected a table of keys, such as "
+                f"{self.known[0]} = ..."
+            )
         for name in self.entries:
             if name not in self.known:
                 listed = ", ".join(self.known)

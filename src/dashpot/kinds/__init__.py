@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
 from dashpot.base.offered import verb
 
 if TYPE_CHECKING:
+    from dashpot.base.asks import Ask
     from dashpot.io.options import ReadOptions
 
 FIT_FILES = "workflow.fits:fit_files"
@@ -46,6 +47,12 @@ Meant: TypeAlias = Literal[
     "plug-in",
 ]
 """What records of one kind are fitted as."""
+
+
+Place: TypeAlias = Literal[
+    "", "test", "hammer", "response", "base", "bench", "level", "judged", "part"
+]
+"""Where the app takes a kind."""
 
 
 class Example(NamedTuple):
@@ -99,11 +106,20 @@ class KindOfTest:
         :mod:`dashpot.workflow.routing`; empty of what is not fitted.
     checks : str
         The module of what it is asked.
-    page : str
+    place : str
         Where the app takes it: ``"test"`` and ``"hammer"`` of a job, ``"response"`` (of a mass to a
         force) and ``"base"`` (to a motion), that or one of several levels, ``"bench"`` and
         ``"level"`` fitted by themselves, ``"judged"`` too, by their kind alone, ``"part"`` of a
         door; empty where it does not.
+    pages : mapping of str to str
+        Results of this kind whose page is laid out by hand, each with what does it.
+    panel : str
+        The module of what the app asks of it beside its files (``ASKS``), and of its fit by what
+        was answered (``answered``); empty where nothing is asked.
+    also : str
+        The kind that no file says it is, as which one of this kind may be taken.
+    alone : bool
+        Whether its fit takes one file.
     row : str
         Its own row in a lot: from a file and what is known of its piece to result and numbers.
     columns : tuple of str
@@ -134,7 +150,13 @@ class KindOfTest:
     nouns: Mapping[str, str] = field(default_factory=dict)
     meant: Meant | Literal[""] = ""
     checks: str = ""
-    page: Literal["", "test", "hammer", "response", "base", "bench", "level", "judged", "part"] = ""
+    place: Literal["", "test", "hammer", "response", "base", "bench", "level", "judged", "part"] = (
+        ""
+    )
+    pages: Mapping[str, str] = field(default_factory=dict)
+    panel: str = ""
+    also: str = ""
+    alone: bool = False
     row: str = ""
     columns: tuple[str, ...] = ()
     needs: str = ""
@@ -150,58 +172,71 @@ class KindOfTest:
 
 KINDS: Mapping[str, KindOfTest] = MappingProxyType({kind.name: kind for kind in (
     KindOfTest(
-        "relaxation", _RELAXATION, FIT_FILES, page="test", meant="bench",
+        "relaxation", _RELAXATION, FIT_FILES, place="test", meant="bench",
         nouns={
             "records.relaxation:RelaxationTest": "",
             "records.relaxation:RampHold": "plot.relaxation:segments",
+        },
+        pages={
+            "records.fit:Fit": "report.kind_pages.solid:page",
+            "workflow.impacts:Identified": "report.kind_pages.solid:identified_page",
+            "workflow.predictions:Prediction": "report.kind_pages.response:prediction_page",
         },
         checks="preparation.checks",
     ),
     KindOfTest(
         "impact", "io.readers.impact:read_impact", "workflow.impacts:impact_files",
-        page="hammer", says=_PAIR, resonates=True, meant="hits",
+        place="hammer", says=_PAIR, resonates=True, meant="hits",
         nouns={"records.impact:ImpactTest": ""},
+        pages={
+            "workflow.modes:Modes": "report.kind_pages.response:modes_page",
+            "workflow.impacts:Agreement": "report.kind_pages.response:agreement_page",
+        },
         checks="vibration.impact.checks",
     ),
     KindOfTest(
         "frf", "io.readers.frf:read_frf", "workflow.measured_modes:modes_files",
-        page="response", says=_PAIR, resonates=True, meant="modes",
+        place="response", says=_PAIR, resonates=True, meant="modes", also="rod",
         nouns={"records.frf:FRF": "plot.vibration:frf"},
+        pages={
+            "workflow.under_masses:ModesByMass": "report.kind_pages.response:masses_page",
+        },
         checks="vibration.modal.checks",
     ),
     KindOfTest(
         "transmissibility", "io.readers.frf:read_frf", "workflow.measured_modes:modes_files",
-        page="base", meant="modes",
+        place="base", meant="modes", also="rod",
     ),
     KindOfTest(
-        "dma", _DYNAMIC, FIT_FILES, page="bench", meant="bench",
+        "dma", _DYNAMIC, FIT_FILES, place="bench", meant="bench",
         nouns={"records.dynamic:DynamicTest": ""},
         checks="fitting.checks.curves",
     ),
     KindOfTest(
-        "master-curve", _DYNAMIC, FIT_FILES, page="bench", meant="bench",
+        "master-curve", _DYNAMIC, FIT_FILES, place="bench", meant="bench",
         nouns={"records.superposition:Superposition": "plot.superposition_figure:superposition"},
         checks="fitting.checks.temperature",
     ),
     KindOfTest(
         "strain-sweep", "kinds.level.read:read_amplitude", "workflow.levels:level_files",
-        page="level", meant="level",
+        place="level", meant="level",
         nouns={
             "kinds.level.record:AmplitudeSweep": "kinds.level.figure:amplitude_sweep",
             "kinds.level.record:AmplitudeFit": "",
             "kinds.level.levels:LevelFit": "",
         },
+        pages={"workflow.levels:Levels": "report.kind_pages.level:page"},
         checks="kinds.level.checks",
     ),
     KindOfTest("temperature-sweep"),
     KindOfTest("one-frequency"),
     KindOfTest(
-        "modulus", "io.readers.modulus:read_modulus", FIT_FILES, page="bench", meant="bench",
+        "modulus", "io.readers.modulus:read_modulus", FIT_FILES, place="bench", meant="bench",
         nouns={"records.modulus:RelaxationModulus": ""},
         checks="fitting.checks.curves",
     ),
     KindOfTest(
-        "creep", "io.readers.creep:read_creep", FIT_FILES, page="bench", meant="bench",
+        "creep", "io.readers.creep:read_creep", FIT_FILES, place="bench", meant="bench",
         nouns={
             "records.creep:CreepTest": "",
             "records.creep:LoadHold": "",
@@ -211,11 +246,13 @@ KINDS: Mapping[str, KindOfTest] = MappingProxyType({kind.name: kind for kind in 
     ),
     KindOfTest(
         "cld", "kinds.cld.read:read_cld", "kinds.cld.from_files:cld_files", meant="cld",
-        page="judged",
+        place="judged",
         nouns={
             "kinds.cld.record:CompressionTest": "",
             "kinds.cld.record:CLD": "kinds.cld.figure:cld",
         },
+        pages={"kinds.cld.from_files:Pieces": "report.kind_pages.cld:page"},
+        panel="kinds.cld.panel",
         checks="kinds.cld.checks",
         row="kinds.cld.row:row",
         columns=(
@@ -226,11 +263,13 @@ KINDS: Mapping[str, KindOfTest] = MappingProxyType({kind.name: kind for kind in 
     ),
     KindOfTest(
         "indentation", "kinds.indentation.read:read_indentation",
-        "kinds.indentation.from_files:indent_file", meant="indentation", page="judged",
+        "kinds.indentation.from_files:indent_file", meant="indentation", place="judged",
         nouns={
             "kinds.indentation.record:IndentationTest": "",
             "kinds.indentation.record:IndentationFit": "kinds.indentation.figure:indentation",
         },
+        pages={"kinds.indentation.record:IndentationFit": "report.kind_pages.indentation:page"},
+        panel="kinds.indentation.panel", alone=True,
         checks="kinds.indentation.checks",
         row="kinds.indentation.row:row", needs="mass",
         says="give the indenter's mass (--mass, or the column 'mass' of --manifest)",
@@ -243,27 +282,32 @@ KINDS: Mapping[str, KindOfTest] = MappingProxyType({kind.name: kind for kind in 
     KindOfTest(
         "rod", "io.readers.frf:read_frf", "workflow.rods:rod_files", meant="rod",
         nouns={"kinds.rod.record:RodModulus": "kinds.rod.figure:rod"},
+        pages={"workflow.rods:Rod": "report.kind_pages.rod:page"},
+        panel="workflow.rod_panel", alone=True,
         checks="kinds.rod.checks",
         examples="kinds.rod.examples:EXAMPLES",
     ),
     KindOfTest(
         "stress-strain", "kinds.hyperelastic.read:read_stress_strain",
-        "kinds.hyperelastic.from_files:hyperelastic_files", meant="stress-strain", page="judged",
+        "kinds.hyperelastic.from_files:hyperelastic_files", meant="stress-strain", place="judged",
         nouns={
             "kinds.hyperelastic.record:StressStrainTest": "",
             "kinds.hyperelastic.record:HyperelasticFit": "kinds.hyperelastic.figure:hyperelastic",
         },
+        pages={"kinds.hyperelastic.record:HyperelasticFit": "report.kind_pages.hyperelastic:page"},
+        panel="kinds.hyperelastic.panel",
         checks="kinds.hyperelastic.checks",
         examples="kinds.hyperelastic.examples:EXAMPLES",
     ),
     KindOfTest(
         "csr", "kinds.csr.read:read_csr", "kinds.csr.from_files:csr_files", meant="csr",
-        page="judged",
+        place="judged",
         nouns={
             "kinds.csr.record:CounterforceTest": "",
             "kinds.csr.record:Aging": "kinds.csr.figure:csr",
             "kinds.csr.aged:Aged": "kinds.csr.figure:aged",
         },
+        pages={"kinds.csr.record:Aging": "report.kind_pages.csr:page"},
         checks="kinds.csr.checks",
         row="kinds.csr.row:row",
         columns=(
@@ -272,23 +316,24 @@ KINDS: Mapping[str, KindOfTest] = MappingProxyType({kind.name: kind for kind in 
         ),
         examples="kinds.csr.examples:EXAMPLES",
         fits="kinds.csr.fit:fit_aging", takes=("temperatures", "machine"),
-        predict="kinds.csr.aged:predict_aging", asked="kinds.csr.asked:AgingAsked",
+        predict="kinds.csr.aged:predict_aged", asked="kinds.csr.asked:AgingAsked",
         follow="predict FILE --temperature 70degC --until 50%",
     ),
     KindOfTest(
         "slam", "kinds.slam.read:read_slams", "kinds.slam.from_files:slam_files", meant="slam",
-        page="judged",
+        place="judged",
         nouns={
             "kinds.slam.record:SlamTest": "",
             "kinds.slam.record:SlamFit": "kinds.slam.figure:slams",
             "kinds.slam.predicted:Slam": "kinds.slam.figure:slam",
         },
+        panel="kinds.slam.panel",
         checks="kinds.slam.checks",
         examples="kinds.slam.examples:EXAMPLES",
         fits="kinds.slam.fit:fit_slams", takes=("mass", "slam", "memory", "specimen"),
     ),
     KindOfTest(
-        "cyclic", _RELAXATION, "workflow.levels:level_files", page="level", meant="level",
+        "cyclic", _RELAXATION, "workflow.levels:level_files", place="level", meant="level",
         checks="kinds.level.checks",
         examples="kinds.level.examples:EXAMPLES",
     ),
@@ -301,12 +346,12 @@ KINDS: Mapping[str, KindOfTest] = MappingProxyType({kind.name: kind for kind in 
         },
         fits="kinds.plugged.fit:fit_plugged",
     ),
-    KindOfTest("seal-line", page="part"),
-    KindOfTest("free-modes", "door.read_modes:read_modes", page="part"),
+    KindOfTest("seal-line", place="part"),
+    KindOfTest("free-modes", "door.read_modes:read_modes", place="part"),
 )})  # fmt: skip
 """Every kind, in the order in which columns and examples stand."""
 
-RESPONSES = tuple(kind.name for kind in KINDS.values() if kind.page in {"response", "base"})
+RESPONSES = tuple(kind.name for kind in KINDS.values() if kind.place in {"response", "base"})
 """Kinds that are what a mass on its seals does, over frequency."""
 
 _NOUNS = {noun: kind for kind in KINDS.values() for noun in kind.nouns}
@@ -316,6 +361,8 @@ FIGURES = {noun: figure for kind in KINDS.values() for noun, figure in kind.noun
 }
 """What draws each noun of a kind, and those of a door, which is no kind of test."""
 
+
+_PAGES = {noun: page for kind in KINDS.values() for noun, page in kind.pages.items()}
 
 PREDICTED = tuple(kind for kind in KINDS.values() if kind.predict)
 """Kinds whose fit predicts by itself, and not as a solid."""
@@ -328,14 +375,26 @@ def takers(option: str) -> str:
 
 def row_of(noun: object) -> KindOfTest | None:
     """Return the kind that a record or a result is of; None of what is of none, or of several."""
-    return _NOUNS.get(_word(noun))
+    return _NOUNS.get(_word(type(noun)))
 
 
 def figure_of(noun: object) -> Any:
     """Return the function that draws a record or a result; None if none does."""
-    word = FIGURES.get(_word(noun))
+    word = FIGURES.get(_word(type(noun)))
     return load(word) if word else None
 
 
-def _word(noun: object) -> str:
-    return f"{type(noun).__module__.removeprefix('dashpot.')}:{type(noun).__qualname__}"
+def page_of(noun: object) -> Any:
+    """Return what lays out the page of a result or of what it is one of; None if nothing does."""
+    words = (_PAGES.get(_word(one)) for one in type(noun).__mro__)
+    return next((load(word) for word in words if word), None)
+
+
+def asks_of(name: str) -> tuple[Ask, ...]:
+    """Return what the app asks beside the files of a kind."""
+    kind = KINDS.get(name)
+    return load(f"{kind.panel}:ASKS") if kind is not None and kind.panel else ()
+
+
+def _word(noun: type) -> str:
+    return f"{noun.__module__.removeprefix('dashpot.')}:{noun.__qualname__}"

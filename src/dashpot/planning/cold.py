@@ -18,10 +18,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError
 from dashpot.base.units import celsius
-from dashpot.planning.bench import Bench
+from dashpot.planning.bench import Bench, PlannedRows
 from dashpot.records.temperature import ABOVE_GLASS, SAME_TEMPERATURE
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.temperature import WLF, TemperatureLaw
@@ -94,34 +93,41 @@ def rows_with(
     bench: Bench,
     repeats: Sequence[Elsewhere],
     slope_sd: float = SLOPE_SD,
-) -> FloatArray:
-    """Sensitivities of the test and its repeats in units of their noise, with priors, (m, p).
+) -> PlannedRows:
+    """What the test and its repeats tell a fit of all, and what each rig may add to that.
 
     The first columns are those of the solid, as in :class:`~dashpot.planning.bench.Bench`; a
     `slope_sd` of 0 supposes that one factor shifts every arm.
     """
     shared = 1 + 2 * model.arms
-    own = bench.rows(model)
+    own = bench.rows(model, several=True)
     blocks = [_repeat(model, bench, each) for each in repeats]
-    width = own.shape[1] + sum(block.shape[1] - shared - 1 for block in blocks) + 1
-    rows = [np.pad(own, ((0, 0), (0, width - own.shape[1])))]
-    begin = own.shape[1]
+    begin = own.rows.shape[1]
+    width = begin + sum(block.rows.shape[1] - shared - 1 for block in blocks) + 1
+    rows, unseen = [np.pad(own.rows, ((0, 0), (0, width - begin)))], [own.unseen]
     for block in blocks:
-        end = begin + block.shape[1] - shared - 1
-        wide = np.zeros((len(block), width))
-        wide[:, :shared], wide[:, begin:end] = block[:, :shared], block[:, shared:-1]
-        wide[:, -1] = block[:, -1]
+        own_columns = block.rows[:, shared:-1]
+        end = begin + own_columns.shape[1]
+        wide = np.zeros((len(block.rows), width))
+        wide[:, :shared], wide[:, begin:end] = block.rows[:, :shared], own_columns
+        wide[:, -1] = block.rows[:, -1]
         rows.append(wide)
+        unseen.append(block.unseen)
         begin = end
     known = np.zeros((1, width))
     known[0, -1] = 1 / max(slope_sd, 1e-12)
-    return np.vstack((*rows, known))
+    apart = np.zeros((sum(map(len, unseen)) + 1, sum(one.shape[1] for one in unseen)))
+    row, column = 0, 0
+    for one in unseen:
+        apart[row : row + len(one), column : column + one.shape[1]] = one
+        row, column = row + len(one), column + one.shape[1]
+    return PlannedRows(np.vstack((*rows, known)), apart)
 
 
-def _repeat(model: GeneralizedMaxwell, bench: Bench, there: Elsewhere) -> FloatArray:
-    """Rows of one repeat in (k_inf, k, ln tau, ln a, ln b[, offset, drift, delay], g)."""
+def _repeat(model: GeneralizedMaxwell, bench: Bench, there: Elsewhere) -> PlannedRows:
+    """Rows of one repeat in (k_inf, k, ln tau, ln a, ln b[, of its rig and warming], g)."""
     felt = model.shifted(there.a_t, there.b_t)
-    own = bench.rows(felt)
+    own, unseen = bench.rows(felt, several=True)
     n = model.arms
     stiff, slow, nuisances = own[:, : 1 + n], own[:, 1 + n : 1 + 2 * n], own[:, 1 + 2 * n :]
     decades = np.log10(np.asarray(model.tau) / _MIDDLE)
@@ -131,4 +137,4 @@ def _repeat(model: GeneralizedMaxwell, bench: Bench, there: Elsewhere) -> FloatA
         *nuisances.T,
         np.log(there.a_t) * slow @ decades,
     ]
-    return np.hstack((there.b_t * stiff, slow, np.column_stack(moved)))
+    return PlannedRows(np.hstack((there.b_t * stiff, slow, np.column_stack(moved))), unseen)

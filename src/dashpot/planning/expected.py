@@ -10,7 +10,8 @@ deviation sigma, no unbiased fit of :math:`\theta = (k_\infty, k_j, \ln\tau_j)` 
 
 with J the sensitivities of the force (paper eqs. 1-5) at every sample. What the fit of a recorded
 motion must find besides, offset, drift and delay, stands in J too, each with a row 1/sd for what is
-known of it before. An impact record must be long enough for the mass to come to rest, and its pulse
+known of it before. What machine and room may add unseen moves the fit, and is in C as it is in the
+intervals of a fit. An impact record must be long enough for the mass to come to rest, and its pulse
 short enough to make it ring.
 """
 
@@ -33,8 +34,11 @@ from dashpot.vibration.systems.prediction import accelerance, ringing_pole
 
 # directions with less than this share of the information are not known at all
 SINGULAR = 1e-14
-# of the machine that is named, s
+# standard errors to either end of a 95 % interval, of as many samples as a test has
+_SIGMAS = 1.96
+# of the machine that is named, s, and what it says to be nothing; its drift the baseline tells
 NAMED_BASELINE = 10.0
+_NAMED = ("compliance", "creep")
 # Trethewey and Cafeo 1992: six time constants leave less than 0.5 % error in the FRF
 TIME_CONSTANTS = 6.0
 LINES = 5.0
@@ -84,13 +88,14 @@ def expected_error(
     `hammer` holds the rows of a hammer test in the same parameters and one more, the mass:
     with them both tests are fitted together. `repeats` are the same test at other temperatures.
     """
-    rows = rows_with(model, bench, repeats) if repeats else bench.rows(model)
+    rows, unseen = rows_with(model, bench, repeats) if repeats else bench.rows(model)
     if hammer is not None:
         own = hammer.shape[1] - 1
         mass = np.vstack((np.zeros((len(rows), 1)), hammer[:, -1:]))
         extra = np.zeros((len(hammer), rows.shape[1] - own))
         rows = np.hstack((np.vstack((rows, np.hstack((hammer[:, :-1], extra)))), mass))
-    covariance = _covariance(rows)
+        unseen = np.pad(unseen, ((0, len(hammer)), (0, 0)))
+    covariance = _covariance(rows, unseen)
     storage, loss_factor, gradients = _gradients(model, at)
     sizes = [
         float(np.sqrt(max(row @ covariance @ row, 0.0)))
@@ -107,14 +112,21 @@ def expected_error(
     )
 
 
-def _covariance(rows: FloatArray) -> FloatArray:
-    """Return (J'J)^-1 by singular values, huge where J says nothing."""
+def _covariance(rows: FloatArray, unseen: FloatArray) -> FloatArray:
+    r"""Return (J'J)^-1, huge where J says nothing, and what each c unseen moves the fit by.
+
+    .. math:: C = (J'J)^{-1} + \sum_c \delta\theta\,\delta\theta', \qquad
+              \delta\theta = (J'J)^{-1} J' c
+
+    A fit looks for no give of its machine: it is moved by it.
+    """
     scale = np.linalg.norm(rows, axis=0)
     scale[scale == 0] = 1.0
-    _, values, vectors = np.linalg.svd(rows / scale, full_matrices=False)
+    left, values, vectors = np.linalg.svd(rows / scale, full_matrices=False)
     values = np.maximum(values, SINGULAR * values[0])
     root = vectors.T / values / scale[:, None]
-    return np.asarray(root @ root.T)
+    moved = root @ (left.T @ unseen)
+    return np.asarray(root @ root.T + moved @ moved.T)
 
 
 def _gradients(model: GeneralizedMaxwell, at: float) -> tuple[float, float, FloatArray]:
@@ -125,6 +137,69 @@ def _gradients(model: GeneralizedMaxwell, at: float) -> tuple[float, float, Floa
     storage = complex_gradient.real
     ratio = (complex_gradient.imag - loss_factor * complex_gradient.real) / stiffness.real
     return stiffness.real, loss_factor, np.array([storage, ratio])
+
+
+# -- arms ------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class ExpectedArm:
+    """How well a fit of the test would know one arm: half widths of 95 % intervals over the value.
+
+    Attributes
+    ----------
+    k, tau : float
+        Of the arm that was supposed, N/m and s.
+    half_k, half_tau, half_b : float
+        As the test is planned; b = k tau.
+    named_k, named_tau, named_b : float
+        The same with a baseline of 10 s, and drift, compliance, creep and clocks of the machine
+        known.
+    """
+
+    k: float
+    tau: float
+    half_k: float
+    half_tau: float
+    half_b: float
+    named_k: float
+    named_tau: float
+    named_b: float
+
+
+def expected_arms(model: GeneralizedMaxwell, bench: Bench) -> tuple[ExpectedArm, ...]:
+    """What a fit of the solid's own arms would print of each."""
+    planned, named = (
+        _of_arms(model, one) for one in (bench, _on_a_named_rig(bench, *_NAMED, "sync"))
+    )
+    least = np.minimum(planned, named)
+    return tuple(
+        ExpectedArm(k, tau, *now, *then)
+        for k, tau, now, then in zip(
+            model.k, model.tau, planned.tolist(), least.tolist(), strict=True
+        )
+    )
+
+
+def _of_arms(model: GeneralizedMaxwell, bench: Bench) -> FloatArray:
+    """Half widths of k, tau and b of every arm over the value, shape (N, 3)."""
+    n = model.arms
+    arms = slice(1, 1 + 2 * n)
+    covariance = _covariance(*bench.rows(model))[arms, arms]
+    k, every = np.diag(1 / np.asarray(model.k)), np.eye(n)
+    none = np.zeros((n, n))
+    turn = np.vstack((np.hstack((k, none)), np.hstack((none, every)), np.hstack((k, every))))
+    variance = np.einsum("ij,jk,ik->i", turn, covariance, turn)
+    return np.asarray(_SIGMAS * np.sqrt(np.maximum(variance, 0.0)).reshape(3, n).T)
+
+
+def _on_a_named_rig(bench: Bench, *names: str) -> Bench:
+    """The same test after a baseline, of a machine that says so much of itself: nothing of each."""
+    machine = bench.machine or Machine()
+    told = {name: getattr(machine, name) or 0.0 for name in names}
+    return replace(
+        bench, baseline=max(bench.baseline, NAMED_BASELINE), machine=replace(machine, **told)
+    )
 
 
 # -- the end of the hold ---------------------------------------------------------------------------
@@ -166,10 +241,8 @@ def expected_end(model: GeneralizedMaxwell, bench: Bench) -> ExpectedEnd:
 
     What machine and room may add unseen stands in J besides, each with a row of 1.
     """
-    machine = bench.machine or Machine()
-    bench = replace(bench, method="full", machine=machine)
-    told = replace(machine, compliance=machine.compliance or 0.0, creep=machine.creep or 0.0)
-    named = replace(bench, baseline=max(bench.baseline, NAMED_BASELINE), machine=told)
+    bench = replace(bench, method="full", machine=bench.machine or Machine())
+    named = _on_a_named_rig(bench, *_NAMED)
     value = float(model.relaxation(bench.hold_time))
     half, least = (_half_width(model, one) / value for one in (bench, named))
     return ExpectedEnd(bench.hold_time, value, half, min(least, half))
@@ -177,12 +250,19 @@ def expected_end(model: GeneralizedMaxwell, bench: Bench) -> ExpectedEnd:
 
 def _half_width(model: GeneralizedMaxwell, bench: Bench) -> float:
     """Of the 95 % limits of k(T), N/m."""
-    rows = bench.rows(model, unseen=True)
+    rows, unseen = bench.rows(model)
+    # a limit is over every solid and every rig at once
+    both = np.vstack(
+        (
+            np.hstack((rows, unseen)),
+            np.eye(unseen.shape[1], sum(part.shape[1] for part in (rows, unseen)), rows.shape[1]),
+        )
+    )
     tau, k = np.asarray(model.tau), np.asarray(model.k)
     age = bench.hold_time / tau
     goal = np.concatenate(([1.0], np.exp(-age), k * age * np.exp(-age)))
-    goal = np.pad(goal, (0, rows.shape[1] - len(goal)))
-    variance = float(goal @ _covariance(rows) @ goal)
+    goal = np.pad(goal, (0, both.shape[1] - len(goal)))
+    variance = float(goal @ _covariance(both, both[:, :0]) @ goal)
     return float(np.sqrt(STANDS * max(variance, 0.0)))
 
 

@@ -20,10 +20,12 @@ from dashpot.planning.bench import Bench
 from dashpot.planning.checks import known_to, percent
 from dashpot.planning.cold import Elsewhere, elsewhere, refuse_twice
 from dashpot.planning.expected import (
+    ExpectedArm,
     ExpectedEnd,
     ExpectedError,
     Pulse,
     RecordNeed,
+    expected_arms,
     expected_end,
     expected_error,
     half_sine,
@@ -74,6 +76,9 @@ class Plan(Checked, Documented):
         Of the test, K.
     repeats : tuple of Elsewhere
         Where it is repeated, as asked.
+    arms : tuple of ExpectedArm
+        How well a fit of the test, without its repeats, would know each arm of the seal, that which
+        it may not see left out.
     end : ExpectedEnd
         How well the test, without its repeats, would know the stiffness when it ends, and how
         well if the machine were named.
@@ -95,6 +100,7 @@ class Plan(Checked, Documented):
     advice: tuple[str, ...]
     temperature: float = SHIFT.reference
     repeats: tuple[Elsewhere, ...] = ()
+    arms: tuple[ExpectedArm, ...] = ()
 
     @property
     def sound(self) -> str:
@@ -111,7 +117,26 @@ class Plan(Checked, Documented):
             for e in (self.expected, *self.alternatives)
         ]
         title = f"expected standard deviation at {self.at:g} Hz"
-        return "\n".join([title, head, *rows, self.end.says, *self.advice])
+        return "\n".join([title, head, *rows, *self._of_arms, self.end.says, *self.advice])
+
+    @property
+    def _of_arms(self) -> list[str]:
+        """A table of the arms."""
+        if not self.arms:
+            return []
+        title = (
+            "half widths of 95 % limits of each arm; named: of a machine that is, after a baseline "
+            "of 10 s"
+        )
+        names = ("k", "tau", "b")
+        titles = (*names, *(f"named {name}" for name in names))
+        head = f"{'arm, s':<10}{''.join(f'{each:>12}' for each in titles)}"
+        rows = []
+        for one in self.arms:
+            each = [getattr(one, f"{when}_{name}") for when in ("half", "named") for name in names]
+            cells = (f"{percent(half, 'unknown'):>12}" for half in each)
+            rows.append(f"{one.tau:<10.3g}{''.join(cells)}")
+        return [title, head, *rows]
 
 
 def plan(
@@ -194,7 +219,7 @@ def plan(
     return Plan(
         at=at, model=supposed, arm=arm, expected=expected, alternatives=alternatives, band=band,
         record=need, end=expected_end(supposed, bench), pulse=tip, checks=answers, advice=words,
-        temperature=room, repeats=repeats,
+        temperature=room, repeats=repeats, arms=expected_arms(seal.model, bench),
     )  # fmt: skip
 
 

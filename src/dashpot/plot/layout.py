@@ -5,9 +5,10 @@ What is laid out is drawn alike by `svg` and by `bitmap`, so a figure looks alik
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from functools import cache
-from typing import Literal, NamedTuple
+from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -45,6 +46,9 @@ STRAIGHT = 0.03
 
 MARGIN, BETWEEN = 12.0, 20.0
 """About a file's drawing, and between its strips, px."""
+
+LEADING = 14.0
+"""Between the lines of one tag, px."""
 
 SWATCH = 34.0
 """From a sample in the key to its words, px."""
@@ -168,7 +172,7 @@ def lay_out(strip: tuple[Panel, ...], width: float) -> Laid:
     for i, panel in enumerate(strip):
         last = i == len(strip) - 1
         named = y + (ROW + 4) * bool(panel.title)
-        above = 4 + ROW * (bool(panel.note) if panel.drawing else not panel.bare)
+        above = 4 + ROW * ((not panel.drawing and not panel.bare) + _rows_above(panel, inner_width))
         box = Box(left, named + above, inner_width, panel.height)
         shown, at = panel, ticks[i]
         if panel.square:
@@ -213,7 +217,9 @@ def arranged(picture: Picture) -> Sheet:
         x += reach
     if picture.stamp:
         y += (ROW + 6) * bool(key)
-        words.append(Word(MARGIN, y, picture.stamp))
+        for i, line in enumerate(_broken(picture.stamp, picture.width - 2 * MARGIN)):
+            y += ROW * bool(i)
+            words.append(Word(MARGIN, y, line))
     return Sheet(y + MARGIN, tuple(strips), tuple(key), tuple(words))
 
 
@@ -262,6 +268,31 @@ def _frame(panel: Panel, box: Box, upright: list[tuple[float, str]], *, named: b
     )
 
 
+def _noted(panel: Panel, width: float) -> list[str]:
+    """The note in lines, each no wider than the axes."""
+    return _broken(panel.note, width) if panel.note else []
+
+
+def _rows_above(panel: Panel, width: float) -> int:
+    """Rows of a note over the one that names the upright axis, beside which a short one stands."""
+    lines = _noted(panel, width)
+    if panel.bare or panel.drawing:
+        return len(lines) if panel.drawing else 0
+    wide = text_width(panel.y.label) + text_width(panel.note) + RIGHT
+    return 0 if not lines or wide <= width + 4 else len(lines)
+
+
+def _broken(text: str, width: float) -> list[str]:
+    """Words in lines of at most so many px, broken where there is room between them."""
+    lines = [""]
+    # a number stays with its unit
+    for word in re.findall(r"(?:\S*\d (?=[a-zA-Z%°µ]))?\S+\s*", text):
+        if lines[-1] and text_width((lines[-1] + word).rstrip()) > width:
+            lines.append("")
+        lines[-1] += word
+    return [line.rstrip(" ·") for line in lines]
+
+
 def _above(panel: Panel, box: Box) -> list[Word]:
     """What stands above the axes: what they show upright, the title, a note."""
     said = [] if panel.bare or panel.drawing else [Word(box.x - 4, box.y - 6, panel.y.label)]
@@ -269,11 +300,16 @@ def _above(panel: Panel, box: Box) -> list[Word]:
         at = box.x + box.width / 2, box.y + box.height + ROW * (i + 1)
         leads = i == 0 and "\n" in panel.below
         said.append(Word(*at, line, "ink" if leads else "soft", leads, "middle"))
+    rows = _rows_above(panel, box.width)
     if panel.title:
-        above = -6 if panel.drawing and not panel.note else -8 - ROW
+        above = -6 if panel.drawing and not panel.note else -8 - ROW * (rows or 1)
+        if rows and not panel.drawing:
+            above -= ROW
         said.append(Word(0, box.y + above, panel.title, "ink", bold=True, size=BOLD))
-    if panel.note:
-        said.append(Word(box.x + box.width, box.y - 6, panel.note, anchor="end"))
+    lines = _noted(panel, box.width)
+    over = ROW * (len(lines) if rows and not panel.drawing else len(lines) - 1)
+    for i, line in enumerate(lines):
+        said.append(Word(box.x + box.width, box.y - 6 - over + ROW * i, line, anchor="end"))
     return said
 
 
@@ -400,44 +436,96 @@ def _tagged(
     places = [_points(panel, box, *_at(tag))[0] + (box.x, box.y) for tag in tags]
     taken = [Box(x - 5, y - 5, 10, 10) for tag, (x, y) in zip(tags, places, strict=True)
              if not tag.end]  # fmt: skip
+    # what reaches beyond the sheet stands further in, upon its own curve
+    most = box.x + box.width + RIGHT + 2
     made = [
-        Word(x + 6, y, tag.text, tag.colour, tag.bold, halo=True)
+        Word(min(x + 6, most - text_width(tag.text, bold=tag.bold)), y, tag.text, tag.colour,
+             tag.bold, halo=True)
         for tag, x, y in _named(tags, places)
-    ]
+    ]  # fmt: skip
     taken += map(_room, made)
     for tag, (x, y) in zip(tags, places, strict=True):
         if tag.end:
             continue
-        spots: list[tuple[float, float, Anchor]] = [
+        near: list[_Spot] = [
             (x + 10, y + 4, "start"), (x - 10, y + 4, "end"), (x + 10, y - 10, "start"),
             (x - 10, y - 10, "end"), (x, y - 12, "middle"), (x + 14, y + 21, "start"),
             (x - 14, y + 21, "end"),
         ]  # fmt: skip
         if not tag.dot:
             # beneath the words of the point that it shares
-            spots = [*spots[5:7], *spots]
-        ends: list[tuple[float, float, Anchor]] = [
+            near = [*near[5:7], *near]
+        far: list[_Spot] = [
             (box.x + box.width - 4, y - 10, "end"), (box.x + 4, y - 10, "start"),
             (box.x + box.width - 4, y + 21, "end"), (box.x + 4, y + 21, "start"),
         ]  # fmt: skip
-        near, far = (
-            [
-                Word(sx, sy, tag.text, tag.colour, tag.bold, anchor, halo=True)
-                for sx, sy, anchor in some
-            ]
-            for some in (spots, ends)
-        )
-        clear = [one for one in near if _clear(_room(one), box, taken)]
-        away = (one for one in far if _clear(_room(one), box, taken))
-        # where nothing is clear of the others, what stays inside is read
-        word = (
-            min(clear, key=lambda one: _crossed(_room(one), drawn))
-            if clear
-            else next(away, None) or min(near, key=lambda one: _beyond(_room(one), box))
-        )
-        taken.append(_room(word))
-        made.append(word)
+        laid = [
+            _laid(tag, lines, near, far, _Beside(box, taken, drawn))
+            for lines in dict.fromkeys(((tag.text,), tuple(_halves(tag.text))))
+        ]
+        # in two lines only where one has no room, or more runs through it
+        words, _ = min(laid, key=lambda one: one[1])
+        taken += map(_room, words)
+        made += words
     return made
+
+
+_Spot: TypeAlias = tuple[float, float, Anchor]
+
+
+class _Beside(NamedTuple):
+    """What words have to keep clear of: the ends of the axes, other words, and curves."""
+
+    box: Box
+    taken: list[Box]
+    drawn: FloatArray
+
+
+def _halves(text: str) -> list[str]:
+    """Words in two lines, about as long."""
+    # a number stays with its unit
+    at = [one.start() for one in re.finditer(r"(?<!\d) ", text)]
+    if not at:
+        return [text]
+    middle = min(at, key=lambda one: abs(one - len(text) / 2))
+    return [text[:middle], text[middle + 1 :]]
+
+
+def _laid(
+    tag: Tag,
+    lines: tuple[str, ...],
+    near: list[_Spot],
+    far: list[_Spot],
+    beside: _Beside,
+) -> tuple[list[Word], tuple[float, int]]:
+    """The words of a tag in lines at the best of its places, and how bad that is."""
+
+    def words(spot: _Spot) -> list[Word]:
+        # what stands above its point ends there
+        x, y, anchor = spot
+        y -= LEADING * (len(lines) - 1) * (y < near[0][1])
+        return [
+            Word(x, y + LEADING * i, line, tag.colour, tag.bold, anchor, halo=True)
+            for i, line in enumerate(lines)
+        ]
+
+    def clear(made: list[Word]) -> bool:
+        return all(_clear(_room(one), beside.box, beside.taken) for one in made)
+
+    def crossed(made: list[Word]) -> int:
+        return sum(_crossed(_room(one), beside.drawn) for one in made)
+
+    free = [one for one in map(words, near) if clear(one)]
+    if free:
+        best = min(free, key=crossed)
+        return best, (0.0, crossed(best))
+    away = next((one for one in map(words, far) if clear(one)), None)
+    if away is not None:
+        return away, (0.5, crossed(away))
+    # where nothing is clear of the others, what stays inside is read
+    out = [max(_beyond(_room(one), beside.box) for one in words(spot)) for spot in near]
+    least = min(out)
+    return words(near[out.index(least)]), (1.0 + least, 0)
 
 
 def _strokes(inner: tuple[Polyline | Fill | Markers, ...], box: Box) -> FloatArray:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -422,6 +423,8 @@ def _layered(curves: Sequence[Curve]) -> list[Curve]:
 
 def _bode(curves: Sequence[Curve], spread: Sequence[Spread]) -> tuple[Panel, ...]:
     upper = magnitude_panel(curves, spread, tagged=True)
+    if len(curves) == 1:
+        upper = replace(upper, marks=(*upper.marks, *_half_power(curves[0])))
     strip = [upper, phase_panel(curves, upper.x.limits)]
     return (*strip, *coherence_panels(curves[0].frf, upper.x))
 
@@ -484,6 +487,19 @@ def _peaks(curves: Sequence[Curve], unit: str) -> list[Tag]:
                 bold=one.pen is MEASURED)
         )  # fmt: skip
     return tags
+
+
+def _half_power(one: Curve) -> list[Mark]:
+    """The width of a measured peak at -3 dB, drawn where it is."""
+    if one.pen is not MEASURED or one.peak is None or one.frf.quantity is not Kind.ACCELERANCE:
+        return []
+    peak = find_peak(one.frf)
+    width, height = 2 * peak.damping_ratio * peak.frequency, peak.height / math.sqrt(2)
+    ends = peak.frequency + np.array([-0.5, 0.5]) * width
+    # its damping is the mode's, which is fitted to all lines
+    said = f"{rounded(width, digits=2)} Hz wide at −3 dB"
+    return [Line(ends, np.full(2, height), Pen("fit", 2.0)),
+            Tag(float(ends[1]), height, said, "fit")]  # fmt: skip
 
 
 def _peak_of(one: FRF) -> tuple[float, float]:

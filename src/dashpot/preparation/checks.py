@@ -319,7 +319,7 @@ def motion_measured(test: RampHold) -> Finding:
     if moved:
         return Finding("The displacement of the hold is measured, not commanded", float(moved))
     fall = float(force[middle : middle + part].mean() - force[-part:].mean())
-    creep = 1e-3 * float(force[-part:].mean())
+    creep = 1e-3 * abs(float(force[-part:].mean()))
     share = f" ({100 * creep / fall:.2g} % of its fall)" if fall > creep else ""
     step = f", or its step of {written(test.encoder_step, 'um', '.3g')} hides the change"
     return Finding(

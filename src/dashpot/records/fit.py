@@ -22,6 +22,7 @@ from dashpot.base.provenance import Source, Step
 from dashpot.base.sentences import sentence
 from dashpot.base.status import Status
 from dashpot.base.units import Quantity, celsius, si, written
+from dashpot.engine.inference.order import arms_known
 from dashpot.records.alternative import Alternative, family_of
 from dashpot.records.bounds import EndOfHold, LeftOpen
 from dashpot.records.compression import refuse_far
@@ -426,6 +427,11 @@ class Fit(ByValue, Pictured, Documented):
         """Where each tested temperature lies against the reference."""
         return () if self.temperatures is None else self.temperatures.shifts
 
+    @property
+    def shift_error(self) -> str:
+        """What the errors of the shifts are called: rigs may have done more than they hold."""
+        return "± SE" if self.estimate.of_noise is None else "± noise"
+
     def at(self, temperature: Quantity) -> GeneralizedMaxwell:
         r"""The solid at another temperature: relaxation times times a_T, stiffnesses times b_T.
 
@@ -472,10 +478,18 @@ class Fit(ByValue, Pictured, Documented):
             f"at {celsius(kelvin)}, a_T = {a_t:.5g} and b_T = {b_t:.5g} times fit {self.identity}",
         )
         scaled = self._scaled(b_t, step)
-        covariance = moved.covariance_at(kelvin, self.parameters, self.covariance, self.model)
+
+        def there(covariance: FloatArray) -> FloatArray:
+            return moved.covariance_at(kelvin, self.parameters, covariance, self.model)
+
+        of_noise = self.estimate.of_noise
         # what a test adds to the force of the solid it adds at any temperature
         estimate = replace(
-            scaled.estimate, covariance=covariance, profiles=(), nuisance=self.nuisance
+            scaled.estimate,
+            covariance=there(self.covariance),
+            of_noise=None if of_noise is None else there(of_noise),
+            profiles=(),
+            nuisance=self.nuisance,
         )
         low, high = self.band
         return replace(
@@ -522,12 +536,28 @@ class Fit(ByValue, Pictured, Documented):
         return self.estimate.nuisance
 
     @property
+    def unplaced(self) -> tuple[float, ...]:
+        """Relaxation times, s, of the arms that the data ask for and cannot place.
+
+        Such an arm corrects the others: its own k or tau is hardly known. None are told of a fit
+        whose parameters are identified.
+        """
+        arms = self.model.arms
+        if self.status is not Status.NOT_IDENTIFIED or len(self.parameters) < 1 + 2 * arms:
+            return ()
+        error = np.sqrt(np.diag(self.estimate.noise_alone.covariance))
+        known = arms_known(
+            np.array(self.model.k), error[1 : 1 + arms], error[1 + arms : 1 + 2 * arms]
+        )
+        return tuple(tau for tau, sure in zip(self.model.tau, known, strict=True) if not sure)
+
+    @property
     def standard_error(self) -> StandardErrors:
         """Standard errors of k_inf, and of k, tau and b = k tau of each arm, SI units.
 
-        Of a fractional solid, those of the arms that stand for it follow from its own four. Of one
-        relaxation test they hold what its rig may have done unseen; without it they are those of
-        `estimate.noise_alone`.
+        Of a fractional solid, those of the arms that stand for it follow from its own four. Of
+        relaxation tests they hold what their rigs may have done unseen; without it they are those
+        of `estimate.noise_alone`.
         """
         return self._of_arms.standard_errors(self.model)
 

@@ -62,6 +62,9 @@ USUAL: Mapping[str, Usual] = MappingProxyType({
         "20 um in a factor e of time, of 8 mm, is two standard deviations",
     ),
     "warming": Usual(0.7, "K, of the seal over its record", "a room without a chamber"),
+    "warming in a chamber": Usual(
+        0.5, "K, of the seal over its record", "what a chamber holds its temperature to"
+    ),
     "faster by warmth": Usual(
         0.19, "of ln a_T in a kelvin", "WLF's universal constants 75 K above a glass transition"
     ),

@@ -11,8 +11,7 @@ from dashpot.base.documents import Documented
 from dashpot.plot.picture import Picture
 from dashpot.report.answer import Attachment, tally
 from dashpot.report.figures import LEAD, Drawn, drawn
-from dashpot.report.kind_page import Fold, KindPage
-from dashpot.report.of_kinds import kind_page
+from dashpot.report.kind_page import Fold, KindPage, kind_page
 from dashpot.report.pages import COLOURS, frame, held
 from dashpot.report.tables import checks
 

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 from dashpot.base.checks import Check
-from dashpot.base.facts import Fact
+from dashpot.base.facts import UNKNOWN, Fact
+from dashpot.base.numbers import rounded
+from dashpot.base.offered import Judged
 from dashpot.base.provenance import Source
 from dashpot.base.units import written
+from dashpot.kinds import page_of
 from dashpot.plot.picture import Picture
 from dashpot.records.specimen import Specimen
 from dashpot.report.answer import NOT_GIVEN, Attachment, Light, Row, mark_of, tally
@@ -61,7 +64,7 @@ class KindPage:
     files : tuple of Attachment
         To take along, beside the document.
     name : str
-        Of the document, without its ending.
+        Of the document, without its ending; by default as its schema is called.
     """
 
     about: str
@@ -75,7 +78,7 @@ class KindPage:
     note: str = "From and to are the 95 % interval; an empty cell was not computed."
     folds: tuple[Fold, ...] = ()
     files: tuple[Attachment, ...] = ()
-    name: str = field(default="result")
+    name: str = ""
 
 
 def lights(
@@ -111,7 +114,9 @@ def lights(
 def row(fact: Fact, name: str = "") -> Row:
     """A number as the table has it: value, from, to, unit."""
     known = fact.bounded and fact.error != 0
-    value, low, high = fact.ends if known else (fact.cells.value, "", "")
+    cells = fact.cells
+    value, low, high = fact.ends if known else (cells.value, "", "")
+    low = cells.error if cells.error == UNKNOWN else low
     if math.isnan(fact.value):
         value = "" if fact.bound_alone else value
     return Row(name or fact.symbol, value, low, high, fact.word, "", bound=False)
@@ -142,3 +147,48 @@ def sources_behind(found: Any) -> tuple[Source, ...]:
     if given is None:
         return ()
     return (given,) if isinstance(given, Source) else tuple(dict.fromkeys(given))
+
+
+def tried(orders: Sequence[tuple[str, float]]) -> Fold:
+    """Every law that was tried, best first."""
+    least = min(score for _, score in orders)
+    rows = tuple(
+        (name, rounded(score - least)) for name, score in sorted(orders, key=lambda o: o[1])
+    )
+    return Fold(
+        "Laws tried", "BIC above the least", TextTable(("law", "BIC above the least"), rows)
+    )
+
+
+def kind_page(found: Any) -> KindPage:
+    """Return what the page of a result holds; of one without a page of its own, its facts.
+
+    Raises
+    ------
+    TypeError
+        If it is no result that was judged, or tells no number.
+    """
+    own = page_of(found)
+    if own is not None:
+        page: KindPage = own(found)
+        return page if page.name else replace(page, name=_called(found.schema))
+    facts = found.facts if isinstance(found, Judged) else ()
+    if not facts:
+        raise TypeError(f"a {type(found).__name__} has no page")
+    picture = found.plot()
+    return KindPage(
+        about=picture.name.replace("-", " "),
+        strip=(*who(getattr(found, "specimen", None)), ("Numbers", str(len(facts)))),
+        lights=lights(found.checks, {"Checks": frozenset()}),
+        answers="Measured and fitted",
+        picture=picture,
+        told="What was found",
+        groups=(group("", facts),),
+        sources=sources_behind(found),
+        name=picture.name,
+    )
+
+
+def _called(schema: str) -> str:
+    """A schema without its house and its number."""
+    return schema.partition("/")[2].partition("@")[0]

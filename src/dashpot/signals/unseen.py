@@ -60,8 +60,9 @@ def warming(
     *,
     by_a: float = -USUAL["faster by warmth"].size,
     by_b: float = 0.0,
+    since: float = 0.0,
 ) -> FloatArray:
-    r"""Return what a seal that warms by one kelvin over its record adds to the force, N/K.
+    r"""Return what a seal that warms by one kelvin to the end of its record adds, N/K.
 
     It answers in reduced time :math:`\xi = \int dt/a(T(t))`, its stiffnesses times b(T(t)).
 
@@ -73,8 +74,10 @@ def warming(
         At the temperature of the test.
     by_a, by_b : float
         Slopes of ln a_T and of ln b_T there, 1/K.
+    since : float
+        From when on it warms evenly, s: until then it has the temperature that is meant.
     """
-    rise = _RISE * time / time[-1]
+    rise = _RISE * np.maximum(time - since, 0.0) / (time[-1] - since)
     # time counts for more as the seal gets faster
     pace = np.exp(-by_a * rise)
     reduced = np.concatenate(([0.0], np.cumsum(np.diff(time) * (pace[1:] + pace[:-1]) / 2)))

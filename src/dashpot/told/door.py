@@ -18,9 +18,8 @@ def door(found: workflow.DoorResult, *, every: bool = False) -> Text:
     lines = _line(found)
     parts = list(dict.fromkeys(one.name for mode in found.modes for one in mode.shares))
     rows = [
-        ["mode", "Hz", "without seal", "damping, %", "loss factor", "seal, % of energy", "of loss",
-         "times outside"]
-    ]  # fmt: skip
+        ["mode", "Hz", "without seal", "damping, %", "seal: % of energy", "% of loss", "outside"]
+    ]
     for number, one in enumerate(found.modes, start=1):
         rows.append(
             [
@@ -28,7 +27,6 @@ def door(found: workflow.DoorResult, *, every: bool = False) -> Text:
                 rounded(one.mode.frequency, digits=5),
                 "" if one.without_seal is None else rounded(one.without_seal, digits=5),
                 _damped(100 * one.mode.damping_ratio),
-                _damped(one.loss_factor),
                 f"{100 * one.share('seal'):.3f}",
                 f"{100 * one.loss_share('seal'):.1f}",
                 _beyond(found, one.mode.frequency),

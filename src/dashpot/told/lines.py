@@ -78,7 +78,7 @@ def sensitive(of: Measured, *, errors: tuple[str, ...], unit: str, shown: int) -
     ----------
     of : Measured
     errors : tuple of str
-        Which of :data:`ERRORS` are told.
+        Which of :data:`ERRORS` are told; none for the lines alone.
     unit : str
         Of SI, of the storage.
     shown : int
@@ -96,6 +96,8 @@ def sensitive(of: Measured, *, errors: tuple[str, ...], unit: str, shown: int) -
         for _, (storage, loss) in told:
             row += [f"{100 * storage[i]:+.2f}", f"{loss[i]:+.4f}"]
         rows.append(row)
+    if not errors:
+        return table(rows)
     words = ", ".join(ERRORS[name][1] for name in errors)
     return [*table(rows), f"  {words}: change of the storage, %, and of the loss factor"]
 

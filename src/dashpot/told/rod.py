@@ -11,6 +11,8 @@ from dashpot.told.text import hertz
 
 _ROWS = 8
 """Lines of a rod that are shown."""
+_ERRORS = ("phase", "gain")
+"""Of the test, what small ones do to every line."""
 
 
 def rod(found: workflow.Rod) -> Text:
@@ -30,7 +32,7 @@ def rod(found: workflow.Rod) -> Text:
         if of.usable.any()
         else "  usable      nowhere"
     )
-    lines += _lines(found, _ROWS)
+    lines += _lines(found, _ROWS, ())
     if found.fit is None:
         lines.append(f"  No model was fitted: {found.reason}")
         return Text(lines, _lines(found, len(of.frequency)))
@@ -39,5 +41,5 @@ def rod(found: workflow.Rod) -> Text:
     return Text([*lines, *fitted.lines], [*fitted.details, *details])
 
 
-def _lines(found: workflow.Rod, shown: int) -> list[str]:
-    return sensitive(found.modulus, errors=("phase", "gain"), unit="Pa", shown=shown)
+def _lines(found: workflow.Rod, shown: int, errors: tuple[str, ...] = _ERRORS) -> list[str]:
+    return sensitive(found.modulus, errors=errors, unit="Pa", shown=shown)

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from dashpot.base import numbers
-from dashpot.base.facts import Fact
+from dashpot.base.facts import UNKNOWN, Fact
 from dashpot.base.numbers import ascii_only
 from dashpot.base.units import celsius, in_unit, written
 from dashpot.told.layout import Text, facts, table
@@ -61,6 +61,9 @@ def fit(found: Fit, *, asked: int | str = "auto") -> Text:
     arms = f"{found.model.arms} Maxwell arm{'s' * (found.model.arms != 1)}"
     if found.family == "fractional":
         arms = f"fractional Zener model ({arms} stand for it)"
+    elif found.unplaced:
+        of = ", ".join(f"{tau:.3g} s" for tau in found.unplaced)
+        arms += f", relaxation time {of} not determined"
     residual = found.residual
     size = f"{residual.rms:.3g} times the noise"
     if residual.unit != "sd":
@@ -69,20 +72,51 @@ def fit(found: Fit, *, asked: int | str = "auto") -> Text:
     kept = f", not the {asked} asked for: {found.status.value}" if short else ""
     lines = [
         f"{files}: {arms}, method {found.method}{kept}",
-        *facts(found.known),
-        "",
+        *_solid(found),
         f"  residual    {size}; {_samples(residual)}",
         f"  valid band  {hertz(found.band)}",
     ]
     for section in (
-        _creep, _bent, _left_open, _beside, _temperatures, _by_depth, _explained, _moved,
+        _creep, _bent, _left_open, _beside, _temperatures, _by_depth, _explained,
     ):  # fmt: skip
         lines += section(found)
-    details = [f"  optimiser   {found.status.value}"]
+    every = ["every parameter", *facts(found.known)] if found.parameters else []
+    details = [*every, *_moved(found), f"  optimiser   {found.status.value}"]
     if found.certificate:
         details.append(f"  optimality  {found.certificate.says}")
     (details if residual.unit == "N" else lines).extend(_nuisance(found))
     return Text(lines, [*details, *_read(found.source), *_orders(found)])
+
+
+def _solid(found: Fit) -> list[str]:
+    """What is told of the solid: an arm a row, and apart what has an interval and no error."""
+    known = {one.name: one for one in found.known}
+    of = ("k", "tau", "b")
+    arms = [
+        [known.pop(name) for name in names]
+        for j in range(1, found.model.arms + 1)
+        if known.keys() >= set(names := [f"{one}_{j}" for one in of])
+    ]
+    if not arms:
+        return facts(found.known)
+    rows = [["arm"]]
+    for one, fact in zip(of, arms[0], strict=True):
+        rows[0] += [f"{one}, {fact.cells.ascii.unit}", "±"]
+    rest = known.get("k_inf")
+    if rest is not None and rest.cells.error:
+        rows.append([known.pop("k_inf").called, *_both(rest), *[""] * 4])
+    for arm in arms:
+        number = arm[0].name.partition("_")[2]
+        rows.append([number, *(cell for fact in arm for cell in _both(fact))])
+    return [*(facts([*known.values()]) if known else ()), *table(rows)]
+
+
+def _both(fact: Fact) -> tuple[str, str]:
+    """Value and standard error; that it is not known, or the limit that alone is, in its place."""
+    cells = fact.cells.ascii
+    if not cells.value:
+        return cells.interval, ""
+    return cells.value, UNKNOWN if cells.interval == UNKNOWN else cells.error
 
 
 def _samples(residual: Residual) -> str:
@@ -151,7 +185,7 @@ def _temperatures(found: Fit) -> list[str]:
     moved = found.temperatures
     if moved is None:
         return []
-    rows = [["", "log10 a_T", "± SE", "b_T"]]
+    rows = [["", "log10 a_T", found.shift_error, "b_T"]]
     for one in moved.shifts:
         along, across = (fact.cells.ascii for fact in one.facts)
         rows.append([celsius(one.temperature), along.value, along.error, across.value])
@@ -333,10 +367,7 @@ def study(found: Study) -> Text:
     if found.at_rest is not None and str(found.at_rest):
         lines.append(str(found.at_rest))
     solid = fit(found.fit if found.joint is None else found.joint)
-    if lines:
-        lines.append("")
     if found.joint is not None:
-        lines.append("relaxation test and hammer fitted together")
         alone = fit(found.fit)
         details += ["", "relaxation test alone", *alone.lines, *alone.details]
     return Text([*lines, *solid.lines], [*solid.details, *details])
@@ -430,6 +461,10 @@ def _on_bending_seals(found: Sequence[PreloadedLevel], unit: str) -> list[str]:
         if one.interval is not None:
             rows.append(_within(one, least))
         name = f"at {one.level:.4g} {one.unit}"
+        if one.interval is not None and one.interval.value is None:
+            jumps = one.interval.harmonics is None
+            why = "a sweep jumps down from it" if jumps else "its error is as large as itself"
+            says.append(f"  ! {name} the height of the peak is not identified: {why}")
         does = "opens" if at.shift < 0 else "closes"
         second = one.second_harmonic
         if abs(at.shift) <= least:

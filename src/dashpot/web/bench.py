@@ -11,7 +11,7 @@ from dashpot import plot
 from dashpot.base.progress import doing
 from dashpot.plot.picture import Picture
 from dashpot.records.fit import Fit
-from dashpot.report.of_kinds import kind_page
+from dashpot.report.kind_page import kind_page
 from dashpot.report.pages import COLOURS
 from dashpot.web import views, wire
 from dashpot.web.requests import noun_of, sizes_of

@@ -12,8 +12,8 @@ from dashpot.base.errors import DataError
 from dashpot.base.progress import doing
 from dashpot.plot.picture import Picture
 from dashpot.report.judged import text_of
-from dashpot.report.level import beyond, numbers
-from dashpot.report.of_kinds import kind_page
+from dashpot.report.kind_page import kind_page
+from dashpot.report.kind_pages.level import beyond, numbers
 from dashpot.report.pages import COLOURS
 from dashpot.web import views, wire
 from dashpot.web.bench import KEPT, WIDE

@@ -14,6 +14,7 @@ import numpy as np
 from dashpot import plot
 from dashpot.base import units
 from dashpot.base.arrays import FloatArray
+from dashpot.base.asks import Ask
 from dashpot.base.checks import Check, Verdict
 from dashpot.base.choices import Method, words
 from dashpot.base.facts import UNKNOWN, Fact
@@ -599,7 +600,13 @@ def _pulses(study: Study) -> dict[str, str]:
 
 def place_of(found: InspectedFile) -> str:
     """Where the page takes a file; empty where it does not."""
-    return KINDS[found.kind].page if found.kind in KINDS else ""
+    return KINDS[found.kind].place if found.kind in KINDS else ""
+
+
+def asks(fields: Sequence[Ask]) -> list[dict[str, Any]]:
+    """The fields that are asked beside a file, as the page draws them."""
+    return [{"name": one.name, "label": one.label, "unit": one.unit, "choices": [*one.choices],
+             "each": one.each} for one in fields]  # fmt: skip
 
 
 def file_row(found: InspectedFile) -> dict[str, Any]:

@@ -20,6 +20,7 @@ from dashpot.base.units import in_unit
 from dashpot.fitting.relaxation import fit
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.relaxation import read_relaxation, relaxation_in
+from dashpot.kinds import KINDS, asks_of
 from dashpot.preparation.prepare import prepare
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF, Kind
@@ -29,7 +30,7 @@ from dashpot.report import answer
 from dashpot.report.pages import COLOURS
 from dashpot.report.summary import simulated
 from dashpot.vibration.systems.prediction import highest_peak, predict_frf
-from dashpot.web import asks, records, results, views, wire
+from dashpot.web import doors, records, results, views, wire
 from dashpot.web.requests import job_of, part, sizes_of
 from dashpot.web.store import path_in
 from dashpot.workflow.command_lines import FIT, line, predict_command
@@ -52,7 +53,7 @@ def inspect(request: Mapping[str, Any], folder: Path) -> bytes:
     """What is in a file, and what it asks."""
     path = path_in(folder, request.get("file"))
     if path.suffix.lower() == ".toml":
-        return wire.packed(asks.door_row(path))
+        return wire.packed(doors.row(path))
     options = part(ReadOptions, request.get("options", {}), "options")
     job = Job(str(path), reading=options)
     # what is read and prepared here is what the fit asks for next
@@ -64,10 +65,19 @@ def inspect(request: Mapping[str, Any], folder: Path) -> bytes:
     ).files
     head = views.file_row(found)
     head["long"] = found.rows > results.WHILE_HELD
-    head["asks"] = asks.asks_of(found.kind)
+    head |= _beside(found.kind)
     if head["mark"] != "good" or views.place_of(found) in {"", "part"}:
         head["asked"] = views.asked(found, _consequences(path, found, options))
     return wire.packed({**head, "name": path.name})
+
+
+def _beside(kind: str) -> dict[str, Any]:
+    """What is asked beside a file, or, of one that may be taken as of another kind, then."""
+    row = KINDS.get(kind)
+    of = KINDS[row.also] if row is not None and row.also else row
+    if of is None:
+        return {"asks": [], "alone": False}
+    return {"asks": views.asks(asks_of(of.name)), "alone": of.alone}
 
 
 def _consequences(

@@ -23,7 +23,7 @@ from dashpot.planning.plan import plan as plan
 from dashpot.planning.supposed import SupposedSeal as SupposedSeal
 from dashpot.report import door_html as door_html
 from dashpot.report import html as html
-from dashpot.report.of_kinds import over_frequency as over_frequency
+from dashpot.report.kind_pages.solid import over_frequency as over_frequency
 from dashpot.report.paper import paper_page as paper_page
 from dashpot.report.paper import paper_pictures as paper_pictures
 

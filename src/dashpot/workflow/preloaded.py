@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -12,6 +13,7 @@ from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.facts import NORMAL, Fact
+from dashpot.base.units import written
 from dashpot.fitting.parameters import off_by_error
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF, Kind
@@ -24,8 +26,11 @@ from dashpot.workflow.at_level import unit_of
 _LINES, _FINE, _REACH = 121, 21, (0.25, 2.5)
 """Lines over the band and about the linear resonance, about the largest of these, and how far the
 search goes."""
-_TOLD, _SLIGHT = 3, 1e-3
-"""Harmonics that a text tells, and the part of the first below which one is not known."""
+_TOLD, _SLIGHT, _WIDE = 3, 1e-3, 1.0
+"""Harmonics that a text tells, the part of the first below which one is not known, and the half
+width of an interval, in parts of the value, from which on it is none."""
+_SHALLOW = 1e-3
+"""Part of the tested compression below which no contact was tested."""
 Ends = tuple[float, float]
 
 
@@ -33,7 +38,8 @@ Ends = tuple[float, float]
 class LevelInterval(Documented):
     """What the errors of the solid and of its elastic law leave open of a resonance: 95 %.
 
-    Where a sweep jumps down from the resonance its height is not told.
+    Where a sweep jumps down from the resonance its height is not told, and no number whose errors
+    are as large as itself: those are no longer small, as the delta method takes them to be.
 
     Attributes
     ----------
@@ -136,7 +142,8 @@ class PreloadedLevel(Documented):
         def fact(name: str, value: float, ends: Ends | None, unit: str, read: str = "") -> Fact:
             low, high = ends or lost
             words = f"{name.replace('_', ' ')} {at}"
-            return Fact(name, value, low, high, unit, read=read, words=words)
+            error = None if ends or known is None else math.inf
+            return Fact(name, value, low, high, unit, error, read, words)
 
         harmonics: Sequence[Ends | None] = (None,) * len(self.orbit.shown)
         if known is not None and known.harmonics is not None:
@@ -216,6 +223,12 @@ def preloaded_levels(
         )
 
     here = pressed(fit.elastic_law, fit.solid)
+    if here.rest < _SHALLOW * fit.elastic_law.depth:
+        raise DataError(
+            f"the mass presses the seal by {written(here.rest, 'mm', '.2g')} alone, and the tests "
+            f"reach to {written(fit.elastic_law.depth, 'mm', '.3g')}: so slight a contact was not "
+            "tested; expected a thousandth of that, or more. Check the mass and its unit"
+        )
     others = [pressed(*one) for one in _off_by_error(fit, fit.elastic_law)]
     band = frequency[:: -(-len(frequency) // _LINES)]
     rig = _AtLevels(here, others, mass, kind, coupled)
@@ -250,6 +263,12 @@ class _AtLevels:
     def at(self, level: float, band: FloatArray, about: float) -> PreloadedLevel:
         """The resonance at a level, N or m/s^2."""
         force = self.mass * level if self.kind.over_base else level
+        if force >= self.here.pressed:
+            raise DataError(
+                f"a level of {level:.4g} {unit_of(self.kind)} lifts the mass off the seal: its "
+                f"force is {force:.4g} N, and {self.here.pressed:.4g} N presses; expected less. "
+                "Ask for a lower level"
+            )
         ends = about * _REACH[0], about * _REACH[1]
         lines = np.union1d(band, np.geomspace(*ends, _LINES))
         swept = self.here.sweep(level=force, frequency=lines)
@@ -345,12 +364,13 @@ class _AtLevels:
         moved = (turn * self.here.changes(at, self.others)[:, :count]).real
         moved += np.outer(shift, by_frequency(lambda one: one.shown))
         rests = np.array([one.rest for one in self.others]) - at.rest
+        low, high = value.tolist()
         return LevelInterval(
             frequency,
-            (float(value[0]), float(value[1])),
-            _about(at.shift, moved[:, 0] - rests),
+            (low, high) if high < (1 + _WIDE) * self.size(at) else None,
+            _known(at.shift, moved[:, 0] - rests),
             tuple(
-                _about(float(one), moved[:, h]) if one > _SLIGHT * at.shown[1] else None
+                _known(float(one), moved[:, h]) if one > _SLIGHT * at.shown[1] else None
                 for h, one in enumerate(at.shown)
             ),
             magnitude,
@@ -398,6 +418,12 @@ def _about(value: float, moved: FloatArray) -> Ends:
     """The 95 % interval of a value that independent errors move by so much each."""
     half = NORMAL * _norm(moved)
     return value - half, value + half
+
+
+def _known(value: float, moved: FloatArray) -> Ends | None:
+    """That interval, where it is narrower than the value."""
+    ends = _about(value, moved)
+    return ends if ends[1] - value < _WIDE * abs(value) else None
 
 
 def _unsteady(lines: FloatArray, lasting: Sequence[Orbit]) -> tuple[tuple[float, float], ...]:

@@ -51,6 +51,26 @@ def test_a_document_is_predicted_from(folder):
     assert dp.read(dp.save(aged, folder / "aged.json") and folder / "aged.json").temperature
 
 
+def test_a_seal_is_aged_for_a_mass_a_door_and_a_deck(folder):
+    """The factor is the law's own at 70 degC; every stiffness is that of the new seal times it."""
+    new = dp.simulate("relaxation", hold="5s", noise_free=True)
+    dp.save(dp.fit(new, arms=2), folder / "fit.json")
+    aged = "predict", folder / "csr.json", "--temperature", "70degC", "--until"
+    told(*aged, "1000h", "--new", folder / "fit.json", "-o", folder / "old.json")
+    left = told(*aged, "1000h")["answers"][0]
+    before, after = dp.read(folder / "fit.json"), dp.read(folder / "old.json")
+    assert after.model.k_inf == pytest.approx(left["value"] * before.model.k_inf)
+    assert after.model.tau == pytest.approx(before.model.tau)
+    peaks = [dp.predict(one, mass="104g", seals=2).modes[0].frequency for one in (before, after)]
+    assert peaks[1] / peaks[0] == pytest.approx(left["value"] ** 0.5, rel=1e-3)
+    deck = ran("export", folder / "old.json", "--to", "abaqus", "--unit-system", "SI",
+               "--temperature", "23degC", "--length", "100mm", "--allow", "all")  # fmt: skip
+    assert "is left after 1000 h at 70 degC" in deck.stdout
+    for until in ("50%", "1000h --until 2000h"):
+        bad = ran(*aged, *until.split(), "--new", folder / "fit.json")
+        assert (bad.exit_code, "a seal is aged for one time" in bad.stderr) == (2, True)
+
+
 def test_a_limit_is_an_exit_code(folder):
     words = "predict", folder / "csr.json", "--temperature", "20degC"
     assert ran(*words, "--strict").exit_code == 1

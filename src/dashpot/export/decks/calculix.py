@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from dashpot.base.demands import positive
 from dashpot.base.errors import ExportError
 from dashpot.base.units import Quantity, Range, si, si_range
 from dashpot.export.deck import Deck, DeckText
@@ -100,10 +101,9 @@ def calculix(
             raise ExportError(
                 "--mass writes a model of one seal, form arms; leave it out (Python: mass=)"
             )
-        return _springs(
-            deck, row_of(deck, line, shear), si(nominal, "frequency") or float(np.sqrt(low * high)),
-            first_id,
-        )  # fmt: skip
+        at = si(nominal, "frequency")
+        positive("--", nominal=at, unit=" Hz", optional=True)
+        return _springs(deck, row_of(deck, line, shear), at or float(np.sqrt(low * high)), first_id)
     title = "network of springs and dashpots for CalculiX"
     cards = [
         *spring_dashpot_network(deck),

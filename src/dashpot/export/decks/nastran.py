@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from dashpot.base.demands import positive
 from dashpot.base.units import Quantity, Range, si, si_range
 from dashpot.export.deck import Deck, DeckText
 from dashpot.export.frequency_tables import Damping, Table
@@ -77,6 +78,7 @@ def nastran(
     if deck.form == "arms":
         return _arms(deck, row, first_id)
     damping: Damping = "loss_factor" if deck.form == "table" else "damping"
+    positive("--", nominal=nominal, unit=" Hz", optional=True)
     at, asked = nominal or float(np.sqrt(np.prod(frequency_range))), (frequency_range, tolerance)
     return _table(deck, row, asked=asked, damping=damping, nominal=at, first_id=first_id)
 

@@ -10,6 +10,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Finding, Remedy, criterion
 from dashpot.base.status import Status
+from dashpot.base.units import written
 from dashpot.fitting.checks.relaxation import MAX_FALLING
 from dashpot.fitting.checks.solid import ROUNDING, amount
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -27,6 +28,8 @@ CONTRADICTED = 3.0
 LEVEL = 0.8
 # a curve that ended before it relaxed falls at its end by as much as it ever did
 OF_ALL = 0.2
+# what frame and load cell of an instrument give if nobody says, m/N
+GIVES = 3e-7
 # of creep every record may hide a slow flow, which takes so much
 LEVEL_OF_CREEP = 0.65
 
@@ -61,6 +64,35 @@ def kramers_kronig(misfit: tuple[FloatArray, FloatArray] | None) -> Finding:
             found <= max(MAX_INCONSISTENT, _by_chance(error))
             for found, error in zip(smooth, misfit, strict=True)
         ),
+    )
+
+
+@criterion(
+    "give of the instrument / deformation",
+    "<=",
+    0.01,
+    "our choice; frames and load cells give 0.1 to 1 um/N, thought 0.3",
+    grade="note",
+)
+def instrument_stiff(data: DynamicTest) -> Finding:
+    r"""The instrument is stiff beside the part.
+
+    What frame and load cell give, C, is in series: :math:`K^*/(1 + C K^*)` is measured, with a
+    storage by CK too low and a loss by 2CK. Of a modulus nothing says how stiff its piece was.
+    """
+    both = f"frame and load cell that give {written(GIVES, 'um/N', 'g')}"
+    if data.unit != "N/m":
+        return Finding(
+            f"Of a piece of more than {written(0.01 / GIVES, 'N/mm', '.3g')}, {both} take more "
+            "than 1 % off the storage and 2 % off the loss. How stiff it was is not said"
+        )
+    stiffest = float(np.hypot(data.storage, data.loss).max())
+    return Finding(
+        f"At {written(stiffest, 'N/mm', '.3g')}, {both} take {100 * GIVES * stiffest:.2g} % off "
+        "the storage and twice as much off the loss",
+        GIVES * stiffest,
+        "An instrument may have corrected it",
+        remedy="Correct the compliance of the instrument, or test a softer piece.",
     )
 
 

@@ -17,6 +17,7 @@ from dashpot.fitting.identification.explanations import Disagreement, agreement
 from dashpot.fitting.identification.families import Rival, edged, family_checks
 from dashpot.fitting.identification.likelihood import DELAY_UNIT, UNCHANGED, Candidate
 from dashpot.fitting.identification.parametrisation import Arms
+from dashpot.fitting.relaxation_data import RelaxationData
 from dashpot.records.estimate import Nuisance, ParameterEstimate, Residual
 from dashpot.records.fit import Evidence, Fit, Moved, OrderScore, Provenance
 from dashpot.records.frf import FRF
@@ -38,6 +39,7 @@ def identified(
     tests: Sequence[RampHold],
     before: Fit | None,
     own: Fit | None,
+    doubtful: Sequence[RelaxationData],
     asked: int | str,
     most: int,
     apart: Disagreement | None,
@@ -46,10 +48,12 @@ def identified(
 ) -> Fit:
     """The fit of one seal, with everything needed to judge it.
 
-    `before` is what was known of the seal before the hammer, `own` that of the same family.
+    `before` is what was known of the seal before the hammer, `own` that of the same family;
+    `doubtful` are its tests with all that their rigs may have done unseen.
     """
     point, covariance = best.point, best.covariance
     names, values, physical = _physical(best)
+    unseen = _moved_by_rig(best, physical, doubtful)
     if apart is not None:
         # which of the two solids is right is a doubt of its own
         physical = physical + np.outer(*[values - _physical(best, apart.other)[1]] * 2)
@@ -66,6 +70,8 @@ def identified(
         residual=residual,
         nuisance=_nuisance(best, covariance),
     )
+    if unseen is not None:
+        estimate = estimate.with_rig(unseen)
     law = None if before is None else before.elastic_law
     return assembled(
         FoundSolid(
@@ -124,6 +130,36 @@ def _physical(
         return names, told.values, told.covariance
     b = [model.maxwell.b] if problem.dashpot else []
     return names, np.append(sought.physical(sought.pack(model))[1], b), told.covariance
+
+
+def _moved_by_rig(
+    best: Candidate, covariance: FloatArray, doubtful: Sequence[RelaxationData]
+) -> FloatArray | None:
+    r"""What each doubt of a relaxation test adds to the solid's parameters, shape (p, d).
+
+    It pulls at the solid by J'c, and C J'c is how far the solid follows, C being the covariance of
+    all that was fitted. An earlier fit without its tests pulls by :math:`C_0^{-1}` times what it
+    was moved by.
+    """
+    size = len(covariance)
+    pulls = [data.pulled(best.point.model)[:size] for data in doubtful]
+    known = best.problem.constraints.before
+    if known is not None and best.problem.earlier is not None:
+        places, _, root = best.problem.earlier
+        pulls.append(np.zeros((size, len(places))))
+        pulls[-1][places] = np.linalg.solve(root @ root.T, _unseen_root(known, best))
+    if not pulls:
+        return None
+    return np.where(np.isfinite(covariance), covariance, 0.0) @ np.hstack(pulls)
+
+
+def _unseen_root(before: Fit, best: Candidate) -> FloatArray:
+    """A root of what rigs add to the covariance of an earlier fit, in the rows that are kept."""
+    estimate = before.estimate
+    rows = best.problem.earlier_rows
+    more = (estimate.covariance - estimate.noise_alone.covariance)[np.ix_(rows, rows)]
+    values, vectors = np.linalg.eigh(more)
+    return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)))
 
 
 def _residual(best: Candidate) -> tuple[Residual, float]:

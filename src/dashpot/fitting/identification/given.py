@@ -38,11 +38,14 @@ class Before(NamedTuple):
         The earlier fit of either family, at the temperature of the hammer.
     relaxations : tuple of RelaxationData
         The tests that they are of.
+    doubtful : tuple of RelaxationData
+        The same with all that their rigs may have done unseen.
     """
 
     arms: Fit | None
     element: Fit | None
     relaxations: tuple[RelaxationData, ...]
+    doubtful: tuple[RelaxationData, ...] = ()
 
     @property
     def known(self) -> Fit | None:
@@ -73,15 +76,18 @@ def before_hammer(
         before = before.at_temperature(temperature)
     same = len(records) == 1 and before.method in words(Method)
     alone = [before] if same else [fit_tests(record) for record in records]
-    found = tuple(
-        relaxation_data(record, before, alone=own, claimed=False)
-        for record, own in zip(records, alone, strict=True)
+    found, doubtful = (
+        tuple(
+            relaxation_data(record, before, alone=own, claimed=claimed)
+            for record, own in zip(records, alone, strict=True)
+        )
+        for claimed in (False, True)
     )
     bent = before.elastic_law is not None and before.elastic_law.kind != "linear"
     if family == "maxwell" or bent:
-        return Before(before, None, found)
+        return Before(before, None, found, doubtful)
     element = _of_family("fractional", fit) or fit_tests(list(records), family="fractional")
-    return Before(before, element, found)
+    return Before(before, element, found, doubtful)
 
 
 def _of_family(family: str, fit: Fit | None) -> Fit | None:

@@ -222,15 +222,25 @@ class IdentificationProblem:
         kept, places = self.sought.kept(before)
         of = dict(zip(kept, places, strict=True))
         # with all that its rig may have done it could not show that the tests disagree
-        covariance = before.estimate.noise_alone.covariance
-        variance = np.diag(covariance)
-        rows = [
-            i for i, name in enumerate(before.parameters)
-            if name in kept and np.isfinite(variance[i]) and variance[i] > 0
-        ]  # fmt: skip
+        covariance, rows = before.estimate.noise_alone.covariance, self.earlier_rows
         names = [before.parameters[i] for i in rows]
         root = np.asarray(np.linalg.cholesky(covariance[np.ix_(rows, rows)]))
         return [of[name] for name in names], np.array([kept[name] for name in names]), root
+
+    @cached_property
+    def earlier_rows(self) -> list[int]:
+        """Which rows of the covariance of an earlier fit are kept."""
+        before = self.constraints.before
+        if before is None:
+            return []
+        kept, variance = (
+            self.sought.kept(before)[0],
+            np.diag(before.estimate.noise_alone.covariance),
+        )
+        return [
+            i for i, name in enumerate(before.parameters)
+            if name in kept and np.isfinite(variance[i]) and variance[i] > 0
+        ]  # fmt: skip
 
     def about(self, start: FloatArray) -> least_squares.Problem:
         """It as least squares, about a start: every logarithm kept where doubles can follow."""

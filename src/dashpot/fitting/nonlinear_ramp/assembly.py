@@ -17,8 +17,10 @@ from dashpot.fitting.nonlinear_ramp import checks
 from dashpot.fitting.nonlinear_ramp.law_estimate import RampLaw
 from dashpot.fitting.nuisance import delay_prior, last_of_hold, material
 from dashpot.fitting.questions import Residuals, solid_checks
+from dashpot.fitting.relaxation_data import RelaxationData
 from dashpot.fitting.uncertainty.informed_band import informed_band
 from dashpot.fitting.uncertainty.moved_by_rig import moved_by_clocks
+from dashpot.fitting.weighed_relaxation import held_data
 from dashpot.records.bounds import EndOfHold
 from dashpot.records.estimate import Nuisance, ParameterEstimate
 from dashpot.records.fit import AtDepth, Evidence, Fit
@@ -73,6 +75,19 @@ def ramp_fit(
         provenance_of("full", tests, _step(tests, found)),
         elastic_law=replace(found.law, ratio_se=_shape_error(found)),
     )
+
+
+def held_ramps(tests: Sequence[RampHold], found: RampLaw) -> list[RelaxationData]:
+    """The holds of tests that share an elastic law, with what their rigs may have done unseen."""
+    return [
+        held_data(
+            test,
+            found.model,
+            residual[test.settled.start - test.hold.stop :],
+            law=found.law,
+        )
+        for test, residual in zip(tests, found.residuals, strict=True)
+    ]
 
 
 def _doubted(

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
-from dashpot.engine.inference.covariance import Noise, noise_of, sandwich
+from dashpot.engine.inference.covariance import Noise, directions, noise_of, sandwich
 from dashpot.fitting.assembly import nuisances
 from dashpot.fitting.temperature.joint import JointTests, Part, ShiftedSolid
 from dashpot.fitting.temperature.reduced import Own
@@ -32,17 +32,28 @@ class Knowledge(Known):
     own : array
         Coefficients of the columns of each test, ``"offset@0"``; in `names` they stand behind what
         is shared, stiffnesses in N/m.
+    moved : array, shape (p, d)
+        What each doubt of each rig adds to everything that was fitted.
     """
 
     joint: JointTests
     point: ShiftedSolid
     own: FloatArray
+    moved: FloatArray
 
     @property
     def of_solid(self) -> FloatArray:
-        """Covariance of the solid's parameters."""
-        rows = [self.names.index(name) for name in parameter_names(self.point.order)]
-        return np.asarray(self.covariance[np.ix_(rows, rows)])
+        """Covariance of the solid's parameters, for the noise."""
+        return np.asarray(self.covariance[np.ix_(self._solid, self._solid)])
+
+    @property
+    def solid_moved(self) -> FloatArray:
+        """What the doubts of the rigs add to the solid's parameters, shape (p, d)."""
+        return self.moved[self._solid]
+
+    @property
+    def _solid(self) -> list[int]:
+        return [self.names.index(name) for name in parameter_names(self.point.order)]
 
     @property
     def shift_covariance(self) -> FloatArray:
@@ -125,7 +136,7 @@ def known(joint: JointTests, tests: Sequence[Own], point: ShiftedSolid) -> Knowl
     shared = joint.names(point.order)
     names = (*shared, *own_names(tests))
     each = [left_of(joint, test, i, point) for i, test in enumerate(tests)]
-    jacobians, before, noises, further = [], [], [], []
+    jacobians, before, noises, further, unseen = [], [], [], [], []
     for i, (test, found) in enumerate(zip(tests, each, strict=True)):
         weight, rows = 1 / test.spread, test.prior_rows[0]
         here = [names.index(f"{kind}@{i}") for kind in test.kinds]
@@ -136,15 +147,22 @@ def known(joint: JointTests, tests: Sequence[Own], point: ShiftedSolid) -> Knowl
         jacobians.append(jacobian)
         before.append(known)
         noises.append(noise_of(weight * found.left, jacobian, rounding=least))
-        further.append(partial(_encoder_rows, test, point.solid_at(int(joint.at[i]))))
+        solid = point.solid_at(int(joint.at[i]))
+        further.append(partial(_encoder_rows, test, solid))
+        unseen.append(weight * test.unseen(solid))
     if "slope" in names:
         before.append(np.eye(len(names))[[names.index("slope")]] / joint.slope_sd)
     beside = np.concatenate(before)
+    told = directions([*jacobians, beside])
     covariance = sandwich(
-        [*jacobians, beside], [*noises, Noise(len(beside), np.ones(1), 1.0, 2.0)], further=further
+        told, [*noises, Noise(len(beside), np.ones(1), 1.0, 2.0)], further=further
     )
+    moved = [
+        told.turn @ (columns.matrix.T @ one)
+        for columns, one in zip(told.columns, unseen, strict=False)
+    ]
     left, own = tuple(one.left for one in each), np.concatenate([one.own for one in each])
-    return Knowledge(names, covariance, left, tuple(noises), joint, point, own)
+    return Knowledge(names, covariance, left, tuple(noises), joint, point, own, np.hstack(moved))
 
 
 def _encoder_rows(test: Own, solid: GeneralizedMaxwell, columns: FloatArray) -> FloatArray:

@@ -26,7 +26,8 @@ from dashpot.engine.blocks.kernels import compact_block
 from dashpot.engine.inference.whitening import marginal
 from dashpot.fitting.design import first_sample, motion
 from dashpot.fitting.fit_data import First
-from dashpot.fitting.nuisance import Terms, kind_of, terms_of, warmed
+from dashpot.fitting.nuisance import Terms, kind_of, priors, terms_of, warmed
+from dashpot.fitting.weighed_relaxation import laid_out, unseen
 from dashpot.records.relaxation import RampHold
 from dashpot.records.temperature import shifted_log_tau
 from dashpot.signals.unseen import warming
@@ -151,6 +152,23 @@ class Own:
         time, x = self.path
         column = warming(time, x, solid, by_a=by_a, by_b=by_b)
         return replace(self, warming=column[self.start :])
+
+    def unseen(self, solid: GeneralizedMaxwell) -> FloatArray:
+        """What the rig may add that no column looks for, N, one standard deviation each, (n, d).
+
+        Of the drift, what the fit holds to be less than it may be. `solid` is that at the
+        temperature of the test.
+        """
+        (time, x), known = self.path, priors(self.record)
+        at = laid_out(self.record, time)
+        found = unseen(self.record, time[at], x[at], solid)
+        # it is sought
+        del found["warming"]
+        each = [sd * np.interp(time, time[at], column) for column, sd in found.values()]
+        may, held = known.doubt, known.drift
+        more = max(may.sd**2 + (may.mean - held.mean) ** 2 - held.sd**2, 0.0)
+        each.append(np.sqrt(more) * (time - known.at))
+        return np.column_stack(each)[self.start :]
 
 
 class _Basis(NamedTuple):

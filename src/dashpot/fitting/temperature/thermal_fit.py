@@ -145,7 +145,7 @@ def _assembled(
         knowledge.dof,
         knowledge.residual,
         nuisance=knowledge.nuisances,
-    )
+    ).with_rig(knowledge.solid_moved)
     fewer = asked is not None and model.arms < asked
     noticed = [check for record in records for check in record.checks]
     return assembled(

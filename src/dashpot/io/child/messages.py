@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import struct
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import Any, BinaryIO, TypeAlias, get_args
 
 from dashpot.io.child.limits import LARGEST, within
@@ -18,6 +18,8 @@ Answer: TypeAlias = FileTable | dict[str, bytes]
 """A table whose numbers are in memory, or the texts of a file by name."""
 
 _HEAD = 1 << 22
+_BLOCK = 1 << 16
+"""Numbers that are handed over at a time, or one column of more."""
 _LENGTH = struct.Struct("<Q")
 
 
@@ -62,7 +64,7 @@ def exactly(stream: BinaryIO, size: int) -> bytes:
 
 
 def send_answer(stream: BinaryIO, answer: Answer) -> None:
-    """Write an answer, a table a column at a time.
+    """Write an answer, a table some columns at a time.
 
     Raises
     ------
@@ -85,8 +87,8 @@ def send_answer(stream: BinaryIO, answer: Answer) -> None:
         "doubts": [[d.says, d.option] for d in answer.doubts], "simulated": answer.simulated,
         "notes": answer.notes, "header": answer.header, "hints": answer.hints,
     }  # fmt: skip
-    columns = (np.ascontiguousarray(answer.load([i]).values[:, 0], float) for i in range(width))
-    send(stream, head, (column.data.cast("B") for column in columns))
+    blocks = (answer.load(range(*of)).values.T for of in _blocks(rows, width))
+    send(stream, head, (np.ascontiguousarray(each, float).data.cast("B") for each in blocks))
 
 
 def receive_answer(stream: BinaryIO, head: dict[str, Any]) -> Answer:
@@ -120,8 +122,9 @@ def _table(stream: BinaryIO, head: dict[str, Any]) -> FileTable:
         raise Garbled
     _bounded(8 * rows * len(columns))
     values = np.empty((rows, len(columns)))
-    for i in range(len(columns)):
-        values[:, i] = np.frombuffer(exactly(stream, 8 * rows))
+    for first, stop in _blocks(rows, len(columns)):
+        whole = np.frombuffer(exactly(stream, 8 * rows * (stop - first)))
+        values[:, first:stop] = whole.reshape(stop - first, rows).T
     return FileTable(
         format=_typed(head["format"], str),
         columns=columns,
@@ -132,6 +135,12 @@ def _table(stream: BinaryIO, head: dict[str, Any]) -> FileTable:
         header=_strings(head["header"]),
         hints=_strings(head["hints"]),
     )
+
+
+def _blocks(rows: int, width: int) -> Iterator[tuple[int, int]]:
+    """Where each block of columns begins and ends: one column, or thousands of short ones."""
+    many = max(1, _BLOCK // max(1, rows))
+    return ((first, min(first + many, width)) for first in range(0, width, many))
 
 
 def _typed(value: Any, kind: type) -> Any:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from itertools import chain
 from types import MappingProxyType
 from typing import Literal, NamedTuple, TypeAlias, cast
@@ -126,6 +127,11 @@ class _NamedColumns:
     options: ReadOptions
     known: dict[Role, float] = field(default_factory=dict)
 
+    @cached_property
+    def spoken(self) -> tuple[str, ...]:
+        """The names, once where they differ by a number alone: there may be thousands of them."""
+        return tuple(dict.fromkeys(vocabulary.unnumbered(c.name) for c in self.table.columns))
+
     def _best(self, role: Role) -> float:
         """How well the likeliest column suits a role."""
         if role not in self.known:
@@ -214,8 +220,8 @@ class _NamedColumns:
         return of_motions(self.table)
 
     def crept(self) -> bool:
-        names = [column.name.casefold() for column in self.table.columns]
         header = " ".join(self.table.header).casefold()
+        names = map(str.casefold, self.spoken)
         named = any("compliance" in name and "machine" not in name for name in names)
         named = named or self.has("creep_compliance", least=2.5)  # J(t), in 1/Pa
         said = "creep" in header and "relax" not in header
@@ -226,7 +232,7 @@ class _NamedColumns:
         """Whether an indenter is named beside its motion, or a velocity stands alone."""
         if not self.timed():
             return False
-        names = " ".join((*self.table.header, *(c.name for c in self.table.columns))).casefold()
+        names = " ".join((*self.table.header, *self.spoken)).casefold()
         fast = self.has("velocity", least=2.5)
         if "indent" in names and (fast or self.accelerated()):
             return True
@@ -236,18 +242,18 @@ class _NamedColumns:
 
     def slammed(self) -> bool:
         """Whether a slam is named beside a force or the motion of its mass."""
-        said = " ".join((*self.table.header, *(c.name for c in self.table.columns)))
+        said = " ".join((*self.table.header, *self.spoken))
         named = not _SLAM.isdisjoint(vocabulary.tokens(said))
         return named and self.timed() and (self.has("force") or self.accelerated())
 
     def placed(self, *more: str) -> bool:
         """Whether the columns are named x, y and z, and so."""
-        return {"x", "y", "z", *more} <= {vocabulary.plain(c.name) for c in self.table.columns}
+        return {"x", "y", "z", *more} <= set(map(vocabulary.plain, self.spoken))
 
     def spectral(self) -> bool:
         return any(
-            "spectral density" in c.name.casefold() or "psd" in vocabulary.tokens(c.name)
-            for c in self.table.columns
+            "spectral density" in name.casefold() or "psd" in vocabulary.tokens(name)
+            for name in self.spoken
         )
 
 

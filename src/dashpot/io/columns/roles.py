@@ -52,6 +52,8 @@ _SUITED = "_suited"
 _SAME = 0.25
 _LISTED = 12
 """Columns that a message names."""
+_COPIES = 64
+"""Columns of which it is asked which is meant, whatever they hold: nobody writes one so often."""
 _ROUNDED = 1e-3
 """Part of their range by which columns that are written to a few digits may differ."""
 
@@ -95,7 +97,7 @@ def assign(table: FileTable, role: Role, options: ReadOptions) -> Assigned | Que
         named = [quoted(table.columns, i, names) for i in sorted(equals)[:_LISTED]]
         more = len(equals) - len(named)
         alike = listed([*named, f"{more} more"] if more else named)
-        if not _same_numbers(table, equals, role, options):
+        if len(equals) > _COPIES or not _same_numbers(table, equals, role, options):
             says = (
                 f"{alike} could each be the {_word(role)}; say which, for example "
                 f'{flag(asked)}="{handle(table.columns, index)}"'

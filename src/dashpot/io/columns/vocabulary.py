@@ -270,6 +270,7 @@ def over_amplitude(name: str) -> tuple[float, str]:
     return (2**-0.5, "an rms") if has_word(name, _RMS) else (1.0, "")
 
 
+@lru_cache(maxsize=1 << 16)
 def unnumbered(name: str) -> str:
     """A name that says the same without its own number, where many are counted on: no word has two.
 
@@ -309,6 +310,7 @@ def _matches(name: str) -> MappingProxyType[Role, float]:
     return MappingProxyType(scores)
 
 
+@lru_cache(maxsize=1024)
 def clock_order(word: str | None) -> str:
     """Return the order in which ``mm:ss`` or ``TT.MM.JJJJ hh:mm`` names the parts, or "".
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import datetime as dt
+import os
 import zipfile
 from collections.abc import Iterable, Iterator
 from itertools import islice
@@ -18,6 +19,10 @@ HIDDEN = "hidden/"
 """What no name of a sheet begins with."""
 _LARGEST = 1 << 31
 """Bytes of an unpacked workbook."""
+_LEAST = 4
+"""Bytes of a workbook that no filled cell is without."""
+_BLANK = 1 << 18
+"""Cells that may be blank beyond all that could be filled: a lone cell far out makes millions."""
 
 
 def sheets(raw: Raw, options: ReadOptions) -> dict[str, bytes]:
@@ -32,7 +37,7 @@ def sheets(raw: Raw, options: ReadOptions) -> dict[str, bytes]:
     """
     calamine = extra("python_calamine", "python-calamine", "spreadsheets")
     with raw.open() as stream:
-        _refuse_bomb(stream)
+        size = _unpacked(stream)
         unseen = hidden(stream)
         stream.seek(0)
         book = calamine.CalamineWorkbook.from_filelike(stream)
@@ -42,27 +47,38 @@ def sheets(raw: Raw, options: ReadOptions) -> dict[str, bytes]:
     found, cells = {HIDDEN + name: told.encode() for name, told in unseen.items()}, 0
     for name in names if options.sheet is None else [options.sheet]:
         sheet = book.get_sheet_by_name(name)
-        cells += sheet.total_height * sheet.total_width
+        rows, columns = (1 + last for last in sheet.end or (-1, -1))
+        cells += rows * columns
         limits.within(cells, "the sheets hold")
-        rows = sheet.to_python(skip_empty_area=False)
-        found[name] = "\n".join(_lines(rows)).encode()
+        if cells - size // _LEAST > _BLANK:
+            raise ReadError(
+                f"sheet '{name}' reaches to row {rows} and column {columns}, and hardly any of its "
+                "cells is filled: delete what stands far off the test, or export the test as text"
+            )
+        found[name] = "\n".join(_lines(sheet.to_python(skip_empty_area=False))).encode()
     return found
 
 
-def _refuse_bomb(stream: BinaryIO) -> None:
-    """Refuse a zipped workbook that unpacks to more than any test needs."""
+def _unpacked(stream: BinaryIO) -> int:
+    """The bytes of a workbook, unpacked; refuse one that has more than any test needs."""
     if stream.read(2) == b"PK":
         with zipfile.ZipFile(stream) as packed:
             size = sum(entry.file_size for entry in packed.infolist())
         if size > _LARGEST:
             raise ReadError(f"unpacks to {size / 1e9:.1f} GB; export it as text instead")
+    else:
+        size = stream.seek(0, os.SEEK_END)
     stream.seek(0)
+    return size
 
 
 def _lines(rows: list[list[Any]]) -> Iterator[str]:
     """The rows as text; a date alone among instants is one at midnight."""
     instants = {j for row in rows for j, value in enumerate(row) if type(value) is dt.datetime}
     for row in rows:
+        if not any(value != "" for value in row):  # of a far row there are thousands above it
+            yield ""
+            continue
         yield "\t".join(_cell(value, instant=j in instants) for j, value in enumerate(row))
 
 

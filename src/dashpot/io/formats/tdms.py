@@ -15,6 +15,8 @@ from dashpot.io.source import Raw, extra
 from dashpot.io.table import Column, FileTable, in_memory
 
 _UNITS = ("unit_string", "NI_UnitDescription", "Unit", "unit", "Units")
+_SCALED = ("NI_Scal", "NI_Number_Of_Scales")
+"""How the properties begin by which a channel, its group or its file says that it is scaled."""
 _WHOLE = 0.01
 """Share of a sample by which channels may be apart before one is shifted."""
 
@@ -66,7 +68,8 @@ def _within(file: Any) -> None:
 
 def _groups(file: Any, sheet: str | None) -> dict[str, list[_TdmsChannel]]:
     """The groups that hold numbers, or the one named; all with the same channels."""
-    found = {group.name: _channels(group) for group in file.groups()}
+    scaled = _scaled(file)
+    found = {one.name: _channels(one, scaled=scaled or _scaled(one)) for one in file.groups()}
     groups = {name: channels for name, channels in found.items() if channels}
     if sheet is not None:
         if sheet not in groups:
@@ -82,10 +85,16 @@ def _groups(file: Any, sheet: str | None) -> dict[str, list[_TdmsChannel]]:
     return groups
 
 
-def _channels(group: Any) -> list[_TdmsChannel]:
+def _scaled(of: Any) -> bool:
+    return any(key.startswith(_SCALED) for key in of.properties)
+
+
+def _channels(group: Any, *, scaled: bool) -> list[_TdmsChannel]:
     found = []
     for channel in group.channels():
-        values = np.asarray(channel[:])
+        # to look for a scale takes npTDMS longer than all else that it does here
+        bare = not (scaled or channel.scaler_data_types or _scaled(channel))
+        values = np.asarray(channel.raw_data if bare else channel[:])
         if values.size and values.dtype.kind in "iuf":
             properties = channel.properties
             unit = next(

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from itertools import takewhile
+from itertools import islice, takewhile
+from operator import eq
 
 from dashpot.base import units
 from dashpot.base.errors import ReadError
@@ -13,7 +14,15 @@ from dashpot.io.options import ReadOptions
 from dashpot.io.source import Raw
 from dashpot.io.table import FileTable, Loaded, Question
 from dashpot.io.text import cells
-from dashpot.io.text.dialect import Dialect, decimals, find_dialect
+from dashpot.io.text.dialect import (
+    COLUMNS,
+    LONGEST,
+    Dialect,
+    decimals,
+    find_dialect,
+    is_overlong,
+    most_cells,
+)
 from dashpot.io.text.encoding import decoded, find_encoding
 from dashpot.io.text.header import Header, read_header
 from dashpot.io.text.rows import Heading, load_rows, title
@@ -160,10 +169,12 @@ def _factors(header: Sequence[str]) -> list[str]:
 
 def _odd_first_row(lines: Sequence[str], dialect: Dialect) -> list[str]:
     """Note a first row that is printed with other digits than all of the next."""
-    rows = [row for line in lines[:20] if (row := dialect.row(line))][:_STEADY]
-    printed = [[decimals(row[i], dialect.mark) for i in dialect.numbers] for row in rows]
-    steady = len(printed) == _STEADY and all(row == printed[1] for row in printed[2:])
-    if not steady or any(a == b for a, b in zip(printed[0], printed[1], strict=True)):
+    rows = list(islice((row for line in lines[:20] if (row := dialect.row(line))), _STEADY))
+    printed = ([decimals(row[i], dialect.mark) for i in dialect.numbers] for row in rows)
+    if len(rows) < _STEADY:
+        return []
+    first, second, *_ = islice(printed, 2)
+    if any(map(eq, first, second)) or any(row != second for row in printed):
         return []
     says = f"line {dialect.first + 1}, the first row, is printed otherwise than those below it"
     return [f"{says}: '{lines[0].strip()[:60]}'; if it is none, take it out"]
@@ -233,6 +244,14 @@ def _no_table(lines: Sequence[str], options: ReadOptions) -> str:
     tried = ""
     if options.delimiter or options.decimal:
         tried = " with the delimiter and decimal mark given (leave out --text)"
+    wide = [(number, line) for number, line in enumerate(lines, 1) if is_overlong(line)]
+    if 2 * len(wide) >= len(filled):
+        number, line = wide[-1]
+        return (
+            f"line {number} has {len(line)} characters and {most_cells(line)} cells, and at most "
+            f"{LONGEST} characters and {COLUMNS} cells of a line are read; export fewer channels, "
+            "or a row for each sample if each channel has its row"
+        )
     first = filled[0].strip()[:60]
     if _with_units(filled[-1]) and _with_units(filled[len(filled) // 2]):
         return (

@@ -34,7 +34,7 @@ from dashpot.io.columns.vocabulary import Role
 from dashpot.io.formats import read_table
 from dashpot.io.options import ReadOptions, flag
 from dashpot.io.source import Raw, about, open_raw
-from dashpot.io.table import FileTable, Loaded, Question
+from dashpot.io.table import Column, FileTable, Loaded, Question
 
 Judged: TypeAlias = Callable[
     [Mapping[Role, float], Mapping[Role, str], AbstractSet[Role]],
@@ -219,13 +219,16 @@ def chosen(
     for one in columns:
         other = roles_of.setdefault(one.index, one.role)
         if other != one.role:
-            every = file.table.columns
-            raise ReadError(
-                f"{quoted(every, one.index)} would be both {other} and {one.role}; name the "
-                f"columns with {flag(other)}=NAME and {flag(one.role)}=NAME; they are "
-                f"{list_columns(every)}"
-            )
+            raise ReadError(both(file.table.columns, one.index, other, one.role))
     return columns
+
+
+def both(columns: Sequence[Column], index: int, one: Role, other: Role) -> str:
+    """Say that a column would play two roles, and what to do."""
+    return (
+        f"{quoted(columns, index)} would be both {one} and {other}; name the columns with "
+        f"{flag(one)}=NAME and {flag(other)}=NAME; they are {list_columns(columns)}"
+    )
 
 
 def answered(file: Opened, found: Sequence[Assigned | Question], hint: str = "") -> list[Assigned]:

@@ -248,6 +248,11 @@ def _proposal(file: Opened, kind: str) -> tuple[dict[int, tuple[Role, str]], lis
     for role in _roles_of(file, kind, clocked=bool(clocks)):
         answer = assign(table, role, options)
         if isinstance(answer, Assigned):
+            played, _ = roles.get(answer.index, (role, ""))
+            if played != role and {played, role} <= set(RAMP):  # who reads it asks this, too
+                says = channels.both(table.columns, answer.index, played, role)
+                questions.append(Question(says, f"{flag(role)}=NAME"))
+                continue
             roles[answer.index] = (role, answer.reason)
         welcome = role in _WELCOME or (role == "time" and kind in _UNCLOCKED and _none(answer))
         questions += [] if welcome else _asked(file, role, answer)

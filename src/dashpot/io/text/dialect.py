@@ -17,10 +17,12 @@ from dashpot.io.text.clock import instant, moment
 _DELIMITERS = ("\t", ";", ",", "|", " ", ":")
 _MARKS: tuple[Mark, ...] = (".", ",", ".,")
 _SAMPLE = 60
-LONGEST = 1 << 20
+LONGEST = 1 << 21
 """Characters in a row or a heading; a longer line is neither."""
+COLUMNS = 100_000
+"""Cells of a line by which a table is looked for."""
 _SAMPLED = 1 << 18
-"""Characters of a window of lines, which are fewer where they are long, and of one of them."""
+"""Characters of a window of lines, which are fewer where they are long."""
 _ALIGNED = 1 << 13
 """Characters of a row of fixed width; nobody aligns a longer one."""
 _DIGITS = set("0123456789+-.,:eE")
@@ -88,6 +90,8 @@ class Dialect:
         for i in self.numbers:
             if self.value(found[i], i) is not None:
                 filled += 1
+                if 2 * filled > len(self.numbers):  # whatever the others hold
+                    return True
             elif cell.is_missing(found[i]):
                 blank += 1
                 said += any(map(str.isalpha, found[i]))
@@ -160,6 +164,16 @@ def find_dialect(
     return None if found is None else _filled_elsewhere(lines, found)
 
 
+def is_overlong(line: str) -> bool:
+    """Whether a line has more characters or cells than are looked at."""
+    return len(line) > LONGEST or (len(line) > COLUMNS and most_cells(line) > COLUMNS)
+
+
+def most_cells(line: str) -> int:
+    """The cells of a line by the delimiter that makes the most."""
+    return 1 + max(map(line.count, _DELIMITERS))
+
+
 def _filled_elsewhere(lines: Sequence[str], found: Dialect) -> Dialect:
     """The dialect, with the columns that were blank where it was found and hold numbers elsewhere.
 
@@ -208,7 +222,7 @@ def _stands_in(sign: str, window: Sequence[str]) -> bool:
 
 
 def _windows(lines: Sequence[str]) -> Iterator[list[str]]:
-    full = [line for line in lines if line.strip() and len(line) <= _SAMPLED]
+    full = [line for line in lines if line.strip() and not is_overlong(line)]
     if len(full) <= 3 * _SAMPLE:
         yield _sampled(full)
         return

@@ -14,7 +14,8 @@ from dashpot.io.text import cells as cell
 from dashpot.io.text.dialect import Dialect
 
 _SMALL = re.compile(r"\A[+-]?[1-9]\d{0,2}\Z")
-_ROWS = 1 << 14
+_ROWS, _CELLS = 1 << 14, 1 << 20
+"""Rows that are looked at together, fewer of a wide table."""
 _SEEN = 1 << 12
 """Texts of a column that are known again."""
 
@@ -26,21 +27,20 @@ def open_columns(values: FloatArray) -> set[int]:
     decimal point, or without any mark; and beside a grouped 1.600 stands a whole number. Hardly
     a column is left.
     """
-    found = set()
-    for j, column in enumerate(values.T):
-        whole = False
-        for start in range(0, len(column), _ROWS):
-            part = np.abs(column[start : start + _ROWS])
-            part = part[np.isfinite(part) & (part > 0)]
-            if ((part < 1) | (part >= 1e3)).any():
-                break
-            digits = part * 1e3
-            if (np.abs(digits - np.round(digits)) > 0.01).any():
-                break
-            whole = whole or bool((part == np.floor(part)).any())
-        else:
-            found |= {j} if whole else set()
-    return found
+    width = values.shape[1]
+    left, whole = np.arange(width), np.zeros(width, bool)
+    rows = min(_ROWS, max(1, _CELLS // max(1, width)))
+    for start in range(0, len(values), rows):
+        part = np.abs(values[start : start + rows, left])
+        said = np.isfinite(part) & (part > 0)
+        odd = said & ((part < 1) | (part >= 1e3))
+        digits = np.where(said & ~odd, part, 1.0) * 1e3
+        odd |= np.abs(digits - np.round(digits)) > 0.01
+        whole[left] |= (said & (part == np.floor(part))).any(axis=0)
+        left = left[~odd.any(axis=0)]
+        if not left.size:
+            break
+    return set(left[whole[left]].tolist())
 
 
 @dataclass

@@ -14,6 +14,7 @@ from dashpot.base.offered import Judged
 from dashpot.base.provenance import Source
 from dashpot.base.units import Quantity, celsius, parse_quantity, si, written
 from dashpot.kinds.csr.checks import (
+    cold_bears_lower_energy,
     stiffness_follows_force,
     temperature_near_ovens,
     time_near_readings,
@@ -22,6 +23,7 @@ from dashpot.kinds.csr.law import FIRST, NEVER, AgingLaw
 from dashpot.kinds.csr.prepare import ONE_OVEN
 from dashpot.kinds.csr.record import Aging, normal, spread, stated
 from dashpot.records.fit import Fit
+from dashpot.records.specimen import tested_at
 
 LOWER = 65e3
 """What the activation energy falls to in the cold, J/mol (EPDM, Gillen et al. 2003)."""
@@ -96,6 +98,7 @@ def predict_aging(
     if temperature is None:
         raise DataError("aging is of a temperature. Add that of the seal: --temperature 70degC")
     temperature = si(temperature, "temperature")
+    tested_at("--temperature", temperature)
     law, coldest, hottest = found.law, found.ovens[0].temperature, found.ovens[-1].temperature
     tested = [abs(temperature - one.temperature) for one in found.ovens]
     if law.bound_alone and temperature > hottest + ONE_OVEN:
@@ -110,11 +113,40 @@ def predict_aging(
         )
     asked = (until,) if isinstance(until, str) else tuple(until) or ("50%",)
     furthest = max(_reached(law, temperature, *_end(one)) for one in asked)
+    moved = [_moved(found, temperature, *_end(one)) for one in asked]
     checks = (
         temperature_near_ovens(coldest - temperature, temperature),
+        cold_bears_lower_energy(
+            max((one for one in moved if one is not None), default=None), LOWER, coldest
+        ),
         time_near_readings(math.log10(furthest / found.longest), found.longest),
     )
     return Aged(found, temperature, asked, furthest, (*checks, *found.checks))
+
+
+def predict_aged(
+    found: Aging,
+    *,
+    temperature: Quantity | None = None,
+    until: str | Sequence[str] = (),
+    new: Fit | None = None,
+) -> Aged | Fit:
+    """What :func:`predict_aging` finds, or the fit of a new seal after the one time that is asked.
+
+    Raises
+    ------
+    DataError
+        As there, and if of a seal not one time is asked.
+    """
+    if new is None:
+        return predict_aging(found, temperature=temperature, until=until)
+    asked = (until,) if isinstance(until, str) else tuple(until)
+    if len(asked) != 1 or math.isnan(_end(asked[0])[1]) or temperature is None:
+        raise DataError(
+            "a seal is aged for one time at one temperature. Add both: --temperature 70degC "
+            "--until 10000h"
+        )
+    return aged_fit(found, new, temperature=temperature, time=_end(asked[0])[1])
 
 
 def aged_fit(found: Aging, fit: Fit, *, temperature: Quantity, time: Quantity) -> Fit:
@@ -145,7 +177,10 @@ def aged_fit(found: Aging, fit: Fit, *, temperature: Quantity, time: Quantity) -
 def _end(text: str) -> tuple[float, float]:
     """The part that is left, or else the time, s; the other is nan."""
     if text.strip().endswith("%"):
-        part = parse_quantity(text, "strain")
+        try:
+            part = parse_quantity(text, "strain")
+        except DataError:
+            part = math.nan
         if not 0.01 <= part <= 0.99:
             raise DataError(f"--until {text}: expected 1 to 99 % of the force, such as 50%")
         return part, math.nan
@@ -183,11 +218,32 @@ def _facts(found: Aging, temperature: float, part: float, time: float) -> list[F
         return [Fact("life", math.nan, least, math.inf, "s", None, "h", words)]
     error = law.error_of(lambda one: math.log(one.life(temperature, part)))
     facts = [spread("life", law.life(temperature, part), error, law, words)]
-    if temperature < coldest - ONE_OVEN and law.activation > LOWER:
-        flat = replace(
-            law, chemical=math.log(law.tau(coldest)), activation=LOWER, reference=coldest
-        )
+    flat = _if_it_falls(found, temperature)
+    if flat is not None:
         below = f"the same, if Ea were {written(LOWER, 'kJ/mol', 'g')} below {celsius(coldest)}"
         short = flat.life(temperature, part)
         facts.append(Fact("life_if_Ea_falls", short, unit="s", read="h", words=below))
     return facts
+
+
+def _if_it_falls(found: Aging, temperature: float) -> AgingLaw | None:
+    """The law whose activation energy falls below the coldest oven; None where none can."""
+    law, coldest = found.law, found.ovens[0].temperature
+    if law.bound_alone or temperature >= coldest - ONE_OVEN or law.activation <= LOWER:
+        return None
+    return replace(law, chemical=math.log(law.tau(coldest)), activation=LOWER, reference=coldest)
+
+
+def _moved(found: Aging, temperature: float, part: float, time: float) -> float | None:
+    """By how many standard errors that changes an answer."""
+    law, flat = found.law, _if_it_falls(found, temperature)
+    if flat is None:
+        return None
+
+    def answer(one: AgingLaw) -> float:
+        if math.isnan(part):
+            return one.retained(temperature, time)
+        return math.log(min(one.life(temperature, part), NEVER))
+
+    error = law.error_of(answer)
+    return (answer(law) - answer(flat)) / error if 0 < error < math.inf else None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from dashpot.base.units import celsius, in_unit
+from dashpot.base.units import in_unit, written
 from dashpot.kinds.csr.aged import Aged
 from dashpot.kinds.csr.law import FIRST
 from dashpot.kinds.csr.record import Aging
@@ -31,7 +31,7 @@ def csr(found: Aging, *, stamp: str = "") -> Picture:
         kept = np.array([found.law.retained(one.temperature, each) for each in time])
         dots = Dots(in_unit(one.time, "h"), 100 * one.retained, "measured", "measured")
         marks = (Line(hours, 100 * kept, FIT, "law"), dots)
-        panels.append(Panel(across, up, marks, title=celsius(one.temperature)))
+        panels.append(Panel(across, up, marks, title=written(one.temperature, "°C")))
     caption = "Force that pieces kept in each oven: measured, and by the law of aging."
     origin = stamped(found.sources) if found.sources else ""
     return Picture("csr", caption, tuple((one,) for one in panels), 3, stamp or origin)
@@ -61,7 +61,7 @@ def aged(found: Aged, *, stamp: str = "") -> Picture:
     )
     across = Scale("time, h", (float(hours[0]), float(hours[-1])), log=True)
     up = Scale("F/F0, %", (max(100 * float(left.min()) - 10, 0.0), 105.0))
-    title = celsius(kelvin) + (", at least" if law.bound_alone else "")
+    title = written(kelvin, "°C") + (", at least" if law.bound_alone else "")
     caption = "Force that is left over time at one temperature, with its 95 % interval."
     origin = stamped(found.aging.sources) if found.aging.sources else ""
     panel = Panel(across, up, marks, title=title, height=240)

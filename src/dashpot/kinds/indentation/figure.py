@@ -22,11 +22,11 @@ def indentation(fit: IndentationFit, *, stamp: str = "") -> Picture:
     """
     t, unit = in_unit(fit.time, "ms"), "mm" if fit.of == "displacement" else UNITS[fit.of]
     measured, modelled = in_unit(fit.measured, unit), in_unit(fit.modelled, unit)
-    left = measured - modelled
+    left, word = measured - modelled, unit.replace("^2", "²")
     across = Scale("time since the touch, ms", (float(t[0]), float(t[-1])))
     contact = Span(0.0, in_unit(fit.duration, "ms"), "fit", "in contact")
     upper = Panel(
-        across, Scale(f"{fit.of} (push > 0), {unit}", around(measured, modelled)),
+        across, Scale(f"{fit.of} (push > 0), {word}", around(measured, modelled)),
         (
             contact, Dots(t, measured, "measured", "measured", size=2.5),
             Line(t, modelled, FIT, "fit"),
@@ -34,7 +34,7 @@ def indentation(fit: IndentationFit, *, stamp: str = "") -> Picture:
         height=240, note=fit.law,
     )  # fmt: skip
     lower = Panel(
-        across, Scale(f"residual, {unit}", around(left, np.zeros(1), margin=0.1)),
+        across, Scale(f"residual, {word}", around(left, np.zeros(1), margin=0.1)),
         (contact, Rule(0.0, REF, across=True), Dots(t, left, "fit", size=2.5)),
         height=90, note=f"{rounded(100 * fit.residual)} % of the push in contact",
     )  # fmt: skip

@@ -244,10 +244,13 @@ def newton(
         if np.abs(r).max() <= 1e-12 * size:
             return x
         full, share = step(x, r), 1.0
-        while share > 1e-4 and np.abs(residual(x - share * full)).max() >= np.abs(r).max():
+        there = x - full
+        left = residual(there)
+        while share > 1e-4 and np.abs(left).max() >= np.abs(r).max():
             share /= 2
-        x = x - share * full
-        r = residual(x)
+            there = x - share * full
+            left = residual(there)
+        x, r = there, left
     return x if np.abs(r).max() <= 1e-9 * size else None
 
 

@@ -54,6 +54,9 @@ last step along one is halved to find where it ends; step of frequency for a slo
 _STEPS, _SHORTEST, _WIDEST = 400, 1e-5, 0.5
 """Steps of the level at most, the least of them, and how far an answer may lie from where the
 tangent points, in steps."""
+_STEPS_OF_SWEEP = 450
+"""Steps of the level at most along all lines of a sweep: some 2 s. A mass that keeps to its seal
+takes 30, one that leaves it for most of the cycle 400."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -261,9 +264,14 @@ class PreloadedMass:
         Each goes on from the one before, the first from `start`, where that leads to one that
         lasts, else it is followed from rest. Those that do not last are among them; lines without
         one are left out.
+
+        Raises
+        ------
+        DataError
+            If its answers change so often along the frequencies that no sweep follows them.
         """
         found: list[Orbit] = []
-        before = start
+        before, steps = start, 0
         for hz in np.asarray(frequency, dtype=float).tolist():
             orbit = None if before is None else self._near(before, hz, level)
             if orbit is None or not orbit.stable:
@@ -273,10 +281,21 @@ class PreloadedMass:
                 except DataError:
                     before = None
                     continue
+                finally:
+                    steps += line.steps
+                    if steps > _STEPS_OF_SWEEP:
+                        self._refuse_bouncing(level, hz)
                 orbit = line.orbit(near)
             before = orbit if orbit.stable else None
             found.append(orbit)
         return tuple(found)
+
+    def _refuse_bouncing(self, level: float, hz: float) -> None:
+        raise DataError(
+            f"at {level:.4g} N the mass, which {self.pressed:.4g} N presses, bounces on the seal: "
+            f"up to {hz:.4g} Hz its answers change from line to line; expected a level that leaves "
+            "it on the seal. Ask for a lower level"
+        )
 
     def jumps(self, swept: Sequence[Orbit]) -> tuple[Jump, ...]:
         """Where a sweep leaves one answer that lasts for another.
@@ -386,6 +405,7 @@ class _PressedBalance:
         self.arms = np.asarray(of.solid.stiffness_at(s) / of.solid.k_inf)
         self.arms[0] = 1.0  # the mean is relaxed
         self.size = of.pressed + level
+        self.steps = 0
 
     def harmonics(self, z: FloatArray) -> ComplexArray:
         """Complex, of the real unknowns."""
@@ -469,6 +489,7 @@ class _PressedBalance:
             left = float((1 - done) / tangent[n]) if tangent[n] > 0 else np.inf
             last = left <= step
             length = min(left, step)
+            self.steps += 1
             found = self._stepped(z, done, tangent, length, scale, last=last)
             if found is None:
                 step = length / 2

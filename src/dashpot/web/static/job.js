@@ -19,6 +19,7 @@ import { call } from "./wire.js";
  * @property {string} [temperature]
  * @property {string} [mass] On the seals in an FRF, where several differ in it
  * @property {{name: string, label: string, unit: string, choices: string[], each: boolean}[]} [asks] Fields of its kind
+ * @property {boolean} [alone] Whether it is judged by itself
  * @property {string} [level] Amplitude of the force, or of the base's acceleration, of an FRF
  */
 /**
@@ -86,7 +87,7 @@ export const isJudged = (/** @type {OpenFile} */ one) =>
 export const kindOf = (/** @type {OpenFile} */ one) => isRod(one) ? "rod" : one.kind || "";
 /** The files that are judged together with one: all of its kind, but for what is one hit or rod. */
 export const alike = (/** @type {OpenFile} */ one) =>
-  ["indentation", "rod"].includes(kindOf(one))
+  one.alone
     ? [one]
     : state.files.filter((each) => isTaken("judged")(each) && each.kind === one.kind);
 /** An FRF of a level goes with those of other levels, and with no relaxation test. */

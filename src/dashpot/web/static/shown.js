@@ -25,12 +25,6 @@ import { render } from "./verdict.js";
 
 /** @typedef {import("./job.js").OpenFile} OpenFile */
 
-/** What is asked of a rod, which no file says it is. @type {NonNullable<OpenFile["asks"]>} */
-const ROD = [
-  { name: "mass", label: "Mass on it", unit: "g", choices: [], each: false },
-  { name: "density", label: "Density", unit: "kg/m^3", choices: [], each: false },
-  { name: "disc", label: "\u2300, length", unit: "mm", choices: [], each: false },
-];
 const SPECIMEN = { name: "", lot: "", length: "mm" };
 
 /** The table of a solid, and how many arms it has, each on its tab. */
@@ -185,7 +179,7 @@ export function views() {
 function asked(/** @type {OpenFile | undefined} */ one) {
   const home = $("asks"),
     of = one && isJudged(one) ? (one.page === "part" ? door() : one) : undefined;
-  const asks = of ? (isRod(of) ? ROD : of.asks || []) : [];
+  const asks = of?.asks || [];
   home.hidden = !asks.length;
   if (!of || !asks.length || home.contains(document.activeElement)) return;
   const said = state.said[kindOf(of)] || {};

@@ -1,4 +1,4 @@
-"""What is read of a fit of several levels: its numbers in the units of people."""
+"""The page of a fit of several levels, and its numbers in the units of people."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from dashpot import plot
 from dashpot.base.arrays import FloatArray
 from dashpot.base.facts import Fact
 from dashpot.base.numbers import rounded
@@ -13,12 +14,44 @@ from dashpot.kinds.level.hits import HitLevels
 from dashpot.kinds.level.levels import Elements, LevelFit
 from dashpot.kinds.level.record import AmplitudeFit
 from dashpot.plot.picture import unit_of
+from dashpot.report.kind_page import KindPage, group, lights, who
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.rate_independent import InParallel
 from dashpot.workflow.levels import Levels
 
 _FINEST = 1e-6
 """Part of a number to which it is known at best: no sweep has more digits."""
+
+
+def page(found: Levels) -> KindPage:
+    """What the page of levels holds."""
+    fit = found.fit
+    stiff = {"level_matters", "softening_seen", "law_followed", "levels_followed", "spring_unseen"}
+    loss = frozenset({"loss_followed"})
+    asked = {"Record": frozenset[str](), "Stiffness": frozenset(stiff), "Damping": loss}
+    if not any(one.name in loss for one in found.checks):
+        del asked["Damping"]
+    low, high = fit.amplitudes
+    word, scale = unit_of(np.array(fit.amplitudes), "m")
+    if isinstance(fit, AmplitudeFit) and fit.of == "strain":
+        word, scale = "%", 100.0
+    every = ("Amplitudes", f"{rounded(scale * low)} to {rounded(scale * high)} {word}")
+    frequencies: tuple[tuple[str, str], ...] = ()
+    if isinstance(fit, AmplitudeFit):
+        told = ", ".join(rounded(one) for one in fit.frequency[:4].tolist())
+        frequencies = (("Frequency", f"{told} Hz"),)
+    picture = plot.level(fit, found.records)
+    return KindPage(
+        about="levels of a hammer or shaker" if picture.name == "levels" else "amplitude sweep",
+        strip=(*who(getattr(found.records[0], "specimen", None)), *frequencies, every),
+        lights=lights(found.checks, asked),
+        answers="Stiffness and loss with amplitude",
+        picture=picture,
+        told="What amplitude does",
+        groups=(group("", numbers(found)),),
+        note=beyond(found),
+        sources=tuple(dict.fromkeys(found.source)),
+    )
 
 
 def numbers(found: Levels) -> list[Fact]:

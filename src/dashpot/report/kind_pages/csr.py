@@ -1,0 +1,34 @@
+"""The page of pieces that age in ovens."""
+
+from __future__ import annotations
+
+from dashpot.base.units import in_unit, written
+from dashpot.kinds.csr.record import Aging
+from dashpot.report.kind_page import (
+    KindPage,
+    group,
+    lights,
+    tried,
+)
+
+
+def page(found: Aging) -> KindPage:
+    """What the page of a law of aging holds."""
+    asked = {"Readings": frozenset[str](),
+             "Ovens": frozenset({"ovens_enough", "ovens_on_a_line"}),
+             "Chemistry": frozenset({"chemistry_seen", "aging_beside_drift"})}  # fmt: skip
+    warm = [one.temperature for one in found.ovens]
+    ends = " to ".join(f"{in_unit(one, '°C'):.4g}" for one in (warm[0], warm[-1]))
+    return KindPage(
+        about="compression stress relaxation",
+        strip=(("Ovens", f"{len(warm)}, {ends} °C"),
+               ("Longest", written(found.longest, "h", ".4g")),
+               ("Scatter", f"{100 * found.scatter:.2g} % of F0")),
+        lights=lights(found.checks, asked, ("", f"{len(warm)} on one line", "seen")),
+        answers="What is left of the force",
+        picture=found.plot(),
+        told="The law of aging",
+        groups=(group("", found.facts),),
+        sources=found.sources,
+        folds=(tried(found.orders),),
+    )  # fmt: skip

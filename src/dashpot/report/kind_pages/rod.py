@@ -1,0 +1,56 @@
+"""The page of a rod under a mass."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dashpot.base.facts import Fact
+from dashpot.base.numbers import rounded, shown
+from dashpot.report.answer import NBSP
+from dashpot.report.kind_page import (
+    Group,
+    KindPage,
+    lights,
+    row,
+)
+from dashpot.report.kind_pages.solid import OF_LOSS, OF_REST, of_solid
+from dashpot.workflow.rods import Rod
+
+
+def page(found: Rod) -> KindPage:
+    """What the page of a rod holds."""
+    of = found.modulus
+    low, high = of.band
+    usable = bool(of.usable.any())
+    asked = {
+        "Record": frozenset[str](),
+        "Modulus": frozenset({"rod_usable", "waves_plane", "mass_beside_rod", "sensors_agree"}),
+        "Solid": OF_REST | OF_LOSS | {"lines_of_one_solid", "residuals_random", "optimum_found",
+                                  "storage_rises"},
+    }  # fmt: skip
+    says = ("", f"{low:.3g} to {high:.3g}{NBSP}Hz" if usable else "", "")
+    groups: list[Group] = []
+    if usable:
+        lines = np.flatnonzero(of.usable)
+        for i in dict.fromkeys((lines[0], lines[len(lines) // 2], lines[-1])):
+            hz = f"At {rounded(float(of.frequency[i]), digits=3)}{NBSP}Hz"
+            groups.append(Group(hz, (
+                row(Fact.normal("E′", float(of.storage[i]), float(of.storage_sd[i]), "Pa")),
+                row(Fact.normal("Loss factor", float(of.loss_factor[i]),
+                                float(of.loss_factor_sd[i]))),
+            )))  # fmt: skip
+    if found.fit is not None:
+        groups += [one for one in of_solid(found.fit) if one.title.startswith(("Arms", "Modulus"))]
+    return KindPage(
+        about="rod under a mass",
+        strip=(("Mass", shown(found.mass, "g", digits=4)), ("Rod", shown(found.own_mass, "g")),
+               ("Ends", "bonded" if found.bonded else "sliding"),
+               ("Known to 10 %", f"{low:.3g} to {high:.3g} Hz" if usable else "nowhere")),
+        lights=lights(found.checks, asked, says),
+        answers="The modulus of the material",
+        picture=found.plot(),
+        told="The material",
+        groups=tuple(groups),
+        note="From and to: 95 %, of all errors of the test together.",
+        sources=tuple(dict.fromkeys(found.frf.source)),
+    )  # fmt: skip
