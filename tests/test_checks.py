@@ -55,7 +55,7 @@ from dashpot.records.bounds import EndOfHold
 from dashpot.records.creep import LoadHold
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.estimate import Nuisance
-from dashpot.records.fit import Explanation
+from dashpot.records.evidence import Explanation
 from dashpot.records.frf import FRF, Hit, Mode
 from dashpot.records.frf_set import ModeShape
 from dashpot.records.relaxation import RampHold
