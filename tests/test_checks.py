@@ -1035,6 +1035,10 @@ CSR = [
     Case("f0_read", lambda x: csr.f0_read(1800 * x), 1.99, 2.01),
     Case("readings_scatter", csr.readings_scatter, 2.99, 3.01),
     Case("chemistry_seen", lambda x: csr.chemistry_seen(x, 400.0), 4.01, 3.99),
+    Case("readings_close", csr.readings_close, 0.0399, 0.0401),
+    Case(
+        "cold_bears_lower_energy", lambda x: csr.cold_bears_lower_energy(x, 65e3, 373.0), 1.99, 2.01
+    ),
     Case("ovens_enough", whole(csr.ovens_enough), 3, 2),
     Case("ovens_on_a_line", csr.ovens_on_a_line, 8.99, 9.01),
     Case("aging_beside_drift", lambda x: csr.aging_beside_drift(1e-9 * x, 1e-9), 3.01, 2.99),
@@ -1559,9 +1563,10 @@ LIMITS = {
         "indentation_shallow": 0.3, "sensor_fast_enough": 0.03,
     },
     "kinds/csr": {
-        "force_falls": 3, "f0_read": 2, "readings_scatter": 3, "chemistry_seen": 4,
-        "ovens_enough": 3, "ovens_on_a_line": 9, "aging_beside_drift": 3,
-        "temperature_near_ovens": 30, "time_near_readings": 2, "stiffness_follows_force": 0.1,
+        "force_falls": 3, "f0_read": 2, "readings_scatter": 3, "readings_close": 0.04,
+        "chemistry_seen": 4, "ovens_enough": 3, "ovens_on_a_line": 9, "aging_beside_drift": 3,
+        "temperature_near_ovens": 30, "cold_bears_lower_energy": 2,
+        "time_near_readings": 2, "stiffness_follows_force": 0.1,
     },
     "kinds/slam": {
         "slam_within_law": 1, "slam_within_band": 1, "air_escapes": 0.1, "loss_determined": 0.25,

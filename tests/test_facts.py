@@ -25,9 +25,10 @@ from dashpot.kinds.indentation.row import row as indentation_row
 from dashpot.lots import page, row
 from dashpot.lots.limits import read_limits
 from dashpot.lots.summary import summary
-from dashpot.report import level, tables
+from dashpot.report import tables
 from dashpot.report.answer import rows as answer_rows
 from dashpot.report.kind_page import kind_page
+from dashpot.report.kind_pages import level
 from dashpot.told import text as text_of
 from dashpot.told.layout import facts
 from dashpot.web import modes, views

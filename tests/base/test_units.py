@@ -25,7 +25,7 @@ PINT = {
     "gn": "standard_gravity", "gf": "gram_force", "kgf": "kilogram_force", "kp": "kilogram_force",
     "lbf": "pound_force", "in": "inch", "t": "metric_ton", "1": "dimensionless", "%": "percent",
     "lb": "pound", "h": "hour", "degC": "degree_Celsius", "degF": "degree_Fahrenheit",
-    "daN": "decanewton",
+    "daN": "decanewton", "ozf": "force_ounce",
 }  # fmt: skip
 SI = {
     "time": "s", "length": "m", "force": "N", "mass": "kg", "acceleration": "m/s^2",

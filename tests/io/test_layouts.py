@@ -15,6 +15,8 @@ from dashpot.io.options import ReadOptions
 from dashpot.io.readers.impact import read_impact
 from dashpot.io.readers.inspect import inspect_file
 from dashpot.io.readers.relaxation import read_relaxation
+from dashpot.io.text import header
+from dashpot.io.text.dialect import Dialect
 
 TIME, MOVED, FORCE = truth()
 
@@ -110,3 +112,42 @@ def test_twenty_thousand_columns_are_read(tmp_path: Path) -> None:
     begun = time.process_time()
     is_the_truth(path)
     assert time.process_time() - begun < 30.0
+
+
+@pytest.mark.parametrize(
+    ("row", "units"),
+    [
+        (["m/s", "N/mm"], True), (["s", "mm", "N"], True), (["t/ms", "F/mN"], False),
+        (["t/s", "s/mm", "F/N"], False), (["g/N", "g/N"], True), (["t/ms", "N"], True),
+    ],
+)  # fmt: skip
+def test_a_symbol_over_its_unit_is_a_name(row: list[str], *, units: bool) -> None:
+    assert header._holds_units(row) is units
+
+
+@pytest.mark.parametrize(
+    ("lines", "names"),
+    [
+        (["# t: s", "# x: mm", "# F: N"], ["t", "x", "F"]),
+        (["# made by a rig", "#", "# 1) t [s]", "# 2) x [mm]", "# 3) F [N]"], ["t", "x", "F"]),
+        (["# column 1: t [s]", "# column 2: x [mm]", "# column 4: F [N]"], ["", "", ""]),
+        (["# t: s", "# x: mm"], ["", "", ""]),  # one too few
+        (["# T: degC", "# t: s", "# x: mm", "# F: N"], ["", "", ""]),
+        (["# t: s", "# x: mm", "# F: much"], ["", "", ""]),
+        (["t: s", "x: mm", "F: N"], ["", "", ""]),  # no comments
+    ],
+)
+def test_a_comment_for_each_column_names_it(lines: list[str], names: list[str]) -> None:
+    found = header.read_header(lines, Dialect(" ", ".", ("number",) * 3, first=len(lines)))
+    assert [one.name for one in found.columns] == names
+    if names[0]:
+        assert [one.unit for one in found.columns] == ["s", "mm", "N"]
+
+
+@pytest.mark.parametrize(("first", "unit"), [("Index", None), ("Nr.", None), ("Zeit", "s")])
+def test_a_column_that_counts_has_no_unit(first: str, unit: str | None) -> None:
+    lines = [f"{first};Weg;Kraft", "s;mm" if unit else "mm;N"]
+    found = header.read_header(lines, Dialect(";", ".", ("number",) * 3, first=2, cells=3))
+    assert found.columns[0].unit == unit
+    assert found.columns[1].unit == "mm"
+    assert bool(found.uneven) is bool(unit)

@@ -467,7 +467,7 @@ def test_the_command_prints_logs_and_judges(folder, tmp_path):
         ({"jobs": 0}, "a number of processes >= 1"),
         ({"by": "("}, "no regular expression"),
         ({"by": "lot"}, "0 groups"),
-        ({"by": "(a)(b)(c)(d)(e)"}, "5 groups"),
+        ({"by": "(a)(b)(c)(d)(e)(f)"}, "6 groups"),
         ({"by": "(?P<batch>a)"}, "batch"),
         ({"by": r"(nowhere)"}, "fits none of 11 paths"),
     ],

@@ -119,6 +119,22 @@ def test_a_page_is_as_high_for_many_tests_as_for_few(lot):
     assert json.loads(unescape(points)) == [[f"L{i}", ""] for i in range(1, 21)]
 
 
+def test_tests_are_found_by_their_date_where_one_is_known(lot):
+    days = pl.Series("date", [f"2026-11-{2 + i % 2:02}" for i in range(lot.table.height)])
+    every = {
+        name: json.loads(re.search(r'id="every"[^>]*>(.*?)</script>', html(one), re.DOTALL)[1])
+        for name, one in (
+            ("dated", replace(lot, table=lot.table.with_columns(days))),
+            ("bare", lot),
+        )
+    }
+    assert "date" not in every["bare"]["heads"]
+    at = every["dated"]["heads"].index("date")
+    assert {row[at] for row in every["dated"]["rows"]} == {"2026-11-02", "2026-11-03"}
+    # each value in a place of its own: decision and mark stay behind
+    assert {len(row) for row in every["dated"]["rows"]} == {len(every["dated"]["heads"])}
+
+
 def test_what_the_page_says_is_what_the_document_says():
     large, found = many()
     page, document = unescape(html(large, found=found)), found.document

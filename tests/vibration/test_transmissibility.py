@@ -18,6 +18,7 @@ from dashpot.io.readers.psd import read_psd
 from dashpot.io.write import frf_uff, write_frf, write_relaxation
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.solids.table_1 import BROAD, BROAD_MASS, PAPER, PAPER_MASS
+from dashpot.told import text
 from dashpot.vibration.comparison.compare import compare
 from dashpot.vibration.modal.dynamic_stiffness import dynamic_stiffness
 from dashpot.vibration.systems.random_base import random_base, random_limits
@@ -245,6 +246,10 @@ def test_lines_that_nobody_measured_tell_an_arm_a_hundred_times_slower(kind, tol
     assert known.passed is told_apart
     # over a base the line at 1 Hz shows a 160th of the stiffness: of 1e-9 no arm so slow is known
     assert told_apart or known.says.startswith("1 of the 2 arms (relaxation time 16.4 s) is not")
+    assert found.unplaced == (() if told_apart else found.model.tau[1:])
+    first = text.fit(found, asked=2).lines[0]
+    assert ("relaxation time 16.4 s not determined" in first) is not told_apart
+    assert found.verdict.use == ("use" if told_apart else "use with care")
     assert found.model.tau == pytest.approx(tau, rel=1e-4)
     error = dict(zip(found.parameters, np.sqrt(np.diag(found.covariance)), strict=True))
     assert error["ln_tau_1"] < 0.01

@@ -57,7 +57,7 @@ def _table() -> dict[str, Unit]:
         "force": {
             "N": 1.0, "mN": 1e-3, "uN": 1e-6, "nN": 1e-9, "pN": 1e-12, "kN": 1e3, "MN": 1e6,
             "cN": 1e-2, "daN": 10.0, "lbf": _POUND_FORCE, "kgf": GRAVITY, "gf": GRAVITY * 1e-3,
-            "kp": GRAVITY,
+            "kp": GRAVITY, "ozf": _POUND_FORCE / 16,
         },
         "mass": {"kg": 1.0, "g": 1e-3, "mg": 1e-6, "t": 1e3, "lb": 0.45359237},
         "acceleration": {"m/s^2": 1.0, "mm/s^2": 1e-3, "g": GRAVITY, "gn": GRAVITY},
@@ -124,6 +124,7 @@ _SPELLINGS = {
     "lbf": "lb_f lbsf lb-f poundforce pound-force lb.f",
     "kgf": "kg_f kg-f kilopond 公斤力 кгс",
     "gf": "g_f gramforce gram-force",
+    "ozf": "oz_f oz-f ounceforce ounce-force",
     "lb": "lbs pound pounds",
     "kg": "kilogram kilograms кг 千克 公斤",
     "g": "gram grams",

@@ -159,7 +159,7 @@ def line_panel(found: DoorResult, view: View) -> Panel:
         Scale("", around(np.array([low[0], high[0]]), margin=0.16)),
         Scale("", around(np.array([under, high[1]]), margin=0.1)),
         tuple(marks),
-        title="seal line, from outside",
+        title="seal line pressed by, from outside",
         height=300,
         square=True,
         drawing=True,
@@ -178,7 +178,7 @@ def _classes(x: FloatArray, y: FloatArray, mm: FloatArray) -> list[Mark]:
         rank = np.clip(np.searchsorted(edges, mm, side="right") - 1, 0, count - 1)
         for k, colour in enumerate(sequential(count)):
             here = touches & (rank == k)
-            label = f"pressed {edges[k]:.3g} to {edges[k + 1]:.3g} mm"
+            label = f"{edges[k]:.3g} to {edges[k + 1]:.3g} mm"
             if here.any():
                 marks.append(Dots(x[here], y[here], colour, label, size=5.0))
     if not touches.all():

@@ -159,10 +159,10 @@ def batch(
     radius : float, optional
         Of an indenter's tip, m; `mass` is then the indenter's.
     by : str, optional
-        A regular expression for the path, whose groups are lot, seal, repeat and operator:
+        A regular expression for the path, whose groups are lot, seal, repeat, operator and date:
         ``r"lot(\w+)_seal(\d+)_rep(\d+)"``; named groups may stand in any order.
     manifest : path, optional
-        CSV or TOML with the columns file, lot, seal, repeat, operator, temperature, mass,
+        CSV or TOML with the columns file, lot, seal, repeat, operator, date, temperature, mass,
         hammer, hammer_temperature.
     pair : str, optional
         The pattern of the hammer's files of a test, seen from its folder:

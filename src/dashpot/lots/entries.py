@@ -21,7 +21,7 @@ from dashpot.base.version import is_ours, is_record
 from dashpot.io.source import open_raw
 from dashpot.io.toml import Section
 
-LABELS = ("lot", "seal", "repeat", "operator")
+LABELS = ("lot", "seal", "repeat", "operator", "date")
 _QUANTITIES: dict[str, Dimension] = {
     "temperature": "temperature", "mass": "mass", "hammer_temperature": "temperature",
 }  # fmt: skip
@@ -52,6 +52,8 @@ class Entry:
         Who, or which rig, tested; empty where nobody said.
     hammer_temperature : float or None
         Of the seals under the hammer, K; None where it is the test's.
+    date : str
+        Of the test, as it was said; empty where nobody did.
     aside : str
         Why it is not read; empty of what is.
     """
@@ -66,6 +68,7 @@ class Entry:
     operator: str = ""
     hammer_temperature: float | None = None
     aside: str = ""
+    date: str = ""
 
     @staticmethod
     def from_plain(plain: dict[str, Any]) -> Entry:
@@ -108,8 +111,8 @@ def entries(
     manifest : path, optional
         CSV or TOML; the files it lists are added to the paths, and its labels win over `by`.
     by : str, optional
-        A regular expression whose groups, named or in this order, are lot, seal, repeat and
-        operator.
+        A regular expression whose groups, named or in this order, are lot, seal, repeat, operator
+        and date.
     pair : str, optional
         The pattern of a test's hammer files, seen from its folder: ``"{stem}_hammer*.csv"``; it may
         hold {stem}, the name of the test's file without its suffix, {lot}, {seal} and {repeat}.
@@ -333,7 +336,7 @@ def _groups(by: str) -> tuple[re.Pattern[str], tuple[str, ...]]:
     ):
         raise DataError(
             f"--by '{by}' has {pattern.groups} groups ({', '.join(named) or 'none'}); expected up "
-            r"to four, named or in the order of lot, seal, repeat, operator: "
+            r"to five, named or in the order of lot, seal, repeat, operator, date: "
             r"'lot(\w+)_seal(\d+)_rep(\d+)'"
         )
     return pattern, named

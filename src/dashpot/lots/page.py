@@ -73,7 +73,9 @@ def html(lot: Lot, *, title: str = "Lot", found: Summary | None = None) -> str:
     script = _part("lot.js")
     said, main = found.verdict, found.main
     further = _further(lot, main)
-    labels = [name for name in LABELS if (lot.table[name] != "").any()]
+    # a lot of an earlier version has no date
+    known = [name for name in LABELS if name in lot.table.columns]
+    labels = [name for name in known if (lot.table[name].fill_null("") != "").any()]
     tests, by_lots = _tests(found, labels), len(main.seals) > BY_SEALS
     signals, weighs = (
         list(_signals(main)),

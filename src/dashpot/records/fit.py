@@ -22,6 +22,7 @@ from dashpot.base.provenance import Source, Step
 from dashpot.base.sentences import sentence
 from dashpot.base.status import Status
 from dashpot.base.units import Quantity, celsius, si, written
+from dashpot.engine.inference.order import arms_known
 from dashpot.records.alternative import Alternative, family_of
 from dashpot.records.bounds import EndOfHold, LeftOpen
 from dashpot.records.compression import refuse_far
@@ -533,6 +534,22 @@ class Fit(ByValue, Pictured, Documented):
     def nuisance(self) -> tuple[Nuisance, ...]:
         """Parameters that the fit needed and nobody asked for."""
         return self.estimate.nuisance
+
+    @property
+    def unplaced(self) -> tuple[float, ...]:
+        """Relaxation times, s, of the arms that the data ask for and cannot place.
+
+        Such an arm corrects the others: its own k or tau is hardly known. None are told of a fit
+        whose parameters are identified.
+        """
+        arms = self.model.arms
+        if self.status is not Status.NOT_IDENTIFIED or len(self.parameters) < 1 + 2 * arms:
+            return ()
+        error = np.sqrt(np.diag(self.estimate.noise_alone.covariance))
+        known = arms_known(
+            np.array(self.model.k), error[1 : 1 + arms], error[1 + arms : 1 + 2 * arms]
+        )
+        return tuple(tau for tau, sure in zip(self.model.tau, known, strict=True) if not sure)
 
     @property
     def standard_error(self) -> StandardErrors:

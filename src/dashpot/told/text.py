@@ -61,6 +61,9 @@ def fit(found: Fit, *, asked: int | str = "auto") -> Text:
     arms = f"{found.model.arms} Maxwell arm{'s' * (found.model.arms != 1)}"
     if found.family == "fractional":
         arms = f"fractional Zener model ({arms} stand for it)"
+    elif found.unplaced:
+        of = ", ".join(f"{tau:.3g} s" for tau in found.unplaced)
+        arms += f", relaxation time {of} not determined"
     residual = found.residual
     size = f"{residual.rms:.3g} times the noise"
     if residual.unit != "sd":

@@ -9,11 +9,13 @@ from kit.crafted.layouts import LAYOUTS
 from kit.crafted.makers import MAKERS
 from kit.crafted.row import Row
 from kit.crafted.sheets import SHEETS
+from kit.crafted.small_makers import SMALL_MAKERS
 from kit.crafted.treacherous import TREACHEROUS
 
 TABLE: tuple[Row, ...] = (
     *DIALECTS,
     *MAKERS,
+    *SMALL_MAKERS,
     *EXPORTS,
     *LAYOUTS,
     *COLUMNS,

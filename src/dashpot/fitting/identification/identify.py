@@ -293,7 +293,8 @@ def _chosen(found: Sequence[Candidate]) -> Candidate:
     line with dashpot would fare worse. Of 36 FRFs that choose otherwise then, 15 lose their only
     arm, and their peak is too high by a factor of 3.6 or more; of the other 21 the peak lies within
     the limit of the loss factor in 17. Two joint fits err in k(T) by 3 %, where they erred by .2 %
-    at most, and say "use".
+    at most, and say "use". So it stays, as a correction of the others: `Fit.unplaced` tells it, and
+    the check on the arms lets the verdict be no better than "use with care".
     """
     scale = min(found, key=lambda candidate: candidate.bic).line_scale
     best = []

@@ -17,6 +17,8 @@ from dashpot.io.text.dialect import LONGEST, Dialect
 _COMMENT = re.compile(r"\A\s*+(?:#++|%++|//++|\$++|!++|\*++|'++|--++|>++|@++)\s*+")
 _CLOSED = re.compile(r"(?<=[\])])")
 _REACH = 6
+_COUNTERS = {"index", "no", "nr", "n", "number", "point", "reading", "row", "nummer", "messpunkt"}
+"""Names of a first column that counts the rows, and has no unit."""
 _MARKS = ("\t", ";", ",", "|")
 
 
@@ -50,6 +52,7 @@ def read_header(lines: Sequence[str], dialect: Dialect) -> Header:
     names, words, odd = _pick(rows, dialect)
     names = _labelled(lines, dialect, "name") or names
     words = _labelled(lines, dialect, "unit") or words
+    names, words = _one_a_line(lines, len(dialect.contents)) or (names, words)
     misfit = "" if names else _misfit(rows[:-3:-1], dialect)
     uneven = ""
     if odd and names and not words:
@@ -75,6 +78,8 @@ def _from_the_left(
     missing or added further left, nobody knows where, and none is taken.
     """
     width = len(dialect.contents)
+    if len(odd) == width - 1 and vocabulary.plain(names[0]) in _COUNTERS:
+        return ["", *odd], ""
     says = f"the row of units has {len(odd)} cells for {width} columns ('{odd[0]}' ... '{odd[-1]}')"
     pairs = list(zip(names[:width], map(_strip, odd), strict=False))
     if any(_denies(part_unit(name)[0], word) for name, word in pairs):
@@ -216,6 +221,37 @@ def _labelled(lines: Sequence[str], dialect: Dialect, what: str) -> list[str]:
     return []
 
 
+_NUMBERED = re.compile(
+    r"\A(?:(?:col(?:umn)?|field|channel|spalte|kanal)\.?\s*)?(\d{1,4})\s*[:=.)]\s*", re.I
+)
+
+
+def _one_a_line(lines: Sequence[str], width: int) -> tuple[list[str], list[str]] | None:
+    """The names and units of ``# time: s`` or ``# column 1: time [s]``, if so end the lines above.
+
+    There is one comment for each column, and one before them that is none of them.
+    """
+    run: list[tuple[str, str]] = []
+    for line in [line for line in lines if line.strip()][-width - 1 :]:
+        text = _COMMENT.sub("", line, count=1).strip()
+        number = _NUMBERED.match(text)
+        told = _told(text[number.end() :] if number else text) if text != line.strip() else None
+        if not told or (number and int(number[1]) != len(run) + 1):
+            run = []
+        else:
+            run.append(told)
+    return ([name for name, _ in run], [word for _, word in run]) if len(run) == width else None
+
+
+def _told(text: str) -> tuple[str, str] | None:
+    """The name of a column and its unit, as ``time: s`` or ``time [s]``."""
+    name, sign, word = text.partition(":")
+    if sign and units.find(_strip(word) if word.strip() else "") is not None:
+        return name.strip(), word.strip()
+    stem, unit = part_unit(text)
+    return (stem, unit) if unit and units.find(unit) is not None else None
+
+
 def _pick(rows: Sequence[list[str]], dialect: Dialect) -> tuple[list[str], list[str], list[str]]:
     """The row of names and the row of units among the last lines above the table.
 
@@ -269,8 +305,15 @@ def _holds_units(row: Sequence[str]) -> bool:
         return False
     known = sum(units.find(word) is not None or _unit_shape(word) for word in filled)
     named = any(vocabulary.plain(word) in vocabulary.FIRST for word in filled)
+    named = named or all(map(_is_name_over_unit, filled))
     bracketed = sum(map(_is_bracketed, row)) == len(filled)
     return not named and (known >= 0.6 * len(filled) or bracketed)
+
+
+def _is_name_over_unit(word: str) -> bool:
+    """Whether a word is a symbol over its unit, as ``t/ms``, and no quotient of two units."""
+    stem, sign, unit = word.partition("/")
+    return bool(sign) and is_unit_of(stem, unit)
 
 
 def _is_bracketed(text: str) -> bool:

@@ -9,7 +9,12 @@ const at = (/** @type {string} */ name) => every.heads.indexOf(name);
 const box = (
   /** @type {string} */ id,
 ) => /** @type {HTMLSelectElement & HTMLInputElement} */ (document.getElementById(id));
-const filters = { lot: box("of-lot"), verdict: box("of-verdict"), decision: box("of-decision") };
+const filters = {
+  lot: box("of-lot"),
+  date: box("of-date"),
+  verdict: box("of-verdict"),
+  decision: box("of-decision"),
+};
 let from = 0;
 
 function fitting() {
