@@ -55,7 +55,7 @@ from dashpot.records.bounds import EndOfHold
 from dashpot.records.creep import LoadHold
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.estimate import Nuisance
-from dashpot.records.fit import Explanation
+from dashpot.records.evidence import Explanation
 from dashpot.records.frf import FRF, Hit, Mode
 from dashpot.records.frf_set import ModeShape
 from dashpot.records.relaxation import RampHold
@@ -479,8 +479,8 @@ PREPARATION = [
     Case(
         "depth_resolved",
         lambda x: preparation.depth_resolved(counted(x * np.sqrt(6) * DEPTH)),
-        0.00499,
-        0.00501,
+        0.00249,
+        0.00251,
     ),
     Case(
         "hold_is_still",
@@ -1505,7 +1505,7 @@ LIMITS = {
         "temperature_as_stated": 1, "temperature_held": 1,
         "columns_plausible": 0.03, "motion_resolved": 0.125, "motion_measured": 0,
         "range_used": 0.05, "force_not_clipped": 5, "force_resolved": 20,
-        "depth_resolved": 0.005, "hold_is_still": 0.01, "hold_outlasts_ramp": 10,
+        "depth_resolved": 0.0025, "hold_is_still": 0.01, "hold_outlasts_ramp": 10,
         "ramp_sampled": 10, "strain_small": 0.2,
     },
     "kinds/cld": {
