@@ -27,7 +27,7 @@ from dashpot.base.provenance import Source, Step
 from dashpot.base.status import Status
 from dashpot.plot import tokens
 from dashpot.records.estimate import Nuisance
-from dashpot.records.fit import Explanation, Moved
+from dashpot.records.evidence import Explanation, Moved
 from dashpot.records.frf import Hit
 from dashpot.records.specimen import Specimen
 from dashpot.report import answer, html

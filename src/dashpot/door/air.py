@@ -21,6 +21,8 @@ DENSITY = 1.2
 """kg/m^3, at 21 degC."""
 GAMMA = 1.4
 CHOKED = (2 / (GAMMA + 1)) ** (GAMMA / (GAMMA - 1))
+_LOG_CHOKED = np.log(CHOKED)
+_SLOPE = np.sqrt(2 * GAMMA / (GAMMA - 1) * AMBIENT * DENSITY)
 
 _STAGE = 1 - np.sqrt(0.5)
 """Of the two-stage rule of second order that damps what is stiff (Alexander 1977)."""
@@ -36,15 +38,17 @@ def mass_flux(pressure: npt.ArrayLike, density: npt.ArrayLike) -> FloatArray:
     pressure, density : array_like
         In the chamber, Pa and kg/m^3; outside they are those of the ambient.
     """
-    p, rho = np.asarray(pressure, dtype=float), np.asarray(density, dtype=float)
-    out = p >= AMBIENT
-    upstream = np.sqrt(np.where(out, p * rho, AMBIENT * DENSITY))
-    x = np.maximum(np.where(out, AMBIENT / p, p / AMBIENT), CHOKED)
+    over = np.log(np.asarray(pressure, dtype=float) / AMBIENT)
+    return _flux(over, np.log(np.asarray(density, dtype=float) / DENSITY))
+
+
+def _flux(over: FloatArray, denser: FloatArray) -> FloatArray:
+    """The same of ln p/p_a and ln rho/rho_a, of which a march has no need to take powers."""
+    upstream = np.exp(np.where(over > 0, 0.5 * (over + denser), 0.0))
+    fall = np.maximum(-np.abs(over), _LOG_CHOKED)
     # x^(2/g) - x^(1+1/g), without cancellation at x near 1
-    log = np.log(x)
-    drop = -np.exp(2 / GAMMA * log) * np.expm1((1 - 1 / GAMMA) * log)
-    flux = upstream * np.sqrt(2 * GAMMA / (GAMMA - 1) * drop)
-    return np.asarray(np.where(out, flux, -flux))
+    drop = -np.exp(2 / GAMMA * fall) * np.expm1((1 - 1 / GAMMA) * fall)
+    return np.asarray(np.copysign(_SLOPE * upstream * np.sqrt(drop), over))
 
 
 def pressure_of(density: npt.ArrayLike, exponent: float) -> FloatArray:
@@ -107,12 +111,12 @@ def _implicit(
     z = np.where(step > 0, np.clip(_root(guess, n), low, high), bound)
     slope = np.sqrt(2 * AMBIENT * DENSITY)
     for _ in range(_ROUNDS):
-        ratio = 1 + z * np.abs(z)
-        r = DENSITY * ratio ** (1 / n)
-        miss = volume * r + step * mass_flux(AMBIENT * ratio, r) - mass
-        rise = volume * r / ratio * (2 / n) * np.abs(z) + step * slope
-        change = np.where(rise > 0, miss / np.where(rise > 0, rise, 1.0), 0.0)
-        z = np.clip(z - change, low, high)
+        size = np.abs(z)
+        over = np.log1p(z * size)
+        held = volume * DENSITY * np.exp(over / n)
+        miss = held + step * _flux(over, over / n) - mass
+        rise = held * (2 / n) * size / (1 + z * size) + step * slope
+        z = np.minimum(np.maximum(z - miss / np.where(rise > 0, rise, np.inf), low), high)
         if (np.abs(miss) <= _CLOSE * mass).all():
             break
     return np.asarray(DENSITY * (1 + z * np.abs(z)) ** (1 / n))

@@ -172,11 +172,17 @@ class _Doors:
 
     @classmethod
     def at_first(
-        cls, door: ClosingDoor, closed: FloatArray, load: FloatArray, angle: float
+        cls,
+        door: ClosingDoor,
+        closed: FloatArray,
+        load: FloatArray,
+        dashpot: FloatArray,
+        angle: float,
     ) -> _Doors:
-        """At an angle, each with its compressions of the closed door and its factor of the load."""
+        """At an angle, each with its compressions of the closed door and its seal's force."""
         about: dict[str, Any] = {"lever": door.lever, "closed": closed, "angle": angle}
-        seal = PressedSeal(door.section, share=door.length * load[:, None], **about)
+        share = door.length * load[:, None]
+        seal = PressedSeal(door.section, share=share, dashpot=dashpot, **about)
         airs = [Chambers(name, one, length=door.length, **about) for name, one in door.setup.airs]
         return cls(door, seal, airs, angle)
 
@@ -218,6 +224,7 @@ def march(
     *,
     compression: FloatArray | None = None,
     load: FloatArray | None = None,
+    dashpot: FloatArray | None = None,
     steps: int = STEPS,
 ) -> March:
     """Let doors close that differ in speed, compression of the seal and its force.
@@ -231,6 +238,8 @@ def march(
         With the door closed, m.
     load : array, shape (doors,), optional
         Factor of the seal's force.
+    dashpot : array, shape (doors,), optional
+        Beside the seal before that factor, N s/m per m.
     steps : int
         Of the angle over which the seal is pressed.
     """
@@ -240,7 +249,9 @@ def march(
     )
     angle = replace(door, compression=pressed.max(axis=0)).angles(steps)
     first = float(angle[0])
-    going = _Doors.at_first(door, pressed, np.ones(doors) if load is None else load, first)
+    load = np.ones(doors) if load is None else load
+    dashpot = np.zeros(doors) if dashpot is None else dashpot
+    going = _Doors.at_first(door, pressed, load, dashpot, first)
     n = len(angle) - 1
     work: dict[str, FloatArray] = defaultdict(lambda: np.zeros((n, doors)))
     pressure: dict[str, FloatArray] = defaultdict(lambda: np.zeros((n + 1, doors)))
@@ -248,7 +259,8 @@ def march(
     kinetic[0] = 0.5 * door.inertia * (np.asarray(speed) / door.edge) ** 2
     moment, returned = np.zeros(doors), 0.0
     for i in range(n):
-        before = going.copied()
+        # of one door alone it is asked with what it comes back
+        before = going.copied() if doors == 1 else going
         done = going.step(float(angle[i + 1]), kinetic[i], moment)
         kinetic[i + 1] = kinetic[i] - done.taken
         on = kinetic[i + 1] > 0

@@ -21,6 +21,8 @@ class PressedSeal:
         m.
     share : array, shape (doors, stations)
         m of seal, by the factors of its force.
+    dashpot : array, shape (doors,)
+        Beside the solid, N s/m per m.
     closed : array, shape (doors, stations)
         Compression with the door closed, m.
     angle : float
@@ -33,12 +35,13 @@ class PressedSeal:
         *,
         lever: FloatArray,
         share: FloatArray,
+        dashpot: FloatArray,
         closed: FloatArray,
         angle: float,
     ) -> None:
         self.section, self.lever, self.share, self.closed = section, lever, share, closed
         solid = section.solid.maxwell
-        self.k_inf, self.b = solid.k_inf, solid.b
+        self.k_inf, self.b = solid.k_inf, solid.b + dashpot[:, None]
         self.k, self.tau = np.array(solid.k), np.array(solid.tau)
         self.at = np.maximum(closed - lever * angle, 0.0)
         self.path = section.path(self.at)

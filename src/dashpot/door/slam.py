@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -15,7 +16,7 @@ from dashpot.door.closing import ELASTIC, STEPS, ClosingDoor, March, march
 from dashpot.door.closing_record import ClosingSetup, Tolerances
 from dashpot.door.record import Door, RigidPart
 from dashpot.records.fit import Fit
-from dashpot.records.seal_line import SealLine, SealSection
+from dashpot.records.seal_line import SealLine
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 FASTEST = 20.0
@@ -149,22 +150,17 @@ class SealDoubt:
             fit.band[1],
         )
 
-    def sections(
-        self, section: SealSection, frequency: float
-    ) -> tuple[SealSection, SealSection | None]:
+    def extremes(
+        self, solid: GeneralizedMaxwell, frequency: float
+    ) -> tuple[FloatArray, FloatArray]:
         """The softest and the hardest seal that is left open at a frequency, Hz.
 
-        The hardest is None where nothing limits it.
+        Factors of its force, and dashpots beside it before those, N s/m per m: inf where nothing
+        limits it.
         """
-        solid = section.solid.maxwell
-        soft = replace(section, solid=solid * max(1 - self.relative, 1e-6))
-        hard = solid * (1 + self.relative)
-        if frequency <= self.highest or self.delay == 0:
-            return soft, replace(section, solid=hard)
-        if not np.isfinite(self.delay):
-            return soft, None
-        hidden = GeneralizedMaxwell(0.0, b=self.delay * solid.k_0)
-        return soft, replace(section, solid=hard + hidden)
+        load = np.array([max(1 - self.relative, 1e-6), 1 + self.relative])
+        hides = self.delay if frequency > self.highest else 0.0
+        return load, np.array([0.0, hides * solid.k_0 / load[1]])
 
 
 @dataclass(frozen=True)
@@ -284,22 +280,20 @@ def close_door(
         )
     moving = door if isinstance(door, ClosingDoor) else closing_door(door, line)
     done = march(moving, np.array([v]), steps=steps)
-    minimum = float(least_speed(moving, steps=steps)[0])
-    terms = tuple(_shares(done))
-    found = Closing(moving, v, done, terms, minimum, None, True, None)
-    interval = None
+    found = Closing(moving, v, done, tuple(_shares(done)), np.inf, None, True, None)
+    load, hidden = np.ones(1), np.zeros(1)
     if doubt is not None:
-        low, high = (
-            float("inf")
-            if one is None
-            else float(least_speed(replace(moving, section=one), steps=steps)[0])
-            for one in doubt.sections(moving.section, found.frequency)
+        extremes = doubt.extremes(moving.section.solid.maxwell, found.frequency)
+        load, hidden = (
+            np.append(one, two) for one, two in zip((load, hidden), extremes, strict=True)
         )
-        interval = low, high
-    variation = moving.setup.variation
+    least, limited = np.full(len(load), np.inf), np.isfinite(hidden)
+    least[limited] = least_speed(moving, load=load[limited], dashpot=hidden[limited], steps=steps)
+    minimum, variation = float(least[0]), moving.setup.variation
     return replace(
         found,
-        interval=interval,
+        minimum=minimum,
+        interval=None if doubt is None else (float(least[1]), float(least[2])),
         monotone=_faster_close(moving, minimum),
         scatter=None if variation is None else scattered(moving, variation, minimum),
     )
@@ -330,6 +324,7 @@ def least_speed(
     *,
     compression: FloatArray | None = None,
     load: FloatArray | None = None,
+    dashpot: FloatArray | None = None,
     steps: int = STEPS,
     tolerance: float = _SIGNIFICANT,
 ) -> FloatArray:
@@ -346,16 +341,20 @@ def least_speed(
         With the door closed, m.
     load : array, shape (doors,), optional
         Factor of the seal's force.
+    dashpot : array, shape (doors,), optional
+        Beside the seal before that factor, N s/m per m.
     steps : int
     tolerance : float
         Of the speed, relative.
     """
-    doors = 1 if compression is None else len(compression)
+    each = load if compression is None else compression
+    doors = 1 if each is None else len(each)
+    told: dict[str, Any] = {"compression": compression, "load": load, "dashpot": dashpot}
     half = 0.5 * door.inertia / door.edge**2
 
     def spare(energy: FloatArray) -> FloatArray:
         speed = np.sqrt(np.maximum(energy, _NOTHING * half) / half)
-        return march(door, speed, compression=compression, load=load, steps=steps).spared
+        return march(door, speed, steps=steps, **told).spared
 
     high, low = np.full(doors, half), np.zeros(doors)
     spared = spare(high)

@@ -73,6 +73,15 @@ class ModeRow(NamedTuple):
     marked: bool
 
 
+class ModesTable(NamedTuple):
+    """The modes of a door: rows, the parts that share them with their colours, what is said."""
+
+    rows: tuple[ModeRow, ...]
+    parts: tuple[tuple[str, str], ...]
+    note: str
+    more: int
+
+
 def contents(found: DoorResult | None, closed: ClosingResult | None) -> dict[str, Any]:
     """What the page of a door holds: how it vibrates, how it closes, or both."""
     results = [one for one in (found, closed) if one is not None]
@@ -81,23 +90,19 @@ def contents(found: DoorResult | None, closed: ClosingResult | None) -> dict[str
     said = _verdict(results, every)
     names = dict.fromkeys(one.file for one in sources)
     folds = tuple(_folds(found, closed))
-    rows = () if found is None else tuple(_rows(found))
     weighed = said.because
     also = [one for one in every if one.failed and one not in weighed]
     return {
         **frame(),
         "title": next(iter(names), "door"),
-        "about": _about(results[0]),
+        "about": about(results[0]),
         "verdict": said,
         "beside": " ".join(sentence(one.sound) for one in results),
         "colour": COLOURS[said.use],
-        "lights": tuple(_lights(found, closed, every, said)),
+        "lights": tuple(lights_of(found, closed, every, said)),
         "figures": dict(_figures(found, closed))
         | {f"fold{i}": drawn(one.picture) for i, one in enumerate(folds) if one.picture},
-        "rows": rows,
-        "more": 0 if found is None else len(found.modes) - len(rows),
-        "parts": () if found is None else tuple(_colours(found.modes).items()),
-        "seal_note": _seal_note(found),
+        "modes": ModesTable((), (), "", 0) if found is None else modes_of(found),
         "closing_notes": () if closed is None else _closing_notes(closed),
         "speed": "" if closed is None else f"{closed.closing.speed:.2f} m/s",
         "folds": folds,
@@ -114,7 +119,7 @@ def _verdict(results: Sequence[DoorResult | ClosingResult], every: Sequence[Chec
     return results[0].verdict if len(results) == 1 else verdict(every, sound=results[-1].sound)
 
 
-def _about(found: DoorResult | ClosingResult) -> str:
+def about(found: DoorResult | ClosingResult) -> str:
     """The mass, what holds it, and the seal."""
     door = found.door
     said = [] if door.rigid is None else [f"{door.rigid.mass:.3g} kg"]
@@ -128,12 +133,13 @@ def _about(found: DoorResult | ClosingResult) -> str:
     return ", ".join(said)
 
 
-def _lights(
+def lights_of(
     found: DoorResult | None,
     closed: ClosingResult | None,
     every: Sequence[Check],
     said: Verdict,
 ) -> Iterator[Light]:
+    """Of the seal line, the modes, the closing and its limit, as far as each was asked."""
     asked = {"Seal line": frozenset[str](), "Modes": _MODES, "Closing": _CLOSING}
     goods, fails = [_line_says(found, closed), "", ""], ["", "", ""]
     if found is not None:
@@ -181,8 +187,14 @@ def _held(found: DoorResult) -> list[DoorMode]:
     return [one for one in found.modes if one.share(SEAL) >= _HOLDS]
 
 
-def _seal_note(found: DoorResult | None) -> str:
-    if found is None or found.fit is None or not found.modes:
+def modes_of(found: DoorResult) -> ModesTable:
+    """The table of the modes."""
+    rows, parts = tuple(_rows(found)), tuple(_colours(found.modes).items())
+    return ModesTable(rows, parts, _seal_note(found), len(found.modes) - len(rows))
+
+
+def _seal_note(found: DoorResult) -> str:
+    if found.fit is None or not found.modes:
         return ""
     return (
         "Marked: the seal stores more than 1 % of the energy there, and its test does not reach "

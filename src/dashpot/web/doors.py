@@ -10,16 +10,22 @@ from typing import Any
 
 from dashpot import workflow
 from dashpot.base.errors import ReadError
-from dashpot.base.numbers import rounded
+from dashpot.base.numbers import hertz, rounded
+from dashpot.door.figure import View, frf_panel, line_panel, shape_panels
 from dashpot.door.result import DoorResult
+from dashpot.plot.picture import Picture
+from dashpot.plot.svg import strip, swatch
 from dashpot.records.fit import Fit
 from dashpot.report.answer import Row
-from dashpot.report.kind_page import Group, KindPage, lights
-from dashpot.web import results
+from dashpot.report.door import about, lights_of, modes_of
+from dashpot.report.kind_page import Group, KindPage
+from dashpot.web import results, views
 from dashpot.workflow.archive import to_json
 from dashpot.workflow.job import Job
 
 DOOR = "door"
+_HEIGHT = 300.0
+"""Of a response beside no seal line, px."""
 
 
 def row(path: Path) -> dict[str, Any]:
@@ -30,16 +36,44 @@ def row(path: Path) -> dict[str, Any]:
 
 
 def page(found: DoorResult) -> KindPage:
-    """A door's own page is laid out otherwise: its first modes, in the form of the other kinds."""
+    """What its own page tells, in the form of the other kinds."""
     rows = tuple(
         Row(f"Mode {i}", rounded(one.mode.frequency, digits=4), "", "", "Hz", "", bound=False)
         for i, one in enumerate(found.modes[:8], 1)
     )
     return KindPage(
-        about="a door on its seal", strip=(), lights=lights(found.checks, {"Door": frozenset()}),
+        about=about(found), strip=(("Door", about(found)), ("Band", hertz(found.band))),
+        lights=tuple(lights_of(found, None, found.checks, found.verdict)),
         answers="A door", picture=found.plot(), told="Modes", groups=(Group("", rows),),
-        sources=(), note="", name="door",
+        sources=tuple(dict.fromkeys(found.sources)), note="", name="door",
     )  # fmt: skip
+
+
+def figures(found: DoorResult, width: float) -> list[tuple[str, str]]:
+    """What its own page shows: its seal line, its response, its modes with their shares, shapes."""
+    view = View.of(found)
+    panels = [] if view is None else [line_panel(found, view)]
+    if found.frfs:
+        panels.append(frf_panel(found, 0, height=panels[0].height if panels else _HEIGHT))
+    cards: list[tuple[str, str]] = []
+    if panels:
+        picture = Picture("door", "", tuple((one,) for one in panels), len(panels))
+        cards += views.bench_panels(picture, width)
+    if found.modes:
+        words = "Modes: who holds, who loses"
+        cards.append((words, views.piece("door_modes", modes=modes_of(found))))
+    shapes = [] if view is None else shape_panels(found, view)
+    if shapes:
+        many = len(shapes) if width >= views.TWO else 2
+        each = (width - views.CARD) / many - 8
+        drawn = [
+            strip((one,), name=f"shape{i}", width=each, kind="figure")
+            for i, one in enumerate(shapes)
+        ]
+        key = Picture("shapes", "", tuple((one,) for one in shapes)).key
+        samples = [(swatch(mark, name=f"shape-k{i}"), mark.label) for i, mark in enumerate(key)]
+        cards.append(("Shapes, from outside", views.piece("shapes", key=samples, drawn=drawn)))
+    return cards
 
 
 def predicted(files: Sequence[str], behind: str = "") -> DoorResult:

@@ -88,7 +88,9 @@ def judge(request: Mapping[str, Any], folder: Path) -> bytes:
             "solid": "",
             "arms": "",
             "checks": views.check_list(found.checks),
-            "figures": views.bench_panels(page.picture, width),
+            "figures": doors.figures(found, width)
+            if asked.kind == doors.DOOR
+            else views.bench_panels(page.picture, width),
             "facts": [list(one) for one in page.strip],
             "asks": views.asks(asks_of(asked.kind)),
             "simulated": any(source.simulated for source in page.sources),

@@ -14,6 +14,7 @@ from dashpot.base.offered import Judged
 from dashpot.base.provenance import Source
 from dashpot.base.units import Quantity, celsius, parse_quantity, si, written
 from dashpot.kinds.csr.checks import (
+    cold_bears_lower_energy,
     stiffness_follows_force,
     temperature_near_ovens,
     time_near_readings,
@@ -112,8 +113,12 @@ def predict_aging(
         )
     asked = (until,) if isinstance(until, str) else tuple(until) or ("50%",)
     furthest = max(_reached(law, temperature, *_end(one)) for one in asked)
+    moved = [_moved(found, temperature, *_end(one)) for one in asked]
     checks = (
         temperature_near_ovens(coldest - temperature, temperature),
+        cold_bears_lower_energy(
+            max((one for one in moved if one is not None), default=None), LOWER, coldest
+        ),
         time_near_readings(math.log10(furthest / found.longest), found.longest),
     )
     return Aged(found, temperature, asked, furthest, (*checks, *found.checks))
@@ -213,11 +218,32 @@ def _facts(found: Aging, temperature: float, part: float, time: float) -> list[F
         return [Fact("life", math.nan, least, math.inf, "s", None, "h", words)]
     error = law.error_of(lambda one: math.log(one.life(temperature, part)))
     facts = [spread("life", law.life(temperature, part), error, law, words)]
-    if temperature < coldest - ONE_OVEN and law.activation > LOWER:
-        flat = replace(
-            law, chemical=math.log(law.tau(coldest)), activation=LOWER, reference=coldest
-        )
+    flat = _if_it_falls(found, temperature)
+    if flat is not None:
         below = f"the same, if Ea were {written(LOWER, 'kJ/mol', 'g')} below {celsius(coldest)}"
         short = flat.life(temperature, part)
         facts.append(Fact("life_if_Ea_falls", short, unit="s", read="h", words=below))
     return facts
+
+
+def _if_it_falls(found: Aging, temperature: float) -> AgingLaw | None:
+    """The law whose activation energy falls below the coldest oven; None where none can."""
+    law, coldest = found.law, found.ovens[0].temperature
+    if law.bound_alone or temperature >= coldest - ONE_OVEN or law.activation <= LOWER:
+        return None
+    return replace(law, chemical=math.log(law.tau(coldest)), activation=LOWER, reference=coldest)
+
+
+def _moved(found: Aging, temperature: float, part: float, time: float) -> float | None:
+    """By how many standard errors that changes an answer."""
+    law, flat = found.law, _if_it_falls(found, temperature)
+    if flat is None:
+        return None
+
+    def answer(one: AgingLaw) -> float:
+        if math.isnan(part):
+            return one.retained(temperature, time)
+        return math.log(min(one.life(temperature, part), NEVER))
+
+    error = law.error_of(answer)
+    return (answer(law) - answer(flat)) / error if 0 < error < math.inf else None

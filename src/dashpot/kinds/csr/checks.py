@@ -33,6 +33,7 @@ def judge(
         force_falls(risen),
         f0_read(max(float(read.time[read.piece == i].min()) for i in range(read.pieces))),
         readings_scatter(together),
+        readings_close(found.scatter),
         chemistry_seen(hottest.significance, hottest.temperature),
         ovens_enough(len(found.ovens)),
         ovens_on_a_line(strain),
@@ -70,6 +71,17 @@ def readings_scatter(together: float) -> Finding:
         together,
         "The law does not follow the readings, or the cell drifts",
         "Look at the picture. Leave out ovens that age otherwise, such as the hottest.",
+    )
+
+
+@criterion("part of F0", "<=", 0.04, "our choice: four times the 1 % of a usual reading")
+def readings_close(scatter: float) -> Finding:
+    """The readings lie near the law."""
+    return Finding(
+        f"A reading lies {100 * scatter:.2g} % of F0 from the law",
+        scatter,
+        "The law does not follow the readings, or some were read otherwise, such as cold",
+        "Look at the picture, and read all at one temperature.",
     )
 
 
@@ -134,6 +146,20 @@ def temperature_near_ovens(colder: float, temperature: float) -> Finding:
         f"{celsius(temperature)} lies {max(colder, 0.0):.3g} K below the coolest oven",
         colder,
         "The activation energy may fall there, and the life with it",
+        "Test an oven nearer to it.",
+    )
+
+
+@criterion("change / standard error", "<=", 2.0, "inside the 95 % interval")
+def cold_bears_lower_energy(moved: float | None, lower: float, coldest: float) -> Finding:
+    """The answer stays within its interval if the activation energy falls below the ovens."""
+    if moved is None:
+        return Finding("The temperature is that of an oven, or above, so it is not judged")
+    return Finding(
+        f"An activation energy of {written(lower, 'kJ/mol', 'g')} below {celsius(coldest)} moves "
+        f"the answer by {moved:.2g} standard errors",
+        moved,
+        "Rubber often has one so low there, and no oven shows it",
         "Test an oven nearer to it.",
     )
 
