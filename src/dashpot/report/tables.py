@@ -24,7 +24,8 @@ from dashpot.base.numbers import (
 )
 from dashpot.base.units import in_unit
 from dashpot.records.bounds import StiffnessBounds
-from dashpot.records.fit import Fit, Moved
+from dashpot.records.evidence import Moved
+from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF
 from dashpot.records.relaxation import RampHold
 from dashpot.vibration.comparison.comparison import Comparison
