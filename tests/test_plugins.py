@@ -332,3 +332,18 @@ def test_authors_are_told_what_is_wrong(code: str, says: str, tmp_path: Path) ->
         return
     with pytest.raises(AssertionError, match=says):
         check_format(module, file)
+
+
+def test_of_a_package_that_is_found_twice_the_first_on_the_path_counts(
+    installed: Callable[..., None], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    installed("twice", {}, {"formats": "rig = later_on_the_path:reader"})
+    first = tmp_path / "first" / "twice-0.1.0.dist-info"
+    first.mkdir(parents=True)
+    (first / "METADATA").write_text("Metadata-Version: 2.1\nName: twice\nVersion: 0.2.0\n")
+    (first / "entry_points.txt").write_text("[dashpot.formats]\nrig = first:reader\n")
+    monkeypatch.syspath_prepend(str(first.parent))
+    plugins._installed.cache_clear()
+    found = plugins.named("formats", "rig")
+    assert found is not None
+    assert (found.value, found.version) == ("first:reader", "0.2.0")

@@ -35,11 +35,17 @@ def test_real_tests_pass_and_slips_do_not():
     for name, size in (
         ("force", 40e3), ("ramp", 315.0), ("travel", 0.401), ("record", 86400.0),
         ("record", 3.6e6), ("mass", 0.104),
+        # of the labs whose stated units were asked about once
+        ("force", 8.4e3), ("force", 38.8e3), ("ramp", 236.0), ("ramp", 306.0), ("travel", 0.201),
+        # of a cantilever in nN, and of a fibre in uN
+        ("force", 2e-9), ("travel", 1e-6), ("force", 5e-4), ("ramp", 0.1), ("ramp", 100.0),
     ):  # fmt: skip
         SIZES[name].refuse(size)
     for name, size in (
         ("travel", 8.0), ("travel", 1.0), ("mass", 5e3), ("modulus", 4e9), ("radius", 5.0),
         ("contact pressure", 649e6), ("door", 2e-3), ("sag", 2.6), ("ramp", 1e3),
+        # 20 N for 20 mN of a shaker, kN for N of a cell, Pa for MPa of a rubber
+        ("amplitude", 8.71), ("force", 1.57e6), ("modulus", 2.0),
     ):  # fmt: skip
         with pytest.raises(DataError, match=r"expected .* to .*Check"):
             SIZES[name].refuse(size)

@@ -24,7 +24,7 @@ from dashpot.cli._grammar import verb
 from dashpot.cli._options import result as told
 from dashpot.cli._shell import Outcome
 from dashpot.export import TARGETS
-from dashpot.records.fit import AtDepth
+from dashpot.records.evidence import AtDepth
 from dashpot.told import screen
 from dashpot.told import text as text_of
 from dashpot.told.layout import Text

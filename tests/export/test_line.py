@@ -7,7 +7,9 @@ units, and compared with the integrals along the line, which were computed apart
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from itertools import pairwise
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -31,8 +33,10 @@ from kit.solvers import needs_ccx, run_ccx
 
 from dashpot.base.errors import ExportError
 from dashpot.export import TARGETS
+from dashpot.export.line import LineStation, SpringRow, row_of
 from dashpot.records.seal_line import SealLine, Shear
 from dashpot.records.specimen import Specimen
+from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.table_1 import PAPER
 
@@ -373,3 +377,24 @@ def test_ccx_finds_the_modes_of_the_door_on_its_seal_alone(tmp_path):
     found = [float(one) for one in rows[:6]]
     assert found == pytest.approx(ALONE, rel=1e-6)
     assert all(a <= b for a, b in pairwise(found))
+
+
+def test_a_frame_along_the_x_axis_is_needed_where_something_acts_sideways():
+    own = LineStation()
+    assert SpringRow((PAPER,) * 3, (own,)).frames == {}
+    sheared = replace(own, shares=(1.0, 0.5, 0.0))
+    assert SpringRow((PAPER,) * 3, (sheared,)).frames == {own.frame: 0}
+
+
+def test_what_is_not_pressed_as_stated_is_the_secant_of_the_test():
+    stations = SealLine(closed(), normal=leaning()).stations(0.05)
+    unstated = replace(stations, compression=None)
+    law = ElasticLaw((0.0, 4e-3, 8e-3), (0.5, 0.9, 1.7), PAPER.k_inf)
+    bent, straight = (
+        SimpleNamespace(
+            solid=PAPER, specimen=Specimen(length=0.05), elastic_law=one,
+            units=SimpleNamespace(length=1e-3, words=("mm",)),
+        )
+        for one in (law, None)
+    )  # fmt: skip
+    assert row_of(bent, unstated).stations == row_of(straight, unstated).stations

@@ -26,7 +26,7 @@ from dashpot.fitting.relaxation import fit as fit_tests
 from dashpot.preparation.checks import force_relaxes
 from dashpot.preparation.prepare import prepare
 from dashpot.records.estimate import Nuisance
-from dashpot.records.fit import Evidence, Provenance
+from dashpot.records.evidence import Evidence, Provenance
 from dashpot.records.relaxation import RampHold
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.simulation.rig import Rig

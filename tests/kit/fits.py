@@ -9,7 +9,8 @@ import numpy as np
 
 from dashpot.base.status import Status
 from dashpot.records.estimate import ELEMENT, ParameterEstimate, Residual, parameter_names
-from dashpot.records.fit import Evidence, Fit, Provenance
+from dashpot.records.evidence import Evidence, Provenance
+from dashpot.records.fit import Fit
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import Solid
 

@@ -16,7 +16,8 @@ from dashpot.base.provenance import Source, Step
 from dashpot.fitting.uncertainty.prediction_bounds import parameter_band
 from dashpot.records.bounds import FRFBounds, StiffnessBounds
 from dashpot.records.estimate import Nuisance, Residual
-from dashpot.records.fit import Certificate, Fit, OrderScore
+from dashpot.records.evidence import Certificate, OrderScore
+from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF, Hit
 from dashpot.records.relaxation import RampHold, RelaxationTest
 from dashpot.records.specimen import Specimen

@@ -30,7 +30,7 @@ from dashpot.plot.relaxation import fits_to_show, fitted_force
 from dashpot.plot.ticks import numbers
 from dashpot.preparation.prepare import prepare
 from dashpot.records.dynamic import DynamicTest
-from dashpot.records.fit import AtDepth
+from dashpot.records.evidence import AtDepth
 from dashpot.records.modulus import RelaxationModulus
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.solids.maxwell import GeneralizedMaxwell

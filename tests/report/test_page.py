@@ -27,7 +27,7 @@ from dashpot.base.provenance import Source, Step
 from dashpot.base.status import Status
 from dashpot.plot import tokens
 from dashpot.records.estimate import Nuisance
-from dashpot.records.fit import Explanation, Moved
+from dashpot.records.evidence import Explanation, Moved
 from dashpot.records.frf import Hit
 from dashpot.records.specimen import Specimen
 from dashpot.report import answer, html
@@ -334,7 +334,7 @@ def test_page_and_terminal_tell_one_shift(whole):
     assert re.search(r"k∞, N/mm 0\.19750 ± \S+ 0\.19650 ± \S+ −0\.51 % −2\.0", page)
     (line,) = [
         row
-        for row in text_of.fit(joint).lines
+        for row in text_of.fit(joint).details
         if "k_inf" in row and "0.19650 ± 0.00040 N/mm" in row
     ]
     assert line.split()[-1] == "-2.0"

@@ -12,7 +12,7 @@ from kit.fits import a_fit, altered
 
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
-from dashpot.records.fit import Moved
+from dashpot.records.evidence import Moved
 from dashpot.records.frf import FRF, Kind
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell

@@ -216,3 +216,10 @@ def test_a_case_of_its_own_by_shooting():
     assert found.harmonics[:4] == pytest.approx(h, rel=2e-5, abs=2e-8)
     assert found.growth == pytest.approx(abs(np.linalg.eigvals(J / size[None])).max(), rel=2e-3)
     assert abs(found.harmonics[2]) > 0.02 * abs(found.harmonics[1])
+
+
+def test_an_orbit_takes_as_many_harmonics_as_it_needs():
+    """Twice as many change what is shown by 1e-7 at most, or there are 80."""
+    mild = ON_SEALS.shaken(level=0.3, frequency=4.3)
+    wild = ON_SEALS.shaken(level=0.6, frequency=9.5)
+    assert (len(mild.harmonics) - 1, len(wild.harmonics) - 1) == (20, 80)

@@ -12,7 +12,8 @@ from dashpot.base.provenance import Step, sources_of, steps_of
 from dashpot.base.status import Status
 from dashpot.fitting.checks.solid import uncertainty_estimated
 from dashpot.records.estimate import Nuisance, ParameterEstimate, Residual, parameter_names
-from dashpot.records.fit import Evidence, Fit, Provenance
+from dashpot.records.evidence import Evidence, Provenance
+from dashpot.records.fit import Fit
 from dashpot.records.relaxation import RampHold
 from dashpot.records.temperature import TemperatureShifts
 from dashpot.solids.elastic import ElasticLaw

@@ -57,7 +57,8 @@ from dashpot.preparation.checks import of_temperature
 from dashpot.preparation.creep import OF_A_COUNT, load_hold
 from dashpot.records.bounds import EndOfHold
 from dashpot.records.creep import Creep, CreepCompliance, CreepTest, LoadHold
-from dashpot.records.fit import Evidence, Fit, Provenance
+from dashpot.records.evidence import Evidence, Provenance
+from dashpot.records.fit import Fit
 from dashpot.records.machine import Machine
 from dashpot.records.relaxation import quantum
 from dashpot.records.superposition import AsMeasured, Superposition

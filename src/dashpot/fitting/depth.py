@@ -32,7 +32,8 @@ from dashpot.fitting.pipeline import asked_arms
 from dashpot.fitting.temperature.of_tests import checked_temperatures
 from dashpot.fitting.uncertainty.moved_by_rig import moved_by_rig
 from dashpot.preparation.ramp_holds import Tests, ramp_holds
-from dashpot.records.fit import AtDepth, Fit
+from dashpot.records.evidence import AtDepth
+from dashpot.records.fit import Fit
 from dashpot.solids.elastic import ElasticLaw
 
 

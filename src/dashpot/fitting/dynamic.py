@@ -59,7 +59,8 @@ from dashpot.preparation.ramp_holds import Tests, ramp_holds
 from dashpot.records.bounds import EndOfHold
 from dashpot.records.dynamic import DynamicTest
 from dashpot.records.estimate import Residual
-from dashpot.records.fit import Evidence, Fit, Provenance
+from dashpot.records.evidence import Evidence, Provenance
+from dashpot.records.fit import Fit
 from dashpot.records.relaxation import RampHold
 from dashpot.records.superposition import AsMeasured, Superposition
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid

@@ -34,7 +34,8 @@ from dashpot.fitting.uncertainty.curve_data import ENOUGH, curve_data
 from dashpot.fitting.uncertainty.left_open import end_of_curve
 from dashpot.preparation.checks import of_temperature
 from dashpot.records.bounds import EndOfHold
-from dashpot.records.fit import Evidence, Fit, Provenance
+from dashpot.records.evidence import Evidence, Provenance
+from dashpot.records.fit import Fit
 from dashpot.records.modulus import RelaxationModulus
 from dashpot.records.specimen import Specimen
 from dashpot.records.superposition import AsMeasured, Superposition

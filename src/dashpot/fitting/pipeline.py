@@ -34,7 +34,7 @@ from dashpot.fitting.uncertainty.estimate import (
 )
 from dashpot.fitting.uncertainty.profile_intervals import profiles
 from dashpot.records.estimate import Nuisance, ParameterEstimate, Profile, Residual
-from dashpot.records.fit import Certificate, OrderScore
+from dashpot.records.evidence import Certificate, OrderScore
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 
 # a step that would remove less of the residual than this is rounding, whatever it does to tau

@@ -50,7 +50,8 @@ from dashpot.fitting.uncertainty.moved_by_rig import moved_by_clocks, moved_by_r
 from dashpot.fitting.weighed_relaxation import fitted_data, held_data
 from dashpot.preparation.ramp_holds import Tests, ramp_holds
 from dashpot.records.bounds import EndOfHold
-from dashpot.records.fit import Evidence, Fit
+from dashpot.records.evidence import Evidence
+from dashpot.records.fit import Fit
 from dashpot.records.relaxation import RampHold
 from dashpot.solids.elastic import ElasticLaw
 

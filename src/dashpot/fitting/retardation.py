@@ -12,7 +12,7 @@ from dashpot.engine.inference.estimate import propagated
 from dashpot.engine.solver.variable_projection import Solution
 from dashpot.fitting.pipeline import Chosen
 from dashpot.records.estimate import CreepEstimate, Profile
-from dashpot.records.fit import OrderScore
+from dashpot.records.evidence import OrderScore
 from dashpot.solids.interconversion import (
     CreepSpectrum,
     relaxation_sensitivity,

@@ -24,7 +24,8 @@ from dashpot.base.numbers import (
 )
 from dashpot.base.units import in_unit
 from dashpot.records.bounds import StiffnessBounds
-from dashpot.records.fit import Fit, Moved
+from dashpot.records.evidence import Moved
+from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF
 from dashpot.records.relaxation import RampHold
 from dashpot.vibration.comparison.comparison import Comparison
@@ -385,7 +386,13 @@ def moved(joint: Fit | None) -> TextTable | None:
         return None
     rows = tuple(_moved_row(one) for one in joint.moved)
     marks = tuple("doubt" if row[-1] == "new" else "" for row in rows)
-    head = ("", "relaxation alone", "both tests", "change", "in SE of relaxation alone")
+    head = (
+        "",
+        "relaxation alone, ± noise",
+        "both tests, ± noise",
+        "change",
+        "in SE of relaxation alone",
+    )
     return TextTable(head, rows, marks)
 
 

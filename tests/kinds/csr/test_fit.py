@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,9 +13,11 @@ from kit.foreign.aging import HOURS, Rubber, lot
 
 import dashpot as dp
 from dashpot.base.errors import DataError
+from dashpot.kinds.csr import checks as csr_checks
 from dashpot.kinds.csr.aged import predict_aging
 from dashpot.kinds.csr.fit import fit_aging
-from dashpot.kinds.csr.law import AgingLaw
+from dashpot.kinds.csr.law import BOUND, AgingLaw
+from dashpot.kinds.csr.prepare import readings_of
 from dashpot.kinds.csr.record import CounterforceTest
 from dashpot.records.machine import Machine
 from dashpot.solids.elastic import ElasticLaw
@@ -349,3 +353,29 @@ def test_a_fit_is_not_scaled_by_a_limit():
     assert limit.law.bound_alone
     with pytest.raises(DataError, match="scaled by a number that is known"):
         limit.at(a_fit(PAPER), temperature="70degC", time="1000h")
+
+
+def test_the_law_of_a_limit_loses_more_and_each_constant_moves_its_own_way():
+    law = replace(LAW, exponent=0.5, covariance=np.diag([4e-6, 0.0, 0.0, 0.0]))
+    limit = law.at_least()
+    assert limit.physical == pytest.approx(law.physical + BOUND * 2e-3)
+    assert limit.life(398.15, 0.5) < law.life(398.15, 0.5)
+    assert law._moved(3, 0.1).exponent == pytest.approx(0.5 * np.exp(0.1))
+    assert law._moved(2, 500.0).activation == pytest.approx(law.activation + 500)
+
+
+def test_the_last_reading_of_a_piece_is_no_neighbour_of_the_first_of_the_next():
+    found = usual()
+    read = readings_of([recorded(lot(TRUE, 0))])
+    left = np.zeros(len(read.time))
+    ends = np.flatnonzero(np.diff(read.piece))
+    left[ends] = left[ends + 1] = 1.0  # they miss the law together, and are of two pieces
+    own = SimpleNamespace(
+        optimum=SimpleNamespace(residual=left, theta=np.ones(9)), standard_error=np.ones(9)
+    )
+    scatter = next(
+        one
+        for one in csr_checks.judge(found, read, own, None, drift=None)
+        if one.name == "readings_scatter"
+    )
+    assert scatter.value == 0.0

@@ -191,3 +191,10 @@ def test_columns_are_named_where_they_say_nothing(tmp_path):
         units={"time": "h", "force": "N", "temperature": "degC"},
     )  # fmt: skip
     assert read_csr(path, options=named).temperature == pytest.approx([398.15] * 3)
+
+
+def test_a_clock_that_stands_begins_another_piece(tmp_path):
+    text = "# temperature: 125 degC\n" + rows(
+        "time [h],force [N]", ["0.5", "24", "500", "500", "700", "900"], range(40, 34, -1)
+    )
+    assert read_csr(written(tmp_path, text)).piece.tolist() == [1, 1, 1, 2, 2, 2]

@@ -315,3 +315,21 @@ def test_one_mode_of_a_rubber_is_with_care():
     assert check(both, "modes_enough").passed
     foam = fit_hyperelastic([scattered(FOAM, "uniaxial", (0.4, 1), 0)], poisson=0.0)
     assert check(foam, "modes_enough").passed
+
+
+@pytest.mark.parametrize(("foam", "fails"), [(True, True), (False, False)])
+def test_a_sponge_is_named_where_a_law_of_rubber_follows_it(foam, fails):
+    """One term of Ogden and Hill, mu 0.3 MPa, alpha 4, nu .25; or without any change of volume."""
+    stretch = np.linspace(0.4, 0.99, 60)
+    # sideways nothing pulls: t^alpha = J^(-alpha beta) with beta = nu / (1 - 2 nu) = .5
+    wide = stretch ** (-0.25 if foam else -0.5)
+    volume = stretch * wide**2
+    if foam:
+        stress = 0.15e6 / stretch * (stretch**4 - volume**-2.0)
+    else:
+        stress = 0.15e6 / stretch * (stretch**4 - wide**4)
+    noise = 0.003 * np.abs(stress).max() * np.random.default_rng(1).standard_normal(60)
+    found = fit_hyperelastic([StressStrainTest("uniaxial", stretch, stress + noise, units="SI")])
+    (check,) = (one for one in found.checks if one.name == "foam_no_closer")
+    assert check.failed is fails
+    assert ("--poisson" in str(found)) is fails

@@ -223,6 +223,8 @@ def test_a_load_deflection_law_is_known_to_one_per_cent_at_best() -> None:
 
 
 ROWS = {
+    # one slam of a law that is known: few of 160 have an arm that runs away, and say so
+    ((0.6,), 0.01, 0.05): 6.9,
     (THREE, 0.0, 0.05): 5.5,
     (THREE, 0.0, 0.005): 4.2,
     (THREE, 0.01, 0.05): 3.5,
@@ -245,6 +247,34 @@ def test_slams_tell_what_they_can_and_say_how_well(
     ]
     assert 100 * np.median(sd) == pytest.approx(ROWS[row], rel=0.2)
     # 40 draws know a standard deviation to 11 %
-    assert 100 * np.std(off) < 1.33 * ROWS[row]
+    used = [one.verdict.use != "do not use" for one in found]
+    assert np.mean(used) >= 0.95
+    assert 100 * np.std(off[used]) < 1.33 * ROWS[row]
     assert 0.9 <= np.mean(covered) <= 1.0
     assert abs(off.mean()) < 3 * np.std(off) / np.sqrt(40)
+
+
+def pulses(*starts: float) -> dp.SlamTest:
+    """Smooth pulses of 10 ms and 50 N, without noise."""
+    time = np.arange(-0.005, starts[-1] + 0.015, 1e-4)
+    force = np.zeros(len(time))
+    for start in starts:
+        since = time - start
+        force += np.where((since > 0) & (since < 0.01), 50 * np.sin(np.pi * since / 0.01) ** 2, 0.0)
+    return dp.SlamTest(time, force=force, units="s, N")
+
+
+def test_no_row_is_of_two_slams_and_none_is_free_of_noise():
+    first, second = slams_of(pulses(0.0, 0.017), MASS, "hits")
+    assert first.time[-1] <= second.time[0]
+    assert [one.noise for one in (first, second)] == pytest.approx([50e-4] * 2, rel=1e-3)
+
+
+def test_a_record_that_is_mostly_contact_rests_at_its_ends():
+    time = np.arange(0, 0.011, 1e-4)
+    force = 3.0 + np.where(
+        (time > 0.0008) & (time < 0.0102), 50 * np.sin(np.pi * (time - 0.0008) / 0.0094), 0.0
+    )
+    (one,) = slams_of(dp.SlamTest(time, force=force, units="s, N"), MASS, "hit")
+    assert one.force.max() == pytest.approx(50, rel=1e-2)
+    assert one.force[0] == pytest.approx(0.0, abs=1e-9)

@@ -38,7 +38,8 @@ from dashpot.fitting.pipeline import Chosen
 from dashpot.fitting.uncertainty.estimate import estimated, rounding
 from dashpot.records.alternative import Alternative
 from dashpot.records.estimate import ELEMENT, Profile
-from dashpot.records.fit import Fit, OrderScore
+from dashpot.records.evidence import OrderScore
+from dashpot.records.fit import Fit
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 

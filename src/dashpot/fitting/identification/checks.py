@@ -10,7 +10,7 @@ import numpy as np
 from dashpot.base.checks import Check, Finding, Remedy, criterion
 from dashpot.base.status import Status
 from dashpot.engine.inference.order import DECISIVE, MAX_SE_LN_TAU
-from dashpot.records.fit import Explanation
+from dashpot.records.evidence import Explanation
 
 STRAINED = 2.5
 EXPLAINED = 2.0

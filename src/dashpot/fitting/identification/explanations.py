@@ -39,7 +39,7 @@ from dashpot.fitting.identification.likelihood import (
     descend,
 )
 from dashpot.fitting.relaxation_data import RelaxationData
-from dashpot.records.fit import Explanation
+from dashpot.records.evidence import Explanation
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import Solid
 

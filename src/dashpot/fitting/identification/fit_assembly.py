@@ -19,7 +19,8 @@ from dashpot.fitting.identification.likelihood import DELAY_UNIT, UNCHANGED, Can
 from dashpot.fitting.identification.parametrisation import Arms
 from dashpot.fitting.relaxation_data import RelaxationData
 from dashpot.records.estimate import Nuisance, ParameterEstimate, Residual
-from dashpot.records.fit import Evidence, Fit, Moved, OrderScore, Provenance
+from dashpot.records.evidence import Evidence, Moved, OrderScore, Provenance
+from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF
 from dashpot.records.relaxation import RampHold
 from dashpot.records.specimen import Specimen

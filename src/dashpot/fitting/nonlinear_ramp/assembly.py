@@ -23,7 +23,8 @@ from dashpot.fitting.uncertainty.moved_by_rig import moved_by_clocks
 from dashpot.fitting.weighed_relaxation import held_data
 from dashpot.records.bounds import EndOfHold
 from dashpot.records.estimate import Nuisance, ParameterEstimate
-from dashpot.records.fit import AtDepth, Evidence, Fit
+from dashpot.records.evidence import AtDepth, Evidence
+from dashpot.records.fit import Fit
 from dashpot.records.relaxation import RampHold
 from dashpot.solids.maxwell import GeneralizedMaxwell
 

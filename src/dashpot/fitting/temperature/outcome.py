@@ -15,7 +15,8 @@ from dashpot.fitting.shift_law import LawThroughShifts, law_through
 from dashpot.fitting.temperature.knowledge import left_of, of_tests, own_names
 from dashpot.fitting.temperature.optimum import ThermalOptimum
 from dashpot.fitting.temperature.reduced import Own
-from dashpot.records.fit import Fit, Provenance
+from dashpot.records.evidence import Provenance
+from dashpot.records.fit import Fit
 from dashpot.records.temperature import TemperatureShifts, shifts_with
 from dashpot.solids.elastic import ElasticLaw
 

@@ -39,7 +39,8 @@ from dashpot.fitting.weighed_relaxation import relaxation_data
 from dashpot.preparation.checks import of_records
 from dashpot.records.bounds import EndOfHold
 from dashpot.records.estimate import ParameterEstimate, parameter_names
-from dashpot.records.fit import Evidence, Fit, OrderScore
+from dashpot.records.evidence import Evidence, OrderScore
+from dashpot.records.fit import Fit
 from dashpot.records.temperature import TemperatureShifts
 
 

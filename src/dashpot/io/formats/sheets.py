@@ -21,7 +21,7 @@ _LARGEST = 1 << 31
 """Bytes of an unpacked workbook."""
 _LEAST = 4
 """Bytes of a workbook that no filled cell is without."""
-_BLANK = 1 << 18
+_BLANK = 1 << 16
 """Cells that may be blank beyond all that could be filled: a lone cell far out makes millions."""
 
 

@@ -51,6 +51,7 @@ class PlainRows:
             s = re.escape(sign)
             # a blank cell becomes nan, whether alone, quoted or padded
             self.blank = re.compile(rf"(?:(?<={s})|(?<=\n)|\A)[ ]*(?={s}|\n)")
+            self.beside_blank = (" ", sign * 2, f"{sign}\n", f"\n{sign}", "\n\n")
             self.no_marks = bytes(set(range(256)) - {10, ord(sign)})
             # a comma that parts no cells must not come to part them
             commas = "." if self.swaps_comma else "!"
@@ -99,9 +100,16 @@ class PlainRows:
         values = self._from_json(raw, more)
         if values is None:
             values = self._parse(unquoted)
-        if values is None and self.blank.search(unquoted):
+        if values is None and self._has_blanks(unquoted):
             values = self._with_blanks(unquoted)
         return values
+
+    def _has_blanks(self, text: str) -> bool:
+        """Whether a cell is blank; first by its neighbours, for the pattern tries every place."""
+        near = any(one in text for one in self.beside_blank)
+        return (near or text[:1] in {self.dialect.delimiter, "\n"}) and bool(
+            self.blank.search(text)
+        )
 
     def _with_blanks(self, text: str) -> FloatArray | None:
         """The numbers of lines with blank cells, None if one of the lines is blank, perhaps."""

@@ -262,6 +262,8 @@ class _Reader:
         self.like = ""
         self.changed = ""
         self.headers: dict[tuple[str, ...], str | None] = {}
+        self.odd: dict[str, bool] = {}
+        self.no_rows: set[str] = set()
 
     def read(self, text: str, line: int) -> None:
         """Read whole lines; a block that is not plain is halved until the odd lines are alone."""
@@ -282,7 +284,7 @@ class _Reader:
         for number, text_line in enumerate(lines, start=line):
             if number % _PATIENT == 0:
                 self.patience.asked(number)
-            row = self._row(text_line, begun=bool(run))
+            row = self._row(text_line, begun=bool(run)) if text_line not in self.no_rows else None
             if row is not None:
                 run.append(self._numbers(row, number))
                 continue
@@ -351,6 +353,8 @@ class _Reader:
     def _row(self, line: str, *, begun: bool) -> list[str] | None:
         """The cells of a line, None if it is no row; `begun` if the line before was one."""
         row = self.dialect.row(line, self.like)
+        if row is None and len(self.no_rows) < _MENTIONED and self.dialect.delimiter != " ":
+            self.no_rows.add(line)  # a header may stand above every few rows
         below = self.got.rows and self.got.between and not begun
         if row is None or (below and not self._full(row)):  # "Maximum;8.0;1.9" below the table
             return None
@@ -386,8 +390,14 @@ class _Reader:
 
     def _odd(self, one: tuple[int, str]) -> bool:
         """Whether a line beside rows holds numbers as they do, and is none."""
-        comment = re.match(r"\A\s*+[#%$!]", one[1]) is not None
-        return not comment and self.dialect.resembles_row(one[1])
+        text = one[1]
+        if text not in self.odd:
+            comment = re.match(r"\A\s*+[#%$!]", text) is not None
+            odd = not comment and self.dialect.resembles_row(text)
+            if len(self.odd) >= _MENTIONED:
+                return odd
+            self.odd[text] = odd
+        return self.odd[text]
 
     def _refuse(self, number: int, line: str) -> None:
         found = cell.split(line, self.dialect.delimiter)

@@ -28,7 +28,8 @@ from dashpot.kinds.cld import checks
 from dashpot.kinds.cld.record import CLD, SAME_SPEED
 from dashpot.kinds.cld.relaxed import clock_of, felt, knots_over, law_of, mean_slope
 from dashpot.records.estimate import ParameterEstimate, Residual, parameter_names
-from dashpot.records.fit import Evidence, Fit, OrderScore, Provenance
+from dashpot.records.evidence import Evidence, OrderScore, Provenance
+from dashpot.records.fit import Fit
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 KNOTS = 13

@@ -49,6 +49,8 @@ def judge(
     foam = fit.law.kind == "hyperfoam"
     through = list(fit.curves) if foam else shaped
     flexible = closest(through, fit.law.poisson)
+    # of a foam that is known to be one its own ratio has been tried
+    still = math.inf if foam else closest(shaped, 0.0)
     reach = dict(fit.reach)
     least, where = least_drucker(fit.law, reach)
     half = times * known.standard_error[: len(fit.law.constants)]
@@ -60,10 +62,10 @@ def judge(
         law_followed(
             fit.residuals[worst],
             _name(fit.curves[worst]),
-            # of a foam that is known to be one its own ratio has been tried
-            math.inf if foam else closest(shaped, 0.0),
+            still,
         ),
         no_law_closer(chosen.rms, flexible),
+        foam_no_closer(None if foam else min(chosen.rms, flexible), still),
         stable_in_use(least, where, fit.stable),
         modes_enough(len({one.mode for one in shaped}), both=_both_ways(shaped), foam=foam),
         modes_told(*_untold(fit, chosen, tried, known, times)),
@@ -263,6 +265,20 @@ def no_law_closer(residual: float, flexible: float) -> Finding:
         ratio,
         "A law of more constants follows the rest",
         Remedy("Use a law of more constants.", "model", "ogden"),
+    )
+
+
+@criterion("residual / that of a foam", "<=", 1.3, "our choice: of rubber 1.0, of foam 1.6 or more")
+def foam_no_closer(residual: float | None, swelling: float) -> Finding:
+    """A foam that does not swell sideways follows the curves no closer than rubber."""
+    if residual is None:
+        return Finding("The law is that of a foam, so it is not compared with one")
+    return Finding(
+        f"Rubber misses the stress by {100 * residual:.2g} %, a foam of Poisson's ratio 0 by "
+        f"{100 * swelling:.2g} %",
+        residual / max(swelling, SMALL),
+        "A sponge is compressible, and the law takes it for rubber that is not",
+        Remedy("Give the ratio of a foam, 0 if it does not swell.", "poisson", "0"),
     )
 
 

@@ -34,7 +34,8 @@ from dashpot.kinds.slam.prepare import slams_of
 from dashpot.kinds.slam.problem import Memory, Slams
 from dashpot.kinds.slam.record import SlamFit, SlamHit, SlamTest
 from dashpot.records.estimate import ParameterEstimate, Residual, parameter_names
-from dashpot.records.fit import Evidence, Fit, Provenance
+from dashpot.records.evidence import Evidence, Provenance
+from dashpot.records.fit import Fit
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 SPEED_SD = 0.05
