@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -13,6 +14,7 @@ from dashpot.kinds.slam.examples import EXAMPLES as SLAMS
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.workflow.archive import to_json
 
+ROOT = Path(__file__).parents[2]
 LAW = ElasticLaw((0.0, 4e-3, 8e-3), (0.6, 0.9, 1.6), 200.0)
 DOOR = """
 [door]
@@ -146,3 +148,12 @@ def test_what_is_asked_wrongly_is_one_sentence(
     assert done.exit_code == 2, done.output
     assert says in " ".join(done.stderr.split())
     assert "a fault in dashpot" not in done.stderr
+
+
+def test_every_test_that_the_page_names_is_there() -> None:
+    page = (ROOT / "docs" / "peers.md").read_text(encoding="utf-8")
+    named = re.findall(r"`(tests/[\w/]+\.py)(?:::(\w+))?`", page)
+    assert len(named) > 20
+    for path, name in named:
+        text = (ROOT / path).read_text(encoding="utf-8")
+        assert f"def {name}(" in text or not name, f"{path}::{name}"

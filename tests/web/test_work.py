@@ -6,7 +6,8 @@ import shlex
 from dataclasses import replace
 
 import pytest
-from kit import shell
+from kit import handmade, shell
+from kit.fits import altered
 from kit.shell import ran
 
 import dashpot as dp
@@ -16,10 +17,11 @@ from dashpot.fitting.relaxation import fit as fit_tests
 from dashpot.io.readers.relaxation import read_relaxation
 from dashpot.io.write import write_relaxation
 from dashpot.preparation.prepare import prepare
+from dashpot.records.fit import Explanation
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.simulation.rig import Rig
 from dashpot.solids.table_1 import BROAD
-from dashpot.web import results, wire
+from dashpot.web import results, views, wire
 from dashpot.web.requests import job_of
 from dashpot.web.store import Store
 from dashpot.web.verbs import VERBS
@@ -223,6 +225,29 @@ def test_a_hammer_without_a_mass_is_no_verdict_yet(store, asked):
     fit = from_json(ask("take", store, job=bare, what="fit")["text"])
     assert fit.verdict.use.capitalize() in head["verdict"]
     assert not ask("study", store, job=asked | {"joint": False})["hint"]
+
+
+@pytest.mark.parametrize(
+    ("name", "explains", "told"),
+    [("mass", True, "115.30"), ("mass and stiffness", True, "115.30"),
+     ("gain and stiffness", True, ""), ("mass", False, "")],
+)  # fmt: skip
+def test_a_mass_is_offered_where_it_explains_both_tests(name, explains, told):
+    best = Explanation(name, 0.1153, 2e-4, "kg", 0.04, 900.0, explains, "so")
+    study = replace(handmade.study(), joint=altered(handmade.joint(), explanations=(best,)))
+    assert views.mass_that_explains(study) == told
+
+
+@pytest.mark.slow
+def test_a_wrong_mass_has_its_cure_beside_the_verdict(store, asked):
+    """Twice the mass: the page offers that of the FRF; of the right one it offers none."""
+    wrong, right = (
+        ask("study", store, job=asked | {"joint": False, "mass": mass})["verdict"]
+        for mass in ("229.6g", "114.8g")
+    )
+    (grams,) = re.findall(r'data-mass="([0-9.]+)g">Set \1 g<', wrong)
+    assert float(grams) == pytest.approx(114.8, rel=0.01)
+    assert "data-mass" not in right
 
 
 def test_a_fractional_solid_shows_its_own_four(store, asked):

@@ -386,7 +386,13 @@ def moved(joint: Fit | None) -> TextTable | None:
         return None
     rows = tuple(_moved_row(one) for one in joint.moved)
     marks = tuple("doubt" if row[-1] == "new" else "" for row in rows)
-    head = ("", "relaxation alone", "both tests", "change", "in SE of relaxation alone")
+    head = (
+        "",
+        "relaxation alone, ± noise",
+        "both tests, ± noise",
+        "change",
+        "in SE of relaxation alone",
+    )
     return TextTable(head, rows, marks)
 
 

@@ -225,7 +225,7 @@ def _moved(found: Fit) -> list[str]:
     """Return what a further test changed, one parameter a row."""
     if not found.moved:
         return []
-    rows = [["  moved", "before", "after", "by, in SE before"]]
+    rows = [["  moved", "before, ± noise", "after, ± noise", "by, in SE before"]]
     for item in found.moved:
         before = "-" if item.was is None else item.was.cells.ascii.with_unit
         by = "new" if item.was is None else ascii_only(numbers.signed(item.shift))

@@ -63,6 +63,7 @@ from dashpot.report.answer import GRADES, Light, Row
 from dashpot.report.figures import chart_of
 from dashpot.report.kind_page import Group
 from dashpot.report.pages import COLOURS, environment
+from dashpot.vibration.impact.checks import mass_line
 from dashpot.vibration.impact.hits import cut_hits
 from dashpot.web.words import on_page
 from dashpot.workflow.inspections import InspectedFile
@@ -387,9 +388,27 @@ def live_response(predicted: FRF) -> LiveCurves:
 # -- pieces of the page ---------------------------------------------------------------------------
 
 
-def verdict(found: Verdict, lights: Sequence[Light] = ()) -> str:
-    """The verdict in colour and words, with its lights."""
-    return piece("verdict", verdict=found, colour=COLOURS[found.use], lights=lights)
+def verdict(found: Verdict, lights: Sequence[Light] = (), *, mass: str = "") -> str:
+    """The verdict in colour and words, with its lights, and a mass, g, that would mend it."""
+    return piece("verdict", verdict=found, colour=COLOURS[found.use], lights=lights, mass=mass)
+
+
+def mass_that_explains(study: Study) -> str:
+    """The mass, g, of the best explanation of both tests; of a gross error that of the FRF."""
+    best = next(iter(study.joint.explanations), None) if study.joint else None
+    if best is not None and best.explains:
+        alone = best.name.split(" and ")[0] == "mass"
+        return rounded(in_unit(best.value, "g"), in_unit(best.standard_error, "g")) if alone else ""
+    shown = next((one for one in study.weighed if one.name == mass_line.name and one.failed), None)
+    if (
+        study.mass is None
+        or study.mass_inferred
+        or shown is None
+        or shown.value is None
+        or shown.value <= -1
+    ):
+        return ""
+    return rounded(in_unit(study.mass * (1 + shown.value), "g"), digits=4)
 
 
 def lights_alone(fit: Fit) -> tuple[Light, ...]:

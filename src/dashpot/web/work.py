@@ -206,7 +206,7 @@ def study(request: Mapping[str, Any], folder: Path) -> bytes:
     phase, title = request.get("phase") is True, views.over(job, _kind(request))
     by_eq5 = None if found.joint else results.beside(job, found.fit)
     head: dict[str, Any] = {
-        "verdict": views.verdict(said, lights),
+        "verdict": views.verdict(said, lights, mass=views.mass_that_explains(found)),
         "colour": COLOURS[said.use],
         "hint": HINT if asks else "",
         "answers": views.answers(found, told),

@@ -223,6 +223,8 @@ def test_a_load_deflection_law_is_known_to_one_per_cent_at_best() -> None:
 
 
 ROWS = {
+    # one slam of a law that is known: few of 160 have an arm that runs away, and say so
+    ((0.6,), 0.01, 0.05): 6.9,
     (THREE, 0.0, 0.05): 5.5,
     (THREE, 0.0, 0.005): 4.2,
     (THREE, 0.01, 0.05): 3.5,
@@ -245,7 +247,9 @@ def test_slams_tell_what_they_can_and_say_how_well(
     ]
     assert 100 * np.median(sd) == pytest.approx(ROWS[row], rel=0.2)
     # 40 draws know a standard deviation to 11 %
-    assert 100 * np.std(off) < 1.33 * ROWS[row]
+    used = [one.verdict.use != "do not use" for one in found]
+    assert np.mean(used) >= 0.95
+    assert 100 * np.std(off[used]) < 1.33 * ROWS[row]
     assert 0.9 <= np.mean(covered) <= 1.0
     assert abs(off.mean()) < 3 * np.std(off) / np.sqrt(40)
 

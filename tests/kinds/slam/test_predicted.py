@@ -194,3 +194,21 @@ def test_what_cannot_be_asked_says_so(how: dict[str, str], says: str) -> None:
 def test_a_material_is_no_piece() -> None:
     with pytest.raises(DataError, match="of a material"):
         predict_slam(replace(seal(LAWS["linear"]), unit="Pa"), slam=0.6, mass=0.2)
+
+
+RAMPS = {
+    0.006: (1.685622, 1.686389), 0.012: (1.682715, 1.684241), 0.1: (1.642378, 1.654071),
+    1.0: (1.393711, 1.447918), 36.0: (1.057586, 1.072006),
+}  # fmt: skip
+"""Of a ramp of 6 mm in s: force at its end and energy over those of the law alone, found apart."""
+
+
+@pytest.mark.parametrize("ramp", RAMPS)
+def test_a_ramp_presses_as_hard_as_its_speed_lets_it(ramp: float) -> None:
+    x = np.linspace(0.0, 6e-3, 8001)
+    alone = 240 * x + 1e4 * x**2 + 3e6 * x**3
+    # the law is the path of a solid of 1 N/m
+    memory = GeneralizedMaxwell(1.0, tuple(G), tuple(TAU))
+    force = memory.force(np.linspace(0.0, ramp, len(x)), alone)
+    found = force[-1] / alone[-1], np.trapezoid(force, x) / np.trapezoid(alone, x)
+    assert found == pytest.approx(RAMPS[ramp], abs=1e-6)

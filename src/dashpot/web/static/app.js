@@ -192,6 +192,12 @@ const buttons = {
     state.base = said === "yes";
     settle();
   },
+  mass: (said) => {
+    state.job.mass = said;
+    fields();
+    predict();
+    settle();
+  },
   phase: () => {
     state.phase = !state.phase;
     choices();
