@@ -78,6 +78,8 @@ def test_a_long_computation_is_cancelled_and_the_next_one_works(store):
         with pytest.raises(StoppedError, match=r"^cancelled$"):
             await long
         assert process.returncode is not None
+        assert lane._process.returncode is None  # the next stands by
+        assert lane._process is not process
         assert not lane.cancel()
         return await lane.ask("inspect", {"file": seal})
 
