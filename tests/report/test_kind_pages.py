@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from kit import handmade
+from kit.fits import altered
 from kit.shell import ran
 
 import dashpot as dp
@@ -21,6 +22,7 @@ from dashpot.plot.layout import arranged
 from dashpot.plot.picture import Tag
 from dashpot.report import html
 from dashpot.report.answer import ORDER
+from dashpot.report.judged import contents
 from dashpot.report.kind_page import kind_page, lights, row
 from dashpot.report.pages import COLOURS
 
@@ -134,3 +136,15 @@ def test_a_fit_goes_to_a_page(tmp_path, monkeypatch):
     refused = ran("fit", "piece.csv", "-o", "page.docx")
     assert refused.exit_code == 2
     assert ".json or .html" in refused.stderr
+
+
+def test_what_is_weighed_and_each_file_stand_once():
+    source = S.fit.source[0]
+    bad = Check("of_the_file", False, "It is not.", grade="stop")
+    noted = Check("aside", False, "It is odd.", grade="note")
+    checks = (*S.fit.checks, bad, noted, noted)
+    found = altered(S.fit, checks=checks, source=(source, source))
+    told = contents(found)
+    weighty = list(told["weighty"])
+    assert weighty.count(bad) == weighty.count(noted) == 1
+    assert told["title"].count(source.file) == 1
