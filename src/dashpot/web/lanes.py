@@ -22,7 +22,7 @@ class FaultError(DashpotError):
 
 
 class Lane:
-    """One worker, one question at a time; started when first asked, and again after its end.
+    """One worker, one question at a time; started when first asked, and anew once it was cancelled.
 
     Parameters
     ----------
@@ -63,6 +63,8 @@ class Lane:
                 return await self._answer(process, verb, request)
             except (asyncio.IncompleteReadError, ConnectionError):
                 await process.wait()
+                if self._cancelled:
+                    await self._stand_by()
                 raise StoppedError(
                     "cancelled"
                     if self._cancelled
@@ -85,6 +87,16 @@ class Lane:
                 env=long_lived(), start_new_session=True,
             )  # fmt: skip
         return self._process
+
+    async def _stand_by(self) -> None:
+        """Start anew, so that the modules are there when the next question comes."""
+        if not self._left:
+            await self.start()
+        self._end_if_left()
+
+    def _end_if_left(self) -> None:
+        if self._left:  # meanwhile
+            self.end()
 
     async def _answer(self, process: asyncio.subprocess.Process, verb: str, request: Any) -> bytes:
         assert process.stdin is not None and process.stdout is not None  # noqa: PT018, S101
