@@ -460,7 +460,7 @@ def _tagged(
             (box.x + box.width - 4, y + 21, "end"), (box.x + 4, y + 21, "start"),
         ]  # fmt: skip
         laid = [
-            _laid(tag, lines, near, far, _Beside(box, taken, drawn))
+            _laid(tag, lines, near, far, _Surroundings(box, taken, drawn))
             for lines in dict.fromkeys(((tag.text,), tuple(_halves(tag.text))))
         ]
         # in two lines only where one has no room, or more runs through it
@@ -473,7 +473,7 @@ def _tagged(
 _Spot: TypeAlias = tuple[float, float, Anchor]
 
 
-class _Beside(NamedTuple):
+class _Surroundings(NamedTuple):
     """What words have to keep clear of: the ends of the axes, other words, and curves."""
 
     box: Box
@@ -496,7 +496,7 @@ def _laid(
     lines: tuple[str, ...],
     near: list[_Spot],
     far: list[_Spot],
-    beside: _Beside,
+    beside: _Surroundings,
 ) -> tuple[list[Word], tuple[float, int]]:
     """The words of a tag in lines at the best of its places, and how bad that is."""
 

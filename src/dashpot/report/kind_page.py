@@ -116,7 +116,7 @@ def row(fact: Fact, name: str = "") -> Row:
     known = fact.bounded and fact.error != 0
     cells = fact.cells
     value, low, high = fact.ends if known else (cells.value, "", "")
-    low = cells.error if cells.error == UNKNOWN else low
+    low = UNKNOWN if not fact.bounded and cells.error == UNKNOWN else low
     if math.isnan(fact.value):
         value = "" if fact.bound_alone else value
     return Row(name or fact.symbol, value, low, high, fact.word, "", bound=False)
