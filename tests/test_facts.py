@@ -148,8 +148,23 @@ def test_a_fit_tells_every_parameter_and_the_end_of_its_hold(fit):
         assert names[-4:] == ["k_inf", "k_0", "tau from", "tau to"]
 
 
+def in_the_terminal(fit):
+    """What `-v` prints of a fit, every parameter first."""
+    told = text_of.fit(fit)
+    return table([*told.details, *told.lines])
+
+
 def test_the_text_has_every_fact(fit):
-    held(fit.known, table(text_of.fit(fit).lines))
+    held(fit.known, in_the_terminal(fit))
+
+
+def test_the_row_of_an_arm_holds_what_is_known_of_it(fit):
+    rows, known = table(text_of.fit(fit).lines), {fact.name: fact for fact in fit.known}
+    for j in range(1, fit.model.arms + 1):
+        arm = [known.get(f"{name}_{j}") for name in ("k", "tau", "b")]
+        if all(arm):
+            values = [fact.cells.ascii.value for fact in arm if fact.cells.ascii.value]
+            assert [cell for cell in rows[str(j)] if cell in values] == values
 
 
 def test_the_page_has_every_fact(fit):
@@ -158,7 +173,7 @@ def test_the_page_has_every_fact(fit):
 
 
 def test_page_and_terminal_print_the_same_cells(fit):
-    terminal = table(text_of.fit(fit).lines)
+    terminal = in_the_terminal(fit)
     for (_, value, between, unit), fact in zip(
         tables.coefficients(fit, None).rows, fit.known, strict=True
     ):

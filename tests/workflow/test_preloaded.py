@@ -17,7 +17,7 @@ from dashpot.workflow.preloaded import _known
 
 pytestmark = pytest.mark.once
 
-MASS, WIDER = 0.1148, 9.0
+MASS, WIDER = 0.1148, 30.0
 # stiffens as it is pressed
 LAW = ElasticLaw((0.0, 4e-3, 8e-3), (0.6, 0.9, 1.6), 200.0, ratio_se=(0.01, 0.0, 0.02))
 
