@@ -64,6 +64,19 @@ def test_a_bill_gets_the_hash_of_every_part_or_is_refused():
         hashed({"metadata": {"component": part}, "components": [other]}, {"install": [one]})
 
 
+def test_a_bill_hashes_what_lay_on_this_machine_itself(tmp_path):
+    hashed = runpy.run_path(str(ROOT / ".ci" / "bill.py"))["hashed"]
+    wheel = tmp_path / "part 1.whl"
+    wheel.write_bytes(b"part")
+    one = {
+        "metadata": {"name": "part", "version": "1.0"},
+        "download_info": {"url": wheel.as_uri(), "archive_info": {}},
+    }
+    part = {"name": "part", "version": "1.0"}
+    bill = hashed({"metadata": {"component": part}, "components": []}, {"install": [one]})
+    assert bill["metadata"]["component"]["hashes"][0]["content"].startswith("37a680133bd09342")
+
+
 def test_the_changelog_has_a_section_for_each_version_and_the_citation_is_of_the_newest():
     text = (ROOT / "CHANGELOG.md").read_text("utf-8")
     released = [Version(one) for one in re.findall(r"^## (\d\S*)", text, re.M)]
