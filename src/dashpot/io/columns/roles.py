@@ -363,7 +363,10 @@ def ask(table: FileTable, questions: Sequence[Question]) -> str:
 
 def _is_mislabelled(column: Column, role: Role) -> bool:
     """Whether the name says the role best, but the unit suits nothing that the name says."""
-    says, word = vocabulary.matches(column.name), column.unit or ""
+    word = column.unit
+    if not word:
+        return False
+    says = vocabulary.matches(column.name)
     if says.get(role, 0.0) < max([1.5, *says.values()]):
         return False
     fits = any(units.find(word, DIMENSION[r]) for r in says if r in DIMENSION)
@@ -373,10 +376,10 @@ def _is_mislabelled(column: Column, role: Role) -> bool:
 def _example(table: FileTable, role: Role) -> str:
     """A column that could be meant: one whose name says nothing else."""
     numbers = [i for i, c in enumerate(table.columns) if c.content == "number"] or [0]
-    free = [i for i in numbers if not _says(table.columns[i])]
     place = _PLACE.get(role, 0)
     at = numbers[min(place, len(numbers) - 1)]
-    return handle(table.columns, at if at in free or not free else free[0])
+    free = (i for i in (at, *numbers) if not _says(table.columns[i]))
+    return handle(table.columns, next(free, at))
 
 
 def mislabelled(column: Column, role: Role) -> str:
