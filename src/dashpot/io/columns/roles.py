@@ -13,6 +13,7 @@ from typing import get_args
 import numpy as np
 
 from dashpot.base import units
+from dashpot.base.arrays import kept
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.units import Dimension, Unit
 from dashpot.io.columns import vocabulary
@@ -304,7 +305,7 @@ def acceleration_question(table: FileTable) -> Question:
         f'--column acceleration="{handle(table.columns, i)}"' for i in numbers[2:4] or numbers[-1:]
     ]
     says = (
-        f"none of its columns ({list_columns(table.columns)}) looks like acceleration. Name each "
+        f"none of its columns ({_all_columns(table)}) looks like acceleration. Name each "
         f"by its name or number: {' '.join(named)}"
     )
     return Question(
@@ -341,7 +342,7 @@ def _nothing(table: FileTable, role: Role) -> Question:
         example += ". Where a base was shaken, name its acceleration: "
         example += f'{flag("base_acceleration")}="{_example(table, "acceleration")}"'
     says = (
-        f"none of its columns ({list_columns(table.columns)}) looks like {_word(role)}{kind}. Name "
+        f"none of its columns ({_all_columns(table)}) looks like {_word(role)}{kind}. Name "
         f"it by its name or number: {example}"
     )
     return Question(says, answer, role=_word(role), example=example)
@@ -354,7 +355,7 @@ def ask(table: FileTable, questions: Sequence[Question]) -> str:
         return ". ".join(one.says for one in questions)
     examples = " ".join(one.example for one in reversed(lacking))
     says = (
-        f"none of its columns ({list_columns(table.columns)}) looks like "
+        f"none of its columns ({_all_columns(table)}) looks like "
         f"{listed([one.role for one in lacking], 'or')}. Name each by its name or number: "
         f"{examples}"
     )
@@ -379,7 +380,7 @@ def _example(table: FileTable, role: Role) -> str:
     place = _PLACE.get(role, 0)
     at = numbers[min(place, len(numbers) - 1)]
     free = (i for i in (at, *numbers) if not _says(table.columns[i]))
-    return handle(table.columns, next(free, at))
+    return handle(table.columns, next(free, at), _names(table))
 
 
 def mislabelled(column: Column, role: Role) -> str:
@@ -580,6 +581,17 @@ def _counted(columns: Sequence[Column]) -> Counter[str]:
 
 def _folded(column: Column) -> str:
     return column.name.strip().casefold()
+
+
+@kept
+def _names(table: FileTable) -> Counter[str]:
+    return _counted(table.columns)
+
+
+@kept
+def _all_columns(table: FileTable) -> str:
+    """What each question about a table lists: of thousands of columns it is put together once."""
+    return list_columns(table.columns)
 
 
 def list_columns(columns: Sequence[Column]) -> str:
