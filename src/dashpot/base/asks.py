@@ -88,6 +88,23 @@ class Answers:
         text = self.worded(name)
         return si(text, dimension) if text else None
 
+    def bare(self, name: str) -> float | None:
+        """A number in the field's unit alone.
+
+        Raises
+        ------
+        DataError
+            If it is none.
+        """
+        text = self.of(name)
+        try:
+            return float(text) if text else None
+        except ValueError:
+            one = self._ask(name)
+            raise DataError(
+                f"{one.label.lower()} is '{text}'; expected a number of {one.unit}, without it"
+            ) from None
+
     def range(self, name: str, dimension: Dimension) -> tuple[float, float] | None:
         """Two of them, SI, as 4 to 8."""
         text = self.worded(name)

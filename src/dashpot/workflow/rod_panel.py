@@ -25,6 +25,6 @@ def answered(files: Sequence[str], said: Answers, options: ReadOptions) -> Rod:
     if not disc:
         raise DataError("the shape is not given: type diameter and length, such as 20, 20")
     return rod_files(
-        files[:1], mass=said.needed("mass", "mass"),
-        density=float(said.of("density") or _WATER), rod=RodChoices(disc=disc), options=options,
+        files, mass=said.needed("mass", "mass"),
+        density=said.bare("density") or _WATER, rod=RodChoices(disc=disc), options=options,
     )  # fmt: skip
