@@ -351,5 +351,5 @@ def test_tests_at_several_temperatures_hold_what_a_rig_did_unseen() -> None:
         assert known[f"tau_{j}"][0] < tau < known[f"tau_{j}"][1]
     assert not quiet["k_1"][0] < seal.k[0] < quiet["k_1"][1]
     assert np.ptp(known["k_1"]) < 0.15 * seal.k[0]
-    assert found.shift_error == "± noise"
-    assert replace(found, estimate=found.estimate.noise_alone).shift_error == "± SE"
+    assert found.error_beside == "± noise"
+    assert replace(found, estimate=found.estimate.noise_alone).error_beside == "± SE"

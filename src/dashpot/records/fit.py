@@ -228,8 +228,11 @@ class Fit(ByValue, Pictured, Documented):
         return () if self.temperatures is None else self.temperatures.shifts
 
     @property
-    def shift_error(self) -> str:
-        """What the errors of the shifts are called: rigs may have done more than they hold."""
+    def error_beside(self) -> str:
+        """What errors of shifts, of their law and of single depths are called.
+
+        Rigs may have done more than they hold.
+        """
         return "± SE" if self.estimate.of_noise is None else "± noise"
 
     def at(self, temperature: Quantity) -> GeneralizedMaxwell:

@@ -185,14 +185,14 @@ def _temperatures(found: Fit) -> list[str]:
     moved = found.temperatures
     if moved is None:
         return []
-    rows = [["", "log10 a_T", found.shift_error, "b_T"]]
+    rows = [["", "log10 a_T", found.error_beside, "b_T"]]
     for one in moved.shifts:
         along, across = (fact.cells.ascii for fact in one.facts)
         rows.append([celsius(one.temperature), along.value, along.error, across.value])
     return [
         f"  reference   {celsius(moved.reference)}, of {len(moved.shifts)} temperatures; b_T "
         + ("free" if moved.vertical == "free" else f"= {moved.vertical}"),
-        f"  law         {_shift_law(moved)}",
+        f"  law         {_shift_law(found, moved)}",
         *table(rows),
         *(
             f"  advice      {check.told}"
@@ -202,9 +202,11 @@ def _temperatures(found: Fit) -> list[str]:
     ]
 
 
-def _shift_law(moved: TemperatureShifts) -> str:
+def _shift_law(found: Fit, moved: TemperatureShifts) -> str:
     """The law of the shifts with its constants, where it has any."""
     constants = ", ".join(f"{one.called} {one.cells.with_unit}" for one in moved.constants)
+    if constants and found.estimate.of_noise is not None:
+        constants += f" ({found.error_beside})"
     law = {"wlf": "WLF", "arrhenius": "Arrhenius"}.get(moved.law.kind, "none, the shifts alone")
     return ascii_only(": ".join(filter(None, (law, constants))))
 
@@ -214,7 +216,9 @@ def _by_depth(found: Fit) -> list[str]:
     if not found.by_depth:
         return []
     each = [one.facts(found.unit) for one in found.by_depth]
-    rows = [[f"  by depth, {each[0][0].word}", *(one.called for one in each[0])]]
+    rows = [
+        [f"  by depth, {each[0][0].word}, {found.error_beside}", *(one.called for one in each[0])]
+    ]
     for at, known in zip(found.by_depth, each, strict=True):
         cells = (one.cells.ascii.with_error for one in known)
         rows.append([f"  {written(at.depth, 'mm')}", *cells])

@@ -209,13 +209,16 @@ def _in_band(fit: Fit) -> Iterator[Row]:
 def _of_temperatures(fit: Fit) -> Iterator[Group]:
     moved = fit.temperatures
     assert moved is not None  # noqa: S101
+    # their intervals hold nothing of what the rigs may have done
+    alone = "" if fit.estimate.of_noise is None else ": for the noise"
     if moved.constants:
         law = {"wlf": "WLF", "arrhenius": "Arrhenius"}.get(moved.law.kind, "law")
-        yield group(f"{law} about {written(moved.reference, '°C', '.4g')}", moved.constants)
+        about = f"{law} about {written(moved.reference, '°C', '.4g')}{alone}"
+        yield group(about, moved.constants)
     every = moved.shifts
     ends = every if len(every) <= _FEW_ARMS // 2 else (every[0], every[len(every) // 2], every[-1])
     yield Group(
-        "Shift, log₁₀ a_T",
+        f"Shift, log₁₀ a_T{alone}",
         tuple(row(one.facts[0], f"At {celsius(one.temperature)}") for one in ends),
     )
 
@@ -244,7 +247,7 @@ def _moreof_solid(fit: Fit) -> Iterator[Fold]:
              across.cells.value)
             for one in fit.temperatures.shifts for along, across in (one.facts,)
         )  # fmt: skip
-        names = ("temperature", "log₁₀ a_T", fit.shift_error, "b_T")
+        names = ("temperature", "log₁₀ a_T", fit.error_beside, "b_T")
         yield Fold("Every temperature", f"{len(shifts)} shifts", TextTable(names, shifts))
 
 
