@@ -54,6 +54,11 @@ class Prior(NamedTuple):
         sd = max(self.sd, _EXACT * abs(self.mean))
         return (found - self.mean) / sd, slope / sd
 
+    def beyond(self, held: Prior) -> Prior:
+        """What it leaves open that a fit which holds the other does not, about 0."""
+        more = self.sd**2 + (self.mean - held.mean) ** 2 - held.sd**2
+        return Prior(0.0, float(np.sqrt(max(more, 0.0))))
+
 
 @dataclass(frozen=True)
 class Terms:

@@ -263,9 +263,7 @@ class RelaxationData:
         kinds = ("give", "settling", "preload", *(("warming",) if self.moved is None else ()))
         borne = {kind: known.pop(kind) for kind in kinds if kind in known}
         if "drift" in known:
-            may = known["drift"]
-            more = may.sd**2 + (may.mean - held.mean) ** 2 - held.sd**2
-            borne["drift"], known["drift"] = Prior(0.0, float(np.sqrt(max(more, 0.0)))), held
+            borne["drift"], known["drift"] = known["drift"].beyond(held), held
         own, arms = np.unique(np.clip(np.log(model.tau), *np.log(self.window)), return_inverse=True)
         quiet = replace(self, terms=replace(self.terms, known=known))
         rows = quiet.rows(own, borne=borne)

@@ -150,9 +150,7 @@ class KindOfTest:
     nouns: Mapping[str, str] = field(default_factory=dict)
     meant: Meant | Literal[""] = ""
     checks: str = ""
-    place: Literal["", "test", "hammer", "response", "base", "bench", "level", "judged", "part"] = (
-        ""
-    )
+    place: Place = ""
     pages: Mapping[str, str] = field(default_factory=dict)
     panel: str = ""
     also: str = ""

@@ -99,29 +99,25 @@ def rows_with(
     The first columns are those of the solid, as in :class:`~dashpot.planning.bench.Bench`; a
     `slope_sd` of 0 supposes that one factor shifts every arm.
     """
+    from scipy.linalg import block_diag
+
     shared = 1 + 2 * model.arms
     own = bench.rows(model, several=True)
     blocks = [_repeat(model, bench, each) for each in repeats]
-    begin = own.rows.shape[1]
-    width = begin + sum(block.rows.shape[1] - shared - 1 for block in blocks) + 1
-    rows, unseen = [np.pad(own.rows, ((0, 0), (0, width - begin)))], [own.unseen]
-    for block in blocks:
-        own_columns = block.rows[:, shared:-1]
-        end = begin + own_columns.shape[1]
-        wide = np.zeros((len(block.rows), width))
-        wide[:, :shared], wide[:, begin:end] = block.rows[:, :shared], own_columns
-        wide[:, -1] = block.rows[:, -1]
-        rows.append(wide)
-        unseen.append(block.unseen)
-        begin = end
-    known = np.zeros((1, width))
+    private = [own.rows[:, shared:], *(block.rows[:, shared:-1] for block in blocks)]
+    slope = [np.zeros(len(own.rows)), *(block.rows[:, -1] for block in blocks)]
+    every = [own, *blocks]
+    rows = np.hstack(
+        (
+            np.vstack([one.rows[:, :shared] for one in every]),
+            block_diag(*private),
+            np.concatenate(slope)[:, None],
+        )
+    )
+    known = np.zeros((1, rows.shape[1]))
     known[0, -1] = 1 / max(slope_sd, 1e-12)
-    apart = np.zeros((sum(map(len, unseen)) + 1, sum(one.shape[1] for one in unseen)))
-    row, column = 0, 0
-    for one in unseen:
-        apart[row : row + len(one), column : column + one.shape[1]] = one
-        row, column = row + len(one), column + one.shape[1]
-    return PlannedRows(np.vstack((*rows, known)), apart)
+    unseen = block_diag(*(one.unseen for one in every), np.zeros((1, 0)))
+    return PlannedRows(np.vstack((rows, known)), unseen)
 
 
 def _repeat(model: GeneralizedMaxwell, bench: Bench, there: Elsewhere) -> PlannedRows:

@@ -23,6 +23,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.facts import NORMAL
 from dashpot.base.numbers import duration, rounded
 from dashpot.base.sentences import paragraph
 from dashpot.planning.bench import Bench
@@ -34,8 +35,6 @@ from dashpot.vibration.systems.prediction import accelerance, ringing_pole
 
 # directions with less than this share of the information are not known at all
 SINGULAR = 1e-14
-# standard errors to either end of a 95 % interval, of as many samples as a test has
-_SIGMAS = 1.96
 # of the machine that is named, s, and what it says to be nothing; its drift the baseline tells
 NAMED_BASELINE = 10.0
 _NAMED = ("compliance", "creep")
@@ -190,7 +189,7 @@ def _of_arms(model: GeneralizedMaxwell, bench: Bench) -> FloatArray:
     none = np.zeros((n, n))
     turn = np.vstack((np.hstack((k, none)), np.hstack((none, every)), np.hstack((k, every))))
     variance = np.einsum("ij,jk,ik->i", turn, covariance, turn)
-    return np.asarray(_SIGMAS * np.sqrt(np.maximum(variance, 0.0)).reshape(3, n).T)
+    return np.asarray(NORMAL * np.sqrt(np.maximum(variance, 0.0)).reshape(3, n).T)
 
 
 def _on_a_named_rig(bench: Bench, *names: str) -> Bench:

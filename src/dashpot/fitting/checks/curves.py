@@ -30,6 +30,8 @@ LEVEL = 0.8
 OF_ALL = 0.2
 # what frame and load cell of an instrument give if nobody says, m/N
 GIVES = 3e-7
+# so much of the storage, and twice as much of the loss, may go unsaid
+UNSAID = 0.01
 # of creep every record may hide a slow flow, which takes so much
 LEVEL_OF_CREEP = 0.65
 
@@ -70,7 +72,7 @@ def kramers_kronig(misfit: tuple[FloatArray, FloatArray] | None) -> Finding:
 @criterion(
     "give of the instrument / deformation",
     "<=",
-    0.01,
+    UNSAID,
     "our choice; frames and load cells give 0.1 to 1 um/N, thought 0.3",
     grade="note",
 )
@@ -83,8 +85,9 @@ def instrument_stiff(data: DynamicTest) -> Finding:
     both = f"frame and load cell that give {written(GIVES, 'um/N', 'g')}"
     if data.unit != "N/m":
         return Finding(
-            f"Of a piece of more than {written(0.01 / GIVES, 'N/mm', '.3g')}, {both} take more "
-            "than 1 % off the storage and 2 % off the loss. How stiff it was is not said"
+            f"Of a piece of more than {written(UNSAID / GIVES, 'N/mm', '.3g')}, {both} take more "
+            f"than {100 * UNSAID:g} % off the storage and {200 * UNSAID:g} % off the loss. How "
+            "stiff it was is not said"
         )
     stiffest = float(np.hypot(data.storage, data.loss).max())
     return Finding(

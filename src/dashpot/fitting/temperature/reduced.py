@@ -165,9 +165,7 @@ class Own:
         # it is sought
         del found["warming"]
         each = [sd * np.interp(time, time[at], column) for column, sd in found.values()]
-        may, held = known.doubt, known.drift
-        more = max(may.sd**2 + (may.mean - held.mean) ** 2 - held.sd**2, 0.0)
-        each.append(np.sqrt(more) * (time - known.at))
+        each.append(known.doubt.beyond(known.drift).sd * (time - known.at))
         return np.column_stack(each)[self.start :]
 
 

@@ -101,9 +101,8 @@ def _rows(data: RelaxationData, solid: Solid) -> _TestColumns:
         unseen = adds.columns(found.fixed, found.arms[:, len(own) :])
     if "drift" in kinds:
         # of the drift itself, what the fit holds to be less than it may be
-        may, held = data.terms.known["drift"], data.drift
-        more = max(may.sd**2 + (may.mean - held.mean) ** 2 - held.sd**2, 0.0)
-        drift = replace(data.terms, known={"drift": may._replace(sd=float(np.sqrt(more)))})
+        more = data.terms.known["drift"].beyond(data.drift)
+        drift = replace(data.terms, known={"drift": more})
         unseen = np.hstack((unseen, drift.doubts(found.fixed, data.block.fixed_names)[0]))
     return _TestColumns(
         data.weight * columns,

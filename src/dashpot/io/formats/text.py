@@ -173,7 +173,7 @@ def _odd_first_row(lines: Sequence[str], dialect: Dialect) -> list[str]:
     printed = ([decimals(row[i], dialect.mark) for i in dialect.numbers] for row in rows)
     if len(rows) < _STEADY:
         return []
-    first, second, *_ = islice(printed, 2)
+    first, second = islice(printed, 2)
     if any(map(eq, first, second)) or any(row != second for row in printed):
         return []
     says = f"line {dialect.first + 1}, the first row, is printed otherwise than those below it"
