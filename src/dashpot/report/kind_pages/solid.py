@@ -209,16 +209,13 @@ def _in_band(fit: Fit) -> Iterator[Row]:
 def _of_temperatures(fit: Fit) -> Iterator[Group]:
     moved = fit.temperatures
     assert moved is not None  # noqa: S101
-    # their intervals hold nothing of what the rigs may have done
-    alone = "" if fit.estimate.of_noise is None else ": for the noise"
     if moved.constants:
         law = {"wlf": "WLF", "arrhenius": "Arrhenius"}.get(moved.law.kind, "law")
-        about = f"{law} about {written(moved.reference, '°C', '.4g')}{alone}"
-        yield group(about, moved.constants)
+        yield group(f"{law} about {written(moved.reference, '°C', '.4g')}", moved.constants)
     every = moved.shifts
     ends = every if len(every) <= _FEW_ARMS // 2 else (every[0], every[len(every) // 2], every[-1])
     yield Group(
-        f"Shift, log₁₀ a_T{alone}",
+        "Shift, log₁₀ a_T",
         tuple(row(one.facts[0], f"At {celsius(one.temperature)}") for one in ends),
     )
 
