@@ -30,6 +30,7 @@ from dashpot.fitting.checks import creep, curves, relaxation, solid, temperature
 from dashpot.fitting.fractional import checks as fractional
 from dashpot.fitting.identification import checks as identification
 from dashpot.fitting.nonlinear_ramp import checks as ramp
+from dashpot.fitting.nonlinear_ramp.soundness import soundness
 from dashpot.fitting.repeats import EndStiffness
 from dashpot.fitting.shift_law import LawScore, OddOne
 from dashpot.fitting.temperature import checks as several
@@ -723,6 +724,14 @@ RAMP = [
     ),
     Case("ramp_followed", lambda x: ramp.ramp_followed(0.03, x, 3.0, "piecewise"), 0.0201, 0.0199),
     Case("ramp_followed", lambda x: ramp.ramp_followed(0.0, 1.0, x, "linear"), 1.5, 1.51),
+    Case(
+        "ramp_explained",
+        lambda x: ramp.ramp_explained(
+            soundness(x, 1.0, 1.0, noise=1.0, discrepancy=1.0, samples=1e6, peak=1.0)
+        ),
+        1.199,
+        1.201,
+    ),
     Case("hold_followed", lambda x: ramp.hold_followed([1.0, x], [1.0, 1.0]), 1.249, 1.251),
     Case("hold_followed", lambda x: ramp.hold_followed([9.0], [x]), 0.005, 0.0051),
     Case("tangent_told", lambda x: ramp.tangent_told(BENT, int(x)), 2, 1),
@@ -1536,7 +1545,8 @@ LIMITS = {
         "vertical_rule_holds": 0.03,
     },
     "fitting/nonlinear_ramp": {
-        "ramp_followed": 0.01, "tangent_told": 2, "hold_followed": 1.25, "k_inf_believable": 0.05,
+        "ramp_followed": 0.01, "ramp_explained": 1.2, "tangent_told": 2, "hold_followed": 1.25,
+        "k_inf_believable": 0.05,
         "offset_believable": 3, "drift_believable": 3, "clocks_agree": 3,
     },
     "fitting/fractional": {
@@ -1996,6 +2006,7 @@ def test_what_cannot_be_judged_neither_passes_nor_fails() -> None:
         preparation.strain_small(RECORD),
         relaxation.hold_long_enough(None),
         ramp.clocks_agree([]),
+        ramp.ramp_explained(None),
         solid.arms_distinct(arm()),
         solid.arms_supported(spring, np.zeros(1)),
         relaxation.step_bias(spring, [RECORD]),

@@ -22,7 +22,7 @@ from dashpot.fitting.design import (
 )
 from dashpot.fitting.fit_data import First, FitData, determinable_arms, one_more, weighed
 from dashpot.fitting.fractional.choice import ChosenElement, element
-from dashpot.fitting.nonlinear_ramp.soundness import linear_soundness
+from dashpot.fitting.nonlinear_ramp.soundness import Soundness, linear_soundness
 from dashpot.fitting.nonlinear_ramp.thinning import ramp_obstacle
 from dashpot.fitting.uncertainty.estimate import residual_of
 from dashpot.records.relaxation import RampHold
@@ -45,12 +45,18 @@ class Gate(NamedTuple):
         Arms, up to the number asked for.
     element : ChosenElement or None
         A fractional solid, where arms are not sound and another family may be.
-    sound : bool
+    judged : Soundness or None
+        Of the record that a linear solid explains worst; None where no ramp is judged.
     """
 
     first: First
     element: ChosenElement | None
-    sound: bool
+    judged: Soundness | None
+
+    @property
+    def sound(self) -> bool:
+        """Whether a linear solid explains every record."""
+        return self.judged is None or self.judged.sound
 
 
 class Holds:
@@ -96,39 +102,39 @@ def gated(holds: Holds, data: FitData, asked: Asked) -> Gate:
     most = enough if asked.count is None else asked.count
     auto, point = asked.count is None, asked.point is not None
     first = weighed(data, most, auto=auto, thorough=asked.thorough, only=point)
-    sound = _sound(holds, first)
-    if not sound and most < enough:
+    gate = Gate(first, None, _judged(holds, first))
+    if not gate.sound and most < enough:
         # too few arms are no reason to bend the law
         first = weighed(data, enough, thorough=asked.thorough)
-        sound = _sound(holds, first)
-    if sound or asked.family == "maxwell":
-        return Gate(first, None, sound)
+        gate = Gate(first, None, _judged(holds, first))
+    if gate.sound or asked.family == "maxwell":
+        return gate
     one = element(first.data)
-    return Gate(first, one, asked.family == "fractional" or _sound_element(holds, one, first))
+    if asked.family == "fractional":
+        return Gate(first, one, None)
+    by_element = _worst(holds, one.estimate.residuals, first.solutions[-1].log_tau)
+    sound = by_element is None or by_element.sound
+    return Gate(first, one, by_element if sound else gate.judged)
 
 
-def _sound(holds: Holds, first: First) -> bool:
-    """True if a linear solid explains every record to its noise, ramp and hold alike.
+def _judged(holds: Holds, first: First) -> Soundness | None:
+    """How well the best arms explain every record to its noise, ramp and hold alike."""
+    least = _AS_GOOD * first.solutions[-1].sse
+    near = next(one for one in first.solutions if one.sse <= least)
+    return _worst(holds, first.residuals, near.log_tau)
+
+
+def _worst(holds: Holds, residuals: Sequence[FloatArray], log_tau: FloatArray) -> Soundness | None:
+    """The first record that is not explained, or the ramp that is left with most.
 
     A record without one ramp and one hold to speak of shows no elastic law.
     """
-    least = _AS_GOOD * first.solutions[-1].sse
-    near = next(one for one in first.solutions if one.sse <= least)
-    for i, (record, residual) in enumerate(zip(holds.records, first.residuals, strict=True)):
+    worst = None
+    for i, (record, residual) in enumerate(zip(holds.records, residuals, strict=True)):
         if moves_on(record) or ramp_obstacle(record) is not None:
             continue
-        alone = holds.left(i, near.log_tau)
-        if not linear_soundness(record, residual, alone).sound:
-            return False
-    return True
-
-
-def _sound_element(holds: Holds, one: ChosenElement, first: First) -> bool:
-    """True if a linear fractional solid explains every record to its noise."""
-    start = first.solutions[-1].log_tau
-    pairs = zip(holds.records, one.estimate.residuals, strict=True)
-    return all(
-        linear_soundness(record, residual, holds.left(i, start)).sound
-        for i, (record, residual) in enumerate(pairs)
-        if not moves_on(record) and ramp_obstacle(record) is None
-    )
+        found = linear_soundness(record, residual, holds.left(i, log_tau))
+        if not found.sound:
+            return found
+        worst = found if worst is None or found.ramp > worst.ramp else worst
+    return worst

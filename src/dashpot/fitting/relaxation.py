@@ -35,7 +35,7 @@ from dashpot.fitting.fractional.choice import (
     chosen_family,
     named,
 )
-from dashpot.fitting.linear_gate import Holds, gated
+from dashpot.fitting.linear_gate import Gate, Holds, gated
 from dashpot.fitting.nonlinear_ramp import checks as ramp_checks
 from dashpot.fitting.nuisance import delay_prior, material, priors
 from dashpot.fitting.pipeline import Chosen, asked_arms, chosen_arms
@@ -196,10 +196,11 @@ def _of_temperatures(
 
 def _of_one_temperature(records: Sequence[RampHold], design: Design, asked: Asked) -> Fit:
     """Return the fit of a linear solid, or of a bent ramp where no linear solid is sound."""
-    data, holds, first, one = data_of(records, design), Holds(records), None, None
+    data, holds, first, one, gate = data_of(records, design), Holds(records), None, None, None
     if design == Design("full"):
-        first, one, sound = gated(holds, data, asked)
-        bent = None if sound else _law_of(records, asked.law, asked.count)
+        gate = gated(holds, data, asked)
+        first, one = gate.first, gate.element
+        bent = None if gate.sound else _law_of(records, asked.law, asked.count)
         if bent is not None and not bent.sound:
             found = _by_ramp(records, bent, asked.count)
             return found if one is None else beside_bent(found, bent.residuals, one)
@@ -217,7 +218,7 @@ def _of_one_temperature(records: Sequence[RampHold], design: Design, asked: Aske
     if design.method == "hold":
         doubts = [record.depth_doubt for record in records]
         both = replace(both, best=both.best.with_depth_doubt(doubts))
-    return _assembled(holds, both, design, thorough=asked.thorough)
+    return _assembled(holds, both, design, gate, thorough=asked.thorough)
 
 
 def _own(record: RampHold, law: RampLawAsked, *, thorough: bool) -> Own:
@@ -227,12 +228,12 @@ def _own(record: RampHold, law: RampLawAsked, *, thorough: bool) -> Own:
     kelvin = record.specimen.temperature or 0.0
     data = data_of([record], Design("full"))
     asked = Asked("auto", _OWN_ARMS, thorough=thorough)
-    first, _, sound = gated(Holds([record]), data, asked)
-    if sound or law == "linear":
-        return Own.of(record, kelvin, first, None)
+    gate = gated(Holds([record]), data, asked)
+    if gate.sound or law == "linear":
+        return Own.of(record, kelvin, gate.first, None)
     bent = _law_of([record], law)
     if bent.sound:
-        return Own.of(record, kelvin, first, None)
+        return Own.of(record, kelvin, gate.first, None)
     block = block_of(
         record, terms=("offset", "drift"), index=0, start=record.settled.start, law=bent.law
     )
@@ -267,7 +268,9 @@ def _point(records: Sequence[RampHold], first: First, design: Design, arms: int)
     )
 
 
-def _assembled(holds: Holds, both: FamilyChoice, design: Design, *, thorough: bool) -> Fit:
+def _assembled(
+    holds: Holds, both: FamilyChoice, design: Design, gate: Gate | None, *, thorough: bool
+) -> Fit:
     """Return the fit of a linear solid, with everything needed to judge it."""
     records, found = holds.records, both.best
     band = informed_band(
@@ -298,6 +301,7 @@ def _assembled(holds: Holds, both: FamilyChoice, design: Design, *, thorough: bo
                 *(check for record in records for check in record.checks),
                 found.ended,
                 *_checks(holds, found, design, end),
+                *([] if gate is None else [ramp_checks.ramp_explained(gate.judged)]),
                 *both.checks(other),
                 frequencies_informed(band),
             ),

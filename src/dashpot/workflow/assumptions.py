@@ -60,7 +60,14 @@ ASSUMPTIONS = (
         "The relaxed force is proportional to the compression, or follows the law that was fitted.",
         "The test gives the secant, vibration feels the tangent: for two quadratic laws 19 % too "
         "much and 77 % too little stiffness at the depth of the test.",
-        ("ramp_followed", "tangent_told", "strain_small", "separable", "operating_point"),
+        (
+            "ramp_followed",
+            "ramp_explained",
+            "tangent_told",
+            "strain_small",
+            "separable",
+            "operating_point",
+        ),
         ("--elastic", "--elastic by-depth", "--compression"),
         "Test at the compression of the installed seal, and at half and twice of it.",
     ),
