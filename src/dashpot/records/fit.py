@@ -11,7 +11,7 @@ import numpy as np
 
 from dashpot.base.arrays import ByValue, FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
-from dashpot.base.choices import Family, PartMode
+from dashpot.base.choices import Family, Method, PartMode, words
 from dashpot.base.demands import positive
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
@@ -160,6 +160,9 @@ class Fit(ByValue, Pictured, Documented):
             return ""
         where = f"from {hertz(self.band)}"
         beyond = "Outside this band the model is an extrapolation."
+        if self.unit == "N/m" and self.method in words(Method):
+            # no ramp and hold tells a flow that grows as a power of its force from arms
+            beyond = "Outside this band a linear seal is assumed: add a hammer test."
         if self.method == "full" and 1 < len(self.shifts) < CONTRADICT:
             beyond = "Test at a third temperature: two cannot show arms that shift apart."
         stiffness, loss_factor = self.error_in_band
