@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import zip_longest
 
 from dashpot.base import units
@@ -20,6 +20,7 @@ _REACH = 6
 _COUNTERS = {"index", "no", "nr", "n", "number", "point", "reading", "row", "nummer", "messpunkt"}
 """Names of a first column that counts the rows, and has no unit."""
 _MARKS = ("\t", ";", ",", "|")
+_TINY = 1e-9
 
 
 def uncomment(line: str, delimiter: str) -> str:
@@ -60,9 +61,8 @@ def read_header(lines: Sequence[str], dialect: Dialect) -> Header:
     width = len(dialect.contents)
     each = zip_longest(names[:width], words[:width], dialect.contents)
     padded = [(name or "", word, content) for name, word, content in each]
-    columns = (_column(name, word, content) for name, word, content in padded)
     return Header(
-        tuple(replace(column, unit=scaled(column.name, column.unit)) for column in columns),
+        tuple(_column(name, word, content) for name, word, content in padded),
         tuple(_clock(name, word) if content == "clock" else "" for name, word, content in padded),
         misfit,
         uneven,
@@ -144,16 +144,22 @@ def _is_open(line: str) -> bool:
 def _column(name: str, word: str | None, content: Content) -> Column:
     if content == "clock":  # read as seconds, whatever "hh:mm:ss" stands over it
         return Column(part_unit(name)[0], "s", content)
+    named, unit = _parted(name, word)
+    return Column(named, scaled(named, unit), content)
+
+
+def _parted(name: str, word: str | None) -> tuple[str, str | None]:
+    """The name and the unit of a column, of which its name and the row of units may hold one."""
     stem, inner = part_unit(name)
     if word is None or not word.strip(" -[]()<>{}"):
-        return Column(stem, inner, content)
+        return stem, inner
     unit = _strip(word)
     if inner is None or units.same(inner, unit):
-        return Column(name if inner is None else stem, unit, content)
+        return name if inner is None else stem, unit
     shared = set(units.dimensions(inner)) & set(units.dimensions(unit))
     if units.find(unit) is not None and (shared or is_unit_of(stem, inner)):
-        return Column(stem, _either(inner, unit), content)
-    return Column(name, unit, content)
+        return stem, _either(inner, unit)
+    return name, unit
 
 
 def _either(first: str, second: str) -> str:
@@ -303,11 +309,22 @@ def _holds_units(row: Sequence[str]) -> bool:
     filled = [_strip(text) for text in row if text.strip(" -[]()")]
     if not filled:
         return False
-    known = sum(units.find(word) is not None or _unit_shape(word) for word in filled)
-    named = any(vocabulary.plain(word) in vocabulary.FIRST for word in filled)
-    named = named or all(map(_is_name_over_unit, filled))
+    if any(vocabulary.plain(word) in vocabulary.FIRST for word in filled):
+        return False
+    if all(map(_is_name_over_unit, filled)):
+        return False
     bracketed = sum(map(_is_bracketed, row)) == len(filled)
-    return not named and (known >= 0.6 * len(filled) or bracketed)
+    return bracketed or _most_are_units(filled)
+
+
+def _most_are_units(words: Sequence[str]) -> bool:
+    """Whether most words are units, or built like one: no more are judged than decide it."""
+    left = len(words) - 0.6 * len(words)
+    for word in words:
+        left -= units.find(word) is None and not _unit_shape(word)
+        if left < -_TINY:
+            return False
+    return True
 
 
 def _is_name_over_unit(word: str) -> bool:
