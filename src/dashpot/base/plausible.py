@@ -85,6 +85,9 @@ SIZES = MappingProxyType(
         "door": Size("the largest length of the door", "m", (0.1, 3.0), (0.02, 30.0)),
         "seal length": Size("the length of the seal", "m", (1e-3, 5.0), (1e-4, 50.0)),
         "seal height": Size("the height of the seal", "m", (1e-3, 0.1), (1e-4, 1.0)),
+        "shear": Size(
+            "stiffness sideways over that where it is pressed", "", (0.0, 1.5), (0.0, 3.0)
+        ),
         "sag": Size("the sag under the mass", "m", (0.0, 0.02), (0.0, 0.2)),
         "resonance": Size("the resonance", "Hz", (1.0, 2e3), (0.2, 2e4)),
         "acceleration": Size("the acceleration", "m/s^2", (1e-3, 1e4), (0.0, 1e7)),

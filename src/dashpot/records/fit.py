@@ -591,6 +591,13 @@ class Fit(ByValue, Pictured, Documented):
         """What was tested."""
         return self.provenance.specimen
 
+    def weighed_by(self, judged: Verdict) -> Fit:
+        """Return the fit with what a verdict holds against it, where its own checks are calmer."""
+        if not self.verdict.calmer_than(judged):
+            return self
+        checks = dict.fromkeys((*self.checks, *judged.because))
+        return replace(self, evidence=replace(self.evidence, checks=tuple(checks)))
+
     @property
     def identity(self) -> str:
         """Sixteen hexadecimal digits that name this result: of its solid, method and raw files.

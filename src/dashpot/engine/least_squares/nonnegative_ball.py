@@ -200,7 +200,7 @@ class NonnegativeBall:
     def _face(self, active: IndexArray, basis: FloatArray, factor: FloatArray) -> Face:
         along: FloatArray = basis @ self._target
         rest: FloatArray = self._target - along @ basis
-        return Face(active, basis, factor, np.linalg.inv(factor), along, rest)
+        return Face(active, basis, factor, np.asarray(np.linalg.inv(factor)), along, rest)
 
     def _among(self, face: Face, kept: BoolArray) -> Face:
         """Return a face with fewer columns."""
