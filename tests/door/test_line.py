@@ -250,7 +250,7 @@ def test_a_seal_that_sticks_is_a_spring_more():
     [
         (lambda: LineFriction(0.0, 0.1), "mu = 0; expected more than 0 and at most 3"),
         (lambda: LineFriction(3.01, 0.1), "mu = 3.01; expected more than 0 and at most 3"),
-        (lambda: LineFriction(0.4, 10.1), "friction: across = 10.1; expected 0 to 10"),
+        (lambda: LineFriction(0.4, 3.1), "friction: across = 3.1; expected 0 to 3"),
         (lambda: LineFriction(0.4), "neither across nor along is given"),
         (lambda: rubbed(0.4, 0.2, Shear(0.0, 0.1)), "rubs across the line, where the seal has no"),
         (
@@ -260,7 +260,7 @@ def test_a_seal_that_sticks_is_a_spring_more():
     ],
 )
 def test_what_friction_cannot_be(made, sentence):
-    assert LineFriction(3.0, 10.0).mu == 3.0
+    assert LineFriction(3.0, 3.0).mu == 3.0
     with pytest.raises(DataError, match=sentence):
         made()
 
@@ -369,7 +369,7 @@ def test_the_file_of_a_door_says_its_friction(folder):
             "[seal.friction]\nmu = 0.4\nacross = 0.1\n[seal.shear]",
             "its compression is not stated; give its compression, or gap and height",
         ),
-        ("across = 0.35", "across = 35", r"\[seal\]: shear: across = 35; expected 0 to 10"),
+        ("across = 0.35", "across = 35", r"\[seal\]: shear: across = 35; expected 0 to 3"),
         ("across = 0.35", "side = 0.35", r"\[seal.shear\]: 'side' is unknown; known are across"),
         ("across = 0.35", 'across = "none.json"', "none.json: cannot be read"),
         ("across = 0.35", 'across = "../side.json"', "lies outside the folder"),

@@ -12,6 +12,7 @@ from dashpot.base.arrays import ByValue, FloatArray, IndexArray, frozen
 from dashpot.base.demands import not_negative
 from dashpot.base.errors import DataError
 from dashpot.base.offered import verb
+from dashpot.base.plausible import SIZES
 from dashpot.base.units import Quantity, si
 from dashpot.records.fit import Fit
 from dashpot.solids.elastic import ElasticLaw
@@ -108,8 +109,8 @@ class LineFriction:
 
 MOST_MU = 3.0
 """No dry rubber rubs more."""
-MOST_RATIO = 10.0
-"""A seal is softer sideways than where it is pressed; beyond ten times it is a percentage."""
+MOST_RATIO = SIZES["shear"].hard[1]
+"""A seal is softer sideways than where it is pressed; far beyond, it is a percentage."""
 
 
 @dataclass(frozen=True)

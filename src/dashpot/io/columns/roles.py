@@ -239,6 +239,8 @@ def _score(column: Column, role: Role, options: ReadOptions) -> float:
         return 0.0
     if role != "velocity" and vocabulary.has_word(column.name, vocabulary.DERIVED):
         return 0.5
+    if role == "strain" and vocabulary.has_word(column.name, vocabulary.SIDEWAYS):
+        return 0.5
     for words, less, of_time in _LESS:
         if of_time in {None, role == "time"} and vocabulary.has_word(column.name, words):
             value -= less
