@@ -106,12 +106,14 @@ def refuse_absurd_record(noun: Any) -> None:
     ------
     DataError
     """
-    remedy = 'Check the unit: units="s, mm, N" in Python, --units displacement=mm in a shell.'
-    SIZES["force"].refuse(float(abs(noun.force).max()), remedy=remedy)
-    for name, size in (("displacement", "travel"), ("time", "record")):
+    remedy = 'Check the unit: units="s, mm, N" in Python, --units {} in a shell.'
+    largest = float(abs(noun.force).max())
+    SIZES["force"].refuse(largest, remedy=remedy.format("force=N"))
+    for name, size, unit in (("displacement", "travel", "mm"), ("time", "record", "s")):
         values = getattr(noun, name)
         if values is not None:
-            SIZES[size].refuse(float(values.max() - values.min()), remedy=remedy)
+            span = float(values.max() - values.min())
+            SIZES[size].refuse(span, remedy=remedy.format(f"{name}={unit}"))
 
 
 _PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "u"), (1e-9, "n"))

@@ -107,6 +107,7 @@ _SECOND: dict[Role, str] = {
     "temperature": "t kammer",
     "stress": "sigma σ tau τ pressure",
     "strain": "epsilon ε gamma γ",
+    "creep_compliance": "j",
     "modulus": "g(t) e(t) g e",
 }  # fmt: skip
 COMMANDED = (

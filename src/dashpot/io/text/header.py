@@ -78,7 +78,7 @@ def _from_the_left(
     missing or added further left, nobody knows where, and none is taken.
     """
     width = len(dialect.contents)
-    if len(odd) == width - 1 and vocabulary.plain(names[0]) in _COUNTERS:
+    if len(odd) == width - 1 and odd[0] and vocabulary.plain(names[0]) in _COUNTERS:
         return ["", *odd], ""
     says = f"the row of units has {len(odd)} cells for {width} columns ('{odd[0]}' ... '{odd[-1]}')"
     pairs = list(zip(names[:width], map(_strip, odd), strict=False))
@@ -272,12 +272,27 @@ def _pick(rows: Sequence[list[str]], dialect: Dialect) -> tuple[list[str], list[
             words = _both(row, words) if words else row
         elif _is_names(row, dialect):
             beside = not words and len(above) == len(row) and _is_units(above, dialect)
-            return row, above if beside else words, odd
+            words = above if beside else words
+            return _under(row, above, words), words, odd
         elif not words and not odd and len(row) > 1 and _holds_units(row):
             odd = row
         elif any(row) and (words or len(row) >= max(2, width - 1)):
             break
     return [], words, odd
+
+
+def _under(row: Sequence[str], above: Sequence[str], words: Sequence[str]) -> list[str]:
+    """The names, and where one is blank the one above it that is a name with its unit.
+
+    So stands a cell that runs over both rows of names of a sheet: its text is in the upper one.
+    """
+    found = list(row)
+    for i, (name, upper) in enumerate(zip(row, above, strict=False)):
+        word = words[i] if i < len(words) else part_unit(upper)[1]
+        known = word is not None and units.find(_strip(word) if word.strip() else "") is not None
+        if not name and known and vocabulary.matches(part_unit(upper)[0]):
+            found[i] = upper
+    return found
 
 
 def _both(above: Sequence[str], below: Sequence[str]) -> list[str]:
