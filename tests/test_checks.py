@@ -1051,8 +1051,10 @@ CSR = [
     ),
     Case("ovens_enough", whole(csr.ovens_enough), 3, 2),
     Case("ovens_on_a_line", csr.ovens_on_a_line, 8.99, 9.01),
-    *(Case("cell_holds", lambda x, way=way: csr.cell_holds(0.01 * way * x, 0.01), 2.99, 3.01)
-      for way in (1, -1)),
+    *(
+        Case("cell_holds", lambda x, way=way: csr.cell_holds(0.01 * way * x, 0.01), 2.99, 3.01)
+        for way in (1, -1)
+    ),
     Case("aging_beside_drift", lambda x: csr.aging_beside_drift(x / 1.8e8, 0.02), 1.01, 0.99),
     Case("temperature_near_ovens", lambda x: csr.temperature_near_ovens(x, 300.0), 29.9, 30.1),
     Case("stiffness_follows_force", csr.stiffness_follows_force, 0.0999, 0.1001),
