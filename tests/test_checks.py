@@ -883,6 +883,7 @@ SEALS = [
     Case("line_closed", lambda x: seals.line_closed(4.0, x), 0.0, 0.001),
     Case("line_closed", lambda x: seals.line_closed(4.0, 0.0, (0.02, 0.1, x)), 0.99, 1.01),
     Case("line_holds_sideways", lambda x: seals.line_holds_sideways(x, 0.354), 0, 1),
+    Case("shear_usual", seals.shear_usual, 1.499, 1.501),
     Case("stations_suffice", lambda x: seals.stations_suffice(x, 0.025), 0.99e-3, 1.01e-3),
     Case("modes_suffice", lambda x: seals.modes_suffice(x, 12, 300.0), 4.99e-3, 5.01e-3),
     Case("shapes_known_there", lambda x: seals.shapes_known_there(x, "latch"), 0.0299, 0.0301),
@@ -1050,8 +1051,11 @@ CSR = [
     ),
     Case("ovens_enough", whole(csr.ovens_enough), 3, 2),
     Case("ovens_on_a_line", csr.ovens_on_a_line, 8.99, 9.01),
-    Case("aging_beside_drift", lambda x: csr.aging_beside_drift(1e-9 * x, 1e-9), 3.01, 2.99),
-    Case("aging_beside_drift", lambda x: csr.aging_beside_drift(x / 3.6e8, None), 3.01, 2.99),
+    *(
+        Case("cell_holds", lambda x, way=way: csr.cell_holds(0.01 * way * x, 0.01), 2.99, 3.01)
+        for way in (1, -1)
+    ),
+    Case("aging_beside_drift", lambda x: csr.aging_beside_drift(x / 1.8e8, 0.02), 1.01, 0.99),
     Case("temperature_near_ovens", lambda x: csr.temperature_near_ovens(x, 300.0), 29.9, 30.1),
     Case("stiffness_follows_force", csr.stiffness_follows_force, 0.0999, 0.1001),
     Case("time_near_readings", lambda x: csr.time_near_readings(x, 3.6e6), 1.99, 2.01),
@@ -1240,6 +1244,14 @@ HYPERELASTIC = [
     Case("no_law_closer", lambda x: hyper.no_law_closer(0.005 * x, 0.0), 1.99, 2.01),
     Case("foam_no_closer", lambda x: hyper.foam_no_closer(0.01 * x, 0.01), 1.29, 1.31),
     Case("stable_in_use", lambda x: hyper.stable_in_use(x, "", ()), 1e-6, 0.0),
+    *(
+        Case(
+            "sideways_agrees",
+            lambda x, foam=foam: hyper.sideways_agrees(0.3, 0.3 + x, foam=foam),
+            *ends,
+        )
+        for foam, ends in ((True, (0.0499, 0.0501)), (False, (-0.0499, -0.0501)))
+    ),
     Case("modes_told", lambda x: hyper.modes_told(x, "planar", "it is"), 0.0999, 0.1001),
     Case("modes_enough", whole(lambda n: hyper.modes_enough(n, both=False, foam=False)), 2, 1),
     Case("modes_in_scale", lambda x: hyper.modes_in_scale(x, 0.05, "planar"), 1.099, 1.101),
@@ -1565,7 +1577,7 @@ LIMITS = {
         "law_followed": 0.05, "no_law_closer": 2, "foam_no_closer": 1.3, "stable_in_use": 0,
         "modes_told": 0.1, "use_measured": 1, "constants_known": 0.25, "rows_enough": 4,
         "files_agree": 0.05, "loading_returned": 0.1, "conditioned": 0.05, "zero_known": 0.005,
-        "labels_agree": 3,
+        "labels_agree": 3, "sideways_agrees": 0.05,
         "measures_stated": 0.1, "modes_enough": 2, "modes_in_scale": 1.1,
     },
     "kinds/indentation": {
@@ -1576,7 +1588,8 @@ LIMITS = {
     },
     "kinds/csr": {
         "force_falls": 3, "f0_read": 2, "readings_scatter": 3, "readings_close": 0.04,
-        "chemistry_seen": 4, "ovens_enough": 3, "ovens_on_a_line": 9, "aging_beside_drift": 3,
+        "chemistry_seen": 4, "ovens_enough": 3, "ovens_on_a_line": 9, "aging_beside_drift": 1,
+        "cell_holds": 3,
         "temperature_near_ovens": 30, "cold_bears_lower_energy": 2,
         "time_near_readings": 2, "stiffness_follows_force": 0.1,
     },
@@ -1606,6 +1619,7 @@ LIMITS = {
         "door_modes_informed": 1, "seal_touches": 0, "stations_suffice": 1e-3,
         "modes_suffice": 5e-3, "shapes_known_there": 0.03, "masses_agree": 1.05, "door_held": 0,
         "closing_informed": 1.0, "line_holds_sideways": 0,
+        "shear_usual": 1.5,
     },
     "vibration": {
         "seal_mass_negligible": 0.02, "mass_of_a_block": 1e-3, "compression_tested": 1,
@@ -1652,7 +1666,7 @@ GRADES = {
         "fitting/temperature": {"shifts_told_apart"},
         "kinds/level": {"level_matters"},
         "kinds/hyperelastic": {"volume_known"},
-        "kinds/csr": {"f0_read"},
+        "kinds/csr": {"f0_read", "cell_holds", "aging_beside_drift"},
         "kinds/slam": {"air_escapes", "piece_length_given"},
         "io/readers": {"travel_of_a_seal", "force_of_a_seal", "ramp_not_slow"},
         "fitting/nonlinear_ramp": {"clocks_agree", "offset_believable", "drift_believable"},

@@ -75,8 +75,8 @@ ROWS = (
     ("predict fit.json --until 50%", "--until is for a record of compression stress relaxation"),
     # 3, the line
     ("predict number.toml", "[seal.shear] is 0.35; expected a table of keys, such as across"),
-    ("predict less.toml", "across = -0.2; expected 0 to 10 of the stiffness normal"),
-    ("predict more.toml", "across = 30; expected 0 to 10 of the stiffness normal"),
+    ("predict less.toml", "across = -0.2; expected 0 to 3 of the stiffness normal"),
+    ("predict more.toml", "across = 30; expected 0 to 3 of the stiffness normal"),
     ("predict rub.toml", "mu = -0.4; expected more than 0"),
     ("predict along.toml", "runs along its own normal"),
     ("predict nowhere.toml", "expected a direction"),

@@ -49,7 +49,7 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "workflow/measured_modes.py": ("fit",),
     "workflow/under_masses.py": ("fit",),
     "export/": ("export",),
-    "report/answer.py": ("export",),
+    "report/attached.py": ("export",),
     "workflow/fits.py": ("fit",),
     "workflow/shifting.py": ("fit",),
     "workflow/job.py": ("fit", "predict", "report"),

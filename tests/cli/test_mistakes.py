@@ -29,7 +29,17 @@ FIT = {
     "schema": "dashpot/fit@1",
     "model": {"k_inf": 200.0, "arms": [{"k": 120.0, "tau": 0.5}, {"k": 18.0, "tau": 16.0}]},
 }
-NAMES = "--column time=1,displacement=2,force=3 --units time=s,displacement=mm,force=N"
+NAMED = (
+    '--column time="a" --column displacement="b" --column force="c" '
+    '--units "time=s,displacement=mm,force=N"'
+)
+OF_MEANS = (
+    '--column time="time" --column displacement="displacement mean" --column force="force mean"'
+)
+MEANS = (
+    "not the recorded signals; export the raw time, displacement and force instead. If it is a "
+    f"test of a seal, name its columns: {OF_MEANS}"
+)
 ROD = "--shape disc:20mm,20mm --density 1000 --mass 31.4g"
 RIG = "--mass 104g --seals 2"
 TWO = "shaker_20mN.csv shaker_500mN.csv"
@@ -39,7 +49,12 @@ DECK = "export fit.json --to csv --unit-system SI --temperature 23degC --length 
 
 MISTAKES = (
     # which files
-    ("fit none.csv", "none.csv: cannot be read: No such file", "fit seal.csv --arms 1"),
+    ("fit none.csv", "none.csv: there is no such file or folder", "fit seal.csv --arms 1"),
+    ("fit seel.csv", "Did you mean seal.csv?", "fit seal.csv --arms 1"),
+    ("fit lab/seal.csv", "there is no folder lab", "fit seal.csv --arms 1"),
+    ("predict fiit.json --mass 104g", "Did you mean fit.json?", f"predict fit.json {RIG}"),
+    ("batch seals.csv -o lot", "Did you mean seal.csv?", ""),
+    ("verify seal", "Did you mean seal.csv?", ""),
     ("fit", "Missing argument 'FILE...'", "fit seal.csv --arms 1"),
     ("fit .", "is a folder: use dashpot batch", ""),
     ("fit fit.json", "is a fit: use dashpot predict", f"predict fit.json {RIG}"),
@@ -73,8 +88,11 @@ MISTAKES = (
     ("batch lotdir -o lot --watch --dry-run", "leave one out", "batch lotdir -o lot --dry-run"),
     ("verify fit.json", "--project FOLDER", "report seal.csv --project kept"),
     # what is in them
-    ("fit odd.csv", f"such as {NAMES}; to see them: dashpot inspect odd.csv",
-     f"fit odd.csv {NAMES}"),
+    ("fit odd.csv", f"name its columns: {NAMED}. To see its columns: dashpot inspect odd.csv",
+     f"fit odd.csv {NAMED}"),
+    ("fit means.csv", f"one row per cycle ('displacement mean', 'force mean'), {MEANS}",
+     f"fit means.csv {OF_MEANS}"),
+    ("fit strained.csv", "A test of a seal has time, displacement and force. To see", ""),
     ("fit bare.csv", '--units "time=s,displacement=mm,force=N"',
      "fit bare.csv --units time=s,displacement=mm,force=N --arms 1"),
     ("fit seal.csv --column force=Kraft", "the columns are 1 'time [s]', 2 'displacement [mm]'",
@@ -351,6 +369,12 @@ def lab(tmp_path_factory: pytest.TempPathFactory) -> Path:
     law = fit_hyperelastic([read_stress_strain(folder / "tension.csv", "uniaxial")])
     (folder / "law.json").write_text(to_json(law))
     (folder / "held.csv").write_text(crept())
+    seal = bench(ramp_and_hold(), head="time [s],displacement mean [mm],force mean [N]")
+    head, *rows = seal.splitlines()
+    with_errors = [f"{head},force SD [N]", *(f"{row},0.001" for row in rows)]
+    (folder / "means.csv").write_text("\n".join(with_errors))
+    creeping = "\n".join(f"{t},{1 - 0.5 ** (1 + t):.6f}" for t in range(40))
+    (folder / "strained.csv").write_text("time [s],strain [%]\n" + creeping)
     (folder / "odd.csv").write_text(bench(ramp_and_hold(), head="a,b,c"))
     (folder / "bare.csv").write_text(bench(ramp_and_hold(), head="time,displacement,force"))
     (folder / "channels.csv").write_text(hammer("ch1,ch2,ch3"))

@@ -13,8 +13,15 @@ from scipy.linalg import toeplitz
 from dashpot.engine.blocks.block import DataBlock
 from dashpot.engine.blocks.hold import hold_block
 from dashpot.engine.blocks.recorded import recorded_block
+from dashpot.engine.inference import whitening
 from dashpot.engine.inference.covariance import Noise
-from dashpot.engine.inference.whitening import AT_ONCE, NoiseGain, in_pieces, whitened_block
+from dashpot.engine.inference.whitening import (
+    AT_ONCE,
+    NoiseGain,
+    as_one,
+    in_pieces,
+    whitened_block,
+)
 from dashpot.engine.solver.variable_projection import full_jacobian, solve
 
 STEP = 0.02
@@ -106,6 +113,29 @@ def test_what_is_known_is_what_generalised_least_squares_knows(
     # on a hold, plain least squares knows far less of the fast arm
     fast = len(block.fixed_names)
     assert plain[fast, fast] > better * mine[fast, fast]
+
+
+@pytest.mark.parametrize("make", [held, moved])
+@pytest.mark.parametrize(("correlation", "few", "most"), [(0.5, 1, 1.0), (2, 2, 1.02), (8, 4, 1.3)])
+def test_means_over_neighbours_lose_little_of_what_is_known(
+    make: Callable[[], DataBlock],
+    correlation: float,
+    few: int,
+    most: float,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Noise up to twenty times as slow as the fast arm, of 20 samples, which loses most."""
+    exact, noise = make(), slow(correlation)
+    solution = solve([exact], 2)
+
+    def errors() -> np.ndarray:
+        jacobian = full_jacobian([whitened_block(exact, noise)], solution).matrix
+        return np.sqrt(np.diag(np.linalg.inv(jacobian.T @ jacobian)))
+
+    as_it_is = errors()
+    assert as_one(noise) == few
+    monkeypatch.setattr(whitening, "as_one", lambda _: 1)
+    assert np.all(as_it_is <= most * errors() * (1 + 1e-9))
 
 
 @given(

@@ -334,6 +334,21 @@ def test_a_bend_below_the_noise_is_seen() -> None:
     assert set(laws[0.05]) == {"piecewise"}
 
 
+@pytest.mark.parametrize(("bend", "kind"), [(0.0015, "linear"), (0.0025, "piecewise")])
+def test_a_law_is_taken_where_it_moves_the_path_by_half_a_thousandth(
+    bend: float, kind: str
+) -> None:
+    """A quadratic law moves the path by a quarter of its bend; either is seen clearly."""
+    test = qlv(
+        lambda x: linear(x) * (1 + bend * (x / DEPTH - 1)), replace(QUICK, noise=5e-4), seed=1
+    )
+    found = ramp_law([test])
+    assert not found.sound
+    assert found.law.kind == kind
+    # a small bend that has its law doubts nothing
+    assert (failed([test], found) == {"tangent_told"}) == (kind == "piecewise")
+
+
 def test_a_record_without_one_ramp_is_refused() -> None:
     test = qlv(linear, QUICK, seed=1)
     short = replace(test, onset=0.99, ramp_end=1.0)

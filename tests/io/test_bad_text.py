@@ -128,7 +128,7 @@ def test_swapped_columns_are_refused_unless_they_are_named(tmp_path: Path) -> No
 
 
 def test_no_file_and_a_folder(tmp_path: Path) -> None:
-    with pytest.raises(ReadError, match="cannot be read: No such file"):
+    with pytest.raises(ReadError, match="there is no such file"):
         read_relaxation(tmp_path / "none.csv")
     with pytest.raises(ReadError, match="is a folder"):
         read_relaxation(tmp_path)

@@ -85,7 +85,7 @@ def test_bad_profiles(tmp_path: Path, content: str, words: str) -> None:
     path.write_text(content)
     with pytest.raises(ReadError, match=words):
         load_profile(path)
-    with pytest.raises(ReadError, match=r"none.toml: cannot be read: No such file"):
+    with pytest.raises(ReadError, match=r"none.toml: there is no such file"):
         load_profile(tmp_path / "none.toml")
 
 

@@ -6,7 +6,7 @@ from kit.sweeps import moduli, sweeps
 
 import dashpot as dp
 from dashpot.fitting.dynamic import fit_dynamic
-from dashpot.plot.picture import Area, Dots, Line
+from dashpot.plot.picture import Area, Dots, Line, Tag
 from dashpot.plot.tokens import SEQUENTIAL
 from dashpot.workflow.frames import frame
 
@@ -22,7 +22,11 @@ def test_every_sample_is_drawn_from_cold_to_warm(data, panels):
         dots = [mark for mark in panel.marks if isinstance(mark, Dots)]
         assert [mark.colour for mark in dots] == list(SEQUENTIAL)
         assert sum(len(mark.x) for mark in dots) == len(found.temperature)
-    assert [mark.label for mark in picture.key][:2] == ["−20 to −10 °C", "0 to 10 °C"]
+    # a temperature is named at its samples, once, and in no key
+    tags = [mark for panel in picture.panels for mark in panel.marks if isinstance(mark, Tag)]
+    assert [one.text for one in tags][:2] == ["−20 to −10 °C", "0 to 10 °C"]
+    assert [one.colour for one in tags] == list(SEQUENTIAL)
+    assert not {one.text for one in tags} & {one.label for one in picture.key}
 
 
 def test_the_shifts_are_drawn_with_their_law_and_its_errors():

@@ -3,6 +3,7 @@
 import base64
 import json
 import re
+import shlex
 from dataclasses import replace
 from html import unescape
 from pathlib import Path
@@ -16,15 +17,20 @@ from kit.shell import ran
 import dashpot as dp
 from dashpot.base.checks import Check
 from dashpot.base.facts import Fact
+from dashpot.base.status import Status
 from dashpot.kinds.cld.figure import cld as cld_figure
 from dashpot.kinds.cld.record import CLD
 from dashpot.plot.layout import arranged
 from dashpot.plot.picture import Tag
+from dashpot.records.temperature import Shift, TemperatureShifts
 from dashpot.report import html
 from dashpot.report.answer import ORDER
 from dashpot.report.judged import contents
 from dashpot.report.kind_page import kind_page, lights, row
 from dashpot.report.pages import COLOURS
+from dashpot.solids.temperature import WLF
+from dashpot.workflow.archive import from_json
+from dashpot.workflow.impacts import Direct, Identified
 
 pytestmark = pytest.mark.once
 
@@ -148,3 +154,74 @@ def test_what_is_weighed_and_each_file_stand_once():
     weighty = list(told["weighty"])
     assert weighty.count(bad) == weighty.count(noted) == 1
     assert told["title"].count(source.file) == 1
+
+
+def held_in(page: str) -> dict[str, str]:
+    """The files in a page."""
+    return {
+        name: base64.b64decode(data).decode()
+        for name, data in re.findall(r'download="([^"]+)" href="data:[^;]+;base64,([^"]+)"', page)
+    }
+
+
+DENSE = Check("few_arms_suffice", False, "No number of arms up to 6 follows.", grade="note")
+EXPORTED = {
+    "a seal": (lambda: S.fit, ["fit.json", "solid.bdf", "solid.inp"]),
+    "a material": (lambda: altered(S.fit, unit="Pa"), ["fit.json", "solid.inp"]),
+    "a table of arms": (
+        lambda: altered(S.fit, unit="Pa", status=Status.NOT_IDENTIFIED,
+                        checks=(*S.fit.checks, DENSE)),
+        ["fit.json", "solid.inp"],
+    ),
+    "what is not identified": (
+        lambda: altered(S.fit, unit="Pa", status=Status.NOT_IDENTIFIED), ["fit.json"],
+    ),
+    "what must not be used": (
+        lambda: altered(S.fit, checks=(replace(DENSE, name="strain_small", grade="stop"),)),
+        ["fit.json"],
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", EXPORTED)
+def test_a_deck_of_a_page_is_what_its_command_writes_of_the_document_beside_it(name, tmp_path):
+    made, names = EXPORTED[name]
+    page = html(made())
+    files = held_in(page)
+    assert list(dict.fromkeys(files)) == names
+    (tmp_path / "fit.json").write_text(files["fit.json"])
+    decks = [files[one] for one in names if one.startswith("solid.")]
+    commands = re.findall(r"the same as (dashpot export [^<]*)", unescape(page))
+    for deck, command in zip(decks, commands, strict=True):
+        words = shlex.split(command)
+        said = ran("export", tmp_path / words[2], *words[3:])
+        assert said.exit_code == 0, said.output
+        assert said.stdout == deck
+        # a material has moduli, and no length of contact
+        assert (" MPa" in deck.partition("k_inf = ")[2].splitlines()[0]) == (name != "a seal")
+        assert ("contact length" in deck) == (name == "a seal")
+
+
+def test_what_a_page_holds_of_both_tests_is_read_by_other_commands_and_no_calmer_than_it():
+    grave = Check("mass_line", False, "The mass is another.", grade="stop")
+    found = Identified(S.fit, Direct(S.direct), (grave,), S.at_rest)
+    (name,) = [one for one in held_in(html(found)) if one not in {"numbers.json"}]
+    kept = from_json(held_in(html(found))[name])
+    assert kept.verdict.use == found.verdict.use == "do not use"
+    assert kept.identity == S.fit.identity
+    calm = Identified(S.fit, Direct(S.direct), (), S.at_rest)
+    assert calm.kept is S.fit
+
+
+def test_a_constant_of_a_law_has_its_interval_and_of_the_noise_alone_its_error():
+    law = WLF(7.0, 120.0, 296.15)
+    shifts = (Shift(283.15, 0.77, 0.01), Shift(296.15, 0.0, 0.0))
+    moved = TemperatureShifts(law, shifts, np.zeros((4, 4)), ("c1", "c2"), np.diag([0.01, 4.0]))
+    for noise, title, row_ in (
+        (None, "WLF about 23 °C", ("C1", "7.00", "6.80", "7.20")),
+        (S.fit.estimate.covariance, "WLF about 23 °C (± noise)", ("C1", "7.00 ± 0.10", "", "")),
+    ):
+        estimate = replace(S.fit.estimate, of_noise=noise)
+        shown = kind_page(altered(S.fit, temperatures=moved, estimate=estimate))
+        (one,) = [group for group in shown.groups if group.title == title]
+        assert one.rows[0][:4] == row_

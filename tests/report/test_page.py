@@ -244,7 +244,7 @@ def test_the_verdict_leads_in_words_in_colour_and_in_form(grade, colour, words):
 @pytest.mark.parametrize(
     ("grade", "heading", "names"),
     [("limit", "Recommended: model of the relaxation test, two arms",
-      ["fit.json", "solid.nas", "solid.inp"]),
+      ["fit.json", "solid.bdf", "solid.inp"]),
      ("stop", "No model is recommended", ["fit.json"])],
 )  # fmt: skip
 def test_what_must_not_be_used_is_not_offered(sketch, grade, heading, names):
@@ -361,7 +361,7 @@ def test_a_deck_of_the_page_is_that_of_the_command_line(tmp_path, known):
     kept = tmp_path / "fit.json"
     kept.write_text(to_json(fit))
     found = decks(page)
-    assert set(found) == {"solid.nas", "solid.inp"}
+    assert set(found) == {"solid.bdf", "solid.inp"}
     commands = re.findall(r"the same as (dashpot export [^<]*)", unescape(page))
     for deck, command in zip(found.values(), commands, strict=True):
         words = shlex.split(command)[2:]
@@ -369,7 +369,7 @@ def test_a_deck_of_the_page_is_that_of_the_command_line(tmp_path, known):
         assert said.exit_code == 0, said.output
         assert said.stdout == deck
         assert ("OVERRIDE: the test temperature is not stated" in deck) is not known
-    assert "EXTRAPOLATED:" not in found["solid.nas"]
+    assert "EXTRAPOLATED:" not in found["solid.bdf"]
     text = Page(page).text
     assert ("state temperature and contact length" in text) is not known
     assert "Decks are valid from 0.004 to 0.32 Hz" in text
@@ -387,7 +387,7 @@ def test_a_seal_that_hardens_has_the_deck_of_what_the_mass_feels():
     rests = at_rest(hard, mass=S.mass, seals=2.0)
     page = html(replace(S, fit=hard, at_rest=rests, measured=None, comparison=None, joint=None,
                         joint_comparison=None, impact=None, direct=None))  # fmt: skip
-    k = float(re.search(r"k_inf = ([\d.]+) N/mm", decks(page)["solid.nas"])[1])
+    k = float(re.search(r"k_inf = ([\d.]+) N/mm", decks(page)["solid.bdf"])[1])
     assert k == pytest.approx(1e-3 * rests.tangent.stiffness, rel=1e-3)
     assert "--compression" in page
 

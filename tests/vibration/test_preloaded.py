@@ -9,7 +9,7 @@ from dashpot.base.errors import DataError
 from dashpot.solids.elastic import ElasticLaw, PolynomialLaw
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.vibration.systems.preloaded import HARMONICS, PreloadedMass
+from dashpot.vibration.systems.preloaded import HARMONICS, PreloadedMass, _PressedBalance
 
 pytestmark = pytest.mark.once
 
@@ -18,19 +18,27 @@ LAW = PolynomialLaw((120.0, 1e4, 8e5))
 MASS = 0.1040426
 ON_SEALS = PreloadedMass(MASS, 2 * LAW, SOLID)
 
-# shooting with DOP853 at rtol 1e-12, two seals under the weight: N, Hz, |h0| to |h3| in mm, phase
+# shooting with DOP853 at rtol 1e-12, two seals under the weight: N, Hz, |h0| to |h5| in mm, phase
 # of the first in degrees, and the largest Floquet multiplier
 SHOT = {
-    "mild": (0.02, 12.0, (3.186830185, 0.179434438, 0.000576939, 2.180e-6), -3.3952, 0.99536),
+    "mild": (
+        0.02, 12.0, (3.186830185, 0.179434438, 0.000576939, 2.180e-6, 8e-9), -3.3952, 0.99536
+    ),
     "below resonance": (
-        0.30, 10.0, (3.143046963, 1.031379714, 0.033540678, 0.000933099), -1.5613, 0.99444
+        0.30, 10.0, (3.143046963, 1.031379714, 0.033540678, 0.000933099, 2.7737e-5, 8.28e-7),
+        -1.5613, 0.99444,
     ),
     "half resonance": (
-        0.30, 6.6, (3.159591062, 0.538736330, 0.610585379, 0.022222059), -2.9118, 0.99158
+        0.30, 6.6, (3.159591062, 0.538736330, 0.610585379, 0.022222059, 0.005597140, 0.000374853),
+        -2.9118, 0.99158,
     ),
-    "far": (0.75, 8.0, (3.064301174, 1.683637277, 0.240907522, 0.016404796), -1.3222, 0.99305),
+    "far": (
+        0.75, 8.0, (3.064301174, 1.683637277, 0.240907522, 0.016404796, 0.001352353, 0.000112634),
+        -1.3222, 0.99305,
+    ),
     "contact lost": (
-        0.60, 9.5, (2.937172660, 2.031594896, 0.209104938, 0.000998156), -1.5526, 0.99458
+        0.60, 9.5, (2.937172660, 2.031594896, 0.209104938, 0.000998156, 0.004124773, 0.000684924),
+        -1.5526, 0.99458,
     ),
 }  # fmt: skip
 
@@ -41,10 +49,30 @@ def test_harmonics_and_multipliers_are_those_of_shooting(case):
     found = ON_SEALS.shaken(level=level, frequency=hz)
     near = 1e-4 if case == "contact lost" else 1e-6
     # relative; of the smallest the last digit that the page prints
-    assert 1e3 * found.amplitudes[:4] == pytest.approx(amplitudes, rel=near, abs=1e-9)
+    assert 1e3 * found.amplitudes[: len(amplitudes)] == pytest.approx(
+        amplitudes, rel=near, abs=1e-9
+    )
     assert np.degrees(np.angle(found.harmonics[1])) == pytest.approx(phase, abs=1e-4)
     assert found.growth == pytest.approx(growth, abs=2e-5)
     assert found.lost == pytest.approx(0.245 if case == "contact lost" else 0.0, abs=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("level", "hz", "linear", "one"),
+    [
+        (0.02, 12.0, 0.179333, 0.179490), (0.30, 10.0, 1.027091, 1.038597),
+        (0.30, 6.6, 0.572937, 0.574027), (0.75, 8.0, 1.705249, None),
+        (0.60, 9.5, 1.806658, None), (2.2, 20.0, 2.340245, None),
+    ],
+)  # fmt: skip
+def test_what_fewer_harmonics_find_is_that_far_off(level, hz, linear, one):
+    """Linear about rest, and with the mean and one harmonic: what either misses, by shooting."""
+    small = ON_SEALS.shaken(level=1e-6, frequency=hz)
+    assert 1e9 * level * small.amplitudes[1] == pytest.approx(linear, abs=6e-7)
+    if one is not None:
+        alone = _PressedBalance(ON_SEALS, hz, level, 1)
+        found = alone.harmonics(alone.followed().unknown)
+        assert 1e3 * abs(found[1]) == pytest.approx(one, abs=6e-7)
 
 
 def test_the_seal_opens_when_shaken():
@@ -52,6 +80,36 @@ def test_the_seal_opens_when_shaken():
     assert 1e3 * ON_SEALS.rest == pytest.approx(3.1881952824, abs=1e-10)
     assert 1e3 * found.shift == pytest.approx(-0.251, abs=5e-4)
     assert 0 < found.least < ON_SEALS.rest < found.most
+
+
+@pytest.mark.parametrize(
+    ("of", "at", "amplitudes", "growth", "lost"),
+    [
+        # 1e-4 of loss: a step of the level goes past the turn of its phase
+        (
+            PreloadedMass(
+                0.975, PolynomialLaw((1167.0, 0.0, 4e6)),
+                GeneralizedMaxwell(1.0, (0.0106,), (5.78,)), preload=9.566,
+            ),
+            (7.68, 5.85), (3.0801735, 18.754517, 2.2466709, 0.51759601), 0.99993680, 0.59284,
+        ),
+        # a step of the level goes past it, and no way leads back
+        (
+            PreloadedMass(
+                0.13596, PolynomialLaw((63.0275, 0.0, 41399.0)),
+                GeneralizedMaxwell(1.0, (0.80736, 1.87014), (0.10956, 1.80003), b=2.2e-4),
+                preload=1.33332,
+            ),
+            (0.535, 7.7117), (13.493255, 7.8345613, 0.52968191, 0.013748493), 0.96609195, 0.40664,
+        ),
+    ],
+)  # fmt: skip
+def test_a_mass_that_bounces_far_is_found_past_the_folds(of, at, amplitudes, growth, lost):
+    """By shooting with DOP853 between the instants of contact, apart from dashpot."""
+    found = of.shaken(level=at[0], frequency=at[1])
+    assert 1e3 * found.amplitudes[:4] == pytest.approx(amplitudes, abs=1e-6 * amplitudes[1])
+    assert found.growth == pytest.approx(growth, abs=1e-5)
+    assert found.lost == pytest.approx(lost, abs=5e-4)
 
 
 def test_an_orbit_that_does_not_last_is_refused():

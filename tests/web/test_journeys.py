@@ -699,12 +699,13 @@ class Told:
     """Answers of the server, told again: what is asked costs no study."""
 
     def __init__(self, page):
-        self.kept, self.instead = {}, None
+        self.kept, self.instead, self.asked = {}, None, []
         for verb in ("settle", "study", "predict"):
             page.at.route(f"**/api/{verb}", self.answer)
 
     def answer(self, route):
         verb = route.request.url.rpartition("/")[2]
+        self.asked.append(verb)
         if self.instead == "gone":
             route.abort()
         elif self.instead:
@@ -772,6 +773,13 @@ def test_no_frame_is_green_that_is_not_settled_and_of_all_open_files(visit, file
         assert page.at.get_by_role("button", name="Report").is_disabled() == (colour == "bad")
         verdict.get_by_role("button", name=cure).click()
         page.at.locator("#verdict.good").wait_for()
+    # a cancel ends also what would have followed
+    told.asked.clear()
+    assert colours("type('#mass', '113'); document.getElementById('cancel').click()") == {
+        "verdict open"
+    }
+    verdict.get_by_role("button", name="Judge it").wait_for()
+    assert told.asked == ["settle"]
     # what stands in a field is no answer yet
     page.at.locator("#mass").fill("200")
     page.at.locator("#verdict.open").wait_for()

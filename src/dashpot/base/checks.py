@@ -21,6 +21,7 @@ Grade = Literal["note", "limit", "stop"]
 GRADES: tuple[Grade, ...] = get_args(Grade)
 #: what to make of a result
 Use = Literal["use", "use with care", "do not use"]
+_CALMEST: tuple[Use, ...] = get_args(Use)
 
 #: how a value is held against a limit; ``"|x| <="`` asks for its size, ``"x/"`` for a factor
 RULES: dict[str, Callable[[float, float], bool]] = {
@@ -162,6 +163,10 @@ class Verdict(Documented):
     def reasons(self) -> tuple[str, ...]:
         """The names of the checks that decided."""
         return tuple(check.name for check in self.because)
+
+    def calmer_than(self, other: Verdict) -> bool:
+        """Whether it holds less against the result."""
+        return _CALMEST.index(self.use) < _CALMEST.index(other.use)
 
     def __str__(self) -> str:
         return f"{self.use.capitalize()}: {lowered(self.says)}"

@@ -31,6 +31,11 @@ def verb(module: str, name: str) -> Callable[..., Any]:
 class Told:
     """A result that prints what its command prints, and writes itself to a file."""
 
+    @property
+    def kept(self) -> Any:
+        """What a file keeps of it, for other commands to read: itself, or the fit in it."""
+        return self
+
     def __str__(self) -> str:
         text: str = verb("told", "printed")(self)
         return text

@@ -85,6 +85,9 @@ SIZES = MappingProxyType(
         "door": Size("the largest length of the door", "m", (0.1, 3.0), (0.02, 30.0)),
         "seal length": Size("the length of the seal", "m", (1e-3, 5.0), (1e-4, 50.0)),
         "seal height": Size("the height of the seal", "m", (1e-3, 0.1), (1e-4, 1.0)),
+        "shear": Size(
+            "stiffness sideways over that where it is pressed", "", (0.0, 1.5), (0.0, 3.0)
+        ),
         "sag": Size("the sag under the mass", "m", (0.0, 0.02), (0.0, 0.2)),
         "resonance": Size("the resonance", "Hz", (1.0, 2e3), (0.2, 2e4)),
         "acceleration": Size("the acceleration", "m/s^2", (1e-3, 1e4), (0.0, 1e7)),
@@ -103,12 +106,14 @@ def refuse_absurd_record(noun: Any) -> None:
     ------
     DataError
     """
-    remedy = 'Check the unit: units="s, mm, N" in Python, --units displacement=mm in a shell.'
-    SIZES["force"].refuse(float(abs(noun.force).max()), remedy=remedy)
-    for name, size in (("displacement", "travel"), ("time", "record")):
+    remedy = 'Check the unit: units="s, mm, N" in Python, --units {} in a shell.'
+    largest = float(abs(noun.force).max())
+    SIZES["force"].refuse(largest, remedy=remedy.format("force=N"))
+    for name, size, unit in (("displacement", "travel", "mm"), ("time", "record", "s")):
         values = getattr(noun, name)
         if values is not None:
-            SIZES[size].refuse(float(values.max() - values.min()), remedy=remedy)
+            span = float(values.max() - values.min())
+            SIZES[size].refuse(span, remedy=remedy.format(f"{name}={unit}"))
 
 
 _PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "u"), (1e-9, "n"))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import os
 import sys
 import traceback
 from collections.abc import Sequence
@@ -75,6 +76,10 @@ def _failure(error: BaseException, words: Sequence[str]) -> Failure:
         return _sentence("Interrupted", said or "interrupted", INTERRUPTED)
     if isinstance(error, DashpotError):
         return _sentence(kind, str(error), BAD)
+    if isinstance(error, FileNotFoundError) and error.filename:
+        from dashpot.io.source import missing
+
+        return _sentence("OSError", missing(os.fsdecode(error.filename)), BAD)
     if isinstance(error, OSError):
         where = f"{error.filename}: " if error.filename else ""
         return _sentence("OSError", f"{where}{error.strerror or error}", BAD)

@@ -22,8 +22,8 @@ def recognised(files: Sequence[str], options: ReadOptions) -> dict[str, Recognis
     return {path: recognise(path, options.of(path)) for path in files}
 
 
-def kinds_of(found: Mapping[str, Recognised]) -> dict[str, str]:
-    """Return the word of each file's kind.
+def kinds_of(found: Mapping[str, Recognised], options: ReadOptions) -> dict[str, str]:
+    """Return the word of each file's kind, as it was read with the options.
 
     Raises
     ------
@@ -33,11 +33,22 @@ def kinds_of(found: Mapping[str, Recognised]) -> dict[str, str]:
     for path, one in found.items():
         if one.kind in {"unclear", "not-a-test"}:
             raise click.UsageError(
-                f"{path} is no test that dashpot knows: {one.reason}. Name its columns, such as "
-                "--column time=1,displacement=2,force=3 --units time=s,displacement=mm,force=N; to "
-                f"see them: dashpot inspect {path}"
+                f"{path} is no test that dashpot knows: {one.reason}. {_to_name(path, options)}"
             )
     return {path: one.kind for path, one in found.items()}
+
+
+def _to_name(path: str, options: ReadOptions) -> str:
+    """Return how the columns of such a file are named, as it is typed; of too few, what lacks."""
+    from dashpot.io.readers.recognise import as_a_ramp
+
+    see = f"To see its columns: dashpot inspect {path}"
+    named = as_a_ramp(path, options)
+    return (
+        f"If it is a test of a seal, name its columns: {named}. {see}"
+        if named
+        else (f"A test of a seal has time, displacement and force. {see}")
+    )
 
 
 def called(kind: str) -> str:

@@ -52,7 +52,8 @@ def command(*, files: tuple[str, ...], **said: Any) -> Outcome:
     if not others:
         raise click.UsageError(f"Give what {first} is compared with: a measurement, an FRF, a lot.")
     found = recognised([_place(path) for path in files], said["options"])
-    kinds = {path: kinds_of(found)[_place(path)] for path in files}
+    known = kinds_of(found, said["options"])
+    kinds = {path: known[_place(path)] for path in files}
     one, rest_ = kinds[first], {kinds[path] for path in others}
     lots = one == _LOT and rest_ == {_LOT} and len(others) == 1
     if not (lots or (one in {_SOLID, *_MEASURED} and rest_ <= _MEASURED)):

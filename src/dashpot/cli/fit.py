@@ -36,7 +36,7 @@ _ELASTIC = (*words(RampLawAsked), "by-depth")
 def _kinds_in(files: Sequence[str]) -> Mapping[str, str]:
     """The kinds of files, for the help of each; nothing where one is not known."""
     with suppress(DashpotError, click.ClickException):
-        return kinds_of(recognised(files, ReadOptions()))
+        return kinds_of(recognised(files, ReadOptions()), ReadOptions())
     return {}
 
 
@@ -166,7 +166,7 @@ def command(*, files: tuple[str, ...], **said: Any) -> Outcome:
     if said["slam"] and said["options"].kind is None:
         said["options"] = replace(said["options"], kind=_SLAM)
     found = recognised(files, said["options"])
-    kinds = kinds_of(found)
+    kinds = kinds_of(found, said["options"])
     context = click.get_current_context()
     refuse_others(command, context, kinds)
     try:

@@ -97,7 +97,7 @@ def command(
 ) -> Outcome:
     """Characterise a seal, check it against the hammer, and write one HTML file."""
     found = recognised(files, options)
-    kinds = kinds_of(found)
+    kinds = kinds_of(found, options)
     tell(found)
     if set(kinds.values()) <= _LOOPS:
         return _amplitude(files, output, options)

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 
 from dashpot.base.checks import Finding, criterion
+from dashpot.base.plausible import SIZES
 from dashpot.base.units import written
 
 NOT_THERE = 0.3
@@ -86,6 +87,20 @@ def line_holds_sideways(motions: int, slowest: float | None) -> Finding:
         instead=f"In-plane motion is held by nothing: no shear is given, and {motions} "
         f"motion{'s' * several} {'are' if several else 'is'} free{near}",
         remedy="Give across and along in [seal.shear].",
+    )
+
+
+@criterion(
+    "sideways / pressed", "<=", SIZES["shear"].soft[1],
+    "our choice: G/E of a block is 1/3, bulbs have 0.1 to 0.5",
+)  # fmt: skip
+def shear_usual(ratio: float) -> Finding:
+    """The seal is no stiffer sideways than seals are."""
+    return Finding(
+        f"The seal is {ratio:.3g} times as stiff sideways as where it is pressed",
+        ratio,
+        "Hardly any seal is so stiff that way, and the door's modes in its plane rest on it",
+        "Check across and along in [seal.shear], or the length of the piece that was tested.",
     )
 
 

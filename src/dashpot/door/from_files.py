@@ -274,6 +274,11 @@ def _asked(
     section = None if door.line is None else door.line.section
     if section is not None and not section.shear.holds:
         yield asked.line_holds_sideways(*left_sideways(assembly))
+    if section is not None and door.line is not None and section.shear.holds:
+        stations = door.line.stations(door.pitch)
+        normal, *others = (one.solid.k_inf * one.share.sum() for one in section.ways(stations))
+        if normal > 0:
+            yield asked.shear_usual(float(max(others) / normal))
     yield asked.door_held(loose_motions(assembly.system()))
     if fit is not None and door.line is not None:
         felt = [(one.mode.frequency, max(one.share(SEAL), one.loss_share(SEAL))) for one in modes]

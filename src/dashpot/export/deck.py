@@ -88,22 +88,31 @@ class Deck:
         return self.solid.maxwell
 
     @property
+    def material(self) -> bool:
+        """Whether the solid is a material's: moduli, Pa, in the place of stiffnesses."""
+        return self.linear_fit is not None and self.linear_fit.unit == "Pa"
+
+    @property
     def k_inf(self) -> float:
-        """Equilibrium stiffness, deck units."""
-        return self.units.stiffness(self.model.k_inf)
+        """Equilibrium stiffness, or modulus, deck units."""
+        return self._stiffness(self.model.k_inf)
 
     @property
     def b(self) -> float:
-        """Parallel dashpot, deck units."""
-        return self.units.damping(self.model.b)
+        """Parallel dashpot, or viscosity, deck units."""
+        return self._stiffness(self.model.b) / self.units.time
 
     @property
     def arms(self) -> tuple[tuple[float, float, float], ...]:
         """Each arm's k, tau, b = k tau, deck units."""
+        time = self.units.time
         return tuple(
-            (self.units.stiffness(k), tau / self.units.time, self.units.damping(b))
+            (self._stiffness(k), tau / time, self._stiffness(b) / time)
             for k, tau, b in zip(self.model.k, self.model.tau, self.model.arm_b, strict=True)
         )
+
+    def _stiffness(self, si: float) -> float:
+        return self.units.stress(si) if self.material else self.units.stiffness(si)
 
     @cached_property
     def beside(self) -> Beside:
@@ -236,7 +245,10 @@ class Deck:
         units, specimen = self.units, self.specimen
         length, mass, time, force, stress = units.words
         stiffness, damping = units.stiffness_word, units.damping_word
+        if self.material:
+            stiffness, damping = stress, f"{stress} {time}"
         kelvin, metres = specimen.temperature, specimen.length
+        long = "not stated" if metres is None else f"{metres / units.length:.6g} {length}"
         words = f"{length}, {mass}, {time}, {force}, {stress}"
         parallel = f", b = {text(self.b)} {damping}" if self.b > 0 else ""
         described = [
@@ -259,8 +271,7 @@ class Deck:
             *self.beside.described,
             "temperature: "
             + ("not stated" if kelvin is None else f"{kelvin:.6g} K ({written(kelvin, 'degC')})"),
-            "contact length: "
-            + ("not stated" if metres is None else f"{metres / units.length:.6g} {length}"),
+            *([] if self.material else [f"contact length: {long}"]),
             *(law_lines(self.temperatures) if self.temperatures else ()),
             *self._elastic_law(),
             *self._pedigree(),

@@ -10,6 +10,7 @@ from typing import TypeVar
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ExportError
+from dashpot.base.numbers import ascii_only
 from dashpot.base.units import parse_unit
 
 _Values = TypeVar("_Values", float, FloatArray)
@@ -172,11 +173,12 @@ def _pointed(number: str) -> str:
 def one_line(line: str) -> str:
     """Printable ASCII: a file name can hold anything, a solver reads no more.
 
-    >>> one_line("known to ±1 %")
-    'known to +/-1 %'
+    >>> one_line("known to ±1 %, up to 1.2·10⁶ Hz")
+    'known to +/-1 %, up to 1.2e6 Hz'
     """
-    return "".join(sign if " " <= sign <= "~" else "?" for sign in line.translate(_SPELT))
+    spelt = ascii_only(line.translate(_SPELT))
+    return "".join(sign if " " <= sign <= "~" else "?" for sign in spelt)
 
 
-_SPELT = str.maketrans({"±": "+/-", "²": "^2", "°": "deg", "·": "*"})
+_SPELT = str.maketrans({"±": "+/-", "²": "^2", "°": "deg"})
 """Signs that sentences of a verdict hold, as a solver's comment spells them."""

@@ -261,7 +261,8 @@ def _problems(deck: Deck) -> dict[str, str]:
 
 def _doubt(fit: Fit | LevelFit) -> str | None:
     """Why not every parameter of a fit is identified, or None."""
-    if isinstance(fit, LevelFit):  # its parts are judged together, by what they leave unexplained
+    if isinstance(fit, LevelFit) or _dense(fit):
+        # the parts are judged together, by what they leave unexplained
         return fit.verdict.says if fit.verdict.use == "do not use" else None
     if fit.status not in (Status.CONVERGED, Status.FEWER_ARMS):
         return str(fit.status.value)
@@ -277,3 +278,8 @@ def _doubt(fit: Fit | LevelFit) -> str | None:
         if not times * se < value:
             return f"{name} = {value:.4g} +- {se:.2g} {unit}"
     return None
+
+
+def _dense(fit: Fit) -> bool:
+    """Whether its arms are a table of a spectrum, of which none has an error of its own."""
+    return any(one.name == "few_arms_suffice" and one.failed for one in fit.checks)

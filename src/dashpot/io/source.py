@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from importlib import import_module
 from io import BytesIO
+from itertools import islice
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -22,6 +23,8 @@ from dashpot.io.budget import Patience
 
 _BLOCK = 1 << 18
 """Bytes read at once: their numbers fit in a processor's cache."""
+_BESIDE = 10_000
+"""Names of a folder among which that of a missing file is looked for."""
 _HELD = 1 << 24
 """Bytes of the largest file that is kept in memory, and so opened once."""
 PIPED = 1 << 29
@@ -108,12 +111,33 @@ def open_raw(path: str | Path) -> Raw:
         raise ReadError("stdin is closed; give the path of a file")
     try:
         raw = Raw("stdin", None, _stdin(sys.stdin.buffer)) if str(path) == "-" else _at(Path(path))
+    except (FileNotFoundError, NotADirectoryError):
+        raise ReadError(missing(path)) from None
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
         raise ReadError(f"{path}: cannot be read: {reason}") from None
     if raw.size == 0:
         raise ReadError(f"{raw.name} is empty (0 bytes); export the test again")
     return raw
+
+
+def missing(path: str | Path) -> str:
+    """Say that a file or folder is not there, and what is that may be meant."""
+    from difflib import get_close_matches  # few need it, and it costs time to import
+
+    place = Path(path)
+    above = next((one for one in reversed(place.parents) if not one.is_dir()), None)
+    if above is not None:
+        return f"{place}: there is no folder {above}. Check the path."
+    try:
+        with os.scandir(place.parent) as found:
+            beside = [one.name for one in islice(found, _BESIDE) if one.name[:1] != "."]
+    except OSError:
+        beside = []
+    folded = {name.casefold(): name for name in beside}
+    near = get_close_matches(place.name.casefold(), folded, 1)
+    meant = f"Did you mean {escaped(str(place.with_name(folded[near[0]])))}?" if near else ""
+    return f"{place}: there is no such file or folder. {meant or 'Give one that is there.'}"
 
 
 def _at(path: Path) -> Raw:

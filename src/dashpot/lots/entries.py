@@ -18,7 +18,7 @@ from dashpot.base.atomic import named
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.units import Dimension, parse_quantity
 from dashpot.base.version import is_ours, is_record
-from dashpot.io.source import open_raw
+from dashpot.io.source import missing, open_raw
 from dashpot.io.toml import Section
 
 LABELS = ("lot", "seal", "repeat", "operator", "date")
@@ -250,7 +250,7 @@ def _expanded(path: str, without: Path) -> Iterator[tuple[str, str]]:
         for one in named:
             yield from _expanded(one, without)
     else:
-        raise ReadError(f"{path}: there is no such file or folder; give one that is there")
+        raise ReadError(missing(path))
 
 
 def _in_folder(folder: Path, without: Path) -> Iterator[tuple[str, str]]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import tomllib
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -13,7 +12,7 @@ from typing import Any
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DashpotError, DataError, ReadError
 from dashpot.base.units import parse_quantity
-from dashpot.io.toml import Section
+from dashpot.io.toml import Section, tables_of
 from dashpot.lots.quantities import Quantity, quantity
 
 _KNOWN = ("lower", "upper", "cpk")
@@ -72,12 +71,7 @@ def read_limits(path: str | Path, columns: Sequence[str]) -> tuple[Limits, ...]:
     ReadError
         If the file is no such TOML, or names what no column is.
     """
-    try:
-        tables = tomllib.loads(Path(path).read_bytes().decode("utf-8-sig"))
-    except OSError as error:
-        raise ReadError(f"{path}: it cannot be read: {error.strerror or error}") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ReadError(f"{path}: not TOML: {error}") from None
+    _, tables = tables_of(path)
     if not tables:
         raise ReadError(f'{path}: no limit is in it; expected such as [k_end] lower = "0.18N/mm"')
     found = []

@@ -96,7 +96,7 @@ def html(lot: Lot, *, title: str = "Lot", found: Summary | None = None) -> str:
             colour=COLOURS[said.use],
             lights=[one._replace(name=one.name.capitalize()) for one in found.lights],
             counts=_counts(lot, main),
-            simulated=counted(lot.simulated, "file") if lot.simulated else "",
+            simulated=[counted(lot.simulated, "file")] if lot.simulated else [],
             quantity=main.quantity,
             heading=main.quantity.title[:1].upper() + main.quantity.title[1:],
             anchor=lambda name: f"a{hashlib.sha256(name.encode()).hexdigest()[:12]}",

@@ -199,12 +199,10 @@ def _upright(panel: Panel) -> list[tuple[float, str]]:
 
 def arranged(picture: Picture) -> Sheet:
     """Return the places of everything that leaves as a file: strips in rows, key, stamp."""
-    columns = min(picture.columns, len(picture.strips))
-    wide = (picture.width - 2 * MARGIN - BETWEEN * (columns - 1)) / columns
-    laid = [lay_out(one, wide) for one in picture.strips]
     y, strips = MARGIN, []
-    for start in range(0, len(laid), columns):
-        row = laid[start : start + columns]
+    for columns, each in picture.in_rows:
+        wide = (picture.width - 2 * MARGIN - BETWEEN * (columns - 1)) / columns
+        row = [lay_out(one, wide) for one in each]
         strips += [Placed(MARGIN + i * (wide + BETWEEN), y, one) for i, one in enumerate(row)]
         y += max(one.height for one in row)
     x, y, key, words = MARGIN, y + ROW, [], []

@@ -18,6 +18,8 @@ from dashpot.base.units import in_unit, read_in
 
 COLUMN = 321.0
 """px, of which 96 are an inch: the 85 mm of a journal's column."""
+_SMALL = 3
+"""Small multiples beside each other in it."""
 SLIDE, LEAST_STRIP = 640.0, 300.0
 """px of a slide, and of each of the strips that stand side by side on one."""
 
@@ -214,6 +216,8 @@ class Picture:
         How many strips stand in a row.
     stamp : str
         File, specimen, date, mass, and SIMULATED if so: stands on every figure that leaves.
+    rows : tuple of int
+        Strips in each row, where rows differ: small multiples stand below what they explain.
     """
 
     name: str
@@ -222,6 +226,21 @@ class Picture:
     columns: int = 1
     stamp: str = ""
     width: float = 680.0
+    rows: tuple[int, ...] = ()
+
+    @property
+    def in_rows(self) -> tuple[tuple[int, tuple[tuple[Panel, ...], ...]], ...]:
+        """The strips row by row, each row with how many would fill it."""
+        columns = min(self.columns, len(self.strips))
+        found, at = [], 0
+        for count in self.rows or (len(self.strips),):
+            full = columns
+            if self.rows:
+                full = count if columns > 1 else min(count, _SMALL) if count > _SMALL else 1
+            row = self.strips[at : at + count]
+            found += [(full, row[i : i + full]) for i in range(0, len(row), full)]
+            at += count
+        return tuple(found)
 
     @property
     def panels(self) -> tuple[Panel, ...]:
@@ -240,12 +259,16 @@ class Picture:
 
     @property
     def key(self) -> tuple[Keyed, ...]:
-        """One mark for each label: what was measured, then the others as they are drawn."""
+        """One mark for each label: what was measured, then the others as they are drawn.
+
+        What a tag names at its line stands in no key.
+        """
+        marks = [mark for panel in self.panels for mark in panel.marks]
+        named = {mark.text for mark in marks if isinstance(mark, Tag)}
         found: dict[str, Keyed] = {}
-        for panel in self.panels:
-            for mark in panel.marks:
-                if not isinstance(mark, Tag) and mark.label:
-                    found.setdefault(mark.label, mark)
+        for mark in marks:
+            if not isinstance(mark, Tag) and mark.label and mark.label not in named:
+                found.setdefault(mark.label, mark)
         return tuple(sorted(found.values(), key=lambda mark: mark.label != "measured"))
 
     def __repr__(self) -> str:

@@ -16,9 +16,11 @@ from dashpot.plot.picture import (
     Line,
     Mark,
     Panel,
+    Pen,
     Picture,
     Rule,
     Scale,
+    Tag,
     around,
     around_log,
     read_as,
@@ -35,6 +37,8 @@ from dashpot.records.temperature import TemperatureShifts
 from dashpot.solids.maxwell import Solid
 
 _DOT = 4.5
+_THIN = Pen("measured", 1.3)
+"""The fit beneath the samples, whose colours say more."""
 
 
 def superposition(data: Superposition, fit: Fit | None = None, *, stamp: str = "") -> Picture:
@@ -73,21 +77,22 @@ def _of_sweeps(data: Superposition, curve: DynamicTest, fit: Fit | None) -> tupl
     measured = scale * curve.value
     letter = "E" if curve.unit == "Pa" else "K"
     across = Scale(f"reduced {FREQUENCY}", (float(f[0]), float(f[-1])), log=True)
-    panels = [
-        Panel(
-            across, Scale(f"{name}, {word}", around_log(one, line), log=True),
-            (*_dots(data, curve.frequency, one), Line(f, line, FIT, said)), height=220,
-        )
-        for name, one, line in (
-            (f"storage {letter}′", measured.real, value.real),
-            (f"loss {letter}″", np.where(measured.imag > 0, measured.imag, np.nan), value.imag),
-        )
-    ]  # fmt: skip
+    panels: list[Panel] = []
+    for name, one, line in (
+        (f"storage {letter}′", measured.real, value.real),
+        (f"loss {letter}″", np.where(measured.imag > 0, measured.imag, np.nan), value.imag),
+    ):
+        dots = _dots(data, curve.frequency, one)
+        named = _named(dots) if not panels else ()
+        panels.append(
+            Panel(across, Scale(f"{name}, {word}", around_log(one, line), log=True),
+                  (Line(f, line, _THIN, said), *dots, *named), height=220)
+        )  # fmt: skip
     size, angle = np.abs(measured), np.degrees(np.angle(measured))
     palmen = Panel(
         Scale(f"size of the modulus, {word}", around_log(size), log=True),
         Scale("loss angle, °", around(angle)),
-        (*_dots(data, size, angle), Line(np.abs(value), np.degrees(np.angle(value)), FIT)),
+        (Line(np.abs(value), np.degrees(np.angle(value)), _THIN), *_dots(data, size, angle)),
         title="van Gurp-Palmen", height=220,
     )  # fmt: skip
     return (*panels, palmen)
@@ -107,9 +112,10 @@ def _of_curves(
     line, measured = scale * answer(t), scale * value
     left = 100 * (value / answer(curve.time) - 1)
     across = Scale(f"reduced {TIME}", (float(t[0]), float(t[-1])), log=True)
+    dots = _dots(data, curve.time, measured)
     upper = Panel(
         across, Scale(f"{name}, {word}", around_log(measured, line), log=True),
-        (*_dots(data, curve.time, measured), Line(t, line, FIT, said)), height=220,
+        (Line(t, line, _THIN, said), *dots, *_named(dots)), height=220,
     )  # fmt: skip
     lower = Panel(
         across, Scale("residual, %", around(left, np.zeros(1), margin=0.1)),
@@ -153,6 +159,17 @@ def _dots(data: Superposition, x: FloatArray, y: FloatArray) -> list[Dots]:
         ends = dict.fromkeys(f"{end:.0f}".replace("-", "−") for end in (part[0], part[-1]))
         label = f"{' to '.join(ends)} °C"
         found.append(Dots(x[here], y[here], colour, label, size=_DOT))
+    return found
+
+
+def _named(dots: list[Dots]) -> list[Tag]:
+    """The temperatures, each at the middle of its samples."""
+    found = []
+    for one in dots:
+        seen = np.flatnonzero(np.isfinite(one.y))
+        if len(seen):
+            at = seen[np.argsort(one.x[seen])[len(seen) // 2]]
+            found.append(Tag(float(one.x[at]), float(one.y[at]), one.label, one.colour, bold=True))
     return found
 
 

@@ -291,7 +291,10 @@ class FRFBounds(Frozen):
             return "No model that the relaxation test allows has a resonance."
         low, high = self.peak_frequency
         most = "Hz and above" if math.isinf(high) else f"to {rounded(high, digits=3)} Hz"
-        where = f"The relaxation test alone limits the resonance to {rounded(low, digits=3)} {most}"
+        where = (
+            "The relaxation test alone limits the resonance of a linear seal to "
+            f"{rounded(low, digits=3)} {most}"
+        )
         if self.peak_height is None:
             return f"{where}."
         low, high = self.peak_height

@@ -11,7 +11,7 @@ import numpy as np
 
 from dashpot.base.arrays import ByValue, FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
-from dashpot.base.choices import Family, PartMode
+from dashpot.base.choices import Family, Method, PartMode, words
 from dashpot.base.demands import positive
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
@@ -160,6 +160,9 @@ class Fit(ByValue, Pictured, Documented):
             return ""
         where = f"from {hertz(self.band)}"
         beyond = "Outside this band the model is an extrapolation."
+        if self.unit == "N/m" and self.method in words(Method):
+            # no ramp and hold tells a flow that grows as a power of its force from arms
+            beyond = "Outside this band a linear seal is assumed: add a hammer test."
         if self.method == "full" and 1 < len(self.shifts) < CONTRADICT:
             beyond = "Test at a third temperature: two cannot show arms that shift apart."
         stiffness, loss_factor = self.error_in_band
@@ -587,6 +590,13 @@ class Fit(ByValue, Pictured, Documented):
     def specimen(self) -> Specimen:
         """What was tested."""
         return self.provenance.specimen
+
+    def weighed_by(self, judged: Verdict) -> Fit:
+        """Return the fit with what a verdict holds against it, where its own checks are calmer."""
+        if not self.verdict.calmer_than(judged):
+            return self
+        checks = dict.fromkeys((*self.checks, *judged.because))
+        return replace(self, evidence=replace(self.evidence, checks=tuple(checks)))
 
     @property
     def identity(self) -> str:

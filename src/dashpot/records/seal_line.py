@@ -12,6 +12,7 @@ from dashpot.base.arrays import ByValue, FloatArray, IndexArray, frozen
 from dashpot.base.demands import not_negative
 from dashpot.base.errors import DataError
 from dashpot.base.offered import verb
+from dashpot.base.plausible import SIZES
 from dashpot.base.units import Quantity, si
 from dashpot.records.fit import Fit
 from dashpot.solids.elastic import ElasticLaw
@@ -108,8 +109,8 @@ class LineFriction:
 
 MOST_MU = 3.0
 """No dry rubber rubs more."""
-MOST_RATIO = 10.0
-"""A seal is softer sideways than where it is pressed; beyond ten times it is a percentage."""
+MOST_RATIO = SIZES["shear"].hard[1]
+"""A seal is softer sideways than where it is pressed; far beyond, it is a percentage."""
 
 
 @dataclass(frozen=True)
@@ -407,8 +408,9 @@ class SealLine(ByValue):
     def stations(self, pitch: Quantity) -> Stations:
         """Cut the line into cells of two stations, as near to a pitch as divides it evenly.
 
-        No cell reaches over a corner, the end of a straight piece of a cell's length or more, or
-        the end of a joint: a straight line is summed exactly at any pitch.
+        No cell reaches over a corner, the end of a straight piece of a cell's length or more, the
+        end of a joint, or where the seal begins to touch: a straight line is summed exactly at any
+        pitch.
 
         Parameters
         ----------
@@ -461,8 +463,18 @@ class SealLine(ByValue):
         straight = np.maximum(lengths[1:], lengths[:-1]) >= cell
         corners = self.along[1:-1][turned | straight]
         ends = [end for first, last, _ in self._joints() for end in (first, last)]
-        inside = [end for end in ends if 0 < end < self.length]
+        inside = [end for end in (*ends, *self._touching()) if 0 < end < self.length]
         return np.unique(np.concatenate(([0.0, self.length], corners, inside)))
+
+    def _touching(self) -> list[float]:
+        """Where the seal begins or ends to touch, m along the line."""
+        if self.compression is None:
+            return []
+        first, last = self.compression[:-1], self.compression[1:]
+        crossed = np.flatnonzero(first * last < 0)
+        share = first[crossed] / (first - last)[crossed]
+        found: list[float] = (self.along[crossed] + share * _lengths(self.points)[crossed]).tolist()
+        return found
 
     def _joints(self) -> list[tuple[float, float, float]]:
         """From where to where each joint reaches, m, and its factor; round a closed line again."""

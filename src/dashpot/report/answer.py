@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import shlex
 from collections.abc import Collection, Iterable
-from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from typing import NamedTuple
 
 from dashpot.base.checks import Check
-from dashpot.base.errors import ExportError
-from dashpot.base.numbers import counted, decibels, duration, hertz, percent, rounded, shown
-from dashpot.base.units import in_unit, written
-from dashpot.export import TARGETS, DeckText
-from dashpot.report.pages import held
+from dashpot.base.numbers import counted, decibels, duration, percent, rounded, shown
+from dashpot.base.units import written
+from dashpot.report import attached
+from dashpot.report.attached import AttachedDeck, Attachment, attachment
 from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.workflow.archive import to_json
 from dashpot.workflow.recommendation import Answer, Recommendation
@@ -44,27 +41,6 @@ class Row(NamedTuple):
     unit: str
     measured: str
     bound: bool
-
-
-class Attachment(NamedTuple):
-    """A file inside the page.
-
-    Attributes
-    ----------
-    name : str
-        What it is saved as.
-    label : str
-        What its link says.
-    about : str
-        What is in it.
-    link : str
-        Its bytes as a data URI: no server, a link that holds its file.
-    """
-
-    name: str
-    label: str
-    about: str
-    link: str
 
 
 def header(study: Study) -> tuple[tuple[str, str], ...]:
@@ -235,105 +211,30 @@ def files(study: Study, found: Recommendation) -> tuple[Attachment, ...]:
     solid, about = fits.pop(name)
     label = "Download this model" if found.recommended else "Download anyway"
     made = [_json(name, label, about if found.recommended else f"DO NOT USE: {about}", solid)]
-    made += _decks(found, name)
+    made += attached.attached(decks(found), name)
     if study.comparison is not None:
         lines = _lines(study.comparison, study.joint_comparison)
         about = "measured and predicted accelerance, line by line"
-        made.append(_file("frf.csv", "frf.csv", about, "text/csv", lines))
+        made.append(attachment("frf.csv", "frf.csv", about, "text/csv", lines))
     return (*made, *(_json(name, name, about, one) for name, (one, about) in fits.items()))
 
 
-DECKS = (("nastran", "Nastran", "nas"), ("abaqus", "Abaqus", "inp"))
-"""Target, label, ending of the decks that the page holds."""
-
-UNSTATED = {"temperature": "temperature", "length": "contact length"}
-"""What a deck should say of its specimen, and does without, marked."""
-
-
-class AttachedDeck(NamedTuple):
-    """A deck as the page holds it, and the words that make the same of the solid's JSON file.
-
-    Attributes
-    ----------
-    text : DeckText
-    label, suffix : str
-    options : tuple of str
-        Of ``dashpot export FIT``.
-    """
-
-    text: DeckText
-    label: str
-    suffix: str
-    options: tuple[str, ...]
-
-
 def decks(found: Recommendation) -> tuple[AttachedDeck, ...]:
-    """Decks of one recommended seal, over the band that its tests inform and no further.
-
-    What is not known of the specimen is allowed by name, so each deck marks it in its header. A
-    solid that hardens is written as the mass feels it. None of a solid that is not identified.
-    """
+    """Decks of one recommended seal; a solid that hardens is written as the mass feels it."""
     if not found.recommended:
         return ()
-    fit, options = found.solid, ["--unit-system", "mm-t-s"]
-    if found.point is not None and not found.point.linear:
-        depth = round(in_unit(found.point.compression, "mm"), 4)
-        fit = fit.at_compression(f"{depth}mm")
-        options += ["--compression", f"{depth}mm"]
-    low, high = _inside(fit.band)
-    options += ["--band", f"{low!r}:{high!r}Hz"]
-    unknown = tuple(name for name in UNSTATED if getattr(fit.specimen, name) is None)
-    options += [word for name in unknown for word in ("--allow", name)]
-    made = []
-    for target, label, suffix in DECKS:
-        try:
-            text = TARGETS[target](fit, units="mm-t-s", allow=unknown, frequency_range=(low, high))
-        except ExportError:
-            return ()
-        made.append(AttachedDeck(text, label, suffix, ("--to", target, *options)))
-    return tuple(made)
-
-
-def _inside(band: tuple[float, float]) -> tuple[float, float]:
-    """The band to four digits, no wider than it is."""
-    low, high = (
-        float(Decimal(end).normalize(Context(prec=4, rounding=way)))
-        for end, way in zip(band, (ROUND_CEILING, ROUND_FLOOR), strict=True)
-    )
-    return low, high
+    bent = found.point is not None and not found.point.linear
+    return attached.decks(found.solid, found.point.compression if found.point and bent else None)
 
 
 def about_decks(found: Recommendation) -> str:
     """Where the decks hold, and what they miss."""
-    if not found.recommended:
-        return ""
-    made = decks(found)
-    if not made:
-        return "No deck is here, because the tests do not determine every parameter."
-    unknown = " and ".join(words for name, words in UNSTATED.items() if name in made[0].options)
-    asked = f" Before you use one, state {unknown}." if unknown else ""
-    return f"Decks are valid from {hertz(found.solid.band)}.{asked}"
-
-
-def _decks(found: Recommendation, solid: str) -> list[Attachment]:
-    made = []
-    for i, (text, label, suffix, options) in enumerate(decks(found)):
-        command = shlex.join(("dashpot", "export", solid, *options))
-        about = f"deck of one seal, mm-t-s; the same as {command}"
-        made.append(
-            _file(f"solid.{suffix}", "Deck: " * (i == 0) + label, about, "text/plain", text)
-        )
-    return made
+    return attached.about(found.solid, decks(found)) if found.recommended else ""
 
 
 def _json(name: str, label: str, about: str, noun: object) -> Attachment:
     about += ", SI units, full precision"
-    return _file(name, label, about, "application/json", to_json(noun))
-
-
-def _file(name: str, label: str, about: str, kind: str, text: str) -> Attachment:
-    link = held(kind, text)
-    return Attachment(name, label, about, link)
+    return attachment(name, label, about, "application/json", to_json(noun))
 
 
 def _lines(c: Comparison, joint: Comparison | None) -> str:

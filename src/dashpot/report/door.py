@@ -29,10 +29,11 @@ from dashpot.door.mounts import SEAL
 from dashpot.door.result import DoorResult
 from dashpot.plot.picture import Panel, Picture
 from dashpot.plot.stamps import stamp
-from dashpot.report.answer import NBSP, Attachment, Light, tally
+from dashpot.report.answer import NBSP, Light, tally
+from dashpot.report.attached import Attachment, attachment
 from dashpot.report.figures import Drawn, drawn
 from dashpot.report.kind_page import Fold, lights
-from dashpot.report.pages import COLOURS, frame, held
+from dashpot.report.pages import COLOURS, frame
 from dashpot.report.tables import TextTable, checks
 
 _MODES = frozenset({"door_modes_informed", "modes_suffice", "shapes_known_there", "masses_agree"})
@@ -351,5 +352,5 @@ def _files(found: DoorResult | None, closed: ClosingResult | None) -> Iterator[A
     for name, one in (("door", found), ("closing", closed)):
         if one is not None:
             text = json.dumps(one.document, indent=2, ensure_ascii=False, allow_nan=False)
-            link = held("application/json", text)
-            yield Attachment(f"{name}.json", f"{name}.json", "every number", link)
+            document = f"{name}.json"
+            yield attachment(document, document, "every number", "application/json", text)

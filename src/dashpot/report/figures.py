@@ -20,6 +20,9 @@ PHONE, PAPER, PAGE = 350.0, 680.0, 1204.0
 LOW = 172.0
 """Height of the first figure where the numbers must stand beneath it on one screen or sheet, px."""
 
+_GUTTER, _FEW = 24.0, 2
+"""Between strips, px; small multiples that stand beside each other on a phone."""
+
 LEAD, HALF = 728.0, 590.0
 """Widths of the figure on the first screen, and of one that stands beside words, px."""
 
@@ -40,6 +43,8 @@ class Drawn:
     key : tuple of (str, str)
         A sample as SVG text, and its name.
     columns : int
+    full : tuple of int
+        Of each strip how many would fill its row, where rows differ.
     """
 
     name: str
@@ -50,6 +55,7 @@ class Drawn:
     paper: tuple[str, ...]
     key: tuple[tuple[str, str], ...]
     columns: int
+    full: tuple[int, ...] = ()
 
 
 def drawn(
@@ -68,11 +74,17 @@ def drawn(
     columns = min(picture.columns, len(picture.strips))
     each = width or min(picture.width, (PAGE - 24 * (columns - 1)) / columns)
 
+    full = tuple(count for count, row in picture.in_rows for _ in row)
+
     def strips(each: float, kind: str, most: float = math.inf) -> tuple[str, ...]:
-        return tuple(
-            strip(_within(one, most), name=f"{name}-{kind}-{i}", width=each, kind=kind)
-            for i, one in enumerate(picture.strips)
-        )
+        across = PHONE if kind == "narrow" else each * columns + _GUTTER * (columns - 1)
+        found = []
+        for i, (one, count) in enumerate(zip(picture.strips, full, strict=True)):
+            beside = count if kind == "wide" else min(count, _FEW) if count > _FEW else 1
+            own = (across - _GUTTER * (beside - 1)) / beside if picture.rows else each
+            shown = _within(one, most)
+            found.append(strip(shown, name=f"{name}-{kind}-{i}", width=own, kind=kind))
+        return tuple(found)
 
     key = tuple(
         (swatch(mark, name=f"{name}-key{i}"), mark.label) for i, mark in enumerate(picture.key)
@@ -82,7 +94,8 @@ def drawn(
     small = (PHONE - 16 * (phone - 1)) / phone
     paper = strips(sheet, "paper", most) if low or columns > 2 else ()
     made = strips(each, "wide"), strips(small, "narrow", most), paper
-    return Drawn(name, picture.caption, picture.stamp, *made, key, columns)
+    rows = full if picture.rows else ()
+    return Drawn(name, picture.caption, picture.stamp, *made, key, columns, rows)
 
 
 def _within(panels: tuple[Panel, ...], most: float) -> tuple[Panel, ...]:

@@ -9,14 +9,20 @@ from typing import Any
 
 from dashpot.base.documents import Documented
 from dashpot.plot.picture import Picture
-from dashpot.report.answer import Attachment, tally
+from dashpot.report import attached
+from dashpot.report.answer import tally
+from dashpot.report.attached import attachment
 from dashpot.report.figures import LEAD, Drawn, drawn
 from dashpot.report.kind_page import Fold, KindPage, kind_page
-from dashpot.report.pages import COLOURS, frame, held
+from dashpot.report.pages import COLOURS, frame
 from dashpot.report.tables import checks
 
 _COLUMNS = 2
 """Strips side by side in the figure of a page, at most."""
+
+
+_ALL = "numbers.json"
+"""Every number of a result of which a file keeps the fit."""
 
 
 def contents(
@@ -40,8 +46,15 @@ def contents(
     weighed = found.verdict.because
     also = [one for one in dict.fromkeys(found.checks) if one.failed and one not in weighed]
     document = f"{page.name}.json"
-    link = held("application/json", text_of(found))
-    whole = Attachment(document, f"Download {document}", "every number", link)
+    text = text_of(found.kept)
+    told = "every number" if found.kept is found else "the fit, for other commands"
+    files = [attachment(document, f"Download {document}", told, "application/json", text)]
+    behind = attached.exported(text)
+    decks = () if behind is None else attached.decks(behind)
+    files += attached.attached(decks, document)
+    if found.kept is not found:
+        whole = text_of(found)
+        files.append(attachment(_ALL, _ALL, "every number", "application/json", whole))
     return {
         **frame(),
         "title": ", ".join(names) or page.about,
@@ -58,7 +71,8 @@ def contents(
         "checks": checks([(page.name, found.checks)], found.checks),
         "sources": page.sources,
         "simulated": list(dict.fromkeys(one.file for one in page.sources if one.simulated)),
-        "files": (whole, *page.files),
+        "files": files,
+        "about_decks": "" if behind is None else attached.about(behind, decks),
     }
 
 

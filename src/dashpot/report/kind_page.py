@@ -16,7 +16,7 @@ from dashpot.base.units import written
 from dashpot.kinds import page_of
 from dashpot.plot.picture import Picture
 from dashpot.records.specimen import Specimen
-from dashpot.report.answer import NOT_GIVEN, Attachment, Light, Row, mark_of, tally
+from dashpot.report.answer import NOT_GIVEN, Light, Row, mark_of, tally
 from dashpot.report.tables import TextTable
 
 Asked = Mapping[str, frozenset[str]]
@@ -61,8 +61,6 @@ class KindPage:
         What "from" and "to" are, and what an empty cell means.
     sources : tuple of Source
     folds : tuple of Fold
-    files : tuple of Attachment
-        To take along, beside the document.
     name : str
         Of the document, without its ending; by default as its schema is called.
     """
@@ -77,7 +75,6 @@ class KindPage:
     sources: tuple[Source, ...]
     note: str = "From and to are the 95 % interval; an empty cell was not computed."
     folds: tuple[Fold, ...] = ()
-    files: tuple[Attachment, ...] = ()
     name: str = ""
 
 

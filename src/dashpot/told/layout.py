@@ -29,15 +29,10 @@ class Text(NamedTuple):
 
 def table(rows: Sequence[Sequence[str]], *, left: bool = False) -> list[str]:
     """Return rows of cells as lines of aligned columns: the first, or all, to the left."""
-    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
-    lines = []
-    for row in rows:
-        cells = [
-            cell.ljust(width) if left or i == 0 else cell.rjust(width)
-            for i, (cell, width) in enumerate(zip(row, widths, strict=True))
-        ]
-        lines.append(("  " + "  ".join(cells)).rstrip())
-    return lines
+    widths = [max(map(len, cells)) for cells in zip(*rows, strict=True)]
+    sides = ["-" if left or i == 0 else "" for i in range(len(widths))]
+    form = "".join(f"  %{side}{width}s" for side, width in zip(sides, widths, strict=True))
+    return [(form % tuple(row)).rstrip() for row in rows]
 
 
 def facts(found: Sequence[Fact]) -> list[str]:

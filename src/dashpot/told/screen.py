@@ -68,9 +68,9 @@ def shown(
     """
     columns, lines = size
     head = [] if verdict is None else lead(verdict, style, columns)
-    body, details, asked = (
-        _lines(part, columns) for part in (text.lines, text.details, text.asked)
-    )
+    # of a table of thousands no more is put into lines than can be shown, and one to be cut
+    part = text.lines if verbose else text.lines[: lines + 1]
+    body, asked = _lines(part, columns), _lines(text.asked, columns)
     counted = [f"  checks      {_counted(checks)}"] if checks else []
     failed = [
         _check(each, verdict, style, columns)
@@ -81,7 +81,7 @@ def shown(
             *head,
             *body,
             *asked,
-            *details,
+            *_lines(text.details, columns),
             *counted,
             *(part for each in failed for part in each),
         ]
@@ -95,7 +95,7 @@ def shown(
     kept = [*head, *tail][: lines - 1]
     cut = len(kept) < len(head) - len(body) + whole + sum(map(len, failed)) + len(counted)
     kept[len(head) : len(head)] = asked
-    return [*kept, "  more with -v"] if cut or details else kept
+    return [*kept, "  more with -v"] if cut or text.details else kept
 
 
 def _lines(paragraphs: Sequence[str], columns: int) -> list[str]:

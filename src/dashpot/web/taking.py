@@ -6,10 +6,9 @@ import json
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
 from dashpot import plot, workflow
-from dashpot.base.checks import Use
 from dashpot.base.errors import DataError
 from dashpot.base.progress import doing
 from dashpot.export import SUFFIXES, deck_for
@@ -23,9 +22,6 @@ from dashpot.web.requests import deck_choices, job_of, part
 from dashpot.workflow.archive import to_json
 from dashpot.workflow.job import Job
 from dashpot.workflow.study import Study
-
-_CALM = get_args(Use)[::-1]
-"""Verdicts, the gravest first."""
 
 
 def take(request: Mapping[str, Any], folder: Path) -> bytes:
@@ -84,15 +80,6 @@ def _solid(request: Mapping[str, Any], job: Job) -> Fit:
     return found
 
 
-def _no_calmer(solid: Fit, told: Study) -> Fit:
-    """The solid with what the page holds against it, where that is graver than its own checks."""
-    own, page = (_CALM.index(one.verdict.use) for one in (solid, told))
-    if page >= own:
-        return solid
-    checks = dict.fromkeys((*solid.checks, *told.verdict.because))
-    return replace(solid, evidence=replace(solid.evidence, checks=tuple(checks)))
-
-
 def _joint(job: Job) -> Fit:
     found = results.study(job).joint
     if found is None:
@@ -102,7 +89,7 @@ def _joint(job: Job) -> Fit:
 
 def _deck(request: Mapping[str, Any], job: Job) -> tuple[str, str, str]:
     target = str(request.get("target"))
-    solid = _no_calmer(_solid(request, job), results.study(job))
+    solid = _solid(request, job).weighed_by(results.study(job).verdict)
     text = deck_for(
         target,
         solid,

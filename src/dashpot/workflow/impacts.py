@@ -480,6 +480,11 @@ class Identified(Judged, Documented):
     vibration: ImpactResult | None = None
 
     @property
+    def kept(self) -> Fit:
+        """The fit, no calmer than the verdict."""
+        return self.fit.weighed_by(self.verdict)
+
+    @property
     def facts(self) -> tuple[Fact, ...]:
         """Those of the fit."""
         return self.fit.facts

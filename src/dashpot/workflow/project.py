@@ -31,7 +31,7 @@ from dashpot.base.documents import Documented, plain
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.lock import alone
 from dashpot.io.options import ReadOptions, dump_profile
-from dashpot.io.source import open_raw
+from dashpot.io.source import missing, open_raw
 from dashpot.workflow.archive import to_json
 from dashpot.workflow.history import Listed, append, file_of, read_history, sha256
 from dashpot.workflow.job import Job, with_paths
@@ -100,6 +100,8 @@ def open_project(folder: str | Path) -> Project:
     try:
         about = tomllib.loads((path / "dashpot.toml").read_text(encoding="utf-8"))
     except (FileNotFoundError, NotADirectoryError):
+        if not path.exists():
+            raise ReadError(missing(path)) from None
         what = "it is a file" if path.is_file() else "it has no dashpot.toml"
         raise ReadError(
             f"{path} is not a project: {what}; expected the folder that dashpot report --project "

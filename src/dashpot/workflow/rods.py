@@ -77,6 +77,11 @@ class Rod(Judged, Documented):
     reason: str = ""
 
     @property
+    def kept(self) -> Rod | Fit:
+        """The fit, if there is one."""
+        return self.fit or self
+
+    @property
     def checks(self) -> tuple[Check, ...]:
         """Of the FRF, of the inversion, and of the fit."""
         # of an FRF without coherence the lines themselves show how they scatter

@@ -9,7 +9,7 @@ import pytest
 from kit.rubber import FOAM, MEMORY, RUBBER, at_rate, loaded
 from kit.slopes import hold_slopes
 
-from dashpot.base.errors import FitError
+from dashpot.base.errors import DataError, FitError
 from dashpot.kinds.hyperelastic import checks
 from dashpot.kinds.hyperelastic.fit import fit_hyperelastic
 from dashpot.kinds.hyperelastic.prepare import elastic_curve
@@ -54,6 +54,39 @@ def test_a_foam_is_found_again_with_its_poissons_ratio(law, modes, words):
     assert fit.law.poisson == pytest.approx(law.poisson, abs=1e-6)
     np.testing.assert_allclose(fit.law.constants, law.constants, rtol=1e-5)
     np.testing.assert_allclose(fit.law.exponents, law.exponents, rtol=1e-5)
+
+
+@pytest.mark.parametrize(("told", "kind"), [(0.0, "hyperfoam"), (0.449, "hyperfoam"),
+                                            (0.45, "neo-hooke"), (0.5, "neo-hooke")])  # fmt: skip
+def test_a_strain_sideways_says_whether_it_is_a_foam(told, kind):
+    law = (
+        Hyperelastic("hyperfoam", (0.2e6,), (2.0,), told)
+        if kind == "hyperfoam"
+        else Hyperelastic("neo-hooke", (0.2e6,))
+    )
+    test = replace(loaded(law, "uniaxial", (0.5, 1)), poisson=told, units="SI")
+    fit = fit_hyperelastic([test])
+    assert fit.law.kind == kind
+    assert fit.law.poisson == pytest.approx(told if kind == "hyperfoam" else 0.5)
+    np.testing.assert_allclose(fit.law.constants, law.constants, rtol=1e-6)
+    assert not check(fit, "sideways_agrees").failed
+
+
+def test_what_is_asked_against_a_strain_sideways_is_told():
+    foam = Hyperelastic("hyperfoam", (0.2e6,), (2.0,), 0.15)
+    test = replace(loaded(foam, "uniaxial", (0.5, 1)), poisson=0.15, units="SI")
+    rubber = check(fit_hyperelastic([test], law="yeoh"), "sideways_agrees")
+    assert (rubber.remedy.option, rubber.remedy.value) == ("model", "hyperfoam")
+    stated = check(fit_hyperelastic([test], poisson=0.3), "sideways_agrees")
+    assert (stated.remedy.option, stated.remedy.value) == ("poisson", "0.15")
+    assert check(fit_hyperelastic([test], law="hyperfoam"), "sideways_agrees").passed
+    plain = check(fit_hyperelastic([replace(test, poisson=None, units="SI")]), "sideways_agrees")
+    assert plain.passed is None
+
+
+def test_a_strain_sideways_is_of_a_uniaxial_test():
+    with pytest.raises(DataError, match="of a uniaxial test, and this one is planar"):
+        replace(loaded(RUBBER, "planar"), poisson=0.4, units="SI")
 
 
 def test_a_sponge_that_is_fitted_as_a_rubber_is_told_and_the_remedy_leads_on():

@@ -10,26 +10,34 @@ from kit.pictures import first, lines, marks
 from dashpot import plot
 from dashpot.kinds.level.prepare import steady_cycles, sweep_of_loops
 from dashpot.plot.picture import Dots
-from dashpot.plot.tokens import SEQUENTIAL
 
 pytestmark = pytest.mark.once
 
 
 def test_every_amplitude_has_its_loop_and_its_fit():
-    recorded, scaled, *over = plot.level(levels.law_of_loops(), [levels.loops()]).panels
-    for panel in (recorded, scaled):
-        measured = [one for one in lines(panel) if one.pen.colour in SEQUENTIAL]
-        assert [one.label for one in measured] == ["0.1 mm", "0.3 mm", "1 mm", "3 mm"]
-        assert len(lines(panel)) == 2 * len(measured)
+    picture = plot.level(levels.law_of_loops(), [levels.loops()])
+    storage, _, *loops = picture.panels
+    assert [one.title for one in loops] == ["0.1 mm", "0.3 mm", "1 mm", "3 mm"]
+    assert len({(one.x.limits, one.y.limits) for one in loops}) == 1
+    for panel in loops:
+        fitted, measured = lines(panel)
+        # a miss shows as the thin line that leaves the band
+        assert measured.pen.width < fitted.pen.width
         # the preload is gone, and the loop is closed
-        assert all(abs(one.x.mean()) < 0.05 * np.ptp(one.x) for one in measured)
-        assert all(one.x[0] == one.x[-1] and one.y[0] == one.y[-1] for one in lines(panel))
-    assert [np.abs(one.x).max() for one in lines(scaled)] == pytest.approx(8 * [1], abs=0.02)
-    # the law, and the stiffness that the panel below shows, are the slope of the loops above
-    steep = [float(np.polyfit(one.x, one.y, 1)[0]) for one in lines(scaled)[::2]]
-    dots = marks(over[0], Dots)[0]
+        assert abs(measured.x.mean()) < 0.05 * np.ptp(measured.x)
+        for one in (fitted, measured):
+            assert one.x[0] == one.x[-1]
+            assert one.y[0] == one.y[-1]
+            assert np.abs(one.x).max() == pytest.approx(1, abs=0.02)
+    # the law, and the stiffness that the panel above shows, are the slope of the loops below
+    steep = [float(np.polyfit(one.x, one.y, 1)[0]) for one in (lines(each)[1] for each in loops)]
+    dots = marks(storage, Dots)[0]
     assert steep == pytest.approx([dots.y[i] for i in (0, 4, 8, 12)], rel=0.02)
-    assert len(plot.loops(levels.loops()).panels) == 2
+    # two figures of half the width, then every loop in one row; in a journal's column three
+    assert [(full, len(row)) for full, row in picture.in_rows] == [(2, 2), (4, 4)]
+    column = picture.sized("column").in_rows
+    assert [(full, len(row)) for full, row in column] == [(1, 1), (1, 1), (3, 3), (3, 1)]
+    assert len(plot.loops(levels.loops()).panels) == 4
 
 
 def test_cycles_cut_by_noise_are_of_one_frequency():

@@ -90,7 +90,7 @@ def _open() -> list[Row]:
         Row("two specimens side by side", f"{head}\n{both}".encode(), "asked", ("column 1 'Time' [s] and column 4 'Time' [s] could each be", '--column time="1"'), answer={"time": "1", "displacement": "2", "force": "3"}),
         Row("three forces", f"t [s];z [mm];Fx [N];Fy [N];Fz [N]\n{three}".encode(), "asked", ("'Fx [N]', 'Fy [N]' and 'Fz [N]' could each be the force",), answer={"force": "Fz"}),
         Row("a displacement that relaxes under a force that is held", (HEAD + swapped).encode(), "refused", ("look swapped", "--column displacement=", "--column force=")),
-        Row("a clock of whole seconds", (HEAD + coarse).encode(), "refused", ("time stamps repeat", "--rate 1000Hz")),
+        Row("a clock of whole seconds", (HEAD + coarse).encode(), "refused", ("time stamps repeat", "--rate 10Hz")),
         Row("a clock that begins again", (HEAD + 2 * table(";")).encode(), "refused", ("time falls from 5.9 s to 0 s", f"line {ROWS + 2}", "--rate")),
         Row("no clock", f"Kraft_N;Position_mm\n{table(';', columns=(FORCE, MOVED), decimal=',')}".encode(), "refused", ("looks like time", "--rate 1000Hz")),
     ]  # fmt: skip

@@ -22,7 +22,7 @@ TIME = BENCH_CLOCK
 X = ramp_and_hold()
 FORCE = answer(TIME, X) + 2e-4 * np.random.default_rng(1).standard_normal(len(TIME))
 LEAP = ("the clock goes on by",)
-FALL = ("time falls from",)
+FALL = ("time falls from", "give --rate 25Hz if the rows are evenly sampled")
 
 
 def _steady(*, failed: bool) -> Callable[[Any, Row], None]:
@@ -90,6 +90,7 @@ CLOCKS = [
     Row("a clock that leaps early in the hold", bench(leapt((2.5, 100.0))), "noted", LEAP, LEAPT),
     Row("a clock that leaps late in the hold", bench(leapt((19.0, 1e5))), "noted", LEAP, LEAPT),
     Row("a clock that leaps before the ramp", bench(leapt((0.5, 50.0))), "noted", LEAP, SOUND),
+    Row("a clock that leaps behind its first row", bench(leapt((0.0, 500.0))), "noted", ("the first row stands 500.04 s before",), SOUND),
     Row("a clock that leaps twice", bench(leapt((6.0, 1e3), (14.0, 1e3))), "noted", ("at t = 6 s", "at t = 1014 s"), LEAPT),
     Row("a clock that leaps three times in a row", bench(leapt((9.98, 1e3), (10.02, 1e3), (10.06, 1e3))), "noted", LEAP, LEAPT),
     Row("a clock that leaps at ten places", bench(leapt(*((2.0 * k, 40.0) for k in range(2, 10)))), "noted", ("the clock does so at 5 more places",), LEAPT),

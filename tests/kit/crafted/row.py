@@ -171,6 +171,15 @@ def _crept(test: Any, row: Row) -> None:
 CREEP = Truth("creep", read_creep, _crept)
 """A strain, %, that goes on under 0.1 MPa."""
 
+
+def _softened(curve: Any, row: Row) -> None:
+    np.testing.assert_allclose(curve.time, CLOCK[1:], atol=1e-6)
+    np.testing.assert_allclose(curve.compliance, 1e-6 * CREPT[1:], rtol=1e-5)
+
+
+COMPLIANCE = Truth("creep", read_creep, _softened)
+"""A compliance, 1/MPa, over time."""
+
 PULLED = np.linspace(0.0, 1.5, 40)
 
 

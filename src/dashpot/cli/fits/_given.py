@@ -131,14 +131,14 @@ class Given:
         return bool(self.output) and str(self.output).lower().endswith(PAGE)
 
     def keep(self, found: Any, **figures: Any) -> None:
-        """Write the document of a result, or its page, if it was asked for.
+        """Write what is kept of a result, or its page, if it was asked for.
 
         `figures` are what the page may show beside the result's own, each made when it is needed.
         """
         if not self.output:
             return
         if not self.page:
-            write(self.output, printed(found) + "\n")
+            write(self.output, printed(found.kept) + "\n")
             return
         made = {name: make() for name, make in figures.items()}
         write(self.output, workflow.html(found, **made))

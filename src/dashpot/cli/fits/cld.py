@@ -20,7 +20,7 @@ def run(given: Given) -> Outcome:
         options=given.reading,
     )
     given.draw(found.plot)
-    given.keep(found.fit or found)
+    given.keep(found)
     follow = ""
     if given.kept and found.fit is not None:
         follow = typed("predict", given.kept, "--mass", "MASS", "--seals", 2)

@@ -9,10 +9,9 @@ import click
 import dashpot as dp
 from dashpot import workflow
 from dashpot.base.choices import FamilyAsked
-from dashpot.cli._shell import Outcome, is_json, printed, typed, write
+from dashpot.cli._shell import Outcome, is_json, typed, write
 from dashpot.cli.fits import hits
 from dashpot.cli.fits._given import Given
-from dashpot.workflow.impacts import Identified
 
 _A_DECK = ("--to", "nastran", "--unit-system", "mm-t-s", "-o", "seal.bdf")
 VIBRATION = ("impact", "frf", "transmissibility")
@@ -44,21 +43,15 @@ def run(given: Given) -> Outcome:
     given.draw(lambda: dp.plot.stiffness(found.fit))
     if given["stiffness_table"]:
         write(given["stiffness_table"], found.direct.table)
-    if given.page:
-        given.keep(found)
-    elif given.output:
-        _keep(found, given.output)
-    return Outcome.of(found, follow=_follow(given, found.fit))
-
-
-def _keep(found: Identified, path: str) -> None:
-    """Write the fit, or the FRF that it was fitted to."""
-    if path.lower().endswith(hits.FRF):
+    if given.output and given.output.lower().endswith(hits.FRF):
         if found.vibration is None:
-            raise click.UsageError(f"-o {path}: of tests and a hammer together a fit is written.")
-        hits.keep(found.vibration, found.vibration.frf, path)
+            raise click.UsageError(
+                f"-o {given.output}: of tests and a hammer together a fit is written."
+            )
+        hits.keep(found.vibration, found.vibration.frf, given.output)
     else:
-        write(path, printed(found.fit) + "\n")
+        given.keep(found)
+    return Outcome.of(found, follow=_follow(given, found.fit))
 
 
 def _follow(given: Given, found: dp.Fit) -> str:

@@ -37,7 +37,7 @@ def run(given: Given) -> Outcome:
     )
     if given.output and not given.page and found.fit is None:
         raise ReadError(f"-o writes a fit, and there is none: {found.reason}")
-    given.keep(found if given.page else found.fit)
+    given.keep(found)
     given.draw(found.plot)
     return Outcome.of(found, follow=_follow(found, given))
 

@@ -19,7 +19,7 @@ def run(given: Given) -> Outcome:
         options=given.reading,
     )
     given.draw(found.plot)
-    given.keep(found if given.page else found.fit)
+    given.keep(found)
     follow = ""
     if given.kept:
         how = ("--slam", "1m/s", "--mass", grams(found.mass))

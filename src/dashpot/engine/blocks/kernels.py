@@ -17,6 +17,7 @@ any long record, whatever its clock, weights and history, is a block of some sev
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache
 from typing import NamedTuple
@@ -69,12 +70,18 @@ class Kernels(NamedTuple):
         tau, lags, right, left = _from_one(folds, per_fold, rank)
         return cls(tau * shortest, lags * shortest, right, left)
 
-    def space(self, exact: DataBlock) -> FloatArray:
-        r"""The space :math:`\Phi V` of a block that has every sample as a row, shape (n, r)."""
-        out = np.zeros((exact.samples, self.right.shape[1]))
+    def space(
+        self, exact: DataBlock, change: Callable[[FloatArray], FloatArray] = np.asarray
+    ) -> FloatArray:
+        r"""The space :math:`\Phi V` of a block that has every sample as a row, shape (n, r).
+
+        `change` is a linear one of the rows.
+        """
+        out = np.zeros(())
         for first in range(0, len(self.tau), AT_ONCE):
             part = slice(first, first + AT_ONCE)
-            out += exact.evaluate(np.log(self.tau[part]), False).arms @ self.right[part]
+            arms = change(exact.evaluate(np.log(self.tau[part]), False).arms)
+            out = out + arms @ self.right[part]
         return out
 
     def columns(self, operator: FloatArray) -> Columns:

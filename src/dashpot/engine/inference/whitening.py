@@ -12,6 +12,8 @@ is the deviance of a model m in units of chi-square, and its least value is that
 least squares: fast detail counts for more where the noise is slow. No direction is trusted better
 than white noise of the same variance would let it be: a filter leaves next to nothing above its
 cut-off, and to believe that would let its transients decide.
+So slow noise is as good as white above some frequency, and means over a few neighbours, which keep
+what is below it, stand for the record.
 What a record holds beside the model, columns that are free or known to within a standard deviation,
 adds to that covariance too, and is taken out likewise (``marginal``).
 Source: A. C. Aitken, Proceedings of the Royal Society of Edinburgh 55 (1936) 42.
@@ -21,11 +23,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import cache, partial
 from typing import NamedTuple
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray, kept
+from dashpot.base.arrays import FloatArray, block_means, kept
 from dashpot.engine.blocks.block import DataBlock, design_rows
 from dashpot.engine.blocks.kernels import FEW_DIGITS, FEW_RANK, FEW_TIMES_PER_FOLD, Kernels
 from dashpot.engine.inference.covariance import Columns, Noise, toeplitz_form
@@ -46,8 +49,9 @@ def whitened_block(exact: DataBlock, noise: Noise) -> DataBlock:
     noise : Noise
         Of its residuals, with a positive variance.
     """
-    basis = reduced_basis(exact)
-    variance, axes = _principal(basis, noise)
+    few = as_one(noise)
+    basis = reduced_basis(exact, few)
+    variance, axes = _principal(basis, noise, few)
     whiten = (axes / np.sqrt(variance)).T
     return basis.block.changed(lambda part: whiten @ part)
 
@@ -80,7 +84,7 @@ class ReducedBasis(NamedTuple):
     Attributes
     ----------
     basis : Columns, shape (n, r)
-        Q, orthonormal columns, one row per sample.
+        Q, orthonormal columns, a row for each mean over a few samples times the root of how many.
     block : DataBlock
         Q'y, Q'G and Q' phi, r rows.
     """
@@ -89,14 +93,30 @@ class ReducedBasis(NamedTuple):
     block: DataBlock
 
 
+def reduced_basis(exact: DataBlock, few: int) -> ReducedBasis:
+    """Return the span of a block that has every sample as a row, in the order of time.
+
+    Of means over `few` neighbours; found once.
+    """
+    return _bases(exact)(few)
+
+
 @kept
-def reduced_basis(exact: DataBlock) -> ReducedBasis:
-    """Return the span of a block that has every sample as a row, in the order of time."""
+def _bases(exact: DataBlock) -> Callable[[int], ReducedBasis]:
+    return cache(partial(_reduced, exact))
+
+
+def _reduced(exact: DataBlock, few: int) -> ReducedBasis:
     kernels = Kernels.over(exact.window, per_fold=FEW_TIMES_PER_FOLD, rank=FEW_RANK)
     target, fixed, *_ = exact.evaluate(np.zeros(0), False)
-    basis, factor = in_pieces(np.concatenate((kernels.space(exact), fixed), axis=1))
+
+    def means(columns: FloatArray) -> FloatArray:
+        return np.sqrt(few) * block_means(columns.T, few).T if few > 1 else columns
+
+    space = kernels.space(exact, means)
+    basis, factor = in_pieces(np.concatenate((space, means(fixed)), axis=1))
     rank = kernels.right.shape[1]
-    rows = design_rows(basis.T @ target, factor[:, rank:], kernels.columns(factor[:, :rank]))
+    rows = design_rows(basis.T @ means(target), factor[:, rank:], kernels.columns(factor[:, :rank]))
     return ReducedBasis(Columns(basis), replace(exact, rows=rows, accuracy=FEW_DIGITS))
 
 
@@ -126,11 +146,12 @@ class NoiseGain:
     def __init__(
         self, every_sample: Sequence[DataBlock], noises: Sequence[Noise], solution: Solution
     ) -> None:
-        spans = [reduced_basis(block) for block in every_sample]
+        few = max(map(as_one, noises))
+        spans = [reduced_basis(block, few) for block in every_sample]
         blocks = [basis.block for basis in spans]
         self._stack = Stack(blocks)
         self._cuts = np.cumsum([len(block.target) for block in blocks])[:-1]
-        self._principal = [_principal(*pair) for pair in zip(spans, noises, strict=True)]
+        self._principal = [_principal(*pair, few) for pair in zip(spans, noises, strict=True)]
         self._jacobian = full_jacobian(blocks, solution).matrix
         self._model = self._at(solution.beta, solution.log_tau)
 
@@ -155,7 +176,27 @@ class NoiseGain:
         return met / max(float(change @ change), 1e-300)
 
 
-def _principal(basis: ReducedBasis, noise: Noise) -> tuple[FloatArray, FloatArray]:
+def as_one(noise: Noise) -> int:
+    r"""How many neighbours may count as one, a power of two.
+
+    Noise of correlation :math:`\kappa` falls to the power of white noise of its variance at some
+    :math:`1/(\pi\sqrt\kappa)` of a sample's frequency, for an autoregressive one: means over a
+    quarter of :math:`\sqrt\kappa` samples leave what is slower than that.
+    """
+    return 1 << max(int(np.log2(noise.kappa) / 2 - 2), 0)
+
+
+def _principal(basis: ReducedBasis, noise: Noise, few: int) -> tuple[FloatArray, FloatArray]:
     """Return the variances of the noise along its principal axes, and these as columns."""
-    variance, axes = np.linalg.eigh(toeplitz_form(basis.basis, noise.autocovariance))
-    return np.maximum(variance, noise.autocovariance[0]), axes
+    gamma = noise.autocovariance
+    met = toeplitz_form(basis.basis, gamma if few == 1 else _of_means(gamma, few))
+    variance, axes = np.linalg.eigh(met)
+    return np.maximum(variance, gamma[0]), axes
+
+
+def _of_means(gamma: FloatArray, few: int) -> FloatArray:
+    """The autocovariance of means over a few neighbours, times their number."""
+    share = 1 - np.abs(np.arange(1 - few, few)) / few
+    # from the lag -(few - 1) on, and as far as any is left
+    both = np.concatenate((gamma[few - 1 : 0 : -1], gamma, np.zeros(2 * few)))
+    return np.asarray(np.convolve(both, share, "valid")[::few])

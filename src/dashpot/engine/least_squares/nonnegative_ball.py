@@ -13,16 +13,24 @@ before, so any earlier answer of the same set is a start. With c = 0 and no ball
 Lawson and Hanson (*Solving Least Squares Problems*, ch. 23).
 
 The factor is that of the columns, never of their Gram matrix: neighbours on a fine grid of
-relaxation times are parallel to six digits.
+relaxation times are parallel to six digits. A face does not hang on what is asked, and questions of
+neighbouring times or frequencies end on the same ones: each is factored once, and a column that
+enters is made orthogonal to those that are there (twice: Daniel, Gragg, Kaufman and Stewart,
+*Math. Comp.* 30, 1976, 772).
 """
 
 from __future__ import annotations
 
+from collections import OrderedDict
+from collections.abc import Callable
+from functools import partial
+from math import isfinite, isinf, sqrt
+from typing import NamedTuple
+
 import numpy as np
 
-from dashpot.base.arrays import BoolArray, FloatArray
+from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
 from dashpot.base.errors import FitError
-from dashpot.engine.least_squares.descent import triangle
 
 #: a gain below this part of the data is rounding
 NOTHING = 1e-13
@@ -30,12 +38,56 @@ NOTHING = 1e-13
 PATIENCE = 3
 #: columns from one that may enter to the next, at first; later every fourth and every one
 STRIDE = 16
+#: what is left of a unit column that enters, below which its digits are rounding
+DEPENDENT = 1e-9
+#: faces that are remembered
+REMEMBERED = 512
 
 
-def nonnegative_least_squares(
-    columns: FloatArray, target: FloatArray, start: FloatArray | None = None
-) -> FloatArray:
-    """Return the s >= 0 that minimises |A s - y|, shape (m,).
+class Face(NamedTuple):
+    """Columns that carry weight, A_P = QR.
+
+    Attributes
+    ----------
+    active : array, shape (k,)
+        Which.
+    basis : array, shape (k, n)
+        Q'.
+    factor : array, shape (k, k)
+        R.
+    inverse : array, shape (k, k)
+        R^-1.
+    along : array, shape (k,)
+        Q'y.
+    rest : array, shape (n,)
+        What these columns leave of y.
+    """
+
+    active: IndexArray
+    basis: FloatArray
+    factor: FloatArray
+    inverse: FloatArray
+    along: FloatArray
+    rest: FloatArray
+
+    def farthest(
+        self, aim: FloatArray | None, squared: float
+    ) -> tuple[FloatArray, float, FloatArray]:
+        """Return its farthest point, the multiplier (inf without an aim), and what is left of y."""
+        if aim is None or not len(self.active):
+            free = 0.0 if aim is None else np.inf
+            return np.asarray(self.inverse @ self.along), free, self.rest
+        h = aim[self.active] @ self.inverse
+        power = float(h @ h)
+        if power == 0.0:
+            return np.asarray(self.inverse @ self.along), np.inf, self.rest
+        multiplier = sqrt(max(squared - float(self.rest @ self.rest), 0.0) / power)
+        step = multiplier * h
+        return self.inverse @ (self.along + step), multiplier, self.rest - step @ self.basis
+
+
+class NonnegativeBall:
+    """Columns A of unit length and data y, of which non-negative s are asked.
 
     Parameters
     ----------
@@ -43,111 +95,139 @@ def nonnegative_least_squares(
         A, of unit columns.
     target : array, shape (n,)
         y.
-    start : array, shape (m,), optional
-        Non-negative; the columns where it is not zero are tried first.
     """
-    begin = np.zeros(columns.shape[1]) if start is None else start
-    return _walked(columns, target, None, 0.0, begin)
 
+    def __init__(self, columns: FloatArray, target: FloatArray) -> None:
+        # a column is a row: so they are picked and factored
+        self._rows, self._target = np.ascontiguousarray(columns.T), target
+        self._nothing = NOTHING * sqrt(target @ target)
+        self._met: OrderedDict[bytes, Face] = OrderedDict()
 
-def farthest(
-    columns: FloatArray, target: FloatArray, aim: FloatArray, squared: float, start: FloatArray
-) -> FloatArray:
-    """Return the s >= 0 with |A s - y|^2 <= `squared` that maximises c's, shape (m,).
+    def least(self, start: FloatArray | None = None) -> FloatArray:
+        """Return the s >= 0 that minimises |A s - y|, shape (m,).
 
-    Parameters
-    ----------
-    columns : array, shape (n, m)
-        A, of unit columns.
-    target : array, shape (n,)
-        y.
-    aim : array, shape (m,)
-        c; only its direction counts.
-    squared : float
-        The square of the ball's radius.
-    start : array, shape (m,)
-        Any point of the set.
+        Parameters
+        ----------
+        start : array, shape (m,), optional
+            Non-negative; the columns where it is not zero are tried first.
+        """
+        return self._walked(None, 0.0, np.zeros(len(self._rows)) if start is None else start)
 
-    Raises
-    ------
-    FitError
-        If there are fewer rows than the answer has terms, or no finite one.
-    """
-    length = float(np.sqrt(aim @ aim))
-    if length == 0.0:
-        return start
-    return _walked(columns, target, aim / length, squared, start)
+    def farthest(self, aim: FloatArray, squared: float, start: FloatArray) -> FloatArray:
+        """Return the s >= 0 with |A s - y|^2 <= `squared` that maximises c's, shape (m,).
 
+        Parameters
+        ----------
+        aim : array, shape (m,)
+            c; only its direction counts.
+        squared : float
+            The square of the ball's radius.
+        start : array, shape (m,)
+            Any point of the set.
 
-def _walked(
-    columns: FloatArray, target: FloatArray, aim: FloatArray | None, squared: float, s: FloatArray
-) -> FloatArray:
-    # a column is a row: so they are picked and factored
-    s, rows = s.copy(), np.ascontiguousarray(columns.T)
-    active = np.flatnonzero(s > 0)
-    nothing = NOTHING * float(np.sqrt(target @ target))
-    barred: list[int] = []
-    entered, stride = -1, STRIDE
-    for _ in range(PATIENCE * columns.shape[1]):
-        face = rows[active]
-        goal, multiplier = _face(face, target, None if aim is None else aim[active], squared)
-        if not np.isfinite(goal.sum()):
-            raise FitError(
-                "the data bound nothing: they do not follow the motion that they are fitted to; "
-                "look whether each column is what it is taken for"
-            )
-        if goal.min(initial=1.0) <= 0:
-            s[active], kept = _as_far_as_allowed(s[active], goal)
-            # rounding let it enter: it would leave at once for ever
-            if entered >= 0 and s[entered] == 0.0:
-                barred.append(entered)
-            active = active[kept]
-            continue
-        s[active] = goal
-        gain = _gain(rows, target - goal @ face, aim, multiplier)
-        gain[active] = gain[barred] = -np.inf
-        # neighbours are alike: a face gets where it belongs sooner by every sixteenth
-        entered = stride * int(np.argmax(gain[::stride]))
-        while stride > 1 and not gain[entered] > nothing:
-            stride //= 4
-            entered = stride * int(np.argmax(gain[::stride]))
-        if not gain[entered] > nothing:
-            break
-        if len(active) == len(target):
-            raise FitError("the record has too few samples to say what it leaves open; record more")
-        active = np.append(active, entered)
-    return s
+        Raises
+        ------
+        FitError
+            If there are fewer rows than the answer has terms, or no finite one.
+        """
+        length = sqrt(aim @ aim)
+        if length == 0.0:
+            return start
+        with np.errstate(invalid="ignore", over="ignore"):  # what is not finite is refused
+            return self._walked(aim / length, squared, start)
 
+    def _walked(self, aim: FloatArray | None, squared: float, start: FloatArray) -> FloatArray:
+        s, barred = start.copy(), list[int]()
+        face, entered, stride = self._of(np.flatnonzero(s > 0)), -1, STRIDE
+        for _ in range(PATIENCE * len(self._rows)):
+            active = face.active
+            goal, multiplier, left = face.farthest(aim, squared)
+            if not isfinite(goal.sum()):
+                raise FitError(
+                    "the data bound nothing: they do not follow the motion that they are fitted "
+                    "to; look whether each column is what it is taken for"
+                )
+            if goal.min(initial=1.0) <= 0:
+                s[active], kept = _as_far_as_allowed(s[active], goal)
+                # rounding let it enter: it would leave at once for ever
+                if entered >= 0 and s[entered] == 0.0:
+                    barred.append(entered)
+                face = self._known(active[kept], partial(self._among, face, kept))
+                continue
+            s[active] = goal
+            gain = self._gain(left, aim, multiplier)
+            gain[active] = gain[barred] = -np.inf
+            # neighbours are alike: a face gets where it belongs sooner by every sixteenth
+            entered = stride * int(gain[::stride].argmax())
+            while stride > 1 and not gain[entered] > self._nothing:
+                stride //= 4
+                entered = stride * int(gain[::stride].argmax())
+            if not gain[entered] > self._nothing:
+                break
+            if len(active) == len(self._target):
+                raise FitError(
+                    "the record has too few samples to say what it leaves open; record more"
+                )
+            face = self._known(np.append(active, entered), partial(self._beside, face, entered))
+        return s
 
-def _gain(
-    rows: FloatArray, residual: FloatArray, aim: FloatArray | None, multiplier: float
-) -> FloatArray:
-    """Return what each column would add; any of the aim is a gain to a face that has none."""
-    if np.isinf(multiplier) and aim is not None:
-        return aim.copy()
-    gain = np.asarray(rows @ residual)
-    return gain if aim is None else gain + multiplier * aim
+    def _gain(self, residual: FloatArray, aim: FloatArray | None, multiplier: float) -> FloatArray:
+        """Return what each column would add; any of the aim is a gain to a face that has none."""
+        if aim is not None and isinf(multiplier):
+            return aim.copy()
+        gain = np.asarray(self._rows @ residual)
+        return gain if aim is None else gain + multiplier * aim
 
+    def _known(self, active: IndexArray, factored: Callable[[], Face]) -> Face:
+        """Return the face of these columns, factored where it was not met before."""
+        key = np.sort(active).tobytes()
+        face = self._met.get(key)
+        if face is not None:
+            self._met.move_to_end(key)
+            return face
+        face = self._met[key] = factored()
+        if len(self._met) > REMEMBERED:
+            self._met.popitem(last=False)
+        return face
 
-def _face(
-    rows: FloatArray, target: FloatArray, aim: FloatArray | None, squared: float
-) -> tuple[FloatArray, float]:
-    """Return the farthest point of a face, and its multiplier; inf if the face has no aim."""
-    count = len(rows)
-    if not count:
-        return np.zeros(0), 0.0 if aim is None else np.inf
-    factor = triangle(np.concatenate((rows, target[None])))
-    inverse, along = np.linalg.inv(factor[:count, :count]), factor[:count, -1]
-    if aim is None:
-        return np.asarray(inverse @ along), 0.0
-    h = aim @ inverse
-    power = float(h @ h)
-    if power == 0.0:
-        return np.asarray(inverse @ along), np.inf
-    rest = factor[count:, -1]
-    multiplier = float(np.sqrt(max(squared - float(rest @ rest), 0.0) / power))
-    with np.errstate(invalid="ignore", over="ignore"):  # who asks refuses what is not finite
-        return np.asarray(inverse @ (along + multiplier * h)), multiplier
+    def _of(self, active: IndexArray) -> Face:
+        return self._known(active, partial(self._factored, active))
+
+    def _factored(self, active: IndexArray) -> Face:
+        basis, factor = np.linalg.qr(self._rows[active].T)
+        return self._face(active, np.ascontiguousarray(basis.T), factor)
+
+    def _face(self, active: IndexArray, basis: FloatArray, factor: FloatArray) -> Face:
+        along: FloatArray = basis @ self._target
+        rest: FloatArray = self._target - along @ basis
+        return Face(active, basis, factor, np.asarray(np.linalg.inv(factor)), along, rest)
+
+    def _among(self, face: Face, kept: BoolArray) -> Face:
+        """Return a face with fewer columns."""
+        turn, factor = np.linalg.qr(face.factor[:, kept])
+        return self._face(face.active[kept], turn.T @ face.basis, factor)
+
+    def _beside(self, face: Face, entered: int) -> Face:
+        """Return a face with one column more."""
+        column, count = self._rows[entered], len(face.active)
+        active = np.append(face.active, entered)
+        once = face.basis @ column
+        new = column - once @ face.basis
+        again = face.basis @ new
+        new -= again @ face.basis
+        length = sqrt(new @ new)
+        if not length > DEPENDENT:
+            return self._factored(active)
+        new /= length
+        basis = np.empty((count + 1, len(new)))
+        basis[:-1], basis[-1] = face.basis, new
+        factor, inverse = np.zeros((2, count + 1, count + 1))
+        factor[:-1, :-1], factor[:-1, -1], factor[-1, -1] = face.factor, once + again, length
+        inverse[:-1, :-1], inverse[-1, -1] = face.inverse, 1 / length
+        inverse[:-1, -1] = face.inverse @ factor[:-1, -1] / -length
+        along = float(new @ face.rest)
+        rest = face.rest - along * new
+        return Face(active, basis, factor, inverse, np.append(face.along, along), rest)
 
 
 def _as_far_as_allowed(s: FloatArray, goal: FloatArray) -> tuple[FloatArray, BoolArray]:

@@ -28,7 +28,7 @@ import numpy as np
 from dashpot.base.arrays import BoolArray, FloatArray, IndexArray
 from dashpot.base.errors import FitError
 from dashpot.base.student_t import t_quantile
-from dashpot.engine.least_squares.nonnegative_ball import farthest, nonnegative_least_squares
+from dashpot.engine.least_squares.nonnegative_ball import NonnegativeBall
 from dashpot.fitting.relaxation_data import RelaxationRows
 
 #: the best of all spectra leaves no more than so many times what the fit does
@@ -148,12 +148,10 @@ class AdmissibleSpectra:
         columns = np.where(self.shown, rows[:, 1:] / self.scale, 0.0)
         told = np.linalg.norm(columns, axis=1) > ROUNDING
         aside, self.target = float(rows[~told, 0] @ rows[~told, 0]), rows[told, 0].copy()
-        # a column is asked for as a row: laid out so, none is copied for it
         self.columns = np.asfortranarray(columns[told][:, self.shown])
         self.best = np.zeros(len(norm))
-        self.best[self.shown] = nonnegative_least_squares(
-            self.columns, self.target, (start * self.scale)[self.shown]
-        )
+        self._ball = NonnegativeBall(self.columns, self.target)
+        self.best[self.shown] = self._ball.least((start * self.scale)[self.shown])
         self.least = self.left(self.best)
         self.total = self.least + aside
         return self.total
@@ -225,7 +223,7 @@ class AdmissibleSpectra:
         aim, on = v / self.scale, self.shown
         start = self.met[int((np.array(self.met) @ aim).argmax())]
         found = np.zeros(len(aim))
-        found[on] = farthest(self.columns, self.target, aim[on], self.least + self.limit, start[on])
+        found[on] = self._ball.farthest(aim[on], self.least + self.limit, start[on])
         self.met.append(found)
         stiffness = found / self.scale
         return stiffness if on.all() else np.where(~on & (aim > 0), np.inf, stiffness)

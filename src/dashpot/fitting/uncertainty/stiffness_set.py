@@ -6,11 +6,14 @@ support in some directions, chosen where they tell most.
 
 from __future__ import annotations
 
-from functools import lru_cache
+from bisect import bisect
+from cmath import phase
+from itertools import pairwise, starmap
+from math import pi
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray, IndexArray
+from dashpot.base.arrays import FloatArray
 from dashpot.fitting.uncertainty.admissible_spectra import AdmissibleSpectra
 
 # what the points met and the lines that enclose them allow differs by less, relatively
@@ -25,18 +28,18 @@ _TINY = float(np.finfo(float).tiny)
 def distances(spectra: AdmissibleSpectra, omega: float, inertia: float) -> tuple[float, float]:
     """Nearest and farthest distance of the convex set of (K', K'') from (inertia, 0), outer."""
     felt = StiffnessSet(spectra, omega, inertia)
-    while len(felt.directions) < DIRECTIONS:
+    while True:
         nearest, inside = felt.nearest()
-        gap_near = 0.0 if inside else 1 - felt.near / max(float(np.linalg.norm(nearest)), 1e-300)
-        corner = felt.farthest_corner()
-        reach = float(np.linalg.norm(corner))
+        corner = max(felt.corners(), key=abs)
+        if len(felt) >= DIRECTIONS:
+            break
+        gap_near = 0.0 if inside else 1 - felt.near / max(abs(nearest), 1e-300)
         # a set that is one point, where the point is, has no farther one
-        gap_far = 1 - felt.far / reach if reach > 0 else 0.0
+        gap_far = 1 - felt.far / abs(corner) if corner else 0.0
         if max(gap_near, gap_far) <= CLOSE:
             break
         felt.towards(-nearest if gap_near > gap_far else corner)
-    nearest, inside = felt.nearest()
-    return 0.0 if inside else felt.near, float(np.linalg.norm(felt.farthest_corner()))
+    return 0.0 if inside else felt.near, abs(corner)
 
 
 def ratios(
@@ -54,7 +57,7 @@ def ratios(
     base = inertia + coupled
     while True:
         outer = [_extreme(felt.corners(), base, sign) for sign in (1, -1)]
-        inner = [_extreme(felt.hull(), base, sign) for sign in (1, -1)]
+        inner = [_extreme(felt.points, base, sign) for sign in (1, -1)]
         (most, _), (least, _) = outer
         # where nothing limits a ratio nothing more can be felt
         gaps = [
@@ -62,99 +65,96 @@ def ratios(
             0.0 if inner[1][0] == least else 1 - least / inner[1][0],
         ]
         worse = int(np.argmax(gaps))
-        if gaps[worse] <= CLOSE or len(felt.directions) >= DIRECTIONS:
+        if gaps[worse] <= CLOSE or len(felt) >= DIRECTIONS:
             return least, most
         sign, disc = ((1, most > 1), (-1, least < 1))[worse]
         at = (inner if disc else outer)[worse][1]
-        felt.towards(sign * _steepest(at, base))
+        felt.towards(complex(*(sign * _steepest(at, base))))
 
 
 class StiffnessSet:
-    """What supports in some directions say of that set, seen from the stiffness of a mass."""
+    """What supports in some directions say of that set, seen from the stiffness of a mass.
+
+    Stiffnesses and directions are complex numbers, in the order of the directions from -pi to pi:
+    so are the points then, of which each is a corner of their hull.
+    """
 
     def __init__(self, spectra: AdmissibleSpectra, omega: float, inertia: float) -> None:
-        self.columns, self.spectra = np.array(spectra.stiffness_at(omega)), spectra
-        self.point = np.array([inertia, 0.0])
-        self.directions: list[FloatArray] = []
-        self.points: list[FloatArray] = []
-        for direction in ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)):
-            self.towards(np.array(direction))
+        self._columns, self._spectra = np.array(spectra.stiffness_at(omega)), spectra
+        self._inertia = inertia
+        self._angles: list[float] = []
+        self._directions: list[complex] = []
+        self.points: list[complex] = []
+        for direction in (1, -1, 1j, -1j):
+            self.towards(direction)
 
-    def towards(self, direction: FloatArray) -> None:
+    def __len__(self) -> int:
+        return len(self.points)
+
+    def towards(self, direction: complex) -> None:
         """Feel the set in one more direction."""
-        unit = direction / np.sqrt(direction @ direction)
-        spectrum = self.spectra.farthest(unit @ self.columns)
+        unit = direction / abs(direction)
+        storage, loss = self._columns
+        spectrum = self._spectra.farthest(unit.real * storage + unit.imag * loss)
         open_ended = np.isinf(spectrum)
         if open_ended.any():
             # as good as without end, and still a point
-            end = FAR * float(np.linalg.norm(self.point)) / np.linalg.norm(self.columns, axis=0)
+            end = FAR * self._inertia / np.hypot(storage, loss)
             spectrum = np.where(open_ended, end, spectrum)
-        farthest = self.columns @ spectrum
-        self.directions.append(unit)
-        self.points.append(farthest - self.point)
+        farthest = complex(*(self._columns @ spectrum).tolist())
+        at = bisect(self._angles, angle := phase(unit))
+        self._angles.insert(at, angle)
+        self._directions.insert(at, unit)
+        self.points.insert(at, farthest - self._inertia)
+
+    @property
+    def _supports(self) -> list[float]:
+        """How far the set reaches in each direction."""
+        return [_dot(*pair) for pair in zip(self._directions, self.points, strict=True)]
 
     @property
     def near(self) -> float:
         """No point of the set is nearer."""
-        supports = np.vecdot(np.array(self.directions), np.array(self.points))
-        return max(0.0, -float(supports.min()))
+        return max(0.0, -min(self._supports))
 
     @property
     def far(self) -> float:
         """Some point of the set is as far."""
-        points = np.array(self.points)
-        return float(np.sqrt(np.vecdot(points, points).max()))
+        return max(map(abs, self.points))
 
-    def nearest(self) -> tuple[FloatArray, bool]:
+    def nearest(self) -> tuple[complex, bool]:
         """The nearest point of the hull of all points met, and whether the origin is in it."""
-        points = np.array(self.points)
-        angles = np.sort(np.arctan2(points[:, 1], points[:, 0]))
-        widest = max(float((angles[1:] - angles[:-1]).max()), angles[0] + 2 * np.pi - angles[-1])
-        start, end = (points[i] for i in _pairs(len(points)))
-        along = end - start
-        length = np.maximum(np.vecdot(along, along), _TINY)
-        part = np.minimum(np.maximum(-np.vecdot(start, along) / length, 0.0), 1.0)
-        candidates = start + part[:, None] * along
-        squares = np.vecdot(candidates, candidates)
-        nearest = int(squares.argmin())
-        return candidates[nearest], bool(widest < np.pi) or float(squares[nearest]) == 0.0
+        angles = sorted(map(phase, self.points))
+        widest = max(b - a for a, b in pairwise((*angles, angles[0] + 2 * pi)))
+        nearest = min(starmap(_nearest, pairwise((*self.points, self.points[0]))), key=abs)
+        return nearest, widest < pi or nearest == 0
 
-    def farthest_corner(self) -> FloatArray:
-        """The farthest corner of the polygon that the support lines enclose."""
-        corners = self.corners()
-        return np.asarray(corners[np.vecdot(corners, corners).argmax()])
-
-    def hull(self) -> FloatArray:
-        """The points met, in the order of their directions, shape (n, 2)."""
-        return np.array(self.points)[self._order()]
-
-    def _order(self) -> IndexArray:
-        """The directions from -pi to pi."""
-        directions = np.array(self.directions)
-        return np.argsort(np.arctan2(directions[:, 1], directions[:, 0]))
-
-    def corners(self) -> FloatArray:
-        """Corners of the polygon that the support lines enclose, in their order, shape (n, 2)."""
-        order = self._order()
-        directions, points = np.array(self.directions), np.array(self.points)
-        u, h = directions[order], np.vecdot(directions, points)[order]
-        after = np.append(np.arange(1, len(u)), 0)
-        v, g = u[after], h[after]
-        cross = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
-        turned = cross > 1e-9
-        u, v, h, g = u[turned], v[turned], h[turned], g[turned]
-        corners = np.array((h * v[:, 1] - g * u[:, 1], g * u[:, 0] - h * v[:, 0]))
-        return np.asarray((corners / cross[turned]).T)
+    def corners(self) -> list[complex]:
+        """Corners of the polygon that the support lines enclose, in their order."""
+        lines = [*zip(self._directions, self._supports, strict=True)]
+        return [
+            complex(h * v.imag - g * u.imag, g * u.real - h * v.real) / cross
+            for (u, h), (v, g) in pairwise((*lines, lines[0]))
+            if (cross := (u.conjugate() * v).imag) > 1e-9
+        ]
 
 
-@lru_cache(maxsize=64)
-def _pairs(count: int) -> tuple[IndexArray, ...]:
-    return np.triu_indices(count, 1)
+def _dot(one: complex, other: complex) -> float:
+    return one.real * other.real + one.imag * other.imag
 
 
-def _extreme(corners: FloatArray, offset: float, sign: int) -> tuple[float, FloatArray]:
+def _nearest(start: complex, end: complex) -> complex:
+    """The point nearest to the origin of the way from one to another."""
+    along = end - start
+    length = _dot(along, along)
+    part = -_dot(start, along) / length if length > 0 else 0.0
+    return start + min(max(part, 0.0), 1.0) * along
+
+
+def _extreme(corners: list[complex], offset: float, sign: int) -> tuple[float, FloatArray]:
     """The highest (sign 1) or lowest ratio |d + offset| / |d| over a polygon, and where."""
-    start, along = corners, np.roll(corners, -1, axis=0) - corners
+    start = np.array(corners).view(float).reshape(-1, 2)
+    along = np.roll(start, -1, axis=0) - start
     base = start + np.array([offset, 0.0])
     pole = start if sign > 0 else base
     if _holds(pole, along):

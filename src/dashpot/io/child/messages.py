@@ -20,6 +20,7 @@ Answer: TypeAlias = FileTable | dict[str, bytes]
 _HEAD = 1 << 22
 _BLOCK = 1 << 16
 """Numbers that are handed over at a time, or one column of more."""
+_CONTENTS = get_args(Content)
 _LENGTH = struct.Struct("<Q")
 
 
@@ -160,7 +161,7 @@ def _count(value: Any) -> int:
 
 
 def _content(value: Any) -> Content:
-    if value not in get_args(Content):
+    if value not in _CONTENTS:
         raise Garbled
     content: Content = value
     return content

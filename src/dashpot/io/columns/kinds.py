@@ -373,7 +373,8 @@ def kind_of(table: FileTable, options: ReadOptions) -> tuple[FileKind, str]:
         return known_kind(options.kind)
     named = _NamedColumns(table, options)
     swept = named.swept()
-    peaks = None if swept or two_signals(table, options) else cycle_peaks(table)
+    meant = named.names("force", "displacement", "acceleration")
+    peaks = None if swept or meant or two_signals(table, options) else cycle_peaks(table)
     if peaks:
         return "not-a-test", peaks
     said = {kind for role, kinds in _OF_ROLE.items() if named.names(role) for kind in kinds}

@@ -94,14 +94,14 @@ def assign(table: FileTable, role: Role, options: ReadOptions) -> Assigned | Que
     equals = [i for value, i in suited if value > top - _SAME]
     reason = _reason(table.columns[index], role)
     if len(equals) > 1:
-        names = _counted(table.columns)
+        names = _names(table)
         named = [quoted(table.columns, i, names) for i in sorted(equals)[:_LISTED]]
         more = len(equals) - len(named)
         alike = listed([*named, f"{more} more"] if more else named)
         if len(equals) > _COPIES or not _same_numbers(table, equals, role, options):
             says = (
                 f"{alike} could each be the {_word(role)}; say which, for example "
-                f'{flag(asked)}="{handle(table.columns, index)}"'
+                f'{flag(asked)}="{handle(table.columns, index, names)}"'
             )
             return Question(says, f"{flag(asked)}=NAME", choices=len(equals))
         reason = f"{alike} hold the same numbers"
@@ -239,6 +239,8 @@ def _score(column: Column, role: Role, options: ReadOptions) -> float:
         return 0.0
     if role != "velocity" and vocabulary.has_word(column.name, vocabulary.DERIVED):
         return 0.5
+    if role == "strain" and vocabulary.has_word(column.name, vocabulary.SIDEWAYS):
+        return 0.5
     for words, less, of_time in _LESS:
         if of_time in {None, role == "time"} and vocabulary.has_word(column.name, words):
             value -= less
@@ -322,7 +324,7 @@ def _nothing(table: FileTable, role: Role) -> Question:
     """Ask for the column of a role that none was found for: a wrong label is worth naming."""
     option = flag(option_of(role))
     answer = f"{option}=NAME"
-    for column in table.columns:
+    for column in _unlike(table):
         if _is_mislabelled(column, role):
             return Question(mislabelled(column, role), answer)
         worded = column.content == "text" and column.unit
@@ -586,6 +588,15 @@ def _folded(column: Column) -> str:
 @kept
 def _names(table: FileTable) -> Counter[str]:
     return _counted(table.columns)
+
+
+@kept
+def _unlike(table: FileTable) -> tuple[Column, ...]:
+    """The columns without those that differ from an earlier one by a number alone."""
+    found: dict[object, Column] = {}
+    for one in table.columns:
+        found.setdefault((vocabulary.unnumbered(one.name), one.unit, one.content), one)
+    return tuple(found.values())
 
 
 @kept

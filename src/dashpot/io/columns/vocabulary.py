@@ -107,6 +107,7 @@ _SECOND: dict[Role, str] = {
     "temperature": "t kammer",
     "stress": "sigma σ tau τ pressure",
     "strain": "epsilon ε gamma γ",
+    "creep_compliance": "j",
     "modulus": "g(t) e(t) g e",
 }  # fmt: skip
 COMMANDED = (
@@ -141,6 +142,11 @@ OF_REST = (
     "nominal", "engineering", "eng", "technical", "technische", "nenn", "nennspannung", "piola",
 )  # fmt: skip
 """Words for a stress on the area at rest, or a strain over the length at rest."""
+SIDEWAYS = (
+    "lateral", "transverse", "transversal", "radial", "width", "quer", "querdehnung", "breite",
+    "poprzeczne", "transversale", "trasversale", "横向",
+)  # fmt: skip
+"""Words for a strain square to the force."""
 OF_BASE = (
     "base", "basis", "table", "tisch", "shaker", "input", "excitation", "erreger", "erregung",
     "anregung", "fußpunkt", "fundament", "ground", "floor", "boden", "podstawa", "stół",

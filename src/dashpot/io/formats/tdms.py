@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -17,6 +19,11 @@ from dashpot.io.table import Column, FileTable, in_memory
 _UNITS = ("unit_string", "NI_UnitDescription", "Unit", "unit", "Units")
 _SCALED = ("NI_Scal", "NI_Number_Of_Scales")
 """How the properties begin by which a channel, its group or its file says that it is scaled."""
+_NUMBERS = "iuf"
+"""The kinds of arrays that hold numbers."""
+_PATH = re.compile(r"/'((?:[^']|'')*)'/'((?:[^']|'')*)'")
+"""What stands for a channel: the names of its group and its own."""
+_NONE = np.empty(0)
 _WHOLE = 0.01
 """Share of a sample by which channels may be apart before one is shifted."""
 
@@ -30,6 +37,9 @@ class _TdmsChannel:
     offset: float
 
 
+_Groups: TypeAlias = dict[str, list[_TdmsChannel]]
+
+
 def read(raw: Raw, options: ReadOptions) -> FileTable:
     """Return the channels of a TDMS file, one segment for each group.
 
@@ -39,14 +49,15 @@ def read(raw: Raw, options: ReadOptions) -> FileTable:
         If groups hold different channels (name one with ``--part sheet``), or channels of one group
         differ in rate or length.
     """
-    nptdms = extra("nptdms", "npTDMS", "TDMS files")
+    extra("nptdms", "npTDMS", "TDMS files")
+    from nptdms.reader import TdmsReader
+
     with raw.open() as stream:
-        if raw.size > limits.VALUES:  # a number takes a byte at least: less cannot hold too many
-            _within(nptdms.TdmsFile.read_metadata(stream))
-            stream.seek(0)
-        file = nptdms.TdmsFile.read(stream)
-    _within(file)
-    groups = _groups(file, options.sheet)
+        file = TdmsReader(stream)
+        file.read_metadata()
+        objects = file.object_metadata
+        limits.within(sum(one.num_values for one in objects.values()), "the channels hold")
+        groups = _chosen(_scaled(stream) if _is_scaled(objects) else _bare(file), options.sheet)
     notes: list[str] = []
     blocks = [_block(channels, notes) for channels in groups.values()]
     first = next(iter(groups.values()))
@@ -62,14 +73,8 @@ def read(raw: Raw, options: ReadOptions) -> FileTable:
     )
 
 
-def _within(file: Any) -> None:
-    limits.within(sum(len(c) for g in file.groups() for c in g.channels()), "the channels hold")
-
-
-def _groups(file: Any, sheet: str | None) -> dict[str, list[_TdmsChannel]]:
+def _chosen(found: _Groups, sheet: str | None) -> _Groups:
     """The groups that hold numbers, or the one named; all with the same channels."""
-    scaled = _scaled(file)
-    found = {one.name: _channels(one, scaled=scaled or _scaled(one)) for one in file.groups()}
     groups = {name: channels for name, channels in found.items() if channels}
     if sheet is not None:
         if sheet not in groups:
@@ -85,30 +90,72 @@ def _groups(file: Any, sheet: str | None) -> dict[str, list[_TdmsChannel]]:
     return groups
 
 
-def _scaled(of: Any) -> bool:
-    return any(key.startswith(_SCALED) for key in of.properties)
+def _is_scaled(objects: Mapping[str, Any]) -> bool:
+    """Whether a channel, its group or the file says that what is stored is to be scaled."""
+    return any(
+        one.scaler_data_types or any(key.startswith(_SCALED) for key in one.properties)
+        for one in objects.values()
+    )
 
 
-def _channels(group: Any, *, scaled: bool) -> list[_TdmsChannel]:
-    found = []
-    for channel in group.channels():
-        # to look for a scale takes npTDMS longer than all else that it does here
-        bare = not (scaled or channel.scaler_data_types or _scaled(channel))
-        values = np.asarray(channel.raw_data if bare else channel[:])
-        if values.size and values.dtype.kind in "iuf":
-            properties = channel.properties
-            unit = next(
-                (str(properties[key]) for key in _UNITS if str(properties.get(key, "")).strip()),
-                None,
-            )
-            step = properties.get("wf_increment")
-            offset = float(properties.get("wf_start_offset", 0.0))
-            found.append(
-                _TdmsChannel(
-                    channel.name, unit, values.astype(float), float(step) if step else None, offset
+def _bare(file: Any) -> _Groups:
+    """The channels of a file as they are stored.
+
+    npTDMS's own objects cost twice as much as what they hold: of tens of thousands of channels they
+    are not made.
+    """
+    objects: Mapping[str, Any] = file.object_metadata
+    parts: dict[str, list[FloatArray]] = {}
+    for path, one in objects.items():
+        kind = getattr(one.data_type, "nptype", None)
+        if kind is not None and kind.kind in _NUMBERS:
+            parts[path] = []
+    for chunk in file.read_raw_data():
+        for path, part in chunk.channel_data.items():
+            if path in parts:
+                parts[path].append(part.data)
+    groups: _Groups = {}
+    for path, found in parts.items():
+        values = np.concatenate(found) if len(found) > 1 else found[0] if found else _NONE
+        if values.size:
+            group, name = _names(path)
+            channel = _channel(name, objects[path].properties, values)
+            groups.setdefault(group, []).append(channel)
+    return groups
+
+
+def _names(path: str) -> list[str]:
+    """The names of a channel's group and its own."""
+    found = _PATH.fullmatch(path)
+    if found is None:
+        raise ReadError(f"this TDMS file keeps numbers under '{path}', which names no channel")
+    return [one.replace("''", "'") for one in found.groups()]
+
+
+def _scaled(stream: Any) -> _Groups:
+    """The channels of a file as npTDMS scales them."""
+    from nptdms import TdmsFile
+
+    stream.seek(0)
+    groups: _Groups = {}
+    for group in TdmsFile.read(stream).groups():
+        for channel in group.channels():
+            values = np.asarray(channel[:])
+            if values.size and values.dtype.kind in _NUMBERS:
+                groups.setdefault(group.name, []).append(
+                    _channel(channel.name, channel.properties, values)
                 )
-            )
-    return found
+    return groups
+
+
+def _channel(name: str, properties: Mapping[str, Any], values: FloatArray) -> _TdmsChannel:
+    unit = next(
+        (str(properties[key]) for key in _UNITS if str(properties.get(key, "")).strip()), None
+    )
+    step = properties.get("wf_increment")
+    offset = float(properties.get("wf_start_offset", 0.0))
+    values = values.astype(float, copy=False)
+    return _TdmsChannel(name, unit, values, float(step) if step else None, offset)
 
 
 def _block(channels: list[_TdmsChannel], notes: list[str]) -> FloatArray:
@@ -155,5 +202,5 @@ def _aligned(channel: _TdmsChannel, time: FloatArray, step: float, notes: list[s
     return np.interp(time, own, channel.values)
 
 
-def _list(groups: dict[str, list[_TdmsChannel]]) -> str:
+def _list(groups: _Groups) -> str:
     return ", ".join(f"'{name}'" for name in list(groups)[:8])

@@ -169,12 +169,13 @@ def _factors(header: Sequence[str]) -> list[str]:
 
 def _odd_first_row(lines: Sequence[str], dialect: Dialect) -> list[str]:
     """Note a first row that is printed with other digits than all of the next."""
-    rows = list(islice((row for line in lines[:20] if (row := dialect.row(line))), _STEADY))
+    rows = islice((row for line in lines[:20] if (row := dialect.row(line))), _STEADY)
     printed = ([decimals(row[i], dialect.mark) for i in dialect.numbers] for row in rows)
-    if len(rows) < _STEADY:
+    first, second = next(printed, []), next(printed, [])
+    if any(map(eq, first, second)):  # as it nearly always is: no more are read
         return []
-    first, second = islice(printed, 2)
-    if any(map(eq, first, second)) or any(row != second for row in printed):
+    others = list(printed)
+    if len(others) < _STEADY - 2 or any(row != second for row in others):
         return []
     says = f"line {dialect.first + 1}, the first row, is printed otherwise than those below it"
     return [f"{says}: '{lines[0].strip()[:60]}'; if it is none, take it out"]

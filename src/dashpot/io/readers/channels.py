@@ -442,26 +442,30 @@ def load(
     if sure and loaded.doubts:
         raise ReadError(loaded.doubts[0][1].says)
     ends = (np.fmax.reduce(loaded.values, initial=0.0), -np.fmin.reduce(loaded.values, initial=0.0))
-    far = np.flatnonzero(np.fmax(*ends) >= _NINES).tolist()
-    notes = [note for j in far for note in _without_marks(loaded.values[:, j])]
+    tops = np.fmax(*ends)
+    far = np.flatnonzero(tops >= _NINES)
+    marked = [j for j, top in zip(far.tolist(), tops[far].tolist(), strict=True) if _is_mark(top)]
+    notes = [note for j in marked for note in _without_marks(loaded.values[:, j], tops[j])]
     return replace(loaded, notes=(*loaded.notes, *notes)) if notes else loaded
 
 
-def _without_marks(column: FloatArray) -> list[str]:
-    """Take the marks of no reading out of a column, with a note."""
+def _is_mark(top: float) -> bool:
+    """Whether the largest size of a column may be a mark of no reading: by its digits alone."""
+    return top >= _OVERLOAD or not f"{top:.10g}".strip("9.")
+
+
+def _without_marks(column: FloatArray, top: float) -> list[str]:
+    """Take the marks of no reading, of the largest size, out of a column, with a note."""
     size = np.abs(column)
-    top = float(np.fmax.reduce(size, initial=0.0))
     if top >= _OVERLOAD:
         marks = size >= _OVERLOAD
         says = "values of 9.9e37 or more are an instrument's overload mark, not numbers"
-    elif top >= _NINES and set(f"{top:.10g}") <= set("9."):
+    else:
         marks = size == top
         rest = float(np.fmax.reduce(size[~marks], initial=0.0))
         if not marks.any() or rest * _FAR > top:
             return []
         says = f"values of {column[marks][0]:.10g}, far beyond all others, are a mark of no reading"
-    else:
-        return []
     column[marks] = np.nan
     return [f"{marks.sum()} {says}"]
 

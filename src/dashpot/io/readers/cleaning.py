@@ -141,13 +141,14 @@ def drop_repeats(time: FloatArray, loaded: Loaded) -> tuple[BoolArray, list[str]
     falls = np.flatnonzero(steps < 0)
     if falls.size:
         i = int(falls[0])
+        part = ", read one part with --part segment=N" if len(loaded.starts) > 1 else ""
+        forward = steps[steps > 0]
+        rate = f"--rate {1 / median(forward):.6g}Hz" if forward.size else "--rate 1000Hz"
         raise ReadError(
             f"time falls from {time[i]:.9g} s to {time[i + 1]:.9g} s at "
             f"{loaded.where(i + 1)}: the clock was reset or rows are out of order "
-            f"({falls.size} such place{'s' * (falls.size > 1)}); split the file there, read one "
-            "part with --part segment=N, or give --rate 1000Hz (the true one) if the rows are "
-            "evenly "
-            "sampled throughout"
+            f"({falls.size} such place{'s' * (falls.size > 1)}); split the file there{part}, or "
+            f"give {rate} if the rows are evenly sampled throughout"
         )
     repeats = np.flatnonzero(steps == 0) + 1
     if repeats.size == 0:
@@ -157,13 +158,21 @@ def drop_repeats(time: FloatArray, loaded: Loaded) -> tuple[BoolArray, list[str]
         raise ReadError(
             f"{repeats.size} of {len(time)} time stamps repeat the one before, first "
             f"t = {time[repeats[0]]:.9g} s at {first}; the clock has too few "
-            "digits: export more, or give --rate 1000Hz (the true one) if the rows are evenly "
-            "sampled"
+            f"digits: export more, or give --rate {_mean_rate(time)}Hz if the rows are evenly "
+            "sampled, or the true one if that is another"
         )
     keep[repeats] = False
     return keep, [
         f"{repeats.size} repeated time stamp{'s' * (repeats.size > 1)} left out, first at {first}"
     ]
+
+
+def _mean_rate(time: FloatArray) -> str:
+    """The rate of rows whose clock has too few digits: between its first and its last tick."""
+    ticks = np.flatnonzero(np.diff(time) > 0) + 1
+    if len(ticks) < 2:
+        return "1000"
+    return f"{(ticks[-1] - ticks[0]) / (time[ticks[-1]] - time[ticks[0]]):.6g}"
 
 
 def clock_notes(time: FloatArray) -> list[str]:
@@ -172,7 +181,7 @@ def clock_notes(time: FloatArray) -> list[str]:
     step = median(steps) if len(time) > 1 else 0.0
     if step <= 0:
         return []
-    rate, leaps = 1 / step, _leaps(time, steps)
+    rate, leaps = 1 / step, [*_late_start(steps), *_leaps(time, steps)]
     if len(steps) > 1 and steps[-1] / _LAST > steps[:-1].max():
         says = (
             f"the last row stands {steps[-1]:.6g} s behind the one before it, further than any "
@@ -185,6 +194,18 @@ def clock_notes(time: FloatArray) -> list[str]:
     says = (
         f"sampled at {rate:.3g} Hz, if the unit of time is right: are {unit}? "
         'Say it with --units "time=ms"'
+    )
+    return [says]
+
+
+def _late_start(steps: FloatArray) -> list[str]:
+    """Say if the first row stands far before all others, which a jump may have parted from it."""
+    rest = steps[1:].max(initial=0.0)
+    if len(steps) < 2 * _BESIDE or not steps[0] > _LEAP * rest:
+        return []
+    says = (
+        f"the first row stands {steps[0]:.6g} s before the one after it, further than any other "
+        f"(up to {rest:.6g} s): does it belong to the record?"
     )
     return [says]
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -33,6 +33,10 @@ COURSE_ROWS = 400
 """Rows that an inspection keeps for a picture."""
 
 _COURSE = "_course"
+_FIRST = 5
+"""Numbers that are shown of a column."""
+_First: TypeAlias = Mapping[int, tuple[float | None, ...]]
+_NO_ROLE = (None, "")
 _DOCUMENT = "json"
 _WELCOME = {
     "velocity", "temperature", "real", "imaginary", "magnitude", "phase", "coherence", "stretch",
@@ -199,12 +203,13 @@ def inspect_opened(file: Opened) -> Inspection:
     inspection = Inspection(
         file=raw.name, sha256=raw.sha256, format=table.format, kind=kind, reason=reason,
         encoding=table.encoding, delimiter=table.delimiter, decimal=table.decimal,
-        header=table.header, columns=_columns(table, by_index, roles), rows=len(loaded.values),
+        header=table.header, rows=len(loaded.values),
+        columns=_columns(table, _first(numbers, loaded.values), roles),
         rate=rate, even=even, duration=duration, segments=_segments(loaded, time),
         warnings=tuple(warnings), questions=(*table.doubts, *doubts, *questions),
         simulated=table.simulated,
     )  # fmt: skip
-    vars(inspection)[_COURSE] = _course(len(table.columns), by_index)
+    vars(inspection)[_COURSE] = _course(len(table.columns), numbers, loaded.values)
     return inspection
 
 
@@ -217,26 +222,32 @@ def _look_swapped(by_index: dict[int, FloatArray], roles: dict[int, tuple[Role, 
     return bool(whole.any()) and cleaning.swapped(moved[whole], pushed[whole])
 
 
-def _course(columns: int, by_index: dict[int, FloatArray]) -> FloatArray:
+def _course(columns: int, numbers: Sequence[int], values: FloatArray) -> FloatArray:
     """Return rows spread evenly over the record, of every column."""
-    rows = max((len(values) for values in by_index.values()), default=0)
+    rows = len(values) if numbers else 0
     at = np.unique(np.linspace(0, rows - 1, min(rows, COURSE_ROWS)).astype(int))
     course = np.full((len(at), columns), np.nan)
-    for i, values in by_index.items():
-        course[:, i] = values[at]
+    course[:, numbers] = values[at]
     return course
 
 
 def _columns(
-    table: FileTable, by_index: dict[int, FloatArray], roles: dict[int, tuple[Role, str]]
+    table: FileTable, first: _First, roles: dict[int, tuple[Role, str]]
 ) -> tuple[InspectedColumn, ...]:
     columns = []
     for i, column in enumerate(table.columns):
-        role, why = roles.get(i, (None, ""))
-        cells = by_index[i][:5].tolist() if i in by_index else []
-        first = tuple(None if math.isnan(value) else value for value in cells)
-        columns.append(InspectedColumn(i + 1, column.name, column.unit, role, why, first))
+        role, why = roles.get(i, _NO_ROLE)
+        cells = first.get(i, ())
+        columns.append(InspectedColumn(i + 1, column.name, column.unit, role, why, cells))
     return tuple(columns)
+
+
+def _first(numbers: Sequence[int], values: FloatArray) -> _First:
+    """The first few numbers of each column of numbers: None where there is none."""
+    rows = values[:_FIRST]
+    cells = rows.astype(object)
+    cells[np.isnan(rows)] = None
+    return dict(zip(numbers, map(tuple, cells.T.tolist()), strict=True))
 
 
 def _proposal(file: Opened, kind: str) -> tuple[dict[int, tuple[Role, str]], list[Question]]:

@@ -8,11 +8,13 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
 
+from dashpot.base import units
 from dashpot.base.arrays import FloatArray, kept, measured
 from dashpot.base.errors import DataError, ReadError
-from dashpot.io.columns.kinds import RECOGNISED, KindOfFile, kind_of
-from dashpot.io.columns.vocabulary import Role
-from dashpot.io.options import PROFILE, ReadOptions
+from dashpot.io.columns.kinds import RAMP, RECOGNISED, KindOfFile, kind_of
+from dashpot.io.columns.roles import EXAMPLE, handle, suited
+from dashpot.io.columns.vocabulary import DIMENSION, Role
+from dashpot.io.options import PROFILE, ReadOptions, flag
 from dashpot.io.readers import channels
 from dashpot.io.readers.channels import Opened
 from dashpot.io.readers.relaxation import moving_columns, recorded
@@ -139,6 +141,30 @@ def recognise(
         found = Recognised(kind, reason, simulated=file.table.simulated, on_a_base=shaken)
     channels.leave_open(path, file)
     return found
+
+
+def as_a_ramp(path: str | Path, options: ReadOptions | None = None) -> str:
+    """Return the options that make a relaxation test of a file, as they are typed.
+
+    Each role has the likeliest column that is free, and a unit where the file tells none; of fewer
+    than three columns of numbers, and of what is no table, nothing is returned.
+    """
+    file = look(path, options)
+    if isinstance(file, Recognised):
+        return ""
+    free = [i for i, one in enumerate(file.table.columns) if one.content in {"number", "clock"}]
+    if len(free) < len(RAMP):
+        return ""
+    columns, names, lacking = file.table.columns, [], []
+    for role in RAMP:
+        scores = suited(file.table, role, file.options)
+        at = max(free, key=lambda i: (scores.get(i, 0.0), -i))
+        free.remove(at)
+        names.append(f'{flag(role)}="{handle(columns, at)}"')
+        word = file.unit_word(at, role)
+        if columns[at].content == "number" and not (word and units.find(word, DIMENSION[role])):
+            lacking.append(f"{role}={EXAMPLE[role]}")
+    return " ".join([*names, *([f'--units "{",".join(lacking)}"'] if lacking else [])])
 
 
 @kept

@@ -88,7 +88,7 @@ class Dialect:
         """Whether there are numbers enough, and more than words, where numbers are expected."""
         filled = blank = words = said = 0
         for i in self.numbers:
-            if self.value(found[i], i) is not None:
+            if self._is_value(found[i], i):
                 filled += 1
                 if 2 * filled > len(self.numbers):  # whatever the others hold
                     return True
@@ -132,6 +132,12 @@ class Dialect:
 
     def _decimals(self, line: str) -> list[int | None]:
         return [decimals(text, self.mark) for text in cell.split(line, self.delimiter)]
+
+    def _is_value(self, text: str, column: int) -> bool:
+        """Whether :meth:`value` finds one."""
+        if self.contents[column] == "clock":
+            return instant(text) is not None
+        return cell.is_number(text, self.mark)
 
     def value(self, text: str, column: int) -> float | None:
         """The number in a cell of a column, or None."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import zip_longest
 
 from dashpot.base import units
@@ -20,6 +20,7 @@ _REACH = 6
 _COUNTERS = {"index", "no", "nr", "n", "number", "point", "reading", "row", "nummer", "messpunkt"}
 """Names of a first column that counts the rows, and has no unit."""
 _MARKS = ("\t", ";", ",", "|")
+_TINY = 1e-9
 
 
 def uncomment(line: str, delimiter: str) -> str:
@@ -60,9 +61,8 @@ def read_header(lines: Sequence[str], dialect: Dialect) -> Header:
     width = len(dialect.contents)
     each = zip_longest(names[:width], words[:width], dialect.contents)
     padded = [(name or "", word, content) for name, word, content in each]
-    columns = (_column(name, word, content) for name, word, content in padded)
     return Header(
-        tuple(replace(column, unit=scaled(column.name, column.unit)) for column in columns),
+        tuple(_column(name, word, content) for name, word, content in padded),
         tuple(_clock(name, word) if content == "clock" else "" for name, word, content in padded),
         misfit,
         uneven,
@@ -78,7 +78,7 @@ def _from_the_left(
     missing or added further left, nobody knows where, and none is taken.
     """
     width = len(dialect.contents)
-    if len(odd) == width - 1 and vocabulary.plain(names[0]) in _COUNTERS:
+    if len(odd) == width - 1 and odd[0] and vocabulary.plain(names[0]) in _COUNTERS:
         return ["", *odd], ""
     says = f"the row of units has {len(odd)} cells for {width} columns ('{odd[0]}' ... '{odd[-1]}')"
     pairs = list(zip(names[:width], map(_strip, odd), strict=False))
@@ -144,16 +144,22 @@ def _is_open(line: str) -> bool:
 def _column(name: str, word: str | None, content: Content) -> Column:
     if content == "clock":  # read as seconds, whatever "hh:mm:ss" stands over it
         return Column(part_unit(name)[0], "s", content)
+    named, unit = _parted(name, word)
+    return Column(named, scaled(named, unit), content)
+
+
+def _parted(name: str, word: str | None) -> tuple[str, str | None]:
+    """The name and the unit of a column, of which its name and the row of units may hold one."""
     stem, inner = part_unit(name)
     if word is None or not word.strip(" -[]()<>{}"):
-        return Column(stem, inner, content)
+        return stem, inner
     unit = _strip(word)
     if inner is None or units.same(inner, unit):
-        return Column(name if inner is None else stem, unit, content)
+        return name if inner is None else stem, unit
     shared = set(units.dimensions(inner)) & set(units.dimensions(unit))
     if units.find(unit) is not None and (shared or is_unit_of(stem, inner)):
-        return Column(stem, _either(inner, unit), content)
-    return Column(name, unit, content)
+        return stem, _either(inner, unit)
+    return name, unit
 
 
 def _either(first: str, second: str) -> str:
@@ -266,12 +272,27 @@ def _pick(rows: Sequence[list[str]], dialect: Dialect) -> tuple[list[str], list[
             words = _both(row, words) if words else row
         elif _is_names(row, dialect):
             beside = not words and len(above) == len(row) and _is_units(above, dialect)
-            return row, above if beside else words, odd
+            words = above if beside else words
+            return _under(row, above, words), words, odd
         elif not words and not odd and len(row) > 1 and _holds_units(row):
             odd = row
         elif any(row) and (words or len(row) >= max(2, width - 1)):
             break
     return [], words, odd
+
+
+def _under(row: Sequence[str], above: Sequence[str], words: Sequence[str]) -> list[str]:
+    """The names, and where one is blank the one above it that is a name with its unit.
+
+    So stands a cell that runs over both rows of names of a sheet: its text is in the upper one.
+    """
+    found = list(row)
+    for i, (name, upper) in enumerate(zip(row, above, strict=False)):
+        word = words[i] if i < len(words) else part_unit(upper)[1]
+        known = word is not None and units.find(_strip(word) if word.strip() else "") is not None
+        if not name and known and vocabulary.matches(part_unit(upper)[0]):
+            found[i] = upper
+    return found
 
 
 def _both(above: Sequence[str], below: Sequence[str]) -> list[str]:
@@ -303,11 +324,22 @@ def _holds_units(row: Sequence[str]) -> bool:
     filled = [_strip(text) for text in row if text.strip(" -[]()")]
     if not filled:
         return False
-    known = sum(units.find(word) is not None or _unit_shape(word) for word in filled)
-    named = any(vocabulary.plain(word) in vocabulary.FIRST for word in filled)
-    named = named or all(map(_is_name_over_unit, filled))
+    if any(vocabulary.plain(word) in vocabulary.FIRST for word in filled):
+        return False
+    if all(map(_is_name_over_unit, filled)):
+        return False
     bracketed = sum(map(_is_bracketed, row)) == len(filled)
-    return not named and (known >= 0.6 * len(filled) or bracketed)
+    return bracketed or _most_are_units(filled)
+
+
+def _most_are_units(words: Sequence[str]) -> bool:
+    """Whether most words are units, or built like one: no more are judged than decide it."""
+    left = len(words) - 0.6 * len(words)
+    for word in words:
+        left -= units.find(word) is None and not _unit_shape(word)
+        if left < -_TINY:
+            return False
+    return True
 
 
 def _is_name_over_unit(word: str) -> bool:

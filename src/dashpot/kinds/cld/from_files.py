@@ -120,6 +120,11 @@ class Pieces(Checked, Judged, Documented):
     rate: RateLaw | None = None
 
     @property
+    def kept(self) -> Pieces | Fit:
+        """The fit, if there is one."""
+        return self.fit or self
+
+    @property
     def unit(self) -> str:
         """Of a force."""
         return self.pieces[0].unit

@@ -303,6 +303,21 @@ def stable_in_use(
     )
 
 
+@criterion("difference of Poisson's ratio", "|x| <=", 0.05, "our choice: a tape or camera errs so")
+def sideways_agrees(ratio: float, told: float | None, *, foam: bool) -> Finding:
+    """The law swells sideways as the piece did."""
+    if told is None:
+        return Finding("No strain sideways was measured, so Poisson's ratio is not held against it")
+    return Finding(
+        f"The strain sideways shows Poisson's ratio {told:.2g}, and the law has {ratio:.2g}",
+        told - ratio,
+        "The law moves sideways otherwise than the piece did",
+        Remedy("Give the ratio that was measured.", "poisson", f"{min(max(told, 0.0), 0.49):.2g}")
+        if foam
+        else Remedy("Ask for the law of a foam.", "model", "hyperfoam"),
+    )
+
+
 @criterion("modes tested", ">=", 2.0, "own truths: one tension test is off by up to 18 % elsewhere")
 def modes_enough(modes: int, *, both: bool, foam: bool) -> Finding:
     """Two modes tell a law: one is followed by many that differ in the others."""

@@ -30,6 +30,8 @@ from dashpot.solids.hyperelastic import POWERS, SHEARING, Hyperelastic, Mode, di
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 MOST_TERMS = 3
+SWELLS = 0.45
+"""Poisson's ratio below which a strain sideways shows a foam: rubber has 0.499, and a tape errs."""
 _WORTH = 0.95
 """Times the residual of one term fewer, at most, of a law that a further term is tried for."""
 
@@ -53,11 +55,12 @@ def fit_hyperelastic(
         At least one changes the shape. Modes weigh alike, however many rows or files each has.
     law : str
         ``"auto"`` takes the law of least BIC among those that are stable over the stretches of use:
-        of rubber, or of foam where Poisson's ratio is given.
+        of rubber, or of foam where Poisson's ratio is given, or a strain sideways shows it.
     terms : int or "auto"
         Of ``"ogden"`` and ``"hyperfoam"``, 1 to 3; ``"auto"`` by BIC.
     poisson : float, optional
-        Of a foam; sought where it is not given and there are two modes.
+        Of a foam; where it is not given, that of the strain sideways of one mode, or else sought
+        by two.
     memory : GeneralizedMaxwell, optional
         Whose k_inf is 1; taken off every test.
     cycle : int, optional
@@ -73,7 +76,12 @@ def fit_hyperelastic(
         If there is no test that changes the shape, or what was asked for does not fit together.
     """
     curves = [elastic_curve(one, memory=memory, cycle=cycle) for one in tests]
-    foam = law == "hyperfoam" or (law == "auto" and poisson is not None)
+    shown = [one.poisson for one in tests if one.poisson is not None]
+    told = sum(shown) / len(shown) if shown else None
+    swells = told is not None and told < SWELLS
+    foam = law == "hyperfoam" or (law == "auto" and (poisson is not None or swells))
+    if foam and swells and poisson is None and len({one.mode for one in curves}) == 1:
+        poisson = told
     _refuse(curves, law, terms, poisson, foam=foam)
     fitted, volumetric = _parted(curves, foam=foam)
     tried = _of_foam(fitted, terms, poisson) if foam else _of_rubber(fitted, terms)
@@ -106,6 +114,7 @@ def fit_hyperelastic(
         temperature,
     )
     judged = checks.judge(kept, chosen, tried, derived, known.quantile(), asked=stretches)
+    judged = (*judged, checks.sideways_agrees(chosen.law.poisson, told, foam=foam))
     return replace(kept, checks=judged)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,13 +11,14 @@ from dashpot.base import units
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
 from dashpot.io.columns import vocabulary
-from dashpot.io.columns.roles import quoted, suited
+from dashpot.io.columns.roles import handle, quoted, suited
 from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers import channels, checks
 from dashpot.io.readers.channels import Channel, Opened
 from dashpot.io.readers.relaxation import signals
 from dashpot.kinds.hyperelastic.asked import Measures
+from dashpot.kinds.hyperelastic.prepare import poisson_of
 from dashpot.kinds.hyperelastic.record import StressStrainTest
 from dashpot.solids.hyperelastic import Mode
 
@@ -74,10 +76,44 @@ def read_stress_strain(
             stated = stated and said_so
             # in each mode the area across is the volume over the length
             stress = stress / strain if true else stress
+        poisson = None
+        if mode == "uniaxial" and elongated == "strain":
+            poisson, said_sideways = _sideways(file, chosen[-2], measures, pressed=pressed)
+            notes += said_sideways
         source = channels.source(file, [one.says for one in chosen], notes)
         return StressStrainTest(
-            mode, strain, stress, values.get("time"), stated, source, units="SI"
+            mode, strain, stress, values.get("time"), stated, source, poisson, units="SI"
         )
+
+
+def _sideways(
+    file: Opened, along: Channel, measures: Measures, *, pressed: bool
+) -> tuple[float | None, list[str]]:
+    """Poisson's ratio of a column of strain square to the force, and what is said of it."""
+    columns = file.table.columns
+    found = [
+        i
+        for i, one in enumerate(columns)
+        if i != along.index
+        and one.content == "number"
+        and vocabulary.has_word(one.name, vocabulary.SIDEWAYS)
+        and one.unit
+        and units.find(one.unit, "strain")
+    ]
+    if not found:
+        return None, []
+    index = found[0]
+    named = replace(file, options=replace(file.options, strain=handle(columns, index)))
+    (across,) = channels.choose(named, ["strain"])
+    loaded = channels.load(file.table, [along.index, index], file.options.segment)
+    rows, _ = channels.whole_rows(loaded)
+    strains = [one.unit.factor * rows[:, j] for j, one in enumerate((along, across))]
+    if pressed:  # both are sizes
+        strains = [-np.abs(strains[0]), np.abs(strains[1])]
+    true = [_is_true(file, one, measures.strain_is)[0] for one in (along, across)]
+    ratio = poisson_of(*(np.exp(e) if log else 1 + e for e, log in zip(strains, true, strict=True)))
+    more = f"; {len(found) - 1} more such columns are left out" if len(found) > 1 else ""
+    return ratio, [f"{quoted(columns, index)} shows Poisson's ratio {ratio:.3g}{more}"]
 
 
 def _refuse_sizes(

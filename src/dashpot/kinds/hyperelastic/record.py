@@ -21,6 +21,8 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 
 LEAST_ROWS = 4
 MOST_STRETCH = 20.0
+MOST_POISSON = 0.6
+"""That a strain sideways may show: 0.5, and what a tape or a camera is off."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -42,6 +44,9 @@ class StressStrainTest(ByValue, Described):
     stated : bool
         Whether it was said what stress and strain are over; else both were taken to be nominal.
     source : Source or None
+    poisson : float or None
+        Poisson's ratio that the strain sideways shows, of a uniaxial test: 0 to 0.6, where 0.5
+        keeps the volume; None where it was not measured.
     units : str
         Of the arrays, in their order: ``"s, mm, N"``, or ``"SI"``. Within they are in SI.
 
@@ -66,11 +71,14 @@ class StressStrainTest(ByValue, Described):
     time: FloatArray | None = None
     stated: bool = True
     source: Source | None = None
+    poisson: float | None = None
     units: str = said_units()
 
     def __post_init__(self) -> None:
         into_si(self, stretch="strain", stress="stress", time="time")
         hold_measured(self, "stretch", "stress", "time", minimum=LEAST_ROWS)
+        if self.poisson is not None:
+            self._refuse_sideways(self.poisson)
         low, high = float(self.stretch.min()), float(self.stretch.max())
         if not (low > 1 / MOST_STRETCH and high < MOST_STRETCH):
             raise DataError(
@@ -80,6 +88,19 @@ class StressStrainTest(ByValue, Described):
         if not (high > low and np.ptp(self.stress) > 0):
             still = "stretch" if high == low else "stress"
             raise DataError(f"the {still} never changes: nothing was deformed")
+
+    def _refuse_sideways(self, ratio: float) -> None:
+        if self.mode != "uniaxial":
+            raise DataError(
+                f"a strain sideways tells Poisson's ratio of a uniaxial test, and this one is "
+                f"{self.mode}; leave it out"
+            )
+        if not 0 <= ratio <= MOST_POISSON:
+            raise DataError(
+                f"the strain sideways shows a Poisson's ratio of {ratio:.3g}; expected 0 to "
+                f"{MOST_POISSON:g}. Check its unit and its sign: it grows where the piece is "
+                "pressed, and falls where it is pulled"
+            )
 
     @property
     def described(self) -> tuple[str, ...]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -17,9 +17,11 @@ from dashpot.kinds.level.record import AmplitudeFit, AmplitudeSweep
 from dashpot.kinds.level.response import receptance_at_level
 from dashpot.plot.direct import FREQUENCY
 from dashpot.plot.picture import (
+    BENEATH,
     FIT,
     PREDICTED,
     REF,
+    UPON,
     Area,
     Dots,
     Line,
@@ -35,7 +37,7 @@ from dashpot.plot.picture import (
 )
 from dashpot.plot.stamps import of_test
 from dashpot.plot.stamps import stamp as stamped
-from dashpot.plot.tokens import SEQUENTIAL, sequential
+from dashpot.plot.tokens import sequential
 from dashpot.plot.vibration import SHOWN
 from dashpot.records.frf import FRF, Kind
 from dashpot.records.relaxation import RelaxationTest
@@ -47,6 +49,8 @@ _HEIGHT = 240.0
 _WIDE = 860.0
 _THIN = Pen("fit", 1.2)
 _LINES = 121
+_SMALL, _MULTIPLES = 130.0, 5
+"""Height of a loop, px, and how many are shown."""
 _BINS = 16
 """Means in a decade of amplitude."""
 
@@ -80,10 +84,10 @@ def level(
 
 
 def loops(test: RelaxationTest, fit: AmplitudeFit | None = None, *, stamp: str = "") -> Picture:
-    """Hysteresis loops: force over displacement at several amplitudes, as recorded and to scale.
+    """Hysteresis loops of several amplitudes, side by side, each over its own amplitude.
 
-    The second panel has each loop over its own amplitude: how steep it is, is its stiffness, how
-    wide, its loss. With a fit its loops, ellipses, and stiffness and loss over amplitude.
+    How steep a loop is, is its stiffness, how wide, its loss. With a fit its ellipses beneath them,
+    and stiffness and loss over amplitude above.
 
     Parameters
     ----------
@@ -96,34 +100,32 @@ def loops(test: RelaxationTest, fit: AmplitudeFit | None = None, *, stamp: str =
     """
     shown = _apart(steady_cycles(test))
     word, mm = unit_of(np.array([one.amplitude for one in shown]), "m")
-    force, N = unit_of(np.concatenate([one.force for one in shown]), "N")
-    recorded: list[Line] = []
-    scaled: list[Line] = []
-    for one, colour in zip(shown, sequential(len(shown)), strict=True):
+    drawn: list[tuple[str, list[Line]]] = []
+    for one in shown:
+        curves = [] if fit is None else [(BENEATH, "fitted loop", *_ellipse(one, fit))]
+        curves.append((UPON, "measured", one.displacement, one.force))
         X = one.amplitude
-        label = f"{mm * X:.3g} {word}"
-        curves = [(Pen(colour, 3.2), label, one.displacement, one.force)]
-        if fit is not None:
-            said = "" if recorded else "fit"
-            curves.append((_THIN, said, *_ellipse(one, fit)))
-        for pen, name, x, F in curves:
-            recorded.append(Line(mm * _closed(x), N * _closed(F), pen, name))
-            scaled.append(Line(_closed(x) / X, in_unit(_closed(F) / X, "N/mm"), pen, name))
-    panels = [
-        _looped("as recorded", f"displacement, {word}", f"force, {force}", recorded),
-        _looped("each to its amplitude", "displacement over its amplitude, 1",
-                "force over that amplitude, N/mm", scaled),
-    ]  # fmt: skip
-    if fit is not None:
-        panels += _over_amplitude(sweep_of_loops(test), fit)
-    caption = "Hysteresis loops at several amplitudes, and what they say of stiffness and loss."
-    strips = tuple((panel,) for panel in panels)
-    return Picture("loops", caption, strips, 2, stamp or of_test(test), width=_WIDE)
+        lines = [
+            Line(_closed(x) / X, in_unit(_closed(F) / X, "N/mm"), pen, name)
+            for pen, name, x, F in curves
+        ]
+        drawn.append((f"{mm * X:.3g} {word}", lines))
+    above = [] if fit is None else _over_amplitude(sweep_of_loops(test), fit)
+    caption = "Hysteresis loops, each over its own amplitude X: force F over displacement x" + (
+        "." if fit is None else ", and stiffness and loss over amplitude."
+    )
+    strips = tuple((panel,) for panel in (*above, *_looped(drawn)))
+    rows = tuple(count for count in (len(above), len(drawn)) if count)
+    return Picture("loops", caption, strips, 2, stamp or of_test(test), width=_WIDE, rows=rows)
 
 
-def _looped(title: str, across: str, upright: str, lines: Sequence[Line]) -> Panel:
-    x, y = around(*(one.x for one in lines)), around(*(one.y for one in lines))
-    return Panel(Scale(across, x), Scale(upright, y), tuple(lines), title=title, height=_HEIGHT)
+def _looped(drawn: Sequence[tuple[str, Sequence[Line]]]) -> Iterator[Panel]:
+    """Small multiples on one pair of scales."""
+    every = [one for _, lines in drawn for one in lines]
+    x = Scale("x/X, 1", around(*(one.x for one in every)), ticks=(-1, 0, 1))
+    y = Scale("F/X, N/mm", around(*(one.y for one in every)))
+    for title, lines in drawn:
+        yield Panel(x, y, tuple(lines), title=title, height=_SMALL)
 
 
 def amplitude_sweep(
@@ -211,12 +213,12 @@ def hits_as_levels(found: HitLevels, *, stamp: str = "") -> Picture:
 
 
 def _apart(cycles: Sequence[HysteresisLoop]) -> list[HysteresisLoop]:
-    """A cycle of each amplitude, the smallest first; of many, as many as have colours."""
+    """A cycle of each amplitude, the smallest first; of many, as many as stand in a row."""
     found: list[HysteresisLoop] = []
     for one in sorted(cycles, key=lambda one: one.amplitude):
         if not found or one.amplitude > 1.1 * found[-1].amplitude:
             found.append(one)
-    chosen = np.linspace(0, len(found) - 1, min(len(found), len(SEQUENTIAL))).round().astype(int)
+    chosen = np.linspace(0, len(found) - 1, min(len(found), _MULTIPLES)).round().astype(int)
     return [found[i] for i in chosen]
 
 

@@ -154,6 +154,11 @@ class SlamFit(ByValue, Numbered, Judged, Documented):
     sources: tuple[Source, ...] = ()
 
     @property
+    def kept(self) -> Fit:
+        """The fit, no calmer than the verdict."""
+        return self.fit.weighed_by(self.verdict)
+
+    @property
     def source(self) -> Source | None:
         """The first file behind it."""
         return next(iter(self.sources), None)

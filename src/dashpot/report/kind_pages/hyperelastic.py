@@ -19,7 +19,7 @@ def page(found: HyperelasticFit) -> KindPage:
     """What the page of a hyperelastic law holds."""
     use = frozenset({"stable_in_use", "use_measured", "volume_known"})
     law = frozenset({"law_followed", "no_law_closer", "foam_no_closer", "constants_known",
-                     "modes_enough", "modes_told"})  # fmt: skip
+                     "modes_enough", "modes_told", "sideways_agrees"})  # fmt: skip
     asked = {"Curves": frozenset[str](), "Law": law, "Use": use}
     left = f"{rounded(100 * max(found.residuals), digits=2)} % left"
     curves = tuple(

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from dashpot import plot
-from dashpot.base.facts import Fact
+from dashpot.base.facts import NORMAL, Fact
 from dashpot.base.numbers import counted, duration, hertz, rounded
-from dashpot.base.units import celsius, in_unit, read_in, written
+from dashpot.base.units import in_unit, read_in, written
 from dashpot.fitting.uncertainty.prediction_bounds import parameter_band, unseen_arm_band
 from dashpot.plot.picture import Span
 from dashpot.records.fit import Fit
@@ -209,15 +209,33 @@ def _in_band(fit: Fit) -> Iterator[Row]:
 def _of_temperatures(fit: Fit) -> Iterator[Group]:
     moved = fit.temperatures
     assert moved is not None  # noqa: S101
+    # an error of the noise alone is no interval, and says so
+    alone = "" if fit.estimate.of_noise is None else f" ({fit.error_beside})"
     if moved.constants:
         law = {"wlf": "WLF", "arrhenius": "Arrhenius"}.get(moved.law.kind, "law")
-        yield group(f"{law} about {written(moved.reference, '°C', '.4g')}", moved.constants)
+        yield Group(
+            f"{law} about {written(moved.reference, '°C', '.4g')}{alone}",
+            tuple(_by_error(one, alone=bool(alone)) for one in moved.constants),
+        )
     every = moved.shifts
     ends = every if len(every) <= _FEW_ARMS // 2 else (every[0], every[len(every) // 2], every[-1])
     yield Group(
-        "Shift, log₁₀ a_T",
-        tuple(row(one.facts[0], f"At {celsius(one.temperature)}") for one in ends),
-    )
+        f"Shift, log₁₀ a_T{alone}",
+        tuple(
+            _by_error(one.facts[0], f"At {written(one.temperature, '°C', '.4g')}",
+                      alone=bool(alone))
+            for one in ends
+        ),
+    )  # fmt: skip
+
+
+def _by_error(fact: Fact, name: str = "", *, alone: bool) -> Row:
+    """A number with its standard error: as its 95 % interval, or beside it where that is more."""
+    error = fact.error or 0.0
+    if alone or not 0 < error < math.inf:
+        return row(fact, name)._replace(value=fact.cells.with_error)
+    half = NORMAL * error
+    return row(replace(fact, low=fact.value - half, high=fact.value + half), name)
 
 
 def _moreof_solid(fit: Fit) -> Iterator[Fold]:

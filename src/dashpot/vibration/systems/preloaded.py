@@ -480,7 +480,9 @@ class _PressedBalance:
         DataError
             If none is reached.
         """
-        z, done, n = self.at_rest(), 0.0, 2 * self.most + 1
+        z, done, reached, n = self.at_rest(), 0.0, 0.0, 2 * self.most + 1
+        turned = (-1.0) ** np.arange(self.most + 1)
+        half = np.concatenate((turned, turned[1:], [-1.0]))
         toward = self._toward(z, np.append(np.zeros(n), 1.0))
         # lengths over those of the linear answer, and of the level
         scale, step = np.append(np.full(n, np.abs(toward[1:n]).max()), 1.0), 2.0
@@ -498,13 +500,19 @@ class _PressedBalance:
                 continue
             if last:
                 return self._balanced(found[:n])
+            if found[n] > 1:  # the level lies between, and is met from below
+                step = length / 2
+                continue
+            if found[n] < 0:  # the same motion half a period later: light arms turn it in one step
+                found, tangent = half * found, half * tangent
             z, done = found[:n], float(found[n])
+            reached = max(reached, done)
             toward = self._toward(z, tangent / scale**2)
             tangent = toward / np.linalg.norm(toward / scale)
             step = 1.5 * length
         raise DataError(
             f"at {self.hz:.5g} Hz no steady answer at the drive's period is reached above "
-            f"{done * self.level:.4g} N, and {self.level:.4g} N was asked for; ask for a lower "
+            f"{reached * self.level:.4g} N, and {self.level:.4g} N was asked for; ask for a lower "
             "level, or another frequency"
         )
 
