@@ -44,8 +44,8 @@ from dashpot.fitting.nonlinear_ramp.thinning import ThinnedRows, thinned
 from dashpot.records.relaxation import RampHold
 
 # a law that moves the path by less than this part of the depth is not worth having: behind one of
-# .3 to 1 % that is not taken, what a linear solid leaves on the ramp doubts sound records
-LEAST_GAP = 0.002
+# .1 to 1 % that is not taken, what a linear solid leaves on the ramp doubts sound records
+LEAST_GAP = 5e-4
 
 # a knot of the law needs so many rows of the ramp
 _ROWS_PER_KNOT = 2
@@ -75,7 +75,7 @@ def ramp_law(
         :func:`~dashpot.fitting.nuisance.priors`. The force is free of hum.
     law : "auto", "linear" or "nonlinear"
         ``"auto"`` keeps the linear law where it is sound, where no other lowers BIC by 10, or
-        where none moves the path by .2 % of the depth.
+        where none moves the path by .05 % of the depth.
     arms : int, optional
         By default as many as the holds support by BIC, and one faster one if the ramps do.
     max_arms : int
