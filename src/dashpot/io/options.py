@@ -14,7 +14,7 @@ from dashpot.base.parsing import parsed_toml
 from dashpot.base.units import parse_quantity, si_fields
 from dashpot.io.source import open_raw
 
-_DELIMITERS = {
+DELIMITERS = {
     "tab": "\t", "\\t": "\t", "comma": ",", "semicolon": ";", "space": " ", "spaces": " ",
     "pipe": "|", "colon": ":", "fixed": "fixed",
 }  # fmt: skip
@@ -304,9 +304,9 @@ def _known_encoding(word: str) -> None:
 
 
 def _delimiter(word: str | None) -> str | None:
-    mark = word and _DELIMITERS.get(word.lower(), word)
+    mark = word and DELIMITERS.get(word.lower(), word)
     if mark is not None and len(mark) != 1 and mark != "fixed":
-        words = ", ".join(_DELIMITERS)
+        words = ", ".join(DELIMITERS)
         raise DataError(f"delimiter '{word}'; expected one character or {words}")
     return mark
 
