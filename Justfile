@@ -36,6 +36,7 @@ nightly:
     room="$(mktemp -d)"
     trap 'rm -rf "$room"' EXIT
     night="$room/night"
+    export HYPOTHESIS_PROFILE=night
     failed=0
     pytest -q -m slow --junitxml "$night/slow.xml" || failed=1
     DASHPOT_FUZZ=1 pytest -q -m fuzz --junitxml "$night/fuzz.xml" || failed=1

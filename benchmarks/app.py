@@ -45,7 +45,7 @@ LISTEN = """() => {
     return seen(name);
   };
   // from the user's own event on: what drives this browser from outside is not the page's time
-  for (const name of ['pointermove', 'input'])
+  for (const name of ['pointermove', 'keydown'])
     addEventListener(name, (event) => { window.moved = event.timeStamp; }, true);
   new PerformanceObserver((list) => {
     for (const one of list.getEntries()) window.long.push(one.duration);
@@ -99,9 +99,9 @@ def drive(page: Page, seal: Path, hammer: Path) -> None:
     since = time.perf_counter()
     page.locator("#pick").set_input_files(str(seal))
     page.locator('[data-panel="hold"] svg.figure').wait_for()
-    say("file dropped to first plot", 1e3 * (time.perf_counter() - since), "ms")
+    say("file dropped to first plot", 1e3 * (time.perf_counter() - since), "ms", 500)
     done(page)
-    page.get_by_role("button", name="2", exact=True).click()
+    page.keyboard.press("2")
     settled(page, "--arms 2")
     page.locator("#mass").fill("114.8")
     page.locator("#mass").press("Enter")
@@ -109,9 +109,9 @@ def drive(page: Page, seal: Path, hammer: Path) -> None:
     page.evaluate(LISTEN)
     with effort(page, server.pid, "drag"):
         drag(page)
-    page.get_by_role("button", name="as found").click()
+    page.get_by_role("slider", name="hold end").press("Home")
     settled(page, "--mass")
-    with effort(page, server.pid, "mass slider"):
+    with effort(page, server.pid, "mass"):
         slide(page)
     done(page)
     with effort(page, server.pid, "settle and study", steps=6):
@@ -123,7 +123,7 @@ def drive(page: Page, seal: Path, hammer: Path) -> None:
     page.get_by_role("status").filter(has_text="cancelled").wait_for()
     say("cancel", 1e3 * (time.perf_counter() - since), "ms", 1000)
     say("server and workers", memory(server.pid), "MB", 400)
-    server.terminate()
+    leave(server)
 
 
 def drag(page: Page) -> None:
@@ -137,30 +137,29 @@ def drag(page: Page) -> None:
         page.mouse.move(x - 1 - i, y)
         page.wait_for_timeout(150)
     page.mouse.up()
+    say(f"redraws of {MOVES} moves", len(page.evaluate("window.times")), "", 50)
     quantiles(page, "drag to redraw", 100)
     sizes(page, "live")
 
 
 def slide(page: Page) -> None:
     """Move the mass."""
-    slider = page.locator("#mass-slider")
-    slider.focus()
+    page.locator("#mass").focus()
     page.evaluate("window.times = []; window.bytes = []")
     for _ in range(MOVES):
-        page.keyboard.press("ArrowRight")
+        page.keyboard.press("ArrowUp")
         page.wait_for_timeout(60)
-    quantiles(page, "mass slider to redraw", 50)
+    quantiles(page, "mass to redraw", 50)
     sizes(page, "predict")
 
 
 def settle(page: Page) -> None:
     """Release: the fit with its intervals and checks, and every panel."""
     times = []
-    for arms in ("auto", "2", "auto", "2", "auto", "2"):
-        name = "auto" if arms == "auto" else arms
-        button = page.locator(f'[data-arms="{name}"]')
+    page.locator("#mass").blur()
+    for arms in "020202":
         page.evaluate("document.getElementById('status').textContent = ''")
-        button.click()
+        page.keyboard.press(arms)
         page.get_by_role("status").filter(has_text="settled in").or_(
             page.get_by_role("status").filter(has_text="bounding")
         ).or_(page.get_by_role("status").filter(has_text="done in")).first.wait_for()
@@ -183,11 +182,19 @@ def large(page: Page, path: Path) -> None:
     say("3 M rows: dropped to first plot", 1e3 * (time.perf_counter() - since), "ms", 4000)
     done(page)
     since = time.perf_counter()
-    page.get_by_role("button", name="2", exact=True).click()
+    page.keyboard.press("2")
     page.locator("#command").filter(has_text="--arms 2").wait_for()
     say("3 M rows: refit", 1e3 * (time.perf_counter() - since), "ms", 2000)
-    say("3 M rows: server and workers", memory(server.pid), "MB")
+    say("3 M rows: server and workers", memory(server.pid), "MB", 600)
+    leave(server)
+
+
+def leave(server: subprocess.Popen[str]) -> None:
+    """End the server, and wait until it is gone."""
+    since = time.perf_counter()
     server.terminate()
+    server.wait()
+    say("exit", 1e3 * (time.perf_counter() - since), "ms", 2000)
 
 
 @contextmanager

@@ -1051,8 +1051,11 @@ CSR = [
     ),
     Case("ovens_enough", whole(csr.ovens_enough), 3, 2),
     Case("ovens_on_a_line", csr.ovens_on_a_line, 8.99, 9.01),
-    Case("aging_beside_drift", lambda x: csr.aging_beside_drift(1e-9 * x, 1e-9), 3.01, 2.99),
-    Case("aging_beside_drift", lambda x: csr.aging_beside_drift(x / 3.6e8, None), 3.01, 2.99),
+    *(
+        Case("cell_holds", lambda x, way=way: csr.cell_holds(0.01 * way * x, 0.01), 2.99, 3.01)
+        for way in (1, -1)
+    ),
+    Case("aging_beside_drift", lambda x: csr.aging_beside_drift(x / 1.8e8, 0.02), 1.01, 0.99),
     Case("temperature_near_ovens", lambda x: csr.temperature_near_ovens(x, 300.0), 29.9, 30.1),
     Case("stiffness_follows_force", csr.stiffness_follows_force, 0.0999, 0.1001),
     Case("time_near_readings", lambda x: csr.time_near_readings(x, 3.6e6), 1.99, 2.01),
@@ -1585,7 +1588,8 @@ LIMITS = {
     },
     "kinds/csr": {
         "force_falls": 3, "f0_read": 2, "readings_scatter": 3, "readings_close": 0.04,
-        "chemistry_seen": 4, "ovens_enough": 3, "ovens_on_a_line": 9, "aging_beside_drift": 3,
+        "chemistry_seen": 4, "ovens_enough": 3, "ovens_on_a_line": 9, "aging_beside_drift": 1,
+        "cell_holds": 3,
         "temperature_near_ovens": 30, "cold_bears_lower_energy": 2,
         "time_near_readings": 2, "stiffness_follows_force": 0.1,
     },
@@ -1662,7 +1666,7 @@ GRADES = {
         "fitting/temperature": {"shifts_told_apart"},
         "kinds/level": {"level_matters"},
         "kinds/hyperelastic": {"volume_known"},
-        "kinds/csr": {"f0_read"},
+        "kinds/csr": {"f0_read", "cell_holds", "aging_beside_drift"},
         "kinds/slam": {"air_escapes", "piece_length_given"},
         "io/readers": {"travel_of_a_seal", "force_of_a_seal", "ramp_not_slow"},
         "fitting/nonlinear_ramp": {"clocks_agree", "offset_believable", "drift_believable"},

@@ -226,7 +226,7 @@ def test_what_a_line_file_must_not_say(tmp_path, line, sentence):
 
 
 def test_a_line_file_that_is_missing_is_named(tmp_path):
-    with pytest.raises(ReadError, match=r"line\.csv: cannot be read"):
+    with pytest.raises(ReadError, match=r"line\.csv: there is no such file"):
         door_of(tmp_path, LEAST)
 
 

@@ -153,6 +153,7 @@ def test_a_foam_without_swelling_is_no_division_by_zero():
         ({"bulk_modulus": K, "temperature": None, "cold": True}, "--temperature 23degC"),
         ({"bulk_modulus": K, "seals": 2.0}, "no --seals"),
         ({"bulk_modulus": K, "pitch": 1.0}, "take no --pitch"),
+        ({"bulk_modulus": K, "frequency_range": (1.0, 9.0)}, "take no --band"),
     ],
 )
 def test_what_a_card_lacks_is_asked_for(words, says):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tomllib
 from dataclasses import fields
 from pathlib import Path
 
@@ -10,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dashpot.base.errors import DataError, ReadError
+from dashpot.base.parsing import parsed_toml
 from dashpot.io.options import ReadOptions, dump_profile, load_profile, parse_units
 
 text = st.text(st.characters(blacklist_categories=("Cs",)), min_size=1, max_size=12)
@@ -106,8 +108,20 @@ def test_bad_options(bad: dict) -> None:
         ReadOptions(**bad)
 
 
-def test_a_profile_that_is_nested_too_deep_is_no_profile(tmp_path):
+@pytest.mark.parametrize(
+    "content",
+    ["x = " + "[" * 10_000 + "]" * 10_000, ".".join("a" * 65) + " = 1", "['a' . \"b\"" + ".c" * 63],
+)
+def test_a_profile_that_is_nested_too_deep_is_no_profile(
+    tmp_path: Path, content: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if "=" not in content[:3]:  # its parser would take as long as the square of the parts
+        monkeypatch.setattr(tomllib, "loads", lambda _: pytest.fail("it was parsed"))
     place = tmp_path / "deep.toml"
-    place.write_text("x = " + "[" * 10_000 + "]" * 10_000)
-    with pytest.raises(ReadError, match="not a profile"):
+    place.write_text(content)
+    with pytest.raises(ReadError, match="not a profile: not TOML that a person wrote"):
         load_profile(place)
+
+
+def test_a_key_may_have_64_parts(tmp_path: Path) -> None:
+    assert parsed_toml((".".join("a" * 64) + " = '1.2.3'").encode())

@@ -12,6 +12,9 @@ from typing import Any
 
 from kit.browser import PROGRAM
 
+WINDOW = {"width": 1366, "height": 768}
+"""Of the page, px."""
+
 
 @contextmanager
 def served(*files: str) -> Iterator[str]:
@@ -42,20 +45,45 @@ class Page:
 
     def __init__(self, browser: Any, address: str, *, fresh: bool = True, **how: Any) -> None:
         self.complaints: list[str] = []
-        self.context = browser.new_context(
-            **({"viewport": {"width": 1366, "height": 768}, "accept_downloads": True} | how)
-        )
-        if fresh:
-            # what an earlier page left is not this one's
-            self.context.request.get(address)
-            self.context.request.put(f"{address.partition('?')[0]}api/state", data={})
+        self._address = address
+        self.context = browser.new_context(**({"viewport": WINDOW, "accept_downloads": True} | how))
         self.at = self.context.new_page()
         self.at.set_default_timeout(30_000)
         self.at.on("console", self._console)
         self.at.on("pageerror", lambda error: self.complaints.append(str(error)))
         self.at.on("request", self._request)
-        self.at.goto(address)
+        if fresh:
+            self._forget()
+        self._open()
+
+    def _open(self) -> None:
+        self.at.goto(self._address)
         self.at.locator("body[data-ready=true]").wait_for()
+
+    def _forget(self) -> None:
+        """What an earlier page left is not this one's."""
+        self.context.request.get(self._address)
+        self.context.request.put(f"{self._address.partition('?')[0]}api/state", data={})
+
+    def anew(self) -> Page:
+        """Open the app as new in the same window: another window takes a browser two seconds."""
+        self._forget()
+        self.complaints.clear()
+        self.at.set_viewport_size(WINDOW)
+        self.at.emulate_media(color_scheme="null")
+        self._open()
+        return self
+
+    def leave(self) -> None:
+        """Go from the app, and nothing may have gone wrong on it."""
+        complaints = self.complaints[:]
+        for other in self.context.pages:
+            if other is not self.at:
+                other.close()
+        self.at.unroute_all(behavior="ignoreErrors")
+        # of the same server, whose page then needs no process of its own
+        self.at.goto(f"{self._address.partition('?')[0]}static/icon.svg")
+        assert not complaints, complaints
 
     def _console(self, message: Any) -> None:
         # a refusal of the server is a sentence on the page, and the browser's own line about it
@@ -79,7 +107,7 @@ class Page:
         self.at.locator("body:not([data-busy=true])").wait_for()
 
     def close(self) -> None:
-        """Leave, and nothing may have gone wrong."""
+        """Close the window, and nothing may have gone wrong."""
         self.context.close()
         assert not self.complaints, self.complaints
 

@@ -250,3 +250,9 @@ def test_a_link_out_of_the_folder_and_a_pipe_are_said_and_not_read(tmp_path):
     assert (answer["outcome"], answer["reason"]) == ("refused", out.aside)
     (named,) = entries([rig / "out.csv"], without=tmp_path / "lot")
     assert not named.aside
+
+
+def test_a_manifest_that_is_nested_too_deep_is_no_manifest(here: Path) -> None:
+    Path("m.toml").write_text("test = " + "[" * 10_000 + "]" * 10_000)
+    with pytest.raises(ReadError, match=r"m.toml: not a manifest: not TOML that a person wrote"):
+        entries(["b.csv"], without=here / "lot", manifest="m.toml")

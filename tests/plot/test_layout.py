@@ -148,3 +148,12 @@ def test_a_stamp_ends_where_its_sheet_does():
     assert len(several.words) > 1
     assert max(ends_of(word)[1] for word in several.words) <= 300.0
     assert several.words[-1].y < several.height
+
+
+@given(st.integers(1, 400), st.floats(150, 1200))
+def test_an_axis_of_what_is_counted_has_whole_numbers_alone(count, length):
+    axis = Scale("seals", (0.5, count + 0.5), whole=True)
+    found = numbers(axis, length, 46)
+    assert all(one == round(one) for one in found)
+    assert found
+    assert all("." not in word for word in written(axis, found))

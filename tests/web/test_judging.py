@@ -4,8 +4,6 @@ import json
 import shlex
 
 import pytest
-from kit.app import Page, chromium, served
-from kit.browser import needs_browser
 from kit.shell import ran
 
 import dashpot as dp
@@ -111,34 +109,3 @@ def test_a_door_stands_on_the_files_that_are_open(store):
     assert head["verdict"].count("#i-care") == 2
     with pytest.raises(dp.DashpotError):  # without the fit that it names
         ask("judged", store, kind="door", files=files, said={})
-
-
-@needs_browser
-def test_kinds_are_dropped_and_judged_in_the_browser(tmp_path):
-    pytest.importorskip("playwright")
-    for name in (*PIECES, "tension.csv", "hit.csv"):
-        (tmp_path / name).write_text(workflow.EXAMPLES[name]())
-    with served() as address, chromium() as browser:
-        page = Page(browser, address)
-        verdict = page.at.locator("#verdict")
-        page.at.locator("#pick").set_input_files([str(tmp_path / name) for name in PIECES])
-        page.done()
-        page.at.locator("[data-ask=compression]").fill("6")
-        page.at.locator("#verdict.open").wait_for()
-        page.at.locator("[data-ask=compression]").press("Enter")
-        page.at.locator("#command").filter(has_text="--compression 6mm").wait_for()
-        page.done()
-        assert page.at.get_by_role("button", name="Take away").is_disabled()
-        assert "Force at nominal" in page.at.locator("#answers").inner_text()
-        with page.at.expect_download() as taken:
-            page.at.get_by_role("button", name="Save the numbers").click()
-        assert json.loads(taken.value.path().read_text())["verdict"]["use"]
-        # what is missing is said in the verdict's own place
-        page.at.locator("#pick").set_input_files(str(tmp_path / "hit.csv"))
-        verdict.get_by_role("alert").filter(has_text="moving mass is not given").wait_for()
-        assert "good" not in verdict.get_attribute("class")
-        page.at.locator("#pick").set_input_files(str(tmp_path / "tension.csv"))
-        page.at.get_by_label("tension.csv").wait_for()
-        page.done()
-        assert page.at.locator("#bench-page svg.figure").count() >= 1
-        page.close()

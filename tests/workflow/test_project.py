@@ -655,7 +655,7 @@ def test_a_full_folder_is_not_taken_over(tmp_path):
 
 def test_on_the_command_line(raw, tmp_path, work_done_again):
     place = tmp_path / "door"
-    made = ran("report", raw, "--mass", "104g", "--project", place)
+    made = ran("report", raw, "--arms", "1", "--project", place)
     assert made.exit_code == 0, made.output
     head = folder.open_project(place).head
     assert f"--expect {head}" in made.stderr

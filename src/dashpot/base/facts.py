@@ -94,6 +94,31 @@ class Fact(Documented):
             return cls(name, value, unit=unit, read=read)
         return cls(name, value, value - NORMAL * error, value + NORMAL * error, unit, error, read)
 
+    @classmethod
+    def known(
+        cls,
+        name: str,
+        value: float,
+        error: float,
+        times: float,
+        *,
+        of_log: bool = False,
+        unit: str = "",
+        read: str = "",
+        words: str = "",
+    ) -> Fact:
+        """A number with an interval of so many standard errors; none if the error is infinite.
+
+        That of a positive one whose logarithm has the error, ``of_log``, is a factor either way.
+        """
+        half = times * error if math.isfinite(error) else math.nan
+        if not of_log:
+            return cls(name, value, value - half, value + half, unit, error, read, words)
+        if math.isnan(half):
+            return cls(name, value, unit=unit, read=read, words=words)
+        factor = math.exp(min(half, 50.0))
+        return cls(name, value, value / factor, value * factor, unit, value * error, read, words)
+
     @property
     def reading(self) -> str:
         """The unit in which people read it."""

@@ -89,7 +89,8 @@ def deck_for(
     made = {name: value for name, value in choices.items() if value is not None}
     for name in made:
         if name not in known:
-            flag = f"--{name.removeprefix('frequency_').replace('_', '-')}"
+            asked = "band" if name == "frequency_range" else name
+            flag = f"--{asked.replace('_', '-')}"
             those = [one for one in TARGETS if name in signature(TARGETS[one]).parameters]
             elsewhere = f". Those of {', '.join(those)} do" if those and not material else ""
             raise ExportError(f"{target} decks take no {flag}{elsewhere}")

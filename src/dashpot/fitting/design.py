@@ -124,11 +124,18 @@ def nuisanced(tests: Sequence[RampHold], design: Design) -> tuple[DataBlock, ...
         return blocks
     stack = Stack(blocks)
     spare = (stack.samples - len(stack.names) - 2) // (1 + len(stack.groups))
-    rough = solve([*blocks, *bound(tests, blocks, design)], max(min(_ROUGH, spare), 0))
+    rows = [*blocks, *bound(tests, blocks, design)]
+    rough = solve(rows, max(min(_ROUGH, spare), 0), negligible=one_more(rows))
     return tuple(
         block.with_delay(f"delay@{i}", _late(test, block, rough))
         for i, (test, block) in enumerate(zip(tests, blocks, strict=True))
     )
+
+
+def one_more(blocks: Sequence[DataBlock]) -> float:
+    """Return what BIC asks one more arm to gain, in noise variances."""
+    stack = Stack(blocks)
+    return (1 + len(stack.groups)) * float(np.log(stack.samples))
 
 
 def bound(

@@ -14,7 +14,7 @@ from dashpot.engine.blocks.block import DataBlock
 from dashpot.engine.inference.covariance import Noise, Series, noise_of
 from dashpot.engine.solver.descent import Stack
 from dashpot.engine.solver.variable_projection import Solution, solve, solve_orders
-from dashpot.fitting.design import Design, bound, nuisanced, solid_of
+from dashpot.fitting.design import Design, bound, nuisanced, one_more, solid_of
 from dashpot.fitting.nuisance import ROUNDING
 from dashpot.fitting.uncertainty.encoder import Encoder
 from dashpot.fitting.uncertainty.estimate import estimated, residual_of, rounding
@@ -147,12 +147,6 @@ def weighed(
         return First(data, solutions, series, noises, solutions[-1])
     data = data.bound(spreads)
     return First(data, solved(), series, noises, solutions[-1])
-
-
-def one_more(blocks: Sequence[DataBlock]) -> float:
-    """Return what BIC asks one more arm to gain, in noise variances."""
-    stack = Stack(blocks)
-    return (1 + len(stack.groups)) * float(np.log(stack.samples))
 
 
 def determinable_arms(blocks: Sequence[DataBlock]) -> int:

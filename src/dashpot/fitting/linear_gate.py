@@ -18,9 +18,10 @@ from dashpot.fitting.design import (
     compressed,
     eq5_obstacle,
     moves_on,
+    one_more,
     solid_of,
 )
-from dashpot.fitting.fit_data import First, FitData, determinable_arms, one_more, weighed
+from dashpot.fitting.fit_data import First, FitData, determinable_arms, weighed
 from dashpot.fitting.fractional.choice import ChosenElement, element
 from dashpot.fitting.nonlinear_ramp.soundness import Soundness, linear_soundness
 from dashpot.fitting.nonlinear_ramp.thinning import ramp_obstacle
@@ -81,7 +82,9 @@ class Holds:
         arms = min(max(len(start), _FEW), determinable_arms([block]))
         # a start with two arms in one place, as at the edge of its shorter window, leads nowhere
         near = start if len(start) == arms and _apart(start, block.window) else None
-        return residual_of(solve([block], arms, log_tau_start=near), block.exact)
+        least = one_more([block])
+        found = solve([block], arms, log_tau_start=near, negligible=least)
+        return residual_of(found, block.exact)
 
     def by_eq5(self, arms: int) -> GeneralizedMaxwell | None:
         """What eq. 5 on all holds says with as many arms, where it applies."""

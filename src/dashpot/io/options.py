@@ -10,10 +10,11 @@ from typing import Any
 
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.options import flag_of, key_of, offered, option
+from dashpot.base.parsing import parsed_toml
 from dashpot.base.units import parse_quantity, si_fields
 from dashpot.io.source import open_raw
 
-_DELIMITERS = {
+DELIMITERS = {
     "tab": "\t", "\\t": "\t", "comma": ",", "semicolon": ";", "space": " ", "spaces": " ",
     "pipe": "|", "colon": ":", "fixed": "fixed",
 }  # fmt: skip
@@ -303,9 +304,9 @@ def _known_encoding(word: str) -> None:
 
 
 def _delimiter(word: str | None) -> str | None:
-    mark = word and _DELIMITERS.get(word.lower(), word)
+    mark = word and DELIMITERS.get(word.lower(), word)
     if mark is not None and len(mark) != 1 and mark != "fixed":
-        words = ", ".join(_DELIMITERS)
+        words = ", ".join(DELIMITERS)
         raise DataError(f"delimiter '{word}'; expected one character or {words}")
     return mark
 
@@ -360,12 +361,11 @@ def load_profile(path: str | Path) -> ReadOptions:
     ReadError
         If the file is missing, is not TOML, or holds a word that no reader knows.
     """
-    import tomllib  # few need it, and it costs time to import
-
+    raw = open_raw(path)
     try:
-        content = tomllib.loads(open_raw(path).head(_PROFILE).decode("utf-8-sig"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
-        raise ReadError(f"{path}: not a profile: {error}; expected TOML in UTF-8") from None
+        content = parsed_toml(raw.head(_PROFILE))
+    except ReadError as error:
+        raise ReadError(f"{path}: not a profile: {error}") from None
     try:
         return _from_toml(content)
     except (DataError, TypeError, ValueError, AttributeError) as error:

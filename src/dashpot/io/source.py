@@ -117,7 +117,7 @@ def open_raw(path: str | Path) -> Raw:
         reason = getattr(error, "strerror", None) or error
         raise ReadError(f"{path}: cannot be read: {reason}") from None
     if raw.size == 0:
-        raise ReadError(f"{raw.name} is empty (0 bytes); export the test again")
+        raise ReadError(f"{raw.name} is empty (0 bytes); save it again")
     return raw
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from dashpot.base.errors import DataError, ReadError
+from dashpot.base.parsing import parsed_toml
 from dashpot.base.units import Dimension, parse_quantity
 from dashpot.io.source import Raw, open_raw
 
@@ -25,13 +26,11 @@ def tables_of(path: str | Path) -> tuple[Raw, dict[str, Any]]:
     ReadError
         If it cannot be read, or is not TOML in UTF-8.
     """
-    import tomllib  # few need it, and it costs time to import
-
     raw = open_raw(path)
     try:
-        return raw, tomllib.loads(raw.head(_LARGEST).decode("utf-8-sig"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
-        raise ReadError(f"{path}: not TOML in UTF-8: {error}") from None
+        return raw, parsed_toml(raw.head(_LARGEST))
+    except ReadError as error:
+        raise ReadError(f"{path}: {error}") from None
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,7 @@ from typing import Any
 
 from dashpot.base.atomic import named
 from dashpot.base.errors import DataError, ReadError
+from dashpot.base.parsing import parsed_toml
 from dashpot.base.units import Dimension, parse_quantity
 from dashpot.base.version import is_ours, is_record
 from dashpot.io.source import missing, open_raw
@@ -342,18 +343,21 @@ def _groups(by: str) -> tuple[re.Pattern[str], tuple[str, ...]]:
     return pattern, named
 
 
+def _rows_of(content: bytes, *, toml: bool) -> Any:
+    if toml:
+        return parsed_toml(content).get("test")
+    return list(csv.DictReader(content.decode("utf-8-sig").splitlines()))
+
+
 def _manifest(given: str | Path | None) -> dict[str, dict[str, Any]]:
     """What a manifest says of each file, by path; a path in it is seen from its own folder."""
-    import tomllib
-
     if given is None:
         return {}
     path = Path(given)
+    raw = open_raw(path)
     try:
-        text = open_raw(path).head(_MANIFEST).decode("utf-8-sig")
-        toml = path.suffix.lower() == ".toml"
-        rows = tomllib.loads(text).get("test") if toml else list(csv.DictReader(text.splitlines()))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, csv.Error) as error:
+        rows = _rows_of(raw.head(_MANIFEST), toml=path.suffix.lower() == ".toml")
+    except (ReadError, UnicodeDecodeError, csv.Error) as error:
         raise ReadError(f"{path}: not a manifest: {error}; expected CSV or TOML, UTF-8") from None
     if not isinstance(rows, list) or not rows:
         raise ReadError(

@@ -59,7 +59,7 @@ def control_picture(
     twice, the moving ranges of neighbours. Limits that are `asked`, SI, are drawn across.
     """
     place = {(one.lot, one.name): i + 1.0 for i, one in enumerate(seals)}
-    scale = Scale("seal, in the order of lot and name", (0.5, max(len(seals), 1) + 0.5))
+    scale = Scale("seal, in the order of lot and name", (0.5, max(len(seals), 1) + 0.5), whole=True)
     x = np.arange(1.0, len(seals) + 1)
     y = quantity.scale * seal_means(seals)
     areas: list[Mark] = []
@@ -169,10 +169,9 @@ def histogram_picture(
     marks += [Rule(quantity.scale * end, _ASKED, across=True) for end in asked]
     marks += [Rule(mean, _MEAN, across=True)]
     said = rounded(mean, deviation / 10 if deviation > 0 else None)
-    marks.append(Tag(0.62 * top, mean, f"mean {said}", "ink", end=True))
-    scale = Scale("seals", (0.0, 1.1 * top))
+    scale = Scale("seals", (0.0, 1.1 * top), whole=True)
     upright = Scale(f"all {len(seals)} seals", limits, unnumbered=True)
-    panel = Panel(scale, upright, tuple(marks), height=CHART)
+    panel = Panel(scale, upright, tuple(marks), height=CHART, note=f"mean {said}")
     return Picture("histogram", f"{quantity.title}: all seals", ((panel,),))
 
 
@@ -210,7 +209,7 @@ def lots_picture(
     """
     each = {name: quantity.scale * seal_means(own) for name, own in by_lot(seals).items()}
     names, at = list(each), np.arange(1.0, len(each) + 1)
-    scale = Scale("lot, in the order of name", (0.5, len(names) + 0.5))
+    scale = Scale("lot, in the order of name", (0.5, len(names) + 0.5), whole=True)
     means = np.array([one.mean() for one in each.values()])
     low, near, far, high = (
         np.array([np.quantile(one, part) for one in each.values()])

@@ -155,7 +155,8 @@ Mark: TypeAlias = Keyed | Tag
 class Scale:
     """The scale of an axis: a quantity with its unit, and from where to where it is shown.
 
-    An `unnumbered` one has no numbers: what stands along it is named in the panel.
+    An `unnumbered` one has no numbers: what stands along it is named in the panel. A `whole` one is
+    of what is counted, and has none between two of it.
     """
 
     label: str
@@ -163,6 +164,7 @@ class Scale:
     log: bool = False
     ticks: tuple[float, ...] = ()
     unnumbered: bool = False
+    whole: bool = False
 
 
 @dataclass(frozen=True, eq=False)

@@ -77,7 +77,7 @@ def _of_sweeps(data: Superposition, curve: DynamicTest, fit: Fit | None) -> tupl
     measured = scale * curve.value
     letter = "E" if curve.unit == "Pa" else "K"
     across = Scale(f"reduced {FREQUENCY}", (float(f[0]), float(f[-1])), log=True)
-    panels = []
+    panels: list[Panel] = []
     for name, one, line in (
         (f"storage {letter}′", measured.real, value.real),
         (f"loss {letter}″", np.where(measured.imag > 0, measured.imag, np.nan), value.imag),

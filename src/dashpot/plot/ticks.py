@@ -38,7 +38,8 @@ def numbers(scale: Scale, length: float, apart: float) -> tuple[float, ...]:
     if scale.ticks:
         return scale.ticks
     if not scale.log:
-        return _even(scale.limits, max(int(length / apart), 2))
+        even = _even(scale.limits, max(int(length / apart), 2))
+        return tuple(one for one in even if one == round(one)) if scale.whole else even
     found = _round_ones(scale, length, apart)
     short = SHORT[0] <= scale.limits[0] and scale.limits[1] <= SHORT[1]
     if len(found) >= FEW or not short:

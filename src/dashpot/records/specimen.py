@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import datetime as dt
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 
 from dashpot.base.demands import picked, positive
@@ -100,3 +101,25 @@ def tested_at(name: str, *temperatures: float) -> None:
                 f"{in_unit(_COLDEST, 'degC'):.0f} to {written(_HOTTEST, 'degC', '.0f')}: is the "
                 "unit degC or K, the sign right?"
             )
+
+
+def each_specimen(
+    specimen: Specimen | None, temperatures: Sequence[float], files: int
+) -> tuple[Specimen | None, ...]:
+    """Return the specimen of each file: one temperature, K, for all of them, or one for each.
+
+    Raises
+    ------
+    DataError
+        If there are more temperatures than one, and not as many as files.
+    """
+    if not temperatures:
+        return (specimen,) * files
+    if len(temperatures) not in (1, files):
+        raise DataError(
+            f"--temperature was given {len(temperatures)} times for {files} files; give it once "
+            "for all of them, or once for each, in their order"
+        )
+    each = list(temperatures) * (files if len(temperatures) == 1 else 1)
+    known = specimen or Specimen()
+    return tuple(replace(known, temperature=kelvin) for kelvin in each)

@@ -329,3 +329,13 @@ class Hyperelastic:
 
 
 _ISOCHORIC = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, -1.0]])
+
+
+def poisson_of(along: FloatArray, across: FloatArray) -> float:
+    r"""Return :math:`-\ln\lambda_q/\ln\lambda` of stretches along and across a uniaxial force.
+
+    By least squares through rest, as a foam of one ratio has it at any stretch (B. Storåkers,
+    1986).
+    """
+    e, q = np.log(along), np.log(across)
+    return -float(e @ q / (e @ e))

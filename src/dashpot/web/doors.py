@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shutil
-import tomllib
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
@@ -11,6 +10,7 @@ from typing import Any
 from dashpot import workflow
 from dashpot.base.errors import ReadError
 from dashpot.base.numbers import hertz, rounded
+from dashpot.base.parsing import parsed_toml
 from dashpot.door.figure import View, frf_panel, line_panel, shape_panels
 from dashpot.door.result import DoorResult
 from dashpot.plot.picture import Picture
@@ -89,9 +89,9 @@ def predicted(files: Sequence[str], behind: str = "") -> DoorResult:
     path = Path(files[0])
     names = {Path(one).name: Path(one) for one in files[1:]}
     try:
-        said = tomllib.loads(path.read_text("utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ReadError(f"{path.name}: it is no TOML: {error}") from None
+        said = parsed_toml(path.read_bytes())
+    except ReadError as error:
+        raise ReadError(f"{path.name}: {error}") from None
     for text in _texts(said):
         if Path(text).is_absolute() or ".." in Path(text).parts or text[1:3] == ":\\":
             raise ReadError(

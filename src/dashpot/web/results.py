@@ -9,12 +9,12 @@ from dashpot.base.errors import DashpotError, DataError
 from dashpot.fitting.relaxation import fit
 from dashpot.records.fit import Fit
 from dashpot.records.relaxation import RampHold, RelaxationTest
+from dashpot.records.specimen import each_specimen
 from dashpot.vibration.systems.prediction import highest_peak
 from dashpot.web import records
 from dashpot.workflow.job import Job, deciding
 from dashpot.workflow.predictions import Prediction, prediction
 from dashpot.workflow.prepared import prepared_tests
-from dashpot.workflow.shifting import each_specimen
 from dashpot.workflow.study import Study, of_solid, run
 
 KEPT = 8

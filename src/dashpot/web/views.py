@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from importlib import resources
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -117,6 +118,13 @@ LIVE_POINTS = 240
 def piece(name: str, **values: Any) -> str:
     """A piece of the page, from its template; whatever came from a file is escaped."""
     return str(environment("dashpot.web").get_template(f"{name}.html").render(values))
+
+
+def ready() -> None:
+    """Load every piece: who waits for the first plot waits for no template."""
+    pieces = environment("dashpot.web")
+    for one in resources.files("dashpot.web").joinpath("templates").iterdir():
+        pieces.get_template(one.name)
 
 
 # -- panels ---------------------------------------------------------------------------------------

@@ -32,7 +32,10 @@ def main() -> None:
     os.dup2(2, 1)
     threading.Thread(target=_listen, args=(source, questions, folder), daemon=True).start()
     from dashpot.web.verbs import VERBS  # the imports are what makes a worker worth keeping
+    from dashpot.web.views import ready
 
+    if questions.empty():
+        ready()
     while True:
         _answer(VERBS, questions.get(), folder, answers)
 

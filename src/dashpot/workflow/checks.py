@@ -127,7 +127,9 @@ def history_whole(lines: int, written: int, *, shortened: bool, headed: bool) ->
     lost = "is missing" if not written else f"is older: it is of line {written} of {lines}"
     instead = f"history.head {lost}, so lines cut off the end would not be seen"
     if shortened:
-        instead = f"The history has {lines} lines; {written} were written, or others"
+        instead = f"The history has {lines} of {written} lines"
+        if lines >= written:
+            instead = f"Line {written} of the history is another than history.head was written for"
     return Finding(
         "No line is missing at the end of the history",
         max(written - lines, 1) if shortened else int(not headed),

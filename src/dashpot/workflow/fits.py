@@ -21,10 +21,10 @@ from dashpot.kinds import FIT_FILES, KINDS, load, row_of
 from dashpot.records.fit import Fit
 from dashpot.records.machine import Machine
 from dashpot.records.relaxation import RampHold, RelaxationTest
-from dashpot.records.specimen import Specimen
+from dashpot.records.specimen import Specimen, each_specimen
 from dashpot.workflow.job import Cuts, Job, known_of_a_test
 from dashpot.workflow.prepared import prepared_tests
-from dashpot.workflow.shifting import ShiftChoices, each_specimen, one_temperature, shifted_ramps
+from dashpot.workflow.shifting import ShiftChoices, one_temperature, shifted_ramps
 
 if TYPE_CHECKING:
     from dashpot.records.creep import CreepCompliance, CreepTest, LoadHold

@@ -13,8 +13,8 @@ from dashpot.preparation.prepare import prepare
 from dashpot.records.fit import Fit
 from dashpot.records.machine import Machine
 from dashpot.records.relaxation import RampHold, RelaxationTest
+from dashpot.records.specimen import each_specimen
 from dashpot.workflow.job import Cuts
-from dashpot.workflow.shifting import each_specimen
 
 
 def prepared_tests(

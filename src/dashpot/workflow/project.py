@@ -20,7 +20,6 @@ So dashpot may be killed at any point: what has no line of history has not happe
 from __future__ import annotations
 
 import json
-import tomllib
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -30,6 +29,7 @@ from dashpot.base.atomic import PART, named, write_whole
 from dashpot.base.documents import Documented, plain
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.lock import alone
+from dashpot.base.parsing import parsed_toml
 from dashpot.io.options import ReadOptions, dump_profile
 from dashpot.io.source import missing, open_raw
 from dashpot.workflow.archive import to_json
@@ -98,17 +98,18 @@ def open_project(folder: str | Path) -> Project:
     """
     path = named(folder)
     try:
-        about = tomllib.loads((path / "dashpot.toml").read_text(encoding="utf-8"))
+        about = parsed_toml((path / "dashpot.toml").read_bytes())
     except (FileNotFoundError, NotADirectoryError):
         if not path.exists():
-            raise ReadError(missing(path)) from None
+            made = "A project is the folder that dashpot report --project FOLDER made."
+            raise ReadError(f"{missing(path)} {made}") from None
         what = "it is a file" if path.is_file() else "it has no dashpot.toml"
         raise ReadError(
             f"{path} is not a project: {what}; expected the folder that dashpot report --project "
             "FOLDER made"
         ) from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
-        raise ReadError(f"{path / 'dashpot.toml'} is not TOML: {error}") from None
+    except ReadError as error:
+        raise ReadError(f"{path / 'dashpot.toml'}: {error}") from None
     if about.get("schema") != SCHEMA:
         raise ReadError(
             f"{path / 'dashpot.toml'} has schema {about.get('schema')!r}; expected {SCHEMA!r}"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from dashpot.base.choices import ShiftLaw, VerticalAsked, words
@@ -44,28 +44,6 @@ class ShiftChoices:
         parse=_TYPED.__getitem__,
     )
     shifts: str | None = option(None, "Known shift factors.", metavar="FILE")
-
-
-def each_specimen(
-    specimen: Specimen | None, temperatures: Sequence[float], files: int
-) -> tuple[Specimen | None, ...]:
-    """Return the specimen of each file: one temperature, K, for all of them, or one for each.
-
-    Raises
-    ------
-    FitError
-        If there are more temperatures than one, and not as many as files.
-    """
-    if not temperatures:
-        return (specimen,) * files
-    if len(temperatures) not in (1, files):
-        raise FitError(
-            f"--temperature was given {len(temperatures)} times for {files} files; give it once "
-            "for all of them, or once for each, in their order"
-        )
-    each = list(temperatures) * (files if len(temperatures) == 1 else 1)
-    known = specimen or Specimen()
-    return tuple(replace(known, temperature=kelvin) for kelvin in each)
 
 
 def shifted_ramps(choices: ShiftChoices) -> dict[str, Any]:

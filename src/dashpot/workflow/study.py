@@ -30,7 +30,7 @@ from dashpot.records.frf import FRF
 from dashpot.records.impact import ImpactTest
 from dashpot.records.machine import Machine
 from dashpot.records.relaxation import RampHold, RelaxationTest
-from dashpot.records.specimen import Specimen
+from dashpot.records.specimen import Specimen, each_specimen
 from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.vibration.modal.dynamic_stiffness import DynamicStiffness, dynamic_stiffness
 from dashpot.vibration.modal.peaks import find_peak
@@ -50,7 +50,6 @@ from dashpot.workflow.resting import (
     rest_checks,
     rival_of,
 )
-from dashpot.workflow.shifting import each_specimen
 
 Reader: TypeAlias = Callable[[str, ReadOptions, Specimen | None], RelaxationTest]
 

@@ -60,8 +60,22 @@ def _plain(row):
     return row.replace("np.float64(", "").replace(")", "")
 
 
-def lot(rubber, seed=0, *, ovens=OVENS, pieces=3, hours=HOURS, off=1.0, noise=0.01, spread=0.03):
-    """Ovens that are `off` by N(0, K), F0 of 40 N with its `spread`, `noise` in parts of it."""
+def lot(
+    rubber,
+    seed=0,
+    *,
+    ovens=OVENS,
+    pieces=3,
+    hours=HOURS,
+    off=1.0,
+    noise=0.01,
+    spread=0.03,
+    zero=0.0,
+):
+    """Ovens that are `off` by N(0, K), F0 of 40 N with its `spread`, `noise` in parts of it.
+
+    The zero of the cell drifts by so much of 40 N in 1000 h.
+    """
     random, found = np.random.default_rng([seed, 3384]), []
     for number in range(pieces * len(ovens)):
         if number % pieces == 0:
@@ -69,6 +83,6 @@ def lot(rubber, seed=0, *, ovens=OVENS, pieces=3, hours=HOURS, off=1.0, noise=0.
             warm = said + off * random.standard_normal()
         first = 40 * (1 + spread * random.standard_normal())
         scatter = 40 * noise * random.standard_normal(len(hours))
-        force = first * rubber.left(hours, warm) + scatter
+        force = first * rubber.left(hours, warm) + scatter + 40 * zero * hours / 1000
         found.append((hours, force, np.full(len(hours), said), np.full(len(hours), number + 1)))
     return Lot(*map(np.concatenate, zip(*found, strict=True)))

@@ -21,7 +21,7 @@ from dashpot.kinds.csr.checks import (
 )
 from dashpot.kinds.csr.law import FIRST, NEVER, AgingLaw
 from dashpot.kinds.csr.prepare import ONE_OVEN
-from dashpot.kinds.csr.record import Aging, normal, spread, stated
+from dashpot.kinds.csr.record import Aging, stated
 from dashpot.records.fit import Fit
 from dashpot.records.specimen import tested_at
 
@@ -211,13 +211,16 @@ def _facts(found: Aging, temperature: float, part: float, time: float) -> list[F
             return [Fact("left", math.nan, left, math.inf, "1", None, "%", words)]
         left = law.retained(temperature, time)
         error = law.error_of(lambda one: one.retained(temperature, time))
-        return [normal("left", left, error, law, unit="1", read="%", words=words)]
+        return [Fact.known("left", left, error, law.quantile, unit="1", read="%", words=words)]
     words = f"time until F/F0 is {written(part, '%', 'g')}"
     if law.bound_alone or math.isinf(law.life(temperature, part)):
         least = min(law.at_least().life(temperature, part), NEVER)
         return [Fact("life", math.nan, least, math.inf, "s", None, "h", words)]
     error = law.error_of(lambda one: math.log(one.life(temperature, part)))
-    facts = [spread("life", law.life(temperature, part), error, law, words)]
+    life = law.life(temperature, part)
+    facts = [
+        Fact.known("life", life, error, law.quantile, of_log=True, unit="s", read="h", words=words)
+    ]
     flat = _if_it_falls(found, temperature)
     if flat is not None:
         below = f"the same, if Ea were {written(LOWER, 'kJ/mol', 'g')} below {celsius(coldest)}"

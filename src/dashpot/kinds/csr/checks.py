@@ -15,12 +15,10 @@ from dashpot.kinds.csr.record import Aging
 SEEN = 4.0
 """Standard errors by which the hottest oven must show chemistry."""
 LONG = parse_quantity("1000h", "time")
-USUAL_DRIFT = 0.01
-"""Of a load cell, in parts of F0 in 1000 h."""
 
 
 def judge(
-    found: Aging, read: Readings, alone: Estimate, strain: float | None, *, drift: float | None
+    found: Aging, read: Readings, alone: Estimate, strain: float | None, *, drift: float
 ) -> tuple[Check, ...]:
     """Every check of a fit."""
     hottest, coldest = found.ovens[-1], found.ovens[0]
@@ -37,8 +35,17 @@ def judge(
         chemistry_seen(hottest.significance, hottest.temperature),
         ovens_enough(len(found.ovens)),
         ovens_on_a_line(strain),
+        cell_holds(*_drifted(alone, drift)),
         aging_beside_drift(None if found.law.bound_alone else coldest.rate, drift),
     )
+
+
+def _drifted(alone: Estimate, drift: float) -> tuple[float | None, float]:
+    """What the readings show of the drift that is believed, and its standard error."""
+    if not drift:
+        return None, drift
+    last = len(alone.optimum.theta) - 1
+    return drift * float(alone.optimum.theta[last]), drift * float(alone.standard_error[last])
 
 
 @criterion("rise / standard error", "<=", 3.0, "chance, once in 700", grade="stop")
@@ -124,17 +131,31 @@ def ovens_on_a_line(strain: float | None) -> Finding:
     )
 
 
-@criterion("rate / drift", ">=", 3.0, "our choice: a third of the rate at most")
-def aging_beside_drift(rate: float | None, drift: float | None) -> Finding:
-    """The coldest oven ages faster than a load cell drifts."""
+@criterion("drift / standard error", "|x| <=", 3.0, "chance, once in 700", grade="note")
+def cell_holds(drift: float | None, error: float) -> Finding:
+    """The zero of the load cell stays where it is; of F0 in 1000 h."""
+    if drift is None:
+        return Finding("The load cell is said not to drift")
+    return Finding(
+        f"The zero of the load cell drifts by {100 * drift:+.2g} ± {100 * error:.2g} % of the "
+        "force in 1000 h",
+        drift / error,
+        "That is taken off the forces, and its error is in every interval",
+        "Check the cell with a weight.",
+    )
+
+
+@criterion("rate / drift", ">=", 1.0, "our choice: a rate at least as large", grade="note")
+def aging_beside_drift(rate: float | None, drifted: float) -> Finding:
+    """The coldest oven ages faster than a load cell drifts, in parts of F0 in 1000 h."""
     if rate is None:
         return Finding("No chemistry was seen, so no drift of the cell is compared with it")
-    lost, drifted = rate * LONG, USUAL_DRIFT if drift is None else drift * LONG
+    lost = rate * LONG
     return Finding(
         f"The coldest oven loses {100 * lost:.3g} % in 1000 h, where the load cell may drift by "
         f"{100 * drifted:.3g} %",
         lost / drifted if drifted else np.inf,
-        "A drift looks like chemistry there",
+        "A drift looks like chemistry there; the intervals hold either",
         Remedy("Check the cell with a weight, and give its drift.", "machine", "drift=10mN/h"),
     )
 

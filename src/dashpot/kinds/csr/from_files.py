@@ -11,7 +11,7 @@ from dashpot.kinds.csr.fit import fit_aging
 from dashpot.kinds.csr.read import read_csr
 from dashpot.kinds.csr.record import Aging
 from dashpot.records.machine import Machine
-from dashpot.records.specimen import Specimen
+from dashpot.records.specimen import each_specimen
 
 
 def csr_files(
@@ -38,18 +38,12 @@ def csr_files(
     ReadError
         If a file cannot be read, or they are no lot of one test.
     """
-    if len(temperatures) not in {0, 1, len(files)}:
-        raise ReadError(
-            f"--temperature was given {len(temperatures)} times for {len(files)} files. Give it "
-            "once, or once for each file, in their order"
-        )
-    once = len(temperatures) == 1
-    warm = [Specimen(temperature=one) for one in temperatures] or [Specimen()]
-    each = warm * len(files) if once or not temperatures else warm
-    tests = [
-        read_csr(path, options=options, specimen=one) for path, one in zip(files, each, strict=True)
-    ]
     try:
+        each = each_specimen(None, temperatures, len(files))
+        tests = [
+            read_csr(path, options=options, specimen=one)
+            for path, one in zip(files, each, strict=True)
+        ]
         return fit_aging(tests, machine=machine)
     except DataError as error:
         raise ReadError(str(error)) from None

@@ -32,6 +32,8 @@ class Readings(NamedTuple):
         The number of each.
     temperature : array, shape (ovens,)
         K, rising.
+    weak : array, shape (n,)
+        Mean of the first forces over that of the piece: what a newton is to each.
     """
 
     time: FloatArray
@@ -39,6 +41,7 @@ class Readings(NamedTuple):
     piece: IndexArray
     oven: IndexArray
     temperature: FloatArray
+    weak: FloatArray
 
     @property
     def pieces(self) -> int:
@@ -96,6 +99,7 @@ def readings_of(tests: Sequence[CounterforceTest]) -> Readings:
     return Readings(
         time, force / force[first][piece], piece, oven,
         np.array([kelvin[rows][oven == k].mean() for k in range(int(oven[-1]) + 1)]),
+        force[first].mean() / force[first][piece],
     )  # fmt: skip
 
 

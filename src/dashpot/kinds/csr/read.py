@@ -2,25 +2,22 @@
 
 from __future__ import annotations
 
-import csv
 import re
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 
 from dashpot.base import units
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
 from dashpot.base.units import celsius
 from dashpot.io.columns.counterforce import counterforce, is_ratio
-from dashpot.io.columns.vocabulary import tokens
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers import channels
 from dashpot.io.readers.channels import Opened
 from dashpot.io.readers.stated import stated_specimen
-from dashpot.io.table import Loaded
+from dashpot.io.readers.words import words_of
 from dashpot.kinds.csr.record import CounterforceTest
 from dashpot.records.specimen import Specimen
 from dashpot.records.temperature import SAME_TEMPERATURE
@@ -28,7 +25,6 @@ from dashpot.records.temperature import SAME_TEMPERATURE
 _PIECE = {"piece", "specimen", "sample", "ring", "button", "probe", "prüfling", "probekörper"}
 _METHOD = {"method", "methode", "verfahren"}
 _SAID = re.compile(r"\bmethod\s*[:=,;]?\s*([ab])\b")
-_MARKS = {"comma": ",", "semicolon": ";", "tab": "\t", "pipe": "|"}
 _WHOLE = 1.5
 """Per cent of F0 with which no piece begins: such are parts of 1."""
 
@@ -65,7 +61,7 @@ def read_csr(
         chosen = channels.with_units(file, [*wanted, *([warm] if warm else [])])
         loaded = channels.load_test(file, chosen, 1)
         whole = np.isfinite(loaded.values).all(axis=1)
-        pieces, methods = (_words(file, one, loaded)[whole] for one in (_PIECE, _METHOD))
+        pieces, methods = (words_of(file, one, loaded)[whole] for one in (_PIECE, _METHOD))
         rows, notes = channels.whole_rows(loaded)
         _refuse_parts(file, chosen[1].index, float(rows[:, 1].max()))
         values = channels.by_role(rows, chosen)
@@ -120,20 +116,3 @@ def _refuse_parts(file: Opened, index: int, largest: float) -> None:
             f"'{column.name}' is said to be in %, and its largest value is {largest:.3g}, as of a "
             f"fraction. Write its unit as 1, or the values in %"
         )
-
-
-def _words(file: Opened, names: set[str], loaded: Loaded) -> npt.NDArray[np.str_]:
-    """The word of every row in the column that is called so; empty where there is none."""
-    columns, count = file.table.columns, len(loaded.values)
-    index = next((i for i, one in enumerate(columns) if names & set(tokens(one.name))), None)
-    if index is None:
-        return np.full(count, "")
-    if columns[index].content == "number":
-        return channels.load(file.table, [index], file.options.segment).values[:, 0].astype(str)
-    mark = _MARKS.get(file.table.delimiter)
-    if mark is None or not loaded.lines:
-        raise ReadError(f"'{columns[index].name}' holds words. Write numbers in their place")
-    with file.raw.open() as stream:
-        lines = stream.read().decode(file.table.encoding).splitlines()
-    own = [lines[loaded.line(row) - 1] for row in range(count)]
-    return np.array([cells[index] for cells in csv.reader(own, delimiter=mark)])

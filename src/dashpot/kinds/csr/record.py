@@ -158,18 +158,26 @@ class Aging(ByValue, Numbered, Judged, Documented):
         (loss, chemical, activation, exponent), tau = law.errors, law.tau(law.reference)
         named = f"chemical time at {celsius(law.reference)}"
         facts = [
-            normal(
-                "physical_loss", law.physical, loss, law, unit="1", read="%",
+            Fact.known(
+                "physical_loss", law.physical, loss, law.quantile, unit="1", read="%",
                 words="physical loss in a decade of time",
             ),
             Fact("chemical_time", math.nan, tau, math.inf, "s", None, "h", named)
             if law.bound_alone
-            else spread("chemical_time", tau, chemical, law, named),
+            else Fact.known(
+                "chemical_time", tau, chemical, law.quantile, of_log=True, unit="s", read="h",
+                words=named,
+            ),
         ]  # fmt: skip
         if law.activation:
-            facts.append(normal("activation_energy", law.activation, activation, law, unit="J/mol"))
+            facts.append(
+                Fact.known(
+                    "activation_energy", law.activation, activation, law.quantile, unit="J/mol"
+                )
+            )
         if law.exponent != 1:
-            facts.append(normal("exponent", law.exponent, exponent * law.exponent, law))
+            error = exponent * law.exponent
+            facts.append(Fact.known("exponent", law.exponent, error, law.quantile))
         return tuple(facts)
 
     def at(self, fit: Fit, *, temperature: Quantity, time: Quantity) -> Fit:
@@ -214,17 +222,3 @@ def stated(fact: Fact) -> str:
     if fact.least_alone or not fact.bounded:
         return f"the {fact.called} is {cells.value or cells.interval} {cells.unit}"
     return f"the {fact.called} is {cells.with_unit} ({cells.interval})"
-
-
-def spread(name: str, value: float, error: float, law: AgingLaw, words: str) -> Fact:
-    """Return a time, s, whose logarithm has a normal error; without an interval if infinite."""
-    if not math.isfinite(error):
-        return Fact(name, value, unit="s", read="h", words=words)
-    factor = math.exp(law.quantile * error)
-    return Fact(name, value, value / factor, value * factor, "s", value * error, "h", words)
-
-
-def normal(name: str, value: float, error: float, law: AgingLaw, **how: str) -> Fact:
-    """Return a number of normal error; without an interval if that is infinite."""
-    half = law.quantile * error if math.isfinite(error) else math.nan
-    return Fact(name, value, value - half, value + half, error=error, **how)

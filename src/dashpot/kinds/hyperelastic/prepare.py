@@ -60,16 +60,6 @@ def elastic_curve(
     )  # fmt: skip
 
 
-def poisson_of(along: FloatArray, across: FloatArray) -> float:
-    r"""Return :math:`-\ln\lambda_q/\ln\lambda` of stretches along and across a uniaxial force.
-
-    By least squares through rest, as a foam of one ratio has it at any stretch (B. Storåkers,
-    1986).
-    """
-    e, q = np.log(along), np.log(across)
-    return -float(e @ q / (e @ e))
-
-
 def _without(memory: GeneralizedMaxwell, test: StressStrainTest) -> FloatArray:
     """The nominal stress at rest: the memory is of the stress on the area as it is, over length."""
     if test.time is None:

@@ -18,9 +18,8 @@ from dashpot.io.readers import channels, checks
 from dashpot.io.readers.channels import Channel, Opened
 from dashpot.io.readers.relaxation import signals
 from dashpot.kinds.hyperelastic.asked import Measures
-from dashpot.kinds.hyperelastic.prepare import poisson_of
 from dashpot.kinds.hyperelastic.record import StressStrainTest
-from dashpot.solids.hyperelastic import Mode
+from dashpot.solids.hyperelastic import Mode, poisson_of
 
 _MIXED = 0.05
 """Part of the largest stress that may have the wrong sign: noise about zero."""

@@ -152,11 +152,11 @@ class _SlamsSolved:
     def _fact(self, name: str, of: Derived, place: int, words: str) -> Fact:
         """One of several numbers with its interval; of a time, by its logarithm."""
         value, error = float(of.values[place]), float(of.standard_error[place])
-        half = self.known.quantile() * error if np.isfinite(error) else np.nan
+        times = self.known.quantile()
         if name != "arm_time":
-            return Fact(name, value, value - half, value + half, error=error, words=words)
-        time, factor = float(np.exp(value)), float(np.exp(min(half, 50.0)))
-        return Fact(name, time, time / factor, time * factor, "s", time * error, "ms", words)
+            return Fact.known(name, value, error, times, words=words)
+        time = float(np.exp(value))
+        return Fact.known(name, time, error, times, of_log=True, unit="s", read="ms", words=words)
 
     @cached_property
     def motions(self) -> tuple[SlamMotion, ...]:
@@ -206,8 +206,7 @@ class _SlamsSolved:
         for i, (one, motion) in enumerate(zip(self.slams.hits, self.motions, strict=True)):
             place = self.slams.shared + 2 * i
             speed, error = float(self.theta[place]), float(errors[place])
-            half = reach * error if np.isfinite(error) else np.nan
-            told = Fact("speed", speed, speed - half, speed + half, "m/s", error, "m/s")
+            told = Fact.known("speed", speed, error, reach, unit="m/s", read="m/s")
             time = one.time - self.theta[place + 1]
             hit = SlamHit(
                 one.name, told, motion.peak.force, motion.deepest.compression,

@@ -16,7 +16,8 @@ def page(found: Aging) -> KindPage:
     """What the page of a law of aging holds."""
     asked = {"Readings": frozenset[str](),
              "Ovens": frozenset({"ovens_enough", "ovens_on_a_line"}),
-             "Chemistry": frozenset({"chemistry_seen", "aging_beside_drift"})}  # fmt: skip
+             "Chemistry": frozenset({"chemistry_seen", "aging_beside_drift", "cell_holds"}),
+             }  # fmt: skip
     warm = [one.temperature for one in found.ovens]
     ends = " to ".join(f"{in_unit(one, '°C'):.4g}" for one in (warm[0], warm[-1]))
     return KindPage(

@@ -16,7 +16,7 @@ import {
   undo,
 } from "./job.js";
 import * as lot from "./lot.js";
-import { bench, live, predict, settle, study } from "./questions.js";
+import { bench, cancel, live, predict, settle, study } from "./questions.js";
 import { choices, describe, fields, fileList, views } from "./shown.js";
 import { refuse, shut, types } from "./verdict.js";
 import { call } from "./wire.js";
@@ -142,7 +142,7 @@ const acts = {
   answer: files.answer,
   profile: files.profile,
   project: files.project,
-  cancel: () => call("POST", "/api/cancel"),
+  cancel,
   "take-bench": files.takeBench,
   folders: () => {
     if (document.body.classList.toggle("folders")) field("folder-name").focus();

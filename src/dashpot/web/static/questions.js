@@ -72,6 +72,15 @@ export function live() {
 /** A key that takes two lines is known when it stands there: its drawing is then to be lower. */
 const tooTall = () => all("[data-panel]").some((one) => one.scrollHeight > one.clientHeight + 1);
 
+/** When it was said that nothing more is wanted. */
+let stopped = 0;
+
+/** End what is at work, and begin nothing that would have followed it. */
+export function cancel() {
+  stopped = performance.now();
+  call("POST", "/api/cancel").catch(() => {});
+}
+
 /** The fit with its intervals and checks, and every panel of the test. */
 export function settle(again = false) {
   const now = question();
@@ -99,6 +108,10 @@ export function settle(again = false) {
   ask("settle", "settle", asked, ({ head }) => {
     knows(now, head, false);
     settled(head);
+    if (stopped >= since) {
+      ends(cancelled);
+      return status(cancelled);
+    }
     if (quick || (!again && tooTall())) return settle(true);
     status(`settled in ${seconds(since, 2)}`);
     study();
