@@ -37,6 +37,8 @@ html_title = "dashpot"
 html_math_renderer = "mathml"
 exclude_patterns = ["_build"]
 autodoc_typehints = "none"
+# there are none, and to look for them reads every function again
+autodoc_use_type_comments = False
 autodoc_member_order = "bysource"
 add_module_names = False
 toc_object_entries_show_parents = "hide"

@@ -5,7 +5,6 @@ A list here may only shrink: a line that is no longer needed fails, as one that 
 
 from __future__ import annotations
 
-import ast
 import re
 from collections import defaultdict
 from pathlib import Path
@@ -142,8 +141,8 @@ def test_one_word_means_one_thing() -> None:
     """An underscore makes no other word."""
     homes = defaultdict(list)
     for path in sorted(SOURCE.rglob("*.py")):
-        for node in ast.parse(path.read_text(encoding="utf-8")).body:
-            if isinstance(node, ast.ClassDef):
-                homes[node.name.lstrip("_")].append(path.relative_to(SOURCE).as_posix())
+        for name in re.findall(r"(?m)^class _*(\w+)", path.read_text(encoding="utf-8")):
+            homes[name].append(path.relative_to(SOURCE).as_posix())
+    assert len(homes) > 300
     twice = {name: places for name, places in homes.items() if len(places) > 1}
     assert not twice, "two classes of one name: make them one, or say what each is"
