@@ -12,6 +12,7 @@ less: processor time of server and workers a step, and the tasks that held the p
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import statistics
 import subprocess
@@ -117,7 +118,8 @@ def drive(page: Page, seal: Path, hammer: Path) -> None:
     with effort(page, server.pid, "settle and study", steps=6):
         settle(page)
     page.locator("#pick").set_input_files(str(hammer))
-    page.get_by_role("button", name="Cancel").wait_for()
+    # past the reading, at work on the verdict
+    page.get_by_role("status").filter(has_text=re.compile(r", \d+\.\d s$")).wait_for()
     since = time.perf_counter()
     page.get_by_role("button", name="Cancel").click()
     page.get_by_role("status").filter(has_text="cancelled").wait_for()

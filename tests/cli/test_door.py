@@ -210,7 +210,7 @@ def test_a_motion_that_nothing_holds_is_told(folder):
 @pytest.mark.parametrize(
     ("old", "new", "sentence"),
     [
-        ('fit = "fit.json"', 'fit = "none.json"', "none.json: cannot be read"),
+        ('fit = "fit.json"', 'fit = "none.json"', "none.json: there is no such file"),
         ('fit = "fit.json"', 'fit = "door.toml"', "this is not a JSON document; expected a fit"),
         ("pitch", 'temperature = "0degC"\npitch', "nothing says how the solid moves to 0 degC"),
         ("pitch", 'height = "2m"\ngap = "1.9m"\npitch', "was tested to"),

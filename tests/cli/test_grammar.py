@@ -311,7 +311,7 @@ def test_an_option_of_another_kind_is_refused_by_name(typed: str, file: str, say
         ("simulate relaxtion -o x.csv", "'relaxtion' is unknown. Did you mean 'relaxation'?"),
         ("export fit.json --to nastrn", "'nastrn' is unknown. Did you mean 'nastran'?"),
         ("record --driver serail -o x.csv", "'serail' is unknown. Did you mean 'serial'?"),
-        ("fit seal.csv --column force", "write --column time=VALUE"),
+        ("fit seal.csv --column force", "write --column force=VALUE"),
     ],
 )  # fmt: skip
 def test_a_word_that_is_misspelt_is_answered_with_the_nearest(typed: str, says: str) -> None:

@@ -7,7 +7,7 @@ from kit.sweeps import moduli, sweeps
 import dashpot as dp
 from dashpot.fitting.dynamic import fit_dynamic
 from dashpot.plot.picture import Area, Dots, Line, Tag
-from dashpot.plot.tokens import SEQUENTIAL
+from dashpot.plot.tokens import COLOURS, SEQUENTIAL
 from dashpot.workflow.frames import frame
 
 
@@ -73,3 +73,17 @@ def test_a_fit_is_drawn_in_the_place_of_the_spectrum():
     ]
     assert [line.label for line in lines] == ["spectrum of all temperatures", "fit"]
     assert not np.allclose(lines[0].y, lines[1].y)
+
+
+def light(colour: str) -> float:
+    """Relative luminance, as WCAG has it."""
+    parts = [int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5)]
+    linear = [v / 12.92 if v <= 0.03928 else ((v + 0.055) / 1.055) ** 2.4 for v in parts]
+    return float(np.dot((0.2126, 0.7152, 0.0722), linear))
+
+
+@pytest.mark.parametrize("page", [0, 1], ids=["light", "dark"])
+@pytest.mark.parametrize("name", SEQUENTIAL)
+def test_a_temperature_can_be_read_in_its_own_colour(name, page):
+    low, high = sorted(light(COLOURS[one][page]) for one in (name, "panel"))
+    assert (high + 0.05) / (low + 0.05) >= 4.5

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import os
+import re
 import sys
 import traceback
 from collections.abc import Sequence
@@ -69,7 +70,8 @@ def _failure(error: BaseException, words: Sequence[str]) -> Failure:
         page = io.StringIO()
         error.show(page)
         hint = _hint(error, words)
-        says, shown = error.format_message() + hint, page.getvalue().rstrip("\n") + hint
+        says = _plainly(error.format_message()) + hint
+        shown = _plainly(page.getvalue().rstrip("\n")) + hint
         return Failure("UsageError", says, shown, error.exit_code)
     if isinstance(error, click.Abort | KeyboardInterrupt):
         said = str(error.__cause__ or error)  # click aborts because of the interrupt
@@ -92,6 +94,12 @@ def _failure(error: BaseException, words: Sequence[str]) -> Failure:
         "where it happened"
     )
     return _sentence("InternalError", says, FAULT)
+
+
+def _plainly(says: str) -> str:
+    """A refusal of click in words that no programmer is needed for."""
+    whole = re.sub(r"is not a valid integer(?: range)?\b", "is no whole number", says)
+    return whole.replace("is not a valid float", "is no number")
 
 
 def _hint(error: click.ClickException, words: Sequence[str]) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shlex
 from collections.abc import Sequence
 from pathlib import Path
@@ -49,6 +50,9 @@ _FLAGS = (
     "--json", "--strict", "-v", "--verbose", "--overwrite", "--open", "--lubricated", "--all",
     "--modes", "--quick", "--joint", "--parallel-dashpot", "--base", "--thorough",
 )  # fmt: skip
+_HELP = {"help": "--help", "version": "--version"}
+"""Words that other programs take for a command."""
+_QUANTITY = re.compile(r"\A[\d.+-]+\s*[^\W\d]")
 _MODES = ("uniaxial", "biaxial", "planar", "compression", "volumetric")
 _SHAPES = ("--disc", "--block", "--bush", "--bulb")
 _FIT = ("fit",)
@@ -88,6 +92,9 @@ def instead(name: str, rest: Sequence[str]) -> str:
     """Return what to type in place of a word that is no verb."""
     if name in FORMER:
         return f"Type: {shlex.join(['dashpot', *_translated(FORMER[name], name, list(rest))])}"
+    if name in _HELP:
+        known = [word for word in rest[:1] if word in COMMANDS]
+        return f"Type: {shlex.join(['dashpot', *known, _HELP[name]])}"
     if Path(name).exists():
         return f"To see what it is: dashpot inspect {shlex.quote(name)}"
     return nearest(name, COMMANDS)
@@ -97,6 +104,9 @@ def renamed(name: str, option: str, rest: Sequence[str]) -> str:
     """Return what to type where a verb was given an option by its former name; else nothing."""
     known = {*_KEYS, *_SAME, *_SHAPES, "--motion", "--depth-law", "--force"}
     former = CHANGED.get(name)
+    said = list(rest)[list(rest).index(option) + 1 :] if option in rest else []
+    if option in _KEYS and said and _QUANTITY.match(said[0]):  # no name of a column
+        return ""
     if former is None or option not in {*known, *former.renamed, *former.files}:
         return ""
     return f"Type: {shlex.join(['dashpot', *_translated(former, name, list(rest))])}"

@@ -266,7 +266,8 @@ class Keyed(click.ParamType[Any]):
         if self.first is not None and number == 0 and key not in named:
             return self.first, part
         if not sign or not text.strip():
-            self.fail(f"'{part}': write {self.flag} {named[0]}{self.sign}VALUE", param, ctx)
+            word = key if key in named else named[0]
+            self.fail(f"'{part}': write {self.flag} {word}{self.sign}VALUE", param, ctx)
         if key not in named:
             self.fail(f"'{key}' is unknown. {nearest(key, named)}", param, ctx)
         return self.fields[key], text

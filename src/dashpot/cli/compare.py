@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -78,7 +77,7 @@ def _no_pair(kinds: Mapping[str, str]) -> str:
     said = "; ".join(f"{path} is {called(kind)}" for path, kind in kinds.items())
     says = f"{said}. Compare a fit with a measurement, an FRF with an FRF, or a lot with a lot."
     if kinds[first] in _MEASURED and {kinds[path] for path in others} == {_SOLID}:
-        says += f" Type: {shlex.join(['dashpot', 'compare', others[-1], first])}"
+        says += f" Type: {typed('compare', others[-1], first, *options.given())}"
     return says
 
 

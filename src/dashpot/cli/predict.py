@@ -23,7 +23,6 @@ from dashpot.io.options import ReadOptions
 from dashpot.kinds import KINDS, PREDICTED, KindOfTest, load
 from dashpot.kinds.slam.asked import SlamAsked
 from dashpot.told.closing import closing_text
-from dashpot.told.door import door
 from dashpot.told.layout import Text
 from dashpot.workflow.job import Job, LevelChoices, PartChoices
 
@@ -163,6 +162,7 @@ def _under_mass(
 ) -> Outcome:
     """Predict the response of a mass on the seals, or on parts of a material."""
     if mass is None:
+        workflow.read_fit(fit)  # what is no fit is said before what a fit lacks
         raise click.UsageError("Give the mass of the block: --mass 104g")
     fitted = workflow.read_fit(fit)
     several = len(choices["at_level"].levels) > 1
@@ -250,6 +250,8 @@ def _of_door(
     found: workflow.DoorResult | None, closed: workflow.ClosingResult | None, *, every: bool
 ) -> Outcome:
     """How it vibrates, how it closes, or both."""
+    from dashpot.told.door import door  # with the numbers, which a page of help does without
+
     if closed is None:
         assert found is not None  # noqa: S101
         return Outcome(found, door(found, every=every), found.checks, verdict=found.verdict)

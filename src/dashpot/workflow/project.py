@@ -101,7 +101,8 @@ def open_project(folder: str | Path) -> Project:
         about = parsed_toml((path / "dashpot.toml").read_bytes())
     except (FileNotFoundError, NotADirectoryError):
         if not path.exists():
-            raise ReadError(missing(path)) from None
+            made = "A project is the folder that dashpot report --project FOLDER made."
+            raise ReadError(f"{missing(path)} {made}") from None
         what = "it is a file" if path.is_file() else "it has no dashpot.toml"
         raise ReadError(
             f"{path} is not a project: {what}; expected the folder that dashpot report --project "
