@@ -67,7 +67,9 @@ def test_a_spring_without_mass_is_that_far_off(ratio, massless, third):
         hz = top + np.linspace(-0.02, 0.02, 401)
     spring = (2 * np.pi * top * PART.height) ** 2 * RHO / 1e6
     assert 100 * (ratio * spring - 1) == pytest.approx(massless, abs=0.051 if ratio < 5 else 0.0051)
-    assert 100 * ((ratio + 1 / 3) * spring - 1) == pytest.approx(third, abs=0.0051 if ratio < 2 else 6e-4)
+    assert 100 * ((ratio + 1 / 3) * spring - 1) == pytest.approx(
+        third, abs=0.0051 if ratio < 2 else 6e-4
+    )
 
 
 def test_what_a_degree_and_a_per_cent_do():
