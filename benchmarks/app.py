@@ -6,7 +6,7 @@ A record of 42 500 rows and five hits from the virtual rig and hammer, then one 
 Times are wall clock in the page (`performance.now`), for a browser and a server share the machine;
 "drawn" is the second frame after the answer. Beside them stands what others on the machine change
 less: processor time of server and workers a step, and the tasks that held the page for more than
-50 ms. Memory is the resident size of server and workers.
+50 ms. Memory is the resident size of server and workers, what they share counted once.
 """
 
 from __future__ import annotations
@@ -253,11 +253,11 @@ def sizes(page: Page, verb: str) -> None:
 
 
 def memory(process: int) -> float:
-    """Resident size of a process and its children, MB."""
+    """Resident size of a process and its children, MB; what they share is counted once."""
     total = 0
     for one in family(process):
-        status = Path(f"/proc/{one}/status").read_text()
-        total += int(status.partition("VmRSS:")[2].split()[0])
+        status = Path(f"/proc/{one}/smaps_rollup").read_text()
+        total += int(status.partition("\nPss:")[2].split()[0])
     return total / 1e3
 
 
