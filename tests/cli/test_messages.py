@@ -31,6 +31,7 @@ SPEAKERS: dict[str, tuple[str, ...]] = {
     "io/": READING,
     "preparation/": BENCH,
     "preparation/checks.py:temperature_as_stated": ("fit", "report"),
+    "records/specimen.py:each_specimen": ("fit", "report"),
     "fitting/": ("fit", "predict", "report"),
     "fitting/dynamic.py": ("fit",),
     "fitting/modulus.py": ("fit",),
