@@ -25,11 +25,9 @@ _SCALED = (
 IDEAS: dict[str, tuple[str, tuple[str, ...], dict[str, str]]] = {
     "a descent by a library": (
         r"least_squares\(|optimize import .*(nnls|least_squares)",
-        ("engine/least_squares/",),
-        {
-            "fitting/uncertainty/admissible_spectra.py": "calls the engine's own solver by name",
-            "solids/friction.py": "solids do not know the engine: the sliders of one element",
-        },
+        # solids do not know the engine: the sliders of one element
+        ("solids/friction.py",),
+        {},
     ),
     "a damped descent": (
         r"damping \*=|damping \*\*|lstsq\(.*damp|marquardt",

@@ -218,7 +218,7 @@ def test_recorded_loops_tell_the_same(tmp_path, noise, drift):
     x += drift * t + noise * np.random.default_rng(3).normal(size=len(t))
     path = saved(tmp_path / "loops.csv", "time [s],displacement [mm],force [N]", t, 1e3 * x, force)
     found = ran(path, "--plot", tmp_path / "loops.svg")
-    assert "force over that amplitude, N/mm" in (tmp_path / "loops.svg").read_text()
+    assert "fitted loop" in (tmp_path / "loops.svg").read_text()
     assert found["unit"] == "N/m"
     assert [round(one["frequency_hz"], 2) for one in found["linear"]] == [hz]
     low, high = found["amplitudes"]

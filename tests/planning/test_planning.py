@@ -246,7 +246,7 @@ def test_the_record_is_for_the_solid_that_is_supposed() -> None:
     """An arm that is supposed damps, so the mass rings for less long."""
     told = planned()
     assert told.record.for_lines == pytest.approx(6.86, abs=0.01)
-    assert "Record each hit for 6.86 s (44.4 s if the seal has no such arm)" in told.advice[1]
+    assert "Record each hit for 6.86 s (44.4 s if no arm of the seal damps there)" in told.advice[1]
     assert planned(model=told.model).record.for_lines == pytest.approx(6.86, abs=0.01)
 
 
@@ -298,7 +298,7 @@ def test_user_story_4() -> None:
     words = " ".join(told.advice)
     assert "Ramp in 0.0333 s" in words
     assert "fit both together" in words
-    assert "6.86 s (44.4 s if the seal has no such arm) instead of 4 s" in words
+    assert "6.86 s (44.4 s if no arm of the seal damps there) instead of 4 s" in words
     assert {c.name: c.passed for c in told.checks} == {
         "loss_factor_known": False,
         "inside_identified_band": False,

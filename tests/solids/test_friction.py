@@ -70,6 +70,9 @@ class TestPublishedNumbers:
         element, X = Jenkins(5e3, 2.0), 1e-3
         assert element.energy(X) == pytest.approx(4.8e-3, rel=1e-12)
         assert element.stiffness(X) == pytest.approx(1867.650 + 1527.887j, rel=1e-6)
+        rubs = Jenkins(60.0, 0.03)
+        assert rubs.energy(X) == pytest.approx(60e-6, rel=1e-12)
+        assert rubs.stiffness(X) == pytest.approx(30 + 19.0986j, rel=1e-6)
         assert Coulomb(2.0).energy(X) == pytest.approx(8e-3, rel=1e-12)
         voigt = kelvin_voigt(1.0, 5.0)
         lost = np.pi * X**2 * voigt.loss(omega=2 * np.pi * 10)

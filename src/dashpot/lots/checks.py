@@ -48,9 +48,9 @@ def tests_alike(unlike: int, tests: int) -> Finding:
     return Finding(
         f"{counted(tests, 'seal')} tested alike",
         unlike,
-        "Those, which the page names, are left out of the statistics",
+        "The statistics leave those out, and the page names them",
         "Test every seal alike.",
-        f"{unlike} of {counted(tests, 'seal')} tested unlike the rest",
+        f"{unlike} of {tests} seals were tested unlike the rest",
     )
 
 

@@ -260,7 +260,7 @@ def _band(bench: Bench, repeats: Sequence[Elsewhere]) -> tuple[float, float]:
 def _without_arm(seal: GeneralizedMaxwell, mass: float | None, at: float) -> str:
     """The record that the seal needs if the arm that was supposed is not there."""
     need = record_need(seal, mass_for_peak(seal, at) if mass is None else mass, None)
-    return f" ({needed(need):.3g} s if the seal has no such arm)"
+    return f" ({needed(need):.3g} s if no arm of the seal damps there)"
 
 
 def _lines(at: float, record: float | None) -> FloatArray:

@@ -216,13 +216,11 @@ def _by_depth(found: Fit) -> list[str]:
     if not found.by_depth:
         return []
     each = [one.facts(found.unit) for one in found.by_depth]
-    rows = [
-        [f"  by depth, {each[0][0].word}, {found.error_beside}", *(one.called for one in each[0])]
-    ]
+    rows = [["  depth", *(one.called for one in each[0])]]
     for at, known in zip(found.by_depth, each, strict=True):
         cells = (one.cells.ascii.with_error for one in known)
         rows.append([f"  {written(at.depth, 'mm')}", *cells])
-    return table(rows)
+    return [f"    by depth, {each[0][0].word}, {found.error_beside}", *table(rows)]
 
 
 def _moved(found: Fit) -> list[str]:

@@ -44,7 +44,7 @@ DEPENDENT = 1e-9
 REMEMBERED = 512
 
 
-class Face(NamedTuple):
+class ActiveSet(NamedTuple):
     """Columns that carry weight, A_P = QR.
 
     Attributes
@@ -101,7 +101,7 @@ class NonnegativeBall:
         # a column is a row: so they are picked and factored
         self._rows, self._target = np.ascontiguousarray(columns.T), target
         self._nothing = NOTHING * sqrt(target @ target)
-        self._met: OrderedDict[bytes, Face] = OrderedDict()
+        self._met: OrderedDict[bytes, ActiveSet] = OrderedDict()
 
     def least(self, start: FloatArray | None = None) -> FloatArray:
         """Return the s >= 0 that minimises |A s - y|, shape (m,).
@@ -178,7 +178,7 @@ class NonnegativeBall:
         gain = np.asarray(self._rows @ residual)
         return gain if aim is None else gain + multiplier * aim
 
-    def _known(self, active: IndexArray, factored: Callable[[], Face]) -> Face:
+    def _known(self, active: IndexArray, factored: Callable[[], ActiveSet]) -> ActiveSet:
         """Return the face of these columns, factored where it was not met before."""
         key = np.sort(active).tobytes()
         face = self._met.get(key)
@@ -190,24 +190,24 @@ class NonnegativeBall:
             self._met.popitem(last=False)
         return face
 
-    def _of(self, active: IndexArray) -> Face:
+    def _of(self, active: IndexArray) -> ActiveSet:
         return self._known(active, partial(self._factored, active))
 
-    def _factored(self, active: IndexArray) -> Face:
+    def _factored(self, active: IndexArray) -> ActiveSet:
         basis, factor = np.linalg.qr(self._rows[active].T)
         return self._face(active, np.ascontiguousarray(basis.T), factor)
 
-    def _face(self, active: IndexArray, basis: FloatArray, factor: FloatArray) -> Face:
+    def _face(self, active: IndexArray, basis: FloatArray, factor: FloatArray) -> ActiveSet:
         along: FloatArray = basis @ self._target
         rest: FloatArray = self._target - along @ basis
-        return Face(active, basis, factor, np.asarray(np.linalg.inv(factor)), along, rest)
+        return ActiveSet(active, basis, factor, np.asarray(np.linalg.inv(factor)), along, rest)
 
-    def _among(self, face: Face, kept: BoolArray) -> Face:
+    def _among(self, face: ActiveSet, kept: BoolArray) -> ActiveSet:
         """Return a face with fewer columns."""
         turn, factor = np.linalg.qr(face.factor[:, kept])
         return self._face(face.active[kept], turn.T @ face.basis, factor)
 
-    def _beside(self, face: Face, entered: int) -> Face:
+    def _beside(self, face: ActiveSet, entered: int) -> ActiveSet:
         """Return a face with one column more."""
         column, count = self._rows[entered], len(face.active)
         active = np.append(face.active, entered)
@@ -227,7 +227,7 @@ class NonnegativeBall:
         inverse[:-1, -1] = face.inverse @ factor[:-1, -1] / -length
         along = float(new @ face.rest)
         rest = face.rest - along * new
-        return Face(active, basis, factor, inverse, np.append(face.along, along), rest)
+        return ActiveSet(active, basis, factor, inverse, np.append(face.along, along), rest)
 
 
 def _as_far_as_allowed(s: FloatArray, goal: FloatArray) -> tuple[FloatArray, BoolArray]:

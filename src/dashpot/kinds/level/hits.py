@@ -179,4 +179,4 @@ def hits_as_levels(frf: FRF, *, band: tuple[float, float] | None = None) -> HitL
 
 
 def _with_error(line: RegressionLine) -> str:
-    return f"{100 * line.slope:+.2g} +- {100 * line.se:.1g} %"
+    return f"{100 * line.slope:+.2g} ± {100 * line.se:.1g} %"

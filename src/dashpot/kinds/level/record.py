@@ -257,7 +257,7 @@ class AmplitudeFit(ByValue, Described, Checked, Documented):
             half_way, doubt = (in_unit(one, of) for one in (self.half_way, error["half_way"]))
             lines.append(
                 f"{kraus} law: {lost} of the stiffness is lost with amplitude, half of it at "
-                f"{ascii_only(rounded(half_way, doubt))} +- {doubt:.2g} {of}; exponent "
+                f"{ascii_only(rounded(half_way, doubt))} ± {doubt:.2g} {of}; exponent "
                 f"{self.exponent:.2g}"
             )
         if self.k3:
@@ -265,7 +265,7 @@ class AmplitudeFit(ByValue, Described, Checked, Documented):
             way = "stiffens" if self.k3 > 0 else "softens"
             most = written(0.75 * abs(self.k3) * self.amplitudes[1] ** 2, unit, ".3g")
             lines.append(
-                f"cubic spring: k3 = {self.k3:.4g} +- {error['k3']:.2g} {per}, which {way} by "
+                f"cubic spring: k3 = {self.k3:.4g} ± {error['k3']:.2g} {per}, which {way} by "
                 f"{most} at the largest amplitude"
             )
         if self.k3_unseen:
