@@ -122,9 +122,8 @@ def _each_oven(read: Readings, drift: float) -> Estimate:
     left = np.array([read.force[read.oven == k].min() for k in range(len(read.temperature))])
     start = np.maximum(-np.log(np.clip(left, 0.01, 1.0)) - 0.06, 0.01)
     theta, scatter = np.array([0.02, *start, *[0.0] * (drift > 0)]), _USUAL
-    for _ in range(
-        1 + (drift > 0)
-    ):  # what a reading scatters by weighs the drift, and shows after the first
+    # what a reading scatters by weighs the drift, and shows after the first
+    for _ in range(2 if drift else 1):
         problem = _problem(
             read,
             parameters,
