@@ -12,7 +12,7 @@ ENDS = {
     "record": (1e-3, 3e7), "amplitude": (1e-12, 0.2), "modulus": (10, 2e9),
     "contact pressure": (0, 2e8), "radius": (1e-9, 1), "part": (1e-4, 30), "door": (0.02, 30),
     "seal length": (1e-4, 50), "seal height": (1e-4, 1), "sag": (0, 0.2), "resonance": (0.2, 2e4),
-    "acceleration": (0, 1e7), "mass": (1e-9, 1e3), "density": (5, 2e4),
+    "acceleration": (0, 1e7), "mass": (1e-9, 1e3), "density": (5, 2e4), "shear": (0, 3),
 }  # fmt: skip
 
 

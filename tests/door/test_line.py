@@ -371,7 +371,7 @@ def test_the_file_of_a_door_says_its_friction(folder):
         ),
         ("across = 0.35", "across = 35", r"\[seal\]: shear: across = 35; expected 0 to 3"),
         ("across = 0.35", "side = 0.35", r"\[seal.shear\]: 'side' is unknown; known are across"),
-        ("across = 0.35", 'across = "none.json"', "none.json: cannot be read"),
+        ("across = 0.35", 'across = "none.json"', "none.json: there is no such file"),
         ("across = 0.35", 'across = "../side.json"', "lies outside the folder"),
         ("normal = [0, 1, 0]", "normal = [0, 0, 1]", "runs along its own normal from point 1 to 2"),
         ("15deg", "81deg", "tilt = 81 deg; expected at most 80 deg"),

@@ -29,7 +29,8 @@ def test_the_page_holds_what_the_command_prints(tmp_path, monkeypatch):
     )
     assert json.loads(base64.b64decode(link)) == printed
     assert f">{printed['verdict']['use'].capitalize()}<" in page
-    assert page.count('<svg class="wide') == 4
+    # storage, loss, and the loops of four amplitudes beside each other
+    assert page.count('<svg class="wide') == 6
     assert len(re.findall(r"<td>levels</td>", page)) == len(printed["checks"])
     for tag in ("style", "script"):
         (body,) = re.findall(rf"<{tag}[^>]*>(.*?)</{tag}>", page, flags=re.DOTALL)

@@ -66,7 +66,7 @@ def test_another_seal_is_no_cold_one(bench, found, tmp_path):
 
 
 def test_one_temperature_is_for_all_files(bench):
-    with pytest.raises(dp.FitError, match=r"given 3 times for 2 files"):
+    with pytest.raises(dp.DataError, match=r"given 3 times for 2 files"):
         fit_files(bench, temperatures=(1.0, 2.0, 3.0))
     one, _ = fit_files(bench[:1], temperatures=(296.15,))
     assert one.specimen.temperature == 296.15
