@@ -149,9 +149,7 @@ def _scaled(stream: Any) -> _Groups:
 
 
 def _channel(name: str, properties: Mapping[str, Any], values: FloatArray) -> _TdmsChannel:
-    unit = next(
-        (str(properties[key]) for key in _UNITS if str(properties.get(key, "")).strip()), None
-    )
+    unit = next((said for key in _UNITS if (said := str(properties.get(key, ""))).strip()), None)
     step = properties.get("wf_increment")
     offset = float(properties.get("wf_start_offset", 0.0))
     values = values.astype(float, copy=False)
@@ -166,14 +164,17 @@ def _block(channels: list[_TdmsChannel], notes: list[str]) -> FloatArray:
         raise ReadError(
             f"channels are sampled at different steps ({listed}); export them at one rate"
         )
-    step = steps.pop()
+    step, sizes = steps.pop(), sorted({channel.values.size for channel in channels})
+    alike = len(sizes) == 1 == len({channel.offset for channel in channels})
+    values = [channel.values for channel in channels]
     if step is None:
-        sizes = sorted({channel.values.size for channel in channels})
         if len(sizes) > 1:
             raise ReadError(f"channels differ in length ({sizes}) and have no clock")
-        return np.column_stack([channel.values for channel in channels])
+        return np.array(values).T
     time = _common(channels, step)
-    return np.column_stack([time, *(_aligned(c, time, step, notes) for c in channels)])
+    return np.array(
+        [time, *(values if alike else (_aligned(c, time, step, notes) for c in channels))]
+    ).T
 
 
 def _common(channels: list[_TdmsChannel], step: float) -> FloatArray:
