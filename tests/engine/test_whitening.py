@@ -115,6 +115,23 @@ def test_what_is_known_is_what_generalised_least_squares_knows(
     assert plain[fast, fast] > better * mine[fast, fast]
 
 
+def test_each_record_is_taken_as_its_own_noise_is() -> None:
+    """Against the dense form, under slow noise and beside it white: means of 4 and of 1."""
+    records, noises = [held(), moved()], [slow(8.0), white()]
+    assert [as_one(one) for one in noises] == [4, 1]
+    solution = solve(records, 2)
+    gain = NoiseGain(records, noises, solution)
+    jacobian = full_jacobian(records, solution).matrix
+    rows = np.split(np.arange(len(jacobian)), [len(TIME)])
+    for step in np.eye(jacobian.shape[1]):
+        change, met = jacobian @ step, 0.0
+        for part, noise in zip(rows, noises, strict=True):
+            gamma = np.zeros(len(TIME))
+            gamma[: len(noise.autocovariance)] = noise.autocovariance
+            met += change[part] @ toeplitz(gamma) @ change[part]
+        assert gain.towards(step) == pytest.approx(met / (change @ change), rel=0.05)
+
+
 @pytest.mark.parametrize("make", [held, moved])
 @pytest.mark.parametrize(("correlation", "few", "most"), [(0.5, 1, 1.0), (2, 2, 1.02), (8, 4, 1.3)])
 def test_means_over_neighbours_lose_little_of_what_is_known(

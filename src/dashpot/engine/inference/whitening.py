@@ -23,7 +23,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import cache, partial
 from typing import NamedTuple
 
 import numpy as np
@@ -49,9 +48,8 @@ def whitened_block(exact: DataBlock, noise: Noise) -> DataBlock:
     noise : Noise
         Of its residuals, with a positive variance.
     """
-    few = as_one(noise)
-    basis = reduced_basis(exact, few)
-    variance, axes = _principal(basis, noise, few)
+    basis = reduced_basis(exact, as_one(noise))
+    variance, axes = _principal(basis, noise)
     whiten = (axes / np.sqrt(variance)).T
     return basis.block.changed(lambda part: whiten @ part)
 
@@ -98,12 +96,16 @@ def reduced_basis(exact: DataBlock, few: int) -> ReducedBasis:
 
     Of means over `few` neighbours; found once.
     """
-    return _bases(exact)(few)
+    known = _bases(exact)
+    if few not in known:
+        known[few] = _reduced(exact, few)
+    return known[few]
 
 
 @kept
-def _bases(exact: DataBlock) -> Callable[[int], ReducedBasis]:
-    return cache(partial(_reduced, exact))
+def _bases(_: DataBlock) -> dict[int, ReducedBasis]:
+    """Those that were found of a block, by how many neighbours are one."""
+    return {}
 
 
 def _reduced(exact: DataBlock, few: int) -> ReducedBasis:
@@ -146,12 +148,12 @@ class NoiseGain:
     def __init__(
         self, every_sample: Sequence[DataBlock], noises: Sequence[Noise], solution: Solution
     ) -> None:
-        few = max(map(as_one, noises))
-        spans = [reduced_basis(block, few) for block in every_sample]
+        pairs = zip(every_sample, noises, strict=True)
+        spans = [reduced_basis(block, as_one(noise)) for block, noise in pairs]
         blocks = [basis.block for basis in spans]
         self._stack = Stack(blocks)
         self._cuts = np.cumsum([len(block.target) for block in blocks])[:-1]
-        self._principal = [_principal(*pair, few) for pair in zip(spans, noises, strict=True)]
+        self._principal = [_principal(*pair) for pair in zip(spans, noises, strict=True)]
         self._jacobian = full_jacobian(blocks, solution).matrix
         self._model = self._at(solution.beta, solution.log_tau)
 
@@ -186,16 +188,16 @@ def as_one(noise: Noise) -> int:
     return 1 << max(int(np.log2(noise.kappa) / 2 - 2), 0)
 
 
-def _principal(basis: ReducedBasis, noise: Noise, few: int) -> tuple[FloatArray, FloatArray]:
+def _principal(basis: ReducedBasis, noise: Noise) -> tuple[FloatArray, FloatArray]:
     """Return the variances of the noise along its principal axes, and these as columns."""
-    gamma = noise.autocovariance
+    gamma, few = noise.autocovariance, as_one(noise)
     met = toeplitz_form(basis.basis, gamma if few == 1 else _of_means(gamma, few))
     variance, axes = np.linalg.eigh(met)
     return np.maximum(variance, gamma[0]), axes
 
 
 def _of_means(gamma: FloatArray, few: int) -> FloatArray:
-    """The autocovariance of means over a few neighbours, times their number."""
+    """The autocovariance, of `few` lags at least, of means over neighbours, times their number."""
     share = 1 - np.abs(np.arange(1 - few, few)) / few
     # from the lag -(few - 1) on, and as far as any is left
     both = np.concatenate((gamma[few - 1 : 0 : -1], gamma, np.zeros(2 * few)))
