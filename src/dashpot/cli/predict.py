@@ -161,10 +161,9 @@ def _under_mass(
     **choices: Any,
 ) -> Outcome:
     """Predict the response of a mass on the seals, or on parts of a material."""
+    fitted = workflow.read_fit(fit)  # what is no fit is said before what a fit lacks
     if mass is None:
-        workflow.read_fit(fit)  # what is no fit is said before what a fit lacks
         raise click.UsageError("Give the mass of the block: --mass 104g")
-    fitted = workflow.read_fit(fit)
     several = len(choices["at_level"].levels) > 1
     if output and several and not output.lower().endswith((".json", *PAGE)):
         raise click.UsageError(
