@@ -148,6 +148,7 @@ class AdmissibleSpectra:
         columns = np.where(self.shown, rows[:, 1:] / self.scale, 0.0)
         told = np.linalg.norm(columns, axis=1) > ROUNDING
         aside, self.target = float(rows[~told, 0] @ rows[~told, 0]), rows[told, 0].copy()
+        # a column is asked for as a row: laid out so, none is copied for it
         self.columns = np.asfortranarray(columns[told][:, self.shown])
         self.best = np.zeros(len(norm))
         self._ball = NonnegativeBall(self.columns, self.target)
