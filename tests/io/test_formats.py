@@ -131,6 +131,13 @@ def test_tdms_start_offsets_are_applied(tmp_path: Path, late: float) -> None:
     assert any("'Hammer' starts" in note for note in test.source[0].notes)
 
 
+def test_tdms_channels_that_begin_together_keep_every_sample(tmp_path: Path) -> None:
+    """However far from zero their clock begins: a step is lost in the digits of a late start."""
+    tdms(tmp_path / "late.tdms", (2e8 + 0.3, 2e8 + 0.3))
+    test = read_impact(tmp_path / "late.tdms")
+    assert len(test.force) == 50
+
+
 @pytest.mark.parametrize("of", ["channel", "group", "file"])
 def test_tdms_scaling_is_applied(tmp_path: Path, of: str) -> None:
     from nptdms import ChannelObject, GroupObject, RootObject, TdmsWriter

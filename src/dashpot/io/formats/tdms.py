@@ -165,16 +165,15 @@ def _block(channels: list[_TdmsChannel], notes: list[str]) -> FloatArray:
             f"channels are sampled at different steps ({listed}); export them at one rate"
         )
     step, sizes = steps.pop(), sorted({channel.values.size for channel in channels})
-    alike = len(sizes) == 1 == len({channel.offset for channel in channels})
-    values = [channel.values for channel in channels]
+    values, offset = [channel.values for channel in channels], channels[0].offset
     if step is None:
         if len(sizes) > 1:
             raise ReadError(f"channels differ in length ({sizes}) and have no clock")
         return np.array(values).T
+    if sizes == sizes[:1] != [1] and all(channel.offset == offset for channel in channels):
+        return np.array([offset + step * np.arange(sizes[0], dtype=float), *values]).T
     time = _common(channels, step)
-    return np.array(
-        [time, *(values if alike else (_aligned(c, time, step, notes) for c in channels))]
-    ).T
+    return np.array([time, *(_aligned(c, time, step, notes) for c in channels)]).T
 
 
 def _common(channels: list[_TdmsChannel], step: float) -> FloatArray:
