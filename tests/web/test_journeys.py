@@ -441,7 +441,7 @@ def test_kinds_that_stand_alone_are_judged(visit, tmp_path):
     verdict.get_by_role("alert").filter(has_text="moving mass is not given").wait_for()
     assert "good" not in verdict.get_attribute("class")
     page.at.locator("#pick").set_input_files(str(tmp_path / "tension.csv"))
-    page.at.get_by_label("tension.csv").wait_for()
+    page.at.locator("[data-ask='test 0']").wait_for()
     page.done()
     assert page.at.locator("#bench-page svg.figure").count() >= 1
 
