@@ -27,7 +27,6 @@ VIBRATION = "impact frf transmissibility"
 SOLIDS = "relaxation dma master-curve modulus creep fit"
 """Kinds that are of a solid: tests of it, and its fit."""
 
-_OTHER_LABELS = ("length", "height", "temperature")
 _LABELS = tuple(one.name for one in fields(Specimen) if one.metadata.get("under") == "label")
 
 
