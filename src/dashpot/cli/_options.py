@@ -12,8 +12,7 @@ import click
 
 from dashpot.base.choices import FigureSize, words
 from dashpot.cli._grammar import Opt, Verb, group, of, opt, rest
-from dashpot.cli._shell import File, Output
-from dashpot.cli._values import Figure, OneOf, Scoped, Units, Wlf
+from dashpot.cli._values import Figure, File, OneOf, Output, Scoped, Units, Wlf
 from dashpot.io.options import ReadOptions
 from dashpot.records.machine import Machine
 from dashpot.records.specimen import Specimen
