@@ -162,7 +162,7 @@ def read_once(file: Opened) -> Opened:
             known.clear()
             known[asked] = file.table.load(indexes)
         # who cleans them must not clean the next one's
-        return replace(known[asked], values=known[asked].values.copy())
+        return replace(known[asked], values=known[asked].values.copy(order="K"))
 
     return replace(file, table=replace(file.table, load=load), once=True)
 
