@@ -492,9 +492,9 @@ class Mode(Documented):
             for error in (self.frequency_se, self.damping_ratio_se, self.residue_se)
         )
         return (
-            Fact.normal("frequency", self.frequency, frequency, "Hz"),
-            Fact.normal("damping ratio", self.damping_ratio, damping_ratio, "1", "%"),
-            Fact.normal("residue", abs(self.residue), residue, "m/(N s)"),
+            Fact.known("frequency", self.frequency, frequency, unit="Hz"),
+            Fact.known("damping ratio", self.damping_ratio, damping_ratio, unit="1", read="%"),
+            Fact.known("residue", abs(self.residue), residue, unit="m/(N s)"),
         )
 
     @property

@@ -40,7 +40,7 @@ def cell(value: float | None, unit: str, *, digits: int = 4) -> str:
 
 def with_error(value: float, error: float | None, unit: str = "") -> str:
     """Return a value of a unit of SI and its error as people read both; None is not known."""
-    return Fact.normal("", value, error, unit).cells.ascii.with_error
+    return Fact.known("", value, error, unit=unit).cells.ascii.with_error
 
 
 def hertz(band: tuple[float, float]) -> str:

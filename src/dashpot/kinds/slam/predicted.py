@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -184,7 +184,7 @@ def _answers(motions: Sequence[SlamMotion]) -> tuple[Fact, ...]:
     size = np.linalg.norm(off, axis=0) if others else np.zeros(len(first))
     errors = [one or None for one in size.tolist()]
     return tuple(
-        replace(Fact.normal(name, value, error, unit, read), words=words)
+        Fact.known(name, value, error, unit=unit, read=read, words=words)
         for (name, unit, read, words), value, error in zip(_NAMED, first, errors, strict=True)
     )
 
