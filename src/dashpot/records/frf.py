@@ -280,6 +280,11 @@ class FRF(ByValue, Pictured, Documented):
         """The SI unit of `value`."""
         return UNITS[self.quantity]
 
+    @property
+    def read(self) -> str:
+        """The same as people read it: of an accelerance 1/kg."""
+        return "1/kg" if self.quantity is Kind.ACCELERANCE else self.unit
+
     def to(self, kind: Kind | str, *, mass: float | None = None) -> FRF:
         r"""The same FRF as receptance, mobility, accelerance or dynamic stiffness.
 

@@ -256,7 +256,7 @@ def peaks(study: Study) -> TextTable | None:
         return None
     head = ["", "measured", "predicted", "difference"]
     columns = [
-        ("peak frequency, Hz", "peak accelerance, (m/s²)/N", "damping ratio, %",
+        ("peak frequency, Hz", "peak accelerance, 1/kg", "damping ratio, %",
          "FRAC (1 is alike)", "rms difference, dB"),
         (Fact.known("", c.measured_hz, c.measured_hz_se or None, unit="Hz").cells.with_error,
          rounded(c.measured_peak), _measured_damping(c), "", ""),

@@ -161,15 +161,15 @@ def _one(said: Sequence[str]) -> str:
 
 _NAMED = (
     ("peak_force", "N", "", "peak force"),
-    ("peak_time", "s", "ms", "at"),
+    ("peak_time", "s", "ms", "time to the peak force"),
     ("compression", "m", "mm", "largest compression"),
-    ("compression_time", "s", "ms", "reached after"),
+    ("compression_time", "s", "ms", "time to the largest compression"),
     ("contact", "s", "ms", "contact"),
     ("compression_left", "m", "mm", "compression when it is let go"),
     ("rebound", "1", "%", "rebound speed"),
     ("taken", "J", "mJ", "energy to the largest compression"),
     ("lost", "J", "mJ", "energy absorbed"),
-    ("lost_part", "1", "%", "of the kinetic energy"),
+    ("lost_part", "1", "%", "energy absorbed, of the kinetic energy"),
     ("force_ratio", "1", "", "peak force over the relaxed force there"),
     ("energy_ratio", "1", "", "energy over that of the relaxed force"),
 )
