@@ -169,30 +169,6 @@ def force_panel(
     return Panel(*axes, tuple(marks), title=title, height=height)
 
 
-def ramp_panel(
-    shown: Sequence[DrawnFit], prepared: RampHold, *, title: str = "", height: float = 150.0
-) -> Panel:
-    """Force with the fitted curves over the ramp, on the clock of the record, and the motion.
-
-    The displacement is drawn to the scale of the force: equal heights where it is held.
-    """
-    unit, scale = unit_of(prepared.force, "N")
-    t, onset, c = prepared.time, prepared.onset, prepared.ramp_time
-    limits = (max(float(t[0]), onset - 0.35 * c), min(float(t[-1]), onset + 1.8 * c))
-    inside = (t >= limits[0]) & (t <= limits[1])
-    peak = float(np.max(scale * prepared.force[inside]))
-    moved = prepared.displacement[inside] * (peak / prepared.depth)
-    data = Line(*extremes(t[inside], scale * prepared.force[inside], bins=300), DATA, "measured")
-    marks: list[Mark] = [Line(*extremes(t[inside], moved, bins=150), REF, "displacement"), data]
-    for one in shown:
-        at = one.time + onset
-        drawn = (at >= limits[0]) & (at <= limits[1])
-        curve = extremes(at[drawn], scale * one.force[drawn], bins=150)
-        marks.append(Line(*curve, one.pen, one.label))
-    axes = (Scale("time on the record's clock, s", limits), Scale(f"force, {unit}", around(data.y)))
-    return Panel(*axes, tuple(marks), title=title, height=height)
-
-
 def upon_panels(
     one: DrawnFit, prepared: RampHold, *, other: DrawnFit | None = None
 ) -> tuple[Panel, Panel, Panel]:
