@@ -166,10 +166,19 @@ def bending(share: float, *, bends: int = 5) -> RampHold:
 
 
 def leaping(share: float) -> RampHold:
-    """A clock that leaps in mid-hold by this part of the time since onset."""
+    """A clock of uneven steps that leaps in mid-hold by this part of the time since onset."""
+    uneven = TIME - 0.008 * (np.arange(len(TIME)) % 10)  # in bursts, as a reading changes
     late = TIME > 10
-    leap = share * TIME[~late][-1] - 0.01
-    return replace(RECORD, time=TIME + late * leap, hold_end=41 + leap)
+    leap = share * uneven[~late][-1] - np.diff(uneven)[np.flatnonzero(late)[0] - 1]
+    return replace(RECORD, time=uneven + late * leap, hold_end=41 + leap)
+
+
+def leapt(share: float) -> RampHold:
+    """A clock of even steps, 1 ms at last, that leaps by this part of the time since onset."""
+    time = np.concatenate((np.arange(0, 30, 0.01), np.arange(30, 32, 1e-3)))
+    time[time > 31] += share * time[time <= 31][-1] - 1e-3
+    x = DEPTH * np.clip(time, 0, 1)
+    return RampHold(time, x, PAPER.force(time, x), 0.0, 1.0, 32.0, DEPTH)
 
 
 def creeping(readings: int) -> RampHold:
@@ -473,6 +482,7 @@ PREPARATION = [
         0.0601,
     ),
     Case("clock_steady", lambda x: preparation.clock_steady(leaping(x)), 0.2499, 0.2501),
+    Case("clock_steady", lambda x: preparation.clock_steady(leapt(x)), 0.000999, 0.001001),
     Case("motion_measured", whole(lambda n: preparation.motion_measured(creeping(n))), 1, None),
     Case("range_used", lambda x: preparation.range_used(70 * x, 70.0), 0.0501, 0.0499),
     Case("force_not_clipped", whole(lambda n: preparation.force_not_clipped(flat_top(n))), 4, 5),

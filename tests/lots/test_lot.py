@@ -10,12 +10,12 @@ import subprocess
 import sys
 import time
 from io import BytesIO
-from pathlib import Path
 from statistics import NormalDist
 
 import numpy as np
 import polars as pl
 import pytest
+from kit.processes import ON_LINUX, alive, children
 from kit.shell import ran, told
 
 import dashpot as dp
@@ -34,7 +34,6 @@ from dashpot.solids.table_1 import PAPER
 
 pytestmark = pytest.mark.once
 
-ON_LINUX = pytest.mark.skipif(sys.platform != "linux", reason="processes are looked up in /proc")
 BY = r"lot(\w+)_seal(\d+)_rep(\d+)"
 QUICK = {"arms": 1, "quick": True, "by": BY}
 
@@ -236,24 +235,6 @@ def test_the_table_goes_to_a_spreadsheet_without_formulas():
     place = lines[0].split(",").index("file")
     assert [line.split(",")[place] for line in lines[1:]] == ["'=1+1", "'-2", "'@a", "'+b", "a=b"]
     assert "-1.5" in lines[1].split(",")
-
-
-def alive(process):
-    try:
-        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
-    except OSError:
-        return False
-
-
-def children(process):
-    try:
-        text = Path(f"/proc/{process}/task/{process}/children").read_text()
-    except OSError:
-        return []
-    # each is started by a thread of its own
-    for task in Path(f"/proc/{process}/task").glob("*/children"):
-        text += " " + task.read_text()
-    return sorted({int(one) for one in text.split()})
 
 
 def in_chunks_of_one(folder, out):

@@ -172,6 +172,31 @@ def fit(
         raise FitError(f"{cause} As it is, {error}") from None
 
 
+def followed(test: RampHold, found: Fit) -> Fit:
+    """Return the optimum of a test next to that of another cut of it, for a look.
+
+    Relaxation times are descended to from those found there. Neither their number nor the law is
+    asked about again, so `found` is to be of a linear solid.
+
+    Parameters
+    ----------
+    test : RampHold
+    found : Fit
+        Of the same test, by arms, without a bent law.
+
+    Raises
+    ------
+    FitError
+        If the test has fewer samples than such a fit has parameters.
+    """
+    near = np.log(found.model.tau)
+    arms = len(near)
+    method: Method = "hold" if found.method == "hold" else "full"
+    design = checked_design([test], Asked(arms, arms), method=method, nuisance=NUISANCE)
+    first = weighed(data_of([test], design, near), arms, only=True, near=near)
+    return _point([test], first, design, arms)
+
+
 def _of_temperatures(
     records: Sequence[RampHold], asked: Asked, *, vertical: Vertical, shift_law: ShiftLaw, at: int
 ) -> Fit:

@@ -19,6 +19,7 @@ from dashpot.preparation.contact import MIN_BASELINE, Baseline, Touch
 from dashpot.preparation.denoising import CORNERS, LOST, bends, but_corners, true_motion
 from dashpot.records.relaxation import MAX_CREEP, RampHold, quantum
 from dashpot.records.specimen import Specimen
+from dashpot.signals.clock import BESIDE, leaps, ticks_evenly
 from dashpot.signals.noise import median_of_three, spikes, usual_scatter
 from dashpot.signals.segments import RampHoldCycle
 
@@ -46,8 +47,9 @@ MAX_MISREAD, MAX_WARMED = 1.0, 1.0
 GROSSLY = 0.5
 # bends of a motion that steps, at least
 TO_AND_FRO = 8
-# pauses on either side of one, to compare it with
-BESIDE = 5
+# of the time from onset; of a leap of an even clock, which is then wrong by as much or lost it
+MAX_PAUSE, MAX_LEAP = 0.25, 1e-3
+JUMPED = "The clock jumped, or the record was interrupted. Later times and slow arms are not known"
 
 
 # -- what the file says of the temperature --------------------------------------------------------
@@ -228,31 +230,64 @@ def samples_unbroken(test: RampHold) -> Finding:
 
 
 @criterion(
-    "pause / time since onset",
+    "pause / time from onset",
     "<=",
-    0.25,
+    MAX_PAUSE,
     "our choice; or 3 times the pauses beside it, or 5 % of the rest",
-    otherwise="stop if it is longer than all the rest",
+    otherwise=f"at most {MAX_LEAP} for a leap of an even clock; stop if it is longer than all the "
+    "rest",
 )
-def clock_steady(test: RampHold | LoadHold) -> Finding:
-    """The clock runs on without a jump, from onset to the end of the hold."""
+def clock_steady(test: RampHold | LoadHold, time: FloatArray | None = None) -> Finding:
+    """The clock runs on without a jump.
+
+    That is from onset to the end of the hold; for an even clock over the whole of `time`, by
+    default that of the record.
+    """
     used = test.time[int(np.searchsorted(test.time, test.onset)) : test.hold.stop]
     if len(used) <= BESIDE:
         return Finding("The record is too short to judge its clock")
     pauses = np.diff(used)
     # a load that is a step has no ramp
-    since = np.maximum(used[:-1] - test.onset, test.ramp_time or BESIDE * median(pauses))
+    least = test.ramp_time or BESIDE * median(pauses)
+    jump = _leap_of(test.time if time is None else time, test.onset, least)
+    if jump is not None:
+        return jump
+    since = np.maximum(used[:-1] - test.onset, least)
     worst = int(np.argmax(pauses / since))
-    jump, rest = float(pauses[worst]), float(used[-1] - used[0] - pauses[worst])
+    longest, rest = float(pauses[worst]), float(used[-1] - used[0] - pauses[worst])
     near = np.delete(pauses[max(worst - BESIDE, 0) : worst + BESIDE + 1], min(worst, BESIDE))
     return Finding(
-        f"The longest pause for its place is {jump:.3g} s, {since[worst]:.3g} s after onset",
-        float(jump / since[worst]),
-        "The clock jumped, or the record was interrupted. Later times and slow arms are not known",
+        f"The longest pause for its place is {longest:.3g} s, {since[worst]:.3g} s after onset",
+        float(longest / since[worst]),
+        JUMPED,
         Remedy("Cut the record before the pause, or correct its clock.", "cuts", "hold-end=..."),
         # two leaps side by side do not excuse each other
-        excused=jump <= 3 * float(np.sort(near)[-BESIDE // 2]) or jump <= 0.05 * rest,
-        grade="stop" if jump > rest else None,
+        excused=longest <= 3 * float(np.sort(near)[-BESIDE // 2]) or longest <= 0.05 * rest,
+        grade="stop" if longest > rest else None,
+    )
+
+
+def _leap_of(time: FloatArray, onset: float, least: float) -> Finding | None:
+    """The leap of an even clock that is longest for its place, if any is long."""
+    found = leaps(time)
+    if not found or not ticks_evenly(time):
+        return None
+    shares = [one.step / max(abs(time[one.at] - onset), least) for one in found]
+    worst = int(np.argmax(shares))
+    if shares[worst] <= MAX_LEAP:
+        return None
+    one, since = found[worst], float(time[found[worst].at] - onset)
+    before = since < 0
+    return Finding(
+        f"The clock goes on by {one.step:.3g} s where its steps are {one.beside:.3g} s, "
+        f"{abs(since):.3g} s {'before' if before else 'after'} onset",
+        shares[worst],
+        "The clock jumped, or the record was interrupted" if before else JUMPED,
+        Remedy("Leave out the rows before it, or correct its clock.")
+        if before
+        else Remedy("Cut the record there, or correct its clock.", "cuts", "hold-end=..."),
+        limit=MAX_LEAP,
+        grade="stop" if not before and 2 * one.step > time[-1] - onset else None,
     )
 
 

@@ -147,7 +147,7 @@ def prepare(
             checks.preload_absent(preload, rise, moving=motion.cycle.rest is None),
             checks.overshoot_small(record, moves=motion.cycle.moves),
             checks.samples_unbroken(record),
-            checks.clock_steady(record),
+            checks.clock_steady(record, _clock(test.time, motion, hold_end)),
             checks.spikes_absent(record),
             checks.columns_plausible(record),
             checks.motion_resolved(record),
@@ -196,6 +196,13 @@ def _motion(
             test.time[:until], test.displacement[:until], test.force[:until], units="SI"
         )
     return find_motion(test, where=where, sign=sign, number=cycle)
+
+
+def _clock(time: FloatArray, motion: PlateMotion, hold_end: float | None) -> FloatArray:
+    """The clock that a record of one loading may be asked about: up to where it is cut by hand."""
+    if len(motion.cycles) > 1:
+        return time[motion.start : motion.stop + 1]
+    return time if hold_end is None else time[time <= hold_end]
 
 
 def _loaded_and_relaxed(force: FloatArray, motion: PlateMotion) -> tuple[float, float]:

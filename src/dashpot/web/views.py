@@ -358,15 +358,16 @@ class LiveCurves(NamedTuple):
     words: str
 
 
-def live_test(fit: Fit, prepared: RampHold, by_eq5: Fit | None) -> LiveCurves:
-    """What a fit says while a handle is held: its curves, its residual, its numbers."""
-    ramp, hold, rest = relaxation.upon_panels(_shown_fit(fit, prepared), prepared)
-    curves = {"ramp/fit": ramp.marks[-2], "hold/fit": hold.marks[-2], "hold/mean": rest.marks[-1]}
+def live_test(fit: Fit, prepared: RampHold, by_eq5: Fit | None, *, unit: str = "N") -> LiveCurves:
+    """What a fit says while a handle is held: its curves, its residual in a `unit`, its numbers."""
+    one = _shown_fit(fit, prepared)
+    when, left = relaxation.mean_residual(one, prepared)
+    ramp, hold = ((line.x, line.y) for line in relaxation.fit_lines(one, prepared))
+    curves = {"ramp/fit": ramp, "hold/fit": hold, "hold/mean": (when, in_unit(left, unit))}
     arrays: dict[str, FloatArray] = {}
-    for name, mark in curves.items():
-        if isinstance(mark, Line):
-            keep = np.unique(np.linspace(0, len(mark.x) - 1, LIVE_POINTS).astype(int))
-            arrays[f"{name}/x"], arrays[f"{name}/y"] = mark.x[keep], mark.y[keep]
+    for name, (x, y) in curves.items():
+        keep = np.unique(np.linspace(0, len(x) - 1, LIVE_POINTS).astype(int))
+        arrays[f"{name}/x"], arrays[f"{name}/y"] = x[keep], y[keep]
     return LiveCurves(arrays, piece("beside", rows=beside(fit, by_eq5)))
 
 

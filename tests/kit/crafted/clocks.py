@@ -36,7 +36,7 @@ def _steady(*, failed: bool) -> Callable[[Any, Row], None]:
 LEAPT = Truth("relaxation", read_relaxation, _steady(failed=True))
 """A record whose slow arms are not to be believed."""
 SOUND = Truth("relaxation", read_relaxation, _steady(failed=False))
-"""One whose clock jumps where nothing is at stake."""
+"""One whose clock is as it should be."""
 
 
 def _unsteady_load(test: Any, row: Row) -> None:
@@ -89,8 +89,13 @@ CLOCKS = [
     *(Row(f"a clock that leaps by {by:g} s in the hold", bench(leapt((10.0, by))), "noted", LEAP, LEAPT) for by in (60.0, 3600.0, 86400.0, 1e5, 1e7)),
     Row("a clock that leaps early in the hold", bench(leapt((2.5, 100.0))), "noted", LEAP, LEAPT),
     Row("a clock that leaps late in the hold", bench(leapt((19.0, 1e5))), "noted", LEAP, LEAPT),
-    Row("a clock that leaps before the ramp", bench(leapt((0.5, 50.0))), "noted", LEAP, SOUND),
-    Row("a clock that leaps behind its first row", bench(leapt((0.0, 500.0))), "noted", ("the first row stands 500.04 s before",), SOUND),
+    Row("a clock that leaps before the ramp", bench(leapt((0.5, 50.0))), "noted", LEAP, LEAPT),
+    *(Row(f"a clock that leaps by half a second {where}", bench(leapt((at, 0.5))), "noted", LEAP, LEAPT) for where, at in (("before the ramp", 0.5), ("in the ramp", 1.5), ("at the end of the ramp", 2.05), ("in the hold", 5.0), ("late in the hold", 19.0))),
+    Row("a clock that leaps by half a second before its last row", bench(leapt((TIME[-2], 0.5))), "noted", ("the last row stands 0.54 s behind",), LEAPT),
+    Row("a clock that leaps in the ramp", bench(leapt((1.5, 60.0))), "noted", LEAP, LEAPT),
+    Row("a clock that leaps before the ramp and in the hold", bench(leapt((0.5, 5.0), (9.0, 0.6))), "noted", LEAP, LEAPT),
+    Row("a machine that pauses while its reading rests", bench(TIME - 0.036 * (np.arange(len(TIME)) % 10)), "noted", LEAP, SOUND),
+    Row("a clock that leaps behind its first row", bench(leapt((0.0, 500.0))), "noted", ("the first row stands 500.04 s before",), LEAPT),
     Row("a clock that leaps twice", bench(leapt((6.0, 1e3), (14.0, 1e3))), "noted", ("at t = 6 s", "at t = 1014 s"), LEAPT),
     Row("a clock that leaps three times in a row", bench(leapt((9.98, 1e3), (10.02, 1e3), (10.06, 1e3))), "noted", LEAP, LEAPT),
     Row("a clock that leaps at ten places", bench(leapt(*((2.0 * k, 40.0) for k in range(2, 10)))), "noted", ("the clock does so at 5 more places",), LEAPT),

@@ -10,6 +10,7 @@ import numpy as np
 from dashpot.base.arrays import BoolArray, FloatArray, median
 from dashpot.base.errors import ReadError
 from dashpot.io.table import Loaded
+from dashpot.signals.clock import BESIDE, LEAP, leaps
 
 _LAST = 5.0
 """How much longer than all others the last step may be before it is worth a word."""
@@ -17,10 +18,8 @@ _FULL = 0.98
 """Part of the travel at which a ramp counts as over; what is left of it, as begun."""
 _LOUD = 0.1
 """Part of its peak beyond which a signal is not at rest."""
-_LEAP, _BESIDE = 10.0, 5
-"""How much longer than the usual of so many steps on either side one is a leap of the clock."""
-_LOOKED_AT, _TOLD = 1000, 3
-"""Steps that are looked at for one, and leaps that are told one by one."""
+_TOLD = 3
+"""Leaps of a clock that are told one by one."""
 _FEW = 1e-3
 """Share of repeated time stamps that may be dropped."""
 
@@ -181,7 +180,7 @@ def clock_notes(time: FloatArray) -> list[str]:
     step = median(steps) if len(time) > 1 else 0.0
     if step <= 0:
         return []
-    rate, leaps = 1 / step, [*_late_start(steps), *_leaps(time, steps)]
+    rate, leaps = 1 / step, [*_late_start(steps), *_leaps(time)]
     if len(steps) > 1 and steps[-1] / _LAST > steps[:-1].max():
         says = (
             f"the last row stands {steps[-1]:.6g} s behind the one before it, further than any "
@@ -201,7 +200,7 @@ def clock_notes(time: FloatArray) -> list[str]:
 def _late_start(steps: FloatArray) -> list[str]:
     """Say if the first row stands far before all others, which a jump may have parted from it."""
     rest = steps[1:].max(initial=0.0)
-    if len(steps) < 2 * _BESIDE or not steps[0] > _LEAP * rest:
+    if len(steps) < 2 * BESIDE or not steps[0] > LEAP * rest:
         return []
     says = (
         f"the first row stands {steps[0]:.6g} s before the one after it, further than any other "
@@ -210,30 +209,17 @@ def _late_start(steps: FloatArray) -> list[str]:
     return [says]
 
 
-def _leaps(time: FloatArray, steps: FloatArray) -> list[str]:
+def _leaps(time: FloatArray) -> list[str]:
     """Say where the clock goes on by far more than on either side: a jump, or an interruption."""
-    if len(steps) < 2 * _BESIDE or not steps.max() > _LEAP * steps.min():
-        return []
-    inner = steps[1:-1]
-    least = _LEAP * np.minimum(steps[:-2], steps[2:])
-    found = [
-        (i, beside)
-        for i in (np.flatnonzero(inner > least) + 1)[:_LOOKED_AT].tolist()
-        if steps[i] > _LEAP * (beside := _usual_beside(steps, i))
-    ]
+    # of the first and the last row others tell
+    found = [one for one in leaps(time) if 0 < one.at < len(time) - 2]
     notes = [
-        f"the clock goes on by {steps[i]:.6g} s at t = {time[i]:.6g} s, where its steps are "
-        f"{beside:.3g} s: it jumped, or the record was interrupted"
-        for i, beside in found[:_TOLD]
+        f"the clock goes on by {one.step:.6g} s at t = {time[one.at]:.6g} s, where its steps "
+        f"are {one.beside:.3g} s: it jumped, or the record was interrupted"
+        for one in found[:_TOLD]
     ]
     more = len(found) - len(notes)
     return [*notes, f"the clock does so at {more} more places"] if more else notes
-
-
-def _usual_beside(steps: FloatArray, i: int) -> float:
-    """The larger of the usual steps before and after one, s."""
-    before, after = steps[max(i - _BESIDE, 0) : i], steps[i + 1 : i + 1 + _BESIDE]
-    return max(median(before), median(after))
 
 
 def swapped(displacement: FloatArray, force: FloatArray) -> bool:

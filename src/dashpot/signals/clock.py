@@ -1,0 +1,56 @@
+"""Where a sampled clock goes on by far more than on either side: it jumped, or rows are missing."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray, median
+
+# how much longer than the usual of so many steps on either side one is a leap
+LEAP, BESIDE = 10.0, 5
+# steps that are looked at for one, or for how even they are
+_LOOKED_AT = 1000
+# how much longer than the usual of the steps around it one is odd, and the share of such
+_ODD, _UNEVEN = 3.0, 0.03
+
+
+class Leap(NamedTuple):
+    """A step of a clock, the sample it goes on from, and the usual of the steps beside it, s."""
+
+    at: int
+    step: float
+    beside: float
+
+
+def leaps(time: FloatArray) -> list[Leap]:
+    """Return the steps that are ten times the usual on either side; at an end, of one side."""
+    steps = np.diff(time)
+    if len(steps) < 2 * BESIDE or not steps.max() > LEAP * steps.min():
+        return []
+    least = np.minimum(np.append(np.inf, steps[:-1]), np.append(steps[1:], np.inf))
+    longest = np.flatnonzero(steps > LEAP * least)[:_LOOKED_AT]
+    found = (Leap(i, float(steps[i]), _usual_beside(steps, i)) for i in longest.tolist())
+    return [one for one in found if one.step > LEAP * one.beside]
+
+
+def ticks_evenly(time: FloatArray) -> bool:
+    """True if few steps are far longer than those around them: none waits for a reading to change.
+
+    Such a machine pauses as often as its reading rests; a clock that jumps does so a few times.
+    """
+    steps = np.diff(time)
+    if len(steps) < 2 * BESIDE:
+        return False
+    around = np.lib.stride_tricks.sliding_window_view(steps, 2 * BESIDE + 1)
+    around = around[:: max(1, len(around) // _LOOKED_AT)]
+    usual = np.partition(around, BESIDE, axis=1)[:, BESIDE]
+    odd = around[:, BESIDE] > _ODD * usual
+    return bool(np.mean(odd) <= _UNEVEN)
+
+
+def _usual_beside(steps: FloatArray, i: int) -> float:
+    """The larger of the usual steps before and after one, s; at an end that of its one side."""
+    sides = steps[max(i - BESIDE, 0) : i], steps[i + 1 : i + 1 + BESIDE]
+    return max(median(side) for side in sides if len(side))
