@@ -110,8 +110,7 @@ def judged(one: Record) -> dict[str, object]:
         said: dict[str, object] = {"use": "refused", "because": [str(error)]}
     else:
         said = {
-            "use": found.verdict.use,
-            "because": [check.name for check in found.verdict.because],
+            **_said(found.verdict),
             "limits": {name: [float(v) for v in three] for name, three in limits.items()},
         }
     return {**said, "cpu": round(time.process_time() - start, 3)}
@@ -294,8 +293,8 @@ def report(lines: Iterable[Mapping]) -> Iterator[str]:
 
 
 # -- other kinds -----------------------------------------------------------------------------------
-Answer = tuple[str, float]
-"""The verdict, and the largest relative error of what was asked."""
+Answer = tuple[dp.Verdict | Mapping, float]
+"""The verdict, of a command as its document has it, and the largest relative error of the asked."""
 ALLOWED = 0.05
 """More than this is a miss: dashpot's own limit for a stiffness that is called right."""
 
@@ -319,21 +318,21 @@ def _on_mass(one: Sheet, frf: dp.FRF, mass: float) -> Answer:
     seal = one.truth["seal"]
     there = 2 * np.pi * seal.peak(one.truth["mass"], one.truth["seals"])[0]
     error = _error(found.solid.complex_stiffness(omega=there), seal.stiffness(there))
-    return found.verdict.use, error
+    return found.verdict, error
 
 
 def _of_creep(one: Sheet, path: Path) -> Answer:
     """k(t) at .1 s to the end of the record."""
     found = fit_creep(read_creep(path))
     t = np.geomspace(0.1, one["time"][-1] - 1, 20)
-    return found.verdict.use, _error(found.solid.relaxation(t), one.truth["solid"].relaxation(t))
+    return found.verdict, _error(found.solid.relaxation(t), one.truth["solid"].relaxation(t))
 
 
 def _of_modulus(one: Sheet, path: Path) -> Answer:
     """E(t) from the first row to three times the last."""
     found = fit_modulus(read_modulus(path))
     t = np.geomspace(0.01, 3 * one.truth["end"], 40)
-    return found.verdict.use, _error(found.solid.relaxation(t), one.truth["solid"].relaxation(t))
+    return found.verdict, _error(found.solid.relaxation(t), one.truth["solid"].relaxation(t))
 
 
 def _of_dma(one: Sheet, path: Path) -> Answer:
@@ -343,7 +342,7 @@ def _of_dma(one: Sheet, path: Path) -> Answer:
         found = found.at_temperature(293.15)
     omega = 2 * np.pi * np.geomspace(0.1, 30.0, 40)
     truth = one.truth["solid"].stiffness(omega)
-    return found.verdict.use, _error(found.solid.complex_stiffness(omega=omega), truth)
+    return found.verdict, _error(found.solid.complex_stiffness(omega=omega), truth)
 
 
 def _of_amplitude(one: Sheet, _: Path) -> Answer:
@@ -352,7 +351,7 @@ def _of_amplitude(one: Sheet, _: Path) -> Answer:
     storage, loss = 1e6 * one["storage"], 1e6 * one["loss"]
     found = fit_amplitude(dp.AmplitudeSweep(f, X, storage, loss, units="SI"))
     first = f == f[0]
-    return found.verdict.use, _error(found.stiffness(X[first]), one.truth["pure"][first])
+    return found.verdict, _error(found.stiffness(X[first]), one.truth["pure"][first])
 
 
 def _command(*words: str | Path) -> dict:
@@ -374,7 +373,7 @@ def _of_loops(one: Sheet, path: Path) -> Answer:
     sticks = sum(seal.friction / 5 / seal.reach / times for times in 2.0 ** np.arange(5))
     first = document["linear"][0]
     truth = seal.stiffness(2 * np.pi * hertz) + sticks
-    return document["verdict"]["use"], _error(first["storage"] + 1j * first["loss"], truth)
+    return document["verdict"], _error(first["storage"] + 1j * first["loss"], truth)
 
 
 def _of_cld(one: Sheet, path: Path) -> Answer:
@@ -387,7 +386,7 @@ def _of_cld(one: Sheet, path: Path) -> Answer:
     told = rows == 2 * (found.cycle.number - 1)
     slack = plate.max() - one.truth["seal"].depth
     truth = np.interp(at, plate[told] - slack, one.truth["pure"][told])
-    return found.verdict.use, _error(found.nominal.loading, truth)
+    return found.verdict, _error(found.nominal.loading, truth)
 
 
 def _of_rod(one: Sheet, path: Path) -> Answer:
@@ -401,9 +400,7 @@ def _of_rod(one: Sheet, path: Path) -> Answer:
     highest = one["frequency"][np.argmax(np.hypot(one["real"], one["imaginary"]))]
     line = np.argmin(np.abs(lines - highest))
     found = document["storage"][line] * (1 + 1j * document["loss_factor"][line])
-    return document["verdict"]["use"], _error(
-        found, one.truth["solid"].stiffness(2 * np.pi * lines[line])
-    )
+    return document["verdict"], _error(found, one.truth["solid"].stiffness(2 * np.pi * lines[line]))
 
 
 def _of_stretch(one: Sheet, _: Path) -> Answer:
@@ -417,7 +414,7 @@ def _of_stretch(one: Sheet, _: Path) -> Answer:
         truth = nominal(law, mode, stretch, constants)
         off = np.abs(found.law.nominal(mode, stretch) - truth)
         worst = max(worst, float(off.max() / np.abs(truth).max()))
-    return found.verdict.use, worst
+    return found.verdict, worst
 
 
 def _of_indentation(one: Sheet, path: Path) -> Answer:
@@ -426,7 +423,7 @@ def _of_indentation(one: Sheet, path: Path) -> Answer:
     indenter = Indenter(mass=one.truth["mass"], impact_velocity=one.truth["speed"])
     found = fit_indentation(read_indentation(path, indenter=indenter))
     depth = next(fact.value for fact in found.found if fact.name == "depth")
-    return found.verdict.use, _error(depth, one.truth["depth"])
+    return found.verdict, _error(depth, one.truth["depth"])
 
 
 SHEETS: Mapping[str, Callable[[Sheet, Path], Answer]] = {
@@ -445,6 +442,13 @@ SHEETS: Mapping[str, Callable[[Sheet, Path], Answer]] = {
 }
 
 
+def _said(verdict: dp.Verdict | Mapping) -> dict[str, object]:
+    """What a verdict says, and because of which checks."""
+    if isinstance(verdict, Mapping):
+        return {"use": verdict["use"], "because": verdict["because"]}
+    return {"use": verdict.use, "because": list(verdict.reasons)}
+
+
 def judged_sheet(one: Sheet) -> dict[str, object]:
     """One line of a sheet, by its file."""
     start = time.process_time()
@@ -452,11 +456,11 @@ def judged_sheet(one: Sheet) -> dict[str, object]:
         path = Path(folder) / "one.csv"
         path.write_text(one.text(), "utf-8")
         try:
-            use, error = SHEETS[one.kind](one, path)
+            verdict, error = SHEETS[one.kind](one, path)
         except dp.DashpotError as refusal:
             said: dict[str, object] = {"use": "refused", "because": [str(refusal)]}
         else:
-            said = {"use": use, "error": error, "allowed": ALLOWED}
+            said = {**_said(verdict), "error": error, "allowed": ALLOWED}
     return {**said, "cpu": round(time.process_time() - start, 3)}
 
 

@@ -11,7 +11,8 @@ from dashpot.base.units import written
 from dashpot.cli import _options as options_of
 from dashpot.cli._grammar import group, opt, verb
 from dashpot.cli._options import READING, RESULT, given
-from dashpot.cli._shell import Outcome, Output, typed, write
+from dashpot.cli._shell import Outcome, typed, write
+from dashpot.cli._values import Output
 from dashpot.io.options import ReadOptions
 from dashpot.kinds import KINDS
 from dashpot.told.layout import Text, table
