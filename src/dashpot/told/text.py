@@ -363,7 +363,7 @@ def study(found: Study) -> Text:
     lines, details = [], []
     if found.mass is not None and found.comparison is not None:
         inferred = " (found from the FRF)" if found.mass_inferred else ""
-        lines.append(f"{written(found.mass, 'g', '.6g')}{inferred} on {found.seals:g} seals")
+        lines.append(f"{written(found.mass, 'g', '.6g')}{inferred} on {numbers.seals(found.seals)}")
         lines += comparison(found.comparison, found.joint_comparison)
         details += ["", "prediction from the relaxation test alone", str(found.comparison)]
     if found.at_rest is not None and str(found.at_rest):
@@ -378,7 +378,7 @@ def study(found: Study) -> Text:
 def prediction(found: Prediction) -> Text:
     """Return a prediction's peak, modes and limits."""
     (hz, height), seals = found.peak, found.seals
-    on = f"{written(found.mass, 'g', '.6g')} on {seals:g} seal{'s' * (seals != 1)}"
+    on = f"{written(found.mass, 'g', '.6g')} on {numbers.seals(seals)}"
     does = "largest value" if found.at_edge else "peak"
     kind = found.frf.quantity.replace("_", " ")
     lines = [f"{on}: {does} of the {kind} {height:.5g} {found.frf.read} at {hz:.5g} Hz"]

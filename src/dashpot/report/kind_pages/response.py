@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from dashpot.base.facts import Fact
-from dashpot.base.numbers import counted, hertz, rounded, shown
+from dashpot.base.numbers import counted, hertz, rounded, seals, shown
 from dashpot.base.units import in_unit
 from dashpot.report.answer import NBSP, Row
 from dashpot.report.kind_page import (
@@ -129,7 +129,7 @@ def agreement_page(found: Agreement) -> KindPage:
         "Stiffness": frozenset({"stiffness_agrees"}),
         "Damping": frozenset({"peak_agrees", "damping_agrees"}),
     }
-    weight = f"{shown(found.mass, 'g', digits=4)} on {found.seals:g} seals"
+    weight = f"{shown(found.mass, 'g', digits=4)} on {seals(found.seals)}"
     return KindPage(
         about=f"prediction against the hammer, {weight}",
         strip=(("Mass", weight), ("Lines", str(len(c.measured.frequency))),
