@@ -22,7 +22,7 @@ from dashpot.base.checks import MOST_WORDS, Check, Finding, Verdict, criterion, 
 from dashpot.base.errors import DashpotError
 from dashpot.base.numbers import ascii_only, readable
 from dashpot.base.sentences import sentences, words
-from dashpot.cli import _shell, main
+from dashpot.cli import main
 from dashpot.fitting.relaxation import fit
 from dashpot.preparation.prepare import prepare
 from dashpot.simulation.impact import simulate_impact
@@ -222,7 +222,7 @@ def test_the_verdict_on_every_example_is_one_line_with_a_number(
         judged.append(found)
         return shown(text, found, *rest, **how)
 
-    monkeypatch.setattr(_shell, "shown", noted)
+    monkeypatch.setattr("dashpot.told.screen.shown", noted)
     faults = []
     for command in EXAMPLES:
         judged.clear()

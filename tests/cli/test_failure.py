@@ -17,7 +17,7 @@ from kit.shell import ran
 from dashpot import workflow
 from dashpot.base.escapes import escaped, escaped_json
 from dashpot.cli import COMMANDS, main
-from dashpot.cli._shell import Output
+from dashpot.cli._values import Output
 from dashpot.io.write import write_relaxation
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.simulation.rig import Rig

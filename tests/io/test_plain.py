@@ -9,7 +9,7 @@ from unittest.mock import patch
 import msgspec
 import numpy as np
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from dashpot.base.errors import ReadError
@@ -99,7 +99,6 @@ COMMA = Dialect(",", ".", ("number",) * 3, cells=3)
 @example(("1;2;3\n1;2\n1;2;3;4\n", Dialect(";", ".", ("number",) * 3, cells=3), (0, 2)))
 @example((3 * "1;2;3;4;\n", Dialect(";", ".", ("number",) * 3, cells=3), (0, 2)))
 @example(("1,5;2,5;3\n", Dialect(";", ".", ("number",) * 3, cells=3), (0, 1, 2)))
-@settings(max_examples=200)
 @given(tables())
 def test_the_fast_way_reads_the_same_bits_or_refuses_with_the_same_words(table):
     with patch.object(PlainRows, "_from_json", return_value=None):
@@ -107,7 +106,6 @@ def test_the_fast_way_reads_the_same_bits_or_refuses_with_the_same_words(table):
     assert outcome(*table) == expected
 
 
-@settings(max_examples=100)
 @given(st.lists(numerals.filter(lambda text: not text.endswith("-0")), min_size=1, max_size=30))
 def test_the_fast_way_reads_the_nearest_double(cells):
     """Python's own conversion rounds correctly, whatever the decimal."""
@@ -161,7 +159,7 @@ def test_ordinary_clock_times_are_read_in_blocks(word):
 @pytest.mark.parametrize("more", [0, 1, 2])
 def test_ordinary_rows_are_read_the_fast_way(sign, mark, more):
     """Else the laws above would hold of nothing."""
-    rows = [["0.5", "-1.25e-3", "7"], ["12.125", "1E+5", "-0.0"]]
+    rows = [["0.5", "-1.25e-3", "7"], ["12.125", "1E+5", "-0"]]
     text = "".join(sign.join(row) + sign * more + "\n" for row in rows)
     text = text.replace(".", ",") if mark == "," else text
     reader = PlainRows(Dialect(sign, mark, ("number",) * 3), (2, 0))
@@ -176,7 +174,7 @@ def test_msgspec_is_imported_once_it_saves_more_time_than_it_takes(monkeypatch, 
     monkeypatch.delitem(sys.modules, "msgspec")
     reader = PlainRows(COMMA, (0,))
     text = b"1,2,3\n"
-    reader.met = plain._PAYS + before - len(text)
+    monkeypatch.setattr(PlainRows, "met", plain._PAYS + before - len(text))
     assert (reader._from_json(text, 0) is not None) is fast
 
 

@@ -17,8 +17,8 @@ WINDOW = {"width": 1366, "height": 768}
 
 
 @contextmanager
-def served(*files: str) -> Iterator[str]:
-    """The address of a server with these files, until the end of the block."""
+def serving(*files: str) -> Iterator[tuple[str, int]]:
+    """The address of a server with these files and its process, until the end of the block."""
     words = [sys.executable, "-m", "dashpot", "app", "--no-browser", *files]
     with (
         tempfile.TemporaryDirectory() as state,
@@ -28,9 +28,16 @@ def served(*files: str) -> Iterator[str]:
     ):
         try:
             assert server.stdout is not None
-            yield server.stdout.readline().strip()
+            yield server.stdout.readline().strip(), server.pid
         finally:
             server.terminate()
+
+
+@contextmanager
+def served(*files: str) -> Iterator[str]:
+    """Its address alone."""
+    with serving(*files) as (address, _):
+        yield address
 
 
 class Page:
@@ -41,14 +48,18 @@ class Page:
     at : Page of Playwright
     complaints : list of str
         Errors of the console, exceptions, requests that left the machine.
+    at_first : str
+        What its list of files said when it was opened first, where a test asks for that.
     """
+
+    at_first = ""
 
     def __init__(self, browser: Any, address: str, *, fresh: bool = True, **how: Any) -> None:
         self.complaints: list[str] = []
         self._address = address
         self.context = browser.new_context(**({"viewport": WINDOW, "accept_downloads": True} | how))
         self.at = self.context.new_page()
-        self.at.set_default_timeout(30_000)
+        self.at.set_default_timeout(120_000)  # of what is a second where nobody else computes
         self.at.on("console", self._console)
         self.at.on("pageerror", lambda error: self.complaints.append(str(error)))
         self.at.on("request", self._request)
@@ -93,6 +104,15 @@ class Page:
     def _request(self, request: Any) -> None:
         if not request.url.startswith(("http://127.0.0.1:", "blob:", "data:")):
             self.complaints.append(f"left the machine: {request.url}")
+
+    def file(self, name: str) -> Any:
+        """Where a file stands in the list, whatever else on the page names it."""
+        return self.at.locator("#files .file").filter(has_text=name)
+
+    def remove(self, name: str) -> None:
+        """Take a file off the list, in the list."""
+        away = self.at.locator("#files").get_by_role("button", name=f"remove {name}", exact=True)
+        away.click()
 
     def done(self) -> None:
         """Wait until nothing is computed any more, and all of it is."""

@@ -10,12 +10,12 @@ import subprocess
 import sys
 import time
 from io import BytesIO
-from pathlib import Path
 from statistics import NormalDist
 
 import numpy as np
 import polars as pl
 import pytest
+from kit.processes import ON_LINUX, alive, children
 from kit.shell import ran, told
 
 import dashpot as dp
@@ -34,7 +34,6 @@ from dashpot.solids.table_1 import PAPER
 
 pytestmark = pytest.mark.once
 
-ON_LINUX = pytest.mark.skipif(sys.platform != "linux", reason="processes are looked up in /proc")
 BY = r"lot(\w+)_seal(\d+)_rep(\d+)"
 QUICK = {"arms": 1, "quick": True, "by": BY}
 
@@ -86,7 +85,7 @@ def test_every_file_is_a_row_and_says_what_it_is(whole):
 
 def test_the_numbers_are_those_of_a_fit_to_the_last_digit(folder):
     path = folder / "lotA_seal0_rep0.csv"
-    (row,) = batch(path, arms=2, mass="104g", seals=2).table.to_dicts()
+    (row,) = batch(path, arms=2, mass="104g", seals=2, jobs=1).table.to_dicts()
     test = prepare(read_relaxation(path))
     fit = fit_tests(test, arms=2)
     k_inf = fit.intervals()["k_inf"]
@@ -142,13 +141,13 @@ def test_a_second_run_computes_nothing_and_a_changed_file_alone_is_fitted_again(
     assert again.computed == 0
     assert as_bytes(again.table) == as_bytes(first.table)
     (tests / "junk.csv").write_bytes((folder / "lotA_seal0_rep0.csv").read_bytes())
-    changed = batch(tests, output=out, **QUICK)
+    changed = batch(tests, output=out, jobs=1, **QUICK)
     assert changed.computed == 1
     assert row_of(changed.table, "junk.csv")["outcome"] == "fitted"
     # the parts hold what the table holds: no row of the old file, none twice
     on_disk = pl.read_parquet(out / "*.parquet").sort("file")
     assert as_bytes(on_disk) == as_bytes(changed.table)
-    other = batch(tests, output=out, **{**QUICK, "arms": 2})
+    other = batch(tests, output=out, jobs=1, **{**QUICK, "arms": 2})
     assert other.computed == 11
     assert pl.read_parquet(out / "*.parquet").height == 11
     assert other.table["k_2_N_per_m"].drop_nulls().len() > 0
@@ -236,24 +235,6 @@ def test_the_table_goes_to_a_spreadsheet_without_formulas():
     place = lines[0].split(",").index("file")
     assert [line.split(",")[place] for line in lines[1:]] == ["'=1+1", "'-2", "'@a", "'+b", "a=b"]
     assert "-1.5" in lines[1].split(",")
-
-
-def alive(process):
-    try:
-        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
-    except OSError:
-        return False
-
-
-def children(process):
-    try:
-        text = Path(f"/proc/{process}/task/{process}/children").read_text()
-    except OSError:
-        return []
-    # each is started by a thread of its own
-    for task in Path(f"/proc/{process}/task").glob("*/children"):
-        text += " " + task.read_text()
-    return sorted({int(one) for one in text.split()})
 
 
 def in_chunks_of_one(folder, out):
@@ -454,7 +435,7 @@ def test_the_command_prints_logs_and_judges(folder, tmp_path):
     assert "it is a hammer file: say of which test" in " ".join(strict.stdout.split())
     plan = told(*words, "--dry-run")
     assert (plan["done"], plan["chunks"], plan["seconds"]) == (11, 0, 0)
-    good = [*words[:1], folder / "lotA_seal0_rep0.csv", *words[2:], "--strict"]
+    good = [*words[:1], folder / "lotA_seal0_rep0.csv", *words[2:], "--strict", "--jobs", 1]
     assert ran(*good).exit_code == 0
 
 

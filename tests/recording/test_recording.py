@@ -302,7 +302,7 @@ def test_a_stop_between_any_two_steps_ends_the_reading():
 
     reading = threading.Thread(target=read, daemon=True)
     reading.start()
-    reading.join(timeout=5)
+    reading.join(timeout=60)
     assert not reading.is_alive()
 
 

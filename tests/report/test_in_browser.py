@@ -10,17 +10,25 @@ from html import unescape
 
 import numpy as np
 import pytest
-from kit import browser, handmade
-from kit.browser import DARK, needs_browser
+from kit import handmade
+from kit.app import chromium
+from kit.browser import needs_browser, probe, run
 from kit.fits import altered
 
 from dashpot.base.checks import Check
 from dashpot.plot import tokens
 from dashpot.report import html
 
+pytest.importorskip("playwright", reason="Playwright drives the browser: pip install playwright")
 pytestmark = [needs_browser, pytest.mark.once]
 
 S = handmade.study()
+
+
+@pytest.fixture(scope="module")
+def browser():
+    with chromium() as browser:
+        yield browser
 
 
 @pytest.fixture(scope="module")
@@ -41,14 +49,14 @@ PLACES = """
 
 
 @pytest.mark.parametrize("which", ["page", "bench"])
-def test_the_first_screen_holds_verdict_figure_table_and_files(tmp_path, which, request):
+def test_the_first_screen_holds_verdict_figure_table_and_files(browser, which, request):
     text = request.getfixturevalue(which)
-    bottoms = browser.probe(tmp_path, text, PLACES, width=1366, height=768)
+    bottoms = probe(browser, text, PLACES, width=1366, height=768)
     assert max(bottoms) <= 768
 
 
 @pytest.mark.parametrize("which", ["page", "bench"])
-def test_a_phone_shows_all_of_it_in_letters_that_can_be_read(tmp_path, which, request):
+def test_a_phone_shows_all_of_it_in_letters_that_can_be_read(browser, which, request):
     script = """
         const seen = [...document.querySelectorAll("figure text, p, td, dd, dt, li")]
             .filter((one) => one.getClientRects().length && one.textContent.trim());
@@ -64,20 +72,20 @@ def test_a_phone_shows_all_of_it_in_letters_that_can_be_read(tmp_path, which, re
         };
     """
     text = request.getfixturevalue(which)
-    found = browser.probe(tmp_path, text, script, width=390, height=844)
+    found = probe(browser, text, script, width=390, height=844)
     assert found["wide"] <= 390
     assert found["least"] >= 12
     assert found["figures"] > 0
 
 
 @pytest.mark.parametrize("which", ["page", "bench"])
-def test_a_phone_shows_the_first_number_on_its_first_screen(tmp_path, which, request):
+def test_a_phone_shows_the_first_number_on_its_first_screen(browser, which, request):
     script = """
         const bottom = (what) => document.querySelector(what).getBoundingClientRect().bottom;
         return [bottom(".who"), bottom(".answer .value")];
     """
     text = request.getfixturevalue(which)
-    head, number = browser.probe(tmp_path, text, script, width=390, height=844)
+    head, number = probe(browser, text, script, width=390, height=844)
     assert head < 150
     assert number <= 844
 
@@ -89,9 +97,9 @@ COLOURS = """
 """
 
 
-@pytest.mark.parametrize(("flags", "theme"), [((), 0), ((DARK,), 1)], ids=["light", "dark"])
-def test_page_and_figures_follow_the_theme_that_the_reader_prefers(tmp_path, page, flags, theme):
-    found = browser.probe(tmp_path, page, COLOURS, width=1366, height=768, flags=flags)
+@pytest.mark.parametrize(("theme", "scheme"), [(0, "light"), (1, "dark")])
+def test_page_and_figures_follow_the_theme_that_the_reader_prefers(browser, page, theme, scheme):
+    found = probe(browser, page, COLOURS, width=1366, height=768, color_scheme=scheme)
     expected = [tokens.COLOURS[name][theme] for name in ("panel", "ink", "measured")]
     numbers = [[int(n) for n in re.findall(r"\d+", colour)] for colour in found]
     assert numbers == [[int(c[i : i + 2], 16) for i in (1, 3, 5)] for c in expected]
@@ -99,14 +107,14 @@ def test_page_and_figures_follow_the_theme_that_the_reader_prefers(tmp_path, pag
 
 def test_the_policy_lets_the_page_work_and_nothing_complains(tmp_path, page):
     (tmp_path / "page.html").write_text(page, encoding="utf-8")
-    said = browser.run(
+    said = run(
         tmp_path, "--virtual-time-budget=3000", "--dump-dom", f"file://{tmp_path / 'page.html'}"
     )
     assert 'class="read"' in said.stdout  # the script has run
     assert not re.search(r"CONSOLE|Content Security Policy", said.stderr)
     changed = page.replace("export class Figure", "export  class Figure", 1)
     (tmp_path / "page.html").write_text(changed, encoding="utf-8")
-    said = browser.run(
+    said = run(
         tmp_path, "--virtual-time-budget=3000", "--dump-dom", f"file://{tmp_path / 'page.html'}"
     )
     assert 'class="read"' not in said.stdout  # another script has not
@@ -143,8 +151,8 @@ READ = """
 """
 
 
-def test_the_frf_is_zoomed_and_read_off_by_pointer_and_keyboard(tmp_path, page):
-    found = browser.probe(tmp_path, page, READ, width=1366, height=768)
+def test_the_frf_is_zoomed_and_read_off_by_pointer_and_keyboard(browser, page):
+    found = probe(browser, page, READ, width=1366, height=768)
     _, low, high = found["axis"].split()
     low, high = float(low), float(high)
     for said, part in zip(found["said"], (0.25, 0.0, 0.05), strict=True):
@@ -180,7 +188,7 @@ def test_the_first_sheet_is_a_certificate_however_many_checks_failed(tmp_path):
     study = replace(S, joint=altered(S.joint, checks=every),
                     prepared=replace(S.prepared, specimen=who))  # fmt: skip
     (tmp_path / "page.html").write_text(html(study), encoding="utf-8")
-    browser.run(tmp_path, "--no-pdf-header-footer", f"--print-to-pdf={tmp_path / 'page.pdf'}",
+    run(tmp_path, "--no-pdf-header-footer", f"--print-to-pdf={tmp_path / 'page.pdf'}",
                 f"file://{tmp_path / 'page.html'}")  # fmt: skip
     first, second = (
         subprocess.run(
@@ -202,7 +210,7 @@ def test_paper_has_all_that_is_folded(tmp_path, page):
     bare = re.sub(r"<script.*</script>", "", page, flags=re.DOTALL)
     for name, text in (("with", page), ("without", bare)):
         (tmp_path / f"{name}.html").write_text(text, encoding="utf-8")
-        browser.run(tmp_path, "--no-pdf-header-footer", f"--print-to-pdf={tmp_path / name}.pdf",
+        run(tmp_path, "--no-pdf-header-footer", f"--print-to-pdf={tmp_path / name}.pdf",
                     f"file://{tmp_path / name}.html")  # fmt: skip
         printed = subprocess.run(
             [reader, "-layout", f"{tmp_path / name}.pdf", "-"], check=True, capture_output=True,

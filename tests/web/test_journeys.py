@@ -4,13 +4,15 @@ import contextlib
 import json
 import os
 import re
+import signal
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
-from kit.app import Page, chromium, served
+from kit.app import Page, chromium, served, serving
 from kit.browser import needs_browser
+from kit.processes import ON_LINUX, children
 from kit.shell import ran
 
 from dashpot import workflow
@@ -38,15 +40,22 @@ def files(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def address():
-    with served() as address:
-        yield address
+def server(files):
+    with serving(str(files / "seal_8mm.csv")) as server:
+        yield server
+
+
+@pytest.fixture(scope="module")
+def address(server):
+    return server[0]
 
 
 @pytest.fixture(scope="module")
 def window(browser, address):
     """What the journeys go through one after the other."""
-    page = Page(browser, address)
+    page = Page(browser, address, fresh=False)
+    page.file("seal_8mm.csv").filter(has_text="mm").wait_for()
+    page.at_first = page.at.locator("#files").inner_text()
     yield page
     page.context.close()
 
@@ -70,7 +79,7 @@ def visit(browser, address, window):
 
 def test_files_are_dropped_and_the_answer_stands_there(visit, files):
     page = visit()
-    assert page.at.get_by_role("heading", name="Drop a relaxation test").is_visible()
+    page.at.get_by_role("heading", name="Drop a relaxation test").wait_for()
     assert page.at.get_by_role("button", name="Report").is_disabled()
     page.at.locator("#pick").set_input_files([str(files / name) for name in workflow.FIRST])
     page.done()
@@ -93,7 +102,7 @@ def test_the_example_is_one_click(visit):
 def test_a_missing_unit_is_asked_for_and_answered(visit, files):
     page = visit(files / "bare.csv")
     page.at.get_by_role("heading", name="What does bare.csv hold?").wait_for()
-    assert page.at.get_by_role("heading", name="With this unit the seal would be").is_visible()
+    page.at.get_by_role("heading", name="With this unit the seal would be").wait_for()
     page.at.get_by_role("combobox", name="unit of column 3").select_option("N")
     page.at.get_by_role("button", name="Read it so").click()
     page.done()
@@ -118,7 +127,7 @@ def test_a_file_that_the_page_has_no_place_for_says_what_it_is_and_why(visit, tm
     (tmp_path / "warming.csv").write_text(f"{head}\n{rows}\n")
     page = visit(tmp_path / "warming.csv")
     page.at.get_by_role("heading", name="warming.csv is a temperature sweep").wait_for()
-    assert page.at.get_by_text("for this one:").is_visible()
+    page.at.get_by_text("for this one:").wait_for()
 
 
 def test_a_sweep_is_fitted_beside_a_seal(visit, files):
@@ -138,12 +147,12 @@ def test_a_sweep_is_fitted_beside_a_seal(visit, files):
     assert json.loads(taken.value.path().read_text())["method"] == "dynamic"
     page.at.keyboard.press("0")
     page.at.locator("#command").filter(has_not_text="--arms").wait_for()
-    page.at.get_by_role("button", name=re.compile("seal_8mm.csv")).first.click()
+    page.file("seal_8mm.csv").click()
     page.at.locator("#command").filter(has_text="dashpot report").wait_for()
     page.done()
     assert page.at.locator("#solid").inner_text() == shown
-    page.at.get_by_role("button", name="remove sweep.csv").click()
-    page.at.get_by_role("button", name="remove seal_8mm.csv").click()
+    page.remove("sweep.csv")
+    page.remove("seal_8mm.csv")
     for what in ("#solid", "#checks", "#command"):
         assert page.at.locator(what).inner_text() == ""
 
@@ -172,8 +181,8 @@ def test_a_handle_is_dragged_and_the_fit_follows(visit, files):
     page.done()
     assert re.search(r"--cuts hold-end=[\d.]+s", page.at.locator("#command").inner_text())
     assert page.at.locator('[data-panel="hold"] path[data-name=fit]').get_attribute("d") != before
-    page.at.get_by_role("button", name="change").click()
-    page.at.get_by_role("button", name="as found").click()
+    page.at.get_by_role("button", name="change", exact=True).click()
+    page.at.get_by_role("button", name="as found", exact=True).click()
     page.done()
     command, moved = page.at.locator("#command"), handle.get_attribute("aria-valuenow")
     assert "hold-end=" not in command.inner_text()
@@ -235,11 +244,11 @@ def test_everything_goes_by_keyboard(visit, files):
         page.at.keyboard.press("Enter")
     assert taken.value.suggested_filename == "fit.json"
     page.at.keyboard.press("Escape")
-    assert page.at.locator("#menu").is_hidden()
+    page.at.locator("#menu").wait_for(state="hidden")
     page.at.keyboard.press("?")
-    assert page.at.get_by_role("dialog").is_visible()
+    page.at.get_by_role("dialog").wait_for()
     page.at.keyboard.press("Escape")
-    assert page.at.get_by_role("dialog").is_hidden()
+    page.at.get_by_role("dialog").wait_for(state="hidden")
     # with a mass each answer foretells a response: last, as it takes the longest
     page.at.keyboard.press("m")
     page.at.keyboard.type("114.8")
@@ -260,7 +269,7 @@ def test_a_warm_and_a_cold_test_are_fitted_together(visit, tmp_path):
     page.at.locator("#command").filter(has_text="warm.csv cold.csv").wait_for()
     page.done()
     assert not page.at.get_by_role("slider", name="hold end").is_visible()
-    page.at.get_by_role("button", name=re.compile("cold.csv")).first.click()
+    page.file("cold.csv").click()
     page.at.get_by_label("Temperature").fill("1")
     page.at.get_by_label("Temperature").press("Tab")
     page.at.get_by_role("alert").wait_for()  # the warm one's is then to be said, too
@@ -269,32 +278,49 @@ def test_a_warm_and_a_cold_test_are_fitted_together(visit, tmp_path):
 def test_a_hit_is_rejected_by_hand(visit, files):
     page = visit(*(files / name for name in workflow.FIRST))
     page.done()
-    page.at.get_by_role("button", name=re.compile("hammer.csv")).first.click()
+    page.file("hammer.csv").click()
     page.at.get_by_role("checkbox", name="use hit 2").click()
     page.at.locator("#command").filter(has_text="--reject 2").wait_for()
     page.at.locator(".files").filter(has_text="4 of 5 hits").wait_for()
     page.done()
     assert page.at.locator("#hit-table .pulse").count() == 5
     assert page.at.get_by_text("Give the mass of the block").is_visible()
-    page.at.get_by_role("button", name="remove hammer.csv").click()
+    page.remove("hammer.csv")
     page.at.get_by_text("Give the mass that rests on the seals, and its response").wait_for()
     assert not page.at.get_by_text("Give the mass of the block").is_visible()
 
 
-def test_a_long_computation_is_cancelled(visit, files):
+@ON_LINUX
+def test_a_long_computation_is_cancelled(visit, files, server):
     page = visit(*(files / name for name in workflow.FIRST))
     page.done()
+    status, cancel = page.at.get_by_role("status"), page.at.get_by_role("button", name="Cancel")
+
+    def stand_still(route):
+        """Who computes would never end by itself."""
+        for one in children(server[1]):
+            os.kill(one, signal.SIGSTOP)
+        route.continue_()
+
+    def cancelled():
+        page.at.wait_for_function(
+            "async () => (await (await fetch('/api/working')).json()).seconds !== null"
+        )
+        cancel.click()
+        status.filter(has_text="cancelled").wait_for()
+        for one in children(server[1]):
+            os.kill(one, signal.SIGCONT)
+
+    page.at.route("**/api/study", stand_still, times=1)
     page.at.locator("#mass").fill("117.3")
     page.at.locator("#mass").press("Enter")
-    page.at.locator("#command").filter(has_text="117.3g").wait_for()
-    page.at.get_by_role("button", name="Cancel").click()
-    page.at.get_by_role("status").filter(has_text="cancelled").wait_for(timeout=1000)
+    cancelled()
+    page.at.route("**/api/take", stand_still, times=1)
     page.at.get_by_role("button", name="Report").click()
-    page.at.get_by_role("status").filter(has_text="making report").wait_for()
-    page.at.get_by_role("button", name="Cancel").click()
-    page.at.get_by_role("status").filter(has_text="cancelled").wait_for(timeout=1000)
-    assert page.at.get_by_role("button", name="Cancel").is_hidden()
-    page.at.get_by_role("button", name="remove hammer.csv").click()
+    status.filter(has_text="making report").wait_for()
+    cancelled()
+    cancel.wait_for(state="hidden")
+    page.remove("hammer.csv")
     page.at.keyboard.press("2")
     page.done()
 
@@ -327,7 +353,7 @@ def test_a_lot_is_opened_a_test_of_it_and_a_project(browser, tmp_path):
     pytest.importorskip("polars")
     for name in ("depth_4mm.csv", "depth_8mm.csv"):
         (tmp_path / name).write_text(workflow.EXAMPLES[name]())
-    batch([tmp_path], output=tmp_path / "lot", arms=2, jobs=1)
+    batch([tmp_path], output=tmp_path / "lot", arms=2, jobs=1, quick=True)
     # a server of its own: what it lists as recent is on the first page of every later visit
     with served(str(tmp_path / "lot")) as address:
         page = Page(browser, address, fresh=False)
@@ -379,7 +405,7 @@ def test_an_instrument_is_read_and_what_it_sent_is_fitted(visit, tmp_path):
     assert kept.read_text().endswith("# 42501 rows recorded\n")
     page.at.get_by_role("button", name="Fit this").click()
     page.at.set_viewport_size({"width": 1366, "height": 768})
-    page.at.locator("#files .file").filter(has_text=kept.name).wait_for()
+    page.file(kept.name).wait_for()
     page.done()
     assert "8.00 mm" in page.at.locator(".files").inner_text()
     # it is one of the page's files now, and comes once
@@ -552,7 +578,7 @@ def test_words_are_readable(visit, files, how):
     page.at.get_by_role("alert").wait_for()
     page.at.keyboard.press("t")
     assert page.at.evaluate(CONTRAST) == []
-    page.at.locator("#files .file").filter(has_text="hammer.csv").click()
+    page.file("hammer.csv").click()
     page.done()
     assert page.at.evaluate(CONTRAST) == []
 
@@ -593,10 +619,10 @@ def test_what_a_screen_reader_is_told_of_both_tests_alone_and_together(visit, fi
     page.at.locator("#mass").fill("114.8")
     page.at.locator("#mass").press("Enter")
     page.done()
-    page.at.locator("#files .file").filter(has_text="hammer.csv").click()
+    page.file("hammer.csv").click()
     page.done()
     held_to("hammer", tree(page, "main"))
-    page.at.locator("#files .file").filter(has_text="seal_8mm.csv").click()
+    page.file("seal_8mm.csv").click()
     page.at.get_by_role("tab", name="both tests").click()
     page.at.locator("#which [aria-selected=true]").filter(has_text="both tests").wait_for()
     page.done()
@@ -604,33 +630,31 @@ def test_what_a_screen_reader_is_told_of_both_tests_alone_and_together(visit, fi
     assert page.at.evaluate(CUT) == []
     assert "12.7" in page.at.locator("#answers").inner_text()
     assert "--no-joint" not in page.at.locator("#command").inner_text()
-    page.at.get_by_role("button", name="change").click()
+    page.at.get_by_role("button", name="change", exact=True).click()
     page.at.get_by_role("button", name="its base").click()
     page.at.locator("[data-panel=frf]").get_by_text("less than its base above").first.wait_for()
     assert "predict joint.json" in page.at.locator("#command").inner_text()
     assert "Transmissibility of" in page.at.locator('[data-panel="frf"]').inner_text()
 
 
-def test_a_file_of_the_command_line_is_there_at_once(browser, files):
-    with served(str(files / "seal_8mm.csv")) as address:
-        page = Page(browser, address, fresh=False)
-        page.at.locator(".files").filter(has_text="8.00 mm").wait_for()
-        page.close()
+def test_a_file_of_the_command_line_is_there_at_once(window):
+    assert "8.00 mm" in window.at_first
 
 
 def test_a_mass_may_be_typed_with_its_unit(visit, files):
     page = visit(files / "seal_8mm.csv")
     page.done()
-    for words in ("114.8 g", "0.1148kg"):
-        page.at.locator("#mass").fill(words)
-        page.at.keyboard.press("Enter")
-        page.at.locator("#command").filter(has_text="--mass 114.8g").wait_for()
-        assert page.at.locator("#mass").input_value() == "114.8"
-        page.at.locator("#mass").fill("")
-        page.at.keyboard.press("Enter")
-        page.at.locator("#command").filter(has_not_text="--mass").wait_for()
-    page.at.locator("#mass").fill("114.8")
+    page.at.locator("#mass").fill("0.1148kg")
     page.at.keyboard.press("Enter")
+    page.at.locator("#command").filter(has_text="--mass 114.8g").wait_for()
+    assert page.at.locator("#mass").input_value() == "114.8"
+    page.at.locator("#mass").fill("")
+    page.at.keyboard.press("Enter")
+    page.at.locator("#command").filter(has_not_text="--mass").wait_for()
+    page.at.locator("#mass").fill("114.8 g")
+    page.at.keyboard.press("Enter")
+    page.at.locator("#command").filter(has_text="--mass 114.8g").wait_for()
+    assert page.at.locator("#mass").input_value() == "114.8"
     page.at.locator("#seals").fill("3")
     page.at.locator("#pick").set_input_files(str(files / "hammer.csv"))
     page.still()
@@ -768,7 +792,7 @@ def test_no_frame_is_green_that_is_not_settled_and_of_all_open_files(visit, file
             continue
         told.instead = instead
         assert colours(f"type('#seals', '{seals}')") <= {"verdict open", f"verdict {colour}"}
-        page.at.locator(f"#verdict.{colour}").wait_for(timeout=6000)
+        page.at.locator(f"#verdict.{colour}").wait_for()
         told.instead = None
         assert page.at.get_by_role("button", name="Report").is_disabled() == (colour == "bad")
         verdict.get_by_role("button", name=cure).click()
@@ -791,7 +815,7 @@ def test_no_frame_is_green_that_is_not_settled_and_of_all_open_files(visit, file
     page.at.get_by_role("heading", name="What does bare.csv hold?").wait_for()
     page.still()
     frames = page.at.evaluate("window.seen.frames")
-    page.at.get_by_role("button", name="seal_8mm.csv 8").click()
+    page.file("seal_8mm.csv").click()
     verdict.get_by_text("bare.csv is open and not part of it").wait_for()
     page.still()
     after = page.at.evaluate("from => window.seen.frames.slice(from)", len(frames))

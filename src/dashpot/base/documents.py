@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 import math
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
@@ -180,6 +178,9 @@ def digest_of(document: dict[str, Any]) -> str:
             return [even(item) for item in value]
         # other programs print 1.0 as 1
         return float(value) if isinstance(value, int) and not isinstance(value, bool) else value
+
+    import hashlib  # where a document is written, which a page of help does without
+    import json
 
     text = json.dumps(even(document), sort_keys=True)
     return hashlib.sha256(text.encode("utf-8", "backslashreplace")).hexdigest()[:16]

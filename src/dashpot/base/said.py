@@ -104,7 +104,7 @@ def put_into_si(noun: Any, name: str, unit: Unit) -> None:
     object.__setattr__(noun, name, from_unit(values, unit))
 
 
-def own_unit(noun: Any, said: Mapping[str, Dimension], *names: str, name: str = "unit") -> None:
+def own_unit(noun: Any, said: Mapping[str, Dimension], *names: str) -> None:
     """Set the unit of a noun that may be of a part or of a material by what was said of it.
 
     Raises
@@ -120,7 +120,7 @@ def own_unit(noun: Any, said: Mapping[str, Dimension], *names: str, name: str = 
             f"{type(noun).__name__}: {' and '.join(names)} are in units of {' and '.join(found)}. "
             "Give both as a modulus, or both as a stiffness"
         )
-    object.__setattr__(noun, name, found.pop())
+    object.__setattr__(noun, "unit", found.pop())
 
 
 def arrays_in_si(units: str, **given: tuple[Any, Dimension]) -> list[Any]:

@@ -15,7 +15,8 @@ from dashpot.base.errors import DataError
 from dashpot.base.numbers import ascii_only, counted
 from dashpot.base.progress import doing
 from dashpot.cli._grammar import Opt, group, of, opt, rest
-from dashpot.cli._shell import File, Folder, Outcome, printed, write
+from dashpot.cli._shell import Outcome, printed, write
+from dashpot.cli._values import File, Folder
 from dashpot.io.options import OF_HAMMER, OF_HAMMER_ALONE, ReadOptions
 from dashpot.lots.choices import BatchChoices
 from dashpot.told.layout import Text

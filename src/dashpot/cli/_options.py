@@ -12,8 +12,7 @@ import click
 
 from dashpot.base.choices import FigureSize, words
 from dashpot.cli._grammar import Opt, Verb, group, of, opt, rest
-from dashpot.cli._shell import File, Output
-from dashpot.cli._values import Figure, OneOf, Scoped, Units, Wlf
+from dashpot.cli._values import Figure, File, OneOf, Output, Scoped, Units, Wlf
 from dashpot.io.options import ReadOptions
 from dashpot.records.machine import Machine
 from dashpot.records.specimen import Specimen
@@ -28,7 +27,6 @@ VIBRATION = "impact frf transmissibility"
 SOLIDS = "relaxation dma master-curve modulus creep fit"
 """Kinds that are of a solid: tests of it, and its fit."""
 
-_OTHER_LABELS = ("length", "height", "temperature")
 _LABELS = tuple(one.name for one in fields(Specimen) if one.metadata.get("under") == "label")
 
 

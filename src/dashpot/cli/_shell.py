@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
-from click.shell_completion import CompletionItem
 
 import dashpot as dp
 from dashpot import workflow
@@ -18,16 +17,14 @@ from dashpot.base.errors import ReadError
 from dashpot.base.escapes import escaped_json
 from dashpot.base.units import in_unit
 from dashpot.cli._echo import to_stderr, to_stdout
-from dashpot.cli._terminal import progress, screen
-from dashpot.io.source import like_json
+from dashpot.cli._values import Output
 from dashpot.told.layout import Text
-from dashpot.told.screen import shown
-from dashpot.workflow.outputs import Outputs
 
 if TYPE_CHECKING:
     from dashpot.base.checks import Check, Verdict
     from dashpot.base.documents import Documented
     from dashpot.solids.temperature import TemperatureLaw
+    from dashpot.workflow.outputs import Outputs
 
 _WRITTEN, _TAKEN = "dashpot.written", "dashpot.stdout"
 _MAKERS = ("simulate", "demo")
@@ -80,6 +77,8 @@ def reported(context: click.Context, run: Callable[[], Outcome]) -> None:
     what was written and what comes next. Where the outputs go is settled before any work is done;
     what goes wrong is the group's to say.
     """
+    from dashpot.cli._terminal import progress  # a page of help shows none
+
     said = context.params
     context.obj = _outputs(context, may_replace=said.get("overwrite", False))
     as_json, written = said["as_json"], context.meta.setdefault(_WRITTEN, [])
@@ -105,6 +104,9 @@ def _printed(outcome: Outcome, *, as_json: bool, verbose: bool) -> str:
         return printed(outcome.found)
     if click.get_current_context().meta.get(_TAKEN):
         return ""
+    from dashpot.cli._terminal import screen
+    from dashpot.told.screen import shown
+
     told = outcome.text, outcome.verdict, outcome.checks
     return "\n".join(shown(*told, verbose=verbose, style=click.style, size=screen()))
 
@@ -116,45 +118,10 @@ def printed(found: Documented) -> str:
     return escaped_json(json.dumps(found.document, indent=2, ensure_ascii=False, allow_nan=False))
 
 
-class File(click.ParamType[str]):
-    """A file that the command reads; the shell completes it."""
-
-    name = "file"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
-        return str(value)
-
-    def shell_complete(
-        self, ctx: click.Context, param: click.Parameter, incomplete: str
-    ) -> list[CompletionItem]:
-        return [CompletionItem(incomplete, type=self.name)]
-
-
-class Folder(File):
-    """A folder."""
-
-    name = "dir"
-
-
-class Output(File):
-    """A file that the command writes; ``-`` is stdout.
-
-    With `suffixes` a name that ends otherwise is refused: it would say what the file is not.
-    """
-
-    def __init__(self, suffixes: Sequence[str] = ()) -> None:
-        self.suffixes = tuple(suffixes)
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
-        suffix = Path(value).suffix.lower()
-        if self.suffixes and suffix and suffix not in self.suffixes:
-            known = " or ".join(self.suffixes)
-            self.fail(f"'{value}': this is written as {known}, not as {suffix}", param, ctx)
-        return super().convert(value, param, ctx)
-
-
 def _outputs(context: click.Context, *, may_replace: bool) -> Outputs:
     """Return where a command may write, its own outputs claimed: all else it names is read."""
+    from dashpot.workflow.outputs import Outputs
+
     kinds = {one.name: isinstance(one.type, Output) for one in context.command.params}
     words: dict[bool, list[str]] = {True: [], False: []}
     for name, given in context.params.items():
@@ -241,6 +208,8 @@ def read_model(path: str) -> tuple[dp.GeneralizedMaxwell, TemperatureLaw | None]
 
 def is_json(path: str) -> bool:
     """Tell whether a file opens like a JSON object, so that it may be a fit."""
+    from dashpot.io.source import like_json
+
     if not Path(path).is_file():  # a look into a pipe would take its first bytes away
         return False
     with Path(path).open("rb") as file:

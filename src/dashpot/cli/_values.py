@@ -6,7 +6,6 @@ import re
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from dataclasses import Field
-from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,9 +15,10 @@ from dashpot.base.choices import Drawn, words
 from dashpot.base.errors import DashpotError
 from dashpot.base.options import key_of, names_files
 from dashpot.base.units import Dimension, parse_quantity, parse_range
-from dashpot.cli._shell import File, Output
 
 if TYPE_CHECKING:
+    from click.shell_completion import CompletionItem
+
     from dashpot.base.plugins import Group
 
 
@@ -30,11 +30,57 @@ def nearest(word: str, known: Iterable[str]) -> str:
     >>> nearest("x", ["force", "time"])
     'Known are force and time.'
     """
+    from difflib import get_close_matches  # where a word was misspelt
+
     every = list(dict.fromkeys(known))
     near = get_close_matches(word, every, 1)
     if near:
         return f"Did you mean '{near[0]}'?"
-    return f"Known are {', '.join(every[:-1])} and {every[-1]}." if every[1:] else ""
+    return known_are(every)
+
+
+def known_are(words: Sequence[str]) -> str:
+    """All words there are, as a sentence."""
+    return f"Known are {', '.join(words[:-1])} and {words[-1]}." if words[1:] else ""
+
+
+class File(click.ParamType[str]):
+    """A file that the command reads; the shell completes it."""
+
+    name = "file"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        return str(value)
+
+    def shell_complete(
+        self, ctx: click.Context, param: click.Parameter, incomplete: str
+    ) -> list[CompletionItem]:
+        from click.shell_completion import CompletionItem
+
+        return [CompletionItem(incomplete, type=self.name)]
+
+
+class Folder(File):
+    """A folder."""
+
+    name = "dir"
+
+
+class Output(File):
+    """A file that the command writes; ``-`` is stdout.
+
+    With `suffixes` a name that ends otherwise is refused: it would say what the file is not.
+    """
+
+    def __init__(self, suffixes: Sequence[str] = ()) -> None:
+        self.suffixes = tuple(suffixes)
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        suffix = Path(value).suffix.lower()
+        if self.suffixes and suffix and suffix not in self.suffixes:
+            known = " or ".join(self.suffixes)
+            self.fail(f"'{value}': this is written as {known}, not as {suffix}", param, ctx)
+        return super().convert(value, param, ctx)
 
 
 class WithUnit(click.ParamType[Any]):
@@ -57,6 +103,9 @@ class WithUnit(click.ParamType[Any]):
             return self._parsed(value, self.dimension)
         except DashpotError as error:
             self.fail(str(error), param, ctx)
+
+    def get_missing_message(self, param: click.Parameter, ctx: click.Context | None) -> str:
+        return getattr(param, "help", None) or ""
 
 
 class Plain(click.ParamType[float]):
@@ -183,6 +232,9 @@ class OneOf(click.Choice[str]):
             says = f"'{value}' is unknown. {nearest(str(value), self.choices)}"
             self.fail(says + self._more(), param, ctx)
         return str(value)
+
+    def get_missing_message(self, param: click.Parameter, ctx: click.Context | None) -> str:
+        return known_are(self.choices)
 
     def _plugged(self, value: str) -> bool:
         if self.plugins is None:

@@ -15,7 +15,8 @@ from dashpot.cli import _options as options
 from dashpot.cli._grammar import group, of, opt, refuse_others, rest, verb
 from dashpot.cli._options import HITS, MASS, READING, VIBRATION
 from dashpot.cli._recognised import called, kinds_of, recognised, tell
-from dashpot.cli._shell import File, Outcome, grams, typed, write_figure
+from dashpot.cli._shell import Outcome, grams, typed, write_figure
+from dashpot.cli._values import File
 from dashpot.told.layout import Text
 from dashpot.workflow.job import Job
 

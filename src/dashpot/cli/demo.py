@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,10 +16,9 @@ from dashpot.base.progress import doing
 from dashpot.cli import _options as options
 from dashpot.cli._grammar import group, opt, rest, verb
 from dashpot.cli._options import RESULT
-from dashpot.cli._shell import Folder, Outcome, claim, grams, typed, write
+from dashpot.cli._shell import Outcome, claim, grams, typed, write
 from dashpot.cli._simulated import impact, relaxation, seal_named
-from dashpot.told import paper as told
-from dashpot.told import text as text_of
+from dashpot.cli._values import Folder
 from dashpot.told.layout import Text
 
 if TYPE_CHECKING:
@@ -123,6 +121,10 @@ def _examples(folder: Path, *, every: bool) -> Outcome:
 
 def _paper(folder: Path, seed: int) -> Outcome:
     """Make the paper's equations, figures and table again, each beside its statement."""
+    import json
+
+    from dashpot.told.paper import reproduced  # a page of help does without
+
     claim(folder / name for name in PAPER_FILES)
     found = workflow.reproduce(seed)
     for name, text in workflow.paper_records(found).items():
@@ -133,11 +135,13 @@ def _paper(folder: Path, seed: int) -> Outcome:
     write(folder / "paper.html", workflow.paper_page(found))
     record = folder / "paper.csv"
     follow = typed("fit", record, "--arms", 2, "--method", "hold", why="the paper's fit, by hand")
-    return Outcome(found, told.reproduced(found), follow=follow)
+    return Outcome(found, reproduced(found), follow=follow)
 
 
 def _stories(folder: Path, seed: int) -> Outcome:
     """Simulate the bench and hammer tests of two seals and run the main job on each."""
+    from dashpot.told import text as text_of
+
     claim(folder / f"{name}{file}" for name in NAMES for file in _files(name))
     stories = {name: _story(name, folder, seed) for name in NAMES}
     lines, details = [], []

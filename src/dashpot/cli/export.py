@@ -17,8 +17,8 @@ from dashpot.base.sentences import paragraph
 from dashpot.cli import _options as options
 from dashpot.cli._echo import to_stderr
 from dashpot.cli._grammar import group, of, opt, rest, verb
-from dashpot.cli._shell import File, Outcome, write
-from dashpot.cli._values import DENSITY, OneOf, Range, WithUnit
+from dashpot.cli._shell import Outcome, write
+from dashpot.cli._values import DENSITY, File, OneOf, Range, WithUnit
 from dashpot.records.specimen import Specimen
 from dashpot.told.layout import Text
 from dashpot.workflow.job import Job

@@ -17,8 +17,8 @@ from dashpot.cli import _options as options
 from dashpot.cli._grammar import Opt, group, of, opt, refuse_others, rest, verb
 from dashpot.cli._options import MASS, MODEL, RAMP, SOLIDS, VIBRATION, WARM
 from dashpot.cli._recognised import kinds_of, recognised, tell
-from dashpot.cli._shell import File, Outcome, Output
-from dashpot.cli._values import DENSITY, LowHigh, OneOf, Range, WithUnit
+from dashpot.cli._shell import Outcome
+from dashpot.cli._values import DENSITY, File, LowHigh, OneOf, Output, Range, WithUnit
 from dashpot.fitting.identification.asked import HammerRig, KnownSolid
 from dashpot.io.options import ReadOptions
 from dashpot.kinds import KINDS, takers

@@ -12,9 +12,9 @@ from dashpot.base.version import byline
 from dashpot.cli import _options as options
 from dashpot.cli._grammar import group, of, opt, rest, verb
 from dashpot.cli._options import given
-from dashpot.cli._shell import Outcome, Output, typed, write
+from dashpot.cli._shell import Outcome, typed, write
 from dashpot.cli._simulated import seal_named
-from dashpot.cli._values import Direction, WithUnit
+from dashpot.cli._values import Direction, Output, WithUnit
 from dashpot.planning.asked import HammerPlan, PlannedRamp
 from dashpot.records.machine import Machine
 from dashpot.told.layout import Text
@@ -41,7 +41,7 @@ _PLANNED, _KNOWN, _CONTROLLER = "Planned test", "Known beforehand", "Controller"
     group(
         _PLANNED,
         opt("--frequency", type=WithUnit("frequency"), required=True, metavar="FREQUENCY",
-            help="The frequency that matters."),
+            help="The frequency that matters, e.g. 12.71Hz."),
         of(PlannedRamp, "depth", "ramp_time", "hold_time", into="bench"),
         opt(
             "--temperature",

@@ -8,7 +8,6 @@ from typing import Any
 import click
 
 from dashpot import workflow
-from dashpot.base.checks import verdict
 from dashpot.base.choices import FrfKind, words
 from dashpot.base.documents import Documented
 from dashpot.base.options import offered
@@ -16,13 +15,12 @@ from dashpot.cli import _options as options
 from dashpot.cli._grammar import group, of, opt, refuse_others, rest, verb
 from dashpot.cli._options import MASS, RAMP
 from dashpot.cli._recognised import recognised
-from dashpot.cli._shell import File, Outcome, grams, printed, typed, write, write_figure
-from dashpot.cli._values import OneOf, WithUnit
+from dashpot.cli._shell import Outcome, grams, printed, typed, write, write_figure
+from dashpot.cli._values import File, OneOf, WithUnit
 from dashpot.cli.fits._given import PAGE
 from dashpot.io.options import ReadOptions
 from dashpot.kinds import KINDS, PREDICTED, KindOfTest, load
 from dashpot.kinds.slam.asked import SlamAsked
-from dashpot.told.closing import closing_text
 from dashpot.told.layout import Text
 from dashpot.workflow.job import Job, LevelChoices, PartChoices
 
@@ -249,7 +247,10 @@ def _of_door(
     found: workflow.DoorResult | None, closed: workflow.ClosingResult | None, *, every: bool
 ) -> Outcome:
     """How it vibrates, how it closes, or both."""
-    from dashpot.told.door import door  # with the numbers, which a page of help does without
+    # with the numbers, which a page of help does without
+    from dashpot.base.checks import verdict
+    from dashpot.told.closing import closing_text
+    from dashpot.told.door import door
 
     if closed is None:
         assert found is not None  # noqa: S101

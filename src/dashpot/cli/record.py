@@ -17,9 +17,9 @@ from dashpot.base.errors import DataError
 from dashpot.base.progress import doing
 from dashpot.cli import _options as options
 from dashpot.cli._grammar import group, opt, verb
-from dashpot.cli._shell import File, Outcome, note_written, typed
+from dashpot.cli._shell import Outcome, note_written, typed
 from dashpot.cli._simulated import as_it_stands, seal_named
-from dashpot.cli._values import OneOf, WithUnit
+from dashpot.cli._values import File, OneOf, WithUnit
 from dashpot.told.layout import Text
 
 _COLUMNS = "time [s], displacement [mm], force [N]"

@@ -15,18 +15,9 @@ from dashpot.cli import _options as options
 from dashpot.cli._grammar import group, of, opt, rest, verb
 from dashpot.cli._options import MASS, MODEL, PIECE, RAMP, said_of_all
 from dashpot.cli._recognised import called, kinds_of, recognised, tell
-from dashpot.cli._shell import (
-    Folder,
-    Outcome,
-    Output,
-    claim,
-    grams,
-    note_written,
-    typed,
-    write,
-)
+from dashpot.cli._shell import Outcome, claim, grams, note_written, typed, write
+from dashpot.cli._values import Folder, Output
 from dashpot.io.options import OF_HAMMER, ReadOptions
-from dashpot.told import text as text_of
 from dashpot.workflow.job import Job
 
 if TYPE_CHECKING:
@@ -96,6 +87,8 @@ def command(
     **choices: Any,
 ) -> Outcome:
     """Characterise a seal, check it against the hammer, and write one HTML file."""
+    from dashpot.told.text import study as told  # a page of help does without
+
     found = recognised(files, options)
     kinds = kinds_of(found, options)
     tell(found)
@@ -132,7 +125,7 @@ def command(
         write(written[-1], workflow.html(study))
     return Outcome(
         Reported(study, written[-1], history),
-        text_of.study(study),
+        told(study),
         study.weighed,
         verdict=study.verdict,
         follow=typed("verify", project, "--expect", history, why="recomputes it")

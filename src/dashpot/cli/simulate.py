@@ -13,9 +13,9 @@ from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.cli import _options as options
 from dashpot.cli._grammar import group, opt, rest, verb
-from dashpot.cli._shell import File, Outcome, claim, typed, write
+from dashpot.cli._shell import Outcome, claim, typed, write
 from dashpot.cli._simulated import creep, impact, relaxation, replayed
-from dashpot.cli._values import OneOf, WithUnit
+from dashpot.cli._values import File, OneOf, WithUnit
 from dashpot.told.layout import Text
 
 

@@ -17,7 +17,8 @@ from dashpot.base.numbers import counted
 from dashpot.base.sentences import lowered
 from dashpot.cli._grammar import group, opt, verb
 from dashpot.cli._options import RESULT
-from dashpot.cli._shell import Folder, Outcome
+from dashpot.cli._shell import Outcome
+from dashpot.cli._values import Folder
 from dashpot.told.layout import Text
 
 

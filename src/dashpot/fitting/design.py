@@ -112,12 +112,15 @@ def compressed(tests: Sequence[RampHold], design: Design) -> tuple[DataBlock, ..
     )
 
 
-def nuisanced(tests: Sequence[RampHold], design: Design) -> tuple[DataBlock, ...]:
+def nuisanced(
+    tests: Sequence[RampHold], design: Design, near: FloatArray | None = None
+) -> tuple[DataBlock, ...]:
     r"""Return the blocks of :func:`compressed` with the column of a force that comes late.
 
     .. math:: -\dot F = \sum_j (k_j/\tau_j)\,q_j - k_g\,\dot x, \qquad k_g = k_\infty + \sum_j k_j
 
-    The slope of the force needs no more than a first solution with two arms.
+    The slope of the force needs no more than a first solution with two arms, or the one that is
+    `near` these ln tau.
     """
     blocks = compressed(tests, design)
     if design.method == "hold" or "delay" not in design.nuisance:
@@ -125,7 +128,10 @@ def nuisanced(tests: Sequence[RampHold], design: Design) -> tuple[DataBlock, ...
     stack = Stack(blocks)
     spare = (stack.samples - len(stack.names) - 2) // (1 + len(stack.groups))
     rows = [*blocks, *bound(tests, blocks, design)]
-    rough = solve(rows, max(min(_ROUGH, spare), 0), negligible=one_more(rows))
+    rough_arms = _ROUGH if near is None else len(near)
+    rough = solve(
+        rows, max(min(rough_arms, spare), 0), log_tau_start=near, negligible=one_more(rows)
+    )
     return tuple(
         block.with_delay(f"delay@{i}", _late(test, block, rough))
         for i, (test, block) in enumerate(zip(tests, blocks, strict=True))

@@ -80,9 +80,12 @@ class FitData:
         return max(_largest(block) for block in self.samples)
 
 
-def data_of(records: Sequence[RampHold], design: Design) -> FitData:
-    """Return the tests as data, with what is known of load cell and clocks."""
-    blocks = nuisanced(records, design)
+def data_of(records: Sequence[RampHold], design: Design, near: FloatArray | None = None) -> FitData:
+    """Return the tests as data, with what is known of load cell and clocks.
+
+    Whose solid has relaxation times `near` some is not searched for: they are given as ln tau.
+    """
+    blocks = nuisanced(records, design, near)
     return FitData(
         blocks,
         [block.exact for block in blocks],
@@ -124,19 +127,27 @@ class First(NamedTuple):
 
 
 def weighed(
-    data: FitData, most: int, *, auto: bool = True, thorough: bool = False, only: bool = False
+    data: FitData,
+    most: int,
+    *,
+    auto: bool = True,
+    thorough: bool = False,
+    only: bool = False,
+    near: FloatArray | None = None,
 ) -> First:
     """Solve up to `most` arms, with priors that weigh as the noise does that is left.
 
     Where ``auto`` chooses the number, records in time need no more arms than one beyond those
-    that could gain what BIC asks for one. ``only`` leaves out all but the last.
+    that could gain what BIC asks for one. ``only`` leaves out all but the last, which with `near`
+    is the one next to these ln tau.
     """
     data = data.bound()
 
     def solved() -> Sequence[Solution]:
         least = one_more(data.rows) if data.in_time else 0.0
         if only:
-            return (solve(data.rows, most, negligible=least, thorough=thorough),)
+            one = solve(data.rows, most, log_tau_start=near, negligible=least, thorough=thorough)
+            return (one,)
         return solve_orders(data.rows, most, negligible=least, every=not auto, thorough=thorough)
 
     solutions = solved()

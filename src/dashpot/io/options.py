@@ -12,7 +12,6 @@ from dashpot.base.errors import DataError, ReadError
 from dashpot.base.options import flag_of, key_of, offered, option
 from dashpot.base.parsing import parsed_toml
 from dashpot.base.units import parse_quantity, si_fields
-from dashpot.io.source import open_raw
 
 DELIMITERS = {
     "tab": "\t", "\\t": "\t", "comma": ",", "semicolon": ";", "space": " ", "spaces": " ",
@@ -361,6 +360,8 @@ def load_profile(path: str | Path) -> ReadOptions:
     ReadError
         If the file is missing, is not TOML, or holds a word that no reader knows.
     """
+    from dashpot.io.source import open_raw  # a page of help reads no file
+
     raw = open_raw(path)
     try:
         content = parsed_toml(raw.head(_PROFILE))

@@ -160,11 +160,9 @@ def averaged(
     )
 
 
-def extent(
-    f: FloatArray, value: FloatArray, *, per_octave: int = 12
-) -> tuple[FloatArray, FloatArray]:
-    """The lowest and the highest line in every part of an octave."""
-    starts = _bins(f, per_octave)
+def extent(f: FloatArray, value: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """The lowest and the highest line in every twelfth of an octave."""
+    starts = _bins(f, 12)
     return np.minimum.reduceat(value, starts), np.maximum.reduceat(value, starts)
 
 

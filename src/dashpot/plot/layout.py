@@ -155,11 +155,11 @@ class Sheet(NamedTuple):
 
 
 @cache
-def text_width(text: str, size: float = SMALL, *, bold: bool = False) -> float:
+def text_width(text: str, *, bold: bool = False) -> float:
     """About how long some words are, px: widths of Arial, by groups of letters."""
     groups = {"fijl.,:;'|!It ()[]/": 0.28, "rs-ckvxyz": 0.48, "mMW%@": 0.85, "ABCDGHKNOQRUVX": 0.7}
     sizes = {letter: width for group, width in groups.items() for letter in group}
-    return size * sum(sizes.get(letter, 0.56) for letter in text) * (1.06 if bold else 1.0)
+    return SMALL * sum(sizes.get(letter, 0.56) for letter in text) * (1.06 if bold else 1.0)
 
 
 def lay_out(strip: tuple[Panel, ...], width: float) -> Laid:

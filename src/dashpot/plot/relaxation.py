@@ -169,30 +169,6 @@ def force_panel(
     return Panel(*axes, tuple(marks), title=title, height=height)
 
 
-def ramp_panel(
-    shown: Sequence[DrawnFit], prepared: RampHold, *, title: str = "", height: float = 150.0
-) -> Panel:
-    """Force with the fitted curves over the ramp, on the clock of the record, and the motion.
-
-    The displacement is drawn to the scale of the force: equal heights where it is held.
-    """
-    unit, scale = unit_of(prepared.force, "N")
-    t, onset, c = prepared.time, prepared.onset, prepared.ramp_time
-    limits = (max(float(t[0]), onset - 0.35 * c), min(float(t[-1]), onset + 1.8 * c))
-    inside = (t >= limits[0]) & (t <= limits[1])
-    peak = float(np.max(scale * prepared.force[inside]))
-    moved = prepared.displacement[inside] * (peak / prepared.depth)
-    data = Line(*extremes(t[inside], scale * prepared.force[inside], bins=300), DATA, "measured")
-    marks: list[Mark] = [Line(*extremes(t[inside], moved, bins=150), REF, "displacement"), data]
-    for one in shown:
-        at = one.time + onset
-        drawn = (at >= limits[0]) & (at <= limits[1])
-        curve = extremes(at[drawn], scale * one.force[drawn], bins=150)
-        marks.append(Line(*curve, one.pen, one.label))
-    axes = (Scale("time on the record's clock, s", limits), Scale(f"force, {unit}", around(data.y)))
-    return Panel(*axes, tuple(marks), title=title, height=height)
-
-
 def upon_panels(
     one: DrawnFit, prepared: RampHold, *, other: DrawnFit | None = None
 ) -> tuple[Panel, Panel, Panel]:
@@ -211,41 +187,24 @@ def upon_panels(
     """
     unit, scale = unit_of(prepared.force, "N")
     t, force, c = prepared.time, scale * prepared.force, prepared.ramp_time
-    under = replace(BENEATH, colour=one.pen.colour)
-    first = max(float(t[0]), prepared.onset - 0.5 * c)
-    seen = (first, min(float(t[-1]), prepared.ramp_end + 0.8 * c))
-
-    def ramp_line(at: FloatArray, y: FloatArray, pen: Pen, label: str) -> Line:
-        inside = (at >= seen[0]) & (at <= seen[1])
-        return Line(*extremes(at[inside], y[inside], bins=250), pen, label)
-
+    (seen, axis), (on_ramp, on_hold) = _upon_axes(prepared), fit_lines(one, prepared)
     within = (t >= seen[0]) & (t <= seen[1])
     moved = prepared.displacement * (float(np.max(force[within])) / prepared.depth)
     ramp: list[Mark] = [
-        ramp_line(t, moved, REF, "displacement"),
-        ramp_line(one.time + prepared.onset, scale * one.force, under, "fit"),
-        ramp_line(t, force, UPON, "measured"),
+        _ramp_line(t, moved, seen, REF, "displacement"),
+        on_ramp,
+        _ramp_line(t, force, seen, UPON, "measured"),
         Tag(float(prepared.onset + 0.55 * c), float(0.5 * np.max(moved[within])),
             "displacement", "soft"),
     ]  # fmt: skip
-    since, last = t - prepared.ramp_end, float(t[-1]) - prepared.ramp_end
-    start = min(_first_step(prepared), last / 10)
-    axis = Scale(SINCE_RAMP, (start, last), log=True)
+    since, (start, last) = t - prepared.ramp_end, axis.limits
     left: list[Mark] = []
     if prepared.hold_end - prepared.ramp_end < last:
         left = [Span(prepared.hold_end - prepared.ramp_end, last, "away", "", True, 1.0)]
-
-    def hold_line(at: FloatArray, y: FloatArray, pen: Pen, label: str) -> Line:
-        inside = (at >= start) & (at <= last)
-        return Line(*extremes(at[inside], y[inside], bins=350, log=True), pen, label)
-
     hold = [*left]
     if other is not None:
-        hold.append(hold_line(other.time - c, scale * other.force, other.pen, "eq. (5)"))
-    hold += [
-        hold_line(one.time - c, scale * one.force, under, "fit"),
-        hold_line(since, force, UPON, "measured"),
-    ]
+        hold.append(_hold_line(other.time - c, scale * other.force, axis, other.pen, "eq. (5)"))
+    hold += [on_hold, _hold_line(since, force, axis, UPON, "measured")]
     used = (since >= start) & (t <= prepared.hold_end)
     rest = residual_panel(one, prepared, since=c, axis=axis)
     said = f"force, {unit}"
@@ -255,6 +214,46 @@ def upon_panels(
         Panel(axis, Scale(said, _headroom(force[used])), tuple(hold)),
         replace(rest, marks=(*left, *rest.marks)),
     )  # fmt: skip
+
+
+def fit_lines(one: DrawnFit, prepared: RampHold) -> tuple[Line, Line]:
+    """The fit on the ramp and on the hold of :func:`upon_panels`."""
+    _, scale = unit_of(prepared.force, "N")
+    (seen, axis), c = _upon_axes(prepared), prepared.ramp_time
+    under = replace(BENEATH, colour=one.pen.colour)
+    return (
+        _ramp_line(one.time + prepared.onset, scale * one.force, seen, under, "fit"),
+        _hold_line(one.time - c, scale * one.force, axis, under, "fit"),
+    )
+
+
+def mean_residual(one: DrawnFit, prepared: RampHold) -> tuple[FloatArray, FloatArray]:
+    """The mean residual of :func:`upon_panels`, N, over time since the end of the ramp."""
+    c, axis = prepared.ramp_time, _upon_axes(prepared)[1]
+    when, left = one.residual(prepared, c + axis.limits[0])
+    return means(when - c, left, log=True)
+
+
+def _upon_axes(prepared: RampHold) -> tuple[tuple[float, float], Scale]:
+    """What is in sight of the ramp, s on the clock of the record, and the axis of the hold."""
+    c, (first, end) = prepared.ramp_time, prepared.time[[0, -1]].tolist()
+    last = end - prepared.ramp_end
+    start = min(_first_step(prepared), last / 10)
+    seen = max(first, prepared.onset - 0.5 * c), min(end, prepared.ramp_end + 0.8 * c)
+    return seen, Scale(SINCE_RAMP, (start, last), log=True)
+
+
+def _ramp_line(
+    at: FloatArray, y: FloatArray, seen: tuple[float, float], pen: Pen, label: str
+) -> Line:
+    inside = (at >= seen[0]) & (at <= seen[1])
+    return Line(*extremes(at[inside], y[inside], bins=250), pen, label)
+
+
+def _hold_line(at: FloatArray, y: FloatArray, axis: Scale, pen: Pen, label: str) -> Line:
+    start, last = axis.limits
+    inside = (at >= start) & (at <= last)
+    return Line(*extremes(at[inside], y[inside], bins=350, log=True), pen, label)
 
 
 def residual_panel(

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import replace
 from functools import lru_cache
 
-from dashpot.base.errors import DashpotError, DataError
-from dashpot.fitting.relaxation import fit
+from dashpot.base.errors import DashpotError, DataError, FitError
+from dashpot.fitting.relaxation import fit, followed
 from dashpot.records.fit import Fit
 from dashpot.records.relaxation import RampHold, RelaxationTest
 from dashpot.records.specimen import each_specimen
 from dashpot.vibration.systems.prediction import highest_peak
 from dashpot.web import records
-from dashpot.workflow.job import Job, deciding
+from dashpot.workflow.job import Cuts, Job, deciding
 from dashpot.workflow.predictions import Prediction, prediction
 from dashpot.workflow.prepared import prepared_tests
 from dashpot.workflow.study import Study, of_solid, run
@@ -43,6 +44,7 @@ def prepared(job: Job, most: int | None) -> tuple[RampHold, ...]:
         return prepared(job, None)
     return prepared_tests(
         [thinned(test, most) for test in every],
+        judged=most != HELD,
         filter=job.filter,
         machine=job.machine,
         cuts=job.cuts,
@@ -72,17 +74,37 @@ def fitted(job: Job, intervals: bool, most: int | None) -> Fit:
     )
 
 
+_before: dict[Job, Fit] = {}
+"""Of each job without its cuts, the fit of the cut before."""
+
+
+def held(job: Job) -> Fit:
+    """The fit while a handle is held: of a linear solid the one next to that of the cut before."""
+    of, tests = replace(job, cuts=Cuts()), prepared(of_test(job), HELD)
+    near, found = _before.get(of), None
+    if near is not None and len(tests) == 1 and _is_followed(near, job):
+        with suppress(FitError):
+            found = followed(tests[0], near)
+    if len(_before) > KEPT:
+        _before.clear()
+    _before[of] = found or fitted(job, job.arms == "auto", HELD)
+    return _before[of]
+
+
+def _is_followed(near: Fit, job: Job) -> bool:
+    """Whether it is by the arms that are asked for, and by nothing else that a cut could change."""
+    law = near.elastic_law
+    straight = law is not None and law.kind == "linear" and near.family == "maxwell"
+    return straight and near.method == job.method and near.model.arms == job.arms
+
+
 def beside(job: Job, found: Fit, most: int | None = None) -> Fit | None:
     """The fit of eq. (5) with as many arms, of one test; None where it has nothing to say."""
     if found.family != "maxwell" or job.further:
         return None
-    return _by_eq5(of_test(job), found.model.arms, most)
-
-
-@lru_cache(KEPT)
-def _by_eq5(job: Job, arms: int, most: int | None) -> Fit | None:
+    by_eq5 = replace(of_test(job), arms=found.model.arms, method="hold")
     try:
-        return fit(prepared(job, most), arms=arms, method="hold", intervals=False)
+        return held(by_eq5) if most == HELD else fitted(by_eq5, False, most)
     except DashpotError:
         return None
 

@@ -19,7 +19,7 @@ from dashpot.base.asks import Ask
 from dashpot.base.checks import Check, Verdict
 from dashpot.base.choices import Method, words
 from dashpot.base.facts import UNKNOWN, Fact
-from dashpot.base.numbers import cell, duration, rounded, shown, symbol
+from dashpot.base.numbers import cell, duration, rounded, seals, shown, symbol
 from dashpot.base.sentences import sentences
 from dashpot.base.units import Dimension, in_unit, read_in
 from dashpot.io.columns.kinds import RECOGNISED
@@ -358,15 +358,16 @@ class LiveCurves(NamedTuple):
     words: str
 
 
-def live_test(fit: Fit, prepared: RampHold, by_eq5: Fit | None) -> LiveCurves:
-    """What a fit says while a handle is held: its curves, its residual, its numbers."""
-    ramp, hold, rest = relaxation.upon_panels(_shown_fit(fit, prepared), prepared)
-    curves = {"ramp/fit": ramp.marks[-2], "hold/fit": hold.marks[-2], "hold/mean": rest.marks[-1]}
+def live_test(fit: Fit, prepared: RampHold, by_eq5: Fit | None, *, unit: str = "N") -> LiveCurves:
+    """What a fit says while a handle is held: its curves, its residual in a `unit`, its numbers."""
+    one = _shown_fit(fit, prepared)
+    when, left = relaxation.mean_residual(one, prepared)
+    ramp, hold = ((line.x, line.y) for line in relaxation.fit_lines(one, prepared))
+    curves = {"ramp/fit": ramp, "hold/fit": hold, "hold/mean": (when, in_unit(left, unit))}
     arrays: dict[str, FloatArray] = {}
-    for name, mark in curves.items():
-        if isinstance(mark, Line):
-            keep = np.unique(np.linspace(0, len(mark.x) - 1, LIVE_POINTS).astype(int))
-            arrays[f"{name}/x"], arrays[f"{name}/y"] = mark.x[keep], mark.y[keep]
+    for name, (x, y) in curves.items():
+        keep = np.unique(np.linspace(0, len(x) - 1, LIVE_POINTS).astype(int))
+        arrays[f"{name}/x"], arrays[f"{name}/y"] = x[keep], y[keep]
     return LiveCurves(arrays, piece("beside", rows=beside(fit, by_eq5)))
 
 
@@ -598,7 +599,7 @@ def short_name(one: Answer) -> str:
 def weight(job: Job) -> str:
     """What rests on how many seals."""
     on = "the mass" if job.mass is None else shown(job.mass, "g", digits=4)
-    return f"{on} on {job.seals:g} seal{'' if job.seals == 1 else 's'}"
+    return f"{on} on {seals(job.seals)}"
 
 
 def hit_table(study: Study) -> str:

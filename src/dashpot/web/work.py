@@ -31,7 +31,7 @@ from dashpot.report.pages import COLOURS
 from dashpot.report.summary import simulated
 from dashpot.vibration.systems.prediction import highest_peak, predict_frf
 from dashpot.web import doors, records, results, views, wire
-from dashpot.web.requests import job_of, part, sizes_of
+from dashpot.web.requests import job_of, part, sizes_of, word
 from dashpot.web.store import path_in
 from dashpot.workflow.command_lines import FIT, line, predict_command
 from dashpot.workflow.inspections import InspectedFile, inspect_files
@@ -91,8 +91,8 @@ def _consequences(
     for role, words in (("force", ("N", "gf", "mN", "kgf")), ("displacement", ("mm", "um", "m"))):
         if f"{role}=" not in option:
             continue
-        for word in words:
-            given = replace(options, units={**dict(options.units), role: word})
+        for unit in words:
+            given = replace(options, units={**dict(options.units), role: unit})
             try:
                 test = prepare(results.thinned(read_relaxation(path, options=given)))
                 solid = fit(test, arms=1, intervals=False).model
@@ -100,7 +100,7 @@ def _consequences(
                 continue
             stiffness = in_unit(float(solid.relaxation(test.hold_time)), "N/mm")
             told.append(
-                views.Consequence(word, f"{float(test.force.max()):.3g}", f"{stiffness:.3g}")
+                views.Consequence(unit, f"{float(test.force.max()):.3g}", f"{stiffness:.3g}")
             )
     return told
 
@@ -108,9 +108,10 @@ def _consequences(
 def live(request: Mapping[str, Any], folder: Path) -> bytes:
     """The point estimate while a handle is held: curves and numbers, no intervals."""
     job = job_of(request.get("job"), folder)
-    found = results.fitted(results.of_fit(job), job.arms == "auto", results.HELD)
+    found = results.held(results.of_fit(job))
     _, prepared = results.shown(job, found, results.HELD)
-    shown = views.live_test(found, prepared, results.beside(job, found, results.HELD))
+    by_eq5 = results.beside(job, found, results.HELD)
+    shown = views.live_test(found, prepared, by_eq5, unit=word(request, "unit") or "N")
     return wire.packed({"beside": shown.words, "cuts": _cuts(prepared)}, shown.arrays)
 
 
@@ -146,11 +147,18 @@ def settle(request: Mapping[str, Any], folder: Path) -> bytes:
             "clock": [float(test.time[0]), float(test.time[-1])],
             "step": float(np.median(np.diff(test.time))),
             "arms": found.model.arms if found.family == "maxwell" else "",
-            "law": "" if found.elastic_law is None else found.elastic_law.kind,
+            "law": _law(found),
             "simulated": test.source is not None and test.source.simulated,
             "command": line("report", job),
         }
     )
+
+
+def _law(found: Fit) -> str:
+    """The law that was chosen, as a job asks for it."""
+    if found.elastic_law is None:
+        return ""
+    return "linear" if found.elastic_law.kind == "linear" else "nonlinear"
 
 
 def _pressed(found: Fit, job: Job, prepared: RampHold) -> dict[str, str]:

@@ -163,8 +163,6 @@ def solve_orders(
     negligible: float = 0.0,
     every: bool = False,
     thorough: bool = False,
-    signed: bool = False,
-    seed: int = 0,
 ) -> tuple[Solution, ...]:
     """Return the optimum for none, 1, 2, ... `max_arms` exponentials, from one chain.
 
@@ -174,7 +172,7 @@ def solve_orders(
     `every` one is wanted, which is then found from a single start.
     """
     stack = _checked(blocks, max_arms)
-    chain = Chain(stack, thorough=thorough, signed=signed, seed=seed)
+    chain = Chain(stack, thorough=thorough, signed=False, seed=0)
     chain.extend(max_arms, negligible=negligible, every=every)
     return tuple(_of(chain, n, requested=n) for n in range(chain.reached + 1))
 

@@ -361,14 +361,13 @@ def hold_and_full_agree(
     hold: GeneralizedMaxwell | None,
     error: FloatArray,
     *,
-    followed: bool = True,
     end: EndOfHold | None = None,
 ) -> Finding:
     """The hold alone says the same as the recorded motion.
 
     `error` holds the standard errors of the full fit: k_inf, every k, every ln tau. A
     difference within three of them is noise. Where the numbers of arms differ k_inf alone is
-    compared. `followed` tells whether the fit follows the ramp: which of the two to trust.
+    compared.
     """
     if hold is None:
         return Finding("Eq. 5 does not apply to this history, so the two methods are not compared")
@@ -389,17 +388,12 @@ def hold_and_full_agree(
     failed = beyond & (size > MAX_METHOD_DIFFERENCE)
     worst = int(np.argmax(np.where(failed, 1e9, 0.0) + size))
     orders = "" if alike else f" with {arms_said(hold.arms)}"
-    trust = (
-        "Use the fit of ramp and hold."
-        if followed
-        else "Use the fit of the hold, because the ramp is not followed."
-    )
     return Finding(
         f"The fit of the hold alone (eq. 5){orders} changes {labels[worst]} by "
         f"{100 * difference[worst]:+.2g} %, "
         f"{'more' if beyond[worst] else 'not more'} than noise explains",
         float(size[worst]),
-        remedy=trust,
+        remedy="Use the fit of ramp and hold.",
         excused=not failed.any(),
         # eq. 5 knows an ideal ramp alone: that its arms differ is no fault of the recorded motion,
         # and k_inf is an extrapolation of both

@@ -115,7 +115,6 @@ def tau_inside_window(
     *,
     ends: tuple[str, str] = ("", ""),
     within: bool = False,
-    why: str = "Only the tail of this arm was measured, so its k and tau are extrapolated",
     remedy: Remedy | str = Remedy("Use fewer arms, or measure over a wider range.", "arms"),  # noqa: B008
 ) -> Finding:
     """Every relaxation time is one that the data could show.
@@ -131,7 +130,8 @@ def tau_inside_window(
         f"Every relaxation time lies in what {of} can show, {span}",
         min(outside, default=None),
         excused=bool(model.arms) and not outside,
-        instead=f"A relaxation time, {listed}, lies outside what {of} can show, {span}. {why}",
+        instead=f"A relaxation time, {listed}, lies outside what {of} can show, {span}. "
+        "Only the tail of this arm was measured, so its k and tau are extrapolated",
         remedy=remedy,
         limit=high,
         faulted=bool(outside),

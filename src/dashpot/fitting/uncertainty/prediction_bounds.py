@@ -192,18 +192,17 @@ def formal_frf_band(
     *,
     mass: float,
     frequency: npt.ArrayLike,
-    seals: float = 1.0,
-    level: float = 0.95,
-    kind: Kind = Kind.ACCELERANCE,
-    coupled: float = 0.0,
+    seals: float,
+    kind: Kind,
+    coupled: float,
 ) -> FloatArray:
-    """Lowest and highest magnitude that the standard errors allow, shape (2, n).
+    """Lowest and highest magnitude that the standard errors allow at 95 %, shape (2, n).
 
     Parameters are those of :func:`frf_band`, but for the tests: arms that the fit does not have
     are not in it.
     """
     omega = 2 * np.pi * _frequencies(frequency)
-    return _formal(fit, omega, PredictedFRF(mass, seals, kind, coupled), level=level)[1]
+    return _formal(fit, omega, PredictedFRF(mass, seals, kind, coupled), level=0.95)[1]
 
 
 @dataclass(frozen=True)

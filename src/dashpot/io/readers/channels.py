@@ -162,7 +162,7 @@ def read_once(file: Opened) -> Opened:
             known.clear()
             known[asked] = file.table.load(indexes)
         # who cleans them must not clean the next one's
-        return replace(known[asked], values=known[asked].values.copy())
+        return replace(known[asked], values=known[asked].values.copy(order="K"))
 
     return replace(file, table=replace(file.table, load=load), once=True)
 
@@ -486,14 +486,14 @@ def load_test(file: Opened, chosen: Sequence[Channel], least: int = 8) -> Loaded
     return loaded
 
 
-def filled_down(loaded: Loaded, roles: Sequence[Role], role: Role) -> Loaded:
-    """Return the rows with a column that is written once for each block filled down, and a note.
+def filled_down(loaded: Loaded, roles: Sequence[Role]) -> Loaded:
+    """Return the rows, a temperature that stands once for each block filled down, and a note.
 
     So it is where it stands in less than half of the rows that lack nothing else.
     """
-    if role not in roles:
+    if "temperature" not in roles:
         return loaded
-    place = roles.index(role)
+    place = roles.index("temperature")
     column = loaded.values[:, place]
     whole: BoolArray = np.all(np.isfinite(np.delete(loaded.values, place, axis=1)), axis=1)
     known = np.isfinite(column)
@@ -505,7 +505,7 @@ def filled_down(loaded: Loaded, roles: Sequence[Role], role: Role) -> Loaded:
     values = loaded.values.copy()
     values[:, place] = column[np.maximum.accumulate(np.where(known, np.arange(len(column)), first))]
     note = (
-        f"the {role} stands in {stands} of {np.count_nonzero(whole)} rows, from "
+        f"the temperature stands in {stands} of {np.count_nonzero(whole)} rows, from "
         f"{loaded.where(first)} on; each holds for the rows below it"
     )
     return replace(loaded, values=values, notes=(*loaded.notes, note))

@@ -295,7 +295,7 @@ def parts_of(
     loaded = channels.load(file.table, columns, file.options.segment)
     told = loaded.values[:, -1]
     loaded = replace(loaded, values=loaded.values[:, : len(indexes)])
-    loaded = channels.filled_down(loaded, [c.role for c in chosen], "temperature")
+    loaded = channels.filled_down(loaded, [c.role for c in chosen])
     rows, gaps = channels.whole_rows(loaded)
     values = channels.by_role(rows, chosen)
     warmth = [of["temperature"]] if "temperature" in of else []

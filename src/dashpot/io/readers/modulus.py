@@ -67,7 +67,7 @@ def over_time(
         columns = [*columns, temperature]
     chosen = channels.with_units(file, columns)
     loaded = channels.load(file.table, [one.index for one in chosen], file.options.segment)
-    loaded = channels.filled_down(loaded, [one.role for one in chosen], "temperature")
+    loaded = channels.filled_down(loaded, [one.role for one in chosen])
     rows, notes = channels.whole_rows(loaded)
     values = channels.by_role(rows, chosen)
     warm = values.get("temperature", temperatures_of_segments(file, loaded))

@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import product, zip_longest
+from itertools import islice, product, zip_longest
 
 from dashpot.io.table import Content
 from dashpot.io.text import cells as cell
@@ -159,8 +159,10 @@ def find_dialect(
     best: Dialect | None = None
     highest = 0.0
     marks = [mark for mark in _MARKS if decimal in {None, mark}]
-    for sign, mark, window in product(_delimiters(windows, delimiter), marks, windows):
-        if _stands_in(sign, window):
+    signs = _delimiters(windows, delimiter)
+    most = {sign: [_most_numbers(sign, window) for window in windows] for sign in signs}
+    for sign, mark, (i, window) in product(signs, marks, enumerate(windows)):
+        if most[sign][i] > highest:
             score, found = _best_run(window, sign, mark, above=highest)
             if found is not None:
                 highest, best = score, found
@@ -220,21 +222,32 @@ def _delimiters(windows: Sequence[Sequence[str]], given: str | None) -> tuple[st
         return tuple(dict.fromkeys(map(_fixed, windows)))
     if given is not None:
         return (given,)
-    return tuple(dict.fromkeys((*_DELIMITERS, *(_fixed(_digits(window)) for window in windows))))
+    aligned = [window for window in windows if any(" " in line for line in window)]
+    return tuple(dict.fromkeys((*_DELIMITERS, *(_fixed(_digits(window)) for window in aligned))))
 
 
-def _stands_in(sign: str, window: Sequence[str]) -> bool:
-    return len(sign) > 1 or sign == " " or any(sign in line for line in window)
+def _most_numbers(sign: str, window: Sequence[str]) -> int:
+    """The numbers of a window if every cell were one; none where the delimiter does not stand."""
+    if sign == " " or sign.startswith("fixed:"):
+        widest = max((len(line.split()) + line.count('"') for line in window), default=0)
+        return len(window) * max(widest, 1 + sign.count(",") + (sign != " "))
+    widest = max((line.count(sign) for line in window), default=0)
+    return len(window) * (1 + widest) if widest else 0
 
 
 def _windows(lines: Sequence[str]) -> Iterator[list[str]]:
-    full = [line for line in lines if line.strip() and not is_overlong(line)]
-    if len(full) <= 3 * _SAMPLE:
-        yield _sampled(full)
+    first = [*islice(filter(_is_looked_at, lines), 3 * _SAMPLE + 1)]
+    if len(first) <= 3 * _SAMPLE:
+        yield _sampled(first)
         return
     for part in (0.3, 0.6, 1.0):
-        stop = max(_SAMPLE, int(part * len(full)))
-        yield _sampled(full[stop - _SAMPLE : stop])
+        before = reversed(lines[: int(part * len(lines))])
+        window = [*islice(filter(_is_looked_at, before), _SAMPLE)][::-1]
+        yield _sampled(window if len(window) == _SAMPLE else first[:_SAMPLE])
+
+
+def _is_looked_at(line: str) -> bool:
+    return bool(line.strip()) and not is_overlong(line)
 
 
 def _sampled(window: list[str]) -> list[str]:
@@ -252,8 +265,6 @@ def _best_run(
     """Score and dialect of the best run of lines of one width, if it scores above `above`."""
     rows = [cell.split(line, sign, trim=False) for line in lines]
     best: tuple[float, Dialect | None] = (above, None)
-    if len(rows) * max(map(len, rows), default=0) <= above:  # even if all cells were numbers
-        return best
     for run in _runs(rows, mark):
         score, found = _scored(run, sign, mark, above=best[0])
         if found.numbers and score > best[0]:

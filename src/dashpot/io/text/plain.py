@@ -12,6 +12,7 @@ import sys
 import warnings
 from collections.abc import Callable, Mapping
 from functools import cache
+from typing import ClassVar
 
 import numpy as np
 
@@ -19,14 +20,16 @@ from dashpot.base.arrays import FloatArray
 from dashpot.io.text.clock import ClockColumn
 from dashpot.io.text.dialect import Dialect
 
-_PAYS = 1 << 21
-"""Characters of a table over which msgspec saves the time that its import takes."""
-_NEGATIVE_ZERO = re.compile(rb"-0[\s,]")
-"""JSON has no negative integer zero: msgspec reads 0."""
+_PAYS = 1 << 19
+"""Characters of tables, of all that a process reads, over which msgspec is worth its import."""
+_NEGATIVE_ZERO = re.compile(rb"-0(?=[\s,])")
+"""JSON has no negative integer zero: msgspec would read 0."""
 
 
 class PlainRows:
     """Reads whole blocks for one dialect and one choice of columns, or says that it cannot."""
+
+    met: ClassVar[int] = 0
 
     def __init__(
         self,
@@ -46,7 +49,6 @@ class PlainRows:
             and not (self.blanks and self.clocks)
             and not (self.swaps_comma and sign == ",")
         )
-        self.met = 0
         if self.possible and not self.blanks:
             s = re.escape(sign)
             # a blank cell becomes nan, whether alone, quoted or padded
@@ -158,15 +160,13 @@ class PlainRows:
 
     def _from_json(self, raw: bytes, more: int) -> FloatArray | None:
         """The numbers of lines of one width, None unless each is written as JSON has it."""
-        self.met += len(raw)
-        if self.met < _PAYS and "msgspec" not in sys.modules:
+        PlainRows.met += len(raw)
+        if PlainRows.met < _PAYS and "msgspec" not in sys.modules:
             return None
         sign = self.dialect.delimiter.encode()
         if more > 1:
             raw = raw.replace(sign * more + b"\n", sign + b"\n")
-        text = raw.translate(self.as_json, b"\n" if more else b"")
-        if _NEGATIVE_ZERO.search(text):
-            return None
+        text = _NEGATIVE_ZERO.sub(b"-0.0", raw.translate(self.as_json, b"\n" if more else b""))
         import msgspec  # not before it pays
 
         try:

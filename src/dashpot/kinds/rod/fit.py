@@ -18,7 +18,6 @@ import numpy as np
 from dashpot.base.arrays import ComplexArray, FloatArray
 from dashpot.base.choices import FamilyAsked
 from dashpot.base.errors import FitError
-from dashpot.base.provenance import Source
 from dashpot.fitting.dynamic import fit_dynamic
 from dashpot.fitting.parameters import values
 from dashpot.kinds.rod.checks import ROD_LINES
@@ -36,7 +35,6 @@ def fit_rod(
     arms: int | Literal["auto"] = "auto",
     family: FamilyAsked = "maxwell",
     specimen: Specimen | None = None,
-    source: Source | None = None,
 ) -> Fit:
     """Fit a solid to the usable band of a rod's modulus, Pa.
 
@@ -45,7 +43,7 @@ def fit_rod(
     found : RodModulus
     arms, family
         As in :func:`~dashpot.fitting.dynamic.fit_dynamic`.
-    specimen, source
+    specimen
         Of the rod.
 
     Raises
@@ -65,7 +63,6 @@ def fit_rod(
         modulus.real,
         modulus.imag,
         specimen=specimen or Specimen(),
-        source=source,
         units="SI",
     )
     fit = fit_dynamic(test, arms=arms, family=family)

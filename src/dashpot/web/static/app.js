@@ -301,9 +301,10 @@ function cut(
   /** @type {number | null} */ value,
   /** @type {boolean} */ held,
 ) {
+  const moved = held && name in state.job.cuts;
   if (value === null) delete state.job.cuts[name];
   else state.job.cuts[name] = value;
-  choices();
+  if (!moved) choices();
   $("beside").hidden = false;
   live();
   if (!held) settle();

@@ -21,6 +21,11 @@ document.addEventListener("change", (event) => {
   delete /** @type {HTMLInputElement} */ (event.target).dataset.typed;
 }, true);
 
+/** Say it there, unless it stands there: what is written anew is laid out anew. */
+export function tell(/** @type {Element} */ at, /** @type {string} */ said) {
+  if (at.textContent !== said) at.textContent = said;
+}
+
 /** @returns {HTMLElement[]} */
 export const all = (/** @type {string} */ query, /** @type {ParentNode} */ root = document) =>
   [

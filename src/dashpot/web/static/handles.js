@@ -3,6 +3,8 @@
 
 /** @typedef {import("../../plot/charts.js").Figure} Figure */
 /** @typedef {import("./panels.js").Clock} Clock */
+/** @typedef {import("../../plot/charts.js").Panel} Axes */
+/** @typedef {{figure: Figure, axes: Axes, on: DOMRect, about: DOMRect, scale: number}} Ground */
 
 const EDGE = 0.01;
 const RIGHT = 0.8;
@@ -21,6 +23,8 @@ export class Handle {
     this.shift = 0;
     this.held = false;
     this.begun = this.grip = 0;
+    /** @type {Ground | null} */
+    this.stays = null;
     /** @type {Clock} */
     this.clock = { first: 0, last: 1, step: 0.001 };
     /** @type {Figure | null} */
@@ -48,6 +52,7 @@ export class Handle {
       event.preventDefault();
       made.focus();
       made.setPointerCapture(event.pointerId);
+      this.stays = this.ground();
       this.held = true;
       this.begun = this.value;
       const { left, width } = made.getBoundingClientRect();
@@ -86,7 +91,7 @@ export class Handle {
     this.element.classList.toggle("by-hand", yes);
   }
 
-  /** Stand at a value on the clock of the record; the axis counts from `shift`. */
+  /** Be at a value on the clock of the record, the axis counts from `shift`; true if that is new. */
   place(
     /** @type {Figure | null | undefined} */ figure,
     /** @type {number} */ value,
@@ -96,27 +101,36 @@ export class Handle {
     const card = figure?.svg.closest(".card");
     if (!figure || !card) {
       this.element.remove();
-      return;
+      return false;
     }
+    const to = this.held ? this.value : value;
+    const stands = this.figure === figure && this.value === to && this.shift === shift && !clock;
     this.figure = figure;
     this.clock = clock || this.clock;
-    this.shift = shift || 0;
-    if (!this.held) this.value = value;
+    this.shift = shift;
+    this.value = to;
     // beside the drawing, not in it: one that is drawn anew must not take the focus away
     if (this.element.parentElement !== card) card.append(this.element);
-    this.put();
+    return !stands;
   }
 
-  /** The axes, how large a unit of the drawing is on the screen, and where it begins there. */
-  frame(/** @type {Figure} */ figure) {
-    const { svg, panels: [axes] } = figure, on = svg.getBoundingClientRect();
-    return { axes, on, scale: on.width / svg.viewBox.baseVal.width };
-  }
-
-  put() {
+  /**
+   * The axes, how large a unit of the drawing is on the screen, and where: kept while held.
+   * @returns {Ground | null}
+   */
+  ground() {
     const card = this.element.parentElement, figure = this.figure;
-    if (!figure?.svg.isConnected || !card) return;
-    const { axes, on, scale } = this.frame(figure), about = card.getBoundingClientRect();
+    if (this.held && figure && this.stays?.figure === figure) return this.stays;
+    if (!figure?.svg.isConnected || !card) return null;
+    const { svg, panels: [axes] } = figure, on = svg.getBoundingClientRect();
+    const scale = on.width / svg.viewBox.baseVal.width;
+    return { figure, axes, on, scale, about: card.getBoundingClientRect() };
+  }
+
+  /** Stand there. */
+  put(ground = this.ground()) {
+    if (!ground) return;
+    const { axes, on, scale, about } = ground;
     const [x, y, w, h] = axes.box, [x0, , x1] = axes.view;
     const part = (axes.x.unit(this.value - this.shift) - x0) / (x1 - x0);
     const right = part <= RIGHT && this.label !== "contact", { element, clock } = this;
@@ -136,8 +150,9 @@ export class Handle {
   }
 
   under(/** @type {number} */ clientX) {
-    if (!this.figure) return this.value;
-    const { axes, on, scale } = this.frame(this.figure);
+    const ground = this.ground();
+    if (!ground) return this.value;
+    const { axes, on, scale } = ground;
     const [x, , w] = axes.box, [x0, , x1] = axes.view;
     const part = (Math.min(Math.max((clientX - on.left) / scale, x), x + w) - x) / w;
     return axes.x.value(x0 + part * (x1 - x0)) + this.shift;

@@ -128,6 +128,10 @@ export function strips(
   home.append(made("p", { class: "buttons" }, button));
 }
 
+/** The unit of the lowest strip of a panel, as it is drawn. */
+export const unitOf = (/** @type {string} */ name) =>
+  figures[name]?.panels.at(-1)?.axes().unit || "";
+
 /** Lay bare curves into the drawings; their names are `panel/curve/x` and `panel/curve/y`. */
 export function curves(/** @type {Record<string, Float32Array>} */ arrays) {
   for (const at of Object.keys(arrays).filter((one) => one.endsWith("/x"))) {
@@ -151,12 +155,21 @@ export function placeHandles(
 ) {
   /** @type {Record<string, number>} */
   const at = { ...cuts, ...state.job.cuts };
+  /** @type {Handle[]} */
+  const moved = [];
   // what is drawn counts from where the ramp ended when it was
   if (anew) since = cuts.ramp_end;
   for (const [name, handle] of Object.entries(handles)) {
     // what is cut by hand is one test
     const figure = together().length ? null : figures[handle.panel];
-    handle.place(figure, at[name], clock, handle.panel === "hold" ? since : 0);
+    const shift = handle.panel === "hold" ? since : 0;
+    if (handle.place(figure, at[name], clock, shift)) moved.push(handle);
+  }
+  // read of all before any is put, where they are is laid out once
+  for (const { handle, on } of moved.map((handle) => ({ handle, on: handle.ground() }))) {
+    handle.put(on);
+  }
+  for (const [name, handle] of Object.entries(handles)) {
     handle.byHand(name in state.job.cuts);
     put(`cut-${name}`, String(+at[name].toFixed(4)));
   }

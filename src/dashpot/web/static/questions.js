@@ -21,7 +21,7 @@ import {
   state,
   test,
 } from "./job.js";
-import { curves, panel, placeHandles, strips } from "./panels.js";
+import { curves, panel, placeHandles, strips, unitOf } from "./panels.js";
 import { choices, fields, fileList, solid, views } from "./shown.js";
 import { asks, heals, knows, refuse, stops } from "./verdict.js";
 import { ask, call, cancelled, forget } from "./wire.js";
@@ -60,7 +60,7 @@ export function live() {
     law: own.law === "auto" && law ? law : own.law,
     cuts: { ...cuts, ...own.cuts },
   };
-  ask("live", "live", { job: asked }, ({ head, arrays }) => {
+  ask("live", "live", { job: asked, unit: unitOf("hold") }, ({ head, arrays }) => {
     curves(arrays);
     $("beside").innerHTML = head.beside;
     heals(now);

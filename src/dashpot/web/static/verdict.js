@@ -1,5 +1,5 @@
 // The verdict: of what is asked now and of all open files, and never calmer than what is known.
-import { $, all, icon, made, panelCard } from "./dom.js";
+import { $, all, icon, made, panelCard, tell } from "./dom.js";
 import { door, isBench, questionOf, shown, state, test } from "./job.js";
 
 /** @typedef {{verdict: string, colour: string}} Judged As the server draws it */
@@ -15,7 +15,13 @@ let next = JUDGE;
 /** Of every question that was answered, how it was judged: an icon for each tab. */
 const colours = new Map();
 /** What was answered last, of which question, and whether that was all of it. */
-const known = { of: "", whole: false, at: "before", head: /** @type {Judged | null} */ (null) };
+const known = {
+  of: "",
+  whole: false,
+  at: "before",
+  head: /** @type {Judged | null} */ (null),
+  word: "",
+};
 let typing = false;
 
 /** @type {Record<string, {said: string, cure: Cure} | undefined>} */
@@ -34,7 +40,7 @@ export function knows(
   /** @type {boolean} */ whole,
 ) {
   const at = new Date().toLocaleTimeString([], { hour: "2-digit", minute: "2-digit" });
-  Object.assign(known, { of: question, head, whole, at });
+  Object.assign(known, { of: question, head, whole, at, word: wordOf(head) });
   if (whole) colours.set(question, head.colour);
   if (whole && question === asked) working = false;
   heals(question);
@@ -43,7 +49,7 @@ export function knows(
 
 /** An answer takes back what was refused, unless something else was asked since. */
 export function heals(/** @type {string} */ question) {
-  if (question === asked) refuse("");
+  if (question === asked && refused.fit) refuse("");
 }
 
 /** Say that there will be no answer, and why. */
@@ -105,10 +111,14 @@ const leftOut = () =>
   state.files.filter((one) => one.page === "part" ? !door() : one.asked || one.mark !== "good");
 
 function last() {
+  return known.word ? ` The last answer was: ${known.word.toLowerCase()}.` : "";
+}
+
+/** The word of an answer. */
+function wordOf(/** @type {Judged} */ head) {
   const holder = made("div");
-  holder.innerHTML = known.head?.verdict || "";
-  const word = holder.querySelector(".word")?.textContent;
-  return word ? ` The last answer was: ${word.toLowerCase()}.` : "";
+  holder.innerHTML = head.verdict;
+  return holder.querySelector(".word")?.textContent || "";
 }
 
 /** What is to be said in place of the answer; nothing where that is whole, and of all files. */
@@ -181,9 +191,9 @@ function unlit() {
 
 /** What stands on the head of each fold of a narrow page: its marks are no calmer than the verdict. */
 function folds() {
-  $("fold-checks").textContent = document.querySelector("#checks .tally")?.textContent || "";
-  $("fold-arms").textContent = $("choice-line").textContent?.split(" \u00b7 ")[0] || "";
-  $("file-count").textContent = String(state.files.length || "");
+  tell($("fold-checks"), document.querySelector("#checks .tally")?.textContent || "");
+  tell($("fold-arms"), $("choice-line").textContent?.split(" \u00b7 ")[0] || "");
+  tell($("file-count"), String(state.files.length || ""));
 }
 
 let stands = "";
