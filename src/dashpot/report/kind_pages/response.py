@@ -96,8 +96,7 @@ def prediction_page(found: Prediction) -> KindPage:
     ):  # fmt: skip
         low, high = ends or (math.nan, math.nan)
         told = row(Fact(name, value, low, high, unit))
-        unit_of_height = found.frf.unit.replace("(m/s^2)/N", "1/kg")
-        peak.append(told._replace(unit=told.unit or unit_of_height, bound=ends is not None))
+        peak.append(told._replace(unit=told.unit or found.frf.read, bound=ends is not None))
     return KindPage(
         about=f"prediction of {weight}",
         strip=(*who(found.fit.specimen), ("Mass", weight),
