@@ -1,13 +1,14 @@
 """How often a verdict is right, judged on truths and rigs that share no line with dashpot.
 
-    python benchmarks/verdicts.py OUT.jsonl [--per 10] [--kinds 20] [--curves 300] [--only REGEX]
+    python benchmarks/verdicts.py OUT.jsonl [--per 10] [--several 84] [--kinds 20] [--curves 300]
+        [--only REGEX]
     python benchmarks/verdicts.py --table OUT.jsonl
 
 The relaxation records of `tests/kit/foreign`: its 42 truths on its 40 rigs, `--per` truths of each,
-its other kinds of test, sound and spoilt by turns, and its curves: `--curves` moduli and a third as
-many compliances and sweeps, which end before their plateau or after, each whole and cut. Each
-record is one line of OUT.jsonl; those that stand there are not run again, and the same seed gives
-the same records.
+and by turns on `--several` rigs that have several faults at once; its other kinds of test, sound
+and spoilt by turns; and its curves: `--curves` moduli and a third as many compliances and sweeps,
+which end before their plateau or after, each whole and cut. Each record is one line of OUT.jsonl;
+those that stand there are not run again, and the same seed gives the same records.
 
 A relaxation record misses if one of its 95 % limits does: of the accelerance of two seals under
 the mass that they bring to resonance at 12.7 Hz (there, its peak's height and frequency), of k(T)
@@ -60,10 +61,10 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
 from kit import curve_ends
 from kit.foreign import curves
-from kit.foreign.catalogue import verdict_records
+from kit.foreign.catalogue import protocol_of, verdict_records
 from kit.foreign.kinds import Sheet, nominal, sheets
-from kit.foreign.rigs import RIGS, Record
-from kit.foreign.truths import TRUTHS
+from kit.foreign.rigs import RIGS, Record, read, several
+from kit.foreign.truths import TRUTHS, Seal
 
 HERTZ, SEALS = 12.7, 2
 MISSED, HELD, SURE = 0.06, 0.93, 0.15
@@ -71,6 +72,7 @@ MISSED, HELD, SURE = 0.06, 0.93, 0.15
 DOUBTED = 0.20
 """A disturbance of which no more are called "use" is doubted."""
 USED, USED_EACH = 0.80, 0.70
+SEVERAL = "several faults at once"
 WIDTHS = {"k_end": 0.035, "k_3end": 0.11, "frf": 1.75}
 """Largest median half widths of a sound rig: of k(T), k(3T) over the truth; of ln |a/F|."""
 
@@ -494,6 +496,15 @@ def work(options: argparse.Namespace) -> Iterator[tuple[dict, Callable[[], dict]
                     next(verdict_records([TRUTHS[number]], [rig], options.seed))
                 ),
             )
+    for turn in range(options.several if wanted.search(SEVERAL) else 0):
+        truth, seed = TRUTHS[turn % len(TRUTHS)], options.seed + turn
+        name = {"group": SEVERAL, "rig": True, "name": f"{turn} {truth.name}", "seed": options.seed}
+        yield (
+            name,
+            lambda truth=truth, seed=seed: judged(
+                read(Seal(truth), protocol_of(truth, seed), several(seed), seed=seed)
+            ),
+        )
     for kind in SHEETS:
         for one in sheets(kind, options.kinds, options.seed) if wanted.search(kind) else ():
             group = f"{kind}, {one.spoilt or 'sound'}"
@@ -536,6 +547,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("out", type=Path, nargs="?", help="a line to a record; added to")
     parser.add_argument("--per", type=int, default=10, help="truths to a disturbance, up to 42")
+    parser.add_argument("--several", type=int, default=84, help="rigs with several faults at once")
     parser.add_argument("--kinds", type=int, default=20, help="sheets of each other kind")
     parser.add_argument("--curves", type=int, default=300, help="moduli, and thrice the others")
     parser.add_argument("--only", default="", help="disturbances and kinds, a regular expression")
