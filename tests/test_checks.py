@@ -63,6 +63,7 @@ from dashpot.records.relaxation import RampHold
 from dashpot.records.shaken import ShakenTest
 from dashpot.records.specimen import Specimen
 from dashpot.records.temperature import Shift, TemperatureShifts
+from dashpot.signals.noise import usual_scatter
 from dashpot.signals.segments import MotionSegment, RampHoldCycle
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.interconversion import CreepSpectrum
@@ -1232,8 +1233,8 @@ INDENTATION = [
     Case("released_freely", lambda x: indentation.released_freely(x, 0.01), -0.0299, -0.0301),
     Case("parameters_known", lambda x: indentation.parameters_known("k", x), 1.249, 1.251),
     Case("laws_agree", differs, 0.0499, 0.0501),
-    Case("velocity_agrees", lambda x: indentation.velocity_agrees(x, 1.0), 1.099, 1.101),
-    Case("velocity_agrees", lambda x: indentation.velocity_agrees(1.0, x), 1.099, 1.101),
+    Case("velocity_agrees", lambda x: indentation.velocity_agrees(x, 1.0), 1.039, 1.041),
+    Case("velocity_agrees", lambda x: indentation.velocity_agrees(1.0, x), 1.039, 1.041),
     Case("gravity_known", lambda x: indentation.gravity_known(x, None), 0.0099, 0.0101),
     Case("force_agrees", indentation.force_agrees, 1.099, 1.101),
     Case("indentation_shallow", lambda x: indentation.indentation_shallow(x, 1.0), 0.299, 0.301),
@@ -1596,7 +1597,7 @@ LIMITS = {
     "kinds/indentation": {
         "contact_sampled": 20, "flights_recorded": 0.1, "sensor_in_range": 0, "first_contact": 0,
         "law_followed": 1.5, "released_freely": -0.02, "parameters_known": 1.25, "laws_agree": 0.05,
-        "velocity_agrees": 1.1, "gravity_known": 0.01, "force_agrees": 1.1,
+        "velocity_agrees": 1.04, "gravity_known": 0.01, "force_agrees": 1.1,
         "indentation_shallow": 0.3, "sensor_fast_enough": 0.03,
     },
     "kinds/csr": {
@@ -1945,9 +1946,21 @@ def test_what_another_condition_makes_harmless_is_a_note() -> None:
     at_end = EndOfHold(40.0, (0.9, 1.1), (0.0, 1.1), (0.0, 1.1), 0.0)
     assert relaxation.k_inf_positive(loose, 1.0).grade == "limit"
     assert relaxation.k_inf_positive(loose, 1.0, at_end).grade == "note"
-    assert preparation.motion_resolved(bending(0.499)).grade == "note"
-    assert preparation.motion_resolved(bending(0.501)).grade == "limit"
-    assert preparation.motion_resolved(bending(0.13, bends=40)).grade == "limit"
+    for leads, grade in ((1.249, "note"), (1.251, "limit")):
+        assert indentation.parameters_known("g", 2.0, leads=leads).grade == grade
+    # a loss that scatters about zero is no breach, and one beyond three deviations is
+    lines = np.geomspace(0.1, 30, 32)
+    scatter = np.where(np.arange(32) % 2, 0.01, -0.01)
+    sd = usual_scatter(np.arange(32.0), scatter / np.hypot(1, scatter))
+    for times, failed in ((2.9, False), (3.1, True)):
+        loss = scatter.copy()
+        loss[16] = -times * sd
+        test = DynamicTest(lines, np.ones(32), loss, units="SI")
+        assert curves.loss_positive(test).failed == failed
+    # what steps is told from half as much on, and doubts no more than what does not
+    for bends in (5, 40):
+        assert preparation.motion_resolved(bending(1.99, bends=bends)).grade == "note"
+        assert preparation.motion_resolved(bending(2.01, bends=bends)).grade == "limit"
 
 
 def test_no_registered_check_is_missing_here() -> None:

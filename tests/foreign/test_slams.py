@@ -70,14 +70,26 @@ def test_the_generator_is_that_of_another_solver() -> None:
     assert clock[-1] == pytest.approx(46.48818e-3, abs=2.5e-5)
 
 
-@pytest.mark.parametrize("way", [pytest.param("", marks=pytest.mark.slow), "friction 2 %"])
-def test_a_piece_that_rubs_is_marked(way: str) -> None:
+SHAPES = {
+    "friction 2 %": "friction",
+    "steep 10 %": "a law that is steeper than a cubic",
+    "tilted 3 mm": "a piece that is met at an angle",
+    "rings at 300 Hz": "a ",  # rings on, and meets the piece as at an angle
+}
+"""What is found of each way, in its first words."""
+
+
+@pytest.mark.parametrize(
+    "way", [one if one == "friction 2 %" else pytest.param(one, marks=pytest.mark.slow)
+            for one in ("", *SHAPES)]
+)  # fmt: skip
+def test_what_a_piece_or_a_sensor_adds_is_marked(way: str) -> None:
     found = fitted(slam_set(way, 2), 2, known=False)
     (check,) = [one for one in found.checks if one.name == "slams_without_more"]
     assert check.passed is (way == "")
-    assert found.verdict.use == ("use with care" if way else "use")
+    assert (found.verdict.use == "use") is (way == "")
     if way:
-        assert "is most like friction, by" in check.says
+        assert f"is most like {SHAPES[way]}" in check.says
 
 
 @pytest.mark.slow
