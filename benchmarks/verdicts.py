@@ -1,13 +1,14 @@
 """How often a verdict is right, judged on truths and rigs that share no line with dashpot.
 
-    python benchmarks/verdicts.py OUT.jsonl [--per 10] [--kinds 20] [--curves 300] [--only REGEX]
+    python benchmarks/verdicts.py OUT.jsonl [--per 10] [--several 84] [--kinds 20] [--curves 300]
+        [--only REGEX]
     python benchmarks/verdicts.py --table OUT.jsonl
 
 The relaxation records of `tests/kit/foreign`: its 42 truths on its 40 rigs, `--per` truths of each,
-its other kinds of test, sound and spoilt by turns, and its curves: `--curves` moduli and a third as
-many compliances and sweeps, which end before their plateau or after, each whole and cut. Each
-record is one line of OUT.jsonl; those that stand there are not run again, and the same seed gives
-the same records.
+and by turns on `--several` rigs that have several faults at once; its other kinds of test, sound
+and spoilt by turns; and its curves: `--curves` moduli and a third as many compliances and sweeps,
+which end before their plateau or after, each whole and cut. Each record is one line of OUT.jsonl;
+those that stand there are not run again, and the same seed gives the same records.
 
 A relaxation record misses if one of its 95 % limits does: of the accelerance of two seals under
 the mass that they bring to resonance at 12.7 Hz (there, its peak's height and frequency), of k(T)
@@ -60,10 +61,10 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
 from kit import curve_ends
 from kit.foreign import curves
-from kit.foreign.catalogue import verdict_records
+from kit.foreign.catalogue import protocol_of, verdict_records
 from kit.foreign.kinds import Sheet, nominal, sheets
-from kit.foreign.rigs import RIGS, Record
-from kit.foreign.truths import TRUTHS
+from kit.foreign.rigs import RIGS, Record, read, several
+from kit.foreign.truths import TRUTHS, Seal
 
 HERTZ, SEALS = 12.7, 2
 MISSED, HELD, SURE = 0.06, 0.93, 0.15
@@ -71,6 +72,7 @@ MISSED, HELD, SURE = 0.06, 0.93, 0.15
 DOUBTED = 0.20
 """A disturbance of which no more are called "use" is doubted."""
 USED, USED_EACH = 0.80, 0.70
+SEVERAL = "several faults at once"
 WIDTHS = {"k_end": 0.035, "k_3end": 0.11, "frf": 1.75}
 """Largest median half widths of a sound rig: of k(T), k(3T) over the truth; of ln |a/F|."""
 
@@ -110,8 +112,7 @@ def judged(one: Record) -> dict[str, object]:
         said: dict[str, object] = {"use": "refused", "because": [str(error)]}
     else:
         said = {
-            "use": found.verdict.use,
-            "because": [check.name for check in found.verdict.because],
+            **_said(found.verdict),
             "limits": {name: [float(v) for v in three] for name, three in limits.items()},
         }
     return {**said, "cpu": round(time.process_time() - start, 3)}
@@ -294,8 +295,8 @@ def report(lines: Iterable[Mapping]) -> Iterator[str]:
 
 
 # -- other kinds -----------------------------------------------------------------------------------
-Answer = tuple[str, float]
-"""The verdict, and the largest relative error of what was asked."""
+Answer = tuple[dp.Verdict | Mapping, float]
+"""The verdict, of a command as its document has it, and the largest relative error of the asked."""
 ALLOWED = 0.05
 """More than this is a miss: dashpot's own limit for a stiffness that is called right."""
 
@@ -319,21 +320,21 @@ def _on_mass(one: Sheet, frf: dp.FRF, mass: float) -> Answer:
     seal = one.truth["seal"]
     there = 2 * np.pi * seal.peak(one.truth["mass"], one.truth["seals"])[0]
     error = _error(found.solid.complex_stiffness(omega=there), seal.stiffness(there))
-    return found.verdict.use, error
+    return found.verdict, error
 
 
 def _of_creep(one: Sheet, path: Path) -> Answer:
     """k(t) at .1 s to the end of the record."""
     found = fit_creep(read_creep(path))
     t = np.geomspace(0.1, one["time"][-1] - 1, 20)
-    return found.verdict.use, _error(found.solid.relaxation(t), one.truth["solid"].relaxation(t))
+    return found.verdict, _error(found.solid.relaxation(t), one.truth["solid"].relaxation(t))
 
 
 def _of_modulus(one: Sheet, path: Path) -> Answer:
     """E(t) from the first row to three times the last."""
     found = fit_modulus(read_modulus(path))
     t = np.geomspace(0.01, 3 * one.truth["end"], 40)
-    return found.verdict.use, _error(found.solid.relaxation(t), one.truth["solid"].relaxation(t))
+    return found.verdict, _error(found.solid.relaxation(t), one.truth["solid"].relaxation(t))
 
 
 def _of_dma(one: Sheet, path: Path) -> Answer:
@@ -343,7 +344,7 @@ def _of_dma(one: Sheet, path: Path) -> Answer:
         found = found.at_temperature(293.15)
     omega = 2 * np.pi * np.geomspace(0.1, 30.0, 40)
     truth = one.truth["solid"].stiffness(omega)
-    return found.verdict.use, _error(found.solid.complex_stiffness(omega=omega), truth)
+    return found.verdict, _error(found.solid.complex_stiffness(omega=omega), truth)
 
 
 def _of_amplitude(one: Sheet, _: Path) -> Answer:
@@ -352,7 +353,7 @@ def _of_amplitude(one: Sheet, _: Path) -> Answer:
     storage, loss = 1e6 * one["storage"], 1e6 * one["loss"]
     found = fit_amplitude(dp.AmplitudeSweep(f, X, storage, loss, units="SI"))
     first = f == f[0]
-    return found.verdict.use, _error(found.stiffness(X[first]), one.truth["pure"][first])
+    return found.verdict, _error(found.stiffness(X[first]), one.truth["pure"][first])
 
 
 def _command(*words: str | Path) -> dict:
@@ -374,7 +375,7 @@ def _of_loops(one: Sheet, path: Path) -> Answer:
     sticks = sum(seal.friction / 5 / seal.reach / times for times in 2.0 ** np.arange(5))
     first = document["linear"][0]
     truth = seal.stiffness(2 * np.pi * hertz) + sticks
-    return document["verdict"]["use"], _error(first["storage"] + 1j * first["loss"], truth)
+    return document["verdict"], _error(first["storage"] + 1j * first["loss"], truth)
 
 
 def _of_cld(one: Sheet, path: Path) -> Answer:
@@ -387,7 +388,7 @@ def _of_cld(one: Sheet, path: Path) -> Answer:
     told = rows == 2 * (found.cycle.number - 1)
     slack = plate.max() - one.truth["seal"].depth
     truth = np.interp(at, plate[told] - slack, one.truth["pure"][told])
-    return found.verdict.use, _error(found.nominal.loading, truth)
+    return found.verdict, _error(found.nominal.loading, truth)
 
 
 def _of_rod(one: Sheet, path: Path) -> Answer:
@@ -401,9 +402,7 @@ def _of_rod(one: Sheet, path: Path) -> Answer:
     highest = one["frequency"][np.argmax(np.hypot(one["real"], one["imaginary"]))]
     line = np.argmin(np.abs(lines - highest))
     found = document["storage"][line] * (1 + 1j * document["loss_factor"][line])
-    return document["verdict"]["use"], _error(
-        found, one.truth["solid"].stiffness(2 * np.pi * lines[line])
-    )
+    return document["verdict"], _error(found, one.truth["solid"].stiffness(2 * np.pi * lines[line]))
 
 
 def _of_stretch(one: Sheet, _: Path) -> Answer:
@@ -417,7 +416,7 @@ def _of_stretch(one: Sheet, _: Path) -> Answer:
         truth = nominal(law, mode, stretch, constants)
         off = np.abs(found.law.nominal(mode, stretch) - truth)
         worst = max(worst, float(off.max() / np.abs(truth).max()))
-    return found.verdict.use, worst
+    return found.verdict, worst
 
 
 def _of_indentation(one: Sheet, path: Path) -> Answer:
@@ -426,7 +425,7 @@ def _of_indentation(one: Sheet, path: Path) -> Answer:
     indenter = Indenter(mass=one.truth["mass"], impact_velocity=one.truth["speed"])
     found = fit_indentation(read_indentation(path, indenter=indenter))
     depth = next(fact.value for fact in found.found if fact.name == "depth")
-    return found.verdict.use, _error(depth, one.truth["depth"])
+    return found.verdict, _error(depth, one.truth["depth"])
 
 
 SHEETS: Mapping[str, Callable[[Sheet, Path], Answer]] = {
@@ -445,6 +444,13 @@ SHEETS: Mapping[str, Callable[[Sheet, Path], Answer]] = {
 }
 
 
+def _said(verdict: dp.Verdict | Mapping) -> dict[str, object]:
+    """What a verdict says, and because of which checks."""
+    if isinstance(verdict, Mapping):
+        return {"use": verdict["use"], "because": verdict["because"]}
+    return {"use": verdict.use, "because": list(verdict.reasons)}
+
+
 def judged_sheet(one: Sheet) -> dict[str, object]:
     """One line of a sheet, by its file."""
     start = time.process_time()
@@ -452,11 +458,11 @@ def judged_sheet(one: Sheet) -> dict[str, object]:
         path = Path(folder) / "one.csv"
         path.write_text(one.text(), "utf-8")
         try:
-            use, error = SHEETS[one.kind](one, path)
+            verdict, error = SHEETS[one.kind](one, path)
         except dp.DashpotError as refusal:
             said: dict[str, object] = {"use": "refused", "because": [str(refusal)]}
         else:
-            said = {"use": use, "error": error, "allowed": ALLOWED}
+            said = {**_said(verdict), "error": error, "allowed": ALLOWED}
     return {**said, "cpu": round(time.process_time() - start, 3)}
 
 
@@ -490,6 +496,15 @@ def work(options: argparse.Namespace) -> Iterator[tuple[dict, Callable[[], dict]
                     next(verdict_records([TRUTHS[number]], [rig], options.seed))
                 ),
             )
+    for turn in range(options.several if wanted.search(SEVERAL) else 0):
+        truth, seed = TRUTHS[turn % len(TRUTHS)], options.seed + turn
+        name = {"group": SEVERAL, "rig": True, "name": f"{turn} {truth.name}", "seed": options.seed}
+        yield (
+            name,
+            lambda truth=truth, seed=seed: judged(
+                read(Seal(truth), protocol_of(truth, seed), several(seed), seed=seed)
+            ),
+        )
     for kind in SHEETS:
         for one in sheets(kind, options.kinds, options.seed) if wanted.search(kind) else ():
             group = f"{kind}, {one.spoilt or 'sound'}"
@@ -532,6 +547,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("out", type=Path, nargs="?", help="a line to a record; added to")
     parser.add_argument("--per", type=int, default=10, help="truths to a disturbance, up to 42")
+    parser.add_argument("--several", type=int, default=84, help="rigs with several faults at once")
     parser.add_argument("--kinds", type=int, default=20, help="sheets of each other kind")
     parser.add_argument("--curves", type=int, default=300, help="moduli, and thrice the others")
     parser.add_argument("--only", default="", help="disturbances and kinds, a regular expression")

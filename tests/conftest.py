@@ -35,8 +35,8 @@ collect_ignore = ["public_use.py"]
 
 # how long an example takes is the machine's affair; by day a law is tried on a few, the same each
 # time: what a new one finds is no fault of who works there, and is looked for at night
-settings.register_profile("night", deadline=None)
-settings.register_profile("day", deadline=None, max_examples=30, derandomize=True)
+settings.register_profile("night", deadline=None, max_examples=200)
+settings.register_profile("day", deadline=None, max_examples=20, derandomize=True)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "day"))
 
 

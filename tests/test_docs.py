@@ -11,6 +11,7 @@ import tomllib
 from pathlib import Path
 from typing import NamedTuple
 
+import click
 import pytest
 from click.testing import CliRunner
 
@@ -39,13 +40,10 @@ AT_NIGHT = {
     "docs/howto/bound.md": ("predict",),  # as is the tutorial's
     "docs/howto/cld.md": ("fit cld_slow.csv", "predict speeds.json"),
     "docs/howto/closing.md": ("predict",),
-    "docs/howto/cold_test.md": ("predict moving.json --mass 114.8g --seals 2 --record",),
-    "docs/howto/creep.md": ("fit creep23.csv",),
     "docs/howto/door.md": ("predict",),
     "docs/howto/fractional.md": ("fit seal_8mm.csv hammer.csv",),
     "docs/howto/hammer.md": ("fit hammer.csv --mass",),
     "docs/howto/indentation.md": ("fit",),
-    "docs/howto/joint.md": ("fit seal_8mm.csv hammer.csv --mass 110g",),
     "docs/howto/level.md": (
         (
             "fit shaker_20mN.csv shaker_500mN.csv --level 0.02N --level 0.5N --mass 114.8g "
@@ -57,9 +55,22 @@ AT_NIGHT = {
 }
 """Beginnings of lines of seconds each: half of the time of all pages, in an eighth of their lines.
 
-What they compute is tested where it is made, what they are typed as in ``cli``; that they print
-what the page says is known every night.
+What they compute is tested where it is made, what they are typed as below; that they print what
+the page says is known every night.
 """
+WHOLE_AT_NIGHT = {
+    "docs/dynamic.md",
+    "docs/howto/batch.md",
+    "docs/howto/cold_test.md",
+    "docs/howto/creep.md",
+    "docs/howto/depths.md",
+    "docs/howto/joint.md",
+    "docs/howto/master_curve.md",
+    "docs/howto/solvers.md",
+}
+"""Pages that take seconds even without such lines."""
+SCRIPTS_BY_DAY = {"README.md", "docs/first_seal.md"}
+"""Pages whose Python runs every time; the others' is of the same verbs."""
 
 
 def elsewhere(name: str, words: list[str]) -> tuple[str, str] | None:
@@ -149,9 +160,14 @@ def _pattern(piece: str) -> str:
 @pytest.mark.once
 @pytest.mark.parametrize(
     ("page", "left_out"),
-    [pytest.param(page, AT_NIGHT.get(page, ()), id=page) for page in PAGES if commands(page)]
-    + [pytest.param(page, (), id=f"all of {page}", marks=pytest.mark.slow) for page in AT_NIGHT],
-)
+    [
+        pytest.param(page, AT_NIGHT.get(page, ()), id=page)
+        for page in PAGES
+        if commands(page) and page not in WHOLE_AT_NIGHT
+    ]
+    + [pytest.param(page, (), id=f"all of {page}", marks=pytest.mark.slow)
+       for page in sorted({*AT_NIGHT, *WHOLE_AT_NIGHT})],
+)  # fmt: skip
 def test_every_command_runs_as_it_stands(page, left_out, bench):
     """In the page's order, in a folder with the example files."""
     waiting = [f"dashpot {line}" for line in left_out]
@@ -176,6 +192,16 @@ def test_every_command_runs_as_it_stands(page, left_out, bench):
             assert agree(prints, result.output), f"{line}\n{prints}\n--- printed\n{result.output}"
 
 
+@pytest.mark.parametrize("page", [page for page in PAGES if commands(page)])
+def test_every_line_is_a_command_with_options_that_it_has(page):
+    for line, prints in commands(page):
+        _, name, *words = shlex.split(line, comments=True)
+        command = main.get_command(click.Context(main), name)
+        assert command is not None, line
+        if not re.search("^dashpot: ", prints or "", re.M):
+            command.make_context(name, words[:-2] if words[-2:-1] == [">"] else words)
+
+
 def test_commands_are_found_and_output_is_compared():
     page = (
         "```sh\ndashpot fit a # b\npip install x\n```\n```console\n$ dashpot plan\nuse: x\n...\n```"
@@ -196,7 +222,14 @@ def scripts(page: str) -> list[str]:
     return [code for code in found if ">>>" not in code]
 
 
-@pytest.mark.parametrize("page", [page for page in PAGES if scripts(page)])
+@pytest.mark.parametrize(
+    "page",
+    [
+        pytest.param(page, marks=[pytest.mark.slow] * (page not in SCRIPTS_BY_DAY))
+        for page in PAGES
+        if scripts(page)
+    ],
+)
 def test_the_python_of_a_page_runs_as_it_stands(page, bench):
     (code,) = scripts(page)
     names = {}

@@ -16,7 +16,7 @@ from unittest.mock import patch
 
 import click
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import dashpot as dp
@@ -344,7 +344,6 @@ def _in_an_empty_folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[No
         yield
 
 
-@settings(max_examples=60, deadline=None)
 @given(nouns(Job).map(of_its_files))
 def test_a_report_is_typed_as_the_job_that_it_is(job: Job) -> None:
     told = heard(workflow, "run", line("report", job))
@@ -354,7 +353,6 @@ def test_a_report_is_typed_as_the_job_that_it_is(job: Job) -> None:
 OF_FIT = tuple(one.name for one in fields(Job) if "decides" in one.metadata)
 
 
-@settings(max_examples=40, deadline=None)
 @given(nouns(Job, *OF_FIT))
 def test_a_fit_is_typed_as_the_job_that_it_is(job: Job) -> None:
     told = heard(workflow, "fit_files", line("fit", job))
@@ -364,7 +362,6 @@ def test_a_fit_is_typed_as_the_job_that_it_is(job: Job) -> None:
     assert Job(first, further=(*further,), reading=said["options"], **named) == job
 
 
-@settings(max_examples=40, deadline=None)
 @given(nouns(LevelJob).filter(lambda job: job.files))
 def test_levels_are_typed_as_the_job_that_they_are(job: LevelJob) -> None:
     amplitude = job.levels or job.at
@@ -374,7 +371,6 @@ def test_levels_are_typed_as_the_job_that_they_are(job: LevelJob) -> None:
     assert LevelJob(*told.heard, **told.named) == said
 
 
-@settings(max_examples=40, deadline=None)
 @given(nouns(ModesJob, "files", "band", "seals", "options"), st.lists(SOUND, min_size=2))
 def test_modes_are_typed_as_the_job_that_they_are(job: ModesJob, masses: list[float]) -> None:
     bare = replace(job, files=job.files or ("frf.csv",), seals=1.0)  # seals are of masses
@@ -395,7 +391,6 @@ def batch_choices(draw: st.DrawFn) -> BatchChoices:
     return of_one_reading(replace(said, quick=quick, arms=arms))
 
 
-@settings(max_examples=40, deadline=None)
 @given(batch_choices())
 def test_a_batch_is_typed_as_the_choices_that_it_has(said: BatchChoices) -> None:
     beside = said.reading_impact.only([name for name in OF_HAMMER if name != "frequency"])
@@ -404,7 +399,6 @@ def test_a_batch_is_typed_as_the_choices_that_it_has(said: BatchChoices) -> None
     assert told.heard[0].choices == said
 
 
-@settings(max_examples=60, deadline=None)
 @given(nouns(Job))
 def test_a_page_says_a_job_back(job: Job) -> None:
     store = Store()
@@ -423,7 +417,6 @@ def test_a_page_says_a_job_back(job: Job) -> None:
         store.remove()
 
 
-@settings(max_examples=40, deadline=None)
 @given(st.sampled_from([LevelJob, ModesJob]).flatmap(nouns))
 def test_a_page_says_levels_and_modes_back(job: Any) -> None:
     asked = replace(job, files=(), options=replace(job.options, calibration=None))

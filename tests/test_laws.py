@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from dashpot.base.errors import DataError
@@ -68,7 +68,6 @@ def test_parallel_solids_add(a, b):
 
 
 @given(solids(), histories, histories, st.floats(-3, 3))
-@settings(max_examples=50)
 def test_superposition(solid, first, second, factor):
     n = min(len(first), len(second))
     t, x = history(first[:n])
@@ -80,7 +79,6 @@ def test_superposition(solid, first, second, factor):
 
 
 @given(solids(), histories, st.floats(0.01, 100))
-@settings(max_examples=50)
 def test_time_scales(solid, steps, factor):
     t, x = history(steps)
     slow = GeneralizedMaxwell(
@@ -93,7 +91,6 @@ def test_time_scales(solid, steps, factor):
 
 
 @given(solids(b=False), histories)
-@settings(max_examples=40)
 def test_recursion_is_the_hereditary_integral(solid, steps):
     """F(t) = sum over segments of the slope times the integral of k(t - u) du, in closed form."""
     t, x = history(steps)
@@ -113,7 +110,6 @@ def test_recursion_is_the_hereditary_integral(solid, steps):
 
 
 @given(solids(b=False))
-@settings(max_examples=25)
 def test_recursion_against_slow_quadrature(solid):
     """A smooth history: midpoint quadrature of the convolution converges to the recursion."""
     t = np.linspace(0, 3, 61)

@@ -206,6 +206,19 @@ def test_the_first_line_of_a_fit_is_its_verdict_and_the_optimiser_stands_below()
     assert [check["grade"] for check in document["checks"]] == ["stop", "stop", "note"]
 
 
+def test_a_check_says_below_the_verdict_what_that_left_out() -> None:
+    why = "It fell by 88 % in all, and " + "on and " * 30 + "on."
+    check = Check("level", False, f"The end falls. {why}", remedy=Remedy("Go on.", "hold", "9s"))
+    judged = verdict((check,))
+    assert str(judged).startswith("Use with care: the end falls.")
+    lines = click.unstyle("\n".join(shown(Text(["text"]), judged, (check,)))).splitlines()
+    below = " ".join(lines[lines.index("text") + 2 :])
+    assert below.startswith("  ! (first line) It fell by 88 %")
+    assert "(--hold 9s)" in below
+    assert "The end falls" not in below
+    assert "Go on" not in below
+
+
 # -- against records whose truth is known ---------------------------------------------------------
 
 

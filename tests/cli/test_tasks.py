@@ -6,11 +6,13 @@ import re
 import shlex
 from pathlib import Path
 
+import click
 import pytest
 from kit.kinds import bench, ramp_and_hold
-from kit.shell import no_air, ran
+from kit.shell import ran
 
-from dashpot.cli import COMMANDS
+from dashpot import workflow
+from dashpot.cli import COMMANDS, main
 from dashpot.cli._former import FORMER
 
 pytestmark = pytest.mark.once
@@ -83,21 +85,6 @@ TASKS = (
     ("example -o ex2 --all", "demo --files -o ex2 --all"),
 )  # fmt: skip
 """A former line, where it was another, and what is typed today; in the order of their files."""
-DEAR = (
-    "fit at_23degC.csv",
-    "fit depth_4mm.csv",
-    "fit frf.csv --mass",
-    "fit shaker_20mN.csv",
-    "fit hit.csv",
-    "fit rod.csv",
-    "fit hammer.csv --mass",
-    f"predict fit.json {RIG} --record",
-    "predict door.toml",
-    "batch",
-    "report",
-)
-"""Beginnings of the lines that take seconds each, which nothing after them needs; pages of the docs
-run their like."""
 TELLS = ("fit", "compare", "report")
 """Verbs that say what they took records for."""
 
@@ -110,11 +97,6 @@ def lab(folder: Path) -> None:
     for number in range(3):
         text = bench((1 + 0.02 * number) * ramp_and_hold(), seed=number)
         (folder / "lotdir" / f"seal_{number}.csv").write_text(text)
-
-
-def skipped(line: str, dear: tuple[str, ...]) -> bool:
-    """Whether a line is one of the dear ones; the door is closed, which reads it too."""
-    return line.startswith(dear) and "--close" not in line and "-o frf.csv" not in line
 
 
 def does(line: str) -> str:
@@ -132,12 +114,21 @@ def does(line: str) -> str:
     return done.stdout
 
 
-@pytest.mark.parametrize(
-    "left_out", [DEAR, pytest.param((), marks=pytest.mark.slow)], ids=["the cheap", "all"]
-)
+def answered(former: str) -> str:
+    """The line that a former one is answered with."""
+    answer = ran(*shlex.split(former))
+    assert answer.exit_code == 2, former
+    assert "Traceback" not in answer.output
+    found = re.search("Type: dashpot (.*)", answer.stderr)
+    assert found is not None, f"{former}\n{answer.output}"
+    return found[1]
+
+
+@pytest.mark.slow
 def test_forty_tasks_and_what_their_former_lines_are_answered_with(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, left_out: tuple[str, ...]
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    """Pages of the docs run their like by day."""
     assert len(TASKS) == 40
     monkeypatch.chdir(tmp_path)
     # the files to learn on are those that the others take
@@ -145,21 +136,27 @@ def test_forty_tasks_and_what_their_former_lines_are_answered_with(
     does(first)
     monkeypatch.chdir(tmp_path / "ex2")
     lab(Path())
-    if left_out:
-        no_air(Path("door.toml"))
-    done = [does(today) for _, today in tasks if not skipped(today, left_out)]
-    assert len(done) == (39 if not left_out else 28)
+    for _, today in tasks:
+        does(today)
     for former, today in TASKS:
-        if not former:
-            continue
-        answer = ran(*shlex.split(former))
-        assert answer.exit_code == 2, former
-        assert "Traceback" not in answer.output
-        found = re.search("Type: dashpot (.*)", answer.stderr)
-        assert found is not None, f"{former}\n{answer.output}"
-        other = sorted(shlex.split(found[1])) != sorted(shlex.split(today))
-        if other and not skipped(found[1], left_out):
-            does(found[1])
+        if former and sorted(shlex.split(found := answered(former))) != sorted(shlex.split(today)):
+            does(found)
+
+
+def test_a_task_and_what_its_former_line_is_answered_with_are_lines_of_today(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """They have a command and its options; what they do is known every night."""
+    monkeypatch.chdir(tmp_path)
+    lab(Path())
+    for name in workflow.FIRST:
+        Path(name).write_text(workflow.EXAMPLES[name]())
+    for former, today in TASKS:
+        for line in (today, answered(former)) if former else (today,):
+            name, *words = shlex.split(line)
+            command = main.get_command(click.Context(main), name)
+            assert command is not None, line
+            command.make_context(name, words)
 
 
 @pytest.mark.parametrize("name", FORMER)

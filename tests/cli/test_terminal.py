@@ -89,6 +89,20 @@ def test_what_an_inspection_asks_stands_above_the_columns(tmp_path):
     assert sum(line.startswith("wide.csv: ") for line in printed) == 3
 
 
+def test_an_inspection_numbers_segments_where_there_are_several(tmp_path):
+    one = "\n".join(f"{i / 100},{i % 9},{i % 7}" for i in range(400))
+    head = "time [s],force [N],displacement [mm]\n"
+    (tmp_path / "one.csv").write_text(f"{head}{one}\n")
+    (tmp_path / "two.csv").write_text(f"{head}{one}\n\n{head}{one}\n")
+    printed = ran("inspect", tmp_path / "one.csv").stdout
+    assert "  sampling  400 rows, 100 Hz, even over 3.99 s\n" in printed
+    assert "segment" not in printed
+    printed = ran("inspect", tmp_path / "two.csv", "--verbose").stdout
+    assert "even over 3.99 s in each segment\n" in printed
+    named = [line.split() for line in printed.splitlines() if line.startswith("  segment")]
+    assert [line[1:] for line in named] == [[f"{i}:", "400", "rows"] for i in (1, 2)]
+
+
 def test_failed_checks_outlast_the_numbers_on_a_short_screen():
     checks = (STOP, *(replace(LONG, name=f"long_{i}") for i in range(4)), NOTE)
     numbers = [f"row {i}" for i in range(80)]

@@ -9,7 +9,7 @@ from unittest.mock import patch
 import msgspec
 import numpy as np
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from dashpot.base.errors import ReadError
@@ -99,7 +99,6 @@ COMMA = Dialect(",", ".", ("number",) * 3, cells=3)
 @example(("1;2;3\n1;2\n1;2;3;4\n", Dialect(";", ".", ("number",) * 3, cells=3), (0, 2)))
 @example((3 * "1;2;3;4;\n", Dialect(";", ".", ("number",) * 3, cells=3), (0, 2)))
 @example(("1,5;2,5;3\n", Dialect(";", ".", ("number",) * 3, cells=3), (0, 1, 2)))
-@settings(max_examples=200)
 @given(tables())
 def test_the_fast_way_reads_the_same_bits_or_refuses_with_the_same_words(table):
     with patch.object(PlainRows, "_from_json", return_value=None):
@@ -107,7 +106,6 @@ def test_the_fast_way_reads_the_same_bits_or_refuses_with_the_same_words(table):
     assert outcome(*table) == expected
 
 
-@settings(max_examples=100)
 @given(st.lists(numerals.filter(lambda text: not text.endswith("-0")), min_size=1, max_size=30))
 def test_the_fast_way_reads_the_nearest_double(cells):
     """Python's own conversion rounds correctly, whatever the decimal."""

@@ -48,7 +48,11 @@ class Page:
     at : Page of Playwright
     complaints : list of str
         Errors of the console, exceptions, requests that left the machine.
+    at_first : str
+        What its list of files said when it was opened first, where a test asks for that.
     """
+
+    at_first = ""
 
     def __init__(self, browser: Any, address: str, *, fresh: bool = True, **how: Any) -> None:
         self.complaints: list[str] = []

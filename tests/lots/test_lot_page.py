@@ -10,7 +10,8 @@ from itertools import product
 
 import polars as pl
 import pytest
-from kit import browser
+from kit.app import chromium
+from kit.browser import needs_browser, probe
 from kit.lots import lot_of, scattered
 
 from dashpot.io.write import write_relaxation
@@ -24,6 +25,14 @@ from dashpot.simulation.rig import Rig
 from dashpot.solids.table_1 import PAPER
 
 pytestmark = pytest.mark.once
+
+
+@pytest.fixture(scope="module")
+def browser():
+    pytest.importorskip("playwright", reason="Playwright drives the browser")
+    with chromium() as browser:
+        yield browser
+
 
 BY = r"lot(\w+)_seal(\d+)_rep(\d+)"
 
@@ -147,8 +156,8 @@ def test_what_the_page_says_is_what_the_document_says():
 
 
 @pytest.mark.slow
-@browser.needs_browser
-def test_a_point_of_the_chart_leads_to_its_tests(tmp_path):
+@needs_browser
+def test_a_point_of_the_chart_leads_to_its_tests(browser):
     large, found = many()
     script = """
     const lines = () => [...document.querySelectorAll("#rows tbody tr")];
@@ -164,8 +173,8 @@ def test_a_point_of_the_chart_leads_to_its_tests(tmp_path):
     const opened = document.getElementById("tests").open;
     return [first, [...new Set(found)], found.length, rows().length, opened];
     """
-    first, lots, of_lot, of_seal, opened = browser.probe(
-        tmp_path, html(large, found=found), script, width=1366, height=768
+    first, lots, of_lot, of_seal, opened = probe(
+        browser, html(large, found=found), script, width=1366, height=768
     )
     assert (first, lots, of_lot, of_seal, opened) == (50, ["L5"], 50, 2, True)
 
@@ -194,8 +203,8 @@ def test_without_labels_every_test_is_a_point(lot):
     assert "Not known. Name the lot, seal and repeat of each test" in page
 
 
-@browser.needs_browser
+@needs_browser
 @pytest.mark.parametrize("width", [390, 1366])
-def test_nothing_is_cut(lot, tmp_path, width):
+def test_nothing_is_cut(lot, browser, width):
     script = "return document.documentElement.scrollWidth"
-    assert browser.probe(tmp_path, html(lot), script, width=width, height=800) <= width
+    assert probe(browser, html(lot), script, width=width, height=800) <= width

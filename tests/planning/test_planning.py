@@ -390,7 +390,7 @@ def test_naming_the_machine_narrows_each_arm() -> None:
     assert planned(compliance=0.0).arms[0].half_k < 0.2 * usual.arms[0].half_k
     lines = str(usual).splitlines()
     (head,) = [i for i, line in enumerate(lines) if line.startswith("half widths of 95 %")]
-    assert "after a baseline of 10 s" in lines[head]
+    assert "after a baseline of 10 s" in lines[head + 2 + len(usual.arms)]
     assert lines[head + 2].split() == ["0.502", *_percents(usual.arms[0])]
 
 

@@ -93,7 +93,7 @@ def test_lights_are_as_bad_as_the_worst_check(name, grade):
 def test_a_row_tells_what_is_known_and_nothing_else():
     known = row(Fact("k", 100.0, 90.0, 110.0, "N/m"))
     assert (known.value, known.low, known.high, known.unit) == ("0.100", "0.090", "0.110", "N/mm")
-    alone, held = row(Fact("k", 100.0, unit="N/m")), row(Fact.normal("k", 100.0, 0.0, "N/m"))
+    alone, held = row(Fact("k", 100.0, unit="N/m")), row(Fact.known("k", 100.0, 0.0, unit="N/m"))
     assert (alone.low, alone.high) == (held.low, held.high) == ("", "")
     most = row(Fact("k", 100.0, np.nan, 110.0, "N/m"))
     assert (most.low, bool(most.high)) == ("unknown", True)

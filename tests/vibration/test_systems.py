@@ -6,7 +6,7 @@ import itertools
 
 import numpy as np
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from dashpot.base.errors import DataError
@@ -104,7 +104,6 @@ def test_every_pole_decays(system):
     assert all(mode.pole.real < 0 for mode in complex_modes(system))
 
 
-@settings(max_examples=30, deadline=None)
 @given(st.lists(solids, min_size=1, max_size=3), st.integers(2, 4), number)
 def test_equal_mounts_side_by_side_are_one(parts, count, mass):
     """Mounts that share relaxation times add no poles that the system has not."""
@@ -131,7 +130,6 @@ def test_at_rest_everything_follows_the_ground(system):
         assert at_rest == pytest.approx([1.0], rel=1e-9)
 
 
-@settings(max_examples=20, deadline=None)
 @given(chains, st.integers(0, 1000))
 def test_response_does_not_depend_on_where_a_straight_line_is_sampled(system, seed):
     rng = np.random.default_rng(seed)

@@ -39,7 +39,9 @@ def test_a_comparison_with_the_hits_that_were_fitted_says_so_first(files):
     assert found["in_sample"] is True
     assert found["unseen"] is None
     assert found["verdict"]["says"].startswith("The peak is off by ")
-    assert "tests nothing: the fit was made from these hits." in found["verdict"]["says"]
+    assert (
+        "This tests nothing, because the fit was made from these hits." in found["verdict"]["says"]
+    )
 
 
 def test_hits_left_out_in_turn_are_predicted(files):

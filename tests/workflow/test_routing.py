@@ -61,6 +61,8 @@ def test_what_is_said_of_them_decides(
         (("cld", "relaxation"), {}, "not fitted together: 0.csv is a compression load deflection"),
         (("cld", HITS), {"masses": 1}, "not fitted together"),
         (("fit", "relaxation"), {}, "not fitted together: 0.csv is a fit; 1.csv is a relaxation"),
+        ((HITS, "cld", "cld", "cld"), {}, "1.csv, 2.csv and 3.csv are each a compression load"),
+        ((HITS, *4 * ("cld",)), {}, "1.csv, 2.csv and 2 more are each a compression load"),
         (("fit",), {}, "0.csv is a fit: use dashpot predict"),
         (("door",), {}, "0.csv is a door: use dashpot predict"),
         (("temperature-sweep",), {}, "it tells no relaxation times; sweep the frequency"),

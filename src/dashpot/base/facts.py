@@ -86,21 +86,12 @@ class Fact(Documented):
     words: str = ""
 
     @classmethod
-    def normal(
-        cls, name: str, value: float, error: float | None, unit: str = "", read: str = ""
-    ) -> Fact:
-        """A number whose error is normal; an error that is nan or None is not known."""
-        if error is None or math.isnan(error):
-            return cls(name, value, unit=unit, read=read)
-        return cls(name, value, value - NORMAL * error, value + NORMAL * error, unit, error, read)
-
-    @classmethod
     def known(
         cls,
         name: str,
         value: float,
-        error: float,
-        times: float,
+        error: float | None,
+        times: float = NORMAL,
         *,
         of_log: bool = False,
         unit: str = "",
@@ -110,12 +101,13 @@ class Fact(Documented):
         """A number with an interval of so many standard errors; none if the error is infinite.
 
         That of a positive one whose logarithm has the error, ``of_log``, is a factor either way.
+        An error that is nan or None is not known.
         """
+        if error is None or math.isnan(error) or (of_log and math.isinf(error)):
+            return cls(name, value, unit=unit, read=read, words=words)
         half = times * error if math.isfinite(error) else math.nan
         if not of_log:
             return cls(name, value, value - half, value + half, unit, error, read, words)
-        if math.isnan(half):
-            return cls(name, value, unit=unit, read=read, words=words)
         factor = math.exp(min(half, 50.0))
         return cls(name, value, value / factor, value * factor, unit, value * error, read, words)
 

@@ -175,6 +175,15 @@ def counted(number: int, what: str) -> str:
     return f"{words[number] if number < len(words) else number} {what}{'' if number == 1 else 's'}"
 
 
+def seals(number: float) -> str:
+    """On how many seals a mass rests.
+
+    >>> seals(2.0), seals(1), seals(1.5)
+    ('2 seals', '1 seal', '1.5 seals')
+    """
+    return f"{number:g} seal{'' if number == 1 else 's'}"
+
+
 def symbol(name: str) -> str:
     """A parameter's name as it is printed: ``"k_inf"`` is k∞, ``"ln_tau_2"`` is ln τ₂."""
     text = (

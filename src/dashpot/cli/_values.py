@@ -36,7 +36,12 @@ def nearest(word: str, known: Iterable[str]) -> str:
     near = get_close_matches(word, every, 1)
     if near:
         return f"Did you mean '{near[0]}'?"
-    return f"Known are {', '.join(every[:-1])} and {every[-1]}." if every[1:] else ""
+    return known_are(every)
+
+
+def known_are(words: Sequence[str]) -> str:
+    """All words there are, as a sentence."""
+    return f"Known are {', '.join(words[:-1])} and {words[-1]}." if words[1:] else ""
 
 
 class File(click.ParamType[str]):
@@ -98,6 +103,9 @@ class WithUnit(click.ParamType[Any]):
             return self._parsed(value, self.dimension)
         except DashpotError as error:
             self.fail(str(error), param, ctx)
+
+    def get_missing_message(self, param: click.Parameter, ctx: click.Context | None) -> str:
+        return getattr(param, "help", None) or ""
 
 
 class Plain(click.ParamType[float]):
@@ -224,6 +232,9 @@ class OneOf(click.Choice[str]):
             says = f"'{value}' is unknown. {nearest(str(value), self.choices)}"
             self.fail(says + self._more(), param, ctx)
         return str(value)
+
+    def get_missing_message(self, param: click.Parameter, ctx: click.Context | None) -> str:
+        return known_are(self.choices)
 
     def _plugged(self, value: str) -> bool:
         if self.plugins is None:

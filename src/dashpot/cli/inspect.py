@@ -156,7 +156,11 @@ def _columns(found: InspectedFile) -> list[str]:
         ]
         for column in found.columns
     ]
-    segments = (f"  segment   {segment.name}: {segment.rows} rows" for segment in found.segments)
+    several = found.segments if len(found.segments) > 1 else ()
+    segments = (
+        f"  segment   {segment.name or number}: {segment.rows} rows"
+        for number, segment in enumerate(several, start=1)
+    )
     return [*lines, *table(rows, left=True), *segments]
 
 
@@ -165,6 +169,9 @@ def _sampling(found: InspectedFile) -> str:
         return f"{found.rows} rows, no clock"
     even = "even" if found.even else "uneven"
     duration = "" if found.duration is None else f" over {found.duration:.5g} s"
+    first, *others = found.segments
+    if duration and any(one.start == first.start for one in others):
+        duration = f"{duration} in each segment"  # whose clock begins anew
     return f"{found.rows} rows, {found.rate:.6g} Hz, {even}{duration}"
 
 

@@ -41,7 +41,7 @@ _PLANNED, _KNOWN, _CONTROLLER = "Planned test", "Known beforehand", "Controller"
     group(
         _PLANNED,
         opt("--frequency", type=WithUnit("frequency"), required=True, metavar="FREQUENCY",
-            help="The frequency that matters."),
+            help="The frequency that matters, e.g. 12.71Hz."),
         of(PlannedRamp, "depth", "ramp_time", "hold_time", into="bench"),
         opt(
             "--temperature",

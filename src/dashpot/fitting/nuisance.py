@@ -36,6 +36,8 @@ ROUNDING = 1e-9
 _TIGHTEST = 1e-5
 # an equality is a prior of this relative width
 _EXACT = 1e-6
+# a force that is later than this does not change in proportion, s
+LINEAR_DELAY = 2e-3
 # a force off by this part of itself at the end of the hold takes the stiffness off by as much
 MATERIAL = 0.01
 

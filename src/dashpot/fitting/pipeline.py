@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import Literal
@@ -160,10 +160,20 @@ class Chosen:
         """Statistics of the weighted residuals."""
         return self.estimate.statistics([float(r @ r) for r in self.estimate.residuals])
 
-    def nuisances(self, *, of: str = "N", delays: Sequence[float] = ()) -> tuple[Nuisance, ...]:
-        """Offset, drift and delay of each test, N or `of`, beside what was known of `delays`, s."""
+    def nuisances(
+        self,
+        value: Callable[[str], float] | None = None,
+        *,
+        of: str = "N",
+        delays: Sequence[float] = (),
+    ) -> tuple[Nuisance, ...]:
+        """Offset, drift and delay of each test, N or `of`, beside what was known of `delays`, s.
+
+        By their columns, or by the `value` of each.
+        """
         known = {f"delay@{i}": sd for i, sd in enumerate(delays)}
-        value, error = self.solution.coefficient, self.estimate.standard_error
+        value = value or self.solution.coefficient
+        error = self.estimate.standard_error
         return nuisances(self.solution.fixed_names, value, error, of=of, known=known)
 
     def outcome(

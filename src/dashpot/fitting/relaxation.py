@@ -35,6 +35,7 @@ from dashpot.fitting.fractional.choice import (
     chosen_family,
     named,
 )
+from dashpot.fitting.late_motion import LateMotion, soundest
 from dashpot.fitting.linear_gate import Gate, Holds, gated
 from dashpot.fitting.nonlinear_ramp import checks as ramp_checks
 from dashpot.fitting.nuisance import delay_prior, material, priors
@@ -192,8 +193,9 @@ def followed(test: RampHold, found: Fit) -> Fit:
     arms = len(near)
     method: Method = "hold" if found.method == "hold" else "full"
     design = checked_design([test], Asked(arms, arms), method=method, nuisance=NUISANCE)
-    first = weighed(data_of([test], design, near), arms, only=True, near=near)
-    return _point([test], first, design, arms)
+    as_recorded = LateMotion(Holds([test]), data_of([test], design, near), (0.0,))
+    first = weighed(as_recorded.data, arms, only=True, near=near)
+    return _point(as_recorded, first, design, arms)
 
 
 def _of_temperatures(
@@ -221,19 +223,19 @@ def _of_temperatures(
 
 def _of_one_temperature(records: Sequence[RampHold], design: Design, asked: Asked) -> Fit:
     """Return the fit of a linear solid, or of a bent ramp where no linear solid is sound."""
-    data, holds, first, one, gate = data_of(records, design), Holds(records), None, None, None
+    late, first, one, gate = LateMotion.of(records, design), None, None, None
     if design == Design("full"):
-        gate = gated(holds, data, asked)
+        late, gate = soundest(late, asked)
         first, one = gate.first, gate.element
         bent = None if gate.sound else _law_of(records, asked.law, asked.count)
         if bent is not None and not bent.sound:
             found = _by_ramp(records, bent, asked.count)
             return found if one is None else beside_bent(found, bent.residuals, one)
     if asked.point is not None:
-        first = first or weighed(data, asked.point, only=True)
-        return _point(records, first, design, asked.point)
+        first = first or weighed(late.data, asked.point, only=True)
+        return _point(late, first, design, asked.point)
     chosen = chosen_arms(
-        data,
+        late.data,
         asked.arms,
         max_arms=asked.max_arms,
         thorough=asked.thorough,
@@ -243,7 +245,7 @@ def _of_one_temperature(records: Sequence[RampHold], design: Design, asked: Aske
     if design.method == "hold":
         doubts = [record.depth_doubt for record in records]
         both = replace(both, best=both.best.with_depth_doubt(doubts))
-    return _assembled(holds, both, design, gate, thorough=asked.thorough)
+    return _assembled(late, both, design, gate, thorough=asked.thorough)
 
 
 def _own(record: RampHold, law: RampLawAsked, *, thorough: bool) -> Own:
@@ -275,11 +277,12 @@ def _law_of(records: Sequence[RampHold], law: RampLawAsked, arms: int | None = N
     return ramp_law(records, law=law, arms=arms)
 
 
-def _point(records: Sequence[RampHold], first: First, design: Design, arms: int) -> Fit:
+def _point(late: LateMotion, first: First, design: Design, arms: int) -> Fit:
     """Return the optimum alone, as a fit of which nothing more is known."""
+    records = late.holds.records
     solution = first.solutions[: arms + 1][-1]
     model = solid_of(solution)
-    own = nuisances(solution.fixed_names, solution.coefficient, lambda _: np.inf)
+    own = nuisances(solution.fixed_names, late.coefficients(solution.coefficient), lambda _: np.inf)
     return assembled(
         FoundSolid(
             model,
@@ -288,16 +291,16 @@ def _point(records: Sequence[RampHold], first: First, design: Design, arms: int)
             at_bound=bool(solution.at_bound.any()),
         ),
         UNJUDGED,
-        provenance_of(design.method, records),
+        provenance_of(design.method, records, *late.steps),
         elastic_law=ElasticLaw.linear(model.k_inf, max(record.depth for record in records)),
     )
 
 
 def _assembled(
-    holds: Holds, both: FamilyChoice, design: Design, gate: Gate | None, *, thorough: bool
+    late: LateMotion, both: FamilyChoice, design: Design, gate: Gate | None, *, thorough: bool
 ) -> Fit:
     """Return the fit of a linear solid, with everything needed to judge it."""
-    records, found = holds.records, both.best
+    records, found = late.holds.records, both.best
     band = informed_band(
         records,
         found.data.rows,
@@ -311,11 +314,14 @@ def _assembled(
     if design.method == "hold" and "delay" in design.nuisance and found.solid is found.model:
         unseen = np.hstack((unseen, moved_by_clocks(records, found.model)))
     other = both.alternative(band)
-    steps = _motion_steps(records, design)
+    steps = (*_motion_steps(records, design), *late.steps)
     return assembled(
         found.outcome(
             found.residual,
-            found.nuisances(delays=[delay_prior(record).sd for record in records]),
+            found.nuisances(
+                late.coefficients(found.solution.coefficient),
+                delays=[delay_prior(record).sd for record in records],
+            ),
             unseen=unseen,
         ),
         Evidence(
@@ -325,7 +331,7 @@ def _assembled(
             checks=(
                 *(check for record in records for check in record.checks),
                 found.ended,
-                *_checks(holds, found, design, end),
+                *_checks(late, found, design, end),
                 *([] if gate is None else [ramp_checks.ramp_explained(gate.judged)]),
                 *both.checks(other),
                 frequencies_informed(band),
@@ -379,10 +385,10 @@ def _end_of_hold(
 
 
 def _checks(
-    holds: Holds, found: Chosen, design: Design, end: EndOfHold | None
+    late: LateMotion, found: Chosen, design: Design, end: EndOfHold | None
 ) -> tuple[Check, ...]:
     """Return every check of the records and of the fit."""
-    records, model, estimate = holds.records, found.model, found.estimate
+    records, model, estimate = late.holds.records, found.model, found.estimate
     choice, error = found.choice, found.error
     in_arms = not isinstance(found, ChosenElement)
     answers = [
@@ -401,19 +407,20 @@ def _checks(
     if in_arms:
         slow = _drift_correlation(estimate)
         answers.append(checks.drift_told_from_arm(model, slow, float(error[-1])))
-    answers += _load_cells(records, found, end)
+    answers += _load_cells(late, found, end)
     if choice is not None:
         answers.append(order_agreed(choice))
     if design.method == "full" and in_arms:
-        answers.append(checks.hold_and_full_agree(model, holds.by_eq5(model.arms), error, end=end))
+        answers.append(
+            checks.hold_and_full_agree(model, late.holds.by_eq5(model.arms), error, end=end)
+        )
     return tuple(answers)
 
 
-def _load_cells(records: Sequence[RampHold], found: Chosen, end: EndOfHold | None) -> list[Check]:
+def _load_cells(moved: LateMotion, found: Chosen, end: EndOfHold | None) -> list[Check]:
     """Return how far offset, drift and clocks had to go from what was known of them."""
-    estimate = found.estimate
-
-    value, names = estimate.solution.coefficient, estimate.solution.fixed_names
+    estimate, records = found.estimate, moved.holds.records
+    value, names = moved.coefficients(estimate.solution.coefficient), estimate.solution.fixed_names
 
     def away(kind: str) -> list[tuple[float, float, float, float]]:
         found = []
@@ -432,11 +439,10 @@ def _load_cells(records: Sequence[RampHold], found: Chosen, end: EndOfHold | Non
         ramp_checks.offset_believable(away("offset")),
         ramp_checks.drift_believable(away("drift"), beyond),
     ]
-    solution = estimate.solution
     late = [
-        (solution.coefficient(name), estimate.standard_error(name), priors(record).delay.sd)
+        (value(name), estimate.standard_error(name), priors(record).delay.sd)
         for name, record in ((f"delay@{i}", record) for i, record in enumerate(records))
-        if name in solution.fixed_names
+        if name in names
     ]
     return [*answers, ramp_checks.clocks_agree(late)]
 

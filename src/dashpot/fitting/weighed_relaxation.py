@@ -17,6 +17,7 @@ from dashpot.engine.blocks.hold import window_of
 from dashpot.engine.blocks.recorded import FARTHEST
 from dashpot.fitting.design import block_of, first_sample, motion
 from dashpot.fitting.nuisance import (
+    LINEAR_DELAY,
     Prior,
     delay_prior,
     kind_of,
@@ -47,8 +48,6 @@ SHORTEST = 1e-6
 RESTS = 8
 # the rate of a force is that of the arms slower than so many samples
 SLOW_ARM = 5.0
-# a force that is later than this does not change in proportion, s
-LINEAR_DELAY = 2e-3
 # what lags may be a filter, in the difference of the two
 FILTERED = 1.0
 # a doubt is smooth, and needs few digits: samples of the hold at which it is laid out, three times

@@ -124,19 +124,19 @@ class Plan(Checked, Documented):
         """A table of the arms."""
         if not self.arms:
             return []
-        title = (
-            "half widths of 95 % limits of each arm; named: of a machine that is, after a baseline "
-            "of 10 s"
+        title = "half widths of 95 % limits of each arm"
+        starred = (
+            "* with drift, compliance and creep of the machine given, after a baseline of 10 s"
         )
         names = ("k", "tau", "b")
-        titles = (*names, *(f"named {name}" for name in names))
+        titles = (*names, *(f"{name} *" for name in names))
         head = f"{'arm, s':<10}{''.join(f'{each:>12}' for each in titles)}"
         rows = []
         for one in self.arms:
             each = [getattr(one, f"{when}_{name}") for when in ("half", "named") for name in names]
             cells = (f"{percent(half, 'unknown'):>12}" for half in each)
             rows.append(f"{one.tau:<10.3g}{''.join(cells)}")
-        return [title, head, *rows]
+        return [title, head, *rows, starred]
 
 
 def plan(

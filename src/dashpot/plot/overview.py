@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Protocol
 
+from dashpot.base.numbers import seals
 from dashpot.base.units import written
 from dashpot.plot import relaxation, vibration
 from dashpot.plot.picture import Picture, unit_of
@@ -83,7 +84,7 @@ def hero(study: Story) -> Picture:
         bounds = vibration.spreads(study.frf_band)[:1]
         upper = vibration.magnitude_panel(curves, bounds, view=view, height=210, tagged=True)
         mass = "" if study.mass is None else f"{written(study.mass, 'g')} on "
-        titled = replace(upper, title=f"Hammer test: {mass}{study.seals:g} seals")
+        titled = replace(upper, title=f"Hammer test: {mass}{seals(study.seals)}")
         strips.append((titled, vibration.phase_panel(curves, upper.x.limits)))
     said = stamp(sources, study.fit.specimen, mass=study.mass, seals=study.seals)
     caption = "The relaxation test and its fit, the FRF and its prediction."

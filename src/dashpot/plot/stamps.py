@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from dashpot.base import numbers
 from dashpot.base.numbers import shown
 from dashpot.base.provenance import Source, sources_of
 from dashpot.records.fit import Fit
@@ -40,7 +41,7 @@ def stamp(
     if specimen is not None:
         said += [specimen.name, f"lot {specimen.lot}" * bool(specimen.lot), specimen.date]
     if mass is not None:
-        on = "" if seals is None else f" on {seals:g} seal{'' if seals == 1 else 's'}"
+        on = "" if seals is None else f" on {numbers.seals(seals)}"
         said.append(f"{shown(mass, 'g', digits=4)}{on}")
     return "  ·  ".join(part for part in said if part)
 

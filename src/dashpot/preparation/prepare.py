@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -24,10 +25,16 @@ from dashpot.preparation.contact import (
 from dashpot.preparation.denoising import denoised
 from dashpot.preparation.filters import filtered, parse_filter
 from dashpot.preparation.hum import hum_lines, hum_step
+from dashpot.preparation.late_touch import AFTER, MOST, Lateness, lateness
 from dashpot.preparation.motion import PlateMotion, find_motion, from_contact, given_motion
 from dashpot.records.machine import Machine
 from dashpot.records.relaxation import RampHold, RelaxationTest, quantum
 from dashpot.signals.noise import evenly_sampled, median_of_three, scatter, without_spikes
+
+# times that a gap and a delay are found, each with the other
+ROUNDS = 3
+# a later clock and less air explain the force better by this deviance
+TOLD = 10.0
 
 
 def prepare(
@@ -103,13 +110,19 @@ def prepare(
     x, force = motion.sign * test.displacement, turn * test.force
     count = quantum(x)
     gap = _least_gap(count, motion)
-    before, touch = _touch(test.time, x, turn * clean, motion, given=contact, least_gap=gap)
+    machine = machine or Machine()
+    late = machine.delay_sd(median(np.diff(test.time)))
+    before, touch = _touch(
+        test.time, x, turn * clean, motion, given=contact, least_gap=gap, delay_sd=late
+    )
     pressed = from_contact(test.time, test.displacement, motion, touch.displacement, doubt=gap)
     if pressed is not motion:
         # the plate was first moved through air: the ramp that meets the seal is the first
         motion = pressed
         gap = _least_gap(count, motion)
-        before, touch = _touch(test.time, x, turn * clean, motion, given=contact, least_gap=gap)
+        before, touch = _touch(
+            test.time, x, turn * clean, motion, given=contact, least_gap=gap, delay_sd=late
+        )
     force, tared = zeroed(test.time, force, before, drift=drift, where=where)
     times = _times(motion, touch, test.time, (onset, ramp_end, hold_end))
     record = _record(test, x, force, motion, touch, times=times, count=count)
@@ -118,7 +131,6 @@ def prepare(
     record = _without_hum(record)
     rise = _risen(record, before, where)
     preload = _preload(record, before, touch, rise)
-    machine = machine or Machine()
     machine.heeds("sync", "drift", "compliance", "creep", "force_filter", of="a ramp and hold")
     record = _on_the_machine(record, preload, machine)
     checks.refuse_unresolved(where, rise, test.force)
@@ -221,6 +233,7 @@ def _touch(
     *,
     given: float | None,
     least_gap: float,
+    delay_sd: float,
 ) -> tuple[Baseline, Touch]:
     """First contact, and the baseline before it."""
     still = slice(motion.start, motion.departure + 1)
@@ -240,21 +253,61 @@ def _touch(
         if not before.long_enough:
             level = median(force[rising][:5])
             noise = scatter(time[rising], force[rising])
-        touch = touch_of(
-            x[rising],
-            force[rising] - level,
-            noise=max(noise, 1e-6 * (float(force[peak]) - level)),
-            rest=motion.rest,
-            level=motion.cycle.hold.level,
-            least_gap=least_gap,
-            rested=motion.cycle.rest is not None,
-        )
+
+        def met(moved: FloatArray) -> Touch:
+            return touch_of(
+                moved[rising],
+                force[rising] - level,
+                noise=max(noise, 1e-6 * (float(force[peak]) - level)),
+                rest=motion.rest,
+                level=motion.cycle.hold.level,
+                least_gap=least_gap,
+                rested=motion.cycle.rest is not None,
+            )
+
+        touch = _but_late(time, x, force, motion, met, delay_sd=delay_sd)
     if touch.gap > 0:
         # half of the air is far enough from contact to be called quiet
         approach = x[motion.start : motion.stop + 1] > motion.rest + 0.5 * touch.gap
         quiet = slice(motion.start, max(motion.start + int(np.argmax(approach)), still.stop))
         before = baseline_of(time[quiet], force[quiet])
     return before, touch
+
+
+def _but_late(
+    time: FloatArray,
+    x: FloatArray,
+    force: FloatArray,
+    motion: PlateMotion,
+    met: Callable[[FloatArray], Touch],
+    *,
+    delay_sd: float,
+) -> Touch:
+    """First contact behind air as `met` finds it, less what only the clock of the force makes."""
+    touch = met(x)
+    if not touch.gap > 0:
+        return touch
+    ends = motion.line.time_of(motion.rest), motion.line.time_of(motion.level)
+    until = int(np.searchsorted(time, ends[1] + AFTER * (ends[1] - ends[0])))
+    watched = slice(motion.start, min(until, motion.stop + 1))
+
+    def late_from(contact: float) -> Lateness:
+        pressed = np.maximum(x[watched] - contact, 0.0)
+        return lateness(time[watched], pressed, force[watched], corners=ends, delay_sd=delay_sd)
+
+    best, behind = touch, late_from(touch.displacement)
+    if touch.gap <= MOST * delay_sd * motion.line.speed:
+        at_rest = late_from(motion.rest)
+        if at_rest.deviance < behind.deviance - TOLD:
+            best, behind = Touch(motion.rest, 0.0), at_rest
+    for _ in range(ROUNDS if behind.delay else 0):
+        # the plate as it was when the force that is read was felt
+        touch = met(np.interp(time - behind.delay, time, x))
+        again = late_from(touch.displacement)
+        if again.deviance > behind.deviance - TOLD:
+            break
+        best, behind = touch, again
+    return best
 
 
 def _least_gap(count: float, motion: PlateMotion) -> float:

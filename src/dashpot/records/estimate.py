@@ -140,8 +140,8 @@ class Nuisance:
     @property
     def fact(self) -> Fact:
         """As every table of it has it."""
-        read = read_in(self.unit, fine=True)
-        return Fact.normal(self.name, self.value, self.standard_error, self.unit, read)
+        of, read = self.unit, read_in(self.unit, fine=True)
+        return Fact.known(self.name, self.value, self.standard_error, unit=of, read=read)
 
 
 class _SolidParameter(NamedTuple):

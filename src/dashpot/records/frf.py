@@ -280,6 +280,11 @@ class FRF(ByValue, Pictured, Documented):
         """The SI unit of `value`."""
         return UNITS[self.quantity]
 
+    @property
+    def read(self) -> str:
+        """The same as people read it: of an accelerance 1/kg."""
+        return "1/kg" if self.quantity is Kind.ACCELERANCE else self.unit
+
     def to(self, kind: Kind | str, *, mass: float | None = None) -> FRF:
         r"""The same FRF as receptance, mobility, accelerance or dynamic stiffness.
 
@@ -492,9 +497,9 @@ class Mode(Documented):
             for error in (self.frequency_se, self.damping_ratio_se, self.residue_se)
         )
         return (
-            Fact.normal("frequency", self.frequency, frequency, "Hz"),
-            Fact.normal("damping ratio", self.damping_ratio, damping_ratio, "1", "%"),
-            Fact.normal("residue", abs(self.residue), residue, "m/(N s)"),
+            Fact.known("frequency", self.frequency, frequency, unit="Hz"),
+            Fact.known("damping ratio", self.damping_ratio, damping_ratio, unit="1", read="%"),
+            Fact.known("residue", abs(self.residue), residue, unit="m/(N s)"),
         )
 
     @property

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable
 from typing import NamedTuple
 
+from dashpot.base import numbers
 from dashpot.base.checks import Check
 from dashpot.base.numbers import counted, decibels, duration, percent, rounded, shown
 from dashpot.base.units import written
@@ -166,7 +167,7 @@ def under_mass(study: Study, found: Recommendation) -> tuple[str, tuple[Row, ...
     if study.mass is None or not found.under_mass:
         return "", ()
     weight, seals = shown(study.mass, "g", digits=4), study.seals
-    said = f"{weight} on {seals:g} seal{'' if seals == 1 else 's'}"
+    said = f"{weight} on {numbers.seals(seals)}"
     if study.mass_inferred:
         said += ", the mass found from the FRF"
     elif not found.recommended:

@@ -256,9 +256,9 @@ def peaks(study: Study) -> TextTable | None:
         return None
     head = ["", "measured", "predicted", "difference"]
     columns = [
-        ("peak frequency, Hz", "peak accelerance, (m/s²)/N", "damping ratio, %",
+        ("peak frequency, Hz", "peak accelerance, 1/kg", "damping ratio, %",
          "FRAC (1 is alike)", "rms difference, dB"),
-        (Fact.normal("frequency", c.measured_hz, c.measured_hz_se or None, "Hz").cells.with_error,
+        (Fact.known("", c.measured_hz, c.measured_hz_se or None, unit="Hz").cells.with_error,
          rounded(c.measured_peak), _measured_damping(c), "", ""),
         *_predicted(c),
     ]  # fmt: skip
@@ -283,7 +283,7 @@ def _measured_damping(c: Comparison) -> str:
     if c.measured_damping is None:
         return "not supported by the record"
     se = c.measured_damping_se or None
-    return Fact.normal("damping ratio", c.measured_damping, se, "1", "%").cells.with_error
+    return Fact.known("damping ratio", c.measured_damping, se, unit="1", read="%").cells.with_error
 
 
 def resonance(study: Study) -> TextTable | None:

@@ -105,8 +105,8 @@ def _scatter(found: Closing) -> list[str]:
         ),
         (
             f"  least speed {rounded(low, digits=3)}, {rounded(middle, digits=3)}, "
-            f"{rounded(high, digits=3)} m/s (5, 50, 95 %); the seal of "
-            f"{rounded(100 * scatter.leaking, digits=3)} % does not touch all along"
+            f"{rounded(high, digits=3)} m/s (5, 50, 95 %); in "
+            f"{rounded(100 * scatter.leaking, digits=3)} % the seal does not touch all along"
         ),
     ]
     if scatter.above is not None:

@@ -46,7 +46,7 @@ def _rows(
     found: workflow.DoorResult, numbers: Sequence[int], parts: Sequence[str]
 ) -> list[list[str]]:
     """Frequency, damping and shares of some modes: of the seal, or of each of the `parts`."""
-    named = ["without seal", "damping, %", "seal: % of energy", "% of loss", "outside"]
+    named = ["without seal", "damping, %", "seal: % of energy", "% of loss", "times outside"]
     rows = [["mode", "Hz", *(("damping, %", *parts) if parts else named)]]
     for i in numbers:
         one = found.modes[i]

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from dashpot.base.escapes import escaped
 from dashpot.base.numbers import ascii_only
+from dashpot.base.sentences import lowered, sentences
 from dashpot.told.layout import Text
 
 if TYPE_CHECKING:
@@ -149,8 +150,11 @@ def _listed(
 
 def _check(check: Check, verdict: Verdict | None, style: Style, columns: int) -> list[str]:
     mark, colour = MARKS[check.grade]
-    above = verdict is not None and verdict.says.startswith(check.told)
-    says = check.typed.replace(check.told, "(first line)") if above else check.typed
+    says = check.typed
+    above = set() if verdict is None else {lowered(one) for one in sentences(verdict.says)}
+    new = [one for one in sentences(check.told) if lowered(one) not in above]
+    if lowered(sentences(check.told)[0]) in above:
+        says = says.replace(check.told, " ".join(["(first line)", *new]))
     first, *others = _coloured(
         f"  {mark}", f"{says} {check.name}", colour, style, hang=5, columns=columns
     )

@@ -40,7 +40,7 @@ def cell(value: float | None, unit: str, *, digits: int = 4) -> str:
 
 def with_error(value: float, error: float | None, unit: str = "") -> str:
     """Return a value of a unit of SI and its error as people read both; None is not known."""
-    return Fact.normal("", value, error, unit).cells.ascii.with_error
+    return Fact.known("", value, error, unit=unit).cells.ascii.with_error
 
 
 def hertz(band: tuple[float, float]) -> str:
@@ -363,7 +363,7 @@ def study(found: Study) -> Text:
     lines, details = [], []
     if found.mass is not None and found.comparison is not None:
         inferred = " (found from the FRF)" if found.mass_inferred else ""
-        lines.append(f"{written(found.mass, 'g', '.6g')}{inferred} on {found.seals:g} seals")
+        lines.append(f"{written(found.mass, 'g', '.6g')}{inferred} on {numbers.seals(found.seals)}")
         lines += comparison(found.comparison, found.joint_comparison)
         details += ["", "prediction from the relaxation test alone", str(found.comparison)]
     if found.at_rest is not None and str(found.at_rest):
@@ -378,10 +378,10 @@ def study(found: Study) -> Text:
 def prediction(found: Prediction) -> Text:
     """Return a prediction's peak, modes and limits."""
     (hz, height), seals = found.peak, found.seals
-    on = f"{written(found.mass, 'g', '.6g')} on {seals:g} seal{'s' * (seals != 1)}"
+    on = f"{written(found.mass, 'g', '.6g')} on {numbers.seals(seals)}"
     does = "largest value" if found.at_edge else "peak"
     kind = found.frf.quantity.replace("_", " ")
-    lines = [f"{on}: {does} of the {kind} {height:.5g} {found.frf.unit} at {hz:.5g} Hz"]
+    lines = [f"{on}: {does} of the {kind} {height:.5g} {found.frf.read} at {hz:.5g} Hz"]
     if found.isolation is not None:
         lines.append(f"  the mass moves less than its base above {found.isolation:.5g} Hz")
     if found.shaken is not None:
@@ -402,13 +402,11 @@ def prediction(found: Prediction) -> Text:
 def _at_levels(found: Prediction) -> list[str]:
     """The resonance at each level, and what the first and the last make of it."""
     if found.preloaded:
-        return _on_bending_seals(found.preloaded, found.frf.unit)
+        return _on_bending_seals(found.preloaded, found.frf.read)
     if found.swept is None or not found.levels:
         return []
     of = found.levels[0]
-    rows = [
-        [f"level, {of.unit}", "peak, Hz", "between", found.frf.unit or "height", "between", "moved"]
-    ]
+    rows = [[f"level, {of.unit}", "peak, Hz", "between", found.frf.read, "between", "moved"]]
     for one in found.levels:
         moved = written(one.amplitude, "mm", ".3g")
         if one.strain is not None:

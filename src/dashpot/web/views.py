@@ -19,7 +19,7 @@ from dashpot.base.asks import Ask
 from dashpot.base.checks import Check, Verdict
 from dashpot.base.choices import Method, words
 from dashpot.base.facts import UNKNOWN, Fact
-from dashpot.base.numbers import cell, duration, rounded, shown, symbol
+from dashpot.base.numbers import cell, duration, rounded, seals, shown, symbol
 from dashpot.base.sentences import sentences
 from dashpot.base.units import Dimension, in_unit, read_in
 from dashpot.io.columns.kinds import RECOGNISED
@@ -599,7 +599,7 @@ def short_name(one: Answer) -> str:
 def weight(job: Job) -> str:
     """What rests on how many seals."""
     on = "the mass" if job.mass is None else shown(job.mass, "g", digits=4)
-    return f"{on} on {job.seals:g} seal{'' if job.seals == 1 else 's'}"
+    return f"{on} on {seals(job.seals)}"
 
 
 def hit_table(study: Study) -> str:

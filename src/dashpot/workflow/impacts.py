@@ -302,8 +302,8 @@ class Agreement(Judged, Documented):
     def _circular(self) -> str:
         """What a comparison with the hits that were fitted shows."""
         off = 100 * self.comparison.frequency_error
-        says = f"The peak is off by {off:+.2g} %, which tests nothing"
-        first = f"{says}: the fit was made from these hits."
+        says = f"The peak is off by {off:+.2g} %. This tests nothing"
+        first = f"{says}, because the fit was made from these hits."
         if self.unseen is None:
             return f"{first} Compare it with other hits, or give the fitted relaxation record too."
         low, high = (100 * one for one in self.unseen.height)

@@ -412,7 +412,7 @@ def _related(kind: str | None, *, base: bool, relative: bool) -> Kind:
 def _sound(frf: FRF, peak: tuple[float, float], found: Fit, *, at_edge: bool) -> str:
     """Return where the predicted peak lies, how high it is, and where the model is valid."""
     hz, height = peak
-    name, unit = frf.quantity.replace("_", " "), frf.unit
+    name, unit = frf.quantity.replace("_", " "), frf.read
     size = f"{height:.4g}{f' {unit}' if unit != '1' else ''} at {hz:.4g} Hz"
     top = f"the {name} is {size}, the end of the band" if at_edge else f"peak of the {name} {size}"
     return f"{top}. The model is valid from {hertz(found.band)}"

@@ -65,7 +65,8 @@ class Answer:
         """The same by the hammer."""
         if self.measured is None:
             return None
-        return Fact.normal(self.quantity, self.measured, self.measured_se, *_UNITS[self.quantity])
+        unit, read = _UNITS[self.quantity]
+        return Fact.known(self.quantity, self.measured, self.measured_se, unit=unit, read=read)
 
 
 @dataclass(frozen=True)

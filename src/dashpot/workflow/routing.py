@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Literal, TypeAlias
 
@@ -18,6 +18,9 @@ VIBRATION = frozenset(
     kind.name for kind in KINDS.values() if kind.meant == "hits" or kind.name in RESPONSES
 )
 """Kinds that are of a mass on its seals."""
+
+_NAMED = 3
+"""Files of one kind that a sentence names."""
 
 
 def route(
@@ -104,8 +107,20 @@ def _refuse_several(kinds: Mapping[str, str]) -> None:
 
 
 def _said(kinds: Mapping[str, str]) -> str:
-    """What each file is, in a sentence."""
-    return "; ".join(f"{Path(path).name} is {called(kind)}" for path, kind in kinds.items())
+    """What the files are, those of one kind together, a few of them by name."""
+    grouped: dict[str, list[str]] = {}
+    for path, kind in kinds.items():
+        grouped.setdefault(called(kind), []).append(Path(path).name)
+    return "; ".join(f"{_some(names)} {what}" for what, names in grouped.items())
+
+
+def _some(names: Sequence[str]) -> str:
+    if len(names) == 1:
+        return f"{names[0]} is"
+    named = names if len(names) <= _NAMED else names[: _NAMED - 1]
+    last = names[-1] if named is names else f"{len(names) - len(named)} more"
+    first = named[:-1] if named is names else named
+    return f"{', '.join(first)} and {last} are each"
 
 
 def _alone(have: set[str]) -> Meant | Literal[""]:

@@ -13,7 +13,7 @@ from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.choices import FamilyAsked, Method, RampLawAsked
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError, FitError
-from dashpot.base.numbers import hertz
+from dashpot.base.numbers import hertz, seals
 from dashpot.base.offered import Pictured
 from dashpot.base.progress import doing
 from dashpot.base.sentences import paragraph
@@ -154,7 +154,7 @@ class Study(Pictured, Documented):
         mass = "no mass" if self.mass is None else written(self.mass, "g", ".6g")
         return (
             str(self.verdict),
-            f"{mass} on {self.seals:g} seals; {solid.model} ({solid.unit}, s), {solid.method}",
+            f"{mass} on {seals(self.seals)}; {solid.model} ({solid.unit}, s), {solid.method}",
             *(
                 ()
                 if agreed is None

@@ -294,6 +294,8 @@ class Rig:
 
 
 SOUND = Rig()
+_MAINS = (50.01, 49.97, 60.02)
+"""Hz."""
 _C = 1 - 150.0 / 196.5
 """Of F_e = .15 x + 7.2656e-4 x^3 N (x in mm): tangent 1.473 times the secant at 8 mm."""
 
@@ -353,6 +355,52 @@ RIGS: Mapping[str, Rig] = MappingProxyType({
     "friction 10 %": Rig(friction=0.1),
 })  # fmt: skip
 """By the names of the trials' tables; creep is for each e-fold, friction a part of k_inf x."""
+
+
+def several(seed: int) -> Rig:
+    """A rig with several faults at once, each smaller than where it stands alone.
+
+    Sizes are even in their logarithm; how often each fault is there is a guess of ours.
+    """
+    random = np.random.default_rng([seed, crc32(b"several")])
+
+    def size(low: float, high: float) -> float:
+        return float(np.exp(random.uniform(np.log(low), np.log(high))))
+
+    def signed(low: float, high: float) -> float:
+        return size(low, high) * (-1.0 if random.uniform() < 0.5 else 1.0)
+
+    def some(*steps: tuple[float, Callable[[], Step]]) -> tuple[Step, ...]:
+        return tuple(made() for share, made in steps if random.uniform() < share)
+
+    def there(share: float, low: float, high: float) -> float:
+        return size(low, high) if random.uniform() < share else 0.0
+
+    return Rig(
+        machine=some(
+            (0.5, lambda: partial(gives, compliance=size(2e-6, 40e-6))),
+            (0.35, lambda: partial(creeps, by=size(1e-6, 12e-6))),
+            (0.35, lambda: partial(warms, decades=size(0.01, 0.08))),
+            (0.5, lambda: partial(late, by=size(1e-4, 3e-3))),
+        ),
+        reading=some(
+            (0.5, lambda: partial(hums, size=size(1e-3, 6e-3), hertz=random.choice(_MAINS))),
+            (0.5, lambda: partial(drifts, rate=signed(3e-5, 3e-4))),
+            (0.3, lambda: partial(noisy, sd=size(1e-3, 5e-3), tau=size(5e-3, 0.5))),
+            (0.25, lambda: partial(wanders, by=size(1e-3, 5e-3))),
+        ),
+        noise=size(1e-3, 8e-3),
+        encoder=there(0.7, 0.5e-6, 12e-6),
+        count=there(0.6, 1e-3, 6e-3),
+        friction=there(0.2, 1e-3, 1e-2),
+        seal={"a": signed(5e-3, 6e-2)} if random.uniform() < 0.3 else {},
+        protocol={
+            "rate": float(random.choice([200.0, 250.0, 500.0, 1000.0])),
+            "baseline": size(0.4, 8.0),
+            "gap": there(0.2, 1e-4, 1e-3),
+            "servo": (size(4.0, 15.0), size(0.5, 0.9)) if random.uniform() < 0.2 else None,
+        },
+    )
 
 
 def read(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -161,15 +161,15 @@ def _one(said: Sequence[str]) -> str:
 
 _NAMED = (
     ("peak_force", "N", "", "peak force"),
-    ("peak_time", "s", "ms", "at"),
+    ("peak_time", "s", "ms", "time to the peak force"),
     ("compression", "m", "mm", "largest compression"),
-    ("compression_time", "s", "ms", "reached after"),
+    ("compression_time", "s", "ms", "time to the largest compression"),
     ("contact", "s", "ms", "contact"),
     ("compression_left", "m", "mm", "compression when it is let go"),
     ("rebound", "1", "%", "rebound speed"),
     ("taken", "J", "mJ", "energy to the largest compression"),
     ("lost", "J", "mJ", "energy absorbed"),
-    ("lost_part", "1", "%", "of the kinetic energy"),
+    ("lost_part", "1", "%", "energy absorbed, of the kinetic energy"),
     ("force_ratio", "1", "", "peak force over the relaxed force there"),
     ("energy_ratio", "1", "", "energy over that of the relaxed force"),
 )
@@ -184,7 +184,7 @@ def _answers(motions: Sequence[SlamMotion]) -> tuple[Fact, ...]:
     size = np.linalg.norm(off, axis=0) if others else np.zeros(len(first))
     errors = [one or None for one in size.tolist()]
     return tuple(
-        replace(Fact.normal(name, value, error, unit, read), words=words)
+        Fact.known(name, value, error, unit=unit, read=read, words=words)
         for (name, unit, read, words), value, error in zip(_NAMED, first, errors, strict=True)
     )
 

@@ -77,8 +77,8 @@ def _of_pieces(found: Pieces) -> Iterator[Row]:
     one = found.pieces[0]
     for at in one.marked:
         where = written(at.compression, "mm", ".4g").replace(" ", NBSP)
-        force = Fact.normal("", one.per * at.loading, one.per * at.loading_se, "N")
-        slope = Fact.normal("", one.per * at.slope, one.per * at.slope_se, "N/m")
+        force = Fact.known("", one.per * at.loading, one.per * at.loading_se, unit="N")
+        slope = Fact.known("", one.per * at.slope, one.per * at.slope_se, unit="N/m")
         yield row(force, f"Force at {where}")
         yield row(slope, f"Slope at {where}")
     if one.cycle.hysteresis is not None:

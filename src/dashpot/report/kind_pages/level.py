@@ -138,7 +138,7 @@ def _known(
 ) -> Fact:
     """A number with its error; `size` is what it is a part of."""
     error = max(error, _FINEST * max(abs(value), size))
-    return Fact.normal(name, value, error, unit, read)
+    return Fact.known(name, value, error, unit=unit, read=read)
 
 
 def _of_levels(fit: LevelFit) -> Iterator[Fact]:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from dashpot.base.facts import Fact
-from dashpot.base.numbers import counted, hertz, rounded, shown
+from dashpot.base.numbers import counted, hertz, rounded, seals, shown
 from dashpot.base.units import in_unit
 from dashpot.report.answer import NBSP, Row
 from dashpot.report.kind_page import (
@@ -96,8 +96,7 @@ def prediction_page(found: Prediction) -> KindPage:
     ):  # fmt: skip
         low, high = ends or (math.nan, math.nan)
         told = row(Fact(name, value, low, high, unit))
-        unit_of_height = found.frf.unit.replace("(m/s^2)/N", "1/kg")
-        peak.append(told._replace(unit=told.unit or unit_of_height, bound=ends is not None))
+        peak.append(told._replace(unit=told.unit or found.frf.read, bound=ends is not None))
     return KindPage(
         about=f"prediction of {weight}",
         strip=(*who(found.fit.specimen), ("Mass", weight),
@@ -130,7 +129,7 @@ def agreement_page(found: Agreement) -> KindPage:
         "Stiffness": frozenset({"stiffness_agrees"}),
         "Damping": frozenset({"peak_agrees", "damping_agrees"}),
     }
-    weight = f"{shown(found.mass, 'g', digits=4)} on {found.seals:g} seals"
+    weight = f"{shown(found.mass, 'g', digits=4)} on {seals(found.seals)}"
     return KindPage(
         about=f"prediction against the hammer, {weight}",
         strip=(("Mass", weight), ("Lines", str(len(c.measured.frequency))),

@@ -35,8 +35,8 @@ def page(found: Rod) -> KindPage:
         for i in dict.fromkeys((lines[0], lines[len(lines) // 2], lines[-1])):
             hz = f"At {rounded(float(of.frequency[i]), digits=3)}{NBSP}Hz"
             groups.append(Group(hz, (
-                row(Fact.normal("E′", float(of.storage[i]), float(of.storage_sd[i]), "Pa")),
-                row(Fact.normal("Loss factor", float(of.loss_factor[i]),
+                row(Fact.known("E′", float(of.storage[i]), float(of.storage_sd[i]), unit="Pa")),
+                row(Fact.known("Loss factor", float(of.loss_factor[i]),
                                 float(of.loss_factor_sd[i]))),
             )))  # fmt: skip
     if found.fit is not None:
