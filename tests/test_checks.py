@@ -1946,6 +1946,13 @@ def test_what_another_condition_makes_harmless_is_a_note() -> None:
     at_end = EndOfHold(40.0, (0.9, 1.1), (0.0, 1.1), (0.0, 1.1), 0.0)
     assert relaxation.k_inf_positive(loose, 1.0).grade == "limit"
     assert relaxation.k_inf_positive(loose, 1.0, at_end).grade == "note"
+    for in_band, grade in (
+        ((0.024, 0.099), "note"),
+        ((0.026, 0.099), "limit"),
+        ((0.024, 0.101), "limit"),
+    ):
+        unknown = identification.arms_identified(2, 0.3, unknown=(1.0,), in_band=in_band)
+        assert unknown.grade == grade
     for leads, grade in ((1.249, "note"), (1.251, "limit")):
         assert indentation.parameters_known("g", 2.0, leads=leads).grade == grade
     # a loss that scatters about zero is no breach, and one beyond three deviations is
