@@ -314,7 +314,7 @@ def test_the_wrong_sign_of_the_loss_is_found() -> None:
     data = sweep(ZENER)
     found = fit_dynamic(replace(data, loss=-data.loss))
     says = next(check.says for check in found.checks if check.name == "loss_positive")
-    assert "40 of 40 losses are below zero, the first at 0.1 Hz" in says
+    assert "40 of 40 losses are below zero beyond scatter, the first at 0.1 Hz" in says
     assert found.verdict.use == "do not use"
     half = fit_dynamic(replace(data, loss=np.where(np.arange(40) < 20, -1, 1) * data.loss))
     (check,) = [check for check in half.checks if check.name == "loss_positive"]

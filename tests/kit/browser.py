@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import shutil
-import subprocess
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -15,19 +13,6 @@ PROGRAM = next(filter(None, map(shutil.which, NAMES)), None)
 needs_browser = pytest.mark.skipif(
     PROGRAM is None, reason="no chromium on this machine (apt-get install chromium)"
 )
-
-
-def run(folder: Path, *flags: str) -> subprocess.CompletedProcess[str]:
-    """Start it once, with a profile of its own."""
-    assert PROGRAM is not None
-    # as root, in a container, it has no sandbox of its own; the pages are ours
-    common = (
-        "--headless=new", "--no-sandbox", "--disable-gpu", "--hide-scrollbars",
-        "--enable-logging=stderr", "--v=0", f"--user-data-dir={folder / 'profile'}",
-    )  # fmt: skip
-    return subprocess.run(
-        [PROGRAM, *common, *flags], check=True, capture_output=True, text=True, timeout=120
-    )
 
 
 def probe(browser: Any, page: str, script: str, *, width: int, height: int, **how: Any) -> Any:

@@ -260,6 +260,7 @@ KEPT: Mapping[str, int] = MappingProxyType({
     "report/test_in_browser.py::test_a_phone_shows_all_of_it_in_letters_that_can_be_read": 1,
     "report/test_in_browser.py::test_a_phone_shows_the_first_number_on_its_first_screen": 1,
     "report/test_in_browser.py::test_page_and_figures_follow_the_theme_that_the_reader_prefers": 1,
+    "report/test_in_browser.py::test_paper_has_all_that_is_folded": 1,
     "report/test_page.py::test_the_page_tells_secant_and_tangent_where_they_differ": 0,
     "simulation/test_creep_rig.py::test_an_encoders_counts_and_a_drifting_cell_are_in_the_intervals": 0,
     "solids/test_friction.py::TestSeries::test_a_bare_slider_behind_arms_is_what_its_path_settles_to": 1,

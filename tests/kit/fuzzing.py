@@ -27,6 +27,8 @@ from dashpot.io.options import ReadOptions
 
 SECONDS = 10.0
 """Processor time that no mutant may cost."""
+_BESIDE, _APART = 30, 120
+"""Wall time over that, after which a process hangs; longer with a child of its own."""
 NAMED = ReadOptions(
     time="1", displacement="2", force="3", acceleration=("2",), frequency="1", storage="2",
     loss="3", modulus="2",
@@ -124,7 +126,8 @@ class Fuzzer:
                 stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
                 env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
             )  # fmt: skip
-        clock = threading.Timer(12 * SECONDS if apart else 3 * SECONDS, self._process.kill)
+        # on a busy machine a mutant waits far longer than it works; who works too long is told so
+        clock = threading.Timer((_APART if apart else _BESIDE) * SECONDS, self._process.kill)
         clock.start()
         try:
             with contextlib.suppress(OSError):

@@ -43,8 +43,9 @@ MAX_STIR = 0.01
 MAX_LOAD_CHANGE = 0.02
 # K that a temperature may be misread by, and that a chamber may drift over a record
 MAX_MISREAD, MAX_WARMED = 1.0, 1.0
-# a loss, in noises, that the weights of the ramp's rows do not count
-GROSSLY = 0.5
+# a loss, in noises, that the weights of the ramp's rows may not count: behind plates that step by
+# 10 to 100 ms, limits held in 24 of 24 records of less, and in 15 of 16 of more
+GROSSLY = 2.0
 # bends of a motion that steps, at least
 TO_AND_FRO = 8
 # of the time from onset; of a leap of an even clock, which is then wrong by as much or lost it
@@ -314,13 +315,14 @@ def spikes_absent(test: RampHold) -> Finding:
     MAX_UNRESOLVED,
     "our choice: 1 noise SD over the samples of a step",
     grade="note",
-    otherwise=f"limit where the motion steps, and beyond {GROSSLY}",
+    otherwise=f"limit beyond {GROSSLY:g}",
 )
 def motion_resolved(test: RampHold) -> Finding:
     r"""The samples follow the motion between them.
 
     Taken as straight, a motion is missed by :math:`h^2 \ddot x/8`, and the force by the largest
-    secant stiffness of the ramp times that. A few sharp corners may lie between samples.
+    secant stiffness of the ramp times that. A few sharp corners may lie between samples. Limits
+    count the rows of the ramp for less by it.
     """
     ramp = replace(test, hold_end=min(test.ramp_end + test.ramp_time, test.hold_end))
     x, left = true_motion(ramp)
@@ -342,7 +344,7 @@ def motion_resolved(test: RampHold) -> Finding:
         f"That is {value:.2g} times the noise at many samples. Fast arms follow what is missed",
         f"Sample at {rounded(needed, digits=2)} Hz or faster.",
         faulted=bool(steps_on),
-        grade="limit" if steps_on or value > GROSSLY else None,
+        grade="limit" if value > GROSSLY else None,
     )
 
 

@@ -56,7 +56,7 @@ from dashpot.solids.temperature import TemperatureLaw
 
 _One = TypeVar("_One")
 # of frequencies: stiffness and loss factor change slowly over a decade
-_LINES_IN_BAND = 9
+LINES_IN_BAND = 9
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -184,7 +184,7 @@ class Fit(ByValue, Pictured, Documented):
         low, high = self.band
         if not (0 < high < np.inf):
             return np.inf, np.inf
-        lines = np.geomspace(low or 1e-3 * high, high, _LINES_IN_BAND)
+        lines = np.geomspace(low or 1e-3 * high, high, LINES_IN_BAND)
         s = np.asarray(2j * np.pi * lines, dtype=complex)
         stiffness, loss_factor = self._of_arms.errors_of_vibration(self.model, s)
         end = self.end_of_hold

@@ -10,6 +10,8 @@ from dashpot.base.arrays import FloatArray, median
 
 # how much longer than the usual of so many steps on either side one is a leap
 LEAP, BESIDE = 10.0, 5
+# steps before and after, of one rate each
+_LASTING = 20
 # steps that are looked at for one, or for how even they are
 _LOOKED_AT = 1000
 # how much longer than the usual of the steps around it one is odd, and the share of such
@@ -33,6 +35,22 @@ def leaps(time: FloatArray) -> list[Leap]:
     longest = np.flatnonzero(steps > LEAP * least)[:_LOOKED_AT]
     found = (Leap(i, float(steps[i]), _usual_beside(steps, i)) for i in longest.tolist())
     return [one for one in found if one.step > LEAP * one.beside]
+
+
+def lasting_change(time: FloatArray) -> Leap | None:
+    """Return where steps change most, if at once and for twenty to either side, else None.
+
+    `step` is then the usual of those behind, `beside` of those before.
+    """
+    steps = np.diff(time)
+    if len(steps) < 2 * _LASTING or steps.min() <= 0:
+        return None
+    change = np.abs(np.diff(np.log(steps)))[_LASTING - 1 : len(steps) - _LASTING]
+    at = int(change.argmax()) + _LASTING
+    before, after = median(steps[at - _LASTING : at]), median(steps[at : at + _LASTING])
+    # steps that grow by and by do so everywhere
+    sudden = change[at - _LASTING] > 0.5 * abs(np.log(after / before)) > 0
+    return Leap(at, after, before) if sudden else None
 
 
 def ticks_evenly(time: FloatArray) -> bool:

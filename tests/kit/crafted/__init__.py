@@ -7,6 +7,7 @@ from kit.crafted.dialects import DIALECTS
 from kit.crafted.exports import EXPORTS
 from kit.crafted.layouts import LAYOUTS
 from kit.crafted.makers import MAKERS
+from kit.crafted.other_habits import OTHER_HABITS
 from kit.crafted.row import Row
 from kit.crafted.sheets import SHEETS
 from kit.crafted.small_makers import SMALL_MAKERS
@@ -15,6 +16,7 @@ from kit.crafted.treacherous import TREACHEROUS
 TABLE: tuple[Row, ...] = (
     *DIALECTS,
     *MAKERS,
+    *OTHER_HABITS,
     *SMALL_MAKERS,
     *EXPORTS,
     *LAYOUTS,

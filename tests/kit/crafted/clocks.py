@@ -44,6 +44,10 @@ def _unsteady_load(test: Any, row: Row) -> None:
     assert checks["clock_steady"].failed
 
 
+def _goes_on(test: Any, row: Row) -> None:
+    assert test.time[-1] > 9000
+
+
 def _two_records(test: Any, row: Row) -> None:
     assert test.starts == (0, 1024)
 
@@ -95,6 +99,8 @@ CLOCKS = [
     Row("a clock that leaps in the ramp", bench(leapt((1.5, 60.0))), "noted", LEAP, LEAPT),
     Row("a clock that leaps before the ramp and in the hold", bench(leapt((0.5, 5.0), (9.0, 0.6))), "noted", LEAP, LEAPT),
     Row("a machine that pauses while its reading rests", bench(TIME - 0.036 * (np.arange(len(TIME)) % 10)), "noted", LEAP, SOUND),
+    Row("a clock that goes on in other units", bench(np.where(TIME > 10, TIME[250] + 1e3 * (TIME - TIME[250]), TIME)), "asked", ("go from 40 ms to 40 s at 10 s", "confirm s", "--units time=s"), Truth("relaxation", read_relaxation, _goes_on), answer={"units": {"time": "s"}}, by_size=True),
+    Row("a clock that goes on at a hundredth of its rate", bench(np.where(TIME > 10, TIME[250] + 100 * (TIME - TIME[250]), TIME)), truth=SOUND),
     Row("a clock that leaps behind its first row", bench(leapt((0.0, 500.0))), "noted", ("the first row stands 500.04 s before",), LEAPT),
     Row("a clock that leaps twice", bench(leapt((6.0, 1e3), (14.0, 1e3))), "noted", ("at t = 6 s", "at t = 1014 s"), LEAPT),
     Row("a clock that leaps three times in a row", bench(leapt((9.98, 1e3), (10.02, 1e3), (10.06, 1e3))), "noted", LEAP, LEAPT),

@@ -232,9 +232,9 @@ def _sizes() -> list[Row]:
     pressed = 4e4 / np.max(FORCE)
     slow = np.concatenate([TIME[:5], TIME[5:] * 350])
     return [
-        Row("a strain of 0 to 1.5 under per cent", pulled("%"), "asked", ("--units strain=1",), TENSION, answer={"units": {"strain": "1"}}, by_size=True),
+        Row("a strain of 0 to 1.5 under per cent", pulled("%"), "asked", ("--units strain=1",), TENSION, answer={"units": {"strain": "1"}}),
         Row("a strain in per cent", pulled("%", 100.0), truth=TENSION),
-        Row("a stress in pascals under gigapascals", pulled("1", 1.0, "GPa", 1e6), "asked", ("--units stress=MPa",), TENSION, answer={"units": {"stress": "Pa"}}, by_size=True),
+        Row("a stress in pascals under gigapascals", pulled("1", 1.0, "GPa", 1e6), "asked", ("--units stress=MPa",), TENSION, answer={"units": {"stress": "Pa"}}),
         Row("millimetres under metres", bench("Time [s];Position [m];Load [N]"), "asked", ("--units displacement=mm",), RAMP, answer={"units": {"displacement": "mm"}}, by_size=True),
         Row("kilonewtons under newtons", table("Time [s];Position [mm];Load [N]", TIME, MOVED, FORCE / 1e3).encode(), "asked", ("--units force=kN",), RAMP, answer={"units": {"force": "kN"}}, by_size=True, coarse=1e-6),
         Row("seconds under milliseconds", bench("Time [ms];Position [mm];Load [N]"), "asked", ("--units time=s",), RAMP, answer={"units": {"time": "s"}}, by_size=True),

@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray
+from dashpot.base.arrays import FloatArray, median
 from dashpot.base.checks import Check, Finding, Remedy, criterion
 from dashpot.base.status import Status
 from dashpot.base.units import written
 from dashpot.fitting.checks.relaxation import MAX_FALLING
 from dashpot.fitting.checks.solid import ROUNDING, amount
+from dashpot.signals.noise import usual_scatter
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 if TYPE_CHECKING:
@@ -32,6 +33,8 @@ OF_ALL = 0.2
 GIVES = 3e-7
 # so much of the storage, and twice as much of the loss, may go unsaid
 UNSAID = 0.01
+# standard deviations by which a value scatters at most
+SCATTERED = 3.0
 # of creep every record may hide a slow flow, which takes so much
 LEVEL_OF_CREEP = 0.65
 
@@ -100,15 +103,17 @@ def instrument_stiff(data: DynamicTest) -> Finding:
 
 
 @criterion(
-    "losses below 0", "<=", 0.0, "passivity", otherwise="stop where most losses are below zero"
-)
+    "losses below 0", "<=", 0.0, "passivity; 3 standard deviations of their scatter",
+    otherwise="stop where most losses are below zero",
+)  # fmt: skip
 def loss_positive(data: DynamicTest) -> Finding:
-    """No loss gives energy back."""
-    bad = np.flatnonzero(data.loss < 0)
+    """No loss gives energy back, but for scatter, as of rubber at rest."""
+    part = data.loss / np.abs(data.value)
+    bad = np.flatnonzero(part < -SCATTERED * _scatter_of_sweeps(data, part))
     if not bad.size:
-        return Finding("No loss is below zero", 0.0)
+        return Finding("No loss is below zero beyond scatter", 0.0)
     return Finding(
-        f"{bad.size} of {len(data.loss)} losses are below zero, the first at "
+        f"{bad.size} of {len(data.loss)} losses are below zero beyond scatter, the first at "
         f"{data.frequency[bad[0]]:.3g} Hz. No passive part does that",
         float(bad.size),
         remedy="Check the sign, the phase calibration, and the resolution at small loss.",
@@ -293,6 +298,17 @@ def bands_meet(dynamic: tuple[float, float], relaxation: tuple[float, float]) ->
 
 
 # -- measures -------------------------------------------------------------------------------------
+
+
+def _scatter_of_sweeps(data: DynamicTest, values: FloatArray) -> float:
+    """The usual standard deviation of values of a sweep from their neighbours, 0 of few."""
+    kelvin = np.zeros(len(values)) if data.temperature is None else np.round(data.temperature)
+    found = []
+    for one in np.unique(kelvin):
+        here = np.flatnonzero(kelvin == one)
+        ordered = values[here[np.argsort(data.frequency[here], kind="stable")]]
+        found.append(usual_scatter(np.arange(float(len(here))), ordered))
+    return median(np.array(found))
 
 
 def _without_scatter(error: FloatArray) -> float:

@@ -20,7 +20,7 @@ from dashpot.fitting.identification.parametrisation import Arms
 from dashpot.fitting.relaxation_data import RelaxationData
 from dashpot.records.estimate import Nuisance, ParameterEstimate, Residual
 from dashpot.records.evidence import Evidence, Moved, OrderScore, Provenance
-from dashpot.records.fit import Fit
+from dashpot.records.fit import LINES_IN_BAND, Fit
 from dashpot.records.frf import FRF
 from dashpot.records.relaxation import RampHold
 from dashpot.records.specimen import Specimen
@@ -61,15 +61,21 @@ def identified(
     residual, samples = _residual(best)
     band = _band(best, before)
     other = None if rival is None else rival.alternative(band)
-    answers = (
-        *_checks(best, covariance, before, apart), *family_checks(best, rival, other), *dashpot
-    )  # fmt: skip
     estimate = ParameterEstimate(
         names,
         physical,
         dof=max(samples - len(best.theta), 1.0),
         residual=residual,
         nuisance=_nuisance(best, covariance),
+    )
+    in_band = 2j * np.pi * np.geomspace(*band, LINES_IN_BAND)
+    known = (np.inf, np.inf)
+    if before is None and isinstance(best.problem.sought, Arms):
+        known = estimate.errors_of_vibration(point.model.maxwell, in_band)
+    answers = (
+        *_checks(best, covariance, before, apart, known),
+        *family_checks(best, rival, other),
+        *dashpot,
     )
     if unseen is not None:
         estimate = estimate.with_rig(unseen)
@@ -276,7 +282,11 @@ def _partners(old: tuple[float, ...], new: tuple[float, ...]) -> dict[int, int]:
 
 
 def _checks(
-    best: Candidate, covariance: FloatArray, before: Fit | None, apart: Disagreement | None
+    best: Candidate,
+    covariance: FloatArray,
+    before: Fit | None,
+    apart: Disagreement | None,
+    in_band: tuple[float, float],
 ) -> tuple[Check, ...]:
     lead = None if apart is None else apart.explanations[0]
     answers = [optimum_found(stationary=best.optimum.stationary)]
@@ -292,6 +302,6 @@ def _checks(
         arms = best.problem.sought.count
         worst = float(max(np.sqrt(np.diag(covariance))[1 : 1 + 2 * arms], default=0.0))
         new = 0 if before is None else arms - before.model.arms
-        known = checks.arms_identified(arms, worst, unknown=best.unknown, new=new)
+        known = checks.arms_identified(arms, worst, unknown=best.unknown, new=new, in_band=in_band)
         answers.append(known)
     return tuple(answers)

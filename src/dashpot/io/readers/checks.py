@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TypedDict
 
+import numpy as np
+
 from dashpot.base.checks import Criterion, Finding, Grade, Remedy, criterion
 from dashpot.base.plausible import SIZES, short
 from dashpot.base.units import in_unit
@@ -121,6 +123,28 @@ time_of_a_test = _of_size(
     f"length of the record >= {SIZES['record'].soft[0]!r} s", "a ramp alone takes longer",
     says="The record lasts", role="time",
 )  # fmt: skip
+
+
+@criterion(
+    "change of step over a power of 1,000, as a factor",
+    ">=",
+    2.0,
+    "our choice: rates change by 10 and 100, units by 1,000",
+    grade="stop",
+)
+def steps_of_one_unit(before: float, after: float, at: float, unit: str) -> Finding:
+    """The steps of the clock are of one unit from first to last."""
+    decades = abs(np.log10(after / before))
+    off = abs(decades - 3 * max(round(decades / 3), 1))
+    says = f"The clock's steps go from {short(before, 's')} to {short(after, 's')} at {at:.6g} s"
+    return Finding(
+        says,
+        float(10**off),
+        instead=f"{says}. Its unit may change there",
+        remedy=Remedy(f"Correct the clock there, or confirm {unit}.", "units", f"time={unit}"),
+    )
+
+
 ramp_not_slow = _of_size(
     "ramp_not_slow",
     "The ramp is over before most of the relaxation is.",

@@ -25,6 +25,7 @@ from dashpot.io.readers.dynamic import amplitude_column, sweep_columns, swept
 from dashpot.io.readers.frf import settled
 from dashpot.io.readers.pairs import as_a_ratio
 from dashpot.io.readers.recognise import Recognised, look, recognise_opened, used
+from dashpot.io.readers.rubber import refuse_sizes_of_rubber
 from dashpot.io.readers.shaken import of_mass
 from dashpot.io.source import about, open_raw
 from dashpot.io.table import FileTable, Loaded, Question
@@ -200,6 +201,8 @@ def inspect_opened(file: Opened) -> Inspection:
     doubts = [question for _, question in loaded.doubts]
     if kind == "relaxation" and not questions and _look_swapped(by_index, roles):
         warnings.append("displacement and force look swapped")
+    if kind == "stress-strain" and not questions:
+        questions = _asks(lambda: _as_of_rubber(file, by_index, roles), "strain")
     inspection = Inspection(
         file=raw.name, sha256=raw.sha256, format=table.format, kind=kind, reason=reason,
         encoding=table.encoding, delimiter=table.delimiter, decimal=table.decimal,
@@ -220,6 +223,22 @@ def _look_swapped(by_index: dict[int, FloatArray], roles: dict[int, tuple[Role, 
         return False
     whole = np.isfinite(moved) & np.isfinite(pushed)
     return bool(whole.any()) and cleaning.swapped(moved[whole], pushed[whole])
+
+
+def _as_of_rubber(
+    file: Opened, by_index: dict[int, FloatArray], roles: dict[int, tuple[Role, str]]
+) -> None:
+    """Ask what who reads stress over strain asks of its sizes."""
+    played = {role for role, _ in roles.values()}
+    elongated: Role = "strain" if "strain" in played else "stretch"
+    if not {elongated, "stress"} <= played:
+        return
+    stretched, stressed = channels.choose(file, [elongated, "stress"])
+    strain, stress = (one.unit.factor * by_index[one.index] for one in (stretched, stressed))
+    whole = np.isfinite(strain) & np.isfinite(stress)
+    strain, stress = strain[whole] - (elongated == "stretch"), stress[whole]
+    if len(stress):
+        refuse_sizes_of_rubber(file, stretched, stressed, strain, stress)
 
 
 def _course(columns: int, numbers: Sequence[int], values: FloatArray) -> FloatArray:

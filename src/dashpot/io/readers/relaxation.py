@@ -22,6 +22,7 @@ from dashpot.io.readers.stated import stated_specimen
 from dashpot.io.table import Loaded
 from dashpot.records.relaxation import RelaxationTest
 from dashpot.records.specimen import Specimen
+from dashpot.signals.clock import Leap, lasting_change
 
 
 def read_relaxation(
@@ -165,6 +166,10 @@ def _refuse_sizes(
     shown = pressed and full - begun >= _SHOWN
     took = float(time[full] - time[begun]) if shown else 0.0
     lasted = float(np.ptp(time))
+    change = lasting_change(time)
+
+    def one_unit(steps: Leap, ticks: str) -> Check:
+        return checks.steps_of_one_unit(steps.beside, steps.step, float(time[steps.at]), ticks)
 
     def judged(
         times: Mapping[Role, float], unit: Mapping[Role, str], said: AbstractSet[Role]
@@ -192,6 +197,7 @@ def _refuse_sizes(
                 checks.size_possible("record", lasted * clock, ticks, role="time"),
                 checks.size_possible("ramp", ramp, ticks, role="time"),
                 checks.ramp_not_slow(ramp, ticks),
+                *([] if change is None else [one_unit(change, ticks)]),
                 *([checks.ramp_not_fast(far / ramp, ticks)] if ramp else []),
             ],
         }

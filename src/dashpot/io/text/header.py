@@ -19,6 +19,7 @@ _CLOSED = re.compile(r"(?<=[\])])")
 _REACH = 6
 _COUNTERS = {"index", "no", "nr", "n", "number", "point", "reading", "row", "nummer", "messpunkt"}
 """Names of a first column that counts the rows, and has no unit."""
+_SIGNAL = re.compile(r"\ASig(\d{1,3})[\t ,;:=]\s*+(.{1,200})\Z")
 _MARKS = ("\t", ";", ",", "|")
 _TINY = 1e-9
 
@@ -53,12 +54,12 @@ def read_header(lines: Sequence[str], dialect: Dialect) -> Header:
     names, words, odd = _pick(rows, dialect)
     names = _labelled(lines, dialect, "name") or names
     words = _labelled(lines, dialect, "unit") or words
-    names, words = _one_a_line(lines, len(dialect.contents)) or (names, words)
+    width = len(dialect.contents)
+    names, words = _one_a_line(lines, width) or _signals(lines, width) or (names, words)
     misfit = "" if names else _misfit(rows[:-3:-1], dialect)
     uneven = ""
     if odd and names and not words:
         words, uneven = _from_the_left(odd, names, dialect)
-    width = len(dialect.contents)
     each = zip_longest(names[:width], words[:width], dialect.contents)
     padded = [(name or "", word, content) for name, word, content in each]
     return Header(
@@ -247,6 +248,15 @@ def _one_a_line(lines: Sequence[str], width: int) -> tuple[list[str], list[str]]
         else:
             run.append(told)
     return ([name for name, _ in run], [word for _, word in run]) if len(run) == width else None
+
+
+def _signals(lines: Sequence[str], width: int) -> tuple[list[str], list[str]] | None:
+    """The names and units of ``Sig1  Time (min)``, if there is one for each column, in order."""
+    found = list(filter(None, map(_SIGNAL.match, lines)))
+    if [int(one[1]) for one in found] != list(range(1, width + 1)):
+        return None
+    told = [part_unit(one[2].strip()) for one in found]
+    return [name for name, _ in told], [unit or "" for _, unit in told]
 
 
 def _told(text: str) -> tuple[str, str] | None:

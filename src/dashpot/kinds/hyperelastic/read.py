@@ -14,9 +14,10 @@ from dashpot.io.columns import vocabulary
 from dashpot.io.columns.roles import handle, quoted, suited
 from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions
-from dashpot.io.readers import channels, checks
+from dashpot.io.readers import channels
 from dashpot.io.readers.channels import Channel, Opened
 from dashpot.io.readers.relaxation import signals
+from dashpot.io.readers.rubber import refuse_sizes_of_rubber
 from dashpot.io.table import Column
 from dashpot.kinds.hyperelastic.asked import Measures
 from dashpot.kinds.hyperelastic.record import StressStrainTest
@@ -61,7 +62,7 @@ def read_stress_strain(
         strain, stress = values[elongated], values["stress"]
         # of a volume a hundredth is much
         told = None if mode == "volumetric" else strain - (elongated == "stretch")
-        _refuse_sizes(file, chosen, told, stress)
+        refuse_sizes_of_rubber(file, chosen[-2], chosen[-1], told, stress)
         stated = True
         if elongated == "strain":
             true, stated, said = _is_true(file, chosen[-2], measures.strain_is)
@@ -112,19 +113,6 @@ def _sideways(
     ratio = poisson_of(*(np.exp(e) if log else 1 + e for e, log in zip(strains, true, strict=True)))
     more = f"; {len(found) - 1} more such columns are left out" if len(found) > 1 else ""
     return ratio, [f"{quoted(columns, index)} shows Poisson's ratio {ratio:.3g}{more}"]
-
-
-def _refuse_sizes(
-    file: Opened, chosen: list[Channel], strain: FloatArray | None, stress: FloatArray
-) -> None:
-    """Ask for the units again that make a size no test of a rubber has."""
-    of_strain, of_stress = chosen[-2:]
-    most = float(np.abs(stress).max())
-    answers = [(of_stress, [checks.stress_of_a_rubber(most, of_stress.unit.word)])]
-    if strain is not None:
-        far = float(np.abs(strain).max())
-        answers.insert(0, (of_strain, [checks.strain_of_a_rubber(far, of_strain.unit.word)]))
-    channels.refuse_sizes(file, answers)
 
 
 def _expected(file: Opened, elongated: Role) -> None:

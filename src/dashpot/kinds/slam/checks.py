@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from dashpot.base.checks import Finding, Remedy, criterion
 from dashpot.base.units import written
+
+MAX_SHAPE = 2.5
 
 
 @criterion("compression / depth of the law", "<=", 1.0, "the law was measured to there")
@@ -91,6 +95,26 @@ def slams_followed(misfit: float) -> Finding:
         misfit,
         "The piece bends otherwise, or the mass or the sensor oscillates",
         "Look at the picture. Fit slams of one range of speeds, or filter less in the sensor.",
+    )
+
+
+@criterion(
+    "standard deviations",
+    "<=",
+    MAX_SHAPE,
+    "measured: of sound slams one in 13 has more",
+)
+def slams_without_more(shapes: Mapping[str, float]) -> Finding:
+    """What is left of the force has no shape that a piece or a sensor may add."""
+    if not shapes:
+        return Finding("The slams are too few to tell what else there is")
+    words, most = max(shapes.items(), key=lambda one: abs(one[1]))
+    return Finding(
+        f"What the motion leaves of the force is most like {words}, by "
+        f"{abs(most):.2g} standard deviations",
+        abs(most),
+        "The fit has no such force, and takes it for memory or for the law",
+        "Look at the picture. Lubricate or align the piece, or slam it less deep.",
     )
 
 

@@ -33,6 +33,7 @@ from dashpot.kinds.slam.motion import SlamMotion
 from dashpot.kinds.slam.prepare import slams_of
 from dashpot.kinds.slam.problem import Memory, Slams
 from dashpot.kinds.slam.record import SlamFit, SlamHit, SlamTest
+from dashpot.kinds.slam.unseen import shapes_left
 from dashpot.records.estimate import ParameterEstimate, Residual, parameter_names
 from dashpot.records.evidence import Evidence, Provenance
 from dashpot.records.fit import Fit
@@ -235,6 +236,7 @@ class _SlamsSolved:
         return (
             checks.loss_determined(sd / max(value, 1e-300), self.frequency),
             checks.slams_followed(misfit),
+            checks.slams_without_more(shapes_left(slams, self.known.optimum)),
             checks.slams_sampled(samples),
             checks.slow_arms_known(given=self.fit is not None),
             checks.slam_speeds_spread(None if known else float(speeds.max() / speeds.min())),

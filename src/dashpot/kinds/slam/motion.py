@@ -38,8 +38,10 @@ class Masses(NamedTuple):
 
     Attributes
     ----------
-    mass, speed, pull : array, shape (n,)
-        kg, m/s and m/s^2.
+    mass, speed : array, shape (n,)
+        kg and m/s.
+    pull : array, shape (n,) or (steps + 1, n)
+        m/s^2.
     path : callable
         The path u, m, of compressions x, m, both of shape (n,).
     k_inf, b : array, shape (n,)
@@ -87,7 +89,8 @@ def march(masses: Masses, step: float, most: int) -> Marched:
     force = b * factor(x) * v if viscous else np.zeros(len(m))  # type: ignore[operator,misc]
     found = Marched(*np.empty((4, most + 1, len(m))))
     half = 0.5 * step
-    pushed, i = pull - force / m, 0
+    pulls = np.broadcast_to(pull, (most + 1, len(m)))
+    pushed, i = pulls[0] - force / m, 0
     for i in range(most + 1):
         if i:
             v = v + half * pushed
@@ -95,13 +98,13 @@ def march(masses: Masses, step: float, most: int) -> Marched:
             there = path(x)
             arms = even.end(arms, k * (there - u)[:, None])
             u, force = there, k_inf * there + arms.sum(axis=1)
-            v = v + half * (pull - force / m)
+            v = v + half * (pulls[i] - force / m)
             if viscous:
                 # what the dashpot takes goes with the speed at the end of the step
                 lost = b * factor(x)  # type: ignore[operator,misc]
                 v = v / (1 + half * lost / m)
                 force = force + lost * v
-            pushed = pull - force / m
+            pushed = pulls[i] - force / m
         found.x[i], found.v[i], found.force[i], found.path[i] = x, v, force, u
         if not i % _LOOK and ((force <= 0) & (v < 0)).all():
             break

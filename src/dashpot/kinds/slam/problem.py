@@ -167,13 +167,14 @@ class Slams:
         rows = np.repeat(theta[None, :], len(self.hits), axis=0)
         force = self.marched(rows, self.speeds(theta), self.pulls)[2]
         return [
-            self._seen(force[:, i], one.time - touch)
+            self.seen(force[:, i], one.time - touch)
             for i, (one, touch) in enumerate(
                 zip(self.hits, self.touches(theta).tolist(), strict=True)
             )
         ]
 
-    def _seen(self, force: FloatArray, since: FloatArray) -> FloatArray:
+    def seen(self, force: FloatArray, since: FloatArray) -> FloatArray:
+        """Of a force by steps what is sampled at times since the touch, s."""
         nodes = self.step * np.arange(len(force))
         return np.interp(since, nodes, force, left=0.0, right=0.0)
 
@@ -203,8 +204,8 @@ class Slams:
             for j in range(shared + 1):
                 up, down = (force[:, i * each + 1 + j + k * (shared + 1)] for k in (0, 1))
                 place = j if j < shared else shared + 2 * i
-                own[:, place] = self._seen(up - down, since) / (2 * _STEP * scale[place])
-            own[:, shared + 2 * i + 1] = -self._seen(np.gradient(here, self.step), since)
+                own[:, place] = self.seen(up - down, since) / (2 * _STEP * scale[place])
+            own[:, shared + 2 * i + 1] = -self.seen(np.gradient(here, self.step), since)
             J.append(own / one.noise)
         return np.concatenate(J)
 

@@ -1,0 +1,112 @@
+"""Slams of pieces that are known: the generator by another solver, and what a fit makes of them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from kit.fits import a_fit
+from kit.foreign.slams import OTHER, WAYS, Piece, SlamSet, slam_set, slammed
+from kit.foreign.truths import Solid
+from scipy.optimize import nnls
+
+import dashpot as dp
+from dashpot.kinds.slam.fit import fit_slams
+from dashpot.kinds.slam.law import SlamLaw
+from dashpot.kinds.slam.record import SlamFit
+from dashpot.records.fit import Fit
+from dashpot.solids.elastic import ElasticLaw
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+SLOW = 0.1
+"""s: a relaxation test shows no arm that is faster."""
+
+
+def cubic(c: np.ndarray, depth: float) -> ElasticLaw:
+    x = np.linspace(0.0, depth, 401)
+    slope = c[0] + 2 * c[1] * x + 3 * c[2] * x**2
+    secant = float(np.trapezoid(slope, x)) / depth
+    return ElasticLaw(tuple(x.tolist()), tuple((slope / secant).tolist()), secant)
+
+
+def relaxed(piece: Piece, random: np.random.Generator) -> Fit:
+    """A relaxation test that knows the slow arms to 1 %, and is off by as much."""
+    g, tau = np.array(piece.solid.k), np.array(piece.solid.tau)
+    if len(g) > 3:  # a broad spectrum, of which a test shows five
+        t, tau = np.geomspace(0.02, 60, 300), np.geomspace(0.03, 12, 5)
+        k = nnls(np.exp(-t[:, None] / np.append(np.inf, tau)), piece.solid.relaxation(t))[0]
+        g = k[1:] / k[0]
+    seen = (tau > SLOW) & (g > 0) if len(g) <= 3 else g > 0
+    g, tau = g[seen], tau[seen]
+    law, n = cubic(np.array(piece.c), piece.depth), len(g)
+    k = law.stiffness * g * (1 + 0.01 * random.standard_normal(n))
+    tau = tau * np.exp(0.01 * random.standard_normal(n))
+    covariance = np.diag([0.0, *(0.01 * k) ** 2, *np.full(n, 1e-4)])
+    model = GeneralizedMaxwell(law.stiffness, tuple(k.tolist()), tuple(tau.tolist()))
+    return replace(a_fit(model, covariance=covariance), elastic_law=law)
+
+
+def fitted(of: SlamSet, seed: int, *, known: bool) -> SlamFit:
+    """The fit of three slams, of a law that is free or known to 1 %."""
+    random, piece = np.random.default_rng([seed, 77]), of.piece
+    tests = [
+        dp.SlamTest(time, force=force, units="s, N")
+        for time, force in zip(of.time, of.force, strict=True)
+    ]
+    memory, law = relaxed(piece, random), SlamLaw.free()
+    if known:
+        c = np.array(piece.c)
+        sd = np.maximum(0.01 * c, 0.003 * c[0] / piece.depth ** np.arange(3))
+        off = c + sd * random.standard_normal(3)
+        law = SlamLaw(cubic(off, 1.3 * piece.depth), np.diag(1 / sd))
+    return fit_slams(tests, mass=piece.mass, slam=of.said, memory=memory, law=law)
+
+
+def test_the_generator_is_that_of_another_solver() -> None:
+    solid = Solid.arms("", 1.0, (0.59796, 0.09058), (0.50212766, 16.41573034))
+    clock, force = slammed(Piece(0.2, (240.0, 1e4, 3e6), solid, 0.01), 0.6)
+    assert force.max() == pytest.approx(10.21478, rel=1e-5)
+    assert clock[-1] == pytest.approx(46.48818e-3, abs=2.5e-5)
+
+
+SHAPES = {
+    "friction 2 %": "friction",
+    "steep 10 %": "a law that is steeper than a cubic",
+    "tilted 3 mm": "a piece that is met at an angle",
+    "rings at 300 Hz": "a ",  # rings on, and meets the piece as at an angle
+}
+"""What is found of each way, in its first words."""
+
+
+@pytest.mark.parametrize(
+    "way", [one if one == "friction 2 %" else pytest.param(one, marks=pytest.mark.slow)
+            for one in ("", *SHAPES)]
+)  # fmt: skip
+def test_what_a_piece_or_a_sensor_adds_is_marked(way: str) -> None:
+    found = fitted(slam_set(way, 2), 2, known=False)
+    (check,) = [one for one in found.checks if one.name == "slams_without_more"]
+    assert check.passed is (way == "")
+    assert (found.verdict.use == "use") is (way == "")
+    if way:
+        assert f"is most like {SHAPES[way]}" in check.says
+
+
+@pytest.mark.slow
+def test_few_slams_that_are_used_miss() -> None:
+    """Of pieces and sensors within the model and outside, 12 of each way."""
+    used, missed, sound = 0, 0, 0
+    for way in (*WAYS, "fractional"):
+        for seed in range(100, 112):
+            of = slam_set(way, seed)
+            found = fitted(of, seed, known=bool(seed % 2))
+            if found.verdict.use != "use":
+                continue
+            loss, peak = found["loss_factor"], dp.predict(found.fit, slam=OTHER, mass=of.piece.mass)
+            truth = of.piece.loss_factor(found.frequency)
+            held = loss.low < truth < loss.high and peak.answers[0].low < of.peak
+            used, sound = used + 1, sound + (way == "")
+            missed += not (held and of.peak < peak.answers[0].high)
+    assert sound >= 0.6 * 12
+    # each of two intervals of 95 %
+    assert missed <= max(0.06 * used, 2)

@@ -1,0 +1,51 @@
+"""Where a clock leaps, or goes on in other steps, and where it does neither."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from dashpot.signals.clock import lasting_change, leaps, ticks_evenly
+
+EVEN = np.arange(0.0, 10.0, 0.01)
+
+
+def leapt(at: int, by: float) -> np.ndarray:
+    return EVEN + by * (np.arange(len(EVEN)) > at)
+
+
+@pytest.mark.parametrize("at", [0, 3, 500, len(EVEN) - 2])
+def test_a_leap_is_found_wherever_it_stands(at: int) -> None:
+    (one,) = leaps(leapt(at, 0.1))
+    assert one.at == at
+    assert one.step == pytest.approx(0.11)
+    assert one.beside == pytest.approx(0.01)
+    assert not leaps(leapt(at, 0.08))
+
+
+def test_a_change_of_rate_is_no_leap() -> None:
+    slower = np.concatenate((EVEN, EVEN[-1] + np.arange(1.0, 100.0)))
+    assert not leaps(slower)
+    change = lasting_change(slower)
+    assert change is not None
+    assert (change.at, change.step, change.beside) == (len(EVEN) - 1, 1.0, pytest.approx(0.01))
+
+
+@pytest.mark.parametrize(
+    "time",
+    [EVEN, leapt(500, 10.0), EVEN[:30], np.geomspace(1e-3, 1e3, 43), np.geomspace(1e-3, 1e3, 600)],
+    ids=["even", "leaps", "short", "7 a decade", "100 a decade"],
+)
+def test_no_clock_goes_on_in_other_steps_that_grows_by_and_by(time: np.ndarray) -> None:
+    assert lasting_change(time) is None
+
+
+def test_a_machine_that_logs_as_its_reading_changes_does_not_tick_evenly() -> None:
+    random = np.random.default_rng(1)
+    jittered = EVEN + 0.004 * random.uniform(-1, 1, len(EVEN))
+    dropped = EVEN[random.uniform(size=len(EVEN)) > 0.1]
+    waits = np.cumsum(random.exponential(0.01, len(EVEN)))
+    evenly = [ticks_evenly(one) for one in (EVEN, jittered, dropped, leapt(500, 10.0), waits)]
+    assert evenly == [True, True, True, True, False]
+    # pauses between bursts, as of a rounded reading
+    assert not ticks_evenly(EVEN - 0.008 * (np.arange(len(EVEN)) % 10))
