@@ -8,7 +8,18 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import dashpot as dp
-from dashpot.base.arrays import LEAST, MOST, MOST_SAMPLES, measured, sample_count, slow_periodogram
+from dashpot.base.arrays import (
+    LEAST,
+    MOST,
+    MOST_SAMPLES,
+    frozen,
+    measured,
+    sample_count,
+    sealed,
+    slow_periodogram,
+    turned_sum,
+    wave,
+)
 from dashpot.base.errors import DataError
 
 
@@ -51,3 +62,28 @@ def test_slow_periodogram_is_the_plain_sum_at_its_cycles(n, most):
     turns = np.exp(-2j * np.pi * cycles[:, None] * np.arange(n) / n)
     np.testing.assert_allclose(power, abs(turns @ (values - values.mean())) ** 2 / n, atol=1e-10)
     assert cycles[-1] > min(most, 0.5 * n - 1)
+
+
+def test_what_nobody_can_write_to_is_taken_as_it_is_and_all_else_is_copied():
+    own, others = sealed(np.arange(8.0)), np.arange(8.0)
+    assert measured("time", own) is own
+    assert frozen(own[1:]).base is own
+    # a small part would keep the whole
+    assert frozen(own[:1]).base is None
+    view = others[:]
+    view.setflags(write=False)
+    kept = [measured("time", others), measured("time", view), frozen(view)]
+    others[0] = 7.0
+    assert [one[0] for one in kept] == [0.0, 0.0, 0.0]
+    for one in (*kept, frozen(own)):
+        with pytest.raises(ValueError, match="read-only"):
+            one[0] = 1.0
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 400, 401, 40_003])
+def test_a_wave_and_a_turned_sum_are_those_of_exponentials(count):
+    turn, size = 0.0371, 0.3 - 0.4j
+    turns = np.exp(1j * turn * np.arange(count))
+    values = np.random.default_rng(count).standard_normal(count)
+    np.testing.assert_allclose(wave(count, turn, size), (size * turns).real, atol=1e-11)
+    assert turned_sum(values, turn) == pytest.approx(values @ turns, abs=1e-9)

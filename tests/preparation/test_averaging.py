@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tracemalloc
 from dataclasses import replace
 
 import numpy as np
@@ -73,3 +74,20 @@ def test_what_is_short_uneven_or_coarse_is_left_alone(monkeypatch: pytest.Monkey
     later = whole.time + 0.4e-3 * (np.arange(len(whole.time)) > 30_000) * 2
     uneven = replace(whole, time=later, hold_end=float(later[-1]))
     assert averaged(uneven) is uneven
+
+
+def test_a_long_record_needs_the_room_of_ten_of_its_channels() -> None:
+    """A record of 3 million samples, 24 MB a channel, is prepared beside the app's other lanes."""
+    time = np.arange(200_000) / 4000
+    x = 8e-3 * np.clip(time - 0.5, 0.0, 1.0)
+    hum = 0.02 * np.sin(2 * np.pi * 50 * time)
+    noise = 2e-3 * np.random.default_rng(3).standard_normal(len(time))
+    test = RelaxationTest(time, x, 300 * x + hum + noise, units="SI")
+    tracemalloc.start()
+    try:
+        found = prepare(test, judged=False)
+        _, most = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert [round(line.frequency) for line in found.hum] == [50]
+    assert most < 10 * time.nbytes

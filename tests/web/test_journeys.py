@@ -349,26 +349,45 @@ def test_a_refused_deck_says_why(visit, files):
     page.at.get_by_role("alert").filter(has_text="temperature").wait_for()
 
 
-def test_a_lot_is_opened_a_test_of_it_and_a_project(browser, tmp_path):
+@pytest.fixture
+def lot(tmp_path):
+    """A folder that dashpot batch filled."""
     pytest.importorskip("polars")
     for name in ("depth_4mm.csv", "depth_8mm.csv"):
         (tmp_path / name).write_text(workflow.EXAMPLES[name]())
     batch([tmp_path], output=tmp_path / "lot", arms=2, jobs=1, quick=True)
-    # a server of its own: what it lists as recent is on the first page of every later visit
-    with served(str(tmp_path / "lot")) as address:
+    return tmp_path / "lot"
+
+
+def open_row(page):
+    """Find a test in the table of a lot, and open it."""
+    lot = page.at.get_by_role("region", name="Lot")
+    lot.get_by_label("Filter").fill("8mm")
+    lot.get_by_text("1 of 2 tests").wait_for()
+    lot.get_by_role("button", name="from").click()
+    head = lot.get_by_role("columnheader", name="from")
+    assert head.get_attribute("aria-sort") == "ascending"
+    lot.get_by_role("button", name=re.compile("depth_8mm.csv")).click()
+    page.at.locator("#command").filter(has_text="depth_8mm.csv --arms 2").wait_for()
+    page.done()
+
+
+def test_a_lot_is_opened_and_a_test_of_it(visit, lot):
+    page = visit()
+    page.at.locator("#folder-name").fill(str(lot))
+    page.at.locator("#folder-name").press("Enter")
+    open_row(page)
+    page.file("depth_8mm.csv").filter(has_text="8.00 mm").wait_for()
+
+
+@pytest.mark.slow  # a server and two pages of its own; test_folders.py opens a project
+def test_a_lot_of_the_command_line_is_opened_and_a_test_of_it_kept_as_a_project(browser, lot):
+    with served(str(lot)) as address:
         page = Page(browser, address, fresh=False)
-        lot = page.at.get_by_role("region", name="Lot")
-        lot.get_by_label("Filter").fill("8mm")
-        lot.get_by_text("1 of 2 tests").wait_for()
-        lot.get_by_role("button", name="from").click()
-        head = lot.get_by_role("columnheader", name="from")
-        assert head.get_attribute("aria-sort") == "ascending"
-        lot.get_by_role("button", name=re.compile("depth_8mm.csv")).click()
-        page.at.locator("#command").filter(has_text="depth_8mm.csv --arms 2").wait_for()
-        page.done()
+        open_row(page)
         shown = page.at.locator("#solid").inner_text()
         page.at.get_by_role("button", name="Take away").click()
-        page.at.get_by_label("Folder", exact=True).fill(str(tmp_path / "door"))
+        page.at.get_by_label("Folder", exact=True).fill(str(lot.parent / "door"))
         page.at.get_by_role("button", name="Save to this folder").click()
         page.at.get_by_role("status").filter(has_text="kept in").wait_for()
         page.close()

@@ -17,6 +17,7 @@ from kit.processes import ON_LINUX, alive, children
 
 from dashpot import workflow
 from dashpot.base.errors import DataError
+from dashpot.base.processes import long_lived
 from dashpot.web import wire
 from dashpot.web.lanes import FaultError, Lane, StoppedError
 from dashpot.web.store import Store, clear_left
@@ -155,3 +156,24 @@ def test_a_reading_can_be_cancelled_and_an_interrupt_ends_it_whatever_it_does():
         # those that it waits for stand still for ever
         _, said = run.communicate(timeout=60)
         assert "Traceback" not in said
+
+
+@ON_LINUX
+def test_a_worker_gives_back_what_a_long_record_took():
+    """As workers are set, the C library would keep all of it."""
+    script = (
+        "from dashpot.base.processes import give_back\n"
+        "from pathlib import Path\n"
+        "held = [bytearray(1 << 20) for _ in range(120)]\n"
+        "last = bytearray(1 << 20)\n"
+        "size = lambda: int(Path('/proc/self/statm').read_text().split()[1])\n"
+        "full = size(); del held; kept = size()\n"
+        "give_back(1 << 40); same = size(); give_back(1 << 20); print(full, kept, same, size())"
+    )
+    said = subprocess.run(
+        [sys.executable, "-c", script], env=long_lived(), capture_output=True, text=True, check=True
+    ).stdout  # fmt: skip
+    full, kept, same, left = map(int, said.split())
+    assert kept > 0.9 * full
+    assert same == pytest.approx(kept, rel=0.01)
+    assert left < 0.5 * full

@@ -177,11 +177,29 @@ def slices(starts: Sequence[int], count: int) -> tuple[slice, ...]:
     return tuple(slice(a, b) for a, b in pairwise((*starts, count)))
 
 
-def phasor(count: int, turn: float) -> ComplexArray:
-    """Return exp(j turn i) for i = 0 .. count - 1, from two short tables."""
-    short = int(np.ceil(np.sqrt(count)))
+def wave(count: int, turn: float, size: complex = 1.0) -> FloatArray:
+    """Return the real part of size exp(j turn i) for i = 0 .. count - 1, from two short tables."""
+    fine, coarse = _tables(count, turn)
+    coarse = size * coarse
+    parts = np.stack((coarse.real, -coarse.imag), axis=1) @ np.stack((fine.real, fine.imag))
+    return np.asarray(parts.ravel()[:count])
+
+
+def turned_sum(values: FloatArray, turn: float) -> complex:
+    """Return the sum of values[i] exp(j turn i), from two short tables."""
+    fine, coarse = _tables(len(values), turn)
+    rows = len(values) // len(fine)
+    whole, rest = values[: rows * len(fine)].reshape(rows, -1), values[rows * len(fine) :]
+    sums = whole @ np.stack((fine.real, fine.imag), axis=1)
+    found = coarse[:rows] @ (sums[:, 0] + 1j * sums[:, 1])
+    return complex(found + np.exp(1j * turn * rows * len(fine)) * (fine[: len(rest)] @ rest))
+
+
+def _tables(count: int, turn: float) -> tuple[ComplexArray, ComplexArray]:
+    """A stretch of exp(j turn i), and where such stretches begin, to make `count` of."""
+    short = max(int(np.ceil(np.sqrt(count))), 1)
     fine, coarse = (np.exp(1j * turn * np.arange(short) * each) for each in (1, short))
-    return np.asarray((coarse[:, None] * fine).ravel()[:count])
+    return fine, coarse
 
 
 def increasing(name: str, values: FloatArray) -> FloatArray:
@@ -251,17 +269,33 @@ def runs(true: BoolArray) -> IndexArray:
 
 
 def frozen(values: npt.NDArray[Any]) -> npt.NDArray[Any]:
-    """Return a read-only view of a private copy."""
-    copy = np.array(values)
-    copy.setflags(write=False)
-    return copy
+    """Return a read-only private copy, or the array itself if nobody can write to it."""
+    return _private(values, None)
+
+
+def sealed(values: FloatArray) -> FloatArray:
+    """Return an array of one's own as one that is written to no more: a noun takes it as it is."""
+    values.setflags(write=False)
+    return values
+
+
+def _private(values: npt.ArrayLike, dtype: np.dtype[Any] | None) -> npt.NDArray[Any]:
+    """A read-only array: a copy, unless it is read-only and no small part of what it lies in."""
+    array = np.asarray(values, dtype=dtype)
+    inner: Any = array
+    while isinstance(inner, np.ndarray) and not inner.flags.writeable:
+        whole, inner = inner, inner.base
+    if isinstance(inner, np.ndarray) or not array.flags.c_contiguous or array.size < whole.size / 4:
+        array = np.array(array)
+        array.setflags(write=False)
+    return array
 
 
 def _checked(
     name: str, values: npt.ArrayLike, dtype: np.dtype[Any], minimum: int
 ) -> npt.NDArray[Any]:
     try:
-        array = np.array(values, dtype=dtype)
+        array = _private(values, dtype)
     except (TypeError, ValueError) as error:
         raise DataError(f"{name} must hold numbers: {error}") from None
     if array.ndim != 1:
@@ -274,5 +308,4 @@ def _checked(
             f"{name}[{int(bad[0])}] is {array[bad[0]]}; every sample must be finite "
             f"({bad.size} of {len(array)} are not)"
         )
-    array.setflags(write=False)
     return array

@@ -193,8 +193,9 @@ def followed(test: RampHold, found: Fit) -> Fit:
     arms = len(near)
     method: Method = "hold" if found.method == "hold" else "full"
     design = checked_design([test], Asked(arms, arms), method=method, nuisance=NUISANCE)
-    first = weighed(data_of([test], design, near), arms, only=True, near=near)
-    return _point([test], first, design, arms)
+    as_recorded = LateMotion(Holds([test]), data_of([test], design, near), (0.0,))
+    first = weighed(as_recorded.data, arms, only=True, near=near)
+    return _point(as_recorded, first, design, arms)
 
 
 def _of_temperatures(

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray, fast_length, phasor
+from dashpot.base.arrays import FloatArray, fast_length, turned_sum, wave
 from dashpot.base.provenance import Step
 from dashpot.base.units import written
 from dashpot.records.relaxation import Hum
@@ -46,30 +46,32 @@ def hum_lines(
     noise : float
         Scatter of the force from sample to sample, N.
     """
-    n, total = len(force), np.zeros(len(time))
+    n, everywhere, time = len(force), time, time[held]
     if n < _FEWEST_SAMPLES or noise == 0:
-        return (), total
-    everywhere, time = time, time[held]
+        return (), np.zeros(len(everywhere))
     step = (time[-1] - time[0]) / (n - 1)
     window = _hann(n)
     # a prime number of them takes ten times as long
     bins = fast_length(n)
     # the straight line between the ends leaks most
     rest = force - np.interp(time, time[[0, -1]], [force[:20].mean(), force[-20:].mean()])
+    del force  # of a long record each array weighs beside the transform
     found: list[Hum] = []
     for _ in range(_MOST_LINES):
-        power = np.abs(np.fft.rfft(window * rest, bins)) ** 2
-        at = _strongest(power, int(np.ceil(_FEWEST_CYCLES)))
+        windowed = window * rest
+        at = _strongest(np.abs(np.fft.rfft(windowed, bins)) ** 2, int(np.ceil(_FEWEST_CYCLES)))
         if at is None:
             break
         frequency = _refined(rest, step, at / (bins * step))
-        c = _transform(rest * window, step, frequency) * 2 / window.sum()
+        c = _transform(windowed, step, frequency) * 2 / window.sum()
         line = Hum(frequency, float(c.real), float(-c.imag), float(time[0]))
         if line.amplitude < _TOO_SMALL * noise:
             break
         found.append(line)
-        of_line = line.force(everywhere)
-        rest, total = rest - of_line[held], total + of_line
+        rest -= line.force(time)
+    total = np.zeros(len(everywhere))
+    for line in found:
+        total += line.force(everywhere)
     return tuple(found), total
 
 
@@ -115,9 +117,9 @@ def _refined(rest: FloatArray, step: float, frequency: float) -> float:
 
 
 def _transform(values: FloatArray, step: float, frequency: float) -> complex:
-    return complex(values @ phasor(len(values), -2 * np.pi * frequency * step))
+    return turned_sum(values, -2 * np.pi * frequency * step)
 
 
 def _hann(count: int) -> FloatArray:
     """Hann's window, as numpy.hanning makes it with a cosine for each sample."""
-    return np.asarray(0.5 - 0.5 * phasor(count, 2 * np.pi / (count - 1)).real)
+    return 0.5 - wave(count, 2 * np.pi / (count - 1), 0.5)

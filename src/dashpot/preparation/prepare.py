@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray, median, noted
+from dashpot.base.arrays import FloatArray, median, noted, sealed
 from dashpot.base.errors import DataError
 from dashpot.base.plausible import SIZES, short
 from dashpot.base.provenance import Step
@@ -125,7 +125,10 @@ def prepare(
         )
     force, tared = zeroed(test.time, force, before, drift=drift, where=where)
     times = _times(motion, touch, test.time, (onset, ramp_end, hold_end))
-    record = _without_hum(_record(test, x, force, motion, touch, times=times, count=count))
+    record = _record(test, x, force, motion, touch, times=times, count=count)
+    # of a long record every channel weighs: these are not needed beside its spectrum
+    del clean, x, force
+    record = _without_hum(record)
     rise = _risen(record, before, where)
     preload = _preload(record, before, touch, rise)
     machine.heeds("sync", "drift", "compliance", "creep", "force_filter", of="a ramp and hold")
@@ -366,8 +369,8 @@ def _record(
     late = slice(held.start + (held.stop - held.start) // 10, held.stop)
     return RampHold(
         time=t[kept],
-        displacement=compression[kept],
-        force=force[kept],
+        displacement=sealed(compression)[kept],
+        force=sealed(force)[kept],
         onset=onset,
         ramp_end=ramp_end,
         hold_end=hold_end,
@@ -386,11 +389,10 @@ def _without_hum(record: RampHold) -> RampHold:
     time, force = record.time[held], record.force[held]
     if not evenly_sampled(time):
         return record
-    clean = without_spikes(time, force)
-    lines, hum = hum_lines(record.time, clean, held, noise=record.force_noise)
+    lines, hum = hum_lines(record.time, without_spikes(time, force), held, noise=record.force_noise)
     if not lines:
         return record
-    force = record.force - hum
+    force = sealed(record.force - hum)
     late = slice(held.start + (held.stop - held.start) // 10, held.stop)
     noise = scatter(record.time[late], force[late])
     return replace(record, force=force, force_noise=noise, hum=lines)

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from dashpot.base.arrays import ByValue, FloatArray, hold_measured, phasor
+from dashpot.base.arrays import ByValue, FloatArray, hold_measured, wave
 from dashpot.base.checks import Check
 from dashpot.base.demands import positive
 from dashpot.base.documents import Documented
@@ -133,12 +133,11 @@ class Hum:
     def force(self, time: FloatArray) -> FloatArray:
         """The line at times, s."""
         omega, step = 2 * np.pi * self.frequency, uniform_step(time)
-        turned = (
-            np.exp(1j * omega * (time - self.origin))
-            if step is None
-            else np.exp(1j * omega * (time[0] - self.origin)) * phasor(len(time), omega * step)
-        )
-        return np.asarray(self.cosine * turned.real + self.sine * turned.imag)
+        size = complex(self.cosine, -self.sine)
+        if step is not None:
+            at_first = np.exp(1j * omega * (time[0] - self.origin))
+            return wave(len(time), omega * step, size * at_first)
+        return np.asarray((size * np.exp(1j * omega * (time - self.origin))).real)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

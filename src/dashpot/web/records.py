@@ -51,8 +51,10 @@ def _keep(place: Path, record: RelaxationTest) -> None:
     """Write the signals, then the words, which say that all is there."""
     place.parent.mkdir(exist_ok=True)
     part = place.with_suffix(f".{os.getpid()}")
-    with part.open("wb") as file:
-        np.save(file, np.stack([getattr(record, name) for name in _SIGNALS]))
+    size = len(_SIGNALS), len(record.time)
+    signals = np.lib.format.open_memmap(part, mode="w+", dtype=np.float64, shape=size)
+    for row, name in zip(signals, _SIGNALS, strict=True):
+        row[:] = getattr(record, name)
     part.replace(place.with_suffix(".npy"))
     # from end to end: of a fast clock the first few are no record
     at = np.unique(np.linspace(0, len(record.time) - 1, _FEW).astype(int))

@@ -195,7 +195,8 @@ def _predicted(found: Fit, job: Job, kind: Kind, about: FloatArray) -> FRF:
 def predict(request: Mapping[str, Any], folder: Path) -> bytes:
     """The response of the mass while it moves: a bare curve."""
     job = job_of(request.get("job"), folder)
-    found = results.fitted(results.of_fit(job), job.arms == "auto", None)
+    # of a long record a part says as much of a curve that moves
+    found = results.fitted(results.of_fit(job), job.arms == "auto", results.WHILE_HELD)
     shown = views.live_response(_predicted(found, job, _kind(request), LIVE_LINES))
     return wire.packed({"peak": shown.words, "command": line("report", job)}, shown.arrays)
 
@@ -210,9 +211,8 @@ def study(request: Mapping[str, Any], folder: Path) -> bytes:
     judged, said = (found.fit.checks, found.fit.verdict) if asks else (found.weighed, found.verdict)
     told = recommendation(found, asked=True)
     lights = views.lights_alone(found.fit) if asks else answer.lights(found, told)
-    _, prepared = results.shown(job, solid)
     phase, title = request.get("phase") is True, views.over(job, _kind(request))
-    by_eq5 = None if found.joint else results.beside(job, found.fit)
+    by_eq5 = found.hold_fit if solid is found.fit and solid.family == "maxwell" else None
     head: dict[str, Any] = {
         "verdict": views.verdict(said, lights, mass=views.mass_that_explains(found)),
         "colour": COLOURS[said.use],
@@ -225,8 +225,8 @@ def study(request: Mapping[str, Any], folder: Path) -> bytes:
         "hits": views.hit_table(found),
         "hit_panels": views.hit_panels(found, sizes),
         "hammer": views.hammer_line(found),
-        "panels": views.test_panels(solid, prepared, by_eq5, sizes),
-        "cuts": _cuts(prepared),
+        "panels": views.test_panels(solid, found.prepared, by_eq5, sizes),
+        "cuts": _cuts(found.prepared),
         "simulated": bool(simulated(found)),
         "command": line("report", job),
     }

@@ -17,9 +17,12 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 from dashpot.base.errors import DashpotError
-from dashpot.base.processes import end_group
+from dashpot.base.processes import end_group, give_back
 from dashpot.base.progress import listening
 from dashpot.web import wire
+
+LARGE = 200 << 20
+"""Bytes of a worker that has had a long record: what it needed in between it gives back."""
 
 
 def main() -> None:
@@ -38,6 +41,7 @@ def main() -> None:
         ready()
     while True:
         _answer(VERBS, questions.get(), folder, answers)
+        give_back(LARGE)
 
 
 def _listen(source: BinaryIO, questions: queue.Queue[bytes], folder: Path) -> None:

@@ -100,9 +100,8 @@ export function settle(again = false) {
     return;
   }
   if (state.against) return compare();
-  // of a long record a part is drawn at once
+  // of a long record a part is drawn at once; the study fits all of it, in its own lane
   const quick = !!of.long, since = performance.now();
-  of.long = false;
   status(quick ? "fitting a part of the samples" : "fitting");
   const asked = { job: job(), sizes: sizes(), quick, base: state.base, phase: state.phase };
   ask("settle", "settle", asked, ({ head }) => {
@@ -112,7 +111,7 @@ export function settle(again = false) {
       ends(cancelled);
       return status(cancelled);
     }
-    if (quick || (!again && tooTall())) return settle(true);
+    if (!again && tooTall()) return settle(true);
     status(`settled in ${seconds(since, 2)}`);
     study();
   }, (said) => {
