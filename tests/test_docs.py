@@ -68,7 +68,7 @@ WHOLE_AT_NIGHT = {
     "docs/howto/master_curve.md",
     "docs/howto/solvers.md",
 }
-"""Pages that take seconds even without such lines."""
+"""Pages that take seconds even without such lines; the pictures of the docs are of their like."""
 SCRIPTS_BY_DAY = {"README.md", "docs/first_seal.md"}
 """Pages whose Python runs every time; the others' is of the same verbs."""
 

@@ -18,6 +18,8 @@ from dashpot.solids.maxwell import arm_response
 
 # delays that are tried, up to so many standard deviations of what the clocks may hide
 DELAYS, MOST = 13, 4.0
+# delays that are worse one after another: the best is behind
+BEYOND = 2
 # arms, from this part of the ramp to so many times it, and no faster than so many samples
 ARMS, FASTEST, SLOWEST, SAMPLES = 6, 0.02, 3.0, 2.0
 # rows near either corner of the ramp, and over all of it
@@ -68,14 +70,17 @@ def lateness(
     tau = np.geomspace(fastest, max(SLOWEST * ramp, 2 * fastest), ARMS)
     answers = [pressed, *(arm_response(time, pressed, one) for one in tau)]
     target, must = force[rows], np.append(False, np.ones(len(answers), dtype=bool))
-    found = []
-    for delay in np.linspace(0.0, MOST * delay_sd, DELAYS):
+    best, risen = Lateness(0.0, np.inf), 0
+    for delay in np.linspace(0.0, MOST * delay_sd, DELAYS).tolist():
         columns = [np.interp(time[rows] - delay, time, one) for one in answers]
         design = np.column_stack((np.ones(len(rows)), *columns))
         left = target - design @ linear(design, target, must)[0]
         misfit = len(rows) * float(np.log(max(float(left @ left), 1e-300)))
-        found.append(Lateness(float(delay), misfit + (delay / delay_sd) ** 2))
-    return min(found, key=lambda one: one.deviance)
+        tried = Lateness(delay, misfit + (delay / delay_sd) ** 2)
+        best, risen = (tried, 0) if tried.deviance < best.deviance else (best, risen + 1)
+        if risen == BEYOND:
+            break
+    return best
 
 
 def _rows(time: FloatArray, corners: tuple[float, float], near: float) -> IndexArray:

@@ -68,7 +68,7 @@ def identified(
         residual=residual,
         nuisance=_nuisance(best, covariance),
     )
-    in_band = 2j * np.pi * np.geomspace(*band, LINES_IN_BAND)
+    in_band = np.asarray(2j * np.pi * np.geomspace(*band, LINES_IN_BAND), dtype=complex)
     known = (np.inf, np.inf)
     if before is None and isinstance(best.problem.sought, Arms):
         known = estimate.errors_of_vibration(point.model.maxwell, in_band)
