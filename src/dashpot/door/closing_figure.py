@@ -69,6 +69,8 @@ def waterfall(done: Closing) -> Panel:
         at -= one.work
     rows.append(("left", 0.0, done.left) if done.latched else ("stopped", 0.0, max(at, 0.0)))
     begins = -_NAMES * done.energy
+    # one count of decimals down the column
+    decimals = max(2 - int(np.floor(np.log10(done.energy))), 0)
     marks: list[Mark] = []
     for y, (name, low, high) in zip(range(len(rows), 0, -1), rows, strict=True):
         left, right = sorted((low, high))
@@ -80,7 +82,9 @@ def waterfall(done: Closing) -> Panel:
         )
         taken = high if whole else low - high
         marks.append(Tag(begins, y, name, "ink", end=True))
-        marks.append(Tag(right, y, rounded(taken, digits=3), "ink", end=True))
+        marks.append(
+            Tag(right, y, f"{taken:z.{decimals}f}".replace("-", "\u2212"), "ink", end=True)
+        )
     step = max(round(done.energy / 3), 1) if done.energy > _COARSE else done.energy / 2
     ticks = tuple(np.arange(0.0, done.energy * 1.001, step).tolist())
     return Panel(
@@ -159,7 +163,8 @@ def doors_panel(done: Closing, scatter: Scatter, *, height: float = 220.0) -> Pa
         (limit, Pen("bad", 1.4, (5, 3)), "limit", "bad-ink", 1.23),
     ):
         if at is not None and np.isfinite(at):
-            marks.append(Rule(at, pen))
+            # each ends where it is named: the name of one may reach over the other
+            marks.append(Line(np.full(2, at), np.array([0.0, level * top]), pen))
             ends.append(np.array([at]))
             words = f"{name} {rounded(at, digits=3)}"
             marks.append(Tag(at, level * top, words, ink, end=True))
