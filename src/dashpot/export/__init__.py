@@ -54,6 +54,13 @@ def __getattr__(name: str) -> Callable[..., DeckText]:
     return TARGETS[name]
 
 
+def _asked_as(name: str, *, elsewhere: bool) -> str:
+    """The option of an argument that a target lacks, and which other targets have it."""
+    flag = f"--{'band' if name == 'frequency_range' else name.replace('_', '-')}"
+    those = [one for one in TARGETS if name in signature(TARGETS[one]).parameters]
+    return f"{flag}. Those of {', '.join(those)} do" if those and elsewhere else flag
+
+
 def deck_for(
     target: str,
     found: Solid | Fit | LevelFit | HyperelasticFit,
@@ -89,11 +96,7 @@ def deck_for(
     made = {name: value for name, value in choices.items() if value is not None}
     for name in made:
         if name not in known:
-            asked = "band" if name == "frequency_range" else name
-            flag = f"--{asked.replace('_', '-')}"
-            those = [one for one in TARGETS if name in signature(TARGETS[one]).parameters]
-            elsewhere = f". Those of {', '.join(those)} do" if those and not material else ""
-            raise ExportError(f"{target} decks take no {flag}{elsewhere}")
+            raise ExportError(f"{target} decks take no {_asked_as(name, elsewhere=not material)}")
     if isinstance(found, HyperelasticFit):
         if seals != 1 or compression is not None:
             raise ExportError("a material card takes no --seals and no --compression")
