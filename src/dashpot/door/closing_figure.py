@@ -150,23 +150,9 @@ def doors_panel(done: Closing, scatter: Scatter, *, height: float = 220.0) -> Pa
     """The least speeds of doors within their tolerances, those beyond the limit apart."""
     speed = scatter.speed[np.isfinite(scatter.speed)]
     limit, above = scatter.variation.limit, scatter.above
-    marks: list[Mark] = []
+    bars, top = _bars(speed, limit)
+    marks: list[Mark] = [*bars]
     ends = [speed]
-    bins = np.histogram_bin_edges(speed, bins=max(8, int(1.2 * np.sqrt(len(speed)))))
-    if limit is not None and bins[0] < limit < bins[-1]:
-        # an edge at the limit: no bar is on both sides of it
-        bins = bins + (limit - bins)[int(np.abs(bins - limit).argmin())]
-        bins = np.concatenate([[bins[0] - (bins[1] - bins[0])], bins, [2 * bins[-1] - bins[-2]]])
-    counts, _ = np.histogram(speed, bins=bins)
-    top = float(counts.max())
-    for low, high, count in zip(bins[:-1], bins[1:], counts.tolist(), strict=True):
-        if not count:
-            continue
-        beyond = limit is not None and (low + high) / 2 > limit
-        colour, label = ("bad", "beyond the limit") if beyond else ("ref", "doors")
-        gap = 0.04 * (high - low)
-        side = np.array([low + gap, high - gap])
-        marks.append(Area(side, np.zeros(2), np.full(2, float(count)), colour, label, tint=0.6))
     if done.interval is not None and np.isfinite(done.interval).all():
         ends.append(np.array(done.interval))
         low_edge, high_edge = np.full(2, 1.06 * top), np.full(2, 1.14 * top)
@@ -192,3 +178,23 @@ def doors_panel(done: Closing, scatter: Scatter, *, height: float = 220.0) -> Pa
         if above is None
         else f"{rounded(100 * above, digits=3)} % need more than the limit",
     )
+
+
+def _bars(speed: FloatArray, limit: float | None) -> tuple[list[Area], float]:
+    """How many doors need which speed, those beyond the limit apart, and the most in one bar."""
+    bins = np.histogram_bin_edges(speed, bins=max(8, int(1.2 * np.sqrt(len(speed)))))
+    if limit is not None and bins[0] < limit < bins[-1]:
+        # an edge at the limit: no bar is on both sides of it
+        bins = bins + (limit - bins)[int(np.abs(bins - limit).argmin())]
+        bins = np.concatenate([[bins[0] - (bins[1] - bins[0])], bins, [2 * bins[-1] - bins[-2]]])
+    counts, _ = np.histogram(speed, bins=bins)
+    bars: list[Area] = []
+    for low, high, count in zip(bins[:-1], bins[1:], counts.tolist(), strict=True):
+        if not count:
+            continue
+        beyond = limit is not None and (low + high) / 2 > limit
+        colour, label = ("bad", "beyond the limit") if beyond else ("ref", "doors")
+        gap = 0.04 * (high - low)
+        side = np.array([low + gap, high - gap])
+        bars.append(Area(side, np.zeros(2), np.full(2, float(count)), colour, label, tint=0.6))
+    return bars, float(counts.max())

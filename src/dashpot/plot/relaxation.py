@@ -336,6 +336,8 @@ def fitted_force(one: Fit, prepared: RampHold) -> tuple[FloatArray, FloatArray]:
         # a fit to other tests too tells what it found of those
         told, allowed = {}, {"offset", "drift"}
     if told:
+        # the chord of a delay: its tangent is off at the corners of a ramp
+        force = np.interp(time - told.pop("delay", 0.0), time, force)
         force = force + sum(value * terms[name] for name, value in told.items())
     elif allowed:
         # of several tests it is not known which this is
