@@ -84,6 +84,11 @@ def _refuse_unknown_units(records: Sequence[str], said: ReadOptions) -> None:
                 f"--units {name}={word}: '{word}' is a unit of {' or '.join(found)}. Give one of "
                 f"{meant}, such as --units {name}={EXAMPLE[name]}"
             )
+    _refuse_unknown_columns(records, said)
+
+
+def _refuse_unknown_columns(records: Sequence[str], said: ReadOptions) -> None:
+    """Refuse a unit of what is neither a role nor a column of a file."""
     roles = {one.name for one in fields(ReadOptions)}
     names = said.by_name().keys() - roles
     inputs = [path for path in records if not is_json(path)] if names else []

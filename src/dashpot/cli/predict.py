@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import click
@@ -116,14 +117,20 @@ def _of_kind(path: str, row: KindOfTest, said: dict[str, Any]) -> Outcome:
 def _alone(found: Any, said: dict[str, Any]) -> Outcome:
     """A prediction that is no FRF: its document and its picture."""
     output = said["output"]
-    page = bool(output) and output.lower().endswith(PAGE)
-    if output and not page and not output.lower().endswith(".json") and output != "-":
-        raise click.UsageError(f"-o {output}: this prediction is written as .json or .html.")
+    page = _as_page(output)
     if said["picture"]:
         write_figure(said["picture"], found.plot())
     if output:
         write(output, workflow.html(found) if page else printed(found) + "\n")
     return Outcome.of(found)
+
+
+def _as_page(output: str | None) -> bool:
+    """Whether what is no FRF goes to a page; else it goes to a document."""
+    suffix = Path(output or "").suffix.lower()
+    if output and output != "-" and suffix not in (".json", *PAGE):
+        raise click.UsageError(f"-o {output}: this prediction is written as .json or .html.")
+    return suffix in PAGE
 
 
 _OF_SLAM = ("--slam", "--mass", "--seals")
@@ -225,9 +232,7 @@ def _door(
         raise click.UsageError(
             "--plot draws the modes or the closing: leave out --modes or --close"
         )
-    page = output is not None and output.lower().endswith(PAGE)
-    if output and not page and not output.lower().endswith(".json") and output != "-":
-        raise click.UsageError(f"-o {output}: of a door everything is written, as .json or .html.")
+    page = _as_page(output)
     found = closed = None
     if speed is None or every or page:
         found = workflow.door_file(path, band=band, temperature=temperature)

@@ -69,6 +69,8 @@ def waterfall(done: Closing) -> Panel:
         at -= one.work
     rows.append(("left", 0.0, done.left) if done.latched else ("stopped", 0.0, max(at, 0.0)))
     begins = -_NAMES * done.energy
+    # one count of decimals down the column
+    decimals = max(2 - int(np.floor(np.log10(done.energy))), 0)
     marks: list[Mark] = []
     for y, (name, low, high) in zip(range(len(rows), 0, -1), rows, strict=True):
         left, right = sorted((low, high))
@@ -80,7 +82,9 @@ def waterfall(done: Closing) -> Panel:
         )
         taken = high if whole else low - high
         marks.append(Tag(begins, y, name, "ink", end=True))
-        marks.append(Tag(right, y, rounded(taken, digits=3), "ink", end=True))
+        marks.append(
+            Tag(right, y, f"{taken:z.{decimals}f}".replace("-", "\u2212"), "ink", end=True)
+        )
     step = max(round(done.energy / 3), 1) if done.energy > _COARSE else done.energy / 2
     ticks = tuple(np.arange(0.0, done.energy * 1.001, step).tolist())
     return Panel(
@@ -146,23 +150,9 @@ def doors_panel(done: Closing, scatter: Scatter, *, height: float = 220.0) -> Pa
     """The least speeds of doors within their tolerances, those beyond the limit apart."""
     speed = scatter.speed[np.isfinite(scatter.speed)]
     limit, above = scatter.variation.limit, scatter.above
-    marks: list[Mark] = []
+    bars, top = _bars(speed, limit)
+    marks: list[Mark] = [*bars]
     ends = [speed]
-    bins = np.histogram_bin_edges(speed, bins=max(8, int(1.2 * np.sqrt(len(speed)))))
-    if limit is not None and bins[0] < limit < bins[-1]:
-        # an edge at the limit: no bar is on both sides of it
-        bins = bins + (limit - bins)[int(np.abs(bins - limit).argmin())]
-        bins = np.concatenate([[bins[0] - (bins[1] - bins[0])], bins, [2 * bins[-1] - bins[-2]]])
-    counts, _ = np.histogram(speed, bins=bins)
-    top = float(counts.max())
-    for low, high, count in zip(bins[:-1], bins[1:], counts.tolist(), strict=True):
-        if not count:
-            continue
-        beyond = limit is not None and (low + high) / 2 > limit
-        colour, label = ("bad", "beyond the limit") if beyond else ("ref", "doors")
-        gap = 0.04 * (high - low)
-        side = np.array([low + gap, high - gap])
-        marks.append(Area(side, np.zeros(2), np.full(2, float(count)), colour, label, tint=0.6))
     if done.interval is not None and np.isfinite(done.interval).all():
         ends.append(np.array(done.interval))
         low_edge, high_edge = np.full(2, 1.06 * top), np.full(2, 1.14 * top)
@@ -173,7 +163,8 @@ def doors_panel(done: Closing, scatter: Scatter, *, height: float = 220.0) -> Pa
         (limit, Pen("bad", 1.4, (5, 3)), "limit", "bad-ink", 1.23),
     ):
         if at is not None and np.isfinite(at):
-            marks.append(Rule(at, pen))
+            # each ends where it is named: the name of one may reach over the other
+            marks.append(Line(np.full(2, at), np.array([0.0, level * top]), pen))
             ends.append(np.array([at]))
             words = f"{name} {rounded(at, digits=3)}"
             marks.append(Tag(at, level * top, words, ink, end=True))
@@ -187,3 +178,23 @@ def doors_panel(done: Closing, scatter: Scatter, *, height: float = 220.0) -> Pa
         if above is None
         else f"{rounded(100 * above, digits=3)} % need more than the limit",
     )
+
+
+def _bars(speed: FloatArray, limit: float | None) -> tuple[list[Area], float]:
+    """How many doors need which speed, those beyond the limit apart, and the most in one bar."""
+    bins = np.histogram_bin_edges(speed, bins=max(8, int(1.2 * np.sqrt(len(speed)))))
+    if limit is not None and bins[0] < limit < bins[-1]:
+        # an edge at the limit: no bar is on both sides of it
+        bins = bins + (limit - bins)[int(np.abs(bins - limit).argmin())]
+        bins = np.concatenate([[bins[0] - (bins[1] - bins[0])], bins, [2 * bins[-1] - bins[-2]]])
+    counts, _ = np.histogram(speed, bins=bins)
+    bars: list[Area] = []
+    for low, high, count in zip(bins[:-1], bins[1:], counts.tolist(), strict=True):
+        if not count:
+            continue
+        beyond = limit is not None and (low + high) / 2 > limit
+        colour, label = ("bad", "beyond the limit") if beyond else ("ref", "doors")
+        gap = 0.04 * (high - low)
+        side = np.array([low + gap, high - gap])
+        bars.append(Area(side, np.zeros(2), np.full(2, float(count)), colour, label, tint=0.6))
+    return bars, float(counts.max())

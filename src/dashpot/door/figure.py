@@ -155,6 +155,7 @@ def line_panel(found: DoorResult, view: View) -> Panel:
     under, middle = low[1] - 0.12 * (high[1] - low[1]), (low[0] + high[0]) / 2
     ends = middle + metre * np.array([-0.5, 0.5])
     marks.append(Line(ends, np.full(2, under), Pen("edge", 1.4)))
+    marks.append(Tag(float(ends[1]), float(under), f"{metre:g} m", "soft", end=True))
     return Panel(
         Scale("", around(np.array([low[0], high[0]]), margin=0.16)),
         Scale("", around(np.array([under, high[1]]), margin=0.1)),
@@ -163,7 +164,6 @@ def line_panel(found: DoorResult, view: View) -> Panel:
         height=300,
         square=True,
         drawing=True,
-        below=f"{metre:g} m",
     )
 
 

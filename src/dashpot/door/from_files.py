@@ -271,14 +271,7 @@ def _asked(
 ) -> Iterator[Check]:
     """Every check of a door."""
     door = assembly.door
-    section = None if door.line is None else door.line.section
-    if section is not None and not section.shear.holds:
-        yield asked.line_holds_sideways(*left_sideways(assembly))
-    if section is not None and door.line is not None and section.shear.holds:
-        stations = door.line.stations(door.pitch)
-        normal, *others = (one.solid.k_inf * one.share.sum() for one in section.ways(stations))
-        if normal > 0:
-            yield asked.shear_usual(float(max(others) / normal))
+    yield from _asked_sideways(assembly)
     yield asked.door_held(loose_motions(assembly.system()))
     if fit is not None and door.line is not None:
         felt = [(one.mode.frequency, max(one.share(SEAL), one.loss_share(SEAL))) for one in modes]
@@ -290,6 +283,21 @@ def _asked(
             yield temperature_tested(fit.temperatures, fit.specimen.temperature)
     if assembly.modes is not None:
         yield from _asked_of_modes(assembly.modes, assembly, below)
+
+
+def _asked_sideways(assembly: Assembly) -> Iterator[Check]:
+    """What the seal's section holds across the way in which it is pressed."""
+    line = assembly.door.line
+    section = None if line is None else line.section
+    if line is None or section is None:
+        return
+    if not section.shear.holds:
+        yield asked.line_holds_sideways(*left_sideways(assembly))
+        return
+    stations = line.stations(assembly.door.pitch)
+    normal, *others = (one.solid.k_inf * one.share.sum() for one in section.ways(stations))
+    if normal > 0:
+        yield asked.shear_usual(float(max(others) / normal))
 
 
 def _asked_of_line(line: SealLine, assembly: Assembly, fit: Fit, below: float) -> Iterator[Check]:

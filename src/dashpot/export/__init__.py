@@ -54,6 +54,13 @@ def __getattr__(name: str) -> Callable[..., DeckText]:
     return TARGETS[name]
 
 
+def _asked_as(name: str, *, elsewhere: bool) -> str:
+    """The option of an argument that a target lacks, and which other targets have it."""
+    flag = f"--{'band' if name == 'frequency_range' else name.replace('_', '-')}"
+    those = [one for one in TARGETS if name in signature(TARGETS[one]).parameters]
+    return f"{flag}. Those of {', '.join(those)} do" if those and elsewhere else flag
+
+
 def deck_for(
     target: str,
     found: Solid | Fit | LevelFit | HyperelasticFit,
@@ -89,11 +96,7 @@ def deck_for(
     made = {name: value for name, value in choices.items() if value is not None}
     for name in made:
         if name not in known:
-            asked = "band" if name == "frequency_range" else name
-            flag = f"--{asked.replace('_', '-')}"
-            those = [one for one in TARGETS if name in signature(TARGETS[one]).parameters]
-            elsewhere = f". Those of {', '.join(those)} do" if those and not material else ""
-            raise ExportError(f"{target} decks take no {flag}{elsewhere}")
+            raise ExportError(f"{target} decks take no {_asked_as(name, elsewhere=not material)}")
     if isinstance(found, HyperelasticFit):
         if seals != 1 or compression is not None:
             raise ExportError("a material card takes no --seals and no --compression")
@@ -103,15 +106,19 @@ def deck_for(
             raise ExportError("a bare solid has no elastic law; leave out --compression")
         made.setdefault("specimen", Specimen(temperature=temperature))
         return write(seals * found, **made)
+    here = _of_seals(found, seals, compression)
+    if temperature is not None:
+        made["specimen"] = replace(here.specimen, temperature=temperature)
+    return write(here, **made)
+
+
+def _of_seals(found: Fit | LevelFit, seals: float, compression: float | None) -> Fit | LevelFit:
+    """The fit of so many seals, side by side, at a compression."""
     if compression is not None:
         if isinstance(found, LevelFit):
             raise ExportError("FRFs at levels are of one compression; leave out --compression")
         found = found.at_compression(compression)
-    if seals != 1:
-        found = found.in_parallel(seals)
-    if temperature is not None:
-        made["specimen"] = replace(found.specimen, temperature=temperature)
-    return write(found, **made)
+    return found if seals == 1 else found.in_parallel(seals)
 
 
 def _plugged(target: str) -> Callable[..., DeckText]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from types import MappingProxyType
 from typing import NamedTuple
 
@@ -67,6 +67,19 @@ class _Card(NamedTuple):
         return 1.0 if self.fit.memory is None else self.fit.memory.k_0
 
 
+def _missing(
+    law: Hyperelastic, target: str, bulk: float | None, density: float | None
+) -> Iterator[str]:
+    """What a card needs that neither the tests nor the options say."""
+    if law.kind != "hyperfoam" and law.bulk is None and bulk is None:
+        yield (
+            "the change of volume was not tested, and no solver takes a rubber without; add "
+            "--bulk-modulus, 2000MPa is usual for solid rubber"
+        )
+    if target == "lsdyna" and not (density and density > 0):
+        yield "an LS-DYNA material needs --density, such as 1200 (kg/m^3)"
+
+
 def hyperelastic_card(
     target: str,
     fit: HyperelasticFit,
@@ -106,14 +119,7 @@ def hyperelastic_card(
     system, law = unit_system(units), fit.law
     kelvin = fit.temperature if temperature is None else temperature
     stated = si(bulk_modulus, "stress")
-    missing = []
-    if law.kind != "hyperfoam" and law.bulk is None and stated is None:
-        missing.append(
-            "the change of volume was not tested, and no solver takes a rubber without; add "
-            "--bulk-modulus, 2000MPa is usual for solid rubber"
-        )
-    if target == "lsdyna" and not (density and density > 0):
-        missing.append("an LS-DYNA material needs --density, such as 1200 (kg/m^3)")
+    missing = [*_missing(law, target, stated, density)]
     overrides = overlooked(_problems(fit, kelvin), allow, "card", units=units, missing=missing)
     bulk, measured = _bulk(law, stated)
     card = _Card(

@@ -90,6 +90,9 @@ def fit(
     .. math:: F(t) = S(t) - \delta\,\dot S(t) + F_0 + \dot F t, \qquad
               S(t) = k_\infty x(t) + \sum_j k_j \int_0^t e^{-(t-u)/\tau_j} \dot x(u)\,du
 
+    A force that lags by more than the tangent bears is answered by a motion that is as late, where
+    that makes a linear solid sound (:mod:`dashpot.fitting.late_motion`).
+
     ``method="hold"`` is the paper's eq. (5) on the hold after an ideal ramp of rate A = x_h/c,
 
     .. math:: F(t) = A \Bigl[k_\infty c + \sum_j b_j e^{-(t-c)/\tau_j}

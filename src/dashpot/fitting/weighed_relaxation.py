@@ -131,15 +131,7 @@ def relaxation_data(
         doubts["warming"] = warming(time, x, model, by_a=by_a, by_b=by_b), 0.0
     late = _lateness(alone or fit)
     if late:
-        # of the size that was found: the chord is exact there, where the tangent is not
-        slow = _slower(model, SLOW_ARM * median(np.diff(time)))
-        behind = np.interp(time - late, time, x, left=0.0)
-        moved_late = slow.force(time, behind)
-        # what has lagged once may lag by that, whatever was thought possible
-        doubts["delay"] = (moved_late - slow.force(time, x)) / late, max(delay_prior(test).sd, late)
-        if late > 0:
-            low_passed = x - arm_response(time, x, late)
-            doubts["filter"] = slow.force(time, low_passed) - moved_late, FILTERED
+        doubts |= _of_lateness(test, model, time, x, late=late)
     columns = {name: column for name, (column, _) in doubts.items()}
     certain = block_of(test, terms=_CELL, law=law, reach=_reach(test, 1.0))
     residual = _left_by(own, certain)
@@ -169,6 +161,24 @@ def relaxation_data(
     found = replace(found, terms=found.terms.beside(warming=warmed(test.specimen)))
     gain = _GAIN if moved.shift_sd > 0 else 0.0
     return replace(found, moved=moved, size=float(np.hypot(found.size, gain)))
+
+
+def _of_lateness(
+    test: RampHold, model: GeneralizedMaxwell, time: FloatArray, x: FloatArray, *, late: float
+) -> dict[str, tuple[FloatArray, float]]:
+    """The columns of a force that is so late, s, with their standard deviations.
+
+    They are of the size that was found: the chord is exact there, where the tangent is not.
+    """
+    slow = _slower(model, SLOW_ARM * median(np.diff(time)))
+    moved = slow.force(time, np.interp(time - late, time, x, left=0.0))
+    # what has lagged once may lag by that, whatever was thought possible
+    sd = max(delay_prior(test).sd, late)
+    found = {"delay": ((moved - slow.force(time, x)) / late, sd)}
+    if late > 0:
+        low_passed = x - arm_response(time, x, late)
+        found["filter"] = slow.force(time, low_passed) - moved, FILTERED
+    return found
 
 
 def _lateness(fit: Fit) -> float:

@@ -366,6 +366,20 @@ def _decisions(seals: Sequence[Mapping[str, Any]]) -> str:
     return ", ".join(f"{count} {word}" for word, count in counts.most_common())
 
 
+def _causes(main: OfQuantity) -> Iterator[dict[str, Any]]:
+    """The runs of lots that set off an alarm."""
+    lots = main.lots
+    if lots is None:
+        return
+    whole = main.quantity.shown(lots.mean.centre)
+    for low, high in lots.mean.causes:
+        mean = float(np.mean(lots.mean.values[low : high + 1]))
+        named = lots.names[low] if low == high else f"{lots.names[low]} to {lots.names[high]}"
+        way = "high" if mean > lots.mean.centre else "low"
+        yield {"mark": "care", "name": f"Lots {named}", "filter": lots.names[low],
+               "says": f"lie {way}: {main.quantity.read(mean)}, all lots {whole}."}  # fmt: skip
+
+
 def _weighs(found: Summary) -> Iterator[dict[str, Any]]:
     """What weighs, worst first: the failed checks, causes of alarms, then single seals and files.
 
@@ -374,15 +388,7 @@ def _weighs(found: Summary) -> Iterator[dict[str, Any]]:
     failed = [one for one in found.checks if one.failed]
     for check in sorted(failed, key=lambda one: -GRADES.index(one.grade)):
         yield {"mark": _mark(check), "name": "", "filter": None, "says": check.told}
-    lots = found.main.lots
-    if lots is not None:
-        for low, high in lots.mean.causes:
-            value = found.main.quantity.read(float(np.mean(lots.mean.values[low : high + 1])))
-            named = lots.names[low] if low == high else f"{lots.names[low]} to {lots.names[high]}"
-            whole = found.main.quantity.shown(lots.mean.centre)
-            way = "high" if np.mean(lots.mean.values[low : high + 1]) > lots.mean.centre else "low"
-            yield {"mark": "care", "name": f"Lots {named}", "filter": lots.names[low],
-                   "says": f"lie {way}: {value}, all lots {whole}."}  # fmt: skip
+    yield from _causes(found.main)
     for flag in found.flags:
         where = ", ".join(filter(None, (flag.lot, flag.seal and f"seal {flag.seal}")))
         yield {

@@ -239,31 +239,39 @@ def _squared(panel: Panel, width: float) -> Panel:
 
 def _frame(panel: Panel, box: Box, upright: list[tuple[float, str]], *, named: bool) -> Frame:
     """One panel; `named` gives its horizontal axis numbers and a label."""
-    bottom, right = box.y + box.height, box.x + box.width
-    if panel.drawing:
-        inner = tuple(one for mark in panel.marks for one in _inner(mark, panel, box))
-        tags = [mark for mark in panel.marks if isinstance(mark, Tag)]
-        over = (*_above(panel, box), *_tagged(tags, panel, box, inner))
-        return Frame(panel, box, inner, (), (), over)
-    hairs, ticks = [], []
-    for value, word in upright:
-        y = bottom - box.height * float(place(panel.y, value))
-        hairs.append(Hair(box.x, y, right, y, "line"))
-        ticks.append(Word(box.x - 6, y + 4, word, anchor="end"))
-    hairs.append(Hair(box.x, bottom, right, bottom, "edge"))
+    hairs: list[Hair] = []
+    ticks: list[Word] = []
     said = _above(panel, box)
-    numbered = _numbered(panel.x, box)
-    if named:
-        ticks += numbered
-        said.append(Word(box.x + box.width / 2, bottom + 34, panel.x.label, anchor="middle"))
-    hairs += [Hair(one.x, bottom, one.x, bottom + 5, "edge") for one in numbered]
-    small = box.x + box.width * place(panel.x, between(panel.x))
-    hairs += [Hair(x, bottom, x, bottom + 3, "edge") for x in small]
+    if not panel.drawing:
+        numbered = _numbered(panel.x, box)
+        hairs, ticks = _axes(panel, box, upright, numbered)
+        if named:
+            ticks += numbered
+            below = box.y + box.height + 34
+            said.append(Word(box.x + box.width / 2, below, panel.x.label, anchor="middle"))
     inner = tuple(one for mark in panel.marks for one in _inner(mark, panel, box))
     tags = [mark for mark in panel.marks if isinstance(mark, Tag)]
     return Frame(
         panel, box, inner, tuple(hairs), tuple(ticks), (*said, *_tagged(tags, panel, box, inner))
     )
+
+
+def _axes(
+    panel: Panel, box: Box, upright: list[tuple[float, str]], numbered: list[Word]
+) -> tuple[list[Hair], list[Word]]:
+    """The lines of both axes, and the numbers of the upright one."""
+    bottom, right = box.y + box.height, box.x + box.width
+    heights = [bottom - box.height * float(place(panel.y, value)) for value, _ in upright]
+    hairs = [Hair(box.x, y, right, y, "line") for y in heights]
+    hairs.append(Hair(box.x, bottom, right, bottom, "edge"))
+    hairs += [Hair(one.x, bottom, one.x, bottom + 5, "edge") for one in numbered]
+    small = box.x + box.width * place(panel.x, between(panel.x))
+    hairs += [Hair(x, bottom, x, bottom + 3, "edge") for x in small]
+    ticks = [
+        Word(box.x - 6, y + 4, word, anchor="end")
+        for y, (_, word) in zip(heights, upright, strict=True)
+    ]
+    return hairs, ticks
 
 
 def _noted(panel: Panel, width: float) -> list[str]:

@@ -147,11 +147,7 @@ def frf(
     """
     same = [measured, *(other.to(measured.quantity) for other in others)]
     names = [*labels, *[""] * (len(same) - len(labels))]
-    pens: tuple[Pen, ...] = PENS
-    if measured.averages == 0:
-        pens = (PREDICTED, *PENS[2:], MEASURED)
-    if ordered:
-        pens = (pens[0], *(Pen(colour, 2.0) for colour in sequential(len(others))))
+    pens = _pens(measured, len(others), ordered=ordered)
     curves = [
         Curve(one, name, pens[i % len(pens)])
         for i, (one, name) in enumerate(zip(same, names, strict=True))
@@ -354,6 +350,12 @@ def curves_of(
         pen, name = joint_pen(failed=failed or joint.verdict.use == "do not use")
         curves.append(Curve(joint.predicted, name, pen, (joint.predicted_hz, joint.predicted_peak)))
     return curves
+
+
+def _pens(first: FRF, others: int, *, ordered: bool) -> tuple[Pen, ...]:
+    """Of a measurement or a prediction, and of what stands over it."""
+    pens = PENS if first.averages else (PREDICTED, *PENS[2:], MEASURED)
+    return (pens[0], *(Pen(colour, 2.0) for colour in sequential(others))) if ordered else pens
 
 
 def magnitude_panel(

@@ -65,6 +65,7 @@ def _contents(study: Study) -> dict[str, Any]:
     length = study.prepared.specimen.length
     stages = summary.stages(study)
     found = recommendation(study)
+    decks = answer.decks(found)
     return {
         "study": study,
         **frame(),
@@ -77,8 +78,8 @@ def _contents(study: Study) -> dict[str, Any]:
         "heading": answer.heading(found),
         "under_mass": answer.under_mass(study, found),
         "one_seal": (*answer.rows(found.one_seal), answer.band_row(found)),
-        "about_decks": answer.about_decks(found),
-        "files": answer.files(study, found),
+        "about_decks": answer.about_decks(found, decks),
+        "files": answer.files(study, found, decks),
         "sentences": summary.sentences(study, found),
         "weighty": summary.weighty(study, found),
         "simulated": summary.simulated(study),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Sequence
 from typing import NamedTuple
 
 from dashpot.base import numbers
@@ -203,7 +203,9 @@ def _held(seconds: float) -> str:
 # -- files ----------------------------------------------------------------------------------------
 
 
-def files(study: Study, found: Recommendation) -> tuple[Attachment, ...]:
+def files(
+    study: Study, found: Recommendation, made_decks: Sequence[AttachedDeck]
+) -> tuple[Attachment, ...]:
     """What can be taken along, the recommended solid and its decks first."""
     fits = {"fit.json": (study.fit, "the fit of the relaxation test")}
     if study.joint is not None:
@@ -212,7 +214,7 @@ def files(study: Study, found: Recommendation) -> tuple[Attachment, ...]:
     solid, about = fits.pop(name)
     label = "Download this model" if found.recommended else "Download anyway"
     made = [_json(name, label, about if found.recommended else f"DO NOT USE: {about}", solid)]
-    made += attached.attached(decks(found), name)
+    made += attached.attached(made_decks, name)
     if study.comparison is not None:
         lines = _lines(study.comparison, study.joint_comparison)
         about = "measured and predicted accelerance, line by line"
@@ -228,9 +230,9 @@ def decks(found: Recommendation) -> tuple[AttachedDeck, ...]:
     return attached.decks(found.solid, found.point.compression if found.point and bent else None)
 
 
-def about_decks(found: Recommendation) -> str:
+def about_decks(found: Recommendation, made_decks: Sequence[AttachedDeck]) -> str:
     """Where the decks hold, and what they miss."""
-    return attached.about(found.solid, decks(found)) if found.recommended else ""
+    return attached.about(found.solid, made_decks) if found.recommended else ""
 
 
 def _json(name: str, label: str, about: str, noun: object) -> Attachment:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 from dashpot.base import numbers
@@ -57,23 +57,11 @@ def fit(found: Fit, *, asked: int | str = "auto") -> Text:
 
     `asked` is the number of arms that was wanted.
     """
-    files = ", ".join(source.file for source in found.source) or "arrays in memory"
-    arms = f"{found.model.arms} Maxwell arm{'s' * (found.model.arms != 1)}"
-    if found.family == "fractional":
-        arms = f"fractional Zener model ({arms} stand for it)"
-    elif found.unplaced:
-        of = ", ".join(f"{tau:.3g} s" for tau in found.unplaced)
-        arms += f", relaxation time {of} not determined"
     residual = found.residual
-    size = f"{residual.rms:.3g} times the noise"
-    if residual.unit != "sd":
-        size = f"{written(residual.rms, _RESIDUAL.get(residual.unit, residual.unit), '.3g')} rms"
-    short = asked not in ("auto", found.model.arms) and found.family == "maxwell"
-    kept = f", not the {asked} asked for: {found.status.value}" if short else ""
     lines = [
-        f"{files}: {arms}, method {found.method}{kept}",
+        _fitted(found, asked),
         *_solid(found),
-        f"  residual    {size}; {_samples(residual)}",
+        f"  residual    {_size(residual)}; {_samples(residual)}",
         f"  valid band  {hertz(found.band)}",
     ]
     for section in (
@@ -86,6 +74,27 @@ def fit(found: Fit, *, asked: int | str = "auto") -> Text:
         details.append(f"  optimality  {found.certificate.says}")
     (details if residual.unit == "N" else lines).extend(_nuisance(found))
     return Text(lines, [*details, *_read(found.source), *_orders(found)])
+
+
+def _fitted(found: Fit, asked: int | str) -> str:
+    """What was fitted to which files, and whether it is less than was asked for."""
+    files = ", ".join(source.file for source in found.source) or "arrays in memory"
+    arms = f"{found.model.arms} Maxwell arm{'s' * (found.model.arms != 1)}"
+    if found.family == "fractional":
+        arms = f"fractional Zener model ({arms} stand for it)"
+    elif found.unplaced:
+        of = ", ".join(f"{tau:.3g} s" for tau in found.unplaced)
+        arms += f", relaxation time {of} not determined"
+    short = asked not in ("auto", found.model.arms) and found.family == "maxwell"
+    kept = f", not the {asked} asked for: {found.status.value}" if short else ""
+    return f"{files}: {arms}, method {found.method}{kept}"
+
+
+def _size(residual: Residual) -> str:
+    """What is left of a fit, in its unit or as times the noise."""
+    if residual.unit == "sd":
+        return f"{residual.rms:.3g} times the noise"
+    return f"{written(residual.rms, _RESIDUAL.get(residual.unit, residual.unit), '.3g')} rms"
 
 
 def _solid(found: Fit) -> list[str]:
@@ -438,9 +447,10 @@ _HARMONIC = 1e-4
 
 def _on_bending_seals(found: Sequence[PreloadedLevel], unit: str) -> list[str]:
     """The resonance and harmonics at each level, by the elastic law, and what the seal does."""
-    head = [f"level, {found[0].unit}", "peak, Hz", unit or "height", "1st, mm", "2nd, mm",
+    head = [f"level, {found[0].unit}", "peak, Hz", unit, "1st, mm", "2nd, mm",
             "3rd, mm", "mean shift, mm", "apart", "floquet"]  # fmt: skip
-    rows, says = [head], []
+    rows: list[list[str]] = [head]
+    says: list[str] = []
     for one in found:
         at = one.orbit
         # what is less is rounding
@@ -460,30 +470,32 @@ def _on_bending_seals(found: Sequence[PreloadedLevel], unit: str) -> list[str]:
         )
         if one.interval is not None:
             rows.append(_within(one, least))
-        name = f"at {one.level:.4g} {one.unit}"
-        if one.interval is not None and one.interval.value is None:
-            jumps = one.interval.harmonics is None
-            why = "a sweep jumps down from it" if jumps else "its error is as large as itself"
-            says.append(f"  ! {name} the height of the peak is not identified: {why}")
-        does = "opens" if at.shift < 0 else "closes"
-        second = one.second_harmonic
-        if abs(at.shift) <= least:
-            continue
-        says.append(
-            f"  {name} the seal {does} by {written(abs(at.shift), 'mm', '.2g')} when shaken; the "
-            f"second harmonic is largest at {second['frequency_hz']:.4g} Hz, "
-            f"{100 * second['amplitude'] / second['first']:.3g} % of the first"
-        )
-        says += [
-            f"  ! {name} no answer at the drive's period lasts from {low:.4g} to {high:.4g} Hz"
-            for low, high in one.unsteady
-        ]
-        says += [
+        says += _of_level(one, least)
+    return [*table(rows), *says]
+
+
+def _of_level(one: PreloadedLevel, least: float) -> Iterator[str]:
+    """What else is to be known of the response at one level."""
+    name, shift = f"at {one.level:.4g} {one.unit}", one.orbit.shift
+    if one.interval is not None and one.interval.value is None:
+        jumps = one.interval.harmonics is None
+        why = "a sweep jumps down from it" if jumps else "its error is as large as itself"
+        yield f"  ! {name} the height of the peak is not identified: {why}"
+    if abs(shift) <= least:
+        return
+    does, second = "opens" if shift < 0 else "closes", one.second_harmonic
+    yield (
+        f"  {name} the seal {does} by {written(abs(shift), 'mm', '.2g')} when shaken; the "
+        f"second harmonic is largest at {second['frequency_hz']:.4g} Hz, "
+        f"{100 * second['amplitude'] / second['first']:.3g} % of the first"
+    )
+    for low, high in one.unsteady:
+        yield f"  ! {name} no answer at the drive's period lasts from {low:.4g} to {high:.4g} Hz"
+    for hz in one.jumps_hz:
+        yield (
             f"  ! {name} two answers last below {hz:.5g} Hz. This is a rising frequency's; a "
             "falling one keeps the other"
-            for hz in one.jumps_hz
-        ]
-    return [*table(rows), *says]
+        )
 
 
 def _within(one: PreloadedLevel, least: float) -> list[str]:

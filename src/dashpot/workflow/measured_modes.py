@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
+from dashpot.base.checks import Check
 from dashpot.base.choices import OverBase
 from dashpot.base.errors import DataError
 from dashpot.io.options import ReadOptions
@@ -223,20 +224,33 @@ def _judged(
     at = 0 if single else driven[0] if driven else top
     frf, mode = measured.frfs[at], None if main is None else main.mode
     mass = _UNIT if measured.over_base else None
-    checks = [*judged(frf, sought, mode, mass=mass, driven=single or bool(driven)).checks]
-    checks.append(resonance(near.frfs[at], mode))
-    if main is not None:
-        modes = [one.mode for one in shapes]
-        checks += [
-            modes_within_band(modes, sought),
-            lines_in_half_power_band(near.frfs[at], main.mode),
-            modes_stable(shapes, chart),
-            modes_explain_lines(shapes, known=near.sd is not None),
-        ]
-        checks += [] if single else [points_share_modes(shapes)]
-        if frf.record is not None:
-            checks.append(record_long_enough(frf, main.mode))
-    return replace(frf, checks=tuple(checks))
+    checks = (
+        *judged(frf, sought, mode, mass=mass, driven=single or bool(driven)).checks,
+        resonance(near.frfs[at], mode),
+        *(() if main is None else _of_modes(frf, near, at, shapes, chart, sought=sought)),
+    )
+    return replace(frf, checks=checks)
+
+
+def _of_modes(
+    frf: FRF,
+    near: FRFSet,
+    at: int,
+    shapes: Sequence[ModeShape],
+    chart: Stabilisation,
+    *,
+    sought: tuple[float, float],
+) -> Iterator[Check]:
+    """What is asked of the modes, and of the FRF of the point that tells most of the first."""
+    main = shapes[0].mode
+    yield modes_within_band([one.mode for one in shapes], sought)
+    yield lines_in_half_power_band(near.frfs[at], main)
+    yield modes_stable(shapes, chart)
+    yield modes_explain_lines(shapes, known=near.sd is not None)
+    if len(near.points) > 1:
+        yield points_share_modes(shapes)
+    if frf.record is not None:
+        yield record_long_enough(frf, main)
 
 
 def _is_driven(name: str) -> bool:

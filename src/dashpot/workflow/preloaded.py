@@ -285,19 +285,9 @@ class _AtLevels:
         low, high = near[top - 1], near[top + 1]
         into = [one for one in jumps if low.frequency < one.after.frequency <= near[top].frequency]
         out = [one for one in jumps if near[top].frequency <= one.before.frequency < high.frequency]
-        start = into[0].after if into else low
-        last = out[0].before if out else high
-        close = np.linspace(start.frequency, last.frequency, _FINE)[1:-1]
-        about_top = self.here.sweep(level=force, frequency=close, start=start)
-        run = [start, *(one for one in about_top if one.stable), last]
-        best = int(np.argmax([self.size(one) for one in run]))
-        if 0 < best < len(run) - 1:
-            # between the lines, where the parabola through three is highest
-            three = run[best - 1 : best + 2]
-            bend, slope, _ = _parabola(three) @ np.log([self.size(one) for one in three])
-            near_top = np.array([three[1].frequency - slope / (2 * bend)])
-            summit = self.here.sweep(level=force, frequency=near_top, start=three[1])
-            run[best : best + 1] = [one for one in summit if one.stable] or three[1:2]
+        run, best = self._summit(
+            force, into[0].after if into else low, out[0].before if out else high
+        )
         # both sides of a jump, between which nothing is to be drawn
         known = {one.frequency: one for one in (*lasting, *(end for one in jumps for end in one))}
         shown = [known[hz] for hz in sorted(known) if band[0] <= hz <= band[-1]]
@@ -313,6 +303,21 @@ class _AtLevels:
             self.frf(shown),
             self.interval(run, best, into[0] if into else None, shown),
         )
+
+    def _summit(self, force: float, start: Orbit, last: Orbit) -> tuple[list[Orbit], int]:
+        """The responses that last between two, and which of them is the largest."""
+        close = np.linspace(start.frequency, last.frequency, _FINE)[1:-1]
+        about_top = self.here.sweep(level=force, frequency=close, start=start)
+        run = [start, *(one for one in about_top if one.stable), last]
+        best = int(np.argmax([self.size(one) for one in run]))
+        if 0 < best < len(run) - 1:
+            # between the lines, where the parabola through three is highest
+            three = run[best - 1 : best + 2]
+            bend, slope, _ = _parabola(three) @ np.log([self.size(one) for one in three])
+            near_top = np.array([three[1].frequency - slope / (2 * bend)])
+            summit = self.here.sweep(level=force, frequency=near_top, start=three[1])
+            run[best : best + 1] = [one for one in summit if one.stable] or three[1:2]
+        return run, best
 
     def frf(self, orbits: Sequence[Orbit], moved: complex = 0.0) -> FRF:
         """First harmonics, all changed by so much, m, as the kind has them."""

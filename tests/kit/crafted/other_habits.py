@@ -14,6 +14,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import openpyxl
+from nptdms import ChannelObject, TdmsWriter
 
 from kit.crafted.row import (
     CLOCK,
@@ -232,6 +233,37 @@ def _hdf5(names: tuple[str, str, str], word: str, units: tuple[str, str, str]) -
         return path.read_bytes()
 
 
+def _hdf5_table(*, fields: bool) -> bytes:
+    """A table whose units stand in a list, by fields or by columns with a list of names."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "made.h5"
+        with h5py.File(path, "w") as file:
+            if fields:
+                rows = np.zeros(len(TIME), [("time", "f8"), ("position", "f8"), ("load", "f8")])
+                rows["time"], rows["position"], rows["load"] = TIME, MOVED / 10, FORCE / 1e3
+                file.create_dataset("run", data=rows).attrs["units"] = ["s", "cm", "kN"]
+            else:
+                made = file.create_dataset("data", data=np.column_stack((TIME, MOVED, FORCE / 1e3)))
+                made.attrs["names"] = ["Time", "Displacement", "Force"]
+                made.attrs["units"] = ["s", "mm", "kN"]
+        return path.read_bytes()
+
+
+def _tdms(along: dict[str, object]) -> bytes:
+    """Waveforms over what their properties say."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "made.tdms"
+        with TdmsWriter(str(path)) as file:
+            each = (("Weg", 1e3 * MOVED, "µm"), ("Kraft", FORCE / 1e3, "kN"))
+            file.write_segment(
+                [
+                    ChannelObject("Run", name, values, {"unit_string": unit, **along})
+                    for name, values, unit in each
+                ]
+            )
+        return path.read_bytes()
+
+
 OTHER_HABITS = [
     Row("Proteus: a modulus and its phase", _proteus_bending(), truth=SWEEP),
     Row("Universal Analysis: signals of the head", _universal_analysis(), truth=SWEEP),
@@ -257,5 +289,16 @@ OTHER_HABITS = [
         _hdf5(("time", "position", "load"), "units", ("s", "m", "kN")),
     ),
     Row("HDF5 with unit strings", _hdf5(("Zeit", "Weg", "Kraft"), "unit_string", ("s", "m", "kN"))),
+    Row("HDF5: fields, and their units in a list", _hdf5_table(fields=True)),
+    Row("HDF5: names and units in two lists", _hdf5_table(fields=False)),
+    Row(
+        "TDMS: waveforms over milliseconds", _tdms({"wf_increment": 100.0, "wf_xunit_string": "ms"})
+    ),
+    Row(
+        "TDMS: waveforms over frequency",
+        _tdms({"wf_increment": 0.1, "wf_xunit_string": "Hz"}),
+        "refused",
+        ("looks like time",),
+    ),
 ]
 """A maker or a lab, and what it saves."""

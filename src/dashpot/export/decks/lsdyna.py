@@ -105,6 +105,25 @@ def _part(number: int, section: int, material: _Material) -> list[str]:
     ]
 
 
+def _parts(
+    deck: Deck, row: SpringRow, first_id: int
+) -> tuple[dict[tuple[int, float], list[int]], list[str]]:
+    """The numbers of the parts of each way and share, and their cards, each written once."""
+    numbers = itertools.count(first_id)
+    parts: dict[tuple[int, float], list[int]] = {}
+    cards: list[str] = []
+    for shares in row.shares:
+        for way, solid in row.springs(shares):
+            if (way, shares[way]) in parts:
+                continue
+            own: list[int] = []
+            parts[way, shares[way]] = own
+            for material in _linear(deck.of(solid)):
+                own.append(next(numbers))
+                cards += _part(own[-1], first_id, material)
+    return parts, cards
+
+
 def _line(deck: Deck, row: SpringRow, first_id: int) -> DeckText:
     """The network of each way of each station, along a vector of its own."""
     cards = ["*KEYWORD", "*NODE"]
@@ -124,18 +143,8 @@ def _line(deck: Deck, row: SpringRow, first_id: int) -> DeckText:
         *(fields(vid, 0, *frame[way], 0, 0) for (frame, way), vid in vectors.items()),
         *_section(first_id),
     ]
-    numbers = itertools.count(first_id)
-    parts: dict[tuple[int, float], list[int]] = {}
-    for shares in row.shares:
-        for way, solid in row.springs(shares):
-            if (way, shares[way]) in parts:
-                continue
-            own: list[int] = []
-            parts[way, shares[way]] = own
-            for material in _linear(deck.of(solid)):
-                own.append(next(numbers))
-                cards += _part(own[-1], first_id, material)
-    cards.append("*ELEMENT_DISCRETE")
+    parts, told = _parts(deck, row, first_id)
+    cards += [*told, "*ELEMENT_DISCRETE"]
     element = itertools.count(first_id)
     for i, one in enumerate(row.stations):
         a, b = row.nodes(i, first_id)

@@ -133,22 +133,7 @@ def disagreement(
     alone = not problem.relaxations and problem.constraints.before is None
     if alone or not in_conflict(plain):
         return None
-    free = [cause for cause in CAUSES if problem.priors.each[cause.quantity] is not None]
-    found = [refit(_freed(problem, cause)) for cause in free]
-    if all(map(in_conflict, found)):
-        pairs = [cause for cause in PAIRS if problem.priors.each[cause.quantity] is not None]
-        free += pairs
-        found += [refit(_freed(problem, cause)) for cause in pairs]
-    scale = min(candidate.line_scale for candidate in found)
-    found = [_again(candidate, scale) for candidate in found]
-    before = _again(plain, scale)
-    least = min(one.criterion for one in found)
-    # an arm that the model lacks also tells causes apart: only a decisive lead counts
-    alike = least + max(DECISIVE, LACKING * (before.criterion - least))
-    ranked = sorted(
-        zip(free, found, strict=True),
-        key=lambda pair: (in_conflict(pair[1]), max(pair[1].criterion, alike)),
-    )
+    before, alike, ranked = _ranked(plain, refit)
     told = [
         _told(cause, one, before, law, compression, leads=not place)
         for place, (cause, one) in enumerate(ranked)
@@ -171,6 +156,34 @@ def disagreement(
     lead = ranked[0][1]
     held = replace(lead.problem, priors=problem.priors)
     return Disagreement(tuple(told), lead, _to(held, lead).point.model, problem.priors)
+
+
+def _ranked(
+    plain: Candidate, refit: Callable[[IdentificationProblem], Candidate]
+) -> tuple[Candidate, float, list[tuple[Cause, Candidate]]]:
+    """The plain optimum, up to which criterion two causes are alike, and the causes by rank.
+
+    All are by the line scale of the closest; two causes at once are tried where none alone does.
+    """
+    problem = plain.problem
+    free: list[Cause] = []
+    found: list[Candidate] = []
+    for causes in (CAUSES, PAIRS):
+        if all(map(in_conflict, found)):
+            new = [cause for cause in causes if problem.priors.each[cause.quantity] is not None]
+            free += new
+            found += [refit(_freed(problem, cause)) for cause in new]
+    scale = min(candidate.line_scale for candidate in found)
+    found = [_again(candidate, scale) for candidate in found]
+    before = _again(plain, scale)
+    least = min(one.criterion for one in found)
+    # an arm that the model lacks also tells causes apart: only a decisive lead counts
+    alike = least + max(DECISIVE, LACKING * (before.criterion - least))
+    by = sorted(
+        zip(free, found, strict=True),
+        key=lambda pair: (in_conflict(pair[1]), max(pair[1].criterion, alike)),
+    )
+    return before, alike, by
 
 
 def freed(candidate: Candidate, name: str) -> Candidate:

@@ -254,13 +254,7 @@ def _candidates(
     for number in numbers:
         problem = replace(whole, sought=Arms(number))
         starts = [one for one in given if one.model.maxwell.arms == number]
-        starts += _spread(problem, before)
-        tries: list[Candidate] = []
-        for one in starts:
-            tries.append(descend(problem, problem.pack(one), tolerance=LOOSE))
-            if tries[-1].exact:
-                break
-        best = min(tries, key=lambda candidate: candidate.cost)
+        best = _lowest(problem, [*starts, *_spread(problem, before)])
         # more arms explain no less: where they do, their optimum was not found
         if best.problem.sought.whole(best.point.model) and not (
             found and best.cost > ASTRAY * found[-1].cost
@@ -270,6 +264,16 @@ def _candidates(
         if found and (found[-1].exact or best.bic > least + WORSE):
             break
     return found
+
+
+def _lowest(problem: IdentificationProblem, starts: Sequence[Parameters]) -> Candidate:
+    """The lowest optimum from several starts, or the first that nothing is left of."""
+    tries: list[Candidate] = []
+    for one in starts:
+        tries.append(descend(problem, problem.pack(one), tolerance=LOOSE))
+        if tries[-1].exact:
+            break
+    return min(tries, key=lambda candidate: candidate.cost)
 
 
 def _again(

@@ -116,9 +116,14 @@ def _dataset(node: Any, name: str) -> list[Named]:
         whole = node[()]
         return [Named(name, whole["real"] + 1j * whole["imag"], _unit(node))]
     if node.dtype.names:
-        whole = node[()]
-        fields = ((field, numbers(whole[field])) for field in node.dtype.names)
-        return [Named(field, found) for field, found in fields if found is not None]
+        whole, fields = node[()], node.dtype.names
+        each = zip(
+            fields,
+            map(numbers, map(whole.__getitem__, fields)),
+            _units(node, len(fields)),
+            strict=True,
+        )
+        return [Named(field, found, unit) for field, found, unit in each if found is not None]
     text = _word(node.attrs.get("MATLAB_class")) == "char"
     values = None if text else numbers(node[()])
     if values is None:
@@ -133,7 +138,8 @@ def _parted(node: Any, name: str, values: FloatArray | ComplexArray) -> list[Nam
     if np.ndim(names) != 1 or values.ndim != 2 or len(names) not in values.shape:
         return []
     tall = values if values.shape[1] == len(names) else values.T
-    return [Named(_word(n) or name, tall[:, i]) for i, n in enumerate(names)]
+    each = zip(names, tall.T, _units(node, len(names)), strict=True)
+    return [Named(_word(n) or name, column, unit) for n, column, unit in each]
 
 
 def _stem(name: str) -> str:
@@ -151,6 +157,13 @@ def _unit(node: Any) -> str | None:
         if 0 < (getattr(beside, "size", None) or 0) < _TEXT and not beside.is_virtual:
             return _word(beside[()])
     return None
+
+
+def _units(node: Any, count: int) -> list[str | None]:
+    """The units of the columns or fields in an attribute, if it has one for each."""
+    words: Any = next((node.attrs[key] for key in _UNIT if key in node.attrs), None)
+    one_each = np.ndim(words) == 1 and len(words) == count
+    return [_word(word) or None for word in words] if one_each else [None] * count
 
 
 def _word(value: Any) -> str | None:

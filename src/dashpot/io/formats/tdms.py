@@ -9,6 +9,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
+from dashpot.base import units
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
 from dashpot.io.child import limits
@@ -150,10 +151,13 @@ def _scaled(stream: Any) -> _Groups:
 
 def _channel(name: str, properties: Mapping[str, Any], values: FloatArray) -> _TdmsChannel:
     unit = next((said for key in _UNITS if (said := str(properties.get(key, ""))).strip()), None)
-    step = properties.get("wf_increment")
+    step = float(properties.get("wf_increment") or 0.0)
     offset = float(properties.get("wf_start_offset", 0.0))
     values = values.astype(float, copy=False)
-    return _TdmsChannel(name, unit, values, float(step) if step else None, offset)
+    along = units.find(str(properties.get("wf_xunit_string", "")).strip() or "s", "time")
+    if not step or along is None:  # over frequency it has no clock
+        return _TdmsChannel(name, unit, values, None, offset)
+    return _TdmsChannel(name, unit, values, along.factor * step, along.factor * offset)
 
 
 def _block(channels: list[_TdmsChannel], notes: list[str]) -> FloatArray:

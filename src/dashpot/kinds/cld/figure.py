@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -56,24 +56,8 @@ def cld(
     """
     pieces = (found,) if isinstance(found, CLD) else tuple(found)
     first, alone = pieces[0], len(pieces) == 1
-    lines = _others(first) if alone else []
-    names: list[Tag] = []
-    for one, colour, name in zip(pieces, *_told_apart(pieces), strict=True):
-        pens = Pen(colour, 2.0 if alone else 1.6), Pen(colour, 1.4, (6, 3))
-        lines += _ways(one, one.cycle, pens, ("pressed", "released"))
-        if name:
-            deep, high = in_unit(one.loading.compression, "mm"), one.per * one.loading.force
-            deepest = int(np.argmax(deep))
-            names.append(Tag(float(deep[deepest]), float(high[deepest]), name, colour,
-                             bold=True, end=True))  # fmt: skip
-    marks: list[Mark] = [*_tolerance(first), *lines, *names]
-    for at in first.marked:
-        pressed = in_unit(at.compression, "mm")
-        marks.append(Rule(pressed, REF))
-        if alone:
-            force = first.per * at.loading
-            words = f"{force:.3g}"
-            marks.append(Tag(pressed, force, words, "fit", "filled", bold=True))
+    lines, names = _curves(pieces)
+    marks: list[Mark] = [*_tolerance(first), *lines, *names, *_nominal(first, valued=alone)]
     x, y = (np.concatenate([getattr(one, way) for one in lines]) for way in ("x", "y"))
     asked = [one for one in limits or () if one is not None and np.isfinite(one)]
     if asked:
@@ -92,6 +76,31 @@ def cld(
     return Picture(
         "cld", caption, ((panel,),), 1, stamp or stamped(sources_of(pieces), first.specimen)
     )
+
+
+def _curves(pieces: Sequence[CLD]) -> tuple[list[Line], list[Tag]]:
+    """The cycle of every piece, over the others where it is alone, and its name at its end."""
+    alone = len(pieces) == 1
+    lines = _others(pieces[0]) if alone else []
+    names: list[Tag] = []
+    for one, colour, name in zip(pieces, *_told_apart(pieces), strict=True):
+        pens = Pen(colour, 2.0 if alone else 1.6), Pen(colour, 1.4, (6, 3))
+        lines += _ways(one, one.cycle, pens, ("pressed", "released"))
+        if name:
+            deep, high = in_unit(one.loading.compression, "mm"), one.per * one.loading.force
+            deepest = int(np.argmax(deep))
+            names.append(Tag(float(deep[deepest]), float(high[deepest]), name, colour,
+                             bold=True, end=True))  # fmt: skip
+    return lines, names
+
+
+def _nominal(one: CLD, *, valued: bool) -> Iterator[Mark]:
+    """Each nominal compression, with its force where that is of one piece."""
+    for at in one.marked:
+        pressed, force = in_unit(at.compression, "mm"), one.per * at.loading
+        yield Rule(pressed, REF)
+        if valued:
+            yield Tag(pressed, force, f"{force:.3g}", "fit", "filled", bold=True)
 
 
 def _told_apart(pieces: Sequence[CLD]) -> tuple[tuple[str, ...], tuple[str, ...]]:

@@ -76,10 +76,8 @@ def fit_hyperelastic(
         If there is no test that changes the shape, or what was asked for does not fit together.
     """
     curves = [elastic_curve(one, memory=memory, cycle=cycle) for one in tests]
-    shown = [one.poisson for one in tests if one.poisson is not None]
-    told = sum(shown) / len(shown) if shown else None
+    told, foam = _sideways(tests, law, poisson)
     swells = told is not None and told < SWELLS
-    foam = law == "hyperfoam" or (law == "auto" and (poisson is not None or swells))
     if foam and swells and poisson is None and len({one.mode for one in curves}) == 1:
         poisson = told
     _refuse(curves, law, terms, poisson, foam=foam)
@@ -198,6 +196,16 @@ def _chosen(
     if law == "auto":
         named = [one for one in named if checks.least_drucker(one.law, reach)[0] > 0] or named
     return min(named, key=lambda one: scores[one.name])
+
+
+def _sideways(
+    tests: Sequence[StressStrainTest], law: ElasticKindAsked, poisson: float | None
+) -> tuple[float | None, bool]:
+    """Poisson's ratio by the strain sideways, if any shows it, and whether a foam is fitted."""
+    shown = [one.poisson for one in tests if one.poisson is not None]
+    told = sum(shown) / len(shown) if shown else None
+    swells = told is not None and told < SWELLS
+    return told, law == "hyperfoam" or (law == "auto" and (poisson is not None or swells))
 
 
 # -- how well it is known ---------------------------------------------------------------------

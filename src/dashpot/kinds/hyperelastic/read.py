@@ -18,6 +18,7 @@ from dashpot.io.readers import channels
 from dashpot.io.readers.channels import Channel, Opened
 from dashpot.io.readers.relaxation import signals
 from dashpot.io.readers.rubber import refuse_sizes_of_rubber
+from dashpot.io.table import Column
 from dashpot.kinds.hyperelastic.asked import Measures
 from dashpot.kinds.hyperelastic.record import StressStrainTest
 from dashpot.solids.hyperelastic import Mode, poisson_of
@@ -86,20 +87,18 @@ def read_stress_strain(
         )
 
 
+def _is_sideways(column: Column) -> bool:
+    """Whether a column is of a strain square to the force."""
+    named = vocabulary.has_word(column.name, vocabulary.SIDEWAYS)
+    return column.content == "number" and named and bool(units.find(column.unit or "", "strain"))
+
+
 def _sideways(
     file: Opened, along: Channel, measures: Measures, *, pressed: bool
 ) -> tuple[float | None, list[str]]:
     """Poisson's ratio of a column of strain square to the force, and what is said of it."""
     columns = file.table.columns
-    found = [
-        i
-        for i, one in enumerate(columns)
-        if i != along.index
-        and one.content == "number"
-        and vocabulary.has_word(one.name, vocabulary.SIDEWAYS)
-        and one.unit
-        and units.find(one.unit, "strain")
-    ]
+    found = [i for i, one in enumerate(columns) if i != along.index and _is_sideways(one)]
     if not found:
         return None, []
     index = found[0]

@@ -288,26 +288,33 @@ def conclusion(c: Comparison) -> str:
     damped = not (found["peak_agrees"].failed or found["damping_agrees"].failed)
     if stiff and damped and (tested is None or not tested.failed):
         return f"The prediction matches the measurement: {c.matched}."
-    off = f"{100 * c.frequency_error:+z.1f} %"
-    first = f"The frequency agrees ({off})."
-    if not stiff:
-        first = f"The peak is predicted at {c.predicted_hz:.4g} Hz and measured at "
-        first += f"{c.measured_hz:.4g} Hz ({off})."
+    first = _of_frequency(c, agrees=stiff)
     if damped:
         return f"{first} {_ASTRAY}"
-    if c.predicted_damping is None or c.measured_damping is None:
-        second = f"The peak is {c.ratio_db:+z.1f} dB off."
-    else:
-        second = f"Damping ratio {100 * c.predicted_damping:.3g} % predicted, "
-        second += f"{100 * c.measured_damping:.3g} % measured."
-    why, advice = "", TOGETHER if stiff else _ASTRAY
-    if tested is not None and tested.failed:
-        why, advice = (
-            f"The relaxation test cannot see the {_time(tested.value or 0.0)} that matter.",
-            TOGETHER,
-        )
+    second = _of_damping(c)
     said = [second, first] if stiff else [first, second]
-    return within(VERDICT_WORDS, [*said, *filter(None, [why])], [advice])
+    if tested is not None and tested.failed:
+        unseen = _time(tested.value or 0.0)
+        said.append(f"The relaxation test cannot see the {unseen} that matter.")
+        return within(VERDICT_WORDS, said, [TOGETHER])
+    return within(VERDICT_WORDS, said, [TOGETHER if stiff else _ASTRAY])
+
+
+def _of_frequency(c: Comparison, *, agrees: bool) -> str:
+    """How far the frequency of the peak is off, in a sentence."""
+    off = f"{100 * c.frequency_error:+z.1f} %"
+    if agrees:
+        return f"The frequency agrees ({off})."
+    where = f"predicted at {c.predicted_hz:.4g} Hz and measured at {c.measured_hz:.4g} Hz"
+    return f"The peak is {where} ({off})."
+
+
+def _of_damping(c: Comparison) -> str:
+    """How far its damping is off or, where that is not known, its height."""
+    if c.predicted_damping is None or c.measured_damping is None:
+        return f"The peak is {c.ratio_db:+z.1f} dB off."
+    predicted, measured = 100 * c.predicted_damping, 100 * c.measured_damping
+    return f"Damping ratio {predicted:.3g} % predicted, {measured:.3g} % measured."
 
 
 def _time(value: float) -> str:
