@@ -183,6 +183,23 @@ def test_a_followed_residual_is_in_the_unit_in_which_it_is_drawn(store, asked):
     assert size["mN"] == pytest.approx(1000 * size["N"], rel=1e-5)
 
 
+def test_of_a_hold_that_is_cut_the_whole_record_stays_in_sight(store, asked):
+    """Its handle goes both ways; what the cut leaves out is hatched."""
+    request = {"relaxation": asked["relaxation"], "arms": 2}
+    cut = request | {"cuts": {"hold_end": 12.0}}
+    drawn = [ask("settle", store, job=one)["panels"]["hold"] for one in (request, cut)]
+    ends = [float(re.search(r'data-x="log \S+ (\S+)"', one)[1]) for one in drawn]
+    assert ends[1] == pytest.approx(ends[0], rel=1e-3)
+    hatches = [one.count("<pattern") for one in drawn]
+    assert hatches[1] > hatches[0]
+    job = job_of(cut, store.folder)
+    (short,) = results.prepared(results.of_test(job), None)
+    assert short.hold_end == 12.0
+    assert results.whole(job, short).time[-1] > 40.0
+    uncut = job_of(request, store.folder)
+    assert results.whole(uncut, short) is None
+
+
 def test_a_law_that_was_found_can_be_asked_for():
     """A handle that is held asks for the law that was settled."""
     bent, straight = (

@@ -106,15 +106,19 @@ def deck_for(
             raise ExportError("a bare solid has no elastic law; leave out --compression")
         made.setdefault("specimen", Specimen(temperature=temperature))
         return write(seals * found, **made)
+    here = _of_seals(found, seals, compression)
+    if temperature is not None:
+        made["specimen"] = replace(here.specimen, temperature=temperature)
+    return write(here, **made)
+
+
+def _of_seals(found: Fit | LevelFit, seals: float, compression: float | None) -> Fit | LevelFit:
+    """The fit of so many seals, side by side, at a compression."""
     if compression is not None:
         if isinstance(found, LevelFit):
             raise ExportError("FRFs at levels are of one compression; leave out --compression")
         found = found.at_compression(compression)
-    if seals != 1:
-        found = found.in_parallel(seals)
-    if temperature is not None:
-        made["specimen"] = replace(found.specimen, temperature=temperature)
-    return write(found, **made)
+    return found if seals == 1 else found.in_parallel(seals)
 
 
 def _plugged(target: str) -> Callable[..., DeckText]:

@@ -170,7 +170,11 @@ def force_panel(
 
 
 def upon_panels(
-    one: DrawnFit, prepared: RampHold, *, other: DrawnFit | None = None
+    one: DrawnFit,
+    prepared: RampHold,
+    *,
+    other: DrawnFit | None = None,
+    whole: RampHold | None = None,
 ) -> tuple[Panel, Panel, Panel]:
     """Ramp, hold and residual with the record upon its fit, and all of the record in sight.
 
@@ -184,10 +188,13 @@ def upon_panels(
     prepared : RampHold
     other : DrawnFit, optional
         Drawn thin beside it.
+    whole : RampHold, optional
+        The same test to its last sample, where the hold of `prepared` is cut.
     """
     unit, scale = unit_of(prepared.force, "N")
     t, force, c = prepared.time, scale * prepared.force, prepared.ramp_time
-    (seen, axis), (on_ramp, on_hold) = _upon_axes(prepared), fit_lines(one, prepared)
+    whole = whole or prepared
+    (seen, axis), (on_ramp, on_hold) = _upon_axes(prepared, whole), fit_lines(one, prepared, whole)
     within = (t >= seen[0]) & (t <= seen[1])
     moved = prepared.displacement * (float(np.max(force[within])) / prepared.depth)
     ramp: list[Mark] = [
@@ -197,29 +204,31 @@ def upon_panels(
         Tag(float(prepared.onset + 0.55 * c), float(0.5 * np.max(moved[within])),
             "displacement", "soft"),
     ]  # fmt: skip
-    since, (start, last) = t - prepared.ramp_end, axis.limits
+    since, held, (start, last) = whole.time - prepared.ramp_end, scale * whole.force, axis.limits
     left: list[Mark] = []
     if prepared.hold_end - prepared.ramp_end < last:
         left = [Span(prepared.hold_end - prepared.ramp_end, last, "away", "", True, 1.0)]
     hold = [*left]
     if other is not None:
         hold.append(_hold_line(other.time - c, scale * other.force, axis, other.pen, "eq. (5)"))
-    hold += [on_hold, _hold_line(since, force, axis, UPON, "measured")]
-    used = (since >= start) & (t <= prepared.hold_end)
+    hold += [on_hold, _hold_line(since, held, axis, UPON, "measured")]
+    used = held[since >= start]
     rest = residual_panel(one, prepared, since=c, axis=axis)
     said = f"force, {unit}"
     return (
         Panel(Scale("time on the record's clock, s", seen),
               Scale(said, _headroom(force[within])), tuple(ramp)),
-        Panel(axis, Scale(said, _headroom(force[used])), tuple(hold)),
+        Panel(axis, Scale(said, _headroom(used)), tuple(hold)),
         replace(rest, marks=(*left, *rest.marks)),
     )  # fmt: skip
 
 
-def fit_lines(one: DrawnFit, prepared: RampHold) -> tuple[Line, Line]:
+def fit_lines(
+    one: DrawnFit, prepared: RampHold, whole: RampHold | None = None
+) -> tuple[Line, Line]:
     """The fit on the ramp and on the hold of :func:`upon_panels`."""
     _, scale = unit_of(prepared.force, "N")
-    (seen, axis), c = _upon_axes(prepared), prepared.ramp_time
+    (seen, axis), c = _upon_axes(prepared, whole or prepared), prepared.ramp_time
     under = replace(BENEATH, colour=one.pen.colour)
     return (
         _ramp_line(one.time + prepared.onset, scale * one.force, seen, under, "fit"),
@@ -229,14 +238,14 @@ def fit_lines(one: DrawnFit, prepared: RampHold) -> tuple[Line, Line]:
 
 def mean_residual(one: DrawnFit, prepared: RampHold) -> tuple[FloatArray, FloatArray]:
     """The mean residual of :func:`upon_panels`, N, over time since the end of the ramp."""
-    c, axis = prepared.ramp_time, _upon_axes(prepared)[1]
+    c, axis = prepared.ramp_time, _upon_axes(prepared, prepared)[1]
     when, left = one.residual(prepared, c + axis.limits[0])
     return means(when - c, left, log=True)
 
 
-def _upon_axes(prepared: RampHold) -> tuple[tuple[float, float], Scale]:
+def _upon_axes(prepared: RampHold, whole: RampHold) -> tuple[tuple[float, float], Scale]:
     """What is in sight of the ramp, s on the clock of the record, and the axis of the hold."""
-    c, (first, end) = prepared.ramp_time, prepared.time[[0, -1]].tolist()
+    c, first, end = prepared.ramp_time, float(prepared.time[0]), float(whole.time[-1])
     last = end - prepared.ramp_end
     start = min(_first_step(prepared), last / 10)
     seen = max(first, prepared.onset - 0.5 * c), min(end, prepared.ramp_end + 0.8 * c)

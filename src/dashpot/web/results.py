@@ -116,6 +116,18 @@ def shown(job: Job, found: Fit, most: int | None = None) -> tuple[RelaxationTest
     return tests(job)[first], ready[first]
 
 
+def whole(job: Job, prepared_one: RampHold) -> RampHold | None:
+    """The test of a job to its last sample, for the eye, where its hold is cut by hand."""
+    if job.cuts.hold_end is None or job.further:
+        return None
+    uncut = replace(of_test(job), cuts=replace(job.cuts, hold_end=None))
+    try:
+        (found,) = prepared(uncut, WHILE_HELD)
+    except DashpotError:
+        return None
+    return found if found.time[-1] > prepared_one.time[-1] else None
+
+
 @lru_cache(KEPT)
 def study(job: Job) -> Study:
     """The whole story of a job."""

@@ -155,13 +155,22 @@ def drawn(
     return piece("figure", key=samples, svg=svg, title=title, note=note)
 
 
-def test_panels(fit: Fit, prepared: RampHold, by_eq5: Fit | None, sizes: Sizes) -> dict[str, str]:
-    """Ramp, hold with its residual, and arms of a fit, in the colour of its solid."""
+def test_panels(
+    fit: Fit,
+    prepared: RampHold,
+    by_eq5: Fit | None,
+    sizes: Sizes,
+    whole: RampHold | None,
+) -> dict[str, str]:
+    """Ramp, hold with its residual, and arms of a fit, in the colour of its solid.
+
+    Of a hold that is cut the `whole` test stays in sight: its handle goes both ways.
+    """
     chosen = _shown_fit(fit, prepared)
     other = None
     if by_eq5 is not None and fit.method != "hold":
         other = relaxation.DrawnFit(by_eq5, EQ5, *relaxation.fitted_force(by_eq5, prepared))
-    ramp, hold, rest = relaxation.upon_panels(chosen, prepared, other=other)
+    ramp, hold, rest = relaxation.upon_panels(chosen, prepared, other=other, whole=whole)
     force, left = (one.y.label.rpartition(", ")[2] for one in (hold, rest))
     noise, of = unit_of(np.array([prepared.force_noise]), "N")
     scatter = rounded(of * prepared.force_noise, digits=2)

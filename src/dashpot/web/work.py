@@ -126,7 +126,8 @@ def settle(request: Mapping[str, Any], folder: Path) -> bytes:
     found = results.fitted(results.of_fit(job), True, most)
     test, prepared = results.shown(job, found, most)
     by_eq5 = results.beside(job, found, most)
-    panels = views.test_panels(found, prepared, by_eq5, sizes)
+    whole = results.whole(job, prepared)
+    panels = views.test_panels(found, prepared, by_eq5, sizes, whole)
     checks = found.checks
     if job.mass is not None:
         response = _predicted(found, job, _kind(request), REACH)
@@ -225,7 +226,9 @@ def study(request: Mapping[str, Any], folder: Path) -> bytes:
         "hits": views.hit_table(found),
         "hit_panels": views.hit_panels(found, sizes),
         "hammer": views.hammer_line(found),
-        "panels": views.test_panels(solid, found.prepared, by_eq5, sizes),
+        "panels": views.test_panels(
+            solid, found.prepared, by_eq5, sizes, results.whole(job, found.prepared)
+        ),
         "cuts": _cuts(found.prepared),
         "simulated": bool(simulated(found)),
         "command": line("report", job),

@@ -105,7 +105,7 @@ def settled(moved: Any, last: Any, fall: Any, sse: Any) -> Any:
     return (moved <= LINEAR) & (moved * moved <= REST * last) & (fall <= UNCHANGED * sse)
 
 
-def descend(
+def descend(  # noqa: C901 -- one loop, whose rules share all that it knows
     objective: Objective[T],
     start: FloatArray,
     *,

@@ -149,7 +149,7 @@ function settled(/** @type {any} */ head) {
   $("beside").innerHTML = head.beside;
   $("beside").hidden = !Object.keys(state.job.cuts).length;
   $("pressed").textContent = head.pressed.says;
-  field("compression").placeholder = head.pressed.value || "by weight";
+  field("compression").placeholder = head.pressed.value || "weight";
   field("specimen-temperature").placeholder = head.temperature || "not given";
   found = { arms: head.arms, law: head.law, cuts: head.cuts };
   const [first, last] = head.clock;
