@@ -57,7 +57,9 @@ def shapes_left(slams: Slams, best: Optimum) -> dict[str, float]:
     bend = np.gradient(np.gradient(force, slams.step, axis=0), slams.step, axis=0)
     seen["a sensor that filters"] = np.where(touched, bend, 0.0)
     J = best.jacobian[:, best.free]
-    basis, weight, _ = np.linalg.svd(J / np.linalg.norm(J, axis=0), full_matrices=False)
+    # the time of an arm that has gone moves nothing
+    size = np.maximum(np.linalg.norm(J, axis=0), 1e-300)
+    basis, weight, _ = np.linalg.svd(J / size, full_matrices=False)
     basis = basis[:, weight > _TAKEN * weight[0]]
     flights = _Flights.of(slams, theta, best.residual)
     deviation = np.sqrt(flights.alike)
