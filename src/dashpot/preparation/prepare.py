@@ -33,6 +33,8 @@ from dashpot.signals.noise import evenly_sampled, median_of_three, scatter, with
 
 # times that a gap and a delay are found, each with the other
 ROUNDS = 3
+# of the samples of a ramp, to tell a delay from air
+WATCHED = 8000
 # a later clock and less air explain the force better by this deviance
 TOLD = 10.0
 
@@ -289,7 +291,8 @@ def _but_late(
         return touch
     ends = motion.line.time_of(motion.rest), motion.line.time_of(motion.level)
     until = int(np.searchsorted(time, ends[1] + AFTER * (ends[1] - ends[0])))
-    watched = slice(motion.start, min(until, motion.stop + 1))
+    until = min(until, motion.stop + 1)
+    watched = slice(motion.start, until, max(1, (until - motion.start) // WATCHED))
 
     def late_from(contact: float) -> Lateness:
         pressed = np.maximum(x[watched] - contact, 0.0)

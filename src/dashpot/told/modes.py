@@ -69,7 +69,7 @@ def _macs(found: MeasuredModes) -> list[str]:
 
 def _against(found: MeasuredModes) -> list[str]:
     """The modes that another test has too."""
-    rows = [["mode", "there", "frequency, Hz", "change, %", "damping ratio, %", "MAC"]]
+    rows = [["mode", "there", "frequency there, Hz", "change, %", "damping there, %", "MAC"]]
     for one in found.against:
         change = one.frequency_hz / found.modes[one.mode - 1].frequency_hz - 1
         rows.append(
