@@ -187,6 +187,7 @@ def large(page: Page, path: Path) -> None:
     page.keyboard.press("2")
     page.locator("#command").filter(has_text="--arms 2").wait_for()
     say("3 M rows: refit", 1e3 * (time.perf_counter() - since), "ms", 2000)
+    done(page)
     say("3 M rows: server and workers", memory(server.pid), "MB", 600)
     leave(server)
 

@@ -233,7 +233,7 @@ def test_the_residual_of_a_sweep_is_per_cent(lab: Path, noise: float) -> None:
 def test_the_end_of_the_band_is_no_peak(lab: Path) -> None:
     light = ("predict", "fit.json", "--mass", "2g")
     far = run(*light)
-    assert re.search(r"largest value of the accelerance [\d.]+ \(m/s\^2\)/N at 50 Hz", far)
+    assert re.search(r"largest value of the accelerance [\d.]+ 1/kg at 50 Hz", far)
     assert "This is the end of the band, not a peak. Add --band" in far
     band = far.partition("--band ")[2].partition(" ")[0]
     assert re.search(r" peak of the accelerance .* at 65\.4\d* Hz", run(*light, "--band", band))

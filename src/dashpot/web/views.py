@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from importlib import resources
+from importlib import import_module, resources
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -121,7 +121,9 @@ def piece(name: str, **values: Any) -> str:
 
 
 def ready() -> None:
-    """Load every piece: who waits for the first plot waits for no template."""
+    """Load every piece: who waits for the first plot waits for no template, and for no module."""
+    for module in ("msgspec", "dashpot.io.formats.text", "dashpot.plot.solid"):
+        import_module(module)
     pieces = environment("dashpot.web")
     for one in resources.files("dashpot.web").joinpath("templates").iterdir():
         pieces.get_template(one.name)
