@@ -87,7 +87,7 @@ def test_terms_of_a_record_are_known_no_better_than_it_is_rounded() -> None:
         rows = known.rows(block, spread).evaluate(np.zeros(0), False).fixed
         assert rows[1] == pytest.approx([0.0, spread / tightest])
         # the offset is known in the middle of what was recorded before contact
-        assert rows[0, 1] / rows[0, 0] == priors(record).at
+        assert rows[0, 1] / rows[0, 0] == pytest.approx(priors(record).at)
 
 
 def test_a_data_sheet_or_a_long_baseline_tells_the_drift() -> None:
