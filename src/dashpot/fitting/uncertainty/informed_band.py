@@ -91,7 +91,9 @@ def spread_left(
     omega = np.exp(-np.linspace(log_tau[-1], log_tau[0], count))
     x = omega[:, None] * tau
     loss = x / (1.0 + x * x)
-    left = np.sqrt(((loss @ posterior) * loss).sum(axis=1) / (loss * loss).sum(axis=1))
+    # what millions of samples leave is less than its rounding
+    spread = np.maximum(((loss @ posterior) * loss).sum(axis=1), 0.0)
+    left = np.sqrt(spread / (loss * loss).sum(axis=1))
     return omega / (2.0 * np.pi), left
 
 
