@@ -389,12 +389,19 @@ def truth_named(name: str) -> int:
 
 
 @pytest.mark.parametrize(
-    ("truth", "rig"),
-    [("springpot, 1", "filter 10 Hz"), ("5 arms, 0", "filter 20 Hz Butterworth")],
+    ("truth", "rig", "done"),
+    [
+        ("springpot, 1", "filter 10 Hz", []),
+        ("5 arms, 0", "filter 20 Hz Butterworth", ["put the motion behind a low-pass of 9.92 ms"]),
+    ],
 )
-def test_a_filter_that_nobody_named_is_told_and_its_bound_holds(truth: str, rig: str) -> None:
+def test_a_filter_that_nobody_named_is_told_and_its_bound_holds(
+    truth: str, rig: str, done: list[str]
+) -> None:
     """To first order of the delay the second is a bent law, and its contact is behind air."""
     one, record, found = foreign(truth_named(truth), rig)
+    says = [step.says for step in found.steps if step.name == "lag"]
+    assert [one.partition(",")[0] for one in says] == done
     assert found.verdict.use == "use"
     assert found.elastic_law is not None
     assert found.elastic_law.kind == "linear"

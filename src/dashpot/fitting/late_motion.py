@@ -35,18 +35,27 @@ class LateMotion(NamedTuple):
     data : FitData
     lags : tuple of float
         By how much each motion was made late, s: 0 as recorded.
+    filtered : bool
+        Whether by low-passes of those time constants.
     """
 
     holds: Holds
     data: FitData
     lags: tuple[float, ...]
+    filtered: bool = False
 
     @classmethod
     def of(
-        cls, records: Sequence[RampHold], design: Design, lags: tuple[float, ...] = ()
+        cls,
+        records: Sequence[RampHold],
+        design: Design,
+        lags: tuple[float, ...] = (),
+        *,
+        filtered: bool = False,
     ) -> LateMotion:
         """The data of records; as they are where no lags are said."""
-        return cls(Holds(records), data_of(records, design), lags or (0.0,) * len(records))
+        still = (0.0,) * len(records)
+        return cls(Holds(records), data_of(records, design), lags or still, filtered)
 
     def coefficients(self, found: Callable[[str], float]) -> Callable[[str], float]:
         """The value of a column by its name, a delay with what the motion was made late by."""
@@ -60,7 +69,10 @@ class LateMotion(NamedTuple):
             return ()
         late = " and ".join(written(lag, "ms", ".3g") for lag in self.lags)
         parameters = (("lag_s", ", ".join(f"{lag:.6g}" for lag in self.lags)),)
-        return (Step("lag", parameters, f"took the motion {late} later, as the force comes"),)
+        how = f"put the motion behind a low-pass of {late}"
+        if not self.filtered:
+            how = f"took the motion {late} later"
+        return (Step("lag", parameters, f"{how}, as the force comes"),)
 
 
 def soundest(recorded: LateMotion, asked: Asked) -> tuple[LateMotion, Gate]:
@@ -86,7 +98,8 @@ def _later(recorded: LateMotion, gate: Gate) -> Iterator[LateMotion]:
     if any(lags):
         yield LateMotion.of(shifted, Design("full"), lags)
     if any(late) and not any(record.machine.force_filter for record in records):
-        yield LateMotion.of([*map(_behind, records, late)], Design("full"), late)
+        behind = [*map(_behind, records, late)]
+        yield LateMotion.of(behind, Design("full"), late, filtered=True)
 
 
 def _shifted(record: RampHold, lag: float) -> tuple[RampHold, float]:

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray, IndexArray
+from dashpot.base.arrays import FloatArray, IndexArray, median
 from dashpot.engine.least_squares.nnls import linear
 from dashpot.solids.maxwell import arm_response
 
@@ -65,7 +65,7 @@ def lateness(
     rows = _rows(time, corners, MOST * delay_sd)
     if len(rows) < FEWEST:
         return Lateness(0.0, 0.0)
-    ramp, step = corners[1] - corners[0], float(np.median(np.diff(time[rows])))
+    ramp, step = corners[1] - corners[0], median(np.diff(time[rows]))
     fastest = max(FASTEST * ramp, SAMPLES * step)
     tau = np.geomspace(fastest, max(SLOWEST * ramp, 2 * fastest), ARMS)
     answers = [pressed, *(arm_response(time, pressed, one) for one in tau)]

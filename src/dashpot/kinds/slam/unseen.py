@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray
+from dashpot.base.arrays import FloatArray, median
 from dashpot.engine.inference.covariance import noise_of
 from dashpot.engine.least_squares.problem import Optimum
 from dashpot.kinds.slam.law import POWERS
@@ -86,7 +86,7 @@ def _besides(slams: Slams, x: FloatArray, relaxed: FloatArray) -> dict[str, Floa
     depth, largest = x.max(), relaxed.max()
     share = x / depth
     rubs, arm = np.zeros_like(x), np.zeros_like(x)
-    contact = float(np.median([one.contact for one in slams.hits]))
+    contact = median(np.array([one.contact for one in slams.hits]))
     even = EvenStep.of(np.array(slams.step / (_EARLY * contact)))
     for i, (way, pressed, given) in enumerate(
         zip(np.diff(x, axis=0), relaxed[1:], np.diff(relaxed, axis=0), strict=True), start=1
