@@ -269,7 +269,10 @@ def runs(true: BoolArray) -> IndexArray:
 
 
 def frozen(values: npt.NDArray[Any]) -> npt.NDArray[Any]:
-    """Return a read-only private copy, or the array itself if nobody can write to it."""
+    """Return a read-only private copy, or a read-only array itself: who made it so gives it away.
+
+    ``measured`` and ``samples`` do the same.
+    """
     return _private(values, None)
 
 

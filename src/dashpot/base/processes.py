@@ -34,13 +34,12 @@ def give_back(beyond: int) -> None:
     """
     if sys.platform != "linux":
         return
-    resident = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1])
-    if resident * os.sysconf("SC_PAGE_SIZE") <= beyond:
-        return
-    import ctypes  # long records alone need it
+    with suppress(OSError, AttributeError):  # no /proc, or another library of C
+        resident = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1])
+        if resident * os.sysconf("SC_PAGE_SIZE") > beyond:
+            import ctypes  # long records alone need it
 
-    with suppress(OSError, AttributeError):  # another library of C
-        ctypes.CDLL(None).malloc_trim(0)
+            ctypes.CDLL(None).malloc_trim(0)
 
 
 def one_thread() -> dict[str, str]:
