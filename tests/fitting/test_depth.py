@@ -100,6 +100,31 @@ def test_noise_alone_does_not_make_depths_differ(paper_seal: GeneralizedMaxwell)
     assert max(chances) > 0.3
 
 
+def test_what_each_depth_says_of_its_stiffness_bears_the_rig(
+    paper_seal: GeneralizedMaxwell,
+) -> None:
+    """A machine that gives by .8 % of the depth, of which nobody spoke."""
+    tests = []
+    for i, depth in enumerate((4e-3, 6e-3, 8e-3)):
+        one = quasi_linear(paper_seal, depth, noise=2e-3, seed=i)
+        shown, quiet = one.displacement, quasi_linear(paper_seal, depth).force
+        force = quiet
+        for _ in range(4):
+            pressed = shown - 8e-3 * depth * force / quiet.max()
+            force = (paper_seal * (1.0 / paper_seal.k_inf)).force(one.time, cubic(pressed))
+        tests.append(replace(one, force=one.force - quiet + force))
+    for at in fit_depths(tests, arms=2).by_depth:
+        secant = float(cubic(np.array(at.depth))) / at.depth
+        for k, se, quiet in zip(
+            (at.k_inf, *at.k),
+            (at.k_inf_se, *at.k_se),
+            (paper_seal.k_inf, *paper_seal.k),
+            strict=True,
+        ):
+            truth = quiet * secant / paper_seal.k_inf
+            assert abs(k - truth) < 1.96 * se < 0.25 * truth
+
+
 @pytest.mark.slow
 def test_eight_long_records_take_seconds(paper_seal: GeneralizedMaxwell) -> None:
     tests = [

@@ -13,6 +13,7 @@ Source: Y. C. Fung, *Biomechanics* (1993), ch. 7.
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
@@ -24,16 +25,18 @@ from dashpot.base.errors import FitError
 from dashpot.base.units import written
 from dashpot.engine.inference.estimate import Estimate
 from dashpot.fitting.checks.relaxation import separable
-from dashpot.fitting.nonlinear_ramp.assembly import held_ramps, ramp_fit
+from dashpot.fitting.nonlinear_ramp.assembly import depth_error, held_ramps, ramp_fit
 from dashpot.fitting.nonlinear_ramp.hold_first import MAX_ARMS, follow
 from dashpot.fitting.nonlinear_ramp.ladder import ramp_law
 from dashpot.fitting.nonlinear_ramp.law_estimate import RampLaw
 from dashpot.fitting.pipeline import asked_arms
+from dashpot.fitting.relaxation_data import RelaxationData
 from dashpot.fitting.temperature.of_tests import checked_temperatures
-from dashpot.fitting.uncertainty.moved_by_rig import moved_by_rig
+from dashpot.fitting.uncertainty.moved_by_rig import moved_by_clocks, moved_by_rig
 from dashpot.preparation.ramp_holds import Tests, ramp_holds
 from dashpot.records.evidence import AtDepth
 from dashpot.records.fit import Fit
+from dashpot.records.relaxation import RampHold
 from dashpot.solids.elastic import ElasticLaw
 
 
@@ -93,8 +96,10 @@ def fit_depths(
     most = asked_arms(arms, max_arms)
     asked = None if arms == "auto" else most
     found = ramp_law(ordered, arms=asked, max_arms=most)
-    each = _each(found)
-    by_depth = tuple(each.at(i, depth) for i, depth in enumerate(depths))
+    each, held = _each(found), held_ramps(ordered, found)
+    by_depth = tuple(
+        each.at(i, test.depth, rig) for i, (test, rig) in enumerate(_by_rigs(ordered, held, found))
+    )
     for at in by_depth:
         if at.k_inf <= 0:
             raise FitError(
@@ -102,10 +107,10 @@ def fit_depths(
                 "longer, or leave it out"
             )
     check = _separable(each)
-    unseen = moved_by_rig(held_ramps(ordered, found), found.model)
     together = ramp_fit(
-        ordered, found, asked=asked, by_depth=by_depth, further=(check,), unseen=unseen
-    )
+        ordered, found, asked=asked, by_depth=by_depth, further=(check,),
+        unseen=moved_by_rig(held, found.model),
+    )  # fmt: skip
     return DepthLaw(found.law, by_depth, check, together)
 
 
@@ -120,14 +125,29 @@ class _Each(NamedTuple):
     dof: float
     law: ElasticLaw
 
-    def at(self, test: int, depth: float) -> AtDepth:
-        """Secant stiffnesses of one test at its depth."""
+    def at(self, test: int, depth: float, rig: FloatArray) -> AtDepth:
+        """Secant stiffnesses of one test at its depth; `rig` is what it may add to them."""
         scale = float(self.law.path(depth)) / depth
         error = self.known.standard_error[len(self.known.optimum.theta) :]
-        k, se = scale * self.k[test], scale * error[: self.k.size].reshape(self.k.shape)[test]
+        noise = error[: self.k.size].reshape(self.k.shape)[test]
+        k, se = scale * self.k[test], scale * np.hypot(noise, rig)
         return AtDepth(
             depth, float(k[0]), float(se[0]), tuple(k[1:].tolist()), tuple(se[1:].tolist())
         )
+
+
+def _by_rigs(
+    tests: Sequence[RampHold], held: Sequence[RelaxationData], found: RampLaw
+) -> Iterator[tuple[RampHold, FloatArray]]:
+    """Each test, and what its rig may add to its own stiffnesses, N/m, on the path of the law."""
+    model = found.model
+    k = np.array((model.k_inf, *model.k))
+    moved = moved_by_rig(held, model, apart=True)
+    for i, test in enumerate(tests):
+        here = slice(i * len(k), (i + 1) * len(k))
+        clocks = moved_by_clocks([test], model)[: len(k)]
+        columns = np.column_stack((moved[here], depth_error(test) * k, clocks))
+        yield test, np.linalg.norm(columns, axis=1)
 
 
 def _each(found: RampLaw) -> _Each:

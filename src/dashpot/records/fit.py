@@ -232,7 +232,7 @@ class Fit(ByValue, Pictured, Documented):
 
     @property
     def error_beside(self) -> str:
-        """What errors of shifts, of their law and of single depths are called.
+        """What errors of shifts and of their law are called.
 
         Rigs may have done more than they hold.
         """

@@ -68,7 +68,8 @@ def fit(found: Fit, *, asked: int | str = "auto") -> Text:
         _creep, _bent, _left_open, _beside, _temperatures, _by_depth, _explained,
     ):  # fmt: skip
         lines += section(found)
-    every = ["every parameter", *facts(found.known)] if found.parameters else []
+    of = " of the one solid of all depths, at the deepest" if found.by_depth else ""
+    every = [f"every parameter{of}", *facts(found.known)] if found.parameters else []
     details = [*every, *_moved(found), f"  optimiser   {found.status.value}"]
     if found.certificate:
         details.append(f"  optimality  {found.certificate.says}")
@@ -100,7 +101,8 @@ def _size(residual: Residual) -> str:
 def _solid(found: Fit) -> list[str]:
     """What is told of the solid: an arm a row, and apart what has an interval and no error."""
     known = {one.name: one for one in found.known}
-    of = ("k", "tau", "b")
+    # stiffnesses that each depth has of its own stand there, and nowhere else
+    of = ("tau",) if found.by_depth else ("k", "tau", "b")
     arms = [
         [known.pop(name) for name in names]
         for j in range(1, found.model.arms + 1)
@@ -112,7 +114,9 @@ def _solid(found: Fit) -> list[str]:
     for one, fact in zip(of, arms[0], strict=True):
         rows[0] += [f"{one}, {fact.cells.ascii.unit}", "±"]
     rest = known.get("k_inf")
-    if rest is not None and rest.cells.error:
+    if found.by_depth:
+        known.clear()
+    elif rest is not None and rest.cells.error:
         rows.append([known.pop("k_inf").called, *_both(rest), *[""] * 4])
     for arm in arms:
         number = arm[0].name.partition("_")[2]
@@ -140,7 +144,11 @@ def _samples(residual: Residual) -> str:
 def _bent(found: Fit) -> list[str]:
     """The elastic law, where it is no straight line."""
     law = found.elastic_law
-    return [f"  elastic law {_law(law)}"] if law and law.kind != "linear" else []
+    if law is None or law.kind == "linear":
+        return []
+    secant = f"secant {written(law.stiffness, 'N/mm')} at {written(law.depth, 'mm', '.3g')}; "
+    noise = "" if found.estimate.of_noise is None else f" ({found.error_beside})"
+    return [f"  elastic     {'' if found.by_depth else secant}tangent{noise} {_law(law)}"]
 
 
 def _left_open(found: Fit) -> list[str]:
@@ -161,7 +169,7 @@ def _beside(found: Fit) -> list[str]:
 def _nuisance(found: Fit) -> list[str]:
     each = (item.fact for item in found.also_fitted)
     listed = ascii_only(", ".join(f"{one.called} {one.cells.with_unit}" for one in each))
-    return [f"  also fitted {listed}"] if listed else []
+    return [f"  fitted too  {listed}"] if listed else []
 
 
 def _read(sources: Sequence[Source]) -> list[str]:
@@ -229,7 +237,7 @@ def _by_depth(found: Fit) -> list[str]:
     for at, known in zip(found.by_depth, each, strict=True):
         cells = (one.cells.ascii.with_error for one in known)
         rows.append([f"  {written(at.depth, 'mm')}", *cells])
-    return [f"    by depth, {each[0][0].word}, {found.error_beside}", *table(rows)]
+    return [f"    by depth, {each[0][0].word}, ± SE", *table(rows)]
 
 
 def _moved(found: Fit) -> list[str]:
@@ -543,12 +551,10 @@ def _wider(modes: Iterable[Mode]) -> str:
 
 
 def _law(law: ElasticLaw) -> str:
-    """The tangent of an elastic law at a few compressions, beside its secant."""
+    """The tangent of an elastic law at a few compressions."""
     step = max(1, (len(law.knots) - 1) // 4)
     shown = law.knots[::step]
     each = zip(shown, law.tangent(shown), law.stiffness * law.factor_se(shown), strict=True)
-    tangents = ", ".join(
+    return ", ".join(
         f"{with_error(k, se or None, 'N/m')} at {written(x, 'mm', '.3g')}" for x, k, se in each
     )
-    secant = f"{written(law.stiffness, 'N/mm')} at {written(law.depth, 'mm', '.3g')}"
-    return f"secant {secant}; tangent {tangents}"

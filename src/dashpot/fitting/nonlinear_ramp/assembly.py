@@ -91,6 +91,11 @@ def held_ramps(tests: Sequence[RampHold], found: RampLaw) -> list[RelaxationData
     ]
 
 
+def depth_error(test: RampHold) -> float:
+    """Of the depth that was held, of which every stiffness has as much: relative, one deviation."""
+    return float(np.hypot(test.depth_doubt, test.contact_error / test.depth))
+
+
 def _doubted(
     estimate: ParameterEstimate, model: GeneralizedMaxwell, tests: Sequence[RampHold]
 ) -> ParameterEstimate:
@@ -99,7 +104,7 @@ def _doubted(
     A relative error of the depth scales every stiffness, a delay :math:`\delta` of the ramp each
     arm by :math:`\delta/\tau_j`; of n tests each counts :math:`1/\sqrt n`.
     """
-    depth = [np.hypot(test.depth_doubt, test.contact_error / test.depth) for test in tests]
+    depth = [depth_error(test) for test in tests]
     scaled = np.concatenate(([model.k_inf], model.k, np.zeros(model.arms)))
     off = float(np.sqrt(np.mean(np.square(depth)) / len(tests)))
     by = np.column_stack((off * scaled, moved_by_clocks(tests, model)))

@@ -40,7 +40,9 @@ class _TestColumns(NamedTuple):
     unseen: FloatArray
 
 
-def moved_by_rig(relaxations: Sequence[RelaxationData], solid: Solid) -> FloatArray:
+def moved_by_rig(
+    relaxations: Sequence[RelaxationData], solid: Solid, *, apart: bool = False
+) -> FloatArray:
     """Return what each doubt of each test adds to the parameters of a solid fitted to them.
 
     Parameters
@@ -49,6 +51,9 @@ def moved_by_rig(relaxations: Sequence[RelaxationData], solid: Solid) -> FloatAr
         With what their rigs may add (`RelaxationData.unseen`), and as the solid was fitted.
     solid : Solid
         Its parameters are k_inf, every k, every ln tau, or those of a fractional solid; N/m and s.
+    apart : bool
+        Each test has stiffnesses of its own, one test's below another's, and the relaxation times
+        are those of all.
 
     Returns
     -------
@@ -56,13 +61,17 @@ def moved_by_rig(relaxations: Sequence[RelaxationData], solid: Solid) -> FloatAr
         One standard deviation a column; all are independent.
     """
     each = [_rows(data, solid) for data in relaxations]
-    own = each[0].solid.shape[1]
+    whole = each[0].solid.shape[1]
+    stiff = 1 + solid.maxwell.arms if apart else 0
+    own = whole + stiff * (len(each) - 1)
+    shared = np.arange(own - whole + stiff, own)
     width = own + sum(one.private.shape[1] for one in each)
     jacobians, first = [], own
-    for one in each:
+    for i, one in enumerate(each):
         rows, here = len(one.solid), slice(first, first + one.private.shape[1])
         J = np.zeros((rows + len(one.known), width))
-        J[:rows, :own], J[:rows, here], J[rows:, here] = one.solid, one.private, one.known
+        J[:rows, np.r_[i * stiff : (i + 1) * stiff, shared]] = one.solid
+        J[:rows, here], J[rows:, here] = one.private, one.known
         jacobians.append(J)
         first = here.stop
     known = directions(jacobians)
