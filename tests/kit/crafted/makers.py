@@ -17,10 +17,12 @@ from kit.crafted.row import (
     CREEP,
     CREPT,
     DECAY,
+    DEFLECTION,
     ISOTHERMS,
     LOSS,
     LOST,
     MODULUS,
+    PRESSED,
     RAMP,
     SOFT,
     STORAGE,
@@ -73,6 +75,11 @@ def _trios() -> list[Row]:
         "[step]\nStress relaxation - 1\nStep time\tTemperature\tRelaxation modulus\ns\t°C\tMPa",
         DECAY, 23 + 0 * DECAY, 2 + DECAY**-0.1, sign="\t",
     )  # fmt: skip
+    both_clocks = table(
+        "[step]\nStress relaxation - 1\nTime\tStep time\tRelaxation modulus E(t)\tAxial strain\n"
+        "s\ts\tMPa\t%",
+        DECAY + 31, DECAY, 2 + DECAY**-0.1, 1 + 0 * DECAY, sign="\t", end="\r\n",
+    )  # fmt: skip
     crept = table(
         "[step]\nCreep - 1\nStep time,Strain,Stress\ns,%,Pa",
         CLOCK,
@@ -86,6 +93,11 @@ def _trios() -> list[Row]:
         Row("TRIOS: German", german.encode("cp1252"), truth=SWEEP),
         Row("TRIOS: a step of relaxation", relaxed.encode(), truth=MODULUS),
         Row("TRIOS: a step of creep", crept.encode(), truth=CREEP),
+        Row(
+            "TRIOS: a relaxation, clocks of the step and of the whole",
+            both_clocks.encode("utf-16"),
+            truth=MODULUS,
+        ),
     ]
 
 
@@ -260,6 +272,10 @@ def _bluehill() -> list[Row]:
         top + "Godzina;Przesunięcie;Obciążenie\n(s);(mm);(N)", TIME, MOVED, FORCE,
         comma=True, quote=True, end="\r\n",
     )  # fmt: skip
+    german = table(
+        '"Kompression","Kompressionslast"\n"(mm)","(N)"', PRESSED, 0.2 * PRESSED,
+        sign=",", quote=True, end="\r\n",
+    )  # fmt: skip
     universal = table(
         '"Time (s)","Displacement (mm)","Force (kN)","Compressive strain (Displacement) (%)"',
         TIME, MOVED, FORCE / 1e3, 5 * MOVED, sign=",", form="%.10g", quote=True,
@@ -267,6 +283,7 @@ def _bluehill() -> list[Row]:
     return [
         Row("Bluehill: results before the raw data", plain.encode()),
         Row("Bluehill: Polish", polish.encode("cp1250")),
+        Row("Bluehill: a German deflection", german.encode("utf-8-sig"), truth=DEFLECTION),
         Row("Bluehill Universal", universal.encode("utf-8-sig")),
     ]
 

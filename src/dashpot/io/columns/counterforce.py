@@ -19,7 +19,9 @@ _OTHERS: tuple[Role, ...] = (
 """Roles of what moves, and of a material: with them a table is another test."""
 _RATIO = re.compile(r"\bf\s*/\s*f[_ ]?(0|o)\b|\bretain|\bretention|\bcounterforce|\bsealing force")
 _DIGIT = re.compile(r"\d")
-_SAID = re.compile(r"compression stress relaxation|\bcsr\b|\b3384\b|\bd6147\b|counterforce")
+_SAID = re.compile(
+    r"compression stress relaxation|\bcsr\b|\biso\W{0,2}3384\b|\bd6147\b|counterforce"
+)
 
 
 def counterforce(table: FileTable, options: ReadOptions) -> ReadOptions | None:
@@ -47,8 +49,9 @@ def counterforce(table: FileTable, options: ReadOptions) -> ReadOptions | None:
 
 def is_ratio(column: Column) -> bool:
     """Whether a column holds parts of F0."""
-    plain = column.unit is None or any(units.same(column.unit, one) for one in ("%", "1"))
-    return plain and bool(_RATIO.search(column.name.casefold()))
+    if not _RATIO.search(column.name.casefold()):
+        return False
+    return column.unit is None or any(units.same(column.unit, one) for one in ("%", "1"))
 
 
 def _clock(

@@ -108,6 +108,8 @@ _SHAPES: tuple[Callable[[str], tuple[str, str | None] | None], ...] = (
 
 def is_unit_of(stem: str, word: str) -> bool:
     """Whether a trailing word is the unit of what the stem names: Kraft_N, not Channel_1."""
+    if word.isdigit():  # as thousands of channels are counted
+        return False
     for role in vocabulary.matches(stem):
         dimension = vocabulary.DIMENSION.get(role)
         if dimension is not None:

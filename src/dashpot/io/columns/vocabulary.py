@@ -41,7 +41,8 @@ _FIRST: dict[Role, str] = {
         시간 timestamp zeitstempel elapsed uhrzeit masa
         час χρόνος vrijeme vreme aeg laiks laikas""",
     "displacement": """displacement disp displ weg standardweg traversenweg kolbenweg maschinenweg
-        verschiebung zusammendrückung stauchung przemieszczenie droga ugięcie déplacement
+        verschiebung zusammendrückung stauchung kompression przemieszczenie droga ugięcie
+        déplacement
         desplazamiento spostamento deslocamento verplaatsing deplasman yerdeğiştirme siirtymä
         förskjutning posunutí posuv dráha elmozdulás deplasare перемещение
         переміщення μετατόπιση pomak pomik forskydning forskyvning posunutie nihe pārvietojums
@@ -99,7 +100,8 @@ _SECOND: dict[Role, str] = {
         konum ход положение позиция wydłużenie położenie poloha pozíció posición posizione
         x z d l u s y length verformung deformation eindringtiefe lauf opening ekstensometr
         extensometer ストローク ストロ 位置 伸长 行程量 스트로크""",
-    "force": "f fx fy fz charge effort last lastzelle loadcell druckkraft input hammer_force n",
+    "force": """f fx fy fz charge effort last drucklast zuglast prüflast kompressionslast lastzelle
+        loadcell druckkraft input hammer_force n""",
     "acceleration": "a response antwort réponse odpowiedź ответ 响应",
     "frequency": "f hz w",
     "storage": "gp ep speicher",
@@ -131,9 +133,13 @@ EXTREMES = (
 """Words for one value per cycle."""
 STATIC = ("static", "stat", "statisch", "statische", "statischer", "statique", "statico", "静态")
 """Words for what a cycle goes about."""
+STEP_TIME = (
+    "step", "segment", "schritt", "interval", "section", "abschnitt", "schrittzeit", "kroku",
+    "stage", "action",
+)  # fmt: skip
+"""Clocks that start with a step."""
 PARTIAL_TIME = (
-    "step", "cycle", "segment", "schritt", "zyklus", "zykluszeit", "interval", "block", "section",
-    "phase", "abschnitt", "schrittzeit", "cyklu", "kroku", "remaining", "rest", "stage",
+    *STEP_TIME, "cycle", "zyklus", "zykluszeit", "block", "phase", "cyklu", "remaining", "rest",
 )  # fmt: skip
 """Clocks that start again within a test."""
 OF_ACTUAL = ("true", "cauchy", "wahre", "wahrer", "hencky")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from itertools import islice, takewhile
 from operator import eq
 
@@ -59,6 +59,8 @@ def read(raw: Raw, options: ReadOptions) -> FileTable:
     encoding = options.encoding or find_encoding(raw.head(_HEADS[0]))
     for size in _HEADS:
         lines, whole = _lines(raw, encoding, size, found=options.encoding is None)
+        if not whole and len(lines) < _STEADY and size < _HEADS[-1]:
+            continue  # too few to break here, whatever they are
         lines = [*[""] * min(options.skip_rows, len(lines)), *lines[options.skip_rows :]]
         dialect = find_dialect(lines, delimiter=options.delimiter, decimal=options.decimal)
         if whole or (dialect is not None and len(lines) - dialect.first >= _STEADY):
@@ -169,13 +171,16 @@ def _factors(header: Sequence[str]) -> list[str]:
 
 def _odd_first_row(lines: Sequence[str], dialect: Dialect) -> list[str]:
     """Note a first row that is printed with other digits than all of the next."""
+
+    def printed(row: Sequence[str]) -> Iterator[int | None]:
+        return (decimals(row[i], dialect.mark) for i in dialect.numbers)
+
     rows = islice((row for line in lines[:20] if (row := dialect.row(line))), _STEADY)
-    printed = ([decimals(row[i], dialect.mark) for i in dialect.numbers] for row in rows)
-    first, second = next(printed, []), next(printed, [])
-    if any(map(eq, first, second)):  # as it nearly always is: no more are read
-        return []
-    others = list(printed)
-    if len(others) < _STEADY - 2 or any(row != second for row in others):
+    first, second = next(rows, None), next(rows, None)
+    if not (first and second) or any(map(eq, printed(first), printed(second))):
+        return []  # as it nearly always is: no more are read
+    others, like = [list(printed(row)) for row in rows], list(printed(second))
+    if len(others) < _STEADY - 2 or any(row != like for row in others):
         return []
     says = f"line {dialect.first + 1}, the first row, is printed otherwise than those below it"
     return [f"{says}: '{lines[0].strip()[:60]}'; if it is none, take it out"]
@@ -201,8 +206,10 @@ def _rows_above(above: Sequence[str], dialect: Dialect) -> tuple[list[str], list
 
 def _clock_orders(found: Header, options: ReadOptions) -> tuple[str, ...]:
     """How the clock times of each column are written: as the user says, else as the header."""
-    stated = [clock_order(options.unit_of("time", column.name)) for column in found.columns]
-    return tuple(one or other for one, other in zip(stated, found.clocks, strict=True))
+    return tuple(
+        (column.content == "clock" and clock_order(options.unit_of("time", column.name))) or said
+        for column, said in zip(found.columns, found.clocks, strict=True)
+    )
 
 
 _MEASURED = re.compile(r"\A[+-]?\d[\d.,]{0,40}\s?([^\W\d_]\S{0,9})\Z")

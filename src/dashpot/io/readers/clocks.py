@@ -8,7 +8,7 @@ import numpy as np
 
 from dashpot.base.errors import ReadError
 from dashpot.io.columns.roles import Assigned, assign, score
-from dashpot.io.columns.vocabulary import Role
+from dashpot.io.columns.vocabulary import STEP_TIME, Role, has_word
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers import channels
 from dashpot.io.table import FileTable, Loaded, Question
@@ -30,6 +30,23 @@ def own_clocks(table: FileTable, options: ReadOptions) -> tuple[Assigned, ...]:
             return ()
         clocks.append(Assigned("time", before, f"it stands before the {role}"))
     return tuple(clocks) if clocks[0].index != clocks[1].index else ()
+
+
+def since_the_step(table: FileTable, options: ReadOptions) -> Assigned | Question:
+    """Return the clock of a curve over the time since a step: that of the step, beside a whole one.
+
+    A rheometer writes both, and the whole one began before the step.
+    """
+    found = assign(table, "time", options)
+    if options.time or isinstance(found, Question):
+        return found
+    own = [
+        i
+        for i in found.rivals
+        if score(table.columns[i], "time", options) >= 1.5
+        and has_word(table.columns[i].name, STEP_TIME)
+    ]
+    return Assigned("time", own[0], "it runs since the step") if len(own) == 1 else found
 
 
 def on_one_clock(loaded: Loaded, ratio: float = 1.0) -> Loaded:

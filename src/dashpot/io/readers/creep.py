@@ -17,6 +17,7 @@ from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers import channels, checks
 from dashpot.io.readers.channels import Channel, Opened
+from dashpot.io.readers.clocks import since_the_step
 from dashpot.io.readers.modulus import over_time
 from dashpot.io.readers.relaxation import recorded
 from dashpot.io.readers.stated import stated_specimen
@@ -107,7 +108,8 @@ def _refuse_sizes(
 
 def _curve(file: Opened, specimen: Specimen, said: list[str]) -> CreepCompliance:
     """A compliance over time, where a column of temperature says several, at each of them."""
-    columns = channels.answered(file, [assign(file.table, role, file.options) for role in _CURVE])
+    curve = assign(file.table, "creep_compliance", file.options)
+    columns = channels.answered(file, [since_the_step(file.table, file.options), curve])
     chosen, values, warm, notes = over_time(file, columns)
     return CreepCompliance(
         values["time"],

@@ -20,7 +20,7 @@ from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions, flag
 from dashpot.io.readers import channels, cleaning, creep
 from dashpot.io.readers.channels import Opened
-from dashpot.io.readers.clocks import own_clocks
+from dashpot.io.readers.clocks import own_clocks, since_the_step
 from dashpot.io.readers.dynamic import amplitude_column, sweep_columns, swept
 from dashpot.io.readers.frf import settled
 from dashpot.io.readers.pairs import as_a_ratio
@@ -44,6 +44,8 @@ _WELCOME = {
     "strain",
 }  # fmt: skip
 """Roles that are shown where they are found, and not asked for."""
+_CURVES: frozenset[Role] = frozenset({"modulus", "creep_compliance"})
+"""What is over the time since a step."""
 _UNCLOCKED = ("cld", "stress-strain")
 """Kinds whose time is, too."""
 
@@ -275,8 +277,11 @@ def _proposal(file: Opened, kind: str) -> tuple[dict[int, tuple[Role, str]], lis
     clocks = own_clocks(table, options) if "displacement" in _usual(kind) else ()
     roles = {clock.index: (clock.role, clock.reason) for clock in clocks}
     questions: list[Question] = []
-    for role in _roles_of(file, kind, clocked=bool(clocks)):
-        answer = assign(table, role, options)
+    wanted = _roles_of(file, kind, clocked=bool(clocks))
+    curve = not _CURVES.isdisjoint(wanted)
+    for role in wanted:
+        since = curve and role == "time"
+        answer = since_the_step(table, options) if since else assign(table, role, options)
         if isinstance(answer, Assigned):
             played, _ = roles.get(answer.index, (role, ""))
             if played != role and {played, role} <= set(RAMP):  # who reads it asks this, too

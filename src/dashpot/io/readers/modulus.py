@@ -16,13 +16,12 @@ from dashpot.io.columns.vocabulary import Role
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers import channels
 from dashpot.io.readers.channels import Channel, Opened
+from dashpot.io.readers.clocks import since_the_step
 from dashpot.io.readers.relaxation import joined
 from dashpot.io.readers.stated import stated_specimen, temperatures_of_segments
 from dashpot.records.modulus import RelaxationModulus
 from dashpot.records.specimen import Specimen
 from dashpot.records.temperature import several
-
-_ROLES: tuple[Role, ...] = ("time", "modulus")
 
 
 def read_modulus(
@@ -39,7 +38,10 @@ def read_modulus(
         If time or modulus is not found or has no unit, or time does not increase.
     """
     with channels.opened(path, options) as file:
-        found = [assign(file.table, role, file.options) for role in _ROLES]
+        found = [
+            since_the_step(file.table, file.options),
+            assign(file.table, "modulus", file.options),
+        ]
         columns = channels.answered(file, found)
         _refuse_compliance(file, columns[1])
         chosen, values, warm, notes = over_time(file, columns)

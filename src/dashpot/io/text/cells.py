@@ -12,12 +12,14 @@ from dashpot.io.columns.names import unquoted
 Mark: TypeAlias = Literal[".", ",", ".,"]
 """Decimal mark; ``".,"`` is a file that uses both, one per cell."""
 
-_EXPONENT = r"(?:[eEdD][+-]?\d{1,4})?\Z"
-_PLAIN = {
-    ".": re.compile(r"\A[+-]?(?:\d++\.?\d*+|\.\d++)" + _EXPONENT),
-    ",": re.compile(r"\A[+-]?(?:\d++(?:,\d++)?|,\d++)" + _EXPONENT),
-    ".,": re.compile(r"\A[+-]?(?:\d++[.,]?\d*+|[.,]\d++)" + _EXPONENT),
+_WRITTEN: dict[Mark, str] = {
+    ".": r"[+-]?(?:\d++\.?\d*+|\.\d++)",
+    ",": r"[+-]?(?:\d++(?:,\d++)?|,\d++)",
+    ".,": r"[+-]?(?:\d++[.,]?\d*+|[.,]\d++)",
 }
+_EXPONENT = r"(?:[eEdD][+-]?\d{1,4})?"
+_PLAIN = {mark: re.compile(rf"\A{one}{_EXPONENT}\Z") for mark, one in _WRITTEN.items()}
+_ALL_PLAIN = {mark: re.compile(rf"\A(?:{one}{_EXPONENT}\n)++\Z") for mark, one in _WRITTEN.items()}
 _GROUPED = {
     ".": re.compile(r"\A[+-]?[1-9]\d{0,2}(?:[,'\u2019 \u00a0\u202f]\d{3})++(?:\.\d*+)?\Z"),
     ",": re.compile(r"\A[+-]?[1-9]\d{0,2}(?:[.'\u2019 \u00a0\u202f]\d{3})++(?:,\d*+)?\Z"),
@@ -124,4 +126,11 @@ def _quoted(line: str, delimiter: str) -> list[str]:
 
 def numeric(cells: Sequence[str], mark: Mark) -> list[bool]:
     """Which cells hold a number."""
+    if are_plain(cells, mark):
+        return [True] * len(cells)
     return [is_number(cell, mark) for cell in cells]
+
+
+def are_plain(cells: Sequence[str], mark: Mark) -> bool:
+    """Whether there are cells, and each is a number without marks of thousands: one look at all."""
+    return _ALL_PLAIN[mark].match("\n".join([*cells, ""])) is not None

@@ -60,6 +60,10 @@ class Dialect:
         """The columns that hold numbers or clock times."""
         return tuple(i for i, held in enumerate(self.contents) if held in {"number", "clock"})
 
+    @cached_property
+    def _clocked(self) -> bool:
+        return "clock" in self.contents
+
     def row(self, line: str, like: str = "") -> list[str] | None:
         """The cells of a line, one per column, if it is a row of the table; else None.
 
@@ -76,13 +80,17 @@ class Dialect:
         if self.contents[0] == "blank" and found[0] and not cell.is_number(found[0], self.mark):
             return None  # a word where every row is blank: a key of the header
         found = found[:width] + [""] * (width - len(found))
-        return found if self._has_numbers(found) else None
+        return found if self._is_plain(found) or self._has_numbers(found) else None
 
     def _ends_well(self, found: Sequence[str]) -> bool:
         """Whether a row of another width has all its numbers, and no number behind them."""
         behind = found[len(self.contents) :]
         reaches = not self.numbers or len(found) > self.numbers[-1]
         return reaches and not any(cell.is_number(c, self.mark) for c in behind)
+
+    def _is_plain(self, found: Sequence[str]) -> bool:
+        """Whether there is a plain number wherever one is expected."""
+        return not self._clocked and cell.are_plain([found[i] for i in self.numbers], self.mark)
 
     def _has_numbers(self, found: Sequence[str]) -> bool:
         """Whether there are numbers enough, and more than words, where numbers are expected."""
@@ -106,9 +114,9 @@ class Dialect:
 
     def resembles_row(self, line: str) -> bool:
         """Whether a line that is no row begins or is filled with numbers, however parted."""
-        parts = [part.strip('"') for part in _PARTS.split(line[:LONGEST].strip())]
-        numbers = sum(map(like_number, parts))
-        words = sum(not cell.is_missing(part) for part in parts) - numbers
+        parts = Counter(part.strip('"') for part in _PARTS.split(line[:LONGEST].strip()))
+        numbers = sum(count for part, count in parts.items() if like_number(part))
+        words = sum(count for part, count in parts.items() if not cell.is_missing(part)) - numbers
         if numbers > words and (numbers >= len(self.numbers) or words == 0 < numbers - 1):
             return True
         cells = cell.split(line, self.delimiter)
@@ -316,7 +324,11 @@ def _runs(rows: Sequence[list[str]], mark: Mark) -> Iterator[list[list[str]]]:
     run: list[list[str]] = []
     mask: list[bool] = []
     for row in rows:
-        is_number = [cell.is_number(c, mark) or moment(c) is not None for c in row]
+        is_number = cell.numeric(row, mark)
+        if not all(is_number):
+            is_number = [
+                now or moment(c) is not None for now, c in zip(is_number, row, strict=True)
+            ]
         if run and any(is_number) and _alike(mask, is_number, row):
             run.append(row)
             mask += is_number[len(mask) :]
@@ -342,6 +354,8 @@ def _alike(mask: list[bool], is_number: list[bool], row: list[str]) -> bool:
 
 def _content(cells: Sequence[str], mark: Mark) -> Content:
     """What the filled cells of a column hold, most of them."""
+    if cell.are_plain(cells, mark):
+        return "number"
     others = [text for text in cells if not cell.is_number(text, mark)]
     numbers = len(cells) - len(others)
     missing = sum(map(cell.is_missing, others))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import zip_longest
@@ -331,22 +332,22 @@ def _is_units(row: Sequence[str], dialect: Dialect) -> bool:
 
 def _holds_units(row: Sequence[str]) -> bool:
     """Whether most filled cells of a row are unit words."""
-    filled = [_strip(text) for text in row if text.strip(" -[]()")]
+    texts = [text for text in row if text.strip(" -[]()")]
+    filled = Counter(vocabulary.unnumbered(_strip(text)) for text in texts)
     if not filled:
         return False
     if any(vocabulary.plain(word) in vocabulary.FIRST for word in filled):
         return False
     if all(map(_is_name_over_unit, filled)):
         return False
-    bracketed = sum(map(_is_bracketed, row)) == len(filled)
-    return bracketed or _most_are_units(filled)
+    return all(map(_is_bracketed, texts)) or _most_are_units(filled)
 
 
-def _most_are_units(words: Sequence[str]) -> bool:
+def _most_are_units(words: Counter[str]) -> bool:
     """Whether most words are units, or built like one: no more are judged than decide it."""
-    left = len(words) - 0.6 * len(words)
-    for word in words:
-        left -= units.find(word) is None and not _unit_shape(word)
+    left = 0.4 * words.total()
+    for word, count in words.items():
+        left -= count * (units.find(word) is None and not _unit_shape(word))
         if left < -_TINY:
             return False
     return True
