@@ -15,7 +15,7 @@ from dashpot.base.documents import DIGEST
 from dashpot.base.errors import ReadError
 from dashpot.workflow import checks
 from dashpot.workflow.archive import from_json
-from dashpot.workflow.documents import parts_of
+from dashpot.workflow.documents import once, parts_of
 from dashpot.workflow.history import History, HistoryLine, Listed, read_history, sha256, software
 from dashpot.workflow.job import Job
 from dashpot.workflow.project import (
@@ -147,7 +147,7 @@ def _kind(place: str) -> str:
 
 def _json_difference(kept: bytes, again: bytes, place: str, *, words: bool) -> tuple[float, str]:
     try:
-        before, after = json.loads(kept), json.loads(again)
+        before, after = json.loads(kept, object_pairs_hook=once), json.loads(again)
     except (ValueError, RecursionError):
         return float("inf"), f"{place} is no JSON"
     if not words and isinstance(before, dict):
@@ -210,7 +210,7 @@ def _opened(page: str) -> str:
     )
 
 
-_NUMBER = re.compile(r"(-?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?)")
+_NUMBER = re.compile(r"(-?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?)", re.ASCII)
 
 
 def _same_words(kept: str, again: str) -> bool:
