@@ -303,7 +303,7 @@ def test_what_is_said_of_another_machine_is_refused(machine, says):
 @pytest.mark.parametrize(
     ("end", "says"),
     [
-        ("50", "50%, or a time"), ("0.5", "50%, or a time"), ("0.5%", "1 to 99 %"),
+        ("50", "50%, or a time"), (0.5, "50%, or a time"), ("0.5%", "1 to 99 %"),
         ("100%", "1 to 99 %"), ("20min", "more than 30 min"), ("1000N", "50%, or a time"),
     ],
 )  # fmt: skip

@@ -111,7 +111,7 @@ def predict_aging(
             f"one oven, at {celsius(hottest)}, shows nothing of {celsius(temperature)}. Fit two "
             "more ovens together with it, or ask --temperature of the oven"
         )
-    asked = (until,) if isinstance(until, str) else tuple(until) or ("50%",)
+    asked = _asked(until) or ("50%",)
     furthest = max(_reached(law, temperature, *_end(one)) for one in asked)
     moved = [_moved(found, temperature, *_end(one)) for one in asked]
     checks = (
@@ -140,7 +140,7 @@ def predict_aged(
     """
     if new is None:
         return predict_aging(found, temperature=temperature, until=until)
-    asked = (until,) if isinstance(until, str) else tuple(until)
+    asked = _asked(until)
     if len(asked) != 1 or math.isnan(_end(asked[0])[1]) or temperature is None:
         raise DataError(
             "a seal is aged for one time at one temperature. Add both: --temperature 70degC "
@@ -172,6 +172,11 @@ def aged_fit(found: Aging, fit: Fit, *, temperature: Quantity, time: Quantity) -
     says = f"after {written(seconds, 'h', '.6g')} at {celsius(asked.temperature)}"
     checks = (*asked.checks, stiffness_follows_force(1 - chemical))
     return fit.aged(left, says, checks=tuple(one for one in checks if one.failed))
+
+
+def _asked(until: str | Sequence[str] | float) -> tuple[str, ...]:
+    """Each question; a number without its sign or unit is refused as a word of it is."""
+    return (str(until),) if isinstance(until, str | float | int) else tuple(map(str, until))
 
 
 def _end(text: str) -> tuple[float, float]:
