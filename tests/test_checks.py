@@ -721,7 +721,12 @@ FITTING = [
     Case("loss_positive", whole(lambda n: curves.loss_positive(sweep(negative=n))), 0, 1),
     Case("storage_rises", lambda x: curves.storage_rises(sweep(storage=2 - 2 * x)), 0.0499, 0.0501),
     Case("modulus_falls", lambda x: curves.modulus_falls(np.repeat([1.0, 1.1, x], 3)), 1.24, 1.26),
-    Case("data_agree", lambda x: curves.data_agree([1.0, x], ["storage", "loss"]), 1.299, 1.301),
+    Case(
+        "data_agree",
+        lambda x: curves.data_agree([1.0, x], ["storage", "loss"], [80, 80]),
+        1.299,
+        1.301,
+    ),
     Case("bands_meet", lambda x: curves.bands_meet((x, 100.0), (0.1, 1.0)), 9.99, 10.01),
 ]
 
@@ -1852,7 +1857,7 @@ def test_no_document_and_no_comparison_of_checks_holds_the_status_that_they_set(
             lambda x: relaxation.force_followed(NOISY, missed(x)), 9.9, 10.1, id="force_followed"
         ),
         pytest.param(slipped, 9.9, 10.1, id="displacement_followed"),
-        pytest.param(lambda x: curves.data_agree([x], ["loss"]), 2.9, 3.1, id="data_agree"),
+        pytest.param(lambda x: curves.data_agree([x], ["loss"], [80]), 2.9, 3.1, id="data_agree"),
         pytest.param(
             lambda x: identification.lines_explained(x, known_sd=True), 19.9, 20.1, id="lines"
         ),

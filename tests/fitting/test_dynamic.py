@@ -260,6 +260,16 @@ def test_two_pieces_that_differ_are_told() -> None:
     assert "The tests contradict each other" in check.says
 
 
+def test_a_fit_that_spends_freedom_on_few_lines_leaves_no_more_than_their_scatter() -> None:
+    """Up to thirteen parameters for 32 values: the sound pair agrees, 5 % of stiffness does not."""
+    lines, two = np.geomspace(0.1, 30.0, 16), GeneralizedMaxwell(200.0, (80.0, 60.0), (0.03, 3.0))
+    for seed in range(4):
+        held = ramp_hold(two, noise=2e-3, seed=seed)
+        for factor, agrees in ((1.0, True), (1.05, False)):
+            found = fit_dynamic(sweep(factor * two, lines, noise=0.01, seed=seed), tests=held)
+            assert ("data_agree" not in failed(found)) == agrees
+
+
 def test_a_gap_between_the_tests_is_told() -> None:
     data = sweep(ZENER, np.geomspace(100.0, 1000.0, 20), noise=0.01)
     found = fit_dynamic(data, tests=ramp_hold(ZENER, noise=1e-3), arms=1)

@@ -180,7 +180,7 @@ def fit_dynamic(
                 found.ended,
                 *of_data,
                 *of_temperature(data.specimen),
-                *_checks(found, data, records, end),
+                *_checks(found, data, records, end, [n for one in sets for n in one.freedom]),
                 *both.checks(other),
                 *met,
             ),
@@ -217,10 +217,14 @@ def _left(error: FloatArray, weighted: Residual) -> Residual:
 
 
 class _Set(NamedTuple):
-    """One data set in units of its scatter: the block to solve, and one block per record."""
+    """One data set in units of its scatter: the block to solve, and one block per record.
+
+    And the degrees of freedom that its own fit left of each.
+    """
 
     block: DataBlock
     rows: tuple[DataBlock, ...]
+    freedom: tuple[float, ...]
 
 
 def _at_one_temperature(
@@ -285,7 +289,7 @@ def _sweep(data: DynamicTest, weights: str, *, dashpot: bool, most: int) -> _Set
     storage, loss = _scale(data, best.model.complex_stiffness(omega=data.omega), weights)
     scale = (storage * best.scatter[0], loss * best.scatter[1])
     known = _sweep_block(data, scale, dashpot=dashpot)
-    return _Set(known, _halves(known, n))
+    return _Set(known, _halves(known, n), best.freedom)
 
 
 def _sweep_block(
@@ -338,8 +342,9 @@ def _relaxations(records: Sequence[RampHold], most: int) -> list[_Set]:
     blocks = compressed(records, design)
     sets = []
     for block in blocks:
-        factor = 1 / alone([block], [block.exact], most).scatter[0]
-        sets.append(_Set(block.weighted(factor), (block.exact.weighted(factor),)))
+        own = alone([block], [block.exact], most)
+        factor = 1 / own.scatter[0]
+        sets.append(_Set(block.weighted(factor), (block.exact.weighted(factor),), own.freedom))
     return sets
 
 
@@ -356,9 +361,13 @@ def _end(
 
 
 def _checks(
-    found: Chosen, data: DynamicTest, records: Sequence[RampHold], end: EndOfHold | None
+    found: Chosen,
+    data: DynamicTest,
+    records: Sequence[RampHold],
+    end: EndOfHold | None,
+    freedom: Sequence[float],
 ) -> tuple[Check, ...]:
-    """Return the checks of the fit."""
+    """Return the checks of the fit; `freedom` is what each curve's own fit left of it."""
     model, estimate, error = found.model, found.estimate, found.error
     shortest, longest = 1 / float(data.omega.max()), 1 / float(data.omega.min())
     if records:
@@ -391,7 +400,7 @@ def _checks(
             for residual, noise in zip(estimate.residuals, estimate.noises, strict=True)
         ]
         names = ["storage", "loss", *(f"relaxation test {i + 1}" for i in range(len(records)))]
-        answers.append(data_agree(spread, names))
+        answers.append(data_agree(spread, names, freedom))
     return tuple(answers)
 
 

@@ -176,12 +176,15 @@ class Alone(NamedTuple):
     ----------
     model : GeneralizedMaxwell
     scatter : tuple of float
-        Spread of one independent residual (rms times root kappa) of each record, never below
-        the rounding of the data.
+        Spread of one independent residual (rms times root kappa) of each record, for the freedom
+        that the fit took; never below the rounding of the data.
+    freedom : tuple of float
+        Degrees of freedom that the fit left of each record.
     """
 
     model: GeneralizedMaxwell
     scatter: tuple[float, ...]
+    freedom: tuple[float, ...]
 
 
 def alone(blocks: Sequence[DataBlock], samples: Sequence[DataBlock], most: int) -> Alone:
@@ -190,13 +193,19 @@ def alone(blocks: Sequence[DataBlock], samples: Sequence[DataBlock], most: int) 
     best = solve_orders(blocks, most)[-1]
     peaks = [_largest(block) for block in samples]
     estimate = estimated(best, samples, peak=max(peaks))
+    # thirteen parameters of 32 values leave a third less than their scatter
+    model = solid_of(best)
+    count = sum(len(residual) for residual in estimate.residuals)
+    taken = len(Stack(blocks).names) + 2 * int(np.count_nonzero(model.k))
+    left = max(count - taken, 1) / count
     spreads = [
-        float(np.sqrt(np.mean(residual**2) * noise.kappa))
+        float(np.sqrt(np.mean(residual**2) * noise.kappa / left))
         for residual, noise in zip(estimate.residuals, estimate.noises, strict=True)
     ]
     return Alone(
-        solid_of(best),
+        model,
         tuple(max(one, ROUNDING * (peak or 1.0)) for one, peak in zip(spreads, peaks, strict=True)),
+        tuple(left * len(residual) for residual in estimate.residuals),
     )
 
 

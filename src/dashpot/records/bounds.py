@@ -49,7 +49,7 @@ Ended: TypeAlias = Literal["hold", "curve", "sweep", "creep"]
 _MORE: Mapping[str, str] = MappingProxyType({
     "hold": "Hold longer.",
     "curve": "Measure longer.",
-    "sweep": "Sweep to lower frequencies.",
+    "sweep": "Sweep to lower frequencies, or fit a relaxation test beside it.",
     "creep": "Hold the load longer.",
 })  # fmt: skip
 _UNKNOWN = (math.nan, math.nan)

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 MAX_INCONSISTENT = 0.05
 # curves missed by more than this are not followed
 FOLLOWED = 0.05
+# a joint fit may leave so many times the scatter of the fits alone
+MORE_TOGETHER = 1.3
 # scatter so many times as large is another solid
 CONTRADICTED = 3.0
 # a plateau is known if no spectrum falls below this part of it within ten times the curve
@@ -260,20 +262,24 @@ def few_arms_suffice(
 @criterion(
     "scatter jointly / alone",
     "<=",
-    1.3,
-    otherwise=f"stop beyond {CONTRADICTED:g}",
+    MORE_TOGETHER,
+    otherwise=f"2.5 sd of what chance shows in few lines; stop beyond {CONTRADICTED:g}",
     ends=Status.TESTS_DISAGREE,
 )
-def data_agree(spread: Sequence[float], names: Sequence[str]) -> Finding:
-    """One solid explains every data set about as well as a solid of its own does.
+def data_agree(spread: Sequence[float], names: Sequence[str], freedom: Sequence[float]) -> Finding:
+    r"""One solid explains every data set about as well as a solid of its own does.
 
     Parameters
     ----------
     spread : sequence of float
         What the joint fit leaves of each curve, over what a fit to its test alone leaves.
     names : sequence of str
+    freedom : sequence of float
+        Degrees of freedom of the latter: a scatter of :math:`\nu` is known to
+        :math:`1/\sqrt{2\nu}`.
     """
-    worst = int(np.argmax(spread))
+    limits = np.maximum(MORE_TOGETHER, 1 + 2.5 / np.sqrt(2 * np.maximum(freedom, 1.0)))
+    worst = int(np.argmax(np.asarray(spread) / limits))
     return Finding(
         f"The joint fit leaves {spread[worst]:.3g} times as much of {names[worst]} as its own fit "
         "leaves",
@@ -281,6 +287,7 @@ def data_agree(spread: Sequence[float], names: Sequence[str]) -> Finding:
         "The tests contradict each other, or one model needs more arms. Small vibration at depth "
         "has the tangent stiffness, a press from zero the secant",
         "Check that piece, length, temperature and depth are the same.",
+        limit=float(limits[worst]),
         grade="stop" if spread[worst] > CONTRADICTED else None,
     )
 
