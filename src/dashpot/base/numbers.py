@@ -137,9 +137,20 @@ def decibels(value: float) -> str:
 
 
 def hertz(band: tuple[float, float]) -> str:
-    """A band of frequencies."""
+    """A band of frequencies; one without width holds none."""
+    if not band[0] < band[1]:
+        return "none"
     low, high = (rounded(end, digits=2) for end in band)
     return f"{_short(low)} to {_short(high)} Hz"
+
+
+def where(band: tuple[float, float]) -> str:
+    """Where something holds, as a sentence says it.
+
+    >>> where((0.5, 20.0)), where((3.0, 3.0))
+    ('from 0.5 to 20 Hz', 'nowhere')
+    """
+    return f"from {hertz(band)}" if band[0] < band[1] else "nowhere"
 
 
 def _short(number: str) -> str:

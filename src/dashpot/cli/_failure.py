@@ -71,7 +71,7 @@ def _failure(error: BaseException, words: Sequence[str]) -> Failure:
         error.show(page)
         hint = _hint(error, words)
         says = _plainly(error.format_message()) + hint
-        shown = _plainly(page.getvalue().rstrip("\n")) + hint
+        shown = re.sub("(?m)^Error: ", "dashpot: ", _plainly(page.getvalue().rstrip("\n"))) + hint
         return Failure("UsageError", says, shown, error.exit_code)
     if isinstance(error, click.Abort | KeyboardInterrupt):
         said = str(error.__cause__ or error)  # click aborts because of the interrupt

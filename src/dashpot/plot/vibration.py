@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 
 from dashpot.base.arrays import ComplexArray, FloatArray
-from dashpot.base.numbers import hertz, rounded
+from dashpot.base.numbers import rounded, where
 from dashpot.base.units import in_unit
 from dashpot.plot.direct import FREQUENCY
 from dashpot.plot.lines import half_power, phase_axis, smooth, unwrapped
@@ -180,8 +180,8 @@ def _peak_inside(frf: FRF) -> tuple[float, float] | None:
 def _informed(panel: Panel, band: tuple[float, float]) -> Panel:
     """The part of the axis that a test informs, shaded; where none is in sight, words say so."""
     low, high = panel.x.limits
-    if band[1] < low or band[0] > high:
-        said = f"informed from {hertz(band)} only: all of this is extrapolated"
+    if not band[0] < band[1] or band[1] < low or band[0] > high:
+        said = f"informed {where(band)}: all of this is extrapolated"
         return replace(panel, note=said)
     shade = Span(max(band[0], low), min(band[1], high), "fit", "valid band", tint=0.07)
     return replace(panel, marks=(shade, *panel.marks))

@@ -16,7 +16,7 @@ from dashpot.base.demands import positive
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.facts import NORMAL, Fact
-from dashpot.base.numbers import counted, hertz
+from dashpot.base.numbers import counted, where
 from dashpot.base.offered import Pictured
 from dashpot.base.provenance import Source, Step
 from dashpot.base.sentences import sentence
@@ -158,7 +158,7 @@ class Fit(ByValue, Pictured, Documented):
         """How well stiffness and loss factor are known, and where; empty without a band."""
         if not self.band[1] > 0:
             return ""
-        where = f"from {hertz(self.band)}"
+        within = where(self.band)
         beyond = "Outside this band the model is an extrapolation."
         if self.unit == "N/m" and self.method in words(Method):
             # no ramp and hold tells a flow that grows as a power of its force from arms
@@ -167,9 +167,9 @@ class Fit(ByValue, Pictured, Documented):
             beyond = "Test at a third temperature: two cannot show arms that shift apart."
         stiffness, loss_factor = self.error_in_band
         if not (np.isfinite(stiffness) and stiffness < 1):
-            return f"{sentence(where)} {beyond}"
+            return f"{sentence(within)} {beyond}"
         of = "modulus" if self.unit == "Pa" else "stiffness"
-        how = f"{where} the {of} is known to ±{100 * stiffness:.2g} %"
+        how = f"{within} the {of} is known to ±{100 * stiffness:.2g} %"
         if np.isfinite(loss_factor) and loss_factor < 1:
             how += f", the loss factor to ±{100 * loss_factor:.2g} %"
         return f"{sentence(how)} {beyond}"

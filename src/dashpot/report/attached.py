@@ -8,7 +8,7 @@ from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from typing import Any, NamedTuple, TypeAlias
 
 from dashpot.base.errors import DashpotError, ExportError
-from dashpot.base.numbers import hertz
+from dashpot.base.numbers import where
 from dashpot.base.units import in_unit
 from dashpot.export import SUFFIXES, DeckText, deck_for
 from dashpot.kinds.hyperelastic.record import HyperelasticFit
@@ -133,7 +133,7 @@ def about(found: Exported, made: Sequence[AttachedDeck]) -> str:
     asked = f" Before you use one, state {unknown}." if unknown else ""
     if isinstance(found, HyperelasticFit):
         return asked.strip()
-    return f"Decks are valid from {hertz(found.band)}.{asked}"
+    return f"Decks are valid {where(found.band)}.{asked}"
 
 
 def attached(made: Sequence[AttachedDeck], document: str) -> list[Attachment]:

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dashpot.base.checks import GRADES, Check
-from dashpot.base.numbers import counted, hertz, readable, rounded, shown
+from dashpot.base.numbers import counted, hertz, readable, rounded, shown, where
 from dashpot.base.provenance import Source
 from dashpot.records.fit import Fit
 from dashpot.records.frf import FRF
@@ -124,14 +124,10 @@ def straight(study: Study) -> str:
     mass, phase = 100 * d.mass_sd / d.mass, math.degrees(d.phase_sd)
     return (
         f"With an uncertainty of {mass:.2g} % of the mass and {phase:.2g}° of the phase, the "
-        f"storage stiffness is known to 10 % {_where(d.storage_band)}. The loss is known to 30 % "
-        f"{_where(d.loss_band)}. At higher frequencies the mass hides the seal; at lower ones the "
+        f"storage stiffness is known to 10 % {where(d.storage_band)}. The loss is known to 30 % "
+        f"{where(d.loss_band)}. At higher frequencies the mass hides the seal; at lower ones the "
         "phase hides its damping."
     )
-
-
-def _where(band: tuple[float, float]) -> str:
-    return f"from {hertz(band)}" if math.isfinite(band[0]) else "nowhere"
 
 
 def inferred_mass(study: Study) -> str:

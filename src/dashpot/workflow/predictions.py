@@ -16,7 +16,7 @@ from dashpot.base.choices import Family
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.facts import Fact
-from dashpot.base.numbers import hertz
+from dashpot.base.numbers import where
 from dashpot.base.offered import Judged
 from dashpot.base.plausible import SIZES
 from dashpot.fitting.temperature.checks import temperature_tested
@@ -415,7 +415,7 @@ def _sound(frf: FRF, peak: tuple[float, float], found: Fit, *, at_edge: bool) ->
     name, unit = frf.quantity.replace("_", " "), frf.read
     size = f"{height:.4g}{f' {unit}' if unit != '1' else ''} at {hz:.4g} Hz"
     top = f"the {name} is {size}, the end of the band" if at_edge else f"peak of the {name} {size}"
-    return f"{top}. The model is valid from {hertz(found.band)}"
+    return f"{top}. The model is valid {where(found.band)}"
 
 
 def _refuse_records(tests: Sequence[RampHold]) -> None:

@@ -205,7 +205,7 @@ def end_level(end: EndOfHold, fallen: float) -> Finding:
     falling = end.falling / max(end.k_end[1], 1e-300)
     return Finding(
         f"At the end of the data the stiffness still falls by up to {100 * falling:.2g} % per "
-        f"factor e of time. In all it fell by {100 * fallen:.2g} %",
+        f"factor e of time. At first it was {1 + fallen:.3g} times as stiff as there",
         falling,
         "A solid that goes on like that has another plateau, or none",
         end.remedy,
@@ -248,10 +248,10 @@ def few_arms_suffice(
     share.
     """
     return Finding(
-        f"{arms} arms follow the curves",
+        f"Arms that follow the curves: {arms}",
         missed,
-        instead=f"No number of arms up to {most} follows the curves: {arms} leave "
-        f"{100 * missed:.2g} % rms. This is the dense spectrum of {dense[0]} arms, which leave "
+        instead=f"No number of arms up to {most} follows the curves: best {arms}, "
+        f"{100 * missed:.2g} % rms. This is the dense spectrum of {dense[0]} arms, at "
         f"{100 * dense[1]:.2g} %",
         remedy="Use it as a table for a solver; its single arms mean nothing.",
         limit=limit or FOLLOWED,
