@@ -136,7 +136,7 @@ def test_fitting_from_the_shell_loads_what_it_needs(tmp_path):
     )
     others = {
         "tomllib", "xml.etree.ElementTree", "numpy.ma", "numpy.polynomial", "numpy.random", "scipy",
-        "dashpot.workflow.archive", "dashpot.io.readers.inspect", "dashpot.io.formats.ati",
+        "dashpot.workflow.kept.archive", "dashpot.io.readers.inspect", "dashpot.io.formats.ati",
         "dashpot.vibration",
     }  # fmt: skip
     assert not loaded & (HEAVY | others)

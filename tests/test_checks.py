@@ -84,7 +84,7 @@ from dashpot.vibration.modal.stabilisation import DAMPING, Stabilisation
 from dashpot.vibration.systems.operating_point import OperatingPoint
 from dashpot.vibration.systems.prediction import moving_mass, predict_frf
 from dashpot.workflow import checks as workflow
-from dashpot.workflow.archive import to_json
+from dashpot.workflow.kept.archive import to_json
 
 ROOT = Path(__file__).parents[1]
 SOURCES = Path(dashpot.__file__).parent

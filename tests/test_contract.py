@@ -15,7 +15,7 @@ from dashpot.io.write import write_impact, write_relaxation
 from dashpot.simulation.impact import Hammer, simulate_impact
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.solids.table_1 import BROAD, BROAD_MASS
-from dashpot.workflow.archive import from_json, to_json
+from dashpot.workflow.kept.archive import from_json, to_json
 
 MASS = ["--mass", f"{BROAD_MASS} kg", "--seals", "2"]
 

@@ -19,7 +19,7 @@ from dashpot import workflow
 from dashpot.cli import COMMANDS, main
 from dashpot.fitting.relaxation import fit as fit_tests
 from dashpot.io.readers.relaxation import read_relaxation
-from dashpot.workflow.archive import to_json
+from dashpot.workflow.kept.archive import to_json
 
 ROOT = Path(__file__).resolve().parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")

@@ -32,8 +32,8 @@ from dashpot.report.kind_pages import level
 from dashpot.told import text as text_of
 from dashpot.told.layout import facts
 from dashpot.web import modes, views
-from dashpot.workflow.archive import document
 from dashpot.workflow.frames import frame
+from dashpot.workflow.kept.archive import document
 from dashpot.workflow.recommendation import recommendation
 
 ARMS = ("seal_8mm.csv",)

@@ -50,7 +50,7 @@ IDEAS: dict[str, tuple[str, tuple[str, ...], dict[str, str]]] = {
             "vibration/modal/trial.py": "the inverse of a triangle",
             "vibration/systems/complex_modes.py": "a mass matrix",
             "vibration/systems/state_space.py": "a mass matrix",
-            "workflow/preloaded.py": "a parabola through three points",
+            "workflow/response/preloaded.py": "a parabola through three points",
             "vibration/systems/system.py": "the FRF of a system is the inverse of its stiffness",
         },
     ),

@@ -32,7 +32,7 @@ from dashpot.told.layout import Text
 from dashpot.told.screen import shown
 from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.vibration.systems.prediction import predict_frf
-from dashpot.workflow.archive import from_json, to_json
+from dashpot.workflow.kept.archive import from_json, to_json
 from dashpot.workflow.study import characterise
 
 pytestmark = pytest.mark.once

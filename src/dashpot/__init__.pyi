@@ -52,9 +52,9 @@ from .verbs.reading import save as save
 from .verbs.rehearsing import plan as plan
 from .verbs.rehearsing import simulate as simulate
 from .vibration.comparison.comparison import Comparison as Comparison
-from .workflow.impacts import Agreement as Agreement
-from .workflow.levels import Levels as Levels
-from .workflow.modes import Modes as Modes
-from .workflow.predictions import Prediction as Prediction
+from .workflow.response.predictions import Prediction as Prediction
 from .workflow.study import Study as Study
-from .workflow.under_masses import ModesByMass as ModesByMass
+from .workflow.vibration.impacts import Agreement as Agreement
+from .workflow.vibration.levels import Levels as Levels
+from .workflow.vibration.modes import Modes as Modes
+from .workflow.vibration.under_masses import ModesByMass as ModesByMass

@@ -12,5 +12,5 @@ from dashpot.io.write import write_relaxation as write_relaxation
 from dashpot.io.write import write_trajectory as write_trajectory
 from dashpot.planning.setpoints import planned_trajectory as planned_trajectory
 from dashpot.records.trajectory import Trajectory as Trajectory
-from dashpot.workflow.archive import from_json as from_json
-from dashpot.workflow.archive import to_json as to_json
+from dashpot.workflow.kept.archive import from_json as from_json
+from dashpot.workflow.kept.archive import to_json as to_json

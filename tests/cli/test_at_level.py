@@ -13,7 +13,7 @@ import dashpot as dp
 from dashpot.kinds.level.fit import fit_amplitude
 from dashpot.kinds.level.record import AmplitudeSweep
 from dashpot.solids.part import bonded_cylinder
-from dashpot.workflow.at_level import Anchor, SweptPart
+from dashpot.workflow.response.at_level import Anchor, SweptPart
 
 pytestmark = pytest.mark.once
 

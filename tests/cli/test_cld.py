@@ -13,7 +13,7 @@ import dashpot as dp
 from dashpot.base.capability import capability
 from dashpot.kinds.cld.prepare import cld
 from dashpot.kinds.cld.read import read_cld
-from dashpot.workflow.archive import from_json, to_json
+from dashpot.workflow.kept.archive import from_json, to_json
 
 pytestmark = pytest.mark.once
 SCALES = (1.0, 1.04, 0.97, 1.01)

@@ -19,7 +19,7 @@ from dashpot.door.read_closing import closing_of
 from dashpot.records.specimen import Specimen
 from dashpot.report.answer import ORDER
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.workflow.archive import to_json
+from dashpot.workflow.kept.archive import to_json
 
 pytestmark = pytest.mark.once
 

@@ -9,7 +9,7 @@ from kit.shell import told
 
 from dashpot.fitting.uncertainty.prediction_bounds import unseen_arm_band
 from dashpot.io.readers.relaxation import read_relaxation
-from dashpot.workflow.archive import from_json
+from dashpot.workflow.kept.archive import from_json
 
 
 @pytest.mark.slow

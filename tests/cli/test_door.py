@@ -16,8 +16,8 @@ from dashpot.records.specimen import Specimen
 from dashpot.records.temperature import Shift, TemperatureShifts
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.table_1 import BROAD, SHIFT
-from dashpot.workflow.archive import from_json, to_json
 from dashpot.workflow.examples import EXAMPLES
+from dashpot.workflow.kept.archive import from_json, to_json
 
 pytestmark = pytest.mark.once
 

@@ -13,8 +13,8 @@ from kit.shell import did
 import dashpot as dp
 from dashpot import workflow
 from dashpot.io.readers.inspect import inspect_file
-from dashpot.workflow.archive import from_json, to_json
 from dashpot.workflow.examples import EXAMPLES
+from dashpot.workflow.kept.archive import from_json, to_json
 
 pytestmark = pytest.mark.once
 

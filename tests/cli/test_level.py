@@ -18,7 +18,7 @@ from dashpot.solids.networks import spring
 from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.vibration.systems.bodies import Mount, point_mass
 from dashpot.vibration.systems.system import System
-from dashpot.workflow.levels import level_files
+from dashpot.workflow.vibration.levels import level_files
 
 pytestmark = pytest.mark.once
 

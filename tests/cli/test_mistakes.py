@@ -17,7 +17,7 @@ from kit.shell import ran
 from dashpot import workflow
 from dashpot.kinds.hyperelastic.fit import fit_hyperelastic
 from dashpot.kinds.hyperelastic.read import read_stress_strain
-from dashpot.workflow.archive import to_json
+from dashpot.workflow.kept.archive import to_json
 
 pytestmark = pytest.mark.once
 

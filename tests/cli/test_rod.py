@@ -13,8 +13,8 @@ import dashpot as dp
 from dashpot.kinds.rod.prepare import rod_modulus
 from dashpot.kinds.rod.record import RodErrors
 from dashpot.solids.part import Disc, bonded_cylinder
-from dashpot.workflow.archive import from_json
 from dashpot.workflow.examples import EXAMPLES
+from dashpot.workflow.kept.archive import from_json
 
 pytestmark = pytest.mark.once
 WORDS = ("--shape", "disc:20mm,20mm", "--density", "1000", "--mass", "31.4g")

@@ -29,7 +29,7 @@ from dashpot.told import screen
 from dashpot.told import text as text_of
 from dashpot.told.layout import Text
 from dashpot.told.screen import COLUMNS, LINES, ScreenSize, shown, wrapped
-from dashpot.workflow.archive import from_json, to_json
+from dashpot.workflow.kept.archive import from_json, to_json
 
 STOP = Check("a_stop", False, "a stop; do that", grade="stop")
 LONG = Check("long_winded", False, "So much is to be said of it that it goes on. " * 12)

@@ -47,7 +47,7 @@ from dashpot.vibration.systems.bodies import Body, planar_body
 from dashpot.vibration.systems.complex_modes import complex_modes
 from dashpot.vibration.systems.level import response_at_level
 from dashpot.vibration.systems.system import System
-from dashpot.workflow.archive import to_json
+from dashpot.workflow.kept.archive import to_json
 
 
 def line(shear: Shear = Shear()) -> SealLine:  # noqa: B008

@@ -16,7 +16,7 @@ from dashpot.records.specimen import Specimen
 from dashpot.records.temperature import Shift, TemperatureShifts
 from dashpot.solids.table_1 import BROAD, SHIFT
 from dashpot.solids.temperature import Arrhenius, FreeShifts, TemperatureLaw
-from dashpot.workflow.archive import to_json
+from dashpot.workflow.kept.archive import to_json
 
 ROOM = SHIFT.reference
 TESTED = (273.15, 283.15, ROOM)

@@ -26,7 +26,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.networks import spring
 from dashpot.solids.rate_independent import InParallel
 from dashpot.solids.stiffening import Cubic
-from dashpot.workflow.archive import from_json, to_json
+from dashpot.workflow.kept.archive import from_json, to_json
 
 pytestmark = pytest.mark.once
 STEP = 1e-4

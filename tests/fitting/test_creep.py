@@ -27,7 +27,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.networks import creep_of, from_creep
 from dashpot.solids.table_1 import PAPER
 from dashpot.workflow import fit_files
-from dashpot.workflow.archive import from_json, to_json
+from dashpot.workflow.kept.archive import from_json, to_json
 
 T1 = creep_of(PAPER)
 

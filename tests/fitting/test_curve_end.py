@@ -15,7 +15,7 @@ from dashpot.engine.blocks.hold import hold_block
 from dashpot.fitting.modulus import fit_modulus
 from dashpot.fitting.uncertainty.curve_data import curve_data
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.workflow.archive import from_json, to_json
+from dashpot.workflow.kept.archive import from_json, to_json
 
 T = np.geomspace(1e-2, 100.0, 81)
 ZENER = GeneralizedMaxwell(1e6, (1e6,), (1.0,))

@@ -24,7 +24,7 @@ from dashpot.records.relaxation import RampHold
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.table_1 import BROAD
-from dashpot.workflow.archive import from_json, to_json
+from dashpot.workflow.kept.archive import from_json, to_json
 
 ZENER = GeneralizedMaxwell(1000.0, (500.0,), (0.01,))
 WIDE = np.geomspace(0.1, 1000.0, 40)

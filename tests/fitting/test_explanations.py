@@ -23,7 +23,7 @@ from dashpot.records.relaxation import RampHold, RelaxationTest
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.told.text import fit as told_text
-from dashpot.workflow.archive import from_json, to_json
+from dashpot.workflow.kept.archive import from_json, to_json
 
 pytestmark = pytest.mark.once
 

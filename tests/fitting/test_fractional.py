@@ -52,8 +52,8 @@ from dashpot.report.figures import lead
 from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.vibration.modal.peaks import find_peak
 from dashpot.vibration.systems.prediction import model_modes
-from dashpot.workflow.archive import from_json, to_json
-from dashpot.workflow.resting import at_rest, family_checks
+from dashpot.workflow.kept.archive import from_json, to_json
+from dashpot.workflow.response.resting import at_rest, family_checks
 from dashpot.workflow.study import Study
 
 RESONANCE = 2 * np.pi * 12.71

@@ -19,7 +19,7 @@ from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.simulation.rig import Rig
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.table_1 import BROAD, PAPER
-from dashpot.workflow.archive import document, from_json, to_json
+from dashpot.workflow.kept.archive import document, from_json, to_json
 
 
 def with_slow_arm(tau: float) -> GeneralizedMaxwell:

@@ -13,7 +13,7 @@ from dashpot.fitting.modulus import fit_modulus
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.dynamic import read_dynamic
 from dashpot.io.readers.modulus import read_modulus
-from dashpot.workflow.archive import from_json, to_json
+from dashpot.workflow.kept.archive import from_json, to_json
 
 ZENER = dp.GeneralizedMaxwell(1e6, (4e6,), (0.1,))
 

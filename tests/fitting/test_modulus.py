@@ -17,7 +17,7 @@ from dashpot.io.readers.inspect import inspect_file
 from dashpot.io.readers.modulus import read_modulus
 from dashpot.records.modulus import RelaxationModulus
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.workflow.archive import from_json
+from dashpot.workflow.kept.archive import from_json
 
 SOLID = GeneralizedMaxwell(1e6, (2e6, 1e6), (0.1, 20.0))
 TIME = np.geomspace(1e-3, 1e3, 200)

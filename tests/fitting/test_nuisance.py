@@ -18,7 +18,7 @@ from dashpot.records.relaxation import RampHold
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.simulation.rig import Rig
 from dashpot.solids.table_1 import PAPER
-from dashpot.workflow.archive import from_json, to_json
+from dashpot.workflow.kept.archive import from_json, to_json
 
 
 def late(samples: int, seed: int = 1) -> RampHold:

@@ -16,7 +16,7 @@ from dashpot.fitting.spectrum import dynamic_master_curve, master_curve
 from dashpot.io.readers.dynamic import read_dynamic
 from dashpot.records.dynamic import DynamicTest
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.workflow.archive import from_json, to_json
+from dashpot.workflow.kept.archive import from_json, to_json
 
 GLASS = GeneralizedMaxwell(
     5.0, k=tuple(np.geomspace(900, 10, 12)), tau=tuple(np.geomspace(1e-6, 1e6, 12))

@@ -26,7 +26,7 @@ from dashpot.preparation.prepare import prepare
 from dashpot.records.bounds import StiffnessBounds
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.simulation.rig import Climate, Rig
-from dashpot.workflow.archive import from_json, to_json
+from dashpot.workflow.kept.archive import from_json, to_json
 
 ROOM, FRIDGE = 23.0, 0.0
 KNOWN = dp.Machine(sync=1e-3, drift=0.2e-3, compliance=0.0, creep=0.0)

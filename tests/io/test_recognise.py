@@ -20,8 +20,8 @@ from dashpot.io.readers.recognise import called, recognise
 from dashpot.io.readers.relaxation import read_relaxation
 from dashpot.signals.loading import CREPT, STEADY
 from dashpot.solids.table_1 import PAPER
-from dashpot.workflow.archive import to_json
 from dashpot.workflow.examples import FILES
+from dashpot.workflow.kept.archive import to_json
 from tests.kit.fits import a_fit
 from tests.kit.kinds import ARMS, CLOCK, answer, csv, ramp_and_hold
 

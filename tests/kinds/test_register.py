@@ -39,9 +39,9 @@ from dashpot.preparation.prepare import prepare
 from dashpot.records.creep import CreepTest
 from dashpot.simulation.creep import simulate_creep
 from dashpot.solids.table_1 import PAPER
-from dashpot.workflow.archive import SCHEMAS, from_json, to_json
 from dashpot.workflow.examples import FILES
 from dashpot.workflow.inspections import inspect_files
+from dashpot.workflow.kept.archive import SCHEMAS, from_json, to_json
 
 ROWS = [pytest.param(kind, id=kind.name) for kind in KINDS.values()]
 SAID = {"rod"}

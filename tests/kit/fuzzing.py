@@ -71,7 +71,7 @@ def profile(path: Path) -> None:
 
 
 def unpack(path: Path) -> None:
-    from dashpot.workflow.archive import from_json, to_json
+    from dashpot.workflow.kept.archive import from_json, to_json
 
     with contextlib.suppress(DashpotError):
         to_json(from_json(path.read_bytes()))
@@ -79,7 +79,7 @@ def unpack(path: Path) -> None:
 
 def hold(path: Path) -> None:
     """Verify the project in a zip file; a study made by hand stands in for the work done again."""
-    from dashpot.workflow import project, verification
+    from dashpot.workflow.kept import project, verification
     from kit.handmade import bench_only
 
     verification.run = lambda _job: bench_only()

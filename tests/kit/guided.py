@@ -70,7 +70,7 @@ def fuzzed(*words: str | Path) -> None:
 def planted(corpus: Path) -> set[str]:
     """Put what is kept and the good files of the tests into a corpus; return the names of those."""
     from dashpot.io.options import ReadOptions, dump_profile
-    from dashpot.workflow.archive import document
+    from dashpot.workflow.kept.archive import document
     from kit.crafted import TABLE
     from kit.handmade import two_arms
     from kit.instruments import one_of_each

@@ -27,7 +27,7 @@ from dashpot.solids.table_1 import BROAD, BROAD_MASS
 from dashpot.vibration.comparison.compare import compare
 from dashpot.vibration.modal.dynamic_stiffness import dynamic_stiffness
 from dashpot.vibration.systems.prediction import predict_frf
-from dashpot.workflow.resting import at_rest
+from dashpot.workflow.response.resting import at_rest
 from dashpot.workflow.study import STIFFNESS_LINES, Study
 from kit.fits import a_fit, altered
 

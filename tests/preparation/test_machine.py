@@ -14,8 +14,8 @@ from dashpot.fitting.relaxation import fit as fit_tests
 from dashpot.preparation.checks import motion_measured
 from dashpot.preparation.denoising import true_motion
 from dashpot.preparation.prepare import prepare
-from dashpot.workflow.archive import from_json, to_json
 from dashpot.workflow.job import Job
+from dashpot.workflow.kept.archive import from_json, to_json
 
 pytestmark = pytest.mark.once
 

@@ -10,7 +10,7 @@ from dashpot.base.errors import DataError
 from dashpot.base.facts import Fact
 from dashpot.records.estimate import Profile
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.workflow.archive import from_json, to_json
+from dashpot.workflow.kept.archive import from_json, to_json
 
 SEAL = GeneralizedMaxwell(196.5, (117.5, 17.8), (0.5, 16.4))
 # by two doubts: of k_inf, both k, both ln tau

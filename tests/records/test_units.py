@@ -18,7 +18,7 @@ from dashpot.records.frf import FRF
 from dashpot.records.impact import ImpactTest
 from dashpot.records.modulus import RelaxationModulus
 from dashpot.records.relaxation import RelaxationTest
-from dashpot.workflow.archive import from_json, to_json
+from dashpot.workflow.kept.archive import from_json, to_json
 
 T = np.arange(20.0)
 X = np.linspace(0.0, 8.0, 20)

@@ -29,8 +29,8 @@ from dashpot.report.judged import contents
 from dashpot.report.kind_page import kind_page, lights, row
 from dashpot.report.pages import COLOURS
 from dashpot.solids.temperature import WLF
-from dashpot.workflow.archive import from_json
-from dashpot.workflow.impacts import Direct, Identified
+from dashpot.workflow.kept.archive import from_json
+from dashpot.workflow.vibration.impacts import Direct, Identified
 
 pytestmark = pytest.mark.once
 

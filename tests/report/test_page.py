@@ -38,10 +38,10 @@ from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.told import text as text_of
 from dashpot.vibration.systems.prediction import model_modes
-from dashpot.workflow.archive import from_json, to_json
 from dashpot.workflow.assumptions import ASSUMPTIONS
+from dashpot.workflow.kept.archive import from_json, to_json
 from dashpot.workflow.recommendation import recommendation
-from dashpot.workflow.resting import at_rest
+from dashpot.workflow.response.resting import at_rest
 
 pytestmark = pytest.mark.once
 

@@ -19,7 +19,7 @@ from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.simulation.rig import Climate, Rig
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.table_1 import BROAD, PAPER
-from dashpot.workflow.archive import to_json
+from dashpot.workflow.kept.archive import to_json
 
 
 def triangles(cycles: int, *, depth: float = 8e-3, half: float = 2.0) -> dp.files.Trajectory:

@@ -11,7 +11,7 @@ from dashpot.solids.fractional import FractionalZener, weights_at
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 from dashpot.solids.parallel import Parallel
 from dashpot.vibration.systems.prediction import model_modes
-from dashpot.workflow.archive import from_json, to_json
+from dashpot.workflow.kept.archive import from_json, to_json
 
 PARK = FractionalZener(k_0=1.0, k_inf=10.0, tau=0.01, alpha=0.5)
 OMEGA = 2 * np.pi * np.geomspace(1e-6, 1e6, 121)

@@ -22,7 +22,7 @@ from dashpot.told import text
 from dashpot.vibration.comparison.compare import compare
 from dashpot.vibration.modal.dynamic_stiffness import dynamic_stiffness
 from dashpot.vibration.systems.random_base import random_base, random_limits
-from dashpot.workflow.measured import judged
+from dashpot.workflow.vibration.measured import judged
 
 pytestmark = pytest.mark.once
 

@@ -21,8 +21,8 @@ from dashpot.web import recent, wire
 from dashpot.web.requests import job_of, page_of
 from dashpot.web.store import Store, path_in
 from dashpot.web.verbs import VERBS
-from dashpot.workflow.history import append
 from dashpot.workflow.job import Cuts, HammerChoices, Job
+from dashpot.workflow.kept.history import append
 
 pytestmark = pytest.mark.once
 

@@ -28,8 +28,8 @@ from dashpot.web import results, views, wire, work
 from dashpot.web.requests import job_of
 from dashpot.web.store import Store
 from dashpot.web.verbs import VERBS
-from dashpot.workflow.archive import from_json, to_json
 from dashpot.workflow.command_lines import line
+from dashpot.workflow.kept.archive import from_json, to_json
 
 pytestmark = pytest.mark.once
 

@@ -31,12 +31,12 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.temperature import WLF, Arrhenius, FreeShifts
 from dashpot.vibration.comparison.compare import compare
 from dashpot.vibration.systems.prediction import predict_frf
-from dashpot.workflow.archive import from_json, to_json
-from dashpot.workflow.impacts import ImpactResult
 from dashpot.workflow.inspections import InspectedFile, Inspections, Preparation
 from dashpot.workflow.job import Job
-from dashpot.workflow.measured_modes import MeasuredMode, MeasuredModes
-from dashpot.workflow.modes import ImpactMode
+from dashpot.workflow.kept.archive import from_json, to_json
+from dashpot.workflow.vibration.impacts import ImpactResult
+from dashpot.workflow.vibration.measured_modes import MeasuredMode, MeasuredModes
+from dashpot.workflow.vibration.modes import ImpactMode
 
 SOURCE = Source("seal.csv", "0" * 64, "text", ("time [s]",), ("a note",), simulated=True)
 TIME = np.linspace(0, 1, 11)

@@ -23,13 +23,13 @@ from dashpot.vibration.systems.operating_point import operating_point
 from dashpot.vibration.systems.prediction import predict_frf
 from dashpot.workflow.examples import EXAMPLES
 from dashpot.workflow.fits import fit_files
-from dashpot.workflow.impacts import compare_files, identify_files, weighed
 from dashpot.workflow.inspections import inspect_files
 from dashpot.workflow.job import HammerChoices
-from dashpot.workflow.measured import total_mass
-from dashpot.workflow.predictions import predict_files
-from dashpot.workflow.resting import _slid
+from dashpot.workflow.response.predictions import predict_files
+from dashpot.workflow.response.resting import _slid
 from dashpot.workflow.shifting import ShiftChoices
+from dashpot.workflow.vibration.impacts import compare_files, identify_files, weighed
+from dashpot.workflow.vibration.measured import total_mass
 
 
 @pytest.fixture(scope="module")

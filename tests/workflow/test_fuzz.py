@@ -19,9 +19,9 @@ from kit.mutants import Mutant, altered, tries, wounded
 
 from dashpot.io.options import ReadOptions, dump_profile
 from dashpot.solids.networks import kelvin_voigt
-from dashpot.workflow import history, project
-from dashpot.workflow.archive import document
 from dashpot.workflow.job import Job
+from dashpot.workflow.kept import history, project
+from dashpot.workflow.kept.archive import document
 
 pytestmark = [pytest.mark.fuzz, pytest.mark.usefixtures("mutants")]
 

@@ -17,7 +17,7 @@ from dashpot.base.version import is_ours
 from dashpot.export import TARGETS
 from dashpot.io.options import ReadOptions, dump_profile
 from dashpot.io.write import frf_uff, write_frf
-from dashpot.workflow.archive import to_json
+from dashpot.workflow.kept.archive import to_json
 from dashpot.workflow.outputs import Outputs
 
 MODEL = dp.GeneralizedMaxwell(196.5, (117.5,), (0.5,))

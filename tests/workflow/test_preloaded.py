@@ -13,7 +13,7 @@ from dashpot.base.facts import NORMAL
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.told.text import prediction
 from dashpot.vibration.systems.preloaded import PreloadedMass
-from dashpot.workflow.preloaded import _known
+from dashpot.workflow.response.preloaded import _known
 
 pytestmark = pytest.mark.once
 

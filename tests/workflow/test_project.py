@@ -21,12 +21,12 @@ from dashpot.io.write import write_relaxation
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.simulation.rig import Rig
 from dashpot.solids.table_1 import PAPER
-from dashpot.workflow import history, verification
-from dashpot.workflow import project as folder
-from dashpot.workflow.archive import to_json
 from dashpot.workflow.job import Job
+from dashpot.workflow.kept import history, verification
+from dashpot.workflow.kept import project as folder
+from dashpot.workflow.kept.archive import to_json
+from dashpot.workflow.kept.verification import same_page, verify
 from dashpot.workflow.study import run
-from dashpot.workflow.verification import same_page, verify
 
 WRITES = 11
 """How often a run writes to the disk or moves a file: three results, a line, its head."""

@@ -18,7 +18,7 @@ from dashpot.simulation.impact import Hammer, simulate_impact
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.solids.table_1 import BROAD, BROAD_MASS, PAPER, PAPER_MASS
 from dashpot.vibration.impact.frf_estimation import estimate_frf
-from dashpot.workflow.archive import from_json, to_json
+from dashpot.workflow.kept.archive import from_json, to_json
 from dashpot.workflow.study import characterise
 
 

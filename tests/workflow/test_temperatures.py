@@ -20,8 +20,8 @@ from dashpot.report import html
 from dashpot.simulation.impact import simulate_impact
 from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.workflow import EXAMPLES, create, fit_files, predict_files, record, verify
-from dashpot.workflow.archive import from_json, to_json
 from dashpot.workflow.job import Job
+from dashpot.workflow.kept.archive import from_json, to_json
 from dashpot.workflow.shifting import ShiftChoices
 from dashpot.workflow.study import characterise
 

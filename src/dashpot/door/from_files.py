@@ -40,7 +40,7 @@ from dashpot.solids.maxwell import Solid
 from dashpot.vibration.checks import compression_tested
 from dashpot.vibration.systems.bodies import Point
 from dashpot.vibration.systems.random_base import RandomResponse, random_response
-from dashpot.workflow.json_files import read_fit, stored, told_as
+from dashpot.workflow.kept.json_files import read_fit, stored, told_as
 
 __all__ = ["DoorResult", "door_file", "open_door"]
 

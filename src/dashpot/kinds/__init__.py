@@ -177,33 +177,35 @@ KINDS: Mapping[str, KindOfTest] = MappingProxyType({kind.name: kind for kind in 
         },
         pages={
             "records.fit:Fit": "report.kind_pages.solid:page",
-            "workflow.impacts:Identified": "report.kind_pages.solid:identified_page",
-            "workflow.predictions:Prediction": "report.kind_pages.response:prediction_page",
+            "workflow.vibration.impacts:Identified": "report.kind_pages.solid:identified_page",
+            "workflow.response.predictions:Prediction": (
+                "report.kind_pages.response:prediction_page"
+            ),
         },
         checks="preparation.checks",
     ),
     KindOfTest(
-        "impact", "io.readers.impact:read_impact", "workflow.impacts:impact_files",
+        "impact", "io.readers.impact:read_impact", "workflow.vibration.impacts:impact_files",
         place="hammer", says=_PAIR, resonates=True, meant="hits",
         nouns={"records.impact:ImpactTest": ""},
         pages={
-            "workflow.modes:Modes": "report.kind_pages.response:modes_page",
-            "workflow.impacts:Agreement": "report.kind_pages.response:agreement_page",
+            "workflow.vibration.modes:Modes": "report.kind_pages.response:modes_page",
+            "workflow.vibration.impacts:Agreement": "report.kind_pages.response:agreement_page",
         },
         checks="vibration.impact.checks",
     ),
     KindOfTest(
-        "frf", "io.readers.frf:read_frf", "workflow.measured_modes:modes_files",
+        "frf", "io.readers.frf:read_frf", "workflow.vibration.measured_modes:modes_files",
         place="response", says=_PAIR, resonates=True, meant="modes", also="rod",
         nouns={"records.frf:FRF": "plot.vibration:frf"},
         pages={
-            "workflow.under_masses:ModesByMass": "report.kind_pages.response:masses_page",
+            "workflow.vibration.under_masses:ModesByMass": "report.kind_pages.response:masses_page",
         },
         checks="vibration.modal.checks",
     ),
     KindOfTest(
-        "transmissibility", "io.readers.frf:read_frf", "workflow.measured_modes:modes_files",
-        place="base", meant="modes", also="rod",
+        "transmissibility", "io.readers.frf:read_frf",
+        "workflow.vibration.measured_modes:modes_files", place="base", meant="modes", also="rod",
     ),
     KindOfTest(
         "dma", _DYNAMIC, FIT_FILES, place="bench", meant="bench",
@@ -216,14 +218,14 @@ KINDS: Mapping[str, KindOfTest] = MappingProxyType({kind.name: kind for kind in 
         checks="fitting.checks.temperature",
     ),
     KindOfTest(
-        "strain-sweep", "kinds.level.read:read_amplitude", "workflow.levels:level_files",
+        "strain-sweep", "kinds.level.read:read_amplitude", "workflow.vibration.levels:level_files",
         place="level", meant="level",
         nouns={
             "kinds.level.record:AmplitudeSweep": "kinds.level.figure:amplitude_sweep",
             "kinds.level.record:AmplitudeFit": "",
             "kinds.level.levels:LevelFit": "",
         },
-        pages={"workflow.levels:Levels": "report.kind_pages.level:page"},
+        pages={"workflow.vibration.levels:Levels": "report.kind_pages.level:page"},
         checks="kinds.level.checks",
     ),
     KindOfTest("temperature-sweep"),
@@ -278,10 +280,10 @@ KINDS: Mapping[str, KindOfTest] = MappingProxyType({kind.name: kind for kind in 
         examples="kinds.indentation.examples:EXAMPLES",
     ),
     KindOfTest(
-        "rod", "io.readers.frf:read_frf", "workflow.rods:rod_files", meant="rod",
+        "rod", "io.readers.frf:read_frf", "workflow.vibration.rods:rod_files", meant="rod",
         nouns={"kinds.rod.record:RodModulus": "kinds.rod.figure:rod"},
-        pages={"workflow.rods:Rod": "report.kind_pages.rod:page"},
-        panel="workflow.rod_panel", alone=True,
+        pages={"workflow.vibration.rods:Rod": "report.kind_pages.rod:page"},
+        panel="workflow.vibration.rod_panel", alone=True,
         checks="kinds.rod.checks",
         examples="kinds.rod.examples:EXAMPLES",
     ),
@@ -331,7 +333,8 @@ KINDS: Mapping[str, KindOfTest] = MappingProxyType({kind.name: kind for kind in 
         fits="kinds.slam.fit:fit_slams", takes=("mass", "slam", "memory", "specimen"),
     ),
     KindOfTest(
-        "cyclic", _RELAXATION, "workflow.levels:level_files", place="level", meant="level",
+        "cyclic", _RELAXATION, "workflow.vibration.levels:level_files", place="level",
+        meant="level",
         checks="kinds.level.checks",
         examples="kinds.level.examples:EXAMPLES",
     ),

@@ -15,10 +15,10 @@ from dashpot.records.frf import FRF
 from dashpot.records.relaxation import RampHold
 from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.vibration.modal.peaks import find_peak
-from dashpot.workflow.impacts import held_against
 from dashpot.workflow.job import HammerChoices
-from dashpot.workflow.measured import read_measured
-from dashpot.workflow.resting import at_rest
+from dashpot.workflow.response.resting import at_rest
+from dashpot.workflow.vibration.impacts import held_against
+from dashpot.workflow.vibration.measured import read_measured
 
 if TYPE_CHECKING:
     from dashpot.workflow.fits import Record

@@ -31,7 +31,7 @@ from dashpot.records.modulus import RelaxationModulus
 from dashpot.records.relaxation import RampHold
 from dashpot.records.specimen import Specimen
 from dashpot.workflow.fits import fit_files
-from dashpot.workflow.resting import at_rest
+from dashpot.workflow.response.resting import at_rest
 
 if TYPE_CHECKING:
     from dashpot.workflow.fits import Record

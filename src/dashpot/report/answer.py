@@ -12,7 +12,7 @@ from dashpot.base.units import written
 from dashpot.report import attached
 from dashpot.report.attached import AttachedDeck, Attachment, attachment
 from dashpot.vibration.comparison.comparison import Comparison
-from dashpot.workflow.archive import to_json
+from dashpot.workflow.kept.archive import to_json
 from dashpot.workflow.recommendation import Answer, Recommendation
 from dashpot.workflow.study import Study
 

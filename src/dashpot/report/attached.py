@@ -15,7 +15,7 @@ from dashpot.kinds.hyperelastic.record import HyperelasticFit
 from dashpot.kinds.level.levels import LevelFit
 from dashpot.records.fit import Fit
 from dashpot.report.pages import held
-from dashpot.workflow.archive import from_json
+from dashpot.workflow.kept.archive import from_json
 
 Exported: TypeAlias = Fit | LevelFit | HyperelasticFit
 """What ``dashpot export`` writes a deck of."""

@@ -14,13 +14,13 @@ from dashpot.kinds.cld.from_files import Pieces
 from dashpot.plot import Picture
 from dashpot.records.fit import Fit
 from dashpot.vibration.comparison.comparison import Comparison
-from dashpot.workflow.impacts import Agreement, Identified
-from dashpot.workflow.levels import Levels
-from dashpot.workflow.modes import Modes
-from dashpot.workflow.predictions import Prediction
-from dashpot.workflow.rods import Rod
+from dashpot.workflow.response.predictions import Prediction
 from dashpot.workflow.study import Study
-from dashpot.workflow.under_masses import ModesByMass
+from dashpot.workflow.vibration.impacts import Agreement, Identified
+from dashpot.workflow.vibration.levels import Levels
+from dashpot.workflow.vibration.modes import Modes
+from dashpot.workflow.vibration.rods import Rod
+from dashpot.workflow.vibration.under_masses import ModesByMass
 
 
 @singledispatch

@@ -32,7 +32,7 @@ from dashpot.vibration.comparison.comparison import Comparison
 from dashpot.vibration.systems.operating_point import operating_point
 from dashpot.vibration.systems.prediction import model_modes
 from dashpot.workflow.assumptions import ASSUMPTIONS
-from dashpot.workflow.resting import rival_of
+from dashpot.workflow.response.resting import rival_of
 from dashpot.workflow.study import Study
 
 STATES = {True: "passed", None: "not judged"}

@@ -24,15 +24,15 @@ _TEXTS: Mapping[str, str] = MappingProxyType({
     "lots.comparison:LotComparison": "lines:plainly",
     "planning.plan:Plan": "lines:plainly",
     "records.fit:Fit": "text:fit",
-    "workflow.impacts:Agreement": "text:agreement",
-    "workflow.impacts:Identified": "joint:identified",
-    "workflow.impacts:ImpactResult": "text:impact",
-    "workflow.levels:Levels": "text:levels",
-    "workflow.measured_modes:MeasuredModes": "modes:modes",
-    "workflow.predictions:Prediction": "text:prediction",
-    "workflow.rods:Rod": "rod:rod",
+    "workflow.vibration.impacts:Agreement": "text:agreement",
+    "workflow.vibration.impacts:Identified": "joint:identified",
+    "workflow.vibration.impacts:ImpactResult": "text:impact",
+    "workflow.vibration.levels:Levels": "text:levels",
+    "workflow.vibration.measured_modes:MeasuredModes": "modes:modes",
+    "workflow.response.predictions:Prediction": "text:prediction",
+    "workflow.vibration.rods:Rod": "rod:rod",
     "workflow.study:Study": "text:study",
-    "workflow.under_masses:ModesByMass": "modes:modes_by_mass",
+    "workflow.vibration.under_masses:ModesByMass": "modes:modes_by_mass",
 })  # fmt: skip
 """Each result, and what tells it, under this room; any other is told by its facts."""
 

@@ -9,7 +9,7 @@ from dashpot.told.lines import sensitive
 from dashpot.told.text import fit, impact
 
 if TYPE_CHECKING:
-    from dashpot.workflow.impacts import Identified
+    from dashpot.workflow.vibration.impacts import Identified
 
 _ROWS = 3
 """Lines of a transmissibility that are shown: both ends of its band, and between."""

@@ -11,8 +11,8 @@ from dashpot.told.layout import Text, table
 from dashpot.told.text import hertz, with_error
 
 if TYPE_CHECKING:
-    from dashpot.workflow.measured_modes import MeasuredModes
-    from dashpot.workflow.under_masses import ModesByMass
+    from dashpot.workflow.vibration.measured_modes import MeasuredModes
+    from dashpot.workflow.vibration.under_masses import ModesByMass
 
 
 def modes(found: MeasuredModes) -> Text:

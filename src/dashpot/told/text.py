@@ -21,11 +21,11 @@ if TYPE_CHECKING:
     from dashpot.records.frf import Hit, Mode
     from dashpot.records.temperature import TemperatureShifts
     from dashpot.solids.elastic import ElasticLaw
-    from dashpot.workflow.impacts import Agreement, ImpactResult
-    from dashpot.workflow.levels import Levels
-    from dashpot.workflow.predictions import Prediction, ShakenMass
-    from dashpot.workflow.preloaded import PreloadedLevel
+    from dashpot.workflow.response.predictions import Prediction, ShakenMass
+    from dashpot.workflow.response.preloaded import PreloadedLevel
     from dashpot.workflow.study import Study
+    from dashpot.workflow.vibration.impacts import Agreement, ImpactResult
+    from dashpot.workflow.vibration.levels import Levels
 
 
 def rounded(value: float, error: float | None = None, *, digits: int = 4) -> str:
@@ -347,7 +347,7 @@ def tried(orders: Sequence[tuple[str, float]]) -> str:
 
 def amplitude(found: Any) -> Text:
     """Return what moves with amplitude, of a fit alone."""
-    from dashpot.workflow.levels import Levels
+    from dashpot.workflow.vibration.levels import Levels
 
     return levels(Levels(found, (), found.checks, ()))
 

@@ -23,13 +23,13 @@ from dashpot.records.modulus import RelaxationModulus
 from dashpot.records.relaxation import RampHold, RelaxationTest
 from dashpot.records.shaken import ShakenTest
 from dashpot.workflow.fits import BenchAsked, fit_records
-from dashpot.workflow.impacts import identified, modes_of_hits
 from dashpot.workflow.job import Cuts, HammerChoices, RodChoices
-from dashpot.workflow.measured import measured_frf
-from dashpot.workflow.measured_modes import modes_of
-from dashpot.workflow.modes import Modes
 from dashpot.workflow.routing import BENCH, Fitted, route
 from dashpot.workflow.shifting import ShiftChoices
+from dashpot.workflow.vibration.impacts import identified, modes_of_hits
+from dashpot.workflow.vibration.measured import measured_frf
+from dashpot.workflow.vibration.measured_modes import modes_of
+from dashpot.workflow.vibration.modes import Modes
 
 if TYPE_CHECKING:
     from dashpot.kinds.cld.from_files import Pieces
@@ -40,8 +40,8 @@ if TYPE_CHECKING:
     from dashpot.kinds.level.record import AmplitudeFit, AmplitudeSweep
     from dashpot.kinds.slam.record import SlamFit, SlamTest
     from dashpot.solids.part import Block, Disc
-    from dashpot.workflow.levels import Levels
-    from dashpot.workflow.under_masses import ModesByMass
+    from dashpot.workflow.vibration.levels import Levels
+    from dashpot.workflow.vibration.under_masses import ModesByMass
 
 Arms: TypeAlias = int | Literal["auto"]
 Elastic: TypeAlias = Literal["auto", "linear", "nonlinear", "by-depth"]
@@ -347,7 +347,7 @@ def _masses(
     seals: float = 1.0,
     band: Range | None = None,
 ) -> ModesByMass:
-    from dashpot.workflow.under_masses import modes_under
+    from dashpot.workflow.vibration.under_masses import modes_under
 
     return modes_under(
         [set_of([one]) for one in records],
@@ -408,7 +408,7 @@ def _level(
     model: AmplitudeLawAsked = "auto",
     resonance_at: Sequence[Quantity] = (),
 ) -> Levels | AmplitudeFit:
-    from dashpot.workflow.levels import frfs_at_levels, hits_at_levels, of_amplitude
+    from dashpot.workflow.vibration.levels import frfs_at_levels, hits_at_levels, of_amplitude
 
     at = [si(one, "force") for one in resonance_at]
     kilograms, hertz = si(mass, "mass"), si_range(band, "frequency")
@@ -438,7 +438,7 @@ def _rod(
     poisson: float | None = None,
     hammer: HammerChoices | None = None,
 ) -> Fit:
-    from dashpot.workflow.rods import rod_under
+    from dashpot.workflow.vibration.rods import rod_under
 
     if density is None or shape is None:
         raise FitError(

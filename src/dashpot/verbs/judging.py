@@ -21,9 +21,9 @@ from dashpot.records.relaxation import RampHold, RelaxationTest
 from dashpot.records.specimen import Specimen
 from dashpot.verbs.fitting import Arms, Vibration, frf_of, kind_of, prepared, shape_words
 from dashpot.verbs.reading import Place
-from dashpot.workflow.impacts import Agreement, agreement
 from dashpot.workflow.job import Cuts, HammerChoices, LevelChoices, PartChoices
-from dashpot.workflow.predictions import BAND, Prediction, prediction
+from dashpot.workflow.response.predictions import BAND, Prediction, prediction
+from dashpot.workflow.vibration.impacts import Agreement, agreement
 
 if TYPE_CHECKING:
     from dashpot.door.closing_result import ClosingResult
@@ -40,8 +40,8 @@ if TYPE_CHECKING:
     from dashpot.solids.maxwell import Solid
     from dashpot.solids.part import Geometry
     from dashpot.vibration.comparison.comparison import Comparison
-    from dashpot.workflow.levels import Levels
     from dashpot.workflow.study import Study
+    from dashpot.workflow.vibration.levels import Levels
 
 Records: TypeAlias = RelaxationTest | RampHold | Sequence[RelaxationTest | RampHold]
 To: TypeAlias = Literal[
@@ -216,7 +216,7 @@ def _under_mass(
     swept = None
     if sweep is not None:
         from dashpot.kinds.level.fit import fit_amplitude
-        from dashpot.workflow.at_level import swept_by
+        from dashpot.workflow.response.at_level import swept_by
 
         swept = swept_by(fit_amplitude(sweep), sweep, choices, unit=found.unit, part=part)
     return prediction(

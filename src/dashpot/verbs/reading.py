@@ -157,7 +157,7 @@ def read(path: Place | Sequence[Place], *, kind: str | None = None, **how: Any) 
         return _several([Path(one) for one in path], options, how)
     found = recognise(path, options)
     if found.stored:
-        from dashpot.workflow.json_files import stored
+        from dashpot.workflow.kept.json_files import stored
 
         return stored(path)
     if found.kind in _OWN:

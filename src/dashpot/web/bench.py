@@ -15,10 +15,10 @@ from dashpot.report.kind_page import kind_page
 from dashpot.report.pages import COLOURS
 from dashpot.web import views, wire
 from dashpot.web.requests import noun_of, sizes_of
-from dashpot.workflow.archive import to_json
 from dashpot.workflow.command_lines import line
 from dashpot.workflow.fits import fit_files
 from dashpot.workflow.job import Job
+from dashpot.workflow.kept.archive import to_json
 
 WIDE = (800.0, 0.0)
 """Room for the figures where the page says nothing, px."""

@@ -20,8 +20,8 @@ from dashpot.report.answer import Row
 from dashpot.report.door import about, lights_of, modes_of
 from dashpot.report.kind_page import Group, KindPage
 from dashpot.web import results, views
-from dashpot.workflow.archive import to_json
 from dashpot.workflow.job import Job
+from dashpot.workflow.kept.archive import to_json
 
 DOOR = "door"
 _HEIGHT = 300.0

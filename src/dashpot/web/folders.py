@@ -19,10 +19,10 @@ from dashpot.lots.lot import Lot
 from dashpot.web import recent, wire
 from dashpot.web.requests import page_of
 from dashpot.web.store import LIMIT, Store
-from dashpot.workflow.archive import from_json
-from dashpot.workflow.history import read_history
 from dashpot.workflow.job import Job
-from dashpot.workflow.project import open_project, within
+from dashpot.workflow.kept.archive import from_json
+from dashpot.workflow.kept.history import read_history
+from dashpot.workflow.kept.project import open_project, within
 
 COLUMNS = (
     "file", "sha256", "lot", "seal", "repeat", "k_end_N_per_m", "k_end_low_N_per_m",

@@ -20,7 +20,7 @@ from dashpot.web.bench import KEPT, WIDE
 from dashpot.web.requests import noun_of, sizes_of
 from dashpot.workflow.command_lines import line
 from dashpot.workflow.job import LevelJob
-from dashpot.workflow.levels import Levels, level_files
+from dashpot.workflow.vibration.levels import Levels, level_files
 
 
 @lru_cache(KEPT)

@@ -26,11 +26,11 @@ from dashpot.web import views, wire
 from dashpot.web.bench import KEPT, WIDE
 from dashpot.web.requests import listed, noun_of, sizes_of
 from dashpot.web.store import path_in
-from dashpot.workflow.archive import to_json
 from dashpot.workflow.command_lines import line
 from dashpot.workflow.job import ModesJob
-from dashpot.workflow.measured_modes import MeasuredModes, modes_files
-from dashpot.workflow.under_masses import ModesByMass, modes_by_mass
+from dashpot.workflow.kept.archive import to_json
+from dashpot.workflow.vibration.measured_modes import MeasuredModes, modes_files
+from dashpot.workflow.vibration.under_masses import ModesByMass, modes_by_mass
 
 
 def _asked(request: Mapping[str, Any], folder: Path) -> ModesJob:

@@ -13,7 +13,7 @@ from dashpot.io.options import ReadOptions
 from dashpot.io.readers.relaxation import read_relaxation
 from dashpot.records.relaxation import RelaxationTest
 from dashpot.records.specimen import Specimen
-from dashpot.workflow.archive import from_json, to_json
+from dashpot.workflow.kept.archive import from_json, to_json
 
 FOLDER = "records"
 """Of the records, in the folder of the files; no identity of a file is called so."""

@@ -14,8 +14,8 @@ from dashpot.records.specimen import each_specimen
 from dashpot.vibration.systems.prediction import highest_peak
 from dashpot.web import records
 from dashpot.workflow.job import Cuts, Job, deciding
-from dashpot.workflow.predictions import Prediction, prediction
 from dashpot.workflow.prepared import prepared_tests
+from dashpot.workflow.response.predictions import Prediction, prediction
 from dashpot.workflow.study import Study, of_solid, run
 
 KEPT = 8

@@ -19,8 +19,8 @@ from dashpot.report import html as report_html
 from dashpot.report.figures import stamp
 from dashpot.web import recent, results, wire
 from dashpot.web.requests import deck_choices, job_of, part
-from dashpot.workflow.archive import to_json
 from dashpot.workflow.job import Job
+from dashpot.workflow.kept.archive import to_json
 from dashpot.workflow.study import Study
 
 

@@ -69,8 +69,8 @@ from dashpot.vibration.impact.hits import cut_hits
 from dashpot.web.words import on_page
 from dashpot.workflow.inspections import InspectedFile
 from dashpot.workflow.job import Job
-from dashpot.workflow.predictions import Prediction
 from dashpot.workflow.recommendation import Answer, Recommendation
+from dashpot.workflow.response.predictions import Prediction
 from dashpot.workflow.study import Study
 
 ROLES = ("time", "displacement", "force", "hammer", "acceleration")

@@ -37,7 +37,7 @@ from dashpot.workflow.command_lines import FIT, line, predict_command
 from dashpot.workflow.inspections import InspectedFile, inspect_files
 from dashpot.workflow.job import Job
 from dashpot.workflow.recommendation import recommendation
-from dashpot.workflow.resting import at_rest, family_checks
+from dashpot.workflow.response.resting import at_rest, family_checks
 
 HINT = (
     "Give the mass of the block and the number of seals: the hammer is then held against what the "

@@ -233,7 +233,7 @@ class Job(Documented):
 class LevelJob:
     """Everything that decides the result of ``dashpot fit``.
 
-    The fields are the arguments of :func:`~dashpot.workflow.levels.level_files`.
+    The fields are the arguments of :func:`~dashpot.workflow.vibration.levels.level_files`.
     """
 
     files: tuple[str, ...] = option((), metavar="FILE", argument=1)
@@ -294,8 +294,9 @@ class LevelChoices:
 class ModesJob:
     """Everything that decides the result of ``dashpot fit``.
 
-    The fields are the arguments of :func:`~dashpot.workflow.measured_modes.modes_files`, and of
-    :func:`~dashpot.workflow.under_masses.modes_by_mass` where there are masses.
+    The fields are the arguments of
+    :func:`~dashpot.workflow.vibration.measured_modes.modes_files`, and of
+    :func:`~dashpot.workflow.vibration.under_masses.modes_by_mass` where there are masses.
     """
 
     files: tuple[str, ...] = option((), metavar="FILE", argument=1)

@@ -38,11 +38,9 @@ from dashpot.vibration.systems.operating_point import OperatingPoint
 from dashpot.vibration.systems.prediction import REACH, highest_peak, predict_frf
 from dashpot.workflow.checks import hold_fit_possible, prediction_informed
 from dashpot.workflow.fits import of_order
-from dashpot.workflow.impacts import held_against, weighed
 from dashpot.workflow.job import Cuts, Job
-from dashpot.workflow.measured import read_measured, relieved, total_mass
 from dashpot.workflow.prepared import prepared_tests
-from dashpot.workflow.resting import (
+from dashpot.workflow.response.resting import (
     AtRest,
     at_rest,
     family_checks,
@@ -50,6 +48,8 @@ from dashpot.workflow.resting import (
     rest_checks,
     rival_of,
 )
+from dashpot.workflow.vibration.impacts import held_against, weighed
+from dashpot.workflow.vibration.measured import read_measured, relieved, total_mass
 
 Reader: TypeAlias = Callable[[str, ReadOptions, Specimen | None], RelaxationTest]
 

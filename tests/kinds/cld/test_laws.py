@@ -14,7 +14,7 @@ from dashpot.kinds.cld.prepare import cld
 from dashpot.kinds.cld.rate import fit_rate
 from dashpot.kinds.cld.relaxed import relaxed_law
 from dashpot.kinds.cld.speeds import fit_speeds
-from dashpot.workflow.archive import from_json, to_json
+from dashpot.workflow.kept.archive import from_json, to_json
 
 AT = np.array([1e-3, 2e-3, 4e-3, 6e-3, 7.5e-3])
 

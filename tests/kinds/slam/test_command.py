@@ -11,7 +11,7 @@ from kit.shell import ran, told
 from dashpot.kinds.slam.examples import EXAMPLES
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.table_1 import PAPER
-from dashpot.workflow.archive import to_json
+from dashpot.workflow.kept.archive import to_json
 
 
 @pytest.fixture(scope="module")

@@ -17,7 +17,7 @@ from dashpot.plot.picture import unit_of
 from dashpot.report.kind_page import KindPage, group, lights, who
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.rate_independent import InParallel
-from dashpot.workflow.levels import Levels
+from dashpot.workflow.vibration.levels import Levels
 
 _FINEST = 1e-6
 """Part of a number to which it is known at best: no sweep has more digits."""

@@ -19,10 +19,10 @@ from dashpot.report.kind_page import (
     who,
 )
 from dashpot.report.tables import TextTable
-from dashpot.workflow.impacts import Agreement
-from dashpot.workflow.modes import Modes
-from dashpot.workflow.predictions import Prediction
-from dashpot.workflow.under_masses import ModesByMass
+from dashpot.workflow.response.predictions import Prediction
+from dashpot.workflow.vibration.impacts import Agreement
+from dashpot.workflow.vibration.modes import Modes
+from dashpot.workflow.vibration.under_masses import ModesByMass
 
 _PEAK = frozenset({"prediction_informed", "seal_mass_negligible", "mass_of_a_block"})
 _HITS = frozenset({"hits_enough", "hits_agree", "rocking_cancelled", "hits_centred"})

@@ -14,7 +14,7 @@ from dashpot.report.kind_page import (
     row,
 )
 from dashpot.report.kind_pages.solid import OF_LOSS, OF_REST, of_solid
-from dashpot.workflow.rods import Rod
+from dashpot.workflow.vibration.rods import Rod
 
 
 def page(found: Rod) -> KindPage:

@@ -30,7 +30,7 @@ from dashpot.report.kind_page import (
 )
 from dashpot.report.kind_pages.response import mode_rows
 from dashpot.report.tables import TextTable
-from dashpot.workflow.impacts import Identified
+from dashpot.workflow.vibration.impacts import Identified
 
 _LINES, _BEYOND, _BOUNDED = 41, 4.0, 3
 """Lines of a bound, how far beyond the band it is drawn, and of how many tests at most."""

@@ -29,12 +29,12 @@ from dashpot.solids.rate_independent import RateIndependent
 from dashpot.solids.stiffening import Cubic
 from dashpot.solids.temperature import WLF, Arrhenius, FreeShifts, TemperatureLaw
 from dashpot.vibration.comparison.comparison import Comparison
-from dashpot.workflow.documents import edited, mistyped, once, strange
-from dashpot.workflow.impacts import ImpactResult
 from dashpot.workflow.inspections import InspectedFile, Inspections
 from dashpot.workflow.job import Job
-from dashpot.workflow.measured_modes import MeasuredModes
+from dashpot.workflow.kept.documents import edited, mistyped, once, strange
 from dashpot.workflow.study import Study
+from dashpot.workflow.vibration.impacts import ImpactResult
+from dashpot.workflow.vibration.measured_modes import MeasuredModes
 
 _OF_KINDS = (load(noun) for kind in KINDS.values() for noun in kind.nouns)
 SCHEMAS: dict[str, type[Documented]] = {

@@ -11,7 +11,7 @@ from dashpot.kinds.hyperelastic.record import HyperelasticFit
 from dashpot.kinds.level.levels import LevelFit
 from dashpot.records.fit import Fit
 from dashpot.solids.maxwell import Solid
-from dashpot.workflow.archive import from_json
+from dashpot.workflow.kept.archive import from_json
 
 A_FIT = "a fit, as 'dashpot fit FILE -o fit.json' writes it"
 

@@ -32,9 +32,9 @@ from dashpot.base.lock import alone
 from dashpot.base.parsing import parsed_toml
 from dashpot.io.options import ReadOptions, dump_profile
 from dashpot.io.source import missing, open_raw
-from dashpot.workflow.archive import to_json
-from dashpot.workflow.history import Listed, append, file_of, read_history, sha256
 from dashpot.workflow.job import Job, with_paths
+from dashpot.workflow.kept.archive import to_json
+from dashpot.workflow.kept.history import Listed, append, file_of, read_history, sha256
 from dashpot.workflow.study import Study, run
 
 SCHEMA = "dashpot/project@1"

@@ -14,11 +14,18 @@ from dashpot.base.checks import Check
 from dashpot.base.documents import DIGEST
 from dashpot.base.errors import ReadError
 from dashpot.workflow import checks
-from dashpot.workflow.archive import from_json
-from dashpot.workflow.documents import once, parts_of
-from dashpot.workflow.history import History, HistoryLine, Listed, read_history, sha256, software
 from dashpot.workflow.job import Job
-from dashpot.workflow.project import (
+from dashpot.workflow.kept.archive import from_json
+from dashpot.workflow.kept.documents import once, parts_of
+from dashpot.workflow.kept.history import (
+    History,
+    HistoryLine,
+    Listed,
+    read_history,
+    sha256,
+    software,
+)
+from dashpot.workflow.kept.project import (
     NAME,
     OWN,
     Project,

@@ -34,7 +34,7 @@ from dashpot.solids.maxwell import Solid
 from dashpot.vibration.systems.level import mass_at_level
 from dashpot.vibration.systems.mounts import on_heavy_mounts
 from dashpot.workflow.job import LevelChoices, PartChoices
-from dashpot.workflow.part import height_of
+from dashpot.workflow.response.part import height_of
 
 STRAIN_FACTORS = (1.0, 1 / np.sqrt(3))
 """Strain of a sweep that does to the rubber what X/h of the part does: loaded alike; a part in

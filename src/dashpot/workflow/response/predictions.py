@@ -42,7 +42,10 @@ from dashpot.vibration.systems.random_base import (
     random_base,
     random_limits,
 )
-from dashpot.workflow.at_level import (
+from dashpot.workflow.checks import base_band_informed, prediction_informed
+from dashpot.workflow.job import LevelChoices, PartChoices, known_of_a_test
+from dashpot.workflow.prepared import at_their_temperatures, prepared_files, refuse_others
+from dashpot.workflow.response.at_level import (
     VANISHING,
     Anchor,
     AtLevel,
@@ -50,12 +53,9 @@ from dashpot.workflow.at_level import (
     level_of,
     swept_part,
 )
-from dashpot.workflow.checks import base_band_informed, prediction_informed
-from dashpot.workflow.job import LevelChoices, PartChoices, known_of_a_test
-from dashpot.workflow.part import applied
-from dashpot.workflow.preloaded import PreloadedLevel, preloaded_levels
-from dashpot.workflow.prepared import at_their_temperatures, prepared_files, refuse_others
-from dashpot.workflow.resting import (
+from dashpot.workflow.response.part import applied
+from dashpot.workflow.response.preloaded import PreloadedLevel, preloaded_levels
+from dashpot.workflow.response.resting import (
     LIMIT_LINES,
     AtRest,
     at_rest,

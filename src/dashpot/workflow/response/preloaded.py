@@ -21,7 +21,7 @@ from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import Solid
 from dashpot.vibration.systems.mounts import on_heavy_mounts
 from dashpot.vibration.systems.preloaded import Jump, Orbit, PreloadedMass, largest
-from dashpot.workflow.at_level import unit_of
+from dashpot.workflow.response.at_level import unit_of
 
 _LINES, _FINE, _REACH = 121, 21, (0.25, 2.5)
 """Lines over the band and about the linear resonance, about the largest of these, and how far the

@@ -39,17 +39,23 @@ from dashpot.vibration.systems.operating_point import operating_point
 from dashpot.vibration.systems.prediction import predict_frf
 from dashpot.workflow.checks import fit_is_tested
 from dashpot.workflow.job import HammerChoices, known_of_a_test
-from dashpot.workflow.left_out import LeftOut, left_out
-from dashpot.workflow.measured import (
+from dashpot.workflow.prepared import prepared_files, refuse_others
+from dashpot.workflow.response.resting import (
+    LIMIT_LINES,
+    AtRest,
+    at_rest,
+    formal_limits,
+    frf_limits,
+)
+from dashpot.workflow.vibration.left_out import LeftOut, left_out
+from dashpot.workflow.vibration.measured import (
     average,
     judged_base,
     read_measured,
     relieved,
     total_mass,
 )
-from dashpot.workflow.modes import ImpactMode, Modes
-from dashpot.workflow.prepared import prepared_files, refuse_others
-from dashpot.workflow.resting import LIMIT_LINES, AtRest, at_rest, formal_limits, frf_limits
+from dashpot.workflow.vibration.modes import ImpactMode, Modes
 
 # rounds in which a mass and the stiffness under it find each other
 WEIGHINGS = 100

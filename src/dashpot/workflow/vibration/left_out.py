@@ -23,7 +23,7 @@ from dashpot.records.relaxation import RampHold
 from dashpot.vibration.modal.peaks import find_peak
 from dashpot.vibration.systems.prediction import predict_frf
 from dashpot.workflow.job import HammerChoices
-from dashpot.workflow.measured import average
+from dashpot.workflow.vibration.measured import average
 
 _FEWEST, _MOST = 3, 8
 """Hits that are asked, of which one is left out."""

@@ -36,8 +36,8 @@ from dashpot.records.relaxation import RelaxationTest
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.vibration.impact.hits import cut_hits
-from dashpot.workflow.at_level import HITS, amplitude_file
-from dashpot.workflow.measured import as_measured
+from dashpot.workflow.response.at_level import HITS, amplitude_file
+from dashpot.workflow.vibration.measured import as_measured
 
 
 @dataclass(frozen=True, repr=False)

@@ -25,9 +25,9 @@ from dashpot.vibration.modal.checks import modes_explain_lines, modes_stable, po
 from dashpot.vibration.modal.several_points import shapes_of, within
 from dashpot.vibration.modal.shapes import mac, phase_collinearity, phase_deviation
 from dashpot.vibration.modal.stabilisation import Stabilisation, stabilisation
-from dashpot.workflow.impacts import finite
-from dashpot.workflow.measured import as_measured, judged
-from dashpot.workflow.modes import ImpactMode, Modes
+from dashpot.workflow.vibration.impacts import finite
+from dashpot.workflow.vibration.measured import as_measured, judged
+from dashpot.workflow.vibration.modes import ImpactMode, Modes
 
 _UNIT = 1.0
 """kg; the mass that a transmissibility leaves open."""

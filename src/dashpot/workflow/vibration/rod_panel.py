@@ -8,7 +8,7 @@ from dashpot.base.asks import Answers, Ask
 from dashpot.base.errors import DataError
 from dashpot.io.options import ReadOptions
 from dashpot.workflow.job import RodChoices
-from dashpot.workflow.rods import Rod, rod_files
+from dashpot.workflow.vibration.rods import Rod, rod_files
 
 _WATER = 1000.0
 """Density of a rod of which none is given, kg/m^3."""

@@ -28,8 +28,8 @@ from dashpot.records.specimen import Specimen
 from dashpot.solids.part import Block, Disc
 from dashpot.vibration.impact.checks import scatter_known
 from dashpot.workflow.job import HammerChoices, RodChoices
-from dashpot.workflow.measured import read_measured
-from dashpot.workflow.part import pad
+from dashpot.workflow.response.part import pad
+from dashpot.workflow.vibration.measured import read_measured
 
 _LIGHTEST, _HEAVIEST = 5.0, 2e4
 """Of a foam and of a metal, kg/m^3."""

@@ -20,7 +20,7 @@ from dashpot.io.readers.frf_set import read_frfs
 from dashpot.records.frf_set import FRFSet
 from dashpot.vibration.modal.checks import one_solid
 from dashpot.vibration.modal.several_masses import SeveralMasses, several_masses
-from dashpot.workflow.measured_modes import MeasuredMode, MeasuredModes, modes_of
+from dashpot.workflow.vibration.measured_modes import MeasuredMode, MeasuredModes, modes_of
 
 
 class UnderMass(NamedTuple):

@@ -1,0 +1,1 @@
+"""From files of measured vibration to FRFs, modes, and the solid behind them."""
