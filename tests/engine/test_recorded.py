@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dashpot.base.errors import DataError, FitError
+from dashpot.engine.blocks import correlation
 from dashpot.engine.blocks.block import Evaluation
 from dashpot.engine.blocks.correlation import Force, convolved, upper_factor
 from dashpot.engine.blocks.late_force import Late
@@ -336,6 +337,32 @@ def test_refusals_say_what_was_expected() -> None:
         recorded_block(TIME, x, x, window=slice(0, 2))
     with pytest.raises(DataError, match="neighbouring"):
         recorded_block(TIME, x, x, window=slice(0, 100, 2))
+
+
+@pytest.mark.parametrize("derivative", [False, True])
+def test_what_the_correlations_lose_to_rounding_comes_from_every_sample(
+    monkeypatch: pytest.MonkeyPatch, derivative: bool
+) -> None:
+    """Of a hundred arms the least sums may lose more than a factor bears."""
+    x = HISTORIES["ramp and hold"]
+    block = recorded_block(TIME, x, force_of(x, 2), window=slice(1200, 6001), offset="offset")
+    at = np.log(np.geomspace(1.0, 100.0, 4))
+    closed = block.evaluate(at, derivative)
+
+    def lost(gram: np.ndarray) -> np.ndarray:
+        raise FitError("rounding")
+
+    monkeypatch.setattr(correlation, "upper_factor", lost)
+    sampled = block.evaluate(at, derivative)
+    assert len(sampled.target) == len(closed.target)
+    one, two = (
+        np.column_stack((found.fixed, found.arms, found.d_arms, found.target))
+        for found in (closed, sampled)
+    )
+    scale = np.linalg.norm(two, axis=0)
+    np.testing.assert_allclose(
+        (one / scale).T @ (one / scale), (two / scale).T @ (two / scale), atol=1e-9
+    )
 
 
 def test_what_is_no_sum_of_squares_has_no_factor() -> None:

@@ -195,17 +195,32 @@ class Force(NamedTuple):
         return cls(motion.correlate(values), values @ motion.fixed, energy)
 
 
-def correlation_rows(shared: ConvolvedMotion, force: Force) -> Rows:
-    """Rows whose inner products are closed forms in tau, in the coordinates of their factor."""
+def correlation_rows(shared: ConvolvedMotion, force: Force, exact: DataBlock) -> Rows:
+    """Rows whose inner products are closed forms in tau, in the coordinates of their factor.
+
+    Where rounding takes more of them than a factor bears, that of every sample serves.
+    """
     q = shared.fixed.shape[1]
 
     def rows(log_tau: FloatArray, derivative: bool) -> Evaluation:
-        factor = upper_factor(shared.gram(np.exp(log_tau), force, derivative=derivative))
+        try:
+            factor = upper_factor(shared.gram(np.exp(log_tau), force, derivative=derivative))
+        except FitError:
+            factor = _factor_of_samples(exact.evaluate(log_tau, derivative), derivative=derivative)
         own = slice(q, q + len(log_tau))
         slope = slice(own.stop, -1) if derivative else own
         return Evaluation(factor[:, -1], factor[:, :q], factor[:, own], factor[:, slope])
 
     return rows
+
+
+def _factor_of_samples(found: Evaluation, *, derivative: bool) -> FloatArray:
+    """The same factor by the columns themselves: dearer, and no digit is lost by squaring."""
+    slopes = [found.d_arms] if derivative else []
+    columns = np.column_stack((found.fixed, found.arms, *slopes, found.target))
+    if not np.isfinite(columns).all():
+        raise FitError("the terms of the fit are no finite numbers on this record; check its units")
+    return np.asarray(np.linalg.qr(columns, mode="r"))
 
 
 class _ArmSums(NamedTuple):
@@ -424,7 +439,7 @@ def _of_force(
 
     return replace(
         exact,
-        rows=correlation_rows(shared, force),
+        rows=correlation_rows(shared, force, exact),
         accuracy=float(np.sqrt(ROUNDING)),
         rotated_basis=True,
         full=lambda: exact,
