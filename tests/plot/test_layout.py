@@ -10,7 +10,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from dashpot.plot.layout import STRAIGHT, arranged, lay_out, straightened, text_width
-from dashpot.plot.picture import FIT, Line, Panel, Pen, Picture, Scale, Tag
+from dashpot.plot.picture import FIT, Line, Panel, Pen, Picture, Scale, Span, Tag
 from dashpot.plot.ticks import numbers, place, written
 
 LOW = st.floats(-1e6, 1e6)
@@ -66,10 +66,12 @@ def test_a_logarithmic_axis_has_numbers_inside_its_limits_and_apart(low, decades
     # a few short numbers stand closer: two or three say little of an axis
     apart = np.diff(length * place(axis, found)).min()
     assert len(found) == 2 or apart >= 0.7 * 46.0 * (1 - 1e-9)
-    assert len(found) == 2 or apart >= 46.0 * (1 - 1e-9) or 10**low >= 1e-2
+    assert len(found) == 2 or apart >= 46.0 * (1 - 1e-9) or found[0] >= 1e-2
 
 
-@pytest.mark.parametrize("limits", [(6.0, 30.0), (2.0, 600.0), (0.01, 100.0), (5.8, 27.0)])
+@pytest.mark.parametrize(
+    "limits", [(6.0, 30.0), (2.0, 600.0), (0.01, 100.0), (5.8, 27.0), (0.004, 250.0)]
+)
 @pytest.mark.parametrize("length", [280.0, 780.0])
 def test_a_logarithmic_axis_of_a_panel_has_five_numbers(limits, length):
     assert len(numbers(Scale("f, Hz", limits, log=True), length, 46.0)) >= 5
@@ -137,6 +139,23 @@ def test_a_tag_without_room_beside_its_peak_breaks_and_keeps_its_unit():
     assert tag.text in {one.text for one in wide}
     assert "measured 12.71 Hz," in {one.text for one in narrow}
     assert "155 1/kg" in {one.text for one in narrow}
+
+
+def test_two_numbers_of_an_axis_are_made_more_where_they_are_short():
+    assert numbers(Scale("t, s", (1.03, 3.33)), 208.0, 46.0) == (1.5, 2.0, 2.5, 3.0)
+    assert len(numbers(Scale("t, s", (10301.03, 10303.33)), 208.0, 46.0)) == 2
+
+
+@pytest.mark.parametrize("low", [True, False])
+def test_a_name_stands_on_the_side_that_is_not_hatched(low):
+    middle = 10.0
+    span = Span(*((1.0, middle) if low else (middle, 100.0)), "away", "", True, 1.0)
+    tag = Tag(middle, 10.0, "16.4 s", "fit", "filled")
+    panel = Panel(WIDE, Scale("y", (1.0, 100.0), log=True), (span, tag), height=200)
+    (frame,) = lay_out((panel,), 400.0).frames
+    ((left, right),) = (ends_of(one) for one in frame.words if one.text == tag.text)
+    edge = frame.box.x + frame.box.width / 2
+    assert left > edge if low else right < edge
 
 
 def test_a_stamp_ends_where_its_sheet_does():

@@ -77,12 +77,31 @@ def visit(browser, address, window):
         page.leave() if page is window else page.close()
 
 
+FIRST_SEEN = """() => {
+  window.first = {};
+  const look = () => {
+    for (const name of ["measured", "fit"]) {
+      if (document.querySelector(`[data-panel=hold] path[data-name=${name}]`)) {
+        window.first[name] ??= performance.now();
+      }
+    }
+    requestAnimationFrame(look);
+  };
+  look();
+}"""
+"""When the hold is first seen, and when its fit."""
+
+
 def test_files_are_dropped_and_the_answer_stands_there(visit, files):
     page = visit()
     page.at.get_by_role("heading", name="Drop a relaxation test").wait_for()
     assert page.at.get_by_role("button", name="Report").is_disabled()
+    page.at.evaluate(FIRST_SEEN)
     page.at.locator("#pick").set_input_files([str(files / name) for name in workflow.FIRST])
     page.done()
+    # the record is there to be looked at before its fit is
+    record, fit = page.at.evaluate("[window.first.measured, window.first.fit]")
+    assert record < fit
     assert page.at.get_by_role("region", name="Verdict").inner_text().strip()
     assert page.at.locator(".files .file").count() == 2
     for name in ("Accelerance", "Ramp", "Hold, N; residual", "Arms"):
@@ -278,11 +297,15 @@ def test_a_warm_and_a_cold_test_are_fitted_together(visit, tmp_path):
 def test_a_hit_is_rejected_by_hand(visit, files):
     page = visit(*(files / name for name in workflow.FIRST))
     page.done()
+    drawn = "document.querySelector('[data-panel=hold] svg.figure').viewBox.baseVal.width"
+    wide = page.at.evaluate(drawn)
     page.file("hammer.csv").click()
     page.at.get_by_role("checkbox", name="use hit 2").click()
     page.at.locator("#command").filter(has_text="--reject 2").wait_for()
     page.at.locator(".files").filter(has_text="4 of 5 hits").wait_for()
     page.done()
+    # what is out of sight is drawn for its own place, too
+    assert page.at.evaluate(drawn) == wide
     assert page.at.locator("#hit-table .pulse").count() == 5
     assert page.at.get_by_text("Give the mass of the block").is_visible()
     page.remove("hammer.csv")

@@ -99,9 +99,9 @@ def test_a_door_stands_on_the_files_that_are_open(store):
     assert "27.3" in head["verdict"] + head["answers"]
     assert head["command"] == "dashpot predict door.toml"
     # as its own page: the line, the response, the modes with their shares as bars, the shapes
-    titles = [title for title, _ in head["figures"]]
+    titles = [title for title, *_ in head["figures"]]
     assert titles[2:] == ["Modes: who holds, who loses", "Shapes, from outside"]
-    shown = dict(head["figures"])
+    shown = {title: html for title, html, _ in head["figures"]}
     assert shown["Modes: who holds, who loses"].count('class="shares"') == 2 * 9
     assert shown["Shapes, from outside"].count("<div><svg") == 6
     # no light is calmer than the verdict

@@ -68,13 +68,13 @@ def ask(verb, store, home, names, **request):
         (["point0.csv", "point1.csv"], {},
          ["Stabilisation chart", "Modes", "Shapes: size and phase", "Modal assurance criterion"]),
         ([f"{mass}.csv" for mass in MASSES], {"masses": list(MASSES)},
-         ["accelerance", "storage stiffness", "loss stiffness"]),
+         ["Accelerance, 1/kg", "Storage stiffness, N/mm", "Loss stiffness, N/mm"]),
     ],
 )  # fmt: skip
 def test_modes_are_those_of_the_command(store, home, monkeypatch, case):
     names, more, titles = case
     told = ask("modes", store, home, names, **more)
-    assert [title for title, _ in told["figures"]] == titles
+    assert [title for title, *_ in told["figures"]] == titles
     assert "use" in told["verdict"].lower()
     monkeypatch.chdir(home)
     shell = ran(*shlex.split(told["command"])[1:], "--json")

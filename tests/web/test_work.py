@@ -147,6 +147,17 @@ def test_of_a_long_record_a_part_is_shown_first(store, files, monkeypatch):
     assert ask("settle", store, job=job)["solid"] == whole["solid"]
 
 
+def test_the_record_is_there_without_a_fit(store, asked):
+    sizes = {"ramp": [260, 200], "hold": [260, 200]}
+    drawn = ask("record", store, job=asked, sizes=sizes)["panels"]
+    settled = ask("settle", store, job=asked, sizes=sizes)["panels"]
+    for name, html in drawn.items():
+        (own,) = re.findall(r'<path[^>]* data-name="measured"[^>]*>', html)
+        assert 'data-name="fit"' not in html
+        # the same line as upon its fit
+        assert re.search(r' d="[^"]*"', own)[0] in settled[name]
+
+
 def test_a_handle_moves_the_curves_within_a_page_of_bytes(store, asked):
     whole = VERBS["live"]({"job": asked}, store.folder)
     assert len(whole) < 30_000
@@ -156,6 +167,12 @@ def test_a_handle_moves_the_curves_within_a_page_of_bytes(store, asked):
     later = ask("live", store, job=asked | {"cuts": {"hold_end": 20.0}})
     assert later["cuts"]["hold_end"] == 20.0
     assert found["cuts"]["hold_end"] > 40.0
+    # on the axis that is there, which counts from where the ramp ended when it was drawn
+    moved = asked | {"cuts": {"ramp_end": 2.6}}
+    since = found["cuts"]["ramp_end"]
+    own, there = (ask("live", store, job=moved, **how)["arrays"] for how in ({}, {"since": since}))
+    for name in ("hold/fit/x", "hold/mean/x"):
+        assert there[name] - own[name] == pytest.approx(2.6 - since, abs=1e-5)
 
 
 def test_a_held_handle_is_followed_from_the_cut_before_to_the_fit_of_its_cut(store, asked):

@@ -267,7 +267,7 @@ def _swung(seen: FloatArray, moved: FloatArray, size: float) -> list[Mark]:
     return [
         Line(seen[:, 0], seen[:, 1], Pen("ref", 1.2, (4, 3)), "at rest"),
         Line(there[:, 0], there[:, 1], FIT, "moves in its plane"),
-        Tag(x - 1.2 * size, y, "in its plane", "soft", end=True),
+        Tag(x - 1.8 * size, y, "in plane", "soft", end=True),
     ]
 
 

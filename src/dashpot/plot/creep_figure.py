@@ -9,9 +9,10 @@ from dashpot.base.numbers import rounded
 from dashpot.fitting.compliance import fitted_displacement
 from dashpot.plot.modulus_figure import answer_panels
 from dashpot.plot.picture import (
+    BENEATH,
     FIT,
-    MEASURED,
     REF,
+    UPON,
     Line,
     Panel,
     Picture,
@@ -65,7 +66,7 @@ def _test(fit: Fit, data: LoadHold) -> tuple[Panel, Panel]:
 
     upper = Panel(
         across, Scale(label, around(scale * measured)),
-        (Line(*line(measured), MEASURED, "measured"), Line(*line(said), FIT, "fit")),
+        (Line(*line(said), BENEATH, "fit"), Line(*line(measured), UPON, "measured")),
         height=240,
     )  # fmt: skip
     left = measured - said

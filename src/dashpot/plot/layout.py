@@ -439,6 +439,8 @@ def _tagged(
 ) -> list[Word]:
     """Words beside their points, inside the axes, clear of each other, and best of all else."""
     drawn = _strokes(inner, box) if tags else np.zeros((0, 2))
+    hatches = (one for one in inner if isinstance(one, Fill) and one.hatched)
+    hatched = [part + np.array((box.x, box.y)) for one in hatches for part in one.parts]
     places = [_points(panel, box, *_at(tag))[0] + (box.x, box.y) for tag in tags]
     taken = [Box(x - 5, y - 5, 10, 10) for tag, (x, y) in zip(tags, places, strict=True)
              if not tag.end]  # fmt: skip
@@ -466,7 +468,7 @@ def _tagged(
             (box.x + box.width - 4, y + 21, "end"), (box.x + 4, y + 21, "start"),
         ]  # fmt: skip
         laid = [
-            _laid(tag, lines, near, far, _Surroundings(box, taken, drawn))
+            _laid(tag, lines, near, far, _Surroundings(box, taken, drawn, hatched))
             for lines in dict.fromkeys(((tag.text,), tuple(_halves(tag.text))))
         ]
         # in two lines only where one has no room, or more runs through it
@@ -480,11 +482,12 @@ _Spot: TypeAlias = tuple[float, float, Anchor]
 
 
 class _Surroundings(NamedTuple):
-    """What words have to keep clear of: the ends of the axes, other words, and curves."""
+    """What words keep clear of: the ends of the axes, other words, curves, and what is hatched."""
 
     box: Box
     taken: list[Box]
     drawn: FloatArray
+    hatched: list[FloatArray]
 
 
 def _halves(text: str) -> list[str]:
@@ -519,7 +522,9 @@ def _laid(
         return all(_clear(_room(one), beside.box, beside.taken) for one in made)
 
     def crossed(made: list[Word]) -> int:
-        return sum(_crossed(_room(one), beside.drawn) for one in made)
+        return sum(
+            _crossed(_room(one), beside.drawn) + _upon(_room(one), beside.hatched) for one in made
+        )
 
     free = [one for one in map(words, near) if clear(one)]
     if free:
@@ -555,6 +560,19 @@ def _crossed(room: Box, drawn: FloatArray) -> int:
     x, y = drawn.T
     across = (x > room.x) & (x < room.x + room.width)
     return int(np.count_nonzero(across & (y > room.y + 2) & (y < room.y + room.height - 2)))
+
+
+def _upon(room: Box, rings: list[FloatArray]) -> int:
+    """How many places along the middle of some words lie inside rings, every few px."""
+    x = np.arange(room.x, room.x + room.width + 1e-9, 5.0)[:, None]
+    y, found = room.y + room.height / 2, 0
+    for ring in rings:
+        (x0, y0), (x1, y1) = ring.T, np.roll(ring, -1, axis=0).T
+        # as many sides to the right of a place as make it lie inside
+        sides = (y0 > y) != (y1 > y)
+        run = np.divide(x1 - x0, y1 - y0, out=np.zeros_like(x0), where=sides)
+        found += int(np.count_nonzero(np.sum(sides & (x < x0 + (y - y0) * run), axis=1) % 2))
+    return found
 
 
 def _named(tags: list[Tag], places: list[FloatArray]) -> list[tuple[Tag, float, float]]:

@@ -66,7 +66,7 @@ def answer_panels(
     across = Scale(axis, (float(t[0]), float(t[-1])), log=True)
     upper = Panel(
         across, Scale(f"{name}, {word}", around_log(measured, curve), log=True),
-        (Dots(t, measured, "measured", "measured"), Line(dense, curve, FIT, "fit")),
+        (Line(dense, curve, FIT, "fit"), Dots(t, measured, "measured", "measured")),
         height=240,
     )  # fmt: skip
     lower = Panel(

@@ -191,35 +191,46 @@ def upon_panels(
     whole : RampHold, optional
         The same test to its last sample, where the hold of `prepared` is cut.
     """
+    _, scale = unit_of(prepared.force, "N")
+    (ramp, hold), c = record_panels(prepared, whole=whole), prepared.ramp_time
+    on_ramp, on_hold = fit_lines(one, prepared, whole or prepared)
+    moved, *upon = ramp.marks
+    *left, held = hold.marks
+    rest = residual_panel(one, prepared, since=c, axis=hold.x)
+    below: list[Mark] = [*left]
+    if other is not None:
+        below.append(_hold_line(other.time - c, scale * other.force, hold.x, other.pen, "eq. (5)"))
+    return (
+        replace(ramp, marks=(moved, on_ramp, *upon)),
+        replace(hold, marks=(*below, on_hold, held)),
+        replace(rest, marks=(*left, *rest.marks)),
+    )
+
+
+def record_panels(prepared: RampHold, *, whole: RampHold | None = None) -> tuple[Panel, Panel]:
+    """Ramp and hold of :func:`upon_panels` before there is any fit."""
     unit, scale = unit_of(prepared.force, "N")
     t, force, c = prepared.time, scale * prepared.force, prepared.ramp_time
     whole = whole or prepared
-    (seen, axis), (on_ramp, on_hold) = _upon_axes(prepared, whole), fit_lines(one, prepared, whole)
+    seen, axis = _upon_axes(prepared, whole)
     within = (t >= seen[0]) & (t <= seen[1])
     moved = prepared.displacement * (float(np.max(force[within])) / prepared.depth)
-    ramp: list[Mark] = [
+    ramp: tuple[Mark, ...] = (
         _ramp_line(t, moved, seen, REF, "displacement"),
-        on_ramp,
         _ramp_line(t, force, seen, UPON, "measured"),
         Tag(float(prepared.onset + 0.55 * c), float(0.5 * np.max(moved[within])),
             "displacement", "soft"),
-    ]  # fmt: skip
+    )  # fmt: skip
     since, held, (start, last) = whole.time - prepared.ramp_end, scale * whole.force, axis.limits
-    left: list[Mark] = []
+    hold: list[Mark] = []
     if prepared.hold_end - prepared.ramp_end < last:
-        left = [Span(prepared.hold_end - prepared.ramp_end, last, "away", "", True, 1.0)]
-    hold = [*left]
-    if other is not None:
-        hold.append(_hold_line(other.time - c, scale * other.force, axis, other.pen, "eq. (5)"))
-    hold += [on_hold, _hold_line(since, held, axis, UPON, "measured")]
-    used = held[since >= start]
-    rest = residual_panel(one, prepared, since=c, axis=axis)
+        hold = [Span(prepared.hold_end - prepared.ramp_end, last, "away", "", True, 1.0)]
+    hold.append(_hold_line(since, held, axis, UPON, "measured"))
     said = f"force, {unit}"
     return (
         Panel(Scale("time on the record's clock, s", seen),
-              Scale(said, _headroom(force[within])), tuple(ramp)),
-        Panel(axis, Scale(said, _headroom(used)), tuple(hold)),
-        replace(rest, marks=(*left, *rest.marks)),
+              Scale(said, _headroom(force[within])), ramp),
+        Panel(axis, Scale(said, _headroom(held[since >= start])), tuple(hold)),
     )  # fmt: skip
 
 

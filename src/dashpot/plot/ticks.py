@@ -13,8 +13,10 @@ from dashpot.plot.picture import Scale
 
 # numbers of a decade, ever more of them
 SUBS = ((1,), (1, 3), (1, 2, 5), (1, 1.5, 2, 3, 5, 7), (1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8))
-# of a logarithmic axis, below which numbers may stand closer, how much so, and if they are short
-FEW, CLOSE, SHORT = 5, 0.7, (1e-2, 1e4)
+# of a logarithmic axis and of an even one, below which numbers may stand closer
+FEW, PAIR = 5, 3
+# how much so, and if they are short
+CLOSE, SHORT, LETTERS = 0.7, (1e-2, 1e4), 4
 # plain numbers are short between these
 PLAIN = (1e-4, 1e5)
 
@@ -32,19 +34,24 @@ def place(scale: Scale, values: FloatArray | Sequence[float] | float) -> FloatAr
 def numbers(scale: Scale, length: float, apart: float) -> tuple[float, ...]:
     """Values that bear a number: as many round ones as stand `apart` px on `length` px.
 
-    Of a logarithmic axis that has fewer than five so, closer ones: two or three numbers say little
-    of it.
+    Of an axis that has fewer than three so, a logarithmic one fewer than five, closer ones if they
+    are short: two numbers say little of it.
     """
     if scale.ticks:
         return scale.ticks
-    if not scale.log:
-        even = _even(scale.limits, max(int(length / apart), 2))
-        return tuple(one for one in even if one == round(one)) if scale.whole else even
-    found = _round_ones(scale, length, apart)
-    short = SHORT[0] <= scale.limits[0] and scale.limits[1] <= SHORT[1]
-    if len(found) >= FEW or not short:
+    found, closer = (_numbers(scale, length, each) for each in (apart, CLOSE * apart))
+    if len(closer) <= len(found) or len(found) >= (FEW if scale.log else PAIR):
         return found
-    return max(found, _round_ones(scale, length, CLOSE * apart), key=len)
+    if scale.log:
+        return closer if SHORT[0] <= closer[0] and closer[-1] <= SHORT[1] else found
+    return closer if max(map(len, written(scale, closer))) <= LETTERS else found
+
+
+def _numbers(scale: Scale, length: float, apart: float) -> tuple[float, ...]:
+    if scale.log:
+        return _round_ones(scale, length, apart)
+    even = _even(scale.limits, max(int(length / apart), 2))
+    return tuple(one for one in even if one == round(one)) if scale.whole else even
 
 
 def _round_ones(scale: Scale, length: float, apart: float) -> tuple[float, ...]:

@@ -14,7 +14,6 @@ from dashpot.base.parsing import parsed_toml
 from dashpot.door.figure import View, frf_panel, line_panel, shape_panels
 from dashpot.door.result import DoorResult
 from dashpot.plot.picture import Picture
-from dashpot.plot.svg import strip, swatch
 from dashpot.records.fit import Fit
 from dashpot.report.answer import Row
 from dashpot.report.door import about, lights_of, modes_of
@@ -49,30 +48,23 @@ def page(found: DoorResult) -> KindPage:
     )  # fmt: skip
 
 
-def figures(found: DoorResult, width: float) -> list[tuple[str, str]]:
+def figures(found: DoorResult, width: float) -> list[views.Card]:
     """What its own page shows: its seal line, its response, its modes with their shares, shapes."""
     view = View.of(found)
     panels = [] if view is None else [line_panel(found, view)]
     if found.frfs:
         panels.append(frf_panel(found, 0, height=panels[0].height if panels else _HEIGHT))
-    cards: list[tuple[str, str]] = []
+    cards: list[views.Card] = []
     if panels:
         picture = Picture("door", "", tuple((one,) for one in panels), len(panels))
         cards += views.bench_panels(picture, width)
     if found.modes:
         words = "Modes: who holds, who loses"
-        cards.append((words, views.piece("door_modes", modes=modes_of(found))))
+        cards.append(views.Card(words, views.piece("door_modes", modes=modes_of(found))))
     shapes = [] if view is None else shape_panels(found, view)
     if shapes:
-        many = len(shapes) if width >= views.TWO else 2
-        each = (width - views.CARD) / many - 8
-        drawn = [
-            strip((one,), name=f"shape{i}", width=each, kind="figure")
-            for i, one in enumerate(shapes)
-        ]
-        key = Picture("shapes", "", tuple((one,) for one in shapes)).key
-        samples = [(swatch(mark, name=f"shape-k{i}"), mark.label) for i, mark in enumerate(key)]
-        cards.append(("Shapes, from outside", views.piece("shapes", key=samples, drawn=drawn)))
+        drawn = views.small_multiples(shapes, "shape", width)
+        cards.append(views.Card("Shapes, from outside", drawn))
     return cards
 
 

@@ -66,7 +66,7 @@ def modes(request: Mapping[str, Any], folder: Path) -> bytes:
     if isinstance(found, MeasuredModes):
         checks, frfs = found.frf.checks, [found.frf]
         named = [(str(i), one.mode) for i, one in enumerate(found.modes, 1)]
-        drawn = [("Stabilisation chart", drawn[0][1]), *_tables(found)]
+        drawn = [drawn[0]._replace(title="Stabilisation chart"), *_tables(found)]
     else:
         checks, frfs = found.checks, [one.frf for one in found.tests]
         held = zip(found.together.masses, found.together.modes, strict=True)
@@ -106,7 +106,7 @@ def _terms(named: list[tuple[str, Mode]]) -> list[views.Term]:
     ]
 
 
-def _tables(found: MeasuredModes) -> list[tuple[str, str]]:
+def _tables(found: MeasuredModes) -> list[views.Card]:
     """What each mode is beside its pole; of several points shapes and how alike they are."""
     if not found.modes:
         return []
@@ -124,7 +124,10 @@ def _tables(found: MeasuredModes) -> list[tuple[str, str]]:
     tables = [(f"Modes{of}", head, rows)]
     if found.points:
         tables += _shapes(found)
-    return [(title, views.piece("cells", head=head, rows=rows)) for title, head, rows in tables]
+    return [
+        views.Card(title, views.piece("cells", head=head, rows=rows), min(i, 1) + 1)
+        for i, (title, head, rows) in enumerate(tables)
+    ]
 
 
 def _shapes(found: MeasuredModes) -> list[tuple[str, list[str], list[list[str]]]]:

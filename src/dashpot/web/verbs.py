@@ -9,8 +9,9 @@ from typing import Any
 from dashpot.web import against, bench, folders, judging, level, modes, taking, work
 
 VERBS: Mapping[str, Callable[[Mapping[str, Any], Path], bytes]] = {
-    "inspect": work.inspect, "live": work.live, "settle": work.settle, "predict": work.predict,
-    "study": work.study, "take": taking.take, "profile": taking.profile,
+    "inspect": work.inspect, "live": work.live, "record": work.record,
+    "settle": work.settle, "predict": work.predict, "study": work.study,
+    "take": taking.take, "profile": taking.profile,
     "project": taking.project,
     "bench": bench.bench, "take-bench": bench.take_bench,
     "level": level.level, "take-level": level.take_level,

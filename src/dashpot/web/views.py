@@ -5,6 +5,7 @@ Pure functions, tested without a server. Words, digits and marks are those of th
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from importlib import import_module, resources
@@ -193,6 +194,17 @@ def test_panels(
     }  # fmt: skip
 
 
+def record_panels(prepared: RampHold, sizes: Sizes) -> dict[str, str]:
+    """Ramp and hold as they were recorded, where they will stand upon their fit."""
+    ramp, hold = map(_in_short, relaxation.record_panels(prepared))
+    rest = Panel(hold.x, Scale("residual", (0.0, 1.0), unnumbered=True), ())
+    unit = ramp.y.label.rpartition(", ")[2]
+    return {
+        "ramp": drawn("ramp", ramp, sizes, title=f"Ramp, {unit}"),
+        "hold": drawn("hold", (hold, rest), sizes, title=f"Hold, {unit}"),
+    }
+
+
 def _shown_fit(fit: Fit, prepared: RampHold) -> relaxation.DrawnFit:
     """A fit with its curve, in the colour of its solid."""
     chosen = relaxation.fitted(fit, (), prepared)[0]
@@ -264,20 +276,72 @@ def response_panel(predicted: FRF, sizes: Sizes, title: str) -> str:
     return drawn("frf", plot.resonance(None, predicted).panels[0], sizes, title=title)
 
 
-def bench_panels(picture: Picture, width: float) -> list[tuple[str, str]]:
-    """What stands over each strip of a picture, and the strip; two in a row if they fit."""
-    narrow = width < TWO or len(picture.strips) == 1
-    found = []
-    for i, panels in enumerate(picture.strips):
-        name, title = f"bench{i}", panels[0].title or panels[0].y.label.partition(",")[0]
-        panels = (replace(panels[0], title=""), *panels[1:])  # noqa: PLW2901
-        key = Picture(name, "", (panels,)).key
-        samples = [(swatch(mark, name=f"{name}-k{j}"), mark.label) for j, mark in enumerate(key)]
-        svg = strip(
-            panels, name=name, width=(width if narrow else (width - 8) / 2) - CARD, kind="figure"
-        )
-        found.append((title, piece("figure", key=samples, svg=svg, title="", note="")))
+class Card(NamedTuple):
+    """A part of the page of a file: its title, what it holds, how many stand beside each other."""
+
+    title: str
+    html: str
+    across: int = 1
+
+
+def bench_panels(picture: Picture, width: float) -> list[Card]:
+    """A card for each strip of a picture, two in a row; one for more than two that are alike."""
+    found: list[Card] = []
+    for row in _rows(picture):
+        name = f"bench{len(found)}"
+        if len(row) > 2:
+            drawn = small_multiples([one for (one,) in row], name, width)
+            found.append(Card(re.split("[:,]", picture.caption)[0], drawn))
+        else:
+            found += [_card(f"{name}-{i}", one, width, len(row)) for i, one in enumerate(row)]
     return found
+
+
+def _rows(picture: Picture) -> list[tuple[tuple[Panel, ...], ...]]:
+    """The strips that stand beside each other: all that are alike, of three others the last two."""
+    strips = picture.strips
+    if picture.rows:
+        return [row for _, row in picture.in_rows]
+    single = all(len(one) == 1 for one in strips)
+    kinds = (
+        {one[0].y.label for one in strips},
+        {tuple(mark.label for mark in Picture("", "", (one,)).key) for one in strips},
+    )
+    if len(strips) > 2 and single and any(len(one) == 1 for one in kinds):
+        return [strips[i : i + 3] for i in range(0, len(strips), 3)]
+    odd = len(strips) % 2
+    return [strips[:odd]] * odd + [strips[i : i + 2] for i in range(odd, len(strips), 2)]
+
+
+def _card(name: str, panels: tuple[Panel, ...], width: float, across: int) -> Card:
+    """One strip under its title; an axis that says no more than the title is named there."""
+    first, *below = panels
+    bare = not (first.title or first.note or first.drawing)
+    title = first.title or (first.y.label if bare else first.y.label.partition(",")[0])
+    drawing = (replace(first, title="", bare=bare), *below)
+    across = across if width >= TWO else 1
+    svg = strip(drawing, name=name, width=(width - 8 * (across - 1)) / across - CARD, kind="figure")
+    html = piece("figure", key=_samples(drawing, name), svg=svg, title="", note="")
+    return Card(title[:1].upper() + title[1:], html, across)
+
+
+def _samples(panels: Sequence[Panel], name: str) -> list[tuple[str, str]]:
+    """What each mark looks like, and its name."""
+    key = Picture(name, "", (tuple(panels),)).key
+    return [(swatch(mark, name=f"{name}-k{i}"), mark.label) for i, mark in enumerate(key)]
+
+
+def small_multiples(panels: Sequence[Panel], name: str, width: float) -> str:
+    """Panels of one kind under one key, all in a row, or two where that is too narrow."""
+    many = len(panels) if width >= TWO else 2
+    each = (width - CARD - 8 * (many - 1)) / many
+    drawn = []
+    for i, one in enumerate(panels):
+        (left, right), (low, high) = one.x.limits, one.y.limits
+        most = each * (high - low) / (right - left) if one.square else one.height
+        low_one = replace(one, height=min(one.height, most))
+        drawn.append(strip((low_one,), name=f"{name}-{i}", width=each, kind="figure"))
+    return piece("shapes", key=_samples(panels, name), drawn=drawn, two=many == 2)
 
 
 def study_panel(study: Study, sizes: Sizes, title: str, *, phase: bool = False) -> str:
@@ -369,12 +433,27 @@ class LiveCurves(NamedTuple):
     words: str
 
 
-def live_test(fit: Fit, prepared: RampHold, by_eq5: Fit | None, *, unit: str = "N") -> LiveCurves:
-    """What a fit says while a handle is held: its curves, its residual in a `unit`, its numbers."""
+def live_test(
+    fit: Fit,
+    prepared: RampHold,
+    by_eq5: Fit | None,
+    *,
+    unit: str = "N",
+    since: float | None = None,
+) -> LiveCurves:
+    """What a fit says while a handle is held: its curves, its residual in a `unit`, its numbers.
+
+    The axes of the hold stand as they were drawn: they count from `since` on the record's clock, s.
+    """
     one = _shown_fit(fit, prepared)
     when, left = relaxation.mean_residual(one, prepared)
     ramp, hold = ((line.x, line.y) for line in relaxation.fit_lines(one, prepared))
-    curves = {"ramp/fit": ramp, "hold/fit": hold, "hold/mean": (when, in_unit(left, unit))}
+    later = 0.0 if since is None else prepared.ramp_end - since
+    curves = {
+        "ramp/fit": ramp,
+        "hold/fit": (hold[0] + later, hold[1]),
+        "hold/mean": (when + later, in_unit(left, unit)),
+    }
     arrays: dict[str, FloatArray] = {}
     for name, (x, y) in curves.items():
         keep = np.unique(np.linspace(0, len(x) - 1, LIVE_POINTS).astype(int))
@@ -582,14 +661,19 @@ def answers(study: Study, found: Recommendation) -> str:
     own = zip(found.one_seal, answer.rows(found.one_seal), strict=True)
     every.append(("One seal", [_shorter(*pair) for pair in own]))
     measured = study.comparison is not None
-    return piece("answers", groups=every, measured=measured, told="Numbers", note="")
+    return piece(
+        "answers", groups=every, measured=measured, ranged=True, told="Numbers", note=""
+    )  # fmt: skip
 
 
 def groups(found: Sequence[Group], told: str, note: str) -> str:
     """The table of a result of a kind: value, from and to of each number."""
     every = [(one.title, one.rows) for one in found if one.rows]
     measured = any(row.measured for _, rows in every for row in rows)
-    return piece("answers", groups=every, measured=measured, told=told, note=note)
+    ranged = any(row.low or row.high for _, rows in every for row in rows)
+    return piece(
+        "answers", groups=every, measured=measured, ranged=ranged, told=told, note=note
+    )  # fmt: skip
 
 
 def _shorter(one: Answer, row: Row) -> Row:

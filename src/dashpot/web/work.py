@@ -31,7 +31,7 @@ from dashpot.report.pages import COLOURS
 from dashpot.report.summary import simulated
 from dashpot.vibration.systems.prediction import highest_peak, predict_frf
 from dashpot.web import doors, records, results, views, wire
-from dashpot.web.requests import job_of, part, sizes_of, word
+from dashpot.web.requests import job_of, number, part, sizes_of, word
 from dashpot.web.store import path_in
 from dashpot.workflow.command_lines import FIT, line, predict_command
 from dashpot.workflow.inspections import InspectedFile, inspect_files
@@ -111,8 +111,20 @@ def live(request: Mapping[str, Any], folder: Path) -> bytes:
     found = results.held(results.of_fit(job))
     _, prepared = results.shown(job, found, results.HELD)
     by_eq5 = results.beside(job, found, results.HELD)
-    shown = views.live_test(found, prepared, by_eq5, unit=word(request, "unit") or "N")
+    given = request.get("since")
+    since = None if given is None else number(given, "since")
+    shown = views.live_test(
+        found, prepared, by_eq5, unit=word(request, "unit") or "N", since=since
+    )  # fmt: skip
     return wire.packed({"beside": shown.words, "cuts": _cuts(prepared)}, shown.arrays)
+
+
+def record(request: Mapping[str, Any], folder: Path) -> bytes:
+    """The test as it was recorded, to look at while it is fitted; of a long one few samples."""
+    job = job_of(request.get("job"), folder)
+    most = results.HELD if request.get("quick") is True else None
+    ready = results.prepared(results.of_test(job), most)[0]
+    return wire.packed({"panels": views.record_panels(ready, sizes_of(request))})
 
 
 def settle(request: Mapping[str, Any], folder: Path) -> bytes:

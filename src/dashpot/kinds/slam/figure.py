@@ -7,7 +7,7 @@ import numpy as np
 from dashpot.base.units import in_unit
 from dashpot.kinds.slam.predicted import Slam
 from dashpot.kinds.slam.record import SlamFit
-from dashpot.plot.picture import FIT, MEASURED, PREDICTED, Line, Panel, Picture, Scale
+from dashpot.plot.picture import BENEATH, FIT, PREDICTED, UPON, Line, Panel, Picture, Scale
 from dashpot.plot.stamps import stamp as stamped
 
 _MOST = 6
@@ -28,8 +28,8 @@ def slams(found: SlamFit, *, stamp: str = "") -> Picture:
         ms = in_unit(one.time, "ms")
         top = 1.08 * float(one.measured.max())
         marks = (
-            Line(ms, one.measured, MEASURED, "measured"),
-            Line(ms, one.modelled, FIT, "fitted"),
+            Line(ms, one.modelled, BENEATH, "fitted"),
+            Line(ms, one.measured, UPON, "measured"),
         )
         across = Scale("time from the touch, ms", (float(ms[0]), float(ms[-1])))
         title = f"{one.speed.value:.3g} m/s"

@@ -166,10 +166,14 @@ export function jobOf(/** @type {string} */ solid) {
 /** What is asked of the test with one solid or the other. */
 export const questionOf = (/** @type {boolean} */ joint) => JSON.stringify({ ...job(), joint });
 
-/** What room each panel has for its drawing, px: what its place leaves beside key and border. */
+/** What room each panel had when it was seen last. @type {Record<string, [number, number]>} */
+const rooms = {};
+
+/**
+ * What room each panel has for its drawing, px: what its place leaves beside key and border. One
+ * that is not shown now is drawn for where it stood.
+ */
 export function sizes() {
-  /** @type {Record<string, [number, number]>} */
-  const found = {};
   // without the drawings of before, which would hold a place open
   document.body.classList.add("measuring");
   for (const card of all("[data-panel]")) {
@@ -177,10 +181,10 @@ export function sizes() {
     if (!width || !body) continue;
     const { paddingLeft, paddingTop } = getComputedStyle(card), key = body.clientHeight || KEY;
     const [x, y] = [2 * parseFloat(paddingLeft), 2 * parseFloat(paddingTop)];
-    found[card.dataset.panel || ""] = [width - x, height - y - key];
+    rooms[card.dataset.panel || ""] = [width - x, height - y - key];
   }
   document.body.classList.remove("measuring");
-  return found;
+  return rooms;
 }
 
 // -- the way back ---------------------------------------------------------------------------------

@@ -86,7 +86,7 @@ export function panel(/** @type {string} */ name, /** @type {string} */ html) {
   if (!card || !body || !out) return;
   body.innerHTML = html || blank.get(name) || "";
   out.replaceChildren();
-  card.classList.remove("stale");
+  card.classList.remove("stale", "past");
   const svg = /** @type {SVGSVGElement | null} */ (body.querySelector("svg.figure"));
   const caption = card.querySelector("figcaption");
   const title = /** @type {HTMLElement | null} */ (body.querySelector("[data-title]"));
@@ -104,7 +104,7 @@ const SAVED = {
 /** Put the strips of a figure one after the other, each with its title, and a way to keep them. */
 export function strips(
   /** @type {HTMLElement} */ home,
-  /** @type {[string, string][]} */ drawn,
+  /** @type {[string, string, number][]} */ drawn,
   /** @type {string} */ verb,
   /** @type {[string, string][]} */ facts = [],
 ) {
@@ -114,13 +114,15 @@ export function strips(
   }
   home.replaceChildren(
     ...(facts.length ? [told] : []),
-    ...drawn.map(([title, html]) => {
+    ...drawn.map(([title, html, across]) => {
       const body = made("div", { class: "body" }), out = made("div", { class: "read" });
       body.innerHTML = html;
-      const svg = /** @type {SVGSVGElement | null} */ (body.querySelector("svg.figure"));
-      if (svg) new Reading(svg, out, title);
-      const card = { class: drawn.length > 1 ? "card" : "card only" };
-      return made("figure", card, made("figcaption", {}, title), body, out);
+      for (const svg of all("svg.figure", body)) {
+        new Reading(/** @type {any} */ (svg), out, title);
+      }
+      const card = made("figure", { class: "card" }, made("figcaption", {}, title), body, out);
+      card.style.setProperty("--across", String(across));
+      return card;
     }),
   );
   const what = SAVED[verb] || "Save the model (fit.json)";
@@ -145,7 +147,7 @@ export function curves(/** @type {Record<string, Float32Array>} */ arrays) {
 }
 
 /** From where the axis of the hold counts, on the clock of the record. */
-let since = 0;
+export let since = 0;
 
 /** Stand where the cuts are: the handles, and the numbers in the fields. */
 export function placeHandles(

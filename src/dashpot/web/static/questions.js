@@ -1,5 +1,5 @@
 // Questions to the server, and where their answers stand. The page computes no number.
-import { $, all, atWork, field, made, put, status } from "./dom.js";
+import { $, all, atWork, field, made, panelCard, put, status } from "./dom.js";
 import {
   alike,
   door,
@@ -21,7 +21,7 @@ import {
   state,
   test,
 } from "./job.js";
-import { curves, panel, placeHandles, strips, unitOf } from "./panels.js";
+import { curves, panel, placeHandles, since as counted, strips, unitOf } from "./panels.js";
 import { choices, fields, fileList, solid, views } from "./shown.js";
 import { asks, heals, knows, refuse, stops } from "./verdict.js";
 import { ask, call, cancelled, forget } from "./wire.js";
@@ -60,7 +60,10 @@ export function live() {
     law: own.law === "auto" && law ? law : own.law,
     cuts: { ...cuts, ...own.cuts },
   };
-  ask("live", "live", { job: asked, unit: unitOf("hold") }, ({ head, arrays }) => {
+  // what does not follow is of the cut before
+  for (const name of ["frf", "spectrum"]) panelCard(name)?.classList.add("past");
+  const request = { job: asked, unit: unitOf("hold"), since: counted };
+  ask("live", "live", request, ({ head, arrays }) => {
     curves(arrays);
     $("beside").innerHTML = head.beside;
     heals(now);
@@ -104,6 +107,7 @@ export function settle(again = false) {
   const quick = !!of.long, since = performance.now();
   status(quick ? "fitting a part of the samples" : "fitting");
   const asked = { job: job(), sizes: sizes(), quick, base: state.base, phase: state.phase };
+  if (pictured !== of.id) look(of.id, asked);
   ask("settle", "settle", asked, ({ head }) => {
     knows(now, head, false);
     settled(head);
@@ -120,9 +124,21 @@ export function settle(again = false) {
   });
 }
 
+/** The test whose record stands in its panels. */
+let pictured = "";
+
+/** The record alone, to look at until its fit is there: nothing of another test beside it. */
+function look(/** @type {string} */ of, /** @type {any} */ asked) {
+  ask("record", "record", asked, ({ head }) => {
+    if (pictured === of || test()?.id !== of) return;
+    for (const name of ["frf", "spectrum"]) panel(name, "");
+    for (const [name, html] of Object.entries(head.panels)) panel(name, html);
+  }, () => {});
+}
+
 /** Without a test nothing is known of a seal. */
 function nothing() {
-  drawnOf = "";
+  drawnOf = pictured = "";
   solid("", false, "");
   solid("", true, "");
   for (const name of ["checks", "beside", "answers", "command", "bench-page"]) {
@@ -137,6 +153,7 @@ let drawnOf = "";
 function settled(/** @type {any} */ head) {
   // what stands there of both tests is old, and looks so, until their solid is found anew
   const old = state.joint && drawnOf === test()?.id;
+  pictured = test()?.id || "";
   if (!old) {
     for (const [name, html] of Object.entries(head.panels)) panel(name, html);
     $("answers").replaceChildren();

@@ -192,7 +192,7 @@ function asked(/** @type {OpenFile | undefined} */ one) {
       const input =
         /** @type {HTMLInputElement} */ (made(ask.choices.length ? "select" : "input", has));
       for (const choice of ask.choices) input.append(made("option", {}, choice));
-      if (!ask.choices.length) input.placeholder = "not given";
+      if (!ask.choices.length) input.placeholder = ask.unit ? "none" : "with unit";
       input.value = said[name] || ask.choices[0] || "";
       const unit = ask.unit.replace("^3", "\u00b3");
       return made("label", { class: "field" }, label, made("span", {}, input, made("i", {}, unit)));

@@ -210,6 +210,7 @@ export function render() {
   panelCard("frf")?.classList.toggle("stale", !!other);
   folds();
   document.body.classList.toggle("unsettled", !!other);
+  document.body.classList.toggle("refused", !!refused.fit);
   $("top").className = `top ${other?.colour || head?.colour || "open"}`;
   for (const tab of test() ? all("[data-which]") : []) {
     if (tab.dataset.which === "ab") continue;
