@@ -151,11 +151,12 @@ def test_the_record_is_there_without_a_fit(store, asked):
     sizes = {"ramp": [260, 200], "hold": [260, 200]}
     drawn = ask("record", store, job=asked, sizes=sizes)["panels"]
     settled = ask("settle", store, job=asked, sizes=sizes)["panels"]
-    for name, html in drawn.items():
-        (own,) = re.findall(r'<path[^>]* data-name="measured"[^>]*>', html)
-        assert 'data-name="fit"' not in html
-        # the same line as upon its fit
-        assert re.search(r' d="[^"]*"', own)[0] in settled[name]
+    assert all('data-name="fit"' not in html for html in drawn.values())
+    # where it will stand upon its fit
+    (line,) = re.findall(r'<path[^>]* data-name="measured"[^>]*>', drawn["ramp"])
+    assert line in settled["ramp"]
+    axes = [re.findall(r'data-[xy]="[^"]*"', one["hold"])[:2] for one in (drawn, settled)]
+    assert axes[0] == axes[1]
 
 
 def test_a_handle_moves_the_curves_within_a_page_of_bytes(store, asked):
