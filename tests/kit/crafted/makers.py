@@ -23,12 +23,14 @@ from kit.crafted.row import (
     LOST,
     MODULUS,
     PRESSED,
+    PULLED,
     RAMP,
     SOFT,
     STORAGE,
     STRAIN,
     SWEEP,
     TANGENT,
+    TENSION,
     F,
     Row,
     table,
@@ -248,6 +250,7 @@ def _testxpert() -> list[Row]:
         FORCE,
         comma=True,
     )
+    pulled = table("Wydłużenie względne;Naprężenie\n%;MPa", 100 * PULLED, PULLED**0.8, comma=True)
     return [
         Row("testXpert: German, quoted, units row", plain.encode("cp1252")),
         Row("testXpert: the same in UTF-16", plain.encode("utf-16")),
@@ -257,6 +260,7 @@ def _testxpert() -> list[Row]:
             answer={"displacement": "Standardweg"},
         ),
         Row("testXpert: Polish", polish.encode("cp1250")),
+        Row("testXpert: a Polish tension test", pulled.encode("cp1250"), truth=TENSION),
     ]  # fmt: skip
 
 

@@ -77,7 +77,7 @@ _FIRST: dict[Role, str] = {
     "stress": """stress spannung naprężenie contrainte tensión tensione gerilme 应力 應力 応力 응력
         schubspannung""",
     "strain": """strain dehnung odkształcenie déformation deformación deformazione gerinim 应变
-        應變 歪み ひずみ 변형률 scherung deformation""",
+        應變 歪み ひずみ 변형률 scherung deformation wydłużenie_względne allongement_relatif""",
     "stretch": """stretch stretch_ratio extension_ratio lambda λ streckung streckgrad volume_ratio
         volumenverhältnis""",
     "modulus": "modulus modul e_relax g_relax relaxationsmodul",
