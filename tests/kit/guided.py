@@ -28,8 +28,8 @@ TRIED = ("read_all", "calibrate", "profile", "unpack")
 """What a file is given to, by its first byte."""
 ITSELF = "DASHPOT_FUZZER"
 """Variable that names the program that the fuzzer is to the shell."""
-LONGEST, SLOWEST, MEMORY = 20_000, 20, 2048
-"""Bytes of a file, seconds and MB that it may cost."""
+LONGEST, SLOWEST, MEMORY = 20_000, 200, 2048
+"""Bytes of a file, seconds and MB that it may cost; on a busy machine a second takes ten."""
 
 
 def main() -> None:
