@@ -38,10 +38,13 @@ from dashpot.fitting.uncertainty.left_open import end_of_hold
 from dashpot.fitting.weighed_relaxation import relaxation_data
 from dashpot.preparation.checks import of_records
 from dashpot.records.bounds import EndOfHold
-from dashpot.records.estimate import ParameterEstimate, parameter_names
+from dashpot.records.estimate import Nuisance, ParameterEstimate, parameter_names
 from dashpot.records.evidence import Evidence, OrderScore
 from dashpot.records.fit import Fit
 from dashpot.records.temperature import TemperatureShifts
+
+# data that narrow what was held before by no more than this part of its variance say nothing
+_LITTLE = 0.01
 
 
 class Thermal(NamedTuple):
@@ -243,12 +246,23 @@ def _of_shifts(found: Thermal, shifts: TemperatureShifts, laid: LawThroughShifts
             chance,
             excess,
             temperatures=len(temperatures),
-            slope=None if slope is None else (slope.value, slope.standard_error),
+            slope=None if slope is None else _by_data(slope, found.best.joint.slope_sd),
         ),
         checks.stiffness_of_one_seal(shifts),
         checks.temperature_steady(warming),
         checks.shifts_told_apart(len(temperatures)),
     ]
+
+
+def _by_data(one: Nuisance, known: float) -> tuple[float, float] | None:
+    r"""What the data alone say of one that was held to 0 within `known`; None where that is little.
+
+    .. math:: 1/s^2 = 1/s_d^2 + 1/s_0^2, \qquad v/s^2 = v_d/s_d^2
+    """
+    part = 1.0 - (one.standard_error / known) ** 2
+    if not part > _LITTLE:
+        return None
+    return one.value / part, one.standard_error / float(np.sqrt(part))
 
 
 def _informed_at(found: Thermal, i: int) -> tuple[float, float]:
