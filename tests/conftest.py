@@ -59,6 +59,7 @@ def pytest_collection() -> Iterator[None]:
         return (yield)
     finally:
         gc.freeze()
+        gc.set_threshold(10_000)  # few tests leave rings; looking for them took a fiftieth
         gc.enable()
 
 

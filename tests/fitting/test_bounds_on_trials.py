@@ -44,7 +44,7 @@ def answers(kind: Kind, *, seed: int, bench: Bench) -> tuple[bool, bool, bool, b
 
 @pytest.mark.parametrize("bench", [SOUND, DISTURBED])
 def test_the_bounds_hold_on_a_few_kinds(bench: Bench) -> None:
-    every = [answers(kind, seed=3, bench=bench) for kind in KINDS[::13]]
+    every = [answers(kind, seed=3, bench=bench) for kind in KINDS[::26]]
     assert np.mean(every) > 0.9
 
 

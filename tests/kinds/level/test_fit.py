@@ -322,14 +322,14 @@ def worst(found, friction=jenkins, at=(2e-4, 1e-3, 4e-3)):
 
 
 class TestLevels:
-    def test_stiffness_and_loss_at_every_amplitude(self):
-        for seed in range(6):
-            found = fit_levels(three(seed=seed), LEVELS, mass=MASS)
-            assert worst(found) < 0.01, seed
-            assert found.k3 == 0
-            assert found.verdict.use == "use"
-            assert found.residual < 0.012
-            assert found.linear_residual > 0.05
+    @pytest.mark.parametrize("seed", range(6))
+    def test_stiffness_and_loss_at_every_amplitude(self, seed):
+        found = fit_levels(three(seed=seed), LEVELS, mass=MASS)
+        assert worst(found) < 0.01
+        assert found.k3 == 0
+        assert found.verdict.use == "use"
+        assert found.residual < 0.012
+        assert found.linear_residual > 0.05
 
     def test_several_seals_are_one_seal_so_many_times(self):
         one = fit_levels(three(), LEVELS, mass=MASS)
