@@ -149,7 +149,7 @@ def test_of_a_long_record_a_part_is_shown_first(store, files, monkeypatch):
 
 def test_the_record_is_there_without_a_fit(store, asked):
     sizes = {"ramp": [260, 200], "hold": [260, 200]}
-    drawn = ask("record", store, job=asked, sizes=sizes)["panels"]
+    drawn = ask("look", store, job=asked, sizes=sizes)["panels"]
     settled = ask("settle", store, job=asked, sizes=sizes)["panels"]
     assert all('data-name="fit"' not in html for html in drawn.values())
     # where it will stand upon its fit

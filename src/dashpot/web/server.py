@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from starlette.routing import Route
 
 LANES = {
-    "inspect": "settle", "live": "live", "predict": "live", "record": "settle",
+    "inspect": "settle", "live": "live", "predict": "live", "look": "settle",
     "settle": "settle", "study": "slow",
     "take": "slow", "profile": "live", "project": "slow", "bench": "slow", "take-bench": "slow",
     "level": "slow", "take-level": "slow", "modes": "slow", "take-modes": "slow",

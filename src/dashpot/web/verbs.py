@@ -9,7 +9,7 @@ from typing import Any
 from dashpot.web import against, bench, folders, judging, level, modes, taking, work
 
 VERBS: Mapping[str, Callable[[Mapping[str, Any], Path], bytes]] = {
-    "inspect": work.inspect, "live": work.live, "record": work.record,
+    "inspect": work.inspect, "live": work.live, "look": work.look,
     "settle": work.settle, "predict": work.predict, "study": work.study,
     "take": taking.take, "profile": taking.profile,
     "project": taking.project,

@@ -119,7 +119,7 @@ def live(request: Mapping[str, Any], folder: Path) -> bytes:
     return wire.packed({"beside": shown.words, "cuts": _cuts(prepared)}, shown.arrays)
 
 
-def record(request: Mapping[str, Any], folder: Path) -> bytes:
+def look(request: Mapping[str, Any], folder: Path) -> bytes:
     """The test as it was recorded, to look at while it is fitted; of a long one few samples."""
     job = job_of(request.get("job"), folder)
     most = results.HELD if request.get("quick") is True else None

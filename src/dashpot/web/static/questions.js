@@ -129,7 +129,7 @@ let pictured = "";
 
 /** The record alone, to look at until its fit is there: nothing of another test beside it. */
 function look(/** @type {string} */ of, /** @type {any} */ asked) {
-  ask("record", "record", asked, ({ head }) => {
+  ask("look", "look", asked, ({ head }) => {
     if (pictured === of || test()?.id !== of) return;
     for (const name of ["frf", "spectrum"]) panel(name, "");
     for (const [name, html] of Object.entries(head.panels)) panel(name, html);
