@@ -16,6 +16,7 @@ from dashpot.base.errors import DataError
 
 T = TypeVar("T")
 R = TypeVar("R")
+Scalar = TypeVar("Scalar", bound=np.generic)
 
 FloatArray: TypeAlias = npt.NDArray[np.float64]
 ComplexArray: TypeAlias = npt.NDArray[np.complex128]
@@ -223,6 +224,18 @@ def median(values: FloatArray) -> float:
     low, high = (len(values) - 1) // 2, len(values) // 2
     parted = np.partition(values, (low, high))
     return 0.5 * float(parted[low] + parted[high])
+
+
+def distinct(values: npt.NDArray[Scalar]) -> npt.NDArray[Scalar]:
+    """Return the values of an array, shape (n,), in order, each once.
+
+    ``numpy.unique`` does the same, but imports ``numpy.ma``, as ``numpy.median`` does.
+
+    >>> distinct(np.array([3, 1, 3])).tolist()
+    [1, 3]
+    """
+    found = np.sort(values, axis=None)
+    return found[np.append(True, found[1:] != found[:-1])] if len(found) else found
 
 
 def block_means(values: FloatArray, count: int) -> FloatArray:

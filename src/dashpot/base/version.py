@@ -31,6 +31,21 @@ def byline(what: str) -> str:
     return f"dashpot {__version__}: {what}"
 
 
+def software() -> dict[str, str]:
+    """Return what computes here: version by name."""
+    import platform
+
+    import numpy as np
+    import scipy
+
+    return {
+        "dashpot": __version__,
+        "numpy": np.__version__,
+        "scipy": scipy.__version__,
+        "python": platform.python_version(),
+    }
+
+
 def is_record(head: bytes) -> bool:
     """Tell whether a file that begins with `head` is a record of the virtual rig or hammer.
 

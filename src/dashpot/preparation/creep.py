@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray, IndexArray, median
+from dashpot.base.arrays import FloatArray, IndexArray, distinct, median
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Step
 from dashpot.preparation import checks
@@ -244,7 +244,7 @@ def _divided(time: FloatArray, force: FloatArray, corners: FloatArray, noise: fl
         middle = (low + high) / 2
         stack += [(middle, high), (low, middle)]
         found.append(np.array([middle]))
-    return np.unique(np.concatenate(found))
+    return distinct(np.concatenate(found))
 
 
 def _laid(time: FloatArray, corners: FloatArray, force: FloatArray) -> FloatArray:

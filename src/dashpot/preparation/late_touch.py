@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray, IndexArray, median
+from dashpot.base.arrays import FloatArray, IndexArray, distinct, median
 from dashpot.engine.least_squares.nnls import linear
 from dashpot.solids.maxwell import arm_response
 
@@ -94,4 +94,4 @@ def _rows(time: FloatArray, corners: tuple[float, float], near: float) -> IndexA
     ):
         first, stop = np.searchsorted(time, (low, high))
         chosen.append(np.arange(first, stop, max(1, (stop - first) // ROWS)))
-    return np.unique(np.concatenate(chosen))
+    return distinct(np.concatenate(chosen))

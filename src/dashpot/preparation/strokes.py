@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray, IndexArray
+from dashpot.base.arrays import FloatArray, IndexArray, distinct
 from dashpot.base.errors import DataError
 
 LEAST_STROKE = 0.05
@@ -95,7 +95,7 @@ def _turning_points(x: FloatArray, least: float) -> IndexArray:
             turns.append(low)
             way, high = 1, i
     turns.append(high if way > 0 else low)
-    rough = at[np.unique(turns)]
+    rough = at[distinct(np.array(turns))]
     return _refined(x, rough)
 
 
@@ -108,4 +108,4 @@ def _refined(x: FloatArray, rough: IndexArray) -> IndexArray:
         beside = x[rough[i - 1] if i else rough[i + 1]] if len(rough) > 1 else x[here]
         part = x[first : last + 1]
         found.append(first + int(np.argmax(part) if x[here] >= beside else np.argmin(part)))
-    return np.unique(found)
+    return distinct(np.array(found))

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from dashpot.base.offered import Judged
 from dashpot.base.provenance import Step
-from dashpot.door.closing_result import ClosingResult
-from dashpot.door.result import DoorResult
 from dashpot.plot.picture import Picture
-from dashpot.report import answer, door, judged, summary, tables
+from dashpot.report import answer, judged, summary, tables
 from dashpot.report.figures import figures_of
 from dashpot.report.pages import COLOURS, environment, frame
 from dashpot.workflow.recommendation import recommendation
 from dashpot.workflow.study import Study
+
+if TYPE_CHECKING:
+    from dashpot.door.closing_result import ClosingResult
+    from dashpot.door.result import DoorResult
 
 __all__ = ["door_html", "html"]
 
@@ -45,20 +47,29 @@ def html(
         The text of the file; the same study gives the same text.
     """
     if isinstance(study, Study):
-        name, contents = "report.html", _contents(study)
-    elif isinstance(study, DoorResult | ClosingResult):
+        return _rendered("report.html", _contents(study))
+    # a report of a seal loads nothing of doors
+    from dashpot.door.closing_result import ClosingResult
+    from dashpot.door.result import DoorResult
+
+    if isinstance(study, DoorResult | ClosingResult):
         return door_html(study)
-    else:
-        name, contents = "judged.html", judged.contents(study, lead=lead, beside=beside)
+    return _rendered("judged.html", judged.contents(study, lead=lead, beside=beside))
+
+
+def _rendered(name: str, contents: dict[str, Any]) -> str:
     return str(environment("dashpot.report").get_template(name).render(contents))
 
 
 def door_html(*results: DoorResult | ClosingResult) -> str:
     """Return the page of a door: how it vibrates, how it closes, or both."""
+    from dashpot.door.closing_result import ClosingResult
+    from dashpot.door.result import DoorResult
+    from dashpot.report import door
+
     found = next((one for one in results if isinstance(one, DoorResult)), None)
     closed = next((one for one in results if isinstance(one, ClosingResult)), None)
-    template = environment("dashpot.report").get_template("door.html")
-    return str(template.render(door.contents(found, closed)))
+    return _rendered("door.html", door.contents(found, closed))
 
 
 def _contents(study: Study) -> dict[str, Any]:

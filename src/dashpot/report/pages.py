@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import base64
 import hashlib
-import platform
 from functools import cache
-from importlib import metadata, resources
+from importlib import resources
 from typing import TYPE_CHECKING, Any
 
 from dashpot.base import numbers
 from dashpot.base.checks import Use
 from dashpot.base.sentences import sentence
-from dashpot.base.version import __version__, byline
+from dashpot.base.version import byline, software
 from dashpot.plot import tokens
 
 if TYPE_CHECKING:
@@ -63,17 +62,8 @@ def frame() -> dict[str, Any]:
         "script": script,
         "policy": f"default-src 'none'; img-src data:; style-src {digest(style)}; "
         f"script-src {digest(script)}; base-uri 'none'; form-action 'none'",
-        "versions": versions(),
+        "versions": software().items(),
     }
-
-
-def versions() -> tuple[tuple[str, str], ...]:
-    """What computed this page."""
-    return (
-        ("dashpot", __version__),
-        *((name, metadata.version(name)) for name in ("numpy", "scipy")),
-        ("Python", platform.python_version()),
-    )
 
 
 def held(kind: str, text: str) -> str:

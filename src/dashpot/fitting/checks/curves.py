@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray, median
+from dashpot.base.arrays import FloatArray, distinct, median
 from dashpot.base.checks import Check, Finding, Remedy, criterion
 from dashpot.base.status import Status
 from dashpot.base.units import written
@@ -311,7 +311,7 @@ def _scatter_of_sweeps(data: DynamicTest, values: FloatArray) -> float:
     """The usual standard deviation of values of a sweep from their neighbours, 0 of few."""
     kelvin = np.zeros(len(values)) if data.temperature is None else np.round(data.temperature)
     found = []
-    for one in np.unique(kelvin):
+    for one in distinct(kelvin):
         here = np.flatnonzero(kelvin == one)
         ordered = values[here[np.argsort(data.frequency[here], kind="stable")]]
         found.append(usual_scatter(np.arange(float(len(here))), ordered))

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from dashpot.base.arrays import BoolArray, FloatArray, IndexArray, median
+from dashpot.base.arrays import BoolArray, FloatArray, IndexArray, distinct, median
 from dashpot.base.errors import FitError
 from dashpot.fitting.nuisance import Priors, priors
 from dashpot.preparation.denoising import true_motion
@@ -148,7 +148,7 @@ def _rows(test: RampHold, number: int, first: int) -> tuple[npt.NDArray[Any], ..
     corner = relaxes_from(test)
     on = median(np.diff(time[first:corner]))
     after = median(np.diff(time[corner : corner + _FEWEST]))
-    cuts = np.unique(np.concatenate((
+    cuts = distinct(np.concatenate((
         _ramp_cuts(time[first:corner], on) + first,
         _cuts(time[corner:], after, _IN_HOLD) + corner,
     )))  # fmt: skip
@@ -188,5 +188,5 @@ def _cuts(time: FloatArray, interval: float, blocks: int) -> IndexArray:
     span = float(time[-1] - time[0]) if len(time) else 0.0
     last = np.ceil(blocks * np.log1p(span / (blocks * interval)))
     edges = blocks * interval * np.expm1(np.arange(last + 1) / blocks)
-    cuts = np.unique(np.searchsorted(time - time[0] if len(time) else time, edges))
+    cuts = distinct(np.searchsorted(time - time[0] if len(time) else time, edges))
     return np.asarray(cuts[cuts < len(time)])

@@ -36,20 +36,26 @@ from dashpot.workflow.study import Study
 from dashpot.workflow.vibration.impacts import ImpactResult
 from dashpot.workflow.vibration.measured_modes import MeasuredModes
 
-_OF_KINDS = (load(noun) for kind in KINDS.values() for noun in kind.nouns)
-SCHEMAS: dict[str, type[Documented]] = {
+_OF_THE_JOB: dict[str, type[Documented]] = {
     noun.schema: noun
     for noun in (
         GeneralizedMaxwell, FractionalZener, Parallel, Fit, ImpactResult, MeasuredModes,
         Inspections, Comparison, Plan, Job, Study,
-        *(
-            noun
-            for noun in _OF_KINDS
-            if issubclass(noun, Documented) and noun.schema and noun.read_back
-        ),
     )
 }  # fmt: skip
-"""What each versioned schema name holds."""
+
+
+@cache
+def schemas() -> dict[str, type[Documented]]:
+    """What each versioned schema name holds, those of every kind included, which it loads."""
+    of_kinds = (load(noun) for kind in KINDS.values() for noun in kind.nouns)
+    kept = (one for one in of_kinds if issubclass(one, Documented) and one.schema and one.read_back)
+    return {**_OF_THE_JOB, **{noun.schema: noun for noun in kept}}
+
+
+def _noun_of(name: str) -> type[Documented] | None:
+    """What a schema name holds; no kind is loaded for what the main job keeps."""
+    return _OF_THE_JOB.get(name) or schemas().get(name)
 
 
 def to_json(noun: object, *, indent: int | None = 2) -> str:
@@ -64,10 +70,10 @@ def to_json(noun: object, *, indent: int | None = 2) -> str:
 
 def document(noun: object) -> dict[str, Any]:
     """Return what :func:`to_json` writes, as plain dictionaries, lists, strings and numbers."""
-    if not isinstance(noun, Documented) or type(noun) not in SCHEMAS.values():
+    if not isinstance(noun, Documented) or _noun_of(noun.schema) is not type(noun):
         raise DataError(
             f"a {type(noun).__name__} has no archive form; expected one of "
-            f"{', '.join(sorted(kind.__name__ for kind in SCHEMAS.values()))}"
+            f"{', '.join(sorted(kind.__name__ for kind in schemas().values()))}"
         )
     return noun.document
 
@@ -83,10 +89,11 @@ def from_json(text: str | bytes) -> Any:
     """
     import msgspec
 
-    name, found = _opened(text)
+    kind, found = _opened(text)
+    name = kind.schema
     try:
         with np.errstate(divide="raise", over="raise", invalid="raise"):
-            noun = _converted(SCHEMAS[name], _laid_out(SCHEMAS[name], found))
+            noun = _converted(kind, _laid_out(kind, found))
             unknown = strange(found, document(noun))
             changed = edited(found)
     except (*_WRONG, msgspec.ValidationError) as error:
@@ -116,8 +123,8 @@ def _because(error: Exception, found: dict[str, Any]) -> str:
     return f"{error} is missing" if isinstance(error, KeyError) else str(error)
 
 
-def _opened(text: str | bytes) -> tuple[str, dict[str, Any]]:
-    """The schema and the values of a JSON document."""
+def _opened(text: str | bytes) -> tuple[type[Documented], dict[str, Any]]:
+    """What a JSON document is of, and its values."""
     import json
 
     try:
@@ -125,18 +132,19 @@ def _opened(text: str | bytes) -> tuple[str, dict[str, Any]]:
     except (ValueError, RecursionError) as error:
         raise ReadError(f"this is not a JSON document: {error}") from None
     name = found.get("schema") if isinstance(found, dict) else None
-    if not isinstance(name, str) or name not in SCHEMAS:
+    kind = _noun_of(name) if isinstance(name, str) else None
+    if kind is None:
         raise ReadError(
             f'the document\'s "schema" is {name!r}; this version of dashpot reads '
-            f"{', '.join(sorted(SCHEMAS))}"
+            f"{', '.join(sorted(schemas()))}"
         )
-    if name == LevelFit.schema and "model" not in found:
+    if kind is LevelFit and "model" not in found:
         what = "a law of stiffness and loss" if "law" in found else "hits of different height"
         raise ReadError(
             f"the {name} document holds {what}, which has no force along a path: arms and sliders "
             "are what 'dashpot fit' finds of FRFs of one mass at several levels"
         )
-    return name, found
+    return kind, found
 
 
 # -- plain values to nouns -----------------------------------------------------------------------

@@ -11,7 +11,6 @@ import getpass
 import hashlib
 import json
 import os
-import platform
 import re
 from dataclasses import dataclass, field, fields
 from datetime import UTC, datetime
@@ -20,7 +19,7 @@ from typing import Any
 
 from dashpot.base.atomic import write_whole
 from dashpot.base.errors import DataError, ReadError
-from dashpot.base.version import __version__
+from dashpot.base.version import software
 
 GENESIS = "0" * 64
 """What the first line names as the hash of the line before it."""
@@ -215,19 +214,6 @@ def _as_written_before(text: bytes, mark: str) -> bool:
 def sha256(content: bytes) -> str:
     """Return the SHA-256 of bytes, hexadecimal."""
     return hashlib.sha256(content).hexdigest()
-
-
-def software() -> dict[str, str]:
-    """Return what computes here: version by name."""
-    import numpy as np
-    import scipy
-
-    return {
-        "dashpot": __version__,
-        "numpy": np.__version__,
-        "scipy": scipy.__version__,
-        "python": platform.python_version(),
-    }
 
 
 def _is_whole(text: bytes, before: list[bytes]) -> bool:

@@ -13,18 +13,12 @@ from dashpot.base.atomic import half_written, is_half_written
 from dashpot.base.checks import Check
 from dashpot.base.documents import DIGEST
 from dashpot.base.errors import ReadError
+from dashpot.base.version import software
 from dashpot.workflow import checks
 from dashpot.workflow.job import Job
 from dashpot.workflow.kept.archive import from_json
 from dashpot.workflow.kept.documents import once, parts_of
-from dashpot.workflow.kept.history import (
-    History,
-    HistoryLine,
-    Listed,
-    read_history,
-    sha256,
-    software,
-)
+from dashpot.workflow.kept.history import History, HistoryLine, Listed, read_history, sha256
 from dashpot.workflow.kept.project import (
     NAME,
     OWN,
