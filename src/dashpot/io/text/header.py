@@ -334,13 +334,10 @@ def _holds_units(row: Sequence[str]) -> bool:
     """Whether most filled cells of a row are unit words."""
     texts = [text for text in row if text.strip(" -[]()")]
     filled = Counter(vocabulary.unnumbered(_strip(text)) for text in texts)
-    if not filled:
+    if not filled or not (all(map(_is_bracketed, texts)) or _most_are_units(filled)):
         return False
-    if any(vocabulary.plain(word) in vocabulary.FIRST for word in filled):
-        return False
-    if all(map(_is_name_over_unit, filled)):
-        return False
-    return all(map(_is_bracketed, texts)) or _most_are_units(filled)
+    named = any(vocabulary.plain(word) in vocabulary.FIRST for word in filled)
+    return not named and not all(map(_is_name_over_unit, filled))
 
 
 def _most_are_units(words: Counter[str]) -> bool:

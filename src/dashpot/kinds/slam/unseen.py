@@ -11,8 +11,7 @@ columns J take up is taken off, :math:`d_\perp`, and the residuals r, each of de
 
 where there is no such force (C. R. Rao, Proc. Camb. Phil. Soc. 44 (1948) 50: the score of what is
 not fitted). :math:`\kappa` is that of the flights before the contacts, for a force besides makes
-neighbours alike, too. What rings on after them makes those flights louder. A filter delays, which
-the touch takes up, and rounds where a contact begins and ends.
+neighbours alike, too. What rings on after them makes those flights louder.
 """
 
 from __future__ import annotations
@@ -36,9 +35,6 @@ _POWER = 6
 """Of the compression, of a law that is steeper than a cubic."""
 _EARLY = 1 / 15
 """Time of one arm more, in lengths of a contact."""
-_FILTERS = "a sensor that filters"
-_CORNER = 120.0
-"""Of its filter, rad in a contact: 400 Hz of one of 48 ms."""
 _SMALL = 1e-3
 """Of each force, for a difference."""
 _FEWEST = 30.0
@@ -58,8 +54,8 @@ def shapes_left(slams: Slams, best: Optimum) -> dict[str, float]:
         words: np.where(touched, slope, 0.0)
         for words, slope in zip(forces, _answered(slams, rows, forces, touched), strict=True)
     }
-    pushed = np.where(touched, force, 0.0)
-    seen[_FILTERS] = _filtered(pushed, _CORNER * slams.step / _contact(slams)) - pushed
+    bend = np.gradient(np.gradient(force, slams.step, axis=0), slams.step, axis=0)
+    seen["a sensor that filters"] = np.where(touched, bend, 0.0)
     J = best.jacobian[:, best.free]
     # the time of an arm that has gone moves nothing
     size = np.maximum(np.linalg.norm(J, axis=0), 1e-300)
@@ -80,8 +76,6 @@ def shapes_left(slams: Slams, best: Optimum) -> dict[str, float]:
         size = float(np.linalg.norm(apart))
         if size > _TAKEN * np.linalg.norm(column):
             found[words] = float(apart @ best.every / size / deviation)
-    if _FILTERS in found:
-        found[_FILTERS] = max(found[_FILTERS], 0.0)  # no sensor sharpens
     if (louder := flights.louder) is not None:
         found["a sensor or a mass that rings on"] = max(louder, 0.0)
     return found
@@ -92,7 +86,8 @@ def _besides(slams: Slams, x: FloatArray, relaxed: FloatArray) -> dict[str, Floa
     depth, largest = x.max(), relaxed.max()
     share = x / depth
     rubs, arm = np.zeros_like(x), np.zeros_like(x)
-    even = EvenStep.of(np.array(slams.step / (_EARLY * _contact(slams))))
+    contact = median(np.array([one.contact for one in slams.hits]))
+    even = EvenStep.of(np.array(slams.step / (_EARLY * contact)))
     for i, (way, pressed, given) in enumerate(
         zip(np.diff(x, axis=0), relaxed[1:], np.diff(relaxed, axis=0), strict=True), start=1
     ):
@@ -105,19 +100,6 @@ def _besides(slams: Slams, x: FloatArray, relaxed: FloatArray) -> dict[str, Floa
         "a piece that is met at an angle": largest * share * np.exp(-share / _FOOT),
         "one arm more": arm,
     }
-
-
-def _contact(slams: Slams) -> float:
-    """Length of most contacts, s."""
-    return median(np.array([one.contact for one in slams.hits]))
-
-
-def _filtered(force: FloatArray, turn: float) -> FloatArray:
-    """Forces behind a low-pass of second order (Butterworth), `turn` rad of its corner a step."""
-    way = turn * (np.arange(float(len(force))) + 0.5) / np.sqrt(2)
-    kernel = np.exp(-way) * np.sin(way)
-    kernel /= kernel.sum()
-    return np.stack([np.convolve(one, kernel)[: len(one)] for one in force.T], axis=1)
 
 
 def _answered(
