@@ -180,7 +180,6 @@ KEPT: Mapping[str, int] = MappingProxyType({
     "foreign/test_kinds.py::test_twenty_of_a_kind_repeat_and_half_are_spoilt": 2,
     "foreign/test_rigs.py::test_a_rig_keeps_its_truth_and_repeats_to_the_byte": 8,
     "foreign/test_rigs.py::test_the_catalogue_is_named_and_spread": 0,
-    "foreign/test_two_temperatures.py::test_shifts_that_part_are_said_or_a_third_temperature_is_asked_for": 0,  # fitting/test_temperatures.py::test_three_temperatures_carry_a_law
     "io/test_bombs.py::test_a_bomb_costs_a_gibibyte_and_half_a_minute_at_most": 2,
     "io/test_bombs.py::test_data_of_another_file_is_refused": 2,
     "io/test_bombs.py::test_what_is_linked_twice_is_read_once": 0,
