@@ -54,7 +54,8 @@ def test_gradient_and_curvature_are_those_of_the_reduced_residual(log_tau: list[
     stack = Stack(two_depths())
 
     def residual(at: np.ndarray) -> np.ndarray:
-        target, phi, _ = stack.evaluate(at, derivative=False)
+        rows = stack.evaluate(at, derivative=False)
+        target, phi = rows.target, rows.phi
         return target - phi @ np.linalg.lstsq(phi, target, rcond=None)[0]
 
     point = point_at(stack, theta)
@@ -112,8 +113,8 @@ def test_stacked_optimum_is_scipys() -> None:
     stack = Stack(blocks)
 
     def residual(p: np.ndarray) -> np.ndarray:
-        target, phi, _ = stack.evaluate(p[-2:], derivative=False)
-        return phi @ p[:-2] - target
+        rows = stack.evaluate(p[-2:], derivative=False)
+        return rows.phi @ p[:-2] - rows.target
 
     start = np.concatenate((found.fixed, found.arms.ravel(), found.log_tau)) * 1.1
     dense = least_squares(residual, start, x_scale="jac", xtol=1e-15, ftol=1e-15, gtol=1e-15)

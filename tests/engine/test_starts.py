@@ -29,7 +29,8 @@ def record(arms: int) -> np.ndarray:
 def test_the_best_set_of_grid_points_is_that_of_brute_force(arms: int, seen: int) -> None:
     stack = Stack([hold_block(TIME, record(seen))])
     grid = Grid(stack, 16)
-    target, phi, _ = stack.evaluate(grid.log_tau, derivative=False)
+    rows = stack.evaluate(grid.log_tau, derivative=False)
+    target, phi = rows.target, rows.phi
 
     def best_of(sets: Iterable[tuple[int, ...]]) -> tuple[int, ...]:
         best, where = np.inf, ()

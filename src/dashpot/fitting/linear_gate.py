@@ -86,12 +86,14 @@ class Holds:
         found = solve([block], arms, log_tau_start=near, negligible=least)
         return residual_of(found, block.exact)
 
-    def by_eq5(self, arms: int) -> GeneralizedMaxwell | None:
-        """What eq. 5 on all holds says with as many arms, where it applies."""
+    def by_eq5(self, beside: GeneralizedMaxwell) -> GeneralizedMaxwell | None:
+        """What eq. 5 on all holds says with as many arms as another solid, where it applies."""
         held = sum(len(record.time[record.hold]) for record in self.records)
-        if held <= 1 + 2 * arms or any(eq5_obstacle(record) for record in self.records):
+        if held <= 1 + 2 * beside.arms or any(eq5_obstacle(record) for record in self.records):
             return None
-        return solid_of(solve(self.blocks, arms, negligible=one_more(self.blocks)))
+        near = np.log(beside.tau)
+        found = solve(self.blocks, beside.arms, near=near, negligible=one_more(self.blocks))
+        return solid_of(found)
 
 
 def _apart(log_tau: FloatArray, window: tuple[float, float]) -> bool:

@@ -415,7 +415,7 @@ def _checks(
         answers.append(order_agreed(choice))
     if design.method == "full" and in_arms:
         answers.append(
-            checks.hold_and_full_agree(model, late.holds.by_eq5(model.arms), error, end=end)
+            checks.hold_and_full_agree(model, late.holds.by_eq5(model), error, end=end)
         )
     return tuple(answers)
 

@@ -281,7 +281,7 @@ def _quotient(arm: _ArmSums, energy: float, gained: FloatArray) -> tuple[FloatAr
 
 
 def _turned(a: FloatArray) -> FloatArray:
-    return np.swapaxes(a, -1, -2)
+    return a.swapaxes(-1, -2)
 
 
 def _mirror(gram: FloatArray, row: slice | int, column: slice, values: FloatArray) -> None:
@@ -290,7 +290,7 @@ def _mirror(gram: FloatArray, row: slice | int, column: slice, values: FloatArra
 
 
 def upper_factor(gram: FloatArray) -> FloatArray:
-    """Upper factors R with R'R = gram, (..., c, c), scaled to a unit diagonal first.
+    """Upper factors R with R'R = gram, (..., c, c), scaled to a unit diagonal where they are doubtful.
 
     Dependent columns leave a ridge of rounding size; a column that is nothing stays nothing.
 
@@ -299,6 +299,11 @@ def upper_factor(gram: FloatArray) -> FloatArray:
     FitError
         If a number is not finite, or rounding takes more than 1e-9 of the columns.
     """
+    if gram.shape[-1] <= MANY:
+        try:
+            return np.asarray(np.swapaxes(np.linalg.cholesky(gram), -1, -2))
+        except np.linalg.LinAlgError:  # so it is asked again, with all that follows
+            pass
     own = np.diagonal(gram, axis1=-2, axis2=-1)
     there = ~(own <= 0)  # what is no number is not passed over
     scale = np.sqrt(np.where(there, own, 0.0))

@@ -29,11 +29,33 @@ if TYPE_CHECKING:
 
 
 class StackRows(NamedTuple):
-    """A whole stack at one ln tau: y (n,), Phi (n, p), and dPhi/d ln tau of the arms' columns."""
+    """A whole stack at one ln tau.
 
-    target: FloatArray
-    phi: FloatArray
-    slope: FloatArray
+    Attributes
+    ----------
+    columns : array, shape (p + a + 1, n)
+        Those of Phi, of dPhi / d ln tau for the arms, and y, as rows: so they are made and factored.
+    width : int
+        p.
+    """
+
+    columns: FloatArray
+    width: int
+
+    @property
+    def target(self) -> FloatArray:
+        """What is to be explained, y (n,)."""
+        return self.columns[-1]
+
+    @property
+    def phi(self) -> FloatArray:
+        """The design matrix, (n, p)."""
+        return self.columns[: self.width].T
+
+    @property
+    def slope(self) -> FloatArray:
+        """Its derivative by ln tau where arms are, (n, a)."""
+        return self.columns[self.width : -1].T
 
 
 class Stack:
@@ -86,27 +108,31 @@ class Stack:
         return every & (not signed)
 
     def evaluate(self, log_tau: FloatArray, *, derivative: bool = True) -> StackRows:
-        """Return the stacked target, design matrix and slopes."""
-        # columns stand as contiguous rows, turned: that is how they are made and factored
-        if len(self.blocks) == 1:
-            one = self.blocks[0].evaluate(log_tau, derivative)
-            return StackRows(one.target, np.concatenate((one.fixed.T, one.arms.T)).T, one.d_arms)
+        """Return the stacked design matrix, slopes if asked for, and target."""
         parts = [block.evaluate(log_tau, derivative) for block in self.blocks]
-        rows = sum(len(part.target) for part in parts)
         arms, q = len(log_tau), len(self.names)
-        phi = np.zeros((q + arms * len(self.groups), rows))
-        slope = np.zeros((arms * len(self.groups), rows))
+        every = arms * len(self.groups)
+        slopes = every if derivative else 0
+        columns = np.zeros((q + every + slopes + 1, sum(len(part.target) for part in parts)))
         first = 0
-        for block, part in zip(self.blocks, parts, strict=True):
+        for (own, group), part in zip(self._places, parts, strict=True):
             here = slice(first, first + len(part.target))
-            group = arms * self.groups.index(block.arm_group)
-            for name, column in zip(block.fixed_names, part.fixed.T, strict=True):
-                phi[self.names.index(name), here] = column
-            phi[q + group : q + group + arms, here] = part.arms.T
+            at = q + group * arms
+            columns[own, here] = part.fixed.T
+            columns[at : at + arms, here] = part.arms.T
             if derivative:
-                slope[group : group + arms, here] = part.d_arms.T
+                columns[at + every : at + every + arms, here] = part.d_arms.T
+            columns[-1, here] = part.target
             first = here.stop
-        return StackRows(np.concatenate([part.target for part in parts]), phi.T, slope.T)
+        return StackRows(columns, q + every)
+
+    @cached_property
+    def _places(self) -> list[tuple[list[int], int]]:
+        """The fixed columns of each block among all, and its group."""
+        return [
+            ([*map(self.names.index, block.fixed_names)], self.groups.index(block.arm_group))
+            for block in self.blocks
+        ]
 
 
 class StackTrial(NamedTuple):
@@ -211,15 +237,16 @@ def point_at(
 
 def _point(log_tau: FloatArray, rows: StackRows, active: BoolArray | None = None) -> StackTrial:
     """The point of some columns, all by default; an infinite SSE if they are dependent."""
-    target, phi, slope = rows
-    fixed = phi.shape[1] - slope.shape[1]
-    used = phi if active is None else phi[:, active]
-    p = used.shape[1]
-    factor = triangle(np.concatenate((used.T, slope.T, target[None])))
+    columns, p = rows
+    fixed = 2 * p + 1 - len(columns)
+    if active is not None:
+        columns = np.concatenate((columns[:p][active], columns[p:]))
+        p = int(active.sum())
+    factor = triangle(columns)
     r = factor[:p, :p]
     pivot = r.diagonal()
     if len(factor) < p or (pivot * pivot <= 1e-26 * np.vecdot(r.T, r.T)).any():
-        return _nowhere(log_tau, phi.shape[1])
+        return _nowhere(log_tau, rows.width)
     return StackTrial.of(log_tau, factor, fixed, active)
 
 

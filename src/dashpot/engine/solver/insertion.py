@@ -72,6 +72,17 @@ class Chain:
             self.best.append(found)
         return found is not None
 
+    def as_good_near(self, log_tau: FloatArray, *, negligible: float) -> bool:
+        """Go to the optimum next to `log_tau` if no spectrum gains `negligible` noise variances."""
+        local = descend(self.stack, log_tau)
+        wanted = self._wanted(len(log_tau))
+        if local is None or (local.point.beta[wanted] <= 0).any():
+            return False
+        self.best.append(local)
+        if not self._leaves_less_than(negligible):
+            self.best.pop()
+        return bool(self.best)
+
     def _undoubted(self, arms: int) -> Local[StackTrial] | None:
         """The optimum next to the best of the whole grid, if nothing about it is in doubt.
 

@@ -58,8 +58,8 @@ class Lattice(NamedTuple):
         `loose` says which fixed columns have a coefficient that is not held at zero; all, by
         default.
         """
-        target, phi, _ = stack.evaluate(log_tau, derivative=False)
-        q = len(stack.names)
+        found = stack.evaluate(log_tau, derivative=False)
+        target, phi, q = found.target, found.phi, len(stack.names)
         rows = np.ascontiguousarray(phi.T[q:])
         fixed = phi[:, :q] if loose is None else phi[:, :q][:, loose]
         basis = np.linalg.qr(fixed)[0] if fixed.size else np.zeros((len(target), 0))

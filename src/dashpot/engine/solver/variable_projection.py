@@ -112,6 +112,7 @@ def solve(
     arms: int,
     *,
     log_tau_start: FloatArray | None = None,
+    near: FloatArray | None = None,
     negligible: float = 0.0,
     thorough: bool = False,
     signed: bool = False,
@@ -127,6 +128,9 @@ def solve(
         How many relaxation times, >= 0.
     log_tau_start : array, shape (arms,), optional
         One start of your own; without it the engine finds the starts.
+    near : array, shape (arms,), optional
+        Where an optimum may be: next to it no other start is tried, if no positive spectrum with
+        any number of arms would gain `negligible` noise variances on what is there.
     negligible : float
         Of arms beyond those that could gain so many noise variances one start is enough.
     thorough : bool
@@ -150,6 +154,8 @@ def solve(
     if log_tau_start is not None:
         return _from_start(stack, np.asarray(log_tau_start, dtype=float), arms, signed=signed)
     chain = Chain(stack, thorough=thorough, signed=signed, seed=seed)
+    if near is not None and arms and chain.as_good_near(near, negligible=negligible):
+        return _of(chain, -1, requested=arms)
     if chain.leap(arms):
         return _of(chain, -1, requested=arms)
     chain.extend(arms, negligible=negligible)

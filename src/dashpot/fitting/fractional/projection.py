@@ -47,7 +47,7 @@ class ArmColumns:
         count = int(np.ceil((high - low + 2 * BEYOND) / STEP))
         self.log_tau = low - BEYOND + STEP * np.arange(count + 1.0)
         rows = stack.evaluate(self.log_tau, derivative=False)
-        factor = triangle(np.concatenate((rows.phi.T, rows.target[None])))
+        factor = triangle(rows.columns)
         q = len(stack.names)
         self.fixed, self.arms, self.target = factor[:, :q], factor[:, q:-1], factor[:, -1]
         self.restricted = stack.restricted(1, signed=False)

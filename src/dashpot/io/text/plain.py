@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import io
 import re
+import struct
 import sys
 import warnings
 from collections.abc import Callable, Mapping
@@ -175,7 +176,7 @@ class PlainRows:
             return None
         if not found:  # blank lines
             return None
-        values = np.fromiter(found, float, len(found))
+        values = np.frombuffer(struct.pack(f"{len(found)}d", *found))
         return values.reshape(-1, len(self.dialect.contents))[:, self.indexes]
 
     def _parse(self, text: str) -> FloatArray | None:
