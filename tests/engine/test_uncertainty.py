@@ -265,15 +265,18 @@ def test_white_noise_is_even_and_slow_noise_is_not() -> None:
     """The dense eigenvalues of (J'J)^-1 J' Gamma J, whatever the columns' units."""
     t = np.linspace(0.0, 1.0, 400)
     jacobian = np.exp(-t[:, None] / [0.02, 0.2, 2.0]) * [1.0, 1e3, 1e-3]
-    assert noise_gain_ratio([jacobian], [Noise(400, np.array([0.5]), 1.0, 2.0)]) == pytest.approx(
-        1.0
-    )
+
+    def ratio(columns: np.ndarray, noise: Noise) -> float:
+        known = directions([columns])
+        return noise_gain_ratio(known, [known.met(0, noise)])
+
+    assert ratio(jacobian, Noise(400, np.array([0.5]), 1.0, 2.0)) == pytest.approx(1.0)
     gamma = 0.97 ** np.arange(200) - 0.97**200
     lag = np.abs(np.arange(400)[:, None] - np.arange(400))
     toeplitz = np.where(lag < 200, gamma[np.minimum(lag, 199)], 0.0)
     basis = np.linalg.qr(jacobian)[0]
     shares = np.linalg.eigvalsh(basis.T @ toeplitz @ basis)
     noise = Noise(400, gamma, 60.0, 0.06)
-    assert noise_gain_ratio([jacobian], [noise]) == pytest.approx(shares[-1] / shares[0], rel=1e-6)
+    assert ratio(jacobian, noise) == pytest.approx(shares[-1] / shares[0], rel=1e-6)
     assert shares[-1] > 5 * shares[0]
-    assert noise_gain_ratio([np.zeros((400, 2))], [noise]) == 1.0
+    assert ratio(np.zeros((400, 2)), noise) == 1.0

@@ -13,7 +13,13 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.errors import FitError
 from dashpot.engine.blocks.block import DataBlock
-from dashpot.engine.inference.covariance import Noise, nearly_white, noise_gain_differs
+from dashpot.engine.inference.covariance import (
+    Noise,
+    directions,
+    nearly_white,
+    noise_gain_differs,
+    noise_gain_ratio,
+)
 from dashpot.engine.inference.order import DECISIVE, Choice, choose
 from dashpot.engine.solver.certificate import certificate
 from dashpot.engine.solver.variable_projection import (
@@ -264,7 +270,7 @@ def chosen_arms(
         auto
         and in_time
         and not nearly_white(noises)
-        and noise_gain_differs(by_record(whole(supported), data.every)[1][: len(noises)], noises)
+        and noise_gain_differs(_noise_gain(by_record(whole(supported), data.every)[1], noises))
     ):
         from dashpot.fitting.order_selection import in_noise_metric
 
@@ -307,6 +313,11 @@ def _scored(
         )
         for solution in solutions
     )
+
+
+def _noise_gain(jacobians: Sequence[FloatArray], noises: Sequence[Noise]) -> float:
+    known = directions(jacobians[: len(noises)])
+    return noise_gain_ratio(known, [*map(known.met, range(len(noises)), noises)])
 
 
 def _choice(

@@ -414,9 +414,7 @@ def _checks(
     if choice is not None:
         answers.append(order_agreed(choice))
     if design.method == "full" and in_arms:
-        answers.append(
-            checks.hold_and_full_agree(model, late.holds.by_eq5(model), error, end=end)
-        )
+        answers.append(checks.hold_and_full_agree(model, late.holds.by_eq5(model), error, end=end))
     return tuple(answers)
 
 

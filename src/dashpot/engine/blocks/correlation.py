@@ -290,7 +290,7 @@ def _mirror(gram: FloatArray, row: slice | int, column: slice, values: FloatArra
 
 
 def upper_factor(gram: FloatArray) -> FloatArray:
-    """Upper factors R with R'R = gram, (..., c, c), scaled to a unit diagonal where they are doubtful.
+    """Upper factors R with R'R = gram, (..., c, c), scaled to a unit diagonal where in doubt.
 
     Dependent columns leave a ridge of rounding size; a column that is nothing stays nothing.
 

@@ -311,26 +311,28 @@ def sandwich(
     infinite variance and no correlation.
     """
     known = jacobians if isinstance(jacobians, Directions) else directions(jacobians)
-    middle = known.gained(noises)
-    for shares, columns in zip(further, known.columns, strict=False):
-        each = shares(columns.matrix)
-        middle += each.T @ each
-    return known.covariance(middle)
+    return known.covariance(known.gained(noises), further=further)
 
 
-def noise_gain_ratio(jacobians: Sequence[FloatArray], noises: Sequence[Noise]) -> float:
+def noise_gain_ratio(known: Directions, met: Sequence[FloatArray]) -> float:
     r"""Return how much more of the noise meets one direction of the parameters than another.
 
     The ratio u of the largest to the smallest eigenvalue of :math:`(J^TJ)^{-1} J^T\Gamma J`: 1 for
     white noise, and for any that is flat over the frequencies of the arms. Noise whose power
     varies by a factor u leaves least squares an efficiency of :math:`4u/(1+u)^2` at worst, 0.89
     at 2. Source: P. Bloomfield and G. S. Watson, Biometrika 62 (1975) 121.
+
+    Parameters
+    ----------
+    known : Directions
+    met : sequence of array, shape (r, r)
+        The noise of each record along them; further columns are no data.
     """
-    known = directions(jacobians)
     if not known.turn.size:
         return 1.0
-    shares = np.linalg.eigvals(np.linalg.solve(known.gram, known.gained(noises))).real
-    return float(shares.max() / shares.min()) if shares.min() > 0.0 else np.inf
+    turn, _ = _turn(np.sum([columns.gram for columns in known.columns[: len(met)]], axis=0))
+    shares = np.linalg.eigvalsh(turn.T @ np.sum(met, axis=0) @ turn)
+    return float(shares[-1] / shares[0]) if shares[0] > 0.0 else np.inf
 
 
 def nearly_white(noises: Sequence[Noise]) -> bool:
@@ -338,9 +340,9 @@ def nearly_white(noises: Sequence[Noise]) -> bool:
     return all(noise.kappa <= _NEARLY_WHITE for noise in noises)
 
 
-def noise_gain_differs(jacobians: Sequence[FloatArray], noises: Sequence[Noise]) -> bool:
+def noise_gain_differs(ratio: float) -> bool:
     """Return True if least squares is no fair judge of what meets so different amounts of noise."""
-    return noise_gain_ratio(jacobians, noises) > _EVEN_GAIN
+    return ratio > _EVEN_GAIN
 
 
 def white(jacobian: FloatArray, variance: float) -> FloatArray:
@@ -408,11 +410,20 @@ class Directions(NamedTuple):
 
     def gained(self, noises: Sequence[Noise]) -> FloatArray:
         """The noise along the directions, shape (r, r)."""
-        forms = map(toeplitz_form, self.columns, (noise.autocovariance for noise in noises))
-        return np.asarray(sum(forms))
+        return np.sum([*map(self.met, range(len(noises)), noises)], axis=0)
 
-    def covariance(self, middle: FloatArray) -> FloatArray:
+    def met(self, record: int, noise: Noise) -> FloatArray:
+        """That of one record."""
+        return toeplitz_form(self.columns[record], noise.autocovariance)
+
+    def covariance(
+        self, gained: FloatArray, *, further: Sequence[Callable[[FloatArray], FloatArray]] = ()
+    ) -> FloatArray:
         """The covariance of the parameters (p, p), infinite where the data say nothing."""
+        middle = gained.copy()
+        for shares, columns in zip(further, self.columns, strict=False):
+            each = shares(columns.matrix)
+            middle += each.T @ each
         spread = np.linalg.solve(self.gram, self.turn.T)
         covariance = spread.T @ middle @ spread
         covariance[self.lost, :] = 0.0

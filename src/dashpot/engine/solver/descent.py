@@ -34,7 +34,7 @@ class StackRows(NamedTuple):
     Attributes
     ----------
     columns : array, shape (p + a + 1, n)
-        Those of Phi, of dPhi / d ln tau for the arms, and y, as rows: so they are made and factored.
+        Those of Phi, of dPhi / d ln tau for the arms, and y, as rows: so they are factored.
     width : int
         p.
     """

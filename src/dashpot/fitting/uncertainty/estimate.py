@@ -16,8 +16,8 @@ from dashpot.engine.inference.covariance import (
     Noise,
     Series,
     directions,
+    noise_gain_ratio,
     noise_of,
-    sandwich,
 )
 from dashpot.engine.inference.order import bic, significant
 from dashpot.engine.solver.descent import Stack
@@ -100,10 +100,13 @@ class SolutionEstimate(Known):
         The rows of `covariance` are its fixed columns, stiffnesses group by group, then ln tau.
     directions : array, shape (p, r)
         Those that all samples know, D: D D' is the inverse of their J'J.
+    noise_gain : float
+        How much more of the noise meets one of them than another.
     """
 
     solution: Solution
     directions: FloatArray
+    noise_gain: float
 
     @property
     def spread(self) -> float:
@@ -173,9 +176,13 @@ def estimated(
         for encoder, block in zip(encoders or (), every_sample, strict=False)
     ]
     known = [Noise(block.samples, np.array([block.variance]), 1.0, 2.0) for block in priors]
-    covariance = sandwich(known_by, [*noises, *known], further=further)
+    met = [*map(known_by.met, range(len(every_jacobian)), [*noises, *known])]
+    covariance = known_by.covariance(np.sum(met, axis=0), further=further)
     residuals = tuple(one.values for one in left)
-    return SolutionEstimate(whole.names, covariance, residuals, noises, solution, known_by.turn)
+    return SolutionEstimate(
+        whole.names, covariance, residuals, noises, solution, known_by.turn,
+        noise_gain_ratio(known_by, met[:count]),
+    )  # fmt: skip
 
 
 def by_record(

@@ -16,8 +16,7 @@ from dashpot.engine.inference.profile_likelihood import BEYOND
 from dashpot.engine.inference.profile_likelihood import profiles as walked
 from dashpot.engine.inference.profile_walks import Coordinate, Profiled
 from dashpot.engine.solver.descent import Stack
-from dashpot.engine.solver.variable_projection import full_jacobian
-from dashpot.fitting.uncertainty.estimate import SolutionEstimate, by_record
+from dashpot.fitting.uncertainty.estimate import SolutionEstimate
 from dashpot.records.estimate import Profile
 
 if TYPE_CHECKING:
@@ -84,10 +83,7 @@ def profiles(
 
 def _noise_gain(every_sample: Sequence[DataBlock], estimate: SolutionEstimate) -> NoiseGain | None:
     """Return the noise gain of each change of the model, None if it is about the same."""
-    if nearly_white(estimate.noises):
-        return None
-    _, jacobians = by_record(full_jacobian(every_sample, estimate.solution), every_sample)
-    if not noise_gain_differs(jacobians, estimate.noises):
+    if nearly_white(estimate.noises) or not noise_gain_differs(estimate.noise_gain):
         return None
     from dashpot.engine.inference.whitening import NoiseGain
 
