@@ -232,6 +232,20 @@ def test_results_repeat_to_the_last_digit() -> None:
     assert solve([block], 3, thorough=True) == solve([block], 3, thorough=True)
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_an_optimum_that_is_near_is_the_one_found_without_help(seed: int) -> None:
+    force = decay([0.2, 0.5, 9.0], [1.0, 0.9, 0.6]) + noise(seed, 3e-2)
+    block = hold_block(TIME, force)
+    alone = solve([block], 3, negligible=20.0)
+    beside = solve([block], 3, near=alone.log_tau + 0.05, negligible=20.0)
+    np.testing.assert_allclose(beside.log_tau, alone.log_tau, atol=1e-7)
+    assert beside.evaluations < alone.evaluations
+    # where more arms gain more than that, what is near is one start of many
+    few = solve([block], 2, near=np.log([0.3, 9.0]), negligible=20.0)
+    assert few.sse > 1.01 * alone.sse
+    assert few.log_tau.tolist() == solve([block], 2, negligible=20.0).log_tau.tolist()
+
+
 def test_a_descent_that_asks_for_the_sse_alone_ends_sooner_and_has_it() -> None:
     stack = Stack([hold_block(TIME, decay([0.2, 1.1, 9.0], [1.0, 0.4, 0.6]) + noise(1))])
     start = np.log([0.1, 2.0, 5.0])
