@@ -410,7 +410,7 @@ class Directions(NamedTuple):
 
     def gained(self, noises: Sequence[Noise]) -> FloatArray:
         """The noise along the directions, shape (r, r)."""
-        return np.sum([*map(self.met, range(len(noises)), noises)], axis=0)
+        return np.asarray(np.sum([*map(self.met, range(len(noises)), noises)], axis=0))
 
     def met(self, record: int, noise: Noise) -> FloatArray:
         """That of one record."""

@@ -45,7 +45,7 @@ class StackRows(NamedTuple):
     @property
     def target(self) -> FloatArray:
         """What is to be explained, y (n,)."""
-        return self.columns[-1]
+        return np.asarray(self.columns[-1])
 
     @property
     def phi(self) -> FloatArray:
