@@ -97,7 +97,7 @@ COLOURS = """
 """
 
 
-@pytest.mark.parametrize(("theme", "scheme"), [(0, "light"), (1, "dark")])
+@pytest.mark.parametrize(("theme", "scheme"), [(1, "dark"), (0, "light")])
 def test_page_and_figures_follow_the_theme_that_the_reader_prefers(browser, page, theme, scheme):
     found = probe(browser, page, COLOURS, width=1366, height=768, color_scheme=scheme)
     expected = [tokens.COLOURS[name][theme] for name in ("panel", "ink", "measured")]

@@ -73,7 +73,7 @@ def test_the_exponential_window_is_as_gentle_as_the_decay_allows(strike, broad_s
     assert any("not needed" in step.says for step in decayed.steps)
 
 
-@pytest.mark.parametrize("window", ["none", "exponential:0.01", "force", "force+exponential:0.01"])
+@pytest.mark.parametrize("window", ["force+exponential:0.01", "none", "exponential:0.01", "force"])
 def test_offsets_do_not_reach_the_frf(strike, window):
     plain = estimate_frf(strike(record=4.0, rate=4096), window=window, band=(2, 60))
     offset = estimate_frf(

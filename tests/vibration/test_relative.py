@@ -254,8 +254,8 @@ def test_the_command_line_takes_it(recorded, tmp_path):
 @pytest.mark.parametrize(
     ("over", "header", "motion", "says"),
     [
-        ("mm", "mm/(m/s^2)", "relative", "Use with care: "),
         ("mm", "(mm/s)/(m/s^2)", "relative", "a quarter turn off"),
+        ("mm", "mm/(m/s^2)", "relative", "Use with care: "),
         ("mm", "(mm/s)/(m/s^2)", "absolute", "is not that of a mass over its base"),
         ("mm", "m/(m/s^2)", "relative", "times that of a mass on a spring"),
         ("mm", "mm/(m/s^2)", "absolute", "(first line) (--relative) mass_over_base"),

@@ -396,7 +396,6 @@ class TestLevels:
     @pytest.mark.parametrize(
         ("wrong", "use"),
         [
-            ({}, "use"),
             ({"mass": 1.03 * MASS}, "use with care"),
             ({"mass": 0.97 * MASS}, "use with care"),
             ({"mass": 1.3 * MASS}, "do not use"),
@@ -423,7 +422,7 @@ class TestLevels:
         assert "the solid is linear" not in " ".join(check.says for check in found.checks)
 
     @pytest.mark.parametrize("k3", [4e5, -4e5, 8e5])
-    @pytest.mark.parametrize("slips", [False, True])
+    @pytest.mark.parametrize("slips", [True, False])
     def test_a_spring_that_stiffens_is_told_from_friction(self, k3, slips):
         def both(X):
             return 0.75 * k3 * X**2 + (jenkins(X) if slips else 0)
