@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from dataclasses import replace
 from importlib import import_module, resources
 from typing import Any, NamedTuple
@@ -287,13 +288,15 @@ class Card(NamedTuple):
 def bench_panels(picture: Picture, width: float) -> list[Card]:
     """A card for each strip of a picture, two in a row; one for more than two that are alike."""
     found: list[Card] = []
+    # what is named at its line in one card is in no key of the others
+    key = {mark.label for mark in picture.key}
     for row in _rows(picture):
         name = f"bench{len(found)}"
         if len(row) > 2:
             drawn = small_multiples([one for (one,) in row], name, width)
             found.append(Card(re.split("[:,]", picture.caption)[0], drawn))
         else:
-            found += [_card(f"{name}-{i}", one, width, len(row)) for i, one in enumerate(row)]
+            found += [_card(f"{name}-{i}", one, width, len(row), key) for i, one in enumerate(row)]
     return found
 
 
@@ -313,7 +316,9 @@ def _rows(picture: Picture) -> list[tuple[tuple[Panel, ...], ...]]:
     return [strips[:odd]] * odd + [strips[i : i + 2] for i in range(odd, len(strips), 2)]
 
 
-def _card(name: str, panels: tuple[Panel, ...], width: float, across: int) -> Card:
+def _card(
+    name: str, panels: tuple[Panel, ...], width: float, across: int, key: AbstractSet[str]
+) -> Card:
     """One strip under its title; an axis that says no more than the title is named there."""
     first, *below = panels
     bare = not (first.title or first.note or first.drawing)
@@ -321,7 +326,8 @@ def _card(name: str, panels: tuple[Panel, ...], width: float, across: int) -> Ca
     drawing = (replace(first, title="", bare=bare), *below)
     across = across if width >= TWO else 1
     svg = strip(drawing, name=name, width=(width - 8 * (across - 1)) / across - CARD, kind="figure")
-    html = piece("figure", key=_samples(drawing, name), svg=svg, title="", note="")
+    samples = [one for one in _samples(drawing, name) if one[1] in key]
+    html = piece("figure", key=samples, svg=svg, title="", note="")
     return Card(title[:1].upper() + title[1:], html, across)
 
 
