@@ -48,23 +48,23 @@ def page(found: DoorResult) -> KindPage:
     )  # fmt: skip
 
 
-def figures(found: DoorResult, width: float) -> list[views.Card]:
+def figures(found: DoorResult, width: float) -> list[views.Tile]:
     """What its own page shows: its seal line, its response, its modes with their shares, shapes."""
     view = View.of(found)
     panels = [] if view is None else [line_panel(found, view)]
     if found.frfs:
         panels.append(frf_panel(found, 0, height=panels[0].height if panels else _HEIGHT))
-    cards: list[views.Card] = []
+    cards: list[views.Tile] = []
     if panels:
         picture = Picture("door", "", tuple((one,) for one in panels), len(panels))
         cards += views.bench_panels(picture, width)
     if found.modes:
         words = "Modes: who holds, who loses"
-        cards.append(views.Card(words, views.piece("door_modes", modes=modes_of(found))))
+        cards.append(views.Tile(words, views.piece("door_modes", modes=modes_of(found))))
     shapes = [] if view is None else shape_panels(found, view)
     if shapes:
         drawn = views.small_multiples(shapes, "shape", width)
-        cards.append(views.Card("Shapes, from outside", drawn))
+        cards.append(views.Tile("Shapes, from outside", drawn))
     return cards
 
 

@@ -106,7 +106,7 @@ def _terms(named: list[tuple[str, Mode]]) -> list[views.Term]:
     ]
 
 
-def _tables(found: MeasuredModes) -> list[views.Card]:
+def _tables(found: MeasuredModes) -> list[views.Tile]:
     """What each mode is beside its pole; of several points shapes and how alike they are."""
     if not found.modes:
         return []
@@ -125,7 +125,7 @@ def _tables(found: MeasuredModes) -> list[views.Card]:
     if found.points:
         tables += _shapes(found)
     return [
-        views.Card(title, views.piece("cells", head=head, rows=rows), min(i, 1) + 1)
+        views.Tile(title, views.piece("cells", head=head, rows=rows), min(i, 1) + 1)
         for i, (title, head, rows) in enumerate(tables)
     ]
 

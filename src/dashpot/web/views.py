@@ -277,7 +277,7 @@ def response_panel(predicted: FRF, sizes: Sizes, title: str) -> str:
     return drawn("frf", plot.resonance(None, predicted).panels[0], sizes, title=title)
 
 
-class Card(NamedTuple):
+class Tile(NamedTuple):
     """A part of the page of a file: its title, what it holds, how many stand beside each other."""
 
     title: str
@@ -285,16 +285,16 @@ class Card(NamedTuple):
     across: int = 1
 
 
-def bench_panels(picture: Picture, width: float) -> list[Card]:
+def bench_panels(picture: Picture, width: float) -> list[Tile]:
     """A card for each strip of a picture, two in a row; one for more than two that are alike."""
-    found: list[Card] = []
+    found: list[Tile] = []
     # what is named at its line in one card is in no key of the others
     key = {mark.label for mark in picture.key}
     for row in _rows(picture):
         name = f"bench{len(found)}"
         if len(row) > 2:
             drawn = small_multiples([one for (one,) in row], name, width)
-            found.append(Card(re.split("[:,]", picture.caption)[0], drawn))
+            found.append(Tile(re.split("[:,]", picture.caption)[0], drawn))
         else:
             found += [_card(f"{name}-{i}", one, width, len(row), key) for i, one in enumerate(row)]
     return found
@@ -318,7 +318,7 @@ def _rows(picture: Picture) -> list[tuple[tuple[Panel, ...], ...]]:
 
 def _card(
     name: str, panels: tuple[Panel, ...], width: float, across: int, key: AbstractSet[str]
-) -> Card:
+) -> Tile:
     """One strip under its title; an axis that says no more than the title is named there."""
     first, *below = panels
     bare = not (first.title or first.note or first.drawing)
@@ -328,7 +328,7 @@ def _card(
     svg = strip(drawing, name=name, width=(width - 8 * (across - 1)) / across - CARD, kind="figure")
     samples = [one for one in _samples(drawing, name) if one[1] in key]
     html = piece("figure", key=samples, svg=svg, title="", note="")
-    return Card(title[:1].upper() + title[1:], html, across)
+    return Tile(title[:1].upper() + title[1:], html, across)
 
 
 def _samples(panels: Sequence[Panel], name: str) -> list[tuple[str, str]]:
