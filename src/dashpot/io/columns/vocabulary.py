@@ -222,7 +222,7 @@ _STEMS = MappingProxyType(
 """Words that others end with."""
 _ENDS = frozenset(word[-2:] for word in _STEMS)
 _LONGEST = max(map(len, _STEMS))
-_NUMBER = re.compile(r"[0-9]{2,}(?=[\])}\s]*+\Z)")
+_NUMBER = re.compile(r"(?<![0-9])[0-9]{2,}+(?=[\])}\s]*+\Z)")
 
 
 def tokens(name: str) -> list[str]:

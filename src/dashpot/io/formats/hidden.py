@@ -15,10 +15,12 @@ _CHUNK = 1 << 20
 _TAG = 1 << 12
 """Bytes of a tag, at most."""
 _TOLD = 8
+_LISTED = re.compile(rb"<(?:\w{1,20}:)?(Relationship|sheet)\b([^<>]{0,4000})>")
+"""What names the parts of a workbook."""
 _TAGS = re.compile(
     rb"<(?:\w{1,20}:)?(row|col|table-row|table-column|table)(?=[\s/>])([^<>]{0,4000})>"
 )
-_WORD = re.compile(rb"([\w:-]{1,60})\s*=\s*\"([^\"]{0,1000})\"")
+_WORD = re.compile(rb"(?<![\w:-])([\w:-]{1,60}+)\s*+=\s*+\"([^\"]{0,1000})\"")
 _UNSEEN = {b"1", b"true", b"collapse", b"filter"}
 
 
@@ -56,9 +58,9 @@ def _attributes(
         return
     with book.open(part) as stream:
         text = stream.read(_CHUNK)
-    for match in re.finditer(rb"<(?:\w{1,20}:)?" + tag + rb"\b([^<>]{0,4000})>", text):
-        words = _words(match[1])
-        if one in words and other in words:
+    for match in _LISTED.finditer(text):
+        words = _words(match[2])
+        if match[1] == tag and one in words and other in words:
             yield unescape(words[one], {"&quot;": '"'}), words[other]
 
 
