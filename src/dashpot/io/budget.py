@@ -57,7 +57,7 @@ class Patience:
         self._line = max(line, self._line)
         if self._spent + time.thread_time() - self._began > self._most:
             raise ReadError(
-                f"took more than {self._most:.0f} s to read up to line {self._line}, for hardly a "
-                "row is like the one before it: take what stands between the rows out, or split "
-                "the file"
+                f"took more than {self._most:.0f} s to read up to line {self._line}: rows with "
+                "grouped thousands, or with text between them, are read one by one; export the "
+                "file without either, or split it"
             )
