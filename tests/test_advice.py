@@ -20,7 +20,9 @@ NOT_TYPED = {
     "io/child/process.py": "what the parent says to its own child",
 }
 """Files whose words no user types, and why."""
-OF_CSS = re.compile(r"var\(--[a-z-]+|\"--[a-z]+\"\s*:|setProperty\(\"--[a-z]+\"|--[a-z-]+\s*:\s*[#0-9a-z]")
+OF_CSS = re.compile(
+    r"var\(--[a-z-]+|\"--[a-z]+\"\s*:|setProperty\(\"--[a-z]+\"|--[a-z-]+\s*:\s*[#0-9a-z]"
+)
 OPTION = re.compile(r"(?<![\w(-])--[a-z][a-z-]*")
 VERB = re.compile(r"\bdashpot ([a-z]+)\b")
 

@@ -32,6 +32,15 @@ def test_strips_of_a_slide_stand_side_by_side() -> None:
     assert (drawn("slide")[0], drawn("slide", 3)[0], drawn(None)[0]) == (640, 900, 680)
 
 
+def test_drawings_stand_in_pairs_in_a_column_and_figures_alone() -> None:
+    axes = Scale("x, m", (0, 1)), Scale("y, m", (0, 1))
+    figure, shape = Panel(*axes, ()), Panel(*axes, (), drawing=True)
+    picture = Picture("p", "A door.", ((figure,),) * 3 + ((shape,),) * 5, columns=3, rows=(3, 5))
+    assert [(full, len(row)) for full, row in picture.in_rows] == [(3, 3), (3, 3), (3, 2)]
+    column = [(full, len(row)) for full, row in picture.sized("column").in_rows]
+    assert column == [(1, 1)] * 3 + [(2, 2), (2, 2), (2, 1)]
+
+
 def test_letters_keep_their_size() -> None:
     letters = [
         set(re.findall(r'font-size="([\d.]+)"', drawn(size)[1])) for size in (None, "column")

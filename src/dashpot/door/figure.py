@@ -77,14 +77,15 @@ def door(found: DoorResult, *, stamp: str = "") -> Picture:
     responses = [(frf_panel(found, i, height=264.0),) for i in range(min(len(found.frfs), 2))]
     # one beside the line, so that rows of three are full
     strips += responses[:1]
-    if view is not None:
-        strips += [(panel,) for panel in shape_panels(found, view)]
-    strips += responses[1:]
+    shapes = [] if view is None else [(panel,) for panel in shape_panels(found, view)]
+    rows = tuple(count for count in (len(strips), len(shapes), len(responses[1:])) if count)
+    strips += [*shapes, *responses[1:]]
     caption = (
         "A door on its seal, seen from outside: where and how far the seal is pressed, how its "
         "line moves in the first modes, and the accelerance with the seal and without."
     )
-    return Picture("door", caption, tuple(strips), 3, stamp or stamped(found.sources), 960.0)
+    stamp = stamp or stamped(found.sources)
+    return Picture("door", caption, tuple(strips), 3, stamp, width=960.0, rows=rows)
 
 
 @dataclass(frozen=True, eq=False)

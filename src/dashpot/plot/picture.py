@@ -20,6 +20,8 @@ COLUMN = 321.0
 """px, of which 96 are an inch: the 85 mm of a journal's column."""
 _SMALL = 3
 """Small multiples beside each other in it."""
+_DRAWINGS = 2
+"""Drawings of a thing, which have no axes to read."""
 SLIDE, LEAST_STRIP = 640.0, 300.0
 """px of a slide, and of each of the strips that stand side by side on one."""
 
@@ -236,10 +238,12 @@ class Picture:
         columns = min(self.columns, len(self.strips))
         found, at = [], 0
         for count in self.rows or (len(self.strips),):
-            full = columns
-            if self.rows:
-                full = count if columns > 1 else min(count, _SMALL) if count > _SMALL else 1
             row = self.strips[at : at + count]
+            full = columns
+            if row and all(panel.drawing for strip in row for panel in strip):
+                full = max(columns, _DRAWINGS)
+            elif self.rows:
+                full = count if columns > 1 else min(count, _SMALL) if count > _SMALL else 1
             found += [(full, row[i : i + full]) for i in range(0, len(row), full)]
             at += count
         return tuple(found)
