@@ -18,6 +18,7 @@ import tempfile
 import time
 import zipfile
 from hashlib import sha256
+from importlib.util import find_spec
 from pathlib import Path
 
 from kit.fuzzing import TASKS, Fuzzer, _Parsers
@@ -34,6 +35,8 @@ LONGEST, SLOWEST, MEMORY = 20_000, 200, 2048
 
 def main() -> None:
     """Fuzz for so many minutes, keep the corpus small, and leave with 1 if a reader broke."""
+    if find_spec("atheris") is None:
+        sys.exit("the fuzzer is missing: pip install atheris (Linux, and no newer Python than it)")
     minutes, folder = float(sys.argv[1]), Path(sys.argv[2])
     corpus, found = folder / "corpus", folder / "found"
     for one in (corpus, found):
@@ -129,10 +132,8 @@ def task_of(content: bytes) -> str:
 
 def fuzz() -> None:
     """Be the fuzzer: the words are libFuzzer's own."""
-    try:
-        import atheris
-    except ImportError:
-        sys.exit("the fuzzer is missing: pip install atheris (Linux, and no newer Python than it)")
+    import atheris
+
     with (
         Path(os.devnull).open("w") as quiet,
         contextlib.redirect_stderr(quiet),
