@@ -118,7 +118,8 @@ def _answer(found: InspectedFile, path: str = "") -> list[str]:
         lines.append(f"  ! cannot be prepared: {found.refusal}")
     if found.simulated:
         lines.append("  SIMULATED: made by the virtual rig or hammer, not measured")
-    lines.append(f"  sampling  {_sampling(found)}")
+    if found.rows:
+        lines.append(f"  sampling  {_sampling(found)}")
     if test := found.preparation:
         lines += [
             (
@@ -161,7 +162,7 @@ def _columns(found: InspectedFile) -> list[str]:
         f"  segment   {segment.name or number}: {segment.rows} rows"
         for number, segment in enumerate(several, start=1)
     )
-    return [*lines, *table(rows, left=True), *segments]
+    return [*lines, *(table(rows, left=True) if found.columns else []), *segments]
 
 
 def _sampling(found: InspectedFile) -> str:
