@@ -78,14 +78,16 @@ def door(found: DoorResult, *, stamp: str = "") -> Picture:
     # one beside the line, so that rows of three are full
     strips += responses[:1]
     shapes = [] if view is None else [(panel,) for panel in shape_panels(found, view)]
-    rows = tuple(count for count in (len(strips), len(shapes), len(responses[1:])) if count)
+    rows = (len(strips), len(shapes), len(responses[1:])) if shapes else ()
     strips += [*shapes, *responses[1:]]
     caption = (
         "A door on its seal, seen from outside: where and how far the seal is pressed, how its "
         "line moves in the first modes, and the accelerance with the seal and without."
     )
     stamp = stamp or stamped(found.sources)
-    return Picture("door", caption, tuple(strips), 3, stamp, width=960.0, rows=rows)
+    return Picture(
+        "door", caption, tuple(strips), 3, stamp, width=960.0, rows=tuple(filter(None, rows))
+    )
 
 
 @dataclass(frozen=True, eq=False)

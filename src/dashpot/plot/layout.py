@@ -439,8 +439,6 @@ def _tagged(
 ) -> list[Word]:
     """Words beside their points, inside the axes, clear of each other, and best of all else."""
     drawn = _strokes(inner, box) if tags else np.zeros((0, 2))
-    hatches = (one for one in inner if isinstance(one, Fill) and one.hatched)
-    hatched = [part + np.array((box.x, box.y)) for one in hatches for part in one.parts]
     places = [_points(panel, box, *_at(tag))[0] + (box.x, box.y) for tag in tags]
     taken = [Box(x - 5, y - 5, 10, 10) for tag, (x, y) in zip(tags, places, strict=True)
              if not tag.end]  # fmt: skip
@@ -468,7 +466,7 @@ def _tagged(
             (box.x + box.width - 4, y + 21, "end"), (box.x + 4, y + 21, "start"),
         ]  # fmt: skip
         laid = [
-            _laid(tag, lines, near, far, _Surroundings(box, taken, drawn, hatched))
+            _laid(tag, lines, near, far, _Surroundings(box, taken, drawn, _hatched(inner, box)))
             for lines in dict.fromkeys(((tag.text,), tuple(_halves(tag.text))))
         ]
         # in two lines only where one has no room, or more runs through it
@@ -553,6 +551,12 @@ def _strokes(inner: tuple[Polyline | Fill | Markers, ...], box: Box) -> FloatArr
         at = np.arange(0.0, walked[-1], 5.0)
         found.append(np.column_stack([np.interp(at, walked, part[:, i]) for i in (0, 1)]))
     return np.asarray(np.concatenate(found) + np.array([box.x, box.y]))
+
+
+def _hatched(inner: tuple[Polyline | Fill | Markers, ...], box: Box) -> list[FloatArray]:
+    """The rings within which something is hatched."""
+    hatches = (one for one in inner if isinstance(one, Fill) and one.hatched)
+    return [part + np.array((box.x, box.y)) for one in hatches for part in one.parts]
 
 
 def _crossed(room: Box, drawn: FloatArray) -> int:

@@ -204,6 +204,15 @@ class Panel:
     below: str = ""
 
 
+def _beside(row: tuple[tuple[Panel, ...], ...], columns: int) -> int:
+    """How many strips of a row of its own stand beside each other where others are so many."""
+    if all(panel.drawing for strip in row for panel in strip):
+        return columns if columns > 1 else min(len(row), _DRAWINGS)
+    if columns > 1:
+        return len(row)
+    return _SMALL if len(row) > _SMALL else 1
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Picture:
     """A figure.
@@ -239,11 +248,7 @@ class Picture:
         found, at = [], 0
         for count in self.rows or (len(self.strips),):
             row = self.strips[at : at + count]
-            full = columns
-            if row and all(panel.drawing for strip in row for panel in strip):
-                full = max(columns, _DRAWINGS)
-            elif self.rows:
-                full = count if columns > 1 else min(count, _SMALL) if count > _SMALL else 1
+            full = _beside(row, columns) if self.rows else columns
             found += [(full, row[i : i + full]) for i in range(0, len(row), full)]
             at += count
         return tuple(found)

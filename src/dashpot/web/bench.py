@@ -15,6 +15,7 @@ from dashpot.report.kind_page import kind_page
 from dashpot.report.pages import COLOURS
 from dashpot.web import views, wire
 from dashpot.web.requests import noun_of, sizes_of
+from dashpot.web.tiles import tiles
 from dashpot.workflow.command_lines import line
 from dashpot.workflow.fits import fit_files
 from dashpot.workflow.job import Job
@@ -60,7 +61,7 @@ def bench(request: Mapping[str, Any], folder: Path) -> bytes:
             "solid": views.solid_table(found),
             "arms": found.model.arms,
             "checks": views.check_list(found.checks),
-            "figures": views.bench_panels(picture, sizes_of(request).get("bench", WIDE)[0]),
+            "figures": tiles(picture, sizes_of(request).get("bench", WIDE)[0]),
             "facts": [list(one) for one in page.strip],
             "simulated": any(source.simulated for source in found.source),
             "command": line("fit", job),

@@ -19,6 +19,7 @@ from dashpot.report.answer import Row
 from dashpot.report.door import about, lights_of, modes_of
 from dashpot.report.kind_page import Group, KindPage
 from dashpot.web import results, views
+from dashpot.web.tiles import Tile, small_multiples, tiles
 from dashpot.workflow.job import Job
 from dashpot.workflow.kept.archive import to_json
 
@@ -48,23 +49,23 @@ def page(found: DoorResult) -> KindPage:
     )  # fmt: skip
 
 
-def figures(found: DoorResult, width: float) -> list[views.Tile]:
+def figures(found: DoorResult, width: float) -> list[Tile]:
     """What its own page shows: its seal line, its response, its modes with their shares, shapes."""
     view = View.of(found)
     panels = [] if view is None else [line_panel(found, view)]
     if found.frfs:
         panels.append(frf_panel(found, 0, height=panels[0].height if panels else _HEIGHT))
-    cards: list[views.Tile] = []
+    cards: list[Tile] = []
     if panels:
         picture = Picture("door", "", tuple((one,) for one in panels), len(panels))
-        cards += views.bench_panels(picture, width)
+        cards += tiles(picture, width)
     if found.modes:
         words = "Modes: who holds, who loses"
-        cards.append(views.Tile(words, views.piece("door_modes", modes=modes_of(found))))
+        cards.append(Tile(words, views.piece("door_modes", modes=modes_of(found))))
     shapes = [] if view is None else shape_panels(found, view)
     if shapes:
-        drawn = views.small_multiples(shapes, "shape", width)
-        cards.append(views.Tile("Shapes, from outside", drawn))
+        drawn = small_multiples(shapes, "shape", width)
+        cards.append(Tile("Shapes, from outside", drawn))
     return cards
 
 

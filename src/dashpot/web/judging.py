@@ -26,6 +26,7 @@ from dashpot.web import doors, views, wire
 from dashpot.web.bench import KEPT, WIDE
 from dashpot.web.requests import listed, mapping, part, sizes_of
 from dashpot.web.store import path_in
+from dashpot.web.tiles import tiles
 
 
 @dataclass(frozen=True)
@@ -90,7 +91,7 @@ def judge(request: Mapping[str, Any], folder: Path) -> bytes:
             "checks": views.check_list(found.checks),
             "figures": doors.figures(found, width)
             if asked.kind == doors.DOOR
-            else views.bench_panels(page.picture, width),
+            else tiles(page.picture, width),
             "facts": [list(one) for one in page.strip],
             "asks": views.asks(asks_of(asked.kind)),
             "simulated": any(source.simulated for source in page.sources),

@@ -18,6 +18,7 @@ from dashpot.report.pages import COLOURS
 from dashpot.web import views, wire
 from dashpot.web.bench import KEPT, WIDE
 from dashpot.web.requests import noun_of, sizes_of
+from dashpot.web.tiles import tiles
 from dashpot.workflow.command_lines import line
 from dashpot.workflow.job import LevelJob
 from dashpot.workflow.vibration.levels import Levels, level_files
@@ -54,7 +55,7 @@ def level(request: Mapping[str, Any], folder: Path) -> bytes:
             "solid": views.term_table("What amplitude does", rows, beyond(found)),
             "arms": "",
             "checks": views.check_list(found.checks),
-            "figures": views.bench_panels(picture, sizes_of(request).get("bench", WIDE)[0]),
+            "figures": tiles(picture, sizes_of(request).get("bench", WIDE)[0]),
             "facts": [list(one) for one in page.strip],
             "simulated": any(source.simulated for source in found.source),
             "command": line("fit", asked),

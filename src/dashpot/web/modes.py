@@ -26,6 +26,7 @@ from dashpot.web import views, wire
 from dashpot.web.bench import KEPT, WIDE
 from dashpot.web.requests import listed, noun_of, sizes_of
 from dashpot.web.store import path_in
+from dashpot.web.tiles import Tile, tiles
 from dashpot.workflow.command_lines import line
 from dashpot.workflow.job import ModesJob
 from dashpot.workflow.kept.archive import to_json
@@ -60,7 +61,7 @@ def modes(request: Mapping[str, Any], folder: Path) -> bytes:
     asked = _asked(request, folder)
     found, picture = _found(asked)
     width = sizes_of(request).get("bench", WIDE)[0]
-    drawn = views.bench_panels(picture, width)
+    drawn = tiles(picture, width)
     checks: tuple[Check, ...]
     frfs: list[FRF]
     if isinstance(found, MeasuredModes):
@@ -106,7 +107,7 @@ def _terms(named: list[tuple[str, Mode]]) -> list[views.Term]:
     ]
 
 
-def _tables(found: MeasuredModes) -> list[views.Tile]:
+def _tables(found: MeasuredModes) -> list[Tile]:
     """What each mode is beside its pole; of several points shapes and how alike they are."""
     if not found.modes:
         return []
@@ -125,7 +126,7 @@ def _tables(found: MeasuredModes) -> list[views.Tile]:
     if found.points:
         tables += _shapes(found)
     return [
-        views.Tile(title, views.piece("cells", head=head, rows=rows), min(i, 1) + 1)
+        Tile(title, views.piece("cells", head=head, rows=rows), min(i, 1) + 1)
         for i, (title, head, rows) in enumerate(tables)
     ]
 

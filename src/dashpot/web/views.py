@@ -5,9 +5,7 @@ Pure functions, tested without a server. Words, digits and marks are those of th
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
-from collections.abc import Set as AbstractSet
 from dataclasses import replace
 from importlib import import_module, resources
 from typing import Any, NamedTuple
@@ -109,8 +107,6 @@ ALIKE = 3.0
 """Factor within which the arms of two solids stand for the same."""
 SINGLE = 8
 """Arms of a table that is read; more are a spectrum for a solver."""
-TWO, CARD = 700.0, 18.0
-"""Room for two cards beside each other, and what the border of a card takes, px."""
 LEAST = 44.0
 """Of a plot, px: below it no curve can be read."""
 LIVE_POINTS = 240
@@ -275,79 +271,6 @@ def response_panel(predicted: FRF, sizes: Sizes, title: str) -> str:
         curve = Curve(predicted, "predicted from relaxation", PREDICTED)
         return drawn("frf", magnitude_panel([curve]), sizes, title=title)
     return drawn("frf", plot.resonance(None, predicted).panels[0], sizes, title=title)
-
-
-class Tile(NamedTuple):
-    """A part of the page of a file: its title, what it holds, how many stand beside each other."""
-
-    title: str
-    html: str
-    across: int = 1
-
-
-def bench_panels(picture: Picture, width: float) -> list[Tile]:
-    """A card for each strip of a picture, two in a row; one for more than two that are alike."""
-    found: list[Tile] = []
-    # what is named at its line in one card is in no key of the others
-    key = {mark.label for mark in picture.key}
-    for row in _rows(picture):
-        name = f"bench{len(found)}"
-        if len(row) > 2:
-            drawn = small_multiples([one for (one,) in row], name, width)
-            found.append(Tile(re.split("[:,]", picture.caption)[0], drawn))
-        else:
-            found += [_card(f"{name}-{i}", one, width, len(row), key) for i, one in enumerate(row)]
-    return found
-
-
-def _rows(picture: Picture) -> list[tuple[tuple[Panel, ...], ...]]:
-    """The strips that stand beside each other: all that are alike, of three others the last two."""
-    strips = picture.strips
-    if picture.rows:
-        return [row for _, row in picture.in_rows]
-    single = all(len(one) == 1 for one in strips)
-    kinds = (
-        {one[0].y.label for one in strips},
-        {tuple(mark.label for mark in Picture("", "", (one,)).key) for one in strips},
-    )
-    if len(strips) > 2 and single and any(len(one) == 1 for one in kinds):
-        return [strips[i : i + 3] for i in range(0, len(strips), 3)]
-    odd = len(strips) % 2
-    return [strips[:odd]] * odd + [strips[i : i + 2] for i in range(odd, len(strips), 2)]
-
-
-def _card(
-    name: str, panels: tuple[Panel, ...], width: float, across: int, key: AbstractSet[str]
-) -> Tile:
-    """One strip under its title; an axis that says no more than the title is named there."""
-    first, *below = panels
-    bare = not (first.title or first.note or first.drawing)
-    title = first.title or (first.y.label if bare else first.y.label.partition(",")[0])
-    drawing = (replace(first, title="", bare=bare), *below)
-    across = across if width >= TWO else 1
-    svg = strip(drawing, name=name, width=(width - 8 * (across - 1)) / across - CARD, kind="figure")
-    samples = [one for one in _samples(drawing, name) if one[1] in key]
-    html = piece("figure", key=samples, svg=svg, title="", note="")
-    return Tile(title[:1].upper() + title[1:], html, across)
-
-
-def _samples(panels: Sequence[Panel], name: str) -> list[tuple[str, str]]:
-    """What each mark looks like, and its name."""
-    key = Picture(name, "", (tuple(panels),)).key
-    return [(swatch(mark, name=f"{name}-k{i}"), mark.label) for i, mark in enumerate(key)]
-
-
-def small_multiples(panels: Sequence[Panel], name: str, width: float) -> str:
-    """Panels of one kind under one key, all in a row, or two where that is too narrow."""
-    many = len(panels) if width >= TWO else 2
-    each = (width - CARD - 8 * (many - 1)) / many
-    drawn = []
-    for i, one in enumerate(panels):
-        (left, right), (low, high) = one.x.limits, one.y.limits
-        most = each * (high - low) / (right - left) if one.square else one.height
-        low_one = replace(one, height=min(one.height, most))
-        drawn.append(strip((low_one,), name=f"{name}-{i}", width=each, kind="figure"))
-    return piece("shapes", key=_samples(panels, name), drawn=drawn, two=many == 2)
 
 
 def study_panel(study: Study, sizes: Sizes, title: str, *, phase: bool = False) -> str:
