@@ -49,6 +49,25 @@ def test_import_loads_nothing_heavy():
     assert not modules_after("import dashpot; dashpot.GeneralizedMaxwell") & HEAVY
 
 
+def test_a_report_of_a_seal_loads_no_other_kind_and_no_door(tmp_path: Path) -> None:
+    code = (
+        "import dashpot as dp; study = dp.report(dp.simulate('relaxation', hold='20s'));"
+        f"study.save({str(tmp_path / 'report.html')!r})"
+    )
+    loaded = modules_after(code)
+    assert "dashpot.report.answer" in loaded
+    others = ("cld", "csr", "indentation", "rod", "slam")
+    rooms = ("dashpot.door.", *(f"dashpot.kinds.{one}." for one in others))
+    assert not [name for name in loaded if name.startswith(rooms)]
+    assert "importlib.metadata" not in loaded
+
+
+def test_a_fit_looks_for_no_mask() -> None:
+    """NumPy's median and unique would, and load a package for it."""
+    code = "import dashpot as dp; dp.fit(dp.simulate('relaxation', hold='20s'))"
+    assert "numpy.ma" not in modules_after(code)
+
+
 def test_no_lazy_name_is_that_of_its_module():
     """Where it is, whoever imports the module first puts it in the name's place."""
     for stub in (ROOT / "src").rglob("__init__.pyi"):

@@ -103,6 +103,13 @@ def test_an_inspection_numbers_segments_where_there_are_several(tmp_path):
     assert [line[1:] for line in named] == [[f"{i}:", "400", "rows"] for i in (1, 2)]
 
 
+def test_an_inspection_says_nothing_of_the_rows_of_a_file_that_has_none(tmp_path):
+    (tmp_path / "door.toml").write_text('[door]\nmass = "25kg"\n')
+    printed = ran("inspect", tmp_path / "door.toml").stdout.splitlines()
+    assert printed[0].startswith("door.toml: door ")
+    assert [line.split()[0] for line in printed[1:]] == ["for", "format"]
+
+
 def test_failed_checks_outlast_the_numbers_on_a_short_screen():
     checks = (STOP, *(replace(LONG, name=f"long_{i}") for i in range(4)), NOTE)
     numbers = [f"row {i}" for i in range(80)]

@@ -64,6 +64,13 @@ def test_a_curve_cut_before_its_plateau_is_told_so_and_holds_what_came_later() -
     assert found.model.k_inf > 1.1 * slow.k_inf
 
 
+def test_a_curve_that_falls_tells_how_many_times_as_stiff_it_was() -> None:
+    """1 + 9 exp(-t / 50) is 10 at first and 2.218 at 100."""
+    found = fit_modulus(curve(GeneralizedMaxwell(1e6, (9e6,), (50.0,)), noise=1e-3))
+    says = next(check.says for check in found.checks if check.name == "end_level")
+    assert float(says.split("At first it was ")[1].split()[0]) == pytest.approx(4.508, abs=0.02)
+
+
 def test_what_neighbours_have_in_common_is_doubted_though_no_residual_shows_it() -> None:
     """Without scatter the limits are those of .2 % in each quarter decade."""
     exact = fit_modulus(curve(ZENER, noise=0.0)).end_of_hold

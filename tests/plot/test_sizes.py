@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -39,6 +40,10 @@ def test_drawings_stand_in_pairs_in_a_column_and_figures_alone() -> None:
     assert [(full, len(row)) for full, row in picture.in_rows] == [(3, 3), (3, 3), (3, 2)]
     column = [(full, len(row)) for full, row in picture.sized("column").in_rows]
     assert column == [(1, 1)] * 3 + [(2, 2), (2, 2), (2, 1)]
+    # one alone has all the width of a column, and is no larger than the others where it has not
+    alone = replace(picture, strips=((shape,),) * 6, rows=(1, 5))
+    assert [full for full, _ in alone.sized("column").in_rows] == [1, 2, 2, 2]
+    assert [full for full, _ in alone.in_rows] == [3, 3, 3]
 
 
 def test_letters_keep_their_size() -> None:

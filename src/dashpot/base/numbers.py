@@ -137,7 +137,11 @@ def decibels(value: float) -> str:
 
 
 def hertz(band: tuple[float, float]) -> str:
-    """A band of frequencies; one without width holds none."""
+    """A band of frequencies; one without width holds none.
+
+    >>> hertz((0.5, 20.0)), hertz((3.0, 3.0))
+    ('0.5 to 20 Hz', 'none')
+    """
     if not band[0] < band[1]:
         return "none"
     low, high = (rounded(end, digits=2) for end in band)

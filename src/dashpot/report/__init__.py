@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeGuard
 
 from dashpot.base.offered import Judged
 from dashpot.base.provenance import Step
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from dashpot.door.closing_result import ClosingResult
     from dashpot.door.result import DoorResult
 
-__all__ = ["door_html", "html"]
+__all__ = ["door_html", "html", "paged"]
 
 
 def html(
@@ -48,13 +48,22 @@ def html(
     """
     if isinstance(study, Study):
         return _rendered("report.html", _contents(study))
+    if _of_a_door(study):
+        return door_html(study)
+    return _rendered("judged.html", judged.contents(study, lead=lead, beside=beside))
+
+
+def paged(found: object) -> bool:
+    """Whether a result has a page."""
+    return isinstance(found, Study) or judged.paged(found) or _of_a_door(found)
+
+
+def _of_a_door(found: object) -> TypeGuard[DoorResult | ClosingResult]:
     # a report of a seal loads nothing of doors
     from dashpot.door.closing_result import ClosingResult
     from dashpot.door.result import DoorResult
 
-    if isinstance(study, DoorResult | ClosingResult):
-        return door_html(study)
-    return _rendered("judged.html", judged.contents(study, lead=lead, beside=beside))
+    return isinstance(found, DoorResult | ClosingResult)
 
 
 def _rendered(name: str, contents: dict[str, Any]) -> str:

@@ -11,13 +11,10 @@ from dashpot.base.atomic import write_whole
 from dashpot.base.choices import Drawn, words
 from dashpot.base.documents import Documented
 from dashpot.base.errors import ExportError
-from dashpot.door.closing_result import ClosingResult
-from dashpot.door.result import DoorResult
 from dashpot.io.write import write_frf, write_impact, write_relaxation
 from dashpot.records.frf import FRF
 from dashpot.records.impact import ImpactTest
 from dashpot.records.relaxation import RelaxationTest
-from dashpot.workflow.study import Study
 
 _TABLES: dict[type, Callable[..., str]] = {
     FRF: write_frf,
@@ -71,10 +68,9 @@ def _document(noun: Any, name: str) -> str:
 
 
 def _page(noun: Any, name: str) -> str:
-    from dashpot.report import html
-    from dashpot.report.judged import paged
+    from dashpot.report import html, paged
 
-    if not (isinstance(noun, Study | DoorResult | ClosingResult) or paged(noun)):
+    if not paged(noun):
         raise ExportError(
             f"{name}: a {type(noun).__name__} has no page of its own. Write it as .json, or make a "
             'report: dp.report(test, hits).save("report.html")'
