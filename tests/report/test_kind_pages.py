@@ -26,7 +26,7 @@ from dashpot.records.temperature import Shift, TemperatureShifts
 from dashpot.report import html
 from dashpot.report.answer import ORDER
 from dashpot.report.judged import contents
-from dashpot.report.kind_page import kind_page, lights, row
+from dashpot.report.kind_page import Topic, kind_page, lights, row
 from dashpot.report.pages import COLOURS
 from dashpot.solids.temperature import WLF
 from dashpot.workflow.kept.archive import from_json
@@ -77,9 +77,9 @@ def test_a_page_is_of_one_grammar(name):
 @pytest.mark.parametrize("name", ["asked", "nobody_names_it"])
 def test_lights_are_as_bad_as_the_worst_check(name, grade):
     # whatever part asks a question, some light tells how it was answered
-    asked = {"Test": frozenset(), "Peak": frozenset({"asked"})}
     checks = (Check("sound", True, "It is."), Check(name, False, "It is not.", grade=grade))
-    found = lights(checks, asked, ("as it should be", "as it should be"))
+    said = "as it should be"
+    found = lights(checks, Topic("Test", says=said), Topic("Peak", {"asked"}, said))
     marks = {one.name: one.mark for one in found}
     assert marks.pop("Peak" if name == "asked" else "Test") == {
         "note": "note", "limit": "care", "stop": "bad",

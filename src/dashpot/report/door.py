@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -29,12 +28,12 @@ from dashpot.door.mounts import SEAL
 from dashpot.door.result import DoorResult
 from dashpot.plot.picture import Panel, Picture
 from dashpot.plot.stamps import stamp
-from dashpot.report.answer import NBSP, Light, tally
+from dashpot.report.answer import NBSP, Light
 from dashpot.report.attached import Attachment, attachment
 from dashpot.report.figures import Drawn, drawn
-from dashpot.report.kind_page import Fold, lights
-from dashpot.report.pages import COLOURS, frame
-from dashpot.report.tables import TextTable, checks
+from dashpot.report.judged import judgement, text_of
+from dashpot.report.kind_page import Fold, Topic, lights
+from dashpot.report.tables import TextTable
 
 _MODES = frozenset({"door_modes_informed", "modes_suffice", "shapes_known_there", "masses_agree"})
 _CLOSING = frozenset({"closing_informed", "faster_doors_close"})
@@ -91,15 +90,11 @@ def contents(found: DoorResult | None, closed: ClosingResult | None) -> dict[str
     said = _verdict(results, every)
     names = dict.fromkeys(one.file for one in sources)
     folds = tuple(_folds(found, closed))
-    weighed = said.because
-    also = [one for one in every if one.failed and one not in weighed]
     return {
-        **frame(),
+        **judgement("door", said, every, sources),
         "title": next(iter(names), "door"),
         "about": about(results[0]),
-        "verdict": said,
         "beside": " ".join(sentence(one.sound) for one in results),
-        "colour": COLOURS[said.use],
         "lights": tuple(lights_of(found, closed, every, said)),
         "figures": dict(_figures(found, closed))
         | {f"fold{i}": drawn(one.picture) for i, one in enumerate(folds) if one.picture},
@@ -107,11 +102,6 @@ def contents(found: DoorResult | None, closed: ClosingResult | None) -> dict[str
         "closing_notes": () if closed is None else _closing_notes(closed),
         "speed": "" if closed is None else f"{closed.closing.speed:.2f} m/s",
         "folds": folds,
-        "weighty": (*weighed, *also),
-        "tally": tally(every, every),
-        "checks": checks([("door", every)], every),
-        "sources": sources,
-        "simulated": list(dict.fromkeys(one.file for one in sources if one.simulated)),
         "files": tuple(_files(found, closed)),
     }
 
@@ -141,21 +131,18 @@ def lights_of(
     said: Verdict,
 ) -> Iterator[Light]:
     """Of the seal line, the modes, the closing and its limit, as far as each was asked."""
-    asked = {"Seal line": frozenset[str](), "Modes": _MODES, "Closing": _CLOSING}
-    goods, fails = [_line_says(found, closed), "", ""], ["", "", ""]
+    asked = []
     if found is not None:
         beyond = [found.beyond(one.mode.frequency) for one in _held(found)]
         factors = ", ".join(f"×{one:.3g}" for one in beyond if one > 1)
-        goods[1] = f"{len(found.modes)} to {found.band[1]:g}{NBSP}Hz"
-        fails[1] = f"{len(beyond)} held by the seal, {factors}" if factors else ""
+        asked.append(Topic(
+            "Modes", _MODES, f"{len(found.modes)} to {found.band[1]:g}{NBSP}Hz",
+            f"{len(beyond)} held by the seal, {factors}" if factors else "",
+        ))  # fmt: skip
     if closed is not None:
-        goods[2] = f"from {closed.closing.minimum:.3g}{NBSP}m/s"
-        fails[2] = _bounded(closed)
-    for name, result in (("Modes", found), ("Closing", closed)):
-        if result is None:
-            del asked[name]
-    kept = [i for i, name in enumerate(("Seal line", "Modes", "Closing")) if name in asked]
-    yield from lights(every, asked, [goods[i] for i in kept], [fails[i] for i in kept])
+        least = f"from {closed.closing.minimum:.3g}{NBSP}m/s"
+        asked.append(Topic("Closing", _CLOSING, least, _bounded(closed)))
+    yield from lights(every, Topic("Seal line", says=_line_says(found, closed)), *asked)
     scatter = None if closed is None else closed.closing.scatter
     above = None if scatter is None else scatter.above
     if above is not None and scatter is not None:
@@ -351,6 +338,5 @@ def _terms(closed: ClosingResult) -> TextTable:
 def _files(found: DoorResult | None, closed: ClosingResult | None) -> Iterator[Attachment]:
     for name, one in (("door", found), ("closing", closed)):
         if one is not None:
-            text = json.dumps(one.document, indent=2, ensure_ascii=False, allow_nan=False)
             document = f"{name}.json"
-            yield attachment(document, document, "every number", "application/json", text)
+            yield attachment(document, document, "every number", "application/json", text_of(one))

@@ -7,15 +7,16 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
+from dashpot.base.checks import Check, Verdict
 from dashpot.base.documents import Documented
+from dashpot.base.provenance import Source
 from dashpot.plot.picture import Picture
-from dashpot.report import attached
+from dashpot.report import attached, tables
 from dashpot.report.answer import tally
 from dashpot.report.attached import attachment
 from dashpot.report.figures import LEAD, Drawn, drawn
 from dashpot.report.kind_page import Fold, KindPage, kind_page
 from dashpot.report.pages import COLOURS, frame
-from dashpot.report.tables import checks
 
 _COLUMNS = 2
 """Strips side by side in the figure of a page, at most."""
@@ -43,8 +44,6 @@ def contents(
     figure = lead or page.picture
     folds = (*(Fold("The test", one.caption, None, one) for one in beside), *page.folds)
     names = dict.fromkeys(one.file for one in page.sources)
-    weighed = found.verdict.because
-    also = [one for one in dict.fromkeys(found.checks) if one.failed and one not in weighed]
     document = f"{page.name}.json"
     text = text_of(found.kept)
     told = "every number" if found.kept is found else "the fit, for other commands"
@@ -56,23 +55,34 @@ def contents(
         whole = text_of(found)
         files.append(attachment(_ALL, _ALL, "every number", "application/json", whole))
     return {
-        **frame(),
+        **judgement(page.name, found.verdict, found.checks, page.sources),
         "title": ", ".join(names) or page.about,
         "page": page,
-        "verdict": found.verdict,
-        "colour": COLOURS[found.verdict.use],
         "figures": {"lead": _wide(figure, "lead")}
         | {
             f"fold{i}": _wide(one.picture, f"fold{i}") for i, one in enumerate(folds) if one.picture
         },
         "folds": folds,
-        "weighty": (*weighed, *also),
-        "tally": tally(dict.fromkeys(found.checks), found.checks),
-        "checks": checks([(page.name, found.checks)], found.checks),
-        "sources": page.sources,
-        "simulated": list(dict.fromkeys(one.file for one in page.sources if one.simulated)),
         "files": files,
         "about_decks": "" if behind is None else attached.about(behind, decks),
+    }
+
+
+def judgement(
+    name: str, verdict: Verdict, checks: Sequence[Check], sources: Sequence[Source]
+) -> dict[str, Any]:
+    """What every page of a judged result holds: verdict, checks, files behind it."""
+    every = tuple(dict.fromkeys(checks))
+    also = [one for one in every if one.failed and one not in verdict.because]
+    return {
+        **frame(),
+        "verdict": verdict,
+        "colour": COLOURS[verdict.use],
+        "weighty": (*verdict.because, *also),
+        "tally": tally(every, every),
+        "checks": tables.checks([(name, every)], every),
+        "sources": sources,
+        "simulated": list(dict.fromkeys(one.file for one in sources if one.simulated)),
     }
 
 

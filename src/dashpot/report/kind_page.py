@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -16,11 +16,21 @@ from dashpot.base.units import written
 from dashpot.kinds import page_of
 from dashpot.plot.picture import Picture
 from dashpot.records.specimen import Specimen
-from dashpot.report.answer import NOT_GIVEN, Light, Row, mark_of, tally
+from dashpot.report.answer import NOT_GIVEN, Light, Row, tally
 from dashpot.report.tables import TextTable
 
-Asked = Mapping[str, frozenset[str]]
-"""Which checks stand behind each light; what none of them names stands behind the first."""
+
+class Topic(NamedTuple):
+    """A part of what was asked: the checks behind its light, and what that says.
+
+    `says` stands where nothing of weight failed, `fails` where something did; by default how many
+    passed.
+    """
+
+    name: str
+    checks: Collection[str] = ()
+    says: str = ""
+    fails: str = ""
 
 
 class Group(NamedTuple):
@@ -78,34 +88,25 @@ class KindPage:
     name: str = ""
 
 
-def lights(
-    checks: Iterable[Check], asked: Asked, says: Sequence[str] = (), fails: Sequence[str] = ()
-) -> tuple[Light, ...]:
+def lights(checks: Iterable[Check], first: Topic, *others: Topic) -> tuple[Light, ...]:
     """One light for each part of what was asked, as bad as the worst of its checks.
 
-    Parameters
-    ----------
-    checks : iterable of Check
-    asked : mapping of str to set of str
-        Which checks stand behind each light; all that none names stand behind the first.
-    says : sequence of str
-        What each says where nothing of weight failed; by default how many passed.
-    fails : sequence of str
-        And where something did; so too.
+    What no part names stands behind the first, which is left out beside others where nothing of
+    it was judged.
     """
     every = tuple(dict.fromkeys(checks))
-    named = frozenset().union(*asked.values())
-    found = []
-    for i, (name, names) in enumerate(asked.items()):
-        behind = [one for one in every if one.name in names or (i == 0 and one.name not in named)]
-        judged = [one for one in behind if one.passed is not None]
-        if not judged and i == 0 and len(asked) > 1:
-            continue
-        mark, count = tally(behind, behind)
-        told = says if mark_of(behind) in {"good", "note"} else fails
-        said = told[i] if i < len(told) else ""
-        found.append(Light(name, mark, said or (f"{count} checks" if judged else count)))
-    return tuple(found)
+    elsewhere = {name for one in others for name in one.checks}
+    own = [one for one in every if one.name not in elsewhere]
+    behind = [own, *([one for one in every if one.name in part.checks] for part in others)]
+    lit = tuple(map(_light, (first, *others), behind))
+    return lit[1:] if others and all(one.passed is None for one in own) else lit
+
+
+def _light(part: Topic, behind: Sequence[Check]) -> Light:
+    mark, count = tally(behind, behind)
+    said = part.says if mark in {"good", "note"} else part.fails
+    judged = any(one.passed is not None for one in behind)
+    return Light(part.name, mark, said or (f"{count} checks" if judged else count))
 
 
 def row(fact: Fact, name: str = "") -> Row:
@@ -176,7 +177,7 @@ def kind_page(found: Any) -> KindPage:
     return KindPage(
         about=picture.name.replace("-", " "),
         strip=(*who(getattr(found, "specimen", None)), ("Numbers", str(len(facts)))),
-        lights=lights(found.checks, {"Checks": frozenset()}),
+        lights=lights(found.checks, Topic("Checks")),
         answers="Measured and fitted",
         picture=picture,
         told="What was found",

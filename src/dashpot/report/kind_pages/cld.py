@@ -10,11 +10,12 @@ from dashpot.base.numbers import counted, rounded
 from dashpot.base.provenance import sources_of
 from dashpot.base.units import in_unit, written
 from dashpot.kinds.cld.from_files import Pieces
-from dashpot.report.answer import NBSP, Light, Row
+from dashpot.report.answer import NBSP, Row
 from dashpot.report.kind_page import (
     Fold,
     Group,
     KindPage,
+    Topic,
     lights,
     row,
     who,
@@ -27,18 +28,11 @@ def page(found: Pieces) -> KindPage:
     first, several = found.pieces[0], len(found.pieces)
     sources = sources_of(found.pieces)
     able = found.capability
-    asked = {
-        "Records": frozenset[str](),
-        "Pieces": frozenset({"pieces_tested_alike"}),
-        "Capability": frozenset({"pieces_capable"}),
-    }
-    said = "" if able is None else able.says
-    shown_lights = lights(
-        found.checks, asked, ("", f"{several} tested alike", said), ("", "", said)
-    )
-    if able is None:
-        shown_lights = (*shown_lights[: 1 + (several > 1)],
-                        Light("Capability", "note", "no limits given"))  # fmt: skip
+    said = "no limits given" if able is None else able.says
+    asked = [
+        Topic("Pieces", {"pieces_tested_alike"}, f"{several} tested alike"),
+        Topic("Capability", {"pieces_capable"}, said, said),
+    ]
     asked_for = [("Nominal", written(first.nominal.compression, "mm"))]
     if first.least is not None and first.most is not None:
         ends = " to ".join(
@@ -51,7 +45,7 @@ def page(found: Pieces) -> KindPage:
     return KindPage(
         about=f"compression load deflection, {counted(several, 'piece')}",
         strip=(*who(first.specimen), *asked_for, ("Pieces", str(several))),
-        lights=shown_lights,
+        lights=lights(found.checks, Topic("Records"), *asked[several < 2 :]),
         answers="Pressed and released",
         picture=plot.cld(found.pieces, limits=limits),
         told=f"Of {'100 mm' if length is not None else 'the piece'}"

@@ -6,6 +6,7 @@ from dashpot.base.units import in_unit, written
 from dashpot.kinds.csr.record import Aging
 from dashpot.report.kind_page import (
     KindPage,
+    Topic,
     group,
     lights,
     tried,
@@ -14,10 +15,6 @@ from dashpot.report.kind_page import (
 
 def page(found: Aging) -> KindPage:
     """What the page of a law of aging holds."""
-    asked = {"Readings": frozenset[str](),
-             "Ovens": frozenset({"ovens_enough", "ovens_on_a_line"}),
-             "Chemistry": frozenset({"chemistry_seen", "aging_beside_drift", "cell_holds"}),
-             }  # fmt: skip
     warm = [one.temperature for one in found.ovens]
     ends = " to ".join(f"{in_unit(one, '°C'):.4g}" for one in (warm[0], warm[-1]))
     return KindPage(
@@ -25,7 +22,11 @@ def page(found: Aging) -> KindPage:
         strip=(("Ovens", f"{len(warm)}, {ends} °C"),
                ("Longest", written(found.longest, "h", ".4g")),
                ("Scatter", f"{100 * found.scatter:.2g} % of F0")),
-        lights=lights(found.checks, asked, ("", f"{len(warm)} on one line", "seen")),
+        lights=lights(
+            found.checks, Topic("Readings"),
+            Topic("Ovens", {"ovens_enough", "ovens_on_a_line"}, f"{len(warm)} on one line"),
+            Topic("Chemistry", {"chemistry_seen", "aging_beside_drift", "cell_holds"}, "seen"),
+        ),
         answers="What is left of the force",
         picture=found.plot(),
         told="The law of aging",

@@ -8,6 +8,7 @@ from dashpot.kinds.hyperelastic.record import HyperelasticFit
 from dashpot.report.kind_page import (
     Fold,
     KindPage,
+    Topic,
     group,
     lights,
     tried,
@@ -17,10 +18,9 @@ from dashpot.report.tables import TextTable
 
 def page(found: HyperelasticFit) -> KindPage:
     """What the page of a hyperelastic law holds."""
-    use = frozenset({"stable_in_use", "use_measured", "volume_known"})
-    law = frozenset({"law_followed", "no_law_closer", "foam_no_closer", "constants_known",
-                     "modes_enough", "modes_told", "sideways_agrees"})  # fmt: skip
-    asked = {"Curves": frozenset[str](), "Law": law, "Use": use}
+    use = {"stable_in_use", "use_measured", "volume_known"}
+    law = {"law_followed", "no_law_closer", "foam_no_closer", "constants_known", "modes_enough",
+           "modes_told", "sideways_agrees"}  # fmt: skip
     left = f"{rounded(100 * max(found.residuals), digits=2)} % left"
     curves = tuple(
         (one.mode, "" if one.source is None else one.source.file,
@@ -33,7 +33,8 @@ def page(found: HyperelasticFit) -> KindPage:
         about=f"stress over strain, {counted(len(found.curves), 'curve')}",
         strip=(("Law", found.law.kind), ("Curves", ", ".join(one.mode for one in found.curves)),
                ("Temperature", "not given" if warm is None else written(warm, "°C", ".1f"))),
-        lights=lights(found.checks, asked, ("", left, "stable where used")),
+        lights=lights(found.checks, Topic("Curves"), Topic("Law", law, left),
+                      Topic("Use", use, "stable where used")),
         answers="Stress over stretch",
         picture=found.plot(),
         told=f"The {found.law.kind} law",

@@ -6,6 +6,7 @@ from dashpot.base.numbers import duration, rounded, shown
 from dashpot.kinds.indentation.record import IndentationFit
 from dashpot.report.kind_page import (
     KindPage,
+    Topic,
     group,
     lights,
     sources_behind,
@@ -15,8 +16,7 @@ from dashpot.report.kind_page import (
 
 def page(found: IndentationFit) -> KindPage:
     """What the page of a contact holds."""
-    law = frozenset({"law_followed", "parameters_known", "laws_agree", "indentation_shallow"})
-    asked = {"Record": frozenset[str](), "Law": law}
+    law = {"law_followed", "parameters_known", "laws_agree", "indentation_shallow"}
     left = f"{rounded(100 * found.residual, digits=2)} % left"
     return KindPage(
         about="contact of an indenter",
@@ -26,7 +26,7 @@ def page(found: IndentationFit) -> KindPage:
             ("Contact", duration(found.duration)),
             ("Indenter", "" if found.indenter.mass is None else shown(found.indenter.mass, "g")),
         ),
-        lights=lights(found.checks, asked, ("", left)),
+        lights=lights(found.checks, Topic("Record"), Topic("Law", law, left)),
         answers="The contact, recorded and fitted",
         picture=found.plot(),
         told=f"The {found.law} law",

@@ -14,7 +14,7 @@ from dashpot.kinds.level.hits import HitLevels
 from dashpot.kinds.level.levels import Elements, LevelFit
 from dashpot.kinds.level.record import AmplitudeFit
 from dashpot.plot.picture import unit_of
-from dashpot.report.kind_page import KindPage, group, lights, who
+from dashpot.report.kind_page import KindPage, Topic, group, lights, who
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.rate_independent import InParallel
 from dashpot.workflow.vibration.levels import Levels
@@ -27,10 +27,10 @@ def page(found: Levels) -> KindPage:
     """What the page of levels holds."""
     fit = found.fit
     stiff = {"level_matters", "softening_seen", "law_followed", "levels_followed", "spring_unseen"}
-    loss = frozenset({"loss_followed"})
-    asked = {"Record": frozenset[str](), "Stiffness": frozenset(stiff), "Damping": loss}
-    if not any(one.name in loss for one in found.checks):
-        del asked["Damping"]
+    loss = {"loss_followed"}
+    asked = [Topic("Record"), Topic("Stiffness", stiff)]
+    if any(one.name in loss for one in found.checks):
+        asked.append(Topic("Damping", loss))
     low, high = fit.amplitudes
     word, scale = unit_of(np.array(fit.amplitudes), "m")
     if isinstance(fit, AmplitudeFit) and fit.of == "strain":
@@ -44,7 +44,7 @@ def page(found: Levels) -> KindPage:
     return KindPage(
         about="levels of a hammer or shaker" if picture.name == "levels" else "amplitude sweep",
         strip=(*who(getattr(found.records[0], "specimen", None)), *frequencies, every),
-        lights=lights(found.checks, asked),
+        lights=lights(found.checks, *asked),
         answers="Stiffness and loss with amplitude",
         picture=picture,
         told="What amplitude does",

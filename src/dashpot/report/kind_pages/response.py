@@ -14,6 +14,7 @@ from dashpot.report.kind_page import (
     Fold,
     Group,
     KindPage,
+    Topic,
     lights,
     row,
     who,
@@ -25,7 +26,6 @@ from dashpot.workflow.vibration.modes import Modes
 from dashpot.workflow.vibration.under_masses import ModesByMass
 
 _PEAK = frozenset({"prediction_informed", "seal_mass_negligible", "mass_of_a_block"})
-_HITS = frozenset({"hits_enough", "hits_agree", "rocking_cancelled", "hits_centred"})
 _RESONANCE = frozenset({
     "resonance", "record_long_enough", "lines_in_half_power_band", "amplitude_linear",
 })  # fmt: skip
@@ -42,14 +42,13 @@ def modes_page(found: Modes) -> KindPage:
     """What the page of hits or FRFs holds."""
     frf, first = found.frf, next(iter(found), None)
     used = f"{frf.averages} of {len(frf.hits)} used" if frf.hits else counted(1, "FRF")
-    says = (
-        used,
-        "" if first is None else f"{rounded(first.frequency, digits=4)}{NBSP}Hz",
-        f"to {rounded(float(frf.frequency[-1]), digits=3)}{NBSP}Hz",
-    )
-    reach = frozenset({"coherence", "hammer_excites", "mass_line", "scatter_known"})
-    asked = {"Hits" if frf.hits else "FRF": _HITS, "Resonance": _RESONANCE, "Band": reach}
-    # what neither names is of the hits
+    top = f"to {rounded(float(frf.frequency[-1]), digits=3)}{NBSP}Hz"
+    asked = (
+        Topic("Hits" if frf.hits else "FRF", says=used),
+        Topic("Resonance", _RESONANCE,
+             "" if first is None else f"{rounded(first.frequency, digits=4)}{NBSP}Hz"),
+        Topic("Band", {"coherence", "hammer_excites", "mass_line", "scatter_known"}, top),
+    )  # fmt: skip
     hits = tuple(
         (one.name, f"{one.time:.3f}", rounded(one.peak, digits=3),
          rounded(in_unit(one.duration, "ms"), digits=3),
@@ -65,7 +64,7 @@ def modes_page(found: Modes) -> KindPage:
                ("Lines", str(len(frf.frequency))),
                ("Resolution", f"{frf.frequency[1] - frf.frequency[0]:.3g} Hz"),
                ("Quantity", frf.quantity.value.replace("_", " "))),
-        lights=lights(found.checks, asked, says),
+        lights=lights(found.checks, *asked),
         answers="Measured response",
         picture=found.plot(),
         told=counted(len(found), "mode").capitalize(),
@@ -85,8 +84,6 @@ def prediction_page(found: Prediction) -> KindPage:
         if found.seals == int(found.seals)
         else shown(found.mass, "g", digits=4)
     )
-    asked = {"Test": frozenset[str](), "Peak": _PEAK, "Rest": frozenset({"compression_tested"})}
-    says = ("", f"{rounded(hz, digits=4)}{NBSP}Hz", "within the depth tested")
     peak: list[Row] = []
     bounds = found.limits
     for name, value, ends, unit in (
@@ -101,7 +98,9 @@ def prediction_page(found: Prediction) -> KindPage:
         about=f"prediction of {weight}",
         strip=(*who(found.fit.specimen), ("Mass", weight),
                ("Valid band", hertz(found.fit.band)), ("Fit", found.fit.identity[:8])),
-        lights=lights(found.checks, asked, says),
+        lights=lights(found.checks, Topic("Test"),
+                      Topic("Peak", _PEAK, f"{rounded(hz, digits=4)}{NBSP}Hz"),
+                      Topic("Rest", {"compression_tested"}, "within the depth tested")),
         answers="Predicted response",
         picture=found.plot(),
         told=f"{weight[:1].upper()}{weight[1:]}",
@@ -124,17 +123,14 @@ def agreement_page(found: Agreement) -> KindPage:
     rows = tuple(Row(name, predicted, "", "", "", measured, bound=False)
                  for name, predicted, measured, _ in c.rows)  # fmt: skip
     differ = tuple((name, predicted, measured, off) for name, predicted, measured, off in c.rows)
-    asked = {
-        "FRF": frozenset[str](),
-        "Stiffness": frozenset({"stiffness_agrees"}),
-        "Damping": frozenset({"peak_agrees", "damping_agrees"}),
-    }
     weight = f"{shown(found.mass, 'g', digits=4)} on {seals(found.seals)}"
     return KindPage(
         about=f"prediction against the hammer, {weight}",
         strip=(("Mass", weight), ("Lines", str(len(c.measured.frequency))),
                ("Mass was", "found from the FRF" if found.mass_inferred else "given")),
-        lights=lights(found.checks, asked, ("", "agrees", "agrees")),
+        lights=lights(found.checks, Topic("FRF"),
+                      Topic("Stiffness", {"stiffness_agrees"}, "agrees"),
+                      Topic("Damping", {"peak_agrees", "damping_agrees"}, "agrees")),
         answers="Measured against predicted",
         picture=found.plot(),
         told="Predicted",
@@ -157,7 +153,7 @@ def masses_page(found: ModesByMass) -> KindPage:
     return KindPage(
         about=f"one solid under {counted(len(of.masses), 'mass').replace('masss', 'masses')}",
         strip=(("Masses", ", ".join(shown(one, "g", digits=4) for one in of.masses)),),
-        lights=lights(found.checks, {"FRFs": frozenset(), "One solid": frozenset({"one_solid"})}),
+        lights=lights(found.checks, Topic("FRFs"), Topic("One solid", {"one_solid"})),
         answers="The response under each mass",
         picture=found.plot(),
         told="Resonance under each mass",

@@ -10,6 +10,7 @@ from dashpot.report.answer import NBSP
 from dashpot.report.kind_page import (
     Group,
     KindPage,
+    Topic,
     lights,
     row,
 )
@@ -22,13 +23,13 @@ def page(found: Rod) -> KindPage:
     of = found.modulus
     low, high = of.band
     usable = bool(of.usable.any())
-    asked = {
-        "Record": frozenset[str](),
-        "Modulus": frozenset({"rod_usable", "waves_plane", "mass_beside_rod", "sensors_agree"}),
-        "Solid": OF_REST | OF_LOSS | {"lines_of_one_solid", "residuals_random", "optimum_found",
-                                  "storage_rises"},
+    modulus = Topic(
+        "Modulus", {"rod_usable", "waves_plane", "mass_beside_rod", "sensors_agree"},
+        f"{low:.3g} to {high:.3g}{NBSP}Hz" if usable else "",
+    )  # fmt: skip
+    solid = OF_REST | OF_LOSS | {
+        "lines_of_one_solid", "residuals_random", "optimum_found", "storage_rises",
     }  # fmt: skip
-    says = ("", f"{low:.3g} to {high:.3g}{NBSP}Hz" if usable else "", "")
     groups: list[Group] = []
     if usable:
         lines = np.flatnonzero(of.usable)
@@ -46,7 +47,7 @@ def page(found: Rod) -> KindPage:
         strip=(("Mass", shown(found.mass, "g", digits=4)), ("Rod", shown(found.own_mass, "g")),
                ("Ends", "bonded" if found.bonded else "sliding"),
                ("Known to 10 %", f"{low:.3g} to {high:.3g} Hz" if usable else "nowhere")),
-        lights=lights(found.checks, asked, says),
+        lights=lights(found.checks, Topic("Record"), modulus, Topic("Solid", solid)),
         answers="The modulus of the material",
         picture=found.plot(),
         told="The material",

@@ -23,6 +23,7 @@ from dashpot.report.kind_page import (
     Fold,
     Group,
     KindPage,
+    Topic,
     group,
     lights,
     row,
@@ -88,18 +89,18 @@ def _solid(found: Fit | Identified, fit: Fit) -> KindPage:
     known = at_end.fact(fit.model, fit.unit) if at_end else next(iter(fit.facts), None)
     stiff = "" if known is None else f"{known.cells.value} {known.word}"
     if moved is None:
-        asked = {"Test": frozenset[str](), "Stiffness": OF_REST, "Damping": OF_LOSS}
-        says: tuple[str, ...] = ("", stiff, f"known to {high}{NBSP}Hz")
+        asked = [Topic("Stiffness", OF_REST, stiff),
+                 Topic("Damping", OF_LOSS, f"known to {high}{NBSP}Hz")]  # fmt: skip
     else:
-        asked = {"Test": frozenset[str](), "Superposition": _CURVE, "Shifts": _SHIFTS,
-                 "Arms": OF_LOSS | OF_REST}  # fmt: skip
-        says = ("", "one curve", _law_of(fit), counted(fit.model.arms, "arm"))
+        asked = [Topic("Superposition", _CURVE, "one curve"),
+                 Topic("Shifts", _SHIFTS, _law_of(fit)),
+                 Topic("Arms", OF_LOSS | OF_REST, counted(fit.model.arms, "arm"))]  # fmt: skip
     strip = [*who(fit.specimen), *_pressed(fit), ("Valid band", hertz(fit.band)),
              ("Fit", fit.identity[:8])]  # fmt: skip
     return KindPage(
         about="master curve" if moved is not None and material else _tested(fit),
         strip=tuple(strip),
-        lights=lights(found.checks, asked, says),
+        lights=lights(found.checks, Topic("Test"), *asked),
         answers=f"What {name.lower()} does at each frequency",
         picture=over_frequency(fit),
         told=f"{name}, {_called(fit)}",
