@@ -2163,10 +2163,10 @@ def test_advice_follows_only_where_a_check_fails() -> None:
     high = comparison.peak_agrees(held(predicted_peak=10 * agreeing().measured_peak))
     assert high.says.endswith("(+20.0 dB). The model has too little damping there.")
     off = comparison.stiffness_agrees(held(predicted_hz=1.1 * agreeing().measured_hz))
-    assert off.says.endswith("+21.0 % off.")
+    assert off.says.endswith("differs by +21.0 %.")
     assert off.remedy is not None
     assert off.remedy.words.startswith("Check the mass, the number of seals")
-    assert comparison.stiffness_agrees(agreeing()).says.endswith("+0.0 % off.")
+    assert comparison.stiffness_agrees(agreeing()).says.endswith("differs by +0.0 %.")
     assert comparison.stiffness_agrees(agreeing()).remedy is None
     falling = replace(agreeing().predicted, value=1 / (1 + agreeing().predicted.frequency) + 0j)
     away = held(predicted=falling, predicted_hz=0.5 * agreeing().measured_hz)

@@ -56,7 +56,7 @@ ROWS = (
     # 1, the paper
     ("demo --paper --mass 104g", "No such option '--mass'"),
     ("demo --paper --files", "leave out --files"),
-    ("demo --paper --all", "--all is of the files to learn on"),
+    ("demo --paper --all", "--all is for the files to learn on"),
     ("demo --paper -o slam.csv", "nothing can be written to"),
     ("demo --paper -o paper --plot x.svg", "No such option '--plot'"),
     ("fit slam.csv --method half", "'half' is unknown"),
@@ -89,7 +89,7 @@ ROWS = (
     (f"export fit.json --to calculix {DECK} door.toml --nominal -3Hz", "nominal = -3"),
     (f"export fit.json --to nastran {DECK} door.toml --nominal 0Hz --band 5:50Hz", "nominal = 0"),
     # 4, a level
-    (f"predict fit.json {RIG} --level 0.1N", "the elastic law of this fit does not"),
+    (f"predict fit.json {RIG} --level 0.1N", "the elastic law of this fit is straight"),
     (f"predict bent.json {RIG} --level -0.1N", "expected an amplitude > 0"),
     (f"predict bent.json {RIG} --level nanN", "is not a quantity"),
     (f"predict bent.json {RIG} --level 0.1mm", "expected a unit of force"),
@@ -99,7 +99,7 @@ ROWS = (
     ("predict bent.json --mass 0g --level 0.1N", "expected a number > 0"),
     ("predict bent.json --mass 10mg --level 0.1N", "so slight a contact was not tested"),
     # 5, a slam
-    ("predict bent.json --slam 0.6m/s", "Add that of what moves: --mass 200g"),
+    ("predict bent.json --slam 0.6m/s", "a slam needs the mass of what moves"),
     ("predict bent.json --slam 0.6m/s --mass 0g", "mass = 0.0"),
     (f"{SLAM} -0.6m/s", "expected a number > 0"),
     (f"{SLAM} 0.6", "expected the speed at the touch with its unit"),
@@ -107,7 +107,7 @@ ROWS = (
     (f"{SLAM} 0.6m/s --base", "--slam is one hit"),
     (f"{SLAM} 0.6m/s --level 0.1N", "--slam is one hit"),
     (f"{SLAM} 0.6m/s --radius 5mm", "No such option '--radius'"),
-    ("fit slam.csv", "slams are of a mass"),
+    ("fit slam.csv", "slams need the mass"),
     ("fit slam.csv --mass 200g --radius 5mm", "--radius is for a contact of an indenter"),
     ("fit slam.csv --mass 200g --slam 0m/s", "expected a number > 0"),
     ("fit slam.csv --mass 200g --memory csr.json", "expected a fit"),

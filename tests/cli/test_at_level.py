@@ -193,7 +193,7 @@ def test_a_level_beyond_the_sweep_is_said_first(place, level, passes):
 @pytest.mark.parametrize(
     ("words", "says"),
     [
-        (("--level", "1N", *DISC), "the elastic law of this fit does not"),
+        (("--level", "1N", *DISC), "the elastic law of this fit is straight"),
         (("--sweep", "strain.csv"), "give both, or neither"),
         (("--sweep", "strain.csv", "--level", "1N", "--resonance", "90Hz", "--resonance-mass",
           "400g"), "--height 20mm"),

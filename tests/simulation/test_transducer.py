@@ -119,7 +119,7 @@ def test_the_command_writes_voltages_calibration_and_truth(tmp_path):
     assert "calibration of SIMULATED" in shown.output
     for words, says in [
         ("impact --gauges", "--gauges is for a relaxation test or a motion, not for impact"),
-        ("relaxation --misaligned 2deg", "--misaligned is of the transducer and its card"),
+        ("relaxation --misaligned 2deg", "--misaligned is for the transducer and its card"),
         ("relaxation --follow a.csv", "replayed by 'dashpot simulate motion --follow FILE'"),
         ("relaxation --gauges", "the calibration of the gauges lies beside the file"),
         ("motion", "replayed by 'dashpot simulate motion --follow FILE'"),

@@ -143,7 +143,7 @@ def test_a_swing_deeper_than_tested_is_told(told, bent, depth, passes):
 
 
 def test_a_straight_law_takes_no_level(straight):
-    with pytest.raises(DataError, match=r"the elastic law of this fit does not: add a sweep"):
+    with pytest.raises(DataError, match=r"the elastic law of this fit is straight"):
         dp.predict(straight, mass=MASS, seals=2, level="0.1N")
 
 

@@ -94,7 +94,7 @@ def command(
 ) -> Outcome:
     """Tell the whole story, or write the files of it."""
     if every and not files_only:
-        raise click.UsageError("--all is of the files to learn on: add --files")
+        raise click.UsageError("--all is for the files to learn on. Add --files")
     if paper:
         if files_only:
             raise click.UsageError("--paper makes files of its own: leave out --files")

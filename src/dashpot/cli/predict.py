@@ -142,7 +142,7 @@ def _slammed(path: str, said: dict[str, Any]) -> Outcome:
     for one in command.options:
         if one.typed(context) and one.group != options.RESULT and one.flag not in _OF_SLAM:
             raise click.UsageError(
-                f"{one.flag} is of vibration, and --slam is one hit. Leave out one of them."
+                f"{one.flag} is for a vibration, and --slam is one hit. Leave out one of them."
             )
     return _alone(
         workflow.predict_slam(

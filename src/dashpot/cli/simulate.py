@@ -131,4 +131,4 @@ def _refuse_senseless(what: str, output: str, choices: dict[str, Any]) -> None:
         raise DataError("the calibration of the gauges lies beside the file; give one with -o")
     for name in ("misaligned", "antialias"):
         if choices[name] and not choices["gauges"]:
-            raise DataError(f"--{name} is of the transducer and its card: add --gauges")
+            raise DataError(f"--{name} is for the transducer and its card. Add --gauges")

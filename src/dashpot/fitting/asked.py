@@ -84,7 +84,7 @@ def refuse_shifts(
     if named:
         raise FitError(
             f"{what} of one temperature as far as is known, and shifted to no other: leave out "
-            f"{' and '.join(named)}, or fit ramps and holds at several and say which "
+            f"{' and '.join(named)}, or fit tests at several temperatures and give those "
             "(--temperature 23degC --temperature 0degC)"
         )
 
@@ -105,13 +105,12 @@ def _refuse_law(asked: Asked, method: str) -> None:
     refuse_other("law", law, RampLawAsked, FitError)
     if law == "nonlinear" and method == "hold":
         raise FitError(
-            "a nonlinear law bends the ramp of the recorded motion, and the hold alone has none: "
-            "leave one of them out"
+            "a nonlinear law is found from the ramp, and the method hold leaves the ramp out. "
+            "Leave out --method hold, or --elastic nonlinear"
         )
     if law == "nonlinear" and asked.thorough:
         raise FitError(
-            "a nonlinear law is fitted from the hold on, with starts of its own: leave out "
-            "--thorough, or leave the law to be linear"
+            "a nonlinear law has starts of its own. Leave out --thorough, or --elastic nonlinear"
         )
 
 
@@ -119,6 +118,6 @@ def _refuse_family(asked: Asked) -> None:
     checked_family(asked.family, asked.arms)
     if asked.family == "fractional" and asked.law == "nonlinear":
         raise FitError(
-            "a nonlinear law bends the ramp of a solid with arms: fit arms (family maxwell), or "
-            "leave the law to be linear"
+            "a nonlinear law is fitted with arms alone. Leave out --model fractional, or "
+            "--elastic nonlinear"
         )

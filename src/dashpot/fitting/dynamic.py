@@ -40,6 +40,7 @@ from dashpot.fitting.fractional.choice import (
     checked_family,
     chosen_family,
     named,
+    refuse_beside_shifts,
 )
 from dashpot.fitting.pipeline import Chosen, asked_arms, chosen_arms
 from dashpot.fitting.repeats import refuse_copies
@@ -144,7 +145,7 @@ def fit_dynamic(
     records = _records(tests, data, dashpot=dashpot)
     shifted = isinstance(origin, Superposition)
     if shifted:
-        _refuse_beside_shifts(family, records)
+        _refuse_of_one_temperature(family, records)
     weights = weights or _USUAL[shifted]
     most = asked_arms(arms, max_arms)
     sets = (_sweep(data, weights, dashpot=dashpot, most=most), *_relaxations(records, most))
@@ -246,13 +247,9 @@ def _at_one_temperature(
     return data, AsMeasured(sources_of([data]), (storage_rises(data),))
 
 
-def _refuse_beside_shifts(family: str, records: Sequence[RampHold]) -> None:
+def _refuse_of_one_temperature(family: str, records: Sequence[RampHold]) -> None:
     """Refuse what goes with a sweep of one temperature alone."""
-    if family != "maxwell":
-        raise FitError(
-            "a master curve is fitted with arms, which move together with temperature: leave the "
-            "family to be maxwell, or choose one temperature with --only (Python: temperature=)"
-        )
+    refuse_beside_shifts(family)
     if records:
         raise FitError(
             "the sweeps are of several temperatures, the relaxation tests of one: choose the "

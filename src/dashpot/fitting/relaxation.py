@@ -34,6 +34,7 @@ from dashpot.fitting.fractional.choice import (
     beside_bent,
     chosen_family,
     named,
+    refuse_beside_shifts,
 )
 from dashpot.fitting.late_motion import LateMotion, soundest
 from dashpot.fitting.linear_gate import Gate, Holds, gated
@@ -205,11 +206,7 @@ def _of_temperatures(
     records: Sequence[RampHold], asked: Asked, *, vertical: Vertical, shift_law: ShiftLaw, at: int
 ) -> Fit:
     """Return the fit of one solid that moves with temperature, at the `at`-th of them."""
-    if asked.family != "maxwell":
-        raise FitError(
-            "tests at several temperatures share arms that move together: leave the family to "
-            "be maxwell, or fit the tests of one temperature"
-        )
+    refuse_beside_shifts(asked.family)
     from dashpot.fitting.temperature.thermal_fit import fit_thermal  # few need it
 
     return fit_thermal(

@@ -257,7 +257,7 @@ class Summary(Checked, Documented):
         mean = one.quantity.read(float(seal_means(one.seals).mean()))
         return (
             f"{how}. {sentence(one.quantity.words)[:-1]}: mean {mean} of {len(one.seals)} seals. "
-            f"{counted(one.signals.causes, 'cause').capitalize()} of control-chart alarms"
+            f"{_alarms(one).capitalize()}"
         )
 
     @property
@@ -497,15 +497,20 @@ def _limits_says(of: OfQuantity) -> str:
 # -- for people and programs -----------------------------------------------------------------------
 
 
+def _alarms(one: OfQuantity) -> str:
+    causes = one.signals.causes
+    alarms = f"{counted(causes, 'cause')} of control-chart alarms"
+    return alarms if causes else "no control-chart alarm"
+
+
 def _lines(one: OfQuantity) -> Iterator[str]:
     if len(one.seals) < 2:
         return
-    causes = one.signals.causes
     mean = ascii_only(one.quantity.read(float(seal_means(one.seals).mean())))
     yield (
         f"{one.quantity.words}: mean {mean} of {len(one.seals)} seals in "
         f"{counted(len(by_lot(one.seals)), 'lot')}; "
-        f"{counted(causes, 'cause')} of control-chart alarms"
+        f"{_alarms(one)}"
     )
     if one.gauge is not None:
         yield f"  gauge R&R   {ascii_only(one.gauge.says)}"

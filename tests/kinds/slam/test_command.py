@@ -41,7 +41,7 @@ def test_a_slam_is_predicted_and_kept(folder: Path, tmp_path: Path) -> None:
     ("more", "says"),
     [
         (("--slam", "0.3m/s"), "--mass 200g"),
-        (("--slam", "0.3m/s", "--mass", "200g", "--band", "1:50Hz"), "--band is of vibration"),
+        (("--slam", "0.3m/s", "--mass", "200g", "--band", "1:50Hz"), "--band is for a vibration"),
         (("--slam", "0.3m/s", "--mass", "200g", "-o", "slam.csv"), ".json or .html"),
     ],
 )

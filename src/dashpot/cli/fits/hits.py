@@ -33,8 +33,8 @@ def run(given: Given) -> Outcome:
     block = "MASS" if mass is None else grams(mass)
     return Outcome.of(
         found,
-        follow=typed("compare", "fit.json", *given.files, "--mass", block, "--seals", 2,
-                     *given.again("mass", "seals")),
+        follow=typed("compare", "FIT", *given.files, "--mass", block, "--seals", 2,
+                     *given.again("mass", "seals"), why="tests the fit of a relaxation test"),
     )  # fmt: skip
 
 

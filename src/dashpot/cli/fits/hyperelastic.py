@@ -15,7 +15,7 @@ def run(given: Given) -> Outcome:
     given.kept_as(".json", what="a hyperelastic law")
     memory = given["memory"]
     if len(memory) > 1:
-        raise click.UsageError("--memory of a material is one fit; give it once.")
+        raise click.UsageError("--memory takes one fit. Give it once.")
     found = workflow.hyperelastic_files(
         _by_mode(given),
         memory=workflow.read_fit(memory[0]) if memory else None,

@@ -195,7 +195,7 @@ def plateau_told(end: EndOfHold, unit: str) -> Finding:
     "<=",
     MAX_FALLING,
     "that of a hold",
-    otherwise=f"or {OF_ALL:g} of all that the data fell, if that is less",
+    otherwise=f"beyond {OF_ALL:g} of all that the data fell, if that is less",
 )
 def end_level(end: EndOfHold, fallen: float) -> Finding:
     """No solid that the curve does not reject still falls much at its end.
@@ -205,7 +205,7 @@ def end_level(end: EndOfHold, fallen: float) -> Finding:
     falling = end.falling / max(end.k_end[1], 1e-300)
     return Finding(
         f"At the end of the data the stiffness still falls by up to {100 * falling:.2g} % per "
-        f"factor e of time. At first it was {1 + fallen:.3g} times as stiff as there",
+        f"factor of 2.7 in time. At first it was {1 + fallen:.3g} times as stiff",
         falling,
         "A solid that goes on like that has another plateau, or none",
         end.remedy,

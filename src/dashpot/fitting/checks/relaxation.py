@@ -121,7 +121,7 @@ def hold_long_enough(end: EndOfHold | None) -> Finding:
     falling = end.falling / max(end.k_end[1], 1e-300)
     return Finding(
         f"When the hold ends, after {end.time:.4g} s, the stiffness still falls by up to "
-        f"{100 * falling:.2g} % per factor e of time",
+        f"{100 * falling:.2g} % per factor of 2.7 in time",
         falling,
         "So k_inf is extrapolated, with no lower limit. The test gives the stiffness at the end "
         "of the hold",

@@ -141,6 +141,20 @@ def checked_family(family: str, arms: int | str = "auto") -> None:
         )
 
 
+def refuse_beside_shifts(family: str) -> None:
+    """Refuse all but arms where a solid moves with temperature.
+
+    Raises
+    ------
+    FitError
+    """
+    if family != "maxwell":
+        raise FitError(
+            "a solid with arms alone is fitted at several temperatures. Leave out --model "
+            f"{family}, or fit one temperature by itself (Python: model='maxwell')"
+        )
+
+
 def element(data: FitData) -> ChosenElement:
     """Return the best fractional solid of some data, whose priors weigh as their noise does.
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from dashpot.base.choices import Method, words
 from dashpot.base.errors import DataError, FitError
+from dashpot.fitting.fractional.choice import refuse_beside_shifts
 from dashpot.fitting.identification.asked import HammerRig, KnownSolid
 from dashpot.fitting.identification.likelihood import (
     UNCHANGED,
@@ -65,11 +66,8 @@ def before_hammer(
     """
     if not records:
         return _without_tests(fit, temperature, family)
-    if family != "maxwell" and len(temperatures_of(records)) > 1:
-        raise FitError(
-            "tests at several temperatures share arms that move together: leave the family to be "
-            "maxwell, or give the tests of one temperature"
-        )
+    if len(temperatures_of(records)) > 1:
+        refuse_beside_shifts(family)
     # arms are matched to arms: of a fractional solid, those of the same tests
     before = _of_family("maxwell", fit) or fit_tests(list(records))
     if temperature is not None:

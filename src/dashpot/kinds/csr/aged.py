@@ -96,7 +96,9 @@ def predict_aging(
         If no temperature is given, or the ovens say nothing of it.
     """
     if temperature is None:
-        raise DataError("aging is of a temperature. Add that of the seal: --temperature 70degC")
+        raise DataError(
+            "aging depends on the temperature. Add that of the seal: --temperature 70degC"
+        )
     temperature = si(temperature, "temperature")
     tested_at("--temperature", temperature)
     law, coldest, hottest = found.law, found.ovens[0].temperature, found.ovens[-1].temperature

@@ -124,7 +124,7 @@ def _untold(
             J = chosen.law.columns(mode, x)
             own = known.covariance[: J.shape[1], : J.shape[1]]
             wide = times * np.sqrt(np.einsum("ij,jk,ik->i", J, own, J))
-            doubts.append((float(wide.max()) / size, mode, "its interval is"))
+            doubts.append((float(wide.max()) / size, mode, "the law is uncertain"))
     return max(doubts, default=(0.0 if measured >= set(SHEARING) else None, "", ""))
 
 
@@ -247,7 +247,7 @@ def law_followed(residual: float, worst: str, swelling: float = math.inf) -> Fin
             "Give the Poisson's ratio of the foam, 0 if it does not swell.", "poisson", "0"
         )
     return Finding(
-        f"The law misses the stress by at most {100 * residual:.2g} %, in {worst}",
+        f"The law misses the stress by up to {100 * residual:.2g} %, in {worst}",
         residual,
         because,
         remedy,

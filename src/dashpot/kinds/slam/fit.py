@@ -77,7 +77,7 @@ def fit_slams(
         If the mass is missing, no slam stands out, or no motion follows them.
     """
     if mass is None:
-        raise DataError("slams are of a mass. Add that of what moves: --mass 200g")
+        raise DataError("slams need the mass of what moves. Add it: --mass 200g")
     fits = (memory,) if isinstance(memory, Fit) else tuple(memory)
     if len(fits) > 1:
         raise DataError(f"--memory was given {len(fits)} times, and slams take one. Give it once")

@@ -124,7 +124,7 @@ def predict_slam(
         If the fit is of a material, a number is missing, or the mass is not thrown back.
     """
     if mass is None:
-        raise DataError("a slam is of a mass. Add that of what moves: --mass 200g")
+        raise DataError("a slam needs the mass of what moves. Add it: --mass 200g")
     said = slam if isinstance(slam, str | float | int) else _one(slam)
     approach, kg = Approach.of(said), si(mass, "mass")
     positive(mass=kg, seals=seals)

@@ -83,8 +83,8 @@ def stiffness_agrees(c: Comparison) -> Finding:
         )
     return Finding(
         f"The predicted peak is at {c.predicted_hz:.3f} Hz, the measured one at "
-        f"{c.measured_hz:.3f} Hz ({100 * error:+z.2f} %). The storage stiffness there is "
-        f"{100 * ((1 + error) ** 2 - 1):+z.1f} % off",
+        f"{c.measured_hz:.3f} Hz ({100 * error:+z.2f} %). The storage stiffness there differs by "
+        f"{100 * ((1 + error) ** 2 - 1):+z.1f} %",
         abs(error),
         remedy=_ASTRAY,
         grade=_grade(abs(error) / FREQUENCY_LIMIT),

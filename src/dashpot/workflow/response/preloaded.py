@@ -212,8 +212,9 @@ def preloaded_levels(
     """
     if fit.elastic_law is None or fit.elastic_law.kind == "linear":
         raise DataError(
-            "a level changes what bends, and the elastic law of this fit does not: add a sweep "
-            "(--sweep), fit tests at several depths (dashpot fit FILE FILE), or leave out --level"
+            "the elastic law of this fit is straight, so the response is the same at every level. "
+            "Leave out --level, add a sweep of amplitudes (--sweep), or fit tests at several "
+            "depths (dashpot fit FILE FILE)"
         )
 
     def pressed(law: ElasticLaw, solid: Solid) -> PreloadedMass:
