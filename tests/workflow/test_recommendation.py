@@ -61,6 +61,25 @@ def test_the_frequency_is_that_of_the_peak_and_the_damping_that_of_the_pole():
     assert under["damping"].measured == S.comparison.measured_damping
 
 
+def highest(solid, mass, near):
+    """The largest accelerance of a mass on a solid within 10 % of a frequency, by its equation."""
+    omega = 2 * np.pi * near * np.linspace(0.9, 1.1, 2001)
+    stiff = solid.storage(omega=omega) + 1j * solid.loss(omega=omega)
+    return float((omega**2 / np.abs(stiff - mass * omega**2)).max())
+
+
+def test_the_height_of_the_peak_is_that_of_the_solid_and_goes_against_the_damping():
+    mass = next((n.value for n in S.joint.nuisance if n.name == "mass"), S.mass)
+    for study, rel in ((S, 1e-2), (replace(S, joint_comparison=None), 1e-4)):
+        under = by_name(recommendation(study).under_mass)
+        zeta, height = under["damping"], under["peak"]
+        there = highest(S.seals * S.joint.model, mass, under["frequency"].value)
+        assert height.value == pytest.approx(there, rel=rel)  # of a hammer's on its lines
+        assert height.low * zeta.high == pytest.approx(height.value * zeta.value)
+        assert height.high * zeta.low == pytest.approx(height.value * zeta.value)
+    assert by_name(recommendation(S).under_mass)["peak"].measured == S.comparison.measured_peak
+
+
 @pytest.mark.parametrize("study", [S, ALONE], ids=["joint", "relaxation"])
 def test_every_value_lies_between_its_ends(study):
     found = recommendation(study)
@@ -76,6 +95,7 @@ def test_what_relaxation_alone_leaves_open_holds_the_truth_of_what_it_did_not_se
     omega = 2 * np.pi * under["frequency"].value
     for one, value in (
         (under["damping"], truth.damping_ratio),
+        (under["peak"], highest(2 * BROAD, BROAD_MASS, truth.frequency)),
         (seal["dynamic stiffness"], BROAD.storage(omega=omega)),
         (seal["loss factor"], BROAD.loss_factor(omega=omega)),
     ):

@@ -190,6 +190,7 @@ def _name(one: Answer) -> str:
     return {
         "frequency": "Peak frequency",
         "damping": "Damping ratio",
+        "peak": "Peak height",
         "end of hold": f"Stiffness at end of hold, {_held(one.at or 0.0)}",
         "dynamic stiffness": f"Dynamic stiffness, {where}",
         "loss factor": f"Loss factor, {where}",

@@ -138,8 +138,15 @@ def _numbers(a: Side, b: Side) -> Iterator[Pairing]:
         weight = views.weight(a.job) if one.quantity in under else "One seal"
         yield Pairing(
             f"{name}, {unit}" if unit else name, one.fact.ends[0], other.fact.ends[0],
-            _apart(one.value, other.value), _inside(one, other), weight,
+            _moved(one, other), _inside(one, other), weight,
         )  # fmt: skip
+
+
+def _moved(one: Answer, other: Answer) -> str:
+    """How much the other number is more; of a peak in dB."""
+    if one.quantity == "peak" and one.value > 0 and other.value > 0:
+        return decibels(20 * math.log10(other.value / one.value))
+    return _apart(one.value, other.value)
 
 
 def _apart(one: float, other: float) -> str:
@@ -210,15 +217,14 @@ def _pair(name: str, a: Fact | None, b: Fact | None, group: str) -> Pairing:
 def _says(a: Side, b: Side, rows: list[Pairing]) -> str:
     """How far B is from A, in one sentence with its numbers."""
     there = {one.quantity: one for one in b.answers}
-    words = {"frequency": "frequency", "damping": "damping", "end of hold": "stiffness"}
+    words = {
+        "frequency": "frequency", "damping": "damping", "end of hold": "stiffness", "peak": "peak",
+    }  # fmt: skip
     parts = [
-        f"{words[one.quantity]} {_apart(one.value, there[one.quantity].value)}"
+        f"{words[one.quantity]} {_moved(one, there[one.quantity])}"
         for one in a.answers
         if one.quantity in words and one.quantity in there
     ]
-    peaks = [_peak(one) for one in (a, b)]
-    if all(peaks):
-        parts.append(f"peak {decibels(20 * math.log10(peaks[1] / peaks[0]))}")  # type: ignore[operator]
     judged = [row.held for row in rows if "A's" in row.held or row.held == "inside both"]
     inside = sum("inside" in one for one in judged)
     count = f" {inside} of {len(judged)} numbers lie inside what A left open." if judged else ""
@@ -238,11 +244,6 @@ def _response(side: Side) -> Curve | None:
         return None
     (curve,) = resonance_curves(None, frf)
     return Curve(curve.frf, side.name, pen, curve.peak)
-
-
-def _peak(side: Side) -> float | None:
-    curve = _response(side)
-    return None if curve is None or curve.peak is None else curve.peak[1]
 
 
 # -- figures --------------------------------------------------------------------------------------

@@ -614,7 +614,7 @@ def short_name(one: Answer) -> str:
     """A number's name that does not wrap beside its cells."""
     at = "" if one.at is None else rounded(one.at)
     return {
-        "frequency": "Frequency", "damping": "Damping",
+        "frequency": "Frequency", "damping": "Damping", "peak": "Peak",
         "end of hold": f"k after {at.removesuffix('.0')} s", "dynamic stiffness": f"K′ at {at} Hz",
         "loss factor": "Loss factor",
     }[one.quantity]  # fmt: skip

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -18,11 +18,14 @@ from dashpot.vibration.systems.operating_point import OperatingPoint, operating_
 from dashpot.vibration.systems.prediction import model_modes, predict_frf
 from dashpot.workflow.study import Study
 
-Quantity = Literal["frequency", "damping", "end of hold", "dynamic stiffness", "loss factor"]
+Quantity = Literal[
+    "frequency", "damping", "peak", "end of hold", "dynamic stiffness", "loss factor"
+]
 
 _UNITS: dict[Quantity, tuple[str, str]] = {
-    "frequency": ("Hz", ""), "damping": ("1", "%"), "end of hold": ("N/m", ""),
-    "dynamic stiffness": ("N/m", ""), "loss factor": ("", ""),
+    "frequency": ("Hz", ""), "damping": ("1", "%"), "peak": ("1/kg", ""),
+    "end of hold": ("N/m", ""), "dynamic stiffness": ("N/m", ""),
+    "loss factor": ("", ""),
 }  # fmt: skip
 """Of SI, and the one in which people read it where that is not the usual one."""
 
@@ -108,13 +111,13 @@ def recommendation(study: Study, *, asked: bool = False) -> Recommendation:
     solid = study.fit if fitted is None else fitted
     joint = fitted is not None
     point, resonance = _resonance(study, solid)
-    at = solid.band[1] if resonance is None else resonance[0]
+    at = solid.band[1] if resonance is None else resonance.frequency
     bounds, bound = _bounds(study, solid, at, joint=joint)
     stiffness = _between(solid, bounds, "storage", at, bound=bound)
     loss = _between(solid, bounds, "loss_factor", at, bound=bound)
     under: tuple[Answer, ...] = ()
     if resonance is not None:
-        under = _under_mass(study, *resonance, stiffness, loss, joint=joint)
+        under = _under_mass(study, resonance, stiffness, loss, joint=joint)
     if point is not None:
         ends = [point.factor * v for v in (stiffness.value, stiffness.low, stiffness.high)]
         stiffness = replace(stiffness, value=ends[0], low=ends[1], high=ends[2])
@@ -122,10 +125,16 @@ def recommendation(study: Study, *, asked: bool = False) -> Recommendation:
     return Recommendation(usable, joint, solid, point, under, seal)
 
 
-def _resonance(
-    study: Study, solid: Fit
-) -> tuple[OperatingPoint | None, tuple[float, float] | None]:
-    """Where the mass rests; and the frequency of its peak, Hz, with the damping ratio, if any."""
+class _Resonance(NamedTuple):
+    """The frequency of a peak, Hz, the damping ratio of its mode, and its height, 1/kg."""
+
+    frequency: float
+    damping: float
+    height: float
+
+
+def _resonance(study: Study, solid: Fit) -> tuple[OperatingPoint | None, _Resonance | None]:
+    """Where the mass rests; and its resonance, if any."""
     mass = _mass(study, solid)
     if mass is None:
         return None, None
@@ -136,7 +145,8 @@ def _resonance(
     mode = next(iter(model_modes(seals, mass)), None)
     if mode is None:
         return point, None
-    return point, (_peak(seals, mass, mode.frequency), mode.damping_ratio)
+    frequency, height = _peak(seals, mass, mode.frequency)
+    return point, _Resonance(frequency, mode.damping_ratio, height)
 
 
 def _mass(study: Study, solid: Fit) -> float | None:
@@ -144,11 +154,17 @@ def _mass(study: Study, solid: Fit) -> float | None:
     return None if study.mass is None else solid.mass_found or study.mass
 
 
-def _peak(solid: Solid, mass: float, near: float) -> float:
-    """Where the accelerance peaks, Hz: what a hammer shows; the pole's own if it does not peak."""
+def _peak(solid: Solid, mass: float, near: float) -> tuple[float, float]:
+    """Where the accelerance peaks, Hz, and how high, 1/kg: what a hammer shows.
+
+    Where it does not peak it is the pole's own frequency, and no height.
+    """
     about = predict_frf(solid, mass=mass, frequency=near * np.geomspace(0.9, 1.6, 401))
     top = int(np.argmax(np.abs(about.value)))
-    return find_peak(about).frequency if 0 < top < len(about.frequency) - 1 else near
+    if not 0 < top < len(about.frequency) - 1:
+        return near, float("nan")
+    peak = find_peak(about)
+    return peak.frequency, peak.height
 
 
 def _bounds(
@@ -177,18 +193,17 @@ def _between(
 
 
 def _under_mass(
-    study: Study, frequency: float, damping: float, stiffness: Answer, loss: Answer, *, joint: bool
+    study: Study, peak: _Resonance, stiffness: Answer, loss: Answer, *, joint: bool
 ) -> tuple[Answer, ...]:
-    """Peak frequency and damping ratio, with the ends that stiffness and loss factor give.
+    """Peak frequency, damping ratio and height, with the ends that stiffness and loss factor give.
 
     A frequency goes with the root of the stiffness, the damping ratio with the loss factor.
     """
-    c = study.comparison
+    c, frequency, limits = study.comparison, peak.frequency, None if joint else study.frf_band
     ends = [frequency * np.sqrt(end / stiffness.value) for end in (stiffness.low, stiffness.high)]
-    sought = None if study.frf_band is None else study.frf_band.peak_frequency
-    if not joint and sought is not None:
-        ends = [min(sought[0], frequency), max(sought[1], frequency)]
-    damping = max(damping, 0.0) + 0.0  # of a spring, to rounding
+    if limits is not None and limits.peak_frequency is not None:
+        ends = _holding(limits.peak_frequency, frequency)
+    damping = max(peak.damping, 0.0) + 0.0  # of a spring, to rounding
     share = damping / loss.value if loss.value > 0 else 0.5
     bound = stiffness.bound
     return (
@@ -202,7 +217,33 @@ def _under_mass(
             measured=None if c is None else c.measured_damping,
             measured_se=None if c is None else c.measured_damping_se,
         ),
+        *_height(study, peak.height, loss, joint=joint),
     )  # fmt: skip
+
+
+def _height(study: Study, height: float, loss: Answer, *, joint: bool) -> tuple[Answer, ...]:
+    """How high the peak is, on the lines of the hammer if there is one; none that does not peak.
+
+    Where its ends were not sought it goes with the reciprocal of the loss factor.
+    """
+    held = study.joint_comparison if joint else study.comparison
+    if held is not None:
+        height = held.predicted_peak
+    if not np.isfinite(height):
+        return ()
+    limits = None if joint else study.frf_band
+    if limits is not None and limits.peak_height is not None:
+        low, high = _holding(limits.peak_height, height)
+    else:
+        low, high = (height * loss.value / end if end > 0 else np.inf
+                     for end in (loss.high, loss.low))  # fmt: skip
+    measured = None if held is None else held.measured_peak
+    return (Answer("peak", height, low, high, bound=loss.bound, measured=measured),)
+
+
+def _holding(ends: tuple[float, float], value: float) -> list[float]:
+    """Ends that hold the value itself."""
+    return [min(ends[0], value), max(ends[1], value)]
 
 
 def _end_of_hold(study: Study, solid: Fit) -> tuple[Answer, ...]:
