@@ -190,6 +190,10 @@ def test_a_handle_is_dragged_and_the_fit_follows(visit, files):
     for step in range(1, 9):
         page.at.mouse.move(box["x"] + box["width"] / 2 - 8 * step, box["y"] + 40)
     page.at.locator("#beside table").wait_for()
+    verdict = page.at.get_by_role("region", name="Verdict")
+    verdict.get_by_text("While you drag", exact=True).wait_for()
+    said = r"Hold end [\d.]+ s, was 42\.500 s\. k after [\d.]+ s .*, was k after 40 s [\d.]+ N/mm\."
+    verdict.get_by_text(re.compile(said)).wait_for()
     page.at.mouse.up()
     page.done()
     assert re.search(r"--cuts hold-end=[\d.]+s", page.at.locator("#command").inner_text())
@@ -332,6 +336,12 @@ def test_a_long_computation_is_cancelled(visit, files, server):
     page.at.locator("#mass").fill("117.3")
     page.at.locator("#mass").press("Enter")
     cancelled()
+    verdict = page.at.get_by_role("region", name="Verdict")
+    skipped = r"The fit stands: k after 40 s [\d.]+ N/mm\. The hammer was not held against it\."
+    verdict.get_by_text(re.compile(skipped)).wait_for()
+    assert verdict.locator(".lights").inner_text().split("\n") == [
+        "Test", "valid", "Stiffness", "not looked at", "Damping", "not looked at",
+    ]  # fmt: skip
     page.at.route("**/api/take", stand_still, times=1)
     page.at.get_by_role("button", name="Report").click()
     status.filter(has_text="making report").wait_for()
@@ -340,6 +350,36 @@ def test_a_long_computation_is_cancelled(visit, files, server):
     page.remove("hammer.csv")
     page.at.keyboard.press("2")
     page.done()
+
+
+CROWDED = """() => {
+  const [list] = document.getElementsByClassName("checks");
+  const row = (kind) => `<li class="${kind}"><i></i><span><b>${"found ".repeat(16)}</b>` +
+    `<span class="helps">${"help ".repeat(12)}</span></span></li>`;
+  list.innerHTML = row("bad").repeat(14) + row("note").repeat(2);
+  document.querySelector("[data-act=choices]").click();
+  document.querySelector("[data-act=choices]").click();
+}"""
+"""More checks that failed than the column has room for, and what makes it look again."""
+
+
+def test_a_crowded_column_counts_what_it_cannot_show_and_nothing_scrolls(visit, files):
+    page = visit(files / "seal_8mm.csv")
+    page.done()
+    column = page.at.locator("#right")
+    over = "one => one.scrollHeight - one.clientHeight"
+    page.at.evaluate(CROWDED)
+    more, rows = page.at.locator("#more-checks"), page.at.locator("#checks li:visible")
+    assert re.fullmatch(r"\d+ more, what helps", more.inner_text())
+    assert int(more.inner_text().split()[0]) + rows.count() == 14
+    assert column.evaluate(over) <= 0
+    more.click()
+    assert rows.count() == 16
+    assert page.at.locator("#checks .helps:visible").count() == 16
+    assert not page.at.locator("#solid").is_visible()
+    more.click()
+    assert rows.count() < 14
+    assert page.at.locator("#solid").is_visible()
 
 
 def test_what_is_downloaded_is_what_the_command_prints(visit, files):

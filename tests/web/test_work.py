@@ -13,6 +13,7 @@ from kit.shell import ran
 
 import dashpot as dp
 from dashpot import workflow
+from dashpot.base.checks import Check, Remedy
 from dashpot.base.choices import RampLawAsked, words
 from dashpot.export import SUFFIXES
 from dashpot.fitting.relaxation import fit as fit_tests
@@ -167,6 +168,14 @@ def test_a_handle_moves_the_curves_within_a_page_of_bytes(store, asked):
     assert "eq. (5)" in found["beside"]
     later = ask("live", store, job=asked | {"cuts": {"hold_end": 20.0}})
     assert later["cuts"]["hold_end"] == 20.0
+    # what it is called and how large it is: the solid's own, after the hold of the cut
+    name, size = later["end"]
+    after = 20.0 - later["cuts"]["ramp_end"]
+    assert name == f"k after {after:.1f} s"
+    cut = job_of(asked | {"cuts": {"hold_end": 20.0}}, store.folder)
+    own = results.held(results.of_fit(cut)).solid.relaxation(after)
+    assert float(size.removesuffix(" N/mm")) == pytest.approx(own / 1e3, rel=1e-3)
+    assert re.fullmatch(r"rms [\d.]+( mN)?, noise [\d.]+ mN", later["left"])
     assert found["cuts"]["hold_end"] > 40.0
     # on the axis that is there, which counts from where the ramp ended when it was drawn
     moved = asked | {"cuts": {"ramp_end": 2.6}}
@@ -313,6 +322,14 @@ def test_a_mass_is_offered_where_it_explains_both_tests(name, explains, told):
 
 
 @pytest.mark.slow
+def test_what_would_tell_more_is_said_once(store, asked):
+    study = results.study(job_of(asked, store.folder))
+    more = views.tells_more(study, ())
+    assert study.fit.end_of_hold.remedy.split(":")[0] in more
+    said = Check("told", False, "Not known.", remedy=Remedy(study.fit.end_of_hold.remedy))
+    assert views.tells_more(study, (said,)) == ""
+
+
 def test_a_wrong_mass_has_its_cure_beside_the_verdict(store, asked):
     """Twice the mass: the page offers that of the FRF; of the right one it offers none."""
     wrong, right = (

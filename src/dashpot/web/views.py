@@ -172,10 +172,7 @@ def test_panels(
         other = relaxation.DrawnFit(by_eq5, EQ5, *relaxation.fitted_force(by_eq5, prepared))
     ramp, hold, rest = relaxation.upon_panels(chosen, prepared, other=other, whole=whole)
     force, left = (one.y.label.rpartition(", ")[2] for one in (hold, rest))
-    noise, of = unit_of(np.array([prepared.force_noise]), "N")
-    scatter = rounded(of * prepared.force_noise, digits=2)
-    said = f"{rest.note.removesuffix(noise).rstrip()}, noise {scatter}"
-    said += f" {noise}" if noise != left else ""
+    said = _beside_noise(rest.note, prepared, left)
     arms = _named(plot.spectrum(fit).panels[0], fit)
     return {
         "ramp": drawn("ramp", _in_short(ramp), sizes, title=f"Ramp, {force}"),
@@ -189,6 +186,14 @@ def test_panels(
             f"{arms.y.label.rpartition(', ')[2]}",
         ),
     }  # fmt: skip
+
+
+def _beside_noise(left: str, prepared: RampHold, unit: str) -> str:
+    """What is left of a force beside its noise, in the `unit` of the axis where it is that one."""
+    noise, of = unit_of(np.array([prepared.force_noise]), "N")
+    scatter = rounded(of * prepared.force_noise, digits=2)
+    said = f"{left.removesuffix(noise).rstrip()}, noise {scatter}"
+    return said if noise == unit else f"{said} {noise}"
 
 
 def record_panels(prepared: RampHold, sizes: Sizes) -> dict[str, str]:
@@ -356,10 +361,14 @@ def hammer_line(study: Study) -> str:
 
 
 class LiveCurves(NamedTuple):
-    """Curves by panel and name, in the units of their axes, and words beside them."""
+    """Curves by panel and name, in the units of their axes, and words beside them.
+
+    Of a test that is followed, `left` says what is left of the force.
+    """
 
     arrays: dict[str, FloatArray]
     words: str
+    left: str = ""
 
 
 def live_test(
@@ -387,7 +396,15 @@ def live_test(
     for name, (x, y) in curves.items():
         keep = np.unique(np.linspace(0, len(x) - 1, LIVE_POINTS).astype(int))
         arrays[f"{name}/x"], arrays[f"{name}/y"] = x[keep], y[keep]
-    return LiveCurves(arrays, piece("beside", rows=beside(fit, by_eq5)))
+    rest = _beside_noise(relaxation.residual_panel(one, prepared).note, prepared, unit)
+    return LiveCurves(arrays, piece("beside", rows=beside(fit, by_eq5)), rest)
+
+
+def at_end(fit: Fit, prepared: RampHold) -> tuple[str, str]:
+    """What the stiffness of one seal at the end of the hold is called, and how large it is."""
+    word, after = read_in(fit.unit), duration(prepared.hold_time).replace(".0 ", " ")
+    k = in_unit(float(fit.solid.relaxation(prepared.hold_time)), word)
+    return f"k after {after}", f"{rounded(k, digits=4)} {word}"
 
 
 def beside(fit: Fit, by_eq5: Fit | None) -> list[tuple[str, str, str, str]]:
@@ -443,7 +460,7 @@ def lights_alone(fit: Fit) -> tuple[Light, ...]:
     """What is known before the hammer is compared, or the limits are sought."""
     return (
         answer.test_light(fit.checks),
-        *(Light(name, "open", "not yet known") for name in ("Stiffness", "Damping")),
+        *(Light(name, "open", "not looked at") for name in ("Stiffness", "Damping")),
     )
 
 
@@ -593,6 +610,15 @@ def answers(study: Study, found: Recommendation) -> str:
     return piece(
         "answers", groups=every, measured=measured, ranged=True, told="Numbers", note=""
     )  # fmt: skip
+
+
+def tells_more(study: Study, checks: Sequence[Check]) -> str:
+    """What would tell more of the end of the hold; nothing where a failed check has said so."""
+    end = study.fit.end_of_hold
+    said = {one.remedy.words for one in checks if one.failed and one.remedy}
+    if end is None or end.remedy in said:
+        return ""
+    return piece("more", remedy=end.remedy, told=end.told(study.fit.unit))
 
 
 def groups(found: Sequence[Group], told: str, note: str) -> str:

@@ -116,7 +116,13 @@ def live(request: Mapping[str, Any], folder: Path) -> bytes:
     shown = views.live_test(
         found, prepared, by_eq5, unit=word(request, "unit") or "N", since=since
     )  # fmt: skip
-    return wire.packed({"beside": shown.words, "cuts": _cuts(prepared)}, shown.arrays)
+    head = {
+        "beside": shown.words,
+        "cuts": _cuts(prepared),
+        "end": views.at_end(found, prepared),
+        "left": shown.left,
+    }
+    return wire.packed(head, shown.arrays)
 
 
 def look(request: Mapping[str, Any], folder: Path) -> bytes:
@@ -161,6 +167,7 @@ def settle(request: Mapping[str, Any], folder: Path) -> bytes:
             "step": float(np.median(np.diff(test.time))),
             "arms": found.model.arms if found.family == "maxwell" else "",
             "law": _law(found),
+            "end": views.at_end(found, prepared),
             "simulated": test.source is not None and test.source.simulated,
             "command": line("report", job),
         }
@@ -234,6 +241,7 @@ def study(request: Mapping[str, Any], folder: Path) -> bytes:
         "solid": views.arms_table(solid, alone=found.fit if found.joint else None),
         "arms": solid.model.arms if solid.family == "maxwell" else "",
         "checks": views.check_list(sorted(judged, key=lambda check: not check.failed)),
+        "more": views.tells_more(found, judged),
         "frf": views.study_panel(found, sizes, title, phase=phase),
         "hits": views.hit_table(found),
         "hit_panels": views.hit_panels(found, sizes),

@@ -16,7 +16,7 @@ import {
   undo,
 } from "./job.js";
 import * as lot from "./lot.js";
-import { bench, cancel, live, predict, settle, study } from "./questions.js";
+import { bench, cancel, fit, live, moreChecks, predict, settle, study } from "./questions.js";
 import { choices, describe, fields, fileList, views } from "./shown.js";
 import { refuse, shut, types } from "./verdict.js";
 import { call } from "./wire.js";
@@ -60,6 +60,8 @@ function which(/** @type {string} */ name) {
   if (!against) state.joint = joint;
   if (against || was) return settle();
   choices();
+  // what stands there is the other's
+  $("grid").classList.add("old");
   $("solid").replaceChildren();
   remember();
   study();
@@ -131,6 +133,7 @@ function deck(/** @type {string} */ target) {
 function unfold(yes = !$("choices").classList.contains("choosing")) {
   $("choices").classList.toggle("choosing", yes);
   document.querySelector('[data-act="choices"]')?.setAttribute("aria-expanded", String(yes));
+  fit();
 }
 
 const keys = /** @type {HTMLDialogElement} */ ($("keys"));
@@ -149,6 +152,7 @@ const acts = {
   },
   report: () => files.away({ what: "report" }),
   choices: () => unfold(),
+  "more-checks": moreChecks,
   specimen: () => {
     document.querySelector(".specimen")?.classList.toggle("edit");
     $("specimen-name").focus();
@@ -306,7 +310,7 @@ function cut(
   else state.job.cuts[name] = value;
   if (!moved) choices();
   $("beside").hidden = false;
-  live();
+  if (value !== null) live(name);
   if (!held) settle();
 }
 

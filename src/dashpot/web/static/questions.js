@@ -23,10 +23,13 @@ import {
 } from "./job.js";
 import { curves, panel, placeHandles, since as counted, strips, unitOf } from "./panels.js";
 import { choices, fields, fileList, solid, views } from "./shown.js";
-import { asks, heals, knows, refuse, stops } from "./verdict.js";
+import { asks, heals, knows, moves, refuse, stands, stops } from "./verdict.js";
 import { ask, call, cancelled, forget } from "./wire.js";
 
 const PATIENCE = 400;
+const LATER = "It is judged once you let go.";
+/** @type {Record<string, string>} */
+const ENDS = { onset: "Contact", ramp_end: "Ramp end", hold_end: "Hold end" };
 const seconds = (/** @type {number} */ since, digits = 1) =>
   `${((performance.now() - since) / 1000).toFixed(digits)} s`;
 
@@ -40,18 +43,25 @@ function question() {
 
 /** Say why what is asked now has no answer. */
 function ends(/** @type {string} */ said) {
-  if (said === cancelled) stops("Cancelled: what was asked last is not judged.");
-  else refuse(said);
+  $("right").classList.remove("moving");
+  if (said !== cancelled) return refuse(said);
+  if (state.joint) return stops("Cancelled. Both tests were not fitted together.");
+  const skipped = hammers().length
+    ? "The hammer was not held against it."
+    : "Its limits were not sought.";
+  const known = stands() && !bench() ? `The fit stands: ${found.end.join(" ")}. ${skipped}` : "";
+  stops(`Cancelled. ${known || "What was asked last is not fitted."}`);
 }
 
 /** What the fit that was settled last chose by itself. */
-let found = { arms: 0, law: "", cuts: {} };
+let found = { arms: 0, law: "", cuts: {}, end: ["", ""] };
 
 /** While a handle is held: bare curves, and both fits' numbers. */
-export function live() {
+export function live(/** @type {string} */ end) {
   if (!test()) return;
   const now = question();
-  asks(now, "It is judged once you let go.");
+  asks(now, LATER, "While you drag");
+  $("right").classList.add("moving");
   // what is chosen by trial is as it was found, until the handle is let go
   const { arms, law, cuts } = found, own = job();
   const asked = {
@@ -64,10 +74,20 @@ export function live() {
   for (const name of ["frf", "spectrum"]) panelCard(name)?.classList.add("past");
   const request = { job: asked, unit: unitOf("hold"), since: counted };
   ask("live", "live", request, ({ head, arrays }) => {
+    // a fit that was settled meanwhile is of what was asked later
+    if (!$("right").classList.contains("moving")) return;
     curves(arrays);
     $("beside").innerHTML = head.beside;
     heals(now);
     placeHandles(head.cuts);
+    const [at, was] = [head.cuts, found.cuts].map((cuts) => `${cuts[end].toFixed(3)} s`);
+    const [name, k] = head.end, [before, k0] = found.end;
+    const far = `${ENDS[end]} ${at}, was ${was}. ${name} ${k}, was ${
+      name === before ? "" : `${before} `
+    }${k0}.`;
+    moves(`${far} ${LATER}`, head.left);
+    const left = document.querySelector('[data-panel="hold"] .key li');
+    if (left) left.textContent = head.left;
     performance.mark("dashpot-live");
   }, ends);
 }
@@ -139,9 +159,10 @@ function look(/** @type {string} */ of, /** @type {any} */ asked) {
 /** Without a test nothing is known of a seal. */
 function nothing() {
   drawnOf = pictured = "";
+  $("right").classList.remove("moving");
   solid("", false, "");
   solid("", true, "");
-  for (const name of ["checks", "beside", "answers", "command", "bench-page"]) {
+  for (const name of ["checks", "beside", "answers", "command", "bench-page", "tells-more"]) {
     $(name).replaceChildren();
   }
   $("simulated").hidden = true;
@@ -168,9 +189,11 @@ function settled(/** @type {any} */ head) {
   $("pressed").textContent = head.pressed.says;
   field("compression").placeholder = head.pressed.value || "weight";
   field("specimen-temperature").placeholder = head.temperature || "not given";
-  found = { arms: head.arms, law: head.law, cuts: head.cuts };
+  found = { arms: head.arms, law: head.law, cuts: head.cuts, end: head.end };
   const [first, last] = head.clock;
   placeHandles(head.cuts, { first, last, step: head.step }, !old);
+  $("right").classList.remove("moving");
+  fit();
 }
 
 /** What every answer tells of the solid. */
@@ -178,14 +201,42 @@ function told(/** @type {any} */ head) {
   $("checks").innerHTML = head.checks;
   $("command").textContent = head.command;
   $("simulated").hidden = !head.simulated;
-  fit();
+  $("tells-more").innerHTML = head.more || "";
 }
 
-/** Where a column is too short for all of it, notes are counted alone; what failed stays. */
-function fit() {
-  const right = $("right");
-  right.classList.remove("tight");
-  right.classList.toggle("tight", right.scrollHeight > right.clientHeight + 1);
+/**
+ * Where a column is too short for all of it the choices fold, then notes are counted alone, then
+ * what helps is, then the last of what failed: one press shows them in place of the numbers.
+ */
+export function fit() {
+  const right = $("right"), more = document.getElementById("more-checks");
+  const rows = all("#checks li"), failed = rows.filter((row) => row.className !== "note");
+  const full = () => right.scrollHeight > right.clientHeight + 1;
+  right.classList.remove("short", "tight", "tighter", "checking");
+  for (const row of rows) row.hidden = false;
+  if (more) more.hidden = true;
+  if (full()) right.classList.add("short");
+  if (!more || !rows.length || !full()) return;
+  right.classList.add("tight");
+  if (full()) right.classList.add("tighter");
+  let counted = 0;
+  while (full() && counted + 1 < failed.length) failed[failed.length - ++counted].hidden = true;
+  const unsaid = [
+    counted && `${counted} more`,
+    right.classList.contains("tighter") ? "what helps" : rows.length > failed.length && "notes",
+  ];
+  more.textContent = unsaid.filter(Boolean).join(", ");
+  more.hidden = !more.textContent;
+  more.setAttribute("aria-expanded", "false");
+}
+
+/** All checks in full, in place of the numbers, and back. */
+export function moreChecks() {
+  if ($("right").classList.contains("checking")) return fit();
+  $("right").classList.add("checking");
+  for (const row of all("#checks li")) row.hidden = false;
+  $("more-checks").textContent = "numbers";
+  $("more-checks").setAttribute("aria-expanded", "true");
 }
 
 /** A question that takes seconds, can be cancelled, and says meanwhile what is done. */
@@ -315,6 +366,7 @@ function fitBench(/** @type {{verb: string, request: any}} */ { verb, request })
     $("answers").innerHTML = head.answers || "";
     $("beside").hidden = true;
     told(head);
+    fit();
     strips($("bench-page"), head.figures, verb, head.facts);
     return true;
   }, nothing);
@@ -335,20 +387,22 @@ function studied(/** @type {any} */ head) {
   $("answers").innerHTML = head.answers;
   solid(head.solid, state.joint, head.arms);
   told(head);
+  fit();
   placeHandles(head.cuts, null, true);
 }
 
 /** The response of the mass while it moves. */
 export function predict() {
   if (!test() || !state.job.mass) return;
-  asks(question(), "It is judged once you let go.");
+  const now = question();
+  asks(now, LATER, "While the mass moves");
   ask(
     "mass",
     "predict",
     { job: job(), base: state.base, phase: state.phase },
     ({ head, arrays }) => {
       curves(arrays);
-      status(`${head.peak}; limits: working`);
+      moves(`Peak at ${head.peak}. ${LATER}`);
       $("command").textContent = head.command;
       performance.mark("dashpot-mass");
     },

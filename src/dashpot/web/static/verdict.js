@@ -4,10 +4,14 @@ import { door, isBench, questionOf, shown, state, test } from "./job.js";
 
 /** @typedef {{verdict: string, colour: string}} Judged As the server draws it */
 /** @typedef {{words: string, act?: string, remove?: string}} Cure The one control that mends it */
-/** @typedef {{word: string, says: string, colour: "open" | "bad", cure?: Cure, alert?: boolean}} Said */
+/** @typedef {{name: string, mark: string, says: string}} Light */
+/** @typedef {{word: string, says: string, colour: "open" | "bad", cure?: Cure, alert?: boolean, lights?: Light[]}} Said */
 
+const OPEN = "Not judged yet";
 /** What is asked now; why there is no verdict of it, and whether anything is at work on one. */
 let asked = "", why = "", working = false;
+/** What an answer that waits is called meanwhile, and what is left of the force while it moves. */
+let called = OPEN, left = "";
 const GONE = /server is gone/;
 const JUDGE = { words: "Judge it", act: "again" };
 /** What heals where nothing is at work. @type {Cure} */
@@ -28,8 +32,22 @@ let typing = false;
 const refused = {};
 
 /** Ask something: until its answer is there nothing is judged. */
-export function asks(/** @type {string} */ question, /** @type {string} */ because) {
-  [asked, why, working] = [question, because, true];
+export function asks(
+  /** @type {string} */ question,
+  /** @type {string} */ because,
+  word = OPEN,
+) {
+  // what moves says so until it is heard how far
+  if (word === OPEN || word !== called) why = because;
+  [asked, working, called] = [question, true, word];
+  if (word === OPEN) left = "";
+  render();
+}
+
+/** Say how far what is asked has moved, and what is left of the force: unless it was let go. */
+export function moves(/** @type {string} */ says, rest = "") {
+  if (called === OPEN) return;
+  [why, left] = [says, rest];
   render();
 }
 
@@ -40,7 +58,9 @@ export function knows(
   /** @type {boolean} */ whole,
 ) {
   const at = new Date().toLocaleTimeString([], { hour: "2-digit", minute: "2-digit" });
-  Object.assign(known, { of: question, head, whole, at, word: wordOf(head) });
+  Object.assign(known, { of: question, head, whole, at });
+  // what is known before the rest is no answer that one could go back to
+  if (whole) known.word = wordOf(head);
   if (whole) colours.set(question, head.colour);
   if (whole && question === asked) working = false;
   heals(question);
@@ -54,9 +74,12 @@ export function heals(/** @type {string} */ question) {
 
 /** Say that there will be no answer, and why. */
 export function stops(/** @type {string} */ because, /** @type {Cure} */ cure = JUDGE) {
-  [why, working, next] = [because, false, cure];
+  [why, working, next, called] = [because, false, cure, OPEN];
   render();
 }
+
+/** Whether a part of what is asked is known: its fit, before the rest. */
+export const stands = () => known.of === asked && !known.whole;
 
 let away = false;
 
@@ -111,6 +134,7 @@ const leftOut = () =>
   state.files.filter((one) => one.page === "part" ? !door() : one.asked || one.mark !== "good");
 
 function last() {
+  if (called !== OPEN) return "";
   return known.word ? ` The last answer was: ${known.word.toLowerCase()}.` : "";
 }
 
@@ -124,11 +148,12 @@ function wordOf(/** @type {Judged} */ head) {
 /** What is to be said in place of the answer; nothing where that is whole, and of all files. */
 function instead() {
   /** @type {(says: string, cure?: Cure) => Said} */
-  const open = (says, cure) => ({ word: "Not judged yet", says, colour: "open", cure });
+  const open = (says, cure) => ({ word: called, says, colour: "open", cure, lights: lights() });
   const { fit, file } = refused, out = leftOut();
   if (away) {
     const says = "This session is open in another tab, so this one is read only.";
-    return { ...open(says, { words: "Take over", act: "take-over" }), word: "Open elsewhere" };
+    const cure = { words: "Take over", act: "take-over" };
+    return { ...open(says, cure), word: "Open elsewhere", lights: [] };
   }
   if (fit && GONE.test(fit.said)) {
     const says = `The program that computes has ended. These numbers are of ${known.at}, and may ` +
@@ -168,25 +193,38 @@ const said = (/** @type {string} */ word, /** @type {{said: string, cure: Cure}}
 });
 
 /** @type {(of: Said) => Node[]} */
-function drawn({ word, says, colour, cure, alert }) {
+function drawn({ word, says, colour, cure, alert, lights = [] }) {
   const line = made("div", { class: "says" }),
     text = made("p", alert ? { role: "alert" } : {}, says);
   line.append(icon(colour, "icon big"), made("strong", { class: "word" }, word));
   const parts = [made("div", { class: "said" }, line, text)];
-  // what mends it stands where the lights do: none of them would say more than the word
-  if (!cure) return [...parts, unlit()];
+  // where nothing is known what mends it stands there alone
+  if (!cure || lights.some(({ mark }) => mark !== "open")) parts.push(lamps(lights));
+  if (!cure) return parts;
   const [name, does] = cure.remove ? ["data-remove", cure.remove] : ["data-act", cure.act || ""];
   parts.push(made("button", { id: "cure", class: "main", [name]: does }, cure.words));
   return parts;
 }
 
-/** Three lights of which none is known. */
-function unlit() {
-  const lights = made("dl", { class: "lights" });
-  for (const name of test() ? ["Test", "Stiffness", "Damping"] : []) {
-    lights.append(made("dt", {}, name), made("dd", {}, icon("open"), "not judged"));
+/** Three lights, none calmer than what is known: of what stands its own, else none is lit. */
+function lights() {
+  const own = known.head && stands() && !working ? made("div") : null;
+  if (own) own.innerHTML = known.head?.verdict || "";
+  const lit = all(".lights dd", own || made("div"));
+  return (test() ? ["Test", "Stiffness", "Damping"] : []).map((name, i) => {
+    const mark = lit[i]?.querySelector("use")?.getAttribute("href")?.slice(3);
+    const says = lit[i]?.textContent || (i ? "" : left) || "not judged";
+    return { name, mark: mark || "open", says };
+  });
+}
+
+/** @type {(of: Light[]) => HTMLElement} */
+function lamps(of) {
+  const list = made("dl", { class: "lights" });
+  for (const { name, mark, says } of of) {
+    list.append(made("dt", {}, name), made("dd", {}, icon(mark), says));
   }
-  return lights;
+  return list;
 }
 
 /** What stands on the head of each fold of a narrow page: its marks are no calmer than the verdict. */
@@ -196,7 +234,7 @@ function folds() {
   tell($("file-count"), String(state.files.length || ""));
 }
 
-let stands = "";
+let shows = "";
 
 /** Let the verdict stand there as it is now. */
 export function render() {
@@ -210,6 +248,7 @@ export function render() {
   panelCard("frf")?.classList.toggle("stale", !!other);
   folds();
   document.body.classList.toggle("unsettled", !!other);
+  document.body.classList.toggle("standing", !!other && !working && stands());
   document.body.classList.toggle("refused", !!refused.fit);
   $("top").className = `top ${other?.colour || head?.colour || "open"}`;
   for (const tab of test() ? all("[data-which]") : []) {
@@ -220,8 +259,10 @@ export function render() {
     tab.querySelector("use")?.setAttribute("href", `#i-${colour || "open"}`);
   }
   const drawing = JSON.stringify([other, head?.verdict]);
-  if (drawing === stands) return;
-  stands = drawing;
+  if (drawing === shows) return;
+  shows = drawing;
+  // what moves is not read out at every step
+  home.setAttribute("aria-live", called === OPEN ? "polite" : "off");
   home.className = `verdict ${other?.colour || head?.colour || ""}`;
   if (other) home.replaceChildren(...drawn(other));
   else home.innerHTML = head?.verdict || "";
