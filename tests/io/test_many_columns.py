@@ -22,7 +22,7 @@ from dashpot.io.options import ReadOptions
 from dashpot.io.readers.inspect import inspect_file
 from dashpot.io.source import Raw
 from dashpot.io.table import Column, FileTable, in_memory
-from dashpot.io.text import header, marks
+from dashpot.io.text import dialect, header, marks
 from dashpot.io.text.dialect import COLUMNS, LONGEST, is_overlong
 from dashpot.told import screen
 from dashpot.told.layout import Text
@@ -74,8 +74,50 @@ def test_a_number_says_nothing(name: str) -> None:
     bare = vocabulary._matches.__wrapped__  # what each says where its number is kept
     assert bare(one) == bare(other) == matches(one)
     for words in (vocabulary.EXTREMES, vocabulary.DERIVED):
-        asked = vocabulary._has_word.__wrapped__
-        assert asked(one, words) == asked(other, words) == has_word(one, words)
+        alone, inside = vocabulary._sought(words)
+        said = [
+            not alone.isdisjoint(vocabulary._said(name)) or any(word in name for word in inside)
+            for name in (one, other)
+        ]
+        assert said == [has_word(one, words)] * 2
+
+
+def test_names_that_say_nothing_are_judged_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    judged: list[str] = []
+    inner = roles._scores
+    monkeypatch.setattr(
+        roles, "_scores", lambda one, options: judged.append(one.name) or inner(one, options)
+    )
+    roles._own_scores.cache_clear()
+    rng = np.random.default_rng(29)
+    names = ["".join(rng.choice([*"bghjkqw"], 7)) for _ in range(500)]
+    dull = [roles.scores(Column(name, "degC"), ReadOptions()) for name in names]
+    assert judged == [""]
+    assert dull == [inner(Column(name, "degC"), ReadOptions()) for name in names]
+    for words in (vocabulary.COMMANDED, vocabulary.DERIVED, vocabulary.EXTREMES, vocabulary.STATIC):
+        told = Column(f"{names[0]} {words[0]}", "degC")
+        assert roles.scores(told, ReadOptions()) == inner(told, ReadOptions())
+        assert roles.scores(told, ReadOptions()) != dull[0]
+
+
+@pytest.mark.parametrize(("sign", "mark"), [(",", "."), (";", ","), ("\t", "."), ("|", ",")])
+def test_plain_numbers_throughout_leave_nothing_to_try(
+    sign: str, mark: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rows = [sign.join(f"{i}.{j}{i % 3}".replace(".", mark) for j in range(9)) for i in range(300)]
+    tried: list[str] = []
+    inner = dialect._best_run
+    monkeypatch.setattr(
+        dialect,
+        "_best_run",
+        lambda window, *by, **how: tried.append(by) or inner(window, *by, **how),
+    )
+    found = dialect.find_dialect(["a name", *rows])
+    assert found is not None
+    assert (found.delimiter, found.mark, found.first, tried) == (sign, mark, 1, [])
+    monkeypatch.setattr(dialect, "_plainly", lambda *_: None)
+    assert dialect.find_dialect(["a name", *rows]) == found
+    assert tried
 
 
 def test_one_digit_may_be_a_word_and_two_are_none() -> None:

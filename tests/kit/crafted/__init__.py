@@ -8,6 +8,7 @@ from kit.crafted.exports import EXPORTS
 from kit.crafted.layouts import LAYOUTS
 from kit.crafted.makers import MAKERS
 from kit.crafted.other_habits import OTHER_HABITS
+from kit.crafted.quirks import QUIRKS
 from kit.crafted.row import Row
 from kit.crafted.sheets import SHEETS
 from kit.crafted.small_makers import SMALL_MAKERS
@@ -19,6 +20,7 @@ TABLE: tuple[Row, ...] = (
     *OTHER_HABITS,
     *SMALL_MAKERS,
     *EXPORTS,
+    *QUIRKS,
     *LAYOUTS,
     *COLUMNS,
     *CLOCKS,

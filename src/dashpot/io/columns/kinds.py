@@ -248,12 +248,16 @@ class _NamedColumns:
 
     def placed(self, *more: str) -> bool:
         """Whether the columns are named x, y and z, and so."""
-        return {"x", "y", "z", *more} <= set(map(vocabulary.plain, self.spoken))
+        return {"x", "y", "z", *more} <= self._folded
+
+    @cached_property
+    def _folded(self) -> frozenset[str]:
+        return frozenset(map(vocabulary.plain, self.spoken))
 
     def spectral(self) -> bool:
         return any(
-            "spectral density" in name.casefold() or "psd" in vocabulary.tokens(name)
-            for name in self.spoken
+            "spectral density" in name or ("psd" in name and "psd" in vocabulary.tokens(name))
+            for name in map(str.casefold, self.spoken)
         )
 
 

@@ -39,7 +39,8 @@ def part_unit(name: str) -> tuple[str, str | None]:
     >>> part_unit("Force (N)"), part_unit("Load__kN_"), part_unit("Kraft_N"), part_unit("time")
     (('Force', 'N'), ('Load', 'kN'), ('Kraft', 'N'), ('time', None))
     """
-    text = unicodedata.normalize("NFKC", name[:_LONGEST].replace("²", "^2"))
+    raised = name[:_LONGEST].replace("⁻", "^-").replace("^-²", "^-2").replace("²", "^2")
+    text = unicodedata.normalize("NFKC", raised)
     text = unquoted(text.replace("\u2032", "'"))  # a prime: G″ is two of them by now
     if _OF_TIME.match(text):
         return text, None

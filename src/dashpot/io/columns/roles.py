@@ -50,6 +50,7 @@ _PLACE = {
 _ANGULAR = ("w", "omega", "ω", "angular", "kreisfrequenz")
 _ROLES: tuple[Role, ...] = get_args(Role)
 _SUITED = "_suited"
+_NOTHING_SAID = ReadOptions()
 _SAME = 0.25
 _LISTED = 12
 """Columns that a message names."""
@@ -209,13 +210,13 @@ def scores(column: Column, options: ReadOptions) -> Mapping[Role, float]:
     """How well a column's name and unit suit each of the roles that it can play."""
     if options.units:
         return _scores(column, options)
-    return _own_scores(vocabulary.unnumbered(column.name), column.unit, column.content)
+    return _own_scores(vocabulary.telling(column.name), column.unit, column.content)
 
 
 @lru_cache(maxsize=1 << 16)
 def _own_scores(name: str, unit: str | None, content: Content) -> Mapping[Role, float]:
-    """What the file alone says of all columns that differ by a number."""
-    return _scores(Column(name, unit, content), ReadOptions())
+    """What the file alone says of columns that differ by a number, or whose names say nothing."""
+    return _scores(Column(name, unit, content), _NOTHING_SAID)
 
 
 def _scores(column: Column, options: ReadOptions) -> Mapping[Role, float]:

@@ -131,6 +131,10 @@ EXTREMES = (
     "maks", "oberwert", "unterwert", "maxima", "minima", "range",
 )  # fmt: skip
 """Words for one value per cycle."""
+COUNTED = frozenset((
+    "cycles", "segments", "counts", "steps", "zyklen", "cykle", "segmente",
+))  # fmt: skip
+"""Words that stand where the unit of a count would."""
 STATIC = ("static", "stat", "statisch", "statische", "statischer", "statique", "statico", "静态")
 """Words for what a cycle goes about."""
 STEP_TIME = (
@@ -161,15 +165,21 @@ OF_BASE = (
 """Words for what is shaken, of two that move."""
 WHOLE_TIME = ("run",)
 """Clocks of all that an instrument did, before this record too."""
+_HUMP = re.compile(r"(?<=[a-zäöüß]{2})(?=[A-ZÄÖÜ])")
+_GAPS = re.compile(r"[\s_\-:;,./\\|*#()\[\]{}<>]+")
+_TOLD = (
+    *COMMANDED, *DERIVED, *EXTREMES, *STATIC, *PARTIAL_TIME, *OF_ACTUAL, *OF_REST, *SIDEWAYS,
+    *OF_BASE, *WHOLE_TIME,
+)  # fmt: skip
+"""All words that say something about a column beside its role."""
 _ORDERS = ("dmy", "mdy", "ymd", "hms", "hm", "ms")
 """Orders of the parts of a clock time; the parts that follow go without saying."""
 
 
 def plain(name: str) -> str:
     """Fold case, width and spacing; camelCase and digits part words; accents stay."""
-    text = unicodedata.normalize("NFKC", name)
-    text = re.sub(r"(?<=[a-zäöüß]{2})(?=[A-ZÄÖÜ])", " ", text)
-    return re.sub(r"[\s_\-:;,./\\|*#()\[\]{}<>]+", " ", text.casefold()).strip()
+    text = _HUMP.sub(" ", unicodedata.normalize("NFKC", name))
+    return _GAPS.sub(" ", text.casefold()).strip()
 
 
 def bare(text: str) -> str:
@@ -209,6 +219,7 @@ _SPAN = re.compile(
     r"|(?:double|doppelte) (?:strain |displacement )?amplitude|doppelamplitude|schwingbreite)(?!\w)"
     r"|峰峰|[双両全]振幅"
 )
+_BLANKS = re.compile(r" {2,}")
 _RMS = ("rms", "effektiv", "effektivwert", "eff")
 _EAST = MappingProxyType({word: roles for word, roles in FIRST.items() if ord(word[0]) > 0x3000})
 """Words that stand in others without a blank."""
@@ -232,13 +243,28 @@ def tokens(name: str) -> list[str]:
 
 def has_word(name: str, words: tuple[str, ...]) -> bool:
     """Whether one of the words stands in the name, alone or (CJK) as a part."""
-    return _has_word(unnumbered(name), words)
+    name = unnumbered(name)
+    alone, inside = _sought(words)
+    return not alone.isdisjoint(_said(name)) or any(word in name for word in inside)
 
 
 @lru_cache(maxsize=1 << 16)
-def _has_word(name: str, words: tuple[str, ...]) -> bool:
-    found = {part for word in tokens(name) for part in (word, word.rstrip("0123456789"))}
-    return any(w in found or (ord(w[0]) > 0x3000 and w in name) for w in words)
+def _said(name: str) -> frozenset[str]:
+    """The words of a name, with their numbers and without."""
+    found = tokens(name)
+    return frozenset((*found, *(word.rstrip("0123456789") for word in found)))
+
+
+@lru_cache(maxsize=64)
+def _sought(words: tuple[str, ...]) -> tuple[frozenset[str], tuple[str, ...]]:
+    """What a name may hold as a word of its own, and what as a part of one."""
+    return frozenset(words), tuple(word for word in words if ord(word[0]) > 0x3000)
+
+
+def _may_mean(spelling: str) -> bool:
+    """Whether a word is worth a look at its roles: of thousands of names most are not."""
+    known = spelling in FIRST or spelling in SECOND
+    return known or spelling[-2:] in _ENDS or not spelling.isascii()
 
 
 def _roles(spelling: str) -> Iterator[tuple[Role, float]]:
@@ -249,9 +275,8 @@ def _roles(spelling: str) -> Iterator[tuple[Role, float]]:
     if first:
         return
     # German puts the head of a compound last: Standardkraft is a force
-    if not spelling.isascii() or spelling[-2:] in _ENDS:
-        for start in range(max(1, len(spelling) - _LONGEST), len(spelling)):
-            yield from ((role, 2.5) for role in _STEMS.get(spelling[start:], ()))
+    for start in range(max(1, len(spelling) - _LONGEST), len(spelling)):
+        yield from ((role, 2.5) for role in _STEMS.get(spelling[start:], ()))
     if not spelling.isascii():
         for stem, roles in _EAST.items():
             if stem in spelling:
@@ -265,7 +290,7 @@ def says_size(name: str) -> bool:
     (True, True, False)
     """
     text = unicodedata.normalize("NFKC", name).casefold().replace("_", " ").replace(".", " ")
-    text = re.sub(r" {2,}", " ", text)
+    text = _BLANKS.sub(" ", text)
     return bool(_SIZE.search(text)) and not _NO_SIZE.search(text)
 
 
@@ -292,6 +317,17 @@ def unnumbered(name: str) -> str:
     return _NUMBER.sub("00", name)
 
 
+@lru_cache(maxsize=1 << 16)
+def telling(name: str) -> str:
+    """A name without its own number, "" if none of its words says anything.
+
+    >>> telling("Force 0017"), telling("ceoeeaa")
+    ('Force 00', '')
+    """
+    name = unnumbered(name)
+    return name if matches(name) or has_word(name, _TOLD) else ""
+
+
 def matches(name: str) -> MappingProxyType[Role, float]:
     """How well a name says each role: 3 exactly, 2.5 as a part of a word, 1.5 perhaps."""
     return _matches(unnumbered(name))
@@ -305,7 +341,7 @@ def _matches(name: str) -> MappingProxyType[Role, float]:
     stems = {word.rstrip("0123456789") for word in found} - {*found, ""}
     for word in {whole, *found, *stems}:
         less = 0.3 if word in stems else 0.0  # T beats T2, Force beats Force 1
-        for spelling in {word, bare(word)}:
+        for spelling in filter(_may_mean, {word, bare(word)}):
             for role, value in _roles(spelling):
                 scores[role] = max(value - less, scores.get(role, 0.0))
     for phrase in map("_".join, pairwise(found)):  # "tan delta 2"
@@ -315,8 +351,9 @@ def _matches(name: str) -> MappingProxyType[Role, float]:
         scores["hammer"] = scores["force"]
     if says_size(name):
         scores["complex_modulus"] = 3.0
-    if found[:1] == ["tan"]:
+    if found[:1] == ["tan"]:  # of delta, or of d, which alone may be a displacement
         scores.pop("loss_angle", None)
+        scores.pop("displacement", None)
     if {"loss_angle", "loss_factor"} & scores.keys() and scores.get("loss", 0.0) < 2.0:
         scores.pop("loss", None)
     return MappingProxyType(scores)

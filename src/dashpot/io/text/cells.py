@@ -21,8 +21,8 @@ _EXPONENT = r"(?:[eEdD][+-]?\d{1,4})?"
 _PLAIN = {mark: re.compile(rf"\A{one}{_EXPONENT}\Z") for mark, one in _WRITTEN.items()}
 _ALL_PLAIN = {mark: re.compile(rf"\A(?:{one}{_EXPONENT}\n)++\Z") for mark, one in _WRITTEN.items()}
 _GROUPED = {
-    ".": re.compile(r"\A[+-]?[1-9]\d{0,2}(?:[,'\u2019 \u00a0\u202f]\d{3})++(?:\.\d*+)?\Z"),
-    ",": re.compile(r"\A[+-]?[1-9]\d{0,2}(?:[.'\u2019 \u00a0\u202f]\d{3})++(?:,\d*+)?\Z"),
+    ".": re.compile(r"\A[+-]?[1-9]\d{0,2}(?:[,'\u2019 \u00a0\u2009\u202f]\d{3})++(?:\.\d*+)?\Z"),
+    ",": re.compile(r"\A[+-]?[1-9]\d{0,2}(?:[.'\u2019 \u00a0\u2009\u202f]\d{3})++(?:,\d*+)?\Z"),
 }
 EITHER_WAY = re.compile(r"\A[+-]?[1-9]\d{0,2}([.,])\d{3}\Z")
 """``1,234``: a thousand or one and a bit."""

@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import islice, product, zip_longest
+from itertools import chain, islice, product, zip_longest
 
 from dashpot.io.table import Content
 from dashpot.io.text import cells as cell
@@ -164,12 +164,17 @@ def find_dialect(
     the pair under which most cells of equally wide neighbouring lines are numbers is taken.
     """
     windows = list(_windows(lines))
-    best: Dialect | None = None
-    highest = 0.0
     marks = [mark for mark in _MARKS if decimal in {None, mark}]
     signs = _delimiters(windows, delimiter)
-    most = {sign: [_most_numbers(sign, window) for window in windows] for sign in signs}
-    for sign, mark, (i, window) in product(signs, marks, enumerate(windows)):
+    plain = [_plainly(window, signs, marks) for window in windows]
+    full = [
+        len(window) * one.cells if one else 0 for one, window in zip(plain, windows, strict=True)
+    ]
+    best = plain[full.index(max(full))] if full else None
+    highest: float = max(full, default=0)
+    rest = [window for one, window in zip(plain, windows, strict=True) if one is None]
+    most = {sign: [_most_numbers(sign, window) for window in rest] for sign in signs}
+    for sign, mark, (i, window) in product(signs, marks, enumerate(rest)):
         if most[sign][i] > highest:
             score, found = _best_run(window, sign, mark, above=highest)
             if found is not None:
@@ -230,8 +235,43 @@ def _delimiters(windows: Sequence[Sequence[str]], given: str | None) -> tuple[st
         return tuple(dict.fromkeys(map(_fixed, windows)))
     if given is not None:
         return (given,)
+    if any(map(_has_groups, windows)):
+        return tuple(sign for sign in _DELIMITERS if sign != " ")
     aligned = [window for window in windows if any(" " in line for line in window)]
     return tuple(dict.fromkeys((*_DELIMITERS, *(_fixed(_digits(window)) for window in aligned))))
+
+
+def _has_groups(window: Sequence[str]) -> bool:
+    """Whether blanks between the numbers in cells that tabs part group thousands, all of them."""
+    lines = (line for line in window if len(line.split()) > 1 + line.count("\t") > 1)
+    texts = chain.from_iterable(cell.split(line, "\t") for line in lines)
+    several = [text for text in texts if len(text.split()) > 1]
+    numbers = [text for text in several if all(map(like_number, text.split()))]
+    return bool(numbers) and all(
+        cell.is_number(text, ".") or cell.is_number(text, ",") for text in numbers
+    )
+
+
+def _plainly(window: Sequence[str], signs: Sequence[str], marks: Sequence[Mark]) -> Dialect | None:
+    """The dialect by which every cell of a window is a plain number, None if there is none.
+
+    No other makes more of it: in plain numbers stands no delimiter but their comma.
+    """
+    for sign in signs if window else ():
+        if sign == " " or sign.startswith("fixed:") or not all(sign in line for line in window):
+            continue
+        rows = [cell.split(line, sign, trim=False) for line in window]
+        width = len(rows[0])
+        if any(len(row) != width for row in rows):
+            continue
+        for mark in marks:
+            # under a point 1,234 may be a thousand
+            if all(cell.are_plain(row, mark) for row in rows) and (
+                mark == "." or not all(all(cell.numeric(row, ".")) for row in rows)
+            ):
+                held: list[Content] = ["number"] * width
+                return Dialect(sign, mark, tuple(held), cells=width)
+    return None
 
 
 def _most_numbers(sign: str, window: Sequence[str]) -> int:

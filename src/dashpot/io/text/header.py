@@ -283,8 +283,8 @@ def _pick(rows: Sequence[list[str]], dialect: Dialect) -> tuple[list[str], list[
             words = _both(row, words) if words else row
         elif _is_names(row, dialect):
             beside = not words and len(above) == len(row) and _is_units(above, dialect)
-            words = above if beside else words
-            return _under(row, above, words), words, odd
+            words, upper = (above, rows[i - 2] if i > 1 else []) if beside else (words, above)
+            return _under(row, upper, words), words, odd
         elif not words and not odd and len(row) > 1 and _holds_units(row):
             odd = row
         elif any(row) and (words or len(row) >= max(2, width - 1)):
@@ -336,7 +336,8 @@ def _holds_units(row: Sequence[str]) -> bool:
     filled = Counter(vocabulary.unnumbered(_strip(text)) for text in texts)
     if not filled or not (all(map(_is_bracketed, texts)) or _most_are_units(filled)):
         return False
-    named = any(vocabulary.plain(word) in vocabulary.FIRST for word in filled)
+    words = map(vocabulary.plain, filled)
+    named = any(word in vocabulary.FIRST and word not in vocabulary.COUNTED for word in words)
     return not named and not all(map(_is_name_over_unit, filled))
 
 
@@ -344,10 +345,15 @@ def _most_are_units(words: Counter[str]) -> bool:
     """Whether most words are units, or built like one: no more are judged than decide it."""
     left = 0.4 * words.total()
     for word, count in words.items():
-        left -= count * (units.find(word) is None and not _unit_shape(word))
+        left -= count * (not _says_unit(word))
         if left < -_TINY:
             return False
     return True
+
+
+def _says_unit(word: str) -> bool:
+    known = units.find(word) is not None or vocabulary.plain(word) in vocabulary.COUNTED
+    return known or _unit_shape(word)
 
 
 def _is_name_over_unit(word: str) -> bool:
