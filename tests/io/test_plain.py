@@ -76,11 +76,12 @@ def tables(draw: st.DrawFn) -> tuple[str, Dialect, tuple[int, ...]]:
 
 
 def outcome(
-    text: str, dialect: Dialect, indexes: tuple[int, ...], heading: Heading | None = None
-) -> tuple:
+    text: str, dialect: Dialect, indexes: tuple[int, ...], heading: Heading | None = None, *,
+    sure: bool = True,
+) -> tuple:  # fmt: skip
     """Everything that is read, to the bit, or the sentence why not."""
     try:
-        got = load_rows(lambda: iter([text]), dialect, indexes, heading)
+        got = load_rows(lambda: iter([text]), dialect, indexes, heading, sure=sure)
     except ReadError as error:
         return (str(error),)
     # whatever the sign of what is no number
@@ -167,6 +168,60 @@ def test_ordinary_rows_are_read_the_fast_way(sign, mark, more):
         values = reader.read(text)
     np.testing.assert_array_equal(values, [[7.0, 0.5], [-0.0, 12.125]])
     assert np.signbit(values[1, 0])
+
+
+@st.composite
+def grouped_tables(draw: st.DrawFn) -> tuple[str, Dialect, tuple[int, ...]]:
+    """Rows of three cells whose thousands some sign parts, here and there a word or a blank."""
+    mark = draw(st.sampled_from([".", ",", ".,"]))
+    sign = draw(st.sampled_from([";", "\t", "|", *([","] if mark == "." else [])]))
+    quoted = sign == "," or draw(st.booleans())
+    group = draw(
+        st.sampled_from([",", "'", " ", "\u2009"] if mark == "." else [".", "'", "\u00a0"])
+    )
+    marks = str.maketrans({",": group, ".": mark[-1]})
+    value = st.builds(
+        lambda v, digits: f"{v:,.{digits}f}".translate(marks),
+        st.floats(-1e7, 1e7),
+        st.integers(0, 3),
+    )
+    odd = st.sampled_from(["", " 1", "1,23", "12.3456", "n/a", "1,2345", "0,123", "1.234", "a"])
+    cells = draw(st.sampled_from([value, value, value | odd]))
+    rows = draw(st.lists(st.lists(cells, min_size=3, max_size=3), min_size=1, max_size=8))
+    rows = [[f'"{one}"' for one in row] if quoted else row for row in rows]
+    text = "".join(sign.join(row) + "\n" for row in rows)
+    return (
+        text,
+        Dialect(sign, mark, ("number",) * 3, cells=3),
+        draw(st.sampled_from([(0, 1, 2), (2,)])),
+    )
+
+
+@example(('"1,234.5","2","3,000"\n"1,234","1","1"\n', COMMA, (0, 1, 2)))
+@example(("1 234.5;2;3\n1 234;1;1 2\n", Dialect(";", ".", ("number",) * 3, cells=3), (0, 2)))
+@given(grouped_tables())
+def test_grouped_thousands_are_read_the_same_in_blocks_and_row_by_row(table):
+    with patch.object(PlainRows, "_numbers_even_grouped", PlainRows._numbers):
+        expected = outcome(*table, sure=False)
+    assert outcome(*table, sure=False) == expected
+
+
+@pytest.mark.parametrize(
+    ("text", "sign", "mark", "commas"),
+    [
+        ('"1,234.5","2","3,000"\n"1,000","1","1"\n', ",", ".", {0, 2}),
+        ("1,234.5;2;3\n1000;1;-1,000,000.25\n", ";", ".", {0, 2}),
+        ("1'234.5;2;3\n1000;1;-1'000'000.25\n", ";", ".", set()),
+        ("1.234,5\t2\t3\n1000\t1\t-1.000.000,25\n", "\t", ",", set()),
+        ("1\u2009234,5\t2\t3\n", "\t", ",", set()),
+    ],
+)
+def test_grouped_thousands_are_read_in_blocks(text, sign, mark, commas):
+    reader = PlainRows(Dialect(sign, mark, ("number",) * 3), (0, 1, 2))
+    values = reader.read(text)
+    assert values is not None
+    assert values[0, 0] == 1234.5
+    assert reader.commas == commas
 
 
 @pytest.mark.parametrize(("before", "fast"), [(-1, False), (0, True)])

@@ -20,9 +20,14 @@ _WRITTEN: dict[Mark, str] = {
 _EXPONENT = r"(?:[eEdD][+-]?\d{1,4})?"
 _PLAIN = {mark: re.compile(rf"\A{one}{_EXPONENT}\Z") for mark, one in _WRITTEN.items()}
 _ALL_PLAIN = {mark: re.compile(rf"\A(?:{one}{_EXPONENT}\n)++\Z") for mark, one in _WRITTEN.items()}
+GROUPS: dict[Mark, str] = {
+    ".": r"(?:[,'\u2019 \u00a0\u2009\u202f]\d{3})++",
+    ",": r"(?:[.'\u2019 \u00a0\u2009\u202f]\d{3})++",
+}
+"""The thousands behind the first digits of a number, by its decimal mark."""
 _GROUPED = {
-    ".": re.compile(r"\A[+-]?[1-9]\d{0,2}(?:[,'\u2019 \u00a0\u2009\u202f]\d{3})++(?:\.\d*+)?\Z"),
-    ",": re.compile(r"\A[+-]?[1-9]\d{0,2}(?:[.'\u2019 \u00a0\u2009\u202f]\d{3})++(?:,\d*+)?\Z"),
+    mark: re.compile(rf"\A[+-]?[1-9]\d{{0,2}}{groups}(?:{re.escape(mark)}\d*+)?\Z")
+    for mark, groups in GROUPS.items()
 }
 EITHER_WAY = re.compile(r"\A[+-]?[1-9]\d{0,2}([.,])\d{3}\Z")
 """``1,234``: a thousand or one and a bit."""

@@ -55,6 +55,16 @@ class _Marks:
     grouped: bool = False
     seen: set[str] = field(default_factory=set)
 
+    def is_told(self, text: str) -> bool:
+        """Whether a cell adds nothing to what is known.
+
+        What was said before tells nothing new: of a counter a few rows are enough. Nor, where the
+        decimal mark is sure, does a cell without another mark.
+        """
+        if self.grouped or text in self.seen:
+            return True
+        return self.broken and not any(c in text for c in ".," if c != self.decimal)
+
     def add(self, text: str) -> None:
         match = cell.EITHER_WAY.match(text)
         if match and match[1] in self.decimal:
@@ -113,8 +123,7 @@ def _add_rows(
     wanted = {place: indexes[place] for place in columns}
     for line in lines:
         found = cell.split(line, dialect.delimiter)
-        # what was said before tells nothing new: of a counter a few rows are enough
-        if all(i < len(found) and found[i] in columns[p].seen for p, i in wanted.items()):
+        if all(i < len(found) and columns[p].is_told(found[i]) for p, i in wanted.items()):
             continue
         row = dialect.row(line)
         if row is None:

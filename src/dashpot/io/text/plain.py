@@ -18,6 +18,7 @@ from typing import ClassVar
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.io.text import cells as cell
 from dashpot.io.text.clock import ClockColumn
 from dashpot.io.text.dialect import Dialect
 
@@ -59,17 +60,20 @@ class PlainRows:
             # a comma that parts no cells must not come to part them
             commas = "." if self.swaps_comma else "!"
             self.as_json = bytes.maketrans(f",{sign}\n".encode(), f"{commas},,".encode())
+            self.groups = _grouped_between(s, dialect.mark)
+        self.commas: set[int] = set()
+        """Places whose thousands commas part."""
 
     def read(self, text: str) -> FloatArray | None:
         """Return the numbers of whole lines, None if one of them is not surely a plain row."""
         unquoted = self._unquoted(text)
         if unquoted is None or not self.clocks:
-            return None if unquoted is None else self._numbers(unquoted)
+            return None if unquoted is None else self._numbers_even_grouped(unquoted)
         bare, cells = self._without_clocks(unquoted)
         found = {place: self.clocks[place].many(texts) for place, texts in cells.items()}
         if not found or None in found.values():
             return None
-        values = self._numbers(bare)
+        values = self._numbers_even_grouped(bare)
         if values is not None:
             for place, moments in found.items():
                 values[:, place] = self.clocks[place].add(moments or ())
@@ -89,6 +93,22 @@ class PlainRows:
             for i in columns.values():
                 row[i] = "0"
         return "\n".join(map(sign.join, rows)) + "\n", cells
+
+    def _numbers_even_grouped(self, unquoted: str) -> FloatArray | None:
+        values = self._numbers(unquoted)
+        if values is not None or self.blanks or self.groups is None:
+            return values
+        found = list(self.groups.finditer(unquoted))
+        values = self._numbers(self.groups.sub(_joined, unquoted)) if found else None
+        if values is not None and self.dialect.mark == ".":
+            codes = _codes(unquoted)
+            ends = np.flatnonzero((codes == ord(self.dialect.delimiter)) | (codes == 10))
+            # a comma in quotes that parts no cells is a blank by now
+            at = [one.end() for one in found if "," in one[2] or " " in one[2]]
+            width = int(np.searchsorted(ends, unquoted.find("\n"))) + 1
+            columns = set((np.searchsorted(ends, at) % width).tolist())
+            self.commas |= {place for place, i in enumerate(self.indexes) if i in columns}
+        return values
 
     def _numbers(self, unquoted: str) -> FloatArray | None:
         # beside decimal commas points group the thousands
@@ -199,6 +219,18 @@ class PlainRows:
                 return None
             values = values[:, list(self.indexes)]
         return values
+
+
+def _grouped_between(sign: str, mark: cell.Mark) -> re.Pattern[str] | None:
+    """Finds cells with grouped thousands; none where both marks are decimal."""
+    if mark not in cell.GROUPS:
+        return None
+    digits, rest = r"[ ]*+[+-]?[1-9]\d{0,2}", rf"(?:{re.escape(mark)}\d*+)?[ ]*+"
+    return re.compile(rf"((?:(?<=[{sign}\n])|\A){digits})({cell.GROUPS[mark]})(?={rest}[{sign}\n])")
+
+
+def _joined(found: re.Match[str]) -> str:
+    return found[1] + "".join(filter(str.isdigit, found[2]))
 
 
 @cache

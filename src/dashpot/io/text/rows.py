@@ -163,7 +163,8 @@ def _loaded(
     if not sure:
         points = marks.open_columns(values)
         below = _patient(_below(blocks(), dialect.first), patience)
-        asked = marks.ambiguous(below, dialect, indexes, reader.grouped, points)
+        commas = reader.grouped | reader.plain.commas
+        asked = marks.ambiguous(below, dialect, indexes, commas, points)
         got.doubts += [(None, question) for question in asked]
     starts, names = tuple(got.starts), tuple(got.segments)
     return Loaded(
