@@ -6,6 +6,7 @@ that stands beside it, and held to the number itself by the digits that stand th
 
 from __future__ import annotations
 
+import json
 import math
 import re
 from html import unescape
@@ -414,3 +415,49 @@ def test_the_page_and_the_shell_of_a_lot_print_the_same_numbers(tmp_path):
         assert re.search(rf"{share}\s+{value}\s+{low}\s+{high}", text), fact
         assert f"{value} ({low} to {high}), {share} %" in shell
         assert same(fact, value, found.main.quantity.unit)
+
+
+# -- the frame of what is no solid ---------------------------------------------------------------
+
+#: result -> how it is found, and a number of it: where the frame has it, and where the document
+FRAMED = {
+    "rubber": (
+        lambda at: workflow.hyperelastic_files({"uniaxial": [at("tension.csv")]}),
+        lambda rows: rows["value"][rows["parameter"].index("shear_modulus")],
+        lambda told: next(one["value"] for one in told["found"] if one["name"] == "shear_modulus"),
+    ),
+    "door": (
+        lambda at: workflow.door_file(at("door.toml")),
+        lambda rows: rows["frequency"][0],
+        lambda told: told["modes"][0]["frequency_hz"],
+    ),
+    "loops": (
+        lambda at: workflow.level_files([at("loops.csv")]),
+        lambda rows: rows["value"][rows["parameter"].index("lost")],
+        lambda told: told["lost"],
+    ),
+    "levels": (
+        lambda at: workflow.level_files(
+            [at("shaker_20mN.csv"), at("shaker_500mN.csv")], levels=[0.02, 0.5], mass=0.1148
+        ),
+        lambda rows: rows["k"][rows["element"].index("k_inf")],
+        lambda told: told["model"]["k_inf"],
+    ),
+    "pieces": (
+        lambda at: workflow.cld_files([at("cld_1.csv"), at("cld_2.csv")]),
+        lambda rows: rows["loading"][1],
+        lambda told: told["pieces"][1]["nominal"]["loading"],
+    ),
+}
+
+
+@pytest.mark.parametrize("name", FRAMED)
+def test_the_frame_says_the_same_as_the_document(bench, name):
+    find_it, of_frame, of_document = FRAMED[name]
+    if name == "door":
+        workflow.fit_files((str(bench / "seal_8mm.csv"),))[0].save(bench / "fit.json")
+    found = find_it(lambda file: str(bench / file))
+    rows, told = frame(found), json.loads(json.dumps(found.document))
+    assert len({len(column) for column in rows.columns.values()}) == 1
+    assert set(rows.units) == set(rows.columns)
+    assert of_frame(rows.columns) == of_document(told)

@@ -104,10 +104,6 @@ def test_a_notebook_shows_words_and_picture(nouns, name):
 
 
 def test_every_noun_that_offers_a_picture_has_one() -> None:
-    for module in pkgutil.walk_packages(dp.__path__, "dashpot."):
-        # the app's nouns are those of the work
-        if not module.name.endswith("__main__") and ".web" not in module.name:
-            importlib.import_module(module.name)
     offered = {kind for kind in descendants(Pictured) if kind is not Judged}
     assert len(offered) > 15
     bare = {kind.__name__ for kind in offered if picture.dispatch(kind) is picture.dispatch(object)}
@@ -116,9 +112,14 @@ def test_every_noun_that_offers_a_picture_has_one() -> None:
 
 def descendants(kind):
     """Every class that inherits from one."""
-    for one in kind.__subclasses__():
-        yield one
-        yield from descendants(one)
+    for module in pkgutil.walk_packages(dp.__path__, "dashpot."):
+        # the app's nouns are those of the work
+        if not module.name.endswith("__main__") and ".web" not in module.name:
+            importlib.import_module(module.name)
+    found = {kind}
+    while new := {one for each in found for one in each.__subclasses__()} - found:
+        found |= new
+    return found - {kind}
 
 
 def test_an_inspection_draws_its_columns_along_the_time(nouns):
@@ -140,6 +141,17 @@ def test_columns_without_numbers_have_no_picture():
 
 
 # -- tables ----------------------------------------------------------------------------------------
+
+
+def test_every_noun_that_offers_a_table_has_one() -> None:
+    offered = {kind for kind in descendants(Described) if kind not in {Pictured, Judged}}
+    assert len(offered) > 40
+    given = {
+        kind for kind in offered
+        if kind.series is not Described.series or frame.dispatch(kind) is not frame.dispatch(object)
+    }  # fmt: skip
+    facts = {kind for kind in offered if getattr(kind, "facts", None) not in {None, Judged.facts}}
+    assert offered == given | facts
 
 
 @pytest.mark.parametrize("name", EVERY)

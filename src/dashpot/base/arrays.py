@@ -178,6 +178,11 @@ def slices(starts: Sequence[int], count: int) -> tuple[slice, ...]:
     return tuple(slice(a, b) for a, b in pairwise((*starts, count)))
 
 
+def number_of_run(starts: Sequence[int], count: int) -> IndexArray:
+    """Return for each of so many rows the number of its run, from 1."""
+    return np.repeat(np.arange(1, len(starts) + 1), np.diff((*starts, count)))
+
+
 def wave(count: int, turn: float, size: complex = 1.0) -> FloatArray:
     """Return the real part of size exp(j turn i) for i = 0 .. count - 1, from two short tables."""
     fine, coarse = _tables(count, turn)

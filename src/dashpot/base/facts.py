@@ -230,6 +230,11 @@ class Numbered(Checked):
 
     found: tuple[Fact, ...]
 
+    @property
+    def facts(self) -> tuple[Fact, ...]:
+        """The numbers that it tells."""
+        return self.found
+
     def __getitem__(self, name: str) -> Fact:
         """One of the numbers found, by its name."""
         return next(one for one in self.found if one.name == name)

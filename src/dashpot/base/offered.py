@@ -6,10 +6,10 @@ a noun loads nothing that it is not asked for.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -17,6 +17,9 @@ if TYPE_CHECKING:
 
     from dashpot.base.facts import Fact
     from dashpot.plot.picture import Picture
+
+Series: TypeAlias = Mapping[str, tuple[Any, str]]
+"""Columns of one length, each with its SI unit ("" if it has none)."""
 
 LINES = 15
 """Of a noun in a shell."""
@@ -26,6 +29,17 @@ def verb(module: str, name: str) -> Callable[..., Any]:
     """Return a function of a room above: ``verb("report.notebook", "picture")``."""
     found: Callable[..., Any] = getattr(import_module(f"dashpot.{module}"), name)
     return found
+
+
+def arrays(noun: object, **units: str) -> Series:
+    """Return arrays of a noun by their names, each with its SI unit."""
+    return {name: (getattr(noun, name), unit) for name, unit in units.items()}
+
+
+def columns(rows: Iterable[object], **units: str) -> Series:
+    """Return attributes of several things by their names, each with its SI unit."""
+    each = tuple(rows)
+    return {name: ([getattr(one, name) for one in each], unit) for name, unit in units.items()}
 
 
 class Told:
@@ -64,10 +78,11 @@ class Described(Told):
         raise NotImplementedError
 
     @property
-    def series(self) -> Mapping[str, tuple[Any, str]]:
-        """Its numbers as columns of one length, each with its SI unit; the first is their index.
+    def series(self) -> Series:
+        """Its numbers as columns, the first of them their index.
 
-        None in place of numbers that it does not have; nothing at all of what is no table.
+        None in place of numbers that it does not have; nothing at all where its facts are its
+        table.
         """
         return {}
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Checked
 from dashpot.base.documents import Documented
-from dashpot.base.offered import Judged
+from dashpot.base.offered import Judged, Series, columns
 from dashpot.base.provenance import Source
 from dashpot.door.record import Door
 from dashpot.door.slam import Closing
@@ -42,6 +42,11 @@ class ClosingResult(Checked, Judged, Documented):
     fit: Fit | None
     closing: Closing
     checks: tuple[Check, ...]
+
+    @property
+    def series(self) -> Series:
+        """What each term takes of the energy."""
+        return columns(self.closing.terms, name="", work="J", stored="J", moment="N m")
 
     @property
     def sound(self) -> str:

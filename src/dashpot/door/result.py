@@ -10,7 +10,7 @@ import numpy as np
 
 from dashpot.base.checks import Check, Checked
 from dashpot.base.documents import Documented
-from dashpot.base.offered import Judged
+from dashpot.base.offered import Judged, Series, columns
 from dashpot.base.provenance import Source
 from dashpot.door.assembly import Assembly
 from dashpot.door.modes import DoorMode
@@ -176,6 +176,18 @@ class DoorResult(Checked, Judged, Documented):
     frfs: tuple[tuple[str, FRF, FRF], ...]
     shaken: tuple[Shaken, ...]
     checks: tuple[Check, ...]
+
+    @property
+    def series(self) -> Series:
+        """The modes, with what the seal stores and loses of each."""
+        seal = [(one.share(SEAL), one.loss_share(SEAL)) for one in self.modes]
+        return {
+            "mode": (list(range(1, len(self.modes) + 1)), ""),
+            **columns((one.mode for one in self.modes), frequency="Hz", damping_ratio=""),
+            **columns(self.modes, without_seal="Hz"),
+            "seal_energy": ([energy for energy, _ in seal], ""),
+            "seal_loss": ([loss for _, loss in seal], ""),
+        }
 
     @property
     def door(self) -> Door:

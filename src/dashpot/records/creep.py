@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass, field
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from dashpot.base.checks import Check
 from dashpot.base.demands import positive
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
-from dashpot.base.offered import Described
+from dashpot.base.offered import Described, Series, arrays
 from dashpot.base.plausible import refuse_absurd_record
 from dashpot.base.provenance import Source, Step, of_file
 from dashpot.base.said import Dimensions, into_si, own_unit, said_units
@@ -25,6 +25,8 @@ from dashpot.records.temperature import several
 STRAIGHT = 16
 """Corners of a load that is ramps and holds, at most."""
 COMPLIANCES = {"N/m": "m/N", "Pa": "1/Pa"}
+_ARE = {"N/m": ("m", "N"), "Pa": ("1", "Pa")}
+"""What displacement and force are in, by the unit of the stiffness."""
 """Unit of the compliance by that of the stiffness."""
 
 
@@ -83,13 +85,10 @@ class CreepTest(ByValue, Described, Documented):
             refuse_absurd_record(self)
 
     @property
-    def series(self) -> Mapping[str, tuple[Any, str]]:
+    def series(self) -> Series:
         """Displacement and force, or strain and stress, over time."""
-        moved, pushed = ("m", "N") if self.unit == "N/m" else ("1", "Pa")
-        return {
-            "time": (self.time, "s"), "displacement": (self.displacement, moved),
-            "force": (self.force, pushed),
-        }  # fmt: skip
+        moved, pushed = _ARE[self.unit]
+        return arrays(self, time="s", displacement=moved, force=pushed)
 
     @property
     def described(self) -> tuple[str, ...]:
@@ -171,9 +170,9 @@ class CreepCompliance(ByValue, Described, Documented):
         return next(stiffness for stiffness, one in COMPLIANCES.items() if one == self.unit)
 
     @property
-    def series(self) -> Mapping[str, tuple[Any, str]]:
+    def series(self) -> Series:
         """Compliance over time."""
-        return {"time": (self.time, "s"), "compliance": (self.compliance, self.unit)}
+        return arrays(self, time="s", compliance=self.unit)
 
     @property
     def described(self) -> tuple[str, ...]:
@@ -243,6 +242,12 @@ class LoadHold(ByValue, Described, Documented):
             )
         positive(level=self.level, expected="a load > 0")
         _known_unit(self.unit, COMPLIANCES)
+
+    @property
+    def series(self) -> Series:
+        """Displacement and force over time, and the load without noise."""
+        moved, pushed = _ARE[self.unit]
+        return arrays(self, time="s", displacement=moved, force=pushed, load=pushed)
 
     @property
     def ramp_time(self) -> float:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 
@@ -18,7 +16,7 @@ from dashpot.base.arrays import (
 )
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
-from dashpot.base.offered import Described
+from dashpot.base.offered import Described, Series, arrays
 from dashpot.base.provenance import Source, of_file
 from dashpot.base.said import Dimensions, into_si, own_unit, said_units
 from dashpot.base.units import Quantity, si
@@ -88,12 +86,9 @@ class DynamicTest(ByValue, Described, Documented):
             raise DataError(f"unit '{self.unit}' of storage and loss; expected 'Pa' or 'N/m'")
 
     @property
-    def series(self) -> Mapping[str, tuple[Any, str]]:
+    def series(self) -> Series:
         """Storage and loss over frequency."""
-        return {
-            "frequency": (self.frequency, "Hz"), "storage": (self.storage, self.unit),
-            "loss": (self.loss, self.unit), "temperature": (self.temperature, "K"),
-        }  # fmt: skip
+        return arrays(self, frequency="Hz", storage=self.unit, loss=self.unit, temperature="K")
 
     @property
     def described(self) -> tuple[str, ...]:

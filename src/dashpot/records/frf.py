@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import TYPE_CHECKING, Any
@@ -23,7 +22,7 @@ from dashpot.base.checks import Check
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.facts import Fact
-from dashpot.base.offered import Pictured, verb
+from dashpot.base.offered import Pictured, Series, arrays, verb
 from dashpot.base.provenance import Source, Step
 from dashpot.base.said import SI, put_into_si, said_units, words_of
 from dashpot.base.units import Quantity, parse_unit
@@ -237,12 +236,9 @@ class FRF(ByValue, Pictured, Documented):
         return cls(frequency, _as_kind(receptance, s, kind), kind, shift=shift, units=SI)
 
     @property
-    def series(self) -> Mapping[str, tuple[Any, str]]:
+    def series(self) -> Series:
         """The response over frequency, and how well it is known."""
-        return {
-            "frequency": (self.frequency, "Hz"), "value": (self.value, self.unit),
-            "coherence": (self.coherence, ""), "sd": (self.sd, self.unit),
-        }  # fmt: skip
+        return arrays(self, frequency="Hz", value=self.unit, coherence="", sd=self.unit)
 
     @property
     def described(self) -> tuple[str, ...]:

@@ -3,16 +3,23 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dashpot.base.arrays import ByValue, FloatArray, frozen, measured, same_length, slices
+from dashpot.base.arrays import (
+    ByValue,
+    FloatArray,
+    frozen,
+    measured,
+    number_of_run,
+    same_length,
+    slices,
+)
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
-from dashpot.base.offered import Described, verb
+from dashpot.base.offered import Described, Series, verb
 from dashpot.base.provenance import Source, of_file
 from dashpot.base.said import into_si, said_units
 
@@ -97,13 +104,12 @@ class ImpactTest(ByValue, Described, Documented):
                 )
 
     @property
-    def series(self) -> Mapping[str, tuple[Any, str]]:
+    def series(self) -> Series:
         """Force and accelerations over time, and the number of the record."""
-        counts = np.diff((*self.starts, len(self.time)))
         felt = zip(self.channels, self.acceleration, strict=True)
         return {
             "time": (self.time, "s"),
-            "record": (np.repeat(np.arange(1, len(counts) + 1), counts), ""),
+            "record": (number_of_run(self.starts, len(self.time)), ""),
             "force": (self.force, "N"),
             **{name: (row, "m/s^2") for name, row in felt},
         }

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
 
 from dashpot.base.arrays import ByValue, FloatArray
 from dashpot.base.errors import DataError
-from dashpot.base.offered import Described
+from dashpot.base.offered import Described, Series, arrays
 from dashpot.base.provenance import Source
 from dashpot.base.said import Dimensions, into_si, own_unit, said_units
 from dashpot.base.units import Quantity, si
@@ -80,12 +78,9 @@ class RelaxationModulus(ByValue, Described):
         return several(self.temperature)
 
     @property
-    def series(self) -> Mapping[str, tuple[Any, str]]:
+    def series(self) -> Series:
         """Modulus over time."""
-        return {
-            "time": (self.time, "s"), "modulus": (self.modulus, self.unit),
-            "temperature": (self.temperature, "K"),
-        }  # fmt: skip
+        return arrays(self, time="s", modulus=self.unit, temperature="K")
 
     @property
     def described(self) -> tuple[str, ...]:

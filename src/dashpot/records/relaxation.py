@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
@@ -15,7 +14,7 @@ from dashpot.base.checks import Check
 from dashpot.base.demands import positive
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
-from dashpot.base.offered import Described, Pictured, verb
+from dashpot.base.offered import Described, Pictured, Series, arrays, verb
 from dashpot.base.plausible import refuse_absurd_record
 from dashpot.base.provenance import Source, Step, of_file
 from dashpot.base.said import into_si, said_units
@@ -87,12 +86,9 @@ class RelaxationTest(ByValue, Described, Documented):
         return ready
 
     @property
-    def series(self) -> Mapping[str, tuple[Any, str]]:
+    def series(self) -> Series:
         """Displacement and force over time."""
-        return {
-            "time": (self.time, "s"), "displacement": (self.displacement, "m"),
-            "force": (self.force, "N"),
-        }  # fmt: skip
+        return arrays(self, time="s", displacement="m", force="N")
 
     @property
     def described(self) -> tuple[str, ...]:
@@ -223,12 +219,9 @@ class RampHold(ByValue, Pictured, Documented):
         positive(depth=self.depth, unit=" m", expected="a compression > 0")
 
     @property
-    def series(self) -> Mapping[str, tuple[Any, str]]:
+    def series(self) -> Series:
         """Displacement and force over time."""
-        return {
-            "time": (self.time, "s"), "displacement": (self.displacement, "m"),
-            "force": (self.force, "N"),
-        }  # fmt: skip
+        return arrays(self, time="s", displacement="m", force="N")
 
     @property
     def described(self) -> tuple[str, ...]:

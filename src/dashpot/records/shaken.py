@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from dashpot.base.arrays import ByValue, FloatArray, hold_measured, slices
+import numpy as np
+
+from dashpot.base.arrays import ByValue, FloatArray, hold_measured, number_of_run, slices
 from dashpot.base.demands import positive
 from dashpot.base.errors import DataError
-from dashpot.base.offered import Described
+from dashpot.base.offered import Described, Series, arrays
 from dashpot.base.provenance import Source, of_file
 
 
@@ -44,6 +46,15 @@ class ShakenTest(ByValue, Described):
         hold_measured(self, "base", "mass", minimum=8)
         if self.order not in (0, 1, 2):
             raise DataError(f"order = {self.order!r}; expected 0, 1 or 2")
+
+    @property
+    def series(self) -> Series:
+        """The motions of base and mass over time, and the number of the record."""
+        time = np.arange(len(self.base)) / self.rate
+        return {
+            "time": (time, "s"), "record": (number_of_run(self.starts, len(time)), ""),
+            **arrays(self, base="m/s^2", mass=("m", "m/s", "m/s^2")[self.order]),
+        }  # fmt: skip
 
     @property
     def described(self) -> tuple[str, ...]:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from dashpot.base.arrays import ByValue, FloatArray, same_length, samples
 from dashpot.base.checks import Check
-from dashpot.base.offered import Pictured
+from dashpot.base.offered import Pictured, Series
 from dashpot.base.provenance import Source, Step
 from dashpot.base.units import celsius
 from dashpot.records.creep import CreepCompliance
@@ -68,7 +67,7 @@ class Superposition(ByValue, Pictured):
         return self.solid
 
     @property
-    def series(self) -> Mapping[str, tuple[Any, str]]:
+    def series(self) -> Series:
         """The master curve, and the temperature that each of its samples was measured at."""
         return {**self.curve.series, "temperature": (self.temperature, "K")}
 

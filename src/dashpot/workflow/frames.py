@@ -11,8 +11,8 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError
-from dashpot.base.facts import Fact
-from dashpot.base.offered import Described
+from dashpot.base.facts import Fact, Numbered
+from dashpot.base.offered import Described, Judged
 from dashpot.records.fit import Fit
 from dashpot.workflow.study import Study
 
@@ -68,9 +68,11 @@ def library(name: str) -> Any:
 
 @singledispatch
 def frame(noun: object) -> UnitFrame:
-    """Return the numbers of a noun as columns: its own series."""
+    """Return the numbers of a noun as columns: its own series, or the facts of a result."""
     if isinstance(noun, Described) and noun.series:
         return _frame(**noun.series)
+    if isinstance(noun, Judged | Numbered) and noun.facts:
+        return _of_facts(noun.facts)
     raise DataError(f"a {type(noun).__name__} is no table")
 
 
@@ -85,8 +87,12 @@ def _frame(**columns: tuple[Any, str]) -> UnitFrame:
 
 @frame.register
 def _(noun: Fit) -> UnitFrame:
-    """One row per parameter of the solid, with its standard error and 95 % interval."""
-    rows = [one for one in noun.facts if not one.name.startswith("b")]
+    """Its facts, but for the dashpots that follow of k and tau."""
+    return _of_facts([one for one in noun.facts if not one.name.startswith("b")])
+
+
+def _of_facts(rows: Sequence[Fact]) -> UnitFrame:
+    """One row for each, with its standard error and 95 % interval."""
     return _frame(
         parameter=([one.name for one in rows], ""), value=(_column(rows, "value"), ""),
         standard_error=(_column(rows, "error"), ""), low=(_column(rows, "low"), ""),

@@ -7,13 +7,13 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
-from dashpot.base.offered import Pictured
+from dashpot.base.offered import Pictured, Series
 from dashpot.io.columns.kinds import RAMP, RECOGNISED, SWEEPS
 from dashpot.io.columns.roles import Assigned, accelerations, assign, find_column
 from dashpot.io.columns.vocabulary import Role
@@ -122,7 +122,7 @@ class Inspection(Pictured):
     simulated: bool = False
 
     @property
-    def series(self) -> Mapping[str, tuple[Any, str]]:
+    def series(self) -> Series:
         """A row for each column of the file."""
         columns = self.columns
         return {

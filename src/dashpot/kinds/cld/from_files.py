@@ -15,7 +15,7 @@ from dashpot.base.checks import Check, Checked, worst
 from dashpot.base.documents import Documented
 from dashpot.base.errors import ReadError
 from dashpot.base.facts import Fact
-from dashpot.base.offered import Judged
+from dashpot.base.offered import Judged, Series, columns
 from dashpot.base.student_t import t_quantile
 from dashpot.base.units import Quantity, Range, written
 from dashpot.io.options import ReadOptions
@@ -128,6 +128,24 @@ class Pieces(Checked, Judged, Documented):
     def unit(self) -> str:
         """Of a force."""
         return self.pieces[0].unit
+
+    @property
+    def series(self) -> Series:
+        """Of each piece what it shows at the nominal compression, as `CLD.per` gives it."""
+
+        def scaled(name: str) -> list[float]:
+            return [one.per * getattr(one.nominal, name) for one in self.pieces]
+
+        names = ["" if one.source is None else one.source.file for one in self.pieces]
+        unit, slope = self.unit, self.unit.replace("N", "N/m", 1)
+        return {
+            "piece": (names, ""),
+            **columns((one.nominal for one in self.pieces), compression="m"),
+            "loading": (scaled("loading"), unit), "loading_se": (scaled("loading_se"), unit),
+            "slope": (scaled("slope"), slope), "slope_se": (scaled("slope_se"), slope),
+            **columns((one.cycle for one in self.pieces), hysteresis=""),
+            **columns(self.pieces, set="m"),
+        }  # fmt: skip
 
     @property
     def sound(self) -> str:

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from dashpot.base.arrays import ByValue, FloatArray, hold_measured
 from dashpot.base.checks import Check, Checked
 from dashpot.base.documents import Documented
-from dashpot.base.offered import Described, Pictured
+from dashpot.base.offered import Described, Pictured, Series, arrays
 from dashpot.base.plausible import refuse_absurd_record
 from dashpot.base.provenance import Source, of_file
 from dashpot.base.said import into_si, said_units
@@ -70,12 +69,9 @@ class CompressionTest(ByValue, Described):
         refuse_absurd_record(self)
 
     @property
-    def series(self) -> Mapping[str, tuple[Any, str]]:
+    def series(self) -> Series:
         """Force over displacement, and time."""
-        return {
-            "displacement": (self.displacement, "m"), "force": (self.force, "N"),
-            "time": (self.time, "s"),
-        }  # fmt: skip
+        return arrays(self, displacement="m", force="N", time="s")
 
     @property
     def described(self) -> tuple[str, ...]:
@@ -344,12 +340,9 @@ class CLD(ByValue, Pictured, Checked, Documented):
         return met[-1] if met else None
 
     @property
-    def series(self) -> Mapping[str, tuple[Any, str]]:
+    def series(self) -> Series:
         """Force over compression, and time."""
-        return {
-            "compression": (self.compression, "m"), "force": (self.force, "N"),
-            "time": (self.time, "s"),
-        }  # fmt: skip
+        return arrays(self, compression="m", force="N", time="s")
 
     @property
     def sound(self) -> str:

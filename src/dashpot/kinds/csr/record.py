@@ -13,7 +13,7 @@ from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.facts import Fact, Numbered
 from dashpot.base.numbers import counted
-from dashpot.base.offered import Described, Judged, verb
+from dashpot.base.offered import Described, Judged, Series, arrays, verb
 from dashpot.base.provenance import Source, of_file
 from dashpot.base.said import into_si, said_units
 from dashpot.base.units import Quantity, celsius, written
@@ -81,6 +81,11 @@ class CounterforceTest(ByValue, Described):
                     "from the compression, the force from zero"
                 )
         tested_at("temperature", float(self.temperature.min()), float(self.temperature.max()))
+
+    @property
+    def series(self) -> Series:
+        """The readings: force, in the unit of the file, over time."""
+        return arrays(self, time="s", force="", temperature="K", piece="")
 
     @property
     def described(self) -> tuple[str, ...]:
@@ -202,11 +207,6 @@ class Aging(ByValue, Numbered, Judged, Documented):
     def source(self) -> Source | None:
         """The first file behind it."""
         return next(iter(self.sources), None)
-
-    @property
-    def facts(self) -> tuple[Fact, ...]:
-        """The same."""
-        return self.found
 
     @property
     def sound(self) -> str:

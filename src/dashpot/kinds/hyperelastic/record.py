@@ -13,7 +13,7 @@ from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.facts import Fact, Numbered
 from dashpot.base.numbers import counted
-from dashpot.base.offered import Described, Pictured
+from dashpot.base.offered import Described, Pictured, Series, arrays
 from dashpot.base.provenance import Source, of_file, sources_of
 from dashpot.base.said import into_si, said_units
 from dashpot.solids.hyperelastic import Hyperelastic, Mode
@@ -101,6 +101,11 @@ class StressStrainTest(ByValue, Described):
                 f"{MOST_POISSON:g}. Check its unit and its sign: it grows where the piece is "
                 "pressed, and falls where it is pulled"
             )
+
+    @property
+    def series(self) -> Series:
+        """Stress over stretch, and time."""
+        return arrays(self, stretch="1", stress="Pa", time="s")
 
     @property
     def described(self) -> tuple[str, ...]:

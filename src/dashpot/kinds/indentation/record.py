@@ -12,7 +12,7 @@ from dashpot.base.checks import Check
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.facts import Fact, Numbered
-from dashpot.base.offered import Described, Pictured
+from dashpot.base.offered import Described, Pictured, Series, arrays
 from dashpot.base.provenance import Source, of_file
 from dashpot.base.said import into_si, said_units
 from dashpot.base.units import Dimension
@@ -89,6 +89,11 @@ class IndentationTest(ByValue, Described):
     def step(self) -> float:
         """Between two samples, s."""
         return median(np.diff(self.time))
+
+    @property
+    def series(self) -> Series:
+        """The motion, and the force recorded beside it, over time."""
+        return {**arrays(self, time="s", force="N"), self.of: (self.signal, UNITS[self.of])}
 
     @property
     def described(self) -> tuple[str, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple, TypeAlias, overload
@@ -14,7 +15,7 @@ from dashpot.base.checks import Check, Checked
 from dashpot.base.documents import Documented
 from dashpot.base.facts import Fact
 from dashpot.base.numbers import counted
-from dashpot.base.offered import Described
+from dashpot.base.offered import Described, Series
 from dashpot.base.provenance import Source, Step
 from dashpot.base.units import Quantity, in_unit, written
 from dashpot.records.specimen import Specimen
@@ -130,6 +131,24 @@ class LevelFit(ByValue, Described, Checked, Documented):
     specimen: Specimen = field(default_factory=Specimen)
     steps: tuple[Step, ...] = ()
     at: tuple[PeakAtLevel, ...] = ()
+
+    @property
+    def series(self) -> Series:
+        """What stands side by side: the spring at rest, arms, sliders and a cubic spring."""
+        no, solid = math.nan, self.solid
+        arms = zip(solid.k, solid.tau, strict=True)
+        rows = [
+            ("k_inf", solid.k_inf, no, no, no),
+            *((f"arm {j}", k, tau, no, no) for j, (k, tau) in enumerate(arms, 1)),
+            *(
+                (f"slider {j}", one.k, no, one.yields_at, no)
+                for j, one in enumerate(self.sliders, 1)
+            ),
+            *[("cubic", no, no, no, self.k3)] * bool(self.k3),
+        ]
+        units = {"element": "", "k": "N/m", "tau": "s", "yields_at": "m", "k3": "N/m^3"}
+        each = zip(units.items(), zip(*rows, strict=True), strict=True)
+        return {name: (list(values), unit) for (name, unit), values in each}
 
     @property
     def digested(self) -> bool:

@@ -13,7 +13,7 @@ from dashpot.base.checks import Check, Checked
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.numbers import ascii_only, rounded
-from dashpot.base.offered import Described
+from dashpot.base.offered import Described, Series, arrays
 from dashpot.base.provenance import Source, of_file
 from dashpot.base.said import Dimensions, into_si, own_unit, said_units
 from dashpot.base.units import in_unit, read_in, written
@@ -92,6 +92,12 @@ class AmplitudeSweep(ByValue, Described):
                 f"unit '{self.unit}' of storage and loss, '{self.of}' of amplitude; expected 'Pa' "
                 "or 'N/m', and 'm' or 'strain'"
             )
+
+    @property
+    def series(self) -> Series:
+        """Storage and loss over amplitude."""
+        unit, of = self.unit, "m" if self.of == "m" else "1"
+        return arrays(self, amplitude=of, frequency="Hz", storage=unit, loss=unit, sd=unit)
 
     @property
     def described(self) -> tuple[str, ...]:
@@ -244,6 +250,22 @@ class AmplitudeFit(ByValue, Described, Checked, Documented):
             f"{100 * abs(ends[1] / ends[0] - 1):.2g} %, to {written(float(ends[1]), unit, '.3g')}. "
             f"The law follows it to {100 * self.residual:.2g} %"
         )
+
+    @property
+    def series(self) -> Series:
+        """The numbers of the law."""
+        unit, long = self.unit, self.of == "m"
+        units = {
+            "lost": "1" if self.law.startswith("factor") else unit,
+            "half_way": "m" if long else "1", "exponent": "1",
+            "k3": f"{unit}/m^2" if long else unit,
+        }  # fmt: skip
+        return {
+            "parameter": (list(self.constants), ""),
+            "value": (list(self.constants.values()), ""),
+            "standard_error": ([error for _, error in self.se], ""),
+            "unit": ([units[name] for name in self.constants], ""),
+        }
 
     @property
     def described(self) -> tuple[str, ...]:

@@ -8,7 +8,7 @@ from dashpot.base.arrays import ByValue, FloatArray
 from dashpot.base.checks import Check
 from dashpot.base.documents import Documented
 from dashpot.base.facts import Fact, Numbered
-from dashpot.base.offered import Described, Judged
+from dashpot.base.offered import Described, Judged, Series
 from dashpot.base.provenance import Source, of_file
 
 
@@ -48,6 +48,11 @@ class PluggedTest(ByValue, Described):
     source: Source | None = None
 
     @property
+    def series(self) -> Series:
+        """Its columns by their names."""
+        return {one.role or one.name: (one.values, one.unit) for one in self.columns}
+
+    @property
     def described(self) -> tuple[str, ...]:
         """Which file it is, and its columns."""
         named = ", ".join(f"{one.role or one.name} [{one.unit or '?'}]" for one in self.columns)
@@ -77,11 +82,6 @@ class PluggedFit(ByValue, Numbered, Judged, Documented):
     checks: tuple[Check, ...] = ()
     notes: tuple[str, ...] = ()
     sources: tuple[Source, ...] = ()
-
-    @property
-    def facts(self) -> tuple[Fact, ...]:
-        """Its numbers."""
-        return self.found
 
     @property
     def source(self) -> Source | None:

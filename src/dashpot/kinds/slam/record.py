@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 
@@ -14,7 +12,7 @@ from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.facts import Fact, Numbered
 from dashpot.base.numbers import counted
-from dashpot.base.offered import Described, Judged
+from dashpot.base.offered import Described, Judged, Series, arrays
 from dashpot.base.provenance import Source, of_file
 from dashpot.base.said import into_si, said_units
 from dashpot.records.fit import Fit
@@ -76,12 +74,9 @@ class SlamTest(ByValue, Described):
         return median(np.diff(self.time))
 
     @property
-    def series(self) -> Mapping[str, tuple[Any, str]]:
+    def series(self) -> Series:
         """Force and acceleration over time."""
-        return {
-            "time": (self.time, "s"), "force": (self.force, "N"),
-            "acceleration": (self.acceleration, "m/s^2"),
-        }  # fmt: skip
+        return arrays(self, time="s", force="N", acceleration="m/s^2")
 
     @property
     def described(self) -> tuple[str, ...]:

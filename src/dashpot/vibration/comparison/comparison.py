@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
 from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.documents import Documented
-from dashpot.base.offered import Pictured
+from dashpot.base.offered import Pictured, Series
 from dashpot.records.frf import FRF
 
 
@@ -205,7 +203,7 @@ class Comparison(Pictured, Documented):
         )
 
     @property
-    def series(self) -> Mapping[str, tuple[Any, str]]:
+    def series(self) -> Series:
         """Measured and predicted over frequency, and what parts them in standard deviations."""
         return {
             "frequency": (self.measured.frequency, "Hz"),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from pathlib import Path
@@ -17,7 +17,7 @@ from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
 from dashpot.base.facts import Fact
 from dashpot.base.numbers import where
-from dashpot.base.offered import Judged
+from dashpot.base.offered import Judged, Series
 from dashpot.base.plausible import SIZES
 from dashpot.fitting.temperature.checks import temperature_tested
 from dashpot.io.options import ReadOptions
@@ -215,7 +215,7 @@ class Prediction(Judged, Documented):
         return tuple(fact for one in of for fact in one.facts)
 
     @property
-    def series(self) -> Mapping[str, tuple[Any, str]]:
+    def series(self) -> Series:
         """The response over frequency."""
         return self.frf.series
 

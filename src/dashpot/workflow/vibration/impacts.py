@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -14,7 +14,7 @@ from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.facts import Fact
-from dashpot.base.offered import Judged
+from dashpot.base.offered import Judged, Series
 from dashpot.base.units import written
 from dashpot.base.version import byline
 from dashpot.io.options import ReadOptions
@@ -278,7 +278,7 @@ class Agreement(Judged, Documented):
     unseen: LeftOut | None = None
 
     @property
-    def series(self) -> Mapping[str, tuple[Any, str]]:
+    def series(self) -> Series:
         """Measured and predicted, line by line."""
         return self.comparison.series
 

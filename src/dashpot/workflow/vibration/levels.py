@@ -13,7 +13,7 @@ from dashpot.base.arrays import FloatArray, median
 from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.documents import Documented
 from dashpot.base.errors import ReadError
-from dashpot.base.offered import Judged
+from dashpot.base.offered import Judged, Series, columns
 from dashpot.base.provenance import Source
 from dashpot.base.units import Quantity, si
 from dashpot.io.options import ReadOptions
@@ -68,6 +68,15 @@ class Levels(Judged, Documented):
     at: tuple[PeakAtLevel, ...]
     checks: tuple[Check, ...]
     records: tuple[AmplitudeSweep | RelaxationTest | FRF, ...]
+
+    @property
+    def series(self) -> Series:
+        """As of the fit; of hits each with its motion, resonance and damping."""
+        if isinstance(self.fit, HitLevels):
+            return columns(
+                self.fit.hits, name="", peak="N", amplitude="m", frequency_hz="Hz", damping_ratio=""
+            )
+        return self.fit.series
 
     @property
     def verdict(self) -> Verdict:

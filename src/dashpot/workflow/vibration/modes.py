@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, overload
+from typing import overload
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.documents import Documented
 from dashpot.base.facts import Fact
 from dashpot.base.numbers import counted
-from dashpot.base.offered import Pictured
+from dashpot.base.offered import Pictured, Series, columns
 from dashpot.records.frf import FRF, Mode
 
 
@@ -91,15 +91,12 @@ class Modes(Pictured, Documented, Sequence[Mode]):
         return tuple(fact for mode in self for fact in mode.facts)
 
     @property
-    def series(self) -> Mapping[str, tuple[Any, str]]:
+    def series(self) -> Series:
         """The modes as a table."""
-        units = {"frequency": "Hz", "frequency_se": "Hz", "damping_ratio": "",
-                 "damping_ratio_se": ""}  # fmt: skip
-        columns = {
-            name: (np.array([getattr(mode, name) for mode in self]), unit)
-            for name, unit in units.items()
-        }
-        return {"mode": (np.arange(1, len(self) + 1), ""), **columns}
+        each = columns(
+            self, frequency="Hz", frequency_se="Hz", damping_ratio="", damping_ratio_se=""
+        )
+        return {"mode": (np.arange(1, len(self) + 1), ""), **each}
 
     @property
     def described(self) -> tuple[str, ...]:

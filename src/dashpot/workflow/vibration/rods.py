@@ -14,7 +14,7 @@ from dashpot.base.checks import Check, Verdict, verdict
 from dashpot.base.choices import FamilyAsked
 from dashpot.base.documents import Documented, plain
 from dashpot.base.errors import DataError, FitError
-from dashpot.base.offered import Judged
+from dashpot.base.offered import Judged, Series, arrays
 from dashpot.base.provenance import Step
 from dashpot.base.units import written
 from dashpot.fitting.checks.curves import end_level, plateau_told
@@ -88,6 +88,14 @@ class Rod(Judged, Documented):
         seen = tuple(one for one in self.frf.checks if one.name != scatter_known.name)
         own = (*seen, *self.modulus.checks)
         return own if self.fit is None else self.fit.checks
+
+    @property
+    def series(self) -> Series:
+        """The modulus over frequency."""
+        return arrays(
+            self.modulus, frequency="Hz", storage="Pa", storage_sd="Pa", loss_factor="",
+            loss_factor_sd="",
+        )  # fmt: skip
 
     @property
     def verdict(self) -> Verdict:

@@ -13,7 +13,7 @@ import numpy as np
 from dashpot.base.checks import Check, Checked
 from dashpot.base.documents import Documented
 from dashpot.base.errors import DataError
-from dashpot.base.offered import Judged
+from dashpot.base.offered import Judged, Series, columns
 from dashpot.base.units import in_unit, written
 from dashpot.io.options import ReadOptions
 from dashpot.io.readers.frf_set import read_frfs
@@ -68,6 +68,18 @@ class ModesByMass(Checked, Judged, Documented):
     tests: tuple[MeasuredModes, ...]
     together: SeveralMasses
     checks: tuple[Check, ...]
+
+    @property
+    def series(self) -> Series:
+        """The mode under each mass, and the stiffness of the seals there."""
+        of = self.together
+        return {
+            "mass": (list(of.masses), "kg"),
+            **columns(
+                of.modes, frequency="Hz", frequency_se="Hz", damping_ratio="", damping_ratio_se=""
+            ),
+            **columns(self.stiffness, storage="N/m", storage_se="N/m", loss="N/m", loss_se="N/m"),
+        }
 
     @property
     def each(self) -> tuple[UnderMass, ...]:
