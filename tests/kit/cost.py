@@ -186,7 +186,6 @@ KEPT: Mapping[str, int] = MappingProxyType({
     "io/test_bombs.py::test_what_is_linked_twice_is_read_once": 0,
     "io/test_child.py::test_a_child_that_is_led_astray_is_not_believed": 3,
     "io/test_child.py::test_whatever_it_does_is_a_sentence": 2,
-    "io/test_crafted.py::test_row": 160,
     "io/test_fuzz.py::test_long_and_strange": 0,  # test_wounded_text
     "io/test_fuzz.py::test_wounded_instruments": 5,
     "io/test_kinds.py::test_a_reader_takes_its_kind_and_says_of_others_what_they_are": 90,

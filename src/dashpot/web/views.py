@@ -5,7 +5,7 @@ Pure functions, tested without a server. Words, digits and marks are those of th
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from importlib import import_module, resources
 from typing import Any, NamedTuple
@@ -503,6 +503,10 @@ class ArmRow(NamedTuple):
     note: str = ""
 
 
+def _among(tau: float, known: Iterable[float]) -> bool:
+    return any(1 / ALIKE < tau / one < ALIKE for one in known)
+
+
 def arms_table(fit: Fit, *, alone: Fit | None = None) -> str:
     """The solid of one seal, one row an arm; those that no test `alone` shows are the hammer's.
 
@@ -514,17 +518,13 @@ def arms_table(fit: Fit, *, alone: Fit | None = None) -> str:
     pairs = [("spring at rest", "k_inf", "")]
     pairs += [(f"arm {j}", f"k_{j}", f"tau_{j}") for j in range(1, fit.model.arms + 1)]
     if "b" in known:
-        pairs.append(("dashpot", "b", ""))
+        pairs.append((f"dashpot, {known['b'].word}", "b", ""))
     rows = []
     for name, *of in pairs:
         facts = [known[one] for one in of if one in known]
         cells = [text for one in facts for text in (one.ends[0], _plus_minus(one))]
         marks = [term(one).mark for one in facts]
-        new = len(facts) > 1 and alone is not None and not any(
-            1 / ALIKE < facts[1].value / tau < ALIKE for tau in alone.model.tau
-        )  # fmt: skip
-        if name == "dashpot":
-            name += f", {facts[0].word}"  # noqa: PLW2901
+        new = len(facts) > 1 and alone is not None and not _among(facts[1].value, alone.model.tau)
         k, k_error, tau, tau_error = (*cells, "", "")[:4]
         mark = max(marks, key=answer.ORDER.index)
         rows.append(ArmRow(name, k, k_error, tau, tau_error, mark, "hammer" if new else ""))

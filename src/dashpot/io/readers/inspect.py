@@ -272,7 +272,25 @@ def _first(numbers: Sequence[int], values: FloatArray) -> _First:
 
 
 def _proposal(file: Opened, kind: str) -> tuple[dict[int, tuple[Role, str]], list[Question]]:
-    """Role and reason by column, and the questions left."""
+    """Role and reason by column, and the questions left: of the roles, and of the kind besides."""
+    roles, questions = _of_roles(file, kind)
+    if kind in {"frf", "transmissibility"}:
+        questions = _asks(lambda: settled(as_a_ratio(file)), "ROLE")
+    if kind in SWEEPS and not questions:
+        questions = _asks(lambda: swept(file), "ROLE")
+    if kind == "strain-sweep":
+        questions += _asks(lambda: amplitude_column(file), "strain")
+    if kind == "modulus":
+        questions += _asks(lambda: file.one_column("temperature"), "temperature")
+    if kind in RECOGNISED and RECOGNISED[kind].accelerated:
+        for found in _moved(file, list(roles)):
+            roles[found.index] = (found.role, found.reason)
+            questions += _asked(file, found.role, found)
+    return roles, questions
+
+
+def _of_roles(file: Opened, kind: str) -> tuple[dict[int, tuple[Role, str]], list[Question]]:
+    """Those of the roles that the kind has."""
     table, options = file.table, file.options
     clocks = own_clocks(table, options) if "displacement" in _usual(kind) else ()
     roles = {clock.index: (clock.role, clock.reason) for clock in clocks}
@@ -291,18 +309,6 @@ def _proposal(file: Opened, kind: str) -> tuple[dict[int, tuple[Role, str]], lis
             roles[answer.index] = (role, answer.reason)
         welcome = role in _WELCOME or (role == "time" and kind in _UNCLOCKED and _none(answer))
         questions += [] if welcome else _asked(file, role, answer)
-    if kind in {"frf", "transmissibility"}:
-        questions = _asks(lambda: settled(as_a_ratio(file)), "ROLE")
-    if kind in SWEEPS and not questions:
-        questions = _asks(lambda: swept(file), "ROLE")
-    if kind == "strain-sweep":
-        questions += _asks(lambda: amplitude_column(file), "strain")
-    if kind == "modulus":
-        questions += _asks(lambda: file.one_column("temperature"), "temperature")
-    if kind in RECOGNISED and RECOGNISED[kind].accelerated:
-        for found in _moved(file, list(roles)):
-            roles[found.index] = (found.role, found.reason)
-            questions += _asked(file, found.role, found)
     return roles, questions
 
 

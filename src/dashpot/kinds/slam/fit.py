@@ -87,20 +87,11 @@ def fit_slams(
         for place, test in enumerate(records, 1)
         for one in slams_of(test, kg, test.source.file if test.source else f"record {place}")
     )
-    said = [slam] if isinstance(slam, str | float | int) else list(slam)
-    if len(said) > len(hits):
-        raise DataError(
-            f"--slam was given {len(said)} times, and {len(hits)} slams were found. Give the speed "
-            "of each slam, in their order"
-        )
-    known = [Approach.of(one) for one in said]
-    pulls = [one.pull for one in known]
-    pulls += [pulls[-1] if pulls else 0.0] * (len(hits) - len(known))
-    speeds = [one.speed for one in known] + [np.nan] * (len(hits) - len(known))
+    speeds, pulls = _approaches(slam, len(hits))
     longer = _longer(records, fit)
     if law is None:
         law = SlamLaw.free() if fit is None else SlamLaw.of(fit, longer)
-    slams = Slams(hits, kg, np.array(pulls), np.array(speeds), speed_sd, law, Memory.of(fit))
+    slams = Slams(hits, kg, pulls, speeds, speed_sd, law, Memory.of(fit))
     best = slams.solved()
     if best is None:
         raise FitError(
@@ -109,6 +100,20 @@ def fit_slams(
         )
     found = estimate(best, parts=[len(one.time) for one in hits], prior_variance=1.0)
     return _SlamsSolved(tuple(records), slams, found, fit).whole
+
+
+def _approaches(slam: Quantity | Sequence[Quantity], count: int) -> tuple[FloatArray, FloatArray]:
+    """Speed, NaN where it is free, and pull of so many slams; those not given are pulled alike."""
+    said = [slam] if isinstance(slam, str | float | int) else list(slam)
+    if len(said) > count:
+        raise DataError(
+            f"--slam was given {len(said)} times, and {count} slams were found. Give the speed "
+            "of each slam, in their order"
+        )
+    known = [Approach.of(one) for one in said]
+    pulls, free = [one.pull for one in known], count - len(known)
+    pulls += [pulls[-1] if pulls else 0.0] * free
+    return np.array([*(one.speed for one in known), *[np.nan] * free]), np.array(pulls)
 
 
 def _longer(records: Sequence[SlamTest], fit: Fit | None) -> float:

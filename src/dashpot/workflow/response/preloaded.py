@@ -275,19 +275,16 @@ class _AtLevels:
         swept = self.here.sweep(level=force, frequency=lines)
         lasting = [one for one in swept if one.stable]
         near = [one for one in lasting if ends[0] <= one.frequency <= ends[1]]
-        size = [self.size(one) for one in near]
-        top = int(np.argmax(size)) if size else 0
-        if top in {0, max(len(size) - 1, 0)}:
+        top = int(np.argmax([self.size(one) for one in near])) if near else 0
+        if top in {0, max(len(near) - 1, 0)}:
             raise DataError(
                 f"at {level:g} {unit_of(self.kind)} no resonance is found between {ends[0]:.4g} "
                 f"and {ends[1]:.4g} Hz, of answers that last; ask for a lower level"
             )
         jumps = self.here.jumps(swept)
-        low, high = near[top - 1], near[top + 1]
-        into = [one for one in jumps if low.frequency < one.after.frequency <= near[top].frequency]
-        out = [one for one in jumps if near[top].frequency <= one.before.frequency < high.frequency]
+        into, out = _jumps_beside(near[top - 1], near[top], near[top + 1], jumps)
         run, best = self._summit(
-            force, into[0].after if into else low, out[0].before if out else high
+            force, into.after if into else near[top - 1], out.before if out else near[top + 1]
         )
         # both sides of a jump, between which nothing is to be drawn
         known = {one.frequency: one for one in (*lasting, *(end for one in jumps for end in one))}
@@ -302,7 +299,7 @@ class _AtLevels:
             _unsteady(lines, lasting),
             jumps,
             self.frf(shown),
-            self.interval(run, best, into[0] if into else None, shown),
+            self.interval(run, best, into, shown),
         )
 
     def _summit(self, force: float, start: Orbit, last: Orbit) -> tuple[list[Orbit], int]:
@@ -403,6 +400,15 @@ class _AtLevels:
             apart = few[1].frequency - few[0].frequency
             return lambda of: (of(few[1]) - of(few[0])) / apart
         return lambda of: _parabola(few)[1] @ [of(one) for one in few]
+
+
+def _jumps_beside(
+    low: Orbit, top: Orbit, high: Orbit, jumps: Sequence[Jump]
+) -> tuple[Jump | None, Jump | None]:
+    """The jump into the largest response from the one below it, and out of it to the one above."""
+    into = (one for one in jumps if low.frequency < one.after.frequency <= top.frequency)
+    out = (one for one in jumps if top.frequency <= one.before.frequency < high.frequency)
+    return next(into, None), next(out, None)
 
 
 def _parabola(three: Sequence[Orbit]) -> FloatArray:
