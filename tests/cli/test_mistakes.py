@@ -364,7 +364,7 @@ MISTAKES = (
      "plan --frequency 12Hz --seal paper"),
     ("record --driver replay -o x.csv", "add --from FILE", ""),
     ("record --driver serial -o x.csv", "add --port", ""),
-    ("demo --all", "add --files", "demo --files -o shown"),
+    ("demo --all", "Add --files", "demo --files -o shown"),
 )  # fmt: skip
 """What is typed, what must be said of it, and what is typed by who heeds that."""
 

@@ -159,7 +159,7 @@ def test_what_cannot_be_asked_is_refused(paper_seal: GeneralizedMaxwell) -> None
         FitError, match=r"at several temperatures .* leave out .*--elastic by-depth"
     ):
         fit_depths([warm, chilled])
-    with pytest.raises(FitError, match=r"a nonlinear law .*: leave out --thorough"):
+    with pytest.raises(FitError, match=r"a nonlinear law has .* Leave out --thorough"):
         fit(warm, law="nonlinear", thorough=True)
     with pytest.raises(FitError, match="found 1 test; a depth law needs at least two depths"):
         fit_depths([one])
