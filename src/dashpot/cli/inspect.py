@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from dashpot import workflow
+from dashpot.base.numbers import counted
 from dashpot.base.units import written
 from dashpot.cli import _options as options_of
 from dashpot.cli._grammar import group, opt, verb
@@ -145,7 +146,7 @@ def _columns(found: InspectedFile) -> list[str]:
     )
     lines = [f"  format    {', '.join(part for part in how if part)}"]
     if found.header:
-        lines.append(f"  header    {len(found.header)} lines above the table")
+        lines.append(f"  header    {counted(len(found.header), 'line')} above the table")
     rows = [["  #", "column", "unit", "role", "because"]]
     rows += [
         [
