@@ -199,7 +199,7 @@ def test_the_first_line_of_a_fit_is_its_verdict_and_the_optimiser_stands_below()
     assert lines[0] == "Do not use: a stop. Do that."
     assert any(line.split()[:1] == ["optimiser"] for line in lines)
     assert "1 failed, 1 note, 1 not applicable" in "\n".join(lines)
-    assert lines[-2:] == ["  !! (see the first line) (--band 1:5Hz) a_stop", "  - A note. a_note"]
+    assert lines[-2:] == ["  !! (see line 1) (--band 1:5Hz) a_stop", "  - A note. a_note"]
     document = json.loads(to_json(fit))
     assert document["ok"] is False
     assert [check["passed"] for check in document["checks"]] == [False, None, False]
@@ -213,7 +213,7 @@ def test_a_check_says_below_the_verdict_what_that_left_out() -> None:
     assert str(judged).startswith("Use with care: the end falls.")
     lines = click.unstyle("\n".join(shown(Text(["text"]), judged, (check,)))).splitlines()
     below = " ".join(lines[lines.index("text") + 2 :])
-    assert below.startswith("  ! (see the first line) It fell by 88 %")
+    assert below.startswith("  ! (see line 1) It fell by 88 %")
     assert "(--hold 9s)" in below
     assert "The end falls" not in below
     assert "Go on" not in below

@@ -258,7 +258,7 @@ def test_the_command_line_takes_it(recorded, tmp_path):
         ("mm", "mm/(m/s^2)", "relative", "Use with care: "),
         ("mm", "(mm/s)/(m/s^2)", "absolute", "is not that of a mass over its base"),
         ("mm", "m/(m/s^2)", "relative", "times that of a mass on a spring"),
-        ("mm", "mm/(m/s^2)", "absolute", "(see the first line) (--relative) mass_over_base"),
+        ("mm", "mm/(m/s^2)", "absolute", "(see line 1) (--relative) mass_over_base"),
         ("mm", "", "relative", "no unit"),
     ],
 )

@@ -154,7 +154,7 @@ def _check(check: Check, verdict: Verdict | None, style: Style, columns: int) ->
     above = set() if verdict is None else {lowered(one) for one in sentences(verdict.says)}
     new = [one for one in sentences(check.told) if lowered(one) not in above]
     if lowered(sentences(check.told)[0]) in above:
-        says = says.replace(check.told, " ".join(["(see the first line)", *new]))
+        says = says.replace(check.told, " ".join(["(see line 1)", *new]))
     first, *others = _coloured(
         f"  {mark}", f"{says} {check.name}", colour, style, hang=5, columns=columns
     )
