@@ -273,7 +273,7 @@ def _figures(found: DoorResult | None, closed: ClosingResult | None) -> Iterator
         done = closed.closing
         yield _one("waterfall", waterfall(done), _THIRD, "What each term takes of the energy")
         if done.scatter is not None and np.isfinite(done.scatter.speed).any():
-            panel = doors_panel(done, done.scatter, height=220.0)
+            panel = doors_panel(done, done.scatter, height=205.0)
             yield _one("doors", panel, _THIRD, "The least speeds of doors within their tolerances")
 
 
