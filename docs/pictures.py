@@ -22,7 +22,9 @@ from dashpot.door.record import ShearChoice
 from dashpot.solids.table_1 import PAPER
 
 if TYPE_CHECKING:
-    from playwright.sync_api import Browser
+    from typing import Any
+
+    from playwright.sync_api import Browser, Page
 
 DOCS = Path(__file__).parent
 HERO = DOCS / "pictures" / "hero.png"
@@ -59,6 +61,10 @@ That of the paper makes figure_2.svg, figure_4.svg and figure_6.svg.
 """
 PRINTED = "fit seal_8mm.csv"
 """The command whose output is shown as a shell shows it."""
+WINDOW = {"width": 1366, "height": 768}
+"""Of the app, px."""
+STATE = {"x": 188, "y": 44, "width": 834, "height": 460}
+"""Where tabs, verdict and response stand in it."""
 SEALS, REPEATS = (1.0, 1.03, 0.98, 1.01), 3
 """Stiffnesses of the seals of a lot over that of the paper, and the tests of each."""
 
@@ -195,19 +201,74 @@ def app() -> bool:
 
 
 def _photographed(browser: Browser, address: str) -> None:
-    page = browser.new_page(viewport={"width": 1366, "height": 768})
+    page = browser.new_page(viewport=WINDOW)
     page.set_default_timeout(120_000)
     page.goto(address)
     page.locator("body[data-ready=true]").wait_for()
     page.get_by_role("button", name="Try the example").click()
     done = page.get_by_role("status").filter(has_text="done in")
-    done.wait_for()
+
+    def taken(name: str, **how: Any) -> None:
+        page.screenshot(path=GALLERY / f"app_{name}.png", **how)
+
+    def studied() -> None:
+        page.locator("#verdict:not(.open)").wait_for()
+        done.wait_for()
+
+    studied()
+    _held(page)
+    taken("drag", clip=STATE)
+    page.mouse.up()
+    page.get_by_role("slider", name="ramp end").press("Home")
+    studied()
+    page.get_by_role("tab", name="both tests").click()
+    studied()
     page.screenshot(path=GALLERY / "app.png")
+    page.emulate_media(color_scheme="dark")
+    taken("dark")
+    page.emulate_media(color_scheme="light")
+    page.get_by_role("tab", name="A | B").click()
+    page.locator("#ab-table table").wait_for()
+    done.wait_for()
+    taken("against")
+    page.get_by_role("tab", name="both tests").click()
+    studied()
+    page.set_viewport_size({"width": 390, "height": 844})
+    page.get_by_role("status").filter(has_not_text="done in").wait_for()
+    studied()
+    taken("phone")
+    page.set_viewport_size(WINDOW)
     page.locator("#files .file").filter(has_text="hammer.csv").click()
     page.locator("#hit-table .pulse").first.wait_for()
-    done.wait_for()
-    page.screenshot(path=GALLERY / "app_hits.png")
+    studied()
+    taken("hits")
+    for hit in page.locator("[data-hit]").all():
+        hit.uncheck()
+    page.get_by_role("button", name="Accept all that pass").wait_for()
+    page.locator("#files .file").filter(has_text="seal_8mm.csv").click()
+    page.get_by_role("button", name="Accept all that pass").wait_for()
+    taken("refused", clip=STATE)
+    page.get_by_role("button", name="Accept all that pass").click()
+    page.locator("#verdict.good").wait_for()
+    page.get_by_role("tab", name="relaxation alone").click()
+    page.locator("#mass").fill("120")
+    page.locator("#mass").press("Enter")
+    page.get_by_text("Mass 120 g. The hammer is compared.").wait_for()
+    taken("working", clip=STATE)
+    page.get_by_role("button", name="Cancel").click()
+    page.get_by_role("button", name="Judge it").wait_for()
+    taken("cancelled", clip=STATE)
     browser.close()
+
+
+def _held(page: Page) -> None:
+    """Take the end of the ramp, and move it."""
+    box = page.get_by_role("slider", name="ramp end").bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + 30
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + 4, y, steps=4)
+    page.locator("#verdict").filter(has_text="N/mm, was").wait_for()
 
 
 if __name__ == "__main__":

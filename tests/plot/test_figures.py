@@ -25,7 +25,19 @@ from dashpot.fitting.relaxation import fit
 from dashpot.plot.direct import averaged, quantities
 from dashpot.plot.impact import force_spectrum
 from dashpot.plot.lines import half_power, phase_axis, smooth, turned
-from dashpot.plot.picture import Area, Dots, Rule, Span, Tag, unit_of
+from dashpot.plot.picture import (
+    Area,
+    Dots,
+    Line,
+    Panel,
+    Pen,
+    Picture,
+    Rule,
+    Scale,
+    Span,
+    Tag,
+    unit_of,
+)
 from dashpot.plot.relaxation import fits_to_show, fitted_force
 from dashpot.plot.ticks import numbers
 from dashpot.preparation.prepare import prepare
@@ -450,6 +462,16 @@ def test_a_joint_fit_that_fails_looks_failed():
         labels = {mark.label for mark in picture.key}
         assert "joint fit, failed" in labels
         assert "joint solid" not in labels
+
+
+def test_a_tag_takes_a_line_of_its_own_panel_from_the_key_and_none_of_another():
+    axes = Scale("x", (0.0, 1.0)), Scale("y", (0.0, 1.0))
+    line = Line(np.array([0.0, 1.0]), np.array([0.0, 1.0]), Pen("fit", 1.0), "latch")
+    tag = Tag(1.0, 1.0, "latch", "ink", end=True)
+    apart = Picture("apart", "", ((Panel(*axes, (tag,)),), (Panel(*axes, (line,)),)))
+    beside = Picture("beside", "", ((Panel(*axes, (tag, line)),), (Panel(*axes, (line,)),)))
+    assert [mark.label for mark in apart.key] == ["latch"]
+    assert beside.key == ()
 
 
 def test_a_resonance_without_damping_does_not_stretch_the_axis():

@@ -272,14 +272,18 @@ class Picture:
     def key(self) -> tuple[Keyed, ...]:
         """One mark for each label: what was measured, then the others as they are drawn.
 
-        What a tag names at its line stands in no key.
+        What a tag names at its line stands in no key; a tag of another panel names no line.
         """
-        marks = [mark for panel in self.panels for mark in panel.marks]
-        named = {mark.text for mark in marks if isinstance(mark, Tag)}
         found: dict[str, Keyed] = {}
-        for mark in marks:
-            if not isinstance(mark, Tag) and mark.label and mark.label not in named:
+        named: set[str] = set()
+        for panel in self.panels:
+            tags = {mark.text for mark in panel.marks if isinstance(mark, Tag)}
+            keyed = [mark for mark in panel.marks if not isinstance(mark, Tag) and mark.label]
+            named |= {mark.label for mark in keyed if mark.label in tags}
+            for mark in keyed:
                 found.setdefault(mark.label, mark)
+        for label in named:
+            del found[label]
         return tuple(sorted(found.values(), key=lambda mark: mark.label != "measured"))
 
     def __repr__(self) -> str:

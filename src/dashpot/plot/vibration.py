@@ -476,16 +476,17 @@ def _peaks(curves: Sequence[Curve], unit: str) -> list[Tag]:
 
     A joint fit that failed has none: its key says so.
     """
-    inks = {MEASURED: "measured", PREDICTED: "fit", JOINT: "joint-ink", SIMPLER[0]: "ref"}
+    inks = {"joint": "joint-ink", "ref": "soft"}
     dots: dict[Pen, Literal["filled", "hollow"]] = {MEASURED: "filled", PREDICTED: "hollow"}
     tags = []
     for one in sorted(curves, key=lambda one: one.pen is not MEASURED):
-        if one.peak is None or one.pen not in inks:
+        if one.peak is None or one.pen is REJECTED:
             continue
         hz, height = one.peak
         text = f"{one.label.partition(' from')[0]} {rounded(hz, digits=4)} Hz, {rounded(height)}"
+        ink = inks.get(one.pen.colour, one.pen.colour)
         tags.append(
-            Tag(hz, height, f"{text} {unit}", inks[one.pen], dots.get(one.pen, ""),
+            Tag(hz, height, f"{text} {unit}", ink, dots.get(one.pen, ""),
                 bold=one.pen is MEASURED)
         )  # fmt: skip
     return tags

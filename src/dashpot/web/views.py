@@ -97,8 +97,8 @@ UNSEEN = (400.0, 180.0)
 """Of one that is not shown yet, px."""
 AT_ITS_LINE = {"displacement", "coherence"}
 """What is named where it is drawn, and in no key."""
-NARROWEST = 160.0
-"""Of a drawing, px."""
+NARROWEST, NARROW = 160.0, 480.0
+"""Of a drawing, px; below which two peaks are named and no third."""
 SHARE = {1: (1.0,), 2: (0.6, 0.4), 3: (0.56, 0.26, 0.18)}
 """Of the height of a drawing, to each of its panels."""
 PULSE, PART = (88, 26), 0.1
@@ -288,6 +288,8 @@ def study_panel(study: Study, sizes: Sizes, title: str, *, phase: bool = False) 
     if study.prediction is None:
         return ""
     curves, limits = _responses(study)
+    if sizes.get("frf", UNSEEN)[0] < NARROW:
+        curves = [replace(one, peak=None) if one.pen is REF else one for one in curves]
     panel = magnitude_panel(curves, limits, view=about_peaks(curves), tagged=True)
     below: tuple[Panel, ...] = ()
     if phase:

@@ -9,7 +9,7 @@ from kit.pictures import first, lines, marks
 
 from dashpot import plot
 from dashpot.kinds.level.prepare import steady_cycles, sweep_of_loops
-from dashpot.plot.picture import Dots
+from dashpot.plot.picture import Dots, Tag
 
 pytestmark = pytest.mark.once
 
@@ -65,7 +65,16 @@ def test_levels_are_drawn_with_one_solid_and_its_backbone():
     found, frfs = levels.followed(), levels.frfs()
     sizes, storage, loss = plot.level(found, frfs).panels
     dots, fits = marks(sizes, Dots), [one for one in lines(sizes) if one.pen.colour == "fit"]
-    assert [one.label for one in dots] == ["0.005 N", "0.05 N", "0.5 N"]
+    # each is named at its peak
+    tags = [mark for mark in sizes.marks if isinstance(mark, Tag)]
+    assert [one.text.partition(":")[0] for one in tags] == ["0.005 N", "0.05 N", "0.5 N"]
+    for tag, one in zip(tags, dots, strict=True):
+        top = int(one.y.argmax())
+        # between the lines it is higher
+        assert tag.x == pytest.approx(one.x[top], rel=0.03)
+        assert one.y[top] * 0.999 < tag.y < 1.2 * one.y[top]
+        assert tag.colour == one.colour
+        assert f"{tag.x:.2f} Hz" in tag.text
     for one, fit, frf in zip(dots, fits, frfs, strict=True):
         assert one.y == pytest.approx(np.abs(frf.value))
         assert np.interp(one.x, fit.x, fit.y) == pytest.approx(one.y, rel=0.05)

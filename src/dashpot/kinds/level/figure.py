@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from dashpot.base.arrays import FloatArray
+from dashpot.base.numbers import rounded
 from dashpot.base.provenance import sources_of
 from dashpot.base.units import in_unit
 from dashpot.kinds.level.fit_frfs import rows_at_level
@@ -30,6 +31,7 @@ from dashpot.plot.picture import (
     Pen,
     Picture,
     Scale,
+    Tag,
     around,
     around_log,
     read_as,
@@ -272,6 +274,7 @@ def _magnitudes(fit: LevelFit, frfs: Sequence[FRF]) -> Panel:
     dense = np.linspace(*fit.band, _LINES)
     marks: list[Mark] = []
     fits: list[Mark] = []
+    tags: list[Mark] = []
     shown = []
     for i in np.argsort(fit.levels):
         colour = sequential(len(frfs))[int(np.searchsorted(np.sort(fit.levels), fit.levels[i]))]
@@ -282,7 +285,10 @@ def _magnitudes(fit: LevelFit, frfs: Sequence[FRF]) -> Panel:
         size = scale * np.abs(lines.value)
         curve = receptance_at_level(fit, force, dense).to(kind, mass=fit.mass)
         y = scale * np.abs(curve.value)
-        marks.append(Dots(lines.frequency, size, colour, said))
+        top = int(np.argmax(y))
+        peak = f"{said}: {rounded(float(dense[top]), digits=4)} Hz, {rounded(float(y[top]))} {unit}"
+        marks.append(Dots(lines.frequency, size, colour, "" if fits else "measured"))
+        tags.append(Tag(float(dense[top]), float(y[top]), peak, colour))
         fits.append(Line(dense, y, _THIN, "" if fits else "fit"))
         shown += [size, y]
     limits = around_log(*shown)
@@ -291,7 +297,7 @@ def _magnitudes(fit: LevelFit, frfs: Sequence[FRF]) -> Panel:
     spine = Line(np.where(inside, f, np.nan), scale * height, REF, "backbone")
     label = f"{kind.value.replace('_', ' ')}, {unit}"
     return Panel(
-        Scale(FREQUENCY, fit.band), Scale(label, limits, log=True), (spine, *fits, *marks),
+        Scale(FREQUENCY, fit.band), Scale(label, limits, log=True), (spine, *fits, *marks, *tags),
         title="at each level", height=_HEIGHT,
     )  # fmt: skip
 

@@ -222,7 +222,7 @@ function changed(/** @type {string} */ before, /** @type {string} */ after) {
     } else if (name === "hammer") {
       words.push(`hits rejected: ${b.hammer.reject.join(", ") || "none"}`);
     } else if (name === "specimen") words.push("specimen");
-    else words.push(`${name} ${b[name] || "not given"}`);
+    else words.push(`${name} ${String(b[name] || "not given").replace(/(\d)(?=[a-z])/, "$1 ")}`);
   }
   if (was[1] !== now[1]) words.push(now[1] ? "both tests" : "relaxation alone");
   if (was[2] !== now[2]) words.push(now[2] ? "its base moves" : "a force on it");
@@ -250,6 +250,12 @@ export function remember() {
   if (past.length > STEPS_BACK) past.shift();
   $("undo").hidden = past.length < 2;
   call("PUT", "/api/state", JSON.stringify(state)).catch(() => {});
+}
+
+/** What was chosen last, as a sentence; nothing of what was only opened. */
+export function chosen() {
+  const said = state.past.length > 1 ? state.past.at(-1)?.words || "" : "";
+  return said && `${said[0].toUpperCase()}${said.slice(1)}. `;
 }
 
 /** What was chosen so far, the last first. */

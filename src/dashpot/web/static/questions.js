@@ -2,6 +2,7 @@
 import { $, all, atWork, field, made, panelCard, put, status } from "./dom.js";
 import {
   alike,
+  chosen,
   door,
   hammers,
   isBench,
@@ -107,11 +108,11 @@ export function cancel() {
 /** The fit with its intervals and checks, and every panel of the test. */
 export function settle(again = false) {
   const now = question();
-  asks(now, "The file is fitted.");
+  remember();
+  asks(now, `${chosen()}The file is fitted.`);
   choices();
   fields();
   views();
-  remember();
   const of = test(), alone = bench(), lot = state.current === LOT;
   if (lot || alone || !of) ["settle", "slow"].forEach(forget);
   if (lot) return;
@@ -305,7 +306,10 @@ export function study(again = false) {
   if (!test()) return;
   if (state.against) return compare();
   const now = question();
-  asks(now, hammers().length ? "The hammer is compared." : "Its limits are sought.");
+  asks(
+    now,
+    `${chosen()}${hammers().length ? "The hammer is compared." : "Its limits are sought."}`,
+  );
   slowly("study", { job: job(), sizes: sizes(), base: state.base, phase: state.phase }, (head) => {
     studied(head);
     knows(now, head, !head.hint);
