@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -25,7 +26,7 @@ from dashpot.workflow.job import Job
 from dashpot.workflow.kept import history, verification
 from dashpot.workflow.kept import project as folder
 from dashpot.workflow.kept.archive import to_json
-from dashpot.workflow.kept.verification import same_page, verify
+from dashpot.workflow.kept.verification import difference, same_page, verify
 from dashpot.workflow.study import run
 
 WRITES = 11
@@ -426,6 +427,74 @@ def test_a_result_that_was_changed_and_hashed_again_is_found(kept, kind):
     assert failures(kept) == ["page_redrawn" if kind == "html" else "result_recomputed"]
 
 
+@pytest.mark.parametrize(
+    "word", ["NaN", "Infinity", "-1e999", "1" + "0" * 400, "true", "null", '"0.09"']
+)
+def test_what_is_no_finite_number_is_no_rounding_of_one(kept, word):
+    lines = entries(kept)
+    listed = next(one for one in lines[0]["outputs"] if one["file"].endswith(".fit.json"))
+    place = kept.folder / listed["file"]
+    place.write_text(re.sub(r'("k_inf": )[-0-9.e]+', rf"\g<1>{word}", place.read_text(), count=1))
+    listed["sha256"] = history.sha256(place.read_bytes())
+    rewritten(kept, lines)
+    assert failures(kept) == ["result_recomputed"]
+
+
+def test_true_is_not_one(kept):
+    assert difference({"a": 1}, {"a": True})[0] == np.inf
+    assert difference({"a": 1, "b": 0.0}, {"a": 1.0, "b": -0.0})[0] == 0.0
+    assert difference({"a": np.nan}, {"a": np.nan})[0] == 0.0
+    assert difference({"a": 2.0}, {"a": 1.0})[0] == 0.5
+
+
+def _one_more(kept, line, kind, named):
+    """A forged file beside that of a line, which the line lists first."""
+    place = kept.folder / next(one["file"] for one in line["outputs"] if one["file"].endswith(kind))
+    forged = place.with_name(named + kind)
+    forged.write_text(place.read_text().replace("0", "1"))
+    listed = {"file": forged.relative_to(kept.folder).as_posix()}
+    line["outputs"].insert(0, listed | {"sha256": history.sha256(forged.read_bytes())})
+
+
+def _renamed(kept, line, kind):
+    listed = next(one for one in line["outputs"] if one["file"].endswith(kind))
+    place = kept.folder / listed["file"]
+    listed["file"] = listed["file"].replace(place.name, "0" * 16 + kind)
+    place.rename(kept.folder / listed["file"])
+
+
+def _swapped(lines, kind):
+    first, second = (
+        next(one for one in line["outputs"] if one["file"].endswith(kind)) for line in lines
+    )
+    for key in first:
+        first[key], second[key] = second[key], first[key]
+
+
+LISTS = {
+    "another fit": lambda kept, lines: _one_more(kept, lines[0], ".fit.json", "f" * 16),
+    "another report": lambda kept, lines: _one_more(kept, lines[0], ".html", "f" * 16),
+    "a report without a name": lambda kept, lines: _one_more(kept, lines[0], ".html", "good"),
+    "one file renamed": lambda kept, lines: _renamed(kept, lines[0], ".fit.json"),
+    "all files renamed": lambda kept, lines: [
+        _renamed(kept, lines[0], kind) for kind in (".fit.json", ".html", ".json")
+    ],
+    "files of two results swapped": lambda _, lines: _swapped(lines, ".fit.json"),
+    "a file that was not read": lambda kept, lines: lines[0]["inputs"].append(
+        {"file": "raw/more.csv", "sha256": history.sha256(b"1")}
+    ),
+}
+
+
+@pytest.mark.parametrize("how", LISTS)
+def test_a_line_lists_what_its_job_reads_and_makes_and_no_more(kept, how):
+    lines = entries(kept)
+    (kept.folder / "raw" / "more.csv").write_bytes(b"1")
+    LISTS[how](kept, lines)
+    rewritten(kept, lines)
+    assert "result_recomputed" in failures(kept)
+
+
 def test_another_version_may_draw_another_page(kept):
     lines = entries(kept)
     for line in lines:
@@ -443,6 +512,9 @@ def test_another_version_may_draw_another_page(kept):
         ("f = 12.710 Hz", "f = 12.712 Hz", False),
         ("f = 12.71 Hz", "f = 12.75 Hz", False),
         ("f = 13 Hz", "f = 12.71 Hz", False),
+        ("All 14 checks passed", "All 13 checks passed", False),
+        ("opacity:1", "opacity:0", False),
+        ("-14", "-13", False),
         ("f = 12.7999 Hz", "f = 12.7 Hz", False),
         ("f = 12.69999 Hz", "f = 12.7 Hz", True),
         ("f = 10.0 Hz", "f = 9.9999 Hz", True),

@@ -20,7 +20,7 @@ So dashpot may be killed at any point: what has no line of history has not happe
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -33,7 +33,7 @@ from dashpot.base.parsing import parsed_toml
 from dashpot.io.options import ReadOptions, dump_profile
 from dashpot.io.source import missing, open_raw
 from dashpot.workflow.job import Job, with_paths
-from dashpot.workflow.kept.archive import to_json
+from dashpot.workflow.kept.archive import document, to_json
 from dashpot.workflow.kept.history import Listed, append, file_of, read_history, sha256
 from dashpot.workflow.study import Study, run
 
@@ -134,8 +134,7 @@ def record(project: Project, job: Job, *, page: Callable[[Study], str]) -> tuple
         inputs = {path: sha256((project.folder / path).read_bytes()) for path in paths_of(kept)}
         study = run(inside(project, kept))
         made = contents(study, page)
-        # two questions may have one answer, but not one report
-        name = sha256(to_json(kept).encode() + made["records/.json"])[:NAME]
+        name = name_of(document(kept), made["records/.json"])
         outputs = {place.replace("/.", f"/{name}."): each for place, each in made.items()}
         stated = profiles(kept)
         for place, content in (stated | outputs).items():
@@ -154,6 +153,12 @@ def record(project: Project, job: Job, *, page: Callable[[Study], str]) -> tuple
             ),
         )
     return study, project.folder / f"reports/{name}.html"
+
+
+def name_of(job: Mapping[str, Any], result: bytes) -> str:
+    """Return the name of a result: two questions may have one answer, but not one report."""
+    asked = json.dumps(job, indent=2, ensure_ascii=False)
+    return sha256(asked.encode() + result)[:NAME]
 
 
 def contents(study: Study, page: Callable[[Study], str]) -> dict[str, bytes]:

@@ -6,6 +6,7 @@ import base64
 import json
 import re
 from collections.abc import Callable
+from decimal import Decimal
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +26,7 @@ from dashpot.workflow.kept.project import (
     Project,
     contents,
     inside,
+    name_of,
     numbers,
     paths_of,
     profiles,
@@ -120,15 +122,15 @@ def _again(project: Project, line: HistoryLine, page: Callable[[Study], str]) ->
     if unlisted:
         return [checks.inputs_listed(unlisted, line.line)]
     made = contents(run(inside(project, job)), page)
-    kept = {
-        _kind(one.file): within(project, one.file).read_bytes()
-        for one in line.outputs
-        if not one.file.startswith("profiles/")
-    }
-    if kept.keys() != made.keys():
-        return [checks.result_recomputed(float("inf"), "it keeps other files", line.line)]
+    kept = {_kind(one.file): within(project, one.file).read_bytes() for one in line.outputs}
     # another version may word and draw the same numbers otherwise
     alike = line.software == software()
+    names = {match[1] for one in line.outputs if (match := _NAMED.search(one.file))}
+    other = kept.keys() != made.keys() or len(kept) != len(line.outputs) or len(names) != 1
+    if other or (alike and names != {name_of(line.job, kept["records/.json"])}):
+        return [checks.result_recomputed(float("inf"), "it keeps other files", line.line)]
+    if any(one.file not in needed for one in line.inputs):
+        return [checks.result_recomputed(float("inf"), "its job reads fewer files", line.line)]
     worst, where = max(
         _json_difference(kept[place], made[place], place, words=alike)
         for place in kept
@@ -141,9 +143,12 @@ def _again(project: Project, line: HistoryLine, page: Callable[[Study], str]) ->
     ]
 
 
+_NAMED = re.compile(rf"/([0-9a-f]{{{NAME}}})\.")
+
+
 def _kind(place: str) -> str:
     """A place without the name of the result: ``records/0123456789abcdef.fit.json``."""
-    return re.sub(rf"/[0-9a-f]{{{NAME}}}\.", "/.", place)
+    return _NAMED.sub("/.", place)
 
 
 def _json_difference(kept: bytes, again: bytes, place: str, *, words: bool) -> tuple[float, str]:
@@ -174,13 +179,16 @@ def difference(kept: Any, again: Any, where: str = "") -> tuple[float, str]:
 
 def _apart(kept: Any, again: Any) -> float:
     """Relative difference of two values; of texts that of the numbers in them, if any."""
-    if _is_number(kept) and _is_number(again):
-        scale = max(abs(kept), abs(again))
-        return float(abs(kept - again) / scale) if scale > 0 else 0.0
+    if repr(kept) == repr(again):  # as NaN equals nothing
+        return 0.0
+    if _is_number(kept) and _is_number(again) and kept != again:
+        apart, scale = abs(Decimal(kept) - Decimal(again)), max(abs(kept), abs(again))
+        # what is not finite is no rounding of what is
+        return float(apart / Decimal(scale)) if apart.is_finite() else float("inf")
     if isinstance(kept, str) and isinstance(again, str):
         same = _same_words(kept, again)
     else:
-        same = kept == again
+        same = kept == again and isinstance(kept, bool) == isinstance(again, bool)
     return 0.0 if same else float("inf")
 
 
@@ -221,9 +229,20 @@ def _same_words(kept: str, again: str) -> bool:
     before, after = _NUMBER.split(kept), _NUMBER.split(again)
     return before[::2] == after[::2] and all(
         # of 13 and 12.71 the finer counts: who prints fewer digits has not computed another number
-        a == b or abs(float(a) - float(b)) <= _ROUNDED * min(_last_digit(a), _last_digit(b))
+        a == b or _is_rounded(a, b)
         for a, b in zip(before[1::2], after[1::2], strict=True)
     )
+
+
+def _is_rounded(a: str, b: str) -> bool:
+    """Tell whether two printed numbers may be one that was rounded twice: a count is never.
+
+    >>> _is_rounded("12.70", "12.71"), _is_rounded("13", "12.71"), _is_rounded("13", "14")
+    (True, False, False)
+    """
+    counted = a.lstrip("-").isdigit() and b.lstrip("-").isdigit()
+    unit = min(_last_digit(a), _last_digit(b))
+    return not counted and abs(float(a) - float(b)) <= _ROUNDED * unit
 
 
 def _last_digit(number: str) -> float:
