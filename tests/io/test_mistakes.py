@@ -315,3 +315,11 @@ def test_inspect_asks_as_the_reader_does_where_one_column_is_named_twice(
     assert says in [one.says.partition(";")[0] for one in found.questions]
     with pytest.raises(ReadError, match="'x' would be both"):
         read_relaxation(place, options=options)
+
+
+def test_a_column_that_is_something_else_is_not_proposed(tmp_path: Path) -> None:
+    path = tmp_path / "half.csv"
+    path.write_text("time [s],acceleration [g]\n" + "".join(f"{i},{i % 3}\n" for i in range(9)))
+    (question,) = inspect_file(path).questions
+    assert "looks like hammer force. Export it beside them, or name" in question.says
+    assert question.says.endswith("misleads: --column hammer=NAME")

@@ -337,6 +337,12 @@ def _nothing(table: FileTable, role: Role) -> Question:
             )
             return Question(says, answer)
     kind = f" (a unit of {DIMENSION[role]} would show it)" if role in DIMENSION else ""
+    if role not in {"time", "acceleration"} and _all_say_something(table):
+        says = (
+            f"none of its columns ({_all_columns(table)}) looks like {_word(role)}. Export it "
+            f"beside them, or name the column whose name misleads: {answer}"
+        )
+        return Question(says, answer, role=_word(role), example=answer)
     example = f'{option}="{_example(table, role)}"'
     if role == "time":
         guess = "Without a time column: --rate 1000Hz"
@@ -375,6 +381,11 @@ def _is_mislabelled(column: Column, role: Role) -> bool:
         return False
     fits = any(units.find(word, DIMENSION[r]) for r in says if r in DIMENSION)
     return not fits and units.find(word) is not None
+
+
+def _all_say_something(table: FileTable) -> bool:
+    """Whether each column of numbers is named for something, and so none is free for another."""
+    return all(_says(column) for column in table.columns if column.content in {"number", "clock"})
 
 
 def _example(table: FileTable, role: Role) -> str:
