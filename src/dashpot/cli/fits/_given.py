@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,7 +12,7 @@ import click
 from dashpot import workflow
 from dashpot.base.choices import words
 from dashpot.cli._options import given as typed_again
-from dashpot.cli._shell import printed, write, write_figure
+from dashpot.cli._shell import Outcome, printed, write, write_figure
 from dashpot.cli._values import nearest
 from dashpot.io.options import ReadOptions
 from dashpot.records.specimen import Specimen
@@ -142,6 +142,14 @@ class Given:
             return
         made = {name: make() for name, make in figures.items()}
         write(self.output, workflow.html(found, **made))
+
+    def told(
+        self, found: Any, *, figure: Callable[[], Any] | None = None, follow: str = ""
+    ) -> Outcome:
+        """Draw and keep a result as was asked, and return what is told of it."""
+        self.draw(figure or found.plot)
+        self.keep(found)
+        return Outcome.of(found, follow=follow)
 
     @property
     def kept(self) -> str:

@@ -19,9 +19,7 @@ def run(given: Given) -> Outcome:
         specimen=given.specimen,
         options=given.reading,
     )
-    given.draw(found.plot)
-    given.keep(found)
     follow = ""
     if given.kept and found.fit is not None:
         follow = typed("predict", given.kept, "--mass", "MASS", "--seals", 2)
-    return Outcome.of(found, follow=follow)
+    return given.told(found, follow=follow)

@@ -17,13 +17,12 @@ def run(given: Given) -> Outcome:
     found, chart = workflow.modes_files(
         given.files, options=given.reading, band=given["band"], motion=given.hammer.motion
     )
-    given.draw(
-        lambda: dp.plot.stabilisation(
+    return given.told(
+        found,
+        figure=lambda: dp.plot.stabilisation(
             chart, [one.mode for one in found.modes], stamp=dp.plot.stamp(found.frf.source)
-        )
+        ),
     )
-    given.keep(found)
-    return Outcome.of(found)
 
 
 def under_masses(given: Given) -> Outcome:
@@ -41,6 +40,6 @@ def under_masses(given: Given) -> Outcome:
     )
     under = [one.frf for one in found.tests]
     stamp = dp.plot.stamp([source for one in under for source in one.source], seals=seals)
-    given.draw(lambda: dp.plot.several_masses(found.together, under, stamp=stamp))
-    given.keep(found)
-    return Outcome.of(found)
+    return given.told(
+        found, figure=lambda: dp.plot.several_masses(found.together, under, stamp=stamp)
+    )

@@ -25,15 +25,13 @@ def run(given: Given) -> Outcome:
         options=given.reading,
         **given.some("poisson", "stretches", "measures"),
     )
-    given.keep(found)
-    given.draw(found.plot)
     follow = ""
     if given.kept:
         bulk = () if found.law.bulk_modulus else ("--bulk-modulus", "2000MPa")
         warm = () if found.temperature else ("--temperature", "23degC")
         deck = ("export", given.kept, "--to", "abaqus", "--unit-system", "mm-t-s")
         follow = typed(*deck, *warm, *bulk)
-    return Outcome.of(found, follow=follow)
+    return given.told(found, follow=follow)
 
 
 def _by_mode(given: Given) -> dict[str, list[str]]:

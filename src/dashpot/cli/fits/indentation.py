@@ -26,6 +26,4 @@ def run(given: Given) -> Outcome:
         law=given.model(ImpactLawAsked),
         options=given.reading,
     )
-    given.draw(found.plot)
-    given.keep(found)
-    return Outcome.of(found)
+    return given.told(found)

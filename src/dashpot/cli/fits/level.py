@@ -21,6 +21,4 @@ def run(given: Given) -> Outcome:
         options=given.reading,
         **given.some("seals", "band"),
     )
-    given.draw(found.plot)
-    given.keep(found)
-    return Outcome.of(found)
+    return given.told(found)

@@ -12,7 +12,5 @@ def run(given: Given) -> Outcome:
     row = KINDS[given.kinds[given.files[0]]]
     given.kept_as(".json", what="this fit")
     found = load(row.fit)(given.files, options=given.reading, **given.some(*row.takes))
-    given.draw(found.plot)
-    given.keep(found)
     follow = (given.kept if one == "FILE" else one for one in row.follow.split())
-    return Outcome.of(found, follow=typed(*follow) if given.kept and row.follow else "")
+    return given.told(found, follow=typed(*follow) if given.kept and row.follow else "")

@@ -37,9 +37,7 @@ def run(given: Given) -> Outcome:
     )
     if given.output and not given.page and found.fit is None:
         raise ReadError(f"-o writes a fit, and there is none: {found.reason}")
-    given.keep(found)
-    given.draw(found.plot)
-    return Outcome.of(found, follow=_follow(found, given))
+    return given.told(found, follow=_follow(found, given))
 
 
 def _follow(found: workflow.Rod, given: Given) -> str:

@@ -18,10 +18,8 @@ def run(given: Given) -> Outcome:
         specimen=given.specimen,
         options=given.reading,
     )
-    given.draw(found.plot)
-    given.keep(found)
     follow = ""
     if given.kept:
         how = ("--slam", "1m/s", "--mass", grams(found.mass))
         follow = typed("predict", given.kept, *how)
-    return Outcome.of(found, follow=follow)
+    return given.told(found, follow=follow)
