@@ -717,6 +717,19 @@ def test_two_tests_that_disagree_do_not_read_like_a_success():
     assert "matches the hammer within" not in text
 
 
+def test_what_does_not_bring_two_tests_closer_is_not_called_closer():
+    lead = Explanation("mass", 0.115, 0.001, "kg", 0.1, 1067.0, True, "the mass is 115 g")
+    near = replace(lead, explains=False, fall=0.5)
+    tried = (lead, near, replace(near, fall=-251.1))
+    told = str(text_of.fit(altered(S.joint, explanations=tried)))
+    ends = [line.partition(" (")[2] for line in told.splitlines() if "  tried  " in line]
+    assert ends == [
+        "a match; chi-square falls by 1067)",
+        "closer, but no match; chi-square falls by 0.5)",
+        "no match; chi-square rises by 251.1)",
+    ]
+
+
 def test_the_page_tells_secant_and_tangent_where_they_differ():
     law = ElasticLaw((0.0, 4e-3, 8e-3), (0.75, 0.95, 1.35), S.fit.model.k_inf, (0.01, 0.01, 0.01))
     hard = replace(S.fit, elastic_law=law)

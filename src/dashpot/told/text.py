@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from dashpot.base.provenance import Source
     from dashpot.kinds.indentation.record import IndentationFit
     from dashpot.records.estimate import Residual
+    from dashpot.records.evidence import Explanation
     from dashpot.records.fit import Fit
     from dashpot.records.frf import Hit, Mode
     from dashpot.records.temperature import TemperatureShifts
@@ -252,12 +253,18 @@ def _moved(found: Fit) -> list[str]:
     return table(rows)
 
 
+def _match(one: Explanation) -> str:
+    if one.explains:
+        return "a match"
+    return "closer, but no match" if one.fall > 0 else "no match"
+
+
 def _explained(found: Fit) -> list[str]:
     """Return what would explain two tests that disagree, the best first."""
     return [
         ascii_only(
-            f"  tried       {one.says} ({'a match' if one.explains else 'closer, but no match'}; "
-            f"chi-square falls by {one.fall:.4g})"
+            f"  tried       {one.says} ({_match(one)}; chi-square "
+            f"{'falls' if one.fall > 0 else 'rises'} by {abs(one.fall):.4g})"
         )
         for one in found.explanations
     ]
