@@ -721,8 +721,8 @@ def test_what_does_not_bring_two_tests_closer_is_not_called_closer():
     lead = Explanation("mass", 0.115, 0.001, "kg", 0.1, 1067.0, True, "the mass is 115 g")
     near = replace(lead, explains=False, fall=0.5)
     tried = (lead, near, replace(near, fall=-251.1))
-    told = str(text_of.fit(altered(S.joint, explanations=tried)))
-    ends = [line.partition(" (")[2] for line in told.splitlines() if "  tried  " in line]
+    lines = text_of.fit(altered(S.joint, explanations=tried)).lines
+    ends = [line.partition(" (")[2] for line in lines if line.startswith("  tried  ")]
     assert ends == [
         "a match; chi-square falls by 1067)",
         "closer, but no match; chi-square falls by 0.5)",
