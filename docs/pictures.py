@@ -234,7 +234,8 @@ def _photographed(browser: Browser, address: str) -> None:
     page.get_by_role("tab", name="both tests").click()
     studied()
     page.set_viewport_size({"width": 390, "height": 844})
-    page.get_by_role("status").filter(has_not_text="done in").wait_for()
+    # drawn anew, as wide as the window less its edges
+    page.locator('[data-panel=frf] svg.figure[viewBox^="0 0 366"]').wait_for()
     studied()
     taken("app_phone")
     page.set_viewport_size(WINDOW)
