@@ -73,7 +73,7 @@ def ask(verb, store, **request):
     ("names", "more", "shown"),
     [
         (["payne.csv"], {"law": "additive"}, (2, "E′, 10 Hz", "lost", "half lost, strain", "%")),
-        (["loops.csv"], {}, (6, "K′, 5 Hz", "half lost, amplitude", "mm")),
+        (["loops.csv"], {}, (3, "K′, 5 Hz", "half lost, amplitude", "mm")),
         (["frf0.csv", "frf1.csv"], {"levels": FORCES, "at": ["0.1N"]},
          (3, "K′, ", "loss factor, ", "peak at 0.1 N", "motion at 0.1 N")),
         (["base0.csv", "base1.csv"], {"levels": BASES}, (3, "K′, ", "loss factor, ")),

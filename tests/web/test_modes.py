@@ -46,6 +46,10 @@ def home(tmp_path_factory):
     for mass in MASSES:
         m = float(mass[:-1]) / 1000
         keep(f"{mass}.csv", dp.systems.predict_frf(SOLID, mass=m, frequency=f).value)
+    stiff = SOLID.complex_stiffness(omega=2 * np.pi * f)
+    ratio = stiff / (stiff - 0.104 * (2 * np.pi * f) ** 2)
+    over = dp.FRF(f, ratio, quantity="transmissibility", units="SI")
+    (home / "base.csv").write_text(write_frf(over))
     return home
 
 
@@ -67,6 +71,7 @@ def ask(verb, store, home, names, **request):
         (["point0.csv"], {"band": "5:50Hz"}, ["Stabilisation chart", "Modes"]),
         (["point0.csv", "point1.csv"], {},
          ["Stabilisation chart", "Modes", "Shapes: size and phase", "Modal assurance criterion"]),
+        (["base.csv"], {}, ["Stabilisation chart", "Modes of 1 kg on the base"]),
         ([f"{mass}.csv" for mass in MASSES], {"masses": list(MASSES)},
          ["Accelerance, 1/kg", "Storage stiffness, N/mm", "Loss stiffness, N/mm"]),
     ],
@@ -114,6 +119,12 @@ def test_modes_in_the_browser(home):
         assert len(json.loads(taken.value.path().read_text())["points"]) == 2
         for name in ("point0.csv", "point1.csv"):
             page.remove(name)
+        # of a base that moves too: no level is asked for
+        page.at.locator("#pick").set_input_files(str(home / "base.csv"))
+        command.filter(has_text="dashpot fit base.csv").wait_for()
+        page.done()
+        assert page.at.get_by_text("Stabilisation chart").is_visible()
+        page.remove("base.csv")
         page.at.locator("#pick").set_input_files([str(home / f"{mass}.csv") for mass in MASSES])
         page.at.get_by_role("button", name="several masses").click()
         for mass in MASSES:

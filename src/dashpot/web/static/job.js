@@ -98,7 +98,7 @@ export const isLevel = (/** @type {OpenFile} */ one) =>
   isTaken("level")(one) || (isResponse(one) && !!one.level);
 /** An FRF whose modes are sought. */
 export const isModes = (/** @type {OpenFile} */ one) =>
-  isTaken("response")(one) && !one.level && ["points", "masses"].includes(state.frfs.of);
+  isResponse(one) && !one.level && ["points", "masses"].includes(state.frfs.of);
 /** What the page fits by itself. */
 export const isBench = (/** @type {OpenFile} */ one) =>
   isTaken("bench")(one) || isLevel(one) || isModes(one) || isJudged(one);

@@ -167,7 +167,7 @@ export function views() {
   // a transmissibility goes with no relaxation test on this page
   const alone = response && !level && !modes;
   $("frfs").hidden = lot || !!asks || !one || !isResponse(one);
-  $("alone").hidden = !!test() || judged;
+  $("alone").hidden = !!test() || judged || one?.page === "base";
   $("missing").hidden = lot || !!asks || fitted || response || !!test() || !hammers().length;
   $("no-level").hidden = lot || !response || fitted || !(alone || !test());
   $("grid").hidden = lot || !!asks || hits || fitted || alone || against || !test();
