@@ -898,3 +898,41 @@ def test_no_frame_is_green_that_is_not_settled_and_of_all_open_files(visit, file
     assert "verdict good" not in {colour for colour, _ in after}
     assert solid
     page.complaints[:] = [one for one in page.complaints if "ERR_FAILED" not in one]
+
+
+@pytest.mark.slow
+def test_a_newcomer_goes_from_files_by_a_wrong_mass_to_a_deck_without_a_wrong_green(visit, files):
+    page = visit()
+    page.at.evaluate(WATCH)
+    verdict = page.at.get_by_role("region", name="Verdict")
+
+    def shown():
+        """Every colour that the verdict had since the last look."""
+        frames = page.at.evaluate("window.seen.frames.splice(0)")
+        return {colour.removeprefix("verdict").strip() for colour, _ in frames}
+
+    page.at.locator("#pick").set_input_files([str(files / name) for name in workflow.FIRST])
+    for field, said in (("specimen-length", "100"), ("specimen-temperature", "23"), ("seals", "2")):
+        page.at.locator(f"#{field}").fill(said)
+    page.at.locator("#mass").fill("200")
+    page.at.locator("#mass").press("Enter")
+    cure = verdict.get_by_role("button", name=re.compile(r"^Set 11[45]\.\d+ g$"))
+    cure.wait_for()
+    assert shown() <= {"", "open", "bad"}
+    cure.click()
+    page.done()
+    verdict.get_by_text("Do not use", exact=True).wait_for()
+    assert shown() <= {"open", "bad"}  # damping is not known of one test
+    page.at.get_by_role("tab", name="both tests").click()
+    verdict.get_by_text("Use", exact=True).wait_for()
+    page.done()
+    assert shown() == {"bad", "open", "good"}
+    page.at.get_by_role("button", name="Take away").click()
+    with page.at.expect_download() as taken:
+        page.at.get_by_role("button", name="Nastran bush, PBUSHT").click()
+    deck = taken.value.path().read_text()
+    solid = page.at.locator("[data-solid]").get_attribute("data-solid")
+    assert solid in deck
+    assert "DO NOT USE" not in deck
+    arms = page.at.locator("#solid tbody th").filter(has_text=re.compile("^arm "))
+    assert deck.count("$   arm ") == arms.count() > 0
