@@ -225,3 +225,9 @@ def test_a_constant_of_a_law_has_its_interval_and_of_the_noise_alone_its_error()
         shown = kind_page(altered(S.fit, temperatures=moved, estimate=estimate))
         (one,) = [group for group in shown.groups if group.title == title]
         assert one.rows[0][:4] == row_
+
+
+def test_a_light_counts_its_checks_as_the_verdict_does() -> None:
+    passed, noted = Check("a", True, ""), Check("b", False, "", grade="note")
+    (light,) = lights([passed, noted], Topic("Records"))
+    assert (light.mark, light.says) == ("note", "1 check passed, 1 note")

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 from dashpot.base.checks import Check
+from dashpot.base.checks import tally as how_many
 from dashpot.base.facts import UNKNOWN, Fact
 from dashpot.base.numbers import rounded
 from dashpot.base.offered import Judged
@@ -105,8 +106,7 @@ def lights(checks: Iterable[Check], first: Topic, *others: Topic) -> tuple[Light
 def _light(part: Topic, behind: Sequence[Check]) -> Light:
     mark, count = tally(behind, behind)
     said = part.says if mark in {"good", "note"} else part.fails
-    judged = any(one.passed is not None for one in behind)
-    return Light(part.name, mark, said or (f"{count} checks" if judged else count))
+    return Light(part.name, mark, said or how_many(behind).rstrip(".") or count)
 
 
 def row(fact: Fact, name: str = "") -> Row:
