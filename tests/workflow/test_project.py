@@ -495,6 +495,27 @@ def test_a_line_lists_what_its_job_reads_and_makes_and_no_more(kept, how):
     assert "result_recomputed" in failures(kept)
 
 
+def test_files_of_another_version_have_one_name_too(kept):
+    lines = entries(kept)
+    for line in lines:
+        line["software"]["numpy"] = "0.0.1"
+    rewritten(kept, lines)
+    assert not failures(kept)
+    _renamed(kept, lines[0], ".fit.json")
+    rewritten(kept, lines)
+    assert failures(kept) == ["result_recomputed"]
+
+
+def test_a_line_is_numbered_by_its_place(kept):
+    before, texts = history.GENESIS, []
+    for entry in entries(kept):
+        text, before = history.sealed(entry | {"previous": before, "line": entry["line"] + 1})
+        texts.append(text.decode() + "\n")
+    kept.history_file.write_text("".join(texts))
+    (kept.folder / "history.head").write_text(f"{len(texts)} {before}\n")
+    assert failures(kept) == ["history_unchanged"] * 2
+
+
 def test_another_version_may_draw_another_page(kept):
     lines = entries(kept)
     for line in lines:
