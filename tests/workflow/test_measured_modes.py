@@ -448,6 +448,16 @@ def test_one_solid_carries_every_mass_or_it_is_said(tmp_path):
     result = ran(*words)
     assert result.exit_code == 0, result.output
     assert "no linear model has the poles under 104, 250, 600 g" in " ".join(result.output.split())
+    assert "The closest misses 250 g" in modes_by_mass(files, masses, seals=2).checks[0].says
+
+
+@pytest.mark.once
+@pytest.mark.parametrize(("band", "silent"), [((1, 7.5), "104 g"), ((9, 40), "250 g")])
+def test_a_mass_under_which_nothing_rings_is_named(tmp_path, band, silent):
+    masses = (0.104, 0.25)
+    files = [on_seals(tmp_path, mass) for mass in masses]
+    with pytest.raises(dp.DataError, match=f"nothing rings under the mass of {silent}"):
+        modes_by_mass(files, masses, seals=2, band=band)
 
 
 @pytest.mark.once
