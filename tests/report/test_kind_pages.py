@@ -26,7 +26,7 @@ from dashpot.records.temperature import Shift, TemperatureShifts
 from dashpot.report import html
 from dashpot.report.answer import ORDER
 from dashpot.report.judged import contents
-from dashpot.report.kind_page import Topic, kind_page, lights, row
+from dashpot.report.kind_page import Topic, by_place, kind_page, lights, row
 from dashpot.report.pages import COLOURS
 from dashpot.solids.temperature import WLF
 from dashpot.workflow.kept.archive import from_json
@@ -231,3 +231,11 @@ def test_a_light_counts_its_checks_as_the_verdict_does() -> None:
     passed, noted = Check("a", True, ""), Check("b", False, "", grade="note")
     (light,) = lights([passed, noted], Topic("Records"))
     assert (light.mark, light.says) == ("note", "1 check passed, 1 note")
+
+
+def test_numbers_of_one_record_stand_under_its_name() -> None:
+    names = ("loss factor", "a.csv, slam 1: speed", "a.csv, slam 1: contact", "b.csv: speed")
+    told = by_place(Fact(name, 1.0, unit="m") for name in names)
+    assert [(one.title, [row.name for row in one.rows]) for one in told] == [
+        ("", ["loss factor"]), ("a.csv, slam 1", ["speed", "contact"]), ("b.csv", ["speed"]),
+    ]  # fmt: skip

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
+from itertools import groupby
 from typing import Any, NamedTuple
 
 from dashpot.base.checks import Check
@@ -125,6 +126,12 @@ def group(title: str, facts: Iterable[Fact]) -> Group:
     return Group(title, tuple(map(row, facts)))
 
 
+def by_place(facts: Iterable[Fact]) -> Iterable[Group]:
+    """Facts of the whole, then those of each record, whose names begin with it."""
+    for place, each in groupby(facts, lambda one: one.symbol.rpartition(": ")[0]):
+        yield Group(place, tuple(row(one, one.symbol.rpartition(": ")[2]) for one in each))
+
+
 def who(specimen: Specimen | None) -> tuple[tuple[str, str], ...]:
     """What is said of the specimen: the first four facts of the line."""
     one = specimen or Specimen()
@@ -176,12 +183,12 @@ def kind_page(found: Any) -> KindPage:
     picture = found.plot()
     return KindPage(
         about=picture.name.replace("-", " "),
-        strip=(*who(getattr(found, "specimen", None)), ("Numbers", str(len(facts)))),
+        strip=who(getattr(found, "specimen", None)),
         lights=lights(found.checks, Topic("Checks")),
         answers="Measured and fitted",
         picture=picture,
         told="What was found",
-        groups=(group("", facts),),
+        groups=tuple(by_place(facts)),
         sources=sources_behind(found),
         name=picture.name,
     )
