@@ -62,6 +62,7 @@ export function live(/** @type {string} */ end) {
   if (!test()) return;
   const now = question();
   asks(now, LATER, "While you drag");
+  status("following");
   $("right").classList.add("moving");
   // what is chosen by trial is as it was found, until the handle is let go
   const { arms, law, cuts } = found, own = job();
@@ -400,6 +401,7 @@ export function predict() {
   if (!test() || !state.job.mass) return;
   const now = question();
   asks(now, LATER, "While the mass moves");
+  status("following");
   ask(
     "mass",
     "predict",
