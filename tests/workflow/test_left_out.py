@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import pytest
 from kit.shell import ran
 
 import dashpot as dp
+from dashpot.io.readers.impact import read_impact
 from dashpot.plot.vibration import curves_of
 from dashpot.workflow.examples import EXAMPLES
+from dashpot.workflow.job import HammerChoices
+from dashpot.workflow.vibration import left_out as module
 
 pytestmark = pytest.mark.once
 RIG = ("--mass", "114.8g", "--seals", "2")
@@ -67,3 +71,33 @@ def test_another_record_is_no_circle_and_the_legend_says_which_solid(files):
     assert names == [
         "fitted to these hits", "predicted from relaxation", "predicted by the joint fit",
     ]  # fmt: skip
+
+
+def test_each_hit_is_held_against_the_others_alone(files, monkeypatch):
+    impact = read_impact(files / "hammer.csv")
+    fit = dp.read(files / "joint.json")
+    seen: list[set[str]] = []
+    inner = module.average
+
+    def average(impact, *, choices):
+        frf = inner(impact, choices=choices)
+        seen.append({hit.name for hit in frf.hits if hit.accepted})
+        return frf
+
+    monkeypatch.setattr(module, "average", average)
+    monkeypatch.setattr(module, "identify", lambda *_, **__: fit)
+    found = module.left_out(impact, (), fit, mass=0.1148, seals=2, choices=HammerChoices())
+    whole, *pairs = seen
+    assert found is not None
+    assert 2 * found.hits == len(pairs) == 2 * min(len(whole), 8)
+    for rest, alone in zip(pairs[::2], pairs[1::2], strict=True):
+        assert len(alone) == 1
+        assert rest == whole - alone
+    assert set().union(*pairs[1::2]) <= whole
+
+
+def test_a_hit_taken_the_other_way_round_is_turned(files):
+    whole = module.average(read_impact(files / "hammer.csv"), choices=HammerChoices())
+    turned = replace(whole, value=-whole.value)
+    for one in (whole, turned):
+        assert (module._as_signed(one.band(5, 40), whole).value == whole.band(5, 40).value).all()
