@@ -234,16 +234,19 @@ def _printed(found: re.Match[str]) -> str:
 
 
 def readable(sentence: str) -> str:
-    """A sentence as a page prints it: k∞ for k_inf, τ₁ for tau_1, ± for +-, a minus for a hyphen.
+    r"""A sentence as a page prints it: k∞ for k_inf, τ₁ for tau_1, ±, °C, a minus for a hyphen.
 
     What only a command line or Python can heed stands in brackets and is left out: a reader of
     the page has neither. A number and its unit stay on one line.
 
+    >>> readable("the shift to 0 degC")
+    'the shift to 0\xa0°C'
     >>> readable("k_inf moves by -2.5e-09 +- 3e-10 m; widen the band (--band), or wait")
     'k∞ moves by −2.5·10⁻⁹ ± 3·10⁻¹⁰ m; widen the band, or wait'
     """
     printed = _PARAMETER.sub(lambda found: symbol(found[0]), _COMMAND.sub("", sentence))
-    printed = _NEGATIVE.sub(MINUS, _POWER.sub(_printed, printed.replace("+-", "±")))
+    printed = printed.replace("+-", "±").replace(" degC", " °C")
+    printed = _NEGATIVE.sub(MINUS, _POWER.sub(_printed, printed))
     return _UNIT.sub("\N{NO-BREAK SPACE}", printed)
 
 
