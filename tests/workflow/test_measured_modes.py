@@ -12,12 +12,13 @@ from dashpot.base.numbers import rounded
 from dashpot.io.readers.frf import read_frf
 from dashpot.io.readers.frf_set import read_frfs
 from dashpot.io.write import frf_uff, write_frf
-from dashpot.records.frf import FRF
+from dashpot.records.frf import FRF, Mode
 from dashpot.records.frf_set import FRFSet
 from dashpot.vibration.impact.checks import modes_within_band
 from dashpot.vibration.modal.checks import STABLE
 from dashpot.vibration.modal.shapes import phase_collinearity, phase_deviation
 from dashpot.workflow import modes_by_mass, modes_files
+from dashpot.workflow.vibration.modes import modes_told
 
 # undamped natural frequency, Hz, damping ratio, mass, kg: two bodies seen at one point
 TRUE = ((12.7, 0.02, 0.1), (31.0, 0.04, 0.15))
@@ -471,3 +472,18 @@ def test_masses_and_files_go_together(tmp_path):
     for other, names in ((file, "0.25.csv"), (str(again), "0.25.csv and again.csv")):
         with pytest.raises(dp.DataError, match=f"^{names}: the same FRF is given under 104 and"):
             modes_by_mass([file, other], (0.104, 0.25))
+
+
+@pytest.mark.parametrize(
+    ("count", "says"),
+    [
+        (0, "0 modes were found"),
+        (1, "damping ratio 3.00 ± 0.10 %"),
+        (3, ", the first of three modes"),
+    ],
+)
+def test_how_many_modes_there_are_is_said_where_one_is_told(count, says):
+    each = [Mode(12.7 + i, 0.03, 0j, 0.01, 0.001, 0.0, "fitted") for i in range(count)]
+    said = modes_told(each)
+    assert said.endswith(says), said
+    assert ("12.7" in said) == bool(count)
