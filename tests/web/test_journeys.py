@@ -93,10 +93,15 @@ def test_files_are_dropped_and_the_answer_stands_there(visit, files):
     page.at.get_by_role("heading", name="Drop a relaxation test").wait_for()
     assert page.at.get_by_role("button", name="Report").is_disabled()
     page.at.evaluate(FIRST_SEEN)
+    held = []
+    page.at.route("**/api/inspect", held.append, times=1)
     page.at.locator("#pick").set_input_files([str(files / name) for name in workflow.FIRST])
+    verdict = page.at.get_by_role("region", name="Verdict")
+    verdict.get_by_text("Reading", exact=True).wait_for()
+    held[0].continue_()
     page.done()
     assert page.at.evaluate("window.first") == "alone"  # before there is a fit
-    assert page.at.get_by_role("region", name="Verdict").inner_text().strip()
+    assert verdict.inner_text().strip()
     assert page.at.locator(".files .file").count() == 2
     for name in ("Accelerance", "Ramp", "Hold, N; residual", "Arms"):
         assert (

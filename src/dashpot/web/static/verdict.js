@@ -133,6 +133,9 @@ function mends(/** @type {string} */ said) {
 const leftOut = () =>
   state.files.filter((one) => one.page === "part" ? !door() : one.asked || one.mark !== "good");
 
+/** A file that is being read. */
+const reading = () => state.files.find((one) => !one.mark);
+
 function last() {
   if (called !== OPEN) return "";
   return known.word ? ` The last answer was: ${known.word.toLowerCase()}.` : "";
@@ -167,6 +170,10 @@ function instead() {
   }
   if (fit) return said("Do not use", fit);
   if (file) return said("Not read", file);
+  if (!asked && reading()) {
+    const says = `${reading()?.name}: its columns, and what they hold. Esc ends it.`;
+    return { ...open(says), word: "Reading" };
+  }
   if (typing) return open("What is typed counts once you press Enter or leave the field.");
   if (known.of === asked && known.head?.colour === "bad") return null;
   if (known.of !== asked || !known.whole) {
@@ -242,7 +249,7 @@ export function render() {
   // where no verdict has a place there is no panel that a line would push
   bar.textContent = refusal?.said || "";
   bar.hidden = !refusal || !(home.hidden || document.body.classList.contains("empty"));
-  const other = asked || refusal || away ? instead() : null;
+  const other = asked || refusal || away || reading() ? instead() : null;
   const head = asked && !other ? known.head : null;
   for (const one of all('[data-needs="test"]')) one.toggleAttribute("disabled", !settled());
   panelCard("frf")?.classList.toggle("stale", !!other);
