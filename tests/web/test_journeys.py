@@ -94,7 +94,11 @@ def test_files_are_dropped_and_the_answer_stands_there(visit, files):
     assert page.at.get_by_role("button", name="Report").is_disabled()
     page.at.evaluate(FIRST_SEEN)
     held = []
-    page.at.route("**/api/inspect", held.append, times=1)
+
+    def hold(route):
+        held.append(route)
+
+    page.at.route("**/api/inspect", hold, times=1)
     page.at.locator("#pick").set_input_files([str(files / name) for name in workflow.FIRST])
     verdict = page.at.get_by_role("region", name="Verdict")
     verdict.get_by_text("Reading", exact=True).wait_for()
