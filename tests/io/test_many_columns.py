@@ -126,6 +126,13 @@ def test_one_digit_may_be_a_word_and_two_are_none() -> None:
     assert not [word for word in words if re.search(r"\d\d", word)]
 
 
+@pytest.mark.parametrize("name", ["tan d", "Tan_d", "tan d 2"])
+def test_the_tangent_of_d_is_no_displacement(name: str) -> None:
+    assert matches(name)["loss_factor"] >= 2.7
+    assert not {"displacement", "loss_angle", "loss"} & matches(name).keys()
+    assert matches("d")["displacement"] == 1.5
+
+
 def test_the_name_that_users_give_a_unit_keeps_its_number() -> None:
     options = ReadOptions(units={"ai_0017": "N"})
     assert score(Column("ai_0017"), "force", options) == 1.0
