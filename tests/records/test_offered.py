@@ -144,7 +144,8 @@ def test_columns_without_numbers_have_no_picture():
 
 
 def test_every_noun_that_offers_a_table_has_one() -> None:
-    offered = {kind for kind in descendants(Described) if kind not in {Pictured, Judged}}
+    ours = {kind for kind in descendants(Described) if kind.__module__.startswith("dashpot.")}
+    offered = ours - {Pictured, Judged}
     assert len(offered) > 40
     given = {
         kind for kind in offered
