@@ -97,6 +97,9 @@ class Page:
         assert not complaints, complaints
 
     def _console(self, message: Any) -> None:
+        # a browser seeks one for the picture that is left to, and may say so late
+        if message.location["url"].endswith("/favicon.ico"):
+            return
         # a refusal of the server is a sentence on the page, and the browser's own line about it
         if message.type == "error" and "422" not in message.text and "409" not in message.text:
             self.complaints.append(message.text)
