@@ -385,7 +385,8 @@ def _is_mislabelled(column: Column, role: Role) -> bool:
 
 def _all_say_something(table: FileTable) -> bool:
     """Whether each column of numbers is named for something, and so none is free for another."""
-    return all(_says(column) for column in table.columns if column.content in {"number", "clock"})
+    told = [_says(one) for one in table.columns if one.content in {"number", "clock"}]
+    return bool(told) and all(told)
 
 
 def _example(table: FileTable, role: Role) -> str:
