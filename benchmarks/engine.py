@@ -121,7 +121,7 @@ def single_holds() -> None:
         def fresh(fit: Callable[[], Solution] = fit) -> Solution:
             compression.counted.cache_clear()
             compression._piece.cache_clear()
-            first_look._KNOWN.clear()
+            first_look._KEPT_LATTICES.clear()
             return fit()
 
         theirs = rival(lambda p, s=seconds, f=force: hold(s, p) - f, arms, starts)

@@ -26,6 +26,19 @@ export function tell(/** @type {Element} */ at, /** @type {string} */ said) {
   if (at.textContent !== said) at.textContent = said;
 }
 
+/** @type {Map<string, string>} */
+const standing = new Map();
+
+/** Put a table there, unless it stands there: one that is put anew loses a click that has begun. */
+export function stand(/** @type {string} */ id, /** @type {string} */ html) {
+  if (standing.get(id) === html) {
+    for (const box of $(id).querySelectorAll("input")) box.checked = box.defaultChecked;
+    return;
+  }
+  standing.set(id, html);
+  $(id).innerHTML = html;
+}
+
 /** @returns {HTMLElement[]} */
 export const all = (/** @type {string} */ query, /** @type {ParentNode} */ root = document) =>
   [

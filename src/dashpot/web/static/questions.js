@@ -1,5 +1,5 @@
 // Questions to the server, and where their answers stand. The page computes no number.
-import { $, all, atWork, field, made, panelCard, put, status } from "./dom.js";
+import { $, all, atWork, field, made, panelCard, put, stand, status } from "./dom.js";
 import {
   alike,
   chosen,
@@ -386,7 +386,7 @@ function studied(/** @type {any} */ head) {
     panel(name, html);
   }
   if (state.joint) $("beside").hidden = true; // it is of the relaxation test alone
-  $("hit-table").innerHTML = head.hits;
+  stand("hit-table", head.hits);
   for (const one of hammers()) one.line = head.hammer || one.line;
   fileList();
   $("answers").innerHTML = head.answers;
