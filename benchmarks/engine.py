@@ -1,19 +1,22 @@
 """The engine against scipy in one run: CPU times, ratios, and whether both found one optimum.
 
-Run: OMP_NUM_THREADS=1 python benchmarks/engine.py
+Run: OMP_NUM_THREADS=1 python benchmarks/engine.py [--once]
 
 The doors are `dashpot.fit` and `dashpot.batch` as a user calls them, on a record of the virtual
-rig with hum, drift, encoder and delay: gate, priors, order, intervals, checks and bounds included.
+rig with hum, drift, encoder and delay: gate, priors, order, intervals, checks and bounds included;
+rows without intervals are of the function behind `dashpot.fit`, which takes that choice alone.
 
 Times are medians of thread CPU seconds. The rival is `scipy.optimize.least_squares` as it is
 mostly used (trf, 2-point Jacobian, bounds >= 0, parameters k and tau in N/mm and s), twice: from
 good starts (the truth, each parameter off by a random factor up to two) and from blind ones (k
 log-uniform in 1e-3..10, tau in 1e-2..1e2), the median of each. dashpot gets no start. "cold" is
-the first fit on a sampling, with nothing cached.
+the first fit on a sampling, with nothing cached. With `--once` nothing is repeated, so that its
+figures are rough, and the record of 3 million rows is left out.
 """
 
 from __future__ import annotations
 
+import sys
 import time
 import warnings
 from collections.abc import Callable
@@ -32,18 +35,20 @@ from dashpot.engine.blocks.recorded import arm_columns, recorded_block
 from dashpot.engine.solver import starts as first_look
 from dashpot.engine.solver.many_records import solve_many
 from dashpot.engine.solver.variable_projection import Solution, solve
+from dashpot.fitting.relaxation import fit as fit_prepared
 
 DEPTH = 8.0  # mm, so that k is in N/mm and both see numbers of order one
 K_INF = 0.1965
 TRUTH = {2: ((0.1175, 0.0178), (0.5021, 16.416)), 3: ((0.09, 0.04, 0.02), (0.25, 2.0, 18.0))}
 NOISE = 0.0106
 GENERATOR = np.random.default_rng(0)
+ONCE = "--once" in sys.argv
 
 
 def cpu(work: Callable[[], object], repeats: int) -> float:
     """Median thread CPU seconds of a call."""
     spent = []
-    for _ in range(repeats):
+    for _ in range(1 if ONCE else repeats):
         start = time.thread_time()
         work()
         spent.append(time.thread_time() - start)
@@ -78,7 +83,7 @@ def rival(residual: Callable[[np.ndarray], np.ndarray], arms: int, starts: int) 
     good: list[float] = []
     blind: list[float] = []
     sse = []
-    for _ in range(starts):
+    for _ in range(1 if ONCE else starts):
         for spent in (good, blind):
             if spent is good:
                 start = truth * 2 ** GENERATOR.uniform(-1, 1, len(truth))
@@ -184,7 +189,7 @@ def leastsq_of_lmfit(residual: Callable[[np.ndarray], np.ndarray], start: np.nda
     return float(found.chisqr)
 
 
-def others(starts: int = 20) -> None:
+def others(starts: int = 1 if ONCE else 20) -> None:
     """What else people fit with, from blind starts: the optimum found, and the time it took."""
     seconds = np.arange(40_001) / 1000
     for arms in (2, 3):
@@ -247,12 +252,15 @@ def doors() -> None:
     of_hold = rival(lambda p: hold(after, p) - held, 2, 5)
     for method, target, other in (("hold", (5, 25), of_hold), ("full", (10, 45), theirs)):
         call = partial(dashpot.fit, record, method=method)
-        point = cpu(lambda call=call: call(arms=2, intervals=False), 9)
+        bare = partial(fit_prepared, record, method=method, arms=2, intervals=False)
+        point = cpu(bare, 9)
         door(f"fit {method}, {rows} rows, N = 2, no intervals", point, other, target[0])
         for arms in (2, 1, 3, 4, 6, "auto"):
             label = f"fit {method}, N = {arms}, intervals and checks"
             door(label, cpu(lambda call=call, n=arms: call(arms=n), 5), other, target[1])
     many_doors()
+    if ONCE:
+        return
     rows = 3_000_000
     seconds = np.linspace(0, 41, rows)
     motion = 8e-3 * np.clip(seconds - 0.5, 0, 1)
@@ -290,6 +298,8 @@ def door(name: str, ours: float, theirs: Rival, target: float) -> None:
 
 
 if __name__ == "__main__":
+    if ONCE:
+        print("each once, the first time: rough figures, and targets that say little")
     print(f"{'':44s} {'ours ms':>8s} {'good ms':>9s} {'ratio':>7s} {'blind ms':>9s} {'ratio':>7s}")
     single_holds()
     batch()
