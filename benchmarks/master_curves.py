@@ -2,6 +2,8 @@
 
 Run: OMP_NUM_THREADS=1 python benchmarks/master_curves.py [FOLDER OF REAL MEASUREMENTS]
 
+Without a folder the measurements are those of tests/data.
+
 The norm: root mean square, and largest, of model/data - 1, over every value of E(t), or of E' and
 E'' alike. Terms without an instantaneous modulus get the one that serves them best on this norm.
 Times are medians of thread CPU milliseconds. Peers: pyvisco, mastercurves and lmfit if they can be
@@ -38,7 +40,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.table_1 import BROAD
 from dashpot.solids.temperature import WLF
 
-DEFAULT = Path(__file__).resolve().parents[2] / "shared" / "data"
+DEFAULT = Path(__file__).resolve().parents[1] / "tests" / "data"
 
 
 def timed(work: Callable[[], Any], repeats: int = 9) -> tuple[Any, float]:
@@ -171,7 +173,7 @@ def known_answers(folder: Path) -> None:
         print(
             f"{name}: {listed_terms(found.model)}  [{answer}]  {found.status.name}, {spent:.0f} ms"
         )
-        lmfit_modes(t, modulus, found.model, found.residual.sse)
+        lmfit_modes(t, modulus, found.model)
     for name, plateau in (("test3", 0.0), ("test7", 10.0)):
         t, modulus = np.loadtxt(folder / f"{name}.dat", unpack=True)
         found, spent = timed(lambda t=t, m=modulus: master_curve(t, m))
@@ -179,13 +181,18 @@ def known_answers(folder: Path) -> None:
               f"max error {found.largest:.1e}, {spent:.1f} ms")  # fmt: skip
 
 
-def lmfit_modes(t: np.ndarray, modulus: np.ndarray, model: GeneralizedMaxwell, ours: float) -> None:
-    """The same relative residuals in lmfit, told the number of arms, from even relaxation times."""
+def lmfit_modes(t: np.ndarray, modulus: np.ndarray, model: GeneralizedMaxwell) -> None:
+    """Residuals over the curve that dashpot found, in lmfit, told the number of arms.
+
+    Over noisy values themselves low ones would count most. It starts from even relaxation times.
+    """
     try:
         import lmfit
     except ImportError:
         print("  lmfit (not installed)")
         return
+    size = model.relaxation(t)
+    ours = float(np.square(modulus / size - 1).sum())
     start = lmfit.Parameters()
     start.add("g0", value=1e-3 * modulus.max(), min=0)
     for j, tau in enumerate(np.geomspace(t[0], t[-1], model.arms + 2)[1:-1]):
@@ -196,7 +203,7 @@ def lmfit_modes(t: np.ndarray, modulus: np.ndarray, model: GeneralizedMaxwell, o
         value = np.full(len(t), float(p["g0"]))
         for j in range(1, model.arms + 1):
             value = value + p[f"g{j}"] * np.exp(-t / np.exp(float(p[f"ln_tau{j}"])))
-        return value / modulus - 1
+        return (value - modulus) / size
 
     found, spent = timed(lambda: lmfit.minimize(residual, start), repeats=3)
     tau = sorted(float(np.exp(found.params[f"ln_tau{j}"])) for j in range(1, model.arms + 1))
