@@ -236,6 +236,9 @@ def compare(before: Path, after: Path, pattern: str, relative: float, worst: int
         print(f"the files given to the commands differ: {', '.join(names)}")
     spent = [0.0, 0.0]
     either = {line for line in {**a["answers"], **b["answers"]} if re.search(pattern, line)}
+    if not either:  # nothing agrees with nothing
+        print(f"no command of both files matches {pattern!r}")
+        return False
     for line in (line for line in lines() if line in either):
         both = [told["answers"].get(line, {"cpu": 0.0}) for told in (a, b)]
         spent = [sum(pair) for pair in zip(spent, (told.pop("cpu") for told in both), strict=True)]
