@@ -1,8 +1,9 @@
 """The app in a browser: how long a user waits, from the pointer to the drawn curve.
 
-Run: python benchmarks/app.py
+Run: python benchmarks/app.py [--moves 60] [--usual]
 
-A record of 42 500 rows and five hits from the virtual rig and hammer, then one of 3 million rows.
+A record of 42 500 rows and five hits from the virtual rig and hammer, then one of 3 million rows,
+unless `--usual` leaves it out.
 Times are wall clock in the page (`performance.now`), for a browser and a server share the machine;
 "drawn" is the second frame after the answer. Beside them stands what others on the machine change
 less: processor time of server and workers a step, and the tasks that held the page for more than
@@ -11,6 +12,7 @@ less: processor time of server and workers a step, and the tasks that held the p
 
 from __future__ import annotations
 
+import argparse
 import os
 import re
 import shutil
@@ -31,7 +33,6 @@ from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.simulation.rig import Rig
 from dashpot.solids.table_1 import BROAD
 
-MOVES = 60
 LISTEN = """() => {
   window.times = []; window.bytes = []; window.long = [];
   const seen = performance.mark.bind(performance);
@@ -60,6 +61,10 @@ LISTEN = """() => {
 
 def main() -> None:
     """Drive the page and print what it took."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--moves", type=int, default=60, help="of the pointer, and of the mass")
+    parser.add_argument("--usual", action="store_true", help="only the record of usual size")
+    options = parser.parse_args()
     program = shutil.which("chromium") or shutil.which("chromium-browser")
     if program is None:
         sys.exit("no chromium on this machine (apt-get install chromium)")
@@ -67,12 +72,16 @@ def main() -> None:
         seal, hammer, long = (Path(place) / name for name in ("seal.csv", "hammer.csv", "long.csv"))
         seal.write_text(write_relaxation(simulate_relaxation(BROAD, seed=1).test))
         hammer.write_text(write_impact(simulate_impact(BROAD, mass=0.1148, seed=1).test))
-        made = simulate_relaxation(BROAD, hold_time=297.0, rig=Rig(rate=10_000.0), seed=1).test
-        long.write_text(write_relaxation(made))
+        if not options.usual:
+            rig = Rig(rate=10_000.0)
+            made = simulate_relaxation(BROAD, hold_time=297.0, rig=rig, seed=1).test
+            long.write_text(write_relaxation(made))
         with sync_playwright() as play:
             browser = play.chromium.launch(executable_path=program, args=["--no-sandbox"])
-            drive(browser.new_page(viewport={"width": 1366, "height": 768}), seal, hammer)
-            large(browser.new_page(viewport={"width": 1366, "height": 768}), long)
+            window = {"width": 1366, "height": 768}
+            drive(browser.new_page(viewport=window), seal, hammer, options.moves)
+            if not options.usual:
+                large(browser.new_page(viewport=window), long)
 
 
 def start(*files: Path) -> tuple[subprocess.Popen[str], str, float]:
@@ -85,7 +94,7 @@ def start(*files: Path) -> tuple[subprocess.Popen[str], str, float]:
     return server, address, time.perf_counter() - since
 
 
-def drive(page: Page, seal: Path, hammer: Path) -> None:
+def drive(page: Page, seal: Path, hammer: Path, moves: int) -> None:
     """Everything that a user waits for, on a record of usual size."""
     server, address, ready = start()
     say("prompt to address", 1e3 * ready, "ms")
@@ -108,14 +117,14 @@ def drive(page: Page, seal: Path, hammer: Path) -> None:
     page.locator("#mass").press("Enter")
     settled(page, "114.8g")
     page.evaluate(LISTEN)
-    with effort(page, server.pid, "drag"):
-        drag(page)
+    with effort(page, server.pid, "drag", moves):
+        drag(page, moves)
     page.get_by_role("slider", name="hold end").press("Home")
     settled(page, "--mass")
-    with effort(page, server.pid, "mass"):
-        slide(page)
+    with effort(page, server.pid, "mass", moves):
+        slide(page, moves)
     done(page)
-    with effort(page, server.pid, "settle and study", steps=6):
+    with effort(page, server.pid, "settle and study", 6):
         settle(page)
     page.locator("#pick").set_input_files(str(hammer))
     # past the reading, at work on the verdict
@@ -128,27 +137,27 @@ def drive(page: Page, seal: Path, hammer: Path) -> None:
     leave(server)
 
 
-def drag(page: Page) -> None:
+def drag(page: Page, moves: int) -> None:
     """Drag the end of the hold."""
     box = page.get_by_role("slider", name="hold end").bounding_box()
     assert box is not None
     x, y = box["x"] + box["width"] / 2, box["y"] + 30
     page.mouse.move(x, y)
     page.mouse.down()
-    for i in range(MOVES):
+    for i in range(moves):
         page.mouse.move(x - 1 - i, y)
         page.wait_for_timeout(150)
     page.mouse.up()
-    say(f"redraws of {MOVES} moves", len(page.evaluate("window.times")), "", 50)
+    say(f"redraws of {moves} moves", len(page.evaluate("window.times")), "", round(moves / 1.2))
     quantiles(page, "drag to redraw", 100)
     sizes(page, "live")
 
 
-def slide(page: Page) -> None:
+def slide(page: Page, moves: int) -> None:
     """Move the mass."""
     page.locator("#mass").focus()
     page.evaluate("window.times = []; window.bytes = []")
-    for _ in range(MOVES):
+    for _ in range(moves):
         page.keyboard.press("ArrowUp")
         page.wait_for_timeout(60)
     quantiles(page, "mass to redraw", 50)
@@ -201,7 +210,7 @@ def leave(server: subprocess.Popen[str]) -> None:
 
 
 @contextmanager
-def effort(page: Page, process: int, what: str, steps: int = MOVES) -> Iterator[None]:
+def effort(page: Page, process: int, what: str, steps: int) -> Iterator[None]:
     """Say what a step cost the processors, and how often the page was held up."""
     page.evaluate("window.long = []")
     before = cpu(process)

@@ -1,6 +1,6 @@
 """A batch: what a test costs, in a loop, by processes, on a cluster; and what many files hold.
 
-Run: python benchmarks/batch.py [TESTS [REPEATS [FILES]]]
+Run: python benchmarks/batch.py [TESTS [REPEATS [FILES]]] [--kinds REGEX]
 
 The tests are of the virtual rig, 42 500 rows each, linked so that there are four of each. A cost is
 CPU time of all processes: the least of some repeats, taken in turns, for other work on a machine
@@ -14,8 +14,10 @@ the same time, each over its share of the same files. Memory is told by many sho
 
 from __future__ import annotations
 
+import argparse
 import json
 import os
+import re
 import subprocess
 import sys
 import time
@@ -62,9 +64,13 @@ COUNTED = (100, 1_000, 10_000, 100_000, 1_000_000, 10_000_000)
 
 def main() -> None:
     """Print the cost of a test, the memory of many, and what ten million would take."""
-    tests, repeats, files = [int(word) for word in sys.argv[1:]] + [60, 3, 5000][
-        len(sys.argv) - 1 :
-    ]
+    parser = argparse.ArgumentParser(description=__doc__)
+    for name, default in (("tests", 60), ("repeats", 3), ("files", 5000)):
+        parser.add_argument(name, type=int, nargs="?", default=default)
+    parser.add_argument("--kinds", default="", help=f"of {', '.join(KINDS)}")
+    given = parser.parse_args()
+    tests, repeats, files = given.tests, given.repeats, given.files
+    kinds = {name: how for name, how in KINDS.items() if re.search(given.kinds, name)}
     with TemporaryDirectory() as place:
         whole, part, many = (Path(place) / name for name in ("whole", "part", "many"))
         for folder in (whole, part, many):
@@ -77,7 +83,7 @@ def main() -> None:
             made.write_text(text)
             for again in range(LINKS):
                 (whole / f"{made.stem}_{again}.csv").hardlink_to(made)
-        costs = {name: cost(name, how, whole, part, repeats) for name, how in KINDS.items()}
+        costs = {name: cost(name, how, whole, part, repeats) for name, how in kinds.items()}
         own = memory(many, files)
     counted(costs, own)
 

@@ -3,11 +3,14 @@
 The yardstick is an interpreter that imports NumPy and reads the file with numpy.loadtxt. All
 commands run in turn, A B A B, and each round gives one ratio. Target: 3 or less.
 
+    python benchmarks/cold_start.py [--rounds 25]
+
 Byte code is compiled before anything is timed, as it is for any installed package.
 """
 
 from __future__ import annotations
 
+import argparse
 import os
 import statistics
 import subprocess
@@ -21,7 +24,6 @@ from dashpot.io.write import write_relaxation
 from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.solids.table_1 import PAPER
 
-ROUNDS = 25
 ENVIRONMENT = {
     **{key: value for key, value in os.environ.items() if key != "PYTHONDONTWRITEBYTECODE"},
     "OMP_NUM_THREADS": "1",
@@ -37,6 +39,9 @@ def cpu_and_wall(command: list[str]) -> tuple[float, float]:
 
 
 def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--rounds", type=int, default=25)
+    rounds = parser.parse_args().rounds
     dashpot = str(Path(sys.executable).with_name("dashpot"))
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "seal.csv"
@@ -53,7 +58,7 @@ def main() -> None:
             cpu_and_wall(command)
         runs = [
             {name: cpu_and_wall(command) for name, command in commands.items()}
-            for _ in range(ROUNDS)
+            for _ in range(rounds)
         ]
     print(f"{'ms, median (least)':24} {'CPU':>14} {'wall':>14}")
     for name in commands:
@@ -69,7 +74,7 @@ def main() -> None:
         ratio = statistics.median(run[ours][0] / run[theirs][0] for run in runs)
         least = min(run[ours][0] for run in runs) / min(run[theirs][0] for run in runs)
         print(
-            f"{ours} / ({theirs}): {ratio:.2f} in CPU time, median of {ROUNDS} rounds; "
+            f"{ours} / ({theirs}): {ratio:.2f} in CPU time, median of {rounds} rounds; "
             f"least over least {least:.2f}"
         )
 

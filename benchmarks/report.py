@@ -2,10 +2,13 @@
 
 The yardstick is an interpreter that imports matplotlib's figure and its SVG writer and draws
 nothing. Targets: 1.5 s with a relaxation test alone, 5 s with a hammer test and the joint fit.
+
+    python benchmarks/report.py [--rounds 7]
 """
 
 from __future__ import annotations
 
+import argparse
 import statistics
 import sys
 import tempfile
@@ -22,10 +25,11 @@ from dashpot.solids.table_1 import BROAD, BROAD_MASS
 from dashpot.vibration.impact.frf_estimation import estimate_frf
 from dashpot.workflow.study import characterise
 
-ROUNDS = 7
-
 
 def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--rounds", type=int, default=7)
+    rounds = parser.parse_args().rounds
     dashpot = str(Path(sys.executable).with_name("dashpot"))
     hammer = simulate_impact(BROAD, mass=BROAD_MASS).test
     bench = simulate_relaxation(BROAD).test
@@ -44,12 +48,12 @@ def main() -> None:
         for command in commands.values():  # compiles what is not compiled
             cpu_and_wall(command)
         for name, command in commands.items():
-            spent = [cpu_and_wall(command)[0] for _ in range(ROUNDS)]
+            spent = [cpu_and_wall(command)[0] for _ in range(rounds)]
             print(f"{name:24} {statistics.median(spent):5.2f} s CPU (least {min(spent):.2f})")
     frf = estimate_frf(hammer, mass=BROAD_MASS)
     study = characterise(bench, frf, impact=hammer, mass=BROAD_MASS, seals=2)
     spent = []
-    for _ in range(ROUNDS):
+    for _ in range(rounds):
         start = time.process_time()
         page = html(study)
         spent.append(time.process_time() - start)
