@@ -1,0 +1,169 @@
+"""The benchmarks run: by day what they ask of dashpot is there, by night each in its least form."""
+
+from __future__ import annotations
+
+import ast
+import re
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from importlib import import_module
+from inspect import ismethod, signature
+from pathlib import Path
+from typing import Any, get_overloads
+
+import pytest
+
+BENCHMARKS = Path(__file__).resolve().parents[1] / "benchmarks"
+TREES = {path.stem: ast.parse(path.read_text("utf-8")) for path in sorted(BENCHMARKS.glob("*.py"))}
+OURS = {"dashpot", "kit"}
+needs_chromium = pytest.mark.skipif(
+    not (shutil.which("chromium") or shutil.which("chromium-browser")),
+    reason="no chromium on this machine (apt-get install chromium)",
+)
+
+# what a script is told so that it ends soon, and a line that it prints near its end
+RUNS = [
+    ("answers", r"run --only seal_8mm\.csv", r"^ +[\d.]+ s  0  dashpot fit seal_8mm\.csv"),
+    ("anybody", "--records 1", r"^full, one arm more: \w"),
+    pytest.param("app", "--usual --moves 10", r"^exit +[\d.]+ ms", marks=needs_chromium),
+    ("batch", "1 1 20 --kinds quick", r"^  10000000 .*core h"),
+    ("cold_start", "--rounds 1", r"^dashpot --help / \(import click\): [\d.]+ in CPU time"),
+    ("coverage", "--seeds 2 --noise white", r"^white( +[01]\.\d{3}){5}"),
+    ("coverage_kinds", "speeds --seeds 1", r"^  tau2 +[01]$"),
+    ("engine", "--once", r"^batch, hold, R = 200, errors, per record .*scipy's optimum alone"),
+    ("frf_peers", "", r"^  at the end  dashpot .*2\.00 .* %$"),
+    ("global_optimum", "4", r"^wide +thorough +[01]\.\d{4} / "),
+    ("master_curves", "", r"^together +5 arms, loss 0\.004-50 Hz off by +0\."),
+    ("nist", "", r"^MGH17 +1\d\.\d"),
+    ("order", "--seeds 1 --noise white", r"^white( +[01]\.\d\d){3}"),
+    ("peers", "", r"^One run with Python"),
+    ("report", "--rounds 1", r"^the page of both +[\d.]+ s CPU"),
+    ("two_thousand", "64", r"^  repeat +[\d.]+ % \(.*\), drawn from 1 %: "),
+    ("verdicts", "OUT --per 0 --several 1 --kinds 2 --curves 6", r'^of \d+ called "use" \d+ miss'),
+]
+
+NAMES = [getattr(run, "values", run)[0] for run in RUNS]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "words", "told"), RUNS, ids=NAMES)
+def test_a_benchmark_runs(name: str, words: str, told: str, tmp_path: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, BENCHMARKS / f"{name}.py", *words.split()],
+        capture_output=True,
+        text=True,
+        check=False,
+        cwd=tmp_path,
+    )
+    said = done.stdout + done.stderr
+    assert done.returncode == 0, said
+    assert re.search(told, said, re.MULTILINE), said
+
+
+def test_every_benchmark_is_run_by_night():
+    whole = {name for name, tree in TREES.items() if "__main__" in ast.unparse(tree)}
+    assert set(NAMES) == whole
+
+
+@pytest.mark.parametrize("name", TREES)
+def test_what_a_benchmark_asks_of_dashpot_is_there(name: str) -> None:
+    """Each name exists, and each call by its name is of the arguments that the function takes."""
+    assert not list(rotten(TREES[name]))
+
+
+def test_what_has_rotted_is_seen():
+    head = "import dashpot as dp\nfrom functools import partial\nfit = partial(dp.fit, record)\n"
+
+    def found(text: str) -> list[str]:
+        return list(rotten(ast.parse(head + text)))
+
+    assert not found("dp.fit(record, arms=2)")
+    assert not found("fit(arms=2)")
+    assert found("dp.fit(arms=2)") == ["dp.fit(arms=2)"]
+    for text in ("dp.fit(record, intervals=False)", "fit(arms=2, intervals=False)"):
+        assert found(text) == [text]
+    with pytest.raises(AttributeError, match="fit_many"):
+        found("dp.fit_many")
+
+
+def rotten(tree: ast.Module) -> Iterator[str]:
+    """Calls that dashpot would not take; of what is bound by `partial` the names alone are held."""
+    known, bound = imported(tree), {}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Attribute):
+            meant(node, known)
+        if isinstance(node, ast.Assign) and _is_partial(node.value):
+            names = [one.id for one in node.targets if isinstance(one, ast.Name)]
+            bound |= dict.fromkeys(names, node.value.args[0])
+    for node in ast.walk(tree):
+        if not isinstance(node, ast.Call):
+            continue
+        function, given, whole = node.func, node.args, True
+        if _is_partial(node):
+            function, given, whole = node.args[0], node.args[1:], False
+        elif isinstance(function, ast.Name) and function.id in bound:
+            function, given, whole = bound[function.id], [], False
+        called = meant(function, known)
+        if callable(called) and not takes(called, given, node.keywords, whole=whole):
+            yield ast.unparse(node)
+
+
+def _is_partial(node: ast.expr) -> bool:
+    return isinstance(node, ast.Call) and ast.unparse(node.func) == "partial"
+
+
+def imported(tree: ast.Module) -> dict[str, Any]:
+    """What the names stand for that a script has from here, and gives no other meaning."""
+    found: dict[str, Any] = {}
+    others = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            for one in node.names:
+                if (first := one.name.partition(".")[0]) in OURS:
+                    module = import_module(one.name)
+                    found[one.asname or first] = module if one.asname else sys.modules[first]
+        elif isinstance(node, ast.ImportFrom) and node.module.partition(".")[0] in OURS:
+            home = import_module(node.module)
+            for one in node.names:
+                if not hasattr(home, one.name):  # a module that nothing has loaded yet
+                    import_module(f"{node.module}.{one.name}")
+                found[one.asname or one.name] = getattr(home, one.name)
+        elif isinstance(node, ast.Name) and not isinstance(node.ctx, ast.Load):
+            others.add(node.id)
+        elif isinstance(node, ast.arg):
+            others.add(node.arg)
+        elif isinstance(node, ast.FunctionDef | ast.ClassDef):
+            others.add(node.name)
+    return {name: value for name, value in found.items() if name not in others}
+
+
+def meant(node: ast.expr, known: dict[str, Any]) -> Any:
+    """What a dotted name stands for; None where it is not known here."""
+    if isinstance(node, ast.Name):
+        return known.get(node.id)
+    if isinstance(node, ast.Attribute) and (home := meant(node.value, known)) is not None:
+        return getattr(home, node.attr)
+    return None
+
+
+def takes(called: Any, given: list[ast.expr], named: list[ast.keyword], *, whole: bool) -> bool:
+    """Whether a function, or one of its overloads, takes such arguments."""
+    plain: list[object] = [one for one in given if not isinstance(one, ast.Starred)]
+    names = {one.arg: one.value for one in named if one.arg}
+    whole &= len(plain) + len(names) == len(given) + len(named)
+    several = get_overloads(called)
+    if several and ismethod(called):
+        plain.insert(0, called.__self__)
+    for one in several or [called]:
+        try:
+            taken = signature(one)
+        except ValueError:  # an error's own: of anything
+            return True
+        try:
+            (taken.bind if whole else taken.bind_partial)(*plain, **names)
+        except TypeError:
+            continue
+        return True
+    return False
