@@ -340,8 +340,6 @@ solids = st.builds(
 OMEGA = np.logspace(-3, 3, 13)
 
 
-
-
 def stiffness(arms, k_inf, b=0.0):
     s = 1j * OMEGA
     return k_inf + b * s + sum(k * s * tau / (1 + s * tau) for k, tau in arms)
