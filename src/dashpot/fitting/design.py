@@ -18,7 +18,7 @@ from dashpot.engine.blocks.late_force import Late
 from dashpot.engine.blocks.recorded import recorded_block
 from dashpot.engine.solver.descent import Stack
 from dashpot.engine.solver.variable_projection import Solution, solve
-from dashpot.fitting.nuisance import priors, terms_of
+from dashpot.fitting.nuisance import priors, spread_before, terms_of
 from dashpot.preparation.denoising import true_motion
 from dashpot.records.relaxation import MAX_CREEP, RampHold
 from dashpot.solids.elastic import ElasticLaw
@@ -153,13 +153,13 @@ def bound(
     """Return what is known of each load cell and its clock before the fit, a block per test.
 
     `spreads` holds the standard deviation of one independent residual of each test, N; that of
-    the record's scatter by default. Eq. 5 has no ramp that would tell slow arms from a drift, which
+    its hold by default (:func:`~dashpot.fitting.nuisance.spread_before`). Eq. 5 has no ramp that would tell slow arms from a drift, which
     is there as free as it may be; its clock begins at the end of the ramp.
     """
     hold = design.method == "hold"
     if not (design.terms if hold else design.nuisance):
         return ()
-    given = spreads or [test.force_noise for test in tests]
+    given = spreads or [*map(spread_before, tests)]
     known = [terms_of(test, claimed=hold) for test in tests]
     if hold:
         known = [

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray, kept, median
+from dashpot.base.arrays import FloatArray, block_means, kept, median
 from dashpot.engine.blocks.block import DataBlock, prior_block
 from dashpot.engine.inference.covariance import noise_of
 from dashpot.records.machine import USUAL
@@ -32,6 +32,8 @@ _LOADED = 0.05
 _UNSEEN = 0.02
 # nothing of a record is known better than this part of its largest value: the rest is rounding
 ROUNDING = 1e-9
+# arms whose sum follows any hold, and the means of one that they follow
+_ARMS, _MEANS = 12, 1024
 # standard deviation of a prior, in those of a row, that is as good as zero
 _TIGHTEST = 1e-5
 # an equality is a prior of this relative width
@@ -201,6 +203,26 @@ def terms_of(record: RampHold, *, claimed: bool = False) -> Terms:
     drift = known.doubt if claimed else known.drift
     each = {"offset": known.offset, "drift": drift, "delay": known.delay}
     return Terms(each, -known.at, least)
+
+
+@kept
+def spread_before(record: RampHold) -> float:
+    """Return the standard deviation of one independent residual as the hold shows it unfitted, N.
+
+    It is what a plateau, a drift and a dozen arms leave of means over a thousandth of the hold:
+    noise as slow as that is what a prior is weighed against, where the scatter of neighbours may
+    be a twentieth of it.
+    """
+    since, force = record.time[record.hold] - record.ramp_end, record.force[record.hold]
+    few = max(len(force) // _MEANS, 1)
+    time, means = block_means(since, few), block_means(force, few)
+    if len(means) < 4 * _ARMS:
+        return record.force_noise
+    end = float(since[-1])
+    arms = np.exp(-time[:, None] / np.geomspace(end / (2 * len(means)), 3 * end, _ARMS))
+    basis = np.linalg.qr(np.column_stack((np.ones(len(time)), time, arms)))[0]
+    left = noise_of(means - basis @ (basis.T @ means), basis)
+    return float(np.sqrt(few * left.power))
 
 
 class ChannelZero(NamedTuple):
