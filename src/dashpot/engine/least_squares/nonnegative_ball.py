@@ -36,10 +36,10 @@ from dashpot.base.errors import FitError
 NOTHING = 1e-13
 #: walks per column, at most
 PATIENCE = 3
-#: columns from one that may enter to the next, at first; later every fourth and every one
-STRIDE = 16
 #: what is left of a unit column that enters, below which its digits are rounding
 DEPENDENT = 1e-9
+#: square of what a column may lose when another leaves by a reflection
+LOST = 1e-26
 #: faces that are remembered
 REMEMBERED = 512
 
@@ -54,13 +54,15 @@ class ActiveSet(NamedTuple):
     basis : array, shape (k, n)
         Q'.
     factor : array, shape (k, k)
-        R.
+        R, which need not be triangular.
     inverse : array, shape (k, k)
         R^-1.
     along : array, shape (k,)
         Q'y.
     rest : array, shape (n,)
         What these columns leave of y.
+    least : float
+        Its square.
     """
 
     active: IndexArray
@@ -69,6 +71,7 @@ class ActiveSet(NamedTuple):
     inverse: FloatArray
     along: FloatArray
     rest: FloatArray
+    least: float
 
     def farthest(
         self, aim: FloatArray | None, squared: float
@@ -81,7 +84,7 @@ class ActiveSet(NamedTuple):
         power = float(h @ h)
         if power == 0.0:
             return np.asarray(self.inverse @ self.along), np.inf, self.rest
-        multiplier = sqrt(max(squared - float(self.rest @ self.rest), 0.0) / power)
+        multiplier = sqrt(max(squared - self.least, 0.0) / power)
         step = multiplier * h
         return self.inverse @ (self.along + step), multiplier, self.rest - step @ self.basis
 
@@ -138,16 +141,11 @@ class NonnegativeBall:
 
     def _walked(self, aim: FloatArray | None, squared: float, start: FloatArray) -> FloatArray:
         s, barred = start.copy(), list[int]()
-        face, entered, stride = self._of(np.flatnonzero(s > 0)), -1, STRIDE
+        face, entered = self._of(np.flatnonzero(s > 0)), -1
         for _ in range(PATIENCE * len(self._rows)):
             active = face.active
             goal, multiplier, left = face.farthest(aim, squared)
-            if not isfinite(goal.sum()):
-                raise FitError(
-                    "the data bound nothing: they do not follow the motion that they are fitted "
-                    "to; look whether each column is what it is taken for"
-                )
-            if goal.min(initial=1.0) <= 0:
+            if len(active) and goal.min() <= 0:
                 s[active], kept = _as_far_as_allowed(s[active], goal)
                 # rounding let it enter: it would leave at once for ever
                 if entered >= 0 and s[entered] == 0.0:
@@ -157,18 +155,20 @@ class NonnegativeBall:
             s[active] = goal
             gain = self._gain(left, aim, multiplier)
             gain[active] = gain[barred] = -np.inf
-            # neighbours are alike: a face gets where it belongs sooner by every sixteenth
-            entered = stride * int(gain[::stride].argmax())
-            while stride > 1 and not gain[entered] > self._nothing:
-                stride //= 4
-                entered = stride * int(gain[::stride].argmax())
+            entered = int(gain.argmax())
             if not gain[entered] > self._nothing:
                 break
             if len(active) == len(self._target):
                 raise FitError(
                     "the record has too few samples to say what it leaves open; record more"
                 )
-            face = self._known(np.append(active, entered), partial(self._beside, face, entered))
+            more = np.concatenate((active, [entered]))
+            face = self._known(more, partial(self._beside, face, more))
+        if not isfinite(s.sum()):
+            raise FitError(
+                "the data bound nothing: they do not follow the motion that they are fitted "
+                "to; look whether each column is what it is taken for"
+            )
         return s
 
     def _gain(self, residual: FloatArray, aim: FloatArray | None, multiplier: float) -> FloatArray:
@@ -200,17 +200,28 @@ class NonnegativeBall:
     def _face(self, active: IndexArray, basis: FloatArray, factor: FloatArray) -> ActiveSet:
         along: FloatArray = basis @ self._target
         rest: FloatArray = self._target - along @ basis
-        return ActiveSet(active, basis, factor, np.asarray(np.linalg.inv(factor)), along, rest)
+        inverse = np.asarray(np.linalg.inv(factor))
+        return ActiveSet(active, basis, factor, inverse, along, rest, float(rest @ rest))
 
     def _among(self, face: ActiveSet, kept: BoolArray) -> ActiveSet:
         """Return a face with fewer columns."""
-        turn, factor = np.linalg.qr(face.factor[:, kept])
-        return self._face(face.active[kept], turn.T @ face.basis, factor)
+        active, factor = face.active[kept], face.factor[:, kept]
+        if len(active) == len(kept) - 1:
+            # what only the one that leaves could add is turned to the last direction
+            mirror = face.inverse[int(kept.argmin())]
+            mirror = mirror / sqrt(mirror @ mirror)
+            mirror[-1] += 1.0 if mirror[-1] > 0 else -1.0
+            mirror *= sqrt(2.0 / (mirror @ mirror))
+            turned = factor - np.multiply.outer(mirror, mirror @ factor)
+            if turned[-1] @ turned[-1] <= LOST:
+                basis = face.basis - np.multiply.outer(mirror, mirror @ face.basis)
+                return self._face(active, basis[:-1], turned[:-1])
+        turn, factor = np.linalg.qr(factor)
+        return self._face(active, turn.T @ face.basis, factor)
 
-    def _beside(self, face: ActiveSet, entered: int) -> ActiveSet:
-        """Return a face with one column more."""
-        column, count = self._rows[entered], len(face.active)
-        active = np.append(face.active, entered)
+    def _beside(self, face: ActiveSet, active: IndexArray) -> ActiveSet:
+        """Return a face with one column more, the last."""
+        column, count = self._rows[active[-1]], len(face.active)
         once = face.basis @ column
         new = column - once @ face.basis
         again = face.basis @ new
@@ -227,15 +238,14 @@ class NonnegativeBall:
         inverse[:-1, -1] = face.inverse @ factor[:-1, -1] / -length
         along = float(new @ face.rest)
         rest = face.rest - along * new
-        return ActiveSet(active, basis, factor, inverse, np.append(face.along, along), rest)
+        more = np.concatenate((face.along, [along]))
+        return ActiveSet(active, basis, factor, inverse, more, rest, float(rest @ rest))
 
 
 def _as_far_as_allowed(s: FloatArray, goal: FloatArray) -> tuple[FloatArray, BoolArray]:
     """Return the point on the way to `goal` where a first coefficient vanishes, and the others."""
-    falls = np.flatnonzero(goal <= 0)
-    left = s[falls]
-    share = left / np.where(left > 0, left - goal[falls], 1.0)
-    least = share.min()
-    kept = np.ones(len(s), dtype=bool)
-    kept[falls[share <= least]] = False
+    way = zip(s.tolist(), goal.tolist(), strict=True)  # so few are faster one by one
+    shares = [(old / (old - new) if old > 0 else 0.0) if new <= 0 else np.inf for old, new in way]
+    least = min(shares)
+    kept = np.array(shares) > least
     return np.where(kept, s + least * (goal - s), 0.0), kept
