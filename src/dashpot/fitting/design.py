@@ -152,9 +152,10 @@ def bound(
 ) -> tuple[DataBlock, ...]:
     """Return what is known of each load cell and its clock before the fit, a block per test.
 
-    `spreads` holds the standard deviation of one independent residual of each test, N; that of
-    its hold by default (:func:`~dashpot.fitting.nuisance.spread_before`). Eq. 5 has no ramp that would tell slow arms from a drift, which
-    is there as free as it may be; its clock begins at the end of the ramp.
+    `spreads` holds the standard deviation of one independent residual of each test, N; by default
+    as its hold shows it (:func:`~dashpot.fitting.nuisance.spread_before`). Eq. 5 has no ramp that
+    would tell slow arms from a drift, which is there as free as it may be; its clock begins at the
+    end of the ramp.
     """
     hold = design.method == "hold"
     if not (design.terms if hold else design.nuisance):

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray, median
+from dashpot.base.arrays import FloatArray
 from dashpot.base.provenance import Step
 from dashpot.base.units import written
 from dashpot.fitting.asked import Asked
@@ -104,7 +104,7 @@ def _later(recorded: LateMotion, gate: Gate) -> Iterator[LateMotion]:
 
 def _shifted(record: RampHold, lag: float) -> tuple[RampHold, float]:
     """The record with its motion late by whole samples, whose counts are as they were read."""
-    step = median(np.diff(record.time))
+    step = record.step
     many = round(lag / step) if evenly_sampled(record.time) else 0
     if not many:
         return record, 0.0

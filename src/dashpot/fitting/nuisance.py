@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dashpot.base.arrays import FloatArray, block_means, kept, median
+from dashpot.base.arrays import FloatArray, block_means, kept
 from dashpot.engine.blocks.block import DataBlock, prior_block
 from dashpot.engine.inference.covariance import noise_of
 from dashpot.records.machine import USUAL
@@ -283,7 +283,7 @@ def last_of_hold(record: RampHold) -> slice:
 
 def delay_prior(record: RampHold) -> Prior:
     """Return the prior of the delay of the force behind the displacement, s."""
-    return Prior(0.0, record.machine.delay_sd(median(np.diff(record.time))))
+    return Prior(0.0, record.machine.delay_sd(record.step))
 
 
 def _loaded(record: RampHold, rest: slice) -> bool:

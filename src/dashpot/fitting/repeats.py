@@ -80,7 +80,7 @@ def noise_correlation(one: RampHold, other: RampHold) -> float:
     three means of each other's clock; 0 where fewer than 400 means are common, or what is left is
     no noise.
     """
-    step = _TO_A_MEAN * max(median(np.diff(record.time)) for record in (one, other))
+    step = _TO_A_MEAN * max(one.step, other.step)
     start = max(record.ramp_time for record in (one, other)) + _SMOOTH * step
     stop = min(record.hold_end - record.onset for record in (one, other))
     if (stop - start) / step < _FEWEST:

@@ -170,7 +170,7 @@ def _of_lateness(
 
     They are of the size that was found: the chord is exact there, where the tangent is not.
     """
-    slow = _slower(model, SLOW_ARM * median(np.diff(time)))
+    slow = _slower(model, SLOW_ARM * test.step)
     moved = slow.force(time, np.interp(time - late, time, x, left=0.0))
     # what has lagged once may lag by that, whatever was thought possible
     sd = max(delay_prior(test).sd, late)
@@ -293,13 +293,12 @@ def _doubted(
     """
     time, x = (part[laid_out(test, moved[0])] for part in moved)
     adds = unseen(test, time, x, data.answer)
-    step = median(np.diff(moved[0]))
-    tau = np.geomspace(max(test.ramp_time / 100, step), 10 * test.hold_time, MIXED)
+    tau = np.geomspace(max(test.ramp_time / 100, test.step), 10 * test.hold_time, MIXED)
     shapes = {"k_inf": x, "offset": np.ones(len(time)), "drift": time - since}
     kinds = [kind_of(name) for name in data.block.fixed_names]
     there = [kind in shapes for kind in kinds]
     own = [shapes[kind] for kind in kinds if kind in shapes]
-    basis = np.column_stack((*own, *(arm_response(time, x, one) for one in tau)))[time >= start]
+    basis = np.column_stack((*own, arm_response(time, x, tau)))[time >= start]
     scale = np.linalg.norm(basis, axis=0)
     wanted = np.column_stack([sd * column[time >= start] for column, sd in adds.values()])
     weights = np.linalg.lstsq(basis / scale, wanted, rcond=1e-9)[0] / scale[:, None]
@@ -341,7 +340,7 @@ def _weighed(
     rms: float = 0.0,
     claimed: bool = True,
 ) -> RelaxationData:
-    terms, step = terms_of(test, claimed=claimed), median(np.diff(test.time))
+    terms = terms_of(test, claimed=claimed)
     power = max(noise_power(residual), certain.rounding_floor)
     left = max(float(np.mean(residual**2)), rms**2, power)
     return RelaxationData(
@@ -351,7 +350,7 @@ def _weighed(
         terms=replace(terms, since=since + terms.since).beside(
             **{name: Prior(0.0, sd) for name, sd in doubts.items()}
         ),
-        answer=_slower(answer, SLOW_ARM * step),
+        answer=_slower(answer, SLOW_ARM * test.step),
         delay=terms.known["delay"].sd,
         size=size,
         certain=certain,

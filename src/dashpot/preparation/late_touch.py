@@ -68,7 +68,7 @@ def lateness(
     ramp, step = corners[1] - corners[0], median(np.diff(time[rows]))
     fastest = max(FASTEST * ramp, SAMPLES * step)
     tau = np.geomspace(fastest, max(SLOWEST * ramp, 2 * fastest), ARMS)
-    answers = [pressed, *(arm_response(time, pressed, one) for one in tau)]
+    answers = [pressed, *arm_response(time, pressed, tau).T]
     target, must = force[rows], np.append(False, np.ones(len(answers), dtype=bool))
     best, risen = Lateness(0.0, np.inf), 0
     for delay in np.linspace(0.0, MOST * delay_sd, DELAYS).tolist():

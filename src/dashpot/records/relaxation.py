@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from dashpot.base.arrays import ByValue, FloatArray, hold_measured, wave
+from dashpot.base.arrays import ByValue, FloatArray, hold_measured, median, wave
 from dashpot.base.checks import Check
 from dashpot.base.demands import positive
 from dashpot.base.documents import Documented
@@ -249,6 +249,11 @@ class RampHold(ByValue, Pictured, Documented):
     def hold_time(self) -> float:
         """Duration of the hold, s."""
         return self.hold_end - self.ramp_end
+
+    @cached_property
+    def step(self) -> float:
+        """From one sample to the next, s: the median."""
+        return median(np.diff(self.time))
 
     @property
     def travel(self) -> FloatArray:

@@ -19,6 +19,9 @@ from dashpot.base.units import Quantity, si
 if TYPE_CHECKING:
     from dashpot.solids.interconversion import CreepSpectrum
 
+# numbers of a history times its arms that a scan goes through fastest at once
+_IN_CACHE = 8192
+
 
 def angular(
     *bare: object, frequency: Quantity | npt.ArrayLike | None = None, omega: Any = None
@@ -360,9 +363,7 @@ class GeneralizedMaxwell(Solid, Documented):
         time = increasing("t", samples("t", t))
         x = samples("displacement", displacement)
         same_length(t=time, displacement=x)
-        total = self.k_inf * x
-        for k, tau in zip(self.k, self.tau, strict=True):
-            total = total + k * arm_response(time, x, tau)
+        total = self.k_inf * x + _arms_carry(time, x, *self._arms())
         if self.b > 0 and len(time) > 1:
             slope = np.diff(x) / np.diff(time)
             total = total + self.b * np.concatenate(([0.0], slope))
@@ -387,10 +388,9 @@ class GeneralizedMaxwell(Solid, Documented):
         same_length(t=time, force=F)
         creep = self._creep_spectrum
         impulse = np.concatenate(([0.0], np.cumsum(0.5 * (F[1:] + F[:-1]) * np.diff(time))))
-        total = creep.glass * F + creep.flow * impulse
-        for d, lam in zip(creep.d, creep.lam, strict=True):
-            total = total + d * (F - arm_response(time, F, lam))
-        return np.asarray(total)
+        d, lam = np.array(creep.d, dtype=float), np.array(creep.lam, dtype=float)
+        elastic = (creep.glass + d.sum()) * F + creep.flow * impulse
+        return np.asarray(elastic - _arms_carry(time, F, d, lam))
 
     @cached_property
     def _creep_spectrum(self) -> CreepSpectrum:
@@ -466,8 +466,10 @@ def decaying_sum(decay: FloatArray, increments: FloatArray) -> FloatArray:
     return total
 
 
-def arm_response(time: FloatArray, displacement: FloatArray, tau: float) -> FloatArray:
+def arm_response(time: FloatArray, displacement: FloatArray, tau: float | FloatArray) -> FloatArray:
     r"""Return the elongation of the spring of an arm, m: force = k times this, shape (n,).
+
+    Of several arms, `tau` of shape (m,), they are columns.
 
     For displacement straight between samples, with h the sample interval and z = h/tau,
 
@@ -475,8 +477,18 @@ def arm_response(time: FloatArray, displacement: FloatArray, tau: float) -> Floa
 
     Boltzmann superposition integrated exactly, segment by segment; any sampling.
     """
-    z = np.diff(time) / tau
-    decay = np.concatenate(([0.0], np.exp(-z)))
-    mean = np.concatenate(([1.0], -np.expm1(-z) / z))
+    z = np.divide.outer(np.diff(time), tau)
     moved = np.concatenate((displacement[:1], np.diff(displacement)))
-    return decaying_sum(decay, mean * moved)
+    decay, mean = np.zeros((2, len(time), *z.shape[1:]))
+    decay[1:], mean[0], mean[1:] = np.exp(-z), 1.0, -np.expm1(-z) / z
+    return decaying_sum(decay, (mean.T * moved).T)
+
+
+def _arms_carry(time: FloatArray, x: FloatArray, k: FloatArray, tau: FloatArray) -> FloatArray:
+    """The sum of k times each :func:`arm_response`; short ones many at once."""
+    at_once = max(1, _IN_CACHE // max(len(time), 1))
+    total = np.zeros(len(time))
+    for first in range(0, len(tau), at_once):
+        some = slice(first, first + at_once)
+        total += arm_response(time, x, tau[some]) @ k[some]
+    return total
