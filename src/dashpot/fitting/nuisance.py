@@ -222,7 +222,8 @@ def spread_before(record: RampHold) -> float:
     arms = np.exp(-time[:, None] / np.geomspace(end / (2 * len(means)), 3 * end, _ARMS))
     basis = np.linalg.qr(np.column_stack((np.ones(len(time)), time, arms)))[0]
     left = noise_of(means - basis @ (basis.T @ means), basis)
-    return float(np.sqrt(few * left.power))
+    # one independent residual is the least that noise leaves of a record; beyond it is misfit
+    return float(min(np.sqrt(few * left.power), record.force_noise * np.sqrt(len(force))))
 
 
 class ChannelZero(NamedTuple):
