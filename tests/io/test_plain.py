@@ -1,4 +1,4 @@
-"""Numbers of plain rows: both ways to read them give the same bits, or the same refusal."""
+"""Numbers of plain rows: all ways to read them give the same bits, or the same refusal."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from dashpot.io.table import Column
 from dashpot.io.text import plain
 from dashpot.io.text.clock import ClockColumn
 from dashpot.io.text.dialect import Dialect
+from dashpot.io.text.digits import PartedLines, parted
 from dashpot.io.text.encoding import decoded
 from dashpot.io.text.plain import PlainRows
 from dashpot.io.text.rows import Heading, load_rows
@@ -57,12 +58,26 @@ words = st.sampled_from(
 
 
 @st.composite
+def even_rows(draw: st.DrawFn, width: int) -> list[list[str]]:
+    """Rows whose columns are each printed with so many decimals, as most programs do."""
+    decimals = draw(st.lists(st.integers(0, 10), min_size=width, max_size=width))
+    value = st.one_of(st.floats(-1e7, 1e7), st.floats(-20, 20), st.sampled_from([0.0, -0.0]))
+    rows = draw(st.lists(st.lists(value, min_size=width, max_size=width), min_size=1, max_size=6))
+    return [[f"{v:.{d}f}" for v, d in zip(row, decimals, strict=True)] for row in rows]
+
+
+@st.composite
 def tables(draw: st.DrawFn) -> tuple[str, Dialect, tuple[int, ...]]:
     """Rows of three cells, nearly all of them numbers, of some lab."""
     width, mark = 3, draw(st.sampled_from([".", ",", ".,"]))
     sign = draw(st.sampled_from([";", "\t", "|", " ", *([","] if mark == "." else [])]))
     cells = draw(st.sampled_from([numerals, numerals, numerals | others, numerals | words]))
     rows = draw(st.lists(st.lists(cells, min_size=width, max_size=width), min_size=1, max_size=6))
+    if draw(st.booleans()):
+        rows = draw(even_rows(width))
+        if draw(st.booleans()):
+            odd = draw(st.sampled_from([numerals, others, words]))
+            rows[draw(st.integers(0, len(rows) - 1))][draw(st.integers(0, width - 1))] = draw(odd)
     if mark != ".":
         rows = [[text.replace(".", ",") for text in row] for row in rows]
     more = draw(st.sampled_from(["", "", sign, 2 * sign]))
@@ -102,9 +117,36 @@ COMMA = Dialect(",", ".", ("number",) * 3, cells=3)
 @example(("1,5;2,5;3\n", Dialect(";", ".", ("number",) * 3, cells=3), (0, 1, 2)))
 @given(tables())
 def test_the_fast_way_reads_the_same_bits_or_refuses_with_the_same_words(table):
-    with patch.object(PlainRows, "_from_json", return_value=None):
-        expected = outcome(*table)
+    with patch.object(PartedLines, "numbers", return_value=None):
+        by_json = outcome(*table)
+        with patch.object(PlainRows, "_from_json", return_value=None):
+            expected = outcome(*table)
+    assert by_json == expected
     assert outcome(*table) == expected
+
+
+@example([["-0.000000", "0.1", "9"], ["12345678.123456", "-999.9", "123456789012345"]])
+@example([[".12345678901234", "5.", "007"], ["0.00000000000001", "-0.", "-0"]])
+@given(even_rows(3))
+def test_digits_of_even_columns_are_read_to_the_nearest_double(rows):
+    """Of all columns whose numbers have fifteen digits at most."""
+    lines = "".join(";".join(row) + "\n" for row in rows)
+    found = parted(lines.encode(), ord(";"))
+    wanted = [i for i in range(3) if all(sum(map(str.isdigit, row[i])) <= 15 for row in rows)]
+    values = found.numbers(wanted, b".")
+    assert values.tobytes() == np.array([[float(row[i]) for i in wanted] for row in rows]).tobytes()
+
+
+@pytest.mark.parametrize(
+    "odd",
+    ["", "-", ".", "1.50", "15", "1.-5", "--1.5", "+1.5", " 1.5", "1.5 ", "1,5", "1/5",
+     "1:5", "a.5", "1.e", "nan", "1e5", "\x00.5", "1234567890123456.5"]
+)  # fmt: skip
+@pytest.mark.parametrize("first", [True, False])
+def test_digits_are_left_where_one_number_is_written_otherwise(odd, first):
+    rows = [f"{odd};1", "2.5;1"] if first else ["2.5;1", f"{odd};1"]
+    found = parted("".join(f"{row}\n" for row in rows).encode("latin-1"), ord(";"))
+    assert found.numbers((0,), b".") is None
 
 
 @given(st.lists(numerals.filter(lambda text: not text.endswith("-0")), min_size=1, max_size=30))
