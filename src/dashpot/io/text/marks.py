@@ -14,8 +14,8 @@ from dashpot.io.text import cells as cell
 from dashpot.io.text.dialect import Dialect
 
 _SMALL = re.compile(r"\A[+-]?[1-9]\d{0,2}\Z")
-_ROWS, _CELLS = 1 << 14, 1 << 20
-"""Rows that are looked at together, fewer of a wide table."""
+_FIRST, _ROWS, _CELLS = 1 << 8, 1 << 14, 1 << 20
+"""Rows that are looked at first, and at most at once, fewer of a wide table."""
 _SEEN = 1 << 12
 """Texts of a column that are known again."""
 
@@ -29,17 +29,16 @@ def open_columns(values: FloatArray) -> set[int]:
     """
     width = values.shape[1]
     left, whole = np.arange(width), np.zeros(width, bool)
-    rows = min(_ROWS, max(1, _CELLS // max(1, width)))
-    for start in range(0, len(values), rows):
-        part = np.abs(values[start : start + rows, left])
+    most, stop = min(_ROWS, max(1, _CELLS // max(1, width))), 0
+    while stop < len(values) and left.size:
+        start, stop = stop, stop + min(most, max(_FIRST, stop))
+        part = np.abs(values[start:stop, left])
         said = np.isfinite(part) & (part > 0)
         odd = said & ((part < 1) | (part >= 1e3))
         digits = np.where(said & ~odd, part, 1.0) * 1e3
         odd |= np.abs(digits - np.round(digits)) > 0.01
         whole[left] |= (said & (part == np.floor(part))).any(axis=0)
         left = left[~odd.any(axis=0)]
-        if not left.size:
-            break
     return set(left[whole[left]].tolist())
 
 
@@ -89,7 +88,7 @@ class _Marks:
 
 
 def ambiguous(
-    blocks: Iterator[tuple[str, int]],
+    blocks: Iterator[str],
     dialect: Dialect,
     indexes: Sequence[int],
     commas: Collection[int],
@@ -99,14 +98,14 @@ def ambiguous(
 
     Parameters
     ----------
-    blocks : iterator of (str, int)
-        Rows of the table, and the number of their first line.
+    blocks : iterator of str
+        Rows of the table.
     commas, points : collection of int
         Places in `indexes` of the columns where commas were met beside decimal points, and of
         those whose points could part thousands.
     """  # fmt: skip
     columns = {place: _Marks(dialect.mark) for place in {*commas, *points}}
-    for block, _ in blocks if columns else ():
+    for block in blocks if columns else ():
         cells = block.count("\n") + block.count(dialect.delimiter)
         # where every cell has its point, or none has, one row shows how it is used
         alike = block.count(".") in {0, cells} and not commas

@@ -147,8 +147,9 @@ def _loaded(
     got = _Gathered(segments=[heading.title])
     reader = _Reader(dialect, tuple(indexes), heading, got, patience)
     first = tail = ""
-    for text, line in _below(blocks(), dialect.first):
-        reader.read(text, line)
+    line = dialect.first + 1
+    for text in _below(blocks(), dialect.first):
+        line += reader.read(text, line)
         first = first or text.partition("\n")[0]
         tail = (tail + text[-_TAIL:])[-_TAIL:]
     values = _assembled(got, len(indexes))
@@ -162,7 +163,7 @@ def _loaded(
         notes.append("the last row is cut off within its last number and was left out")
     if not sure:
         points = marks.open_columns(values)
-        below = _patient(_below(blocks(), dialect.first), patience)
+        below = _patient(_below(blocks(), dialect.first), patience, dialect.first + 1)
         commas = reader.grouped | reader.plain.commas
         asked = marks.ambiguous(below, dialect, indexes, commas, points)
         got.doubts += [(None, question) for question in asked]
@@ -197,22 +198,21 @@ def _assembled(got: _Gathered, width: int) -> FloatArray:
     return values
 
 
-def _below(blocks: Iterator[str], first: int) -> Iterator[tuple[str, int]]:
-    """The text below the first lines, block by block, each with the number of its line."""
-    line = 1
+def _below(blocks: Iterator[str], first: int) -> Iterator[str]:
+    """The text below the first lines, block by block."""
     for block in blocks:
-        cut = _after_lines(block, first - line + 1)
-        line += block.count("\n", 0, cut)
+        cut = _after_lines(block, first)
+        first -= block.count("\n", 0, cut)
         text = block[cut:]
         if text:
-            yield text, line
-            line += line_count(text)
+            yield text
 
 
-def _patient(blocks: Iterator[tuple[str, int]], patience: Patience) -> Iterator[tuple[str, int]]:
-    for text, line in blocks:
+def _patient(blocks: Iterator[str], patience: Patience, line: int) -> Iterator[str]:
+    for text in blocks:
         patience.asked(line)
-        yield text, line
+        yield text
+        line += line_count(text)
 
 
 def _after_lines(text: str, count: int) -> int:
@@ -266,19 +266,22 @@ class _Reader:
         self.odd: dict[str, bool] = {}
         self.no_rows: set[str] = set()
 
-    def read(self, text: str, line: int) -> None:
-        """Read whole lines; a block that is not plain is halved until the odd lines are alone."""
+    def read(self, text: str, line: int) -> int:
+        """Read whole lines and return how many they are.
+
+        A block that is not plain is halved until the odd lines are alone.
+        """
         values = self.plain.read(text) if self.plain.possible else None
         if values is not None:
             self._add(values, line)
-            return
+            return len(values)
         self.patience.asked(line)
         count = line_count(text)
         if self.plain.possible and count > _PATIENT:
             cut = _after_lines(text, count // 2)
             self.read(text[:cut], line)
             self.read(text[cut:], line + count // 2)
-            return
+            return count
         run: list[list[float]] = []
         lines = text.split("\n")[:-1]
         self._find_like(lines)
@@ -295,6 +298,7 @@ class _Reader:
             self._between(text_line, number)
         if run:
             self._add(np.array(run), line + len(lines) - len(run))
+        return count
 
     def finish(self, values: FloatArray) -> list[str]:
         """Judge the end of the file and the clocks; return notes."""
