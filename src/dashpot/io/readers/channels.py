@@ -138,7 +138,7 @@ def leave_open(path: str | Path, file: Opened) -> None:
 
 def left_open(path: str | Path, options: ReadOptions) -> Opened | None:
     """Return a file that was left open, which then is so no longer."""
-    return _LEFT_OPEN.pop(_key(path, options), None)
+    return _LEFT_OPEN.pop(_key(path, options), None) if _LEFT_OPEN else None
 
 
 def _key(path: str | Path, options: ReadOptions) -> object:

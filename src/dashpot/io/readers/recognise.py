@@ -134,7 +134,8 @@ def recognise(
     bare = look(path, options)
     if isinstance(bare, Recognised):
         return bare
-    file = channels.read_once(bare)
+    # where the kind is said, only who reads the file next loads its numbers
+    file = bare if options.kind else channels.read_once(bare)
     with about(file.raw.name):
         kind, reason = recognise_opened(file)
         shaken = kind == "impact" and file.options.base_acceleration is not None
