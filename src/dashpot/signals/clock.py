@@ -40,10 +40,10 @@ def leaps(time: FloatArray) -> list[Leap]:
 def lasting_change(time: FloatArray) -> Leap | None:
     """Return where steps change most, if at once and for twenty to either side, else None.
 
-    `step` is then the usual of those behind, `beside` of those before.
+    `step` is then the usual of those behind, `beside` of those before. Less than tenfold is none.
     """
     steps = np.diff(time)
-    if len(steps) < 2 * _LASTING or steps.min() <= 0:
+    if len(steps) < 2 * _LASTING or steps.min() <= 0 or not steps.max() > LEAP * steps.min():
         return None
     change = np.abs(np.diff(np.log(steps)))[_LASTING - 1 : len(steps) - _LASTING]
     at = int(change.argmax()) + _LASTING
