@@ -243,7 +243,7 @@ def _delimiters(windows: Sequence[Sequence[str]], given: str | None) -> tuple[st
 
 def _has_groups(window: Sequence[str]) -> bool:
     """Whether blanks between the numbers in cells that tabs part group thousands, all of them."""
-    lines = (line for line in window if len(line.split()) > 1 + line.count("\t") > 1)
+    lines = (line for line in window if "\t" in line and len(line.split()) > 1 + line.count("\t"))
     texts = chain.from_iterable(cell.split(line, "\t") for line in lines)
     several = [text for text in texts if len(text.split()) > 1]
     numbers = [text for text in several if all(map(like_number, text.split()))]
@@ -264,9 +264,10 @@ def _plainly(window: Sequence[str], signs: Sequence[str], marks: Sequence[Mark])
         width = len(rows[0])
         if any(len(row) != width for row in rows):
             continue
+        cells = [*chain.from_iterable(rows)]
         for mark in marks:
             # under a point 1,234 may be a thousand
-            if all(cell.are_plain(row, mark) for row in rows) and (
+            if cell.are_plain(cells, mark) and (
                 mark == "." or not all(all(cell.numeric(row, ".")) for row in rows)
             ):
                 held: list[Content] = ["number"] * width
@@ -295,7 +296,7 @@ def _windows(lines: Sequence[str]) -> Iterator[list[str]]:
 
 
 def _is_looked_at(line: str) -> bool:
-    return bool(line.strip()) and not is_overlong(line)
+    return bool(line.strip()) and (len(line) <= COLUMNS or not is_overlong(line))
 
 
 def _sampled(window: list[str]) -> list[str]:

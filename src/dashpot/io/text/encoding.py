@@ -27,7 +27,7 @@ def find_encoding(head: bytes) -> str:
     for mark, name in _MARKS:
         if head.startswith(mark):
             return name
-    zeros = head.count(0)
+    zeros = head.count(0) if 0 in head else 0
     if zeros > 0.2 * len(head):
         name = "utf-16-le" if head[1::2].count(0) >= head[0::2].count(0) else "utf-16-be"
         text = head[: len(head) // 2 * 2].decode(name, "replace")
