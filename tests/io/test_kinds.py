@@ -15,6 +15,7 @@ from dashpot.io.readers.dynamic import read_dynamic
 from dashpot.io.readers.frf import read_frf
 from dashpot.io.readers.impact import read_impact
 from dashpot.io.readers.inspect import inspect_file
+from dashpot.io.readers.recognise import as_a_ramp
 from dashpot.io.readers.relaxation import read_relaxation
 from dashpot.io.table import Column, FileTable, in_memory
 from dashpot.kinds.cld.read import read_cld
@@ -238,3 +239,21 @@ def test_a_sweep_without_names_is_read_by_numbers(tmp_path: Path) -> None:
     assert read_dynamic(path, options=named).storage[2] == pytest.approx(12e6)
     tangent = ReadOptions(frequency="1", storage="2", loss_factor="3", units=units)
     assert read_dynamic(path, options=tangent).loss[2] == pytest.approx(12e6 * 1.2)
+
+
+def test_a_sweep_whose_frequency_stands_in_its_header_alone_is_told_what_to_write(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "sweep.csv"
+    rows = "".join(f"{0.01 * 2**i:.5g},{5 / (1 + i)},{0.6 / (1 + i)},.12\n" for i in range(9))
+    head = "Frequency: 10 Hz\n\nstrain [%],storage [MPa],loss [MPa],Tan(delta)\n"
+    path.write_text(head + rows)
+    found = inspect_file(path)
+    assert found.kind == "not-a-test"
+    assert "no frequency. Write a column 'frequency [Hz]'" in found.reason
+    assert [one.name for one in found.columns][-1] == "Tan(delta)"
+    # and no column of another unit is proposed for a ramp
+    assert as_a_ramp(path) == ""
+    rows = "".join(f"10,{line}\n" for line in rows.splitlines())
+    path.write_text(head.replace("strain", "frequency [Hz],strain") + rows)
+    assert inspect_file(path).kind == "strain-sweep"

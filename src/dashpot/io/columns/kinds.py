@@ -206,10 +206,13 @@ class _NamedColumns:
         )
 
     def _named_sweep(self) -> bool:
+        return self.has("frequency") and self.dynamic()
+
+    def dynamic(self) -> bool:
+        """Whether there is a complex modulus in parts or by its size and angle, over whatever."""
         ratio = self.has("loss_factor") or self.has("loss_angle")
         parts = self.has("storage") and (ratio or self.has("loss"))
-        polar = ratio and self.has("complex_modulus") and not self.has("coherence")
-        return self.has("frequency") and (parts or polar)
+        return parts or (ratio and self.has("complex_modulus") and not self.has("coherence"))
 
     def paired(self, *, pushed: bool) -> bool:
         """Whether there are two amplitudes with two phases, one of them a force or none."""
@@ -350,6 +353,12 @@ _RULES: tuple[tuple[FileKind, str, Callable[[_NamedColumns], bool]], ...] = (
         lambda s: not s.timed() and s.has("force", "displacement", least=2.5),
     ),
     ("frf", "it has frequency, and a part of a complex value", _NamedColumns.halved),
+    (
+        "not-a-test",
+        "it has storage and loss, and no frequency. Write a column 'frequency [Hz]' beside them; at "
+        "one frequency each row has the same",
+        lambda s: not s.timed() and s.dynamic(),
+    ),
     ("unclear", "no set of columns that makes a test was recognised", lambda _: True),
 )
 """The kinds, their reasons and what shows them; the first that holds is taken."""

@@ -12,7 +12,7 @@ from dashpot.io.columns.factors import off_the_name
 
 _LONGEST = 500
 """Characters of a name; what is longer is cut."""
-_OF_TIME = re.compile(r"\A[A-Za-z]\(t\)\Z")  # E(t): no tonnes
+_OF_WHAT = re.compile(r"\A(?:[A-Za-z]\(t\)|(?i:tan ?\((?:delta|d|δ)\)))\Z")  # E(t): no tonnes
 _IN_BRACKETS = re.compile(
     r"[\[(<{]([^\[\](){}<>]*+(?:\([^()]*+\)[^\[\](){}<>]*+){0,2})[\])>}][\s,;:]*+\Z"
 )
@@ -42,7 +42,7 @@ def part_unit(name: str) -> tuple[str, str | None]:
     raised = name[:_LONGEST].replace("⁻", "^-").replace("^-²", "^-2").replace("²", "^2")
     text = unicodedata.normalize("NFKC", raised)
     text = unquoted(text.replace("\u2032", "'"))  # a prime: G″ is two of them by now
-    if _OF_TIME.match(text):
+    if _OF_WHAT.match(text):
         return text, None
     for shape in _SHAPES:
         found = shape(text)

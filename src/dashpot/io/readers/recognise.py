@@ -148,7 +148,7 @@ def as_a_ramp(path: str | Path, options: ReadOptions | None = None) -> str:
     """Return the options that make a relaxation test of a file, as they are typed.
 
     Each role has the likeliest column that is free, and a unit where the file tells none; of fewer
-    than three columns of numbers, and of what is no table, nothing is returned.
+    than three columns that could be one, and of what is no table, nothing is returned.
     """
     file = look(path, options)
     if isinstance(file, Recognised):
@@ -159,13 +159,21 @@ def as_a_ramp(path: str | Path, options: ReadOptions | None = None) -> str:
     columns, names, lacking = file.table.columns, [], []
     for role in RAMP:
         scores = suited(file.table, role, file.options)
-        at = max(free, key=lambda i: (scores.get(i, 0.0), -i))
+        able = [i for i in free if not _of_another_kind(columns[i].unit, DIMENSION[role])]
+        if not able:
+            return ""
+        at = max(able, key=lambda i: (scores.get(i, 0.0), -i))
         free.remove(at)
         names.append(f'{flag(role)}="{handle(columns, at)}"')
         word = file.unit_word(at, role)
         if columns[at].content == "number" and not (word and units.find(word, DIMENSION[role])):
             lacking.append(f"{role}={EXAMPLE[role]}")
     return " ".join([*names, *([f'--units "{",".join(lacking)}"'] if lacking else [])])
+
+
+def _of_another_kind(word: str | None, dimension: str) -> bool:
+    """Whether a unit is known, and of no such quantity."""
+    return word is not None and bool(units.dimensions(word)) and not units.find(word, dimension)
 
 
 @kept
