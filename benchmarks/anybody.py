@@ -6,10 +6,10 @@ The sound records of `tests/kit/foreign`: 1 to 6 arms, fractional, power law and
 hold, 250 Hz to 10 kHz, ramps of .05 to 5 s, noise white, slow or hum; then every file of a folder
 that is a relaxation test. Each goes through every door: its text read, beside pandas in turn;
 prepared; fitted by the hold and by the whole record, with arms sought, as many as are there and one
-too many, with and without intervals; the limits of the response of a mass. Beside the fit of the hold
-with as many arms as are there stands what `scipy.optimize.least_squares` takes for the optimum of
-eq. 5 alone, from a start that is off by up to a factor of two. CPU time, the least of three; a bound
-holds if the truth lies within it.
+too many, with and without intervals; the limits of the response of a mass. Beside the fit of the
+hold with as many arms as are there stands what `scipy.optimize.least_squares` takes for the optimum
+of eq. 5 alone, from a start that is off by up to a factor of two. CPU time, the least of three; a
+bound holds if the truth lies within it.
 """
 
 from __future__ import annotations
@@ -27,7 +27,6 @@ from typing import TypeVar
 
 import numpy as np
 import pandas as pd
-
 from scipy.optimize import least_squares
 
 import dashpot as dp

@@ -355,8 +355,7 @@ _RULES: tuple[tuple[FileKind, str, Callable[[_NamedColumns], bool]], ...] = (
     ("frf", "it has frequency, and a part of a complex value", _NamedColumns.halved),
     (
         "not-a-test",
-        "it has storage and loss, and no frequency. Write a column 'frequency [Hz]' beside them; at "
-        "one frequency each row has the same",
+        "it has storage and loss, and no frequency. Write a column 'frequency [Hz]' beside them",
         lambda s: not s.timed() and s.dynamic(),
     ),
     ("unclear", "no set of columns that makes a test was recognised", lambda _: True),
