@@ -171,7 +171,7 @@ def as_a_ramp(path: str | Path, options: ReadOptions | None = None) -> str:
     return " ".join([*names, *([f'--units "{",".join(lacking)}"'] if lacking else [])])
 
 
-def _of_another_kind(word: str | None, dimension: str) -> bool:
+def _of_another_kind(word: str | None, dimension: units.Dimension) -> bool:
     """Whether a unit is known, and of no such quantity."""
     return word is not None and bool(units.dimensions(word)) and not units.find(word, dimension)
 
