@@ -325,6 +325,7 @@ def motion_resolved(test: RampHold) -> Finding:
     count the rows of the ramp for less by it.
     """
     ramp = replace(test, hold_end=min(test.ramp_end + test.ramp_time, test.hold_end))
+    vars(ramp)["displacement_quantum"] = test.displacement_quantum  # of the same readings
     x, left = true_motion(ramp)
     time, force = test.time[: len(x)], test.force[: len(x)]
     if len(x) < 4 * CORNERS:

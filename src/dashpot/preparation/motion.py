@@ -164,7 +164,8 @@ def find_motion(
     if sign is None:
         turn, segments = _turned(test)
     else:
-        turn, segments = sign, find_segments(test.time, sign * test.displacement)
+        x = sign * test.displacement
+        turn, segments = sign, find_segments(test.time, x, _resolution(test))
     time, x, force = test.time, turn * test.displacement, test.force
     driven = began_late(x, force) or at_one_speed(time, x, segments)
     if not driven and creeps(time, x, force, cycles_of(segments)):
@@ -177,22 +178,21 @@ def find_motion(
             raise DataError(f"{where}: the displacement hardly moves, {_BEGINS_LATE}")
         raise DataError(nothing_held(segments, where, _advice(time, x, force)))
     index, cycles = choose_cycle(segments, number, where=where)
-    return _of_cycle(time, x, turn, cycles, index)
+    return _of_cycle(test, turn, cycles, index)
 
 
 @kept
 def _turned(test: RelaxationTest) -> tuple[int, tuple[MotionSegment, ...]]:
-    return turned(test.time, test.displacement)
+    return turned(test.time, test.displacement, _resolution(test))
+
+
+@kept
+def _resolution(test: RelaxationTest) -> float:
+    return resolution_of(test.time, test.displacement, test.displacement_quantum)
 
 
 def given_motion(
-    time: FloatArray,
-    displacement: FloatArray,
-    *,
-    onset: float,
-    ramp_end: float,
-    hold_end: float,
-    sign: int | None,
+    test: RelaxationTest, *, onset: float, ramp_end: float, hold_end: float, sign: int | None
 ) -> PlateMotion:
     """The motion between times that the user gave, s.
 
@@ -201,6 +201,7 @@ def given_motion(
     DataError
         If they are out of order or outside the record, or nothing moved between them.
     """
+    time, displacement = test.time, test.displacement
     if not time[0] <= onset < ramp_end < hold_end <= time[-1] + 1e-9:
         raise DataError(
             f"onset = {onset:g} s, ramp_end = {ramp_end:g} s, hold_end = {hold_end:g} s; expected "
@@ -226,15 +227,14 @@ def given_motion(
         rest = MotionSegment("hold", 0, first, float(time[0]), onset, before, before)
     ramp = MotionSegment("load", first, corner, onset, ramp_end, float(x[first]), level)
     hold = MotionSegment("hold", corner, last, ramp_end, hold_end, level, level)
-    motion = _of_cycle(time, x, turn, (RampHoldCycle(rest, (ramp, hold)),), 0)
+    motion = _of_cycle(test, turn, (RampHoldCycle(rest, (ramp, hold)),), 0)
     return replace(motion, stop=last)
 
 
 def from_contact(
-    time: FloatArray, displacement: FloatArray, motion: PlateMotion, contact: float, *, doubt: float
+    test: RelaxationTest, motion: PlateMotion, contact: float, *, doubt: float
 ) -> PlateMotion:
     """The motion without the ramps that end in air, before `contact` less `doubt`, m."""
-    x = motion.sign * displacement
     segments = motion.cycle.segments
     flown = [
         i
@@ -246,14 +246,14 @@ def from_contact(
     first = flown[-1] + 2
     cycle = RampHoldCycle(segments[first - 1], segments[first:])
     cycles = (*motion.cycles[: motion.index], cycle, *motion.cycles[motion.index + 1 :])
-    return replace(_of_cycle(time, x, motion.sign, cycles, motion.index), stop=motion.stop)
+    return replace(_of_cycle(test, motion.sign, cycles, motion.index), stop=motion.stop)
 
 
 def _of_cycle(
-    time: FloatArray, x: FloatArray, turn: int, cycles: tuple[RampHoldCycle, ...], index: int
+    test: RelaxationTest, turn: int, cycles: tuple[RampHoldCycle, ...], index: int
 ) -> PlateMotion:
-    cycle = cycles[index]
-    resolution = resolution_of(time, x)
+    time, x = test.time, turn * test.displacement
+    cycle, resolution = cycles[index], _resolution(test)
     ramp = cycle.ramp
     rest = _resting(x, cycle.rest, ramp)
     level = _held(time, x, cycle)

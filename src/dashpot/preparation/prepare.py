@@ -28,7 +28,7 @@ from dashpot.preparation.hum import hum_lines, hum_step
 from dashpot.preparation.late_touch import AFTER, MOST, Lateness, lateness
 from dashpot.preparation.motion import PlateMotion, find_motion, from_contact, given_motion
 from dashpot.records.machine import Machine
-from dashpot.records.relaxation import RampHold, RelaxationTest, quantum
+from dashpot.records.relaxation import RampHold, RelaxationTest
 from dashpot.signals.noise import evenly_sampled, median_of_three, scatter, without_spikes
 
 # times that a gap and a delay are found, each with the other
@@ -110,14 +110,15 @@ def prepare(
         checks.refuse_late_start(where, *_loaded_and_relaxed(clean, motion))
     turn = _force_sign(clean, motion) if sign is None else sign
     x, force = motion.sign * test.displacement, turn * test.force
-    count = quantum(x)
+    count = test.displacement_quantum
     gap = _least_gap(count, motion)
     machine = machine or Machine()
-    late = machine.delay_sd(median(np.diff(test.time)))
+    step = median(np.diff(test.time))
+    late = machine.delay_sd(step)
     before, touch = _touch(
         test.time, x, turn * clean, motion, given=contact, least_gap=gap, delay_sd=late
     )
-    pressed = from_contact(test.time, test.displacement, motion, touch.displacement, doubt=gap)
+    pressed = from_contact(test, motion, touch.displacement, doubt=gap)
     if pressed is not motion:
         # the plate was first moved through air: the ramp that meets the seal is the first
         motion = pressed
@@ -126,7 +127,7 @@ def prepare(
             test.time, x, turn * clean, motion, given=contact, least_gap=gap, delay_sd=late
         )
     force, tared = zeroed(test.time, force, before, drift=drift, where=where)
-    times = _times(motion, touch, test.time, (onset, ramp_end, hold_end))
+    times = _times(motion, touch, test.time, step, (onset, ramp_end, hold_end))
     record = _record(test, x, force, motion, touch, times=times, count=count)
     # of a long record every channel weighs: these are not needed beside its spectrum
     del clean, x, force
@@ -188,10 +189,7 @@ def _motion(
 ) -> PlateMotion:
     onset, ramp_end, hold_end = times
     if onset is not None and ramp_end is not None and hold_end is not None:
-        return given_motion(
-            test.time, test.displacement,
-            onset=onset, ramp_end=ramp_end, hold_end=hold_end, sign=sign,
-        )  # fmt: skip
+        return given_motion(test, onset=onset, ramp_end=ramp_end, hold_end=hold_end, sign=sign)
     if hold_end is not None:
         # what comes after a given end is not there
         until = int(np.searchsorted(test.time, hold_end, side="right"))
@@ -322,21 +320,21 @@ def _times(
     motion: PlateMotion,
     touch: Touch,
     time: FloatArray,
+    step: float,
     given: tuple[float | None, float | None, float | None],
 ) -> tuple[float, float, float]:
     onset, ramp_end, hold_end = given
     last = float(time[motion.stop])
     if onset is None:
-        onset = max(_snapped(motion.line.time_of(touch.displacement), time), float(time[0]))
+        onset = max(_snapped(motion.line.time_of(touch.displacement), time, step), float(time[0]))
     if ramp_end is None:
-        ramp_end = _snapped(motion.line.time_of(motion.level), time)
+        ramp_end = _snapped(motion.line.time_of(motion.level), time, step)
     return onset, ramp_end, last if hold_end is None else min(hold_end, last)
 
 
-def _snapped(moment: float, time: FloatArray) -> float:
+def _snapped(moment: float, time: FloatArray, step: float) -> float:
     """A moment that only rounding parts from a sample is that sample."""
     i = int(np.argmin(np.abs(time - moment)))
-    step = median(np.diff(time))
     return float(time[i]) if abs(time[i] - moment) < 1e-6 * step else moment
 
 

@@ -90,6 +90,11 @@ class RelaxationTest(ByValue, Described, Documented):
         """Displacement and force over time."""
         return arrays(self, time="s", displacement="m", force="N")
 
+    @cached_property
+    def displacement_quantum(self) -> float:
+        """The step of the displacement's readings, m; 0 if none shows."""
+        return quantum(self.displacement)
+
     @property
     def described(self) -> tuple[str, ...]:
         """Which record it is, and how far it reaches."""

@@ -65,9 +65,11 @@ def goes_on(x: FloatArray) -> bool:
     return abs(float(x[-tenth:].mean() - x[:tenth].mean())) > GONE * float(np.ptp(x))
 
 
-def turned(time: FloatArray, displacement: FloatArray) -> tuple[int, tuple[MotionSegment, ...]]:
+def turned(
+    time: FloatArray, displacement: FloatArray, resolution: float | None = None
+) -> tuple[int, tuple[MotionSegment, ...]]:
     """Return the sign that makes the first ramp rise, and what then is found."""
-    segments = find_segments(time, displacement)
+    segments = find_segments(time, displacement, resolution)
     if _falls_first(segments):
         return -1, mirrored(segments)
     return 1, segments

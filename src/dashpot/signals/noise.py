@@ -60,7 +60,8 @@ def spikes(time: FloatArray, values: FloatArray) -> BoolArray:
 
 def without_spikes(time: FloatArray, values: FloatArray) -> FloatArray:
     """The channel with every spike replaced by the nearer of its neighbours."""
-    return np.where(spikes(time, values), median_of_three(values), values)
+    found = spikes(time, values)
+    return np.where(found, median_of_three(values), values) if found.any() else values
 
 
 def median_of_three(values: FloatArray) -> FloatArray:

@@ -60,7 +60,9 @@ class MotionSegment(NamedTuple):
         return self.end - self.start
 
 
-def find_segments(time: FloatArray, displacement: FloatArray) -> tuple[MotionSegment, ...]:
+def find_segments(
+    time: FloatArray, displacement: FloatArray, resolution: float | None = None
+) -> tuple[MotionSegment, ...]:
     """Split a record into loading, unloading and holding.
 
     A polygon is laid through the record, with a corner wherever a straight line would miss it
@@ -73,10 +75,13 @@ def find_segments(time: FloatArray, displacement: FloatArray) -> tuple[MotionSeg
     ----------
     time, displacement : array, shape (n,)
         s and m; the sign as it is.
+    resolution : float, optional
+        That of the displacement, where it is known already.
     """
     x = median_of_three(displacement)
     travel = float(np.ptp(x))
-    resolution = resolution_of(time, displacement)
+    if resolution is None:
+        resolution = resolution_of(time, displacement, quantum(displacement))
     if travel <= 4 * resolution:
         return (_segment("hold", time, x, 0, len(x) - 1),)
     corners = _polygon(time, x, max(2 * resolution, 0.01 * travel))
@@ -94,9 +99,9 @@ def mirrored(segments: Iterable[MotionSegment]) -> tuple[MotionSegment, ...]:
     )
 
 
-def resolution_of(time: FloatArray, displacement: FloatArray) -> float:
+def resolution_of(time: FloatArray, displacement: FloatArray, count: float) -> float:
     """What a displacement can differ by without having moved, m: 4 sigma, and half a quantum."""
-    return 4 * usual_scatter(time, displacement) + 0.5 * quantum(displacement)
+    return 4 * usual_scatter(time, displacement) + 0.5 * count
 
 
 def _segment(

@@ -16,6 +16,7 @@ from dashpot.kinds.cld.read_off import WINDOW, at_compression, local, unevenness
 from dashpot.kinds.cld.record import CLD, AtCompression, Branch, CompressionTest, Cycle
 from dashpot.preparation.strokes import Stroke, inward, strokes_of
 from dashpot.preparation.zero import Zero, met_again, zero_of
+from dashpot.records.relaxation import quantum
 from dashpot.signals.segments import resolution_of
 
 _SMOOTHED, _RARE = 5, 4.0
@@ -124,7 +125,7 @@ def _cycles(test: CompressionTest) -> _RecordCycles:
     turn, push = inward(test.displacement, test.force)
     x, force = turn * test.displacement, push * test.force
     clock = np.arange(float(len(x))) if test.time is None else test.time
-    resolution = resolution_of(clock, x)
+    resolution = resolution_of(clock, x, quantum(x))
     strokes = strokes_of(x, resolution=resolution)
     pairs = _pairs(strokes)
     zero = zero_of(clock, x, force, pairs[0][0], resolution=resolution)
