@@ -210,7 +210,7 @@ def _tables(count: int, turn: float) -> tuple[ComplexArray, ComplexArray]:
 
 def increasing(name: str, values: FloatArray) -> FloatArray:
     """Return `values` if they rise strictly, else say where they do not."""
-    falls = np.flatnonzero(np.diff(values) <= 0)
+    falls = np.flatnonzero(values[1:] <= values[:-1])
     if falls.size:
         i = int(falls[0]) + 1
         raise DataError(
@@ -323,8 +323,9 @@ def _checked(
         raise DataError(f"{name} must be one-dimensional, found shape {array.shape}")
     if len(array) < minimum:
         raise DataError(f"{name} needs at least {minimum} samples, found {len(array)}")
-    bad = np.flatnonzero(~np.isfinite(array))
-    if bad.size:
+    finite = np.isfinite(array)
+    if not finite.all():
+        bad = np.flatnonzero(~finite)
         raise DataError(
             f"{name}[{int(bad[0])}] is {array[bad[0]]}; every sample must be finite "
             f"({bad.size} of {len(array)} are not)"

@@ -8,6 +8,7 @@ again, in a file, an option or an array alike, and where a result would imply it
 from __future__ import annotations
 
 import math
+from functools import cache
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
@@ -137,6 +138,7 @@ def short(value: float, unit: str) -> str:
     return f"{value:.3g} {unit}"
 
 
+@cache
 def _prefixed(unit: str) -> tuple[tuple[float, str], ...]:
     # metres above 1 are said in metres
     return tuple((by, f"{word}{unit}") for by, word in _PREFIXES if by <= 1 or unit != "m")

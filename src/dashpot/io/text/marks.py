@@ -14,7 +14,7 @@ from dashpot.io.text import cells as cell
 from dashpot.io.text.dialect import Dialect
 
 _SMALL = re.compile(r"\A[+-]?[1-9]\d{0,2}\Z")
-_FIRST, _ROWS, _CELLS = 1 << 8, 1 << 14, 1 << 20
+_FIRST, _ROWS, _CELLS = 1 << 11, 1 << 14, 1 << 20
 """Rows that are looked at first, and at most at once, fewer of a wide table."""
 _SEEN = 1 << 12
 """Texts of a column that are known again."""
