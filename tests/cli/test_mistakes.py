@@ -51,6 +51,7 @@ MISTAKES = (
     # which files
     ("fit none.csv", "none.csv: there is no such file or folder", "fit seal.csv --arms 1"),
     ("fit seel.csv", "Did you mean seal.csv?", "fit seal.csv --arms 1"),
+    ("fit clipped.csv", "To write the example of that name: dashpot demo --files --all", ""),
     # what a newcomer types
     ("help", "Type: dashpot --help", "--help"),
     ("help fit", "Type: dashpot fit --help", "fit --help"),

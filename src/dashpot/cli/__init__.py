@@ -101,7 +101,7 @@ def main() -> None:
     dashpot demo --files                     two simulated files to learn on
     dashpot inspect seal_8mm.csv             what is in a file
     dashpot fit seal_8mm.csv -o fit.json     the model, and how well it is known
-    dashpot report seal_8mm.csv hammer.csv --mass 104g --seals 2
+    dashpot report seal_8mm.csv hammer.csv --mass 114.8g --seals 2
 
     Quantities carry their unit: 104g, 8mm, 12.71Hz, 1:50Hz. Exit codes: 0 done,
     1 a check failed (--strict), 2 bad input, 3 a fault in dashpot.

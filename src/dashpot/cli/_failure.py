@@ -10,6 +10,7 @@ import sys
 import traceback
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import click
 
@@ -77,7 +78,7 @@ def _failure(error: BaseException, words: Sequence[str]) -> Failure:
         said = str(error.__cause__ or error)  # click aborts because of the interrupt
         return _sentence("Interrupted", said or "interrupted", INTERRUPTED)
     if isinstance(error, DashpotError):
-        return _sentence(kind, str(error), BAD)
+        return _sentence(kind, _offered(str(error)), BAD)
     if isinstance(error, FileNotFoundError) and error.filename:
         from dashpot.io.source import missing
 
@@ -132,6 +133,17 @@ def _having(error: click.NoSuchOption) -> list[str]:
         for name, command in every.items()
         if command and any(error.option_name in param.opts for param in command.params)
     ]
+
+
+def _offered(says: str) -> str:
+    """Name the command that writes a missing file, if the how-to pages use it."""
+    place, missing, _ = says.partition(": there is no such file or folder. ")
+    if missing:
+        from dashpot import workflow
+
+        if Path(place).name in workflow.EXAMPLES:
+            return f"{place}{missing}To write the example of that name: dashpot demo --files --all"
+    return says
 
 
 def _sentence(kind: str, says: str, code: int) -> Failure:

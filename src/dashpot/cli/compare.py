@@ -28,7 +28,7 @@ _MEASURED = set(VIBRATION.split())
     "compare",
     """Compare a prediction with a measurement, an FRF with an FRF, or two lots.
 
-  dashpot compare fit.json hammer.csv --mass 104g --seals 2
+  dashpot compare fit.json hammer.csv --mass 114.8g --seals 2
   dashpot compare before.uff after.uff
   dashpot compare may/lot june/lot""",
     options.files("FIT|FRF|LOT WITH..."),

@@ -65,7 +65,7 @@ ALL = "all"
         opt("--unit-system", "units", metavar="SYSTEM", help="SI, mm-t-s or mm-kg-ms."),
         opt("--form", metavar="NAME", help=_FORMS),
         opt("--band", "frequency_range", type=Range("frequency"), metavar="RANGE",
-            help="Frequencies of a table, e.g. 1:100Hz."),
+            help="Frequencies of a table (1:100Hz)."),
         of(Job, "seals", metavar="N"),
         opt("--compression", type=WithUnit("length"), metavar="LENGTH",
             help="Compression to linearise about."),

@@ -152,7 +152,7 @@ for _one in chain.from_iterable(_OPTIONS):
   CLD, stress-strain, indenter, rod, loops, FRFs at levels -> their law
 
   dashpot fit seal_8mm.csv -o fit.json
-  dashpot fit seal_8mm.csv hammer.csv --mass 104g --seals 2 -o joint.json
+  dashpot fit seal_8mm.csv hammer.csv --mass 114.8g --seals 2 -o joint.json
   dashpot fit hit.csv --mass 5g --radius 5mm""",
     options.files("FILE..."),
     *_OPTIONS,

@@ -38,7 +38,7 @@ def _fits(kind: KindOfTest) -> list[str]:
     "predict",
     """Predict how a fitted solid vibrates, under a mass or in a door.
 
-  dashpot predict fit.json --mass 104g --seals 2
+  dashpot predict fit.json --mass 114.8g --seals 2
   dashpot predict law.json --slam 0.6m/s --mass 200g
   dashpot predict door.toml --close 1.2m/s""",
     options.files("FIT|DOOR.toml", "path", several=False),

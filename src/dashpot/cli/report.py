@@ -43,9 +43,9 @@ class Reported(Documented):
     "report",
     """Write one page about a seal: test, solid, prediction, hammer, checks.
 
-  dashpot report seal_8mm.csv hammer.csv --mass 104g --seals 2 -o report.html
+  dashpot report seal_8mm.csv hammer.csv --mass 114.8g --seals 2 -o report.html
   dashpot report warm.csv cold.csv --temperature 23degC --temperature 0degC
-  dashpot report seal_8mm.csv hammer.csv --mass 104g --project door-seal""",
+  dashpot report seal_8mm.csv hammer.csv --mass 114.8g --project door-seal""",
     options.files("FILE..."),
     group(
         _PAGE,

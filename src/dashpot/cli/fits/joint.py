@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import ceil, floor
 from typing import Any
 
 import click
@@ -65,10 +66,12 @@ def _follow(given: Given, found: dp.Fit) -> str:
 
 
 def _deck(found: dp.Fit) -> list[str]:
-    """The options of a deck, with what the fit does not know of its piece to be filled in."""
+    """The options of a deck in the valid band, with what the fit does not know to be filled in."""
     piece = found.specimen
     asked: tuple[tuple[str, Any], ...] = (
         ("--temperature", piece.temperature), ("--length", piece.length),
     )  # fmt: skip
     missing = [name for name, known in asked if known is None]
-    return [*_A_DECK, *(word for name in missing for word in (name, name[2:].upper()))]
+    low, high = max(1, ceil(found.band[0])), floor(found.band[1])
+    rows = ("--band", f"{low}:{high}Hz") if low < high else ()
+    return [*_A_DECK, *rows, *(word for name in missing for word in (name, name[2:].upper()))]

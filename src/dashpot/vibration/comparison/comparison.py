@@ -183,14 +183,14 @@ class Comparison(Pictured, Documented):
 
     @property
     def matched(self) -> str:
-        """Peak and damping as measured, and how far the prediction is off."""
+        """Peak and damping as measured, and how far the model is off."""
         off = f"{100 * self.frequency_error:+z.2g} %, {self.ratio_db:+z.1f} dB"
         peak = f"peak at {self.measured_hz:.4g} Hz ({off})"
         if self.measured_damping is None or self.predicted_damping is None:
             return peak
         return (
             f"{peak}, damping ratio {100 * self.measured_damping:.3g} % "
-            f"(predicted {100 * self.predicted_damping:.3g} %)"
+            f"(model {100 * self.predicted_damping:.3g} %)"
         )
 
     @property
