@@ -33,6 +33,7 @@ myst_heading_anchors = 3
 html_theme = "furo"
 html_static_path = ["_static"]
 html_css_files = ["cards.css"]
+html_search_scorer = str(Path(__file__).with_name("scorer.js"))
 html_title = "dashpot"
 html_math_renderer = "mathml"
 exclude_patterns = ["_build"]
