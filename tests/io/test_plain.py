@@ -80,6 +80,8 @@ def tables(draw: st.DrawFn) -> tuple[str, Dialect, tuple[int, ...]]:
             rows[draw(st.integers(0, len(rows) - 1))][draw(st.integers(0, width - 1))] = draw(odd)
     if mark != ".":
         rows = [[text.replace(".", ",") for text in row] for row in rows]
+    if sign == " " and draw(st.booleans()):
+        rows = [[text.rjust(9) for text in row] for row in rows]
     more = draw(st.sampled_from(["", "", sign, 2 * sign]))
     if draw(st.integers(0, 9)) == 0:
         rows.append(["1"] * draw(st.integers(0, 5)))
@@ -107,6 +109,7 @@ def outcome(
 COMMA = Dialect(",", ".", ("number",) * 3, cells=3)
 
 
+@example(("true 0 0\n", Dialect(" ", ".", ("number",) * 3, cells=3), (1,)))
 @example(("-0,0,1\n", COMMA, (0, 1, 2)))
 @example(("1,2,-0\n", COMMA, (0, 1, 2)))
 @example(("\n", Dialect(",", ".", ("number",)), (0,)))
@@ -196,6 +199,19 @@ def test_ordinary_clock_times_are_read_in_blocks(word):
     how = Dialect(";", ".", ("clock", "number"), cells=2)
     reader = PlainRows(how, (0, 1), {0: ClockColumn("")})
     assert reader.read("".join(f"{one};1.5\n" for one in CLOCKS[word])) is not None
+
+
+@pytest.mark.parametrize(("sign", "mark"), [(",", "."), (";", ","), (" ", "."), (" ", ",")])
+def test_even_rows_are_read_by_their_digits(sign, mark):
+    """Else the laws above would hold of nothing."""
+    rows = [["0.50", "-1.2", "7"], ["12.12", "10.0", "-0"], ["0.00", "0.5", "1"]]
+    text = "".join(sign.join(one.rjust(6 * sign.isspace()) for one in row) + "\n" for row in rows)
+    reader = PlainRows(Dialect(sign, mark, ("number",) * 3), (2, 0))
+    others = patch.multiple(PlainRows, _parse=None, _from_json=None)
+    with others:
+        values = reader.read(text.replace(".", mark))
+    assert values.tolist() == [[7.0, 0.5], [-0.0, 12.12], [1.0, 0.0]]
+    assert np.signbit(values[1, 0])
 
 
 @pytest.mark.parametrize(("sign", "mark"), [(",", "."), (";", ","), ("\t", "."), (";", ".,")])

@@ -109,15 +109,22 @@ def _joined(word: IndexArray, place: int, point: int) -> bool:
 
 
 def parted(lines: bytes, sign: int) -> PartedLines | None:
-    """Return whole lines whose cells a sign parts, None unless all have as many."""
-    text = bytes(_SEEN) + lines
+    """Return whole lines whose cells a sign parts, None unless all have as many.
+
+    Of blanks any number parts two cells, or stands before the first.
+    """
+    text = b" " * _SEEN + lines
     codes = np.frombuffer(text, np.uint8)
     ended, signs = codes == ord("\n"), codes == sign
     signs |= ended
-    ends = np.flatnonzero(signs)
+    if sign == ord(" "):
+        turns = np.flatnonzero(signs[1:] != signs[:-1]) + 1
+        begins, ends = turns[::2], turns[1::2]
+    else:
+        ends = np.flatnonzero(signs)
+        begins = np.append(_SEEN, ends[:-1] + 1)
     rows = int(np.count_nonzero(ended))
     width, odd = divmod(len(ends), rows) if rows else (0, 1)
-    if odd or not ended[ends[width - 1 :: width]].all():
+    if odd or not width or not ended[ends[width - 1 :: width]].all():
         return None
-    lengths = np.diff(ends, prepend=_SEEN - 1) - 1
-    return PartedLines(text, ends.reshape(-1, width).T, lengths.reshape(-1, width).T)
+    return PartedLines(text, ends.reshape(-1, width).T, (ends - begins).reshape(-1, width).T)

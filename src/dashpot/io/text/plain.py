@@ -117,19 +117,24 @@ class PlainRows:
         # beside decimal commas points group the thousands
         if self.dialect.mark == "," and "." in unquoted:
             return None
+        raw = _latin(unquoted)
+        found, width = None, len(self.dialect.contents)
+        if self.even or not self.blanks:
+            found = parted(raw, ord(self.dialect.delimiter))
+        if found is not None and (len(found.ends) < width or found.lengths[width:].any()):
+            found = None
+        if found is not None and self.even:
+            # between blanks a line with a word is no row, whatever column is wanted
+            read = range(width) if self.blanks else self.indexes
+            values = found.numbers(read, self.dialect.mark.encode())
+            if values is not None:
+                return values[:, self.indexes] if self.blanks else values
+            self.even = False
         if self.blanks:
             return self._parse(unquoted)
-        raw = _latin(unquoted)
-        found = parted(raw, ord(self.dialect.delimiter))
-        more = len(found.ends) - len(self.dialect.contents) if found else -1
-        if found is None or more < 0:
+        if found is None:
             return None
-        if found.lengths[len(self.dialect.contents) :].any():
-            return None
-        values = found.numbers(self.indexes, self.dialect.mark.encode()) if self.even else None
-        self.even = values is not None
-        if values is None:
-            values = self._from_json(raw, more)
+        values = self._from_json(raw, len(found.ends) - width)
         if values is None:
             values = self._parse(unquoted)
         if values is None and self._has_blanks(unquoted):
