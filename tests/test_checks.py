@@ -1497,7 +1497,10 @@ READING = [
     Case("time_of_a_test", lambda x: reading.time_of_a_test(x, "ms"), 0.1001, 0.0999),
 ]
 
-EXPORT = [Case("rows_informed", lambda x: export.rows_informed(x, 69, 1.0, 100.0), 0, 1)]
+EXPORT = [
+    Case("rows_informed", lambda x: export.rows_informed(x, 69, 1.0, 100.0), 0, 1),
+    Case("nominal_informed", lambda x: export.nominal_informed(x, 12.0), 0, 1),
+]
 
 STAGES = {
     "export": EXPORT,
@@ -1526,7 +1529,7 @@ STAGES = {
 }
 #: what each value that the cases give is held against, where the criterion itself sets the limit
 LIMITS = {
-    "export": {"rows_informed": 0},
+    "export": {"rows_informed": 0, "nominal_informed": 0},
     "io/readers": {
         "travel_of_a_seal": 0.2, "force_of_a_seal": 1000, "time_of_a_test": 0.1,
         "travel_of_a_bench": 2e-5, "force_of_a_bench": 0.01, "ramp_not_slow": 200,

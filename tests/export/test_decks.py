@@ -8,6 +8,7 @@ import math
 import os
 import re
 from dataclasses import replace
+from inspect import signature
 from pathlib import Path
 
 import numpy as np
@@ -274,6 +275,44 @@ def test_nothing_is_nothing_to_write(target, form, extra):
 def test_what_single_targets_refuse(paper_seal, call, sentence):
     with pytest.raises(ExportError, match=sentence):
         call(paper_seal)
+
+
+ARGUMENTS = {
+    "frequency_range": ((0.01, 0.3), (0.02, 0.2)), "tolerance": (1e-2, 1e-4), "nominal": (0.1, 0.2),
+    "mass": (0.1, 0.2), "modulus": (1e6, 2e6), "bulk_modulus": (1e8, 2e8), "density": (7e2, 9e2),
+    "first_tag": (1, 100),
+}  # fmt: skip
+
+
+def written_or_refused(target, fit, form, arguments) -> str:
+    try:
+        return write(target, fit, form=form, **arguments)
+    except ExportError as error:
+        return f"refused: {error}"
+
+
+@every_deck
+def test_no_argument_is_taken_that_changes_nothing(fit, target, form, extra):
+    known = signature(TARGETS[target]).parameters
+    for name in ARGUMENTS.keys() & known.keys():
+        one, other = (
+            written_or_refused(target, fit, form, extra | {name: each}) for each in ARGUMENTS[name]
+        )
+        refused = re.match("refused: .*(leave it out|belong to the material card)", one)
+        assert refused or one != other, f"{target}, {form}: {name}"
+
+
+def test_a_stiffness_outside_the_band_is_told_to_be_extrapolated(fit):
+    for target, form in (("calculix", "springs"), ("nastran", "table")):
+        inside, outside = (
+            TARGETS[target](
+                fit, units="mm-t-s", form=form, nominal=one, frequency_range=(0.01, 0.3)
+            )
+            for one in ("0.1Hz", "12Hz")
+        )
+        assert inside.verdict.use == "use"
+        assert outside.verdict.use == "use with care"
+        assert "at 12 Hz, outside the valid band, and extrapolated" in outside
 
 
 # -- golden decks ----------------------------------------------------------------------------------

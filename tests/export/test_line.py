@@ -57,7 +57,7 @@ def deck(target: str, units: str, shear: Shear | None = SHEAR, pitch=0.05, **mor
     stations = SealLine(closed(), normal=leaning()).stations(pitch)
     return TARGETS[target](
         PAPER, units=units, specimen=Specimen(length=0.05), line=stations, shear=shear,
-        **AT[target] | more,
+        **(AT[target] if more.get("form") != "arms" else {}) | more,
     )  # fmt: skip
 
 

@@ -18,7 +18,7 @@ from dashpot.base.errors import ExportError
 from dashpot.export.deck import DeckText
 from dashpot.export.hyperelastic import hyperelastic_card
 from dashpot.export.notation import UNIT_SYSTEMS
-from dashpot.export.opening import PROBLEMS
+from dashpot.export.opening import PROBLEMS, option_of
 from dashpot.kinds.hyperelastic.record import HyperelasticFit
 from dashpot.kinds.level.levels import LevelFit
 from dashpot.records.fit import Fit
@@ -56,9 +56,18 @@ def __getattr__(name: str) -> Callable[..., DeckText]:
 
 def _asked_as(name: str, *, elsewhere: bool) -> str:
     """The option of an argument that a target lacks, and which other targets have it."""
-    flag = f"--{'band' if name == 'frequency_range' else name.replace('_', '-')}"
     those = [one for one in TARGETS if name in signature(TARGETS[one]).parameters]
-    return f"{flag}. Those of {', '.join(those)} do" if those and elsewhere else flag
+    more = f". Those of {', '.join(those)} do" if those and elsewhere else ""
+    return option_of(name) + more
+
+
+def reads(target: str, argument: str) -> bool:
+    """Return whether a target, in its usual form, makes anything of an argument."""
+    write = TARGETS[target]
+    able: Mapping[str, tuple[str, ...]] = write.only  # type: ignore[attr-defined]
+    return argument in signature(write).parameters and (
+        FORMS[target][0] in able.get(argument, FORMS[target])
+    )
 
 
 def deck_for(
@@ -137,5 +146,5 @@ def _plugged(target: str) -> Callable[..., DeckText]:
 
 __all__ = [
     "FORMS", "NEEDS", "PROBLEMS", "SUFFIXES", "TARGETS", "UNIT_SYSTEMS", "DeckText", "deck_for",
-    "hyperelastic_card",
+    "hyperelastic_card", "reads",
 ]  # fmt: skip

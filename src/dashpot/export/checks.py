@@ -15,3 +15,15 @@ def rows_informed(outside: int, rows: int, low: float, high: float) -> Finding:
         "band. Stiffness and damping there are extrapolated",
         remedy=Remedy("Limit the table to the valid band, or add a hammer test.", "band"),
     )
+
+
+@criterion("nominal frequencies outside the band", "<=", 0, "the band of the fit")
+def nominal_informed(outside: int, frequency: float) -> Finding:
+    """The one frequency whose stiffness a deck holds lies where the test informs the solid."""
+    return Finding(
+        f"The stiffness of this deck is that at {frequency:.6g} Hz, in the valid band of the fit",
+        outside,
+        instead=f"The stiffness of this deck is that at {frequency:.6g} Hz, outside the valid "
+        "band, and extrapolated",
+        remedy=Remedy("Name a frequency in the valid band, or add a hammer test.", "nominal"),
+    )

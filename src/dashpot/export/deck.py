@@ -13,7 +13,7 @@ from dashpot.base.errors import ExportError
 from dashpot.base.units import written
 from dashpot.base.version import byline
 from dashpot.export.beside import Beside
-from dashpot.export.checks import rows_informed
+from dashpot.export.checks import nominal_informed, rows_informed
 from dashpot.export.frequency_tables import Damping, Table, tabulate
 from dashpot.export.notation import UnitSystem, one_line, text
 from dashpot.export.shift import law_lines
@@ -204,14 +204,16 @@ class Deck:
         verified: str = NOT_VERIFIED,
         remarks: Sequence[str] = (),
         table: Table | None = None,
+        nominal: float | None = None,
         said: Callable[[str], str] = one_line,
     ) -> DeckText:
         """The text of the deck: its header behind the target's comment sign, then its cards.
 
-        What a `table` is follows the remarks, and which of its rows the test says nothing of.
+        What a `table` is follows the remarks, and which of its rows the test says nothing of; so
+        with a `nominal` frequency, Hz, whose stiffness the deck holds.
         `said` is how the target takes a line of others' words.
         """
-        informed = self._informed(table)
+        informed = self._informed(table, nominal)
         found = self._verdict(informed)
         header = [
             byline(title),
@@ -228,13 +230,16 @@ class Deck:
         made.checks = (*self.checks, *informed)
         return made
 
-    def _informed(self, table: Table | None) -> tuple[Check, ...]:
-        """Whether the test informs every row of the table, if a test and a table there are."""
-        if table is None or self.band is None:
-            return ()
-        f = table.frequency.tolist()
-        outside = [each for each in f if self.extrapolated(each)]
-        return (rows_informed(len(outside), len(f), *((outside or f)[i] for i in (0, -1))),)
+    def _informed(self, table: Table | None, nominal: float | None) -> tuple[Check, ...]:
+        """Whether the test, if there is one, informs every row of a table, and what is nominal."""
+        found: list[Check] = []
+        if nominal is not None and self.band is not None:
+            found.append(nominal_informed(self.extrapolated(nominal), nominal))
+        if table is not None and self.band is not None:
+            f = table.frequency.tolist()
+            outside = [each for each in f if self.extrapolated(each)]
+            found.append(rows_informed(len(outside), len(f), *((outside or f)[i] for i in (0, -1))))
+        return tuple(found)
 
     def _verdict(self, informed: tuple[Check, ...]) -> Verdict | None:
         if self.fit is None:

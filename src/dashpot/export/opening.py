@@ -55,12 +55,19 @@ class Target(Protocol):
         ...
 
 
-def target(*forms: str, line: tuple[str, ...] = ()) -> Callable[[Callable[..., DeckText]], Target]:
+def option_of(argument: str) -> str:
+    """Return how an argument of a target is typed."""
+    return f"--{'band' if argument == 'frequency_range' else argument.replace('_', '-')}"
+
+
+def target(
+    *forms: str, line: tuple[str, ...] = (), **only: tuple[str, ...]
+) -> Callable[[Callable[..., DeckText]], Target]:
     """Make what writes the cards of an opened deck a target of its name, as a decorator.
 
     The target takes the solid and all that :func:`open_deck` asks for in place of the deck. Its
     first form is what it writes if not told; of a seal line, the first of those that hold a
-    `line`.
+    `line`. `only` has the forms that read an argument which others would leave unread.
     """
 
     def enter(cards: Callable[..., DeckText]) -> Target:
@@ -81,12 +88,20 @@ def target(*forms: str, line: tuple[str, ...] = ()) -> Callable[[Callable[..., D
                     f"{name} decks hold a seal line in the form {' or '.join(line)}; found the "
                     f"form {form}: add --form {line[0]} (Python: form='{line[0]}')"
                 )
+            for argument, able in only.items():
+                if own.get(argument) is not None and form in forms and form not in able:
+                    asked = option_of(argument)
+                    raise ExportError(
+                        f"{name} decks of the form {form} read no {asked}: leave it out, or add "
+                        f"--form {able[0]} (Python: {argument}, form='{able[0]}')"
+                    )
             deck = open_deck(solid, name, form, forms, units=units, specimen=specimen, allow=allow)
             return cards(deck, **own)
 
         asked = signature(write)
         common = list(asked.parameters.values())[:-1]
         update_wrapper(write, cards).__signature__ = asked.replace(parameters=[*common, *own])  # type: ignore[attr-defined]
+        write.only = only  # type: ignore[attr-defined]
         return write
 
     return enter

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, TypeAlias
 from dashpot.base.errors import DashpotError, ExportError
 from dashpot.base.numbers import where
 from dashpot.base.units import in_unit
-from dashpot.export import SUFFIXES, DeckText, deck_for
+from dashpot.export import SUFFIXES, DeckText, deck_for, reads
 from dashpot.kinds.hyperelastic.record import HyperelasticFit
 from dashpot.kinds.level.levels import LevelFit
 from dashpot.records.fit import Fit
@@ -101,19 +101,20 @@ def decks(found: Exported, compression: float | None = None) -> tuple[AttachedDe
     if isinstance(found, Fit) and found.unit == "Pa":
         said["form"] = "prony"
         options += ["--form", "prony"]
-    elif not isinstance(found, HyperelasticFit):
-        low, high = _inside(found.band)
-        said["frequency_range"] = low, high
-        options += ["--band", f"{low!r}:{high!r}Hz"]
+    of_band: dict[str, Any] = {}
+    if not said.get("form") and not isinstance(found, HyperelasticFit):
+        of_band["frequency_range"] = _inside(found.band)
     unknown = tuple(_missing(found))
     options += [word for name in unknown for word in ("--allow", name)]
     made = []
     for target in _SOLVERS:
+        band = of_band if reads(target, "frequency_range") else {}
         try:
-            text = deck_for(target, found, units=_SYSTEM, allow=unknown, **said)
+            text = deck_for(target, found, units=_SYSTEM, allow=unknown, **said, **band)
         except ExportError:
             continue
-        made.append(AttachedDeck(target, text, ("--to", target, *options)))
+        ends = [word for low, high in band.values() for word in ("--band", f"{low!r}:{high!r}Hz")]
+        made.append(AttachedDeck(target, text, ("--to", target, *options, *ends)))
     return tuple(made)
 
 

@@ -27,7 +27,7 @@ _SHAKES = 1e-5
 """s: a slider's lid on its own spring takes 2 pi of it for a cycle, so small is its mass."""
 
 
-@target(*FORMS, line=("connector",))
+@target(*FORMS, line=("connector",), frequency_range=("connector",), tolerance=("connector",))
 def abaqus(
     deck: Deck,
     *,

@@ -26,7 +26,7 @@ READ = (
 )
 
 
-@target(*FORMS, line=("table",))
+@target(*FORMS, line=("table",), frequency_range=("table",), tolerance=("table",))
 def ansys(
     deck: Deck,
     *,

@@ -37,7 +37,7 @@ _PADDING = 100
 _INNER_MASS = 2e-5
 
 
-@target(*FORMS, line=("springs",))
+@target(*FORMS, line=("springs",), nominal=("springs",), mass=("arms",), points=("arms",))
 def calculix(
     deck: Deck,
     *,
@@ -97,10 +97,6 @@ def calculix(
             "out, and march the network with *DYNAMIC (Python: mass=)"
         )
     if deck.form == "springs":
-        if mass is not None:
-            raise ExportError(
-                "--mass writes a model of one seal, form arms; leave it out (Python: mass=)"
-            )
         at = si(nominal, "frequency")
         positive("--", nominal=at, unit=" Hz", optional=True)
         return _springs(deck, row_of(deck, line, shear), at or float(np.sqrt(low * high)), first_id)
@@ -149,6 +145,7 @@ def _springs(deck: Deck, row: SpringRow, nominal: float, first_id: int) -> DeckT
         "springs of one frequency for CalculiX",
         [*cards, "*BOUNDARY", "SEAL_GROUND, 1, 3"],
         verified=RUN,
+        nominal=nominal,
         remarks=[
             *row.remarks,
             row.numbered(first_id),

@@ -15,7 +15,7 @@ SUFFIX = "csv"
 _VERIFIED = "verified: read back in dashpot's tests"
 
 
-@target(*FORMS)
+@target(*FORMS, frequency_range=("frequency",), tolerance=("frequency",))
 def csv(
     deck: Deck,
     *,

@@ -19,6 +19,7 @@ from dashpot.records.seal_line import Shear, Stations
 from dashpot.solids.maxwell import Solid
 
 FORMS = ("table", "viscous-table", "arms")
+_TABLES = FORMS[:2]
 SUFFIX = "bdf"
 _VERIFIED = (
     "not solver-verified: no Nastran runs in dashpot's tests; an independent bulk-data reader "
@@ -26,7 +27,7 @@ _VERIFIED = (
 )
 
 
-@target(*FORMS, line=FORMS)
+@target(*FORMS, line=FORMS, frequency_range=_TABLES, tolerance=_TABLES, nominal=_TABLES)
 def nastran(
     deck: Deck,
     *,
@@ -79,8 +80,8 @@ def nastran(
         return _arms(deck, row, first_id)
     damping: Damping = "loss_factor" if deck.form == "table" else "damping"
     positive("--", nominal=nominal, unit=" Hz", optional=True)
-    at, asked = nominal or float(np.sqrt(np.prod(frequency_range))), (frequency_range, tolerance)
-    return _table(deck, row, asked=asked, damping=damping, nominal=at, first_id=first_id)
+    asked = frequency_range, tolerance
+    return _table(deck, row, asked=asked, damping=damping, nominal=nominal, first_id=first_id)
 
 
 def _table(
@@ -89,9 +90,10 @@ def _table(
     *,
     asked: tuple[tuple[float, float], float],
     damping: Damping,
-    nominal: float,
+    nominal: float | None,
     first_id: int,
 ) -> DeckText:
+    at = nominal or float(np.sqrt(np.prod(asked[0])))
     properties: list[str] = []
     tables: list[Table] = []
     for shares, rank in row.shares.items():
@@ -101,7 +103,7 @@ def _table(
         ]
         own = first_id + 2 * row.ways * rank
         rows = [
-            _component(deck, way, one, table, damping=damping, nominal=nominal)
+            _component(deck, way, one, table, damping=damping, nominal=at)
             for (way, one), table in zip(springs, each, strict=True)
         ]
         properties += bush_property(own, rows, label="GE" if damping == "loss_factor" else "B")
@@ -116,9 +118,10 @@ def _table(
         verified=_VERIFIED,
         remarks=[
             *row.remarks,
-            f"nominal K and damping: those at {nominal:.6g} Hz; {acts}",
+            f"nominal K and damping: those at {at:.6g} Hz; {acts}",
         ],
         table=max(tables, key=lambda table: table.error),
+        nominal=nominal,
     )
 
 
