@@ -325,7 +325,7 @@ def test_a_mass_is_offered_where_it_explains_both_tests(name, explains, told):
 def test_what_would_tell_more_is_said_once(store, asked):
     study = results.study(job_of(asked, store.folder))
     more = views.tells_more(study, ())
-    assert study.fit.end_of_hold.remedy.split(":")[0] in more
+    assert study.fit.end_of_hold.remedy.split(":")[0] in more.replace("\xa0", " ")
     said = Check("told", False, "Not known.", remedy=Remedy(study.fit.end_of_hold.remedy))
     assert views.tells_more(study, (said,)) == ""
 
