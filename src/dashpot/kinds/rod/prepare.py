@@ -50,7 +50,10 @@ _FEW = 3
 _EXACT = 1e-3
 """No two sensors are known to agree better, as a part, or in rad."""
 _GAIN_LEFT, _PHASE_LEFT = 0.003, float(np.radians(0.3))
-"""What is left of gain and phase that were seen at rest and taken out: standard deviations."""
+"""What is left of gain and phase that were seen at rest and taken out: standard deviations,
+beside those with which they were seen."""
+_MEDIAN = float(np.sqrt(np.pi / 2))
+"""Standard error of a median over that of a mean."""
 _TURNS = 3
 _GOOD = 0.1
 """Error of storage and of loss factor in the band that is called usable."""
@@ -135,19 +138,28 @@ def _at_one(found: RodModulus, measured: FRF, rod: _Setup) -> tuple[RodModulus, 
     """The modulus without the gain and phase that sensors show at rest, and what they show."""
     said, whole = found.errors, 0j
     known = max(said.gain, _EXACT), max(said.phase, _EXACT)
-    off = _at_rest(found, measured, rod.ratio)
-    if off is None:
+    seen_first = _at_rest(found, measured, rod.ratio)
+    if seen_first is None:
         return found, sensors_agree(None, 0.0, known=known)
-    left = replace(said, gain=min(said.gain, _GAIN_LEFT), phase=min(said.phase, _PHASE_LEFT))
-    if left == said:  # who calibrated them as well knows as much
+    off, error = seen_first
+    known = float(np.hypot(known[0], error.real)), float(np.hypot(known[1], error.imag))
+    gain = min(said.gain, float(np.hypot(_GAIN_LEFT, error.real)))
+    phase = min(said.phase, float(np.hypot(_PHASE_LEFT, error.imag)))
+    # who calibrated them as well knows as much
+    by_gain, by_phase = gain < said.gain, phase < said.phase
+    if not (by_gain or by_phase):
         return found, sensors_agree(off.real, off.imag, known=known)
+    left = replace(said, gain=gain, phase=phase)
     for _ in range(_TURNS):  # it moves the modulus, and so what is expected at rest
-        if off is None:
-            break
-        whole += off
+        whole += complex(by_gain * off.real, by_phase * off.imag)
         seen = replace(measured, value=measured.value * np.exp(-whole))
         found = _inverted(seen, rod, left, relative_sensor=False)
-        off = _at_rest(found, seen, rod.ratio)
+        again = _at_rest(found, seen, rod.ratio)
+        if again is None:
+            off = 0j
+            break
+        off, _ = again
+    whole += off
     return found, sensors_agree(whole.real, whole.imag, known=known)
 
 
@@ -222,8 +234,11 @@ def _judged(
     )
 
 
-def _at_rest(found: RodModulus, measured: FRF, ratio: float) -> complex | None:
-    """The logarithm of T below the band over what the modulus where it begins makes of it."""
+def _at_rest(found: RodModulus, measured: FRF, ratio: float) -> tuple[complex, complex] | None:
+    """The logarithm of T below the band over what the modulus where it begins makes of it.
+
+    The middle of its lines, and the standard error of either part.
+    """
     f, usable = measured.frequency, np.flatnonzero(found.usable)
     low = f < 0.5 * found.band[0]
     if not usable.size or np.count_nonzero(low) < _FEW:
@@ -233,7 +248,9 @@ def _at_rest(found: RodModulus, measured: FRF, ratio: float) -> complex | None:
     power = 2 - 2 / np.pi * float(np.angle(found.modulus[first]))
     expected, _, _ = _base(found.wave[first] * (f[low] / f[first]) ** power, ratio)
     off = np.log(measured.value[low] * expected)
-    return complex(np.median(off.real), np.median(off.imag))
+    parts = np.stack([off.real, off.imag])
+    error = _MEDIAN * parts.std(axis=1, ddof=1) / np.sqrt(len(off))
+    return complex(*np.median(parts, axis=1)), complex(*error)
 
 
 def _scatter(lines: ComplexArray) -> FloatArray:
