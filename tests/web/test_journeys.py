@@ -778,7 +778,7 @@ CHANGES = {
     "arrows": "press('#mass', 'ArrowUp')",
     "arms": "document.querySelector('[data-arms=\"2\"]').click()",
     "handle": "press('[aria-label=\"ramp end\"]', 'ArrowRight')",
-    "cut": "type('#cut-hold_end', '50')",
+    "cut": "type('#cut-hold_end', '30')",
     "as found": "document.querySelector('#reset').click()",
     "hit": "document.querySelector('[data-hit]').click()",
     "tab": "document.querySelector('[data-which=fit]').click()",
