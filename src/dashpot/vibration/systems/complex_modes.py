@@ -166,7 +166,8 @@ def _rigid_below(system: System) -> float:
 
     Otherwise less than any.
     """
-    if len(system.dofs) <= np.linalg.matrix_rank(system.stretch):
+    stretch = system.stretch  # of no spring at all NumPy before 2.1 knows no rank
+    if len(system.dofs) <= (np.linalg.matrix_rank(stretch) if stretch.size else 0):
         return -1.0
     inertia = float(np.trace(system.mass_matrix))
     glass = float(sum(spring.felt.k_0 for spring in system.springs))
