@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from kit.fits import of_noise
 from kit.foreign.rigs import SOUND, Protocol, read
 from kit.foreign.truths import BROAD, FAMILIES, Seal, Solid, drawn
 
@@ -57,17 +58,26 @@ def test_shifts_that_part_are_said() -> None:
 
 @pytest.mark.slow
 def test_two_temperatures_tell_the_loss_factor_of_arms() -> None:
-    """Within 3 % in 18 of 20, within their own 95 % intervals in 19: of soft ones 4 % is noise."""
+    """Within 3 % in 19 of 20: the others are soft, or the noise hides the shift of a fast arm.
+
+    Their own intervals hold all but one in twenty, and those of the noise as many as they say.
+    """
     solids = [HIDDEN, BROAD, *(drawn(FAMILIES[1 + i % 4], 100 + i) for i in range(2, 20))]
-    close = inside = 0
+    close, inside, by_noise = [], [], []
     for seed, solid in enumerate(solids):
-        found = pair(solid, seed)
         true = solid.stiffness(OMEGA)
-        low, high = parameter_band(found, [HERTZ]).loss_factor[:, 0]
-        close += off(found, solid) < 0.03
-        inside += low <= true.imag / true.real <= high
-    assert close >= 18
-    assert inside >= 19
+        for again in range(5):
+            found = pair(solid, seed + 1000 * again)
+            close.append(off(found, solid) < 0.03)
+            for held, one in ((inside, found), (by_noise, of_noise(found))):
+                low, high = parameter_band(one, [HERTZ]).loss_factor[:, 0]
+                held.append(low <= true.imag / true.real <= high)
+            # what the noise does not tell to 3 % may be off by more, nothing else
+            told = high - low < 0.06 * true.imag / true.real
+            assert close[-1] or not told
+    assert np.mean(close) >= 0.95
+    assert np.mean(inside) >= 0.95
+    assert 0.9 <= np.mean(by_noise) < 1.0
 
 
 @pytest.mark.slow
