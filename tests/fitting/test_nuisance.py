@@ -120,6 +120,24 @@ def test_a_single_reading_before_contact_counts() -> None:
     assert abs(found.model.k_inf - PAPER.k_inf) < 3.5 * found.standard_error["k_inf"]
 
 
+@pytest.mark.parametrize("hertz", [None, 10.0, 2.0])
+def test_one_reading_is_off_by_slow_noise_too(hertz: float | None) -> None:
+    """Neighbours behind a filter differ by a hundredth of it: k_inf was off by twice its error."""
+    t, size = np.arange(41_001) / 1000, 0.01
+    seal, random = 8e-3 * PAPER, np.random.default_rng(2)
+    noise = random.standard_normal(2 * len(t))
+    if hertz is not None:
+        gain = 1 / (1 + (np.fft.rfftfreq(len(noise), 1e-3) / hertz) ** 4)
+        noise = np.fft.irfft(gain * np.fft.rfft(noise), len(noise))
+    noise = size * (noise / noise.std())[: len(t)]
+    clean = seal.ramp_hold_force(t, depth=1.0, ramp_time=1.0)
+    x = 8e-3 * np.clip(t, 0, 1)
+    test = RampHold(t, x, clean + noise, 0.0, 1.0, 41.0, 8e-3, machine=dp.Machine(drift=0.0))
+    assert priors(test).offset.sd == pytest.approx(size, rel=0.25)
+    found = of_noise(fit(test, arms=2))
+    assert abs(found.model.k_inf - PAPER.k_inf) < 3 * found.standard_error["k_inf"]
+
+
 @pytest.mark.parametrize("samples", [1, 3])
 def test_a_late_force_is_found_and_does_no_harm(samples: int) -> None:
     on_time, found = fit(late(0), arms=2), fit(late(samples), arms=2)

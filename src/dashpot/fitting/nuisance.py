@@ -18,7 +18,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray, block_means, kept
 from dashpot.engine.blocks.block import DataBlock, prior_block
-from dashpot.engine.inference.covariance import noise_of
+from dashpot.engine.inference.covariance import Noise, noise_of
 from dashpot.records.machine import USUAL
 from dashpot.records.relaxation import RampHold
 from dashpot.records.specimen import Specimen
@@ -34,6 +34,8 @@ _UNSEEN = 0.02
 ROUNDING = 1e-9
 # arms whose sum follows any hold, and the means of one that they follow
 _ARMS, _MEANS = 12, 1024
+# the scatter of n readings is off by chance by this over their root at most
+_BY_CHANCE = 4.0
 # standard deviation of a prior, in those of a row, that is as good as zero
 _TIGHTEST = 1e-5
 # an equality is a prior of this relative width
@@ -218,12 +220,17 @@ def spread_before(record: RampHold) -> float:
     time, means = block_means(since, few), block_means(force, few)
     if len(means) < 4 * _ARMS:
         return record.force_noise
-    end = float(since[-1])
-    arms = np.exp(-time[:, None] / np.geomspace(end / (2 * len(means)), 3 * end, _ARMS))
-    basis = np.linalg.qr(np.column_stack((np.ones(len(time)), time, arms)))[0]
-    left = noise_of(means - basis @ (basis.T @ means), basis)
+    left = _beside_arms(time, means)
     # one independent residual is the least that noise leaves of a record; beyond it is misfit
     return float(min(np.sqrt(few * left.power), record.force_noise * np.sqrt(len(force))))
+
+
+def _beside_arms(since: FloatArray, values: FloatArray) -> Noise:
+    """What a plateau, a drift and a dozen arms leave of a hold, as noise."""
+    end, rows = float(since[-1]), len(since)
+    arms = np.exp(-since[:, None] / np.geomspace(end / (2 * rows), 3 * end, _ARMS))
+    basis = np.linalg.qr(np.column_stack((np.ones(rows), since, arms)))[0]
+    return noise_of(values - basis @ (basis.T @ values), basis)
 
 
 class ChannelZero(NamedTuple):
@@ -306,11 +313,27 @@ def _slope(time: FloatArray, residual: FloatArray, kappa: float) -> Prior:
 def _first_reading(record: RampHold, noise: float) -> Prior:
     """The force at the first sample, and what the compression there may have given."""
     x, force = record.displacement, record.force
+    noise = _of_one_reading(record, noise)
     if x[0] <= 0:
         return Prior(float(force[0]), noise)
     peak = int(np.argmax(x >= 0.1 * record.depth)) or len(x) - 1
     slope = abs(float(force[peak] - force[0])) / max(float(x[peak] - x[0]), 1e-300)
     return Prior(0.0, noise + slope * float(x[0]))
+
+
+def _of_one_reading(record: RampHold, noise: float) -> float:
+    """By how much one reading of the force may be off, N: its scatter, or slow noise if more.
+
+    Neighbours share what is slow and do not show it: behind a filter of 10 Hz, at 1 kHz, they
+    differ by a thousandth of it. Readings far apart show it.
+    """
+    since, force = record.time[record.hold] - record.ramp_end, record.force[record.hold]
+    apart = max(len(force) // _MEANS, 1)
+    since, force = since[::apart], force[::apart]
+    if len(force) < 4 * _ARMS:
+        return noise
+    slow = float(np.sqrt(_beside_arms(since, force).autocovariance[0]))
+    return slow if slow > (1 + _BY_CHANCE / np.sqrt(len(force))) * noise else noise
 
 
 def warmed(specimen: Specimen) -> Prior:
