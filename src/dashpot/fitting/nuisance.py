@@ -34,8 +34,9 @@ _UNSEEN = 0.02
 ROUNDING = 1e-9
 # arms whose sum follows any hold, and the means of one that they follow
 _ARMS, _MEANS = 12, 1024
-# the scatter of n readings is off by chance by this over their root at most
-_BY_CHANCE = 4.0
+# a dozen arms miss others by this part of the force at most; by chance the scatter of n readings is
+# off by no more than this over their root
+_MISSED, _BY_CHANCE = 2e-4, 4.0
 # standard deviation of a prior, in those of a row, that is as good as zero
 _TIGHTEST = 1e-5
 # an equality is a prior of this relative width
@@ -333,7 +334,8 @@ def _of_one_reading(record: RampHold, noise: float) -> float:
     if len(force) < 4 * _ARMS:
         return noise
     slow = float(np.sqrt(_beside_arms(since, force).autocovariance[0]))
-    return slow if slow > (1 + _BY_CHANCE / np.sqrt(len(force))) * noise else noise
+    chance = (1 + _BY_CHANCE / float(np.sqrt(len(force)))) * noise
+    return slow if slow > max(chance, _MISSED * float(np.abs(force).max())) else noise
 
 
 def warmed(specimen: Specimen) -> Prior:
