@@ -79,11 +79,9 @@ def visit(browser, address, window):
 
 FIRST_SEEN = """() => {
   const seen = (name) => document.querySelector(`[data-panel=hold] path[data-name=${name}]`);
-  const look = () => {
-    if (seen("measured")) window.first = seen("fit") ? "with its fit" : "alone";
-    else requestAnimationFrame(look);
-  };
-  look();
+  new MutationObserver(() => {
+    if (!window.first && seen("measured")) window.first = seen("fit") ? "with its fit" : "alone";
+  }).observe(document.body, { subtree: true, childList: true });
 }"""
 """How the hold is first seen."""
 
