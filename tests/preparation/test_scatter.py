@@ -55,3 +55,12 @@ def test_a_lone_sample_is_a_spike_and_a_corner_is_none():
     hit[[100, 700, 1500]] += [3.0, -3.0, 3.0]
     assert list(np.flatnonzero(spikes(t, hit))) == [100, 700, 1500]
     np.testing.assert_allclose(without_spikes(t, hit), force, atol=0.02)
+
+
+def test_the_scatter_of_a_million_is_that_of_neighbours_however_few_are_asked():
+    """The samples that are asked lie far apart; a wave between them is no scatter."""
+    t = np.arange(1_000_000) / 1e4
+    noise = np.random.default_rng(1).normal(0, 0.3, len(t))
+    wave = 50 * np.sin(2 * np.pi * t)
+    assert scatter(t, wave + noise) == pytest.approx(0.3, rel=0.01)
+    assert scatter(t, wave) < 1e-4

@@ -78,11 +78,12 @@ def _failure(error: BaseException, words: Sequence[str]) -> Failure:
         said = str(error.__cause__ or error)  # click aborts because of the interrupt
         return _sentence("Interrupted", said or "interrupted", INTERRUPTED)
     if isinstance(error, DashpotError):
-        return _sentence(kind, _offered(str(error)), BAD)
+        return _sentence(kind, f"{error}{_offered(error.__context__)}", BAD)
     if isinstance(error, FileNotFoundError) and error.filename:
         from dashpot.io.source import missing
 
-        return _sentence("OSError", missing(os.fsdecode(error.filename)), BAD)
+        says = missing(os.fsdecode(error.filename)) + _offered(error)
+        return _sentence("OSError", says, BAD)
     if isinstance(error, OSError):
         where = f"{error.filename}: " if error.filename else ""
         return _sentence("OSError", f"{where}{error.strerror or error}", BAD)
@@ -135,15 +136,14 @@ def _having(error: click.NoSuchOption) -> list[str]:
     ]
 
 
-def _offered(says: str) -> str:
+def _offered(cause: BaseException | None) -> str:
     """Name the command that writes a missing file, if the how-to pages use it."""
-    place, missing, _ = says.partition(": there is no such file or folder. ")
-    if missing:
+    if isinstance(cause, FileNotFoundError) and cause.filename:
         from dashpot import workflow
 
-        if Path(place).name in workflow.EXAMPLES:
-            return f"{place}{missing}To write the example of that name: dashpot demo --files --all"
-    return says
+        if Path(os.fsdecode(cause.filename)).name in workflow.EXAMPLES:
+            return " To write the example of that name: dashpot demo --files --all"
+    return ""
 
 
 def _sentence(kind: str, says: str, code: int) -> Failure:

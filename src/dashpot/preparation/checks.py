@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -324,8 +323,7 @@ def motion_resolved(test: RampHold) -> Finding:
     secant stiffness of the ramp times that. A few sharp corners may lie between samples. Limits
     count the rows of the ramp for less by it.
     """
-    ramp = replace(test, hold_end=min(test.ramp_end + test.ramp_time, test.hold_end))
-    vars(ramp)["displacement_quantum"] = test.displacement_quantum  # of the same readings
+    ramp = test.held_until(test.ramp_end + test.ramp_time)
     x, left = true_motion(ramp)
     time, force = test.time[: len(x)], test.force[: len(x)]
     if len(x) < 4 * CORNERS:

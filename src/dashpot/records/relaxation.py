@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
 from typing import Any
@@ -254,6 +254,12 @@ class RampHold(ByValue, Pictured, Documented):
     def hold_time(self) -> float:
         """Duration of the hold, s."""
         return self.hold_end - self.ramp_end
+
+    def held_until(self, hold_end: float) -> RampHold:
+        """Return the record with an earlier end of its hold, s; its readings are the same."""
+        found = replace(self, hold_end=min(hold_end, self.hold_end))
+        vars(found)["displacement_quantum"] = self.displacement_quantum
+        return found
 
     @cached_property
     def step(self) -> float:
