@@ -40,6 +40,11 @@ RUNS = [
     ("order", "--seeds 1 --noise white", r"^white( +[01]\.\d\d){3}"),
     ("peers", "", r"^One run with Python"),
     ("report", "--rounds 1", r"^the page of both +[\d.]+ s CPU"),
+    (
+        "side_by_side",
+        f"{sys.prefix} {sys.prefix} --rounds 1 --records 1 --only fit$|records",
+        r"^  95 % of them, and sum +[\d.]+ +[\d.]+ +[\d.]+$",
+    ),
     ("two_thousand", "64", r"^  repeat +[\d.]+ % \(.*\), drawn from 1 %: "),
     ("verdicts", "OUT --per 0 --several 1 --kinds 2 --curves 6", r'^of \d+ called "use" \d+ miss'),
 ]

@@ -298,6 +298,21 @@ def test_commands_options_and_files_are_completed():
         assert {one.split(",")[0] for one in offered} <= {"file", "dir"}, words
 
 
+def test_readme_has_two_setup_lines_and_the_gate_runs_the_second():
+    lines = [line for line in README.splitlines() if "pip install" in line]
+    assert len(lines) == 2
+    assert all(
+        line.startswith("python3 -m venv .venv && .venv/bin/pip install -q ") for line in lines
+    )
+    assert lines[0].endswith(" && .venv/bin/dashpot demo")
+    assert lines[1].endswith(" && .venv/bin/pytest -q")
+    pattern = re.search(
+        r"grep -m 1 '([^']+)' README\.md", (ROOT / ".ci" / "run").read_text("utf-8")
+    )
+    assert pattern is not None
+    assert [line for line in README.splitlines() if re.search(pattern[1], line)] == [lines[1]]
+
+
 def test_pictures_of_the_readme_exist():
     pictures = re.findall(r"!\[[^\]]*\]\(([^)]+)\)", README)
     assert pictures
