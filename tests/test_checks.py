@@ -51,6 +51,7 @@ from dashpot.planning.expected import Pulse, RecordNeed
 from dashpot.preparation import checks as preparation
 from dashpot.preparation.contact import Baseline, Touch
 from dashpot.preparation.filters import parse_filter
+from dashpot.preparation.history import Followed
 from dashpot.records.alternative import Alternative
 from dashpot.records.bounds import EndOfHold
 from dashpot.records.creep import LoadHold
@@ -449,6 +450,18 @@ PREPARATION = [
         whole(lambda n: preparation.single_loading(0, loadings(n), asked=False)),
         1,
         2,
+    ),
+    Case(
+        "history_explained",
+        lambda x: preparation.history_explained(Followed(x, 2, converged=True), broken=False),
+        0.0299,
+        0.0301,
+    ),
+    Case(
+        "face_recovered",
+        lambda x: preparation.face_recovered(1e-3 + DEPTH * x, 1e-3, error=0.0, depth=DEPTH),
+        0.00999,
+        0.01001,
     ),
     Case(
         "overshoot_small",
@@ -1543,6 +1556,7 @@ LIMITS = {
         "load_begins_at_rest": 5, "load_held": 0.02,
         "baseline_recorded": 5, "contact_found": 0.01, "preload_absent": 0.05, "single_loading": 1,
         "ramp_recorded": 1.1,
+        "history_explained": 0.03, "face_recovered": 0.01,
         "overshoot_small": 0.05, "samples_unbroken": 0.2, "spikes_absent": 0,
         "clock_steady": 0.25,
         "temperature_as_stated": 1, "temperature_held": 1,

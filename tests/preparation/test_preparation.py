@@ -380,8 +380,9 @@ def test_of_several_loadings_the_longest_hold_is_used_and_the_choice_listed(
     assert found.hold_time == pytest.approx(20.0, abs=0.05)
     assert failed(found) == ["single_loading"]
     says = check(found, "single_loading").says
-    assert "The record has 3 loadings; cycle 3 is used" in says
-    assert "cycle 3 is used, because its hold is the longest" in says
+    assert "The record has 3 loadings with a hold; cycle 3 is fitted" in says
+    assert "2 moves towards the seal before it" in says
+    assert "cycle 3 is fitted, because its hold is the longest" in says
     second = prepare(cycles, cycle=2)
     assert second.onset == pytest.approx(7.526, abs=3e-3)
     assert failed(second) == []

@@ -198,6 +198,12 @@ def _moved(test: RampHold) -> float:
 def eq5_obstacle(test: RampHold) -> str | None:
     """Return why eq. 5 does not apply to this history, in a sentence; None if it does."""
     held = test.displacement[test.hold]
+    if test.loading_start is not None:
+        return (
+            "the record has earlier loadings, which the seal remembers, so this is no single ramp "
+            "and hold; eq. 5 does not apply: fit ramp and hold instead, or cut the record to the "
+            "test of a seal that has rested"
+        )
     if len(held) < _FEWEST:
         return (
             f"the hold has {len(held)} samples, and eq. 5 needs at least {_FEWEST}: fit "

@@ -171,15 +171,16 @@ def priors(record: RampHold) -> Priors:
     """
     time, force = record.time - record.time[0], record.force
     first = _first_motion(record)
-    rest = slice(0, first)
+    rest = slice(0, first) if record.loading_start is None else record.unloaded
     duration = record.hold_end - record.onset
     final = abs(float(force[last_of_hold(record)].mean()))
     noise = record.force_noise or scatter(time[record.hold], force[record.hold])
-    if first >= _FEWEST and not _loaded(record, rest):
+    if rest.stop - rest.start >= _FEWEST and not _loaded(record, rest):
         offset, at, slope = at_rest(time[rest], force[rest], noise)
     else:
         offset, at = _first_reading(record, noise), 0.0
-        first = max(first, 1) if record.displacement[0] <= 0 else 0
+        if record.loading_start is None:
+            first = max(first, 1) if record.displacement[0] <= 0 else 0
         slope = Prior(0.0, np.inf)
     machine, known = record.machine, (final, duration)
     mean, sd, _ = machine.drift_told(slope, *known)
@@ -259,7 +260,8 @@ def at_rest(time: FloatArray, values: FloatArray, noise: float) -> ChannelZero:
 def _first_motion(record: RampHold) -> int:
     """The sample from which the plate may move: a fiftieth of the ramp before it is seen to."""
     moved = int(np.argmax(record.displacement > 0))
-    seen = min(float(record.time[moved]), record.onset)
+    earlier = record.loading_start is not None
+    seen = record.onset if earlier else min(float(record.time[moved]), record.onset)
     return int(np.searchsorted(record.time, seen - _UNSEEN * record.ramp_time))
 
 

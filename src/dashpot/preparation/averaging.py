@@ -49,6 +49,7 @@ def averaged(record: RampHold) -> RampHold:
         force_noise=scatter(time[late], force[late]),
         displacement_noise=noise,
         given=None if record.given is None else block_means(record.given, count),
+        plate=None if record.plate is None else block_means(record.plate, count),
         steps=(*record.steps, Step("average", (("samples", str(count)),), says)),
     )
 

@@ -16,11 +16,12 @@ from dashpot.base.status import Status
 from dashpot.base.units import celsius, written
 from dashpot.preparation.contact import MIN_BASELINE, Baseline, Touch
 from dashpot.preparation.denoising import CORNERS, LOST, bends, but_corners, true_motion
+from dashpot.preparation.history import Followed
 from dashpot.records.relaxation import MAX_CREEP, RampHold, quantum
 from dashpot.records.specimen import Specimen
 from dashpot.signals.clock import BESIDE, leaps, ticks_evenly
 from dashpot.signals.noise import median_of_three, spikes, usual_scatter
-from dashpot.signals.segments import RampHoldCycle
+from dashpot.signals.segments import MotionSegment, RampHoldCycle
 
 if TYPE_CHECKING:
     from dashpot.records.creep import LoadHold
@@ -49,6 +50,10 @@ GROSSLY = 2.0
 TO_AND_FRO = 8
 # of the time from onset; of a leap of an even clock, which is then wrong by as much or lost it
 MAX_PAUSE, MAX_LEAP = 0.25, 1e-3
+# of the force of earlier loadings, and of the depth, that their memory may be off by
+MAX_PAST_MISFIT, MAX_FACE_OFF = 0.03, 0.01
+# of the depth, which the plate may have moved by between rows that are missing
+MAX_PAST_JUMP = 0.1
 JUMPED = "The clock jumped, or the record was interrupted. Later times and slow arms are not known"
 
 
@@ -181,20 +186,92 @@ def refuse_late_start(where: str, rise: float, change: float) -> None:
 @criterion(
     "loadings in the record", "<=", 1.0, "by definition; or `--part cycle=N` chooses", grade="note"
 )
-def single_loading(index: int, cycles: tuple[RampHoldCycle, ...], *, asked: bool) -> Finding:
-    """The record leaves no choice of loadings that the user has not made."""
+def single_loading(
+    index: int,
+    cycles: tuple[RampHoldCycle, ...],
+    *,
+    asked: bool,
+    before: Sequence[MotionSegment] = (),
+) -> Finding:
+    """The record leaves no choice of loadings that the user has not made.
+
+    Those `before` the one that is fitted are followed, with a hold or without.
+    """
     cycle = cycles[index]
     says, remedy = f"Used: {cycle.words()}", Remedy("Choose another.", "part", "cycle=N")
     if len(cycles) > 1:
-        says = f"The record has {len(cycles)} loadings; cycle {index + 1} is used"
+        says = f"The record has {len(cycles)} loadings with a hold; cycle {index + 1} is fitted"
         if not asked:
             says += ", because its hold is the longest"
+    if before:
+        many = len(before)
+        says += (
+            f". {many} move{'s' * (many != 1)} towards the seal before it, from "
+            f"{before[0].start:.5g} to {before[-1].end:.5g} s, {'are' if many > 1 else 'is'} "
+            "followed from the first sample on as what the seal remembers, and not fitted"
+        )
     if cycle.moves > 1:
         says += (
             f". It has {cycle.moves} ramps. The fit of ramp and hold follows them all; the fit of "
             "the hold alone (eq. 5) does not apply"
         )
     return Finding(says, float(len(cycles)), remedy=remedy, excused=asked)
+
+
+@criterion(
+    "their misfit / their force", "<=", MAX_PAST_MISFIT, "simulation: conditioned seals that soften"
+)
+def history_explained(past: Followed, *, broken: bool) -> Finding:
+    """What came before the loading that is fitted is explained by the same solid."""
+    says = (
+        f"The solid of the last loading gives the force of the earlier ones to "
+        f"{100 * past.misfit:.2g} %"
+    )
+    if not past.converged:
+        says += ". How its face recovers was not found"
+    if broken:
+        says += ". Rows are missing while the plate moved"
+    return Finding(
+        says,
+        past.misfit,
+        "The seal softened, was set, or moved otherwise, so what it remembers is not known",
+        "Let it rest before the test, or condition it more often.",
+        faulted=broken or not past.converged,
+    )
+
+
+@criterion("face less its place / depth", "|x| <=", MAX_FACE_OFF, "simulation: a set that stays")
+def face_recovered(seen: float, expected: float, *, error: float, depth: float) -> Finding:
+    """The plate meets the seal again where its memory says that its face is.
+
+    Compressions there, m, with the standard error of the one that is seen.
+    """
+    off = max(abs(seen - expected) - 3 * error, 0.0)
+    return Finding(
+        f"The plate meets the seal again {written(seen, 'mm', '.3g')} from first contact, where "
+        f"its face is expected at {written(expected, 'mm', '.3g')}",
+        float(np.copysign(off, seen - expected)) / depth,
+        "The seal was set, or recovers otherwise than it relaxes",
+        "Let it rest before the test.",
+    )
+
+
+def of_history(record: RampHold, past: Followed, met: Touch) -> list[Check]:
+    """Return the checks of what came before the loading that is fitted."""
+    stop, corner = record.start, int(np.searchsorted(record.time, record.ramp_end))
+    pauses, moved = np.diff(record.time[: stop + 1]), np.diff(record.displacement[: stop + 1])
+    jumped = np.abs(moved) > MAX_PAST_JUMP * record.depth
+    broken = bool(np.any(jumped & (pauses > 5 * median(np.diff(record.time)))))
+    answers = [history_explained(past, broken=broken)]
+    plate, face = record.plate, record.displacement[stop:corner]
+    if plate is not None and met.gap > 0:
+        away = np.flatnonzero(plate[stop:corner] < face)
+        if away.size:
+            seen = float(np.interp(record.onset, record.time, plate))
+            expected = float(face[away[-1]])
+            error = met.standard_error
+            answers.append(face_recovered(seen, expected, error=error, depth=record.depth))
+    return answers
 
 
 @criterion("overshoot / depth", "<=", MAX_OVERSHOOT, grade="note")
@@ -411,7 +488,8 @@ def of_records(tests: Sequence[RampHold], *, method: str) -> tuple[Check, ...]:
 @kept
 def _as_recorded(test: RampHold) -> tuple[tuple[Check, ...], tuple[Check, ...]]:
     """The checks of one record whatever is fitted, before and behind that of its hold."""
-    before = force_not_clipped(test), force_resolved(test.reading), depth_resolved(test)
+    last = test.last_loading
+    before = force_not_clipped(last), force_resolved(last.reading), depth_resolved(test)
     after = hold_outlasts_ramp(test), ramp_sampled(test), force_relaxes(test), strain_small(test)
     return before, after
 
@@ -475,6 +553,7 @@ def refuse_unresolved(where: str, rise: float, force: FloatArray) -> None:
 
 def refuse_saturated(where: str, test: RampHold) -> None:
     """Raise DataError if the force has a flat top: a fit through it is wrong everywhere."""
+    test = test.last_loading
     if not force_not_clipped(test).failed:
         return
     plausible = columns_plausible(test)

@@ -95,6 +95,8 @@ def between_samples(
     """
     missed = bends(test, time, x, left)
     missed[time > test.ramp_end + test.ramp_time] = 0.0
+    # rows before are not fitted
+    missed[: max(test.start - 1, 0)] = 0.0
     size, peak = np.abs(missed), float(np.abs(test.force).max())
     noise = max(test.force_noise, 1e-3 * peak)
     if len(x) < 4 * CORNERS or peak / test.depth * but_corners(size) <= LOST * noise:

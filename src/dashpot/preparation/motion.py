@@ -18,6 +18,7 @@ from dashpot.signals.loading import (
     relaxes,
     turned,
 )
+from dashpot.signals.noise import median_of_three
 from dashpot.signals.segments import (
     MotionSegment,
     RampHoldCycle,
@@ -118,6 +119,8 @@ class PlateMotion:
         Displacement before the first ramp and where it is first held, m.
     start, departure, stop : int
         The first sample kept, the last one at rest, and the last one of the last hold.
+    segments : tuple of MotionSegment
+        Of the whole record; empty where the times were given.
     """
 
     sign: int
@@ -129,6 +132,7 @@ class PlateMotion:
     start: int
     departure: int
     stop: int
+    segments: tuple[MotionSegment, ...] = ()
 
     @property
     def cycle(self) -> RampHoldCycle:
@@ -178,7 +182,7 @@ def find_motion(
             raise DataError(f"{where}: the displacement hardly moves, {_BEGINS_LATE}")
         raise DataError(nothing_held(segments, where, _advice(time, x, force)))
     index, cycles = choose_cycle(segments, number, where=where)
-    return _of_cycle(test, turn, cycles, index)
+    return replace(_of_cycle(test, turn, cycles, index), segments=segments)
 
 
 @kept
@@ -246,7 +250,48 @@ def from_contact(
     first = flown[-1] + 2
     cycle = RampHoldCycle(segments[first - 1], segments[first:])
     cycles = (*motion.cycles[: motion.index], cycle, *motion.cycles[motion.index + 1 :])
-    return replace(_of_cycle(test, motion.sign, cycles, motion.index), stop=motion.stop)
+    found = _of_cycle(test, motion.sign, cycles, motion.index)
+    return replace(found, stop=motion.stop, segments=motion.segments)
+
+
+def first_press(
+    test: RelaxationTest, motion: PlateMotion, force: FloatArray, *, least: float
+) -> PlateMotion | None:
+    """Return the motion of the first loading that raised the force, if it is before that used.
+
+    Parameters
+    ----------
+    test : RelaxationTest
+    motion : PlateMotion
+        Of the loading that is used.
+    force : array, shape (n,)
+        N, rising with compression.
+    least : float
+        A force that rises by less was of no seal, N.
+    """
+    before = [part for part in motion.segments if part.last <= motion.start]
+    for i, part in enumerate(before):
+        if part.kind != "load" or not _rises(force[part.first : part.last + 1], least):
+            continue
+        rest = before[i - 1] if i and before[i - 1].kind == "hold" else None
+        # it turns there: whatever follows is not asked about
+        top = MotionSegment(
+            "unload", part.last, part.last, part.end, part.end, part.level, part.level
+        )
+        return _of_cycle(test, motion.sign, (RampHoldCycle(rest, (part, top)),), 0)
+    return None
+
+
+def presses_before(motion: PlateMotion) -> tuple[MotionSegment, ...]:
+    """Return every move towards the seal before the loading that is used."""
+    return tuple(
+        part for part in motion.segments if part.last <= motion.start and part.kind == "load"
+    )
+
+
+def _rises(force: FloatArray, least: float) -> bool:
+    smooth = median_of_three(force)
+    return bool(smooth.max() - smooth[: max(len(smooth) // 20, 1)].mean() > least)
 
 
 def _of_cycle(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -24,9 +25,17 @@ from dashpot.preparation.contact import (
 )
 from dashpot.preparation.denoising import denoised
 from dashpot.preparation.filters import filtered, parse_filter
+from dashpot.preparation.history import Followed, followed, pulls
 from dashpot.preparation.hum import hum_lines, hum_step
 from dashpot.preparation.late_touch import AFTER, MOST, Lateness, lateness
-from dashpot.preparation.motion import PlateMotion, find_motion, from_contact, given_motion
+from dashpot.preparation.motion import (
+    PlateMotion,
+    find_motion,
+    first_press,
+    from_contact,
+    given_motion,
+    presses_before,
+)
 from dashpot.records.machine import Machine
 from dashpot.records.relaxation import RampHold, RelaxationTest
 from dashpot.signals.noise import evenly_sampled, median_of_three, scatter, without_spikes
@@ -37,6 +46,8 @@ ROUNDS = 3
 WATCHED = 8000
 # a later clock and less air explain the force better by this deviance
 TOLD = 10.0
+# of the rise of the force: a loading that raises it by less meets no seal
+LEAST_PRESS = 0.01
 
 
 def prepare(
@@ -126,16 +137,25 @@ def prepare(
         before, touch = _touch(
             test.time, x, turn * clean, motion, given=contact, least_gap=gap, delay_sd=late
         )
+    earlier = _earlier(test, x, turn * clean, motion, (before, touch), given=contact, late=late)
+    if earlier is not None:
+        before, touch = earlier.zero, earlier.met_again
     force, tared = zeroed(test.time, force, before, drift=drift, where=where)
     times = _times(motion, touch, test.time, step, (onset, ramp_end, hold_end))
-    record = _record(test, x, force, motion, touch, times=times, count=count)
+    record = _record(test, x, force, motion, touch, times=times, count=count, earlier=earlier)
     # of a long record every channel weighs: these are not needed beside its spectrum
     del clean, x, force
     record = _without_hum(record)
-    rise = _risen(record, before, where)
+    rise = _risen(record, before, where, pulled=earlier is not None and earlier.bonded)
+    # a force that is the same whenever the plate is away is the cell's own
     preload = _preload(record, before, touch, rise)
+    if earlier is not None:
+        touch = earlier.touch
     machine.heeds("sync", "drift", "compliance", "creep", "force_filter", of="a ramp and hold")
     record = _on_the_machine(record, preload, machine)
+    past = None
+    if earlier is not None:
+        record, past = followed(record)
     checks.refuse_unresolved(where, rise, test.force)
     checks.refuse_saturated(where, record)
     SIZES["ramp"].refuse(
@@ -143,30 +163,102 @@ def prepare(
         f"{where}: the ramp takes {short(record.ramp_time, 's')}",
         remedy="Check the unit of time: --units time=ms (Python: units='ms, mm, N').",
     )
+    last = record.last_loading
     answers = (
         []
         if not judged
         else [
-            checks.single_loading(motion.index, motion.cycles, asked=cycle is not None),
+            checks.single_loading(
+                motion.index, motion.cycles, asked=cycle is not None, before=presses_before(motion)
+            ),
             checks.baseline_recorded(before),
             checks.contact_found(touch, record.depth, given=contact is not None),
-            checks.preload_absent(preload, rise, moving=motion.cycle.rest is None),
-            checks.overshoot_small(record, moves=motion.cycle.moves),
-            checks.samples_unbroken(record),
-            checks.clock_steady(record, _clock(test.time, motion, hold_end)),
-            checks.spikes_absent(record),
-            checks.columns_plausible(record),
-            checks.motion_resolved(record),
-            checks.motion_measured(record),
+            checks.preload_absent(
+                preload, rise, moving=earlier is None and motion.cycle.rest is None
+            ),
+            checks.overshoot_small(last, moves=motion.cycle.moves),
+            checks.samples_unbroken(last),
+            checks.clock_steady(last, _clock(test.time, motion, hold_end)),
+            checks.spikes_absent(last),
+            checks.columns_plausible(last),
+            checks.motion_resolved(last),
+            checks.motion_measured(last),
             *checks.of_temperature(test.specimen),
         ]
     )
+    if judged and past is not None and earlier is not None:
+        answers += checks.of_history(record, past, earlier.met_again)
     if judged and force_range is not None:
         answers.append(checks.range_used(rise, force_range))
     steps = [_turned(motion.sign, turn), _kept(motion, record), _met(touch), tared]
     steps += [*_known(record.machine), _ramped(record, motion), *hum_step(record.hum)]
+    if past is not None:
+        steps.append(_followed_step(record, past, len(presses_before(motion))))
     record = averaged(noted(record, steps=tuple(steps), checks=tuple(answers)))
     return record if by is None else filtered(record, by)
+
+
+class _Earlier(NamedTuple):
+    """What came before the loading that is fitted.
+
+    Attributes
+    ----------
+    touch : Touch
+        First contact of the first loading: the zero of compression.
+    met_again : Touch
+        Where the plate met the seal in the loading that is fitted.
+    zero : Baseline
+        Of the force while the seal was free.
+    bonded : bool
+        The seal pulls at a plate that goes back.
+    moves : int
+        The first sample after first contact.
+    """
+
+    touch: Touch
+    met_again: Touch
+    zero: Baseline
+    bonded: bool
+    moves: int
+
+
+def _earlier(
+    test: RelaxationTest,
+    x: FloatArray,
+    force: FloatArray,
+    motion: PlateMotion,
+    last: tuple[Baseline, Touch],
+    *,
+    given: float | None,
+    late: float,
+) -> _Earlier | None:
+    """What came before the loading that is fitted; None if nothing that pressed the seal."""
+    before, touch = last
+    if not presses_before(motion):
+        return None
+    peak = float(np.ptp(force[motion.start : motion.stop + 1]))
+    late_hold = slice(motion.cycle.hold.first, motion.stop + 1)
+    noise = scatter(test.time[late_hold], force[late_hold])
+    least = max(8 * noise, LEAST_PRESS * peak)
+    first = first_press(test, motion, force, least=least)
+    if first is None:
+        return None
+    gap = _least_gap(test.displacement_quantum, first)
+    zero, met = _touch(
+        test.time, x, force, first, given=given, least_gap=gap, delay_sd=late
+    )  # fmt: skip
+    moves = first.departure + 1 + int(np.argmax(x[first.departure + 1 :] > met.displacement))
+    tare = zero.level if zero.long_enough else before.level if before.long_enough else 0.0
+    past = slice(moves, motion.departure + 1)
+    bonded = pulls(
+        force[past] - tare, x[past] - met.displacement, noise=noise, peak=peak,
+        depth=motion.level - met.displacement,
+    )  # fmt: skip
+    if bonded:
+        return _Earlier(met, Touch(motion.rest, 0.0), zero, True, moves)
+    # in air the force is zero now; on the seal it was before all
+    away = touch.gap > 0 and before.long_enough
+    return _Earlier(met, touch, before if away or not zero.long_enough else zero, False, moves)
 
 
 def _refuse_choices(
@@ -347,19 +439,25 @@ def _record(
     *,
     times: tuple[float, float, float],
     count: float,
+    earlier: _Earlier | None = None,
 ) -> RampHold:
-    """Trim to the loading and count compression from contact."""
+    """Trim to the loading, or to all up to it, and count compression from first contact."""
     onset, ramp_end, hold_end = times
     if not onset < ramp_end < hold_end:
         raise DataError(
             f"onset {onset:.6g} s, ramp end {ramp_end:.6g} s and hold end {hold_end:.6g} s are out "
             "of order; expected them in this order"
         )
-    kept = slice(motion.start, motion.stop + 1)
-    compression = np.maximum(x - touch.displacement, 0.0)
-    # before the plate departs, whatever the encoder shows is scatter
-    if touch.gap >= 0:
-        compression[: motion.departure + 1] = 0.0
+    if earlier is None:
+        kept = slice(motion.start, motion.stop + 1)
+        compression = np.maximum(x - touch.displacement, 0.0)
+        # before the plate departs, whatever the encoder shows is scatter
+        if touch.gap >= 0:
+            compression[: motion.departure + 1] = 0.0
+    else:
+        kept, touch = slice(0, motion.stop + 1), earlier.touch
+        compression = x - touch.displacement
+        compression[: earlier.moves] = 0.0
     t = test.time
     held = slice(int(np.searchsorted(t, max(ramp_end, motion.cycle.hold.start))), motion.stop + 1)
     if held.stop - held.start < 3:
@@ -381,6 +479,8 @@ def _record(
         contact_error=touch.standard_error,
         specimen=test.specimen,
         source=test.source,
+        loading_start=None if earlier is None else float(t[motion.start]),
+        plate=None if earlier is None or earlier.bonded else sealed(compression.copy())[kept],
     )
 
 
@@ -405,7 +505,7 @@ def _mean(time: FloatArray, values: FloatArray) -> float:
     return float(steps @ (values[1:] + values[:-1]) / (2 * steps.sum()))
 
 
-def _risen(record: RampHold, before: Baseline, where: str) -> float:
+def _risen(record: RampHold, before: Baseline, where: str, *, pulled: bool = False) -> float:
     """The peak of the force over its baseline, N, on one side of zero."""
     loaded = record.force[np.searchsorted(record.time, record.onset) :]
     start = 0.0 if before.long_enough else float(record.force[0])
@@ -418,7 +518,7 @@ def _risen(record: RampHold, before: Baseline, where: str) -> float:
             f"{written(record.force_noise, 'mN', '.3g')}); check the force column, its unit and "
             "the sign"
         )
-    if before.long_enough and least < -max(8 * record.force_noise, 0.1 * peak):
+    if before.long_enough and not pulled and least < -max(8 * record.force_noise, 0.1 * peak):
         raise DataError(
             f"{where}: the force has mixed signs: between onset and hold end it rises to "
             f"{peak:.4g} N above its baseline and falls to {-least:.4g} N below it; a pressed seal "
@@ -457,11 +557,23 @@ def _on_the_machine(record: RampHold, preload: float, machine: Machine) -> RampH
     return replace(
         record,
         displacement=record.displacement - given,
+        plate=None if record.plate is None else record.plate - given,
         depth=record.depth - sank,
         preload=preload,
         machine=machine,
         given=given,
     )
+
+
+def _followed_step(record: RampHold, past: Followed, many: int) -> Step:
+    face = (
+        "the seal is bonded, or the plate never left it: it moves as the plate does"
+        if record.plate is None
+        else f"where the plate is away the seal recovers under no force, as a solid of {past.arms} "
+        f"arm{'s' * (past.arms != 1)} does"
+    )
+    says = f"{many} earlier loading{'s' * (many != 1)} followed from the first sample on; {face}"
+    return Step("history", (("loadings", str(many)), ("misfit", f"{past.misfit:.4g}")), says)
 
 
 def _known(machine: Machine) -> tuple[Step, ...]:

@@ -28,6 +28,8 @@ SETTLED = 0.002
 SETTLING = 0.2
 # motion left in a hold, as a part of the depth, that a fit of the hold alone can bear
 MAX_CREEP = 0.01
+# samples of a free seal that tell the zero of its force
+FEWEST_UNLOADED = 5
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -183,6 +185,13 @@ class RampHold(ByValue, Pictured, Documented):
         Lines found in the force and taken off it.
     given : array, shape (n,), or None
         What the machine gave, m, and is off `displacement`; None if nothing was taken off.
+    loading_start : float or None
+        Where the stand before the loading that is fitted begins, s, in a record with earlier ones:
+        all before it is followed, and not fitted. None if there is no earlier loading.
+    plate : array, shape (n,), or None
+        Compression by the plate, m, negative where it is away from first contact, in a record in
+        which it left a seal that had not recovered: `displacement` is then that of the face of the
+        seal. None if they are the same.
 
     Examples
     --------
@@ -213,9 +222,11 @@ class RampHold(ByValue, Pictured, Documented):
     machine: Machine = field(default_factory=Machine)
     hum: tuple[Hum, ...] = ()
     given: FloatArray | None = None
+    loading_start: float | None = None
+    plate: FloatArray | None = None
 
     def __post_init__(self) -> None:
-        hold_measured(self, "time", "displacement", "force", "given", minimum=8)
+        hold_measured(self, "time", "displacement", "force", "given", "plate", minimum=8)
         if not self.onset < self.ramp_end < self.hold_end:
             raise DataError(
                 f"the ramp must start, end and be held in that order, found onset "
@@ -277,7 +288,58 @@ class RampHold(ByValue, Pictured, Documented):
     @cached_property
     def displacement_quantum(self) -> float:
         """The step of the displacement's readings, m; 0 if none shows."""
-        return quantum(self.travel)
+        if self.plate is None:
+            return quantum(self.travel)
+        return quantum(self.plate if self.given is None else self.plate + self.given)
+
+    @cached_property
+    def start(self) -> int:
+        """The first sample of the stand before the loading that is fitted."""
+        begin = self.loading_start
+        return 0 if begin is None else int(np.searchsorted(self.time, begin))
+
+    @cached_property
+    def unloaded(self) -> slice:
+        """The samples before the ramp, or before the first of all, at which the seal is free.
+
+        Where the plate is away from the seal when the ramp begins, those; else those before it was
+        pressed for the first time.
+        """
+        if self.loading_start is None:
+            return slice(0, int(np.searchsorted(self.time, self.onset)))
+        if self.plate is not None:
+            stop = int(np.searchsorted(self.time, self.onset))
+            pressed = np.flatnonzero(self.plate[:stop] >= self.displacement[:stop] - self._clear)
+            first = int(pressed[-1]) + 1 if pressed.size else 0
+            # the last of them feel the face already
+            stop = first + 9 * (stop - first) // 10
+            if stop - first >= FEWEST_UNLOADED:
+                return slice(first, stop)
+        moved = np.flatnonzero(self.displacement != 0)
+        return slice(0, int(moved[0]) if moved.size else 0)
+
+    @property
+    def _clear(self) -> float:
+        """A plate so far from the face does not touch it, m."""
+        return max(SETTLED * self.depth, self.displacement_quantum, 5 * self.displacement_noise)
+
+    @cached_property
+    def last_loading(self) -> RampHold:
+        """The record from the stand before the loading that is fitted on, as if it were all."""
+        if self.loading_start is None:
+            return self
+        kept = slice(self.start, None)
+        found = replace(
+            self,
+            time=self.time[kept],
+            displacement=self.displacement[kept],
+            force=self.force[kept],
+            given=None if self.given is None else self.given[kept],
+            plate=None if self.plate is None else self.plate[kept],
+            loading_start=None,
+        )
+        vars(found)["displacement_quantum"] = self.displacement_quantum
+        return found
 
     @property
     def encoder_step(self) -> float:

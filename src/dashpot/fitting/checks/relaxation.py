@@ -503,7 +503,10 @@ def _rms(values: FloatArray) -> float:
 
 def noise_of_force(test: RampHold) -> float:
     """Return the noise of the force, N: the scatter between samples, and about the baseline."""
-    rest = test.force[(test.time < test.onset) & (test.displacement < AT_REST * test.depth)]
+    if test.loading_start is None:
+        rest = test.force[(test.time < test.onset) & (test.displacement < AT_REST * test.depth)]
+    else:
+        rest = test.force[test.unloaded]
     return max(test.force_noise, float(rest.std()) if len(rest) >= 20 else 0.0)
 
 

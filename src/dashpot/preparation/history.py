@@ -1,0 +1,139 @@
+r"""What a seal went through before the loading that is fitted: its face under a plate that left it.
+
+The hereditary integral begins with the first sample. Where the plate is away from a seal that has
+not recovered, the face follows from its own force, which is zero
+(:mod:`dashpot.solids.free_face`), and so from the solid that is sought: solid and face are found
+by turns, beginning with a face that goes straight from where the force ended to where it begins.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from dashpot.base.arrays import FloatArray, runs
+from dashpot.engine.blocks.recorded import recorded_block
+from dashpot.engine.solver.variable_projection import solve
+from dashpot.preparation.denoising import true_motion
+from dashpot.records.relaxation import RampHold
+from dashpot.signals.noise import median_of_three
+from dashpot.solids.free_face import face_under_plate
+from dashpot.solids.maxwell import GeneralizedMaxwell
+
+# arms of the solid that the face is followed by
+ARMS = 4
+# times that solid and face are found, each with the other
+ROUNDS = 8
+# of the depth: a face that moves by less has been found
+SETTLED_FACE = 1e-4
+# times its scatter, and of its peak, by which a seal that is pressed shows a force
+PRESSED, PRESSED_PART = 5.0, 0.004
+# of the peak, and times the scatter, by which a bonded seal pulls at a plate that went back
+PULLED_PART, PULLED = 0.01, 8.0
+# of the depth: a plate as near to first contact has gone back
+BACK = 0.1
+
+
+class Followed(NamedTuple):
+    """What was followed of the loadings before the one that is fitted.
+
+    Attributes
+    ----------
+    misfit : float
+        Largest root mean square of the force of one of them less what the solid of the last
+        loading gives, over that of its force.
+    arms : int
+        Of that solid.
+    converged : bool
+        Whether solid and face were found, each with the other.
+    """
+
+    misfit: float
+    arms: int
+    converged: bool
+
+
+def pulls(
+    force: FloatArray, compression: FloatArray, *, noise: float, peak: float, depth: float
+) -> bool:
+    """Whether a plate that goes back is pulled at: the seal is bonded to it.
+
+    Force and compression of the loadings before the last, N and m; the force is 0 in air.
+    """
+    least = max(PULLED_PART * peak, PULLED * noise)
+    return bool(np.any((median_of_three(force) < -least) & (compression < BACK * depth)))
+
+
+def followed(record: RampHold) -> tuple[RampHold, Followed]:
+    """Return the record with the face of its seal, and how well its earlier loadings agree.
+
+    Parameters
+    ----------
+    record : RampHold
+        With earlier loadings. Where it has a `plate`, its displacement is not looked at.
+    """
+    plate = record.plate
+    if plate is None:
+        solid = _solid_of(record)
+        return record, Followed(_misfit(record, solid), solid.arms, converged=True)
+    record, moved = replace(record, displacement=_first_face(record, plate)), np.inf
+    solid = _solid_of(record)
+    for _ in range(ROUNDS):
+        face, _ = face_under_plate(solid, record.time, plate)
+        moved = float(np.abs(face - record.displacement)[: record.hold.stop].max()) / record.depth
+        record = replace(record, displacement=face)
+        solid = _solid_of(record)
+        if moved < SETTLED_FACE:
+            break
+    return record, Followed(_misfit(record, solid), solid.arms, converged=moved < 10 * SETTLED_FACE)
+
+
+def _first_face(record: RampHold, plate: FloatArray) -> FloatArray:
+    """Where the force tells that the plate presses, that of the plate; straight between, m."""
+    force, t = median_of_three(record.force), record.time
+    least = max(PRESSED * record.force_noise, PRESSED_PART * float(force.max()))
+    pressed = (force > least) & (plate > 0)
+    first = int(np.argmax(pressed))
+    face = np.interp(t, t[pressed], plate[pressed])
+    face[:first] = np.maximum(plate[:first], 0.0)
+    return np.maximum(face, plate)
+
+
+def _solid_of(record: RampHold) -> GeneralizedMaxwell:
+    """A solid that follows the last loading, the earlier ones being its history."""
+    used = slice(0, record.hold.stop)
+    x, _ = true_motion(record)
+    time = record.time[used] - record.time[0]
+    first = int(np.searchsorted(record.time, record.onset))
+    # the force is tared: an offset would take what slow arms do
+    block = recorded_block(time, x - x[0], record.force[used], window=slice(first, None))
+    found = solve([block], ARMS, negligible=float(2 * np.log(block.samples)))
+    k = found.arms[0] if found.order else np.zeros(0)
+    stiff = k > 0
+    return GeneralizedMaxwell(
+        max(found.coefficient("k_inf"), 1e-9 * float(k.sum() + 1e-300)),
+        tuple(k[stiff].tolist()),
+        tuple(np.asarray(found.tau)[stiff].tolist()),
+    )
+
+
+def _misfit(record: RampHold, solid: GeneralizedMaxwell) -> float:
+    """By how much the earlier loadings differ from a solid, of their own force."""
+    stop = record.start
+    x = true_motion(record)[0][:stop]
+    time, force = record.time[:stop] - record.time[0], record.force[:stop]
+    if stop < 8:
+        return 0.0
+    answer = solid.force(time, x - x[0])
+    least = PRESSED_PART * float(record.force.max())
+    worst = 0.0
+    for a, b in runs(answer > max(least, PRESSED * record.force_noise)).tolist():
+        size = float(np.sqrt(np.mean(answer[a : b + 1] ** 2)))
+        if b - a < 4 or size < 0.05 * float(record.force.max()):
+            continue
+        # scatter is no misfit
+        left = float(np.mean((force[a : b + 1] - answer[a : b + 1]) ** 2)) - record.force_noise**2
+        worst = max(worst, float(np.sqrt(max(left, 0.0))) / size)
+    return worst
