@@ -26,7 +26,7 @@ from dashpot.fitting.fractional.choice import ChosenElement, element
 from dashpot.fitting.nonlinear_ramp.soundness import Soundness, linear_soundness
 from dashpot.fitting.nonlinear_ramp.thinning import ramp_obstacle
 from dashpot.fitting.uncertainty.estimate import residual_of
-from dashpot.records.relaxation import RampHold
+from dashpot.records.relaxation import MAX_CREEP, RampHold
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
 # arms that a hold alone is given at least: what it leaves is noise
@@ -72,7 +72,7 @@ class Holds:
         return tuple(
             compressed([record], Design("hold", ()))[0]
             if eq5_obstacle(record) is None
-            else block_of(record, terms=("offset",), start=record.settled.start)
+            else block_of(record, terms=_terms_of_hold(record), start=record.settled.start)
             for record in self.records
         )
 
@@ -94,6 +94,11 @@ class Holds:
         near = np.log(beside.tau)
         found = solve(self.blocks, beside.arms, near=near, negligible=one_more(self.blocks))
         return solid_of(found)
+
+
+def _terms_of_hold(record: RampHold) -> tuple[str, ...]:
+    """What a hold is given beside arms: of one that stands, an offset is as its spring."""
+    return ("offset",) if abs(record.hold_creep) > MAX_CREEP else ()
 
 
 def _apart(log_tau: FloatArray, window: tuple[float, float]) -> bool:

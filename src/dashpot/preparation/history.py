@@ -15,7 +15,7 @@ import numpy as np
 
 from dashpot.base.arrays import FloatArray, runs
 from dashpot.engine.blocks.recorded import recorded_block
-from dashpot.engine.solver.variable_projection import solve
+from dashpot.engine.solver.variable_projection import solve_orders
 from dashpot.preparation.denoising import true_motion
 from dashpot.records.relaxation import RampHold
 from dashpot.signals.noise import median_of_three
@@ -109,7 +109,7 @@ def _solid_of(record: RampHold) -> GeneralizedMaxwell:
     first = int(np.searchsorted(record.time, record.onset))
     # the force is tared: an offset would take what slow arms do
     block = recorded_block(time, x - x[0], record.force[used], window=slice(first, None))
-    found = solve([block], ARMS, negligible=float(2 * np.log(block.samples)))
+    found = solve_orders([block], ARMS, negligible=float(2 * np.log(block.samples)))[-1]
     k = found.arms[0] if found.order else np.zeros(0)
     stiff = k > 0
     return GeneralizedMaxwell(
