@@ -22,8 +22,13 @@ from dashpot.signals.noise import median_of_three
 from dashpot.solids.free_face import face_under_plate
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
-# arms of the solid that the face is followed by
-ARMS = 4
+# arms of the solid that the face is followed by; fewer where so many leave more than the noise
+MOST_ARMS = (4, 3, 2, 1)
+# times the scatter of the force: what is left of the last loading is noise; of their force, what is
+# left of earlier ones
+AS_NOISE, EXPLAINED = 1.1, 5e-3
+# of the peak: less is no noise
+ROUNDING = 1e-4
 # times that solid and face are found, each with the other
 ROUNDS = 8
 # of the depth: a face that moves by less has been found
@@ -76,18 +81,34 @@ def followed(record: RampHold) -> tuple[RampHold, Followed]:
     """
     plate = record.plate
     if plate is None:
-        solid = _solid_of(record)
+        solid, _ = _solid_of(record, MOST_ARMS[0])
         return record, Followed(_misfit(record, solid), solid.arms, converged=True)
-    record, moved = replace(record, displacement=_first_face(record, plate)), np.inf
-    solid = _solid_of(record)
+    first = replace(record, displacement=_first_face(record, plate))
+    tried: list[tuple[float, RampHold, Followed]] = []
+    for arms in MOST_ARMS:
+        # a fast arm can stand for a wrong face: fewer arms then leave less
+        left, found, past = _by_turns(first, plate, arms)
+        noise = max(record.force_noise, ROUNDING * float(record.force.max()))
+        beyond = max(left / noise - AS_NOISE, 0.0)
+        tried.append((beyond + past.misfit, found, past))
+        if tried[-1][0] <= EXPLAINED:
+            break
+    _, record, past = min(tried, key=lambda one: one[0])
+    return record, past
+
+
+def _by_turns(record: RampHold, plate: FloatArray, arms: int) -> tuple[float, RampHold, Followed]:
+    """Solid and face, each found with the other: what is left of the force, N, and the record."""
+    (solid, left), moved = _solid_of(record, arms), np.inf
     for _ in range(ROUNDS):
         face, _ = face_under_plate(solid, record.time, plate)
         moved = float(np.abs(face - record.displacement)[: record.hold.stop].max()) / record.depth
         record = replace(record, displacement=face)
-        solid = _solid_of(record)
+        solid, left = _solid_of(record, arms)
         if moved < SETTLED_FACE:
             break
-    return record, Followed(_misfit(record, solid), solid.arms, converged=moved < 10 * SETTLED_FACE)
+    converged = moved < 10 * SETTLED_FACE
+    return left, record, Followed(_misfit(record, solid), solid.arms, converged=converged)
 
 
 def _first_face(record: RampHold, plate: FloatArray) -> FloatArray:
@@ -101,22 +122,23 @@ def _first_face(record: RampHold, plate: FloatArray) -> FloatArray:
     return np.maximum(face, plate)
 
 
-def _solid_of(record: RampHold) -> GeneralizedMaxwell:
-    """A solid that follows the last loading, the earlier ones being its history."""
+def _solid_of(record: RampHold, arms: int) -> tuple[GeneralizedMaxwell, float]:
+    """A solid that follows the last loading after the earlier ones, and what it leaves, N rms."""
     used = slice(0, record.hold.stop)
     x, _ = true_motion(record)
     time = record.time[used] - record.time[0]
     first = int(np.searchsorted(record.time, record.onset))
     # the force is tared: an offset would take what slow arms do
     block = recorded_block(time, x - x[0], record.force[used], window=slice(first, None))
-    found = solve_orders([block], ARMS, negligible=float(2 * np.log(block.samples)))[-1]
+    found = solve_orders([block], arms, negligible=float(2 * np.log(block.samples)))[-1]
     k = found.arms[0] if found.order else np.zeros(0)
     stiff = k > 0
-    return GeneralizedMaxwell(
+    solid = GeneralizedMaxwell(
         max(found.coefficient("k_inf"), 1e-9 * float(k.sum() + 1e-300)),
         tuple(k[stiff].tolist()),
         tuple(np.asarray(found.tau)[stiff].tolist()),
     )
+    return solid, float(np.sqrt(found.sse / block.samples))
 
 
 def _misfit(record: RampHold, solid: GeneralizedMaxwell) -> float:

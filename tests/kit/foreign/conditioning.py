@@ -77,15 +77,13 @@ def pressed(
     return face[::fine], force[::fine]
 
 
-def softened(plate: np.ndarray, force: np.ndarray, part: float) -> np.ndarray:
-    """Mullins: all that is pressed for the first time, to any depth, is stiffer by `part`."""
-    deepest = np.maximum.accumulate(plate)
-    virgin = np.clip((plate - 0.98 * deepest) / (0.02 * np.maximum(deepest, 1e-9)), 0.0, 1.0)
-    first = np.concatenate(([True], np.diff(deepest) > 0))
-    at_top = np.flatnonzero(np.diff(deepest) > 0)
-    until = at_top[-1] + 1 if len(at_top) else 0
-    fresh = np.where(np.arange(len(plate)) <= until, virgin, 0.0)
-    return force * (1 + part * np.where(first, fresh, 0.0))
+def softened(plate: np.ndarray, force: np.ndarray, part: float, reach: float) -> np.ndarray:
+    """Mullins: behind the deepest compression so far a seal is softer, by up to `part`.
+
+    Over a distance `reach`, m, from that deepest one.
+    """
+    behind = np.maximum.accumulate(plate) - plate
+    return force * (1 - part * (1 - np.exp(-behind / reach)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,6 +106,13 @@ HISTORIES = (
     "other speeds", "cycles to a low point",
 )  # fmt: skip
 """What a lab may leave on record before its test."""
+
+
+RIGS = (
+    "air", "counts", "exact motion", "late force", "drift", "turned", "begins on its ramp",
+    "thinned hold", "two steps",
+)  # fmt: skip
+"""What else a bench may do."""
 
 
 def _path(kind: str, rng: np.random.Generator, depth: float, rest: float) -> list[tuple]:
@@ -153,9 +158,12 @@ def _path(kind: str, rng: np.random.Generator, depth: float, rest: float) -> lis
 def conditioned(
     number: int, seed: int = 0, *, kind: str | None = None, bonded: bool | None = None,
     mullins: float | None = None, truth: Arms | None = None, rest: float | None = None,
-    shown: bool = True, rate: float | None = None,
+    shown: bool = True, rate: float | None = None, rig: str = "",
 ) -> Conditioned:  # fmt: skip
-    """The `number`-th record of a seed; what is said holds, the rest is drawn."""
+    """The `number`-th record of a seed; what is said holds, the rest is drawn.
+
+    A `rig` is one of `RIGS`.
+    """
     rng = np.random.default_rng([seed, number, 29])
     if truth is None:
         source = truths(seed)
@@ -173,21 +181,46 @@ def conditioned(
     rate = drawn if rate is None else rate
     before = float(rng.uniform(1.0, 4.0))
     path = [(before, 0.0), *_path(kind, rng, depth, rest), (ramp, depth), (hold, depth)]
+    if rig == "air":
+        away = float(rng.uniform(0.3e-3, 2e-3))
+        path = [(duration, level or -away) for duration, level in path]
+    if rig == "two steps":
+        path[-1:] = [(6.0, 0.6 * depth), (ramp, depth), (hold, depth)]
+        path[-4] = (ramp, 0.6 * depth)
     corners = np.cumsum([0.0, *(duration for duration, _ in path)])
-    levels = np.array([0.0, *(level for _, level in path)])
+    levels = np.array([path[0][1], *(level for _, level in path)])
     apart = np.append(True, np.diff(corners) > 0)
     time = np.arange(0.0, corners[-1], 1 / rate)
     plate = np.interp(time, corners[apart], levels[apart])
+    bonded = bonded and rig != "air"
     _, force = pressed(truth, 1 / rate, plate, bonded=bonded)
-    force = softened(plate, force, mullins) if mullins else force
+    if mullins:
+        force = softened(plate, force, mullins, float(rng.uniform(0.05, 0.4)) * depth)
     seen = plate + rng.normal(0.0, 0.5e-6, len(plate))
     force = force + rng.normal(0.0, noise, len(force)) + float(rng.normal(0.0, 0.02))
+    if rig == "counts":
+        seen = 1e-5 * np.round(plate / 1e-5)
+    elif rig == "exact motion":
+        seen = np.round(plate, 8)
+    elif rig == "late force":
+        force = np.interp(time - 0.006, time, force)
+    elif rig == "drift":
+        force += time * float(rng.choice([-1, 1])) * 3e-4
+    elif rig == "turned":
+        seen, force = 0.012 - seen, -force
+    elif rig == "begins on its ramp":
+        kept = time >= before
+        time, seen, force = time[kept] - time[kept][0], seen[kept], force[kept]
+    elif rig == "thinned hold":
+        since = time - (corners[-2] + 2)
+        kept = (since < 0) | (np.arange(len(time)) % 8 == 0)
+        time, seen, force = time[kept], seen[kept], force[kept]
     if not shown:
         late = time >= corners[-3] - min(rest, 2.0)
         time, seen, force = time[late] - time[late][0], seen[late], force[late]
     says = (
         f"{number} {kind}, {'bonded' if bonded else 'pushed'}, rest {rest:g} s, {truth.name}"
-        f"{f', softens {100 * mullins:.0f} %' if mullins else ''}"
+        f"{f', softens {100 * mullins:.0f} %' if mullins else ''}{rig and f', {rig}'}"
     )
     return Conditioned(
         says, np.round(time, 6), seen, force, truth, hold, depth, sound=not mullins,
