@@ -53,6 +53,8 @@ FILTERED = 1.0
 # a doubt is smooth, and needs few digits: samples of the hold at which it is laid out, three times
 # as many of the ramp, and relaxation times of which it is a sum
 LAID_OUT, MIXED = 100, 16
+# samples of earlier loadings
+REMEMBERED = 4000
 # cycles per record between which noise is what an arm is told from
 SLOWEST_NOISE, FASTEST_NOISE = 8, 160
 # a line of the periodogram so far above its middle is a hum, and no noise
@@ -431,8 +433,10 @@ def laid_out(test: RampHold, time: FloatArray) -> IndexArray:
     corner = test.ramp_end - test.time[0]
     even = int(np.searchsorted(time, corner + test.ramp_time))
     late = np.searchsorted(time, corner + np.geomspace(test.ramp_time, time[-1], LAID_OUT))
-    early = np.arange(0, even, max(even // (3 * LAID_OUT), 1))
-    chosen = np.concatenate((early, np.minimum(late, len(time) - 1), [len(time) - 1]))
+    early = np.arange(test.start, even, max((even - test.start) // (3 * LAID_OUT), 1))
+    # of earlier loadings the solid remembers the way, whose corners count
+    past = np.arange(0, test.start, max(test.start // REMEMBERED, 1))
+    chosen = np.concatenate((past, early, np.minimum(late, len(time) - 1), [len(time) - 1]))
     chosen.sort()
     return np.asarray(chosen[np.append(True, np.diff(chosen) > 0)])
 
